@@ -1,0 +1,38 @@
+.DEFAULT_GOAL := help
+.PHONY: help setup demo test check docs bench clean
+
+PYTHON ?= python3
+BIN := .venv/bin
+
+help: ## List the targets
+	@grep -E '^[a-z]+:.*##' Makefile | sed -E 's/:.*## /\t/' | expand -t 8
+
+setup: .venv/.ready ## Make .venv with the fingerpad command in it
+
+# The lock file pins every package by hash, the build's own included, so that nothing is resolved here.
+.venv/.ready: requirements.lock pyproject.toml tools/make-venv
+	sh tools/make-venv "$(PYTHON)" .venv
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements.lock
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
+	@touch $@
+
+demo: setup ## Run the bundled study and write its report to demo-report/
+	$(BIN)/fingerpad run examples/dzidek2017/study.toml --out demo-report
+
+test: setup ## Run all tests
+	$(BIN)/python -m pytest -n auto --dist worksteal
+
+check: setup ## Lint, type-check and check the layers
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+docs: setup ## Build the documentation into docs/_build
+	$(BIN)/python -m sphinx -W --keep-going -q -b html docs docs/_build/html
+
+bench: setup ## Measure accuracy and speed and print the tables
+	$(BIN)/python -m benchmarks
+
+clean: ## Remove everything that the other targets made
+	rm -rf .venv demo-report docs/_build docs/gallery .pytest_cache .mypy_cache .ruff_cache .hypothesis dist
