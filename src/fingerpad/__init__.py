@@ -1,0 +1,3 @@
+"""Contact mechanics of the human finger pad."""
+
+__version__ = "0.1.0"

@@ -1,0 +1,78 @@
+"""Broadcasting and domain checks, shared by every room that holds arrays."""
+
+from collections.abc import Callable
+from typing import TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from fingerpad.exceptions import FingerpadError
+
+FloatArray: TypeAlias = npt.NDArray[np.float64]
+BoolArray: TypeAlias = npt.NDArray[np.bool_]
+ArrayLike: TypeAlias = npt.ArrayLike
+
+
+def floats(value: ArrayLike) -> FloatArray:
+    """Return `value` as an array of doubles, integers included."""
+    return np.asarray(value, dtype=np.float64)
+
+
+def broadcast(*values: ArrayLike) -> tuple[FloatArray, ...]:
+    """Return `values` as arrays of doubles of one common shape."""
+    return tuple(np.broadcast_arrays(*(floats(value) for value in values)))
+
+
+def require(
+    good: npt.NDArray[np.bool_] | np.bool_ | bool,
+    name: str,
+    value: ArrayLike,
+    expected: str,
+    error: type[FingerpadError],
+) -> None:
+    """Raise `error` with the first offending element of `value` unless `good` holds everywhere."""
+    good = np.asarray(good)
+    if good.all():
+        return
+    first = np.argwhere(~good)[0]
+    values = np.broadcast_to(floats(value), good.shape)
+    place = f" at index {', '.join(map(str, first))}" if first.size else ""
+    raise error(f"{name} must be {expected}, found {values[tuple(first)]:g}{place}")
+
+
+# Small enough that a kernel's temporaries stay in cache, large enough to hide the cost of each call.
+_BLOCK = 12_000
+
+
+def in_blocks(
+    kernel: Callable[..., tuple[FloatArray, ...]], outputs: int, *values: ArrayLike
+) -> tuple[FloatArray, ...]:
+    """Apply an elementwise kernel to `values` block by block, silently.
+
+    A kernel of many steps over a large array is limited by memory; over blocks that fit the cache it is
+    limited by arithmetic, and runs three to five times faster.
+
+    Parameters
+    ----------
+    kernel : callable
+        Takes one-dimensional arrays, returns `outputs` one-dimensional arrays.
+    outputs : int
+        Number of arrays that the kernel returns.
+    *values : array_like
+        Inputs that broadcast.
+
+    Returns
+    -------
+    tuple of ndarray
+        The kernel's results in the broadcast shape of the inputs.
+    """
+    arrays = broadcast(*values)
+    shape = arrays[0].shape
+    flat = [array.reshape(-1) for array in arrays]
+    results = tuple(np.empty(flat[0].size) for _ in range(outputs))
+    with np.errstate(all="ignore"):
+        for start in range(0, flat[0].size, _BLOCK):
+            block = slice(start, start + _BLOCK)
+            for result, part in zip(results, kernel(*(array[block] for array in flat)), strict=True):
+                result[block] = part
+    return tuple(result.reshape(shape) for result in results)

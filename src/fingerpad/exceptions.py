@@ -1,0 +1,32 @@
+"""The errors that fingerpad raises on purpose.
+
+Every message names the argument or file, what was found there, and the way out.
+"""
+
+
+class FingerpadError(Exception):
+    """Any error that fingerpad raises on purpose."""
+
+
+class GeometryError(FingerpadError, ValueError):
+    """A length, an angle or a curvature that no finger pad or contact can have."""
+
+
+class CalibrationError(FingerpadError, ValueError):
+    """A scale that is missing, impossible or contradicted by the picture."""
+
+
+class ImageError(FingerpadError):
+    """A picture that cannot be read or in which nothing can be measured."""
+
+
+class LoadingError(FingerpadError, ValueError):
+    """A loading curve that cannot be read or used."""
+
+
+class FitError(FingerpadError):
+    """Data that do not determine the model fitted to them."""
+
+
+class ManifestError(FingerpadError, ValueError):
+    """A study manifest that cannot be acted upon."""

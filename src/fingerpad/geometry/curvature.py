@@ -1,0 +1,193 @@
+"""Principal curvatures of one surface at a point, and the relative curvature of two that touch there."""
+
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+
+from fingerpad._arrays import ArrayLike, FloatArray, broadcast, require
+from fingerpad.exceptions import GeometryError
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class SurfaceCurvature:
+    """Principal radii and directions of a surface at points of it.
+
+    Attributes
+    ----------
+    principal_radii : ndarray, shape (..., 2)
+        Radii of curvature, positive where the surface is convex. They keep their identity and are not
+        sorted: on a finger pad the first is the one whose direction lies nearer to the finger's long axis
+        (in-plane), the second the one across it (transverse).
+    principal_directions : ndarray, shape (..., 2, 3)
+        Unit tangent vectors, in the order of the radii.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from fingerpad.geometry import Ellipsoid
+    >>> pad = Ellipsoid.of(palmar=7.9, distal=13.8, radial_ulnar=11.8)
+    >>> curvature = pad.curvature(u=np.pi / 4, v=np.pi / 2)
+    >>> curvature.principal_radii.round(2)
+    array([13.04, 14.36])
+    >>> round(float(curvature.mean_curvature_radius), 2)
+    13.67
+    """
+
+    principal_radii: FloatArray
+    principal_directions: FloatArray
+
+    @property
+    def in_plane_radius(self) -> FloatArray:
+        """Principal radius along the finger."""
+        return self.principal_radii[..., 0]
+
+    @property
+    def transverse_radius(self) -> FloatArray:
+        """Principal radius across the finger."""
+        return self.principal_radii[..., 1]
+
+    @property
+    def mean_curvature(self) -> FloatArray:
+        """Mean curvature H = (1/R' + 1/R'')/2."""
+        return 0.5 * (1 / self.in_plane_radius + 1 / self.transverse_radius)
+
+    @property
+    def gaussian_curvature(self) -> FloatArray:
+        """Gaussian curvature 1/(R'R'')."""
+        return 1 / (self.in_plane_radius * self.transverse_radius)
+
+    @property
+    def mean_curvature_radius(self) -> FloatArray:
+        """Radius 1/H, the harmonic mean of the principal radii: the source's R_0g."""
+        return 1 / self.mean_curvature
+
+    @property
+    def geometric_mean_radius(self) -> FloatArray:
+        """Radius √(R'R''): Johnson's R_e for contact with a flat plate."""
+        return np.sqrt(self.in_plane_radius * self.transverse_radius)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class RelativeCurvature:
+    """Curvature of the gap between two bodies at their point of contact.
+
+    The gap is x²/(2R') + y²/(2R'') along the relative principal directions x, y.
+
+    Attributes
+    ----------
+    principal_radii : ndarray, shape (..., 2)
+        Relative principal radii, not sorted: the direction of the first lies nearer to the first body's
+        first principal direction. NaN where the gap does not open in all directions.
+    angle : ndarray
+        Angle in (−π/4, π/4] from the first body's first principal direction to the first relative one, in
+        radians, in the sense that turns the first body's first direction into its second.
+    """
+
+    principal_radii: FloatArray
+    angle: FloatArray
+
+    @classmethod
+    def of(
+        cls,
+        first: ArrayLike,
+        second: ArrayLike = (np.inf, np.inf),
+        *,
+        angle: ArrayLike = 0.0,
+    ) -> Self:
+        r"""Combine the principal radii of two bodies.
+
+        The curvature tensors add (Johnson 1985, Eq. 4.5; source, H = 1/R1 + 1/R2).
+
+        Parameters
+        ----------
+        first, second : array_like, shape (..., 2)
+            Principal radii of each body: both equal for a sphere, (R, inf) for a cylinder, (inf, inf) for a
+            flat plate (the default second body), negative for a hollow.
+        angle : array_like
+            Angle from the first body's first principal direction to the second body's, in radians.
+
+        Raises
+        ------
+        GeometryError
+            If a radius is zero or NaN, or the angle is not finite.
+
+        Examples
+        --------
+        Two equal cylinders crossed at a right angle touch as a sphere does on a plate:
+
+        >>> import numpy as np
+        >>> RelativeCurvature.of((10, np.inf), (10, np.inf), angle=np.pi / 2).principal_radii
+        array([10., 10.])
+        """
+        first_1, first_2, second_1, second_2, turn = broadcast(
+            *np.moveaxis(np.asarray(first, float), -1, 0),
+            *np.moveaxis(np.asarray(second, float), -1, 0),
+            angle,
+        )
+        for name, radius in (
+            ("first", first_1),
+            ("first", first_2),
+            ("second", second_1),
+            ("second", second_2),
+        ):
+            require(
+                np.abs(radius) > 0,
+                f"{name} body's principal radius",
+                radius,
+                "a non-zero number",
+                GeometryError,
+            )
+        require(np.isfinite(turn), "angle", turn, "finite (radians)", GeometryError)
+        mean = 0.5 * (1 / second_1 + 1 / second_2)
+        half_difference = 0.5 * (1 / second_1 - 1 / second_2)
+        curvatures, angle_ = principal_curvatures(
+            1 / first_1 + mean + half_difference * np.cos(2 * turn),
+            1 / first_2 + mean - half_difference * np.cos(2 * turn),
+            half_difference * np.sin(2 * turn),
+        )
+        curvatures = np.where((curvatures > 0).all(axis=-1, keepdims=True), curvatures, np.nan)
+        return cls(principal_radii=1 / curvatures, angle=angle_)
+
+    @property
+    def mean_curvature_radius(self) -> FloatArray:
+        """Radius 1/H of the gap, H = (1/R' + 1/R'')/2."""
+        twice_mean_curvature: FloatArray = (1 / self.principal_radii).sum(axis=-1)
+        return 2 / twice_mean_curvature
+
+    @property
+    def geometric_mean_radius(self) -> FloatArray:
+        """Johnson's R_e = √(R'R'')."""
+        return np.sqrt(self.principal_radii[..., 0] * self.principal_radii[..., 1])
+
+
+def principal_curvatures(
+    first: ArrayLike, second: ArrayLike, mixed: ArrayLike
+) -> tuple[FloatArray, FloatArray]:
+    """Diagonalise the symmetric curvature tensor [[first, mixed], [mixed, second]] of a tangent plane.
+
+    Parameters
+    ----------
+    first, second, mixed : array_like
+        Components along two orthonormal tangent vectors.
+
+    Returns
+    -------
+    curvatures : ndarray, shape (..., 2)
+        Principal curvatures; the direction of the first lies within 45° of the first tangent vector.
+    angle : ndarray
+        Angle of that direction from the first tangent vector towards the second, in (−π/4, π/4].
+
+    Examples
+    --------
+    >>> curvatures, angle = principal_curvatures(1.5, 2.5, 1.2)
+    >>> curvatures.round(12), round(float(np.degrees(angle)), 3)
+    (array([0.7, 3.3]), -33.69)
+    """
+    first, second, mixed = broadcast(first, second, mixed)
+    half_difference = 0.5 * (first - second)
+    radius = np.hypot(half_difference, mixed)
+    side = np.where(half_difference < 0, -1.0, 1.0)
+    mean = 0.5 * (first + second)
+    angle = 0.5 * np.arctan2(side * mixed, np.abs(half_difference))
+    return np.stack([mean + side * radius, mean - side * radius], axis=-1), angle

@@ -1,0 +1,67 @@
+"""The plane ellipse: the outline of a contact, or of one face of the finger."""
+
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+
+from fingerpad._arrays import ArrayLike, FloatArray, broadcast, require
+from fingerpad.exceptions import GeometryError
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Ellipse:
+    """An ellipse by its semi-axes.
+
+    Attributes
+    ----------
+    semi_major, semi_minor : ndarray
+        Semi-axes, ``semi_major >= semi_minor > 0``, in one unit of length.
+
+    Examples
+    --------
+    The contact of the source's Table 3 at a wedge angle of 30°:
+
+    >>> ellipse = Ellipse.of(7.4, 5.0)
+    >>> round(float(ellipse.area), 1), round(float(ellipse.eccentricity), 4)
+    (116.2, 0.7372)
+    """
+
+    semi_major: FloatArray
+    semi_minor: FloatArray
+
+    @classmethod
+    def of(cls, semi_major: ArrayLike, semi_minor: ArrayLike) -> Self:
+        """Make ellipses from semi-axes of any shapes that broadcast.
+
+        Raises
+        ------
+        GeometryError
+            If an axis is not positive and finite, or the minor axis exceeds the major.
+        """
+        major, minor = broadcast(semi_major, semi_minor)
+        require(np.isfinite(major) & (major > 0), "semi_major", major, "positive and finite", GeometryError)
+        require(np.isfinite(minor) & (minor > 0), "semi_minor", minor, "positive and finite", GeometryError)
+        require(
+            minor <= major,
+            "semi_minor",
+            minor,
+            "no longer than semi_major (are the two swapped?)",
+            GeometryError,
+        )
+        return cls(semi_major=major, semi_minor=minor)
+
+    @property
+    def axis_ratio(self) -> FloatArray:
+        """Minor over major axis, k = ℓe/ℓd, 1 for a circle."""
+        return self.semi_minor / self.semi_major
+
+    @property
+    def eccentricity(self) -> FloatArray:
+        """Eccentricity e = √(1 − k²)."""
+        return np.sqrt((1 - self.axis_ratio) * (1 + self.axis_ratio))
+
+    @property
+    def area(self) -> FloatArray:
+        """Area π ℓd ℓe."""
+        return np.pi * self.semi_major * self.semi_minor

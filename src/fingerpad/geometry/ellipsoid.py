@@ -1,0 +1,134 @@
+"""The finger pad as an ellipsoidal cap."""
+
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+
+from fingerpad._arrays import ArrayLike, FloatArray, broadcast, floats, require
+from fingerpad.exceptions import GeometryError
+from fingerpad.geometry.curvature import SurfaceCurvature, principal_curvatures
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Ellipsoid:
+    """The ellipsoid x²/ℓa² + y²/ℓb² + z²/ℓc² = 1.
+
+    x points out of the palmar face, y out of the fingertip, z across the finger. The surface is
+    (ℓa cos u sin v, ℓb sin u sin v, ℓc cos v); u is the parametric angle, not the polar one.
+
+    Attributes
+    ----------
+    palmar, distal, radial_ulnar : ndarray
+        Semi-axes ℓa, ℓb, ℓc, in one unit of length. They keep their anatomical names and are never sorted.
+
+    Examples
+    --------
+    >>> pad = Ellipsoid.of(palmar=7.9, distal=13.8, radial_ulnar=11.8)
+    >>> pad.point(u=0.0, v=np.pi / 2).round(3) + 0.0
+    array([7.9, 0. , 0. ])
+    """
+
+    palmar: FloatArray
+    distal: FloatArray
+    radial_ulnar: FloatArray
+
+    @classmethod
+    def of(cls, palmar: ArrayLike, distal: ArrayLike, radial_ulnar: ArrayLike) -> Self:
+        """Make ellipsoids from semi-axes of any shapes that broadcast.
+
+        Raises
+        ------
+        GeometryError
+            If a semi-axis is not positive and finite.
+        """
+        axes = broadcast(palmar, distal, radial_ulnar)
+        for name, axis in zip(("palmar", "distal", "radial_ulnar"), axes, strict=True):
+            require(
+                np.isfinite(axis) & (axis > 0),
+                f"semi-axis {name}",
+                axis,
+                "positive and finite",
+                GeometryError,
+            )
+        return cls(palmar=axes[0], distal=axes[1], radial_ulnar=axes[2])
+
+    @property
+    def semi_axes(self) -> FloatArray:
+        """Semi-axes ℓa, ℓb, ℓc along the last axis, shape (..., 3)."""
+        return np.stack([self.palmar, self.distal, self.radial_ulnar], axis=-1)
+
+    def point(self, u: ArrayLike, v: ArrayLike) -> FloatArray:
+        """Return the surface points at parametric angles u, v (radians), shape (..., 3)."""
+        u, v = broadcast(u, v)
+        direction: FloatArray = np.stack([np.cos(u) * np.sin(v), np.sin(u) * np.sin(v), np.cos(v)], axis=-1)
+        return self.semi_axes * direction
+
+    def normal(self, u: ArrayLike, v: ArrayLike) -> FloatArray:
+        """Return the outward unit normals at parametric angles u, v (radians), shape (..., 3)."""
+        gradient = self.point(u, v) / self.semi_axes**2
+        normal: FloatArray = gradient / np.linalg.norm(gradient, axis=-1, keepdims=True)
+        return normal
+
+    def contact_point(self, normal: ArrayLike) -> FloatArray:
+        """Return the point whose outward normal is `normal`, where a flat plate touches.
+
+        p = (ℓa² nx, ℓb² ny, ℓc² nz)/√(ℓa² nx² + ℓb² ny² + ℓc² nz²).
+
+        Parameters
+        ----------
+        normal : array_like, shape (..., 3)
+            Unit vectors.
+        """
+        normal = floats(normal)
+        return self.semi_axes**2 * normal / self._support(normal)[..., None]
+
+    def parametric_angles(self, normal: ArrayLike) -> tuple[FloatArray, FloatArray]:
+        """Return u in (−π, π] and v in [0, π] (radians) of the point whose outward normal is `normal`."""
+        x, y, z = np.moveaxis(self.semi_axes * floats(normal), -1, 0)
+        return np.arctan2(y, x), np.arctan2(np.hypot(x, y), z)
+
+    def curvature(self, u: ArrayLike, v: ArrayLike) -> SurfaceCurvature:
+        """Return principal radii and directions at parametric angles u, v (radians), poles included."""
+        return self.curvature_at_normal(self.normal(u, v))
+
+    def curvature_at_normal(self, normal: ArrayLike) -> SurfaceCurvature:
+        """Return principal radii and directions where the outward normal is `normal`.
+
+        The shape operator of the level surface ½ pᵀQp, Q = diag(1/ℓ²), is the tangential part of
+        Q/|Qp|, and 1/|Qp| is the support function h(n) = √(Σ ℓ²n²).
+
+        Parameters
+        ----------
+        normal : array_like, shape (..., 3)
+            Unit vectors.
+        """
+        normal = floats(normal)
+        along, across = _tangents(normal)
+        support = self._support(normal)
+
+        def component(a: FloatArray, b: FloatArray) -> FloatArray:
+            projected: FloatArray = (a * b / self.semi_axes**2).sum(axis=-1)
+            return support * projected
+
+        curvatures, angle = principal_curvatures(
+            component(along, along), component(across, across), component(along, across)
+        )
+        cosine, sine = np.cos(angle)[..., None], np.sin(angle)[..., None]
+        directions = np.stack([cosine * along + sine * across, cosine * across - sine * along], axis=-2)
+        return SurfaceCurvature(principal_radii=1 / curvatures, principal_directions=directions)
+
+    def _support(self, normal: FloatArray) -> FloatArray:
+        """Return the support function h(n), the distance from the centre to the tangent plane."""
+        squared: FloatArray = (self.semi_axes**2 * normal**2).sum(axis=-1)
+        return np.sqrt(squared)
+
+
+def _tangents(normal: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return unit tangents along the finger (towards growing u) and across it, regular everywhere."""
+    x, y, z = np.moveaxis(normal, -1, 0)
+    azimuth = np.arctan2(y, x)  # 0 on the z axis, where "along" is then the finger's own axis y
+    cosine, sine = np.cos(azimuth), np.sin(azimuth)
+    along = np.stack([-sine, cosine, np.zeros_like(x)], axis=-1)
+    across = np.stack([-z * cosine, -z * sine, np.hypot(x, y)], axis=-1)
+    return along, across

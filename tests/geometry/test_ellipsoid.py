@@ -1,0 +1,143 @@
+"""The ellipsoid: limits, invariants, and curvature by independent routes."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from numpy.testing import assert_allclose
+
+from fingerpad.exceptions import GeometryError
+from fingerpad.geometry import Ellipsoid
+
+PAD = Ellipsoid.of(palmar=7.9, distal=13.8, radial_ulnar=11.8)
+axis = st.floats(1.0, 50.0)
+u_angle = st.floats(-np.pi, np.pi)
+v_angle = st.floats(0.0, np.pi)
+
+
+def printed_mean_curvature(axes: tuple[float, float, float], u: float, v: float) -> float:
+    """Evaluate the source's Eq. (1), which is another formula than the library's."""
+    a, b, c = axes
+    bracket = 3 * (a**2 + b**2) + 2 * c**2 + (a**2 + b**2 - 2 * c**2) * np.cos(2 * v)
+    bracket -= 2 * (a**2 - b**2) * np.cos(2 * u) * np.sin(v) ** 2
+    surface = a**2 * b**2 * np.cos(v) ** 2
+    surface += c**2 * (b**2 * np.cos(u) ** 2 + a**2 * np.sin(u) ** 2) * np.sin(v) ** 2
+    return a * b * c * bracket / (8 * surface**1.5)
+
+
+def fundamental_form_curvatures(axes: tuple[float, float, float], u: float, v: float) -> tuple[float, float]:
+    """Return mean and Gaussian curvature from the first and second fundamental forms."""
+    a, b, c = axes
+    r_u = np.array([-a * np.sin(u) * np.sin(v), b * np.cos(u) * np.sin(v), 0])
+    r_v = np.array([a * np.cos(u) * np.cos(v), b * np.sin(u) * np.cos(v), -c * np.sin(v)])
+    r_uu = np.array([-a * np.cos(u) * np.sin(v), -b * np.sin(u) * np.sin(v), 0])
+    r_uv = np.array([-a * np.sin(u) * np.cos(v), b * np.cos(u) * np.cos(v), 0])
+    r_vv = -np.array([a * np.cos(u) * np.sin(v), b * np.sin(u) * np.sin(v), c * np.cos(v)])
+    normal = np.cross(r_v, r_u)
+    normal /= -np.linalg.norm(normal)
+    E, F, G = r_u @ r_u, r_u @ r_v, r_v @ r_v
+    L, M, N = r_uu @ normal, r_uv @ normal, r_vv @ normal
+    sign = -1.0 if L + N > 0 else 1.0
+    determinant = E * G - F**2
+    return -sign * -(E * N - 2 * F * M + G * L) / (2 * determinant), (L * N - M**2) / determinant
+
+
+@given(axis, axis, axis, u_angle, v_angle)
+def test_mean_curvature_is_the_printed_equation(a: float, b: float, c: float, u: float, v: float) -> None:
+    curvature = Ellipsoid.of(a, b, c).curvature(u, v)
+    assert_allclose(curvature.mean_curvature, printed_mean_curvature((a, b, c), u, v), rtol=1e-10)
+
+
+@given(axis, axis, axis, u_angle, st.floats(0.05, np.pi - 0.05))
+def test_curvatures_follow_from_the_fundamental_forms(
+    a: float, b: float, c: float, u: float, v: float
+) -> None:
+    curvature = Ellipsoid.of(a, b, c).curvature(u, v)
+    mean, gaussian = fundamental_form_curvatures((a, b, c), u, v)
+    assert_allclose(curvature.mean_curvature, abs(mean), rtol=1e-8)
+    assert_allclose(curvature.gaussian_curvature, gaussian, rtol=1e-8)
+
+
+@given(axis, axis, axis, u_angle, v_angle)
+def test_principal_directions_are_an_orthonormal_tangent_pair(a, b, c, u, v) -> None:
+    pad = Ellipsoid.of(a, b, c)
+    normal = pad.normal(u, v)
+    first, second = pad.curvature(u, v).principal_directions
+    frame = np.stack([normal, first, second])
+    assert_allclose(frame @ frame.T, np.eye(3), atol=1e-12)
+    assert np.linalg.det(frame) > 0
+
+
+@given(axis, axis, axis, u_angle, v_angle)
+def test_normal_sections_bend_with_the_principal_radii(a, b, c, u, v) -> None:
+    # Walk a small step along each direction and drop back along the normal: sagitta = step²/2R.
+    pad = Ellipsoid.of(a, b, c)
+    point, normal, curvature = pad.point(u, v), pad.normal(u, v), pad.curvature(u, v)
+    for radius, direction in zip(curvature.principal_radii, curvature.principal_directions, strict=True):
+        step = 1e-3 * min(float(radius), a, b, c)
+        drops = []
+        for side in (-1, 1):
+            start = point + side * step * direction
+            quadratic = np.sum(normal**2 / pad.semi_axes**2)
+            linear = 2 * np.sum(start * normal / pad.semi_axes**2)
+            constant = np.sum(start**2 / pad.semi_axes**2) - 1
+            drops.append(2 * constant / (linear + np.sqrt(linear**2 - 4 * quadratic * constant)))
+        assert_allclose(step**2 / np.sum(drops), radius, rtol=2e-3)
+
+
+def test_poles_have_the_radii_of_their_sections() -> None:
+    a, b, c = 7.9, 13.8, 11.8
+    # Normals +x, +y and +z; in-plane radius first (along the finger), transverse second.
+    radii = PAD.curvature_at_normal(np.eye(3)).principal_radii
+    assert_allclose(radii, [[b**2 / a, c**2 / a], [a**2 / b, c**2 / b], [b**2 / c, a**2 / c]], rtol=1e-14)
+
+
+def test_equator_has_the_closed_form_radii() -> None:
+    a, b, c = 7.9, 13.8, 11.8
+    u = np.radians([0, 30, 45, 60, 90])
+    S = b**2 * np.cos(u) ** 2 + a**2 * np.sin(u) ** 2
+    curvature = PAD.curvature(u, np.pi / 2)
+    assert_allclose(curvature.in_plane_radius, S**1.5 / (a * b), rtol=1e-14)
+    assert_allclose(curvature.transverse_radius, c**2 * np.sqrt(S) / (a * b), rtol=1e-14)
+    assert_allclose(curvature.principal_directions[:, 1], np.broadcast_to([0, 0, 1], (5, 3)), atol=1e-15)
+
+
+@given(st.floats(0.1, 100), u_angle, v_angle)
+def test_sphere_is_a_sphere(radius: float, u: float, v: float) -> None:
+    sphere = Ellipsoid.of(radius, radius, radius)
+    assert_allclose(sphere.curvature(u, v).principal_radii, radius, rtol=1e-13)
+    assert_allclose(np.linalg.norm(sphere.point(u, v)), radius, rtol=1e-13)
+
+
+@given(axis, axis, axis, u_angle, v_angle)
+def test_contact_point_undoes_the_normal(a, b, c, u, v) -> None:
+    pad = Ellipsoid.of(a, b, c)
+    normal = pad.normal(u, v)
+    assert_allclose(pad.contact_point(normal), pad.point(u, v), atol=1e-9)
+    assert_allclose(pad.point(*pad.parametric_angles(normal)), pad.point(u, v), atol=1e-9)
+
+
+def test_swapping_axes_swaps_radii() -> None:
+    curvature = Ellipsoid.of(7.9, 13.8, 11.8).curvature_at_normal([1.0, 0, 0])
+    swapped = Ellipsoid.of(7.9, 11.8, 13.8).curvature_at_normal([1.0, 0, 0])
+    assert_allclose(curvature.principal_radii, swapped.principal_radii[::-1])
+
+
+def test_everything_broadcasts() -> None:
+    pads = Ellipsoid.of([7.9, 7.5], [13.8, 14.7], 11.8)
+    u = np.radians([[0.0], [45.0], [90.0]])
+    assert pads.point(u, np.pi / 2).shape == (3, 2, 3)
+    curvature = pads.curvature(u, np.pi / 2)
+    assert curvature.principal_radii.shape == (3, 2, 2)
+    assert curvature.principal_directions.shape == (3, 2, 2, 3)
+    assert curvature.mean_curvature_radius.shape == (3, 2)
+    one = Ellipsoid.of(7.5, 14.7, 11.8).curvature(np.radians(45.0), np.pi / 2)
+    assert_allclose(curvature.principal_radii[1, 1], one.principal_radii, rtol=1e-15)
+
+
+@pytest.mark.parametrize("bad", [0, -1.0, np.nan, np.inf])
+@pytest.mark.parametrize("name", ["palmar", "distal", "radial_ulnar"])
+def test_refuses_impossible_axes(name: str, bad: float) -> None:
+    axes = {"palmar": 7.9, "distal": 13.8, "radial_ulnar": 11.8} | {name: bad}
+    with pytest.raises(GeometryError, match=f"semi-axis {name} must be positive and finite, found"):
+        Ellipsoid.of(**axes)
