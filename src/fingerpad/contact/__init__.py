@@ -1,0 +1,37 @@
+"""The finger pad against a platen: elliptic integrals, Hertz contact, equivalent spheres."""
+
+from fingerpad.contact.elliptic import (
+    complete_integrals,
+    curvature_ratio,
+    indentation_factor,
+    size_factor,
+    solve_contact_ellipse,
+)
+from fingerpad.contact.equivalent import (
+    equivalent_radius_from_area,
+    equivalent_radius_from_compliance,
+    equivalent_radius_from_indentation,
+)
+from fingerpad.contact.hertz import (
+    HertzContact,
+    HertzGeometry,
+    hertz_contact,
+    reduced_modulus,
+    youngs_modulus,
+)
+
+__all__ = [
+    "HertzContact",
+    "HertzGeometry",
+    "complete_integrals",
+    "curvature_ratio",
+    "equivalent_radius_from_area",
+    "equivalent_radius_from_compliance",
+    "equivalent_radius_from_indentation",
+    "hertz_contact",
+    "indentation_factor",
+    "reduced_modulus",
+    "size_factor",
+    "solve_contact_ellipse",
+    "youngs_modulus",
+]

@@ -1,0 +1,223 @@
+"""Complete elliptic integrals and the functions of the contact ellipse, exact from the circle to the line.
+
+The textbook forms of elliptical Hertz theory hold differences, K − E and E/k² − K, that lose every digit as
+the ellipse becomes a circle. Written with
+
+    B = ∫ cos²φ/Δ dφ,   D = ∫ sin²φ/Δ dφ,   K = B + D,   E = B + k²D,   Δ² = cos²φ + k² sin²φ
+
+over a quarter turn they hold none: both tend to π/4. One arithmetic–geometric-mean run on (1, k) yields K
+and, as a sum of positive terms, B/K: Gauss' transformation leaves ∫ (α cos²φ + β sin²φ)/Δ unchanged when the
+weights α, β are averaged along with the axes. Here k = ℓe/ℓd is the axis ratio of the contact ellipse.
+"""
+
+import numpy as np
+
+from fingerpad._arrays import ArrayLike, FloatArray, in_blocks
+
+# Five steps bring the mean to the last digit for k ≥ 1e-5, thirteen for every double.
+_STEPS = 5
+_STEPS_NEAR_LINE = 13
+
+# ln k ≈ t P(t)/Q(t) with t = ln(R'/R''), within 2.2e-7 for R'/R'' ≤ 2e7: see benchmarks/axis_ratio_guess.py.
+_GUESS_LIMIT = 2e7
+_GUESS_NUMERATOR = (-0.666668315, -0.563112932, -0.111492394, -0.0270168629, -0.00146154882, 8.55646869e-08)
+_GUESS_DENOMINATOR = (1.0, 0.844672614, 0.171897097, 0.0443567134, 0.00287742558)
+
+
+def _mean(k: FloatArray, steps: int) -> tuple[FloatArray, FloatArray]:
+    """Return K and the sum p, from which B/K = (2k + (1 − k)p)/(2(1 + k)) and D/K = 1 − B/K."""
+    arithmetic, geometric, total = np.ones_like(k), k.copy(), 1 + k
+    difference = np.ones_like(k)  # of the two weights, relative to the first step's
+    p = np.zeros_like(k)
+    for _ in range(steps):
+        geometric *= arithmetic
+        np.sqrt(geometric, out=geometric)
+        np.multiply(total, 0.5, out=arithmetic)
+        np.add(arithmetic, geometric, out=total)
+        weight = geometric / total
+        p += weight * difference
+        np.subtract(0.5, weight, out=weight)
+        difference *= weight
+    # What the steps not taken would add: the next mean is less by weight², the next weights are ½.
+    p += 0.5 * difference
+    total *= 1 - weight * weight
+    return np.pi / total, p
+
+
+def _shares(k: FloatArray, p: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return B/K and D/K."""
+    b = (k + 0.5 * (1 - k) * p) / (1 + k)
+    return b, 1 - b
+
+
+def _polynomial(coefficients: tuple[float, ...], t: FloatArray) -> FloatArray:
+    value = coefficients[-1] * t
+    value += coefficients[-2]
+    for coefficient in coefficients[-3::-1]:
+        value *= t
+        value += coefficient
+    return value
+
+
+def _newton_step(k: FloatArray, ratio: FloatArray, steps: int) -> tuple[FloatArray, FloatArray]:
+    """Return a better k, quadratically convergent in ln k, and K there."""
+    integral, p = _mean(k, steps)
+    b, d = _shares(k, p)
+    residual = b / (k * k * ratio * d) - 1
+    curvature = (k / (1 + k)) ** 2 * (1 - p)  # = −(dB/d ln k)/K, while dK/d ln k = −B
+    slope = 2 + (curvature - b * b) / (b * d)  # = −d ln(R'/R'')/d ln k
+    change = residual * (1 - 0.5 * residual) / slope
+    return k * (1 + change * (1 + 0.5 * change)), integral * (1 - change * (b - 0.5 * curvature * change))
+
+
+def _solve(ratio: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return k and K for curvature ratios R'/R'' ≥ 1: one step from the guess, more only near the line."""
+    t = np.log(ratio)
+    k = np.exp(t * (_polynomial(_GUESS_NUMERATOR, t) / _polynomial(_GUESS_DENOMINATOR, t)))
+    k, integral = _newton_step(k, ratio, _STEPS)
+    far = ratio > _GUESS_LIMIT
+    if far.any():
+        k[far], integral[far] = _solve_near_line(ratio[far])
+    return k, integral
+
+
+def _solve_near_line(ratio: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return k and K for slender contacts, starting from k² R'/R'' ln(4/k) ≈ 1."""
+    k = 1 / np.sqrt(ratio * (1 + 0.5 * np.log(ratio)))
+    for _ in range(6):
+        k, integral = _newton_step(k, ratio, _STEPS_NEAR_LINE)
+    return k, integral
+
+
+def contact_ellipse_kernel(
+    first: FloatArray, second: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return k, K and D for one block of relative principal radii, in either order of size."""
+    ratio = np.maximum(first, second) / np.minimum(first, second)
+    k, integral = _solve(ratio)
+    return k, integral, integral / (1 + ratio * k * k)
+
+
+def solve_contact_ellipse(
+    first_radius: ArrayLike, second_radius: ArrayLike
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    r"""Return the axis ratio of the contact ellipse and the integrals K and D that give its size.
+
+    Solves :math:`R'/R'' = B/(k^2 D)` (Johnson 1985, Eq. 4.28, in the form that does not cancel).
+
+    Parameters
+    ----------
+    first_radius, second_radius : array_like
+        Relative principal radii, in either order of size; R' is the larger.
+
+    Returns
+    -------
+    axis_ratio, K, D : ndarray
+        k = ℓe/ℓd ≤ 1, and the complete elliptic integrals of modulus e = √(1 − k²). NaN where the radii
+        are not positive and finite.
+
+    Examples
+    --------
+    >>> [float(value) for value in solve_contact_ellipse(10.0, 10.0)]
+    [1.0, 1.5707963267948966, 0.7853981633974483]
+    """
+    return in_blocks(contact_ellipse_kernel, 3, first_radius, second_radius)  # type: ignore[return-value]
+
+
+def _domain(axis_ratio: FloatArray) -> FloatArray:
+    return np.where((axis_ratio > 0) & (axis_ratio <= 1), axis_ratio, np.nan)
+
+
+def complete_integrals(axis_ratio: ArrayLike) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return the complete elliptic integrals K, B and D of modulus e = √(1 − k²).
+
+    Parameters
+    ----------
+    axis_ratio : array_like
+        k = ℓe/ℓd, in (0, 1]; NaN is returned elsewhere.
+
+    Returns
+    -------
+    K, B, D : ndarray
+        With K = B + D and the integral of the second kind E = B + k²D.
+
+    Examples
+    --------
+    The source's ellipse of 7.4 × 5.0 mm:
+
+    >>> K, B, D = complete_integrals(5.0 / 7.4)
+    >>> print(f"K = {K:.9f}, E = {B + (5.0 / 7.4) ** 2 * D:.9f}")
+    K = 1.892759475, E = 1.328427072
+    """
+
+    def kernel(k: FloatArray) -> tuple[FloatArray, ...]:
+        k = _domain(k)
+        integral, p = _mean(k, _STEPS_NEAR_LINE)
+        b, d = _shares(k, p)
+        return integral, integral * b, integral * d
+
+    return in_blocks(kernel, 3, axis_ratio)  # type: ignore[return-value]
+
+
+def curvature_ratio(axis_ratio: ArrayLike) -> FloatArray:
+    r"""Return the ratio of relative principal radii R'/R'' that an observed contact ellipse implies.
+
+    :math:`R'/R'' = [E/k^2 - K]/[K - E] = B/(k^2 D)` (Johnson 1985, Eq. 4.28).
+
+    Parameters
+    ----------
+    axis_ratio : array_like
+        k = ℓe/ℓd, in (0, 1]; NaN is returned elsewhere.
+
+    Examples
+    --------
+    >>> float(curvature_ratio(1.0))
+    1.0
+    """
+    k = np.asarray(axis_ratio, dtype=np.float64)
+    _, b, d = complete_integrals(k)
+    with np.errstate(all="ignore"):
+        return b / (k * k * d)
+
+
+def size_factor(axis_ratio: ArrayLike) -> FloatArray:
+    r"""Return Johnson's F1: the mean contact radius √(ℓd ℓe) over that of the sphere of radius √(R'R'').
+
+    :math:`F_1^3 = \frac{4}{\pi}\sqrt{k}\sqrt{BD}` (Johnson 1985, Eq. 4.29; the source's "F2"). At most one.
+
+    Parameters
+    ----------
+    axis_ratio : array_like
+        k = ℓe/ℓd, in (0, 1]; NaN is returned elsewhere.
+
+    Examples
+    --------
+    >>> round(float(size_factor(5.0 / 7.4)), 9)
+    0.995238751
+    """
+    k = np.asarray(axis_ratio, dtype=np.float64)
+    _, b, d = complete_integrals(k)
+    with np.errstate(all="ignore"):
+        return np.cbrt((4 / np.pi) * np.sqrt(k * b * d))
+
+
+def indentation_factor(axis_ratio: ArrayLike) -> FloatArray:
+    r"""Return Johnson's F2: the indentation over that of the sphere of radius √(R'R'') at the same load.
+
+    :math:`F_2 = \frac{2}{\pi}\sqrt{k}\,K/F_1` (Johnson 1985, Eq. 4.26c). The source's "F1" lacks the factor
+    in front. At most one.
+
+    Parameters
+    ----------
+    axis_ratio : array_like
+        k = ℓe/ℓd, in (0, 1]; NaN is returned elsewhere.
+
+    Examples
+    --------
+    >>> round(float(indentation_factor(5.0 / 7.4)), 9)
+    0.995216154
+    """
+    k = np.asarray(axis_ratio, dtype=np.float64)
+    integral, _, _ = complete_integrals(k)
+    with np.errstate(all="ignore"):
+        return (2 / np.pi) * np.sqrt(k) * integral / size_factor(k)

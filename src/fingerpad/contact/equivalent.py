@@ -1,0 +1,50 @@
+"""Spheres equivalent to an elliptical contact: there are three, and they differ.
+
+A sphere can be chosen to give the same indentation under the same load, the same area under the same load,
+or the same area at the same indentation. Each radius is the base radius R times a function of the observed
+contact ellipse. The base is the mean-curvature radius R_0g = 1/H in the source, the geometric mean
+R_e = √(R'R'') in exact Hertz theory, for which the three relations are identities.
+"""
+
+import numpy as np
+
+from fingerpad._arrays import ArrayLike, FloatArray, floats
+from fingerpad.contact.elliptic import indentation_factor, size_factor
+
+
+def equivalent_radius_from_indentation(base_radius: ArrayLike, axis_ratio: ArrayLike) -> FloatArray:
+    r"""Return the radius of the sphere with the same indentation under the same load.
+
+    :math:`R_\delta = R F_2^{-3} \ge R`. This is what the source's Eq. (2) means: it prints F^{+3} of a
+    factor at least one, which its own ξ(e) turns into F^{−3} of Johnson's F2, at most one.
+
+    Parameters
+    ----------
+    base_radius : array_like
+        R_0g (the source) or R_e (exact).
+    axis_ratio : array_like
+        k = ℓe/ℓd of the contact ellipse.
+
+    Examples
+    --------
+    >>> round(float(equivalent_radius_from_indentation(18.7, 5.0 / 7.4)), 2)
+    18.97
+    """
+    return floats(base_radius) / indentation_factor(axis_ratio) ** 3
+
+
+def equivalent_radius_from_area(base_radius: ArrayLike, axis_ratio: ArrayLike) -> FloatArray:
+    r"""Return the radius of the sphere with the same area under the same load.
+
+    :math:`R_A = R F_1^3 \le R`; parameters as for `equivalent_radius_from_indentation`.
+    """
+    return floats(base_radius) * size_factor(axis_ratio) ** 3
+
+
+def equivalent_radius_from_compliance(base_radius: ArrayLike, axis_ratio: ArrayLike) -> FloatArray:
+    r"""Return the radius of the sphere with the same area at the same indentation, R = A/(πξ).
+
+    :math:`R_{A\xi} = R F_1^2/F_2`, slightly below R; parameters as for
+    `equivalent_radius_from_indentation`. It is the one to compare with R_g, the slope of A against πξ.
+    """
+    return floats(base_radius) * np.square(size_factor(axis_ratio)) / indentation_factor(axis_ratio)

@@ -1,0 +1,64 @@
+"""Elliptic integrals and contact functions against mpmath, SciPy and printed numbers."""
+
+import mpmath as mp
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from scipy.special import ellipe, ellipk
+
+from fingerpad.contact import complete_integrals, curvature_ratio, indentation_factor, size_factor
+
+RATIOS = np.concatenate([[1.0, 1 - 1e-16, 1 - 1e-12, 1 - 1e-6], np.geomspace(1e-12, 0.999, 40)])
+
+
+@pytest.mark.parametrize("k", RATIOS)
+def test_integrals_agree_with_fifty_digits(k: float) -> None:
+    with mp.workdps(90):
+        m = 1 - mp.mpf(k) ** 2
+        K, E = mp.ellipk(m), mp.ellipe(m)
+        D = (K - E) / m if m else mp.pi / 4
+        exact = (K, K - D, D)
+        found = complete_integrals(k)
+        for value, reference in zip(found, exact, strict=True):
+            assert abs(mp.mpf(float(value)) / reference - 1) <= 1e-15
+
+
+def test_integrals_agree_with_scipy_on_its_ground() -> None:
+    k = np.linspace(0.05, 1, 200)
+    K, B, D = complete_integrals(k)
+    assert_allclose(K, ellipk(1 - k**2), rtol=3e-15)
+    assert_allclose(B + k**2 * D, ellipe(1 - k**2), rtol=3e-15)
+
+
+@pytest.mark.parametrize(
+    ("axes", "K", "E", "F1", "F2"),
+    [
+        ((5.3, 4.2), 1.758597354, 1.412511757, 0.998314185, 0.998311346),
+        ((7.4, 5.0), 1.892759475, 1.328427072, 0.995238751, 0.995216154),
+    ],
+)
+def test_numbers_of_the_source_ellipses(
+    axes: tuple[float, float], K: float, E: float, F1: float, F2: float
+) -> None:
+    k = axes[1] / axes[0]
+    first, b, d = complete_integrals(k)
+    assert_allclose([first, b + k**2 * d], [K, E], atol=6e-10)
+    assert_allclose([size_factor(k), indentation_factor(k)], [F1, F2], atol=6e-10)
+
+
+def test_factors_are_one_at_the_circle_and_fall_away_from_it() -> None:
+    k = np.concatenate([np.geomspace(1e-6, 0.99, 300), [1.0]])
+    for factor in (size_factor, indentation_factor):
+        values = factor(k)
+        assert_allclose(values[-1], 1, rtol=3e-16)
+        assert (np.diff(values) > 0).all()
+    # Both leave unity in the second order: 1 − F ≈ (1 − k)²/32 near the circle.
+    near = 1 - 1e-3
+    assert_allclose((1 - size_factor(near)) / 1e-6, 1 / 32, rtol=2e-2)
+    assert_allclose((1 - indentation_factor(near)) / 1e-6, 1 / 32, rtol=2e-2)
+
+
+@pytest.mark.parametrize("function", [size_factor, indentation_factor, curvature_ratio])
+def test_no_answer_outside_the_domain(function) -> None:
+    values = function([0.5, 0.0, -1.0, 1.5, np.nan])
+    assert np.isfinite(values).tolist() == [True, False, False, False, False]

@@ -1,0 +1,47 @@
+"""Equivalent spheres: their definitions, checked by pressing the spheres."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from fingerpad.contact import (
+    HertzGeometry,
+    equivalent_radius_from_area,
+    equivalent_radius_from_compliance,
+    equivalent_radius_from_indentation,
+    hertz_contact,
+)
+
+
+@pytest.mark.parametrize("radii", [(10.0, 10.0), (8.361, 12.384), (3.0, 40.0)])
+def test_each_sphere_does_what_its_name_says(radii: tuple[float, float]) -> None:
+    geometry = HertzGeometry.of(*radii)
+    ellipse = geometry.under_load(2.0, reduced_modulus=0.1)
+    base, k = geometry.geometric_mean_radius, geometry.axis_ratio
+
+    def sphere(radius):
+        return hertz_contact(radius, radius, 2.0, reduced_modulus=0.1)
+
+    by_indentation = sphere(equivalent_radius_from_indentation(base, k))
+    assert_allclose(by_indentation.indentation, ellipse.indentation, rtol=1e-14)
+    assert_allclose(sphere(equivalent_radius_from_area(base, k)).area, ellipse.area, rtol=1e-14)
+    compliance = equivalent_radius_from_compliance(base, k)
+    assert_allclose(compliance, ellipse.area / (np.pi * ellipse.indentation), rtol=1e-14)
+
+
+def test_order_of_the_three() -> None:
+    k = np.linspace(0.05, 0.99, 50)
+    indentation = equivalent_radius_from_indentation(1.0, k)
+    area = equivalent_radius_from_area(1.0, k)
+    compliance = equivalent_radius_from_compliance(1.0, k)
+    assert (indentation > 1).all()
+    assert (area < compliance).all()
+    assert (compliance < 1).all()
+
+
+@pytest.mark.parametrize(
+    ("radius", "ellipse", "corrected"), [(18.7, (7.4, 5.0), 18.97), (13.2, (5.3, 4.2), 13.27)]
+)
+def test_source_radii_through_the_right_function(radius, ellipse, corrected) -> None:
+    found = equivalent_radius_from_indentation(radius, ellipse[1] / ellipse[0])
+    assert_allclose(found, corrected, atol=5e-3)
