@@ -19,10 +19,12 @@ from fingerpad.contact.hertz import (
     reduced_modulus,
     youngs_modulus,
 )
+from fingerpad.contact.pad import PadContact, pad_contact
 
 __all__ = [
     "HertzContact",
     "HertzGeometry",
+    "PadContact",
     "complete_integrals",
     "curvature_ratio",
     "equivalent_radius_from_area",
@@ -30,6 +32,7 @@ __all__ = [
     "equivalent_radius_from_indentation",
     "hertz_contact",
     "indentation_factor",
+    "pad_contact",
     "reduced_modulus",
     "size_factor",
     "solve_contact_ellipse",

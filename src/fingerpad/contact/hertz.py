@@ -187,8 +187,8 @@ def hertz_contact(
 ) -> HertzContact:
     """Return the contacts of distinct geometries, each under its own load, in one pass over the arrays.
 
-    The same as ``HertzGeometry.of(first_radius, second_radius).under_load(load, ...)``, a quarter faster
-    where every contact has its own geometry. It is a kernel: NaN, not an error, where a value is out of range.
+    The same as ``HertzGeometry.of(first_radius, second_radius).under_load(load, ...)``, faster where
+    every contact has its own geometry. It is a kernel: NaN, not an error, where a value is out of range.
 
     Parameters
     ----------

@@ -19,14 +19,9 @@ def platen_normal(wedge_angle: ArrayLike, roll_angle: ArrayLike = 0.0) -> FloatA
     Parameters
     ----------
     wedge_angle : array_like
-        Wedge angle θ in [0, π/2], radians: 0 lies flat on the palmar face, π/2 stands on the fingertip.
+        Wedge angle θ, radians: 0 lies flat on the palmar face, π/2 stands on the fingertip.
     roll_angle : array_like
         Roll φ of the finger about its own long axis, radians.
-
-    Raises
-    ------
-    GeometryError
-        If the wedge angle lies outside [0, π/2] or an angle is not finite.
 
     Examples
     --------
@@ -34,9 +29,6 @@ def platen_normal(wedge_angle: ArrayLike, roll_angle: ArrayLike = 0.0) -> FloatA
     array([1., 0., 0.])
     """
     wedge, roll = broadcast(wedge_angle, roll_angle)
-    inside = (wedge >= 0) & (wedge <= np.pi / 2)
-    require(inside, "wedge angle (in degrees)", np.degrees(wedge), "between 0° and 90°", GeometryError)
-    require(np.isfinite(roll), "roll angle (in degrees)", np.degrees(roll), "finite", GeometryError)
     return np.stack([np.cos(wedge) * np.cos(roll), np.sin(wedge), np.cos(wedge) * np.sin(roll)], axis=-1)
 
 
@@ -73,14 +65,18 @@ class Placement:
 
     @classmethod
     def of(cls, ellipsoid: Ellipsoid, *, wedge_angle: ArrayLike, roll_angle: ArrayLike = 0.0) -> Self:
-        """Place `ellipsoid` on a wedge; angles in radians, as for `platen_normal`.
+        """Place `ellipsoid` on a wedge of angle in [0, π/2]; angles in radians, as for `platen_normal`.
 
         Raises
         ------
         GeometryError
             If the wedge angle lies outside [0, π/2] or an angle is not finite.
         """
-        normal = platen_normal(wedge_angle, roll_angle)
+        wedge, roll = broadcast(wedge_angle, roll_angle)
+        inside = (wedge >= 0) & (wedge <= np.pi / 2)
+        require(inside, "wedge angle (in degrees)", np.degrees(wedge), "between 0° and 90°", GeometryError)
+        require(np.isfinite(roll), "roll angle (in degrees)", np.degrees(roll), "finite", GeometryError)
+        normal = platen_normal(wedge, roll)
         u, v = ellipsoid.parametric_angles(normal)
         return cls(
             normal=normal,

@@ -1,0 +1,114 @@
+"""What an observed contact ellipse says of a finger pad: corrected radii, indentation, modulus, and range."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fingerpad._arrays import ArrayLike, FloatArray, broadcast
+from fingerpad.contact.elliptic import solve_contact_ellipse
+from fingerpad.contact.equivalent import (
+    equivalent_radius_from_area,
+    equivalent_radius_from_compliance,
+    equivalent_radius_from_indentation,
+)
+from fingerpad.geometry import Ellipsoid, platen_normal
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class PadContact:
+    """A finger pad on its wedge, and the contact seen under a load.
+
+    Attributes
+    ----------
+    mean_curvature_radius, geometric_mean_radius : ndarray
+        R_0g = 1/H and R_e = √(R'R'') of the undeformed pad at the place of contact.
+    radius_from_indentation, radius_from_area, radius_from_compliance : ndarray
+        Equivalent spheres on R_0g, as the source has it; the first is its "corrected radius".
+    geometric_radius_from_indentation, geometric_radius_from_area, geometric_radius_from_compliance : ndarray
+        The same on R_e, as exact Hertz theory has it.
+    indentation : ndarray
+        ξ = A/(π R_Aξ) from the observed ellipse, on R_e.
+    reduced_modulus : ndarray
+        E* = 3 W R_e F1³/(4 (ℓd ℓe)^{3/2}) from the load and the observed ellipse.
+    mean_pressure : ndarray
+        W/A.
+    contact_size : ndarray
+        √(ℓd ℓe)/R_e, which Hertz theory takes to be small.
+    predicted_elongation : ndarray
+        Signed ln(ℓd/ℓe) that Hertz theory predicts: positive where the long axis lies along the finger,
+        negative where it lies across.
+    """
+
+    mean_curvature_radius: FloatArray
+    geometric_mean_radius: FloatArray
+    radius_from_indentation: FloatArray
+    radius_from_area: FloatArray
+    radius_from_compliance: FloatArray
+    geometric_radius_from_indentation: FloatArray
+    geometric_radius_from_area: FloatArray
+    geometric_radius_from_compliance: FloatArray
+    indentation: FloatArray
+    reduced_modulus: FloatArray
+    mean_pressure: FloatArray
+    contact_size: FloatArray
+    predicted_elongation: FloatArray
+
+
+def pad_contact(
+    pad: Ellipsoid,
+    *,
+    wedge_angle: ArrayLike,
+    roll_angle: ArrayLike,
+    load: ArrayLike,
+    semi_major: ArrayLike,
+    semi_minor: ArrayLike,
+) -> PadContact:
+    """Turn an observed contact ellipse into radii, indentation and modulus.
+
+    Parameters
+    ----------
+    pad : Ellipsoid
+        The undeformed pad.
+    wedge_angle, roll_angle : array_like
+        Placement, radians.
+    load : array_like
+        Normal force W.
+    semi_major, semi_minor : array_like
+        Semi-axes of the observed contact ellipse. The two may be given in either order: the axis ratio of
+        a near-circle stays differentiable where measurement noise swaps them.
+
+    Examples
+    --------
+    The source's measurement at 30° and 2 N:
+
+    >>> import numpy as np
+    >>> pad = Ellipsoid.of(palmar=7.9, distal=13.8, radial_ulnar=11.8)
+    >>> contact = pad_contact(
+    ...     pad, wedge_angle=np.radians(30), roll_angle=0, load=2, semi_major=7.4, semi_minor=5.0
+    ... )
+    >>> print(f"{contact.mean_curvature_radius:.2f} mm, corrected {contact.radius_from_indentation:.2f} mm")
+    13.61 mm, corrected 13.80 mm
+    """
+    major, minor, load = broadcast(semi_major, semi_minor, load)
+    curvature = pad.curvature_at_normal(platen_normal(wedge_angle, roll_angle))
+    axis_ratio = np.minimum(major, minor) / np.maximum(major, minor)
+    base, exact = curvature.mean_curvature_radius, curvature.geometric_mean_radius
+    size, area = np.sqrt(major * minor), np.pi * major * minor
+    predicted, _, _ = solve_contact_ellipse(curvature.in_plane_radius, curvature.transverse_radius)
+    along = np.sign(curvature.in_plane_radius - curvature.transverse_radius)
+    compliance = equivalent_radius_from_compliance(exact, axis_ratio)
+    return PadContact(
+        mean_curvature_radius=base,
+        geometric_mean_radius=exact,
+        radius_from_indentation=equivalent_radius_from_indentation(base, axis_ratio),
+        radius_from_area=equivalent_radius_from_area(base, axis_ratio),
+        radius_from_compliance=equivalent_radius_from_compliance(base, axis_ratio),
+        geometric_radius_from_indentation=equivalent_radius_from_indentation(exact, axis_ratio),
+        geometric_radius_from_area=equivalent_radius_from_area(exact, axis_ratio),
+        geometric_radius_from_compliance=compliance,
+        indentation=area / (np.pi * compliance),
+        reduced_modulus=0.75 * load * equivalent_radius_from_area(exact, axis_ratio) / size**3,
+        mean_pressure=load / area,
+        contact_size=size / exact,
+        predicted_elongation=-along * np.log(predicted),
+    )

@@ -1,0 +1,13 @@
+"""Units of files and flags, converted to the library's mm, N, MPa, s and radians. Used at the edges only."""
+
+from typing import Final
+
+KPA_PER_MPA: Final = 1000.0
+
+# Factor that turns a value in the unit into the library's.
+FACTORS: Final = {
+    "force": {"N": 1.0, "mN": 1e-3, "kN": 1e3, "gf": 9.80665e-3},
+    "displacement": {"mm": 1.0, "um": 1e-3, "µm": 1e-3, "m": 1e3},
+    "area": {"mm2": 1.0, "cm2": 100.0, "m2": 1e6},
+    "time": {"s": 1.0, "ms": 1e-3, "min": 60.0},
+}
