@@ -1,0 +1,121 @@
+"""The scale of a picture: millimetres per pixel, with its standard uncertainty."""
+
+import math
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+
+from fingerpad._arrays import require
+from fingerpad.exceptions import CalibrationError
+
+MM_PER_INCH = 25.4
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Scale:
+    """Millimetres per pixel.
+
+    Attributes
+    ----------
+    mm_per_px : float
+        Length of one pixel's side, mm.
+    mm_per_px_std : float
+        Its standard uncertainty, mm, zero when not known.
+
+    Examples
+    --------
+    >>> round(Scale.of_ppi(500).mm_per_px, 6)
+    0.0508
+    >>> scale = Scale.of_line(10.0, (0, 0), (0, 200), length_mm_std=0.1)
+    >>> scale.mm_per_px, scale.relative_std
+    (0.05, 0.01)
+    """
+
+    mm_per_px: float
+    mm_per_px_std: float = 0.0
+
+    def __post_init__(self) -> None:
+        _require_positive(self.mm_per_px, "mm_per_px")
+        _require_std(self.mm_per_px_std, "mm_per_px_std")
+
+    @classmethod
+    def of_ppi(cls, ppi: float, ppi_std: float = 0.0) -> Self:
+        """Make a scale from pixels per inch.
+
+        Raises
+        ------
+        CalibrationError
+            If `ppi` is not positive and finite, or `ppi_std` negative or not finite.
+        """
+        _require_positive(ppi, "ppi")
+        _require_std(ppi_std, "ppi_std")
+        mm_per_px = MM_PER_INCH / ppi
+        return cls(mm_per_px=mm_per_px, mm_per_px_std=mm_per_px * (ppi_std / ppi))
+
+    @classmethod
+    def of_mm_per_px(cls, mm_per_px: float, mm_per_px_std: float = 0.0) -> Self:
+        """Make a scale from millimetres per pixel.
+
+        Raises
+        ------
+        CalibrationError
+            If `mm_per_px` is not positive and finite, or its uncertainty negative or not finite.
+        """
+        return cls(mm_per_px=float(mm_per_px), mm_per_px_std=float(mm_per_px_std))
+
+    @classmethod
+    def of_line(
+        cls,
+        length_mm: float,
+        start: tuple[float, float],
+        end: tuple[float, float],
+        *,
+        length_mm_std: float = 0.0,
+        point_px_std: float = 0.0,
+    ) -> Self:
+        """Make a scale from a line of known length drawn on a ruler or across a coin.
+
+        Parameters
+        ----------
+        length_mm, length_mm_std : float
+            True length of the line and its standard uncertainty, mm.
+        start, end : (float, float)
+            Ends of the line, (row, column), px.
+        point_px_std : float
+            Standard uncertainty of each end along the line, px.
+
+        Raises
+        ------
+        CalibrationError
+            If the length is not positive and finite, or the line has none in the picture.
+        """
+        _require_positive(length_mm, "length_mm")
+        _require_std(length_mm_std, "length_mm_std")
+        _require_std(point_px_std, "point_px_std")
+        for name, point in (("start", start), ("end", end)):
+            require(np.isfinite(point), name, point, "finite (row, column) pixels", CalibrationError)
+        length_px = math.dist(start, end)
+        if not length_px > 0:
+            raise CalibrationError(
+                f"the scale line must have two different ends, found {start} twice: "
+                "draw it along a known length"
+            )
+        relative = math.hypot(length_mm_std / length_mm, math.sqrt(2) * point_px_std / length_px)
+        mm_per_px = length_mm / length_px
+        return cls(mm_per_px=mm_per_px, mm_per_px_std=mm_per_px * relative)
+
+    @property
+    def relative_std(self) -> float:
+        """Relative standard uncertainty, shared by every length measured in the picture."""
+        return self.mm_per_px_std / self.mm_per_px
+
+
+def _require_positive(value: float, name: str) -> None:
+    require(math.isfinite(value) and value > 0, name, value, "positive and finite", CalibrationError)
+
+
+def _require_std(value: float, name: str) -> None:
+    require(
+        math.isfinite(value) and value >= 0, name, value, "zero or positive, and finite", CalibrationError
+    )

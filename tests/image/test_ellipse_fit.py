@@ -1,0 +1,168 @@
+"""Ellipse fits: recovery, a second implementation, covariance against scatter, and bad points."""
+
+import math
+
+import cv2
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from skimage.draw import ellipse as draw_ellipse
+from skimage.measure import label, regionprops
+
+from fingerpad.exceptions import FitError, ImageError
+from fingerpad.image import equal_area_ellipse, fit_aligned_ellipse, fit_ellipse, outline_points
+from fingerpad.image._distance import foot_points
+
+semi_axes = st.floats(1.0, 20.0)
+angles = st.floats(-1.5, 1.5)
+
+
+@given(semi_axes, semi_axes, angles, st.floats(-100, 100), st.floats(-100, 100))
+@settings(max_examples=60, deadline=None)
+def test_perfect_points_give_the_ellipse_back(first, second, angle, x, y):
+    fit = fit_ellipse(outline_points(first, second, count=40, centre=(x, y), angle=angle))
+    assert fit.semi_major == pytest.approx(max(first, second), rel=1e-6)
+    assert fit.semi_minor == pytest.approx(min(first, second), rel=1e-6)
+    np.testing.assert_allclose(fit.centre, (x, y), atol=1e-6)
+    if abs(first - second) > 0.01:
+        true = angle if first > second else angle + math.pi / 2
+        assert math.sin(fit.angle - true) == pytest.approx(0, abs=1e-5)
+    assert -math.pi / 2 < fit.angle <= math.pi / 2
+
+
+@given(semi_axes, semi_axes, angles, st.floats(0.01, 100))
+@settings(max_examples=30, deadline=None)
+def test_units_scale_through(first, second, angle, unit):
+    points = outline_points(first, second, angle=angle, noise_std=0.02, seed=4)
+    fit, scaled = fit_ellipse(points), fit_ellipse(points * unit)
+    assert scaled.semi_major == pytest.approx(unit * fit.semi_major, rel=1e-6)
+    assert scaled.residual_std == pytest.approx(unit * fit.residual_std, rel=1e-5)
+    assert scaled.covariance[2, 2] == pytest.approx(unit**2 * fit.covariance[2, 2], rel=1e-4)
+
+
+def test_agrees_with_a_second_implementation():
+    points = outline_points(7.4, 5.0, count=80, angle=0.4, centre=(3, 2), noise_std=0.02, seed=2)
+    (x, y), full_axes, _ = cv2.fitEllipseDirect(points.astype(np.float32))
+    first, second = (full / 2 for full in full_axes)
+    fit = fit_ellipse(points)
+    assert fit.semi_major == pytest.approx(max(first, second), rel=2e-3)
+    assert fit.semi_minor == pytest.approx(min(first, second), rel=2e-3)
+    np.testing.assert_allclose(fit.centre, (x, y), atol=0.01)
+
+
+def test_no_ellipse_nearby_is_closer_to_the_points():
+    # A dense polyline stands in for the distance to the curve.
+    points = outline_points(9.0, 6.0, count=50, arc=(0, 4.0), angle=0.3, noise_std=0.2, seed=5)
+    fit = fit_ellipse(points)
+
+    def cost(x, y, first, second, angle):
+        curve = outline_points(first, second, count=20_000, centre=(x, y), angle=angle)
+        return sum(np.min(np.sum((curve - point) ** 2, axis=1)) for point in points)
+
+    best = np.array([*fit.centre, fit.semi_major, fit.semi_minor, fit.angle])
+    least = cost(*best)
+    for k in range(5):
+        for step in (-0.02, 0.02):
+            assert cost(*(best + step * np.eye(5)[k])) > least
+
+
+@pytest.mark.parametrize("arc", [(0, 2 * math.pi), (0.2, 3.6)])
+def test_covariance_predicts_the_scatter(arc):
+    fits = [
+        fit_ellipse(outline_points(8, 5, count=60, arc=arc, angle=0.5, noise_std=0.05, seed=seed))
+        for seed in range(150)
+    ]
+    found = np.array([[*fit.centre, fit.semi_major, fit.semi_minor, fit.angle] for fit in fits])
+    predicted = np.sqrt(np.mean([np.diagonal(fit.covariance) for fit in fits], axis=0))
+    np.testing.assert_allclose(found.std(axis=0, ddof=1), predicted, rtol=0.25)
+    assert np.mean([fit.residual_std for fit in fits]) == pytest.approx(0.05, rel=0.05)
+
+
+def test_aligned_covariance_predicts_the_scatter():
+    fits = [
+        fit_aligned_ellipse(outline_points(11.8, 13.8, arc=(0, math.pi), noise_std=0.05, seed=seed))
+        for seed in range(150)
+    ]
+    found = np.array([[*fit.centre, fit.semi_x, fit.semi_y] for fit in fits])
+    predicted = np.sqrt(np.mean([np.diagonal(fit.covariance) for fit in fits], axis=0))
+    np.testing.assert_allclose(found.std(axis=0, ddof=1), predicted, rtol=0.25)
+    np.testing.assert_allclose(found.mean(axis=0), [0, 0, 11.8, 13.8], atol=0.03)
+
+
+def test_aligned_axes_are_named_not_sorted():
+    tall = fit_aligned_ellipse(outline_points(3, 8))
+    wide = fit_aligned_ellipse(outline_points(8, 3))
+    assert (tall.semi_x, tall.semi_y) == pytest.approx((3, 8))
+    assert (wide.semi_x, wide.semi_y) == pytest.approx((8, 3))
+
+
+def test_a_circle_has_no_known_direction():
+    fit = fit_ellipse(outline_points(5, 5, noise_std=0.05, seed=1))
+    assert fit.semi_major == pytest.approx(5, abs=0.05)
+    assert 0.1 < math.sqrt(fit.covariance[4, 4]) <= math.pi / math.sqrt(12) + 1e-12
+
+
+@given(st.floats(0.1, 10), st.floats(0.1, 10), st.floats(-20, 20), st.floats(-20, 20))
+@settings(max_examples=200, deadline=None)
+def test_foot_points_are_nearest(semi_x, semi_y, x, y):
+    foot = foot_points(np.array([[x, y]]), semi_x, semi_y)[0]
+    assert (foot[0] / semi_x) ** 2 + (foot[1] / semi_y) ** 2 == pytest.approx(1, abs=1e-9)
+    curve = outline_points(semi_x, semi_y, count=4000)
+    nearest = np.linalg.norm(curve - (x, y), axis=1).min()
+    assert np.linalg.norm(foot - (x, y)) <= nearest + 1e-7
+
+
+@pytest.mark.parametrize(
+    ("points", "words"),
+    [
+        (np.zeros((4, 2)), "5 different points"),
+        (outline_points(3, 2, count=4), "5 different points"),
+        (np.repeat(outline_points(3, 2, count=4), 3, axis=0), "5 different points"),
+        (np.column_stack([np.arange(9.0), 2 * np.arange(9.0)]), "straight line"),
+        (np.column_stack([np.arange(9.0), [*np.arange(8.0), math.nan]]), "row 8"),
+        (np.column_stack([np.arange(9.0), [*np.arange(8.0), math.inf]]), "finite"),
+        (np.zeros((9, 3)), "shape"),
+        (np.zeros(9), "shape"),
+    ],
+)
+def test_bad_points_are_refused(points, words):
+    with pytest.raises(FitError, match=words):
+        fit_ellipse(points)
+
+
+def test_a_hyperbola_is_no_aligned_ellipse():
+    t = np.linspace(-2, 2, 30)
+    with pytest.raises(FitError, match="ellipse"):
+        fit_aligned_ellipse(np.column_stack([np.cosh(t), np.sinh(t)]))
+
+
+def test_three_points_are_too_few_for_an_aligned_ellipse():
+    with pytest.raises(FitError, match="4 different points"):
+        fit_aligned_ellipse(outline_points(3, 2, count=3))
+
+
+@pytest.mark.parametrize("angle", [-1.2, -0.4, 0.0, 0.3, 0.9, math.pi / 2])
+def test_region_ellipse_agrees_with_a_second_implementation(angle):
+    mask = np.zeros((300, 260), bool)
+    mask[draw_ellipse(140, 120, 90, 60, rotation=angle)] = True
+    found = equal_area_ellipse(mask)
+    props = regionprops(label(mask))[0]
+    assert float(found.ellipse.semi_major) == pytest.approx(props.axis_major_length / 2, rel=2e-3)
+    assert float(found.ellipse.semi_minor) == pytest.approx(props.axis_minor_length / 2, rel=2e-3)
+    assert math.sin(found.orientation - props.orientation) == pytest.approx(0, abs=1e-9)
+    assert float(found.ellipse.area) == pytest.approx(np.count_nonzero(mask), rel=1e-12)
+    assert found.centroid == pytest.approx(props.centroid)
+
+
+def test_leaning_left_is_positive():
+    # Row 0 is the top: this stroke runs from the upper left to the lower right.
+    assert equal_area_ellipse(np.eye(50, dtype=bool)).orientation == pytest.approx(math.pi / 4)
+    assert equal_area_ellipse(np.eye(50, dtype=bool)[:, ::-1]).orientation == pytest.approx(-math.pi / 4)
+    assert equal_area_ellipse(np.ones((5, 50), bool)).orientation == pytest.approx(math.pi / 2)
+
+
+@pytest.mark.parametrize("mask", [np.zeros((9, 9), bool), np.ones(9, bool), np.zeros((0, 9), bool)])
+def test_no_region_is_refused(mask):
+    with pytest.raises(ImageError, match="at least one pixel"):
+        equal_area_ellipse(mask)

@@ -1,0 +1,121 @@
+"""Outlines of the finger's faces: joint semi-axes, their uncertainty and consistency, and the CSV reader."""
+
+import math
+
+import numpy as np
+import pytest
+
+from fingerpad.exceptions import FitError, ImageError
+from fingerpad.image import outline_points, read_outline, semi_axes_from_outlines
+
+PALMAR, DISTAL, RADIAL_ULNAR = 7.9, 13.8, 11.8
+ARC = (-0.2, math.pi + 0.2)
+
+
+def faces(seed, noise_std=0.05, **changes):
+    sizes = {
+        "palmar": (RADIAL_ULNAR, DISTAL),
+        "distal": (RADIAL_ULNAR, PALMAR),
+        "radial": (PALMAR, DISTAL),
+    } | changes
+    return {
+        face: outline_points(*size, arc=ARC, centre=(k, -2), noise_std=noise_std, seed=10 * seed + k)
+        for k, (face, size) in enumerate(sizes.items())
+    }
+
+
+def test_perfect_outlines_give_the_finger_back():
+    found = semi_axes_from_outlines(faces(0, noise_std=0))
+    assert (found.palmar, found.distal, found.radial_ulnar) == pytest.approx((7.9, 13.8, 11.8), rel=1e-6)
+
+
+@pytest.mark.parametrize("side", ["radial", "ulnar"])
+def test_two_faces_are_enough(side):
+    given = faces(1)
+    found = semi_axes_from_outlines({"palmar": given["palmar"], side: given["radial"]})
+    assert (found.palmar, found.distal, found.radial_ulnar) == pytest.approx((7.9, 13.8, 11.8), abs=0.15)
+    assert found.degrees_of_freedom == 1
+
+
+def test_scatter_and_consistency_are_as_stated():
+    found = [semi_axes_from_outlines(faces(seed)) for seed in range(100)]
+    values = np.array([[one.palmar, one.distal, one.radial_ulnar] for one in found])
+    np.testing.assert_allclose(values.mean(axis=0), [PALMAR, DISTAL, RADIAL_ULNAR], atol=0.02)
+    stated = np.sqrt(np.mean([one.stds**2 for one in found], axis=0))
+    np.testing.assert_allclose(values.std(axis=0, ddof=1), stated, rtol=0.3)
+    assert np.mean([one.chi_square for one in found]) == pytest.approx(3, abs=0.8)
+    assert 0.35 < np.mean([one.p_value for one in found]) < 0.65
+
+
+def test_disagreeing_faces_are_told():
+    found = semi_axes_from_outlines(faces(2, distal=(RADIAL_ULNAR + 1, PALMAR)))
+    assert found.p_value < 1e-3
+
+
+def test_an_uncertain_scale_excuses_a_disagreement():
+    crooked = faces(3, distal=(1.03 * RADIAL_ULNAR, 1.03 * PALMAR))
+    strict = semi_axes_from_outlines(crooked)
+    lenient = semi_axes_from_outlines(crooked, relative_scale_std=0.03)
+    assert strict.p_value < 0.01 < lenient.p_value
+    assert (lenient.stds > strict.stds).all()
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ((), "no face"),
+        (("palmar",), "palmar semi-axis"),
+        (("distal",), "distal semi-axis"),
+        (("radial",), "radial_ulnar semi-axis"),
+    ],
+)
+def test_an_unseen_axis_is_named(given, words):
+    outlines = faces(0)
+    with pytest.raises(FitError, match=words):
+        semi_axes_from_outlines({face: outlines[face] for face in given})
+
+
+def test_a_bad_outline_is_named():
+    with pytest.raises(FitError, match="distal face"):
+        semi_axes_from_outlines(faces(0) | {"distal": np.zeros((3, 2))})
+
+
+@pytest.mark.parametrize("bad", [-0.1, math.nan, math.inf])
+def test_a_bad_scale_uncertainty_is_refused(bad):
+    with pytest.raises(FitError, match="relative_scale_std"):
+        semi_axes_from_outlines(faces(0), relative_scale_std=bad)
+
+
+def test_reads_points_and_ignores_other_columns(tmp_path):
+    path = tmp_path / "palmar.csv"
+    path.write_text("\ufeffnote, x_mm, y_mm\na, 1.5, -2\nb, 3e0, 4\n", encoding="utf-8")
+    np.testing.assert_array_equal(read_outline(path), [[1.5, -2], [3, 4]])
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("", "line 1: no column x_mm"),
+        ("x_mm\n1\n", "line 1: no column y_mm"),
+        ("x,y\n1,2\n", "no column x_mm, found x, y"),
+        ("x_mm,y_mm\n", "no points"),
+        ("x_mm,y_mm\n1,2\n3,four\n", "line 3: y_mm must be a finite number, found 'four'"),
+        ("x_mm,y_mm\n1,2\nnan,4\n", "line 3: x_mm"),
+        ("x_mm,y_mm\n1,inf\n", "line 2: y_mm"),
+        ("x_mm,y_mm\n1\n", "line 2: y_mm"),
+    ],
+)
+def test_bad_tables_are_named(tmp_path, text, words):
+    path = tmp_path / "palmar.csv"
+    path.write_text(text)
+    with pytest.raises(ImageError, match=words) as caught:
+        read_outline(path)
+    assert str(path) in str(caught.value)
+
+
+def test_missing_and_binary_tables_are_named(tmp_path):
+    with pytest.raises(ImageError, match="cannot be read"):
+        read_outline(tmp_path / "none.csv")
+    (tmp_path / "picture.csv").write_bytes(bytes(range(128, 256)))
+    with pytest.raises(ImageError, match="cannot be read"):
+        read_outline(tmp_path / "picture.csv")

@@ -1,0 +1,169 @@
+"""Reading pictures: every format and depth, and every way a file can be bad."""
+
+import numpy as np
+import pytest
+import tifffile
+from PIL import Image
+
+from fingerpad.exceptions import ImageError
+from fingerpad.image import read_image
+
+GREY = (np.add.outer(np.arange(40), 3 * np.arange(60)) % 256).astype(np.uint8)
+
+
+@pytest.mark.parametrize("name", ["a.png", "a.tif", "a.bmp", "a.pgm"])
+def test_lossless_grey_round_trip(tmp_path, name):
+    Image.fromarray(GREY).save(tmp_path / name)
+    picture = read_image(tmp_path / name)
+    assert picture.pixels.dtype == np.uint8
+    np.testing.assert_array_equal(picture.pixels, GREY)
+
+
+def test_jpeg_is_close(tmp_path):
+    smooth = np.tile(np.linspace(0, 255, 64).astype(np.uint8), (64, 1))
+    Image.fromarray(smooth).save(tmp_path / "a.jpg", quality=95)
+    assert np.abs(read_image(tmp_path / "a.jpg").pixels.astype(int) - smooth).max() < 8
+
+
+@pytest.mark.parametrize("name", ["a.png", "a.tif", "a.pgm"])
+def test_sixteen_bits_are_kept(tmp_path, name):
+    deep = GREY.astype(np.uint16) * 257
+    Image.fromarray(deep).save(tmp_path / name)
+    picture = read_image(str(tmp_path / name))
+    assert picture.pixels.dtype == np.uint16
+    np.testing.assert_array_equal(picture.pixels, deep)
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+def test_float_tiff(tmp_path, dtype):
+    tifffile.imwrite(tmp_path / "a.tif", GREY.astype(dtype) / 7)
+    np.testing.assert_allclose(read_image(tmp_path / "a.tif").pixels, GREY / 7, rtol=1e-6)
+
+
+def test_sixteen_bit_colour_becomes_eight_bit_grey(tmp_path):
+    colour = np.repeat(GREY.astype(np.uint16)[..., None] * 257, 3, axis=2)
+    tifffile.imwrite(tmp_path / "a.tif", colour, photometric="rgb")
+    assert np.abs(read_image(tmp_path / "a.tif").pixels.astype(int) - GREY).max() <= 1
+
+
+def test_float_colour_tiff(tmp_path):
+    colour = np.repeat(GREY.astype(np.float32)[..., None] / 255, 3, axis=2)
+    tifffile.imwrite(tmp_path / "a.tif", colour, photometric="rgb")
+    np.testing.assert_allclose(read_image(tmp_path / "a.tif").pixels, GREY / 255, atol=1e-5)
+
+
+def test_green_is_brighter_than_blue(tmp_path):
+    colour = np.zeros((20, 20, 3), np.uint8)
+    colour[:10, :, 1], colour[10:, :, 2] = 255, 255
+    Image.fromarray(colour).save(tmp_path / "a.png")
+    pixels = read_image(tmp_path / "a.png").pixels
+    assert pixels.ndim == 2
+    assert pixels[0, 0] > pixels[-1, 0] > 0
+
+
+def test_transparency_lies_on_white(tmp_path):
+    colour = np.zeros((20, 20, 4), np.uint8)
+    colour[:10, :, 3] = 255
+    Image.fromarray(colour).save(tmp_path / "a.png")
+    pixels = read_image(tmp_path / "a.png").pixels
+    assert (pixels[:10] == 0).all()
+    assert (pixels[10:] == 255).all()
+
+
+def test_camera_rotation_is_obeyed(tmp_path):
+    exif = Image.Exif()
+    exif[0x0112] = 6
+    Image.fromarray(GREY).save(tmp_path / "a.jpg", exif=exif)
+    assert read_image(tmp_path / "a.jpg").pixels.shape == GREY.shape[::-1]
+
+
+@pytest.mark.parametrize("name", ["a.png", "a.tif", "a.bmp", "a.jpg"])
+def test_resolution_comes_from_the_file(tmp_path, name):
+    Image.fromarray(GREY).save(tmp_path / name, dpi=(500, 500))
+    assert read_image(tmp_path / name).dots_per_inch == pytest.approx(500, abs=0.01)
+
+
+@pytest.mark.parametrize("dpi", [None, (500, 250), (0, 0), (1, 1)])
+def test_no_honest_resolution_is_none(tmp_path, dpi):
+    Image.fromarray(GREY).save(tmp_path / "a.png", **({"dpi": dpi} if dpi else {}))
+    assert read_image(tmp_path / "a.png").dots_per_inch is None
+
+
+def make_folder(path):
+    path.mkdir()
+
+
+def make_text(path):
+    path.write_text("x_mm,y_mm\n1,2\n")
+
+
+def make_truncated(path):
+    noise = np.random.default_rng(0).integers(0, 256, (200, 200)).astype(np.uint8)
+    Image.fromarray(noise).save(path.with_suffix(".full.png"))
+    path.write_bytes(path.with_suffix(".full.png").read_bytes()[:9000])
+
+
+def make_nan(path):
+    values = GREY.astype(np.float32)
+    values[3, 4] = np.nan
+    tifffile.imwrite(path, values)
+
+
+def make_header_only(path):
+    path.write_bytes(b"\x89PNG\r\n\x1a\n")
+
+
+def make_stack(path):
+    tifffile.imwrite(path, np.stack([GREY, GREY]), photometric="minisblack")
+
+
+def make_bomb(path):
+    # A header that promises 2·10¹⁰ pixels, with nothing behind it.
+    path.write_bytes(b"P5\n200000 100000\n255\n")
+
+
+def make_short_tiff(path):
+    tifffile.imwrite(path, GREY.astype(np.float64))
+    path.write_bytes(path.read_bytes()[:300])
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda path: None, "no such file"),
+        (make_folder, "folder"),
+        (lambda path: path.write_bytes(b""), "empty"),
+        (make_text, "not a picture"),
+        (make_truncated, "cut short"),
+        (make_header_only, "not a picture|cut short"),
+        (make_nan, "NaN"),
+        (make_stack, "2 pictures"),
+        (make_bomb, "too many pixels|more than the limit"),
+        (make_short_tiff, "not a picture|cut short"),
+    ],
+)
+def test_bad_files_are_named(tmp_path, make, words):
+    path = tmp_path / "print.tif"
+    make(path)
+    with pytest.raises(ImageError, match=words) as caught:
+        read_image(path)
+    assert str(path) in str(caught.value)
+
+
+def test_size_is_checked_before_decoding(tmp_path):
+    # The pixels behind the header are missing: only a check of the header can tell of the size.
+    path = tmp_path / "large.pgm"
+    path.write_bytes(b"P5\n3000 2000\n255\n")
+    with pytest.raises(ImageError, match="3000 × 2000"):
+        read_image(path, pixel_limit=1_000_000)
+
+
+@pytest.mark.parametrize("cut", range(1, 400, 13))
+def test_no_cut_png_leaks_another_error(tmp_path, cut):
+    whole = tmp_path / "whole.png"
+    noise = np.random.default_rng(1).integers(0, 256, (20, 30)).astype(np.uint8)
+    Image.fromarray(noise).save(whole, dpi=(500, 500))
+    path = tmp_path / "cut.png"
+    path.write_bytes(whole.read_bytes()[:cut])
+    with pytest.raises(ImageError):
+        read_image(path)

@@ -1,0 +1,80 @@
+"""The renderer of known truth: what it promises can be seen in its pixels."""
+
+import math
+
+import cv2
+import numpy as np
+import pytest
+
+from fingerpad.exceptions import GeometryError
+from fingerpad.image import outline_points, render_imprint
+
+
+def test_one_seed_one_picture():
+    first, again, other = (render_imprint(semi_major=6, semi_minor=5, seed=seed) for seed in (1, 1, 2))
+    np.testing.assert_array_equal(first.pixels, again.pixels)
+    assert (first.pixels != other.pixels).any()
+
+
+@pytest.mark.parametrize("pattern", ["arch", "loop", "whorl"])
+def test_ink_lies_inside_the_true_ellipse_and_reaches_its_edge(pattern):
+    truth = render_imprint(semi_major=8, semi_minor=6, orientation=0.4, pattern=pattern, noise_std=0, seed=3)
+    dark = np.argwhere(truth.pixels < 140)[:, ::-1].astype(np.float32)
+    hull = cv2.convexHull(dark)
+    assert cv2.contourArea(hull) * truth.mm_per_px**2 == pytest.approx(math.pi * 48, rel=0.02)
+    assert np.abs(dark.mean(axis=0)[::-1] - truth.centroid).max() < 8
+
+
+def test_orientation_leans_left_when_positive():
+    truth = render_imprint(semi_major=8, semi_minor=5, orientation=0.5, noise_std=0, seed=3)
+    rows, columns = np.nonzero(truth.pixels < 140)
+    upper = rows < truth.centroid[0] - 80
+    assert columns[upper].mean() < truth.centroid[1] - 20
+
+
+def test_prism_is_light_on_dark():
+    truth = render_imprint(look="prism", semi_major=6, semi_minor=5)
+    rows, columns = (round(place) for place in truth.centroid)
+    middle = truth.pixels[rows - 30 : rows + 30, columns - 30 : columns + 30]
+    assert middle.mean() > truth.pixels[:20].mean() + 30
+
+
+@pytest.mark.parametrize("period", [0.35, 0.55])
+def test_ridges_have_the_period_asked_for(period):
+    truth = render_imprint(
+        semi_major=9, semi_minor=8, ridge_period=period, pattern="arch", noise_std=0, seed=6
+    )
+    spectrum = np.abs(np.fft.fft2(truth.pixels - truth.pixels.mean())) ** 2
+    fy, fx = (np.fft.fftfreq(n, truth.mm_per_px) for n in truth.pixels.shape)
+    frequency = np.hypot(fy[:, None], fx[None, :])
+    band = (frequency > 1.2) & (frequency < 4)
+    assert 1 / np.average(frequency[band], weights=spectrum[band]) == pytest.approx(period, rel=0.06)
+
+
+def test_ridge_area_is_about_half():
+    truth = render_imprint()
+    assert 0.4 < truth.ridge_area / truth.gross_area < 0.65
+
+
+def test_resolution_does_not_change_the_finger():
+    coarse, fine = (render_imprint(ppi=ppi, semi_major=6, semi_minor=5, noise_std=0) for ppi in (500, 1000))
+    shrunk = cv2.resize(fine.pixels, coarse.pixels.shape[::-1], interpolation=cv2.INTER_AREA)
+    assert np.corrcoef(shrunk.ravel(), coarse.pixels.ravel())[0, 1] > 0.8
+
+
+@pytest.mark.parametrize(
+    "bad",
+    [{"semi_major": -1}, {"semi_major": 5, "semi_minor": 6}, {"ppi": 0}, {"ridge_period": math.nan}],
+)
+def test_impossible_prints_are_refused(bad):
+    with pytest.raises(GeometryError):
+        render_imprint(**bad)
+
+
+def test_outline_points_lie_on_their_arc():
+    points = outline_points(3, 2, count=50, arc=(0, math.pi), centre=(10, 20))
+    assert (points[:, 1] >= 20 - 1e-9).all()
+    # The two foci see every point of an ellipse at one total distance.
+    focus = math.sqrt(5)
+    total = sum(np.linalg.norm(points - (10 + sign * focus, 20), axis=1) for sign in (-1, 1))
+    np.testing.assert_allclose(total, 6)
