@@ -1,6 +1,16 @@
-"""Uncertainty: propagation through a model, and pooling of estimates."""
+"""Uncertainty: the pad as a model of arrays, propagation through it, and pooling of estimates."""
 
+from fingerpad.uncertainty.pad import PAD_INPUTS, PAD_OUTPUTS, SHARED_INPUTS, pad_model
 from fingerpad.uncertainty.pool import Pooled, pool
 from fingerpad.uncertainty.propagate import FirstOrder, first_order
 
-__all__ = ["FirstOrder", "Pooled", "first_order", "pool"]
+__all__ = [
+    "PAD_INPUTS",
+    "PAD_OUTPUTS",
+    "SHARED_INPUTS",
+    "FirstOrder",
+    "Pooled",
+    "first_order",
+    "pad_model",
+    "pool",
+]

@@ -1,0 +1,104 @@
+"""Render the synthetic part of this study from known truth: ``python examples/dzidek2017/render.py``.
+
+A Hertzian pad with the semi-axes of the source's Table 1 (ellipse approach) is pressed against the platen;
+contact images, outlines of its faces and a loading curve are drawn from what the theory says, with noise.
+``synthetic/truth.csv`` holds the truth.
+"""
+
+import csv
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+
+from fingerpad.contact import HertzGeometry
+from fingerpad.geometry import Ellipsoid, Placement
+from fingerpad.image import outline_points, render_imprint
+
+FOLDER = Path(__file__).parent / "synthetic"
+PAD = Ellipsoid.of(palmar=7.9, distal=13.8, radial_ulnar=11.8)
+REDUCED_MODULUS = 0.09
+LOADS = {30: (0.25, 0.5, 1.0, 2.0, 4.0), 45: (0.5, 1.0, 2.0, 4.0)}
+LOOKS = {30: "livescan", 45: "ink"}
+PPI = 500.0
+
+
+def main() -> None:
+    """Write images, outlines, curve and truth."""
+    FOLDER.mkdir(exist_ok=True)
+    truth = [row for wedge in LOADS for row in render_images(wedge)]
+    with (FOLDER / "truth.csv").open("w", newline="", encoding="utf-8") as file:
+        table = csv.DictWriter(file, fieldnames=truth[0])
+        table.writeheader()
+        table.writerows(truth)
+    render_outlines()
+    render_curve(30)
+
+
+def hertz(wedge: float) -> HertzGeometry:
+    """Return the gap between the pad on its wedge and the platen."""
+    radii = Placement.of(PAD, wedge_angle=np.radians(wedge)).curvature.principal_radii
+    return HertzGeometry.of(*radii)
+
+
+def render_images(wedge: int) -> list[dict[str, object]]:
+    """Render a contact image for each load and return the truth about it."""
+    rows = []
+    geometry = hertz(wedge)
+    for number, load in enumerate(LOADS[wedge]):
+        contact = geometry.under_load(load, reduced_modulus=REDUCED_MODULUS)
+        picture = render_imprint(
+            semi_major=float(contact.semi_major),
+            semi_minor=float(contact.semi_minor),
+            orientation=np.pi / 2 * float(geometry.long_axis),
+            ppi=PPI,
+            look=LOOKS[wedge],
+            seed=100 * wedge + number,
+        )
+        name = f"synthetic_{wedge}deg_{load:g}N"
+        Image.fromarray(picture.pixels).save(FOLDER / f"{name}.png", optimize=True)
+        rows.append(
+            {
+                "observation": name,
+                "semi_major_mm": round(float(contact.semi_major), 6),
+                "semi_minor_mm": round(float(contact.semi_minor), 6),
+                "area_mm2": round(float(contact.area), 6),
+                "indentation_mm": round(float(contact.indentation), 6),
+                "reduced_modulus_kpa": 1e3 * REDUCED_MODULUS,
+            }
+        )
+    return rows
+
+
+def render_outlines() -> None:
+    """Draw noisy outline points of three faces, on the arc that belongs to the pad."""
+    axes = {"palmar": (11.8, 13.8), "distal": (11.8, 7.9), "radial": (7.9, 13.8)}
+    for seed, (face, (across, along)) in enumerate(axes.items()):
+        arc = np.radians((-30, 90)) if face == "radial" else np.radians((-15, 195))
+        points = outline_points(across, along, arc=tuple(arc), count=80, noise_std=0.05, seed=seed)
+        write(f"outline_{face}.csv", ("x_mm", "y_mm"), points)
+
+
+def render_curve(wedge: int) -> None:
+    """Draw a loading curve with sensor noise, its displacement counted from above the contact."""
+    rng = np.random.default_rng(7)
+    load = np.linspace(0.05, 4.0, 60)
+    contact = hertz(wedge).under_load(load, reduced_modulus=REDUCED_MODULUS)
+    columns = (
+        load + rng.normal(0, 0.005, load.size),
+        contact.indentation + 0.4 + rng.normal(0, 0.01, load.size),
+        contact.area * (1 + rng.normal(0, 0.015, load.size)),
+    )
+    write(f"curve_{wedge}deg.csv", ("force_N", "displacement_mm", "area_mm2"), np.stack(columns, axis=-1))
+
+
+def write(name: str, header: tuple[str, ...], rows: np.ndarray) -> None:
+    """Write a table of numbers."""
+    with (FOLDER / name).open("w", newline="", encoding="utf-8") as file:
+        table = csv.writer(file)
+        table.writerow(header)
+        table.writerows([f"{value:.4f}" for value in row] for row in rows)
+
+
+if __name__ == "__main__":
+    main()

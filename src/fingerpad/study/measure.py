@@ -1,0 +1,123 @@
+"""Measuring one observation: from its picture, or from the ellipse given, to a contact ellipse."""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from fingerpad.exceptions import FingerpadError
+from fingerpad.image import Imprint, Scale, measure_imprint, read_image, write_overlay
+from fingerpad.study.manifest import Direction, Observation
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Measurement:
+    """What was seen of one contact.
+
+    Attributes
+    ----------
+    observation : str
+        Name of the observation.
+    reason : str or None
+        Why nothing was measured; None where something was.
+    semi_major, semi_minor : float
+        Semi-axes of the contact ellipse, mm.
+    covariance : tuple of (float, float)
+        Their covariance, mm².
+    long_axis : {"along", "across"} or None
+        Whether the long axis lies along or across the finger, where that is known.
+    details : dict of str to float
+        Further columns of the results that only a picture yields.
+    flags : tuple of str
+        Doubts about the picture.
+    overlay : str or None
+        File of the overlay, relative to the output folder.
+    """
+
+    observation: str
+    reason: str | None = None
+    semi_major: float = np.nan
+    semi_minor: float = np.nan
+    covariance: tuple[tuple[float, float], tuple[float, float]] = ((np.nan, np.nan), (np.nan, np.nan))
+    long_axis: Direction | None = None
+    details: dict[str, float] = field(default_factory=dict)
+    flags: tuple[str, ...] = ()
+    overlay: str | None = None
+
+
+def measure_observation(observation: Observation, folder: Path, out: Path) -> Measurement:
+    """Measure one observation and write its overlay; whatever goes wrong costs this row only.
+
+    Parameters
+    ----------
+    observation : Observation
+        A row of the manifest.
+    folder, out : Path
+        The study folder, and the folder of results.
+    """
+    if observation.ellipse_mm is not None:
+        ellipse = observation.ellipse_mm
+        return Measurement(
+            observation=observation.name,
+            semi_major=ellipse.semi_major,
+            semi_minor=ellipse.semi_minor,
+            covariance=((ellipse.std**2, 0.0), (0.0, ellipse.std**2)),
+            long_axis=ellipse.long_axis,
+        )
+    try:
+        return _measure_image(observation, folder, out)
+    except FingerpadError as error:
+        return Measurement(observation=observation.name, reason=str(error).replace(f"{folder}/", ""))
+
+
+def _measure_image(observation: Observation, folder: Path, out: Path) -> Measurement:
+    assert observation.image is not None  # the manifest's own rule
+    pixels = read_image(folder / observation.image).pixels
+    scale = _scale(observation)
+    imprint = measure_imprint(
+        pixels,
+        scale,
+        dark_on_light=observation.dark_on_light,
+        background=None
+        if observation.background is None
+        else read_image(folder / observation.background).pixels,
+        seed=observation.seed_px,
+    )
+    overlay = Path("overlays") / f"{observation.name}.png"
+    (out / overlay).parent.mkdir(parents=True, exist_ok=True)
+    write_overlay(out / overlay, pixels, imprint, label="synthetic" if observation.synthetic else None)
+    return _from_imprint(imprint, scale, observation, overlay)
+
+
+def _scale(observation: Observation) -> Scale:
+    if observation.ppi is not None:
+        return Scale.of_ppi(observation.ppi, observation.ppi * observation.scale_relative_std)
+    assert observation.mm_per_px is not None  # the manifest's own rule
+    return Scale.of_mm_per_px(observation.mm_per_px, observation.mm_per_px * observation.scale_relative_std)
+
+
+def _from_imprint(imprint: Imprint, scale: Scale, observation: Observation, overlay: Path) -> Measurement:
+    major, minor = float(imprint.ellipse.semi_major), float(imprint.ellipse.semi_minor)
+    turn = np.degrees(imprint.orientation) - observation.finger_axis_deg
+    orientation = float(90 - (90 - turn) % 180)
+    shared = scale.relative_std**2 * major * minor  # the scale moves both axes together
+    return Measurement(
+        observation=observation.name,
+        semi_major=major,
+        semi_minor=minor,
+        covariance=((imprint.semi_major_std**2, shared), (shared, imprint.semi_minor_std**2)),
+        long_axis="along" if abs(orientation) <= 45 else "across",
+        details={
+            "orientation_deg": orientation,
+            "gross_area_mm2": imprint.gross_area,
+            "gross_area_mm2_std": imprint.gross_area_std,
+            "ridge_area_mm2": imprint.ridge_area,
+            "ridge_area_mm2_std": imprint.ridge_area_std,
+            "ridge_period_mm": imprint.ridge_period,
+            "ellipse_overlap": imprint.overlap,
+            "centroid_row_px": imprint.centroid[0],
+            "centroid_column_px": imprint.centroid[1],
+        },
+        flags=imprint.flags,
+        overlay=str(overlay),
+    )

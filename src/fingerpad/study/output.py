@@ -1,0 +1,104 @@
+"""Writing a study's tables: results.csv with its data dictionary, results.json, summary.json."""
+
+import csv
+import math
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from fingerpad._json import dumps
+from fingerpad.exceptions import FingerpadError
+from fingerpad.study.pipeline import StudyResult
+from fingerpad.study.rows import COLUMNS
+from fingerpad.study.summary import Summary, area_exponent
+from fingerpad.uncertainty import Pooled
+
+
+def write_tables(result: StudyResult, out: Path) -> None:
+    """Write ``results.csv``, ``results_columns.csv``, ``results.json`` and ``summary.json`` into `out`.
+
+    Raises
+    ------
+    FingerpadError
+        If a file cannot be written.
+    """
+    try:
+        with (out / "results.csv").open("w", newline="", encoding="utf-8") as file:
+            table = csv.DictWriter(file, fieldnames=COLUMNS)
+            table.writeheader()
+            table.writerows({key: _cell(value) for key, value in row.items()} for row in result.rows)
+        with (out / "results_columns.csv").open("w", newline="", encoding="utf-8") as file:
+            csv.writer(file).writerows([("column", "meaning"), *COLUMNS.items()])
+        for name, content in (("results", result.rows), ("summary", summary_record(result))):
+            (out / f"{name}.json").write_text(dumps(content, indent=1) + "\n", encoding="utf-8")
+    except OSError as error:
+        raise FingerpadError(f"{error.filename}: cannot be written ({error.strerror})") from error
+
+
+def summary_record(result: StudyResult) -> dict[str, Any]:
+    """Return the content of ``summary.json``."""
+    return {
+        "title": result.study.title,
+        "fingers": [
+            {
+                "finger": finger.name,
+                "source": finger.source,
+                "synthetic": finger.synthetic,
+                "palmar_mm": finger.semi_axes[0],
+                "distal_mm": finger.semi_axes[1],
+                "radial_ulnar_mm": finger.semi_axes[2],
+                "covariance_mm2": finger.covariance,
+                "reason": finger.reason,
+            }
+            for finger in result.fingers.values()
+        ],
+        "summaries": [_summary(summary) for summary in result.summaries],
+        "curves": [
+            {
+                "file": curve.manifest.file,
+                "finger": curve.manifest.finger,
+                "wedge_angle_deg": curve.manifest.wedge_angle_deg,
+                "synthetic": curve.manifest.synthetic,
+                "effective_radius_mm": curve.effective_radius,
+                "effective_radius_mm_std": curve.effective_radius_std,
+                "reason": curve.reason,
+            }
+            for curve in result.curves
+        ],
+        "failures": result.failures,
+        "provenance": result.provenance,
+    }
+
+
+def _summary(summary: Summary) -> dict[str, Any]:
+    return {
+        "finger": summary.finger,
+        "wedge_angle_deg": summary.wedge_angle_deg,
+        "roll_angle_deg": summary.roll_angle_deg,
+        "synthetic": summary.synthetic,
+        "count": len(summary.rows),
+        "mean_curvature_radius_mm": summary.rows[0]["mean_curvature_radius_mm"],
+        "mean_curvature_radius_mm_std": summary.rows[0]["mean_curvature_radius_mm_std"],
+        "geometric_mean_radius_mm": summary.rows[0]["geometric_mean_radius_mm"],
+        "geometric_mean_radius_mm_std": summary.rows[0]["geometric_mean_radius_mm_std"],
+        **_pooled("radius_from_indentation", summary.corrected_radius),
+        **_pooled("radius_from_compliance", summary.compliance_radius),
+        "area_exponent": area_exponent(summary),
+    }
+
+
+def _pooled(name: str, pooled: Pooled) -> dict[str, Any]:
+    values = asdict(pooled)
+    return {
+        f"{name}_mm": values["value"],
+        f"{name}_mm_std": values["total_std"],
+        f"{name}_mm_std_given_geometry": values["std"],
+        f"{name}_birge_ratio": values["birge_ratio"],
+    }
+
+
+def _cell(value: Any) -> Any:
+    """Return a CSV cell: empty for what is not known, true and false in words that spreadsheets read."""
+    if value is None or (isinstance(value, float) and not math.isfinite(value)):
+        return ""
+    return str(value).lower() if isinstance(value, bool) else value

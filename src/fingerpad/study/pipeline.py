@@ -1,0 +1,101 @@
+"""The whole way of a study, from its manifest to rows and summaries."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from fingerpad.study.fingers import FingerResult, finger_result
+from fingerpad.study.manifest import Study, read_study
+from fingerpad.study.measure import Measurement
+from fingerpad.study.provenance import provenance
+from fingerpad.study.rows import Row, make_rows
+from fingerpad.study.runner import measure_all
+from fingerpad.study.summary import CurveResult, Summary, curve_result, summaries
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class StudyResult:
+    """Everything that a run found.
+
+    Attributes
+    ----------
+    study : Study
+        The manifest.
+    folder : Path
+        The study folder.
+    fingers : dict of str to FingerResult
+        Semi-axes by finger.
+    rows : list of Row
+        One per observation.
+    summaries : list of Summary
+        One per finger and placement.
+    curves : list of CurveResult
+        One per loading curve.
+    provenance : dict
+        Versions, input hashes, formulas.
+    """
+
+    study: Study
+    folder: Path
+    fingers: dict[str, FingerResult]
+    rows: list[Row]
+    summaries: list[Summary]
+    curves: list[CurveResult]
+    provenance: dict[str, Any]
+
+    @property
+    def failures(self) -> list[str]:
+        """What failed and why, fingers, observations and curves alike."""
+        return [
+            *(f"{row['observation']}: {row['reason']}" for row in self.rows if row["status"] == "failed"),
+            *(finger.reason for finger in self.fingers.values() if finger.reason is not None),
+            *(f"{curve.name}: {curve.reason}" for curve in self.curves if curve.reason is not None),
+        ]
+
+
+def run_study(
+    manifest: Path,
+    out: Path,
+    *,
+    workers: int = 1,
+    on_start: Callable[[int], None] = lambda _: None,
+    on_measured: Callable[[Measurement], None] = lambda _: None,
+) -> StudyResult:
+    """Run a study: measure every observation, place every finger, apply the model, pool.
+
+    Parameters
+    ----------
+    manifest : Path
+        The study's TOML file.
+    out : Path
+        Folder for overlays; made if it is not there.
+    workers : int
+        Number of processes that measure.
+    on_start, on_measured : callable
+        Told how many observations there are, and of each one as it is done.
+
+    Raises
+    ------
+    ManifestError
+        Before any work, if the manifest cannot be acted upon.
+    """
+    study = read_study(manifest)
+    folder = manifest.resolve().parent
+    out.mkdir(parents=True, exist_ok=True)
+    fingers = {finger.name: finger_result(finger, folder) for finger in study.fingers}
+    on_start(len(study.observations))
+    measurements = {}
+    for measurement in measure_all(study.observations, folder, out, workers=workers):
+        measurements[measurement.observation] = measurement
+        on_measured(measurement)
+    rows = make_rows(study, fingers, measurements)
+    return StudyResult(
+        study=study,
+        folder=folder,
+        fingers=fingers,
+        rows=rows.rows,
+        summaries=summaries(study, fingers, rows),
+        curves=[curve_result(curve, folder) for curve in study.curves],
+        provenance=provenance(folder, [manifest.name, *(name for _, name in study.named_files())]),
+    )

@@ -1,0 +1,274 @@
+"""One row of results per observation, with its columns, units and uncertainties."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Final, TypeAlias
+
+import numpy as np
+
+from fingerpad._arrays import FloatArray
+from fingerpad.contact import youngs_modulus
+from fingerpad.geometry import Ellipsoid, Placement
+from fingerpad.study.fingers import FingerResult
+from fingerpad.study.manifest import Observation, Study
+from fingerpad.study.measure import Measurement
+from fingerpad.uncertainty import PAD_OUTPUTS, SHARED_INPUTS, FirstOrder, first_order, pad_model
+from fingerpad.units import KPA_PER_MPA
+
+Row: TypeAlias = dict[str, Any]
+
+# Beyond these Hertz theory is out of its range; the report says so in words.
+SMALL_CONTACT: Final = 0.3
+SMALL_INDENTATION: Final = 0.1
+SAME_SHAPE: Final = 0.1
+
+RANGE_NOTES: Final = {
+    "contact_not_small": f"the contact radius exceeds {SMALL_CONTACT:g} of the radius of curvature",
+    "indentation_not_small": f"the indentation exceeds {SMALL_INDENTATION:.0%} of the pad's thickness",
+    "aspect_ratio_disagrees": f"measured and predicted aspect ratio differ by more than {SAME_SHAPE:.0%}",
+    "long_axis_disagrees": "the long axis lies across the direction that Hertz theory predicts",
+}
+
+# Every column of results.csv, in order, with what it means.
+COLUMNS: Final[Mapping[str, str]] = {
+    "observation": "name of the observation",
+    "finger": "name of the finger",
+    "status": "measured or failed",
+    "reason": "why the row failed",
+    "synthetic": "whether picture, ellipse or finger was rendered or simulated",
+    "flags": "doubts about the picture, separated by spaces",
+    "range_notes": "where the model is out of its range, separated by spaces",
+    "wedge_angle_deg": "angle of the wedge on which the finger rests",
+    "roll_angle_deg": "roll of the finger about its own long axis",
+    "load_N": "normal force W",
+    "image": "contact image measured; empty where the ellipse was given",
+    "semi_major_mm": "semi-major axis of the contact ellipse",
+    "semi_major_mm_std": "its standard uncertainty",
+    "semi_minor_mm": "semi-minor axis of the contact ellipse",
+    "semi_minor_mm_std": "its standard uncertainty",
+    "aspect_ratio": "semi-major over semi-minor axis",
+    "long_axis": "along or across the finger",
+    "predicted_aspect_ratio": "of elliptical Hertz theory for the undeformed pad",
+    "predicted_long_axis": "along or across the finger, of elliptical Hertz theory",
+    "orientation_deg": "long axis from the finger's axis, counter-clockwise",
+    "gross_area_mm2": "area inside the outline of the contact",
+    "gross_area_mm2_std": "its standard uncertainty",
+    "ridge_area_mm2": "area of the ridges in contact",
+    "ridge_area_mm2_std": "its standard uncertainty",
+    "ridge_period_mm": "median distance between ridges",
+    "ellipse_overlap": "intersection over union of ellipse and contact region",
+    "centroid_row_px": "row of the contact's centroid",
+    "centroid_column_px": "column of the contact's centroid",
+    "u_deg": "parametric angle u of the place of contact",
+    "v_deg": "parametric angle v of the place of contact",
+    "in_plane_radius_mm": "principal radius along the finger at the place of contact",
+    "transverse_radius_mm": "principal radius across the finger at the place of contact",
+    "mean_curvature_radius_mm": "R_0g = 1/H of the undeformed pad",
+    "mean_curvature_radius_mm_std": "its standard uncertainty",
+    "geometric_mean_radius_mm": "R_e = sqrt(R'R'') of the undeformed pad",
+    "geometric_mean_radius_mm_std": "its standard uncertainty",
+    "radius_from_indentation_mm": "corrected radius R_0g F2^-3, the source's R_g^corr",
+    "radius_from_indentation_mm_std": "its standard uncertainty",
+    "radius_from_indentation_mm_std_given_geometry": "the same with R_0g held exact, as the source does",
+    "radius_from_area_mm": "equivalent sphere of the same area, R_0g F1^3",
+    "radius_from_area_mm_std": "its standard uncertainty",
+    "radius_from_compliance_mm": "equivalent sphere of A/(pi xi), R_0g F1^2/F2: the one to compare with R_g",
+    "radius_from_compliance_mm_std": "its standard uncertainty",
+    "geometric_radius_from_indentation_mm": "R_e F2^-3",
+    "geometric_radius_from_indentation_mm_std": "its standard uncertainty",
+    "geometric_radius_from_area_mm": "R_e F1^3",
+    "geometric_radius_from_area_mm_std": "its standard uncertainty",
+    "geometric_radius_from_compliance_mm": "R_e F1^2/F2",
+    "geometric_radius_from_compliance_mm_std": "its standard uncertainty",
+    "indentation_mm": "xi of elliptical Hertz theory from the observed ellipse",
+    "indentation_mm_std": "its standard uncertainty",
+    "reduced_modulus_kpa": "E* of elliptical Hertz theory from load and observed ellipse",
+    "reduced_modulus_kpa_std": "its standard uncertainty",
+    "youngs_modulus_kpa": "E = E*(1 - nu^2)",
+    "youngs_modulus_kpa_std": "its standard uncertainty",
+    "mean_pressure_kpa": "W over the area of the ellipse",
+    "mean_pressure_kpa_std": "its standard uncertainty",
+    "contact_size": "sqrt(l_d l_e)/R_e, which Hertz theory takes to be small",
+    "indentation_over_thickness": "indentation over the pad's thickness, where that is given",
+    "overlay": "picture of the measurement",
+}
+
+_IN_MM: Final = tuple(name for name in PAD_OUTPUTS if "radius" in name or name == "indentation")
+_IN_KPA: Final = ("reduced_modulus", "mean_pressure")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Rows:
+    """All rows of a study, with what pooling needs.
+
+    Attributes
+    ----------
+    rows : list of Row
+        One per observation, in the manifest's order.
+    good : list of int
+        Places in `rows` of those that were measured.
+    propagated : FirstOrder
+        Model outputs of the good rows with their uncertainty.
+    shared_jacobian : ndarray, shape (good, outputs, shared inputs)
+        Derivatives by the inputs that rows of one finger at one angle share.
+    own_std : ndarray, shape (good, outputs)
+        Standard uncertainty from the inputs that they do not share.
+    """
+
+    rows: list[Row]
+    good: list[int]
+    propagated: FirstOrder
+    shared_jacobian: FloatArray
+    own_std: FloatArray
+
+
+def make_rows(
+    study: Study, fingers: Mapping[str, FingerResult], measurements: Mapping[str, Measurement]
+) -> Rows:
+    """Turn measurements into rows: placement, model, and first-order uncertainty, all rows at once."""
+    rows, good, means, covariances = [], [], [], []
+    for index, observation in enumerate(study.observations):
+        finger, measured = fingers[observation.finger], measurements[observation.name]
+        reason = measured.reason or finger.reason
+        rows.append(_described(observation, finger, measured, reason))
+        if reason is None:
+            mean, covariance = pad_inputs(study, observation, finger, measured)
+            good.append(index)
+            means.append(mean)
+            covariances.append(covariance)
+    mean, covariance = np.reshape(means, (-1, 8)), np.reshape(covariances, (-1, 8, 8))
+    propagated = first_order(pad_model, mean, covariance)
+    own = propagated.jacobian[..., SHARED_INPUTS:]
+    own_covariance = own @ covariance[:, SHARED_INPUTS:, SHARED_INPUTS:] @ np.swapaxes(own, -1, -2)
+    own_std = np.sqrt(np.diagonal(own_covariance, axis1=-2, axis2=-1))
+    for place, index in enumerate(good):
+        observation = study.observations[index]
+        rows[index] |= _modelled(
+            observation,
+            fingers[observation.finger],
+            measurements[observation.name],
+            value=dict(zip(PAD_OUTPUTS, propagated.value[place], strict=True)),
+            std=dict(zip(PAD_OUTPUTS, propagated.std[place], strict=True)),
+            own_std=dict(zip(PAD_OUTPUTS, own_std[place], strict=True)),
+            poisson_ratio=study.poisson_ratio,
+        )
+    return Rows(
+        rows=[{name: row.get(name) for name in COLUMNS} for row in rows],
+        good=good,
+        propagated=propagated,
+        shared_jacobian=propagated.jacobian[..., :SHARED_INPUTS],
+        own_std=own_std,
+    )
+
+
+def shared_covariance(study: Study, finger: FingerResult) -> FloatArray:
+    """Return the covariance of the inputs that all rows of a finger at one angle share."""
+    covariance = np.zeros((SHARED_INPUTS, SHARED_INPUTS))
+    covariance[:3, :3] = finger.covariance
+    covariance[3, 3] = np.radians(study.uncertainty.wedge_angle_std_deg) ** 2
+    covariance[4, 4] = np.radians(study.uncertainty.roll_angle_std_deg) ** 2
+    return covariance
+
+
+def pad_inputs(
+    study: Study, observation: Observation, finger: FingerResult, measured: Measurement
+) -> tuple[FloatArray, FloatArray]:
+    """Return mean and covariance of the model's inputs for one observation."""
+    angles = np.radians([observation.wedge_angle_deg, observation.roll_angle_deg])
+    mean = np.array(
+        [*finger.semi_axes, *angles, observation.load_N, measured.semi_major, measured.semi_minor]
+    )
+    covariance = np.zeros((8, 8))
+    covariance[:5, :5] = shared_covariance(study, finger)
+    covariance[5, 5] = (study.uncertainty.load_relative_std * observation.load_N) ** 2
+    covariance[6:, 6:] = measured.covariance
+    return mean, covariance
+
+
+def _described(
+    observation: Observation, finger: FingerResult, measured: Measurement, reason: str | None
+) -> Row:
+    """Return the columns known before any model."""
+    row: Row = {
+        "observation": observation.name,
+        "finger": observation.finger,
+        "status": "measured" if reason is None else "failed",
+        "reason": reason,
+        "synthetic": observation.synthetic or finger.synthetic,
+        "flags": " ".join(measured.flags),
+        "wedge_angle_deg": observation.wedge_angle_deg,
+        "roll_angle_deg": observation.roll_angle_deg,
+        "load_N": observation.load_N,
+        "image": observation.image,
+        "overlay": measured.overlay,
+    }
+    if measured.reason is None:
+        row |= {
+            "semi_major_mm": measured.semi_major,
+            "semi_major_mm_std": np.sqrt(measured.covariance[0][0]),
+            "semi_minor_mm": measured.semi_minor,
+            "semi_minor_mm_std": np.sqrt(measured.covariance[1][1]),
+            "aspect_ratio": measured.semi_major / measured.semi_minor,
+            "long_axis": measured.long_axis,
+            **measured.details,
+        }
+    return row
+
+
+def _modelled(
+    observation: Observation,
+    finger: FingerResult,
+    measured: Measurement,
+    *,
+    value: Mapping[str, float],
+    std: Mapping[str, float],
+    own_std: Mapping[str, float],
+    poisson_ratio: float,
+) -> Row:
+    """Return the columns that follow from the model; `value` and the others by the model's output."""
+    placement = Placement.of(
+        Ellipsoid.of(*finger.semi_axes),
+        wedge_angle=np.radians(observation.wedge_angle_deg),
+        roll_angle=np.radians(observation.roll_angle_deg),
+    )
+    row: Row = {
+        "u_deg": np.degrees(placement.u),
+        "v_deg": np.degrees(placement.v),
+        "in_plane_radius_mm": placement.curvature.in_plane_radius,
+        "transverse_radius_mm": placement.curvature.transverse_radius,
+        "contact_size": value["contact_size"],
+        "predicted_aspect_ratio": np.exp(abs(value["predicted_elongation"])),
+        "predicted_long_axis": _side(value["predicted_elongation"]),
+    }
+    for names, unit, factor in ((_IN_MM, "mm", 1.0), (_IN_KPA, "kpa", KPA_PER_MPA)):
+        for name in names:
+            row[f"{name}_{unit}"], row[f"{name}_{unit}_std"] = factor * value[name], factor * std[name]
+    for suffix in ("", "_std"):
+        reduced = row[f"reduced_modulus_kpa{suffix}"]
+        row[f"youngs_modulus_kpa{suffix}"] = youngs_modulus(reduced, poisson_ratio)
+    row["radius_from_indentation_mm_std_given_geometry"] = own_std["radius_from_indentation"]
+    if finger.pad_thickness is not None:
+        row["indentation_over_thickness"] = value["indentation"] / finger.pad_thickness
+    row["range_notes"] = " ".join(_range_notes(row, measured))
+    return {
+        name: float(item) if isinstance(item, np.ndarray | np.floating) else item
+        for name, item in row.items()
+    }
+
+
+def _side(elongation: float) -> str | None:
+    return None if elongation == 0 else "along" if elongation > 0 else "across"
+
+
+def _range_notes(row: Row, measured: Measurement) -> Sequence[str]:
+    notes = []
+    if row["contact_size"] > SMALL_CONTACT:
+        notes.append("contact_not_small")
+    if row.get("indentation_over_thickness", 0) > SMALL_INDENTATION:
+        notes.append("indentation_not_small")
+    if measured.long_axis and row["predicted_long_axis"] not in {measured.long_axis, None}:
+        notes.append("long_axis_disagrees")
+    ratio = measured.semi_major / measured.semi_minor
+    if abs(ratio / row["predicted_aspect_ratio"] - 1) > SAME_SHAPE:
+        notes.append("aspect_ratio_disagrees")
+    return notes

@@ -1,0 +1,161 @@
+"""The whole way: the bundled study against its known truth, and faults that cost one row only."""
+
+import csv
+import json
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from PIL import Image
+
+from fingerpad.study.output import write_tables
+from fingerpad.study.pipeline import StudyResult, run_study
+from fingerpad.study.rows import COLUMNS
+
+EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "dzidek2017"
+
+
+@pytest.fixture(scope="module")
+def demo(tmp_path_factory: pytest.TempPathFactory) -> tuple[StudyResult, Path]:
+    out = tmp_path_factory.mktemp("demo")
+    result = run_study(EXAMPLE / "study.toml", out)
+    write_tables(result, out)
+    return result, out
+
+
+def test_measures_the_rendered_pad_as_it_is(demo: tuple[StudyResult, Path]) -> None:
+    result, _ = demo
+    rows = {row["observation"]: row for row in result.rows}
+    with (EXAMPLE / "synthetic" / "truth.csv").open() as file:
+        truths = list(csv.DictReader(file))
+    assert len(truths) == 9
+    for truth in truths:
+        row = rows[truth["observation"]]
+        assert row["status"] == "measured"
+        assert row["synthetic"]
+        assert row["flags"] == ""
+        assert row["long_axis"] == row["predicted_long_axis"] == "across"
+        for name, within in (("semi_major_mm", 0.02), ("semi_minor_mm", 0.02), ("indentation_mm", 0.035)):
+            assert_allclose(row[name], float(truth[name]), rtol=within)
+            assert abs(row[name] - float(truth[name])) < 3.5 * row[f"{name}_std"]
+        assert abs(row["reduced_modulus_kpa"] - 90) < 3.5 * row["reduced_modulus_kpa_std"]
+
+
+def test_fits_the_outlines_and_the_curve(demo: tuple[StudyResult, Path]) -> None:
+    result, _ = demo
+    pad = result.fingers["synthetic_pad"]
+    assert_allclose(pad.semi_axes, [7.9, 13.8, 11.8], rtol=0.006)
+    assert (np.abs(pad.semi_axes - [7.9, 13.8, 11.8]) < 3 * np.sqrt(np.diag(pad.covariance))).all()
+    fit = result.curves[-1].fit
+    assert fit is not None
+    # The pad's own A/(πξ) at 30°.
+    assert abs(fit.effective_radius - 13.6248 * 0.99986) < 3 * fit.effective_radius_std
+
+
+def test_the_source_rows_hold_its_numbers(demo: tuple[StudyResult, Path]) -> None:
+    result, _ = demo
+    rows = {row["observation"]: row for row in result.rows}
+    expected = {
+        "table3_30deg_ellipse": (45.243495, 13.607666, 13.625),
+        "table3_45deg_ellipse": (60.210426, 9.982357, 10.175),
+        "table3_30deg_direct": (48.532988, 13.506019, 13.522),
+        "table3_45deg_direct": (62.969140, 9.322567, 9.554),
+    }
+    for name, (u, mean, geometric) in expected.items():
+        assert not rows[name]["synthetic"]
+        assert_allclose(rows[name]["u_deg"], u, atol=1e-6)
+        assert_allclose(rows[name]["mean_curvature_radius_mm"], mean, atol=1e-6)
+        assert_allclose(rows[name]["geometric_mean_radius_mm"], geometric, atol=6e-4)
+        assert "contact_not_small" in rows[name]["range_notes"]
+    # ±0.1 mm on the axes moves the corrected radius by hundredths when R_0g is held exact.
+    assert rows["table3_30deg_ellipse"]["radius_from_indentation_mm_std_given_geometry"] < 0.03
+    assert rows["table3_30deg_ellipse"]["radius_from_indentation_mm_std"] > 0.1
+
+
+def test_pools_by_finger_and_angle_without_mixing_synthetic_rows(demo: tuple[StudyResult, Path]) -> None:
+    result, _ = demo
+    keys = [(summary.finger, summary.wedge_angle_deg, summary.synthetic) for summary in result.summaries]
+    assert len(keys) == len(set(keys)) == 6
+    pooled = {key: summary.corrected_radius for key, summary in zip(keys, result.summaries, strict=True)}
+    assert pooled["synthetic_pad", 30.0, True].count == 5
+    assert pooled["left_index_ellipse", 30.0, False].count == 1
+    truth = 13.6077 * 1.0004  # R_0g F2⁻³ of the true pad
+    assert (
+        abs(pooled["synthetic_pad", 30.0, True].value - truth)
+        < 2 * pooled["synthetic_pad", 30.0, True].total_std
+    )
+
+
+def test_tables_agree_with_each_other(demo: tuple[StudyResult, Path]) -> None:
+    result, out = demo
+    with (out / "results.csv").open() as file:
+        table = list(csv.DictReader(file))
+    records = json.loads((out / "results.json").read_text())
+    assert len(table) == len(records) == len(result.rows) == 13
+    for line, record in zip(table, records, strict=True):
+        assert list(line) == list(record) == list(COLUMNS)
+        for key, value in record.items():
+            if isinstance(value, float):
+                assert float(line[key]) == value
+            elif value is None:
+                assert line[key] == ""
+    with (out / "results_columns.csv").open() as file:
+        assert [row["column"] for row in csv.DictReader(file)] == list(COLUMNS)
+    summary = json.loads((out / "summary.json").read_text())
+    assert set(summary["provenance"]["inputs_sha256"]) >= {"study.toml", "observations.csv"}
+    assert len(summary["provenance"]["inputs_sha256"]) == 2 + 3 + 9 + 1
+    for row in records:
+        assert row["overlay"] is None or (out / row["overlay"]).is_file()
+
+
+def test_two_workers_find_what_one_finds(demo: tuple[StudyResult, Path], tmp_path: Path) -> None:
+    result, _ = demo
+    again = run_study(EXAMPLE / "study.toml", tmp_path, workers=2)
+    assert again.rows == result.rows
+
+
+@pytest.fixture
+def copy(tmp_path: Path) -> Path:
+    return Path(shutil.copytree(EXAMPLE, tmp_path / "study"))
+
+
+def test_a_bad_image_costs_its_row_only(copy: Path, tmp_path: Path, demo: tuple[StudyResult, Path]) -> None:
+    bad = copy / "synthetic"
+    (bad / "synthetic_30deg_1N.png").write_bytes((bad / "synthetic_30deg_1N.png").read_bytes()[:2000])
+    (bad / "synthetic_30deg_2N.png").write_text("not a picture")
+    Image.fromarray(np.full((300, 300), 255, np.uint8)).save(bad / "synthetic_30deg_4N.png")
+    (bad / "outline_palmar.csv").write_text("x_mm,y_mm\n1,2\n")
+    (bad / "curve_30deg.csv").write_text("force_N\n1\n")
+    result = run_study(copy / "study.toml", tmp_path / "out")
+    rows = {row["observation"]: row for row in result.rows}
+    untouched = {row["observation"]: row for row in demo[0].rows}
+    for load in ("1N", "2N", "4N"):
+        row = rows[f"synthetic_30deg_{load}"]
+        assert row["status"] == "failed"
+        assert row["semi_major_mm"] is None
+        assert f"synthetic_30deg_{load}.png" in row["reason"] or "no contact found" in row["reason"]
+        assert str(tmp_path) not in row["reason"]
+    assert "finger synthetic_pad" in rows["synthetic_45deg_2N"]["reason"]
+    assert rows["table3_30deg_ellipse"] == untouched["table3_30deg_ellipse"]
+    assert [summary.finger for summary in result.summaries] == 2 * ["left_index_ellipse"] + 2 * [
+        "left_index_direct"
+    ]
+    assert result.curves[-1].fit is None
+    assert len(result.failures) == 9 + 1 + 1
+
+
+def test_a_study_of_failures_still_reports(copy: Path, tmp_path: Path) -> None:
+    manifest = copy / "study.toml"
+    manifest.write_text(
+        'title = "T"\n[[fingers]]\nname = "f"\n'
+        "semi_axes_mm = { palmar = 8, distal = 14, radial_ulnar = 12 }\n"
+        "semi_axes_std_mm = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }\n"
+        '[[observations]]\nname = "x"\nfinger = "f"\nwedge_angle_deg = 0\nload_N = 1\n'
+        'image = "study.toml"\nppi = 500\n'
+    )
+    result = run_study(manifest, tmp_path / "out")
+    write_tables(result, tmp_path / "out")
+    assert result.rows[0]["status"] == "failed"
+    assert result.summaries == []
