@@ -3,6 +3,7 @@
 import mpmath as mp
 import numpy as np
 import pytest
+from benchmarks.exact import RATIOS, exact_contact
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
@@ -17,50 +18,13 @@ from fingerpad.contact import (
 )
 from fingerpad.exceptions import GeometryError
 
-RATIOS = np.concatenate(
-    [
-        [1.0],
-        1 + 10.0 ** -np.arange(15, 0, -1.0),
-        np.geomspace(1.2, 1e7, 60),
-    ]
-)
 TOLERANCE = 4e-15
-
-
-def reference(ratio: float, first: float, load: float, modulus: float) -> tuple[mp.mpf, ...]:
-    """Solve Johnson (4.26–4.28) as printed, with digits enough to outlast its cancellation."""
-    with mp.workdps(90):
-        major_radius, minor_radius = mp.mpf(first) * mp.mpf(ratio), mp.mpf(first)
-        ratio_ = major_radius / minor_radius
-        if ratio_ == 1:
-            k, F1, F2 = mp.mpf(1), mp.mpf(1), mp.mpf(1)
-        else:
-
-            def integrals(k: mp.mpf) -> tuple[mp.mpf, mp.mpf]:
-                return mp.ellipk(1 - k * k), mp.ellipe(1 - k * k)
-
-            def residual(log_k: mp.mpf) -> mp.mpf:
-                k = mp.exp(log_k)
-                K, E = integrals(k)
-                return mp.log((E / k**2 - K) / (K - E)) - mp.log(ratio_)
-
-            start = -mp.log(ratio_) * mp.mpf("0.66")
-            k = mp.exp(mp.findroot(residual, (start, start * mp.mpf("0.98")), tol=1e-110, maxsteps=60))
-            K, E = integrals(k)
-            F1 = mp.cbrt(4 / (mp.pi * (1 - k * k)) * k ** mp.mpf("1.5") * mp.sqrt((E / k**2 - K) * (K - E)))
-            F2 = 2 / mp.pi * mp.sqrt(k) * K / F1
-        mean_radius = mp.sqrt(major_radius * minor_radius)
-        W, modulus_ = mp.mpf(load), mp.mpf(modulus)
-        c = mp.cbrt(3 * W * mean_radius / (4 * modulus_)) * F1
-        major, minor = c / mp.sqrt(k), c * mp.sqrt(k)
-        indentation = mp.cbrt(9 * W**2 / (16 * modulus_**2 * mean_radius)) * F2
-        return major, minor, indentation, 3 * W / (2 * mp.pi * major * minor)
 
 
 @pytest.mark.parametrize("ratio", RATIOS)
 def test_agrees_with_fifty_digits(ratio: float) -> None:
     first = 8.0  # a power of two, so that the ratio of the doubles is the ratio meant
-    expected = reference(ratio, first, 2.0, 0.1365)
+    expected = exact_contact(ratio, first, 2.0, 0.1365)
     contact = hertz_contact(first, first * ratio, 2.0, reduced_modulus=0.1365)
     found = (contact.semi_major, contact.semi_minor, contact.indentation, contact.peak_pressure)
     for value, exact in zip(found, expected, strict=True):
