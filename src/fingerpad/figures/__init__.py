@@ -1,0 +1,33 @@
+"""All drawing: the source's figures and those of a study, on axes that the caller provides.
+
+Every ``plot_*`` draws on Matplotlib axes and returns them; `new_figure` makes axes without any global state,
+`save_figure` and `figure_svg` write them.
+"""
+
+from fingerpad.figures.pad import plot_pad, plot_pad_with_contact
+from fingerpad.figures.results import (
+    plot_area_against_load,
+    plot_aspect_ratio,
+    plot_contact_compliance,
+    plot_corrected_radius,
+    plot_load_indentation,
+)
+from fingerpad.figures.source import source_figures
+from fingerpad.figures.style import figure_svg, new_figure, save_figure
+from fingerpad.figures.wedge import plot_wedge, plot_wedge_in_pad_axes
+
+__all__ = [
+    "figure_svg",
+    "new_figure",
+    "plot_area_against_load",
+    "plot_aspect_ratio",
+    "plot_contact_compliance",
+    "plot_corrected_radius",
+    "plot_load_indentation",
+    "plot_pad",
+    "plot_pad_with_contact",
+    "plot_wedge",
+    "plot_wedge_in_pad_axes",
+    "save_figure",
+    "source_figures",
+]

@@ -1,0 +1,294 @@
+"""The pad in three dimensions, seen along a direction without perspective, shaded as matt skin would be."""
+
+from dataclasses import dataclass
+from typing import Final, Self
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import to_rgb
+
+from fingerpad._arrays import ArrayLike, FloatArray, floats
+from fingerpad.figures.style import (
+    BLACK,
+    BLUE,
+    GREEN,
+    GREY,
+    ORANGE,
+    VERMILLION,
+    YELLOW,
+    in_style,
+    mark_synthetic,
+    pair,
+)
+from fingerpad.geometry import Ellipse, Ellipsoid, Placement
+
+# The caption of the source's Fig. 4.
+POINT_COLOURS: Final = {0: YELLOW, 30: GREEN, 45: BLUE, 60: ORANGE, 90: VERMILLION}
+_SKIN: Final = to_rgb("#f3d9c6")
+_BACK: Final = to_rgb("#dfe3e8")
+_PIXELS: Final = 240
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class View:
+    """Orthonormal axes of a picture: to the right, upwards, and towards the eye."""
+
+    right: FloatArray
+    up: FloatArray
+    towards: FloatArray
+
+    @classmethod
+    def of(cls, towards: ArrayLike, up: ArrayLike) -> Self:
+        """Look from `towards`, with `up` upwards as far as it can be."""
+        eye = floats(towards) / np.linalg.norm(towards)
+        right = np.cross(floats(up), eye)
+        right /= np.linalg.norm(right)
+        return cls(right=right, up=np.cross(eye, right), towards=eye)
+
+    def project(self, points: FloatArray) -> FloatArray:
+        """Return the picture's coordinates of points, shape (..., 2)."""
+        return np.stack([points @ self.right, points @ self.up], axis=-1)
+
+
+@in_style
+def plot_pad(
+    axes: Axes,
+    pad: Ellipsoid,
+    *,
+    u_deg: ArrayLike = (0, 30, 45, 60, 90),
+    synthetic: bool = False,
+) -> Axes:
+    """Draw the ellipsoid, its palmar cap, its axes, and points of given u, as in the source's Figs 1 and 4.
+
+    Parameters
+    ----------
+    axes : Axes
+        Where to draw; takes equal scales and loses its frame.
+    pad : Ellipsoid
+        One pad, mm.
+    u_deg : array_like
+        Parametric angles of points to mark on the finger's midline, degrees; the source's five have the
+        colours of its caption.
+    synthetic : bool
+        Whether to say that the pad is not a measured one.
+    """
+    view = View.of(towards=(0.55, 0.5, 0.95), up=(1, 0, 0))
+    outline = _draw_surface(axes, pad, view)
+    _frame(axes, np.concatenate([outline, _draw_coordinate_axes(axes, pad, view)]))
+    for angle in np.atleast_1d(floats(u_deg)):
+        spot = view.project(pad.point(np.radians(angle), np.pi / 2))
+        outward = view.project(pad.normal(np.radians(angle), np.pi / 2))
+        colour = POINT_COLOURS.get(round(float(angle)), BLACK)
+        axes.plot(
+            *spot, "o", color=colour, markersize=7, markeredgecolor=BLACK, markeredgewidth=0.7, zorder=6
+        )
+        axes.annotate(
+            f"{angle:g}°",
+            pair(spot),
+            xytext=pair(-12 * outward / np.linalg.norm(outward)),
+            textcoords="offset points",
+            ha="center",
+            va="center",
+            fontsize=7,
+            zorder=6,
+        )
+    _draw_scale_bar(axes)
+    if synthetic:
+        mark_synthetic(axes)
+    return axes
+
+
+@in_style
+def plot_pad_with_contact(
+    axes: Axes,
+    pad: Ellipsoid,
+    *,
+    wedge_angle: float,
+    roll_angle: float = 0.0,
+    predicted: Ellipse | None = None,
+    measured: Ellipse | None = None,
+    measured_long_axis_angle: float = 0.0,
+    synthetic: bool = False,
+) -> Axes:
+    """Draw the pad as seen through the platen: place of contact, principal directions, contact ellipses.
+
+    Parameters
+    ----------
+    axes : Axes
+        Where to draw; takes equal scales and loses its frame.
+    pad : Ellipsoid
+        One pad, mm.
+    wedge_angle, roll_angle : float
+        Placement, radians. The finger's axis points upwards in the picture, as it lies on the platen.
+    predicted : Ellipse, optional
+        Contact ellipse of Hertz theory, mm; its long axis lies along the larger principal radius.
+    measured : Ellipse, optional
+        Contact ellipse of an imprint, mm.
+    measured_long_axis_angle : float
+        Its long axis from the finger's axis, counter-clockwise, radians.
+    synthetic : bool
+        Whether to say that the contact is not a measured one.
+    """
+    placement = Placement.of(pad, wedge_angle=wedge_angle, roll_angle=roll_angle)
+    # The finger's axis as it lies on the platen, ∂n/∂θ: regular even where the finger stands on its tip.
+    rise = np.array([-np.sin(wedge_angle) * np.cos(roll_angle), np.cos(wedge_angle)])
+    view = View.of(placement.normal, up=(*rise, -np.sin(wedge_angle) * np.sin(roll_angle)))
+    centre = view.project(placement.point)
+    directions = view.project(placement.curvature.principal_directions)
+    radii = placement.curvature.principal_radii
+    _draw_directions(axes, centre, _draw_surface(axes, pad, view), directions, radii)
+    if predicted is not None:
+        long_axis = directions[np.argmax(radii)]
+        turn = float(np.arctan2(-long_axis[0], long_axis[1]))
+        _draw_contact(
+            axes, centre, predicted, turn, colour=ORANGE, style="--", label="contact predicted (Hertz)"
+        )
+    if measured is not None:
+        angle = measured_long_axis_angle
+        _draw_contact(axes, centre, measured, angle, colour=BLUE, style="-", label="contact measured")
+    axes.plot(*centre, "o", color=BLACK, markersize=3.5, zorder=6, label="place of contact")
+    roll = f", roll φ = {np.degrees(roll_angle):g}°" if roll_angle else ""
+    axes.set_title(f"θ = {np.degrees(wedge_angle):g}°{roll}, u = {np.degrees(placement.u):.1f}°")
+    axes.legend(loc="upper center", bbox_to_anchor=(0.5, 0.0), ncols=1)
+    _draw_scale_bar(axes)
+    if synthetic:
+        mark_synthetic(axes)
+    return axes
+
+
+def _draw_surface(axes: Axes, pad: Ellipsoid, view: View) -> FloatArray:
+    """Draw the shaded ellipsoid with its parametric lines and outline; return the outline."""
+    turn = np.linspace(0, 2 * np.pi, 361)
+    rim = np.cos(turn)[:, None] * view.right + np.sin(turn)[:, None] * view.up
+    outline = view.project(pad.contact_point(rim))
+    reach = np.abs(outline).max(axis=0)  # the outline is symmetric about the centre
+    axes.imshow(
+        _shaded(pad, view, reach),
+        extent=(-reach[0], reach[0], -reach[1], reach[1]),
+        origin="lower",
+        interpolation="bilinear",
+        zorder=1,
+    )
+    axes.plot(*outline.T, color=GREY, linewidth=0.9, zorder=2)
+    for u in np.radians(np.arange(-90, 91, 15)):
+        _draw_line(axes, pad, view, np.full(91, u), np.linspace(0, np.pi, 91))
+    for v in np.radians(np.arange(15, 166, 15)):
+        _draw_line(
+            axes, pad, view, np.linspace(-np.pi / 2, np.pi / 2, 181), np.full(181, v), bold=v == np.pi / 2
+        )
+    axes.set_aspect("equal")
+    axes.set_axis_off()
+    return outline
+
+
+def _frame(axes: Axes, points: FloatArray) -> None:
+    """Set the limits to hold `points` with a margin."""
+    low, high = points.min(axis=0), points.max(axis=0)
+    margin = 0.05 * (high - low)
+    axes.set_xlim(low[0] - margin[0], high[0] + margin[0])
+    axes.set_ylim(low[1] - margin[1], high[1] + margin[1])
+
+
+def _shaded(pad: Ellipsoid, view: View, reach: FloatArray) -> FloatArray:
+    """Return an RGBA picture: where each line of sight meets the ellipsoid, how far it faces the light."""
+    s, t = np.meshgrid(*(np.linspace(-r, r, _PIXELS) for r in reach))
+    base = s[..., None] * view.right + t[..., None] * view.up
+    weight = 1 / pad.semi_axes**2
+    a = (weight * view.towards**2).sum()
+    b = (weight * base * view.towards).sum(axis=-1)
+    discriminant = b * b - a * ((weight * base**2).sum(axis=-1) - 1)
+    depth = (np.sqrt(np.maximum(discriminant, 0)) - b) / a
+    point = base + depth[..., None] * view.towards
+    normal = weight * point
+    normal /= np.linalg.norm(normal, axis=-1, keepdims=True)
+    light = view.towards + 0.5 * view.up - 0.4 * view.right
+    shade = 0.62 + 0.38 * np.clip(normal @ (light / np.linalg.norm(light)), 0, 1)
+    colour = np.where(point[..., :1] >= 0, _SKIN, _BACK)
+    return np.concatenate([colour * shade[..., None], (discriminant >= 0)[..., None]], axis=-1)
+
+
+def _draw_line(
+    axes: Axes, pad: Ellipsoid, view: View, u: FloatArray, v: FloatArray, *, bold: bool = False
+) -> None:
+    """Draw the part of a parametric line that faces the eye."""
+    seen = pad.normal(u, v) @ view.towards > 0
+    line = np.where(seen[:, None], view.project(pad.point(u, v)), np.nan)
+    axes.plot(
+        *line.T, color=BLACK if bold else GREY, linewidth=0.9 if bold else 0.35, alpha=0.9 if bold else 0.6
+    )
+
+
+def _draw_coordinate_axes(axes: Axes, pad: Ellipsoid, view: View) -> FloatArray:
+    """Draw the directions of the three semi-axes as arrows that leave the surface; return their ends."""
+    length = 0.3 * float(pad.semi_axes.max())
+    starts, ends = (view.project(np.diag(reach)) for reach in (pad.semi_axes, pad.semi_axes + length))
+    for start, end, name in zip(starts, ends, ("x, palmar", "y, distal", "z, across"), strict=True):
+        axes.annotate(
+            "",
+            pair(end),
+            pair(start),
+            arrowprops={"arrowstyle": "-|>", "color": BLACK, "lw": 0.9, "shrinkA": 0, "shrinkB": 0},
+            zorder=5,
+            annotation_clip=False,
+        )
+        steep = abs(end[1] - start[1]) > 2 * abs(end[0] - start[0])
+        axes.annotate(
+            name,
+            pair(end),
+            xytext=pair(4 * (end - start) / np.linalg.norm(end - start)),
+            textcoords="offset points",
+            ha="center" if steep else "left" if end[0] > start[0] else "right",
+            va="bottom" if steep else "center",
+            fontsize=7,
+        )
+    return ends
+
+
+def _draw_directions(
+    axes: Axes, centre: FloatArray, outline: FloatArray, directions: FloatArray, radii: FloatArray
+) -> None:
+    """Draw the principal directions through the place of contact, named beyond the outline; set limits."""
+    ends = []
+    for direction, radius, word in zip(directions, radii, ("along", "across"), strict=True):
+        upwards = word == "along"
+        side = direction * np.sign(direction[1] if upwards else direction[0])
+        reach = (outline - centre) @ side
+        line = centre + np.outer([1.06 * reach.min(), 1.08 * reach.max()], side)
+        axes.plot(*line.T, color=BLACK, linewidth=0.8, zorder=4)
+        axes.annotate(
+            f"R {word}{' ' if upwards else chr(10)}{radius:.1f} mm",
+            pair(line[1]),
+            xytext=(0, 2) if upwards else (3, 0),
+            textcoords="offset points",
+            ha="center" if upwards else "left",
+            va="bottom" if upwards else "center",
+            fontsize=6.8,
+        )
+        ends.append(line)
+    _frame(axes, np.concatenate([outline, *ends]))
+
+
+def _draw_contact(
+    axes: Axes, centre: FloatArray, ellipse: Ellipse, angle: float, *, colour: str, style: str, label: str
+) -> None:
+    """Draw a contact ellipse to scale, its long axis `angle` from upwards, counter-clockwise."""
+    turn = np.linspace(0, 2 * np.pi, 181)
+    major, minor = ellipse.semi_major * np.cos(turn), ellipse.semi_minor * np.sin(turn)
+    x = centre[0] - major * np.sin(angle) - minor * np.cos(angle)
+    y = centre[1] + major * np.cos(angle) - minor * np.sin(angle)
+    size = f"semi-axes {ellipse.semi_major:.1f} × {ellipse.semi_minor:.1f} mm"
+    axes.plot(x, y, style, color=colour, linewidth=1.5, zorder=5, label=f"{label}, {size}")
+
+
+def _draw_scale_bar(axes: Axes, length: float = 5.0) -> None:
+    """Draw a bar of `length` mm in the lower left corner, the axes having no ticks."""
+    left, bottom = axes.get_xlim()[0], axes.get_ylim()[0]
+    axes.plot([left, left + length], [bottom, bottom], color=BLACK, linewidth=1.8, clip_on=False)
+    axes.annotate(
+        f"{length:g} mm",
+        (left + length / 2, bottom),
+        xytext=(0, 3),
+        textcoords="offset points",
+        ha="center",
+        fontsize=7,
+    )

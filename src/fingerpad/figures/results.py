@@ -1,0 +1,349 @@
+"""Figures of results: radii, areas, shapes and indentations against load.
+
+Arrays are in mm, mm² and N; a `_std` is a standard uncertainty and is drawn as an error bar of that length
+to either side. `synthetic` marks data that were rendered or simulated, for all points or one by one.
+"""
+
+from typing import Final, Literal, TypeAlias
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import EllipseCollection
+from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
+
+from fingerpad._arrays import ArrayLike, FloatArray, broadcast, floats
+from fingerpad.contact import HertzGeometry
+from fingerpad.figures.style import (
+    BLACK,
+    BLUE,
+    ORANGE,
+    VERMILLION,
+    draw_points,
+    in_style,
+)
+from fingerpad.published import PublishedWedge
+from fingerpad.units import KPA_PER_MPA
+
+Side: TypeAlias = Literal["top", "center", "bottom"]
+_SHAPE_POINTS: Final = 13.0
+
+
+@in_style
+def plot_corrected_radius(
+    axes: Axes,
+    load: ArrayLike,
+    corrected_radius: ArrayLike,
+    *,
+    corrected_radius_std: ArrayLike | None = None,
+    measured_radius: float | None = None,
+    mean_curvature_radius: float | None = None,
+    printed: PublishedWedge | None = None,
+    synthetic: ArrayLike = False,
+) -> Axes:
+    """Draw R_g^corr against load, as in the source's Fig. 6.
+
+    Parameters
+    ----------
+    axes : Axes
+        Where to draw.
+    load, corrected_radius, corrected_radius_std : array_like
+        Normal force (N) and corrected radius (mm); both may be empty.
+    measured_radius : float, optional
+        R_g from loading data, mm: dashed.
+    mean_curvature_radius : float, optional
+        R_0g of the undeformed pad, mm: dotted.
+    printed : PublishedWedge, optional
+        Numbers of the source: its R_g^corr is drawn as a diamond, at its load.
+    synthetic : array_like of bool
+        Points that are not measured: hollow.
+    """
+    draw_points(
+        axes,
+        load,
+        corrected_radius,
+        y_std=corrected_radius_std,
+        synthetic=synthetic,
+        label=r"$R_\mathrm{g}^\mathrm{corr}$",
+    )
+    if printed is not None:
+        axes.plot(
+            printed.load_N,
+            printed.corrected_radius_mm.value,
+            "D",
+            color=VERMILLION,
+            markersize=4.5,
+            zorder=4,
+            label=r"$R_\mathrm{g}^\mathrm{corr}$, printed in the source",
+        )
+    _mark_levels(
+        axes, [(r"$R_\mathrm{g}$", measured_radius, "--"), (r"$R_\mathrm{0g}$", mean_curvature_radius, ":")]
+    )
+    axes.set_xlim(left=0)
+    axes.margins(y=0.15)
+    axes.set_xlabel("normal load W (N)")
+    axes.set_ylabel("corrected radius of curvature (mm)")
+    _legend_above(axes)
+    return axes
+
+
+def _mark_levels(axes: Axes, levels: list[tuple[str, float | None, str]]) -> None:
+    """Draw horizontal lines named at their right end, the higher name above its line, the lower below."""
+    given = sorted(((value, name, style) for name, value, style in levels if value is not None), reverse=True)
+    for place, (value, name, style) in enumerate(given):
+        axes.axhline(value, color=BLACK, linestyle=style, linewidth=1.0)
+        side: Side = "center" if len(given) == 1 else ("top" if place else "bottom")
+        _name_level(axes, value, f"{name}\n{value:.4g} mm", side=side)
+
+
+def _name_level(
+    axes: Axes,
+    value: float,
+    name: str,
+    *,
+    side: Side = "center",
+    gap: float = 3,
+) -> None:
+    """Write the name of a horizontal line to the right of the frame, `gap` points off."""
+    axes.annotate(
+        name,
+        (1.0, value),
+        xycoords=("axes fraction", "data"),
+        xytext=(gap, 0),
+        textcoords="offset points",
+        va=side,
+        fontsize=6.8,
+    )
+
+
+def _legend_above(axes: Axes) -> None:
+    """Put the legend over the frame, where no data can be."""
+    if axes.get_legend_handles_labels()[0]:
+        axes.legend(
+            loc="lower left", bbox_to_anchor=(-0.02, 1.0), borderaxespad=0.1, labelspacing=0.25, ncols=1
+        )
+
+
+@in_style
+def plot_area_against_load(
+    axes: Axes,
+    load: ArrayLike,
+    area: ArrayLike,
+    *,
+    area_std: ArrayLike | None = None,
+    exponent: float | None = None,
+    exponent_std: float | None = None,
+    synthetic: ArrayLike = False,
+) -> Axes:
+    """Draw contact area against load in logarithmic axes, with the fitted power law and Hertz's 2/3.
+
+    Both lines pass through the mean of the logarithms, as every least-squares line does. Points without
+    a positive load and area have no logarithm and are left out.
+
+    Parameters
+    ----------
+    axes : Axes
+        Where to draw.
+    load, area, area_std : array_like
+        Normal force (N) and area (mm²).
+    exponent, exponent_std : float, optional
+        Slope of ln A against ln W and its standard uncertainty.
+    synthetic : array_like of bool
+        Points that are not measured: hollow.
+    """
+    W, A, std, flags = broadcast(load, area, np.nan if area_std is None else area_std, synthetic)
+    good = (W > 0) & (A > 0)
+    W, A = W[good], A[good]
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    draw_points(
+        axes, W, A, y_std=None if area_std is None else std[good], synthetic=flags[good] != 0, label="area"
+    )
+    if W.size:
+        line = np.geomspace(W.min() / 1.15, W.max() * 1.15, 2)
+
+        def power_law(slope: float) -> FloatArray:
+            return floats(np.exp(np.log(A).mean() + slope * (np.log(line) - np.log(W).mean())))
+
+        if exponent is not None:
+            error = "" if exponent_std is None else rf" \pm {exponent_std:.2f}"
+            axes.plot(
+                line, power_law(exponent), color=BLUE, label=rf"fit, $A \propto W^{{{exponent:.2f}{error}}}$"
+            )
+        axes.plot(line, power_law(2 / 3), "--", color=ORANGE, label=r"Hertz, $A \propto W^{2/3}$")
+        axes.set_xlim(line[0], line[-1])
+    axes.grid(visible=True, which="major")
+    _plain_log_ticks(axes)
+    axes.set_xlabel("normal load W (N)")
+    axes.set_ylabel("contact area A (mm²)")
+    if W.size:
+        axes.legend(loc="upper left")
+    return axes
+
+
+def _plain_log_ticks(axes: Axes) -> None:
+    """Label 1, 2, 5 of each decade with plain numbers: most data span little more than one."""
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        axis.set_minor_locator(NullLocator())
+
+
+@in_style
+def plot_aspect_ratio(
+    axes: Axes,
+    load: ArrayLike,
+    aspect_ratio: ArrayLike,
+    *,
+    aspect_ratio_std: ArrayLike | None = None,
+    long_axis_angle: ArrayLike = 0.0,
+    predicted_aspect_ratio: float | None = None,
+    predicted_long_axis_angle: float = 0.0,
+    synthetic: ArrayLike = False,
+) -> Axes:
+    """Draw the aspect ratio ℓd/ℓe of contacts against load, each as an ellipse of its own shape.
+
+    The ellipses stand as seen through the platen with the fingertip upwards, so they show the direction of
+    the long axis too.
+
+    Parameters
+    ----------
+    axes : Axes
+        Where to draw.
+    load, aspect_ratio, aspect_ratio_std : array_like
+        Normal force (N) and ℓd/ℓe ≥ 1.
+    long_axis_angle : array_like
+        Angle of the long axis from the finger's axis, counter-clockwise, radians.
+    predicted_aspect_ratio, predicted_long_axis_angle : float, optional
+        The same of elliptical Hertz theory for the undeformed pad, for any load.
+    synthetic : array_like of bool
+        Contacts that are not measured: hollow.
+    """
+    W, ratio, angle, flags = (
+        array.ravel() for array in broadcast(load, aspect_ratio, long_axis_angle, synthetic)
+    )
+    draw_points(axes, W, ratio, y_std=aspect_ratio_std, synthetic=flags)
+    for mask, face in ((flags == 0, "#cfe3f1"), (flags != 0, "white")):
+        _draw_shapes(axes, W[mask], ratio[mask], ratio[mask], angle[mask], face=face, edge=BLUE)
+    if predicted_aspect_ratio is not None:
+        axes.axhline(predicted_aspect_ratio, color=ORANGE, linestyle="--", zorder=1)
+        shape = (floats([value]) for value in (predicted_aspect_ratio, predicted_long_axis_angle))
+        _draw_shapes(axes, floats([1.06]), floats([predicted_aspect_ratio]), *shape, edge=ORANGE, beside=True)
+        _name_level(axes, predicted_aspect_ratio, f"Hertz\n{predicted_aspect_ratio:.2f}", gap=22)
+    axes.set_xlim(left=0)
+    axes.margins(y=0.25)
+    axes.set_xlabel("normal load W (N)\nshapes as seen through the platen, fingertip up")
+    axes.set_ylabel(r"aspect ratio $\ell_\mathrm{d}/\ell_\mathrm{e}$ (–)")
+    return axes
+
+
+def _draw_shapes(
+    axes: Axes,
+    x: FloatArray,
+    y: FloatArray,
+    aspect_ratio: FloatArray,
+    angle: FloatArray,
+    *,
+    edge: str,
+    face: str = "white",
+    beside: bool = False,
+) -> None:
+    """Draw ellipses of one length and true shape; `beside` takes x in fractions of the frame."""
+    axes.add_collection(
+        EllipseCollection(
+            np.full(x.shape, _SHAPE_POINTS),
+            _SHAPE_POINTS / aspect_ratio,
+            90 + np.degrees(angle),
+            units="points",
+            offsets=np.column_stack([x, y]),
+            offset_transform=axes.get_yaxis_transform() if beside else axes.transData,
+            facecolors=face,
+            edgecolors=edge,
+            linewidths=0.9,
+            clip_on=False,
+            zorder=4,
+        ),
+        autolim=False,
+    )
+
+
+@in_style
+def plot_load_indentation(
+    axes: Axes,
+    indentation: ArrayLike,
+    load: ArrayLike,
+    *,
+    load_std: ArrayLike | None = None,
+    indentation_std: ArrayLike | None = None,
+    radius: float | None = None,
+    reduced_modulus: float | None = None,
+    synthetic: ArrayLike = False,
+) -> Axes:
+    """Draw load against indentation, with Hertz's law where its radius and modulus are given.
+
+    Parameters
+    ----------
+    axes : Axes
+        Where to draw.
+    indentation, load, indentation_std, load_std : array_like
+        Indentation ξ (mm) and normal force (N).
+    radius, reduced_modulus : float, optional
+        Radius of the equivalent sphere (mm) and E* (MPa) of the line W = (4/3) E* R^½ ξ^(3/2).
+    synthetic : array_like of bool
+        Points that are not measured: hollow.
+    """
+    draw_points(axes, indentation, load, x_std=indentation_std, y_std=load_std, synthetic=synthetic)
+    depth = floats(indentation)
+    if radius is not None and reduced_modulus is not None and np.isfinite(depth).any():
+        line = np.linspace(0, max(np.nanmax(depth), 0), 200)
+        force = HertzGeometry.of(radius, radius).at_indentation(line, reduced_modulus=reduced_modulus).load
+        label = f"Hertz, R = {radius:.1f} mm, E* = {reduced_modulus * KPA_PER_MPA:.0f} kPa"
+        axes.plot(line, force, "--", color=ORANGE, label=label, zorder=4)
+    axes.set_xlabel("indentation ξ (mm)")
+    axes.set_ylabel("normal load W (N)")
+    _legend_above(axes)
+    return axes
+
+
+@in_style
+def plot_contact_compliance(
+    axes: Axes,
+    indentation: ArrayLike,
+    area: ArrayLike,
+    *,
+    area_std: ArrayLike | None = None,
+    effective_radius: float | None = None,
+    effective_radius_std: float = 0.0,
+    area_at_zero: float = 0.0,
+    synthetic: ArrayLike = False,
+) -> Axes:
+    """Draw contact area against πξ, with the line whose slope is R_g and the fan of its uncertainty.
+
+    The fan turns about the mean of the points, where the line is known best.
+
+    Parameters
+    ----------
+    axes : Axes
+        Where to draw.
+    indentation, area, area_std : array_like
+        Indentation ξ (mm) and contact area (mm²).
+    effective_radius, effective_radius_std : float, optional
+        R_g and its standard uncertainty, mm.
+    area_at_zero : float
+        Area of the line at ξ = 0, mm².
+    synthetic : array_like of bool
+        Points that are not measured: hollow.
+    """
+    x = np.pi * floats(indentation)
+    draw_points(axes, x, area, y_std=area_std, synthetic=synthetic)
+    if effective_radius is not None and np.isfinite(x).any():
+        line = np.array([min(np.nanmin(x), 0), np.nanmax(x)])
+        fitted = area_at_zero + effective_radius * line
+        spread = effective_radius_std * np.abs(line - np.nanmean(x))
+        error = f" ± {effective_radius_std:.1f}" if effective_radius_std else ""
+        label = rf"slope $R_\mathrm{{g}}$ = {effective_radius:.1f}{error} mm"
+        axes.plot(line, fitted, color=ORANGE, label=label, zorder=4)
+        axes.fill_between(line, fitted - spread, fitted + spread, color=ORANGE, alpha=0.25, linewidth=0)
+    axes.set_xlabel("π × indentation, πξ (mm)")
+    axes.set_ylabel("contact area A (mm²)")
+    _legend_above(axes)
+    return axes

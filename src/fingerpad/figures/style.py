@@ -1,0 +1,230 @@
+"""One style for every figure, and files that are the same byte for byte each time they are written."""
+
+import hashlib
+import io
+import re
+from collections.abc import Callable
+from functools import wraps
+from pathlib import Path
+from typing import Any, Final, ParamSpec, TypeVar
+
+import matplotlib as mpl
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, broadcast, floats
+
+Arguments = ParamSpec("Arguments")
+Result = TypeVar("Result")
+
+MM_PER_INCH: Final = 25.4
+
+# Okabe and Ito's palette, told apart with any kind of colour vision.
+BLACK: Final = "#222222"
+GREY: Final = "#7a7a7a"
+ORANGE: Final = "#E69F00"
+SKY: Final = "#56B4E9"
+GREEN: Final = "#009E73"
+YELLOW: Final = "#F0E442"
+BLUE: Final = "#0072B2"
+VERMILLION: Final = "#D55E00"
+
+_STYLE: Final[Any] = {  # Matplotlib's types want literal keys
+    "font.family": "DejaVu Sans",  # shipped with Matplotlib: the same on every machine
+    "font.size": 7.5,
+    "axes.labelsize": 7.5,
+    "axes.titlesize": 7.5,
+    "axes.titlelocation": "left",
+    "axes.edgecolor": BLACK,
+    "axes.labelcolor": BLACK,
+    "axes.linewidth": 0.6,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.axisbelow": True,
+    "axes.grid": True,
+    "grid.color": "#e4e4e4",
+    "grid.linewidth": 0.5,
+    "xtick.labelsize": 7,
+    "ytick.labelsize": 7,
+    "xtick.color": BLACK,
+    "ytick.color": BLACK,
+    "legend.fontsize": 6.8,
+    "legend.frameon": False,
+    "legend.handlelength": 1.8,
+    "lines.linewidth": 1.2,
+    "lines.markersize": 4,
+    "errorbar.capsize": 1.8,
+    "mathtext.fontset": "dejavusans",
+    "figure.facecolor": "white",
+    "axes.facecolor": "white",
+    "savefig.facecolor": "white",
+    "savefig.bbox": "standard",
+    "svg.fonttype": "none",
+    "svg.hashsalt": "fingerpad",
+}
+
+
+def in_style(function: Callable[Arguments, Result]) -> Callable[Arguments, Result]:
+    """Let `function` draw in the house style, whatever the caller's settings."""
+
+    @wraps(function)
+    def styled(*args: Arguments.args, **kwargs: Arguments.kwargs) -> Result:
+        with mpl.rc_context():
+            mpl.rcdefaults()
+            mpl.rcParams.update(_STYLE)
+            return function(*args, **kwargs)
+
+    return styled
+
+
+@in_style
+def new_figure(
+    *, width_mm: float = 85.0, height_mm: float = 64.0, rows: int = 1, columns: int = 1
+) -> tuple[Figure, list[Axes]]:
+    """Return an empty figure and its axes, row by row, without touching any global state.
+
+    Parameters
+    ----------
+    width_mm, height_mm : float
+        Size on paper; 85 mm is one column of a journal.
+    rows, columns : int
+        Number of axes.
+
+    Examples
+    --------
+    >>> from fingerpad.figures import plot_load_indentation
+    >>> figure, (axes,) = new_figure()
+    >>> axes = plot_load_indentation(axes, [0, 1, 2], [0, 0.7, 2])
+    """
+    figure = Figure(figsize=(width_mm / MM_PER_INCH, height_mm / MM_PER_INCH), layout="constrained")
+    FigureCanvasAgg(figure)
+    return figure, list(figure.subplots(rows, columns, squeeze=False).flat)
+
+
+@in_style
+def figure_svg(figure: Figure, name: str, *, description: str = "") -> str:
+    """Return the figure as an ``<svg>`` element that can stand in an HTML page beside others.
+
+    Text stays text. Every id carries a prefix made from `name` and the drawing, and the style sheet is bound
+    to this element, so that two drawings in one page cannot disturb each other.
+
+    Parameters
+    ----------
+    figure : Figure
+        The figure.
+    name : str
+        What tells this figure from others that look the same.
+    description : str
+        Text for those who cannot see the figure.
+    """
+    buffer = io.StringIO()
+    nothing = dict.fromkeys(("Date", "Creator", "Format", "Type"))
+    figure.savefig(buffer, format="svg", metadata=nothing)
+    drawing = buffer.getvalue()
+    drawing = drawing[drawing.index("<svg") :]
+    digest = hashlib.sha256(f"{name}\0{drawing}".encode()).hexdigest()
+    prefix = f"figure-{digest[:12]}"
+    drawing = re.sub(r'\bid="([^"]+)"', rf'id="{prefix}-\1"', drawing)
+    drawing = re.sub(r'href="#([^"]+)"', rf'href="#{prefix}-\1"', drawing)
+    drawing = re.sub(r"url\(#([^)]+)\)", rf"url(#{prefix}-\1)", drawing)
+    drawing = re.sub(r'(<style type="text/css">)\*', rf"\1#{prefix} *", drawing)
+    label = f' role="img" aria-label="{_escaped(description)}"' if description else ""
+    return drawing.replace("<svg ", f'<svg id="{prefix}"{label} ', 1)
+
+
+@in_style
+def save_figure(
+    figure: Figure, path: Path, *, description: str = "", dpi: float = 300.0
+) -> tuple[Path, Path]:
+    """Write `path`.svg and `path`.png, the same bytes for the same drawing.
+
+    Parameters
+    ----------
+    figure : Figure
+        The figure.
+    path : Path
+        File name without suffix; its last part also goes into the ids of the SVG.
+    description : str
+        Text for those who cannot see the figure; goes into the SVG.
+    dpi : float
+        Resolution of the PNG.
+
+    Returns
+    -------
+    tuple of Path
+        The SVG and the PNG.
+    """
+    path = Path(path)
+    svg, png = (path.with_name(f"{path.name}.{suffix}") for suffix in ("svg", "png"))
+    drawing = figure_svg(figure, path.name, description=description)
+    svg.write_text(f'<?xml version="1.0" encoding="utf-8"?>\n{drawing}', encoding="utf-8", newline="\n")
+    figure.savefig(png, format="png", dpi=dpi, metadata={"Software": None})
+    return svg, png
+
+
+def _escaped(text: str) -> str:
+    return text.replace("&", "&amp;").replace("<", "&lt;").replace('"', "&quot;")
+
+
+def pair(point: ArrayLike) -> tuple[float, float]:
+    """Return a point of the plane as Matplotlib's text wants it."""
+    x, y = floats(point)
+    return float(x), float(y)
+
+
+def mark_synthetic(axes: Axes) -> None:
+    """Write "synthetic" above the upper right corner, clear of data."""
+    axes.text(
+        1.0,
+        1.02,
+        "synthetic",
+        transform=axes.transAxes,
+        ha="right",
+        va="bottom",
+        color=VERMILLION,
+        style="italic",
+        weight="bold",
+        gid="synthetic",
+    )
+
+
+def draw_points(
+    axes: Axes,
+    x: ArrayLike,
+    y: ArrayLike,
+    *,
+    x_std: ArrayLike | None = None,
+    y_std: ArrayLike | None = None,
+    synthetic: ArrayLike = False,
+    colour: str = BLUE,
+    label: str = "measured",
+) -> None:
+    """Draw points with error bars of one standard uncertainty; synthetic ones hollow, and say so."""
+    x, y, flags = broadcast(x, y, synthetic)
+    x, y, hollow = x.ravel(), y.ravel(), flags.ravel() != 0
+    crowded = x.size > 80
+    for mask, face, kind in ((~hollow, colour, ""), (hollow, "white", " (synthetic)")):
+        if mask.any():
+            axes.errorbar(
+                x[mask],
+                y[mask],
+                xerr=_selected(x_std, mask),
+                yerr=_selected(y_std, mask),
+                fmt="o",
+                color=colour,
+                markerfacecolor=face,
+                markersize=1.8 if crowded else 4.2,
+                markeredgewidth=0.5 if crowded else 0.9,
+                elinewidth=0.8,
+                label=f"{label}{kind}",
+                zorder=3,
+            )
+    if hollow.any():
+        mark_synthetic(axes)
+
+
+def _selected(std: ArrayLike | None, mask: BoolArray) -> FloatArray | None:
+    if std is None:
+        return None
+    return broadcast(floats(std).ravel() if floats(std).ndim else std, mask)[0][mask]

@@ -1,0 +1,16 @@
+"""The numbers that the source prints, and the audit that sets them beside what its equations give."""
+
+from fingerpad.published.audit import AuditItem, Verdict, audit, radius_with_known_slip
+from fingerpad.published.source import Dzidek2017, Printed, PublishedWedge, SemiAxes, dzidek2017
+
+__all__ = [
+    "AuditItem",
+    "Dzidek2017",
+    "Printed",
+    "PublishedWedge",
+    "SemiAxes",
+    "Verdict",
+    "audit",
+    "dzidek2017",
+    "radius_with_known_slip",
+]

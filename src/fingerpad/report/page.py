@@ -1,0 +1,91 @@
+"""Writing the report and its figures."""
+
+import base64
+import io
+from collections.abc import Iterable
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup
+from PIL import Image
+
+from fingerpad.exceptions import FingerpadError
+from fingerpad.figures import figure_svg, save_figure
+from fingerpad.report.plots import Plot, curve_plots, summary_plots
+from fingerpad.report.text import FLAG_WORDS, in_words, value_with_uncertainty
+from fingerpad.study.pipeline import StudyResult
+from fingerpad.study.rows import RANGE_NOTES, Row
+from fingerpad.study.summary import Summary, area_exponent, curve_of
+
+_OVERLAY_WIDTH_PX = 560
+
+
+def write_report(result: StudyResult, out: Path) -> Path:
+    """Write ``report.html`` and ``figures/*.svg, *.png`` into `out`, and return the report's path.
+
+    Raises
+    ------
+    FingerpadError
+        If a file cannot be written.
+    """
+    environment = Environment(
+        loader=PackageLoader("fingerpad.report", "."),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+    )
+    environment.filters |= {"flags": lambda codes: in_words(codes, FLAG_WORDS)}
+    environment.globals |= {"pm": value_with_uncertainty, "exponent": area_exponent}
+    try:
+        (out / "figures").mkdir(parents=True, exist_ok=True)
+        page = environment.get_template("report.html.jinja").render(
+            result=result,
+            style=Markup(files("fingerpad.report").joinpath("report.css").read_text(encoding="utf-8")),  # noqa: S704
+            groups=[_group(result, summary, out) for summary in result.summaries],
+            curves=[
+                {"curve": curve, "figures": _drawn(curve_plots(curve, number), out)}
+                for number, curve in enumerate(result.curves, start=1)
+            ],
+            failed=[row for row in result.rows if row["status"] == "failed"],
+            synthetic=any(row["synthetic"] for row in result.rows),
+        )
+        path = out / "report.html"
+        path.write_text(page, encoding="utf-8")
+    except OSError as error:
+        raise FingerpadError(f"{error.filename}: cannot be written ({error.strerror})") from error
+    return path
+
+
+def _group(result: StudyResult, summary: Summary, out: Path) -> dict[str, Any]:
+    """Return what the template shows of one finger at one placement."""
+    codes = [code for row in summary.rows for code in row["range_notes"].split()]
+    return {
+        "summary": summary,
+        "curve": curve_of(result.curves, summary),
+        "figures": _drawn(summary_plots(result, summary), out),
+        "range_notes": [
+            (RANGE_NOTES[code], codes.count(code), len(summary.rows)) for code in RANGE_NOTES if code in codes
+        ],
+        "overlays": [(row, _picture(row, out)) for row in summary.rows if row["overlay"]],
+    }
+
+
+def _drawn(plots: Iterable[Plot], out: Path) -> list[dict[str, str]]:
+    """Save each plot as files, and return it as SVG for the page."""
+    drawn = []
+    for plot in plots:
+        save_figure(plot.figure, out / "figures" / plot.name, description=plot.caption)
+        svg = Markup(figure_svg(plot.figure, plot.name, description=plot.caption))  # noqa: S704 (drawn here)
+        drawn.append({"svg": svg, "caption": plot.caption})
+    return drawn
+
+
+def _picture(row: Row, out: Path) -> str:
+    """Return the overlay of a row, small enough to travel in the page, as a data URL."""
+    with Image.open(out / row["overlay"]) as picture:
+        picture.thumbnail((_OVERLAY_WIDTH_PX, 2 * _OVERLAY_WIDTH_PX))
+        buffer = io.BytesIO()
+        picture.convert("RGB").save(buffer, "JPEG", quality=85)
+    return "data:image/jpeg;base64," + base64.b64encode(buffer.getvalue()).decode()

@@ -1,0 +1,41 @@
+"""Numbers and remarks in words."""
+
+import math
+from collections.abc import Mapping
+from typing import Final
+
+FLAG_WORDS: Final[Mapping[str, str]] = {
+    "touches_border": "the contact is cut by the edge of the picture",
+    "low_contrast": "the contact hardly stands out from its ground",
+    "several_regions": "there are other patches beside the one measured",
+    "poor_ellipse": "the contact is not well described by an ellipse",
+    "scale_doubtful": "the ridge period is not that of a finger: check the scale",
+}
+
+
+def value_with_uncertainty(value: float | None, std: float | None = None) -> str:
+    """Return ``value ± standard uncertainty``, the uncertainty with two digits (GUM 7.2.6).
+
+    Examples
+    --------
+    >>> value_with_uncertainty(13.80484, 0.18442)
+    '13.80 ± 0.18'
+    >>> value_with_uncertainty(1234.5, 56.7)
+    '1234 ± 57'
+    >>> value_with_uncertainty(0.5)
+    '0.500'
+    """
+    if value is None or not math.isfinite(value):
+        return "–"
+    if std is None or not math.isfinite(std) or std <= 0:
+        return f"{value:.4g}" if abs(value) >= 1 else f"{value:.3f}"
+    decimals = 1 - math.floor(math.log10(std))
+    if round(std, decimals) >= 10 ** (2 - decimals):  # 0.0996 rounds to 0.10, one place further left
+        decimals -= 1
+    shown = max(decimals, 0)
+    return f"{round(value, decimals):.{shown}f} ± {round(std, decimals):.{shown}f}"
+
+
+def in_words(codes: str, words: Mapping[str, str]) -> list[str]:
+    """Return the remark for each of the codes, which are separated by spaces."""
+    return [words.get(code, code) for code in codes.split()]

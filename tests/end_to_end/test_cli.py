@@ -1,0 +1,250 @@
+"""The command line as scripts and people use it."""
+
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+from typer.testing import CliRunner
+
+from fingerpad.cli import app
+from fingerpad.image import render_imprint
+
+EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "dzidek2017"
+
+
+def run(*arguments: object) -> tuple[int, str, str]:
+    result = CliRunner().invoke(app, [str(argument) for argument in arguments])
+    assert result.exception is None or isinstance(result.exception, SystemExit), result.exception
+    return result.exit_code, result.stdout, result.stderr
+
+
+def run_json(*arguments: object):
+    code, out, err = run(*arguments, "--json")
+    assert (code, err) == (0, "")
+    return json.loads(out)
+
+
+def test_geometry() -> None:
+    record = run_json("geometry", "--semi-axes", 7.9, 13.8, 11.8, "--wedge", 30)
+    expected = {
+        "u_deg": 45.243495,
+        "v_deg": 90.0,
+        "in_plane_radius_mm": 12.954886,
+        "transverse_radius_mm": 14.329722,
+        "mean_curvature_radius_mm": 13.607666,
+        "geometric_mean_radius_mm": 13.624974,
+        "mean_curvature_per_mm": 1 / 13.607666,
+        "gaussian_curvature_per_mm2": 1 / (12.954886 * 14.329722),
+    }
+    assert {key: record[key] for key in expected} == pytest.approx(expected, rel=1e-6)
+    assert len(record["point_mm"]) == 3
+    assert set(record) == {*expected, "point_mm"}
+
+
+def test_geometry_with_a_roll_names_directions() -> None:
+    record = run_json("geometry", "--semi-axes", 7.9, 13.8, 11.8, "--wedge", 30, "--roll", 20)
+    directions = np.array(record["principal_directions"])
+    np.testing.assert_allclose(directions @ directions.T, np.eye(2), atol=1e-12)
+    assert record["principal_radii_mm"] == [record["in_plane_radius_mm"], record["transverse_radius_mm"]]
+
+
+def test_hertz_forwards_and_back() -> None:
+    forward = run_json("hertz", "--radii", 12.955, 14.330, "--load", 2, "--modulus-kpa", 136.5)
+    assert forward["long_axis_along"] == "second"
+    assert forward["area_mm2"] == pytest.approx(np.pi * forward["semi_major_mm"] * forward["semi_minor_mm"])
+    assert forward["mean_pressure_kpa"] == pytest.approx(2e3 / forward["area_mm2"])
+    assert forward["peak_pressure_kpa"] == pytest.approx(1.5 * forward["mean_pressure_kpa"])
+    back = run_json(
+        "hertz",
+        *("--radii", 12.955, 14.330, "--modulus-kpa", 136.5),
+        *("--indentation-mm", forward["indentation_mm"]),
+    )
+    assert back["load_N"] == pytest.approx(2, rel=1e-12)
+    swapped = run_json("hertz", "--radii", 14.330, 12.955, "--load", 2, "--modulus-kpa", 136.5)
+    assert swapped["long_axis_along"] == "first"
+    circle = run_json("hertz", "--radii", 14, 14, "--load", 2, "--modulus-kpa", 136.5)
+    assert (circle["F1"], circle["F2"], circle["long_axis_along"]) == (1, 1, "either")
+
+
+def test_correct() -> None:
+    record = run_json("correct", "--ellipse", 7.4, 5.0, "--radius", 18.7)
+    expected = {
+        "eccentricity": 0.7371990,
+        "K": 1.892759475,
+        "E": 1.328427072,
+        "F1": 0.995238751,
+        "F2": 0.995216154,
+        "radius_from_indentation_mm": 18.97096,
+        "radius_from_area_mm": 18.43416,
+        "radius_from_compliance_mm": 18.61139,
+    }
+    assert record == pytest.approx(expected, rel=3e-7)
+
+
+def test_text_shows_units_and_no_traceback() -> None:
+    code, out, _ = run("correct", "--ellipse", 7.4, 5.0, "--radius", 18.7)
+    assert code == 0
+    assert "radius_from_indentation_mm  18.971" in out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (
+            ["geometry", "--semi-axes", "0", "13.8", "11.8", "--wedge", "30"],
+            "semi-axis palmar must be positive",
+        ),
+        (["geometry", "--semi-axes", "7.9", "nan", "11.8", "--wedge", "30"], "semi-axis distal .* found nan"),
+        (
+            ["geometry", "--semi-axes", "7.9", "13.8", "inf", "--wedge", "30"],
+            "semi-axis radial_ulnar .* found inf",
+        ),
+        (["geometry", "--semi-axes", "7.9", "13.8", "11.8", "--wedge", "91"], "wedge angle .* found 91"),
+        (["geometry", "--semi-axes", "7.9", "13.8", "11.8", "--wedge", "-1"], "wedge angle .* found -1"),
+        (["geometry", "--semi-axes", "7.9", "13.8", "11.8", "--wedge", "nan"], "wedge angle .* found nan"),
+        (["hertz", "--radii", "-1", "14", "--load", "2", "--modulus-kpa", "9"], "first_radius .* found -1"),
+        (
+            ["hertz", "--radii", "12", "14", "--load", "0", "--modulus-kpa", "9"],
+            "--load must be positive .* found 0",
+        ),
+        (["hertz", "--radii", "12", "14", "--load", "nan", "--modulus-kpa", "9"], "--load .* found nan"),
+        (["hertz", "--radii", "12", "14", "--load", "2", "--modulus-kpa", "-9"], "--modulus-kpa .* found -9"),
+        (
+            ["hertz", "--radii", "12", "14", "--load", "2", "--modulus-kpa", "inf"],
+            "--modulus-kpa .* found inf",
+        ),
+        (
+            ["hertz", "--radii", "12", "14", "--indentation-mm", "0", "--modulus-kpa", "9"],
+            "--indentation-mm must be positive",
+        ),
+        (["hertz", "--radii", "12", "14", "--modulus-kpa", "9"], "give either --load or --indentation-mm"),
+        (
+            ["correct", "--ellipse", "5.0", "7.4", "--radius", "18"],
+            "semi_minor must be no longer than semi_major",
+        ),
+        (["correct", "--ellipse", "7.4", "0", "--radius", "18"], "semi_minor must be positive"),
+        (["correct", "--ellipse", "7.4", "5", "--radius", "-18"], "--radius must be positive .* found -18"),
+        (["correct", "--ellipse", "7.4", "five", "--radius", "18"], "--ellipse.* valid number"),
+        (["measure", "print", "x.png"], "give either --ppi or --mm-per-px"),
+        (["measure", "print", "x.png", "--ppi", "-500"], "ppi must be positive"),
+        (["measure", "print", "x.png", "--ppi", "500", "--mm-per-px", "0.05"], "give either"),
+        (["run", "nowhere.toml"], "nowhere.toml: no such file; .fingerpad init DIR"),
+    ],
+)
+def test_bad_input_is_one_line_and_exit_code_2(
+    arguments: list[str], message: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    code, out, err = run(*arguments)
+    assert code == 2
+    assert out == ""
+    assert "Traceback" not in err
+    assert re.search(message, " ".join(err.replace("│", " ").split()))
+
+
+def test_measure_print(tmp_path: Path) -> None:
+    truth = render_imprint(semi_major=9.0, semi_minor=6.5, seed=4)
+    Image.fromarray(truth.pixels).save(tmp_path / "good.png")
+    Image.fromarray(np.full((400, 400), 250, np.uint8)).save(tmp_path / "blank.png")
+    (tmp_path / "text.png").write_text("no picture")
+    files = [tmp_path / name for name in ("good.png", "blank.png", "text.png", "missing.png")]
+    code, out, err = run(
+        "measure", "print", *files, "--ppi", 500, "--overlay", tmp_path / "overlays", "--json"
+    )
+    assert (code, err) == (3, "")
+    good, *bad = json.loads(out)
+    assert good["file"] == str(files[0])
+    assert good["semi_major_mm"] == pytest.approx(9.0, rel=0.02)
+    assert good["semi_minor_mm"] == pytest.approx(6.5, rel=0.02)
+    assert good["gross_area_mm2"] == pytest.approx(truth.gross_area, rel=0.02)
+    assert good["gross_area_mm2"] > good["ridge_area_mm2"] > 0
+    assert good["centroid_px"] == pytest.approx(truth.centroid, abs=3)
+    assert good["flags"] == []
+    assert abs(good["orientation_deg"]) < 2
+    for record, path in zip(bad, files[1:], strict=True):
+        assert set(record) == {"file", "error"}
+        assert record["file"] == str(path)
+    with Image.open(tmp_path / "overlays" / "good.png") as overlay:
+        assert overlay.size[0] >= truth.pixels.shape[1]
+    assert len(list((tmp_path / "overlays").iterdir())) == 1
+
+
+def test_reproduce_lists_every_printed_number(tmp_path: Path) -> None:
+    records = run_json("reproduce")
+    items = {record["item"]: record for record in records}
+    table2 = [record for record in records if record["item"].startswith("Table 2")]
+    assert len(table2) == 10
+    assert {record["verdict"] for record in table2} == {"reproduced", "reproduced with the known slip"}
+    at_30 = items["Table 2, ellipse, u = 30°"]
+    assert at_30["printed"] == 25.3
+    assert at_30["computed"] == pytest.approx(17.11, abs=5e-3)
+    assert at_30["unit"] == "mm"
+    code, out, _ = run("reproduce", "--figures", tmp_path / "figures")
+    assert code == 0
+    assert all(item in out for item in items)
+    names = {path.name for path in (tmp_path / "figures").iterdir()}
+    assert len(names) >= 2 * 5
+    assert {Path(name).suffix for name in names} == {".svg", ".png"}
+
+
+def test_init_then_run(tmp_path: Path) -> None:
+    code, out, _ = run("init", tmp_path / "mine")
+    assert code == 0
+    assert "study.toml" in out
+    assert run("init", tmp_path / "mine")[0] == 2
+    code, out, _ = run("run", tmp_path / "mine" / "study.toml", "--out", tmp_path / "results")
+    assert code == 0
+    assert "left_index, wedge 30°: corrected radius 13.80 ± 0.27 mm from 1 observation" in out
+    names = {"report.html", "results.csv", "results_columns.csv", "results.json", "summary.json"}
+    assert names <= {path.name for path in (tmp_path / "results").iterdir()}
+
+
+def test_run_says_what_failed_and_goes_on(tmp_path: Path) -> None:
+    study = Path(shutil.copytree(EXAMPLE, tmp_path / "study"))
+    (study / "synthetic" / "synthetic_30deg_1N.png").write_bytes(b"\x89PNG")
+    out = tmp_path / "out"
+    code, stdout, err = run("run", study / "study.toml", "--out", out, "--workers", 2)
+    assert code == 3
+    assert "failed: synthetic_30deg_1N: synthetic/synthetic_30deg_1N.png" in err
+    assert "from 4 observations  (synthetic)" in stdout
+    assert "synthetic_30deg_1N" in (out / "report.html").read_text(encoding="utf-8")
+
+
+def test_a_bad_manifest_stops_before_any_work(tmp_path: Path) -> None:
+    study = Path(shutil.copytree(EXAMPLE, tmp_path / "study"))
+    text = (study / "study.toml").read_text(encoding="utf-8").replace("poisson_ratio = 0.5", "poisson = 0.5")
+    (study / "study.toml").write_text(text, encoding="utf-8")
+    code, _, err = run("run", study / "study.toml", "--out", tmp_path / "out")
+    assert code == 2
+    assert "study.toml: poisson: unknown key; did you mean 'poisson_ratio'?" in err
+    assert list((tmp_path / "out").iterdir()) == []
+
+
+def test_output_folder_that_cannot_be_made(tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    code, _, err = run("run", EXAMPLE / "study.toml", "--out", tmp_path / "file" / "out")
+    assert code == 2
+    assert "cannot make this folder" in err
+
+
+def test_module_and_version() -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "fingerpad", "--version"], capture_output=True, text=True, check=True
+    )
+    assert done.stdout.startswith("fingerpad 0.")
+
+
+def test_importing_the_package_stays_light() -> None:
+    heavy = "matplotlib, cv2, PIL, pydantic, typer, rich, jinja2, tifffile"
+    script = f"import sys, fingerpad.contact; print([m for m in '{heavy}'.split(', ') if m in sys.modules])"
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=True, env={**os.environ}
+    )
+    assert done.stdout.strip() == "[]"

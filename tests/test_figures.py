@@ -1,0 +1,342 @@
+"""Figures: what they say, what they show, and files that do not change from one writing to the next."""
+
+import re
+from xml.etree import ElementTree
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from fingerpad.figures import (
+    figure_svg,
+    new_figure,
+    plot_area_against_load,
+    plot_aspect_ratio,
+    plot_contact_compliance,
+    plot_corrected_radius,
+    plot_load_indentation,
+    plot_pad,
+    plot_pad_with_contact,
+    plot_wedge,
+    plot_wedge_in_pad_axes,
+    save_figure,
+)
+from fingerpad.figures.pad import View
+from fingerpad.geometry import Ellipse, Ellipsoid, Placement
+from fingerpad.published import dzidek2017
+
+PAD = Ellipsoid.of(palmar=7.9, distal=13.8, radial_ulnar=11.8)
+LOAD = np.array([0.2, 0.5, 1.0, 2.0])
+VALUE = np.array([1.2, 1.3, 1.25, 1.4])
+WEDGE = np.radians(30)
+
+RESULTS = [
+    plot_corrected_radius,
+    plot_area_against_load,
+    plot_aspect_ratio,
+    plot_load_indentation,
+    plot_contact_compliance,
+]
+PLACED = [plot_wedge, plot_wedge_in_pad_axes, plot_pad_with_contact]
+
+
+@pytest.fixture
+def axes():
+    return new_figure()[1][0]
+
+
+def texts(axes) -> str:
+    legend = axes.get_legend()
+    inside = [] if legend is None else legend.get_texts()
+    return "\n".join(text.get_text() for text in (*axes.texts, *inside, axes.title, axes._left_title))
+
+
+def is_marked_synthetic(axes) -> bool:
+    return any(text.get_text() == "synthetic" for text in axes.texts)
+
+
+def bars(axes) -> list[np.ndarray]:
+    """Return the vertical error bars as arrays of their two ends."""
+    return [segment[:, 1] for container in axes.containers for segment in container[2][0].get_segments()]
+
+
+@pytest.mark.parametrize(
+    ("plot", "x_unit", "y_unit"),
+    [
+        (plot_corrected_radius, "N", "mm"),
+        (plot_area_against_load, "N", "mm²"),
+        (plot_aspect_ratio, "N", "–"),
+        (plot_load_indentation, "mm", "N"),
+        (plot_contact_compliance, "mm", "mm²"),
+    ],
+)
+def test_labels_name_their_units(axes, plot, x_unit, y_unit) -> None:
+    assert plot(axes, LOAD, VALUE) is axes
+    assert f"({x_unit})" in axes.get_xlabel()
+    assert axes.get_ylabel().endswith(f"({y_unit})")
+
+
+@pytest.mark.parametrize(
+    ("plot", "keyword"),
+    [
+        (plot_corrected_radius, "corrected_radius_std"),
+        (plot_area_against_load, "area_std"),
+        (plot_aspect_ratio, "aspect_ratio_std"),
+        (plot_load_indentation, "load_std"),
+        (plot_contact_compliance, "area_std"),
+    ],
+)
+@pytest.mark.parametrize("synthetic", [False, [False, True, False, True]])
+def test_error_bars_are_one_std_to_either_side(axes, plot, keyword, synthetic) -> None:
+    std = np.array([0.1, 0.2, 0.3, 0.4])
+    plot(axes, LOAD, VALUE, synthetic=synthetic, **{keyword: std})
+    low, high = np.array(sorted(bars(axes), key=np.ptp)).T
+    assert_allclose(high - low, 2 * std)
+    assert_allclose((high + low) / 2, VALUE)
+
+
+@pytest.mark.parametrize("plot", RESULTS)
+def test_synthetic_points_are_hollow_and_labelled(axes, plot) -> None:
+    plot(axes, LOAD, VALUE, synthetic=[False, True, False, False])
+    assert is_marked_synthetic(axes)
+    real, made = (container[0] for container in axes.containers)
+    assert (len(real.get_xdata()), len(made.get_xdata())) == (3, 1)
+    assert (made.get_markerfacecolor(), real.get_markerfacecolor() == "white") == ("white", False)
+    assert made.get_ydata() == VALUE[1]
+
+
+@pytest.mark.parametrize("plot", RESULTS)
+def test_measured_points_are_not_called_synthetic(axes, plot) -> None:
+    plot(axes, LOAD, VALUE)
+    assert "synthetic" not in texts(axes)
+
+
+@pytest.mark.parametrize("plot", RESULTS)
+@pytest.mark.parametrize("values", [[], [np.nan, np.nan], [np.nan, 1.0]])
+def test_missing_values_do_not_stop_a_figure(plot, values, tmp_path) -> None:
+    figure, (axes,) = new_figure()
+    plot(axes, values, values)
+    save_figure(figure, tmp_path / "few", dpi=50)
+
+
+@pytest.mark.parametrize("plot", PLACED)
+@pytest.mark.parametrize("wedge_deg", [0, 30, 90])
+def test_geometry_is_drawn_to_equal_scales(plot, wedge_deg) -> None:
+    figure, (axes,) = new_figure()
+    plot(axes, PAD, wedge_angle=np.radians(wedge_deg), synthetic=True)
+    figure.canvas.draw()
+    assert axes.get_aspect() == 1
+    assert is_marked_synthetic(axes)
+
+
+def markers(axes, marker="o") -> list[np.ndarray]:
+    return [np.ravel(line.get_xydata()) for line in axes.lines if line.get_marker() == marker]
+
+
+def test_wedge_in_the_pads_axes(axes) -> None:
+    plot_wedge_in_pad_axes(axes, PAD, wedge_angle=WEDGE)
+    point = Placement.of(PAD, wedge_angle=WEDGE).point[:2]
+    assert_allclose(markers(axes), [point])
+    slopes = [
+        np.diff(line.get_ydata())[0] / np.diff(line.get_xdata())[0]
+        for line in axes.lines
+        if line.get_linewidth() == 1.4
+    ]
+    assert_allclose(slopes, [-1 / np.tan(WEDGE)])
+    assert "= −1.73" in texts(axes)
+    assert "u = 45.2°" in texts(axes)
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("x, palmar (mm)", "y, distal (mm)")
+
+
+def test_finger_touches_platen_and_wedge_and_crosses_neither(axes) -> None:
+    plot_wedge(axes, PAD, wedge_angle=WEDGE)
+    finger, wedge, platen = (axes.patches[k].get_path().vertices for k in (0, 1, 3))
+    level = axes.patches[3].get_y()
+    assert_allclose(finger[:, 1].max(), level, atol=1e-3)
+    assert_allclose(markers(axes)[0][1], level)
+    assert platen.shape[0] == 5
+    incline = wedge[1] - wedge[0]
+    assert_allclose(np.arctan2(incline[1], incline[0]), WEDGE)
+    height = (finger - wedge[0]) @ np.array([-np.sin(WEDGE), np.cos(WEDGE)])
+    assert_allclose(height.min(), 0, atol=1e-12)
+
+
+def test_pad_shows_the_points_of_the_caption_in_its_colours(axes) -> None:
+    plot_pad(axes, PAD)
+    view = View.of(towards=(0.55, 0.5, 0.95), up=(1, 0, 0))
+    spots = view.project(PAD.point(np.radians([0, 30, 45, 60, 90]), np.pi / 2))
+    assert_allclose(markers(axes), spots)
+    colours = [line.get_color() for line in axes.lines if line.get_marker() == "o"]
+    assert colours == ["#F0E442", "#009E73", "#0072B2", "#E69F00", "#D55E00"]
+    assert {"0°", "30°", "45°", "60°", "90°", "x, palmar", "y, distal", "5 mm"} <= set(
+        texts(axes).split("\n")
+    )
+    x, y = np.sort(axes.get_xlim()), np.sort(axes.get_ylim())
+    for line in axes.lines[:-1]:
+        data = line.get_xydata()[np.isfinite(line.get_xydata()).all(axis=1)]
+        assert ((data >= [x[0], y[0]]) & (data <= [x[1], y[1]])).all()
+
+
+def test_view_is_right_handed_and_upright() -> None:
+    view = View.of(towards=(1, 2, 3), up=(0, 1, 0))
+    assert_allclose(np.cross(view.right, view.up), view.towards, atol=1e-15)
+    assert view.up[1] > 0.5
+
+
+def test_contact_ellipses_are_to_scale_and_turned_the_right_way(axes) -> None:
+    plot_pad_with_contact(
+        axes,
+        PAD,
+        wedge_angle=WEDGE,
+        predicted=Ellipse.of(5.5, 5.1),
+        measured=Ellipse.of(7.4, 5.0),
+        measured_long_axis_angle=np.radians(30),
+    )
+    drawn = {line.get_label()[:11]: line.get_xydata() for line in axes.lines}
+    across, along = np.ptp(drawn["contact pre"], axis=0)
+    assert_allclose([across, along], [11.0, 10.2], rtol=1e-3)  # at 30° the larger radius lies across
+    measured = drawn["contact mea"] - drawn["contact mea"].mean(axis=0)
+    tip = measured[np.argmax(np.linalg.norm(measured, axis=1) * (measured[:, 1] > 0))]
+    assert_allclose(np.degrees(np.arctan2(-tip[0], tip[1])), 30, atol=1)  # to the left of the fingertip
+    assert "R across\n14.3 mm" in texts(axes)
+    assert "R along 13.0 mm" in texts(axes)
+
+
+def test_rolled_finger_keeps_its_axis_upright(axes) -> None:
+    roll = np.radians(25)
+    plot_pad_with_contact(axes, PAD, wedge_angle=WEDGE, roll_angle=roll, predicted=Ellipse.of(6.0, 3.0))
+    placement = Placement.of(PAD, wedge_angle=WEDGE, roll_angle=roll)
+    # Angle on the platen from the finger's axis to the larger radius' direction, without any view.
+    upright = np.array([0, 1, 0]) - placement.normal[1] * placement.normal
+    long_axis = placement.curvature.principal_directions[np.argmax(placement.curvature.principal_radii)]
+    turn = np.arctan2(np.cross(upright, long_axis) @ placement.normal, upright @ long_axis)
+    (drawn,) = (line.get_xydata() for line in axes.lines if line.get_label().startswith("contact pre"))
+    tip = drawn[0] - drawn[:-1].mean(axis=0)
+    assert_allclose(np.hypot(*tip), 6.0)
+    assert_allclose(np.tan(np.arctan2(-tip[0], tip[1])), np.tan(turn))
+    assert abs(np.tan(turn)) > 0.1
+    assert "roll φ = 25°" in texts(axes)
+
+
+def test_corrected_radius_beside_both_other_radii(axes) -> None:
+    wedge = dzidek2017().wedges[30]
+    plot_corrected_radius(axes, [], [], measured_radius=20.5, mean_curvature_radius=18.7, printed=wedge)
+    styles = {
+        line.get_linestyle(): line.get_ydata()[0] for line in axes.lines if line.get_linestyle() != "None"
+    }
+    assert styles == {"--": 20.5, ":": 18.7}
+    assert_allclose(markers(axes, "D"), [[2, 19.9]])
+    low, high = axes.get_ylim()
+    assert low < 18.7 < 20.5 < high
+    assert "printed in the source" in texts(axes)
+
+
+def test_power_laws_pass_through_the_middle_of_the_data(axes) -> None:
+    area = 80 * LOAD**0.4
+    plot_area_against_load(axes, LOAD, area, exponent=0.4, exponent_std=0.03)
+    fit, hertz = (line for line in axes.lines if line.get_marker() == "None" and len(line.get_xdata()) == 2)
+    for line, slope in ((fit, 0.4), (hertz, 2 / 3)):
+        x, y = np.log(line.get_xdata()), np.log(line.get_ydata())
+        assert_allclose(np.diff(y) / np.diff(x), slope)
+        assert_allclose(np.interp(np.log(LOAD).mean(), x, y), np.log(area).mean())
+    assert r"0.40 \pm 0.03" in texts(axes)
+
+
+def test_area_without_logarithm_is_left_out(axes) -> None:
+    plot_area_against_load(axes, [0, 1, 2], [0, 10, 20], area_std=[1, 2, 3])
+    assert_allclose(axes.containers[0][0].get_xdata(), [1, 2])
+    assert_allclose(sorted(np.ptp(bars(axes), axis=1)), [4, 6])
+
+
+def test_contacts_keep_their_shape_and_direction(axes) -> None:
+    plot_aspect_ratio(axes, [1, 2], [1.5, 2.0], long_axis_angle=[0, np.pi / 2], predicted_aspect_ratio=1.07)
+    real, _, predicted = axes.collections[-3:]
+    assert_allclose(real.get_widths() / real.get_heights(), [1.5, 2.0])
+    assert_allclose(real.get_angles(), [90, 180])  # upwards, then across
+    assert_allclose(predicted.get_widths() / predicted.get_heights(), [1.07])
+    assert "Hertz\n1.07" in texts(axes)
+
+
+def test_hertz_line_follows_its_law(axes) -> None:
+    plot_load_indentation(axes, [0, 1.0], [0, 0.7], radius=13.6, reduced_modulus=0.1365)
+    (line,) = (line for line in axes.lines if line.get_linestyle() == "--")
+    assert_allclose(line.get_ydata(), 4 / 3 * 0.1365 * np.sqrt(13.6) * line.get_xdata() ** 1.5, rtol=1e-12)
+    assert "E* = 136 kPa" in texts(axes)
+
+
+def test_compliance_line_has_the_slope_and_the_fan_its_width(axes) -> None:
+    depth = np.array([0.0, 1.0, 2.0])
+    plot_contact_compliance(
+        axes, depth, 3 + 13.4 * np.pi * depth, effective_radius=13.4, effective_radius_std=0.5, area_at_zero=3
+    )
+    (line,) = (line for line in axes.lines if line.get_linestyle() == "-" and len(line.get_xdata()) == 2)
+    assert_allclose(np.diff(line.get_ydata()) / np.diff(line.get_xdata()), 13.4)
+    assert line.get_ydata()[0] == 3
+    fan = axes.collections[-1].get_paths()[0].vertices
+    at_end = fan[np.isclose(fan[:, 0], 2 * np.pi), 1]
+    assert_allclose(np.ptp(at_end), 2 * 0.5 * np.pi)
+    assert "13.4 ± 0.5 mm" in texts(axes)
+
+
+def drawing(seed: int = 0):
+    figure, (axes,) = new_figure()
+    plot_corrected_radius(
+        axes, LOAD, VALUE + seed, corrected_radius_std=0.1, measured_radius=1.5, synthetic=True
+    )
+    return figure
+
+
+def test_both_files_are_written_the_same_twice(tmp_path) -> None:
+    for folder in ("a", "b"):
+        (tmp_path / folder).mkdir()
+        written = save_figure(drawing(), tmp_path / folder / "radius.v2", description='R < 2 & "more"')
+        assert written == (tmp_path / folder / "radius.v2.svg", tmp_path / folder / "radius.v2.png")
+    for name in ("radius.v2.svg", "radius.v2.png"):
+        assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes()
+    root = ElementTree.fromstring((tmp_path / "a" / "radius.v2.svg").read_bytes())
+    assert root.get("aria-label") == 'R < 2 & "more"'
+    assert (tmp_path / "a" / "radius.v2.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_saving_again_gives_the_same_bytes(tmp_path) -> None:
+    figure = drawing()
+    first = [path.read_bytes() for path in save_figure(figure, tmp_path / "once")]
+    assert [path.read_bytes() for path in save_figure(figure, tmp_path / "once")] == first
+
+
+def ids(svg: str) -> set[str]:
+    return set(re.findall(r'\bid="([^"]+)"', svg))
+
+
+def test_two_drawings_in_one_page_share_no_ids() -> None:
+    drawings = [figure_svg(drawing(), "a"), figure_svg(drawing(), "b"), figure_svg(drawing(1), "a")]
+    for k, one in enumerate(drawings):
+        found = ids(one)
+        assert len(found) > 20
+        assert len(found) == len(re.findall(r'\bid="', one))
+        assert all(not found & ids(other) for other in drawings[k + 1 :])
+        wanted = set(re.findall(r'href="#([^"]+)"|url\(#([^)]+)\)', one))
+        assert wanted
+        assert {a or b for a, b in wanted} <= found
+        assert not re.search(r"<style[^>]*>\s*\*", one)  # a bare selector would restyle the whole page
+
+
+def test_svg_text_stays_text_and_carries_no_date() -> None:
+    svg = figure_svg(drawing(), "a")
+    assert "normal load W (N)" in svg
+    assert "synthetic" in ElementTree.tostring(ElementTree.fromstring(svg), encoding="unicode", method="text")
+    assert not re.search(r"20\d\d-\d\d|Matplotlib v", svg)
+
+
+def test_style_is_the_same_whatever_the_caller_has_set() -> None:
+    expected = figure_svg(drawing(), "a")
+    with mpl.rc_context({"font.size": 20, "svg.fonttype": "path", "lines.linewidth": 7, "axes.xmargin": 0.4}):
+        assert figure_svg(drawing(), "a") == expected
+        assert mpl.rcParams["font.size"] == 20
+
+
+def test_size_on_paper() -> None:
+    figure, axes = new_figure(width_mm=85, height_mm=60, rows=2, columns=3)
+    assert_allclose(figure.get_size_inches() * 25.4, [85, 60])
+    assert len(axes) == 6
