@@ -35,4 +35,4 @@ bench: setup ## Measure accuracy and speed and print the tables
 	$(BIN)/python -m benchmarks
 
 clean: ## Remove everything that the other targets made
-	rm -rf .venv demo-report docs/_build docs/gallery .pytest_cache .mypy_cache .ruff_cache .hypothesis dist
+	rm -rf .venv demo-report docs/_build docs/_generated .pytest_cache .mypy_cache .ruff_cache .hypothesis dist

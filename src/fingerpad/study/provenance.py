@@ -13,16 +13,16 @@ import scipy
 import fingerpad
 
 FORMULAS: Final = {
-    "mean_curvature_radius": "1/H, H from the shape operator of the ellipsoid; equals ESM Eq. (1)",
-    "geometric_mean_radius": "sqrt(R'R''), Johnson (4.25)",
-    "radius_from_indentation": "R_0g F2^-3; what ESM Eq. (2) means, with Johnson's F2 (4.26c)",
-    "radius_from_area": "R_0g F1^3, Johnson's F1 (4.29)",
-    "radius_from_compliance": "R_0g F1^2/F2; matches R_g, the slope of A against pi xi",
-    "indentation": "A/(pi R_e F1^2/F2), Johnson (4.26)",
-    "reduced_modulus": "3 W R_e F1^3/(4 (l_d l_e)^(3/2)), Johnson (4.26a)",
-    "effective_radius": "slope of contact area against pi xi, least squares, intercept free",
-    "uncertainty": "first order, J S J^T (GUM Eq. 13), central differences",
-    "pooled": "inverse-variance mean; standard uncertainty times the Birge ratio where it exceeds one",
+    "mean_curvature_radius": "R₀g = 1/H, H from the ellipsoid's shape operator; equals ESM Eq. (1)",
+    "geometric_mean_radius": "R_e = √(R′R″), Johnson (4.25)",
+    "radius_from_indentation": "R₀g F₂⁻³, what ESM Eq. (2) means, with Johnson's F₂ (4.26c)",
+    "radius_from_area": "R₀g F₁³, Johnson's F₁ (4.29)",
+    "radius_from_compliance": "R₀g F₁²/F₂, which matches R_g, the slope of A against πξ",
+    "indentation": "ξ = A/(π R_e F₁²/F₂), Johnson (4.26)",
+    "reduced_modulus": "E* = 3 W R_e F₁³/(4 (ℓd ℓe)^(3/2)), Johnson (4.26a)",
+    "effective_radius": "R_g, slope of contact area against πξ by least squares, intercept free",
+    "uncertainty": "first order, J Σ Jᵀ (GUM Eq. 13), by central differences",
+    "pooled": "inverse-variance mean; its standard uncertainty times the Birge ratio where that exceeds one",
 }
 
 

@@ -1,0 +1,16 @@
+"""Configuration of the documentation."""
+
+import fingerpad
+
+project = "fingerpad"
+author = "The fingerpad developers"
+release = fingerpad.__version__
+extensions = ["myst_parser", "numpydoc", "sphinx.ext.autodoc", "sphinx.ext.autosummary", "sphinx.ext.mathjax"]
+myst_enable_extensions = ["dollarmath"]
+autosummary_generate = True
+autodoc_typehints = "none"
+numpydoc_show_class_members = False
+html_theme = "pydata_sphinx_theme"
+html_title = "fingerpad"
+html_theme_options = {"show_prev_next": False, "secondary_sidebar_items": ["page-toc"]}
+exclude_patterns = ["_build"]
