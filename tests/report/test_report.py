@@ -1,0 +1,130 @@
+"""The report: one file that needs nothing else, and says what it must."""
+
+import re
+from html.parser import HTMLParser
+from pathlib import Path
+
+import pytest
+
+from fingerpad.image import FLAGS
+from fingerpad.report import write_report
+from fingerpad.report.text import FLAG_WORDS, value_with_uncertainty
+from fingerpad.study.pipeline import StudyResult, run_study
+
+EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "dzidek2017"
+VOID = {"meta", "img", "br", "link"}
+
+
+class Page(HTMLParser):
+    """Collects what the page refers to and checks that its elements nest."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.tags: list[str] = []
+        self.open: list[str] = []
+        self.links: list[str] = []
+        self.ids: list[str] = []
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.append(tag)
+        if tag not in VOID:
+            self.open.append(tag)
+        for name, value in attrs:
+            if name in {"src", "href", "xlink:href"} and value is not None:
+                self.links.append(value)
+            if name == "id" and value is not None:
+                self.ids.append(value)
+
+    def handle_startendtag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.handle_starttag(tag, attrs)
+        if tag not in VOID:
+            self.open.pop()
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+
+@pytest.fixture(scope="module")
+def demo(tmp_path_factory: pytest.TempPathFactory) -> tuple[StudyResult, str, Path]:
+    out = tmp_path_factory.mktemp("report")
+    result = run_study(EXAMPLE / "study.toml", out)
+    return result, write_report(result, out).read_text(encoding="utf-8"), out
+
+
+def test_needs_nothing_from_elsewhere(demo: tuple[StudyResult, str, Path]) -> None:
+    _, text, _ = demo
+    page = Page(text)
+    assert page.open == []
+    assert "script" not in page.tags
+    assert all(link.startswith(("data:image/", "#")) for link in page.links)
+    assert len(page.ids) == len(set(page.ids))
+    assert "default-src 'none'" in text
+    assert not re.search(r"url\((?!#)", text)
+
+
+def test_shows_every_observation_and_overlay(demo: tuple[StudyResult, str, Path]) -> None:
+    result, text, out = demo
+    for row in result.rows:
+        assert row["observation"] in text
+    assert text.count("data:image/jpeg;base64,") == sum(row["overlay"] is not None for row in result.rows)
+    figures = {path.name for path in (out / "figures").iterdir()}
+    assert {path.removesuffix(".svg") for path in figures if path.endswith(".svg")} == {
+        path.removesuffix(".png") for path in figures if path.endswith(".png")
+    }
+    assert text.count("<figcaption>") == len(figures) // 2 + text.count("data:image/jpeg")
+
+
+def test_calls_synthetic_what_is(demo: tuple[StudyResult, str, Path]) -> None:
+    result, text, _ = demo
+    tag = '<span class="synthetic">synthetic</span>'
+    for row in result.rows:
+        cell = re.search(rf"<td>{row['observation']}(<span[^>]*>synthetic</span>)?</td>", text)
+        assert cell is not None
+        assert bool(cell.group(1)) == row["synthetic"]
+    for heading in re.findall(r"<h2>(.*?)</h2>", text):
+        assert (tag in heading) == heading.startswith("synthetic_pad")
+
+
+def test_says_where_the_model_ends(demo: tuple[StudyResult, str, Path]) -> None:
+    _, text, _ = demo
+    assert text.count("In 1 of 1 contacts the contact radius exceeds 0.3 of the radius of curvature.") == 4
+    assert "In 1 of 1 contacts measured and predicted aspect ratio differ by more than 10%" in text
+
+
+def test_text_from_the_manifest_is_escaped(tmp_path: Path) -> None:
+    manifest = tmp_path / "study.toml"
+    manifest.write_text(
+        "title = '<script>alert(1)</script> & sons'\n[[fingers]]\nname = 'f'\n"
+        "semi_axes_mm = { palmar = 8, distal = 14, radial_ulnar = 12 }\n"
+        "semi_axes_std_mm = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }\n"
+    )
+    text = write_report(run_study(manifest, tmp_path / "out"), tmp_path / "out").read_text(encoding="utf-8")
+    assert "<script>" not in text
+    assert "&lt;script&gt;alert(1)&lt;/script&gt; &amp; sons" in text
+    assert "No observation could be measured" in text
+
+
+def test_every_flag_has_words() -> None:
+    assert set(FLAGS) == set(FLAG_WORDS)
+
+
+@pytest.mark.parametrize(
+    ("value", "std", "text"),
+    [
+        (13.80484, 0.18442, "13.80 ± 0.18"),
+        (13.80484, 0.0996, "13.80 ± 0.10"),
+        (13.80484, 0.0994, "13.805 ± 0.099"),
+        (0.00123, 0.000456, "0.00123 ± 0.00046"),
+        (1234.5, 56.7, "1234 ± 57"),
+        (123456.0, 5678.0, "123500 ± 5700"),
+        (-0.5, 0.25, "-0.50 ± 0.25"),
+        (20.5, None, "20.5"),
+        (20.5, float("nan"), "20.5"),
+        (0.5, 0.0, "0.500"),
+        (None, None, "–"),
+        (float("nan"), 1.0, "–"),
+    ],
+)
+def test_two_digits_of_uncertainty(value: float | None, std: float | None, text: str) -> None:
+    assert value_with_uncertainty(value, std) == text
