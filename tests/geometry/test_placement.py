@@ -49,6 +49,8 @@ def test_roll_is_symmetric_and_the_platen_touches(wedge: float, roll: float) -> 
     left, right = (Placement.of(PAD, wedge_angle=wedge, roll_angle=side * roll) for side in (-1, 1))
     assert_allclose(left.curvature.principal_radii, right.curvature.principal_radii, rtol=1e-12)
     assert_allclose(left.point, right.point * [1, 1, -1], atol=1e-12)
+    assert_allclose(np.linalg.norm(right.normal), 1, rtol=1e-14)
+    assert_allclose(right.normal[1], np.sin(wedge), rtol=1e-14)  # rolling does not change the wedge's angle
     # The platen touches at one point only: no other point of the pad lies further out.
     u, v = np.meshgrid(np.linspace(-np.pi, np.pi, 40), np.linspace(0, np.pi, 20))
     assert (PAD.point(u, v) @ right.normal).max() <= right.point @ right.normal + 1e-12

@@ -67,7 +67,7 @@ def _newton_step(k: FloatArray, ratio: FloatArray, steps: int) -> tuple[FloatArr
     curvature = (k / (1 + k)) ** 2 * (1 - p)  # = −(dB/d ln k)/K, while dK/d ln k = −B
     slope = 2 + (curvature - b * b) / (b * d)  # = −d ln(R'/R'')/d ln k
     change = residual * (1 - 0.5 * residual) / slope
-    return k * (1 + change * (1 + 0.5 * change)), integral * (1 - change * (b - 0.5 * curvature * change))
+    return k * (1 + change * (1 + 0.5 * change)), integral * (1 - change * b)
 
 
 def _solve(ratio: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -1,0 +1,98 @@
+"""Rows: each stated uncertainty reaches the numbers it must, and directions and labels are kept."""
+
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+from fingerpad.image import render_imprint
+from fingerpad.study.pipeline import run_study
+
+MANIFEST = """
+title = "T"
+{top}
+[uncertainty]
+wedge_angle_std_deg = {wedge_std}
+load_relative_std = {load_std}
+[[fingers]]
+name = "f"
+semi_axes_mm = {{ palmar = 7.9, distal = 13.8, radial_ulnar = 11.8 }}
+semi_axes_std_mm = {{ palmar = 1e-9, distal = 1e-9, radial_ulnar = 1e-9 }}
+{finger}
+[[observations]]
+name = "x"
+finger = "f"
+wedge_angle_deg = 30
+load_N = 2
+{row}
+"""
+ELLIPSE = "ellipse_mm = { semi_major = 7.4, semi_minor = 5.0, std = 1e-9, long_axis = 'along' }"
+IMAGE = "image = 'print.png'\nppi = 500\n"
+
+
+def row_of(folder: Path, *, row: str = ELLIPSE, finger: str = "", wedge_std=0.0, load_std=0.0, top: str = ""):
+    (folder / "study.toml").write_text(
+        MANIFEST.format(row=row, finger=finger, wedge_std=wedge_std, load_std=load_std, top=top)
+    )
+    (row,) = run_study(folder / "study.toml", folder / "out").rows
+    assert row["status"] == "measured"
+    return row
+
+
+@pytest.fixture
+def picture(tmp_path: Path) -> Path:
+    truth = render_imprint(semi_major=8.0, semi_minor=6.0, seed=2)
+    Image.fromarray(truth.pixels).save(tmp_path / "print.png")
+    return tmp_path
+
+
+def test_wedge_angle(tmp_path: Path) -> None:
+    # dR_0g/dθ by the reference numbers: (9.982357 − 13.607666) mm over 15°, steeper than the mean at 30°.
+    row = row_of(tmp_path, wedge_std=1.0)
+    assert 0.2 < row["mean_curvature_radius_mm_std"] < 0.35
+    assert row["radius_from_indentation_mm_std_given_geometry"] < 1e-6
+    assert row_of(tmp_path)["mean_curvature_radius_mm_std"] < 1e-6
+
+
+def test_load(tmp_path: Path) -> None:
+    row = row_of(tmp_path, load_std=0.03)
+    for name in ("reduced_modulus_kpa", "youngs_modulus_kpa", "mean_pressure_kpa"):
+        assert row[f"{name}_std"] / row[name] == pytest.approx(0.03, rel=1e-6)
+    assert row["indentation_mm_std"] < 1e-6
+
+
+def test_scale_moves_both_axes_together(picture: Path) -> None:
+    exact = row_of(picture, row=IMAGE)
+    row = row_of(picture, row=IMAGE + "scale_relative_std = 0.2")
+    # Area and pressure go with the square of the scale; the axis ratio and the corrected radius not at all.
+    assert row["mean_pressure_kpa_std"] / row["mean_pressure_kpa"] == pytest.approx(0.4, rel=0.01)
+    name = "radius_from_indentation_mm_std_given_geometry"
+    assert row[name] == pytest.approx(exact[name], rel=0.05)
+
+
+@pytest.mark.parametrize(("turn", "side"), [(0, "along"), (30, "along"), (90, "across"), (-80, "across")])
+def test_long_axis_is_told_from_the_finger_not_from_the_picture(
+    picture: Path, turn: float, side: str
+) -> None:
+    row = row_of(picture, row=IMAGE + f"finger_axis_deg = {turn}")
+    assert row["long_axis"] == side
+    assert (row["orientation_deg"] + turn + 90) % 180 - 90 == pytest.approx(0, abs=1.5)
+    assert ("long_axis_disagrees" in row["range_notes"]) == (side == "along")
+
+
+@pytest.mark.parametrize("finger", ["", "synthetic = true"])
+@pytest.mark.parametrize("row", ["", "\nsynthetic = true"])
+def test_synthetic_if_anything_is(tmp_path: Path, finger: str, row: str) -> None:
+    assert row_of(tmp_path, finger=finger, row=ELLIPSE + row)["synthetic"] == bool(finger or row)
+
+
+def test_poisson_ratio(tmp_path: Path) -> None:
+    row = row_of(tmp_path, top="poisson_ratio = 0.3")
+    assert row["youngs_modulus_kpa"] / row["reduced_modulus_kpa"] == pytest.approx(0.91)
+
+
+def test_thickness_gives_the_second_range_note(tmp_path: Path) -> None:
+    thin = row_of(tmp_path, finger="pad_thickness_mm = 6")
+    assert thin["indentation_over_thickness"] == pytest.approx(thin["indentation_mm"] / 6)
+    assert "indentation_not_small" in thin["range_notes"]
+    assert "indentation_not_small" not in row_of(tmp_path, finger="pad_thickness_mm = 60")["range_notes"]
