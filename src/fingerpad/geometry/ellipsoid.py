@@ -96,7 +96,7 @@ class Ellipsoid:
         """Return principal radii and directions where the outward normal is `normal`.
 
         The shape operator of the level surface ½ pᵀQp, Q = diag(1/ℓ²), is the tangential part of
-        Q/|Qp|, and 1/|Qp| is the support function h(n) = √(Σ ℓ²n²).
+        Q/‖Qp‖, and 1/‖Qp‖ is the support function h(n) = √(Σ ℓ²n²).
 
         Parameters
         ----------
