@@ -1,0 +1,40 @@
+"""The command line: it asks the library and prints what it says."""
+
+from typing import Annotated
+
+import typer
+
+import fingerpad
+from fingerpad.cli import measure, model, study
+
+__all__ = ["app"]
+
+app = typer.Typer(
+    name="fingerpad",
+    help="Contact mechanics of the human finger pad.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+app.command()(model.geometry)
+app.command()(model.hertz)
+app.command()(model.correct)
+app.command()(model.reproduce)
+app.add_typer(measure.app, name="measure")
+app.command()(study.init)
+app.command()(study.run)
+
+
+def _show_version(value: bool) -> None:
+    if value:
+        typer.echo(f"fingerpad {fingerpad.__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _main(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_show_version, is_eager=True, help="Print the version.")
+    ] = False,
+) -> None:
+    """Contact mechanics of the human finger pad."""

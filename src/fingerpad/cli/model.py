@@ -1,0 +1,150 @@
+"""Commands that ask the model: geometry, hertz, correct, reproduce."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import numpy as np
+import typer
+
+from fingerpad.cli.shared import AsJson, make_folder, plain_errors, print_json, print_record, require_positive
+from fingerpad.units import KPA_PER_MPA
+
+if TYPE_CHECKING:
+    from fingerpad.published import AuditItem
+
+
+def geometry(
+    semi_axes: Annotated[
+        tuple[float, float, float], typer.Option(help="Palmar, distal and radial-ulnar semi-axes, mm.")
+    ],
+    wedge: Annotated[float, typer.Option(help="Wedge angle, degrees: 0 is flat, 90 on the fingertip.")],
+    roll: Annotated[float | None, typer.Option(help="Roll about the finger's long axis, degrees.")] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Find where a pad on a wedge touches the platen, and how it is curved there."""
+    from fingerpad.geometry import Ellipsoid, Placement
+
+    with plain_errors():
+        placement = Placement.of(
+            Ellipsoid.of(*semi_axes), wedge_angle=np.radians(wedge), roll_angle=np.radians(roll or 0.0)
+        )
+    curvature = placement.curvature
+    record = {
+        "u_deg": np.degrees(placement.u),
+        "v_deg": np.degrees(placement.v),
+        "in_plane_radius_mm": curvature.in_plane_radius,
+        "transverse_radius_mm": curvature.transverse_radius,
+        "mean_curvature_radius_mm": curvature.mean_curvature_radius,
+        "geometric_mean_radius_mm": curvature.geometric_mean_radius,
+        "mean_curvature_per_mm": curvature.mean_curvature,
+        "gaussian_curvature_per_mm2": curvature.gaussian_curvature,
+        "point_mm": placement.point,
+    }
+    if roll is not None:
+        record |= {
+            "principal_radii_mm": curvature.principal_radii,
+            "principal_directions": curvature.principal_directions,
+        }
+    print_record(record, as_json)
+
+
+def hertz(
+    radii: Annotated[tuple[float, float], typer.Option(help="Relative principal radii of curvature, mm.")],
+    modulus_kpa: Annotated[float, typer.Option(help="Reduced modulus E*, kPa.")],
+    load: Annotated[float | None, typer.Option(help="Normal force, N.")] = None,
+    indentation_mm: Annotated[float | None, typer.Option(help="Indentation, mm, instead of --load.")] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Solve the elliptical Hertz contact under a load, or at an indentation."""
+    from fingerpad.contact import HertzGeometry, indentation_factor, size_factor
+
+    if (load is None) == (indentation_mm is None):
+        raise typer.BadParameter("give either --load or --indentation-mm")
+    with plain_errors():
+        for flag, value in (
+            ("--modulus-kpa", modulus_kpa),
+            ("--load", load),
+            ("--indentation-mm", indentation_mm),
+        ):
+            require_positive(flag, value)
+        pair = HertzGeometry.of(*radii)
+    modulus = modulus_kpa / KPA_PER_MPA
+    if load is not None:
+        contact = pair.under_load(load, reduced_modulus=modulus)
+    else:
+        contact = pair.at_indentation(indentation_mm or 0.0, reduced_modulus=modulus)
+    record = {
+        "load_N": contact.load,
+        "semi_major_mm": contact.semi_major,
+        "semi_minor_mm": contact.semi_minor,
+        "area_mm2": contact.area,
+        "indentation_mm": contact.indentation,
+        "peak_pressure_kpa": KPA_PER_MPA * contact.peak_pressure,
+        "mean_pressure_kpa": KPA_PER_MPA * contact.mean_pressure,
+        "stiffness_N_per_mm": contact.stiffness,
+        "F1": size_factor(pair.axis_ratio),
+        "F2": indentation_factor(pair.axis_ratio),
+        "long_axis_along": {0.0: "first", 1.0: "second"}.get(float(pair.long_axis), "either"),
+    }
+    print_record(record, as_json)
+
+
+def correct(
+    ellipse: Annotated[
+        tuple[float, float], typer.Option(help="Semi-major and semi-minor axis of the contact, mm.")
+    ],
+    radius: Annotated[float, typer.Option(help="Radius of curvature of the undeformed pad, mm.")],
+    as_json: AsJson = False,
+) -> None:
+    """Correct a radius of curvature for the observed contact ellipse."""
+    from fingerpad import contact
+    from fingerpad.geometry import Ellipse
+
+    with plain_errors():
+        observed = Ellipse.of(*ellipse)
+        require_positive("--radius", radius)
+    k = observed.axis_ratio
+    first, b, d = contact.complete_integrals(k)
+    record = {
+        "eccentricity": observed.eccentricity,
+        "K": first,
+        "E": b + k**2 * d,
+        "F1": contact.size_factor(k),
+        "F2": contact.indentation_factor(k),
+        "radius_from_indentation_mm": contact.equivalent_radius_from_indentation(radius, k),
+        "radius_from_area_mm": contact.equivalent_radius_from_area(radius, k),
+        "radius_from_compliance_mm": contact.equivalent_radius_from_compliance(radius, k),
+    }
+    print_record(record, as_json)
+
+
+def reproduce(
+    figures: Annotated[
+        Path | None, typer.Option(help="Folder for the source's Figs 1, 4, 5 and 6, as SVG and PNG.")
+    ] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Compute every number printed in the source, and say which are reproduced."""
+    from fingerpad.published import audit
+
+    items = audit()
+    if figures is not None:
+        from fingerpad.figures import save_figure, source_figures
+
+        with plain_errors():
+            make_folder(figures)
+        for name, figure, caption in source_figures():
+            save_figure(figure, figures / name, description=caption)
+    if as_json:
+        print_json([item.as_record() for item in items])
+    else:
+        _print_audit(items)
+
+
+def _print_audit(items: "list[AuditItem]") -> None:
+    width = max(len(item.item) for item in items)
+    typer.echo(f"{'item':<{width}}  {'printed':>7}  {'computed':>8}  unit  verdict")
+    for item in items:
+        computed = "–" if item.computed is None else f"{item.computed:.2f}"
+        verdict = f"{item.verdict} (measured)" if item.computed is None else item.verdict
+        typer.echo(f"{item.item:<{width}}  {item.printed:>7.1f}  {computed:>8}  {item.unit:<4}  {verdict}")

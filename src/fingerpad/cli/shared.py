@@ -1,0 +1,77 @@
+"""What all commands share: errors in plain words, exit codes, and printing."""
+
+import math
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from enum import IntEnum
+from pathlib import Path
+from typing import Annotated, Any, TypeAlias
+
+import typer
+
+from fingerpad._json import dumps, plain
+from fingerpad.exceptions import FingerpadError, GeometryError
+
+AsJson: TypeAlias = Annotated[bool, typer.Option("--json", help="Print one JSON document instead of text.")]
+
+
+class Exit(IntEnum):
+    """Exit codes."""
+
+    USAGE = 2
+    SOME_FAILED = 3
+
+
+@contextmanager
+def plain_errors() -> Iterator[None]:
+    """Turn the library's errors into lines on stderr and an exit code."""
+    try:
+        yield
+    except FingerpadError as error:
+        for line in str(error).splitlines():
+            typer.echo(f"fingerpad: {line}", err=True)
+        raise typer.Exit(Exit.USAGE) from None
+
+
+def make_folder(folder: Path) -> None:
+    """Make a folder for results, or say why it cannot be made."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise FingerpadError(
+            f"{folder}: cannot make this folder ({error.strerror}); choose another"
+        ) from error
+
+
+def require_positive(flag: str, value: float | None) -> None:
+    """Refuse a value that is given but not positive and finite."""
+    if value is not None and not (value > 0 and math.isfinite(value)):
+        raise GeometryError(f"{flag} must be positive and finite, found {value:g}")
+
+
+def print_json(value: Any) -> None:
+    """Print one JSON document."""
+    typer.echo(dumps(value))
+
+
+def print_record(record: Mapping[str, Any], as_json: bool) -> None:
+    """Print a record as JSON or as lines of text."""
+    if as_json:
+        print_json(record)
+    else:
+        print_text(record)
+
+
+def print_text(record: Mapping[str, Any]) -> None:
+    """Print a record as lines of text."""
+    width = max(map(len, record))
+    for key, value in plain(record).items():
+        typer.echo(f"{key:<{width}}  {_text(value)}")
+
+
+def _text(value: Any) -> str:
+    if isinstance(value, list):
+        return ", ".join(map(_text, value)) or "none"
+    if value is None:
+        return "not known"
+    return f"{value:.6g}" if isinstance(value, float) else str(value)

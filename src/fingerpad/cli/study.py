@@ -1,0 +1,73 @@
+"""Commands that make and run studies."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from fingerpad.cli.shared import Exit, make_folder, plain_errors
+
+if TYPE_CHECKING:
+    from fingerpad.study.pipeline import StudyResult
+
+
+def init(
+    folder: Annotated[Path, typer.Argument(help="Folder to make, or an empty one.", show_default=False)],
+) -> None:
+    """Write a commented study manifest to start from."""
+    from fingerpad.study.template import write_template
+
+    with plain_errors():
+        manifest = write_template(folder)
+    typer.echo(f"Wrote {manifest}. Put your pictures beside it, fill it in, then: fingerpad run {manifest}")
+
+
+def run(
+    study: Annotated[Path, typer.Argument(help="The study's manifest.", show_default=False)],
+    out: Annotated[Path, typer.Option(help="Folder for tables, figures and report.")] = Path("results"),
+    workers: Annotated[int, typer.Option(min=1, help="Number of processes that measure.")] = 1,
+) -> None:
+    """Run a study: measure, model, pool, and write tables, figures and a report."""
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+    from fingerpad.report import write_report
+    from fingerpad.study.output import write_tables
+    from fingerpad.study.pipeline import run_study
+
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    with plain_errors():
+        make_folder(out)
+        with Progress(*columns, console=Console(stderr=True)) as progress:
+            task = progress.add_task("Measuring", total=None)
+            result = run_study(
+                study,
+                out,
+                workers=workers,
+                on_start=lambda total: progress.update(task, total=total),
+                on_measured=lambda done: progress.update(
+                    task, advance=1, description=f"Measured {done.observation}"
+                ),
+            )
+            progress.update(task, description="Writing tables and report")
+            write_tables(result, out)
+            report = write_report(result, out)
+    _print_outcome(result, report)
+    if result.failures:
+        raise typer.Exit(Exit.SOME_FAILED)
+
+
+def _print_outcome(result: "StudyResult", report: Path) -> None:
+    from fingerpad.report.text import value_with_uncertainty
+
+    for summary in result.summaries:
+        pooled = summary.corrected_radius
+        label = "  (synthetic)" if summary.synthetic else ""
+        typer.echo(
+            f"{summary.finger}, wedge {summary.wedge_angle_deg:g}°: corrected radius "
+            f"{value_with_uncertainty(pooled.value, pooled.total_std)} mm from {pooled.count} "
+            f"observation{'s' if pooled.count != 1 else ''}{label}"
+        )
+    for failure in result.failures:
+        typer.echo(f"failed: {failure}", err=True)
+    typer.echo(f"Report: {report}")
