@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
 from fingerpad.exceptions import GeometryError
-from fingerpad.geometry import RelativeCurvature
+from fingerpad.geometry import RelativeCurvature, principal_curvatures
 
 radius = st.floats(0.1, 1000.0)
 angle = st.floats(-7.0, 7.0)
@@ -54,6 +54,22 @@ def test_either_body_may_come_first(first_1, first_2, second_1, second_2, turn) 
 def test_cylinder_across_a_pad() -> None:
     gap = RelativeCurvature.of((12.0, 14.0), (8.0, np.inf), angle=np.pi / 2)
     assert_allclose(1 / gap.principal_radii, [1 / 12, 1 / 14 + 1 / 8], rtol=1e-14)
+
+
+def test_slender_gaps_keep_their_digits() -> None:
+    assert_allclose(RelativeCurvature.of((1.0, 1e12)).principal_radii, [1.0, 1e12], rtol=1e-15)
+    crossed = RelativeCurvature.of((1.0, np.inf), (np.inf, 1e17))
+    assert_allclose(crossed.principal_radii, [1.0, 1e17], rtol=1e-15)
+
+
+@given(st.floats(-5, 5), st.floats(-5, 5), st.floats(-5, 5))
+def test_any_symmetric_tensor_is_diagonalised(first, second, mixed) -> None:
+    curvatures, angle = principal_curvatures(first, second, mixed)
+    tensor = np.array([[first, mixed], [mixed, second]])
+    assert_allclose(np.sort(curvatures), np.linalg.eigvalsh(tensor), atol=1e-12)
+    direction = np.array([np.cos(angle), np.sin(angle)])
+    assert_allclose(direction @ tensor @ direction, curvatures[0], atol=1e-12)
+    assert abs(angle) <= np.pi / 4 + 1e-12
 
 
 def test_no_contact_ellipse_where_the_gap_does_not_open() -> None:

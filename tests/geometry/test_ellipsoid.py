@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
 from fingerpad.exceptions import GeometryError
-from fingerpad.geometry import Ellipsoid
+from fingerpad.geometry import Ellipsoid, platen_normal
 
 PAD = Ellipsoid.of(palmar=7.9, distal=13.8, radial_ulnar=11.8)
 axis = st.floats(1.0, 50.0)
@@ -121,6 +121,20 @@ def test_swapping_axes_swaps_radii() -> None:
     curvature = Ellipsoid.of(7.9, 13.8, 11.8).curvature_at_normal([1.0, 0, 0])
     swapped = Ellipsoid.of(7.9, 11.8, 13.8).curvature_at_normal([1.0, 0, 0])
     assert_allclose(curvature.principal_radii, swapped.principal_radii[::-1])
+
+
+@given(axis, axis, axis, st.floats(0, 1.5), st.floats(-np.pi, np.pi))
+def test_first_direction_is_the_one_nearer_to_the_finger(a, b, c, wedge, roll) -> None:
+    normal = platen_normal(wedge, roll)
+    first, second = Ellipsoid.of(a, b, c).curvature_at_normal(normal).principal_directions
+    finger = np.array([0.0, 1.0, 0.0]) - normal * normal[1]
+    assert abs(first @ finger) >= abs(second @ finger) - 1e-9
+
+
+def test_on_its_side_the_finger_still_knows_its_axis() -> None:
+    # Nothing jumps where the normal passes the side of the finger.
+    radii = PAD.curvature_at_normal(platen_normal(np.array([0.0, 1e-5, 1e-3]), np.pi / 2)).principal_radii
+    assert_allclose(radii, np.broadcast_to([13.8**2 / 11.8, 7.9**2 / 11.8], (3, 2)), rtol=1e-4)
 
 
 def test_everything_broadcasts() -> None:

@@ -139,12 +139,11 @@ class RelativeCurvature:
                 GeometryError,
             )
         require(np.isfinite(turn), "angle", turn, "finite (radians)", GeometryError)
-        mean = 0.5 * (1 / second_1 + 1 / second_2)
-        half_difference = 0.5 * (1 / second_1 - 1 / second_2)
+        cosine, sine = np.cos(turn), np.sin(turn)
         curvatures, angle_ = principal_curvatures(
-            1 / first_1 + mean + half_difference * np.cos(2 * turn),
-            1 / first_2 + mean - half_difference * np.cos(2 * turn),
-            half_difference * np.sin(2 * turn),
+            1 / first_1 + cosine**2 / second_1 + sine**2 / second_2,
+            1 / first_2 + sine**2 / second_1 + cosine**2 / second_2,
+            cosine * sine * (1 / second_1 - 1 / second_2),
         )
         curvatures = np.where((curvatures > 0).all(axis=-1, keepdims=True), curvatures, np.nan)
         return cls(principal_radii=1 / curvatures, angle=angle_)
@@ -186,8 +185,14 @@ def principal_curvatures(
     """
     first, second, mixed = broadcast(first, second, mixed)
     half_difference = 0.5 * (first - second)
-    radius = np.hypot(half_difference, mixed)
-    side = np.where(half_difference < 0, -1.0, 1.0)
     mean = 0.5 * (first + second)
-    angle = 0.5 * np.arctan2(side * mixed, np.abs(half_difference))
-    return np.stack([mean + side * radius, mean - side * radius], axis=-1), angle
+    # The product of the two is the determinant; their difference would lose the smaller one's digits.
+    stronger = mean + np.copysign(np.hypot(half_difference, mixed), mean)
+    weaker = (first * second - mixed * mixed) / np.where(stronger == 0, 1.0, stronger)
+    first_is_stronger = (half_difference >= 0) == (mean >= 0)
+    angle = 0.5 * np.arctan2(np.where(half_difference < 0, -mixed, mixed), np.abs(half_difference))
+    curvatures = np.stack(
+        [np.where(first_is_stronger, stronger, weaker), np.where(first_is_stronger, weaker, stronger)],
+        axis=-1,
+    )
+    return curvatures, angle

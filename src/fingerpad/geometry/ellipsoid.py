@@ -125,10 +125,10 @@ class Ellipsoid:
 
 
 def _tangents(normal: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return unit tangents along the finger (towards growing u) and across it, regular everywhere."""
+    """Return unit tangents along the finger, the projection of its axis y, and across it."""
     x, y, z = np.moveaxis(normal, -1, 0)
-    azimuth = np.arctan2(y, x)  # 0 on the z axis, where "along" is then the finger's own axis y
-    cosine, sine = np.cos(azimuth), np.sin(azimuth)
-    along = np.stack([-sine, cosine, np.zeros_like(x)], axis=-1)
-    across = np.stack([-z * cosine, -z * sine, np.hypot(x, y)], axis=-1)
+    roll = np.arctan2(z, x)  # 0 at the fingertip, where the projection vanishes: "along" is then −x
+    cosine, sine = np.cos(roll), np.sin(roll)
+    along = np.stack([-y * cosine, np.hypot(x, z), -y * sine], axis=-1)
+    across = np.stack([-sine, np.zeros_like(y), cosine], axis=-1)
     return along, across
