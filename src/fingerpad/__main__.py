@@ -2,14 +2,28 @@
 
 import sys
 
+_OPTIONAL = {"PIL", "cv2", "jinja2", "markupsafe", "matplotlib", "pydantic", "rich", "tifffile", "typer"}
+
 
 def main() -> None:
     """Run the command line, or say what it needs."""
+    for stream in (sys.stdout, sys.stderr):
+        stream.reconfigure(errors="replace")  # type: ignore[union-attr] # a console that lacks ℓ still gets the numbers
     try:
         from fingerpad.cli import app
+
+        app()
     except ModuleNotFoundError as error:
-        sys.exit(f"fingerpad's command line needs {error.name}: pip install 'fingerpad[study]'")
-    app()
+        if error.name is None or error.name.partition(".")[0] not in _OPTIONAL:
+            raise
+        _refuse(f"this needs the package {error.name}: pip install 'fingerpad[study]'")
+    except OSError as error:
+        _refuse(f"cannot write what was asked for ({error.strerror})")
+
+
+def _refuse(message: str) -> None:
+    print(f"fingerpad: {message}", file=sys.stderr)
+    sys.exit(2)
 
 
 if __name__ == "__main__":

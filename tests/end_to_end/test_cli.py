@@ -171,7 +171,7 @@ def test_measure_print(tmp_path: Path) -> None:
     for record, path in zip(bad, files[1:], strict=True):
         assert set(record) == {"file", "error"}
         assert record["file"] == str(path)
-    with Image.open(tmp_path / "overlays" / "good.png") as overlay:
+    with Image.open(tmp_path / "overlays" / "good_overlay.png") as overlay:
         assert overlay.size[0] >= truth.pixels.shape[1]
     assert len(list((tmp_path / "overlays").iterdir())) == 1
 
@@ -224,7 +224,7 @@ def test_a_bad_manifest_stops_before_any_work(tmp_path: Path) -> None:
     code, _, err = run("run", study / "study.toml", "--out", tmp_path / "out")
     assert code == 2
     assert "study.toml: poisson: unknown key; did you mean 'poisson_ratio'?" in err
-    assert list((tmp_path / "out").iterdir()) == []
+    assert not (tmp_path / "out").exists()
 
 
 def test_output_folder_that_cannot_be_made(tmp_path: Path) -> None:
@@ -232,6 +232,50 @@ def test_output_folder_that_cannot_be_made(tmp_path: Path) -> None:
     code, _, err = run("run", EXAMPLE / "study.toml", "--out", tmp_path / "file" / "out")
     assert code == 2
     assert "cannot make this folder" in err
+
+
+def test_overlays_never_collide_nor_replace_a_picture(tmp_path: Path) -> None:
+    pixels = render_imprint(seed=4).pixels
+    for name in ("1/x.png", "2/x.png", "2/x_overlay.png"):
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        Image.fromarray(pixels).save(tmp_path / name)
+    before = (tmp_path / "2" / "x_overlay.png").read_bytes()
+    files = [tmp_path / name for name in ("1/x.png", "2/x.png", "2/x_overlay.png")]
+    assert run("measure", "print", *files, "--ppi", 500, "--overlay", tmp_path / "2")[0] == 0
+    assert (tmp_path / "2" / "x_overlay.png").read_bytes() == before
+    assert len(list((tmp_path / "2").iterdir())) == 2 + 3
+
+
+@pytest.mark.parametrize("missing", ["cv2", "matplotlib", "jinja2", "pydantic"])
+def test_missing_packages_are_named(missing: str) -> None:
+    script = f"import sys; sys.modules[{missing!r}] = None; sys.argv[1:] = ['run', 'x.toml']; "
+    done = subprocess.run(
+        [sys.executable, "-c", script + "from fingerpad.__main__ import main; main()"],
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 2
+    assert f"this needs the package {missing}" in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_consoles_without_the_letters(tmp_path: Path) -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "fingerpad", "reproduce"],
+        capture_output=True,
+        env={**os.environ, "PYTHONIOENCODING": "cp1252"},
+    )
+    assert done.returncode == 0
+    assert b"Table 4" in done.stdout
+
+
+def test_a_full_disk_is_said_in_words() -> None:
+    with Path("/dev/full").open("w") as full:
+        done = subprocess.run(
+            [sys.executable, "-m", "fingerpad", "reproduce"], stdout=full, stderr=subprocess.PIPE, text=True
+        )
+    assert done.returncode != 0
+    assert "Traceback" not in done.stderr
 
 
 def test_module_and_version() -> None:

@@ -72,7 +72,7 @@ def test_every_commented_line_of_the_template_is_valid_too(tmp_path: Path) -> No
         (path.parent / f"outlines/right_index_{face}.csv").touch()
     study = read_study(path)
     assert (len(study.fingers), len(study.observations), len(study.curves)) == (2, 2, 2)
-    assert study.observations[1].seed_px == (250, 200)
+    assert study.observations[1].seed_px == [250, 200]
 
 
 def test_rows_may_come_from_a_spreadsheet(tmp_path: Path) -> None:
@@ -101,7 +101,35 @@ def test_rows_may_come_from_a_spreadsheet(tmp_path: Path) -> None:
         (VALID.replace("= 2\n", "= 0\n"), "load_N: expected greater than 0, found 0"),
         (VALID.replace("= 2\n", "= nan\n"), "load_N: expected a finite number, found nan"),
         (VALID.replace("= 2\n", "= inf\n"), "load_N: expected a finite number, found inf"),
-        (VALID.replace("= 2\n", '= "two"\n'), "load_N: expected a valid number.*found 'two'"),
+        (VALID.replace("= 2\n", '= "2"\n'), "load_N: expected a valid number, found '2'"),
+        (VALID.replace("= 2\n", "= true\n"), "load_N: expected a valid number, found True"),
+        (VALID.replace("= 2\n", "= 2e9\n"), "load_N: expected less than or equal to 10000, found 2000000000"),
+        (VALID.replace("[[fingers]]", "[fingers]"), r"write \[\[fingers\]\] in place of \[fingers\]"),
+        (VALID + "ppi = 500", "without an image there is no use for ppi"),
+        (VALID.replace('"a"', '"a' + 80 * "x" + '"'), "observations.0..name: String should have at most 60"),
+        (
+            VALID + ROW.replace('"a"', '"A"'),
+            "the name 'A' is given 2 times; names must differ by more than case",
+        ),
+        (VALID.replace("ellipse_mm =", 'image = "a\\u0000.png"\nppi = 500 #'), "is no file name"),
+        (VALID.replace("ellipse_mm =", f'image = "{"x" * 5000}"\nppi = 500 #'), "is no file name"),
+        ("title = " + 3000 * "[", "not valid TOML"),
+        ("title = " + 5000 * "9", "not valid TOML|title"),
+        (
+            'title = "T"\n[[fingers]]\nname = "f"\nphotographs = [{ face = "palmar", outline = "a.csv" }, '
+            '{ face = "palmar", outline = "b.csv" }]',
+            "each face may be given once, found palmar, palmar",
+        ),
+        (
+            VALID
+            + '[[curves]]\nfinger = "index"\nwedge_angle_deg = 30\nfile = "c.csv"\neffective_radius_mm = 3',
+            "curves.0.: give either file or effective_radius_mm",
+        ),
+        (
+            VALID + '[[curves]]\nfinger = "index"\nwedge_angle_deg = 30\nfile = "c.csv"\n'
+            "effective_radius_std_mm = 3",
+            "curves.0.: there is no use for effective_radius_std_mm here",
+        ),
         (
             VALID.replace("deg = 30", "deg = 91"),
             "wedge_angle_deg: expected less than or equal to 90, found 91",
@@ -137,19 +165,36 @@ def test_names_file_key_and_what_was_expected(tmp_path: Path, text: str, message
     assert all(line.startswith(("study.toml: ", str(tmp_path))) for line in str(caught.value).splitlines())
 
 
+HEADER = "name,finger,wedge_angle_deg,load_N,semi_major_mm,semi_minor_mm,ellipse_std_mm"
+CELLS = "b,index,45,2,5,4,.1"
+
+
 @pytest.mark.parametrize(
-    ("line", "message"),
+    ("text", "message"),
     [
-        ("b,index,45,x,5,4,.1", "rows.csv, line 2: load_N: expected a valid number.*found 'x'"),
-        ("b,index,45,2,5,4", "rows.csv, line 2: ellipse_mm.std: required, but missing"),
-        ("b,index,45,2,5,4,.1,extra", "rows.csv, line 2: more cells than the header has columns"),
+        (f"{HEADER}\nb,index,45,x,5,4,.1", "rows.csv, line 2: load_N: expected a valid number.*found 'x'"),
+        (f"{HEADER}\n\nb,index,45,2,5,4", "rows.csv, line 3: ellipse_mm.std: required, but missing"),
+        (f"{HEADER}\n{CELLS},extra", "rows.csv, line 2: more cells than the header has columns"),
+        (f"{HEADER.replace(',', ';')}\n{CELLS.replace(',', ';')}", "parted by semicolons"),
+        (CELLS, "rows.csv: no column finger, load_N, name, wedge_angle_deg in the first line"),
+        ("", "rows.csv: no column"),
+        (HEADER, "rows.csv: holds no rows"),
+        (f"{HEADER},load_N\n{CELLS},3", "rows.csv: column load_N is there 2 times"),
     ],
 )
-def test_names_the_line_of_a_spreadsheet(tmp_path: Path, line: str, message: str) -> None:
-    header = "name,finger,wedge_angle_deg,load_N,semi_major_mm,semi_minor_mm,ellipse_std_mm"
-    (tmp_path / "rows.csv").write_text(f"{header}\n{line}\n")
+def test_names_the_line_of_a_spreadsheet(tmp_path: Path, text: str, message: str) -> None:
+    (tmp_path / "rows.csv").write_text(text)
     with pytest.raises(ManifestError, match=message):
         read_study(write(tmp_path, 'title = "T"\nobservations_csv = "rows.csv"' + FINGER))
+
+
+def test_spreadsheets_may_be_untidy(tmp_path: Path) -> None:
+    (tmp_path / "rows.csv").write_text(
+        f'{HEADER},image,ppi,seed_px,,\n{CELLS},,,,,\n,,,,,,,,,,\nc,index,45,2,,,,rows.csv,500,"250, 200"\n'
+    )
+    study = read_study(write(tmp_path, '\ufefftitle = "T"\nobservations_csv = "rows.csv"' + FINGER))
+    assert [row.name for row in study.observations] == ["b", "c"]
+    assert study.observations[1].seed_px == [250, 200]
 
 
 @pytest.mark.parametrize("make", [lambda p: None, lambda p: p.mkdir(), lambda p: p.write_bytes(b"\xff\xff")])

@@ -10,6 +10,7 @@ import pytest
 from numpy.testing import assert_allclose
 from PIL import Image
 
+from fingerpad.exceptions import ManifestError
 from fingerpad.study.output import write_tables
 from fingerpad.study.pipeline import StudyResult, run_study
 from fingerpad.study.rows import COLUMNS
@@ -144,6 +145,67 @@ def test_a_bad_image_costs_its_row_only(copy: Path, tmp_path: Path, demo: tuple[
     ]
     assert result.curves[-1].fit is None
     assert len(result.failures) == 9 + 1 + 1
+
+
+def single_row(folder: Path, rows: str) -> Path:
+    manifest = folder / "study.toml"
+    manifest.write_text(
+        'title = "T"\n[[fingers]]\nname = "f"\n'
+        "semi_axes_mm = { palmar = 8, distal = 14, radial_ulnar = 12 }\n"
+        "semi_axes_std_mm = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }\n" + rows
+    )
+    return manifest
+
+
+def row(name: str, contact: str) -> str:
+    return f'[[observations]]\nname = "{name}"\nfinger = "f"\nwedge_angle_deg = 30\nload_N = 1\n{contact}\n'
+
+
+def test_circular_contacts_pool_with_others(tmp_path: Path) -> None:
+    axes = ((6.0, 6.0), (5.0, 5.0), (7.4, 5.0))
+    rows = "".join(
+        row(f"x{i}", f"ellipse_mm = {{ semi_major = {a}, semi_minor = {b}, std = 0.1 }}")
+        for i, (a, b) in enumerate(axes)
+    )
+    result = run_study(single_row(tmp_path, rows), tmp_path / "out")
+    (summary,) = result.summaries
+    stds = [line["radius_from_indentation_mm_std_given_geometry"] for line in result.rows]
+    assert min(stds) > 1e-4
+    assert summary.corrected_radius.count == 3
+
+
+@pytest.mark.parametrize(
+    "picture",
+    [np.pad(np.full((1, 5), 255), ((60, 60), (60, 60))), np.indices((120, 120)).sum(axis=0) % 2 * 255],
+    ids=["hot pixels", "checkerboard"],
+)
+def test_odd_pictures_cost_their_row_only(tmp_path: Path, picture: np.ndarray) -> None:
+    Image.fromarray(picture.astype(np.uint8)).save(tmp_path / "odd.png")
+    rows = row("odd", 'image = "odd.png"\nppi = 500')
+    rows += row("good", "ellipse_mm = { semi_major = 7.4, semi_minor = 5.0, std = 0.1 }")
+    result = run_study(single_row(tmp_path, rows), tmp_path / "out")
+    assert [line["status"] for line in result.rows] == ["failed", "measured"]
+
+
+@pytest.mark.parametrize("out", [".", "sub"])
+def test_results_are_never_written_over_inputs(tmp_path: Path, out: str) -> None:
+    picture = tmp_path / out / "overlays" / "a.png"
+    picture.parent.mkdir(parents=True)
+    shutil.copy(EXAMPLE / "synthetic" / "synthetic_30deg_1N.png", picture)
+    before = picture.read_bytes()
+    manifest = single_row(tmp_path, row("a", f'image = "{out}/overlays/a.png"\nppi = 500'))
+    with pytest.raises(ManifestError, match="results would be written over .*overlays/a.png"):
+        run_study(manifest, tmp_path / out)
+    assert picture.read_bytes() == before
+
+
+def test_study_through_a_link(tmp_path: Path) -> None:
+    (tmp_path / "real").mkdir()
+    (tmp_path / "mine").mkdir()
+    real = single_row(tmp_path / "real", "").rename(tmp_path / "real" / "other.toml")
+    (tmp_path / "mine" / "study.toml").symlink_to(real)
+    result = run_study(tmp_path / "mine" / "study.toml", tmp_path / "out")
+    assert set(result.provenance["inputs_sha256"]) == {"study.toml"}
 
 
 def test_a_study_of_failures_still_reports(copy: Path, tmp_path: Path) -> None:

@@ -47,11 +47,19 @@ def test_one_estimate_is_itself() -> None:
     assert np.isnan(pooled.birge_ratio)
 
 
+def test_exact_and_tiny_uncertainties_do_not_overflow() -> None:
+    pooled = pool([1.0, 2.0], [0.0, 0.1])
+    assert pooled.value == pytest.approx(1.0)
+    assert np.isfinite(pooled.std)
+    assert pool([1.0, 1.0], [1e-200, 1.0]).value == 1.0
+
+
 @pytest.mark.parametrize(
     ("values", "stds", "message"),
     [
         ([], [], "no estimates to pool"),
-        ([1.0, 2.0], [0.1, 0.0], "standard uncertainty must be positive and finite, found 0 at index 1"),
+        ([1.0, 2.0], [0.1], "each value needs its standard uncertainty"),
+        ([1.0, 2.0], [0.1, np.inf], "standard uncertainty must be finite and not negative, found inf"),
         ([1.0, 2.0], [0.1, -1.0], "found -1 at index 1"),
         ([1.0, np.nan], [0.1, 0.1], "value to pool must be finite, found nan at index 1"),
     ],

@@ -1,12 +1,14 @@
 """Commands that measure pictures."""
 
+import itertools
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 import typer
 
-from fingerpad.cli.shared import AsJson, Exit, make_folder, plain_errors, print_json, print_text
+from fingerpad._files import make_folder
+from fingerpad.cli.shared import AsJson, Exit, plain_errors, print_json, print_text
 from fingerpad.exceptions import CalibrationError, FingerpadError
 
 if TYPE_CHECKING:
@@ -32,7 +34,8 @@ def measure_print(
         scale = Scale.of_ppi(ppi) if ppi is not None else Scale.of_mm_per_px(mm_per_px or 0.0)
         if overlay is not None:
             make_folder(overlay)
-    records = [_measured_print(path, scale, overlay) for path in images]
+    overlays = _overlay_files(images, overlay)
+    records = [_measured_print(path, scale, overlays.get(path)) for path in images]
     if as_json:
         print_json(records)
     else:
@@ -43,6 +46,19 @@ def measure_print(
         raise typer.Exit(Exit.SOME_FAILED)
 
 
+def _overlay_files(images: list[Path], folder: Path | None) -> dict[Path, Path]:
+    """Return a file for each picture's overlay: no two the same, and none of them a picture to measure."""
+    if folder is None:
+        return {}
+    files: dict[Path, Path] = {}
+    taken = {path.resolve() for path in images}
+    for path in images:
+        names = (f"{path.stem}_overlay{number}.png" for number in itertools.chain([""], itertools.count(2)))
+        files[path] = next(folder / name for name in names if (folder / name).resolve() not in taken)
+        taken.add(files[path].resolve())
+    return files
+
+
 def _measured_print(path: Path, scale: "Scale", overlay: Path | None) -> dict[str, Any]:
     from fingerpad.image import measure_imprint, read_image, write_overlay
 
@@ -50,7 +66,7 @@ def _measured_print(path: Path, scale: "Scale", overlay: Path | None) -> dict[st
         pixels = read_image(path).pixels
         imprint = measure_imprint(pixels, scale)
         if overlay is not None:
-            write_overlay(overlay / f"{path.stem}.png", pixels, imprint)
+            write_overlay(overlay, pixels, imprint)
     except FingerpadError as error:
         return {"file": str(path), "error": str(error)}
     return {

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 import typer
 
-from fingerpad.cli.shared import AsJson, make_folder, plain_errors, print_json, print_record, require_positive
+from fingerpad._files import make_folder
+from fingerpad.cli.shared import AsJson, plain_errors, print_json, print_record, require_positive
 from fingerpad.units import KPA_PER_MPA
 
 if TYPE_CHECKING:
@@ -133,8 +134,8 @@ def reproduce(
 
         with plain_errors():
             make_folder(figures)
-        for name, figure, caption in source_figures():
-            save_figure(figure, figures / name, description=caption)
+            for name, figure, caption in source_figures():
+                save_figure(figure, figures / name, description=caption)
     if as_json:
         print_json([item.as_record() for item in items])
     else:

@@ -4,7 +4,6 @@ import math
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from enum import IntEnum
-from pathlib import Path
 from typing import Annotated, Any, TypeAlias
 
 import typer
@@ -18,7 +17,7 @@ AsJson: TypeAlias = Annotated[bool, typer.Option("--json", help="Print one JSON 
 class Exit(IntEnum):
     """Exit codes."""
 
-    USAGE = 2
+    REFUSED = 2  # manifest, command line, or a place where results cannot be written
     SOME_FAILED = 3
 
 
@@ -30,17 +29,7 @@ def plain_errors() -> Iterator[None]:
     except FingerpadError as error:
         for line in str(error).splitlines():
             typer.echo(f"fingerpad: {line}", err=True)
-        raise typer.Exit(Exit.USAGE) from None
-
-
-def make_folder(folder: Path) -> None:
-    """Make a folder for results, or say why it cannot be made."""
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise FingerpadError(
-            f"{folder}: cannot make this folder ({error.strerror}); choose another"
-        ) from error
+        raise typer.Exit(Exit.REFUSED) from None
 
 
 def require_positive(flag: str, value: float | None) -> None:

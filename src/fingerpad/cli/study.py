@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fingerpad.cli.shared import Exit, make_folder, plain_errors
+from fingerpad.cli.shared import Exit, plain_errors
 
 if TYPE_CHECKING:
     from fingerpad.study.pipeline import StudyResult
@@ -36,29 +36,27 @@ def run(
     from fingerpad.study.pipeline import run_study
 
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-    with plain_errors():
-        make_folder(out)
-        with Progress(*columns, console=Console(stderr=True)) as progress:
-            task = progress.add_task("Measuring", total=None)
-            result = run_study(
-                study,
-                out,
-                workers=workers,
-                on_start=lambda total: progress.update(task, total=total),
-                on_measured=lambda done: progress.update(
-                    task, advance=1, description=f"Measured {done.observation}"
-                ),
-            )
-            progress.update(task, description="Writing tables and report")
-            write_tables(result, out)
-            report = write_report(result, out)
+    with plain_errors(), Progress(*columns, console=Console(stderr=True)) as progress:
+        task = progress.add_task("Measuring", total=None)
+        result = run_study(
+            study,
+            out,
+            workers=workers,
+            on_start=lambda total: progress.update(task, total=total),
+            on_measured=lambda done: progress.update(
+                task, advance=1, description=f"Measured {done.observation}"
+            ),
+        )
+        progress.update(task, description="Writing tables and report")
+        write_tables(result, out)
+        report = write_report(result, out)
     _print_outcome(result, report)
     if result.failures:
         raise typer.Exit(Exit.SOME_FAILED)
 
 
 def _print_outcome(result: "StudyResult", report: Path) -> None:
-    from fingerpad.report.text import value_with_uncertainty
+    from fingerpad.report.text import FLAG_WORDS, in_words, value_with_uncertainty
 
     for summary in result.summaries:
         pooled = summary.corrected_radius
@@ -68,6 +66,9 @@ def _print_outcome(result: "StudyResult", report: Path) -> None:
             f"{value_with_uncertainty(pooled.value, pooled.total_std)} mm from {pooled.count} "
             f"observation{'s' if pooled.count != 1 else ''}{label}"
         )
+    for row in result.rows:
+        if row["flags"]:
+            typer.echo(f"doubtful: {row['observation']}: {', '.join(in_words(row['flags'], FLAG_WORDS))}")
     for failure in result.failures:
         typer.echo(f"failed: {failure}", err=True)
     typer.echo(f"Report: {report}")

@@ -45,8 +45,9 @@ class HertzContact:
 
     @property
     def mean_pressure(self) -> FloatArray:
-        """Mean pressure W/A."""
-        return self.load / self.area
+        """Mean pressure W/A; NaN without load."""
+        with np.errstate(all="ignore"):
+            return self.load / self.area
 
     @property
     def peak_pressure(self) -> FloatArray:
@@ -55,8 +56,9 @@ class HertzContact:
 
     @property
     def stiffness(self) -> FloatArray:
-        """Normal contact stiffness dW/dξ = 3W/(2ξ)."""
-        return 1.5 * self.load / self.indentation
+        """Normal contact stiffness dW/dξ = 3W/(2ξ); NaN without load."""
+        with np.errstate(all="ignore"):
+            return 1.5 * self.load / self.indentation
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -172,6 +174,7 @@ class HertzGeometry:
         with np.errstate(divide="ignore", invalid="ignore"):
             return (3 / np.pi) * floats(load) * self._larger_radius * self.D / major**3
 
+    @np.errstate(all="ignore")
     def _of_size(self, major: FloatArray, reduced_modulus: ArrayLike) -> HertzContact:
         modulus = floats(reduced_modulus)
         modulus = np.where(modulus >= 0, modulus, np.nan)
@@ -229,6 +232,7 @@ def _contact(*values: ArrayLike) -> HertzContact:
     )
 
 
+@np.errstate(all="ignore")
 def reduced_modulus(youngs_modulus: ArrayLike, poisson_ratio: ArrayLike = 0.5) -> FloatArray:
     """Return E* = E/(1 − ν²) of a body pressed against a rigid one.
 

@@ -54,6 +54,7 @@ class PadContact:
     predicted_elongation: FloatArray
 
 
+@np.errstate(all="ignore")
 def pad_contact(
     pad: Ellipsoid,
     *,

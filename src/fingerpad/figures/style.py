@@ -14,6 +14,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, broadcast, floats
+from fingerpad.exceptions import FingerpadError
 
 Arguments = ParamSpec("Arguments")
 Result = TypeVar("Result")
@@ -154,12 +155,20 @@ def save_figure(
     -------
     tuple of Path
         The SVG and the PNG.
+
+    Raises
+    ------
+    FingerpadError
+        If a file cannot be written.
     """
     path = Path(path)
     svg, png = (path.with_name(f"{path.name}.{suffix}") for suffix in ("svg", "png"))
     drawing = figure_svg(figure, path.name, description=description)
-    svg.write_text(f'<?xml version="1.0" encoding="utf-8"?>\n{drawing}', encoding="utf-8", newline="\n")
-    figure.savefig(png, format="png", dpi=dpi, metadata={"Software": None})
+    try:
+        svg.write_text(f'<?xml version="1.0" encoding="utf-8"?>\n{drawing}', encoding="utf-8", newline="\n")
+        figure.savefig(png, format="png", dpi=dpi, metadata={"Software": None})
+    except OSError as error:
+        raise FingerpadError(f"{error.filename}: cannot be written ({error.strerror})") from error
     return svg, png
 
 

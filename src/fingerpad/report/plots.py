@@ -41,14 +41,12 @@ class Plot:
     caption: str
 
 
-def group_name(
-    finger: str, wedge_angle_deg: float, roll_angle_deg: float = 0.0, *, synthetic: bool = False
-) -> str:
-    """Return the file name of a group of rows."""
-    roll = f"_roll{roll_angle_deg:g}" if roll_angle_deg else ""
-    # Rendered rows of a real finger form a group of their own.
-    mark = "_synthetic" if synthetic and not finger.startswith("synthetic") else ""
-    return f"{finger}_{wedge_angle_deg:g}deg{roll}{mark}"
+def group_name(finger: str, wedge_angle_deg: float, roll_angle_deg: float, *, synthetic: bool) -> str:
+    """Return the file name of a group of rows, which no other group has."""
+    roll = f"_roll{roll_angle_deg!r}" if roll_angle_deg else ""
+    return f"{finger}_{wedge_angle_deg!r}deg{roll}".replace(".0deg", "deg") + (
+        "_synthetic" if synthetic else ""
+    )
 
 
 def summary_plots(result: StudyResult, summary: Summary) -> Iterator[Plot]:
@@ -91,7 +89,8 @@ def curve_plots(curve: CurveResult, number: int) -> Iterator[Plot]:
         return
     data, area, fit = curve.curve, curve.curve.area, curve.fit
     synthetic = np.full(data.load.shape, curve.manifest.synthetic)
-    name = f"curve{number}_{group_name(curve.manifest.finger, curve.manifest.wedge_angle_deg)}"
+    of = curve.manifest
+    name = f"curve{number}_{group_name(of.finger, of.wedge_angle_deg, 0.0, synthetic=of.synthetic)}"
     where = f"{curve.name}{'; synthetic' if curve.manifest.synthetic else ''}"
     figure, (axes,) = new_figure()
     plot_contact_compliance(

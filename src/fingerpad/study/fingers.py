@@ -1,5 +1,6 @@
 """The fingers of a study: semi-axes as given, or fitted to the outlines of photographs."""
 
+import os
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -70,7 +71,7 @@ def finger_result(finger: Finger, folder: Path) -> FingerResult:
             semi_axes=np.full(3, np.nan),
             covariance=np.full((3, 3), np.nan),
             source="photographs",
-            reason=f"finger {finger.name}: {error}".replace(f"{folder}/", ""),
+            reason=f"finger {finger.name}: {error}".replace(f"{folder}{os.sep}", ""),
             **common,
         )
     return FingerResult(

@@ -7,16 +7,30 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self, TypeVar
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, model_validator
 
 from fingerpad.exceptions import ManifestError
 
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
-NonNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+# Wide bounds that only a slip of units or of the keyboard crosses.
+Length = Annotated[float, Field(gt=0, le=1000, allow_inf_nan=False)]
+LengthStd = Annotated[float, Field(ge=1e-9, le=1000, allow_inf_nan=False)]
+Load = Annotated[float, Field(gt=0, le=1e4, allow_inf_nan=False)]
+RelativeStd = Annotated[float, Field(ge=0, lt=1, allow_inf_nan=False)]
+AngleStd = Annotated[float, Field(ge=0, le=90, allow_inf_nan=False)]
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 # Names become file names: letters, digits and . _ + - only.
-Name = Annotated[str, Field(pattern=r"^\w[\w.+-]*$", max_length=80)]
+Name = Annotated[str, Field(pattern=r"^\w[\w.+-]*$", max_length=60)]
 Direction = Literal["along", "across"]
+
+
+_IMAGE_KEYS = frozenset(
+    ("background", "ppi", "mm_per_px", "scale_relative_std", "finger_axis_deg", "dark_on_light", "seed_px")
+)
+
+
+def _listed(value: object) -> object:
+    """Let a spreadsheet's cell hold a list, as in "250, 200"."""
+    return [float(part) for part in value.split(",")] if isinstance(value, str) else value
 
 
 class _Table(BaseModel):
@@ -26,11 +40,19 @@ class _Table(BaseModel):
 
 
 class SemiAxes(_Table):
-    """Semi-axes of a finger pad or their standard uncertainties, mm."""
+    """Semi-axes of a finger pad, mm."""
 
-    palmar: Positive
-    distal: Positive
-    radial_ulnar: Positive
+    palmar: Length
+    distal: Length
+    radial_ulnar: Length
+
+
+class SemiAxesStd(_Table):
+    """Standard uncertainties of semi-axes, mm."""
+
+    palmar: LengthStd
+    distal: LengthStd
+    radial_ulnar: LengthStd
 
 
 class Photograph(_Table):
@@ -46,9 +68,9 @@ class Finger(_Table):
 
     name: Name
     semi_axes_mm: SemiAxes | None = None
-    semi_axes_std_mm: SemiAxes | None = None
+    semi_axes_std_mm: SemiAxesStd | None = None
     photographs: list[Photograph] = []
-    pad_thickness_mm: Positive | None = None
+    pad_thickness_mm: Length | None = None
     synthetic: bool = False
 
     @model_validator(mode="after")
@@ -57,15 +79,18 @@ class Finger(_Table):
             raise ValueError("give either semi_axes_mm or photographs, one of the two")
         if (self.semi_axes_mm is None) != (self.semi_axes_std_mm is None):
             raise ValueError("semi_axes_mm and semi_axes_std_mm belong together")
+        faces = [photograph.face for photograph in self.photographs]
+        if len(set(faces)) < len(faces):
+            raise ValueError(f"each face may be given once, found {', '.join(faces)}")
         return self
 
 
 class ContactEllipse(_Table):
     """Semi-axes of a contact ellipse measured elsewhere, mm."""
 
-    semi_major: Positive
-    semi_minor: Positive
-    std: Positive
+    semi_major: Length
+    semi_minor: Length
+    std: LengthStd
     long_axis: Direction | None = None
 
     @model_validator(mode="after")
@@ -84,15 +109,17 @@ class Observation(_Table):
     finger: str
     wedge_angle_deg: Annotated[float, Field(ge=0, le=90)]
     roll_angle_deg: Finite = 0.0
-    load_N: Positive  # noqa: N815 (the unit's own letter)
+    load_N: Load  # noqa: N815 (the unit's own letter)
     image: str | None = None
     background: str | None = None
-    ppi: Positive | None = None
-    mm_per_px: Positive | None = None
-    scale_relative_std: NonNegative = 0.0
+    ppi: Annotated[float, Field(ge=20, le=1e5)] | None = None
+    mm_per_px: Annotated[float, Field(ge=1e-4, le=1)] | None = None
+    scale_relative_std: RelativeStd = 0.0
     finger_axis_deg: Finite = 0.0
     dark_on_light: bool | None = None
-    seed_px: tuple[Finite, Finite] | None = None
+    seed_px: Annotated[list[Finite], Field(min_length=2, max_length=2), BeforeValidator(_listed)] | None = (
+        None
+    )
     ellipse_mm: ContactEllipse | None = None
     synthetic: bool = False
 
@@ -102,6 +129,11 @@ class Observation(_Table):
             raise ValueError("give either image or ellipse_mm, one of the two")
         if self.image is not None and (self.ppi is None) == (self.mm_per_px is None):
             raise ValueError("an image needs its scale: give either ppi or mm_per_px")
+        idle = sorted(self.model_fields_set & _IMAGE_KEYS)
+        if self.image is None and idle:
+            raise ValueError(
+                f"without an image there is no use for {', '.join(idle)}; remove what is not meant"
+            )
         return self
 
 
@@ -112,23 +144,26 @@ class Curve(_Table):
     wedge_angle_deg: Annotated[float, Field(ge=0, le=90)]
     file: str | None = None
     columns: dict[Literal["force", "displacement", "area"], str] = {}
-    effective_radius_mm: Positive | None = None
-    effective_radius_std_mm: Positive | None = None
+    effective_radius_mm: Length | None = None
+    effective_radius_std_mm: LengthStd | None = None
     synthetic: bool = False
 
     @model_validator(mode="after")
     def _one_source(self) -> Self:
         if (self.file is None) == (self.effective_radius_mm is None):
             raise ValueError("give either file or effective_radius_mm, one of the two")
+        idle = {"columns"} if self.file is None else {"effective_radius_std_mm"}
+        if idle & self.model_fields_set:
+            raise ValueError(f"there is no use for {idle.pop()} here; remove it")
         return self
 
 
 class Uncertainty(_Table):
     """Standard uncertainties common to all observations."""
 
-    wedge_angle_std_deg: NonNegative = 0.0
-    roll_angle_std_deg: NonNegative = 0.0
-    load_relative_std: NonNegative = 0.0
+    wedge_angle_std_deg: AngleStd = 0.0
+    roll_angle_std_deg: AngleStd = 0.0
+    load_relative_std: RelativeStd = 0.0
 
 
 class Study(_Table):
@@ -187,16 +222,16 @@ def read_study(path: Path) -> Study:
         Naming the file, and for each fault its key, what was found and what was expected.
     """
     try:
-        content = tomllib.loads(path.read_text(encoding="utf-8"))
+        content = tomllib.loads(path.read_text(encoding="utf-8-sig"))
     except FileNotFoundError:
         raise ManifestError(
             f"{path}: no such file; `fingerpad init DIR` writes a manifest to start from"
         ) from None
     except (OSError, UnicodeDecodeError) as error:
         raise ManifestError(f"{path}: cannot be read ({error})") from error
-    except tomllib.TOMLDecodeError as error:
+    except (ValueError, RecursionError) as error:
         raise ManifestError(f"{path}: not valid TOML: {error}") from error
-    study = _validated(Study, content, path.name)
+    study = _validated(Study, content, path.name, strict=True)
     if study.observations_csv is not None:
         rows = _read_rows(_inside(path.parent, study.observations_csv, path.name, "observations_csv"))
         study = study.model_copy(update={"observations": [*study.observations, *rows]})
@@ -206,9 +241,10 @@ def read_study(path: Path) -> Study:
     return study
 
 
-def _validated(model: type[Model], content: Mapping[str, Any], where: str) -> Model:
+def _validated(model: type[Model], content: Mapping[str, Any], where: str, *, strict: bool) -> Model:
+    """Check `content`; cells of a spreadsheet are text and cannot be taken strictly."""
     try:
-        return model.model_validate(content)
+        return model.model_validate(content, strict=strict)
     except ValidationError as error:
         raise ManifestError("\n".join(f"{where}: {fault}" for fault in _value_faults(error))) from None
 
@@ -226,8 +262,10 @@ def _value_faults(error: ValidationError) -> Iterable[str]:
             yield f"{place}: unknown key" + (f"; did you mean {close[0]!r}?" if close else "")
         elif fault["type"] == "missing":
             yield f"{place}: required, but missing"
+        elif isinstance(fault["input"], dict) and fault["type"] == "list_type":
+            yield f"{place}: expected a list of tables: write [[{place}]] in place of [{place}]"
         elif isinstance(fault["input"], str | int | float | bool):
-            yield f"{place}: {message}, found {fault['input']!r}"
+            yield f"{place}: {message}, found {repr(fault['input'])[:60]}"
         else:
             yield f"{place}: {message}" if place else message
 
@@ -236,29 +274,42 @@ def _read_rows(path: Path) -> list[Observation]:
     """Read observations from a spreadsheet's CSV: its headers are the keys of an observation."""
     try:
         with path.open(newline="", encoding="utf-8-sig") as file:
-            reader = csv.DictReader(file)
-            return [_row(row, f"{path.name}, line {reader.line_num}") for row in reader]
+            reader = csv.reader(file)
+            lines = [(reader.line_num, cells) for cells in reader if any(cell.strip() for cell in cells)]
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise ManifestError(f"{path.name}: cannot be read as CSV ({error})") from error
+    header = [cell.strip() for cell in lines[0][1]] if lines else []
+    missing = {"name", "finger", "wedge_angle_deg", "load_N"} - set(header)
+    if missing:
+        hint = "; its cells are parted by semicolons, save it with commas" if ";" in "".join(header) else ""
+        raise ManifestError(f"{path.name}: no column {', '.join(sorted(missing))} in the first line{hint}")
+    repeated = sorted({title for title in header if title and header.count(title) > 1})
+    if repeated:
+        raise ManifestError(f"{path.name}: column {repeated[0]} is there {header.count(repeated[0])} times")
+    if len(lines) == 1:
+        raise ManifestError(f"{path.name}: holds no rows below its first line")
+    return [_row(header, cells, f"{path.name}, line {line}") for line, cells in lines[1:]]
 
 
-def _row(cells: Mapping[str, Any], where: str) -> Observation:
-    if None in cells:
+def _row(header: list[str], cells: list[str], where: str) -> Observation:
+    if any(cell.strip() for cell in cells[len(header) :]):
         raise ManifestError(f"{where}: more cells than the header has columns")
     content: dict[str, Any] = {
-        key.strip(): cell.strip() for key, cell in cells.items() if cell and cell.strip()
+        key: cell.strip() for key, cell in zip(header, cells, strict=False) if cell.strip()
     }
     ellipse = {key: content.pop(column) for column, key in _ELLIPSE_COLUMNS.items() if column in content}
     if ellipse:
         content["ellipse_mm"] = ellipse
-    return _validated(Observation, content, where)
+    return _validated(Observation, content, where, strict=False)
 
 
 def _reference_faults(study: Study) -> Iterable[str]:
     fingers = [finger.name for finger in study.fingers]
     for kind, names in (("fingers", fingers), ("observations", [row.name for row in study.observations])):
-        for name in sorted({name for name in names if names.count(name) > 1}):
-            yield f"{kind}: the name {name!r} is given {names.count(name)} times; names must differ"
+        folded = [name.casefold() for name in names]  # two files must differ by more than case
+        for name in sorted({name for name in names if folded.count(name.casefold()) > 1}):
+            count = folded.count(name.casefold())
+            yield f"{kind}: the name {name!r} is given {count} times; names must differ by more than case"
     used = [(f"observations[{index}]", row.finger) for index, row in enumerate(study.observations)]
     used += [(f"curves[{index}]", curve.finger) for index, curve in enumerate(study.curves)]
     for place, name in used:
@@ -277,8 +328,13 @@ def _file_faults(study: Study, folder: Path) -> Iterable[str]:
 def _inside(folder: Path, name: str, where: str, place: str) -> Path:
     """Return the path of a file of the study, which must exist inside its folder."""
     path = folder / name
-    if not path.resolve().is_relative_to(folder.resolve()):
+    try:
+        known = path.is_file()
+        inside = path.resolve().is_relative_to(folder.resolve())
+    except (OSError, ValueError, RuntimeError) as error:  # a name too long, a NUL in it, a loop of links
+        raise ManifestError(f"{where}: {place}: {name[:60]!r} is no file name ({error})") from error
+    if not inside:
         raise ManifestError(f"{where}: {place}: {name!r} leaves the study folder; copy the file into it")
-    if not path.is_file():
+    if not known:
         raise ManifestError(f"{where}: {place}: no file {name!r} in the study folder")
     return path

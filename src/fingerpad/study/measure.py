@@ -1,8 +1,10 @@
 """Measuring one observation: from its picture, or from the ellipse given, to a contact ellipse."""
 
+import os
 from dataclasses import dataclass, field
 from pathlib import Path
 
+import cv2
 import numpy as np
 
 from fingerpad.exceptions import FingerpadError
@@ -67,7 +69,11 @@ def measure_observation(observation: Observation, folder: Path, out: Path) -> Me
     try:
         return _measure_image(observation, folder, out)
     except FingerpadError as error:
-        return Measurement(observation=observation.name, reason=str(error).replace(f"{folder}/", ""))
+        reason = str(error).replace(f"{folder}{os.sep}", "")
+    except (ArithmeticError, MemoryError, OSError, ValueError, cv2.error) as error:
+        # A picture can be odd in ways that nobody has thought of: it costs its row, never the run.
+        reason = f"{observation.image}: cannot be measured ({type(error).__name__}: {error})"
+    return Measurement(observation=observation.name, reason=reason)
 
 
 def _measure_image(observation: Observation, folder: Path, out: Path) -> Measurement:
@@ -81,7 +87,7 @@ def _measure_image(observation: Observation, folder: Path, out: Path) -> Measure
         background=None
         if observation.background is None
         else read_image(folder / observation.background).pixels,
-        seed=observation.seed_px,
+        seed=None if observation.seed_px is None else (observation.seed_px[0], observation.seed_px[1]),
     )
     overlay = Path("overlays") / f"{observation.name}.png"
     (out / overlay).parent.mkdir(parents=True, exist_ok=True)

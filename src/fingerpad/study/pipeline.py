@@ -3,8 +3,10 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
+from fingerpad._files import make_folder
+from fingerpad.exceptions import ManifestError
 from fingerpad.study.fingers import FingerResult, finger_result
 from fingerpad.study.manifest import Study, read_study
 from fingerpad.study.measure import Measurement
@@ -12,6 +14,19 @@ from fingerpad.study.provenance import provenance
 from fingerpad.study.rows import Row, make_rows
 from fingerpad.study.runner import measure_all
 from fingerpad.study.summary import CurveResult, Summary, curve_result, summaries
+
+# What a run writes into its output folder.
+OUTPUT_NAMES: Final = frozenset(
+    (
+        "figures",
+        "overlays",
+        "report.html",
+        "results.csv",
+        "results.json",
+        "results_columns.csv",
+        "summary.json",
+    )
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -50,7 +65,7 @@ class StudyResult:
         return [
             *(f"{row['observation']}: {row['reason']}" for row in self.rows if row["status"] == "failed"),
             *(finger.reason for finger in self.fingers.values() if finger.reason is not None),
-            *(f"{curve.name}: {curve.reason}" for curve in self.curves if curve.reason is not None),
+            *(curve.reason for curve in self.curves if curve.reason is not None),
         ]
 
 
@@ -78,11 +93,14 @@ def run_study(
     Raises
     ------
     ManifestError
-        Before any work, if the manifest cannot be acted upon.
+        Before any work, if the manifest cannot be acted upon, or results would be written over inputs.
     """
     study = read_study(manifest)
-    folder = manifest.resolve().parent
-    out.mkdir(parents=True, exist_ok=True)
+    folder = manifest.absolute().parent
+    inputs = [manifest.name, *(name for _, name in study.named_files())]
+    _refuse_to_overwrite(inputs, folder, out)
+    make_folder(out)
+    origin = provenance(folder, inputs)
     fingers = {finger.name: finger_result(finger, folder) for finger in study.fingers}
     on_start(len(study.observations))
     measurements = {}
@@ -95,7 +113,15 @@ def run_study(
         folder=folder,
         fingers=fingers,
         rows=rows.rows,
-        summaries=summaries(study, fingers, rows),
+        summaries=summaries(rows),
         curves=[curve_result(curve, folder) for curve in study.curves],
-        provenance=provenance(folder, [manifest.name, *(name for _, name in study.named_files())]),
+        provenance=origin,
     )
+
+
+def _refuse_to_overwrite(inputs: list[str], folder: Path, out: Path) -> None:
+    """Raise if a file of the study lies where results are written."""
+    for name in inputs:
+        path = (folder / name).resolve()
+        if path.is_relative_to(out.resolve()) and path.relative_to(out.resolve()).parts[0] in OUTPUT_NAMES:
+            raise ManifestError(f"{out}: results would be written over {name}; choose another output folder")

@@ -12,7 +12,7 @@ from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.study.fingers import FingerResult
 from fingerpad.study.manifest import Observation, Study
 from fingerpad.study.measure import Measurement
-from fingerpad.uncertainty import PAD_OUTPUTS, SHARED_INPUTS, FirstOrder, first_order, pad_model
+from fingerpad.uncertainty import PAD_OUTPUTS, SHARED_INPUTS, Propagated, pad_model, propagate
 from fingerpad.units import KPA_PER_MPA
 
 Row: TypeAlias = dict[str, Any]
@@ -93,6 +93,7 @@ COLUMNS: Final[Mapping[str, str]] = {
     "overlay": "picture of the measurement",
 }
 
+_NO_ANSWER: Final = "the model has no finite answer for these values; check their units"
 _IN_MM: Final = tuple(name for name in PAD_OUTPUTS if "radius" in name or name == "indentation")
 _IN_KPA: Final = ("reduced_modulus", "mean_pressure")
 
@@ -107,18 +108,19 @@ class Rows:
         One per observation, in the manifest's order.
     good : list of int
         Places in `rows` of those that were measured.
-    propagated : FirstOrder
-        Model outputs of the good rows with their uncertainty.
-    shared_jacobian : ndarray, shape (good, outputs, shared inputs)
-        Derivatives by the inputs that rows of one finger at one angle share.
+    value : ndarray, shape (good, outputs)
+        Model outputs of the good rows.
+    shared : ndarray, shape (good, outputs, parts)
+        What comes of the inputs that rows of one finger at one angle share, as independent parts: the
+        product of two rows' parts is their shared covariance.
     own_std : ndarray, shape (good, outputs)
         Standard uncertainty from the inputs that they do not share.
     """
 
     rows: list[Row]
     good: list[int]
-    propagated: FirstOrder
-    shared_jacobian: FloatArray
+    value: FloatArray
+    shared: FloatArray
     own_std: FloatArray
 
 
@@ -137,12 +139,14 @@ def make_rows(
             means.append(mean)
             covariances.append(covariance)
     mean, covariance = np.reshape(means, (-1, 8)), np.reshape(covariances, (-1, 8, 8))
-    propagated = first_order(pad_model, mean, covariance)
-    own = propagated.jacobian[..., SHARED_INPUTS:]
-    own_covariance = own @ covariance[:, SHARED_INPUTS:, SHARED_INPUTS:] @ np.swapaxes(own, -1, -2)
-    own_std = np.sqrt(np.diagonal(own_covariance, axis1=-2, axis2=-1))
+    propagated = propagate(pad_model, mean, covariance)
+    shared, own_std = _parted(propagated, covariance)
+    finite = np.isfinite(propagated.covariance.sum(axis=(-2, -1)))
     for place, index in enumerate(good):
         observation = study.observations[index]
+        if not finite[place]:
+            rows[index] |= {"status": "failed", "reason": _NO_ANSWER}
+            continue
         rows[index] |= _modelled(
             observation,
             fingers[observation.finger],
@@ -154,20 +158,26 @@ def make_rows(
         )
     return Rows(
         rows=[{name: row.get(name) for name in COLUMNS} for row in rows],
-        good=good,
-        propagated=propagated,
-        shared_jacobian=propagated.jacobian[..., :SHARED_INPUTS],
-        own_std=own_std,
+        good=[index for index, kept in zip(good, finite, strict=True) if kept],
+        value=propagated.value[finite],
+        shared=shared[finite],
+        own_std=own_std[finite],
     )
 
 
-def shared_covariance(study: Study, finger: FingerResult) -> FloatArray:
-    """Return the covariance of the inputs that all rows of a finger at one angle share."""
-    covariance = np.zeros((SHARED_INPUTS, SHARED_INPUTS))
-    covariance[:3, :3] = finger.covariance
-    covariance[3, 3] = np.radians(study.uncertainty.wedge_angle_std_deg) ** 2
-    covariance[4, 4] = np.radians(study.uncertainty.roll_angle_std_deg) ** 2
-    return covariance
+def _parted(propagated: Propagated, covariance: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the parts of the uncertainty that rows share, and the standard uncertainty of the rest."""
+    mine, theirs = slice(SHARED_INPUTS, None), slice(SHARED_INPUTS)
+    with np.errstate(all="ignore"):
+        size, direction = np.linalg.eigh(covariance[:, theirs, theirs])
+        factor = direction * np.sqrt(np.maximum(size, 0))[:, None, :]
+        shared = np.concatenate(
+            [propagated.jacobian[..., theirs] @ factor, propagated.second_order[..., theirs]], axis=-1
+        )
+        own = propagated.jacobian[..., mine] @ covariance[:, mine, mine]
+        variance = (own * propagated.jacobian[..., mine]).sum(axis=-1)
+        variance += np.square(propagated.second_order[..., mine]).sum(axis=-1)
+        return shared, np.sqrt(variance)
 
 
 def pad_inputs(
@@ -175,13 +185,16 @@ def pad_inputs(
 ) -> tuple[FloatArray, FloatArray]:
     """Return mean and covariance of the model's inputs for one observation."""
     angles = np.radians([observation.wedge_angle_deg, observation.roll_angle_deg])
-    mean = np.array(
-        [*finger.semi_axes, *angles, observation.load_N, measured.semi_major, measured.semi_minor]
-    )
+    major, minor = measured.semi_major, measured.semi_minor
+    size = np.sqrt(major * minor)
+    mean = np.array([*finger.semi_axes, *angles, observation.load_N, size, np.log(major / minor)])
     covariance = np.zeros((8, 8))
-    covariance[:5, :5] = shared_covariance(study, finger)
+    covariance[:3, :3] = finger.covariance
+    covariance[3, 3] = np.radians(study.uncertainty.wedge_angle_std_deg) ** 2
+    covariance[4, 4] = np.radians(study.uncertainty.roll_angle_std_deg) ** 2
     covariance[5, 5] = (study.uncertainty.load_relative_std * observation.load_N) ** 2
-    covariance[6:, 6:] = measured.covariance
+    to_size_and_elongation = np.array([[0.5 * size / major, 0.5 * size / minor], [1 / major, -1 / minor]])
+    covariance[6:, 6:] = to_size_and_elongation @ np.array(measured.covariance) @ to_size_and_elongation.T
     return mean, covariance
 
 

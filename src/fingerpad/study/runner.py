@@ -25,7 +25,8 @@ def measure_all(
     workers : int
         Number of processes; one measures in this process.
     """
-    if workers == 1:
+    workers = min(workers, len(observations))
+    if workers <= 1:
         for observation in observations:
             yield measure_observation(observation, folder, out)
         return

@@ -1,7 +1,8 @@
 """One summary per finger and placement: pooled radii, and the radius from loading data beside them."""
 
 import math
-from collections.abc import Iterable, Mapping
+import os
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -10,9 +11,8 @@ import numpy as np
 from fingerpad._arrays import FloatArray
 from fingerpad.exceptions import FingerpadError
 from fingerpad.loading import ContactCompliance, LoadingCurve, fit_contact_compliance, read_loading_curve
-from fingerpad.study.fingers import FingerResult
-from fingerpad.study.manifest import Curve, Study
-from fingerpad.study.rows import Row, Rows, shared_covariance
+from fingerpad.study.manifest import Curve
+from fingerpad.study.rows import Row, Rows
 from fingerpad.uncertainty import PAD_OUTPUTS, Pooled, pool
 
 
@@ -91,7 +91,7 @@ def curve_result(curve: Curve, folder: Path) -> CurveResult:
         )
         fit = fit_contact_compliance(data)
     except FingerpadError as error:
-        return CurveResult(manifest=curve, curve=data, reason=str(error).replace(f"{folder}/", ""))
+        return CurveResult(manifest=curve, curve=data, reason=_named(error, curve.file, folder))
     return CurveResult(
         manifest=curve,
         effective_radius=fit.effective_radius,
@@ -99,6 +99,12 @@ def curve_result(curve: Curve, folder: Path) -> CurveResult:
         curve=data,
         fit=fit,
     )
+
+
+def _named(error: FingerpadError, file: str, folder: Path) -> str:
+    """Return an error's words, which begin with the file's name in the study."""
+    words = str(error).replace(f"{folder}{os.sep}", "")
+    return words if words.startswith(file) else f"{file}: {words}"
 
 
 def curve_of(curves: Iterable[CurveResult], summary: "Summary") -> CurveResult | None:
@@ -110,29 +116,21 @@ def curve_of(curves: Iterable[CurveResult], summary: "Summary") -> CurveResult |
     return None
 
 
-def summaries(study: Study, fingers: Mapping[str, FingerResult], rows: Rows) -> list[Summary]:
+def summaries(rows: Rows) -> list[Summary]:
     """Pool the good rows of each finger at each placement; synthetic and real rows never mix."""
     groups: dict[tuple[str, float, float, bool], list[int]] = {}
     for place, index in enumerate(rows.good):
         row = rows.rows[index]
         key = (row["finger"], row["wedge_angle_deg"], row["roll_angle_deg"], row["synthetic"])
         groups.setdefault(key, []).append(place)
-    return [_summary(study, fingers[key[0]], key, rows, places) for key, places in groups.items()]
+    return [_summary(key, rows, places) for key, places in groups.items()]
 
 
-def _summary(
-    study: Study, finger: FingerResult, key: tuple[str, float, float, bool], rows: Rows, places: list[int]
-) -> Summary:
-    shared = shared_covariance(study, finger)
-
+def _summary(key: tuple[str, float, float, bool], rows: Rows, places: list[int]) -> Summary:
     def pooled(output: str) -> Pooled:
         column = PAD_OUTPUTS.index(output)
-        jacobian: FloatArray = rows.shared_jacobian[places, column]
-        return pool(
-            rows.propagated.value[places, column],
-            rows.own_std[places, column],
-            jacobian @ shared @ jacobian.T,
-        )
+        shared: FloatArray = rows.shared[places, column]
+        return pool(rows.value[places, column], rows.own_std[places, column], shared @ shared.T)
 
     members = sorted((rows.rows[rows.good[place]] for place in places), key=lambda row: float(row["load_N"]))
     return Summary(

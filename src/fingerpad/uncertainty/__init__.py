@@ -2,15 +2,15 @@
 
 from fingerpad.uncertainty.pad import PAD_INPUTS, PAD_OUTPUTS, SHARED_INPUTS, pad_model
 from fingerpad.uncertainty.pool import Pooled, pool
-from fingerpad.uncertainty.propagate import FirstOrder, first_order
+from fingerpad.uncertainty.propagate import Propagated, propagate
 
 __all__ = [
     "PAD_INPUTS",
     "PAD_OUTPUTS",
     "SHARED_INPUTS",
-    "FirstOrder",
     "Pooled",
-    "first_order",
+    "Propagated",
     "pad_model",
     "pool",
+    "propagate",
 ]

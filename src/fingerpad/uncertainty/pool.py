@@ -50,7 +50,7 @@ def pool(values: ArrayLike, stds: ArrayLike, shared_covariance: ArrayLike = 0.0)
     Raises
     ------
     FitError
-        If there is no estimate, or a standard uncertainty is not positive and finite.
+        If there is no estimate, or a value or standard uncertainty is not finite, or one is negative.
 
     Examples
     --------
@@ -58,16 +58,22 @@ def pool(values: ArrayLike, stds: ArrayLike, shared_covariance: ArrayLike = 0.0)
     >>> print(f"{pooled.value:.1f} ± {pooled.std:.2f}, Birge ratio {pooled.birge_ratio:.2f}")
     20.0 ± 0.50, Birge ratio 1.41
     """
-    values, stds = floats(values), floats(stds)
+    values, stds = floats(values).reshape(-1), floats(stds).reshape(-1)
     if values.size == 0:
         raise FitError("no estimates to pool; at least one row must have been measured")
+    if values.shape != stds.shape:
+        raise FitError(f"each value needs its standard uncertainty, found {values.size} and {stds.size}")
     require(np.isfinite(values), "value to pool", values, "finite", FitError)
-    require(np.isfinite(stds) & (stds > 0), "standard uncertainty", stds, "positive and finite", FitError)
-    weights = stds**-2 / np.sum(stds**-2)
+    require(
+        np.isfinite(stds) & (stds >= 0), "standard uncertainty", stds, "finite and not negative", FitError
+    )
+    own = np.maximum(stds, np.spacing(np.abs(values)))  # no value is known better than a double holds it
+    least = own.min()
+    weights = (least / own) ** 2 / np.sum((least / own) ** 2)
     mean = float(weights @ values)
     count = values.size
-    birge = float(np.sqrt(np.sum(((values - mean) / stds) ** 2) / (count - 1))) if count > 1 else np.nan
-    variance = np.sum(stds**-2) ** -1 * max(1.0, birge if count > 1 else 1.0) ** 2
+    birge = float(np.sqrt(np.sum(((values - mean) / own) ** 2) / (count - 1))) if count > 1 else np.nan
+    variance = least**2 / np.sum((least / own) ** 2) * max(1.0, birge if count > 1 else 1.0) ** 2
     shared = weights @ np.broadcast_to(floats(shared_covariance), (count, count)) @ weights
     return Pooled(
         value=mean,
