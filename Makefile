@@ -29,6 +29,7 @@ check: setup ## Lint, type-check and check the layers
 	$(BIN)/lint-imports
 
 docs: setup ## Build the documentation into docs/_build
+	rm -rf docs/_generated
 	$(BIN)/python -m sphinx -W --keep-going -q -b html docs docs/_build/html
 
 bench: setup ## Measure accuracy and speed and print the tables

@@ -194,7 +194,7 @@ def test_contact_ellipses_are_to_scale_and_turned_the_right_way(axes) -> None:
         measured_long_axis_angle=np.radians(30),
     )
     drawn = {line.get_label()[:11]: line.get_xydata() for line in axes.lines}
-    across, along = np.ptp(drawn["contact pre"], axis=0)
+    across, along = np.ptp(drawn["Hertz shape"], axis=0)
     assert_allclose([across, along], [11.0, 10.2], rtol=1e-3)  # at 30° the larger radius lies across
     measured = drawn["contact mea"] - drawn["contact mea"].mean(axis=0)
     tip = measured[np.argmax(np.linalg.norm(measured, axis=1) * (measured[:, 1] > 0))]
@@ -211,7 +211,7 @@ def test_rolled_finger_keeps_its_axis_upright(axes) -> None:
     upright = np.array([0, 1, 0]) - placement.normal[1] * placement.normal
     long_axis = placement.curvature.principal_directions[np.argmax(placement.curvature.principal_radii)]
     turn = np.arctan2(np.cross(upright, long_axis) @ placement.normal, upright @ long_axis)
-    (drawn,) = (line.get_xydata() for line in axes.lines if line.get_label().startswith("contact pre"))
+    (drawn,) = (line.get_xydata() for line in axes.lines if line.get_label().startswith("Hertz shape"))
     tip = drawn[0] - drawn[:-1].mean(axis=0)
     assert_allclose(np.hypot(*tip), 6.0)
     assert_allclose(np.tan(np.arctan2(-tip[0], tip[1])), np.tan(turn))

@@ -82,7 +82,7 @@ def test_calls_synthetic_what_is(demo: tuple[StudyResult, str, Path]) -> None:
         cell = re.search(rf"<td>{row['observation']}(<span[^>]*>synthetic</span>)?</td>", text)
         assert cell is not None
         assert bool(cell.group(1)) == row["synthetic"]
-    for heading in re.findall(r"<h2>(.*?)</h2>", text):
+    for heading in re.findall(r"<h2[^>]*>(.*?)</h2>", text):
         assert (tag in heading) == heading.startswith("synthetic_pad")
 
 
@@ -106,7 +106,7 @@ def test_text_from_the_manifest_is_escaped(tmp_path: Path) -> None:
 
 
 def test_every_flag_has_words() -> None:
-    assert set(FLAGS) == set(FLAG_WORDS)
+    assert set(FLAGS) <= set(FLAG_WORDS)
 
 
 @pytest.mark.parametrize(

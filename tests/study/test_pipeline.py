@@ -11,6 +11,8 @@ from numpy.testing import assert_allclose
 from PIL import Image
 
 from fingerpad.exceptions import ManifestError
+from fingerpad.image import render_imprint
+from fingerpad.report import write_report
 from fingerpad.study.output import write_tables
 from fingerpad.study.pipeline import StudyResult, run_study
 from fingerpad.study.rows import COLUMNS
@@ -197,6 +199,51 @@ def test_results_are_never_written_over_inputs(tmp_path: Path, out: str) -> None
     with pytest.raises(ManifestError, match="results would be written over .*overlays/a.png"):
         run_study(manifest, tmp_path / out)
     assert picture.read_bytes() == before
+
+
+def test_a_folder_stands_for_its_manifest(tmp_path: Path) -> None:
+    single_row(tmp_path, row("x", "ellipse_mm = { semi_major = 7.4, semi_minor = 5.0, std = 0.1 }"))
+    assert len(run_study(tmp_path, tmp_path / "out").rows) == 1
+
+
+def test_doubtful_pictures_are_shown_but_not_pooled(tmp_path: Path) -> None:
+    truth = render_imprint(semi_major=8.0, semi_minor=6.0, seed=3)
+    Image.fromarray(truth.pixels).save(tmp_path / "good.png")
+    Image.fromarray(truth.pixels[120:]).save(tmp_path / "cut.png")
+    rows = "".join(row(name, f'image = "{name}.png"\nppi = 500') for name in ("good", "cut"))
+    (tmp_path / "one").mkdir()
+    result = run_study(single_row(tmp_path, rows), tmp_path / "out")
+    good, cut = result.rows
+    assert "touches_border" in cut["flags"]
+    assert (good["pooled"], cut["pooled"], cut["status"]) == (True, False, "measured")
+    (summary,) = result.summaries
+    assert len(summary.rows) == 2
+    assert summary.corrected_radius.count == 1
+    only = run_study(single_row(tmp_path, row("cut", 'image = "cut.png"\nppi = 500')), tmp_path / "out")
+    assert only.summaries[0].corrected_radius is None
+    write_tables(only, tmp_path / "out")
+    assert "is not pooled" in write_report(only, tmp_path / "out").read_text(encoding="utf-8")
+
+
+def test_slips_of_units_are_noted(tmp_path: Path) -> None:
+    ellipse = "ellipse_mm = { semi_major = 7.4, semi_minor = 5.0, std = 0.1 }"
+    manifest = single_row(tmp_path, row("x", ellipse).replace("load_N = 1", "load_N = 2000"))
+    assert "implausible_modulus" in run_study(manifest, tmp_path / "out").rows[0]["range_notes"]
+    text = manifest.read_text().replace(
+        "palmar = 8, distal = 14, radial_ulnar = 12", "palmar = 0.8, distal = 1.4, radial_ulnar = 1.2"
+    )
+    manifest.write_text(text)
+    notes = run_study(manifest, tmp_path / "out").rows[0]["range_notes"]
+    assert "implausible_size" in notes
+    assert "deeper_than_pad" in notes
+
+
+def test_an_earlier_run_leaves_no_pictures_behind(tmp_path: Path) -> None:
+    shutil.copy(EXAMPLE / "synthetic" / "synthetic_30deg_1N.png", tmp_path / "p.png")
+    for name in ("first", "second"):
+        result = run_study(single_row(tmp_path, row(name, 'image = "p.png"\nppi = 500')), tmp_path / "out")
+        write_tables(result, tmp_path / "out")
+    assert [path.name for path in (tmp_path / "out" / "overlays").iterdir()] == ["second.png"]
 
 
 def test_study_through_a_link(tmp_path: Path) -> None:

@@ -85,6 +85,7 @@ def hertz(
         "stiffness_N_per_mm": contact.stiffness,
         "F1": size_factor(pair.axis_ratio),
         "F2": indentation_factor(pair.axis_ratio),
+        "contact_size": np.sqrt(contact.semi_major * contact.semi_minor) / pair.geometric_mean_radius,
         "long_axis_along": {0.0: "first", 1.0: "second"}.get(float(pair.long_axis), "either"),
     }
     print_record(record, as_json)

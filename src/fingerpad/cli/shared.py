@@ -19,6 +19,7 @@ class Exit(IntEnum):
 
     REFUSED = 2  # manifest, command line, or a place where results cannot be written
     SOME_FAILED = 3
+    INTERRUPTED = 130
 
 
 @contextmanager
@@ -30,6 +31,9 @@ def plain_errors() -> Iterator[None]:
         for line in str(error).splitlines():
             typer.echo(f"fingerpad: {line}", err=True)
         raise typer.Exit(Exit.REFUSED) from None
+    except KeyboardInterrupt:
+        typer.echo("fingerpad: interrupted; what was written is incomplete, run the command again", err=True)
+        raise typer.Exit(Exit.INTERRUPTED) from None
 
 
 def require_positive(flag: str, value: float | None) -> None:

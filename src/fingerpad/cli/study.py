@@ -37,12 +37,12 @@ def run(
 
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
     with plain_errors(), Progress(*columns, console=Console(stderr=True)) as progress:
-        task = progress.add_task("Measuring", total=None)
+        task = progress.add_task("Measuring", visible=False)
         result = run_study(
             study,
             out,
             workers=workers,
-            on_start=lambda total: progress.update(task, total=total),
+            on_start=lambda total: progress.update(task, total=total, visible=True),
             on_measured=lambda done: progress.update(
                 task, advance=1, description=f"Measured {done.observation}"
             ),
@@ -60,6 +60,8 @@ def _print_outcome(result: "StudyResult", report: Path) -> None:
 
     for summary in result.summaries:
         pooled = summary.corrected_radius
+        if pooled is None:
+            continue
         label = "  (synthetic)" if summary.synthetic else ""
         typer.echo(
             f"{summary.finger}, wedge {summary.wedge_angle_deg:g}°: corrected radius "

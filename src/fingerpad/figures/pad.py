@@ -121,7 +121,8 @@ def plot_pad_with_contact(
     wedge_angle, roll_angle : float
         Placement, radians. The finger's axis points upwards in the picture, as it lies on the platen.
     predicted : Ellipse, optional
-        Contact ellipse of Hertz theory, mm; its long axis lies along the larger principal radius.
+        Contact ellipse of the shape that Hertz theory gives, mm; its long axis lies along the larger
+        principal radius.
     measured : Ellipse, optional
         Contact ellipse of an imprint, mm.
     measured_long_axis_angle : float
@@ -137,15 +138,14 @@ def plot_pad_with_contact(
     directions = view.project(placement.curvature.principal_directions)
     radii = placement.curvature.principal_radii
     _draw_directions(axes, centre, _draw_surface(axes, pad, view), directions, radii)
-    if predicted is not None:
-        long_axis = directions[np.argmax(radii)]
-        turn = float(np.arctan2(-long_axis[0], long_axis[1]))
-        _draw_contact(
-            axes, centre, predicted, turn, colour=ORANGE, style="--", label="contact predicted (Hertz)"
-        )
     if measured is not None:
         angle = measured_long_axis_angle
         _draw_contact(axes, centre, measured, angle, colour=BLUE, style="-", label="contact measured")
+    if predicted is not None:
+        long_axis = directions[np.argmax(radii)]
+        turn = float(np.arctan2(-long_axis[0], long_axis[1]))
+        label = "Hertz shape of the measured area"
+        _draw_contact(axes, centre, predicted, turn, colour=ORANGE, style="--", label=label)
     axes.plot(*centre, "o", color=BLACK, markersize=3.5, zorder=6, label="place of contact")
     roll = f", roll φ = {np.degrees(roll_angle):g}°" if roll_angle else ""
     axes.set_title(f"θ = {np.degrees(wedge_angle):g}°{roll}, u = {np.degrees(placement.u):.1f}°")

@@ -16,6 +16,7 @@ from fingerpad.contact import HertzGeometry
 from fingerpad.figures.style import (
     BLACK,
     BLUE,
+    GREY,
     ORANGE,
     VERMILLION,
     draw_points,
@@ -35,6 +36,7 @@ def plot_corrected_radius(
     corrected_radius: ArrayLike,
     *,
     corrected_radius_std: ArrayLike | None = None,
+    compliance_radius: ArrayLike | None = None,
     measured_radius: float | None = None,
     mean_curvature_radius: float | None = None,
     printed: PublishedWedge | None = None,
@@ -48,6 +50,8 @@ def plot_corrected_radius(
         Where to draw.
     load, corrected_radius, corrected_radius_std : array_like
         Normal force (N) and corrected radius (mm); both may be empty.
+    compliance_radius : array_like, optional
+        R_Aξ, the equivalent sphere to compare with R_g, mm: small squares.
     measured_radius : float, optional
         R_g from loading data, mm: dashed.
     mean_curvature_radius : float, optional
@@ -65,6 +69,9 @@ def plot_corrected_radius(
         synthetic=synthetic,
         label=r"$R_\mathrm{g}^\mathrm{corr}$",
     )
+    if compliance_radius is not None:
+        label = r"$R_{A\xi}$, to compare with $R_\mathrm{g}$"
+        axes.plot(load, compliance_radius, "s", color=GREY, markersize=3, label=label)
     if printed is not None:
         axes.plot(
             printed.load_N,

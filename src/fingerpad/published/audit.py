@@ -24,7 +24,7 @@ from fingerpad.published.source import METHODS, Printed, PublishedWedge, SemiAxe
 
 _MEAN_RADIUS: Final = "R_0g = 1/H, H from Eq. (1) at v = 90°"
 _PLACEMENT: Final = "tan u = (ℓb/ℓa) tan θ"
-_CORRECTION: Final = "R_corr = R_0g F⁻³, F = (2/π) k^½ K/F₂ ≤ 1"
+_CORRECTION: Final = "R_corr = R_0g F₂⁻³, Johnson's F₂ ≤ 1: the source's F₁ with the factor (2/π) k^½"
 _SLIP_REMARK: Final = "printed with cos 2u in Eq. (1) replaced by cos 2v = −1"
 _MEASURED: Final = "measured input; nothing is printed from which it could be computed"
 

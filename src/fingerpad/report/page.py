@@ -14,7 +14,7 @@ from PIL import Image
 from fingerpad.exceptions import FingerpadError
 from fingerpad.figures import figure_svg, save_figure
 from fingerpad.report.plots import Plot, curve_plots, summary_plots
-from fingerpad.report.text import FLAG_WORDS, in_words, value_with_uncertainty
+from fingerpad.report.text import FLAG_WORDS, in_words, two_digits, value_with_uncertainty
 from fingerpad.study.pipeline import StudyResult
 from fingerpad.study.rows import RANGE_NOTES, Row
 from fingerpad.study.summary import Summary, area_exponent, curve_of
@@ -37,7 +37,7 @@ def write_report(result: StudyResult, out: Path) -> Path:
         trim_blocks=True,
     )
     environment.filters |= {"flags": lambda codes: in_words(codes, FLAG_WORDS)}
-    environment.globals |= {"pm": value_with_uncertainty, "exponent": area_exponent}
+    environment.globals |= {"pm": value_with_uncertainty, "two": two_digits, "exponent": area_exponent}
     try:
         (out / "figures").mkdir(parents=True, exist_ok=True)
         page = environment.get_template("report.html.jinja").render(
@@ -50,6 +50,7 @@ def write_report(result: StudyResult, out: Path) -> Path:
             ],
             failed=[row for row in result.rows if row["status"] == "failed"],
             synthetic=any(row["synthetic"] for row in result.rows),
+            certain=bool(result.study.uncertainty.model_fields_set),
         )
         path = out / "report.html"
         path.write_text(page, encoding="utf-8")
@@ -65,6 +66,9 @@ def _group(result: StudyResult, summary: Summary, out: Path) -> dict[str, Any]:
         "summary": summary,
         "curve": curve_of(result.curves, summary),
         "figures": _drawn(summary_plots(result, summary), out),
+        "doubtful": [row for row in summary.rows if row["flags"]],
+        "largest_size": max(row["contact_size"] for row in summary.rows),
+        "deepest": max((row["indentation_over_thickness"] or 0.0) for row in summary.rows),
         "range_notes": [
             (RANGE_NOTES[code], codes.count(code), len(summary.rows)) for code in RANGE_NOTES if code in codes
         ],

@@ -59,14 +59,22 @@ def summary_plots(result: StudyResult, summary: Summary) -> Iterator[Plot]:
     yield Plot(
         name=f"{name}_pad",
         figure=_pad(result, summary),
-        caption=f"The pad and its largest contact ({where}).",
+        caption=(
+            f"The pad seen through the platen ({where}; grey: not pad), and the contact "
+            f"{summary.rows[-1]['observation']} drawn flat. Hertz theory gives the shape only."
+            + (
+                ""
+                if summary.rows[-1]["long_axis"]
+                else " The measured ellipse has no direction and is not drawn."
+            )
+        ),
     )
     yield Plot(
         name=f"{name}_corrected_radius",
         figure=_corrected_radius(summary, curve_of(result.curves, summary)),
         caption=(
-            f"Corrected radius against load ({where}); bars: one standard uncertainty with R₀g held exact, "
-            "as the source does. Dotted: R₀g. Dashed: R_g from loading data."
+            f"Corrected radius against load ({where}); bars: one standard uncertainty with the pad's "
+            "geometry held exact, as the source does. Dotted: undeformed pad. Dashed: loading data, if any."
         ),
     )
     if len({row["load_N"] for row in summary.rows}) > 1:
@@ -105,7 +113,7 @@ def curve_plots(curve: CurveResult, number: int) -> Iterator[Plot]:
     yield Plot(
         name=f"{name}_compliance",
         figure=figure,
-        caption=f"Contact area against π × indentation; its slope is R_g ({where}).",
+        caption=f"Contact area against π × indentation; its slope is the effective radius ({where}).",
     )
     figure, (axes,) = new_figure()
     plot_load_indentation(axes, data.indentation, data.load, synthetic=synthetic)
@@ -154,6 +162,7 @@ def _corrected_radius(summary: Summary, curve: CurveResult | None) -> Figure:
         _column(summary, "load_N"),
         _column(summary, "radius_from_indentation_mm"),
         corrected_radius_std=_column(summary, "radius_from_indentation_mm_std_given_geometry"),
+        compliance_radius=_column(summary, "radius_from_compliance_mm"),
         measured_radius=None if curve is None else curve.effective_radius,
         mean_curvature_radius=summary.rows[0]["mean_curvature_radius_mm"],
         synthetic=np.full(len(summary.rows), summary.synthetic),

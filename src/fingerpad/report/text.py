@@ -9,6 +9,7 @@ FLAG_WORDS: Final[Mapping[str, str]] = {
     "low_contrast": "the contact hardly stands out from its ground",
     "several_regions": "there are other patches beside the one measured",
     "poor_ellipse": "the contact is not well described by an ellipse",
+    "cut_by_mask": "the contact is cut by the mask or region of interest",
     "scale_doubtful": "the ridge period is not that of a finger: check the scale",
 }
 
@@ -29,11 +30,26 @@ def value_with_uncertainty(value: float | None, std: float | None = None) -> str
         return "–"
     if std is None or not math.isfinite(std) or std <= 0:
         return f"{value:.4g}" if abs(value) >= 1 else f"{value:.3f}"
+    decimals = _decimals(std)
+    return f"{round(value, decimals):.{max(decimals, 0)}f} ± {two_digits(std)}"
+
+
+def two_digits(std: float) -> str:
+    """Return a standard uncertainty with two digits.
+
+    Examples
+    --------
+    >>> two_digits(0.0996), two_digits(5678.0)
+    ('0.10', '5700')
+    """
+    decimals = _decimals(std)
+    return f"{round(std, decimals):.{max(decimals, 0)}f}"
+
+
+def _decimals(std: float) -> int:
+    """Return the decimal place of the second digit, after rounding: 0.0996 becomes 0.10."""
     decimals = 1 - math.floor(math.log10(std))
-    if round(std, decimals) >= 10 ** (2 - decimals):  # 0.0996 rounds to 0.10, one place further left
-        decimals -= 1
-    shown = max(decimals, 0)
-    return f"{round(value, decimals):.{shown}f} ± {round(std, decimals):.{shown}f}"
+    return decimals - 1 if round(std, decimals) >= 10 ** (2 - decimals) else decimals
 
 
 def in_words(codes: str, words: Mapping[str, str]) -> list[str]:

@@ -121,6 +121,7 @@ class Observation(_Table):
         None
     )
     ellipse_mm: ContactEllipse | None = None
+    notes: str = ""
     synthetic: bool = False
 
     @model_validator(mode="after")
@@ -251,15 +252,21 @@ def _validated(model: type[Model], content: Mapping[str, Any], where: str, *, st
 
 def _value_faults(error: ValidationError) -> Iterable[str]:
     """Say for each fault where it is, what is expected, and what was found."""
+    unknown = [str(fault["loc"][-1]) for fault in error.errors() if fault["type"] == "extra_forbidden"]
+    meant = {close for key in unknown for close in difflib.get_close_matches(key, _KEYS, n=1)}
     for fault in error.errors():
         place = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in fault["loc"]).lstrip(
             "."
         )
         key = str(fault["loc"][-1]) if fault["loc"] else ""
         message = fault["msg"].removeprefix("Value error, ").replace("Input should be", "expected")
+        if fault["type"] == "missing" and key in meant:
+            continue  # said with the unknown key that was meant for it
         if fault["type"] == "extra_forbidden":
             close = difflib.get_close_matches(key, _KEYS, n=1)
             yield f"{place}: unknown key" + (f"; did you mean {close[0]!r}?" if close else "")
+        elif fault["type"] == "string_pattern_mismatch":
+            yield f"{place}: write it with letters, digits and . _ + - only, found {fault['input']!r}"
         elif fault["type"] == "missing":
             yield f"{place}: required, but missing"
         elif isinstance(fault["input"], dict) and fault["type"] == "list_type":
@@ -310,11 +317,11 @@ def _reference_faults(study: Study) -> Iterable[str]:
         for name in sorted({name for name in names if folded.count(name.casefold()) > 1}):
             count = folded.count(name.casefold())
             yield f"{kind}: the name {name!r} is given {count} times; names must differ by more than case"
-    used = [(f"observations[{index}]", row.finger) for index, row in enumerate(study.observations)]
+    used = [(f"observation {row.name!r}", row.finger) for row in study.observations]
     used += [(f"curves[{index}]", curve.finger) for index, curve in enumerate(study.curves)]
     for place, name in used:
         if name not in fingers:
-            yield f"{place}.finger: no finger is named {name!r}; there is {', '.join(fingers)}"
+            yield f"{place}: no finger is named {name!r}; there is {', '.join(fingers)}"
 
 
 def _file_faults(study: Study, folder: Path) -> Iterable[str]:

@@ -87,13 +87,14 @@ def _summary(summary: Summary) -> dict[str, Any]:
     }
 
 
-def _pooled(name: str, pooled: Pooled) -> dict[str, Any]:
-    values = asdict(pooled)
+def _pooled(name: str, pooled: Pooled | None) -> dict[str, Any]:
+    values = asdict(pooled) if pooled else {}
     return {
-        f"{name}_mm": values["value"],
-        f"{name}_mm_std": values["total_std"],
-        f"{name}_mm_std_given_geometry": values["std"],
-        f"{name}_birge_ratio": values["birge_ratio"],
+        f"{name}_mm": values.get("value"),
+        f"{name}_mm_std": values.get("total_std"),
+        f"{name}_mm_std_given_geometry": values.get("std"),
+        f"{name}_birge_ratio": values.get("birge_ratio"),
+        f"{name}_count": values.get("count", 0),
     }
 
 

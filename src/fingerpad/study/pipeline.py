@@ -95,11 +95,14 @@ def run_study(
     ManifestError
         Before any work, if the manifest cannot be acted upon, or results would be written over inputs.
     """
+    if manifest.is_dir():
+        manifest = manifest / "study.toml"
     study = read_study(manifest)
     folder = manifest.absolute().parent
     inputs = [manifest.name, *(name for _, name in study.named_files())]
     _refuse_to_overwrite(inputs, folder, out)
     make_folder(out)
+    _remove_earlier_pictures(out)
     origin = provenance(folder, inputs)
     fingers = {finger.name: finger_result(finger, folder) for finger in study.fingers}
     on_start(len(study.observations))
@@ -125,3 +128,11 @@ def _refuse_to_overwrite(inputs: list[str], folder: Path, out: Path) -> None:
         path = (folder / name).resolve()
         if path.is_relative_to(out.resolve()) and path.relative_to(out.resolve()).parts[0] in OUTPUT_NAMES:
             raise ManifestError(f"{out}: results would be written over {name}; choose another output folder")
+
+
+def _remove_earlier_pictures(out: Path) -> None:
+    """Remove the pictures of an earlier run, which its summary attests, lest they mix with new ones."""
+    if (out / "summary.json").is_file():
+        for pattern in ("overlays/*.png", "figures/*.png", "figures/*.svg"):
+            for path in out.glob(pattern):
+                path.unlink()

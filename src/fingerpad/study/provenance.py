@@ -21,7 +21,7 @@ FORMULAS: Final = {
     "indentation": "ξ = A/(π R_e F₁²/F₂), Johnson (4.26)",
     "reduced_modulus": "E* = 3 W R_e F₁³/(4 (ℓd ℓe)^(3/2)), Johnson (4.26a)",
     "effective_radius": "R_g, slope of contact area against πξ by least squares, intercept free",
-    "uncertainty": "J Σ Jᵀ (GUM Eq. 13) and the second-order term of each input (note to 5.1.2), by differences",
+    "uncertainty": "J Σ Jᵀ (GUM Eq. 13) with the second-order term of each input (note to 5.1.2)",
     "pooled": "inverse-variance mean; its standard uncertainty times the Birge ratio where that exceeds one",
 }
 

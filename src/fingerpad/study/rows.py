@@ -22,7 +22,13 @@ SMALL_CONTACT: Final = 0.3
 SMALL_INDENTATION: Final = 0.1
 SAME_SHAPE: Final = 0.1
 
+# A contact that is cut, or whose scale is in doubt, is kept and shown but not pooled.
+NOT_POOLED: Final = frozenset(("touches_border", "cut_by_mask", "scale_doubtful"))
+
 RANGE_NOTES: Final = {
+    "implausible_size": "a semi-axis of the pad lies outside 2–40 mm: check the units",
+    "implausible_modulus": "Young's modulus lies outside 1–5000 kPa: check load and scale",
+    "deeper_than_pad": "the indentation exceeds the palmar semi-axis: check load, scale and units",
     "contact_not_small": f"the contact radius exceeds {SMALL_CONTACT:g} of the radius of curvature",
     "indentation_not_small": f"the indentation exceeds {SMALL_INDENTATION:.0%} of the pad's thickness",
     "aspect_ratio_disagrees": f"measured and predicted aspect ratio differ by more than {SAME_SHAPE:.0%}",
@@ -37,6 +43,7 @@ COLUMNS: Final[Mapping[str, str]] = {
     "reason": "why the row failed",
     "synthetic": "whether picture, ellipse or finger was rendered or simulated",
     "flags": "doubts about the picture, separated by spaces",
+    "pooled": "whether the row counts in pooled radii: not if its picture is cut or its scale in doubt",
     "range_notes": "where the model is out of its range, separated by spaces",
     "wedge_angle_deg": "angle of the wedge on which the finger rests",
     "roll_angle_deg": "roll of the finger about its own long axis",
@@ -145,7 +152,7 @@ def make_rows(
     for place, index in enumerate(good):
         observation = study.observations[index]
         if not finite[place]:
-            rows[index] |= {"status": "failed", "reason": _NO_ANSWER}
+            rows[index] |= {"status": "failed", "reason": _NO_ANSWER, "pooled": False}
             continue
         rows[index] |= _modelled(
             observation,
@@ -209,6 +216,7 @@ def _described(
         "reason": reason,
         "synthetic": observation.synthetic or finger.synthetic,
         "flags": " ".join(measured.flags),
+        "pooled": reason is None and NOT_POOLED.isdisjoint(measured.flags),
         "wedge_angle_deg": observation.wedge_angle_deg,
         "roll_angle_deg": observation.roll_angle_deg,
         "load_N": observation.load_N,
@@ -262,7 +270,7 @@ def _modelled(
     row["radius_from_indentation_mm_std_given_geometry"] = own_std["radius_from_indentation"]
     if finger.pad_thickness is not None:
         row["indentation_over_thickness"] = value["indentation"] / finger.pad_thickness
-    row["range_notes"] = " ".join(_range_notes(row, measured))
+    row["range_notes"] = " ".join(_range_notes(row, finger, measured))
     return {
         name: float(item) if isinstance(item, np.ndarray | np.floating) else item
         for name, item in row.items()
@@ -273,8 +281,14 @@ def _side(elongation: float) -> str | None:
     return None if elongation == 0 else "along" if elongation > 0 else "across"
 
 
-def _range_notes(row: Row, measured: Measurement) -> Sequence[str]:
+def _range_notes(row: Row, finger: FingerResult, measured: Measurement) -> Sequence[str]:
     notes = []
+    if not ((finger.semi_axes >= 2) & (finger.semi_axes <= 40)).all():
+        notes.append("implausible_size")
+    if not 1 <= row["youngs_modulus_kpa"] <= 5000:
+        notes.append("implausible_modulus")
+    if row["indentation_mm"] > finger.semi_axes[0]:
+        notes.append("deeper_than_pad")
     if row["contact_size"] > SMALL_CONTACT:
         notes.append("contact_not_small")
     if row.get("indentation_over_thickness", 0) > SMALL_INDENTATION:

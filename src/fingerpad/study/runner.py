@@ -1,5 +1,6 @@
 """Measuring all observations of a study, on one or several processes."""
 
+import signal
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from multiprocessing import get_context
@@ -30,9 +31,13 @@ def measure_all(
         for observation in observations:
             yield measure_observation(observation, folder, out)
         return
-    with ProcessPoolExecutor(
-        workers, mp_context=get_context("spawn"), initializer=cv2.setNumThreads, initargs=(1,)
-    ) as pool:
+    with ProcessPoolExecutor(workers, mp_context=get_context("spawn"), initializer=_start_worker) as pool:
         futures = [pool.submit(measure_observation, row, folder, out) for row in observations]
         for future in as_completed(futures):
             yield future.result()
+
+
+def _start_worker() -> None:
+    """Leave interrupts to the parent, and the other cores to the other workers."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    cv2.setNumThreads(1)

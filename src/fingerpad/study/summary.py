@@ -60,9 +60,9 @@ class Summary:
         What the rows have in common.
     rows : tuple of Row
         The rows, by load.
-    corrected_radius : Pooled
-        Pooled ``radius_from_indentation_mm``, the source's combined R_g^corr.
-    compliance_radius : Pooled
+    corrected_radius : Pooled or None
+        Pooled ``radius_from_indentation_mm``, the source's combined R_g^corr; None without a sound row.
+    compliance_radius : Pooled or None
         Pooled ``radius_from_compliance_mm``, the one to compare with R_g.
     """
 
@@ -71,8 +71,8 @@ class Summary:
     roll_angle_deg: float
     synthetic: bool
     rows: tuple[Row, ...]
-    corrected_radius: Pooled
-    compliance_radius: Pooled
+    corrected_radius: Pooled | None
+    compliance_radius: Pooled | None
 
 
 def curve_result(curve: Curve, folder: Path) -> CurveResult:
@@ -127,10 +127,14 @@ def summaries(rows: Rows) -> list[Summary]:
 
 
 def _summary(key: tuple[str, float, float, bool], rows: Rows, places: list[int]) -> Summary:
-    def pooled(output: str) -> Pooled:
+    sound = [place for place in places if rows.rows[rows.good[place]]["pooled"]]
+
+    def pooled(output: str) -> Pooled | None:
+        if not sound:
+            return None
         column = PAD_OUTPUTS.index(output)
-        shared: FloatArray = rows.shared[places, column]
-        return pool(rows.value[places, column], rows.own_std[places, column], shared @ shared.T)
+        shared: FloatArray = rows.shared[sound, column]
+        return pool(rows.value[sound, column], rows.own_std[sound, column], shared @ shared.T)
 
     members = sorted((rows.rows[rows.good[place]] for place in places), key=lambda row: float(row["load_N"]))
     return Summary(
@@ -145,9 +149,10 @@ def _summary(key: tuple[str, float, float, bool], rows: Rows, places: list[int])
 
 
 def area_exponent(summary: Summary) -> float:
-    """Return the slope of ln A against ln W over a summary's rows, NaN with fewer than two loads."""
-    load = np.array([row["load_N"] for row in summary.rows])
-    area = np.pi * np.array([row["semi_major_mm"] * row["semi_minor_mm"] for row in summary.rows])
+    """Return the slope of ln A against ln W over a summary's sound rows, NaN with fewer than two loads."""
+    sound = [row for row in summary.rows if row["pooled"]]
+    load = np.array([row["load_N"] for row in sound])
+    area = np.pi * np.array([row["semi_major_mm"] * row["semi_minor_mm"] for row in sound])
     if np.unique(load).size < 2:
         return float("nan")
     return float(np.polyfit(np.log(load), np.log(area), 1)[0])
