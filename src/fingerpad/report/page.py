@@ -12,7 +12,7 @@ from markupsafe import Markup
 from PIL import Image
 
 from fingerpad.exceptions import FingerpadError
-from fingerpad.figures import figure_svg, save_figure
+from fingerpad.figures import save_figure
 from fingerpad.report.plots import Plot, curve_plots, summary_plots
 from fingerpad.report.text import FLAG_WORDS, in_words, two_digits, value_with_uncertainty
 from fingerpad.study.pipeline import StudyResult
@@ -80,9 +80,9 @@ def _drawn(plots: Iterable[Plot], out: Path) -> list[dict[str, str]]:
     """Save each plot as files, and return it as SVG for the page."""
     drawn = []
     for plot in plots:
-        save_figure(plot.figure, out / "figures" / plot.name, description=plot.caption)
-        svg = Markup(figure_svg(plot.figure, plot.name, description=plot.caption))  # noqa: S704 (drawn here)
-        drawn.append({"svg": svg, "caption": plot.caption})
+        file, _ = save_figure(plot.figure, out / "figures" / plot.name, description=plot.caption)
+        _, _, drawing = file.read_text(encoding="utf-8").partition("\n")  # without the XML declaration
+        drawn.append({"svg": Markup(drawing), "caption": plot.caption})  # noqa: S704 (drawn here)
     return drawn
 
 
