@@ -60,10 +60,120 @@ def test_known_truth(noise):
         assert found.flags == ()
 
 
-def test_uncertainty_covers_the_error():
-    pairs = [(truth, measure_imprint(truth.pixels, PPI_500)) for truth in truths(12)]
-    score = [(found.gross_area - truth.gross_area) / found.gross_area_std for truth, found in pairs]
-    assert 0.1 < math.sqrt(np.mean(np.square(score))) < 1.5
+def hard_truths(count=48):
+    rng = np.random.default_rng(5)
+    for k in range(count):
+        area, ratio = rng.uniform(100, 300), rng.uniform(1.0, 1.8)
+        semi_minor = math.sqrt(area / math.pi / ratio)
+        yield render_imprint(
+            semi_major=ratio * semi_minor,
+            semi_minor=semi_minor,
+            orientation=rng.uniform(-1.5, 1.5),
+            pattern=("arch", "loop", "whorl")[k // 16],
+            look=("ink", "livescan", "prism")[k % 3],
+            noise_std=(4, 12, 25)[k // 3 % 3],
+            lighting=rng.uniform(0, 0.4),
+            blur=rng.uniform(0, 0.08),
+            irregularity=rng.uniform(0, 0.04),
+            creases=k % 4,
+            jpeg_quality=int(rng.integers(60, 96)),
+            seed=k,
+            ridge_seed=200 + k // 16,
+        )
+
+
+def values_of(item):
+    return np.array(
+        [float(item.ellipse.semi_major), float(item.ellipse.semi_minor), item.gross_area, item.ridge_area]
+    )
+
+
+def test_stated_intervals_cover_the_truth():
+    errors, scores = [], []
+    for truth in hard_truths():
+        found = measure_imprint(truth.pixels, PPI_500)
+        off = values_of(found) - values_of(truth)
+        errors.append(off / values_of(truth))
+        scores.append(off / np.sqrt(np.diag(found.covariance)))
+    assert (np.abs(np.mean(errors, axis=0)) < [0.002, 0.002, 0.003, 0.03]).all()
+    assert (np.quantile(np.abs(errors), 0.95, axis=0) < [0.007, 0.007, 0.01, 0.1]).all()
+    # Of 48 intervals of 95 %, fewer than 41 miss with a chance below 1 %.
+    assert (np.sum(np.abs(scores) < 1.96, axis=0) >= 41).all()
+    rms = np.sqrt(np.mean(np.square(scores), axis=0))
+    assert ((rms > 0.6) & (rms < 1.4)).all()
+
+
+def test_a_worse_picture_is_less_sure():
+    sharp, dull = (
+        measure_imprint(render_imprint(seed=1, noise_std=noise, blur=blur).pixels, PPI_500)
+        for noise, blur in ((4, 0), (25, 0.06))
+    )
+    assert dull.gross_area_std > 1.1 * sharp.gross_area_std
+    assert dull.ridge_area_std > 1.1 * sharp.ridge_area_std
+
+
+def test_covariance_is_shared_through_the_scale():
+    found = measure_imprint(render_imprint(seed=1).pixels, Scale.of_ppi(500, 25))
+    std = np.sqrt(np.diag(found.covariance))
+    assert (found.covariance / np.outer(std, std) > 0.95).all()
+    assert std == pytest.approx(
+        [found.semi_major_std, found.semi_minor_std, found.gross_area_std, found.ridge_area_std]
+    )
+
+
+def test_settings_of_one_frame_serve_the_others():
+    truth = render_imprint(seed=2, noise_std=5)
+    first = measure_imprint(truth.pixels, PPI_500)
+    assert first.dark_on_light
+    assert first.settings["ridge_period"] == first.ridge_period
+    again = measure_imprint(truth.pixels, PPI_500, **first.settings)
+    assert again.gross_area == pytest.approx(first.gross_area, rel=0.01)
+    assert again.ridge_area == pytest.approx(first.ridge_area, rel=0.05)
+    assert again.threshold == pytest.approx(first.threshold)
+    # A first touch shows too few ridges to settle by itself what the whole sequence shows.
+    touch = render_imprint(semi_major=2.2, semi_minor=1.8, seed=2, noise_std=5, margin=6)
+    small = measure_imprint(touch.pixels, PPI_500, **first.settings)
+    assert small.gross_area == pytest.approx(touch.gross_area, rel=0.08)
+
+
+def test_a_higher_threshold_leaves_less_ridge():
+    pixels = render_imprint(seed=2, noise_std=5).pixels
+    areas = [measure_imprint(pixels, PPI_500, threshold=level).ridge_area for level in (60, 100, 140)]
+    assert areas == sorted(areas, reverse=True)
+    assert areas[0] > 1.1 * areas[2]
+
+
+def test_a_mask_leaves_out_and_cuts():
+    left, right = (render_imprint(semi_major=8, semi_minor=6, seed=s, margin=1.5) for s in (7, 8))
+    pixels = beside(left.pixels, right.pixels)
+    rows, columns = pixels.shape
+    middle = left.pixels.shape[1]
+    corners = [(0, middle), (0, columns), (rows, columns), (rows, middle)]
+    inside = np.zeros(pixels.shape, dtype=bool)
+    inside[:, middle:] = True
+    for mask in (corners, inside):
+        found = measure_imprint(pixels, PPI_500, mask=mask)
+        assert found.flags == ()
+        assert found.gross_area == pytest.approx(right.gross_area, rel=0.01)
+        assert math.dist(found.centroid, (right.centroid[0], right.centroid[1] + middle)) < 1
+        assert found.region.shape == pixels.shape
+    half = np.zeros(pixels.shape, dtype=bool)
+    half[:, : middle // 2] = True
+    assert "cut_by_mask" in measure_imprint(pixels, PPI_500, mask=half).flags
+
+
+def test_a_region_of_interest_is_a_crop_in_the_pictures_own_pixels():
+    truth = render_imprint(seed=3, margin=4)
+    rows, columns = truth.pixels.shape
+    whole = measure_imprint(truth.pixels, PPI_500)
+    part = measure_imprint(truth.pixels, PPI_500, region_of_interest=(40, 30, rows - 35, columns - 45))
+    assert part.flags == ()
+    assert part.gross_area == pytest.approx(whole.gross_area, rel=0.005)
+    assert math.dist(part.centroid, whole.centroid) < 0.5
+    assert (part.region ^ whole.region).mean() < 0.005
+    cut = measure_imprint(truth.pixels, PPI_500, region_of_interest=(rows // 2, 0, rows, columns))
+    assert "cut_by_mask" in cut.flags
+    assert "touches_border" not in cut.flags
 
 
 def test_scale_uncertainty_is_shared():
@@ -76,10 +186,11 @@ def test_scale_uncertainty_is_shared():
 def test_ellipse_agrees_with_a_second_implementation():
     found = measure_imprint(render_imprint(seed=2, orientation=-0.7).pixels, PPI_500)
     props = regionprops(label(found.region))[0]
-    assert found.orientation == pytest.approx(props.orientation, abs=1e-6)
-    assert found.gross_area == pytest.approx(props.area * 0.0508**2)
+    assert found.orientation == pytest.approx(props.orientation, abs=2e-3)
+    assert found.gross_area == pytest.approx(props.area * 0.0508**2, rel=2e-3)
+    assert found.ridge_area == pytest.approx(found.ridges.sum() * 0.0508**2, rel=0.04)
     assert float(found.ellipse.semi_major) == pytest.approx(props.axis_major_length / 2 * 0.0508, rel=0.01)
-    assert found.centroid == pytest.approx(props.centroid)
+    assert found.centroid == pytest.approx(props.centroid, abs=0.1)
     assert (found.region | ~found.ridges).all()
 
 
@@ -257,7 +368,14 @@ def test_faint_ink_is_low_contrast():
 
 
 def test_flags_have_one_order():
-    assert FLAGS == ("touches_border", "low_contrast", "several_regions", "poor_ellipse", "scale_doubtful")
+    assert FLAGS == (
+        "touches_border",
+        "cut_by_mask",
+        "low_contrast",
+        "several_regions",
+        "poor_ellipse",
+        "scale_doubtful",
+    )
 
 
 BLANK = np.full((200, 200), 255, np.uint8)
@@ -294,6 +412,14 @@ def test_what_cannot_be_measured_is_refused(pixels, words):
         ({"background": np.ones((5, 5))}, "too small"),
         ({"background": np.ones((50, 50))}, "shape"),
         ({"background": 0}, "shape"),
+        ({"threshold": 0}, "threshold"),
+        ({"threshold": math.nan}, "threshold"),
+        ({"ridge_period": -1}, "ridge_period"),
+        ({"mask": np.ones((5, 5), dtype=bool)}, "mask"),
+        ({"mask": [(0, 0), (1, 1)]}, "mask"),
+        ({"mask": [(0, 0), (math.nan, 1), (5, 5)]}, "mask"),
+        ({"region_of_interest": (0, 0, 5, 5)}, "region_of_interest"),
+        ({"region_of_interest": (0, 0, 500)}, "region_of_interest"),
     ],
 )
 def test_bad_options_are_refused(options, words):

@@ -78,3 +78,34 @@ def test_outline_points_lie_on_their_arc():
     focus = math.sqrt(5)
     total = sum(np.linalg.norm(points - (10 + sign * focus, 20), axis=1) for sign in (-1, 1))
     np.testing.assert_allclose(total, 6)
+
+
+def test_truth_of_an_irregular_outline_is_its_equal_area_ellipse():
+    # A blur wider than a ridge leaves the print as even as its outline.
+    truth = render_imprint(
+        semi_major=9, semi_minor=7, orientation=0.5, irregularity=0.05, noise_std=0, seed=4, blur=0.25
+    )
+    plain = render_imprint(semi_major=9, semi_minor=7, orientation=0.5, noise_std=0, seed=4, blur=0.25)
+    shapes = []
+    for item in (truth, plain):
+        rows, columns = np.nonzero(item.pixels < 190)
+        covariance = np.cov(np.stack([rows, columns]))
+        small, large = np.sqrt(np.linalg.eigvalsh(covariance)) * item.mm_per_px * 2
+        shapes.append((large, small))
+        assert math.dist((rows.mean(), columns.mean()), item.centroid) < 3
+        angle = 0.5 * math.atan2(2 * covariance[0, 1], covariance[0, 0] - covariance[1, 1])
+        assert math.sin(angle - item.orientation) == pytest.approx(0, abs=0.05)
+    assert shapes[0][0] / shapes[1][0] == pytest.approx(float(truth.ellipse.semi_major) / 9, rel=0.015)
+    assert shapes[0][1] / shapes[1][1] == pytest.approx(float(truth.ellipse.semi_minor) / 7, rel=0.015)
+    assert float(plain.ellipse.semi_major) == 9
+
+
+def test_creases_and_compression_show():
+    plain, creased, packed = (
+        render_imprint(semi_major=6, semi_minor=5, seed=3, noise_std=0, **extra)
+        for extra in ({}, {"creases": 3}, {"jpeg_quality": 40})
+    )
+    assert creased.ridge_area < 0.97 * plain.ridge_area
+    assert creased.gross_area == plain.gross_area
+    assert (packed.pixels != plain.pixels).any()
+    assert packed.pixels.shape == plain.pixels.shape

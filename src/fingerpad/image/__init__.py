@@ -8,7 +8,13 @@ from fingerpad.image.ellipse_fit import (
     fit_aligned_ellipse,
     fit_ellipse,
 )
-from fingerpad.image.imprint import FLAGS, PLAUSIBLE_RIDGE_PERIOD_MM, Imprint, measure_imprint
+from fingerpad.image.imprint import (
+    FLAGS,
+    PLAUSIBLE_RIDGE_PERIOD_MM,
+    Imprint,
+    ImprintSettings,
+    measure_imprint,
+)
 from fingerpad.image.outline import FACE_AXES, Face, OutlineSemiAxes, read_outline, semi_axes_from_outlines
 from fingerpad.image.overlay import draw_overlay, write_overlay
 from fingerpad.image.read import Picture, read_image
@@ -23,6 +29,7 @@ __all__ = [
     "EllipseFit",
     "Face",
     "Imprint",
+    "ImprintSettings",
     "OutlineSemiAxes",
     "Picture",
     "RegionEllipse",

@@ -8,6 +8,10 @@ import numpy.typing as npt
 
 from fingerpad._arrays import BoolArray
 
+UInt8 = npt.NDArray[np.uint8]
+Points = npt.NDArray[np.float64]
+
+HALF = 128
 # Radii in ridge periods.
 CLOSING_RADIUS = 1.1
 _OPENING_RADIUS = 0.8
@@ -15,36 +19,39 @@ _LEAST_NOTCH = 1.0
 # A neck is narrower than this share of the narrower of the widths on its two sides.
 _NECK_RATIO = 0.78
 _LEAST_PART = 0.03
+# Patches smaller than this share of the largest do not matter.
+_LEAST_SHARE = 0.1
 # Parts narrower than this share of the patch's width are not finger.
 _APPENDAGE_RATIO = 0.35
+# A ridge's speck is smaller than the square of this share of a period.
+_SPECK = 0.25
 
 
-def closed(mask: BoolArray, radius: float) -> BoolArray:
-    """Close a mask with a true disk."""
-    pad = math.ceil(radius) + 2
-    padded = np.pad(mask, pad)
-    grown = _distance_to(padded) <= radius
-    return (_distance_to(~grown) > radius)[pad:-pad, pad:-pad]
+def disk(radius: float) -> UInt8:
+    """Return a disk as a kernel."""
+    reach = math.floor(radius)
+    rows, columns = np.ogrid[-reach : reach + 1, -reach : reach + 1]
+    return np.asarray(rows**2 + columns**2 <= radius**2, dtype=np.uint8)
 
 
-def opened(mask: BoolArray, radius: float) -> BoolArray:
-    """Open a mask with a true disk; the frame counts as mask, so that a cut patch keeps its corners."""
-    pad = math.ceil(radius) + 2
-    padded = np.pad(mask, pad, mode="edge")
-    return (_distance_to(_distance_to(~padded) > radius) <= radius)[pad:-pad, pad:-pad]
-
-
-def _distance_to(mask: BoolArray) -> npt.NDArray[np.float32]:
-    """Return the distance of each pixel from the nearest set one."""
-    if not mask.any():
-        return np.full(mask.shape, np.inf, dtype=np.float32)
-    distance = cv2.distanceTransform((~mask).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
-    return np.asarray(distance, dtype=np.float32)
-
-
-def shifted(mask: BoolArray, outward: float) -> BoolArray:
-    """Move the edge of a mask outward by a distance in px, not past the frame."""
-    return np.asarray(_distance_to(mask) - 0.5 <= outward) | mask
+def closed_over(amount: UInt8, period: float) -> UInt8:
+    """Return the amount of ridge without specks, closed over the valleys."""
+    closed = np.zeros_like(amount)
+    ridges = (amount >= HALF).astype(np.uint8)
+    x, y, columns, rows = cv2.boundingRect(ridges)
+    if not columns:
+        return closed
+    box = np.s_[max(0, y - 2) : y + rows + 2, max(0, x - 2) : x + columns + 2]
+    _, labels, stats, _ = cv2.connectedComponentsWithStats(ridges[box], connectivity=8, ltype=cv2.CV_16U)
+    # What is below half may be the flank of a ridge: it stays.
+    most = np.where(stats[:, cv2.CC_STAT_AREA] >= (_SPECK * period) ** 2, 255, HALF - 1).astype(np.uint8)
+    most[0] = 255
+    plain = np.minimum(amount[box], most[labels])
+    radius = CLOSING_RADIUS * period
+    pad = math.ceil(radius) + 1
+    padded = cv2.copyMakeBorder(plain, pad, pad, pad, pad, cv2.BORDER_CONSTANT, value=0)
+    closed[box] = cv2.morphologyEx(padded, cv2.MORPH_CLOSE, disk(radius), borderValue=0)[pad:-pad, pad:-pad]
+    return closed
 
 
 def filled(mask: BoolArray) -> BoolArray:
@@ -55,33 +62,25 @@ def filled(mask: BoolArray) -> BoolArray:
     return canvas > 0
 
 
-def without_specks(mask: BoolArray, least_area: float) -> BoolArray:
-    """Drop connected pieces smaller than `least_area` px."""
-    _, labels, stats, _ = cv2.connectedComponentsWithStats(mask.astype(np.uint8), connectivity=8)
-    keep = stats[:, cv2.CC_STAT_AREA] >= least_area
-    keep[0] = False
-    return np.asarray(keep[labels])
-
-
-def contact_mask(ridges: BoolArray, period: float) -> BoolArray:
-    """Return the gross contact: ridges closed over valleys, holes filled, specks and whiskers dropped."""
-    mask = without_specks(ridges, (0.25 * period) ** 2)
-    if not mask.any():
-        return mask
-    box = box_of(mask, margin=0)
-    gross = np.zeros_like(mask)
-    gross[box] = opened(filled(closed(mask[box], CLOSING_RADIUS * period)), _OPENING_RADIUS * period)
-    return gross
-
-
-def patches_of(mask: BoolArray, period: float) -> list[BoolArray]:
-    """Return the patches of contact that matter, cut at necks, largest first."""
+def patches_of(closed: UInt8, period: float) -> list[BoolArray]:
+    """Return the patches of contact that matter, without holes and whiskers, cut at necks, largest first."""
+    plain = filled(closed >= HALF).astype(np.uint8)
+    # The frame counts as contact, so that a cut patch keeps its corners.
+    pad = math.ceil(_OPENING_RADIUS * period) + 1
+    padded = cv2.copyMakeBorder(plain, pad, pad, pad, pad, cv2.BORDER_REPLICATE)
+    opened = cv2.morphologyEx(padded, cv2.MORPH_OPEN, disk(_OPENING_RADIUS * period))[pad:-pad, pad:-pad] > 0
     patches: list[BoolArray] = []
-    for piece in _pieces(mask, (3 * period) ** 2, share=0.1):
-        box = box_of(piece, margin=2)
-        for part in _split_at_necks(piece[box], period):
-            whole = np.zeros_like(mask)
-            whole[box] = part
+    contours, _ = cv2.findContours(opened.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+    areas = [cv2.contourArea(contour) for contour in contours]
+    least = max((3 * period) ** 2, _LEAST_SHARE * max(areas, default=0.0))
+    for contour, area in zip(contours, areas, strict=True):
+        if area < least:
+            continue
+        x, y, columns, rows = cv2.boundingRect(contour)
+        piece = cv2.drawContours(np.zeros((rows, columns), np.uint8), [contour - (x, y)], 0, 1, cv2.FILLED)
+        for part in _split_at_necks(np.asarray(piece > 0), period):
+            whole = np.zeros(closed.shape, dtype=bool)
+            whole[y : y + rows, x : x + columns] = part
             patches.append(whole)
     return sorted(patches, key=np.count_nonzero, reverse=True)
 
@@ -98,12 +97,31 @@ def box_of(mask: BoolArray, margin: int) -> tuple[slice, slice]:
 def without_appendages(patch: BoolArray, period: float) -> BoolArray:
     """Drop what is much narrower than the patch: letters, pen marks, stubs of the next phalanx."""
     box = box_of(patch, margin=2)
-    part = patch[box]
-    inradius = float(_distance_to(~np.pad(part, 1)).max())
-    core = opened(part, max(_APPENDAGE_RATIO * inradius, _OPENING_RADIUS * period))
+    whole = patch[box]
+    # Half the pixels show widths well enough.
+    part, period = whole[::2, ::2], period / 2
+    inradius = float(distance_to(~np.pad(part, 1)).max())
+    core = _opened(part, max(_APPENDAGE_RATIO * inradius, _OPENING_RADIUS * period))
+    near = (distance_to(core) <= period).astype(np.uint8)
+    finger = cv2.resize(near, whole.shape[::-1], interpolation=cv2.INTER_NEAREST) > 0
     plain = np.zeros_like(patch)
-    plain[box] = largest(part & (_distance_to(core) <= period))
+    plain[box] = largest(np.asarray(whole & finger))
     return plain
+
+
+def _opened(mask: BoolArray, radius: float) -> BoolArray:
+    """Open a mask with a large disk; the frame counts as mask, so that a cut patch keeps its corners."""
+    pad = math.ceil(radius) + 2
+    padded = np.pad(mask, pad, mode="edge")
+    return (distance_to(distance_to(~padded) > radius) <= radius)[pad:-pad, pad:-pad]
+
+
+def distance_to(mask: BoolArray) -> npt.NDArray[np.float32]:
+    """Return the distance of each pixel from the nearest set one."""
+    if not mask.any():
+        return np.full(mask.shape, np.inf, dtype=np.float32)
+    distance = cv2.distanceTransform((~mask).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_5)
+    return np.asarray(distance, dtype=np.float32)
 
 
 def largest(mask: BoolArray) -> BoolArray:
@@ -112,11 +130,11 @@ def largest(mask: BoolArray) -> BoolArray:
     return np.asarray(labels == 1 + int(stats[1:, cv2.CC_STAT_AREA].argmax())) if len(stats) > 1 else mask
 
 
-def _pieces(mask: BoolArray, least_area: float, share: float) -> list[BoolArray]:
+def _pieces(mask: BoolArray, share: float) -> list[BoolArray]:
     """Return the connected pieces that are not much smaller than the largest."""
     count, labels, stats, _ = cv2.connectedComponentsWithStats(mask.astype(np.uint8), connectivity=4)
     areas = stats[1:, cv2.CC_STAT_AREA]
-    least = max(least_area, share * areas.max(initial=0))
+    least = share * areas.max(initial=0)
     return [labels == k for k in range(1, count) if areas[k - 1] >= least]
 
 
@@ -126,8 +144,8 @@ def _split_at_necks(patch: BoolArray, period: float, depth: int = 4) -> list[Boo
     if cut is None:
         return [patch]
     canvas = patch.astype(np.uint8)
-    cv2.line(canvas, cut[0], cut[1], 0, 2)
-    parts = _pieces(canvas > 0, 0, share=_LEAST_PART)
+    cv2.line(canvas, cut[0], cut[1], 0, 1, cv2.LINE_4)
+    parts = _pieces(canvas > 0, share=_LEAST_PART)
     if len(parts) < 2:
         return [patch]
     return [piece for part in parts for piece in _split_at_necks(part, period, depth - 1)]
@@ -135,10 +153,9 @@ def _split_at_necks(patch: BoolArray, period: float, depth: int = 4) -> list[Boo
 
 def _neck(patch: BoolArray, period: float) -> tuple[tuple[int, int], tuple[int, int]] | None:
     """Return the ends (x, y) of the best cut across a neck, None where there is none."""
-    points = outline(patch)
-    notches, depths = _notches(points)
-    deep = depths > _LEAST_NOTCH * period
-    notches, depths = notches[deep], depths[deep]
+    contour = longest_contour(patch)
+    notches, depths = _notches(contour, _LEAST_NOTCH * period)
+    points = contour.reshape(-1, 2).astype(np.float64)
     best, best_ratio = None, _NECK_RATIO
     for start, depth in zip(notches, depths, strict=True):
         for end in _opposite(points, int(start), notches, float(depth), period):
@@ -150,28 +167,27 @@ def _neck(patch: BoolArray, period: float) -> tuple[tuple[int, int], tuple[int, 
     return best
 
 
-def outline(patch: BoolArray) -> npt.NDArray[np.float64]:
-    """Return the pixels (x, y) of the longest outer contour, in order."""
+def longest_contour(patch: BoolArray) -> npt.NDArray[np.int32]:
+    """Return the pixels (x, y) of the longest outer contour, in order, (n, 1, 2)."""
     contours, _ = cv2.findContours(patch.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
-    return max(contours, key=len).reshape(-1, 2).astype(np.float64)
+    return np.asarray(max(contours, key=len), dtype=np.int32)
 
 
-def _notches(points: npt.NDArray[np.float64]) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.float64]]:
-    """Return the deepest point under each side of the convex hull, and its depth."""
-    hull = np.sort(cv2.convexHull(points.astype(np.float32), returnPoints=False).ravel())
-    deepest, depths = [], []
-    for start, end in zip(hull, np.append(hull[1:], hull[0] + len(points)), strict=True):
-        between = np.arange(start, end + 1) % len(points)
-        side = points[between[-1]] - points[between[0]]
-        off = points[between] - points[between[0]]
-        depth = np.abs(side[0] * off[:, 1] - side[1] * off[:, 0]) / max(float(np.hypot(*side)), 1e-9)
-        deepest.append(between[depth.argmax()])
-        depths.append(depth.max())
-    return np.asarray(deepest, dtype=np.intp), np.asarray(depths, dtype=np.float64)
+def _notches(
+    contour: npt.NDArray[np.int32], least_depth: float
+) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.float64]]:
+    """Return the deepest point under each side of the convex hull, and its depth, where deep enough."""
+    hull = np.sort(cv2.convexHull(contour, returnPoints=False).ravel())
+    defects = cv2.convexityDefects(contour, hull) if len(hull) > 3 else None
+    if defects is None:
+        return np.empty(0, dtype=np.intp), np.empty(0)
+    _, _, deepest, depths = defects.reshape(-1, 4).T
+    deep = depths / 256 > least_depth
+    return deepest[deep].astype(np.intp), depths[deep] / 256
 
 
 def _opposite(
-    points: npt.NDArray[np.float64], start: int, notches: npt.NDArray[np.intp], depth: float, period: float
+    points: Points, start: int, notches: npt.NDArray[np.intp], depth: float, period: float
 ) -> list[int]:
     """Return the ends that a cut from a notch may have: other notches, or for a deep one the far side."""
     ends = [int(k) for k in notches if k != start]
@@ -184,7 +200,7 @@ def _opposite(
     return ends
 
 
-def _narrowness(points: npt.NDArray[np.float64], start: int, end: int) -> float:
+def _narrowness(points: Points, start: int, end: int) -> float:
     """Return the length of a cut over the lesser width, along the cut, of the two parts it makes."""
     chord = points[end] - points[start]
     length = float(np.linalg.norm(chord))

@@ -1,12 +1,12 @@
 """Pictures of known truth: contact imprints with friction ridges, and points of an outline.
 
 The ridges come from noise filtered again and again along a flow with a core and a delta, as real prints have;
-minutiae appear by themselves. The contact ends sharply at an ellipse, which is the truth.
+minutiae appear by themselves. The contact ends sharply at an ellipse, or at a smooth irregular outline whose
+equal-area ellipse is the truth.
 """
 
 import math
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Literal, TypeAlias
 
 import cv2
@@ -16,16 +16,13 @@ import numpy.typing as npt
 from fingerpad._arrays import BoolArray, FloatArray
 from fingerpad.exceptions import GeometryError
 from fingerpad.geometry.ellipse import Ellipse
+from fingerpad.image._edge import moments_of
+from fingerpad.image._ridge_sheet import CELLS_PER_PERIOD, Pattern, ridge_sheet
 from fingerpad.image.scale import MM_PER_INCH
 
 Look: TypeAlias = Literal["ink", "livescan", "prism"]
-Pattern: TypeAlias = Literal["arch", "loop", "whorl"]
 _Float32: TypeAlias = npt.NDArray[np.float32]
 
-# The ridges grow on a grid of their own, so that every resolution shows the same finger.
-_CELLS_PER_PERIOD = 8.0
-_DIRECTIONS = 16
-_GENERATIONS = 14
 # Dark level, light level, blur (mm), and whether contact is the dark one.
 _LOOKS: dict[Look, tuple[float, float, float, bool]] = {
     "ink": (55.0, 225.0, 0.035, True),
@@ -43,13 +40,13 @@ class SyntheticImprint:
     pixels : ndarray of uint8, (rows, columns)
         The picture.
     ellipse : Ellipse
-        True outline of the contact, mm.
+        True outline of the contact, or the equal-area ellipse of an irregular one, mm.
     orientation : float
         True angle of its major axis from straight up, counter-clockwise as seen, radians.
     centroid : (float, float)
         True centre, (row, column), px.
     ridge_area : float
-        True area of the ridges, pores left out, mm².
+        True area of the ridges, pores and creases left out, mm².
     ridge_period : float
         Mean ridge period asked for, mm.
     mm_per_px : float
@@ -66,7 +63,7 @@ class SyntheticImprint:
 
     @property
     def gross_area(self) -> float:
-        """True area inside the ellipse, mm²."""
+        """True area inside the outline, mm²."""
         return float(self.ellipse.area)
 
 
@@ -81,8 +78,13 @@ def render_imprint(
     look: Look = "livescan",
     noise_std: float = 6.0,
     lighting: float = 0.0,
+    irregularity: float = 0.0,
+    creases: int = 0,
+    blur: float = 0.0,
+    jpeg_quality: int | None = None,
     margin: float = 2.0,
     seed: int = 0,
+    ridge_seed: int | None = None,
 ) -> SyntheticImprint:
     """Render a contact imprint whose ellipse is known.
 
@@ -104,10 +106,21 @@ def render_imprint(
         Standard deviation of the camera's noise, grey levels.
     lighting : float
         Relative fall of the light from one corner to the other, 0 to 1.
+    irregularity : float
+        Standard deviation of the outline's radius about the ellipse's, as a share of it: two to six waves
+        round the outline, the longer the higher.
+    creases : int
+        Number of fine straight lines without contact across the print.
+    blur : float
+        Standard deviation of a blur on top of the look's own, mm.
+    jpeg_quality : int, optional
+        Quality of a lossy compression, 1 to 100; None for none.
     margin : float
         Empty ground round the ellipse's box, mm; negative cuts the contact.
     seed : int
         The same seed gives the same picture.
+    ridge_seed : int, optional
+        Seed of the ridges alone, to see one finger's skin in several pictures; `seed` when None.
 
     Raises
     ------
@@ -126,22 +139,77 @@ def render_imprint(
             raise GeometryError(f"{name} must be positive, found {value}")
     mm_per_px = MM_PER_INCH / ppi
     rng = np.random.default_rng(seed)
-    up, left = _grid(ellipse, orientation, margin, mm_per_px)
-    along = up * math.cos(orientation) + left * math.sin(orientation)
-    across = left * math.cos(orientation) - up * math.sin(orientation)
+    t = np.linspace(0, 2 * math.pi, 4000, endpoint=False)
+    reach = _reach(t, irregularity, seed)
+    along, across = semi_major * reach * np.cos(t), semi_minor * reach * np.sin(t)
+    cosine, sine = math.cos(orientation), math.sin(orientation)
+    outline = np.stack([along * cosine - across * sine, along * sine + across * cosine], axis=-1)
+    up, left = _grid(outline, margin, mm_per_px)
+    along, across = up * cosine + left * sine, left * cosine - up * sine
     radius = np.hypot(along / semi_major, across / semi_minor)
-    ridges = _ridges(along, across, radius, ridge_period=ridge_period, pattern=pattern, seed=seed)
-    pixels = _expose(ridges, look, mm_per_px, lighting=lighting, noise_std=noise_std, rng=rng)
-    rows, columns = up.shape
+    if irregularity:
+        radius /= _reach(np.arctan2(across / semi_minor, along / semi_major), irregularity, seed)
+    skin = seed if ridge_seed is None else ridge_seed
+    ridges = _ridges(along, across, radius, ridge_period=ridge_period, pattern=pattern, seed=skin)
+    ridges &= ~_creases(along, across, semi_minor, creases, seed)
+    pixels = _expose(
+        ridges,
+        look,
+        mm_per_px,
+        lighting=lighting,
+        noise_std=noise_std,
+        blur=blur,
+        rng=rng,
+    )
+    if jpeg_quality is not None:
+        _, code = cv2.imencode(".jpg", pixels, [cv2.IMWRITE_JPEG_QUALITY, jpeg_quality])
+        pixels = np.asarray(cv2.imdecode(code, cv2.IMREAD_GRAYSCALE), dtype=np.uint8)
+    # (left, up) for (columns, rows): both run the other way, which leaves angles as they are.
+    truth = moments_of(outline[:, ::-1])
+    semi_axes = truth.semi_axes
     return SyntheticImprint(
-        pixels=pixels,
-        ellipse=ellipse,
-        orientation=math.pi / 2 - (math.pi / 2 - orientation) % math.pi,
-        centroid=((rows - 1) / 2, (columns - 1) / 2),
+        pixels=np.asarray(pixels, dtype=np.uint8),
+        ellipse=Ellipse.of(*semi_axes) if irregularity else ellipse,
+        orientation=truth.orientation
+        if irregularity
+        else math.pi / 2 - (math.pi / 2 - orientation) % math.pi,
+        centroid=(_place(truth.centroid[1], up[:, 0]), _place(truth.centroid[0], left[0])),
         ridge_area=float(np.count_nonzero(ridges)) * mm_per_px**2,
         ridge_period=ridge_period,
         mm_per_px=mm_per_px,
     )
+
+
+def _place(length: float, grid: FloatArray) -> float:
+    """Return the pixel at which an even grid takes a value."""
+    return float((length - grid[0]) / (grid[1] - grid[0]))
+
+
+def _reach(angle: FloatArray, irregularity: float, seed: int) -> FloatArray:
+    """Return the outline's radius over the ellipse's, at parametric angles from the major axis."""
+    waves = np.arange(2, 7)
+    rng = np.random.default_rng([seed, 3])
+    size, phase = rng.uniform(0.5, 1, len(waves)), rng.uniform(0, 2 * math.pi, len(waves))
+    size = size / waves
+    size *= irregularity * math.sqrt(2) / np.linalg.norm(size)
+    reach = np.ones_like(angle)
+    for k, wave in enumerate(waves):
+        reach += size[k] * np.cos(wave * angle + phase[k])
+    return reach
+
+
+def _creases(along: FloatArray, across: FloatArray, semi_minor: float, count: int, seed: int) -> BoolArray:
+    """Return where fine lines of 0.1 to 0.3 mm keep the skin off."""
+    lines = np.zeros(along.shape, dtype=bool)
+    rng = np.random.default_rng([seed, 5])
+    for _ in range(count):
+        angle, off, width = (
+            rng.uniform(0, math.pi),
+            rng.uniform(-0.7, 0.7) * semi_minor,
+            rng.uniform(0.1, 0.3),
+        )
+        lines |= np.abs(along * math.sin(angle) + across * math.cos(angle) - off) < width / 2
+    return lines
 
 
 def outline_points(
@@ -187,19 +255,18 @@ def outline_points(
     return turned + centre + np.random.default_rng(seed).normal(0, noise_std, turned.shape)
 
 
-def _grid(
-    ellipse: Ellipse, orientation: float, margin: float, mm_per_px: float
-) -> tuple[FloatArray, FloatArray]:
-    """Return the distances up and left of the centre of each pixel, mm."""
-    cosine, sine = math.cos(orientation), math.sin(orientation)
-    major, minor = float(ellipse.semi_major), float(ellipse.semi_minor)
-    height = math.hypot(major * cosine, minor * sine) + margin
-    width = math.hypot(major * sine, minor * cosine) + margin
-    rows, columns = (max(1, round(2 * length / mm_per_px)) for length in (height, width))
-    up = -(np.arange(rows) - (rows - 1) / 2) * mm_per_px
-    left = -(np.arange(columns) - (columns - 1) / 2) * mm_per_px
-    grid_up, grid_left = np.meshgrid(up, left, indexing="ij")
-    return grid_up, grid_left
+def _grid(outline: FloatArray, margin: float, mm_per_px: float) -> tuple[FloatArray, FloatArray]:
+    """Return the distances up and left of the ellipse's centre of each pixel, mm."""
+    sides = [
+        -(np.arange(max(2, round(length / mm_per_px))) - (max(2, round(length / mm_per_px)) - 1) / 2)
+        * mm_per_px
+        + middle
+        for middle, length in zip(
+            (outline.max(axis=0) + outline.min(axis=0)) / 2, np.ptp(outline, axis=0) + 2 * margin, strict=True
+        )
+    ]
+    up, left = np.meshgrid(*sides, indexing="ij")
+    return up, left
 
 
 def _ridges(
@@ -214,8 +281,8 @@ def _ridges(
     """Return where ridges touch: crests above a level that rises towards the edge, without pores."""
     reach = max(np.abs(along[radius <= 1]).max(initial=0), np.abs(across[radius <= 1]).max(initial=0))
     # Whole steps of 8 periods let pictures of one finger share a sheet.
-    crests, grain = _ridge_sheet(seed, pattern, 8 * math.ceil((reach / ridge_period + 1) / 8))
-    cells = _CELLS_PER_PERIOD / ridge_period
+    crests, grain = ridge_sheet(seed, pattern, 8 * math.ceil((reach / ridge_period + 1) / 8))
+    cells = CELLS_PER_PERIOD / ridge_period
     middle = (crests.shape[0] - 1) / 2
 
     def sample(sheet: _Float32) -> _Float32:
@@ -229,50 +296,6 @@ def _ridges(
     return touching & (radius <= 1)
 
 
-def _flow(pattern: Pattern, along: FloatArray, across: FloatArray, size: float) -> FloatArray:
-    """Return the direction of the ridges (Sherlock & Monro's zeros and poles), from across to along."""
-    place = (across + 1j * along) / size
-    cores = {"arch": [], "loop": [0.02 + 0.1j], "whorl": [0.04 + 0.22j, -0.04 - 0.12j]}[pattern]
-    deltas = {"arch": [], "loop": [0.62 - 0.62j], "whorl": [0.7 - 0.6j, -0.7 - 0.62j]}[pattern]
-    if pattern == "arch":
-        return np.arctan2(-1.4 * place.real * np.exp(-((place.imag + 0.1) ** 2) / 0.5), 1.0)
-    turns = [np.angle(place - core) for core in cores] + [-np.angle(place - delta) for delta in deltas]
-    return np.asarray(np.sum(turns, axis=0) / 2, dtype=np.float64)
-
-
-@lru_cache(maxsize=12)
-def _ridge_sheet(seed: int, pattern: Pattern, half_periods: int) -> tuple[_Float32, _Float32]:
-    """Grow a square sheet of ridges, crests +1 and valleys −1, and the grain that makes pores and breaks."""
-    rng = np.random.default_rng([seed, 7])
-    side = int(2 * half_periods * _CELLS_PER_PERIOD)
-    middle = (side - 1) / 2
-    rows, columns = np.indices((side, side), dtype=np.float64)
-    direction = _flow(pattern, middle - rows, columns - middle, 17 * _CELLS_PER_PERIOD)
-    nearest = np.rint(direction / (math.pi / _DIRECTIONS)).astype(int) % _DIRECTIONS
-    bank = [_gabor(k * math.pi / _DIRECTIONS) for k in range(_DIRECTIONS)]
-    sheet = rng.normal(0, 1, (side, side)).astype(np.float32)
-    grown = np.empty_like(sheet)
-    for _ in range(_GENERATIONS):
-        for k, kernel in enumerate(bank):
-            chosen = nearest == k
-            if chosen.any():
-                grown[chosen] = cv2.filter2D(sheet, -1, kernel)[chosen]
-        sheet = np.tanh(grown / (0.6 * grown.std())).astype(np.float32)
-    grain = cv2.GaussianBlur(rng.normal(0, 1, (side, side)).astype(np.float32), (0, 0), 1.1)
-    return _single(cv2.GaussianBlur(sheet, (0, 0), 0.8)), _single(grain / grain.std())
-
-
-def _gabor(direction: float) -> _Float32:
-    """Return the zero-mean filter for ridges along `direction` (from right to up)."""
-    reach = int(1.6 * _CELLS_PER_PERIOD)
-    y, x = np.mgrid[-reach : reach + 1, -reach : reach + 1].astype(np.float64)
-    off = x * math.sin(direction) + y * math.cos(direction)
-    envelope = np.exp(-(x**2 + y**2) / (2 * (0.55 * _CELLS_PER_PERIOD) ** 2))
-    kernel = envelope * np.cos(2 * math.pi * off / _CELLS_PER_PERIOD)
-    kernel -= envelope * kernel.sum() / envelope.sum()
-    return _single(kernel)
-
-
 def _expose(
     ridges: BoolArray,
     look: Look,
@@ -280,11 +303,14 @@ def _expose(
     *,
     lighting: float,
     noise_std: float,
+    blur: float,
     rng: np.random.Generator,
 ) -> npt.NDArray[np.uint8]:
     """Turn touching ridges into grey levels: blur, light, grain of the ink, noise."""
-    dark, light, blur, contact_is_dark = _LOOKS[look]
-    amount = cv2.GaussianBlur(ridges.astype(np.float32), (0, 0), max(blur / mm_per_px, 0.3))
+    dark, light, own_blur, contact_is_dark = _LOOKS[look]
+    amount = cv2.GaussianBlur(
+        ridges.astype(np.float32), (0, 0), max(math.hypot(blur, own_blur) / mm_per_px, 0.3)
+    )
     amount = amount * (1 + 0.12 * _cloud(rng, ridges.shape, 0.8 / mm_per_px))
     if look == "ink":
         amount = amount * (1 - 0.25 * np.abs(_cloud(rng, ridges.shape, 0.04 / mm_per_px)))

@@ -7,12 +7,13 @@ from pathlib import Path
 import cv2
 import numpy as np
 
+from fingerpad._arrays import FloatArray
 from fingerpad.exceptions import FingerpadError
 from fingerpad.image import Imprint, Scale, measure_imprint, read_image, write_overlay
 from fingerpad.study.manifest import Direction, Observation
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Measurement:
     """What was seen of one contact.
 
@@ -24,7 +25,7 @@ class Measurement:
         Why nothing was measured; None where something was.
     semi_major, semi_minor : float
         Semi-axes of the contact ellipse, mm.
-    covariance : tuple of (float, float)
+    covariance : ndarray, (2, 2)
         Their covariance, mm².
     long_axis : {"along", "across"} or None
         Whether the long axis lies along or across the finger, where that is known.
@@ -40,7 +41,7 @@ class Measurement:
     reason: str | None = None
     semi_major: float = np.nan
     semi_minor: float = np.nan
-    covariance: tuple[tuple[float, float], tuple[float, float]] = ((np.nan, np.nan), (np.nan, np.nan))
+    covariance: FloatArray = field(default_factory=lambda: np.full((2, 2), np.nan))
     long_axis: Direction | None = None
     details: dict[str, float] = field(default_factory=dict)
     flags: tuple[str, ...] = ()
@@ -63,7 +64,7 @@ def measure_observation(observation: Observation, folder: Path, out: Path) -> Me
             observation=observation.name,
             semi_major=ellipse.semi_major,
             semi_minor=ellipse.semi_minor,
-            covariance=((ellipse.std**2, 0.0), (0.0, ellipse.std**2)),
+            covariance=ellipse.std**2 * np.eye(2),
             long_axis=ellipse.long_axis,
         )
     try:
@@ -79,10 +80,9 @@ def measure_observation(observation: Observation, folder: Path, out: Path) -> Me
 def _measure_image(observation: Observation, folder: Path, out: Path) -> Measurement:
     assert observation.image is not None  # the manifest's own rule
     pixels = read_image(folder / observation.image).pixels
-    scale = _scale(observation)
     imprint = measure_imprint(
         pixels,
-        scale,
+        _scale(observation),
         dark_on_light=observation.dark_on_light,
         background=None
         if observation.background is None
@@ -92,7 +92,7 @@ def _measure_image(observation: Observation, folder: Path, out: Path) -> Measure
     overlay = Path("overlays") / f"{observation.name}.png"
     (out / overlay).parent.mkdir(parents=True, exist_ok=True)
     write_overlay(out / overlay, pixels, imprint, label="synthetic" if observation.synthetic else None)
-    return _from_imprint(imprint, scale, observation, overlay)
+    return _from_imprint(imprint, observation, overlay)
 
 
 def _scale(observation: Observation) -> Scale:
@@ -102,16 +102,15 @@ def _scale(observation: Observation) -> Scale:
     return Scale.of_mm_per_px(observation.mm_per_px, observation.mm_per_px * observation.scale_relative_std)
 
 
-def _from_imprint(imprint: Imprint, scale: Scale, observation: Observation, overlay: Path) -> Measurement:
+def _from_imprint(imprint: Imprint, observation: Observation, overlay: Path) -> Measurement:
     major, minor = float(imprint.ellipse.semi_major), float(imprint.ellipse.semi_minor)
     turn = np.degrees(imprint.orientation) - observation.finger_axis_deg
     orientation = float(90 - (90 - turn) % 180)
-    shared = scale.relative_std**2 * major * minor  # the scale moves both axes together
     return Measurement(
         observation=observation.name,
         semi_major=major,
         semi_minor=minor,
-        covariance=((imprint.semi_major_std**2, shared), (shared, imprint.semi_minor_std**2)),
+        covariance=imprint.covariance[:2, :2],
         long_axis="along" if abs(orientation) <= 45 else "across",
         details={
             "orientation_deg": orientation,

@@ -201,7 +201,7 @@ def pad_inputs(
     covariance[4, 4] = np.radians(study.uncertainty.roll_angle_std_deg) ** 2
     covariance[5, 5] = (study.uncertainty.load_relative_std * observation.load_N) ** 2
     to_size_and_elongation = np.array([[0.5 * size / major, 0.5 * size / minor], [1 / major, -1 / minor]])
-    covariance[6:, 6:] = to_size_and_elongation @ np.array(measured.covariance) @ to_size_and_elongation.T
+    covariance[6:, 6:] = to_size_and_elongation @ measured.covariance @ to_size_and_elongation.T
     return mean, covariance
 
 
