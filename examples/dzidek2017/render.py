@@ -1,7 +1,7 @@
 """Render the synthetic part of this study from known truth: ``python examples/dzidek2017/render.py``.
 
 A Hertzian pad with the semi-axes of the source's Table 1 (ellipse approach) is pressed against the platen;
-contact images, outlines of its faces and a loading curve are drawn from what the theory says, with noise.
+contact images, photographs of its faces and a loading curve are drawn from what the theory says, with noise.
 ``synthetic/truth.csv`` holds the truth.
 """
 
@@ -13,7 +13,7 @@ from PIL import Image
 
 from fingerpad.contact import HertzGeometry
 from fingerpad.geometry import Ellipsoid, Placement
-from fingerpad.image import outline_points, render_imprint
+from fingerpad.image import render_finger, render_imprint
 
 FOLDER = Path(__file__).parent / "synthetic"
 PAD = Ellipsoid.of(palmar=7.9, distal=13.8, radial_ulnar=11.8)
@@ -21,17 +21,18 @@ REDUCED_MODULUS = 0.09
 LOADS = {30: (0.25, 0.5, 1.0, 2.0, 4.0), 45: (0.5, 1.0, 2.0, 4.0)}
 LOOKS = {30: "livescan", 45: "ink"}
 PPI = 500.0
+MM_PER_PX = 0.05
 
 
 def main() -> None:
-    """Write images, outlines, curve and truth."""
+    """Write images, photographs, curve and truth."""
     FOLDER.mkdir(exist_ok=True)
     truth = [row for wedge in LOADS for row in render_images(wedge)]
     with (FOLDER / "truth.csv").open("w", newline="", encoding="utf-8") as file:
         table = csv.DictWriter(file, fieldnames=truth[0])
         table.writeheader()
         table.writerows(truth)
-    render_outlines()
+    render_photographs()
     render_curve(30)
 
 
@@ -70,13 +71,12 @@ def render_images(wedge: int) -> list[dict[str, object]]:
     return rows
 
 
-def render_outlines() -> None:
-    """Draw noisy outline points of three faces, on the arc that belongs to the pad."""
+def render_photographs() -> None:
+    """Render a photograph of three faces."""
     axes = {"palmar": (11.8, 13.8), "distal": (11.8, 7.9), "radial": (7.9, 13.8)}
-    for seed, (face, (across, along)) in enumerate(axes.items()):
-        arc = np.radians((-30, 90)) if face == "radial" else np.radians((-15, 195))
-        points = outline_points(across, along, arc=tuple(arc), count=80, noise_std=0.05, seed=seed)
-        write(f"outline_{face}.csv", ("x_mm", "y_mm"), points)
+    for seed, (face, semi_axes) in enumerate(axes.items(), start=11):
+        photograph = render_finger(face, semi_axes=semi_axes, mm_per_px=MM_PER_PX, seed=seed)
+        Image.fromarray(photograph.pixels).save(FOLDER / f"photograph_{face}.jpg", quality=92)
 
 
 def render_curve(wedge: int) -> None:

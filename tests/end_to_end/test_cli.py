@@ -14,7 +14,7 @@ from PIL import Image
 from typer.testing import CliRunner
 
 from fingerpad.cli import app
-from fingerpad.image import render_imprint
+from fingerpad.image import render_finger, render_imprint
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "dzidek2017"
 
@@ -132,7 +132,13 @@ def test_text_shows_units_and_no_traceback() -> None:
         (["correct", "--ellipse", "7.4", "0", "--radius", "18"], "semi_minor must be positive"),
         (["correct", "--ellipse", "7.4", "5", "--radius", "-18"], "--radius must be positive .* found -18"),
         (["correct", "--ellipse", "7.4", "five", "--radius", "18"], "--ellipse.* valid number"),
-        (["measure", "print", "x.png"], "give either --ppi or --mm-per-px"),
+        (["measure", "photo", "x.png", "--face", "palmar"], "give either --ppi or --mm-per-px"),
+        (["measure", "photo", "x.png", "--face", "thumb", "--ppi", "500"], "--face must be one of palmar"),
+        (
+            ["measure", "photo", "x.png", "--face", "palmar", "--ppi", "500", "--tip", "north"],
+            "--tip must be up",
+        ),
+        (["measure", "print", "x.png", "--ppi", "500", "--seed-px", "12"], "--seed-px takes 2 numbers"),
         (["measure", "print", "x.png", "--ppi", "-500"], "ppi must be positive"),
         (["measure", "print", "x.png", "--ppi", "500", "--mm-per-px", "0.05"], "give either"),
         (["run", "nowhere.toml"], "nowhere.toml: no such file; .fingerpad init DIR"),
@@ -174,6 +180,54 @@ def test_measure_print(tmp_path: Path) -> None:
     with Image.open(tmp_path / "overlays" / "good_overlay.png") as overlay:
         assert overlay.size[0] >= truth.pixels.shape[1]
     assert len(list((tmp_path / "overlays").iterdir())) == 1
+
+
+def test_measure_print_takes_the_scale_that_a_file_states(tmp_path: Path) -> None:
+    picture = Image.fromarray(render_imprint(semi_major=9.0, semi_minor=6.5, seed=4).pixels)
+    picture.save(tmp_path / "stated.png", dpi=(500, 500))
+    picture.save(tmp_path / "placeholder.png", dpi=(72, 72))
+    picture.save(tmp_path / "silent.png")
+    code, out, _ = run("measure", "print", *sorted(tmp_path.glob("*.png")), "--json")
+    assert code == 3
+    placeholder, silent, stated = json.loads(out)
+    assert stated["semi_major_mm"] == pytest.approx(9.0, rel=0.02)
+    assert "states 72 ppi, a placeholder; give either --ppi or --mm-per-px" in placeholder["error"]
+    assert "states none" in silent["error"]
+
+
+def test_measure_print_takes_a_seed_and_a_region(tmp_path: Path) -> None:
+    small, large = (render_imprint(semi_major=a, semi_minor=a / 1.3, seed=4).pixels for a in (5.0, 8.0))
+    pixels = np.full((large.shape[0], small.shape[1] + large.shape[1]), 250, np.uint8)
+    pixels[: small.shape[0], : small.shape[1]] = small
+    pixels[:, small.shape[1] :] = large
+    Image.fromarray(pixels).save(tmp_path / "two.png")
+    at = f"{small.shape[0] // 2},{small.shape[1] // 2}"
+    (free,) = run_json("measure", "print", tmp_path / "two.png", "--ppi", 500)
+    (seeded,) = run_json("measure", "print", tmp_path / "two.png", "--ppi", 500, "--seed-px", at)
+    roi = f"0,0,{small.shape[0]},{small.shape[1]}"
+    (windowed,) = run_json("measure", "print", tmp_path / "two.png", "--ppi", 500, "--roi", roi)
+    assert free["semi_major_mm"] == pytest.approx(8.0, rel=0.03)
+    assert seeded["semi_major_mm"] == pytest.approx(5.0, rel=0.03)
+    assert windowed["semi_major_mm"] == pytest.approx(5.0, rel=0.03)
+
+
+def test_measure_photo(tmp_path: Path) -> None:
+    truth = render_finger("palmar", semi_axes=(11.8, 13.8), tip="left", seed=3)
+    Image.fromarray(truth.pixels).save(tmp_path / "palmar.png")
+    (record,) = run_json(
+        *("measure", "photo", tmp_path / "palmar.png", "--face", "palmar", "--tip", "left"),
+        *("--mm-per-px", truth.mm_per_px, "--overlay", tmp_path / "overlays"),
+    )
+    assert record["semi_axes_mm"] == pytest.approx({"radial_ulnar": 11.8, "distal": 13.8}, rel=0.02)
+    assert set(record["semi_axes_mm_std"]) == {"radial_ulnar", "distal"}
+    assert record["arc_deg"] > 100
+    assert 0 <= record["outlier_fraction"] < 0.3
+    assert record["flags"] == []
+    assert (tmp_path / "overlays" / "palmar_overlay.png").is_file()
+    Image.fromarray(np.full((300, 300, 3), 200, np.uint8)).save(tmp_path / "empty.png")
+    code, out, _ = run("measure", "photo", tmp_path / "empty.png", "--face", "palmar", "--ppi", 500, "--json")
+    assert code == 3
+    assert set(json.loads(out)[0]) == {"file", "error"}
 
 
 def test_reproduce_lists_every_printed_number(tmp_path: Path) -> None:

@@ -67,7 +67,9 @@ def test_shows_every_observation_and_overlay(demo: tuple[StudyResult, str, Path]
     result, text, out = demo
     for row in result.rows:
         assert row["observation"] in text
-    assert text.count("data:image/jpeg;base64,") == sum(row["overlay"] is not None for row in result.rows)
+    photographs = sum(len(finger.photographs) for finger in result.fingers.values())
+    overlays = sum(row["overlay"] is not None for row in result.rows)
+    assert text.count("data:image/jpeg;base64,") == overlays + photographs == 9 + 3
     figures = {path.name for path in (out / "figures").iterdir()}
     assert {path.removesuffix(".svg") for path in figures if path.endswith(".svg")} == {
         path.removesuffix(".png") for path in figures if path.endswith(".png")

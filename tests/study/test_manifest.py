@@ -68,10 +68,12 @@ def test_every_commented_line_of_the_template_is_valid_too(tmp_path: Path) -> No
         (path.parent / name).parent.mkdir(exist_ok=True)
         (path.parent / name).touch()
     (path.parent / "outlines").mkdir()
+    (path.parent / "photographs").mkdir()
     for face in ("palmar", "distal", "radial"):
         (path.parent / f"outlines/right_index_{face}.csv").touch()
+        (path.parent / f"photographs/{face}.jpg").touch()
     study = read_study(path)
-    assert (len(study.fingers), len(study.observations), len(study.curves)) == (2, 2, 2)
+    assert (len(study.fingers), len(study.observations), len(study.curves)) == (3, 2, 2)
     assert study.observations[1].seed_px == [250, 200]
 
 
@@ -116,9 +118,17 @@ def test_rows_may_come_from_a_spreadsheet(tmp_path: Path) -> None:
         ("title = " + 3000 * "[", "not valid TOML"),
         ("title = " + 5000 * "9", "not valid TOML|title"),
         (
-            'title = "T"\n[[fingers]]\nname = "f"\nphotographs = [{ face = "palmar", outline = "a.csv" }, '
-            '{ face = "palmar", outline = "b.csv" }]',
-            "each face may be given once, found palmar, palmar",
+            'title = "T"\n[[fingers]]\nname = "f"\nphotographs = [{ face = "palmar" }]',
+            "photographs.0.: give either outline or image",
+        ),
+        (
+            'title = "T"\n[[fingers]]\nname = "f"\nphotographs = [{ face = "palmar", image = "a.png" }]',
+            "photographs.0.: an image needs its scale",
+        ),
+        (
+            'title = "T"\n[[fingers]]\nname = "f"\n'
+            'photographs = [{ face = "palmar", outline = "a.csv", tip = "up", ppi = 500 }]',
+            "beside an outline there is no use for ppi, tip",
         ),
         (
             VALID

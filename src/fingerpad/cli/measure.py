@@ -1,41 +1,190 @@
 """Commands that measure pictures."""
 
 import itertools
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
-import numpy as np
 import typer
 
 from fingerpad._files import make_folder
 from fingerpad.cli.shared import AsJson, Exit, plain_errors, print_json, print_text
-from fingerpad.exceptions import CalibrationError, FingerpadError
+from fingerpad.exceptions import CalibrationError, FingerpadError, ImageError
 
 if TYPE_CHECKING:
     from fingerpad.image import Scale
 
 app = typer.Typer(help="Measure pictures.", no_args_is_help=True)
 
+Ppi: TypeAlias = Annotated[float | None, typer.Option(help="Scale, pixels per inch.")]
+MmPerPx: TypeAlias = Annotated[float | None, typer.Option(help="Scale, millimetres per pixel.")]
+ScaleStd: TypeAlias = Annotated[float, typer.Option(help="Relative standard uncertainty of the scale.")]
+Overlay: TypeAlias = Annotated[Path | None, typer.Option(help="Folder for pictures of the measurement.")]
+DarkOnLight: TypeAlias = Annotated[
+    bool | None,
+    typer.Option("--dark-on-light/--light-on-dark", help="Polarity, where it is not found by itself."),
+]
+Background: TypeAlias = Annotated[
+    Path | None, typer.Option(help="Picture of the empty platen, which is divided out.")
+]
+Roi: TypeAlias = Annotated[
+    str | None, typer.Option(metavar="R0,C0,R1,C1", help="Rows and columns of the part to look at, px.")
+]
+
 
 @app.command("print")
 def measure_print(
     images: Annotated[list[Path], typer.Argument(help="Contact images.", show_default=False)],
-    ppi: Annotated[float | None, typer.Option(help="Scale, pixels per inch.")] = None,
-    mm_per_px: Annotated[float | None, typer.Option(help="Scale, millimetres per pixel.")] = None,
-    overlay: Annotated[Path | None, typer.Option(help="Folder for pictures of the measurement.")] = None,
+    ppi: Ppi = None,
+    mm_per_px: MmPerPx = None,
+    scale_relative_std: ScaleStd = 0.0,
+    dark_on_light: DarkOnLight = None,
+    background: Background = None,
+    seed_px: Annotated[
+        str | None, typer.Option(metavar="ROW,COLUMN", help="A point inside the contact that is meant, px.")
+    ] = None,
+    roi: Roi = None,
+    overlay: Overlay = None,
     as_json: AsJson = False,
 ) -> None:
-    """Measure the contact region and its ellipse in fingerprint images."""
-    from fingerpad.image import Scale
+    """Measure the contact region and its ellipse in fingerprint images.
+
+    Without --ppi or --mm-per-px the scale is the one that each file states.
+    """
+    from fingerpad.image import measure_imprint, read_image, write_overlay
 
     with plain_errors():
-        if (ppi is None) == (mm_per_px is None):
-            raise CalibrationError("the pictures need a scale: give either --ppi or --mm-per-px")
-        scale = Scale.of_ppi(ppi) if ppi is not None else Scale.of_mm_per_px(mm_per_px or 0.0)
-        if overlay is not None:
-            make_folder(overlay)
-    overlays = _overlay_files(images, overlay)
-    records = [_measured_print(path, scale, overlays.get(path)) for path in images]
+        given = _scale(ppi, mm_per_px, scale_relative_std)
+        ground = None if background is None else read_image(background).pixels
+        seed, window = _numbers("--seed-px", seed_px, 2), _numbers("--roi", roi, 4)
+        overlays = _overlay_files(images, overlay)
+
+    def measured(path: Path) -> dict[str, Any]:
+        picture = read_image(path)
+        imprint = measure_imprint(
+            picture.pixels,
+            given or _stated_scale(path, picture.dots_per_inch),
+            dark_on_light=dark_on_light,
+            background=ground,
+            seed=None if seed is None else (seed[0], seed[1]),
+            region_of_interest=None if window is None else tuple(map(int, window)),  # type: ignore[arg-type]
+        )
+        if path in overlays:
+            write_overlay(overlays[path], picture.pixels, imprint)
+        return imprint.as_record()
+
+    _print_all(images, measured, as_json)
+
+
+@app.command("photo")
+def measure_photo(
+    images: Annotated[list[Path], typer.Argument(help="Photographs of one face.", show_default=False)],
+    face: Annotated[
+        str, typer.Option(help="Face that looks at the camera: palmar, distal, radial or ulnar.")
+    ],
+    ppi: Ppi = None,
+    mm_per_px: MmPerPx = None,
+    scale_relative_std: ScaleStd = 0.0,
+    tip: Annotated[str, typer.Option(help="Where the fingertip points: up, down, left or right.")] = "up",
+    palmar: Annotated[
+        str | None, typer.Option(help="Where the palmar side lies, in views that show it; down by default.")
+    ] = None,
+    roi: Roi = None,
+    points: Annotated[
+        Path | None,
+        typer.Option(help="CSV of points on the pad's outline, with the header row_px,column_px."),
+    ] = None,
+    overlay: Overlay = None,
+    as_json: AsJson = False,
+) -> None:
+    """Measure two semi-axes of the pad in photographs of a finger before a plain backdrop."""
+    from fingerpad.image import (
+        FACE_AXES,
+        measure_photograph,
+        read_colour_image,
+        read_marks,
+        write_photograph_overlay,
+    )
+
+    with plain_errors():
+        if face not in FACE_AXES:
+            raise ImageError(f"--face must be one of {', '.join(FACE_AXES)}, found {face!r}")
+        for flag, side in (("--tip", tip), ("--palmar", palmar)):
+            if side not in {"up", "down", "left", "right", None}:
+                raise ImageError(f"{flag} must be up, down, left or right, found {side!r}")
+        scale = _scale(ppi, mm_per_px, scale_relative_std)
+        if scale is None:
+            raise CalibrationError("photographs need a scale: give either --ppi or --mm-per-px")
+        window = _numbers("--roi", roi, 4)
+        marks = None if points is None else read_marks(points)
+        overlays = _overlay_files(images, overlay)
+
+    def measured(path: Path) -> dict[str, Any]:
+        pixels = read_colour_image(path)
+        found = measure_photograph(
+            pixels,
+            face,  # type: ignore[arg-type]
+            scale,
+            tip=tip,  # type: ignore[arg-type]
+            palmar=palmar,  # type: ignore[arg-type]
+            region_of_interest=None if window is None else (window[0], window[1], window[2], window[3]),
+            points=marks,
+        )
+        if path in overlays:
+            write_photograph_overlay(overlays[path], pixels, found)
+        return {
+            "semi_axes_mm": found.semi_axes_mm,
+            "semi_axes_mm_std": found.semi_axes_mm_std,
+            "arc_deg": found.arc_deg,
+            "outlier_fraction": found.outlier_fraction,
+            "flags": sorted(found.flags),
+        }
+
+    _print_all(images, measured, as_json)
+
+
+def _scale(ppi: float | None, mm_per_px: float | None, relative_std: float) -> "Scale | None":
+    """Return the scale that was given, None for none."""
+    from fingerpad.image import Scale
+
+    if ppi is not None and mm_per_px is not None:
+        raise CalibrationError("give either --ppi or --mm-per-px, not both")
+    if ppi is not None:
+        return Scale.of_ppi(ppi, ppi * relative_std)
+    return None if mm_per_px is None else Scale.of_mm_per_px(mm_per_px, mm_per_px * relative_std)
+
+
+def _stated_scale(path: Path, dots_per_inch: float | None) -> "Scale":
+    """Return the scale that a file states, unless it is one that programs write without measuring."""
+    from fingerpad.image import Scale
+
+    if dots_per_inch is None or round(dots_per_inch) in {72, 96}:
+        stated = "states none" if dots_per_inch is None else f"states {dots_per_inch:g} ppi, a placeholder"
+        raise CalibrationError(f"{path}: {stated}; give either --ppi or --mm-per-px")
+    return Scale.of_ppi(dots_per_inch)
+
+
+def _numbers(flag: str, text: str | None, count: int) -> list[float] | None:
+    """Return the numbers of a flag such as "250,200"."""
+    if text is None:
+        return None
+    try:
+        numbers = [float(part) for part in text.split(",")]
+    except ValueError:
+        numbers = []
+    if len(numbers) != count:
+        raise ImageError(f"{flag} takes {count} numbers parted by commas, found {text!r}")
+    return numbers
+
+
+def _print_all(images: list[Path], measured: Callable[[Path], dict[str, Any]], as_json: bool) -> None:
+    """Measure and print each picture; one that cannot be measured costs itself only."""
+    records = []
+    for path in images:
+        try:
+            records.append({"file": str(path), **measured(path)})
+        except FingerpadError as error:
+            records.append({"file": str(path), "error": str(error)})
     if as_json:
         print_json(records)
     else:
@@ -50,6 +199,7 @@ def _overlay_files(images: list[Path], folder: Path | None) -> dict[Path, Path]:
     """Return a file for each picture's overlay: no two the same, and none of them a picture to measure."""
     if folder is None:
         return {}
+    make_folder(folder)
     files: dict[Path, Path] = {}
     taken = {path.resolve() for path in images}
     for path in images:
@@ -57,31 +207,3 @@ def _overlay_files(images: list[Path], folder: Path | None) -> dict[Path, Path]:
         files[path] = next(folder / name for name in names if (folder / name).resolve() not in taken)
         taken.add(files[path].resolve())
     return files
-
-
-def _measured_print(path: Path, scale: "Scale", overlay: Path | None) -> dict[str, Any]:
-    from fingerpad.image import measure_imprint, read_image, write_overlay
-
-    try:
-        pixels = read_image(path).pixels
-        imprint = measure_imprint(pixels, scale)
-        if overlay is not None:
-            write_overlay(overlay, pixels, imprint)
-    except FingerpadError as error:
-        return {"file": str(path), "error": str(error)}
-    return {
-        "file": str(path),
-        "semi_major_mm": imprint.ellipse.semi_major,
-        "semi_major_mm_std": imprint.semi_major_std,
-        "semi_minor_mm": imprint.ellipse.semi_minor,
-        "semi_minor_mm_std": imprint.semi_minor_std,
-        "orientation_deg": np.degrees(imprint.orientation),
-        "gross_area_mm2": imprint.gross_area,
-        "gross_area_mm2_std": imprint.gross_area_std,
-        "ridge_area_mm2": imprint.ridge_area,
-        "ridge_area_mm2_std": imprint.ridge_area_std,
-        "ridge_period_mm": imprint.ridge_period,
-        "ellipse_overlap": imprint.overlap,
-        "centroid_px": imprint.centroid,
-        "flags": imprint.flags,
-    }

@@ -12,31 +12,34 @@ from fingerpad.exceptions import FitError
 # (x, y, semi_1, semi_2) and, unless the axes lie along x and y, the angle.
 Parameters: TypeAlias = FloatArray
 
-_BISECTIONS = 80
+_STEPS = 120
 
 
 def foot_points(points: FloatArray, semi_x: float, semi_y: float) -> FloatArray:
     """Return the nearest point of the ellipse x²/semi_x² + y²/semi_y² = 1 to each of `points`, (n, 2).
 
-    Bisection on the one root of Eberly's distance equation: slower than Newton's method, but it cannot fail.
+    Newton's method on Eberly's distance equation, which falls and is convex beyond its last pole: from below
+    its one root no step can overshoot, so it cannot fail.
     """
     if semi_x < semi_y:
         return foot_points(points[:, ::-1], semi_y, semi_x)[:, ::-1]
     x, y = np.abs(points).T / semi_y
     y = np.maximum(y, 1e-14)
     stretch = (semi_x / semi_y) ** 2
-    low = y - 1
-    high = np.hypot(math.sqrt(stretch) * x, y) - 1
-    for _ in range(_BISECTIONS):
-        middle = (low + high) / 2
-        outside = stretch * (x / (middle + stretch)) ** 2 + (y / (middle + 1)) ** 2 > 1
-        low, high = np.where(outside, middle, low), np.where(outside, high, middle)
-    cosine = np.minimum(math.sqrt(stretch) * x / (high + stretch), 1.0)
+    # Either term alone reaches one here, so that both together are not yet below it.
+    root = np.maximum(y - 1, math.sqrt(stretch) * x - stretch)
+    for _ in range(_STEPS):
+        first, second = stretch * (x / (root + stretch)) ** 2, (y / (root + 1)) ** 2
+        step = (first + second - 1) / (2 * (first / (root + stretch) + second / (root + 1)))
+        root = root + np.maximum(step, 0)
+        if (step <= 1e-15 * (1 + np.abs(root))).all():
+            break
+    cosine = np.minimum(math.sqrt(stretch) * x / (root + stretch), 1.0)
     foot = np.stack([semi_x * cosine, semi_y * np.sqrt(1 - cosine**2)], axis=-1)
     return np.asarray(np.copysign(foot, points), dtype=np.float64)
 
 
-def _distances(values: Parameters, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+def distances(values: Parameters, points: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return signed orthogonal distances and their derivatives by (x, y, semi_1, semi_2, angle)."""
     x, y, semi_1, semi_2 = values[:4]
     angle = values[4] if values.size == 5 else 0.0
@@ -57,10 +60,10 @@ def refine(points: FloatArray, start: Parameters) -> tuple[Parameters, FloatArra
     """Minimise the orthogonal distances; return parameters, their covariance, and the residual deviation."""
 
     def off(values: Parameters) -> FloatArray:
-        return _distances(values, points)[0]
+        return distances(values, points)[0]
 
     def slopes(values: Parameters) -> FloatArray:
-        return _distances(values, points)[1]
+        return distances(values, points)[1]
 
     result = least_squares(off, start, jac=slopes, xtol=1e-12, ftol=1e-12, gtol=1e-12, max_nfev=200)
     values = np.asarray(result.x, dtype=np.float64)

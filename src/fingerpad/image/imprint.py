@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass
-from typing import TypedDict
+from typing import Any, TypedDict
 
 import cv2
 import numpy as np
@@ -90,6 +90,24 @@ class Imprint:
     flags: tuple[str, ...]
     _view: View
     _amount: UInt8
+
+    def as_record(self) -> dict[str, Any]:
+        """Return the numbers under names with units, for tables and scripts."""
+        return {
+            "semi_major_mm": float(self.ellipse.semi_major),
+            "semi_major_mm_std": self.semi_major_std,
+            "semi_minor_mm": float(self.ellipse.semi_minor),
+            "semi_minor_mm_std": self.semi_minor_std,
+            "orientation_deg": math.degrees(self.orientation),
+            "gross_area_mm2": self.gross_area,
+            "gross_area_mm2_std": self.gross_area_std,
+            "ridge_area_mm2": self.ridge_area,
+            "ridge_area_mm2_std": self.ridge_area_std,
+            "ridge_period_mm": self.ridge_period,
+            "ellipse_iou": self.overlap,
+            "centroid_px": self.centroid,
+            "flags": self.flags,
+        }
 
     @property
     def semi_major_std(self) -> float:

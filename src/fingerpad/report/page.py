@@ -13,10 +13,11 @@ from PIL import Image
 
 from fingerpad.exceptions import FingerpadError
 from fingerpad.figures import save_figure
+from fingerpad.image import PHOTOGRAPH_FLAGS
 from fingerpad.report.plots import Plot, curve_plots, summary_plots
 from fingerpad.report.text import FLAG_WORDS, in_words, two_digits, value_with_uncertainty
 from fingerpad.study.pipeline import StudyResult
-from fingerpad.study.rows import RANGE_NOTES, Row
+from fingerpad.study.rows import RANGE_NOTES
 from fingerpad.study.summary import Summary, area_exponent, curve_of
 
 _OVERLAY_WIDTH_PX = 560
@@ -36,7 +37,10 @@ def write_report(result: StudyResult, out: Path) -> Path:
         undefined=StrictUndefined,
         trim_blocks=True,
     )
-    environment.filters |= {"flags": lambda codes: in_words(codes, FLAG_WORDS)}
+    environment.filters |= {
+        "flags": lambda codes: in_words(codes, FLAG_WORDS),
+        "photograph_flags": lambda codes: in_words(codes, PHOTOGRAPH_FLAGS),
+    }
     environment.globals |= {"pm": value_with_uncertainty, "two": two_digits, "exponent": area_exponent}
     try:
         (out / "figures").mkdir(parents=True, exist_ok=True)
@@ -47,6 +51,11 @@ def write_report(result: StudyResult, out: Path) -> Path:
             curves=[
                 {"curve": curve, "figures": _drawn(curve_plots(curve, number), out)}
                 for number, curve in enumerate(result.curves, start=1)
+            ],
+            photographs=[
+                (finger.name, photograph, _picture(photograph.overlay, out))
+                for finger in result.fingers.values()
+                for photograph in finger.photographs
             ],
             failed=[row for row in result.rows if row["status"] == "failed"],
             synthetic=any(row["synthetic"] for row in result.rows),
@@ -72,7 +81,7 @@ def _group(result: StudyResult, summary: Summary, out: Path) -> dict[str, Any]:
         "range_notes": [
             (RANGE_NOTES[code], codes.count(code), len(summary.rows)) for code in RANGE_NOTES if code in codes
         ],
-        "overlays": [(row, _picture(row, out)) for row in summary.rows if row["overlay"]],
+        "overlays": [(row, _picture(row["overlay"], out)) for row in summary.rows if row["overlay"]],
     }
 
 
@@ -86,9 +95,9 @@ def _drawn(plots: Iterable[Plot], out: Path) -> list[dict[str, str]]:
     return drawn
 
 
-def _picture(row: Row, out: Path) -> str:
-    """Return the overlay of a row, small enough to travel in the page, as a data URL."""
-    with Image.open(out / row["overlay"]) as picture:
+def _picture(overlay: str, out: Path) -> str:
+    """Return an overlay, small enough to travel in the page, as a data URL."""
+    with Image.open(out / overlay) as picture:
         picture.thumbnail((_OVERLAY_WIDTH_PX, 2 * _OVERLAY_WIDTH_PX))
         buffer = io.BytesIO()
         picture.convert("RGB").save(buffer, "JPEG", quality=85)

@@ -1,4 +1,4 @@
-"""The fingers of a study: semi-axes as given, or fitted to the outlines of photographs."""
+"""The fingers of a study: semi-axes as given, or measured in photographs of the faces or their outlines."""
 
 import os
 from dataclasses import dataclass
@@ -8,9 +8,42 @@ from typing import Any
 import numpy as np
 
 from fingerpad._arrays import FloatArray
+from fingerpad._files import make_folder
 from fingerpad.exceptions import FingerpadError
-from fingerpad.image import OutlineSemiAxes, read_outline, semi_axes_from_outlines
-from fingerpad.study.manifest import Finger
+from fingerpad.image import (
+    FaceSemiAxes,
+    OutlineSemiAxes,
+    Scale,
+    combine_faces,
+    face_from_outline,
+    measure_photograph,
+    read_colour_image,
+    read_outline,
+    write_photograph_overlay,
+)
+from fingerpad.study.manifest import Finger, Observation, Photograph
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PhotographResult:
+    """What was seen in one photograph.
+
+    Attributes
+    ----------
+    manifest : Photograph
+        What the manifest says of it.
+    overlay : str
+        Picture of the measurement, relative to the output folder.
+    arc_deg : float
+        Extent of the arc used, parametric degrees.
+    flags : tuple of str
+        Doubts.
+    """
+
+    manifest: Photograph
+    overlay: str
+    arc_deg: float
+    flags: tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -24,11 +57,13 @@ class FingerResult:
     semi_axes : ndarray, shape (3,)
         Palmar, distal, radial–ulnar, mm; NaN where they could not be had.
     covariance : ndarray, shape (3, 3)
-        Their covariance, mm².
+        Their covariance, mm², widened by χ² over its degrees of freedom where faces disagree.
     source : str
         ``given`` or ``photographs``.
     outlines : OutlineSemiAxes or None
-        The fit to the photographs' outlines, with its consistency.
+        The faces combined, with their consistency.
+    photographs : tuple of PhotographResult
+        The photographs measured.
     pad_thickness : float or None
         Thickness of the soft pad, mm.
     synthetic : bool
@@ -42,13 +77,14 @@ class FingerResult:
     covariance: FloatArray
     source: str
     outlines: OutlineSemiAxes | None = None
+    photographs: tuple[PhotographResult, ...] = ()
     pad_thickness: float | None = None
     synthetic: bool = False
     reason: str | None = None
 
 
-def finger_result(finger: Finger, folder: Path) -> FingerResult:
-    """Return a finger's semi-axes; outlines that cannot be fitted cost this finger only."""
+def finger_result(finger: Finger, folder: Path, out: Path) -> FingerResult:
+    """Return a finger's semi-axes; a photograph or outline that cannot be used costs this finger only."""
     common: dict[str, Any] = {
         "name": finger.name,
         "pad_thickness": finger.pad_thickness_mm,
@@ -63,9 +99,8 @@ def finger_result(finger: Finger, folder: Path) -> FingerResult:
             **common,
         )
     try:
-        outlines = semi_axes_from_outlines(
-            {photograph.face: read_outline(folder / photograph.outline) for photograph in finger.photographs}
-        )
+        seen = [_face(finger, number, folder, out) for number in range(len(finger.photographs))]
+        combined = combine_faces(face for face, _ in seen)
     except FingerpadError as error:
         return FingerResult(
             semi_axes=np.full(3, np.nan),
@@ -74,10 +109,50 @@ def finger_result(finger: Finger, folder: Path) -> FingerResult:
             reason=f"finger {finger.name}: {error}".replace(f"{folder}{os.sep}", ""),
             **common,
         )
+    freedom = combined.degrees_of_freedom
+    widening = max(1.0, combined.chi_square / freedom) if freedom else 1.0
     return FingerResult(
-        semi_axes=np.array([outlines.palmar, outlines.distal, outlines.radial_ulnar]),
-        covariance=outlines.covariance,
+        semi_axes=np.array([combined.palmar, combined.distal, combined.radial_ulnar]),
+        covariance=widening * combined.covariance,
         source="photographs",
-        outlines=outlines,
+        outlines=combined,
+        photographs=tuple(result for _, result in seen if result is not None),
         **common,
+    )
+
+
+def scale_of(table: Observation | Photograph) -> Scale:
+    """Return the scale that a table of the manifest gives for its image."""
+    if table.ppi is not None:
+        return Scale.of_ppi(table.ppi, table.ppi * table.scale_relative_std)
+    assert table.mm_per_px is not None  # the manifest's own rule
+    return Scale.of_mm_per_px(table.mm_per_px, table.mm_per_px * table.scale_relative_std)
+
+
+def _face(
+    finger: Finger, number: int, folder: Path, out: Path
+) -> tuple[FaceSemiAxes, PhotographResult | None]:
+    """Measure one face, and draw it where it is a photograph."""
+    photograph = finger.photographs[number]
+    if photograph.outline is not None:
+        points = read_outline(folder / photograph.outline)
+        return face_from_outline(photograph.face, points, photograph.scale_relative_std), None
+    assert photograph.image is not None  # the manifest's own rule
+    pixels = read_colour_image(folder / photograph.image)
+    window = photograph.region_of_interest_px
+    found = measure_photograph(
+        pixels,
+        photograph.face,
+        scale_of(photograph),
+        tip=photograph.tip,
+        palmar=photograph.palmar_side,
+        region_of_interest=None if window is None else (window[0], window[1], window[2], window[3]),
+    )
+    overlay = Path("overlays") / f"finger_{finger.name}_{number + 1}_{photograph.face}.png"
+    make_folder((out / overlay).parent)
+    write_photograph_overlay(
+        out / overlay, pixels, found, label="synthetic" if photograph.synthetic else None
+    )
+    return found.face_semi_axes, PhotographResult(
+        manifest=photograph, overlay=str(overlay), arc_deg=found.arc_deg, flags=tuple(sorted(found.flags))
     )

@@ -20,7 +20,10 @@ AngleStd = Annotated[float, Field(ge=0, le=90, allow_inf_nan=False)]
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 # Names become file names: letters, digits and . _ + - only.
 Name = Annotated[str, Field(pattern=r"^\w[\w.+-]*$", max_length=60)]
+Ppi = Annotated[float, Field(ge=20, le=1e5)]
+MmPerPx = Annotated[float, Field(ge=1e-4, le=1)]
 Direction = Literal["along", "across"]
+Side = Literal["up", "down", "left", "right"]
 
 
 _IMAGE_KEYS = frozenset(
@@ -56,11 +59,29 @@ class SemiAxesStd(_Table):
 
 
 class Photograph(_Table):
-    """Outline points of one face of a finger."""
+    """One face of a finger: a photograph before a plain backdrop with its scale, or points of its outline."""
 
     face: Literal["palmar", "distal", "radial", "ulnar"]
-    outline: str
+    outline: str | None = None
+    image: str | None = None
+    ppi: Ppi | None = None
+    mm_per_px: MmPerPx | None = None
+    scale_relative_std: RelativeStd = 0.0
+    tip: Side = "up"
+    palmar_side: Side | None = None
+    region_of_interest_px: Annotated[list[Finite], Field(min_length=4, max_length=4)] | None = None
     synthetic: bool = False
+
+    @model_validator(mode="after")
+    def _one_source(self) -> Self:
+        if (self.outline is None) == (self.image is None):
+            raise ValueError("give either outline or image, one of the two")
+        if self.image is not None and (self.ppi is None) == (self.mm_per_px is None):
+            raise ValueError("an image needs its scale: give either ppi or mm_per_px")
+        idle = self.model_fields_set - {"face", "outline", "scale_relative_std", "synthetic"}
+        if self.outline is not None and idle:
+            raise ValueError(f"beside an outline there is no use for {', '.join(sorted(idle))}")
+        return self
 
 
 class Finger(_Table):
@@ -79,9 +100,6 @@ class Finger(_Table):
             raise ValueError("give either semi_axes_mm or photographs, one of the two")
         if (self.semi_axes_mm is None) != (self.semi_axes_std_mm is None):
             raise ValueError("semi_axes_mm and semi_axes_std_mm belong together")
-        faces = [photograph.face for photograph in self.photographs]
-        if len(set(faces)) < len(faces):
-            raise ValueError(f"each face may be given once, found {', '.join(faces)}")
         return self
 
 
@@ -112,8 +130,8 @@ class Observation(_Table):
     load_N: Load  # noqa: N815 (the unit's own letter)
     image: str | None = None
     background: str | None = None
-    ppi: Annotated[float, Field(ge=20, le=1e5)] | None = None
-    mm_per_px: Annotated[float, Field(ge=1e-4, le=1)] | None = None
+    ppi: Ppi | None = None
+    mm_per_px: MmPerPx | None = None
     scale_relative_std: RelativeStd = 0.0
     finger_axis_deg: Finite = 0.0
     dark_on_light: bool | None = None
@@ -185,7 +203,9 @@ class Study(_Table):
             yield "observations_csv", self.observations_csv
         for i, finger in enumerate(self.fingers):
             for j, photograph in enumerate(finger.photographs):
-                yield f"fingers[{i}].photographs[{j}].outline", photograph.outline
+                for key, name in (("outline", photograph.outline), ("image", photograph.image)):
+                    if name is not None:
+                        yield f"fingers[{i}].photographs[{j}].{key}", name
         for i, row in enumerate(self.observations):
             for key, name in (("image", row.image), ("background", row.background)):
                 if name is not None:

@@ -9,8 +9,18 @@ import numpy as np
 
 from fingerpad._arrays import FloatArray
 from fingerpad.exceptions import FingerpadError
-from fingerpad.image import Imprint, Scale, measure_imprint, read_image, write_overlay
+from fingerpad.image import Imprint, measure_imprint, read_image, write_overlay
+from fingerpad.study.fingers import scale_of
 from fingerpad.study.manifest import Direction, Observation
+
+_FROM_RECORD = (
+    "gross_area_mm2",
+    "gross_area_mm2_std",
+    "ridge_area_mm2",
+    "ridge_area_mm2_std",
+    "ridge_period_mm",
+    "ellipse_iou",
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -82,7 +92,7 @@ def _measure_image(observation: Observation, folder: Path, out: Path) -> Measure
     pixels = read_image(folder / observation.image).pixels
     imprint = measure_imprint(
         pixels,
-        _scale(observation),
+        scale_of(observation),
         dark_on_light=observation.dark_on_light,
         background=None
         if observation.background is None
@@ -95,15 +105,9 @@ def _measure_image(observation: Observation, folder: Path, out: Path) -> Measure
     return _from_imprint(imprint, observation, overlay)
 
 
-def _scale(observation: Observation) -> Scale:
-    if observation.ppi is not None:
-        return Scale.of_ppi(observation.ppi, observation.ppi * observation.scale_relative_std)
-    assert observation.mm_per_px is not None  # the manifest's own rule
-    return Scale.of_mm_per_px(observation.mm_per_px, observation.mm_per_px * observation.scale_relative_std)
-
-
 def _from_imprint(imprint: Imprint, observation: Observation, overlay: Path) -> Measurement:
     major, minor = float(imprint.ellipse.semi_major), float(imprint.ellipse.semi_minor)
+    record = imprint.as_record()
     turn = np.degrees(imprint.orientation) - observation.finger_axis_deg
     orientation = float(90 - (90 - turn) % 180)
     return Measurement(
@@ -113,13 +117,8 @@ def _from_imprint(imprint: Imprint, observation: Observation, overlay: Path) -> 
         covariance=imprint.covariance[:2, :2],
         long_axis="along" if abs(orientation) <= 45 else "across",
         details={
+            **{name: record[name] for name in _FROM_RECORD},
             "orientation_deg": orientation,
-            "gross_area_mm2": imprint.gross_area,
-            "gross_area_mm2_std": imprint.gross_area_std,
-            "ridge_area_mm2": imprint.ridge_area,
-            "ridge_area_mm2_std": imprint.ridge_area_std,
-            "ridge_period_mm": imprint.ridge_period,
-            "ellipse_overlap": imprint.overlap,
             "centroid_row_px": imprint.centroid[0],
             "centroid_column_px": imprint.centroid[1],
         },

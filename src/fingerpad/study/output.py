@@ -48,6 +48,9 @@ def summary_record(result: StudyResult) -> dict[str, Any]:
                 "distal_mm": finger.semi_axes[1],
                 "radial_ulnar_mm": finger.semi_axes[2],
                 "covariance_mm2": finger.covariance,
+                "chi_square": finger.outlines and finger.outlines.chi_square,
+                "degrees_of_freedom": finger.outlines and finger.outlines.degrees_of_freedom,
+                "p_value": finger.outlines and finger.outlines.p_value,
                 "reason": finger.reason,
             }
             for finger in result.fingers.values()

@@ -104,7 +104,7 @@ def run_study(
     make_folder(out)
     _remove_earlier_pictures(out)
     origin = provenance(folder, inputs)
-    fingers = {finger.name: finger_result(finger, folder) for finger in study.fingers}
+    fingers = {finger.name: finger_result(finger, folder, out) for finger in study.fingers}
     on_start(len(study.observations))
     measurements = {}
     for measurement in measure_all(study.observations, folder, out, workers=workers):

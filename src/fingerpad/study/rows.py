@@ -26,6 +26,7 @@ SAME_SHAPE: Final = 0.1
 NOT_POOLED: Final = frozenset(("touches_border", "cut_by_mask", "scale_doubtful"))
 
 RANGE_NOTES: Final = {
+    "faces_disagree": "the finger's photographs disagree about its semi-axes (p < 0.01)",
     "implausible_size": "a semi-axis of the pad lies outside 2–40 mm: check the units",
     "implausible_modulus": "Young's modulus lies outside 1–5000 kPa: check load and scale",
     "deeper_than_pad": "the indentation exceeds the palmar semi-axis: check load, scale and units",
@@ -63,7 +64,7 @@ COLUMNS: Final[Mapping[str, str]] = {
     "ridge_area_mm2": "area of the ridges in contact",
     "ridge_area_mm2_std": "its standard uncertainty",
     "ridge_period_mm": "median distance between ridges",
-    "ellipse_overlap": "intersection over union of ellipse and contact region",
+    "ellipse_iou": "intersection over union of ellipse and contact region",
     "centroid_row_px": "row of the contact's centroid",
     "centroid_column_px": "column of the contact's centroid",
     "u_deg": "parametric angle u of the place of contact",
@@ -283,6 +284,8 @@ def _side(elongation: float) -> str | None:
 
 def _range_notes(row: Row, finger: FingerResult, measured: Measurement) -> Sequence[str]:
     notes = []
+    if finger.outlines is not None and finger.outlines.p_value < 0.01:
+        notes.append("faces_disagree")
     if not ((finger.semi_axes >= 2) & (finger.semi_axes <= 40)).all():
         notes.append("implausible_size")
     if not 1 <= row["youngs_modulus_kpa"] <= 5000:

@@ -1,0 +1,262 @@
+"""The part of a finger's outline that is pad: the longest arc round its middle that one ellipse fits."""
+
+import math
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from fingerpad._arrays import BoolArray, FloatArray
+from fingerpad.exceptions import FitError
+from fingerpad.image._distance import distances
+from fingerpad.image._face_frame import PAD_MIDDLE, PAD_REACH
+from fingerpad.image.outline import Face
+from fingerpad.image.outline_fit import OutlineFit, fit_outline_ellipse, parametric_angles
+
+IndexArray: TypeAlias = npt.NDArray[np.intp]
+
+_HYPOTHESES = 500
+_SPARSE = 240
+_BLOCKS = 72
+_LEAST_BLOCKS = 22
+# A block may be this many squared deviations off, on average, and still be worth having.
+_WORTH = 2.0
+_END_MARGIN = 0.04
+_SLACKS = (1.0, 2.0, 4.0, 8.0, 16.0)
+_GOOD_ENOUGH = 0.02
+_LEAST_POINTS = 24
+_REJECTION = 4.0
+_AXIS_RATIOS = (0.3, 3.0)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class PadArc:
+    """The arc of the pad and its ellipse.
+
+    Attributes
+    ----------
+    fit : OutlineFit
+        The ellipse of the points used.
+    used, rejected : ndarray of int
+        Indices into the outline, in order along it.
+    """
+
+    fit: OutlineFit
+    used: IndexArray
+    rejected: IndexArray
+
+
+def candidate_points(points: FloatArray, face: Face) -> IndexArray:
+    """Return the indices of the outline's points that can be pad, in order along it.
+
+    Parameters
+    ----------
+    points : ndarray, (n, 2)
+        Outline in the face's frame, px, in order.
+    face : Face
+        The face.
+    """
+    guess = _guess(points, face)
+    off = (parametric_angles(points, guess) - PAD_MIDDLE[face] + math.pi) % (2 * math.pi) - math.pi
+    inside = np.abs(off) < PAD_REACH[face]
+    # Turned so that the outline begins outside, and the run that holds the middle is one piece.
+    start = int(np.argmin(inside)) if not inside.all() else 0
+    order = np.roll(np.arange(len(points)), -start)
+    middle = int(np.argmin(np.abs(off[order])))
+    breaks = np.flatnonzero(~inside[order])
+    first = breaks[breaks < middle].max(initial=-1) + 1
+    last = breaks[breaks > middle].min(initial=len(order))
+    return order[first:last]
+
+
+def _guess(points: FloatArray, face: Face) -> FloatArray:
+    """Return a rough ellipse (x, y, semi_x, semi_y, lean) from the outline's extent near the pad's end."""
+    end = points[:, 1].max()
+    height = np.ptp(points[:, 1]) if face == "distal" else np.ptp(points[:, 0])
+    for _ in range(4):
+        near = points[points[:, 1] > end - height]
+        width = np.ptp(near[:, 0])
+        height = 0.6 * np.ptp(points[:, 1]) if face == "distal" else 1.1 * width
+    if face in ("palmar", "distal"):
+        along = 0.58 * width if face == "palmar" else height
+        middle = (near[:, 0].max() + near[:, 0].min()) / 2
+        return np.array([middle, end - along, width / 2, along, 0.0])
+    return np.array([near[:, 0].max() - 0.6 * width, end - 0.95 * width, 0.6 * width, 0.95 * width, 0.0])
+
+
+def longest_arc(points: FloatArray, order: IndexArray, middle: float, lean: tuple[float, float]) -> PadArc:
+    """Find the longest arc through the middle of the candidates that one ellipse fits, and fit it.
+
+    Parameters
+    ----------
+    points : ndarray, (n, 2)
+        Outline in the face's frame, px.
+    order : ndarray of int
+        Candidates in order along the outline.
+    middle : float
+        Parametric angle of the pad's middle, radians.
+    lean : (float, float)
+        Lean of the finger's axis and its standard uncertainty, radians.
+    """
+    track = points[order]
+    start = _consensus(track, lean)
+    arcs: list[tuple[float, PadArc]] = []
+    # A finger is no perfect ellipse: where the noise alone allows but a short arc, more is let pass.
+    for slack in _SLACKS:
+        values = start
+        try:
+            for _ in range(3):
+                first, last = _longest_window(track, values, middle, lean, slack)
+                trim = round(_END_MARGIN * (last - first))
+                arc = fitted_arc(points, order[first + trim : last - trim], lean, start=values)
+                values = arc.fit.values
+        except FitError:
+            continue
+        doubt = float((np.sqrt(np.diagonal(arc.fit.covariance))[2:4] / values[2:4]).max())
+        if doubt < _GOOD_ENOUGH:
+            return arc
+        arcs.append((doubt, arc))
+    if not arcs:
+        raise FitError(
+            "no arc of the outline near the pad is elliptic: check face, tip and palmar, "
+            "or mark points on the pad"
+        )
+    return min(arcs, key=lambda pair: pair[0])[1]
+
+
+def fitted_arc(
+    points: FloatArray, order: IndexArray, lean: tuple[float, float], start: FloatArray | None = None
+) -> PadArc:
+    """Fit an ellipse to all of an arc but the points that stand out from it."""
+    track = points[order]
+    if len(track) < _LEAST_POINTS:
+        raise FitError(f"only {len(track)} points of the outline were found on the arc: give a longer arc")
+    values = _consensus(track, lean) if start is None else start
+    good = _standing(distances(values, track)[0])
+    for _ in range(3):
+        fit = fit_outline_ellipse(
+            track[good], lean=lean[0], lean_std=lean[1], places=np.flatnonzero(good), start=values
+        )
+        values, before = fit.values, good
+        good = _standing(distances(values, track)[0])
+        if good.sum() < _LEAST_POINTS or (good == before).all():
+            break
+    return PadArc(fit=fit, used=order[before], rejected=order[~before])
+
+
+def _standing(off: FloatArray) -> BoolArray:
+    """Return which points belong: not many robust deviations off, nor next to one that is."""
+    centre = np.median(off)
+    spread = 1.4826 * float(np.median(np.abs(off - centre))) + 0.02
+    far = np.abs(off) > _REJECTION * spread
+    wide = np.convolve(far, np.ones(7), mode="same") > 0
+    return np.asarray(~wide if (~wide).sum() >= _LEAST_POINTS else ~far, dtype=bool)
+
+
+def _consensus(track: FloatArray, lean: tuple[float, float]) -> FloatArray:
+    """Return the ellipse through five points that most of a track agrees with (MSAC, seeded)."""
+    sparse = track[np.linspace(0, len(track) - 1, min(_SPARSE, len(track))).astype(int)]
+    shift, size = sparse.mean(axis=0), float(np.sqrt(np.mean((sparse - sparse.mean(axis=0)) ** 2)))
+    local = (sparse - shift) / size
+    rng = np.random.default_rng(0)
+    count = len(local)
+    length = rng.uniform(0.35, 1.0, _HYPOTHESES) * (count - 1)
+    begin = rng.uniform(0, 1, _HYPOTHESES) * (count - 1 - length)
+    jitter = rng.uniform(-0.09, 0.09, (_HYPOTHESES, 5)) + np.array([0.1, 0.3, 0.5, 0.7, 0.9])
+    chosen = np.rint(begin[:, None] + jitter * length[:, None]).astype(int)
+    x, y = np.moveaxis(local[chosen], -1, 0)
+    conics = np.linalg.svd(np.stack([x * x, x * y, y * y, x, y, np.ones_like(x)], axis=-1))[2][:, -1]
+    conics = conics[_plausible(conics, lean)]
+    if not len(conics):
+        raise FitError(
+            "no ellipse fits the outline near the pad: check face, tip and palmar, or mark points on the pad"
+        )
+    tolerance = max(0.8, 0.004 * size) / size
+    scores = np.minimum((_sampson(conics, local) / tolerance) ** 2, 1).sum(axis=1)
+    a, b, c, d, e, f = conics[scores.argmin()]
+    centre, axes, angle = _ellipse_of(np.array([[a, b, c, d, e, f]]))
+    return np.array([*(centre[0] * size + shift), *(axes[0] * size), angle[0]])
+
+
+def _plausible(conics: FloatArray, lean: tuple[float, float]) -> BoolArray:
+    """Return which conics are ellipses about as upright and as long as a finger pad's."""
+    with np.errstate(all="ignore"):
+        centre, axes, angle = _ellipse_of(conics)
+        ratio = axes[:, 1] / axes[:, 0]
+        # The rounder, the less is known of the direction.
+        turn = np.abs(angle - lean[0]) * np.minimum(1, 4 * np.abs(np.log(ratio)))
+        good = np.isfinite(axes).all(axis=1) & (ratio > _AXIS_RATIOS[0]) & (ratio < _AXIS_RATIOS[1])
+        good &= (axes.max(axis=1) < 12) & (turn < max(math.radians(8), 3 * lean[1]))
+    return np.asarray(good & np.isfinite(centre).all(axis=1), dtype=bool)
+
+
+def _ellipse_of(conics: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return centres, semi-axes (nearest to x, to y) and angle of x's axis of conics; NaN where none."""
+    a, b, c, d, e, f = conics.T
+    with np.errstate(all="ignore"):
+        discriminant = 4 * a * c - b * b
+        x, y = (b * e - 2 * c * d) / discriminant, (b * d - 2 * a * e) / discriminant
+        level = -(f + (d * x + e * y) / 2)
+        # The turn that takes the mixed term away, within 45° of x.
+        angle = 0.5 * np.arctan(b / (a - c))
+        cosine, sine = np.cos(angle), np.sin(angle)
+        along_x = a * cosine**2 + b * cosine * sine + c * sine**2
+        along_y = a * sine**2 - b * cosine * sine + c * cosine**2
+        axes = np.sqrt(np.stack([level / along_x, level / along_y], axis=-1))
+        axes[~(discriminant > 0)] = np.nan
+    return np.stack([x, y], axis=-1), axes, angle
+
+
+def _sampson(conics: FloatArray, points: FloatArray) -> FloatArray:
+    """Return the first-order distance of each point from each conic, (conics, points)."""
+    x, y = points.T
+    a, b, c, d, e, f = (column[:, None] for column in conics.T)
+    value = a * x * x + b * x * y + c * y * y + d * x + e * y + f
+    slope = np.hypot(2 * a * x + b * y + d, b * x + 2 * c * y + e)
+    return np.asarray(np.abs(value) / np.maximum(slope, 1e-12), dtype=np.float64)
+
+
+def _longest_window(
+    track: FloatArray, values: FloatArray, middle: float, lean: tuple[float, float], slack: float
+) -> tuple[int, int]:
+    """Return the first and last index of the arc whose blocks one ellipse fits for the price they are worth.
+
+    About the ellipse so far the fit is linear, and running sums of its normal equations give every window.
+    """
+    edges = np.linspace(0, len(track), min(_BLOCKS, len(track) // 4) + 1).astype(int)
+    off, slopes = distances(values, track)
+    blocks = list(pairwise(edges))
+    r = np.array([np.median(off[i:j]) for i, j in blocks])
+    rows = np.array([slopes[i:j].mean(axis=0) for i, j in blocks])
+    deviation = 1.4826 * float(np.median(np.abs(r[2:] - 2 * r[1:-1] + r[:-2]))) / math.sqrt(6) + 0.03
+    deviation *= slack
+    # Hairs and dust: blocks that stand out by far are neither fitted nor counted.
+    level = float(np.median(np.abs(r)))
+    keep = np.abs(r) < max(8 * level, 10 * deviation, 1.0)
+    z, rows = np.where(keep, r / deviation, 0.0), np.where(keep[:, None], rows / deviation, 0.0)
+    run = [
+        np.concatenate([np.zeros_like(part[:1]), np.cumsum(part, axis=0)])
+        for part in (
+            rows[:, :, None] * rows[:, None, :],
+            rows * z[:, None],
+            z * z,
+            keep.astype(float),
+        )
+    ]
+    turns = np.abs((parametric_angles(track, values) - middle + math.pi) % (2 * math.pi) - math.pi)
+    pivot = int(np.searchsorted(edges, np.argmin(turns), side="right")) - 1
+    starts, ends = np.meshgrid(np.arange(0, pivot + 1), np.arange(pivot + 1, len(r) + 1), indexing="ij")
+    wide = ends - starts >= min(_LEAST_BLOCKS, len(r))
+    starts, ends = starts[wide], ends[wide]
+    normal, side, square, count = (part[ends] - part[starts] for part in run)
+    normal[:, 4, 4] += 1 / lean[1] ** 2
+    side[:, 4] += (values[4] - lean[0]) / lean[1] ** 2
+    scale = 1 / np.sqrt(np.einsum("nii->ni", normal) + 1e-12)
+    scaled = normal * scale[:, :, None] * scale[:, None, :] + 1e-10 * np.eye(5)
+    side = side * scale
+    gain = np.einsum("ni,ni->n", side, np.linalg.solve(scaled, side[..., None])[..., 0])
+    score = _WORTH * count - 0.5 * _WORTH * (ends - starts - count) - (square - gain)
+    best = int(np.argmax(score))
+    return int(edges[starts[best]]), int(edges[ends[best]])

@@ -1,0 +1,195 @@
+"""Edges located to a fraction of a pixel along the normals of a rough contour."""
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+from scipy.ndimage import gaussian_filter1d
+from scipy.special import ndtr
+
+from fingerpad._arrays import BoolArray, FloatArray
+
+# Samples per pixel along a normal, and blurs (standard deviation, px) that are tried.
+_DENSITY = 2
+_BLURS = np.geomspace(0.5, 6.0, 13)
+# Places tried along a normal, px apart.
+_TRY = 0.25
+_LEAST_STEP_RATIO = 3.0
+_ALONG_PX = 1.5
+_LEAST_VARIANCE = 1e-6
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Edges:
+    """Points of an outline, evenly spaced.
+
+    Attributes
+    ----------
+    points : ndarray, (n, 2)
+        (row, column), px, in order.
+    found : ndarray of bool, (n,)
+        Whether the edge was found there; where not, the point is the rough contour's.
+    blur : float
+        Standard deviation of the edges' blur, px.
+    step_ratio : ndarray, (n,)
+        Step across the edge over what is left of the profile beside its model, both in light.
+    spacing : float
+        Distance of neighbours, px.
+    closed : bool
+        Whether the last point is next to the first.
+    """
+
+    points: FloatArray
+    found: BoolArray
+    blur: float
+    step_ratio: FloatArray
+    spacing: float
+    closed: bool
+
+
+def locate_edges(
+    light: npt.NDArray[np.float32], contour: FloatArray, *, reach: float, spacing: float = 1.0
+) -> Edges:
+    """Locate the edge near each point of a rough contour.
+
+    The profile along each normal is, in each channel, a blurred edge between a backdrop that changes evenly
+    and a rounded body that brightens as the square root of the depth from its limb. Position by least squares
+    over all channels, the blur common to all points.
+
+    Parameters
+    ----------
+    light : ndarray, (rows, columns, channels)
+        Light, see `opponent_light`.
+    contour : ndarray, (n, 2)
+        (row, column), px, in order, closed if its ends meet.
+    reach : float
+        How far the contour can be off, px.
+    spacing : float
+        Distance of the points, px.
+    """
+    closed = bool(np.linalg.norm(contour[0] - contour[-1]) < 3 * np.linalg.norm(contour[1] - contour[0]) + 2)
+    points, normals = _resampled(contour, spacing, closed=closed)
+    half = reach + 7.0
+    offsets = np.arange(-half, half + 0.5 / _DENSITY, 1 / _DENSITY)
+    profiles = _profiles(light, points, normals, offsets, spacing, closed=closed)
+    blurs, weights = _sharpness(profiles[:: max(1, len(profiles) // 150)], offsets, reach)
+    places, ratio = _fitted(profiles, offsets, blurs, weights, reach)
+    found = np.isfinite(places) & (ratio > _LEAST_STEP_RATIO)
+    moved = points + np.where(found, places, 0.0)[:, None] * normals
+    return Edges(
+        points=moved, found=found, blur=float(blurs[0]), step_ratio=ratio, spacing=spacing, closed=closed
+    )
+
+
+def _resampled(contour: FloatArray, spacing: float, *, closed: bool) -> tuple[FloatArray, FloatArray]:
+    """Return evenly spaced points of a contour and its outward unit normals."""
+    path = np.concatenate([contour, contour[:1]]) if closed else contour
+    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))])
+    count = max(8, round(along[-1] / spacing))
+    places = np.linspace(0, along[-1], count, endpoint=not closed)
+    points = np.stack([np.interp(places, along, path[:, k]) for k in (0, 1)], axis=-1)
+    if closed:
+        tangent = np.roll(points, -1, axis=0) - np.roll(points, 1, axis=0)
+    else:
+        tangent = np.gradient(points, axis=0)
+    tangent /= np.maximum(np.linalg.norm(tangent, axis=1, keepdims=True), 1e-12)
+    row, column = points.T
+    area = float(np.sum(row * np.roll(column, -1) - column * np.roll(row, -1)))
+    normals = np.stack([tangent[:, 1], -tangent[:, 0]], axis=-1) * math.copysign(1.0, area)
+    return points, normals
+
+
+def _profiles(
+    light: npt.NDArray[np.float32],
+    points: FloatArray,
+    normals: FloatArray,
+    offsets: FloatArray,
+    spacing: float,
+    *,
+    closed: bool,
+) -> FloatArray:
+    """Return the colour along each normal, (n, offsets, channels)."""
+    spots = (points[:, None] + offsets[None, :, None] * normals[:, None]).astype(np.float32)
+    samples = np.stack(
+        [
+            cv2.remap(
+                np.ascontiguousarray(light[..., k]),
+                spots[..., 1],
+                spots[..., 0],
+                cv2.INTER_LINEAR,
+                borderMode=cv2.BORDER_REPLICATE,
+            )
+            for k in range(light.shape[2])
+        ],
+        axis=-1,
+    ).astype(np.float64)
+    # The outline is smooth over a few pixels: neighbours share their noise.
+    mode: Literal["wrap", "nearest"] = "wrap" if closed else "nearest"
+    return np.asarray(gaussian_filter1d(samples, _ALONG_PX / spacing, axis=0, mode=mode), dtype=np.float64)
+
+
+def _sharpness(profiles: FloatArray, offsets: FloatArray, reach: float) -> tuple[FloatArray, FloatArray]:
+    """Return each channel's blur and weight, one over the variance that its own best model leaves."""
+    blurs, weights = np.empty(profiles.shape[2]), np.empty(profiles.shape[2])
+    freedom = len(offsets) - 5
+    for k in range(profiles.shape[2]):
+        own = profiles[..., k : k + 1]
+        left = [np.mean(_left(own, offsets, blur, reach)[0].min(axis=0)) for blur in _BLURS]
+        blurs[k] = _BLURS[int(np.argmin(left))]
+        # Rounding to 256 levels is the least noise there is.
+        weights[k] = 1 / (min(left) / freedom + _LEAST_VARIANCE)
+    return blurs, weights
+
+
+def _left(
+    profiles: FloatArray, offsets: FloatArray, blur: float, reach: float
+) -> tuple[FloatArray, FloatArray]:
+    """Return the squares that the model leaves with the edge at each place tried, and its squared step."""
+    tries = _tries(reach)
+    left = np.empty((len(tries), len(profiles)))
+    steps = np.empty_like(left)
+    total = np.einsum("nok,nok->n", profiles, profiles)
+    for k, place in enumerate(tries):
+        basis, triangle = np.linalg.qr(_model(place - offsets, offsets, blur))
+        parts = np.swapaxes(profiles, 1, 2) @ basis
+        left[k] = total - np.einsum("nkj,nkj->n", parts, parts)
+        # What the model says just inside and just outside.
+        across = np.array([1, math.sqrt(2 * blur + 1), -1, -place]) @ np.linalg.inv(triangle)
+        steps[k] = np.sum((parts @ across) ** 2, axis=1)
+    return left, steps
+
+
+def _tries(reach: float) -> FloatArray:
+    return np.arange(-reach, reach + _TRY / 2, _TRY)
+
+
+def _fitted(
+    profiles: FloatArray, offsets: FloatArray, blurs: FloatArray, weights: FloatArray, reach: float
+) -> tuple[FloatArray, FloatArray]:
+    """Return each profile's edge, NaN at the end of the reach, and its step over what its model leaves."""
+    each = [_left(profiles[..., k : k + 1], offsets, blur, reach) for k, blur in enumerate(blurs)]
+    left = np.sum([weight * squares for weight, (squares, _) in zip(weights, each, strict=True)], axis=0)
+    steps = np.sum([weight * step for weight, (_, step) in zip(weights, each, strict=True)], axis=0)
+    tries = _tries(reach)
+    best = np.clip(left.argmin(axis=0), 1, len(tries) - 2)
+    which = np.arange(len(profiles))
+    before, here, after = left[best - 1, which], left[best, which], left[best + 1, which]
+    bend = before - 2 * here + after
+    with np.errstate(divide="ignore", invalid="ignore"):
+        shift = np.where(bend > 0, 0.5 * (before - after) / bend, np.nan)
+        places = np.where(np.abs(shift) <= 1, tries[best] + shift * _TRY, np.nan)
+        freedom = profiles.shape[2] * (len(offsets) - 4) - 1
+        ratio = np.sqrt(steps[best, which] / np.maximum(here / freedom, 1e-12))
+    return places, ratio
+
+
+def _model(depths: FloatArray, offsets: FloatArray, blur: float) -> FloatArray:
+    """Return the terms of an edge's profile: skin, its limb's brightening, backdrop, backdrop's slope."""
+    skin = ndtr(depths / blur)
+    fine = np.linspace(-4, 4, 41)
+    weights = np.exp(-0.5 * fine**2)
+    limb = np.sqrt(np.maximum(depths[:, None] + blur * fine, 0)) @ (weights / weights.sum())
+    return np.stack([skin, limb, 1 - skin, offsets * (1 - skin)], axis=-1)

@@ -1,0 +1,207 @@
+"""The finger's silhouette before a plain backdrop, in whole pixels of a reduced copy of the photograph."""
+
+import math
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from fingerpad._arrays import BoolArray, FloatArray
+from fingerpad.exceptions import ImageError
+from fingerpad.image._face_frame import STEPS, Direction
+
+_SIDE_PX = 900
+_LEAST_SIDE_PX = 32
+# Distances are counted in standard deviations of the backdrop.
+_LEAST_DISTANCE = 5.0
+_SHARE_OF_CONTRAST = 0.3
+_LEAST_AREA_SHARE = 0.004
+_MOST_AREA_SHARE = 0.92
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Silhouette:
+    """A finger set apart from its backdrop.
+
+    Attributes
+    ----------
+    mask : ndarray of bool
+        The finger, in the reduced copy.
+    reduction : float
+        Pixels of the photograph per pixel of the copy.
+    noise : ndarray, (channels, channels)
+        Covariance of the backdrop's colour in the copy, linear light.
+    contrast : float
+        Distance of the finger's colour from the backdrop's, in the backdrop's standard deviations.
+    """
+
+    mask: BoolArray
+    reduction: float
+    noise: FloatArray
+    contrast: float
+
+    def contour(self) -> FloatArray:
+        """Return its outline, (row, column) in px of the photograph, in order, without the frame."""
+        contours, _ = cv2.findContours(self.mask.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+        longest = max(contours, key=len)[:, 0, ::-1].astype(np.float64)
+        rows, columns = self.mask.shape
+        framed = (longest.min(axis=1) <= 1) | (longest[:, 0] >= rows - 2) | (longest[:, 1] >= columns - 2)
+        if framed.all():
+            return np.empty((0, 2))
+        if framed.any():
+            # The longest stretch between two meetings with the frame.
+            turned = np.roll(longest, -int(np.argmax(framed)), axis=0)
+            cuts = np.flatnonzero(np.roll(framed, -int(np.argmax(framed))))
+            stretches = np.diff(np.append(cuts, len(turned)))
+            k = int(np.argmax(stretches))
+            longest = turned[cuts[k] + 1 : cuts[k] + stretches[k]]
+            # The contour of a mask runs along its pixels' middles, half a pixel inside.
+        smooth = _smoothed(longest, closed=not framed.any())
+        return (smooth + 0.5) * self.reduction - 0.5
+
+    def cut_sides(self) -> dict[Direction, tuple[float, float]]:
+        """Return the sides of the frame that cut the finger, with the ends of the cut, px."""
+        edges: dict[Direction, BoolArray] = {
+            "up": np.atleast_1d(self.mask[:2].any(axis=0)),
+            "down": np.atleast_1d(self.mask[-2:].any(axis=0)),
+            "left": np.atleast_1d(self.mask[:, :2].any(axis=1)),
+            "right": np.atleast_1d(self.mask[:, -2:].any(axis=1)),
+        }
+        places = {side: np.flatnonzero(edge) * self.reduction for side, edge in edges.items()}
+        return {
+            side: (float(place.min()), float(place.max())) for side, place in places.items() if place.size > 2
+        }
+
+
+def find_silhouette(
+    light: npt.NDArray[np.float32], root: Direction | None, window: tuple[slice, slice] | None
+) -> Silhouette:
+    """Set the finger apart from the backdrop whose colour is that of the frame's border.
+
+    Parameters
+    ----------
+    light : ndarray, (rows, columns, channels)
+        Linear light.
+    root : Direction or None
+        Side of the frame through which the finger comes in, None when it is seen end on.
+    window : (slice, slice) or None
+        Where the finger that is meant lies, if it need not be the largest.
+
+    Raises
+    ------
+    ImageError
+        If the backdrop is not plain or nothing stands out from it.
+    """
+    reduction = max(1.0, max(light.shape[:2]) / _SIDE_PX)
+    rows, columns = (max(1, round(side / reduction)) for side in light.shape[:2])
+    if min(rows, columns) < _LEAST_SIDE_PX:
+        raise ImageError(
+            f"a photograph of {light.shape[0]} × {light.shape[1]} pixels is too small: "
+            f"{_LEAST_SIDE_PX} px a side are the least"
+        )
+    small = np.asarray(cv2.resize(light, (columns, rows), interpolation=cv2.INTER_AREA), dtype=np.float32)
+    small = np.asarray(cv2.GaussianBlur(small, (0, 0), 1.2), dtype=np.float32).reshape(rows, columns, -1)
+    off, noise = _off_backdrop(small, root)
+    distance = np.sqrt(np.einsum("...i,ij,...j->...", off, np.linalg.inv(noise), off))
+    mask, contrast = _finger(distance)
+    near = tuple(
+        slice(int(part.start / reduction), math.ceil(part.stop / reduction))
+        for part in window or (slice(0, light.shape[0]), slice(0, light.shape[1]))
+    )
+    return Silhouette(
+        mask=_component(mask, (near[0], near[1])), reduction=reduction, noise=noise, contrast=contrast
+    )
+
+
+def _off_backdrop(small: npt.NDArray[np.float32], root: Direction | None) -> tuple[FloatArray, FloatArray]:
+    """Return what each pixel has beyond the backdrop, a smooth surface through the border, and its noise."""
+    rows, columns = small.shape[:2]
+    band = max(3, round(0.025 * min(rows, columns)))
+    border = np.ones((rows, columns), dtype=bool)
+    border[band:-band, band:-band] = False
+    if root is not None:
+        step = STEPS[root]
+        cut = np.arange(rows)[:, None] * step[0] + np.arange(columns)[None, :] * step[1]
+        border &= cut < cut.max() - 2 * band
+    y, x = np.meshgrid(np.linspace(-1, 1, rows), np.linspace(-1, 1, columns), indexing="ij")
+    terms = np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=-1)
+    design, colours = terms[border], small[border].astype(np.float64)
+    good = _nearest_half(colours)
+    floor = np.eye(colours.shape[1]) * 1e-6
+    for order in (1, 3, 3, 6, 6, 6):
+        factors = np.linalg.lstsq(design[good, :order], colours[good], rcond=None)[0]
+        left = colours - design[:, :order] @ factors
+        noise = left[good].T @ left[good] / good.sum() + floor
+        far = np.sqrt(np.einsum("ni,ij,nj->n", left, np.linalg.inv(noise), left))
+        good = far < max(4.0, 2 * float(np.median(far[good])))
+    if good.mean() < 0.4:
+        raise ImageError(
+            f"only {good.mean():.0%} of the frame's border shows one backdrop: "
+            "photograph the finger before a plain ground, and leave a margin round the pad"
+        )
+    return small - terms @ factors, noise
+
+
+def _nearest_half(colours: FloatArray) -> BoolArray:
+    """Return which colours lie nearest to the commonest one."""
+    far = np.abs(colours - np.median(colours, axis=0)).sum(axis=1)
+    for _ in range(5):
+        near = far <= np.quantile(far, 0.6)
+        far = np.abs(colours - colours[near].mean(axis=0)).sum(axis=1)
+    return np.asarray(far <= np.quantile(far, 0.6), dtype=bool)
+
+
+def _finger(distance: FloatArray) -> tuple[BoolArray, float]:
+    """Return what stands out from the backdrop, and by how much."""
+    level = np.clip(np.log1p(distance) * 40, 0, 255).astype(np.uint8)
+    otsu, _ = cv2.threshold(level, 0, 255, cv2.THRESH_BINARY + cv2.THRESH_OTSU)
+    out = distance > max(_LEAST_DISTANCE, math.expm1(otsu / 40))
+    if out.mean() < _LEAST_AREA_SHARE:
+        raise ImageError(
+            f"no finger found, {out.mean():.1%} of the photograph stands out from the backdrop: "
+            "choose a backdrop of another colour than the skin, or come nearer"
+        )
+    contrast = float(np.median(distance[out]))
+    mask = distance > max(_LEAST_DISTANCE, _SHARE_OF_CONTRAST * contrast)
+    if mask.mean() > _MOST_AREA_SHARE:
+        raise ImageError(f"{mask.mean():.0%} of the photograph would be finger: leave a margin of backdrop")
+    return np.asarray(mask, dtype=bool), contrast
+
+
+def _component(mask: BoolArray, window: tuple[slice, slice]) -> BoolArray:
+    """Return the region that fills most of the window, without holes."""
+    size = max(3, round(0.006 * max(mask.shape)) | 1)
+    kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (size, size))
+    padded = cv2.copyMakeBorder(mask.astype(np.uint8), size, size, size, size, cv2.BORDER_REPLICATE)
+    opened = cv2.morphologyEx(cv2.morphologyEx(padded, cv2.MORPH_CLOSE, kernel), cv2.MORPH_OPEN, kernel)
+    _, labels = cv2.connectedComponents(opened[size:-size, size:-size])
+    counts = np.bincount(labels[window].ravel(), minlength=labels.max() + 1)
+    counts[0] = 0
+    if counts.max() < _LEAST_AREA_SHARE * mask.size / 4:
+        raise ImageError(
+            "no finger found where it was looked for: move region_of_interest, or leave it out"
+            if counts.max() < np.bincount(labels.ravel())[1:].max(initial=0)
+            else "no finger found, only specks stand out from the backdrop: come nearer"
+        )
+    region = (labels == counts.argmax()).astype(np.uint8)
+    contours, _ = cv2.findContours(region, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+    filled = cv2.drawContours(np.zeros_like(region), contours, -1, 1, cv2.FILLED)
+    return np.asarray(filled > 0, dtype=bool)
+
+
+def _smoothed(points: FloatArray, *, closed: bool, sigma: float = 3.0) -> FloatArray:
+    """Return a pixel contour without its stairs."""
+    reach = math.ceil(4 * sigma)
+    weights = np.exp(-0.5 * (np.arange(-reach, reach + 1) / sigma) ** 2)
+    weights /= weights.sum()
+    if len(points) < 2 * reach:
+        return points
+    if closed:
+        padded = np.concatenate([points[-reach:], points, points[:reach]])
+    else:
+        # Mirrored through the ends, so that they stay in place.
+        padded = np.concatenate(
+            [2 * points[0] - points[reach:0:-1], points, 2 * points[-1] - points[-2 : -reach - 2 : -1]]
+        )
+    return np.stack([np.convolve(padded[:, k], weights, mode="valid") for k in (0, 1)], axis=-1)

@@ -1,0 +1,238 @@
+"""Ellipses fitted to ordered points of an outline, whose errors run together along it.
+
+Neighbouring points of a located edge share the skin's texture, the picture's noise and whatever the finger
+has that an ellipse has not. Taken as independent they would promise far too much: here their correlation
+length is estimated from the residuals, and the covariance widened by it.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+from scipy.optimize import least_squares
+from scipy.stats import t as student
+
+from fingerpad._arrays import ArrayLike, FloatArray, floats
+from fingerpad.exceptions import FitError
+from fingerpad.image._distance import Parameters, distances
+from fingerpad.image.ellipse_fit import fit_aligned_ellipse
+
+_ROUNDS = 3
+# The window of the autocovariance's sum, in correlation lengths (Sokal 1997, section 3).
+_WINDOW = 5.0
+_LEAST_FREEDOM = 3.0
+_TWO_SIDED_95 = 1.959964
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class OutlineFit:
+    """An ellipse that leans a little against x and y, fitted to ordered points.
+
+    Attributes
+    ----------
+    centre : ndarray, (2,)
+        (x, y), in the unit of the points.
+    semi_x, semi_y : float
+        Semi-axes along x and y before the lean, never sorted.
+    lean : float
+        Turn from x towards y, radians.
+    covariance : ndarray, (5, 5)
+        Of (x, y, semi_x, semi_y, lean), correlated errors allowed for.
+    residuals : ndarray, (n,)
+        Signed orthogonal distances, outwards positive.
+    angles : ndarray, (n,)
+        Parametric angle of each point's foot, radians.
+    residual_std : float
+        Their standard deviation.
+    correlation : float
+        Number of neighbouring points that count as one.
+    influence : ndarray, (5, n)
+        How far each parameter moves when a point moves outwards by one.
+    """
+
+    centre: FloatArray
+    semi_x: float
+    semi_y: float
+    lean: float
+    covariance: FloatArray
+    residuals: FloatArray
+    angles: FloatArray
+    residual_std: float
+    correlation: float
+    influence: FloatArray
+
+    @property
+    def values(self) -> FloatArray:
+        """The parameters (x, y, semi_x, semi_y, lean)."""
+        return np.array([*self.centre, self.semi_x, self.semi_y, self.lean])
+
+    def shared_error_covariance(self, alike_std: float, smooth_std: float, reach: float) -> FloatArray:
+        """Return the covariance from errors that residuals cannot show, since an ellipse can follow them.
+
+        Parameters
+        ----------
+        alike_std : float
+            Standard deviation of an offset of all points alike, in the unit of the points.
+        smooth_std, reach : float
+            Standard deviation of an offset that changes slowly along the arc, and the parametric angle over
+            which it does (Gaussian correlation), radians.
+
+        Returns
+        -------
+        ndarray, (5, 5)
+        """
+        apart = (self.angles[:, None] - self.angles + math.pi) % (2 * math.pi) - math.pi
+        shared = alike_std**2 + smooth_std**2 * np.exp(-0.5 * (apart / reach) ** 2)
+        return np.asarray(self.influence @ shared @ self.influence.T, dtype=np.float64)
+
+
+def fit_outline_ellipse(
+    points: ArrayLike,
+    *,
+    lean: float = 0.0,
+    lean_std: float = math.radians(2),
+    places: ArrayLike | None = None,
+    start: ArrayLike | None = None,
+) -> OutlineFit:
+    """Fit the ellipse of least orthogonal distance to ordered, evenly spaced points of an outline.
+
+    Parameters
+    ----------
+    points : array_like, (n, 2)
+        (x, y) of at least eight points, in order along the outline, in any unit of length.
+    lean, lean_std : float
+        Turn of the finger's axis from x towards y as known beforehand, and its standard uncertainty, radians.
+        The fit weighs it against the points.
+    places : array_like of int, (n,), optional
+        Place of each point in the outline, rising, where some are left out.
+    start : array_like, (5,), optional
+        (x, y, semi_x, semi_y, lean) to start from; the least-squares conic if left out.
+
+    Returns
+    -------
+    OutlineFit
+
+    Raises
+    ------
+    FitError
+        If the points are too few, not finite, on a line, or do not determine an ellipse.
+
+    Examples
+    --------
+    >>> from fingerpad.image import outline_points
+    >>> fit = fit_outline_ellipse(outline_points(11.8, 13.8, count=200, arc=(0.5, 2.6), noise_std=0.01))
+    >>> round(fit.semi_x, 1), round(fit.semi_y, 1)
+    (11.8, 13.8)
+    """
+    points = floats(points)
+    if points.ndim != 2 or points.shape[1] != 2 or len(points) < 8 or not np.isfinite(points).all():
+        raise FitError(f"an outline needs at least eight finite points (x, y), found shape {points.shape}")
+    if not lean_std > 0:
+        raise FitError(
+            f"lean_std must be positive, found {lean_std}: give what is known of the finger's axis"
+        )
+    rows = np.asarray(np.arange(len(points)) if places is None else places, dtype=np.int64)
+    shift = points.mean(axis=0)
+    size = float(np.sqrt(np.mean((points - shift) ** 2)))
+    local = (points - shift) / size
+    values = _start(local, lean) if start is None else _scaled(floats(start), shift, size)
+    variance, correlation = 0.0, 1.0
+    for _ in range(_ROUNDS):
+        weight = math.sqrt(variance * correlation) / lean_std
+        values = _refined(local, values, lean, weight)
+        residuals = distances(values, local)[0]
+        variance, correlation = _noise(residuals, rows)
+    design = distances(values, local)[1]
+    information = design.T @ design / (variance * correlation)
+    information[4, 4] += 1 / lean_std**2
+    inverse = np.linalg.pinv(information, hermitian=True)
+    widening = _student_widening(len(points) / correlation - values.size)
+    unit = np.array([size, size, size, size, 1.0])
+    covariance = widening * inverse * np.outer(unit, unit)
+    return OutlineFit(
+        centre=values[:2] * size + shift,
+        semi_x=float(values[2] * size),
+        semi_y=float(values[3] * size),
+        lean=float(values[4]),
+        covariance=np.asarray(covariance, dtype=np.float64),
+        residuals=residuals * size,
+        angles=parametric_angles(local, values),
+        residual_std=float(np.std(residuals)) * size,
+        correlation=correlation,
+        # By convention a distance grows outwards and falls as the ellipse does.
+        influence=-inverse @ design.T / (variance * correlation) * (unit / size)[:, None],
+    )
+
+
+def parametric_angles(points: FloatArray, values: Parameters) -> FloatArray:
+    """Return the parametric angle of points seen from an ellipse's centre, radians in (−π, π]."""
+    turn = np.array([[math.cos(values[4]), -math.sin(values[4])], [math.sin(values[4]), math.cos(values[4])]])
+    local = (points - values[:2]) @ turn
+    return np.asarray(np.arctan2(local[:, 1] / values[3], local[:, 0] / values[2]), dtype=np.float64)
+
+
+def _start(points: FloatArray, lean: float) -> Parameters:
+    turn = np.array([[math.cos(lean), -math.sin(lean)], [math.sin(lean), math.cos(lean)]])
+    aligned = fit_aligned_ellipse(points @ turn)
+    return np.array([*(turn @ aligned.centre), aligned.semi_x, aligned.semi_y, lean])
+
+
+def _scaled(values: FloatArray, shift: FloatArray, size: float) -> Parameters:
+    return np.array([*((values[:2] - shift) / size), values[2] / size, values[3] / size, values[4]])
+
+
+def _refined(points: FloatArray, start: Parameters, lean: float, weight: float) -> Parameters:
+    """Minimise the orthogonal distances together with the distance from the lean known beforehand."""
+    prior = np.array([[0.0, 0.0, 0.0, 0.0, weight]])
+
+    def off(values: Parameters) -> FloatArray:
+        return np.append(distances(values, points)[0], weight * (values[4] - lean))
+
+    def slopes(values: Parameters) -> FloatArray:
+        return np.concatenate([distances(values, points)[1], prior])
+
+    result = least_squares(off, start, jac=slopes, xtol=1e-9, ftol=1e-9, gtol=1e-12, max_nfev=60)
+    values = np.asarray(result.x, dtype=np.float64)
+    values[2:4] = np.abs(values[2:4])
+    if not np.isfinite(values).all() or values[2:4].max() > 50 or values[2:4].min() < 0.02:
+        raise FitError("the points do not determine an ellipse: mark a longer arc of the outline")
+    return values
+
+
+def _noise(residuals: FloatArray, places: npt.NDArray[np.int64]) -> tuple[float, float]:
+    """Return the variance of single points and the number of neighbours that count as one.
+
+    The integrated autocorrelation 1 + 2 Σ ρ_k, summed as far as it is noise itself. The fit has taken five
+    degrees of freedom from the residuals, each worth one correlation length: they are given back.
+    """
+    span = int(places[-1] - places[0]) + 1
+    filled, present = np.zeros(span), np.zeros(span)
+    filled[places - places[0]] = residuals - residuals.mean()
+    present[places - places[0]] = 1
+    most = max(2, span // 3)
+    sums = _lagged(filled, most)
+    pairs = np.maximum(_lagged(present, most), 1)
+    mean_square = float(np.mean(residuals**2))
+    if not mean_square > 0:
+        return 1e-24, 1.0
+    shares = sums / pairs / (sums[0] / pairs[0])
+    running = 1 + 2 * np.cumsum(shares[1:])
+    enough = np.arange(1, len(running) + 1) >= _WINDOW * np.maximum(running, 1) / 2
+    last = int(np.argmax(enough)) if enough.any() else len(running) - 1
+    correlation = float(np.clip(running[: last + 1].max(), 1, len(residuals) / 8))
+    independent = len(residuals) / correlation
+    lost = independent / max(independent - 5, _LEAST_FREEDOM)
+    return mean_square * lost, correlation
+
+
+def _lagged(values: FloatArray, most: int) -> FloatArray:
+    """Return the sums of products of values at lags 0 to most."""
+    size = 2 ** math.ceil(math.log2(2 * len(values)))
+    power = np.abs(np.fft.rfft(values, size)) ** 2
+    return np.asarray(np.fft.irfft(power, size)[: most + 1], dtype=np.float64)
+
+
+def _student_widening(freedom: float) -> float:
+    """Return how much a variance from few degrees of freedom widens, so that 1.96 deviations hold 95 %."""
+    return float((student.ppf(0.975, max(freedom, _LEAST_FREEDOM)) / _TWO_SIDED_95) ** 2)

@@ -1,0 +1,337 @@
+"""Semi-axes of the finger pad from a photograph of one face before a plain backdrop.
+
+The finger is set apart from the backdrop by colour, its outline located to a fraction of a pixel, the arc
+that is pad chosen, and an ellipse along the finger's axis fitted to it by least orthogonal distance.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from fingerpad._arrays import ArrayLike, FloatArray
+from fingerpad.exceptions import FitError, ImageError
+from fingerpad.image._arc import PadArc, candidate_points, fitted_arc, longest_arc
+from fingerpad.image._edges import Edges, locate_edges
+from fingerpad.image._face_frame import (
+    PAD_MIDDLE,
+    Direction,
+    face_axes,
+    opposite,
+    pad_sides,
+    palmar_directions,
+)
+from fingerpad.image._finger_axis import finger_lean
+from fingerpad.image._light import opponent_light
+from fingerpad.image._photograph_input import (
+    Window,
+    between,
+    checked_marks,
+    checked_picture,
+    checked_window,
+    require_uncut,
+    within,
+)
+from fingerpad.image._silhouette import Silhouette, find_silhouette
+from fingerpad.image.outline import FACE_AXES, Face, FaceSemiAxes
+from fingerpad.image.scale import Scale
+
+PHOTOGRAPH_FLAGS: Mapping[str, str] = {
+    "short_arc": "the arc is shorter than 90 degrees: its semi-axes lean on little",
+    "uncertain": "a semi-axis is known to no better than 2 percent",
+    "many_outliers": "more than 15 percent of the arc's points were left out",
+    "low_contrast": "the finger hardly stands out from the backdrop",
+    "soft_edges": "the edge is blurred over more than 1 percent of the smaller semi-axis",
+    "touches_border": "the arc ends where the frame cuts the finger",
+    "poor_ellipse": "the outline departs from the ellipse by more than 1 percent of the smaller semi-axis",
+    "leaning": "the finger leans by more than 10 degrees",
+}
+
+# What an edge can be off without showing it (compression, light on the limb), alike all round and slowly
+# along it: a least value, px, and a share of the noise over the step; found on rendered photographs.
+_LEAST_SHARED_PX = 0.045
+_SHARED_BY_NOISE_PX = 6.0
+_SHARED_REACH = math.radians(25)
+_SHORT_ARC_DEG = 90.0
+_MOST_RELATIVE_STD = 0.4
+# Step across the edge over the noise beside it.
+_LOW_CONTRAST = 30.0
+_LEAST_POINTS = 24
+_MOST_POINTS = 1000
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class PhotographFit:
+    """The ellipse of a finger pad in a photograph of one face.
+
+    Attributes
+    ----------
+    face : Face
+        The face that looked at the camera.
+    semi_axes : ndarray, (2,)
+        Semi-axes across and along, in the order of `FACE_AXES`, mm.
+    edge_covariance : ndarray, (2, 2)
+        Their covariance from the outline alone, mm².
+    scale : Scale
+        The scale that was given.
+    centre : (float, float)
+        Centre of the ellipse, (row, column), px.
+    directions : ndarray, (2, 2)
+        Unit steps (row, column) along the first and the second semi-axis.
+    lean, lean_std : float
+        Turn of the ellipse from the face's x towards its y, and its standard uncertainty, radians.
+    arc : (float, float)
+        First and last parametric angle of the points used, radians.
+    points, outliers : ndarray, (n, 2)
+        Points of the outline used and left out, (row, column), px.
+    correlation_px : float
+        Length along the outline over which errors run together, px.
+    residual_std_px, blur_px : float
+        Standard deviation of the points from the ellipse, and of the edges' blur, px.
+    flags : frozenset of str
+        What makes the measurement doubtful, of `PHOTOGRAPH_FLAGS`.
+    """
+
+    face: Face
+    semi_axes: FloatArray
+    edge_covariance: FloatArray
+    scale: Scale
+    centre: tuple[float, float]
+    directions: FloatArray
+    lean: float
+    lean_std: float
+    arc: tuple[float, float]
+    points: FloatArray
+    outliers: FloatArray
+    correlation_px: float
+    residual_std_px: float
+    blur_px: float
+    flags: frozenset[str]
+
+    @property
+    def covariance(self) -> FloatArray:
+        """Covariance of the semi-axes, the scale's share included, mm²."""
+        return self.edge_covariance + self.scale.relative_std**2 * np.outer(self.semi_axes, self.semi_axes)
+
+    @property
+    def semi_axes_mm(self) -> dict[str, float]:
+        """Semi-axes by anatomical name, mm."""
+        return dict(zip(FACE_AXES[self.face], map(float, self.semi_axes), strict=True))
+
+    @property
+    def semi_axes_mm_std(self) -> dict[str, float]:
+        """Their standard uncertainties, the scale's share included, mm."""
+        stds = np.sqrt(np.diagonal(self.covariance))
+        return dict(zip(FACE_AXES[self.face], map(float, stds), strict=True))
+
+    @property
+    def arc_deg(self) -> float:
+        """Extent of the arc used, parametric degrees."""
+        return math.degrees(self.arc[1] - self.arc[0])
+
+    @property
+    def outlier_fraction(self) -> float:
+        """Share of the arc's points that were left out."""
+        return len(self.outliers) / (len(self.outliers) + len(self.points))
+
+    @property
+    def face_semi_axes(self) -> FaceSemiAxes:
+        """The semi-axes as `combine_faces` takes them."""
+        return FaceSemiAxes(
+            face=self.face,
+            semi_axes=self.semi_axes,
+            covariance=self.edge_covariance,
+            relative_scale_std=self.scale.relative_std,
+        )
+
+    def ellipse_points(self, count: int = 361) -> FloatArray:
+        """Return points (row, column) round the ellipse, px."""
+        t = np.linspace(0, 2 * math.pi, count)
+        local = np.stack([np.cos(t), np.sin(t)], axis=-1) * self.semi_axes / self.scale.mm_per_px
+        return np.asarray(local @ self.directions + self.centre, dtype=np.float64)
+
+
+def measure_photograph(
+    pixels: npt.ArrayLike,
+    face: Face,
+    scale: Scale,
+    *,
+    tip: Direction = "up",
+    palmar: Direction | None = None,
+    region_of_interest: tuple[float, float, float, float] | None = None,
+    points: ArrayLike | None = None,
+) -> PhotographFit:
+    """Measure two semi-axes of the finger pad in a photograph of one face.
+
+    The arc is the longest about the pad's middle that one ellipse fits, or all the outline inside
+    `region_of_interest`, or from the first to the last of `points`. The ellipse lies along the finger's own
+    axis, as its sides show it, within what they leave open.
+
+    Parameters
+    ----------
+    pixels : array_like, (rows, columns) or (rows, columns, 3)
+        Grey levels or red, green, blue, sRGB. A fourth channel is left aside.
+    face : {"palmar", "distal", "radial", "ulnar"}
+        The face that looks at the camera.
+    scale : Scale
+        Scale of the photograph.
+    tip : {"up", "down", "left", "right"}
+        Where the fingertip points.
+    palmar : {"up", "down", "left", "right"}, optional
+        Where the palmar side is. Down if left out in the distal face; in a side face the side that gives the
+        longer arc. The palmar face needs none.
+    region_of_interest : (float, float, float, float), optional
+        First row, first column, last row, last column, px, round the pad's arc.
+    points : array_like, (n, 2), optional
+        (row, column), px, of two or more marks on the pad's outline, the arc's ends among them.
+
+    Returns
+    -------
+    PhotographFit
+
+    Raises
+    ------
+    ImageError
+        If the picture, region or marks are no good, no finger stands out, or the frame cuts the pad.
+    FitError
+        If the outline found does not determine an ellipse.
+
+    Examples
+    --------
+    >>> from fingerpad.image import Scale, render_finger
+    >>> truth = render_finger("palmar", semi_axes=(11.8, 13.8), seed=1)
+    >>> found = measure_photograph(truth.pixels, "palmar", Scale.of_mm_per_px(truth.mm_per_px))
+    >>> {name: round(value) for name, value in found.semi_axes_mm.items()}
+    {'radial_ulnar': 12, 'distal': 14}
+    """
+    sides = palmar_directions(face, tip, palmar)
+    light = opponent_light(checked_picture(pixels))
+    size = (light.shape[0], light.shape[1])
+    window = None if region_of_interest is None else checked_window(region_of_interest, size)
+    marks = None if points is None else checked_marks(points, size)
+    silhouette = find_silhouette(light, None if face == "distal" else opposite(tip), window)
+    edges = _outline(light, silhouette)
+    tried: list[PhotographFit] = []
+    errors: list[ImageError | FitError] = []
+    for side in sides:
+        try:
+            if window is None and marks is None:
+                require_uncut(silhouette, pad_sides(face, tip, side), tip)
+            axes = face_axes(face, tip, side)
+            arc, place = _pad_arc(edges, face, axes, window, marks)
+            tried.append(_result(arc, (axes, place), (edges, silhouette), face, scale))
+        except (FitError, ImageError) as error:
+            errors.append(error)
+    if not tried:
+        raise errors[0]
+    return max(tried, key=_merit)
+
+
+def _merit(found: PhotographFit) -> float:
+    """Return how well an arc determines its ellipse, to tell the pad from the dorsal side."""
+    relative = np.sqrt(np.diagonal(found.edge_covariance)) / found.semi_axes
+    return -float(np.linalg.norm(relative))
+
+
+def _outline(light: npt.NDArray[np.float32], silhouette: Silhouette) -> Edges:
+    """Locate the outline, first as far as the silhouette can be off, then closely."""
+    contour = silhouette.contour()
+    if len(contour) < 40:
+        raise ImageError(
+            f"the finger's outline has {len(contour)} points inside the frame: leave a margin round it"
+        )
+    step = silhouette.reduction
+    if step > 1:
+        coarse = locate_edges(light, contour, reach=3 * step + 2, spacing=step)
+        contour = coarse.points[coarse.found] if coarse.found.mean() > 0.5 else contour
+    # Errors run together over several pixels: more points than these say nothing more.
+    length = float(np.linalg.norm(np.diff(contour, axis=0), axis=1).sum())
+    return locate_edges(light, contour, reach=4.0, spacing=max(1.0, length / _MOST_POINTS))
+
+
+def _pad_arc(
+    edges: Edges, face: Face, axes: FloatArray, window: Window | None, marks: FloatArray | None
+) -> tuple[PadArc, FloatArray]:
+    """Return the pad's arc in the face's frame, and the place of that frame's origin in the picture."""
+    place = edges.points.mean(axis=0)
+    local = (edges.points - place) @ axes.T
+    lean = finger_lean(local, face)
+    if marks is not None:
+        order = between(edges, marks)
+    elif window is not None:
+        order = within(edges, window)
+    else:
+        order = candidate_points(local, face)
+    found = order[edges.found[order]]
+    if len(found) < _LEAST_POINTS:
+        raise FitError(
+            f"only {len(found)} points of the finger's outline lie on the {face} face's arc: "
+            "widen region_of_interest, or mark points on the pad"
+        )
+    if marks is None and window is None:
+        return longest_arc(local, found, PAD_MIDDLE[face], lean), place
+    return fitted_arc(local, found, lean), place
+
+
+def _result(
+    arc: PadArc,
+    frame: tuple[FloatArray, FloatArray],
+    seen: tuple[Edges, Silhouette],
+    face: Face,
+    scale: Scale,
+) -> PhotographFit:
+    """Return what was fitted in the face's frame, as lengths and as places in the picture."""
+    fit, (axes, place), (edges, silhouette) = arc.fit, frame, seen
+    turn = np.array([[math.cos(fit.lean), math.sin(fit.lean)], [-math.sin(fit.lean), math.cos(fit.lean)]])
+    shared = _LEAST_SHARED_PX + _SHARED_BY_NOISE_PX / float(np.median(edges.step_ratio[arc.used]))
+    covariance = fit.covariance + fit.shared_error_covariance(shared, shared, _SHARED_REACH)
+    centre = fit.centre @ axes + place
+    middle = PAD_MIDDLE[face]
+    angles = middle + (fit.angles - middle + math.pi) % (2 * math.pi) - math.pi
+    semi_px = np.array([fit.semi_x, fit.semi_y])
+    found = PhotographFit(
+        face=face,
+        semi_axes=semi_px * scale.mm_per_px,
+        edge_covariance=covariance[2:4, 2:4] * scale.mm_per_px**2,
+        scale=scale,
+        centre=(float(centre[0]), float(centre[1])),
+        directions=turn @ axes,
+        lean=fit.lean,
+        lean_std=math.sqrt(covariance[4, 4]),
+        arc=(float(angles.min()), float(angles.max())),
+        points=edges.points[arc.used],
+        outliers=edges.points[arc.rejected],
+        correlation_px=fit.correlation * edges.spacing,
+        residual_std_px=fit.residual_std,
+        blur_px=edges.blur,
+        flags=frozenset(),
+    )
+    relative = float((np.sqrt(np.diagonal(found.edge_covariance)) / found.semi_axes).max())
+    if not relative < _MOST_RELATIVE_STD:
+        raise FitError(
+            f"the {face} face's arc of {found.arc_deg:.0f} degrees leaves an axis unknown by {relative:.0%}: "
+            "mark a longer arc, come nearer, or choose a backdrop of another colour than the skin"
+        )
+    contrast = float(np.quantile(edges.step_ratio[arc.used], 0.25))
+    return replace(found, flags=_flags(found, contrast, silhouette))
+
+
+def _flags(found: PhotographFit, contrast: float, silhouette: Silhouette) -> frozenset[str]:
+    """Return what makes a measurement doubtful."""
+    semi_px = float(found.semi_axes.min()) / found.scale.mm_per_px
+    relative = np.sqrt(np.diagonal(found.edge_covariance)) / found.semi_axes
+    size = np.array(silhouette.mask.shape) * silhouette.reduction
+    margin = np.minimum(found.points, size - 1 - found.points).min()
+    holds = {
+        "short_arc": found.arc_deg < _SHORT_ARC_DEG,
+        "uncertain": float(relative.max()) > 0.02,
+        "many_outliers": found.outlier_fraction > 0.15,
+        "low_contrast": contrast < _LOW_CONTRAST,
+        "soft_edges": found.blur_px > 0.02 * semi_px,
+        "touches_border": float(margin) < 6 + 3 * silhouette.reduction,
+        "poor_ellipse": found.residual_std_px > max(0.01 * semi_px, 0.5),
+        "leaning": abs(found.lean) > math.radians(10),
+    }
+    return frozenset(name for name, held in holds.items() if held)

@@ -1,0 +1,121 @@
+"""Ellipses on outlines: correlated errors, short arcs, lean, and a second implementation."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.ndimage import gaussian_filter1d
+from skimage.measure import EllipseModel
+
+from fingerpad.exceptions import FitError
+from fingerpad.image import fit_outline_ellipse, outline_points
+
+
+def noisy(seed, *, arc_deg=140.0, std=0.01, reach=6.0, lean=0.0, count=240):
+    """Return points whose radial errors run together over `reach` neighbours."""
+    half = math.radians(arc_deg) / 2
+    points = outline_points(11.8, 13.8, count=count, arc=(math.pi / 2 - half, math.pi / 2 + half), angle=lean)
+    rough = gaussian_filter1d(np.random.default_rng(seed).normal(0, 1, count), reach)
+    rough *= std / rough.std()
+    out = points / np.linalg.norm(points, axis=1, keepdims=True)
+    return points + rough[:, None] * out
+
+
+@pytest.mark.parametrize("arc_deg", [40, 90, 180])
+@pytest.mark.parametrize("lean", [-0.15, 0.0, 0.1])
+def test_perfect_points_give_the_ellipse_back(arc_deg, lean):
+    fit = fit_outline_ellipse(noisy(0, arc_deg=arc_deg, std=1e-12, lean=lean), lean=lean)
+    assert (fit.semi_x, fit.semi_y, fit.lean) == pytest.approx((11.8, 13.8, lean), rel=1e-4, abs=1e-5)
+    assert np.ptp(fit.angles) == pytest.approx(math.radians(arc_deg), rel=0.01)
+
+
+@pytest.mark.parametrize("reach", [0.3, 4.0, 10.0])
+def test_correlated_errors_are_allowed_for(reach):
+    fits = [fit_outline_ellipse(noisy(seed, reach=reach), lean_std=0.02) for seed in range(40)]
+    found = np.array([(fit.semi_x, fit.semi_y) for fit in fits])
+    stated = np.array([np.sqrt(np.diagonal(fit.covariance))[2:4] for fit in fits])
+    held = np.mean(np.abs(found - (11.8, 13.8)) < 1.96 * stated)
+    assert 0.85 <= held <= 1.0
+    scatter = found.std(axis=0)
+    np.testing.assert_allclose(np.sqrt(np.mean(stated**2, axis=0)), scatter, rtol=0.5)
+
+
+def test_correlation_is_found():
+    alone = np.median([fit_outline_ellipse(noisy(seed, reach=0.3)).correlation for seed in range(9)])
+    joined = np.median([fit_outline_ellipse(noisy(seed, reach=6.0)).correlation for seed in range(9)])
+    assert alone < 2
+    # A Gaussian filter of deviation s leaves an integrated correlation of 2 s sqrt(pi).
+    assert joined == pytest.approx(2 * 6 * math.sqrt(math.pi), rel=0.4)
+
+
+def test_agrees_with_a_second_implementation():
+    points = noisy(1, arc_deg=200, std=0.02, lean=0.1)
+    # In the frame of the lean, and with no prior to speak of: the same five parameters.
+    fit = fit_outline_ellipse(points, lean=0.1, lean_std=10.0)
+    model = EllipseModel.from_estimate(points)
+    x, y, first, second, theta = (*model.center, *model.axis_lengths, model.theta)
+    assert sorted((fit.semi_x, fit.semi_y)) == pytest.approx(sorted((first, second)), rel=2e-3)
+    np.testing.assert_allclose(fit.centre, (x, y), atol=0.03)
+    assert math.sin(2 * (fit.lean - theta)) == pytest.approx(0, abs=0.03)
+    # Orthogonal distance: ours leaves no more.
+    assert np.sum(fit.residuals**2) <= np.sum(model.residuals(points) ** 2) * (1 + 1e-6)
+
+
+def test_what_is_known_of_the_axis_helps():
+    points = noisy(2, arc_deg=100, lean=0.05)[:300]
+    strict = fit_outline_ellipse(points, lean=0.05, lean_std=0.005)
+    loose = fit_outline_ellipse(points, lean=0.05, lean_std=0.3)
+    assert strict.covariance[4, 4] < loose.covariance[4, 4] / 4
+    assert strict.covariance[4, 4] <= 1.5 * 0.005**2
+
+
+def test_places_left_out_do_not_matter():
+    points = noisy(3)
+    kept = np.ones(len(points), dtype=bool)
+    kept[150:200] = False
+    whole = fit_outline_ellipse(points)
+    broken = fit_outline_ellipse(points[kept], places=np.flatnonzero(kept))
+    assert broken.semi_y == pytest.approx(whole.semi_y, abs=4 * math.sqrt(broken.covariance[3, 3]))
+    assert broken.correlation == pytest.approx(whole.correlation, rel=0.4)
+
+
+def test_influence_is_the_derivative():
+    points = noisy(4, count=60)
+    fit = fit_outline_ellipse(points, lean_std=0.05)
+    out = points - fit.centre
+    normal = out / np.array([fit.semi_x, fit.semi_y]) ** 2
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    step = 1e-4
+    for k in (5, 30, 55):
+        moved = points.copy()
+        moved[k] += step * normal[k]
+        change = (fit_outline_ellipse(moved, lean_std=0.05).values - fit.values) / step
+        np.testing.assert_allclose(
+            change[:4], fit.influence[:4, k], atol=0.12 * np.abs(fit.influence[:4]).max()
+        )
+
+
+def test_an_offset_of_all_widens_both_semi_axes_alike():
+    fit = fit_outline_ellipse(noisy(5, arc_deg=300))
+    shared = fit.shared_error_covariance(0.1, 0.0, 1.0)
+    np.testing.assert_allclose(np.sqrt(np.diagonal(shared))[2:4], 0.1, rtol=0.1)
+
+
+@pytest.mark.parametrize(
+    ("points", "words"),
+    [
+        (np.zeros((5, 2)), "eight"),
+        (np.full((20, 2), np.nan), "eight"),
+        (np.zeros((20, 3)), "eight"),
+        (np.column_stack([np.arange(20.0), np.arange(20.0)]), "straight line"),
+    ],
+)
+def test_bad_points_are_refused(points, words):
+    with pytest.raises(FitError, match=words):
+        fit_outline_ellipse(points)
+
+
+@pytest.mark.parametrize("bad", [0.0, -1.0, math.nan])
+def test_bad_lean_uncertainty_is_refused(bad):
+    with pytest.raises(FitError, match="lean_std"):
+        fit_outline_ellipse(noisy(0), lean_std=bad)

@@ -1,0 +1,331 @@
+"""Photographs of fingers: semi-axes against rendered truth, directions, marks, a mesh, and bad input."""
+
+import math
+
+import numpy as np
+import pytest
+from PIL import Image
+from tests.image import hand_mesh
+
+from fingerpad.exceptions import FitError, ImageError
+from fingerpad.image import (
+    FACE_AXES,
+    PHOTOGRAPH_FLAGS,
+    Scale,
+    combine_faces,
+    direct_semi_axes,
+    measure_photograph,
+    read_colour_image,
+    read_image,
+    render_finger,
+)
+
+SEMI_AXES = {"palmar": (11.8, 13.8), "distal": (11.8, 7.9), "radial": (7.9, 13.8), "ulnar": (7.9, 13.8)}
+
+
+def rendered(face="palmar", **changes):
+    return render_finger(face, **{"arc_deg": 160.0, "mm_per_px": 0.06, "blur_px": 1.0, "seed": 3} | changes)
+
+
+def measured(truth, **changes):
+    given = {"tip": truth.tip, "palmar": None if truth.face == "palmar" else truth.palmar} | changes
+    return measure_photograph(truth.pixels, truth.face, Scale.of_mm_per_px(truth.mm_per_px), **given)
+
+
+TRUTH = {face: rendered(face) for face in SEMI_AXES}
+FOUND = {face: measured(truth) for face, truth in TRUTH.items()}
+
+
+@pytest.mark.parametrize("face", SEMI_AXES)
+def test_semi_axes_centre_and_names(face):
+    truth, found = TRUTH[face], FOUND[face]
+    assert tuple(found.semi_axes_mm) == FACE_AXES[face]
+    np.testing.assert_allclose(list(found.semi_axes_mm.values()), truth.semi_axes, rtol=0.012)
+    np.testing.assert_allclose(found.centre, truth.centre, atol=6)
+    off = np.abs(found.semi_axes - truth.semi_axes) / list(found.semi_axes_mm_std.values())
+    assert off.max() < 3
+    assert found.arc_deg > 120
+    assert found.outlier_fraction < 0.05
+    assert found.flags <= set(PHOTOGRAPH_FLAGS)
+
+
+@pytest.mark.parametrize(
+    ("skin", "backdrop"), [(0.0, "black"), (0.2, "green"), (0.5, "white"), (0.8, "cork"), (1.0, "grey")]
+)
+def test_any_skin_before_another_colour(skin, backdrop):
+    truth = rendered(skin=skin, backdrop=backdrop, seed=5)
+    np.testing.assert_allclose(measured(truth).semi_axes, truth.semi_axes, rtol=0.015)
+
+
+def test_grey_pictures_are_measured_too():
+    truth = rendered(backdrop="white", skin=0.6)
+    grey = np.rint(truth.pixels @ [0.299, 0.587, 0.114]).astype(np.uint8)
+    found = measure_photograph(grey, "palmar", Scale.of_mm_per_px(0.06))
+    np.testing.assert_allclose(found.semi_axes, truth.semi_axes, rtol=0.015)
+
+
+@pytest.mark.parametrize("tip", ["up", "right", "down", "left"])
+def test_the_tip_points_where_it_is_said_to(tip):
+    truth = rendered(tip=tip, lean_deg=4.0)
+    found = measured(truth)
+    np.testing.assert_allclose(found.semi_axes, truth.semi_axes, rtol=0.012)
+    assert math.degrees(found.lean) == pytest.approx(4, abs=max(1.0, 3 * math.degrees(found.lean_std)))
+
+
+@pytest.mark.parametrize(("tip", "palmar"), [("up", "left"), ("right", "down"), ("down", "right")])
+def test_the_palmar_side_is_found_in_a_side_face(tip, palmar):
+    truth = rendered("ulnar", tip=tip, palmar=palmar)
+    found = measured(truth, palmar=None)
+    np.testing.assert_allclose(found.semi_axes, truth.semi_axes, rtol=0.02)
+    np.testing.assert_array_equal(np.rint(found.directions), np.rint(measured(truth).directions))
+
+
+def test_depth_and_type_do_not_matter():
+    truth = TRUTH["palmar"]
+    scale = Scale.of_mm_per_px(0.06)
+    for pixels in (
+        truth.pixels.astype(np.uint16) * 257,
+        truth.pixels / 255.0,
+        np.dstack([truth.pixels] * 2)[..., :4],
+    ):
+        found = measure_photograph(pixels, "palmar", scale)
+        np.testing.assert_allclose(found.semi_axes, FOUND["palmar"].semi_axes, rtol=1e-3)
+
+
+def test_the_scale_stretches_and_widens():
+    truth = TRUTH["palmar"]
+    wide = measure_photograph(truth.pixels, "palmar", Scale.of_mm_per_px(0.12, 0.012))
+    np.testing.assert_allclose(wide.semi_axes, 2 * FOUND["palmar"].semi_axes)
+    np.testing.assert_allclose(wide.edge_covariance, 4 * FOUND["palmar"].edge_covariance)
+    assert wide.semi_axes_mm_std["distal"] == pytest.approx(0.1 * wide.semi_axes_mm["distal"], rel=0.01)
+
+
+def test_a_shorter_arc_is_known_less():
+    truth = TRUTH["palmar"]
+    stds = []
+    for degrees in (150, 110, 80):
+        t = np.radians(90 + np.array([-degrees, 0, degrees]) / 2)
+        marks = truth.centre + np.stack([-13.8 * np.sin(t), 11.8 * np.cos(t)], axis=-1) / 0.06
+        found = measured(truth, points=marks)
+        assert found.arc_deg == pytest.approx(degrees, abs=6)
+        stds.append(found.semi_axes_mm_std["distal"])
+    assert stds[0] < stds[1] / 2 < stds[2] / 4
+    assert "short_arc" in found.flags
+
+
+def test_a_region_of_interest_chooses_the_arc():
+    truth = TRUTH["palmar"]
+    row, _ = truth.centre
+    found = measured(truth, region_of_interest=(0, 0, row - 40, 1e4))
+    assert (found.points[:, 0] < row - 39).all()
+    np.testing.assert_allclose(
+        found.semi_axes, truth.semi_axes, atol=3 * max(found.semi_axes_mm_std.values())
+    )
+
+
+def test_a_hair_across_the_edge_is_left_out():
+    truth = rendered(seed=8)
+    pixels = truth.pixels.copy()
+    row, column = (int(place) for place in truth.arc_points(9)[3])
+    pixels[row - 14 : row + 5, column - 5 : column + 4] = (50, 40, 35)
+    found = measure_photograph(pixels, "palmar", Scale.of_mm_per_px(0.06))
+    assert 0 < found.outlier_fraction < 0.2
+    near = np.linalg.norm(found.outliers - (row, column), axis=1).min()
+    assert near < 12
+    np.testing.assert_allclose(found.semi_axes, truth.semi_axes, rtol=0.015)
+
+
+def test_three_faces_of_one_finger_agree():
+    joint = combine_faces([FOUND[face].face_semi_axes for face in ("palmar", "distal", "radial")])
+    assert joint.p_value > 0.01
+    found = (joint.palmar, joint.distal, joint.radial_ulnar)
+    np.testing.assert_allclose(found, (7.9, 13.8, 11.8), rtol=0.01)
+
+
+def test_a_face_of_another_finger_is_told():
+    other = measured(rendered("distal", semi_axes=(12.6, 7.9)))
+    joint = combine_faces(
+        [FOUND["palmar"].face_semi_axes, other.face_semi_axes, FOUND["radial"].face_semi_axes]
+    )
+    assert joint.p_value < 1e-3
+    assert joint.disagreements[1]["radial_ulnar"] - joint.disagreements[0]["radial_ulnar"] > 0.04
+
+
+def test_stated_intervals_hold():
+    off = []
+    for seed in range(12):
+        rng = np.random.default_rng(seed)
+        face = ("palmar", "distal", "radial")[seed % 3]
+        truth = rendered(
+            face,
+            arc_deg=rng.uniform(90, 180),
+            lean_deg=rng.uniform(-5, 5),
+            skin=rng.uniform(0, 1),
+            backdrop=("blue", "white", "black")[seed // 4],
+            noise_std=rng.uniform(1, 5),
+            seed=seed,
+        )
+        found = measured(truth, points=truth.arc_points(9))
+        off.extend(np.abs(found.semi_axes - truth.semi_axes) / np.sqrt(np.diagonal(found.covariance)))
+    # Of 24 about one lies beyond 1.96; six would be a chance of one in a thousand.
+    assert np.sum(np.array(off) > 1.96) < 6
+    # Nor are they so wide that nothing could fail.
+    assert np.median(off) > 0.15
+
+
+@pytest.mark.skipif(not hand_mesh.MESH.exists(), reason=f"no hand mesh at {hand_mesh.MESH}")
+def test_three_silhouettes_of_one_mesh():
+    local, faces, chosen = hand_mesh.middle_finger()
+    x, y, z = np.eye(3)
+    tip = faces[(local[faces][:, :, 1] > -22).all(axis=1)]
+    views = {"palmar": (faces, z, y), "distal": (tip, z, -x), "radial": (faces, x, y)}
+    scale = Scale.of_mm_per_px(hand_mesh.MM_PER_PX)
+    # From the fingertip round to the pad, as one would mark it: no nail tells where the pad begins.
+    marks = {"radial": hand_mesh.outermost(local, chosen, x, y, [(0.05, -1), (8, 1), (16, 1)])}
+    found = {
+        face: measure_photograph(
+            hand_mesh.silhouette(local, *view),
+            face,
+            scale,
+            palmar="right" if face == "radial" else None,
+            points=marks.get(face),
+        )
+        for face, view in views.items()
+    }
+    palmar, distal, radial_ulnar = hand_mesh.pad_ellipsoid(local, chosen)
+    assert found["palmar"].semi_axes == pytest.approx((radial_ulnar, distal), rel=0.25)
+    assert found["distal"].semi_axes[0] == pytest.approx(radial_ulnar, rel=0.15)
+    side = found["radial"]
+    assert np.abs(side.semi_axes - (palmar, distal)).max() < 3 * max(side.semi_axes_mm_std.values())
+    # A body that is no ellipsoid: the faces disagree by more than their outlines are uncertain, and say so.
+    joint = combine_faces([one.face_semi_axes for one in found.values()])
+    assert joint.degrees_of_freedom == 3
+    assert joint.p_value < 0.01
+    assert max(abs(value) for face in joint.disagreements for value in face.values()) > 0.1
+
+
+HAND = hand_mesh.MESH.parents[1] / "opencv_hand_photo" / "handSrc.jpg"
+
+
+@pytest.mark.skipif(not HAND.exists(), reason=f"no photograph of a hand at {HAND}")
+@pytest.mark.parametrize("region", [None, (225, 500, 295, 560), (115, 455, 160, 505), (0, 300, 100, 640)])
+def test_a_photograph_of_a_whole_hand_gives_flags_or_reasons(region):
+    pixels = read_colour_image(HAND)
+    reasons, flags = "", frozenset()
+    try:
+        flags = measure_photograph(
+            pixels, "palmar", Scale.of_mm_per_px(0.4), tip="right", region_of_interest=region
+        ).flags
+    except (ImageError, FitError) as error:
+        reasons = str(error)
+    assert flags or ": " in reasons
+
+
+def blank(level=128):
+    noise = np.random.default_rng(0).normal(0, 2, (300, 260, 3))
+    return np.clip(level + noise, 0, 255).astype(np.uint8)
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"pixels": blank()}, "no finger found"),
+        ({"pixels": np.zeros((300, 260, 3), np.uint8)}, "no finger found"),
+        ({"pixels": np.zeros((300, 260, 2), np.uint8)}, "shape"),
+        ({"pixels": np.zeros((10, 10), np.uint8)}, "too small"),
+        ({"pixels": np.full((100, 100), np.nan)}, "finite"),
+        ({"pixels": np.zeros((100, 100), bool)}, "bool"),
+        (
+            {"pixels": np.random.default_rng(0).integers(0, 255, (200, 200, 3), np.uint8)},
+            "no finger|plain|specks",
+        ),
+        ({"tip": "north"}, "tip must be one of"),
+        ({"face": "dorsal"}, "face must be one of"),
+        ({"palmar": "left"}, "leave palmar out"),
+        ({"face": "radial", "palmar": "up"}, "right or left"),
+        ({"tip": "down"}, "cuts the finger on its down side"),
+        ({"region_of_interest": (0, 0, 0, 10)}, "empty or outside"),
+        ({"region_of_interest": (900, 0, 990, 10)}, "empty or outside"),
+        ({"region_of_interest": (0, 0, math.nan, 10)}, "four numbers"),
+        ({"region_of_interest": (0, 0, 40, 40)}, "region_of_interest"),
+        ({"points": [(10, 10)]}, "two or more"),
+        ({"points": [(10, 10), (10, 10)]}, "two or more"),
+        ({"points": [(10, 10), (10, 9999)]}, "outside the picture"),
+        ({"points": [(10, 10), (10, math.nan)]}, "outside the picture"),
+        ({"points": [(5, 5), (360, 300)]}, "off the finger's outline"),
+    ],
+)
+def test_bad_input_is_named(changes, words):
+    given = {"pixels": TRUTH["palmar"].pixels, "face": "palmar"} | changes
+    pixels, face = given.pop("pixels"), given.pop("face")
+    with pytest.raises(ImageError, match=words) as caught:
+        measure_photograph(pixels, face, Scale.of_mm_per_px(0.06), **given)
+    assert len(str(caught.value)) > 20
+
+
+def test_marks_too_near_are_refused():
+    truth = TRUTH["palmar"]
+    with pytest.raises((FitError, ImageError), match="points"):
+        measured(truth, points=truth.arc_points(200)[:4])
+
+
+def test_a_pad_cut_by_the_frame_is_refused():
+    truth = TRUTH["palmar"]
+    cut = truth.pixels[int(truth.arc_points(3)[1][0]) + 60 :]
+    with pytest.raises(ImageError, match="up side"):
+        measure_photograph(cut, "palmar", Scale.of_mm_per_px(0.06))
+
+
+def test_direct_lengths_and_their_uncertainty():
+    found = direct_semi_axes(
+        "distal",
+        Scale.of_mm_per_px(0.05, 0.0005),
+        centre=(100, 100),
+        across_end=(103, 336),
+        along_end=(258, 98),
+        point_px_std=2.0,
+    )
+    assert found.semi_axes == pytest.approx((0.05 * math.hypot(3, 236), 0.05 * math.hypot(158, 2)))
+    assert math.sqrt(found.covariance[0, 0]) == pytest.approx(0.05 * 2 * math.sqrt(2))
+    assert found.relative_scale_std == pytest.approx(0.01)
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"across_end": (100, 100)}, "apart"),
+        ({"across_end": (math.nan, 100)}, "finite"),
+        ({"across_end": (300, 200)}, "off the square"),
+        ({"point_px_std": -1.0}, "point_px_std"),
+    ],
+)
+def test_bad_direct_marks_are_named(changes, words):
+    given = {"centre": (100, 100), "across_end": (100, 300), "along_end": (300, 100)} | changes
+    with pytest.raises(ImageError, match=words):
+        direct_semi_axes("palmar", Scale.of_mm_per_px(0.05), **given)
+
+
+def test_colour_files_are_read_as_they_look(tmp_path):
+    pixels = TRUTH["distal"].pixels
+    Image.fromarray(pixels).save(tmp_path / "finger.png")
+    np.testing.assert_array_equal(read_colour_image(tmp_path / "finger.png"), pixels)
+    turned = Image.fromarray(pixels)
+    exif = turned.getexif()
+    exif[0x0112] = 6
+    turned.save(tmp_path / "turned.png", exif=exif)
+    np.testing.assert_array_equal(read_colour_image(tmp_path / "turned.png"), np.rot90(pixels, -1))
+
+
+@pytest.mark.parametrize("dtype", [np.uint8, np.uint16])
+def test_grey_files_become_colour(tmp_path, dtype):
+    grey = (np.arange(64 * 64).reshape(64, 64) % 251).astype(dtype) * (1 if dtype == np.uint8 else 257)
+    Image.fromarray(grey).save(tmp_path / "grey.png")
+    colour = read_colour_image(tmp_path / "grey.png")
+    assert colour.shape == (64, 64, 3)
+    np.testing.assert_allclose(colour[..., 1], np.arange(64 * 64).reshape(64, 64) % 251, atol=1)
+    assert read_image(tmp_path / "grey.png").pixels.dtype == dtype
+
+
+def test_missing_colour_files_are_named(tmp_path):
+    with pytest.raises(ImageError, match="no such file"):
+        read_colour_image(tmp_path / "none.jpg")
