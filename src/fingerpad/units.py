@@ -9,5 +9,6 @@ FACTORS: Final = {
     "force": {"N": 1.0, "mN": 1e-3, "kN": 1e3, "gf": 9.80665e-3},
     "displacement": {"mm": 1.0, "um": 1e-3, "µm": 1e-3, "m": 1e3},
     "area": {"mm2": 1.0, "cm2": 100.0, "m2": 1e6},
-    "time": {"s": 1.0, "ms": 1e-3, "min": 60.0},
+    "time": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0},
+    "trigger": {"V": 1.0, "mV": 1e-3},
 }

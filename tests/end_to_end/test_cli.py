@@ -14,7 +14,7 @@ from PIL import Image
 from typer.testing import CliRunner
 
 from fingerpad.cli import app
-from fingerpad.image import render_finger, render_imprint
+from fingerpad.image import render_finger, render_imprint, synthetic_press
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "dzidek2017"
 
@@ -191,8 +191,10 @@ def test_measure_print_takes_the_scale_that_a_file_states(tmp_path: Path) -> Non
     assert code == 3
     placeholder, silent, stated = json.loads(out)
     assert stated["semi_major_mm"] == pytest.approx(9.0, rel=0.02)
-    assert "states 72 ppi, a placeholder; give either --ppi or --mm-per-px" in placeholder["error"]
-    assert "states none" in silent["error"]
+    assert (
+        "give either --ppi or --mm-per-px (the picture's file states 72 dots per inch" in placeholder["error"]
+    )
+    assert "states no resolution" in silent["error"]
 
 
 def test_measure_print_takes_a_seed_and_a_region(tmp_path: Path) -> None:
@@ -228,6 +230,33 @@ def test_measure_photo(tmp_path: Path) -> None:
     code, out, _ = run("measure", "photo", tmp_path / "empty.png", "--face", "palmar", "--ppi", 500, "--json")
     assert code == 3
     assert set(json.loads(out)[0]) == {"file", "error"}
+
+
+def test_measure_sequence(tmp_path: Path) -> None:
+    time = np.linspace(0, 1, 12)
+    load = 2 * np.sin(np.pi * time)
+    press = synthetic_press(load)
+    folder = tmp_path / "frames"
+    folder.mkdir()
+    for index in range(load.size):
+        Image.fromarray(press.pixels(index)).save(folder / f"frame{index}.png")
+    (folder / "frame5.png").write_bytes(b"torn")
+    rows = "\n".join(f"{t},{w}" for t, w in zip(time, load, strict=True))
+    (tmp_path / "force.csv").write_text(f"time_s,force_N\n{rows}\n")
+    code, out, _ = run(
+        *("measure", "sequence", folder, "--force", tmp_path / "force.csv", "--fps", 11),
+        *("--ppi", press.ppi, "--json"),
+    )
+    assert code == 3
+    frames = json.loads(out)
+    assert [frame["frame"] for frame in frames] == list(range(12))
+    assert [frame["time_s"] for frame in frames] == pytest.approx(time)
+    assert [frame["load_N"] for frame in frames] == pytest.approx(load, abs=1e-9)
+    assert "error" in frames[5]
+    assert frames[6]["gross_area_mm2"] == pytest.approx(press.gross_area[6], rel=0.03)
+    code, out, err = run("measure", "sequence", folder, "--ppi", 300, "--fps", -1)
+    assert code == 2
+    assert "frames_per_second must be positive" in err
 
 
 def test_reproduce_lists_every_printed_number(tmp_path: Path) -> None:

@@ -1,5 +1,6 @@
 """Reading pictures: every format and depth, and every way a file can be bad."""
 
+import cv2
 import numpy as np
 import pytest
 import tifffile
@@ -40,10 +41,53 @@ def test_float_tiff(tmp_path, dtype):
     np.testing.assert_allclose(read_image(tmp_path / "a.tif").pixels, GREY / 7, rtol=1e-6)
 
 
-def test_sixteen_bit_colour_becomes_eight_bit_grey(tmp_path):
-    colour = np.repeat(GREY.astype(np.uint16)[..., None] * 257, 3, axis=2)
-    tifffile.imwrite(tmp_path / "a.tif", colour, photometric="rgb")
-    assert np.abs(read_image(tmp_path / "a.tif").pixels.astype(int) - GREY).max() <= 1
+def write_deep(path, colour):
+    """Write 16-bit RGB or RGBA in the way that the name asks for."""
+    if path.name == "planar.tif":
+        tifffile.imwrite(path, np.moveaxis(colour, 2, 0), photometric="rgb", planarconfig="separate")
+    elif path.name == "plain.tif":
+        tifffile.imwrite(path, colour, photometric="rgb", extrasamples=["unassalpha"] * (colour.shape[2] - 3))
+    else:  # OpenCV writes TIFF compressed with LZW
+        assert cv2.imwrite(str(path), colour[..., [2, 1, 0, 3][: colour.shape[2]]])
+
+
+@pytest.mark.parametrize("name", ["a.png", "plain.tif", "planar.tif", "lzw.tif", "a.ppm"])
+def test_sixteen_bit_colour_keeps_its_depth(tmp_path, name):
+    colour = np.random.default_rng(0).integers(0, 65536, (20, 30, 3)).astype(np.uint16)
+    write_deep(tmp_path / name, colour)
+    pixels = read_image(tmp_path / name).pixels
+    assert pixels.dtype == np.uint16
+    np.testing.assert_allclose(pixels, colour @ [0.299, 0.587, 0.114], atol=0.51)
+
+
+@pytest.mark.parametrize("name", ["a.png", "plain.tif"])
+def test_deep_transparency_lies_on_white(tmp_path, name):
+    colour = np.zeros((20, 20, 4), np.uint16)
+    colour[:10, :, 3] = 65535
+    write_deep(tmp_path / name, colour)
+    pixels = read_image(tmp_path / name).pixels
+    assert (pixels[:10] == 0).all()
+    assert (pixels[10:] == 65535).all()
+
+
+@pytest.mark.parametrize("orientation", range(1, 9))
+@pytest.mark.parametrize("depth", [8, 16])
+def test_every_orientation_of_a_colour_tiff_is_obeyed(tmp_path, orientation, depth):
+    dtype = np.uint8 if depth == 8 else np.uint16
+    colour = np.repeat(np.arange(6, dtype=dtype).reshape(2, 3, 1) * 40, 3, axis=2)
+    tag = [(274, "H", 1, orientation, True)]
+    tifffile.imwrite(tmp_path / "a.tif", colour, photometric="rgb", extratags=tag)
+    turned = {
+        1: [[0, 40, 80], [120, 160, 200]],
+        2: [[80, 40, 0], [200, 160, 120]],
+        3: [[200, 160, 120], [80, 40, 0]],
+        4: [[120, 160, 200], [0, 40, 80]],
+        5: [[0, 120], [40, 160], [80, 200]],
+        6: [[120, 0], [160, 40], [200, 80]],
+        7: [[200, 80], [160, 40], [120, 0]],
+        8: [[80, 200], [40, 160], [0, 120]],
+    }
+    np.testing.assert_allclose(read_image(tmp_path / "a.tif").pixels, turned[orientation], atol=1)
 
 
 def test_float_colour_tiff(tmp_path):
@@ -87,6 +131,56 @@ def test_resolution_comes_from_the_file(tmp_path, name):
 def test_no_honest_resolution_is_none(tmp_path, dpi):
     Image.fromarray(GREY).save(tmp_path / "a.png", **({"dpi": dpi} if dpi else {}))
     assert read_image(tmp_path / "a.png").dots_per_inch is None
+
+
+@pytest.mark.parametrize(
+    ("unit", "per_unit", "expected"),
+    [
+        ("mm", 500 / 25.4, 500),
+        (r"\u00B5m", 500 / 25400, 500),
+        ("cm", 200, 508),
+        ("inch", 500, 500),
+        ("pixel", 1, None),
+    ],
+)
+def test_the_scale_that_imagej_writes(tmp_path, unit, per_unit, expected):
+    resolution = (round(per_unit * 1e6), 1_000_000)
+    tifffile.imwrite(
+        tmp_path / "a.tif",
+        GREY,
+        description=f"ImageJ=1.53t\nunit={unit}\n",
+        metadata=None,
+        resolution=(resolution, resolution),
+        resolutionunit="NONE",
+    )
+    found = read_image(tmp_path / "a.tif").dots_per_inch
+    assert found is expected if expected is None else found == pytest.approx(expected, rel=1e-4)
+
+
+def test_centimetres_of_a_tiff_that_pillow_cannot_decode(tmp_path):
+    values = GREY.astype(np.float64)
+    tifffile.imwrite(tmp_path / "a.tif", values, resolution=(200, 200), resolutionunit="CENTIMETER")
+    assert read_image(tmp_path / "a.tif").dots_per_inch == pytest.approx(508)
+
+
+def test_a_reduced_copy_beside_the_picture_does_not_count(tmp_path):
+    with tifffile.TiffWriter(tmp_path / "a.tif") as tiff:
+        tiff.write(GREY, photometric="minisblack")
+        tiff.write(GREY[::4, ::4], photometric="minisblack", subfiletype=1)
+    np.testing.assert_array_equal(read_image(tmp_path / "a.tif").pixels, GREY)
+
+
+def test_an_animation_is_refused(tmp_path):
+    first, second = Image.fromarray(GREY), Image.fromarray(GREY[::-1].copy())
+    first.save(tmp_path / "a.png", save_all=True, append_images=[second])
+    with pytest.raises(ImageError, match=r"2 pictures: .* as a sequence"):
+        read_image(tmp_path / "a.png")
+
+
+@pytest.mark.parametrize("shape", [(1, 1), (1, 40)])
+def test_tiny_and_black_pictures_are_pictures(tmp_path, shape):
+    Image.fromarray(np.zeros(shape, np.uint8)).save(tmp_path / "a.png")
+    assert read_image(tmp_path / "a.png").pixels.shape == shape
 
 
 def make_folder(path):
@@ -148,6 +242,21 @@ def test_bad_files_are_named(tmp_path, make, words):
     with pytest.raises(ImageError, match=words) as caught:
         read_image(path)
     assert str(path) in str(caught.value)
+
+
+def test_deep_colour_is_limited_too(tmp_path):
+    write_deep(tmp_path / "a.png", np.zeros((20, 30, 3), np.uint16))
+    assert read_image(tmp_path / "a.png", pixel_limit=600).pixels.shape == (20, 30)
+    with pytest.raises(ImageError, match="30 × 20 pixels are more than the limit of 599"):
+        read_image(tmp_path / "a.png", pixel_limit=599)
+
+
+def test_a_deep_png_cut_short_is_named(tmp_path):
+    noise = np.random.default_rng(0).integers(0, 65536, (60, 60, 3)).astype(np.uint16)
+    write_deep(tmp_path / "whole.png", noise)
+    (tmp_path / "a.png").write_bytes((tmp_path / "whole.png").read_bytes()[:9000])
+    with pytest.raises(ImageError, match="cut short"):
+        read_image(tmp_path / "a.png")
 
 
 def test_size_is_checked_before_decoding(tmp_path):

@@ -2,12 +2,13 @@
 
 import math
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from fingerpad.exceptions import CalibrationError
-from fingerpad.image import Scale
+from fingerpad.image import Picture, Scale, measure_imprint, render_imprint
 
 
 def test_500_ppi_is_the_fingerprint_standards_pixel():
@@ -63,3 +64,29 @@ def test_a_line_without_length_is_refused():
 def test_a_line_to_nowhere_is_refused():
     with pytest.raises(CalibrationError, match="end"):
         Scale.of_line(10, (5, 5), (5, math.nan))
+
+
+def picture(ppi, pixels=None):
+    return Picture(pixels=np.zeros((9, 9), np.uint8) if pixels is None else pixels, dots_per_inch=ppi)
+
+
+def test_a_files_own_resolution():
+    scale = Scale.of_picture(picture(500))
+    assert scale.mm_per_px == pytest.approx(0.0508)
+    # Half a dot per inch either way, rectangular.
+    assert scale.relative_std == pytest.approx(0.5 / math.sqrt(3) / 500)
+
+
+@pytest.mark.parametrize(
+    ("ppi", "words"), [(None, "states no resolution"), (72, "72 dots"), (96.0, "96 dots")]
+)
+def test_no_resolution_and_placeholders_are_refused(ppi, words):
+    with pytest.raises(CalibrationError, match=words):
+        Scale.of_picture(picture(ppi))
+
+
+def test_a_files_wrong_resolution_makes_the_print_doubtful():
+    pixels = render_imprint(semi_major=7, semi_minor=6, seed=1).pixels
+    for ppi, doubtful in ((500, False), (1200, True), (150, True)):
+        imprint = measure_imprint(pixels, Scale.of_picture(picture(ppi, pixels)))
+        assert ("scale_doubtful" in imprint.flags) == doubtful

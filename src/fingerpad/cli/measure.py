@@ -1,18 +1,19 @@
 """Commands that measure pictures."""
 
 import itertools
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import typer
 
 from fingerpad._files import make_folder
+from fingerpad._json import dumps
 from fingerpad.cli.shared import AsJson, Exit, plain_errors, print_json, print_text
 from fingerpad.exceptions import CalibrationError, FingerpadError, ImageError
 
 if TYPE_CHECKING:
-    from fingerpad.image import Scale
+    from fingerpad.image import Picture, Scale
 
 app = typer.Typer(help="Measure pictures.", no_args_is_help=True)
 
@@ -63,7 +64,7 @@ def measure_print(
         picture = read_image(path)
         imprint = measure_imprint(
             picture.pixels,
-            given or _stated_scale(path, picture.dots_per_inch),
+            given or _stated_scale(path, picture),
             dark_on_light=dark_on_light,
             background=ground,
             seed=None if seed is None else (seed[0], seed[1]),
@@ -143,6 +144,113 @@ def measure_photo(
     _print_all(images, measured, as_json)
 
 
+@app.command("sequence")
+def measure_frames(
+    path: Annotated[Path, typer.Argument(help="Folder, TIFF or video.", show_default=False)],
+    ppi: Ppi = None,
+    mm_per_px: MmPerPx = None,
+    scale_relative_std: ScaleStd = 0.0,
+    force: Annotated[Path | None, typer.Option(help="CSV with time_s,force_N.")] = None,
+    fps: Annotated[float | None, typer.Option(help="Frames per second, as they were taken.")] = None,
+    start_s: Annotated[
+        float | None, typer.Option(help="Time of the first frame on the force's clock, s.")
+    ] = None,
+    contact_load: Annotated[
+        float | None,
+        typer.Option(help="Load, N, that the force passes in the first-contact frame: aligns the two."),
+    ] = None,
+    times: Annotated[Path | None, typer.Option(help="CSV of the frames' own times, time_s.")] = None,
+    dark_on_light: DarkOnLight = None,
+    background: Background = None,
+    overlay: Overlay = None,
+    as_json: AsJson = False,
+) -> None:
+    """Measure the contact in every frame of a sequence, against time and force.
+
+    The frames' clock starts at the trigger that the force signal holds, at --start-s, or where the force
+    passes --contact-load; without any of them, at the force's own start. --times gives each frame its time.
+    """
+    from rich.console import Console
+    from rich.progress import track
+
+    from fingerpad.image import (
+        measure_sequence,
+        open_frames,
+        read_force_signal,
+        read_frame_stamps,
+        read_image,
+        sequence_summary,
+        write_overlay,
+    )
+
+    with plain_errors():
+        scale = _scale(ppi, mm_per_px, scale_relative_std)
+        if scale is None:
+            raise CalibrationError("a sequence needs a scale: give either --ppi or --mm-per-px")
+        frames = open_frames(path)
+        signal = None if force is None else read_force_signal(force)
+        clock = (
+            read_frame_stamps(times)
+            if times
+            else _clock(frames.frames_per_second if fps is None else fps, signal, start_s, contact_load)
+        )
+        if overlay is not None:
+            make_folder(overlay)
+
+        def draw(index: int, pixels: Any, imprint: Any) -> None:
+            if overlay is not None:
+                write_overlay(overlay / f"frame_{index:06d}.png", pixels, imprint, label=f"frame {index}")
+
+        results = measure_sequence(
+            frames,
+            scale,
+            clock=clock,
+            force=signal,
+            dark_on_light=dark_on_light,
+            background=None if background is None else read_image(background).pixels,
+            watch=draw,
+        )
+        shown = track(results, "Measuring", total=len(frames), console=Console(stderr=True), transient=True)
+        summary = sequence_summary(_printed(shown, as_json), signal)
+    for note in summary.notes:
+        typer.echo(f"note: {note}", err=True)
+    if summary.failed:
+        raise typer.Exit(Exit.SOME_FAILED)
+
+
+def _printed(results: Iterable[Any], as_json: bool) -> Iterator[Any]:
+    """Print each frame as it comes, and hand it on: a sequence may be longer than memory."""
+    opening = "["
+    for result in results:
+        if as_json:
+            typer.echo(f"{opening}{dumps(result.as_record())}", nl=False)
+            opening = ",\n"
+        else:
+            record = result.as_record()
+            area = record.get("gross_area_mm2")
+            seen = record.get("error") if area is None else f"{area:.1f} mm²"
+            typer.echo(
+                f"frame {result.index}: {result.time:.4f} s, {result.load:.3f} N, {result.phase}, {seen}"
+            )
+        yield result
+    if as_json:
+        typer.echo("[]" if opening == "[" else "]")
+
+
+def _clock(fps: float | None, signal: Any, start_s: float | None, contact_load: float | None) -> Any:
+    """Return the frames' clock, or None where no rate is known."""
+    from fingerpad.image import FrameRate
+
+    if fps is None:
+        return None
+    if signal is not None and contact_load is not None:
+        return FrameRate.of_contact(fps, signal, contact_load)
+    if start_s is None and signal is not None and signal.trigger is not None:
+        return FrameRate.of_trigger(fps, signal)
+    start = signal.span[0] if start_s is None and signal is not None else start_s or 0.0
+    return FrameRate.of(fps, anchor_time=start)
+
+
 def _scale(ppi: float | None, mm_per_px: float | None, relative_std: float) -> "Scale | None":
     """Return the scale that was given, None for none."""
     from fingerpad.image import Scale
@@ -154,14 +262,13 @@ def _scale(ppi: float | None, mm_per_px: float | None, relative_std: float) -> "
     return None if mm_per_px is None else Scale.of_mm_per_px(mm_per_px, mm_per_px * relative_std)
 
 
-def _stated_scale(path: Path, dots_per_inch: float | None) -> "Scale":
-    """Return the scale that a file states, unless it is one that programs write without measuring."""
+def _stated_scale(path: Path, picture: "Picture") -> "Scale":
     from fingerpad.image import Scale
 
-    if dots_per_inch is None or round(dots_per_inch) in {72, 96}:
-        stated = "states none" if dots_per_inch is None else f"states {dots_per_inch:g} ppi, a placeholder"
-        raise CalibrationError(f"{path}: {stated}; give either --ppi or --mm-per-px")
-    return Scale.of_ppi(dots_per_inch)
+    try:
+        return Scale.of_picture(picture)
+    except CalibrationError as error:
+        raise CalibrationError(f"{path}: give either --ppi or --mm-per-px ({error})") from error
 
 
 def _numbers(flag: str, text: str | None, count: int) -> list[float] | None:

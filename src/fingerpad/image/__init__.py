@@ -1,6 +1,7 @@
 """Measure pictures: contact images, and photographs of a finger's faces."""
 
 from fingerpad.image._face_frame import Direction
+from fingerpad.image.coin import Coin, measure_coin
 from fingerpad.image.colour import read_colour_image
 from fingerpad.image.direct import direct_semi_axes
 from fingerpad.image.ellipse_fit import (
@@ -11,6 +12,16 @@ from fingerpad.image.ellipse_fit import (
     fit_aligned_ellipse,
     fit_ellipse,
 )
+from fingerpad.image.force import (
+    ForceSignal,
+    FrameClock,
+    FrameRate,
+    FrameStamps,
+    read_force_signal,
+    read_frame_stamps,
+)
+from fingerpad.image.frame_result import FrameMeasures, FrameResult, SequenceSummary, sequence_summary
+from fingerpad.image.frames import Frame, Frames, open_frames
 from fingerpad.image.imprint import (
     FLAGS,
     PLAUSIBLE_RIDGE_PERIOD_MM,
@@ -31,6 +42,7 @@ from fingerpad.image.outline import (
 )
 from fingerpad.image.outline_fit import OutlineFit, fit_outline_ellipse
 from fingerpad.image.overlay import draw_overlay, write_overlay
+from fingerpad.image.phases import PHASES, Phase, phases_of
 from fingerpad.image.photograph import (
     PHOTOGRAPH_FLAGS,
     PhotographFit,
@@ -39,30 +51,48 @@ from fingerpad.image.photograph import (
 from fingerpad.image.photograph_overlay import draw_photograph_overlay, write_photograph_overlay
 from fingerpad.image.read import Picture, read_image
 from fingerpad.image.scale import Scale
+from fingerpad.image.sequence import Reading, learn_reading, measure_sequence
 from fingerpad.image.synthetic import SyntheticImprint, outline_points, render_imprint
+from fingerpad.image.synthetic_coin import SyntheticCoin, render_coin
 from fingerpad.image.synthetic_finger import Backdrop, SyntheticFinger, render_finger
+from fingerpad.image.synthetic_press import SyntheticPress, synthetic_press
 
 __all__ = [
     "FACE_AXES",
     "FLAGS",
+    "PHASES",
     "PHOTOGRAPH_FLAGS",
     "PLAUSIBLE_RIDGE_PERIOD_MM",
     "AlignedEllipseFit",
     "Backdrop",
+    "Coin",
     "Direction",
     "EllipseFit",
     "Face",
     "FaceSemiAxes",
+    "ForceSignal",
+    "Frame",
+    "FrameClock",
+    "FrameMeasures",
+    "FrameRate",
+    "FrameResult",
+    "FrameStamps",
+    "Frames",
     "Imprint",
     "ImprintSettings",
     "OutlineFit",
     "OutlineSemiAxes",
+    "Phase",
     "PhotographFit",
     "Picture",
+    "Reading",
     "RegionEllipse",
     "Scale",
+    "SequenceSummary",
+    "SyntheticCoin",
     "SyntheticFinger",
     "SyntheticImprint",
+    "SyntheticPress",
     "combine_faces",
     "direct_semi_axes",
     "draw_overlay",
@@ -72,16 +102,26 @@ __all__ = [
     "fit_aligned_ellipse",
     "fit_ellipse",
     "fit_outline_ellipse",
+    "learn_reading",
+    "measure_coin",
     "measure_imprint",
     "measure_photograph",
+    "measure_sequence",
+    "open_frames",
     "outline_points",
+    "phases_of",
     "read_colour_image",
+    "read_force_signal",
+    "read_frame_stamps",
     "read_image",
     "read_marks",
     "read_outline",
+    "render_coin",
     "render_finger",
     "render_imprint",
     "semi_axes_from_outlines",
+    "sequence_summary",
+    "synthetic_press",
     "write_overlay",
     "write_photograph_overlay",
 ]

@@ -1,27 +1,31 @@
 """Read a picture file into a plain two-dimensional grey array."""
 
 import math
+import re
 import warnings
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any, Final
 
+import cv2
 import numpy as np
 import numpy.typing as npt
 import tifffile
 from PIL import Image, ImageOps, UnidentifiedImageError
 
 from fingerpad.exceptions import ImageError
-
-Pixels: TypeAlias = npt.NDArray[np.uint8] | npt.NDArray[np.uint16] | npt.NDArray[np.float32]
+from fingerpad.image._grey import Pixels, grey_of_array, upright
+from fingerpad.image._tiff import ORIENTATION_TAG, grey_of_page, resolution_of_page, size_of_page
 
 FORMATS = ("PNG", "TIFF", "JPEG", "BMP", "PPM")
 PIXEL_LIMIT = 100_000_000
 _READABLE = "PNG, TIFF, JPEG, BMP or PGM"
-_LUMA = np.array([0.299, 0.587, 0.114], dtype=np.float32)
 # Files without a true resolution carry 0 or 1 here.
 _LEAST_PPI = 10.0
+# ImageJ keeps its scale as pixels per unit, and the unit in the description.
+_IMAGEJ_UNITS: Final = {"inch": 1.0, "cm": 2.54, "mm": 25.4, "um": 25400.0, "micron": 25400.0}
+_BITS_TAG, _SUBFILE_TAG, _DESCRIPTION_TAG, _RESOLUTION_TAGS = 258, 254, 270, (282, 283)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -33,8 +37,9 @@ class Picture:
     pixels : ndarray, (rows, columns)
         Grey levels, uint8, uint16 or float32 as the file had them.
     dots_per_inch : float or None
-        Resolution written in the file, None where it has none or differs between the two directions.
-        Cameras and editors write 72 or 96 without meaning it.
+        Resolution written in the file (JFIF, PNG's pHYs, TIFF's tags, ImageJ's calibration of a TIFF), None
+        where it has none, no unit, or differs between the two directions. Cameras and editors write 72 or
+        96 without meaning it: `Scale.of_picture` refuses those.
     """
 
     pixels: Pixels
@@ -44,8 +49,10 @@ class Picture:
 def read_image(path: str | PathLike[str], *, pixel_limit: int = PIXEL_LIMIT) -> Picture:
     """Read one grey picture from a PNG, TIFF, JPEG, BMP or PGM file.
 
-    Colour becomes luma (ITU-R BT.601), transparency is laid on white, and a camera's rotation tag is obeyed.
-    Colour of 16 bits is brought to 8.
+    Colour becomes luma (ITU-R BT.601) of the file's own depth, transparency is laid on white, and a camera's
+    rotation tag is obeyed. A file of several pictures (a TIFF of many pages, an animation) is refused: to
+    measure its first page in silence would be to guess. Reduced copies that a TIFF carries beside its
+    picture do not count. `open_frames` reads such files page by page.
 
     Parameters
     ----------
@@ -76,7 +83,7 @@ def read_image(path: str | PathLike[str], *, pixel_limit: int = PIXEL_LIMIT) -> 
         try:
             pixels, resolution = _decode(path, pixel_limit)
         except UnidentifiedImageError:
-            pixels, resolution = _decode_tiff(path, pixel_limit), None
+            pixels, resolution = _decode_tiff(path, pixel_limit)
         except (Image.DecompressionBombError, MemoryError) as error:
             raise ImageError(f"{path}: far too many pixels: crop or shrink the picture") from error
         except (OSError, SyntaxError, ValueError, EOFError, TypeError, IndexError) as error:
@@ -103,7 +110,8 @@ def _check_file(path: Path) -> None:
         raise ImageError(f"{path}: the file is empty: copy it again")
 
 
-def _check_size(path: Path, columns: int, rows: int, pixel_limit: int) -> None:
+def check_size(path: Path, columns: int, rows: int, pixel_limit: int) -> None:
+    """Refuse a picture that its header says is too large to decode."""
     if columns * rows > pixel_limit:
         raise ImageError(
             f"{path}: {columns} × {rows} pixels are more than the limit of {pixel_limit}: "
@@ -112,20 +120,81 @@ def _check_size(path: Path, columns: int, rows: int, pixel_limit: int) -> None:
 
 
 def _decode(path: Path, pixel_limit: int) -> tuple[Pixels, float | None]:
-    """Decode by Pillow, after its header has passed the size check."""
+    """Decode by Pillow, or by others the deep colour it would cut; the header passes the size check first."""
     with Image.open(path, formats=FORMATS) as image:
-        _check_size(path, *image.size, pixel_limit)
-        frames = getattr(image, "n_frames", 1)
-        if frames > 1:
-            raise ImageError(f"{path}: holds {frames} pictures: save the one to measure in its own file")
-        resolution = _resolution(image.info)
-        return _grey(ImageOps.exif_transpose(image)), resolution
+        check_size(path, *image.size, pixel_limit)
+        if _is_several(image):
+            raise ImageError(
+                f"{path}: holds {getattr(image, 'n_frames', 1)} pictures: "
+                "save the one to measure in its own file, or measure them all as a sequence"
+            )
+        resolution = _resolution(image)
+        if not _is_deep_colour(image):
+            return grey_of_image(ImageOps.exif_transpose(image)), resolution
+        tag = image.getexif().get(ORIENTATION_TAG, 1)
+        if image.format == "TIFF":
+            return _decode_tiff(path, pixel_limit)[0], resolution
+    return grey_of_array(upright(_decode_by_opencv(path), int(tag))), resolution
 
 
-def _resolution(info: dict[Any, Any]) -> float | None:
+def _is_several(image: Image.Image) -> bool:
+    """Tell whether a file holds more than one picture, reduced copies of it left aside."""
+    count = getattr(image, "n_frames", 1)
+    if count == 1 or image.format != "TIFF":
+        return count > 1
     try:
-        across, down = (float(value) for value in info["dpi"])
-    except (KeyError, TypeError, ValueError, ZeroDivisionError):
+        for number in range(1, count):
+            image.seek(number)
+            if not image.getexif().get(_SUBFILE_TAG, 0) & 1:
+                return True
+    finally:
+        image.seek(0)
+    return False
+
+
+def _is_deep_colour(image: Image.Image) -> bool:
+    """Tell whether a file holds colour of more than 8 bits, which Pillow would cut to 8."""
+    if image.mode not in {"RGB", "RGBA", "RGBX", "LA"}:
+        return False
+    if image.format == "TIFF":
+        return int(np.max(image.getexif().get(_BITS_TAG, 8))) > 8
+    # Pillow's name for the layout of the file's samples, or for PPM their largest value.
+    layouts = [str(tile[3]) for tile in getattr(image, "tile", ())]
+    return any(";16" in layout or "65535" in layout for layout in layouts)
+
+
+def _decode_by_opencv(path: Path) -> npt.NDArray[Any]:
+    """Decode at full depth, as (rows, columns, RGB or RGBA), without turning."""
+    array = cv2.imdecode(np.fromfile(path, np.uint8), cv2.IMREAD_UNCHANGED)
+    if array is None:
+        raise OSError("the picture ends early")
+    return array[..., [2, 1, 0, 3][: array.shape[2]]] if array.ndim == 3 else array
+
+
+def _resolution(image: Image.Image) -> float | None:
+    if image.format == "TIFF" and (per_inch := _imagej_resolution(image)) is not None:
+        return per_inch
+    return _honest(image.info.get("dpi"))
+
+
+def _imagej_resolution(image: Image.Image) -> float | None:
+    """Return the calibration that ImageJ writes: pixels per unit without TIFF's unit, None without one."""
+    tags = image.getexif()
+    text = str(tags.get(_DESCRIPTION_TAG, ""))
+    unit = re.search(r"^unit=(.+)$", text, re.MULTILINE) if text.startswith("ImageJ=") else None
+    if unit is None:
+        return None
+    name = unit[1].strip().replace(r"\u00B5", "u").replace("µ", "u")
+    per_inch = _IMAGEJ_UNITS.get(name)
+    across, down = (float(tags.get(tag, 0)) for tag in _RESOLUTION_TAGS)
+    return None if per_inch is None else _honest((across * per_inch, down * per_inch))
+
+
+def _honest(pair: Any) -> float | None:
+    """Return a resolution that could be one: finite, not nearly zero, and the same in both directions."""
+    try:
+        across, down = (float(value) for value in pair)
+    except (TypeError, ValueError, ZeroDivisionError):
         return None
     if not (math.isfinite(across) and across >= _LEAST_PPI) or not math.isclose(across, down, rel_tol=0.01):
         return None
@@ -133,7 +202,7 @@ def _resolution(info: dict[Any, Any]) -> float | None:
     return round(across) if abs(across - round(across)) < 0.02 else across
 
 
-def _grey(image: Image.Image) -> Pixels:
+def grey_of_image(image: Image.Image) -> Pixels:
     """Return the grey levels of a Pillow image of any mode."""
     if image.mode == "F":
         return np.asarray(image, dtype=np.float32)
@@ -146,33 +215,27 @@ def _grey(image: Image.Image) -> Pixels:
     return np.asarray(image.convert("L"), dtype=np.uint8)
 
 
-def _decode_tiff(path: Path, pixel_limit: int) -> Pixels:
-    """Decode the TIFF kinds that Pillow refuses: 16-bit and float colour, doubles."""
+def _decode_tiff(path: Path, pixel_limit: int) -> tuple[Pixels, float | None]:
+    """Decode the TIFF kinds that Pillow refuses or flattens: 16-bit and float colour, doubles."""
     try:
         with tifffile.TiffFile(path) as tiff:
             page = tiff.pages[0]
-            _check_size(path, int(page.shape[1]), int(page.shape[0]), pixel_limit)
-            array = page.asarray()
+            check_size(path, *size_of_page(page), pixel_limit)
+            resolution = _honest(resolution_of_page(page))
+            pixels = _pixels_of_page(path, page)
     except ImageError:
         raise
     # tifffile lets errors of any kind out of a damaged file.
     except Exception as error:
         raise ImageError(f"{path}: is not a picture this library reads: save it as {_READABLE}") from error
-    if array.ndim == 2 and array.dtype in (np.uint8, np.uint16):
-        return np.asarray(array)
-    if array.ndim == 2 and array.dtype.kind in "fui":
-        return array.astype(np.float32)
-    if array.ndim == 3 and array.shape[2] in (3, 4) and array.dtype.kind in "fu":
-        return _grey_of_colour(array)
-    raise ImageError(
-        f"{path}: a TIFF of shape {array.shape} and type {array.dtype} is not a picture: save as grey"
-    )
+    return pixels, resolution
 
 
-def _grey_of_colour(array: npt.NDArray[Any]) -> Pixels:
-    top = float(np.iinfo(array.dtype).max) if array.dtype.kind == "u" else 1.0
-    grey = array[..., :3].astype(np.float32) @ _LUMA
-    if array.shape[2] == 4:
-        alpha = array[..., 3].astype(np.float32) / top
-        grey = alpha * grey + (1 - alpha) * top
-    return grey.round().astype(array.dtype) if array.dtype in (np.uint8, np.uint16) else grey
+def _pixels_of_page(path: Path, page: Any) -> Pixels:
+    try:
+        return grey_of_page(page)
+    except ImageError as error:
+        raise ImageError(f"{path}: {error}") from error
+    except ValueError:
+        # A compression that tifffile lacks; OpenCV turns a TIFF upright by itself.
+        return grey_of_array(_decode_by_opencv(path))

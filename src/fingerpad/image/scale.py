@@ -8,8 +8,13 @@ import numpy as np
 
 from fingerpad._arrays import require
 from fingerpad.exceptions import CalibrationError
+from fingerpad.image.read import Picture
 
 MM_PER_INCH = 25.4
+# What cameras, editors and screens write where nobody has measured anything.
+PLACEHOLDER_PPI = (72.0, 96.0)
+# Files keep whole dots per inch: half a dot either way, rectangular.
+_WHOLE_PPI_STD = 0.5 / math.sqrt(3)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -63,6 +68,37 @@ class Scale:
             If `mm_per_px` is not positive and finite, or its uncertainty negative or not finite.
         """
         return cls(mm_per_px=float(mm_per_px), mm_per_px_std=float(mm_per_px_std))
+
+    @classmethod
+    def of_picture(cls, picture: Picture) -> Self:
+        """Make a scale from the resolution that a picture's own file states.
+
+        Its uncertainty is that of the rounding to whole dots per inch. Whether the number is meant at all
+        only the print can tell: `measure_imprint` flags ``scale_doubtful`` where the ridge period is none
+        that a finger has.
+
+        Raises
+        ------
+        CalibrationError
+            If the file states no resolution, or 72 or 96 dots per inch, which mean nothing.
+
+        Examples
+        --------
+        >>> picture = Picture(pixels=np.zeros((20, 20), np.uint8), dots_per_inch=500.0)
+        >>> scale = Scale.of_picture(picture)
+        >>> scale.mm_per_px, round(scale.relative_std, 5)
+        (0.0508, 0.00058)
+        """
+        ppi = picture.dots_per_inch
+        way_out = "give pixels per inch, millimetres per pixel, a line or a coin of known length"
+        if ppi is None:
+            raise CalibrationError(f"the picture's file states no resolution: {way_out}")
+        if any(math.isclose(ppi, placeholder, abs_tol=0.5) for placeholder in PLACEHOLDER_PPI):
+            raise CalibrationError(
+                f"the picture's file states {ppi:g} dots per inch, which programs write without measuring: "
+                f"{way_out}"
+            )
+        return cls.of_ppi(ppi, _WHOLE_PPI_STD)
 
     @classmethod
     def of_line(

@@ -1,0 +1,286 @@
+"""A force signal beside a film: its samples, and the clock that brings frames onto its time."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from os import PathLike
+from pathlib import Path
+from typing import Self, TypeAlias
+
+import numpy as np
+
+from fingerpad._arrays import ArrayLike, FloatArray, floats
+from fingerpad._columns import read_columns
+from fingerpad.exceptions import LoadingError
+
+_LEAST_SAMPLES = 2
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ForceSignal:
+    """Normal force against time, at a rate of its own.
+
+    Attributes
+    ----------
+    time : ndarray, (n,)
+        Times of the samples, s, strictly increasing.
+    load : ndarray, (n,)
+        Normal force W, N, from the instrument's own zero, positive in compression.
+    trigger : ndarray or None, (n,)
+        Level of the line that starts the camera, V, where it was recorded.
+
+    Examples
+    --------
+    >>> signal = ForceSignal.of([0.0, 0.1, 0.2], [0.0, 1.0, 2.0])
+    >>> signal.load_at([0.05, 0.25])
+    array([0.5, nan])
+    """
+
+    time: FloatArray
+    load: FloatArray
+    trigger: FloatArray | None = None
+
+    @classmethod
+    def of(cls, time: ArrayLike, load: ArrayLike, trigger: ArrayLike | None = None) -> Self:
+        """Check samples and make a signal of them.
+
+        Raises
+        ------
+        LoadingError
+            If there are fewer than two samples, the lengths differ, a value is not finite, or time does not
+            increase from each sample to the next.
+        """
+        time, load = floats(time), floats(load)
+        channels = {"time": time, "load": load} | ({} if trigger is None else {"trigger": floats(trigger)})
+        for name, values in channels.items():
+            if values.ndim != 1 or values.size < _LEAST_SAMPLES or values.shape != time.shape:
+                raise LoadingError(
+                    f"{name} must be a row of {max(time.size, _LEAST_SAMPLES)} samples like time, "
+                    f"found shape {values.shape}"
+                )
+            if not np.isfinite(values).all():
+                raise LoadingError(
+                    f"{name} is not finite at sample {_first(~np.isfinite(values))}: fill it or cut it off"
+                )
+        _require_increasing(time, "time")
+        return cls(time=time, load=load, trigger=channels.get("trigger"))
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """First and last time, s."""
+        return float(self.time[0]), float(self.time[-1])
+
+    def load_at(self, time: ArrayLike) -> FloatArray:
+        """Return the load at some times by linear interpolation, NaN outside the signal."""
+        return np.asarray(np.interp(floats(time), self.time, self.load, left=np.nan, right=np.nan))
+
+    def trigger_time(self) -> float:
+        """Return when the trigger first rises through half of its range, s.
+
+        Raises
+        ------
+        LoadingError
+            If no trigger was recorded, or it never rises.
+        """
+        if self.trigger is None:
+            raise LoadingError(
+                "the force signal has no trigger column: align by an offset or by first contact"
+            )
+        low, high = float(self.trigger.min()), float(self.trigger.max())
+        found = _first_rise(self.time, self.trigger, (low + high) / 2) if high > low else None
+        if found is None:
+            raise LoadingError(f"the trigger never rises: it stays between {low:g} and {high:g} V")
+        return found
+
+    def contact_time(self, threshold: float) -> float:
+        """Return when the load first rises through a threshold for good (three samples), s.
+
+        Raises
+        ------
+        LoadingError
+            If it never does.
+        """
+        found = _first_rise(self.time, self.load, threshold)
+        if found is None:
+            low, high = float(self.load.min()), float(self.load.max())
+            raise LoadingError(
+                f"the force never rises through {threshold:g} N: it starts at {self.load[0]:g} N and lies "
+                f"between {low:g} and {high:g} N; tare it or choose another threshold"
+            )
+        return found
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FrameRate:
+    """A camera's steady clock on the time of the force signal.
+
+    Attributes
+    ----------
+    frames_per_second : float
+        Rate at which the frames were taken.
+    anchor_time : float
+        Time of the anchor frame on the signal's clock, s.
+    anchor_frame : int or None
+        Number of the anchor frame; None for the first-contact frame, found in the pictures.
+
+    Examples
+    --------
+    >>> FrameRate.of(1000, anchor_time=0.5).time_of(250, first_contact=None)
+    0.75
+    """
+
+    frames_per_second: float
+    anchor_time: float = 0.0
+    anchor_frame: int | None = 0
+
+    @classmethod
+    def of(cls, frames_per_second: float, *, anchor_time: float = 0.0, anchor_frame: int | None = 0) -> Self:
+        """Check a rate and an anchor.
+
+        Raises
+        ------
+        LoadingError
+            If the rate is not positive and finite, or the time not finite.
+        """
+        if not (math.isfinite(frames_per_second) and frames_per_second > 0):
+            raise LoadingError(f"frames_per_second must be positive and finite, found {frames_per_second}")
+        if not math.isfinite(anchor_time):
+            raise LoadingError(f"anchor_time must be finite, found {anchor_time}")
+        return cls(
+            frames_per_second=float(frames_per_second),
+            anchor_time=float(anchor_time),
+            anchor_frame=anchor_frame,
+        )
+
+    @classmethod
+    def of_trigger(cls, frames_per_second: float, signal: ForceSignal, *, frame: int = 0) -> Self:
+        """Put the frame that the trigger starts at the trigger's rise."""
+        return cls.of(frames_per_second, anchor_time=signal.trigger_time(), anchor_frame=frame)
+
+    @classmethod
+    def of_contact(cls, frames_per_second: float, signal: ForceSignal, threshold: float) -> Self:
+        """Put the first-contact frame where the load rises through a threshold, N.
+
+        The pictures show contact from some ridges on: the frame is late by that and by up to one frame, and
+        so are all the times.
+        """
+        return cls.of(frames_per_second, anchor_time=signal.contact_time(threshold), anchor_frame=None)
+
+    @property
+    def needs_contact(self) -> bool:
+        """Whether the clock starts at the first-contact frame."""
+        return self.anchor_frame is None
+
+    def time_of(self, index: int, first_contact: int | None) -> float:
+        """Return the time of a frame, s, NaN while its anchor is unknown."""
+        anchor = first_contact if self.anchor_frame is None else self.anchor_frame
+        return math.nan if anchor is None else self.anchor_time + (index - anchor) / self.frames_per_second
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class FrameStamps:
+    """Time stamps of the frames, on the time of the force signal.
+
+    Attributes
+    ----------
+    time : ndarray, (n,)
+        One for each frame, s, strictly increasing.
+    """
+
+    time: FloatArray
+
+    @classmethod
+    def of(cls, time: ArrayLike) -> Self:
+        """Check time stamps.
+
+        Raises
+        ------
+        LoadingError
+            If one is not finite or time does not increase.
+        """
+        time = floats(time)
+        if time.ndim != 1 or not time.size or not np.isfinite(time).all():
+            raise LoadingError(f"time stamps must be a row of finite times, found shape {time.shape}")
+        _require_increasing(time, "time of the frames")
+        return cls(time=time)
+
+    @property
+    def needs_contact(self) -> bool:
+        """Whether the clock starts at the first-contact frame: never."""
+        return False
+
+    def time_of(self, index: int, first_contact: int | None) -> float:  # noqa: ARG002
+        """Return the time of a frame, s, NaN past the last stamp."""
+        return float(self.time[index]) if index < self.time.size else math.nan
+
+
+FrameClock: TypeAlias = FrameRate | FrameStamps
+
+
+def read_force_signal(path: str | PathLike[str], columns: Mapping[str, str] | None = None) -> ForceSignal:
+    """Read a force signal from a CSV file with columns like ``time_s, force_N`` and perhaps ``trigger_V``.
+
+    Parameters
+    ----------
+    path : path-like
+        The CSV file, with a header line that names quantities and units.
+    columns : mapping, optional
+        From a quantity (``time``, ``force``, ``trigger``) to ``"HEADER:UNIT"`` where headers differ.
+
+    Raises
+    ------
+    LoadingError
+        If the file cannot be read, a column is missing or has an unknown unit, a cell is not a finite
+        number, or time does not increase.
+    """
+    path = Path(path)
+    found = read_columns(path, ("time", "force"), ("trigger",), columns=columns)
+    try:
+        return ForceSignal.of(found["time"], found["force"], found.get("trigger"))
+    except LoadingError as error:
+        raise LoadingError(f"{path}: {error}") from error
+
+
+def read_frame_stamps(path: str | PathLike[str], columns: Mapping[str, str] | None = None) -> FrameStamps:
+    """Read the time of each frame from a CSV file with a column like ``time_s``, one row for each frame.
+
+    Raises
+    ------
+    LoadingError
+        If the file cannot be read, has no such column, or time does not increase.
+    """
+    path = Path(path)
+    try:
+        return FrameStamps.of(read_columns(path, ("time",), columns=columns)["time"])
+    except LoadingError as error:
+        raise LoadingError(str(error) if str(path) in str(error) else f"{path}: {error}") from error
+
+
+def _require_increasing(time: FloatArray, name: str) -> None:
+    steps = np.diff(time)
+    if (steps > 0).all():
+        return
+    at = _first(~(steps > 0))
+    what = "is repeated" if steps[at] == 0 else f"falls to {time[at + 1]:g} s"
+    raise LoadingError(
+        f"{name} must increase from row to row: after row {at + 1} ({time[at]:g} s) it {what}: "
+        "sort the rows and drop repeated ones"
+    )
+
+
+def _first(mask: np.ndarray) -> int:
+    return int(np.flatnonzero(mask)[0])
+
+
+def _first_rise(time: FloatArray, values: FloatArray, level: float) -> float | None:
+    """Return when `values` first passes a level upwards and stays above for three samples."""
+    above = values >= level
+    stays = above.copy()
+    for ahead in (1, 2):
+        stays[:-ahead] &= above[ahead:]
+    rises = np.flatnonzero(~above[:-1] & stays[1:]) + 1
+    if not rises.size:
+        return None
+    k = int(rises[0])
+    share = (level - values[k - 1]) / (values[k] - values[k - 1])
+    return float(time[k - 1] + share * (time[k] - time[k - 1]))

@@ -1,0 +1,190 @@
+"""What one frame of a sequence shows, and what all of them come to."""
+
+import math
+from collections import Counter
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any, Self
+
+from fingerpad.image.force import ForceSignal
+from fingerpad.image.imprint import Imprint
+from fingerpad.image.phases import Phase
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FrameMeasures:
+    """The numbers of an `Imprint`, without its pictures; lengths in mm, orientation in radians."""
+
+    semi_major: float
+    semi_major_std: float
+    semi_minor: float
+    semi_minor_std: float
+    orientation: float
+    gross_area: float
+    gross_area_std: float
+    ridge_area: float
+    ridge_area_std: float
+    ridge_period: float
+    overlap: float
+    centroid: tuple[float, float]
+
+    @classmethod
+    def of(cls, imprint: Imprint) -> Self:
+        """Take the numbers out of an imprint."""
+        return cls(
+            semi_major=float(imprint.ellipse.semi_major),
+            semi_major_std=imprint.semi_major_std,
+            semi_minor=float(imprint.ellipse.semi_minor),
+            semi_minor_std=imprint.semi_minor_std,
+            orientation=imprint.orientation,
+            gross_area=imprint.gross_area,
+            gross_area_std=imprint.gross_area_std,
+            ridge_area=imprint.ridge_area,
+            ridge_area_std=imprint.ridge_area_std,
+            ridge_period=imprint.ridge_period,
+            overlap=imprint.overlap,
+            centroid=imprint.centroid,
+        )
+
+    def as_record(self) -> dict[str, Any]:
+        """Return the numbers under names with units."""
+        return {
+            "semi_major_mm": self.semi_major,
+            "semi_major_mm_std": self.semi_major_std,
+            "semi_minor_mm": self.semi_minor,
+            "semi_minor_mm_std": self.semi_minor_std,
+            "orientation_deg": math.degrees(self.orientation),
+            "gross_area_mm2": self.gross_area,
+            "gross_area_mm2_std": self.gross_area_std,
+            "ridge_area_mm2": self.ridge_area,
+            "ridge_area_mm2_std": self.ridge_area_std,
+            "ridge_period_mm": self.ridge_period,
+            "ellipse_iou": self.overlap,
+            "centroid_px": self.centroid,
+        }
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FrameResult:
+    """One frame of a sequence.
+
+    Attributes
+    ----------
+    index : int
+        Its number, from zero.
+    time : float
+        When it was taken, s, on the clock of the force signal; NaN where that is not known.
+    load : float
+        Normal force W, N, NaN where there is none.
+    phase : {"before", "loading", "hold", "unloading", "after"} or None
+        What the finger was doing; None outside the force signal.
+    measures : FrameMeasures or None
+        What was measured; None where nothing was.
+    readable : bool
+        Whether the frame could be decoded: a readable frame without measures shows no contact.
+    reason : str or None
+        Why nothing was measured.
+    is_first_contact : bool
+        Whether this is the first frame of a contact that persists.
+    flags : tuple of str
+        Doubts: those of the imprint, ``no_force`` outside the force signal, ``no_time`` without a time.
+    """
+
+    index: int
+    time: float = math.nan
+    load: float = math.nan
+    phase: Phase | None = None
+    measures: FrameMeasures | None = None
+    readable: bool = True
+    reason: str | None = None
+    is_first_contact: bool = False
+    flags: tuple[str, ...] = ()
+
+    def as_record(self) -> dict[str, Any]:
+        """Return the frame as a row: names with units, and ``error`` where nothing was measured."""
+        place = {"frame": self.index, "time_s": self.time, "load_N": self.load, "phase": self.phase}
+        if self.measures is None:
+            return place | {"error": self.reason, "flags": self.flags}
+        return place | self.measures.as_record() | {"flags": self.flags}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SequenceSummary:
+    """What the frames of a sequence come to.
+
+    Attributes
+    ----------
+    count, measured, without_contact, failed : int
+        Frames in all, with a contact, readable without one, and not readable.
+    first_contact : int or None
+        First frame of the contact that persists.
+    largest : int or None
+        Frame of the largest gross area.
+    phases : dict of str to int
+        Number of frames in each phase.
+    without_force : int
+        Frames with the flag ``no_force``.
+    notes : tuple of str
+        What a reader must know, in words.
+    """
+
+    count: int
+    measured: int
+    without_contact: int
+    failed: int
+    first_contact: int | None
+    largest: int | None
+    phases: dict[str, int]
+    without_force: int
+    notes: tuple[str, ...]
+
+
+def sequence_summary(results: Iterable[FrameResult], force: ForceSignal | None = None) -> SequenceSummary:
+    """Sum up a sequence in one pass over its results.
+
+    Parameters
+    ----------
+    results : iterable of FrameResult
+        As `measure_sequence` yields them.
+    force : ForceSignal, optional
+        The signal they were measured against, to say where it falls short of them.
+    """
+    counts: Counter[str] = Counter()
+    phases: Counter[str] = Counter()
+    first_contact, largest, largest_area = None, None, 0.0
+    start, end, reason = math.inf, -math.inf, None
+    for result in results:
+        counts["all"] += 1
+        counts["measured"] += result.measures is not None
+        counts["failed"] += not result.readable
+        counts["no_force"] += "no_force" in result.flags
+        phases[result.phase or "none"] += 1
+        if result.is_first_contact:
+            first_contact = result.index
+        if result.measures is not None and result.measures.gross_area > largest_area:
+            largest, largest_area = result.index, result.measures.gross_area
+        if not result.readable and reason is None:
+            reason = f"frame {result.index}: {result.reason}"
+        if math.isfinite(result.time):
+            start, end = min(start, result.time), max(end, result.time)
+    notes = []
+    if force is not None and counts["no_force"]:
+        low, high = force.span
+        notes.append(
+            f"the force lasts {high - low:.4g} s (from {low:.4g} to {high:.4g} s), the frames "
+            f"{max(0.0, end - start):.4g} s (from {start:.4g} to {end:.4g} s): "
+            f"{counts['no_force']} of {counts['all']} frames have no load"
+        )
+    if counts["failed"]:
+        notes.append(f"{counts['failed']} of {counts['all']} frames could not be read; first {reason}")
+    return SequenceSummary(
+        count=counts["all"],
+        measured=counts["measured"],
+        without_contact=counts["all"] - counts["measured"] - counts["failed"],
+        failed=counts["failed"],
+        first_contact=first_contact,
+        largest=largest,
+        phases=dict(phases),
+        without_force=counts["no_force"],
+        notes=tuple(notes),
+    )

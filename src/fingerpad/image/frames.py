@@ -1,0 +1,239 @@
+"""Frames of a sequence, decoded one at a time: a folder of pictures, a TIFF of many pages, or a video."""
+
+import re
+import warnings
+from collections.abc import Iterator
+from dataclasses import dataclass
+from os import PathLike
+from pathlib import Path
+from typing import Any, Final, Literal, TypeAlias
+
+import cv2
+import numpy as np
+import tifffile
+from PIL import Image
+
+from fingerpad.exceptions import ImageError
+from fingerpad.image._grey import Pixels
+from fingerpad.image._tiff import grey_of_page, size_of_page
+from fingerpad.image.read import PIXEL_LIMIT, check_size, grey_of_image, read_image
+
+Kind: TypeAlias = Literal["folder", "tiff", "video"]
+
+PICTURE_SUFFIXES: Final = frozenset({".png", ".tif", ".tiff", ".jpg", ".jpeg", ".bmp", ".pgm", ".ppm"})
+_TIFF_SUFFIXES: Final = frozenset({".tif", ".tiff"})
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Frame:
+    """One frame of a sequence.
+
+    Attributes
+    ----------
+    index : int
+        Its number, from zero.
+    pixels : ndarray or None, (rows, columns)
+        Grey levels; None where it could not be read.
+    reason : str or None
+        Why it could not be read.
+    """
+
+    index: int
+    pixels: Pixels | None
+    reason: str | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Frames:
+    """A sequence of frames that can be gone through again and again; one at a time is held.
+
+    Attributes
+    ----------
+    path : Path
+        The folder or file.
+    kind : {"folder", "tiff", "video"}
+        What it is.
+    count : int
+        Number of frames. For a video it is what the header says.
+    frames_per_second : float or None
+        Rate at which a video plays, None for pictures. A high-speed camera's film plays slower than it was
+        taken.
+    pixel_limit : int
+        The most pixels to accept in one frame.
+    """
+
+    path: Path
+    kind: Kind
+    count: int
+    frames_per_second: float | None
+    pixel_limit: int
+
+    def __len__(self) -> int:
+        return self.count
+
+    def __iter__(self) -> Iterator[Frame]:
+        """Go through the frames; one that is damaged, or of another size than the first, has a reason."""
+        shape = None
+        for frame in self._decoded():
+            if frame.pixels is not None and shape is None:
+                shape = frame.pixels.shape
+            if frame.pixels is not None and frame.pixels.shape != shape:
+                reason = f"has {_size(frame.pixels.shape)} pixels, the first frame {_size(shape)}"
+                yield Frame(index=frame.index, pixels=None, reason=reason)
+            else:
+                yield frame
+
+    def _decoded(self) -> Iterator[Frame]:
+        if self.kind == "folder":
+            return _folder_frames(_pictures_in(self.path), self.pixel_limit)
+        if self.kind == "tiff":
+            return _tiff_frames(self.path, self.pixel_limit)
+        return _video_frames(self.path, self.count, self.pixel_limit)
+
+
+def open_frames(path: str | PathLike[str], *, pixel_limit: int = PIXEL_LIMIT) -> Frames:
+    """Open a folder of pictures, a TIFF file of many pages, or a video.
+
+    The pictures of a folder come in natural order: ``frame2.png`` before ``frame10.png``.
+
+    Parameters
+    ----------
+    path : path-like
+        The folder or file.
+    pixel_limit : int
+        The most pixels to accept in one frame, checked before it is decoded.
+
+    Raises
+    ------
+    ImageError
+        If there is nothing, or the folder holds no picture, or the file is neither TIFF nor video.
+
+    Examples
+    --------
+    >>> open_frames("no_such_film.avi")
+    Traceback (most recent call last):
+    fingerpad.exceptions.ImageError: no_such_film.avi: no such file or folder: check the path
+    """
+    path = Path(path)
+    if not path.exists():
+        raise ImageError(f"{path}: no such file or folder: check the path")
+    rate = None
+    if path.is_dir():
+        kind: Kind = "folder"
+        count = len(_pictures_in(path))
+        if not count:
+            raise ImageError(f"{path}: holds no picture (PNG, TIFF, JPEG, BMP or PGM)")
+    elif path.suffix.lower() in _TIFF_SUFFIXES:
+        kind, count = "tiff", _count_pages(path)
+    elif path.suffix.lower() in PICTURE_SUFFIXES:
+        raise ImageError(f"{path}: is one picture: name the folder that holds the sequence")
+    else:
+        kind, (count, rate) = "video", _video_header(path)
+    return Frames(path=path, kind=kind, count=count, frames_per_second=rate, pixel_limit=pixel_limit)
+
+
+def _size(shape: tuple[int, ...] | None) -> str:
+    return " × ".join(map(str, (shape or ())[::-1]))
+
+
+def _pictures_in(folder: Path) -> list[Path]:
+    pictures = (p for p in folder.iterdir() if p.suffix.lower() in PICTURE_SUFFIXES and p.name[0] != ".")
+    return sorted(pictures, key=_natural)
+
+
+def _natural(path: Path) -> list[tuple[int, int, str]]:
+    parts = re.split(r"(\d+)", path.name.lower())
+    return [(0, int(part), part) if part.isdecimal() else (1, 0, part) for part in parts]
+
+
+def _folder_frames(pictures: list[Path], pixel_limit: int) -> Iterator[Frame]:
+    for index, picture in enumerate(pictures):
+        try:
+            pixels = read_image(picture, pixel_limit=pixel_limit).pixels
+        except ImageError as error:
+            yield Frame(index=index, pixels=None, reason=str(error))
+        else:
+            yield Frame(index=index, pixels=pixels)
+
+
+def _count_pages(path: Path) -> int:
+    try:
+        with tifffile.TiffFile(path) as tiff:
+            return len(tiff.pages)
+    # tifffile lets errors of any kind out of a damaged file.
+    except Exception as error:
+        raise ImageError(f"{path}: cannot be read as TIFF ({error}): copy it again") from error
+
+
+def _tiff_frames(path: Path, pixel_limit: int) -> Iterator[Frame]:
+    # Reading one IFD at a time: a list of all pages would grow with the film.
+    with tifffile.TiffFile(path) as tiff:
+        for index in range(len(tiff.pages)):
+            try:
+                pixels = _page(path, tiff, index, pixel_limit)
+            # tifffile lets errors of any kind out of a damaged page.
+            except Exception as error:
+                reason = f"{path}: page {index} cannot be decoded ({error})"
+                yield Frame(index=index, pixels=None, reason=reason)
+            else:
+                yield Frame(index=index, pixels=pixels)
+
+
+def _page(path: Path, tiff: tifffile.TiffFile, index: int, pixel_limit: int) -> Pixels:
+    page = tiff.pages[index]
+    check_size(path, *size_of_page(page), pixel_limit)
+    try:
+        pixels = grey_of_page(page)
+    except ValueError as error:
+        if "imagecodecs" not in str(error):
+            raise
+        pixels = _page_by_pillow(path, index)
+    if not np.isfinite(pixels).all():
+        raise ImageError("it holds NaN or infinite values")
+    return pixels
+
+
+def _page_by_pillow(path: Path, index: int) -> Pixels:
+    """Decode a page whose compression tifffile lacks."""
+    with warnings.catch_warnings(), Image.open(path, formats=["TIFF"]) as image:
+        warnings.simplefilter("ignore")
+        image.seek(index)
+        return grey_of_image(image)
+
+
+def _video_header(path: Path) -> tuple[int, float | None]:
+    capture = _capture(path)
+    try:
+        count, rate = (capture.get(key) for key in (cv2.CAP_PROP_FRAME_COUNT, cv2.CAP_PROP_FPS))
+    finally:
+        capture.release()
+    return max(0, int(count)), rate if rate > 0 and np.isfinite(rate) else None
+
+
+def _capture(path: Path) -> Any:
+    capture = cv2.VideoCapture(str(path))
+    if not capture.isOpened():
+        raise ImageError(f"{path}: cannot be opened as a video: convert it to AVI or MP4, or to pictures")
+    return capture
+
+
+def _video_frames(path: Path, count: int, pixel_limit: int) -> Iterator[Frame]:
+    capture = _capture(path)
+    index = 0
+    try:
+        columns, rows = (
+            int(capture.get(key)) for key in (cv2.CAP_PROP_FRAME_WIDTH, cv2.CAP_PROP_FRAME_HEIGHT)
+        )
+        check_size(path, columns, rows, pixel_limit)
+        while True:
+            good, colour = capture.read()
+            if not good:
+                break
+            yield Frame(index=index, pixels=np.asarray(cv2.cvtColor(colour, cv2.COLOR_BGR2GRAY), np.uint8))
+            index += 1
+    finally:
+        capture.release()
+    for missing in range(index, count):
+        yield Frame(
+            index=missing, pixels=None, reason=f"{path}: the video ends after {index} of {count} frames"
+        )

@@ -1,0 +1,144 @@
+"""Coins: known radius, tilt and place, and what is said where there is no one whole coin."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from fingerpad.exceptions import CalibrationError, GeometryError
+from fingerpad.image import measure_coin, render_coin
+
+
+@pytest.fixture(scope="module")
+def measured():
+    """Coins of all sizes, tilts and looks, found and true."""
+    rng = np.random.default_rng(11)
+    pairs = []
+    for seed in range(2, 14):
+        truth = render_coin(
+            radius=rng.uniform(60, 150),
+            tilt=rng.choice([0.0, rng.uniform(0, 0.4)]),
+            orientation=rng.uniform(-1.5, 1.5),
+            shape=(380, 480),
+            level=rng.uniform(90, 140),
+            ground=rng.uniform(200, 235),
+            relief=rng.uniform(3, 15),
+            shadow=rng.uniform(0, 0.12),
+            noise_std=rng.uniform(2, 10),
+            blur=rng.uniform(0.6, 1.4),
+            centre=(190 + rng.uniform(-20, 20), 240 + rng.uniform(-40, 40)),
+            seed=seed,
+        )
+        pairs.append((measure_coin(truth.pixels), truth))
+    return pairs
+
+
+def test_the_radius_is_found_to_a_fraction_of_a_pixel(measured):
+    errors = np.array([coin.semi_major - float(truth.ellipse.semi_major) for coin, truth in measured])
+    assert np.abs(errors).max() < 0.6
+    assert np.median(np.abs(errors)) < 0.2
+
+
+def test_stated_uncertainties_are_neither_small_nor_large(measured):
+    pulls = np.array(
+        [
+            (coin.semi_major - float(truth.ellipse.semi_major)) / coin.semi_major_std
+            for coin, truth in measured
+        ]
+    )
+    # The sum of squares lies in the central 99.8 % of its distribution.
+    low, high = stats.chi2.ppf([0.001, 0.999], pulls.size)
+    assert low < np.sum(pulls**2) < high
+
+
+def test_place_and_tilt(measured):
+    for coin, truth in measured:
+        assert math.dist(coin.centre, truth.centre) < 0.7
+        assert coin.semi_minor == pytest.approx(float(truth.ellipse.semi_minor), rel=0.01)
+        if float(truth.ellipse.axis_ratio) < 0.95:
+            turn = (coin.orientation - truth.orientation + math.pi / 2) % math.pi - math.pi / 2
+            assert abs(turn) < 0.05
+            assert coin.tilt == pytest.approx(math.acos(float(truth.ellipse.axis_ratio)), abs=0.04)
+
+
+def test_the_scale_carries_both_uncertainties():
+    coin = measure_coin(render_coin(radius=90, shape=(260, 280)).pixels)
+    scale = coin.scale(23.25, 0.05)
+    assert scale.mm_per_px == pytest.approx(23.25 / (2 * coin.semi_major))
+    assert scale.relative_std == pytest.approx(
+        math.hypot(0.05 / 23.25, coin.semi_major_std / coin.semi_major), rel=1e-9
+    )
+    with pytest.raises(CalibrationError, match="length_mm must be positive"):
+        coin.scale(0.0)
+
+
+def test_a_large_picture_is_measured_at_its_own_size():
+    truth = render_coin(radius=290, tilt=0.2, shape=(800, 1000), centre=(380.3, 520.7), seed=4, shadow=0.05)
+    coin = measure_coin(truth.pixels)
+    assert coin.semi_major == pytest.approx(290, abs=0.6)
+    assert math.dist(coin.centre, truth.centre) < 0.5
+
+
+def test_a_shadow_makes_it_doubtful():
+    plain, shaded = (measure_coin(render_coin(radius=100, shadow=s, seed=6).pixels) for s in (0.02, 0.2))
+    assert plain.flags == ()
+    assert shaded.flags == ("shadow",)
+    assert shaded.semi_major_std > 2 * plain.semi_major_std
+
+
+def two_coins():
+    pair = (render_coin(radius=80, shape=(300, 250), seed=k, shadow=0.05).pixels for k in (1, 2))
+    return np.hstack(list(pair))
+
+
+def noise():
+    return np.random.default_rng(0).normal(120, 20, (300, 300))
+
+
+def straight_edges():
+    picture = np.full((300, 300), 200.0)
+    picture[60:220, 80:240] = 90
+    return picture
+
+
+def with_nan():
+    picture = np.ones((100, 100))
+    picture[3, 3] = np.nan
+    return picture
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: np.zeros((200, 200), np.uint8), "no coin found"),
+        (noise, "no coin found"),
+        (straight_edges, "no coin found"),
+        (two_coins, "2 coins found"),
+        (lambda: render_coin(radius=90, shape=(300, 300), centre=(150, 40)).pixels, "cut by the frame"),
+        (
+            lambda: render_coin(radius=90, shape=(300, 300), centre=(150, 330)).pixels,
+            "no coin|cut by the frame",
+        ),
+        (lambda: render_coin(radius=90, shape=(300, 300), level=200, ground=205, relief=4).pixels, "no coin"),
+        (lambda: np.ones((1, 1)), "48 px or more"),
+        (lambda: np.ones((60, 60, 3)), "grey"),
+        (lambda: np.array(["a"]), "grey"),
+        (with_nan, "NaN"),
+    ],
+)
+def test_no_one_whole_coin_is_said(make, words):
+    with pytest.raises(CalibrationError, match=words):
+        measure_coin(make())
+
+
+@pytest.mark.parametrize("bad", [{"radius": 0}, {"radius": math.nan}, {"tilt": 2.0}])
+def test_impossible_coins_are_refused(bad):
+    with pytest.raises(GeometryError, match="positive radius"):
+        render_coin(**bad)
+
+
+def test_one_seed_one_coin():
+    first, again, other = (render_coin(radius=40, shape=(120, 120), seed=k).pixels for k in (1, 1, 2))
+    np.testing.assert_array_equal(first, again)
+    assert (first != other).any()

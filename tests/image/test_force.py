@@ -1,0 +1,121 @@
+"""Force signals and frame clocks: interpolation, alignment, and everything a signal can have wrong."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fingerpad.exceptions import LoadingError
+from fingerpad.image import ForceSignal, FrameRate, FrameStamps, read_force_signal, read_frame_stamps
+
+
+def write(folder, text):
+    path = folder / "force.csv"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def test_reads_units_and_trigger(tmp_path):
+    signal = read_force_signal(
+        write(tmp_path, "time_ms,force_mN,trigger_V\n0,0,0\n1,500,0\n2,1000,5\n3,1500,5\n")
+    )
+    np.testing.assert_allclose(signal.time, [0, 0.001, 0.002, 0.003])
+    np.testing.assert_allclose(signal.load, [0, 0.5, 1, 1.5])
+    assert signal.trigger_time() == pytest.approx(0.0015)
+
+
+def test_columns_can_be_named(tmp_path):
+    path = write(tmp_path, "t,Fz\n0,1\n1,2\n")
+    signal = read_force_signal(path, {"time": "t:min", "force": "Fz:gf"})
+    np.testing.assert_allclose(signal.time, [0, 60])
+    np.testing.assert_allclose(signal.load, [9.80665e-3, 19.6133e-3])
+    assert signal.trigger is None
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("time_s,force_N\n0,1\n", r"samples"),
+        ("time_s,force_N\n0,1\n1,nan\n", "line 3, column 'force_N': 'nan'"),
+        ("time_s,force_N\n0,1\n2,1\n1,1\n", r"after row 2 \(2 s\) it falls to 1 s"),
+        ("time_s,force_N\n0,1\n1,1\n1,2\n", r"after row 2 \(1 s\) it is repeated"),
+        ("force_N\n1\n2\n", "no column time_s"),
+        ("time_s,force_lb\n0,1\n1,2\n", "unit 'lb'"),
+    ],
+)
+def test_bad_files_are_named(tmp_path, text, words):
+    with pytest.raises(LoadingError, match=words) as caught:
+        read_force_signal(write(tmp_path, text))
+    assert "force.csv" in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("time", "load", "words"),
+    [
+        ([0, 1], [0, math.nan], "load is not finite at sample 1"),
+        ([0, math.inf], [0, 1], "time is not finite"),
+        ([0, 1, 2], [0, 1], "3 samples"),
+        ([[0, 1]], [[0, 1]], "row"),
+    ],
+)
+def test_bad_samples_are_named(time, load, words):
+    with pytest.raises(LoadingError, match=words):
+        ForceSignal.of(time, load)
+
+
+@given(st.floats(-5, 5), st.floats(0.1, 3), st.floats(0, 1))
+def test_a_straight_signal_is_interpolated_exactly_and_never_beyond(start, step, share):
+    signal = ForceSignal.of(start + step * np.arange(5), 2.0 * np.arange(5))
+    low, high = signal.span
+    assert signal.load_at(low + share * (high - low)) == pytest.approx(8 * share, abs=1e-9)
+    assert np.isnan(signal.load_at([low - 1e-6, high + 1e-6])).all()
+
+
+def test_clocks():
+    assert FrameRate.of(100, anchor_time=2.0, anchor_frame=50).time_of(0, None) == pytest.approx(1.5)
+    assert math.isnan(FrameRate.of(100, anchor_frame=None).time_of(3, None))
+    assert FrameRate.of(100, anchor_time=1.0, anchor_frame=None).time_of(13, 3) == pytest.approx(1.1)
+    stamps = FrameStamps.of([0.1, 0.4])
+    assert stamps.time_of(1, None) == 0.4
+    assert math.isnan(stamps.time_of(2, None))
+
+
+def test_trigger_and_contact_anchor_the_frames():
+    time = np.arange(0, 1, 0.001)
+    load = np.maximum(0, time - 0.4)
+    signal = ForceSignal.of(time, load, np.where(time >= 0.2505, 5.0, 0.02))
+    assert FrameRate.of_trigger(100, signal).time_of(10, None) == pytest.approx(0.3505, abs=6e-4)
+    assert FrameRate.of_contact(100, signal, 0.05).time_of(7, 7) == pytest.approx(0.45, abs=1e-6)
+
+
+def test_a_spike_is_no_contact():
+    load = np.zeros(50)
+    load[5], load[20:] = 1.0, 1.0
+    assert ForceSignal.of(np.arange(50.0), load).contact_time(0.5) == pytest.approx(19.5)
+
+
+@pytest.mark.parametrize(
+    ("ask", "words"),
+    [
+        (lambda s: s.trigger_time(), "no trigger column"),
+        (lambda s: ForceSignal.of(s.time, s.load, np.full(4, 3.0)).trigger_time(), "never rises: it stays"),
+        (lambda s: ForceSignal.of(s.time, s.load, [5, 5, 0, 0]).trigger_time(), "never rises"),
+        (lambda s: s.contact_time(9.0), "never rises through 9 N"),
+        (lambda s: FrameRate.of(0), "frames_per_second must be positive"),
+        (lambda s: FrameRate.of(math.nan), "frames_per_second must be positive"),
+        (lambda s: FrameRate.of(10, anchor_time=math.inf), "anchor_time must be finite"),
+        (lambda s: FrameStamps.of([1.0, 1.0]), "is repeated"),
+        (lambda s: FrameStamps.of([1.0, math.nan]), "finite"),
+    ],
+)
+def test_what_cannot_be_aligned_is_said(ask, words):
+    with pytest.raises(LoadingError, match=words):
+        ask(ForceSignal.of([0, 1, 2, 3], [0, 1, 2, 3]))
+
+
+def test_stamps_from_a_file(tmp_path):
+    np.testing.assert_allclose(read_frame_stamps(write(tmp_path, "time_ms\n5\n7\n")).time, [0.005, 0.007])
+    with pytest.raises(LoadingError, match=r"force\.csv: time of the frames must increase"):
+        read_frame_stamps(write(tmp_path, "time_s\n5\n4\n"))

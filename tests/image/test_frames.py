@@ -1,0 +1,158 @@
+"""Frames of folders, TIFF stacks and videos: order, damage, and memory that does not grow with length."""
+
+import tracemalloc
+
+import cv2
+import numpy as np
+import pytest
+import tifffile
+from PIL import Image
+
+from fingerpad.exceptions import ImageError
+from fingerpad.image import open_frames
+
+
+def level(index: int) -> np.ndarray:
+    return np.full((24, 32), 10 * index, np.uint8)
+
+
+def write_folder(path, count=12):
+    path.mkdir()
+    for index in range(count):
+        Image.fromarray(level(index)).save(path / f"frame{index}.png")
+    (path / "notes.txt").write_text("not a picture")
+    return path
+
+
+def write_video(path, codec, count=12):
+    writer = cv2.VideoWriter(str(path), cv2.VideoWriter_fourcc(*codec), 100.0, (64, 48))
+    assert writer.isOpened()
+    for index in range(count):
+        writer.write(np.full((48, 64, 3), 20 * index % 256, np.uint8))
+    writer.release()
+    return path
+
+
+def levels(frames):
+    return [None if frame.pixels is None else round(float(frame.pixels.mean())) for frame in frames]
+
+
+def test_a_folder_comes_in_natural_order_again_and_again(tmp_path):
+    frames = open_frames(write_folder(tmp_path / "film"))
+    assert len(frames) == 12
+    for _ in range(2):
+        assert levels(frames) == [10 * k for k in range(12)]
+    assert [frame.index for frame in frames] == list(range(12))
+
+
+def test_a_tiff_stack_keeps_its_depth(tmp_path):
+    stack = np.stack([level(k).astype(np.uint16) * 250 for k in range(5)])
+    tifffile.imwrite(tmp_path / "film.tif", stack, photometric="minisblack")
+    frames = list(open_frames(tmp_path / "film.tif"))
+    assert frames[3].pixels.dtype == np.uint16
+    np.testing.assert_array_equal(np.stack([frame.pixels for frame in frames]), stack)
+
+
+def test_compressed_pages_that_tifffile_lacks(tmp_path):
+    first, *others = [Image.fromarray(level(k)) for k in range(4)]
+    first.save(tmp_path / "film.tif", save_all=True, append_images=others, compression="tiff_lzw")
+    assert levels(open_frames(tmp_path / "film.tif")) == [0, 10, 20, 30]
+
+
+@pytest.mark.parametrize(("name", "codec"), [("film.avi", "MJPG"), ("film.mp4", "mp4v")])
+def test_a_video(tmp_path, name, codec):
+    frames = open_frames(write_video(tmp_path / name, codec))
+    assert frames.kind == "video"
+    assert len(frames) == 12
+    assert frames.frames_per_second == pytest.approx(100)
+    np.testing.assert_allclose(levels(frames), [20 * k for k in range(12)], atol=6)
+
+
+def test_a_video_cut_short_says_so(tmp_path):
+    whole = write_video(tmp_path / "whole.avi", "MJPG", count=60)
+    data = whole.read_bytes()
+    (tmp_path / "film.avi").write_bytes(data[: len(data) * 2 // 3])
+    frames = list(open_frames(tmp_path / "film.avi"))
+    read = [frame for frame in frames if frame.pixels is not None]
+    assert 20 < len(read) < 60
+    assert all("the video ends after" in frame.reason for frame in frames[len(read) :])
+
+
+def test_a_damaged_page_costs_that_frame_only(tmp_path):
+    path = tmp_path / "film.tif"
+    noise = np.random.default_rng(0).integers(0, 256, (9, 40, 50)).astype(np.uint8)
+    tifffile.imwrite(path, noise, photometric="minisblack", compression="zlib")
+    with tifffile.TiffFile(path) as tiff:
+        offset = tiff.pages[4].dataoffsets[0]
+    data = bytearray(path.read_bytes())
+    data[offset : offset + 60] = b"\xff" * 60
+    path.write_bytes(data)
+    frames = list(open_frames(path))
+    assert [frame.index for frame in frames if frame.pixels is None] == [4]
+    assert "page 4" in frames[4].reason
+    np.testing.assert_array_equal(frames[8].pixels, noise[8])
+
+
+def test_a_damaged_picture_and_another_size_cost_those_frames_only(tmp_path):
+    folder = write_folder(tmp_path / "film", count=6)
+    (folder / "frame2.png").write_bytes((folder / "frame2.png").read_bytes()[:40])
+    Image.fromarray(np.zeros((24, 33), np.uint8)).save(folder / "frame4.png")
+    frames = list(open_frames(folder))
+    assert levels(frames) == [0, 10, None, 30, None, 50]
+    assert "frame2.png" in frames[2].reason
+    assert "33 × 24" in frames[4].reason
+    assert "32 × 24" in frames[4].reason
+
+
+def test_nan_and_large_pages_cost_those_frames_only(tmp_path):
+    stack = np.ones((3, 20, 20), np.float32)
+    stack[1, 2, 3] = np.nan
+    tifffile.imwrite(tmp_path / "film.tif", stack, photometric="minisblack")
+    assert levels(open_frames(tmp_path / "film.tif")) == [1, None, 1]
+    refused = list(open_frames(tmp_path / "film.tif", pixel_limit=100))
+    assert all(frame.pixels is None and "limit of 100" in frame.reason for frame in refused)
+
+
+def make_empty_folder(path):
+    path.mkdir()
+
+
+def make_text(path):
+    path.write_text("hello")
+
+
+@pytest.mark.parametrize(
+    ("name", "make", "words"),
+    [
+        ("none.avi", lambda path: None, "no such file or folder"),
+        ("film", make_empty_folder, "holds no picture"),
+        ("film.avi", make_text, "cannot be opened as a video"),
+        ("film.tif", make_text, "cannot be read as TIFF"),
+        ("film.png", make_text, "is one picture"),
+    ],
+)
+def test_what_is_no_sequence_is_named(tmp_path, name, make, words):
+    make(tmp_path / name)
+    with pytest.raises(ImageError, match=words) as caught:
+        open_frames(tmp_path / name)
+    assert name in str(caught.value)
+
+
+def peak_bytes(path) -> int:
+    frames = open_frames(path)
+    tracemalloc.start()
+    count = sum(frame.pixels is not None for frame in frames)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert count == len(frames)
+    return peak
+
+
+def test_memory_does_not_grow_with_length(tmp_path):
+    peaks = []
+    for count in (200, 5000):
+        path = tmp_path / f"{count}.tif"
+        tifffile.imwrite(path, np.zeros((count, 48, 64), np.uint8), photometric="minisblack")
+        peaks.append(peak_bytes(path))
+    # 4,800 more frames of 3 kB are 15 MB; a page's place in the file may be remembered.
+    assert peaks[1] - peaks[0] < 1_000_000

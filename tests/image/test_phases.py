@@ -1,0 +1,55 @@
+"""Phases of a record: presses of many shapes, told apart through noise."""
+
+import itertools
+
+import numpy as np
+import pytest
+
+from fingerpad.image import PHASES, phases_of
+
+TIME = np.arange(0, 5, 0.002)
+SHAPES = {
+    "hold": ([0, 1, 2, 3, 4, 5], [0, 0, 2, 2, 0, 0]),
+    "slow load, quick release": ([0, 0.5, 3, 4, 4.1, 5], [0, 0, 2, 2, 0, 0]),
+    "peak": ([0, 1, 2.5, 4, 5], [0, 0, 2, 0, 0]),
+    "relaxing hold": ([0, 1, 1.5, 4, 4.5, 5], [0, 0, 2, 1.6, 0, 0]),
+}
+
+
+def found(values):
+    return [PHASES[k] for k in phases_of(TIME, values)]
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.005])
+@pytest.mark.parametrize("name", SHAPES)
+def test_corners_of_a_press(name, noise):
+    corners, loads = SHAPES[name]
+    load = np.interp(TIME, corners, loads) + np.random.default_rng(1).normal(0, noise, TIME.size)
+    phases = found(load)
+    order = [phases[0], *(b for a, b in itertools.pairwise(phases) if a != b)]
+    expected = ["before", "loading", "unloading", "after"]
+    if name != "peak":
+        expected.insert(2, "hold")
+    assert order == expected
+    ends = [float(TIME[phases.index(phase)]) for phase in expected[1:]]
+    np.testing.assert_allclose(ends, corners[1:-1], atol=0.12)
+
+
+def test_a_convex_ramp_is_loading_from_its_foot():
+    depth = np.interp(TIME, [0.5, 2.5, 3.5, 4.5], [0, 2, 2, 0])
+    phases = found(depth**1.5)
+    assert "hold" not in phases[: int(2.3 / 0.002)]
+    assert phases[int(3.0 / 0.002)] == "hold"
+
+
+def test_two_presses():
+    load = np.interp(TIME, [0, 0.5, 1, 1.5, 2, 3, 3.5, 4, 4.5, 5], [0, 0, 2, 2, 0.4, 0.4, 2, 2, 0, 0])
+    phases = found(load)
+    order = [b for a, b in itertools.pairwise(phases) if a != b]
+    assert order.count("loading") == 2
+    assert order[-1] == "after"
+
+
+@pytest.mark.parametrize("values", [np.zeros(50), np.zeros(1), np.array([0.0, 1.0])])
+def test_nothing_happens(values):
+    assert set(phases_of(np.arange(values.size), values)) == {0}

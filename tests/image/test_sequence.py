@@ -1,0 +1,245 @@
+"""Sequences: a pad pressed and released, measured against the truth of every frame."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+import tifffile
+
+from fingerpad._json import dumps
+from fingerpad.exceptions import ImageError, LoadingError
+from fingerpad.image import (
+    ForceSignal,
+    Frame,
+    FrameRate,
+    FrameStamps,
+    Scale,
+    learn_reading,
+    measure_sequence,
+    open_frames,
+    sequence_summary,
+    synthetic_press,
+)
+from fingerpad.image import sequence as room
+
+FPS, CONTACT = 20.0, 8
+CORNERS, LOADS = [0, 0.4, 1.2, 1.8, 2.4, 3.0], [0, 0, 1.5, 1.5, 0, 0]
+TIME = np.arange(49) / FPS
+SCALE = Scale.of_ppi(300)
+
+
+def true_load(time):
+    return np.interp(time, CORNERS, LOADS)
+
+
+@pytest.fixture(scope="module")
+def press():
+    return synthetic_press(true_load(TIME), seed=3)
+
+
+@pytest.fixture(scope="module")
+def frames(press, tmp_path_factory):
+    path = tmp_path_factory.mktemp("film") / "press.tif"
+    tifffile.imwrite(path, np.stack([press.pixels(k) for k in range(TIME.size)]), photometric="minisblack")
+    return open_frames(path)
+
+
+@pytest.fixture(scope="module")
+def signal():
+    time = np.arange(-0.2, 4, 0.001)
+    noise = np.random.default_rng(0).normal(0, 0.004, time.size)
+    return ForceSignal.of(time, true_load(time) + noise, np.where(time > 0, 5.0, 0.0))
+
+
+@pytest.fixture(scope="module")
+def reading(frames):
+    return learn_reading(frames, SCALE)
+
+
+@pytest.fixture(scope="module")
+def results(frames, signal, reading):
+    clock = FrameRate.of_trigger(FPS, signal)
+    return list(measure_sequence(frames, SCALE, clock=clock, force=signal, reading=reading))
+
+
+def test_area_follows_the_truth_through_the_sequence(results, press):
+    errors = [
+        result.measures.gross_area / press.gross_area[result.index] - 1
+        for result in results
+        if result.measures
+    ]
+    assert len(errors) > 30
+    assert np.quantile(np.abs(errors), 0.95) < 0.04
+    assert np.std(errors) < 0.015
+
+
+def test_axes_follow_the_truth(results, press):
+    held = [result for result in results if result.phase == "hold"]
+    for name in ("semi_major", "semi_minor"):
+        found = np.mean([getattr(result.measures, name) for result in held])
+        assert found == pytest.approx(getattr(press, name)[held[0].index], rel=0.02)
+
+
+def test_loads_are_those_of_the_frames(results):
+    np.testing.assert_allclose([r.time for r in results], TIME, atol=1e-3)
+    np.testing.assert_allclose([r.load for r in results], true_load(TIME), atol=0.02)
+
+
+def test_phases_come_from_the_force(results):
+    expected = [(0.2, "before"), (0.8, "loading"), (1.5, "hold"), (2.1, "unloading")]
+    assert [results[round(FPS * time)].phase for time, _ in expected] == [phase for _, phase in expected]
+
+
+def test_phases_come_from_the_pictures_without_a_force(frames, reading, results):
+    blind = list(measure_sequence(frames, SCALE, reading=reading))
+    same = [one.phase == other.phase for one, other in zip(blind, results, strict=True)]
+    assert np.mean(same) > 0.9
+    assert all(math.isnan(result.time) and math.isnan(result.load) for result in blind)
+    assert not any("no_force" in result.flags for result in blind)
+
+
+def test_first_contact_and_summary(results, signal):
+    summary = sequence_summary(results, signal)
+    assert summary.first_contact in {CONTACT + 1, CONTACT + 2}
+    assert [r.index for r in results if r.is_first_contact] == [summary.first_contact]
+    assert summary.count == TIME.size
+    assert summary.measured + summary.without_contact == TIME.size
+    assert true_load(TIME[summary.largest]) == pytest.approx(1.5)
+    assert summary.notes == ()
+
+
+def test_the_clock_can_start_at_first_contact(frames, reading, signal):
+    clock = FrameRate.of_contact(FPS, signal, 0.1)
+    times = [r.time for r in measure_sequence(frames, SCALE, clock=clock, force=signal, reading=reading)]
+    # Late by the ridges needed to see a contact, and by up to a frame.
+    np.testing.assert_allclose(times, TIME, atol=1.5 / FPS)
+    np.testing.assert_allclose(np.diff(times), 1 / FPS)
+
+
+def test_a_short_force_flags_the_rest(frames, reading, signal):
+    short = ForceSignal.of(*(values[signal.time < 1.02] for values in (signal.time, signal.load)))
+    covered = list(measure_sequence(frames, SCALE, clock=FrameRate.of(FPS), force=short, reading=reading))
+    for result in covered:
+        outside = result.time > 1.02
+        assert ("no_force" in result.flags) == outside == math.isnan(result.load)
+        assert (result.phase is None) == outside
+    assert covered[30].measures is not None
+    (note,) = sequence_summary(covered, short).notes
+    assert "the force lasts 1.219 s" in note
+    assert "the frames 2.4 s" in note
+    assert "28 of 49 frames" in note
+
+
+def test_stamps_that_run_out_are_flagged(frames, reading, signal):
+    clock = FrameStamps.of(TIME[:40])
+    stamped = list(measure_sequence(frames, SCALE, clock=clock, force=signal, reading=reading))
+    assert [r.index for r in stamped if "no_time" in r.flags] == list(range(40, 49))
+
+
+def test_frames_that_cannot_be_read_have_a_reason(frames, reading):
+    class Damaged:
+        def __iter__(self):
+            for frame in frames:
+                bad = frame.index in {20, 21}
+                yield Frame(index=frame.index, pixels=None, reason="torn") if bad else frame
+
+    damaged = list(measure_sequence(Damaged(), SCALE))
+    assert [r.index for r in damaged if not r.readable] == [20, 21]
+    assert damaged[20].reason == "torn"
+    assert damaged[22].measures is not None
+    summary = sequence_summary(damaged)
+    assert summary.failed == 2
+    assert "first frame 20: torn" in summary.notes[0]
+
+
+def test_one_reading_is_learnt_from_the_largest_contact(reading, press):
+    assert reading.settings["dark_on_light"]
+    assert (press.load[list(reading.learnt_from)] > 1.2).all()
+    assert reading.texture[:CONTACT].max() < 0.3 * reading.texture.max()
+
+
+def test_every_frame_is_measured_with_that_reading(frames, reading, monkeypatch):
+    asked = set()
+    measure = room.measure_imprint
+
+    def spy(pixels, scale, **options):
+        asked.add((options["dark_on_light"], options["threshold"]))
+        return measure(pixels, scale, **options)
+
+    monkeypatch.setattr(room, "measure_imprint", spy)
+    for _ in measure_sequence(frames, SCALE, reading=reading):
+        pass
+    assert asked == {(True, reading.settings["threshold"])}
+
+
+def test_light_on_dark_is_learnt_too():
+    press = synthetic_press([0, 1.0, 1.2, 1.4], look="prism", seed=5)
+    frames = [Frame(index=k, pixels=press.pixels(k)) for k in range(4)]
+    assert not learn_reading(frames, SCALE).settings["dark_on_light"]
+
+
+def test_a_watcher_sees_every_measurement(frames, reading):
+    seen = []
+    results = list(
+        measure_sequence(frames, SCALE, reading=reading, watch=lambda k, p, i: seen.append((k, i.gross_area)))
+    )
+    assert seen == [(r.index, r.measures.gross_area) for r in results if r.measures]
+
+
+def test_a_record_has_the_names_of_measure_print(results):
+    record = json.loads(dumps(results[30].as_record()))
+    assert {"frame", "time_s", "load_N", "phase", "semi_major_mm", "gross_area_mm2_std", "flags"} <= set(
+        record
+    )
+    empty = json.loads(dumps(results[0].as_record()))
+    assert "no contact" in empty["error"]
+    assert "semi_major_mm" not in empty
+
+
+def test_a_contact_that_does_not_last_is_not_the_first(press):
+    order = [0, 0, 30, 0, 0, 28, 29, 30, 31]
+    frames = [Frame(index=k, pixels=press.pixels(at)) for k, at in enumerate(order)]
+    assert sequence_summary(measure_sequence(frames, SCALE)).first_contact == 5
+
+
+def test_an_overexposed_empty_frame_shows_no_contact():
+    # Clipped noise leaves specks that, measured by themselves, pass for a small contact.
+    press = synthetic_press([0.0] * 178 + [0.0, 2.0], flicker=0.02, seed=3)
+    frames = [Frame(index=k, pixels=press.pixels(at)) for k, at in enumerate((178, 179, 179, 179))]
+    empty, *others = measure_sequence(frames, SCALE)
+    assert empty.measures is None
+    assert all(other.measures is not None for other in others)
+
+
+@pytest.mark.parametrize(
+    ("frames", "words"),
+    [
+        ([], "no frame can be read"),
+        ([Frame(index=0, pixels=None, reason="torn")], "no frame can be read: torn"),
+        ([Frame(index=0, pixels=np.zeros((90, 90), np.uint8))] * 3, "no contact found in any frame"),
+        ([Frame(index=0, pixels=np.zeros((1, 1), np.uint8))], "no contact found in any frame"),
+    ],
+)
+def test_a_sequence_without_contact_is_refused(frames, words):
+    with pytest.raises(ImageError, match=words):
+        list(measure_sequence(frames, SCALE))
+
+
+def test_a_force_needs_a_clock(frames, signal):
+    with pytest.raises(LoadingError, match="times of the frames"):
+        next(measure_sequence(frames, SCALE, force=signal))
+
+
+@pytest.mark.parametrize("bad", [{"load": [-1.0]}, {"load": [math.nan]}, {"load": [1.0], "radii": (5, 9)}])
+def test_impossible_presses_are_refused(bad):
+    with pytest.raises(ValueError, match="load|radius"):
+        synthetic_press(**bad)
+
+
+def test_a_press_renders_its_hertz_area(press):
+    dark = press.pixels(30) < 140
+    rows, columns = np.nonzero(dark)
+    spread = (np.ptp(rows), np.ptp(columns))
+    expected = 2 * np.array([press.semi_major[30], press.semi_minor[30]]) / SCALE.mm_per_px
+    np.testing.assert_allclose(spread, expected, rtol=0.04)
