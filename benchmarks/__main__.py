@@ -10,8 +10,8 @@ import mpmath as mp
 import numpy as np
 from scipy.special import ellipe, ellipk
 
+from benchmarks import imprints, photographs, sequences
 from benchmarks.exact import RATIOS, exact_contact
-from benchmarks.imprints import accuracy_and_coverage, edge_calibration, speed
 from fingerpad.contact import HertzGeometry, hertz_contact, solve_contact_ellipse
 
 
@@ -66,6 +66,11 @@ def hertz_speed(count: int = 1_000_000) -> None:
 if __name__ == "__main__":
     hertz_accuracy()
     hertz_speed()
-    accuracy_and_coverage(72)
-    edge_calibration(72)
-    speed()
+    imprints.accuracy_and_coverage(72)
+    imprints.edge_calibration(72)
+    imprints.speed()
+    photographs.photograph_accuracy(marked=True)
+    photographs.photograph_accuracy(marked=False)
+    sequences.coin_accuracy()
+    sequences.press_accuracy()
+    sequences.sequence_memory()

@@ -276,3 +276,19 @@ def test_no_cut_png_leaks_another_error(tmp_path, cut):
     path.write_bytes(whole.read_bytes()[:cut])
     with pytest.raises(ImageError):
         read_image(path)
+
+
+@pytest.mark.parametrize(
+    ("dtype", "gain", "offset"), [(np.uint32, 100_000, 0), (np.int32, 1000, 0), (np.int16, 1, -100)]
+)
+def test_wide_and_signed_levels_keep_their_differences(tmp_path, dtype, gain, offset):
+    levels = np.arange(64, dtype=np.int64).reshape(8, 8)
+    tifffile.imwrite(tmp_path / "wide.tif", (gain * levels + offset).astype(dtype), photometric="minisblack")
+    pixels = read_image(tmp_path / "wide.tif").pixels.astype(float)
+    np.testing.assert_allclose(pixels - pixels[0, 0], gain * levels, rtol=1e-6)
+
+
+def test_pages_of_doubles_are_several_pictures_too(tmp_path):
+    tifffile.imwrite(tmp_path / "stack.tif", np.zeros((3, 40, 40)), photometric="minisblack")
+    with pytest.raises(ImageError, match="holds 3 pictures"):
+        read_image(tmp_path / "stack.tif")

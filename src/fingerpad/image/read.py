@@ -140,6 +140,8 @@ def _decode(path: Path, pixel_limit: int) -> tuple[Pixels, float | None]:
 def _is_several(image: Image.Image) -> bool:
     """Tell whether a file holds more than one picture, reduced copies of it left aside."""
     count = getattr(image, "n_frames", 1)
+    if image.format == "MPO":  # a telephone's JPEG, followed by a preview
+        return False
     if count == 1 or image.format != "TIFF":
         return count > 1
     try:
@@ -207,7 +209,9 @@ def grey_of_image(image: Image.Image) -> Pixels:
     if image.mode == "F":
         return np.asarray(image, dtype=np.float32)
     if image.mode.startswith("I"):
-        return np.asarray(image).clip(0, 65535).astype(np.uint16)
+        levels = np.asarray(image)
+        deep = levels.min() < 0 or levels.max() > np.iinfo(np.uint16).max
+        return levels.astype(np.float32) if deep else levels.astype(np.uint16)
     if image.mode not in {"1", "L"}:
         image = image.convert("RGBA")
         white = Image.new("RGBA", image.size, "white")
@@ -219,7 +223,7 @@ def _decode_tiff(path: Path, pixel_limit: int) -> tuple[Pixels, float | None]:
     """Decode the TIFF kinds that Pillow refuses or flattens: 16-bit and float colour, doubles."""
     try:
         with tifffile.TiffFile(path) as tiff:
-            page = tiff.pages[0]
+            page = _only_page(path, tiff)
             check_size(path, *size_of_page(page), pixel_limit)
             resolution = _honest(resolution_of_page(page))
             pixels = _pixels_of_page(path, page)
@@ -229,6 +233,12 @@ def _decode_tiff(path: Path, pixel_limit: int) -> tuple[Pixels, float | None]:
     except Exception as error:
         raise ImageError(f"{path}: is not a picture this library reads: save it as {_READABLE}") from error
     return pixels, resolution
+
+
+def _only_page(path: Path, tiff: tifffile.TiffFile) -> Any:
+    if len(tiff.pages) > 1:
+        raise ImageError(f"{path}: holds {len(tiff.pages)} pictures: measure them all as a sequence")
+    return tiff.pages[0]
 
 
 def _pixels_of_page(path: Path, page: Any) -> Pixels:

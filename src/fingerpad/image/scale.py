@@ -42,6 +42,8 @@ class Scale:
 
     def __post_init__(self) -> None:
         _require_positive(self.mm_per_px, "mm_per_px")
+        likely = 1e-5 <= self.mm_per_px <= 100
+        require(likely, "mm_per_px", self.mm_per_px, "between 0.00001 and 100", CalibrationError)
         _require_std(self.mm_per_px_std, "mm_per_px_std")
 
     @classmethod
