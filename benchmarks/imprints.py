@@ -109,7 +109,7 @@ def edge_calibration(count: int) -> None:
 
     The errors of both axes and of the area, with the shift taken back, are linear in the three constants.
     """
-    from fingerpad.image import _edge, _patch  # noqa: PLC0415
+    from fingerpad.image.imprint import _edge, _patch  # noqa: PLC0415
 
     kept: list[_edge.Edge] = []
     plain = _edge.edge_shift

@@ -8,7 +8,7 @@ from PIL import Image
 
 from fingerpad.exceptions import ImageError
 from fingerpad.image import Scale, draw_overlay, measure_imprint, render_imprint, write_overlay
-from fingerpad.image.overlay import ELLIPSE_COLOUR
+from fingerpad.image.imprint.overlay import ELLIPSE_COLOUR
 
 TRUTH = render_imprint(seed=1, orientation=0.4)
 FOUND = measure_imprint(TRUTH.pixels, Scale.of_ppi(500))

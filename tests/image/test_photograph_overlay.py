@@ -12,7 +12,7 @@ from fingerpad.image import (
     render_finger,
     write_photograph_overlay,
 )
-from fingerpad.image.photograph_overlay import POINT_COLOUR
+from fingerpad.image.photograph.overlay import POINT_COLOUR
 
 TRUTH = render_finger("palmar", arc_deg=160, mm_per_px=0.08, seed=2)
 FOUND = measure_photograph(TRUTH.pixels, "palmar", Scale.of_mm_per_px(0.08))

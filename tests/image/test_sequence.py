@@ -21,7 +21,7 @@ from fingerpad.image import (
     sequence_summary,
     synthetic_press,
 )
-from fingerpad.image import sequence as room
+from fingerpad.image.sequence import measure as room
 
 FPS, CONTACT = 20.0, 8
 CORNERS, LOADS = [0, 0.4, 1.2, 1.8, 2.4, 3.0], [0, 0, 1.5, 1.5, 0, 0]

@@ -1,9 +1,7 @@
 """Measure pictures: contact images, and photographs of a finger's faces."""
 
-from fingerpad.image._face_frame import Direction
-from fingerpad.image.coin import Coin, measure_coin
+from fingerpad.image.coin.measure import Coin, measure_coin
 from fingerpad.image.colour import read_colour_image
-from fingerpad.image.direct import direct_semi_axes
 from fingerpad.image.ellipse_fit import (
     AlignedEllipseFit,
     EllipseFit,
@@ -12,24 +10,22 @@ from fingerpad.image.ellipse_fit import (
     fit_aligned_ellipse,
     fit_ellipse,
 )
-from fingerpad.image.force import (
-    ForceSignal,
-    FrameClock,
-    FrameRate,
-    FrameStamps,
-    read_force_signal,
-    read_frame_stamps,
-)
-from fingerpad.image.frame_result import FrameMeasures, FrameResult, SequenceSummary, sequence_summary
-from fingerpad.image.frames import Frame, Frames, open_frames
-from fingerpad.image.imprint import (
+from fingerpad.image.imprint.measure import (
     FLAGS,
     PLAUSIBLE_RIDGE_PERIOD_MM,
     Imprint,
     ImprintSettings,
     measure_imprint,
 )
-from fingerpad.image.outline import (
+from fingerpad.image.imprint.overlay import draw_overlay, write_overlay
+from fingerpad.image.photograph._face_frame import Direction
+from fingerpad.image.photograph.direct import direct_semi_axes
+from fingerpad.image.photograph.measure import (
+    PHOTOGRAPH_FLAGS,
+    PhotographFit,
+    measure_photograph,
+)
+from fingerpad.image.photograph.outline import (
     FACE_AXES,
     Face,
     FaceSemiAxes,
@@ -40,22 +36,26 @@ from fingerpad.image.outline import (
     read_outline,
     semi_axes_from_outlines,
 )
-from fingerpad.image.outline_fit import OutlineFit, fit_outline_ellipse
-from fingerpad.image.overlay import draw_overlay, write_overlay
-from fingerpad.image.phases import PHASES, Phase, phases_of
-from fingerpad.image.photograph import (
-    PHOTOGRAPH_FLAGS,
-    PhotographFit,
-    measure_photograph,
-)
-from fingerpad.image.photograph_overlay import draw_photograph_overlay, write_photograph_overlay
+from fingerpad.image.photograph.outline_fit import OutlineFit, fit_outline_ellipse
+from fingerpad.image.photograph.overlay import draw_photograph_overlay, write_photograph_overlay
 from fingerpad.image.read import Picture, read_image
 from fingerpad.image.scale import Scale
-from fingerpad.image.sequence import Reading, learn_reading, measure_sequence
-from fingerpad.image.synthetic import SyntheticImprint, outline_points, render_imprint
-from fingerpad.image.synthetic_coin import SyntheticCoin, render_coin
-from fingerpad.image.synthetic_finger import Backdrop, SyntheticFinger, render_finger
-from fingerpad.image.synthetic_press import SyntheticPress, synthetic_press
+from fingerpad.image.sequence.force import (
+    ForceSignal,
+    FrameClock,
+    FrameRate,
+    FrameStamps,
+    read_force_signal,
+    read_frame_stamps,
+)
+from fingerpad.image.sequence.frames import Frame, Frames, open_frames
+from fingerpad.image.sequence.measure import Reading, learn_reading, measure_sequence
+from fingerpad.image.sequence.phases import PHASES, Phase, phases_of
+from fingerpad.image.sequence.result import FrameMeasures, FrameResult, SequenceSummary, sequence_summary
+from fingerpad.image.synthetic.coin import SyntheticCoin, render_coin
+from fingerpad.image.synthetic.finger import Backdrop, SyntheticFinger, render_finger
+from fingerpad.image.synthetic.imprint import SyntheticImprint, outline_points, render_imprint
+from fingerpad.image.synthetic.press import SyntheticPress, synthetic_press
 
 __all__ = [
     "FACE_AXES",

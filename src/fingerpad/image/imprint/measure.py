@@ -11,12 +11,12 @@ import numpy.typing as npt
 from fingerpad._arrays import BoolArray, FloatArray
 from fingerpad.exceptions import ImageError
 from fingerpad.geometry.ellipse import Ellipse
-from fingerpad.image._frame import frame_of
-from fingerpad.image._patch import Patch, measured
-from fingerpad.image._period import ridge_period_px
-from fingerpad.image._region import HALF, UInt8, closed_over, patches_of, without_appendages
-from fingerpad.image._ridges import Float32, Signal, ridge_amount, signal_of
-from fingerpad.image._view import View
+from fingerpad.image.imprint._frame import frame_of
+from fingerpad.image.imprint._patch import Patch, measured
+from fingerpad.image.imprint._period import ridge_period_px
+from fingerpad.image.imprint._region import HALF, UInt8, closed_over, patches_of, without_appendages
+from fingerpad.image.imprint._ridges import Float32, Signal, ridge_amount, signal_of
+from fingerpad.image.imprint._view import View
 from fingerpad.image.scale import Scale
 
 FLAGS = (

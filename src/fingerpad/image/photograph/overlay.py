@@ -12,7 +12,7 @@ from PIL import Image
 
 from fingerpad._arrays import FloatArray
 from fingerpad.exceptions import ImageError
-from fingerpad.image.photograph import PhotographFit
+from fingerpad.image.photograph.measure import PhotographFit
 
 Colour: TypeAlias = tuple[int, int, int]
 Canvas: TypeAlias = npt.NDArray[np.uint8]

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 
 from fingerpad._arrays import BoolArray, FloatArray, floats
-from fingerpad.image._disc import Float32, Rim, summit_of
+from fingerpad.image.coin._disc import Float32, Rim, summit_of
 from fingerpad.image.ellipse_fit import EllipseFit, fit_ellipse
 
 _PROFILE_STEP = 0.25

@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fingerpad._arrays import BoolArray
-from fingerpad.image._region import distance_to, filled, largest, longest_contour
+from fingerpad.image.imprint._region import distance_to, filled, largest, longest_contour
 
 _LEAST_BORDER = 0.02
 # Lossy compression leaves ripples in an even border.

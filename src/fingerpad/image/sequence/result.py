@@ -6,9 +6,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, Self
 
-from fingerpad.image.force import ForceSignal
-from fingerpad.image.imprint import Imprint
-from fingerpad.image.phases import Phase
+from fingerpad.image.imprint.measure import Imprint
+from fingerpad.image.sequence.force import ForceSignal
+from fingerpad.image.sequence.phases import Phase
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

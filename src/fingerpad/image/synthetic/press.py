@@ -9,7 +9,7 @@ import numpy.typing as npt
 from fingerpad._arrays import ArrayLike, FloatArray, floats, require
 from fingerpad.contact import HertzGeometry
 from fingerpad.exceptions import GeometryError
-from fingerpad.image.synthetic import Look, render_imprint
+from fingerpad.image.synthetic.imprint import Look, render_imprint
 
 # Lighter contacts than this are a ground without a finger, mm.
 _LEAST_SEMI_AXIS = 0.05

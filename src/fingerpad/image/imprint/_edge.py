@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fingerpad._arrays import BoolArray, FloatArray
-from fingerpad.image._region import UInt8, longest_contour
+from fingerpad.image.imprint._region import UInt8, longest_contour
 
 Points = npt.NDArray[np.float64]
 

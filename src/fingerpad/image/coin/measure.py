@@ -9,15 +9,7 @@ import numpy.typing as npt
 
 from fingerpad._arrays import FloatArray, floats
 from fingerpad.exceptions import CalibrationError, FitError
-from fingerpad.image._coin_edge import (
-    edge_points,
-    memory_of,
-    offsets_from,
-    rim_of,
-    shadow_beside,
-    without_outliers,
-)
-from fingerpad.image._disc import (
+from fingerpad.image.coin._disc import (
     Edges,
     Float32,
     Rim,
@@ -26,6 +18,14 @@ from fingerpad.image._disc import (
     edges_of,
     ellipses,
     support,
+)
+from fingerpad.image.coin._edge import (
+    edge_points,
+    memory_of,
+    offsets_from,
+    rim_of,
+    shadow_beside,
+    without_outliers,
 )
 from fingerpad.image.ellipse_fit import EllipseFit
 from fingerpad.image.scale import Scale

@@ -8,10 +8,10 @@ import numpy as np
 import numpy.typing as npt
 
 from fingerpad._arrays import BoolArray
-from fingerpad.image._card import card_of
-from fingerpad.image._frame import Frame
-from fingerpad.image._region import UInt8, disk
-from fingerpad.image._ridges import Float32
+from fingerpad.image.imprint._card import card_of
+from fingerpad.image.imprint._frame import Frame
+from fingerpad.image.imprint._region import UInt8, disk
+from fingerpad.image.imprint._ridges import Float32
 
 WORKING_PERIOD_PX = 4.5
 

@@ -13,9 +13,9 @@ import numpy.typing as npt
 
 from fingerpad._arrays import ArrayLike, FloatArray
 from fingerpad.exceptions import FitError, ImageError
-from fingerpad.image._arc import PadArc, candidate_points, fitted_arc, longest_arc
-from fingerpad.image._edges import Edges, locate_edges
-from fingerpad.image._face_frame import (
+from fingerpad.image.photograph._arc import PadArc, candidate_points, fitted_arc, longest_arc
+from fingerpad.image.photograph._edges import Edges, locate_edges
+from fingerpad.image.photograph._face_frame import (
     PAD_MIDDLE,
     Direction,
     face_axes,
@@ -23,9 +23,8 @@ from fingerpad.image._face_frame import (
     pad_sides,
     palmar_directions,
 )
-from fingerpad.image._finger_axis import finger_lean
-from fingerpad.image._light import opponent_light
-from fingerpad.image._photograph_input import (
+from fingerpad.image.photograph._finger_axis import finger_lean
+from fingerpad.image.photograph._input import (
     Window,
     between,
     checked_marks,
@@ -34,8 +33,9 @@ from fingerpad.image._photograph_input import (
     require_uncut,
     within,
 )
-from fingerpad.image._silhouette import Silhouette, find_silhouette
-from fingerpad.image.outline import FACE_AXES, Face, FaceSemiAxes
+from fingerpad.image.photograph._light import opponent_light
+from fingerpad.image.photograph._silhouette import Silhouette, find_silhouette
+from fingerpad.image.photograph.outline import FACE_AXES, Face, FaceSemiAxes
 from fingerpad.image.scale import Scale
 
 PHOTOGRAPH_FLAGS: Mapping[str, str] = {

@@ -11,9 +11,9 @@ import numpy.typing as npt
 from fingerpad._arrays import BoolArray, FloatArray
 from fingerpad.exceptions import FitError
 from fingerpad.image._distance import distances
-from fingerpad.image._face_frame import PAD_MIDDLE, PAD_REACH
-from fingerpad.image.outline import Face
-from fingerpad.image.outline_fit import OutlineFit, fit_outline_ellipse, parametric_angles
+from fingerpad.image.photograph._face_frame import PAD_MIDDLE, PAD_REACH
+from fingerpad.image.photograph.outline import Face
+from fingerpad.image.photograph.outline_fit import OutlineFit, fit_outline_ellipse, parametric_angles
 
 IndexArray: TypeAlias = npt.NDArray[np.intp]
 

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from PIL import Image
 
 from fingerpad.exceptions import ImageError
-from fingerpad.image.imprint import Imprint
+from fingerpad.image.imprint.measure import Imprint
 
 Colour: TypeAlias = tuple[int, int, int]
 Canvas: TypeAlias = npt.NDArray[np.uint8]

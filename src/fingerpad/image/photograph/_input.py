@@ -8,9 +8,9 @@ import numpy.typing as npt
 
 from fingerpad._arrays import ArrayLike, FloatArray, floats
 from fingerpad.exceptions import ImageError
-from fingerpad.image._edges import Edges
-from fingerpad.image._face_frame import Direction
-from fingerpad.image._silhouette import Silhouette
+from fingerpad.image.photograph._edges import Edges
+from fingerpad.image.photograph._face_frame import Direction
+from fingerpad.image.photograph._silhouette import Silhouette
 
 Window: TypeAlias = tuple[slice, slice]
 IndexArray: TypeAlias = npt.NDArray[np.intp]

@@ -14,12 +14,12 @@ import numpy.typing as npt
 from fingerpad._arrays import FloatArray
 from fingerpad.exceptions import ImageError, LoadingError
 from fingerpad.image._grey import Pixels
-from fingerpad.image.force import ForceSignal, FrameClock
-from fingerpad.image.frame_result import FrameMeasures, FrameResult
-from fingerpad.image.frames import Frame
-from fingerpad.image.imprint import Imprint, ImprintSettings, measure_imprint
-from fingerpad.image.phases import PHASES, Phase, phases_of
+from fingerpad.image.imprint.measure import Imprint, ImprintSettings, measure_imprint
 from fingerpad.image.scale import Scale
+from fingerpad.image.sequence.force import ForceSignal, FrameClock
+from fingerpad.image.sequence.frames import Frame
+from fingerpad.image.sequence.phases import PHASES, Phase, phases_of
+from fingerpad.image.sequence.result import FrameMeasures, FrameResult
 
 Watcher: TypeAlias = Callable[[int, Pixels, Imprint], None]
 

@@ -76,8 +76,8 @@ def _grey(pixels: npt.ArrayLike, name: str) -> npt.NDArray[np.number]:
         raise ImageError(f"{name} must be a grey (rows, columns) array of numbers, found shape {array.shape}")
     if min(array.shape) < _LEAST_SIDE_PX:
         raise ImageError(
-            f"{name} are {array.shape[0]} × {array.shape[1]}, too few to hold a contact: "
-            f"{_LEAST_SIDE_PX} a side are the least"
+            f"{name}: {array.shape[0]} × {array.shape[1]} px is too small to hold a contact: "
+            f"{_LEAST_SIDE_PX} px a side are the least"
         )
     return array
 

@@ -16,9 +16,9 @@ import numpy.typing as npt
 from fingerpad._arrays import BoolArray, FloatArray
 from fingerpad.exceptions import GeometryError
 from fingerpad.geometry.ellipse import Ellipse
-from fingerpad.image._edge import moments_of
-from fingerpad.image._ridge_sheet import CELLS_PER_PERIOD, Pattern, ridge_sheet
+from fingerpad.image.imprint._edge import moments_of
 from fingerpad.image.scale import MM_PER_INCH
+from fingerpad.image.synthetic._ridge_sheet import CELLS_PER_PERIOD, Pattern, ridge_sheet
 
 Look: TypeAlias = Literal["ink", "livescan", "prism"]
 _Float32: TypeAlias = npt.NDArray[np.float32]

@@ -12,10 +12,10 @@ from scipy.spatial import cKDTree
 
 from fingerpad._arrays import FloatArray
 from fingerpad.exceptions import GeometryError
-from fingerpad.image._face_frame import Direction, face_axes, palmar_directions
-from fingerpad.image._finger_shape import FingerShape, finger_shape, pad_arc
-from fingerpad.image._light import encoded, linear_light
-from fingerpad.image.outline import Face
+from fingerpad.image.photograph._face_frame import Direction, face_axes, palmar_directions
+from fingerpad.image.photograph._light import encoded, linear_light
+from fingerpad.image.photograph.outline import Face
+from fingerpad.image.synthetic._finger_shape import FingerShape, finger_shape, pad_arc
 
 Backdrop: TypeAlias = Literal["white", "grey", "black", "blue", "green", "cork"]
 _Float32: TypeAlias = npt.NDArray[np.float32]

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fingerpad._arrays import BoolArray, FloatArray
-from fingerpad.image._edge import (
+from fingerpad.image.imprint._edge import (
     Moments,
     axis_weights,
     edge_covariance,
@@ -16,8 +16,8 @@ from fingerpad.image._edge import (
     edge_shift,
     moments_of,
 )
-from fingerpad.image._region import UInt8
-from fingerpad.image._view import View
+from fingerpad.image.imprint._region import UInt8
+from fingerpad.image.imprint._view import View
 
 # Levels, of 255, between which the ridges' right threshold lies: 0.45 to 0.55 of the local rise, fitted so
 # that intervals of the ridge area cover the truth (`accuracy_and_coverage` in benchmarks/imprints.py).

@@ -1,0 +1,1 @@
+"""Find a coin of known diameter in a picture."""

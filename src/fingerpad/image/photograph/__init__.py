@@ -1,0 +1,1 @@
+"""Measure photographs of a finger's faces, and their outlines."""

@@ -1,0 +1,1 @@
+"""Measure sequences of contact images against time and force."""

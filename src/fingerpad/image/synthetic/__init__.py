@@ -1,0 +1,1 @@
+"""Render pictures of known truth."""
