@@ -88,7 +88,7 @@ def press_accuracy() -> None:
             held: list[int] = []
             for phase in ("loading", "hold", "unloading"):
                 chosen = [r for r in results if r.phase == phase and r.measures is not None]
-                areas = np.array([r.measures.gross_area for r in chosen if r.measures is not None])
+                areas = np.array([r.measures["gross_area_mm2"] for r in chosen if r.measures is not None])
                 errors = 100 * (areas / press.gross_area[[r.index for r in chosen]] - 1)
                 _print_errors(look, phase, errors)
                 held = [r.index for r in chosen] if phase == "hold" else held

@@ -51,7 +51,7 @@ from fingerpad.image.sequence.force import (
 from fingerpad.image.sequence.frames import Frame, Frames, open_frames
 from fingerpad.image.sequence.measure import Reading, learn_reading, measure_sequence
 from fingerpad.image.sequence.phases import PHASES, Phase, phases_of
-from fingerpad.image.sequence.result import FrameMeasures, FrameResult, SequenceSummary, sequence_summary
+from fingerpad.image.sequence.result import FrameResult, SequenceSummary, sequence_summary
 from fingerpad.image.synthetic.coin import SyntheticCoin, render_coin
 from fingerpad.image.synthetic.finger import Backdrop, SyntheticFinger, render_finger
 from fingerpad.image.synthetic.imprint import SyntheticImprint, outline_points, render_imprint
@@ -73,7 +73,6 @@ __all__ = [
     "ForceSignal",
     "Frame",
     "FrameClock",
-    "FrameMeasures",
     "FrameRate",
     "FrameResult",
     "FrameStamps",

@@ -19,7 +19,7 @@ from fingerpad.image.scale import Scale
 from fingerpad.image.sequence.force import ForceSignal, FrameClock
 from fingerpad.image.sequence.frames import Frame
 from fingerpad.image.sequence.phases import PHASES, Phase, phases_of
-from fingerpad.image.sequence.result import FrameMeasures, FrameResult
+from fingerpad.image.sequence.result import FrameResult
 
 Watcher: TypeAlias = Callable[[int, Pixels, Imprint], None]
 
@@ -196,7 +196,7 @@ def _measured_frames(
             continue
         if watch is not None:
             watch(frame.index, frame.pixels, imprint)
-        yield FrameResult(index=frame.index, measures=FrameMeasures.of(imprint), flags=imprint.flags)
+        yield FrameResult(index=frame.index, measures=imprint.as_record(), flags=imprint.flags)
 
 
 def _imprint(pixels: Pixels, scale: Scale, reading: Reading, background: npt.ArrayLike | None) -> Imprint:

@@ -2,66 +2,12 @@
 
 import math
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import Any, Self
+from typing import Any
 
-from fingerpad.image.imprint.measure import Imprint
 from fingerpad.image.sequence.force import ForceSignal
 from fingerpad.image.sequence.phases import Phase
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class FrameMeasures:
-    """The numbers of an `Imprint`, without its pictures; lengths in mm, orientation in radians."""
-
-    semi_major: float
-    semi_major_std: float
-    semi_minor: float
-    semi_minor_std: float
-    orientation: float
-    gross_area: float
-    gross_area_std: float
-    ridge_area: float
-    ridge_area_std: float
-    ridge_period: float
-    overlap: float
-    centroid: tuple[float, float]
-
-    @classmethod
-    def of(cls, imprint: Imprint) -> Self:
-        """Take the numbers out of an imprint."""
-        return cls(
-            semi_major=float(imprint.ellipse.semi_major),
-            semi_major_std=imprint.semi_major_std,
-            semi_minor=float(imprint.ellipse.semi_minor),
-            semi_minor_std=imprint.semi_minor_std,
-            orientation=imprint.orientation,
-            gross_area=imprint.gross_area,
-            gross_area_std=imprint.gross_area_std,
-            ridge_area=imprint.ridge_area,
-            ridge_area_std=imprint.ridge_area_std,
-            ridge_period=imprint.ridge_period,
-            overlap=imprint.overlap,
-            centroid=imprint.centroid,
-        )
-
-    def as_record(self) -> dict[str, Any]:
-        """Return the numbers under names with units."""
-        return {
-            "semi_major_mm": self.semi_major,
-            "semi_major_mm_std": self.semi_major_std,
-            "semi_minor_mm": self.semi_minor,
-            "semi_minor_mm_std": self.semi_minor_std,
-            "orientation_deg": math.degrees(self.orientation),
-            "gross_area_mm2": self.gross_area,
-            "gross_area_mm2_std": self.gross_area_std,
-            "ridge_area_mm2": self.ridge_area,
-            "ridge_area_mm2_std": self.ridge_area_std,
-            "ridge_period_mm": self.ridge_period,
-            "ellipse_iou": self.overlap,
-            "centroid_px": self.centroid,
-        }
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -78,8 +24,8 @@ class FrameResult:
         Normal force W, N, NaN where there is none.
     phase : {"before", "loading", "hold", "unloading", "after"} or None
         What the finger was doing; None outside the force signal.
-    measures : FrameMeasures or None
-        What was measured; None where nothing was.
+    measures : mapping or None
+        What `Imprint.as_record` says, names with units; None where nothing was measured.
     readable : bool
         Whether the frame could be decoded: a readable frame without measures shows no contact.
     reason : str or None
@@ -94,7 +40,7 @@ class FrameResult:
     time: float = math.nan
     load: float = math.nan
     phase: Phase | None = None
-    measures: FrameMeasures | None = None
+    measures: Mapping[str, Any] | None = None
     readable: bool = True
     reason: str | None = None
     is_first_contact: bool = False
@@ -105,7 +51,7 @@ class FrameResult:
         place = {"frame": self.index, "time_s": self.time, "load_N": self.load, "phase": self.phase}
         if self.measures is None:
             return place | {"error": self.reason, "flags": self.flags}
-        return place | self.measures.as_record() | {"flags": self.flags}
+        return {**place, **self.measures, "flags": self.flags}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -161,8 +107,8 @@ def sequence_summary(results: Iterable[FrameResult], force: ForceSignal | None =
         phases[result.phase or "none"] += 1
         if result.is_first_contact:
             first_contact = result.index
-        if result.measures is not None and result.measures.gross_area > largest_area:
-            largest, largest_area = result.index, result.measures.gross_area
+        if result.measures is not None and result.measures["gross_area_mm2"] > largest_area:
+            largest, largest_area = result.index, result.measures["gross_area_mm2"]
         if not result.readable and reason is None:
             reason = f"frame {result.index}: {result.reason}"
         if math.isfinite(result.time):
