@@ -216,7 +216,7 @@ def test_measure_print_takes_a_seed_and_a_region(tmp_path: Path) -> None:
 def test_measure_photo(tmp_path: Path) -> None:
     truth = render_finger("palmar", semi_axes=(11.8, 13.8), tip="left", seed=3)
     Image.fromarray(truth.pixels).save(tmp_path / "palmar.png")
-    (record,) = run_json(
+    record = run_json(
         *("measure", "photo", tmp_path / "palmar.png", "--face", "palmar", "--tip", "left"),
         *("--mm-per-px", truth.mm_per_px, "--overlay", tmp_path / "overlays"),
     )
@@ -229,7 +229,7 @@ def test_measure_photo(tmp_path: Path) -> None:
     Image.fromarray(np.full((300, 300, 3), 200, np.uint8)).save(tmp_path / "empty.png")
     code, out, _ = run("measure", "photo", tmp_path / "empty.png", "--face", "palmar", "--ppi", 500, "--json")
     assert code == 3
-    assert set(json.loads(out)[0]) == {"file", "error"}
+    assert set(json.loads(out)) == {"file", "error"}
 
 
 def test_measure_sequence(tmp_path: Path) -> None:

@@ -9,7 +9,7 @@ import typer
 
 from fingerpad._files import make_folder
 from fingerpad._json import dumps
-from fingerpad.cli.shared import AsJson, Exit, plain_errors, print_json, print_text
+from fingerpad.cli.shared import AsJson, Exit, plain_errors, print_json, print_record, print_text
 from fingerpad.exceptions import CalibrationError, FingerpadError, ImageError
 
 if TYPE_CHECKING:
@@ -79,7 +79,7 @@ def measure_print(
 
 @app.command("photo")
 def measure_photo(
-    images: Annotated[list[Path], typer.Argument(help="Photographs of one face.", show_default=False)],
+    image: Annotated[Path, typer.Argument(help="Photograph of one face.", show_default=False)],
     face: Annotated[
         str, typer.Option(help="Face that looks at the camera: palmar, distal, radial or ulnar.")
     ],
@@ -98,7 +98,7 @@ def measure_photo(
     overlay: Overlay = None,
     as_json: AsJson = False,
 ) -> None:
-    """Measure two semi-axes of the pad in photographs of a finger before a plain backdrop."""
+    """Measure two semi-axes of the pad in a photograph of a finger before a plain backdrop."""
     from fingerpad.image import (
         FACE_AXES,
         measure_photograph,
@@ -118,7 +118,7 @@ def measure_photo(
             raise CalibrationError("photographs need a scale: give either --ppi or --mm-per-px")
         window = _numbers("--roi", roi, 4)
         marks = None if points is None else read_marks(points)
-        overlays = _overlay_files(images, overlay)
+        overlays = _overlay_files([image], overlay)
 
     def measured(path: Path) -> dict[str, Any]:
         pixels = read_colour_image(path)
@@ -141,7 +141,10 @@ def measure_photo(
             "flags": sorted(found.flags),
         }
 
-    _print_all(images, measured, as_json)
+    record = _record(image, measured)
+    print_record(record, as_json)
+    if "error" in record:
+        raise typer.Exit(Exit.SOME_FAILED)
 
 
 @app.command("sequence")
@@ -284,14 +287,17 @@ def _numbers(flag: str, text: str | None, count: int) -> list[float] | None:
     return numbers
 
 
+def _record(path: Path, measured: Callable[[Path], dict[str, Any]]) -> dict[str, Any]:
+    """Measure one picture; one that cannot be measured costs itself only."""
+    try:
+        return {"file": str(path), **measured(path)}
+    except FingerpadError as error:
+        return {"file": str(path), "error": str(error)}
+
+
 def _print_all(images: list[Path], measured: Callable[[Path], dict[str, Any]], as_json: bool) -> None:
-    """Measure and print each picture; one that cannot be measured costs itself only."""
-    records = []
-    for path in images:
-        try:
-            records.append({"file": str(path), **measured(path)})
-        except FingerpadError as error:
-            records.append({"file": str(path), "error": str(error)})
+    """Measure and print each picture."""
+    records = [_record(path, measured) for path in images]
     if as_json:
         print_json(records)
     else:
