@@ -61,7 +61,17 @@ def test_every_commented_line_of_the_template_is_valid_too(tmp_path: Path) -> No
         "background",
         "seed",
     )
-    keys += ("dark", "file", "columns", "photographs", "pad_thickness", "effective")
+    keys += (
+        "dark",
+        "file",
+        "columns",
+        "photographs",
+        "pad_thickness",
+        "effective",
+        "region_of",
+        "mask_px",
+        "threshold",
+    )
     opened = [line[2:] if line.startswith("# ") and line[2:].startswith(keys) else line for line in lines]
     path.write_text("\n".join(opened), encoding="utf-8")
     for name in ("images/index_30deg_1N.png", "images/background.png", "curves/index_30deg.csv"):

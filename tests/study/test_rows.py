@@ -86,6 +86,29 @@ def test_synthetic_if_anything_is(tmp_path: Path, finger: str, row: str) -> None
     assert row_of(tmp_path, finger=finger, row=ELLIPSE + row)["synthetic"] == bool(finger or row)
 
 
+@pytest.mark.parametrize(
+    ("keys", "who"),
+    [
+        ("", "program"),
+        ("threshold = 60", "program with corrections"),
+        ("mask_px = [[5, 5], [5, 300], [420, 300], [420, 5]]", "program with corrections"),
+        ("region_of_interest_px = [5, 5, 380, 300]", "program with corrections"),
+        ("seed_px = [200, 150]", "program with corrections"),
+    ],
+)
+def test_says_who_measured(picture: Path, keys: str, who: str) -> None:
+    row = row_of(picture, row=IMAGE + keys)
+    assert row["measured_by"] == who
+    assert row["semi_major_mm"] == pytest.approx(8.0, rel=0.03)
+    assert row_of(picture)["measured_by"] == "person"
+
+
+def test_a_mask_cuts(picture: Path) -> None:
+    row = row_of(picture, row=IMAGE + "mask_px = [[5, 5], [5, 300], [200, 300], [200, 5]]")
+    assert "cut_by_mask" in row["flags"]
+    assert not row["pooled"]
+
+
 def test_poisson_ratio(tmp_path: Path) -> None:
     row = row_of(tmp_path, top="poisson_ratio = 0.3")
     assert row["youngs_modulus_kpa"] / row["reduced_modulus_kpa"] == pytest.approx(0.91)

@@ -22,13 +22,14 @@ Finite = Annotated[float, Field(allow_inf_nan=False)]
 Name = Annotated[str, Field(pattern=r"^\w[\w.+-]*$", max_length=60)]
 Ppi = Annotated[float, Field(ge=20, le=1e5)]
 MmPerPx = Annotated[float, Field(ge=1e-4, le=1)]
+Corner = Annotated[list[Finite], Field(min_length=2, max_length=2)]
 Direction = Literal["along", "across"]
 Side = Literal["up", "down", "left", "right"]
 
 
-_IMAGE_KEYS = frozenset(
-    ("background", "ppi", "mm_per_px", "scale_relative_std", "finger_axis_deg", "dark_on_light", "seed_px")
-)
+# What a person can correct in the measurement of a contact image.
+CORRECTIONS = frozenset(("dark_on_light", "mask_px", "region_of_interest_px", "seed_px", "threshold"))
+_IMAGE_KEYS = CORRECTIONS | {"background", "ppi", "mm_per_px", "scale_relative_std", "finger_axis_deg"}
 
 
 def _listed(value: object) -> object:
@@ -138,6 +139,14 @@ class Observation(_Table):
     seed_px: Annotated[list[Finite], Field(min_length=2, max_length=2), BeforeValidator(_listed)] | None = (
         None
     )
+    region_of_interest_px: (
+        Annotated[list[int], Field(min_length=4, max_length=4), BeforeValidator(_listed)] | None
+    ) = None
+    mask_px: (
+        Annotated[list[Annotated[list[Finite], Field(min_length=2, max_length=2)]], Field(min_length=3)]
+        | None
+    ) = None
+    threshold: Finite | None = None
     ellipse_mm: ContactEllipse | None = None
     notes: str = ""
     synthetic: bool = False

@@ -89,6 +89,7 @@ def measure_observation(observation: Observation, folder: Path, out: Path) -> Me
 
 def _measure_image(observation: Observation, folder: Path, out: Path) -> Measurement:
     assert observation.image is not None  # the manifest's own rule
+    window = observation.region_of_interest_px
     pixels = read_image(folder / observation.image).pixels
     imprint = measure_imprint(
         pixels,
@@ -98,6 +99,9 @@ def _measure_image(observation: Observation, folder: Path, out: Path) -> Measure
         if observation.background is None
         else read_image(folder / observation.background).pixels,
         seed=None if observation.seed_px is None else (observation.seed_px[0], observation.seed_px[1]),
+        threshold=observation.threshold,
+        mask=observation.mask_px,
+        region_of_interest=None if window is None else (window[0], window[1], window[2], window[3]),
     )
     overlay = Path("overlays") / f"{observation.name}.png"
     (out / overlay).parent.mkdir(parents=True, exist_ok=True)

@@ -10,7 +10,7 @@ from fingerpad._arrays import FloatArray
 from fingerpad.contact import youngs_modulus
 from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.study.fingers import FingerResult
-from fingerpad.study.manifest import Observation, Study
+from fingerpad.study.manifest import CORRECTIONS, Observation, Study
 from fingerpad.study.measure import Measurement
 from fingerpad.uncertainty import PAD_OUTPUTS, SHARED_INPUTS, Propagated, pad_model, propagate
 from fingerpad.units import KPA_PER_MPA
@@ -44,6 +44,7 @@ COLUMNS: Final[Mapping[str, str]] = {
     "reason": "why the row failed",
     "synthetic": "whether picture, ellipse or finger was rendered or simulated",
     "flags": "doubts about the picture, separated by spaces",
+    "measured_by": "program, program with corrections, or person (an ellipse that was given)",
     "pooled": "whether the row counts in pooled radii: not if its picture is cut or its scale in doubt",
     "range_notes": "where the model is out of its range, separated by spaces",
     "wedge_angle_deg": "angle of the wedge on which the finger rests",
@@ -217,6 +218,7 @@ def _described(
         "reason": reason,
         "synthetic": observation.synthetic or finger.synthetic,
         "flags": " ".join(measured.flags),
+        "measured_by": _measured_by(observation),
         "pooled": reason is None and NOT_POOLED.isdisjoint(measured.flags),
         "wedge_angle_deg": observation.wedge_angle_deg,
         "roll_angle_deg": observation.roll_angle_deg,
@@ -235,6 +237,13 @@ def _described(
             **measured.details,
         }
     return row
+
+
+def _measured_by(observation: Observation) -> str:
+    if observation.ellipse_mm is not None:
+        return "person"
+    corrected = any(getattr(observation, key) is not None for key in CORRECTIONS)
+    return "program with corrections" if corrected else "program"
 
 
 def _modelled(
