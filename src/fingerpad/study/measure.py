@@ -8,6 +8,7 @@ import cv2
 import numpy as np
 
 from fingerpad._arrays import FloatArray
+from fingerpad._files import make_folder
 from fingerpad.exceptions import FingerpadError
 from fingerpad.image import Imprint, measure_imprint, read_image, write_overlay
 from fingerpad.study.fingers import scale_of
@@ -104,7 +105,7 @@ def _measure_image(observation: Observation, folder: Path, out: Path) -> Measure
         region_of_interest=None if window is None else (window[0], window[1], window[2], window[3]),
     )
     overlay = Path("overlays") / f"{observation.name}.png"
-    (out / overlay).parent.mkdir(parents=True, exist_ok=True)
+    make_folder((out / overlay).parent)
     write_overlay(out / overlay, pixels, imprint, label="synthetic" if observation.synthetic else None)
     return _from_imprint(imprint, observation, overlay)
 

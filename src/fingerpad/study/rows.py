@@ -136,7 +136,7 @@ class Rows:
 def make_rows(
     study: Study, fingers: Mapping[str, FingerResult], measurements: Mapping[str, Measurement]
 ) -> Rows:
-    """Turn measurements into rows: placement, model, and first-order uncertainty, all rows at once."""
+    """Turn measurements into rows: placement, model and uncertainty, all rows at once."""
     rows, good, means, covariances = [], [], [], []
     for index, observation in enumerate(study.observations):
         finger, measured = fingers[observation.finger], measurements[observation.name]

@@ -3,25 +3,19 @@
 import math
 from os import PathLike
 from pathlib import Path
-from typing import TypeAlias
 
 import cv2
 import numpy as np
 import numpy.typing as npt
-from PIL import Image
 
 from fingerpad.exceptions import ImageError
+from fingerpad.image._canvas import INK, PAPER, Canvas, Colour, scale_bar_length, write_canvas
 from fingerpad.image.imprint.measure import Imprint
-
-Colour: TypeAlias = tuple[int, int, int]
-Canvas: TypeAlias = npt.NDArray[np.uint8]
 
 # Okabe & Ito's colours, told apart by colour-blind readers too; red, green, blue.
 REGION_COLOUR: Colour = (0, 158, 115)
 ELLIPSE_COLOUR: Colour = (213, 94, 0)
 RIDGE_COLOUR: Colour = (86, 180, 233)
-_INK: Colour = (20, 20, 20)
-_PAPER: Colour = (255, 255, 255)
 
 _LEAST_SIDE_PX = 1000
 _SUBPIXEL_BITS = 4
@@ -87,15 +81,7 @@ def write_overlay(
     ImageError
         If the picture is not the one measured, or the file cannot be written.
     """
-    path = Path(path)
-    picture = Image.fromarray(draw_overlay(pixels, imprint, label=label, ridge_tint=ridge_tint))
-    try:
-        picture.save(path)
-    except (OSError, ValueError) as error:
-        raise ImageError(
-            f"{path}: cannot be written ({error}): check the folder and end the name in .png"
-        ) from error
-    return path
+    return write_canvas(path, draw_overlay(pixels, imprint, label=label, ridge_tint=ridge_tint))
 
 
 def _eight_bit(pixels: npt.ArrayLike) -> Canvas:
@@ -140,7 +126,7 @@ def _draw_ellipse(canvas: Canvas, imprint: Imprint, zoom: int, width: int) -> No
     _polyline(canvas, centre + major * np.cos(t) * along + minor * np.sin(t) * across, ELLIPSE_COLOUR, width)
     for axis in (major * along, minor * across):
         _polyline(canvas, np.stack([centre - axis, centre + axis]), ELLIPSE_COLOUR, max(1, width // 2))
-    _dot(canvas, centre, 3 * width, _PAPER)
+    _dot(canvas, centre, 3 * width, PAPER)
     _dot(canvas, centre, 2 * width, ELLIPSE_COLOUR)
 
 
@@ -157,16 +143,14 @@ def _dot(canvas: Canvas, centre: npt.NDArray[np.float64], radius: int, colour: C
 
 
 def _draw_scale_bar(canvas: Canvas, mm_per_px: float, width: int) -> None:
-    """Draw the longest of the round lengths that takes at most a quarter of the picture's width."""
-    most = canvas.shape[1] * mm_per_px / 4
-    decade = 10.0 ** math.floor(math.log10(most))
-    length = max(step * decade for step in (1, 2, 5) if step * decade <= most)
+    """Draw a bar of a round length in the lower right corner."""
+    length = scale_bar_length(canvas, mm_per_px)
     pixels = round(length / mm_per_px)
     right, bottom = canvas.shape[1] - 6 * width, canvas.shape[0] - 6 * width
     cv2.rectangle(
-        canvas, (right - pixels - width, bottom - 3 * width), (right + width, bottom + width), _PAPER, -1
+        canvas, (right - pixels - width, bottom - 3 * width), (right + width, bottom + width), PAPER, -1
     )
-    cv2.rectangle(canvas, (right - pixels, bottom - 2 * width), (right, bottom), _INK, cv2.FILLED)
+    cv2.rectangle(canvas, (right - pixels, bottom - 2 * width), (right, bottom), INK, cv2.FILLED)
     _write(canvas, f"{length:g} mm", (right - pixels, bottom - 5 * width), width, below=False)
 
 
@@ -177,6 +161,6 @@ def _write(canvas: Canvas, text: str, corner: tuple[int, int], width: int, *, be
     x = max(width, min(corner[0], canvas.shape[1] - columns - 2 * width))
     y = corner[1] + rows + width if below else corner[1] - base
     cv2.rectangle(
-        canvas, (x - width, y - rows - width), (x + columns + width, y + base + width), _PAPER, cv2.FILLED
+        canvas, (x - width, y - rows - width), (x + columns + width, y + base + width), PAPER, cv2.FILLED
     )
-    cv2.putText(canvas, text, (x, y), font, size, _INK, max(1, width // 2), cv2.LINE_AA)
+    cv2.putText(canvas, text, (x, y), font, size, INK, max(1, width // 2), cv2.LINE_AA)

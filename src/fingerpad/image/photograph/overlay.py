@@ -3,26 +3,21 @@
 import math
 from os import PathLike
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any
 
 import cv2
 import numpy as np
 import numpy.typing as npt
-from PIL import Image
 
 from fingerpad._arrays import FloatArray
 from fingerpad.exceptions import ImageError
+from fingerpad.image._canvas import INK, PAPER, Canvas, Colour, scale_bar_length, write_canvas
 from fingerpad.image.photograph.measure import PhotographFit
-
-Colour: TypeAlias = tuple[int, int, int]
-Canvas: TypeAlias = npt.NDArray[np.uint8]
 
 # Okabe & Ito's colours, told apart by colour-blind readers too; red, green, blue.
 POINT_COLOUR: Colour = (0, 158, 115)
 OUTLIER_COLOUR: Colour = (230, 60, 160)
 ELLIPSE_COLOUR: Colour = (240, 200, 20)
-_INK: Colour = (20, 20, 20)
-_PAPER: Colour = (255, 255, 255)
 
 _SIDE_PX = 1100
 _BITS = 4
@@ -85,15 +80,7 @@ def write_photograph_overlay(
     ImageError
         If the picture is not the one measured, or the file cannot be written.
     """
-    path = Path(path)
-    picture = Image.fromarray(draw_photograph_overlay(pixels, found, label=label))
-    try:
-        picture.save(path)
-    except (OSError, ValueError) as error:
-        raise ImageError(
-            f"{path}: cannot be written ({error}): check the folder and end the name in .png"
-        ) from error
-    return path
+    return write_canvas(path, draw_photograph_overlay(pixels, found, label=label))
 
 
 def _eight_bit_colour(values: npt.NDArray[Any]) -> Canvas:
@@ -116,12 +103,11 @@ def _placed(points: FloatArray, zoom: float) -> FloatArray:
 
 def _draw_ellipse(canvas: Canvas, found: PhotographFit, zoom: float) -> None:
     t = np.linspace(0, 2 * math.pi, 721)
-    local = np.stack([np.cos(t), np.sin(t)], axis=-1) * found.semi_axes / found.scale.mm_per_px
-    place = _placed(local @ found.directions + found.centre, zoom)
+    place = _placed(found.ellipse_points(t.size), zoom)
     solid = (t - found.arc[0]) % (2 * math.pi) <= found.arc[1] - found.arc[0]
     for k in range(len(t) - 1):
         if solid[k] or (k // 8) % 2:
-            _line(canvas, place[k], place[k + 1], _INK, 4 if solid[k] else 3)
+            _line(canvas, place[k], place[k + 1], INK, 4 if solid[k] else 3)
     for k in range(len(t) - 1):
         if solid[k] or (k // 8) % 2:
             _line(canvas, place[k], place[k + 1], ELLIPSE_COLOUR, 2 if solid[k] else 1)
@@ -131,7 +117,7 @@ def _draw_points(canvas: Canvas, found: PhotographFit, zoom: float) -> None:
     """Draw about sixty points used, and all crosses of those left out."""
     used = _placed(found.points[:: max(1, len(found.points) // 60)], zoom)
     for point in used:
-        _dot(canvas, point, 4, _PAPER)
+        _dot(canvas, point, 4, PAPER)
         _dot(canvas, point, 3, POINT_COLOUR)
     for x, y in _placed(found.outliers[:: max(1, len(found.outliers) // 80)], zoom):
         for dx, dy in ((5, 5), (5, -5)):
@@ -144,11 +130,11 @@ def _draw_axes(canvas: Canvas, found: PhotographFit, zoom: float) -> None:
     middle = _placed(centre, zoom)
     ends = _placed(centre + found.directions * found.semi_axes[:, None] / found.scale.mm_per_px, zoom)
     for end in ends:
-        _line(canvas, middle, end, _INK, 5)
-        _line(canvas, middle, end, _PAPER, 2)
-        _dot(canvas, end, 6, _INK)
-        _dot(canvas, end, 4, _PAPER)
-    _dot(canvas, middle, 7, _INK)
+        _line(canvas, middle, end, INK, 5)
+        _line(canvas, middle, end, PAPER, 2)
+        _dot(canvas, end, 6, INK)
+        _dot(canvas, end, 4, PAPER)
+    _dot(canvas, middle, 7, INK)
     _dot(canvas, middle, 5, ELLIPSE_COLOUR)
     stds = found.semi_axes_mm_std
     for end, (name, length) in zip(ends, found.semi_axes_mm.items(), strict=True):
@@ -161,9 +147,9 @@ def _draw_axes(canvas: Canvas, found: PhotographFit, zoom: float) -> None:
 
 
 def _legend(found: PhotographFit, label: str | None) -> list[tuple[str, Colour]]:
-    lines = [(label, _INK)] if label else []
+    lines = [(label, INK)] if label else []
     lines += [
-        (f"{found.face} face, arc {found.arc_deg:.0f} deg, lean {math.degrees(found.lean):.1f} deg", _INK),
+        (f"{found.face} face, arc {found.arc_deg:.0f} deg, lean {math.degrees(found.lean):.1f} deg", INK),
         (f"{len(found.points)} points used", POINT_COLOUR),
         (f"{len(found.outliers)} left out ({found.outlier_fraction:.0%})", OUTLIER_COLOUR),
     ]
@@ -178,14 +164,12 @@ def _write_lines(canvas: Canvas, lines: list[tuple[str, Colour]]) -> None:
 
 
 def _draw_scale_bar(canvas: Canvas, mm_per_px: float) -> None:
-    """Draw the longest of the round lengths that takes at most a quarter of the picture's width."""
-    most = canvas.shape[1] * mm_per_px / 4
-    decade = 10.0 ** math.floor(math.log10(most))
-    length = max(step * decade for step in (1, 2, 5) if step * decade <= most)
+    """Draw a bar of a round length in the lower right corner."""
+    length = scale_bar_length(canvas, mm_per_px)
     pixels = round(length / mm_per_px)
     right, bottom = canvas.shape[1] - 20, canvas.shape[0] - 20
-    cv2.rectangle(canvas, (right - pixels - 3, bottom - 11), (right + 3, bottom + 3), _PAPER, cv2.FILLED)
-    cv2.rectangle(canvas, (right - pixels, bottom - 8), (right, bottom), _INK, cv2.FILLED)
+    cv2.rectangle(canvas, (right - pixels - 3, bottom - 11), (right + 3, bottom + 3), PAPER, cv2.FILLED)
+    cv2.rectangle(canvas, (right - pixels, bottom - 8), (right, bottom), INK, cv2.FILLED)
     _write(canvas, f"{length:g} mm", (right - pixels, bottom - 20))
 
 
@@ -199,7 +183,7 @@ def _dot(canvas: Canvas, centre: FloatArray, radius: int, colour: Colour) -> Non
     cv2.circle(canvas, (x, y), radius * 2**_BITS, colour, cv2.FILLED, cv2.LINE_AA, _BITS)
 
 
-def _write(canvas: Canvas, text: str, corner: tuple[int, int], colour: Colour = _INK) -> None:
+def _write(canvas: Canvas, text: str, corner: tuple[int, int], colour: Colour = INK) -> None:
     """Write text on a paper patch, its lower left corner at `corner` (x, y), inside the picture."""
     font, size = cv2.FONT_HERSHEY_SIMPLEX, 0.62
     (columns, rows), base = cv2.getTextSize(text, font, size, 1)

@@ -166,11 +166,6 @@ class FrameRate:
         """
         return cls.of(frames_per_second, anchor_time=signal.contact_time(threshold), anchor_frame=None)
 
-    @property
-    def needs_contact(self) -> bool:
-        """Whether the clock starts at the first-contact frame."""
-        return self.anchor_frame is None
-
     def time_of(self, index: int, first_contact: int | None) -> float:
         """Return the time of a frame, s, NaN while its anchor is unknown."""
         anchor = first_contact if self.anchor_frame is None else self.anchor_frame
@@ -203,11 +198,6 @@ class FrameStamps:
             raise LoadingError(f"time stamps must be a row of finite times, found shape {time.shape}")
         _require_increasing(time, "time of the frames")
         return cls(time=time)
-
-    @property
-    def needs_contact(self) -> bool:
-        """Whether the clock starts at the first-contact frame: never."""
-        return False
 
     def time_of(self, index: int, first_contact: int | None) -> float:  # noqa: ARG002
         """Return the time of a frame, s, NaN past the last stamp."""
