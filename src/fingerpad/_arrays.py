@@ -14,8 +14,19 @@ ArrayLike: TypeAlias = npt.ArrayLike
 
 
 def floats(value: ArrayLike) -> FloatArray:
-    """Return `value` as an array of doubles, integers included."""
-    return np.asarray(value, dtype=np.float64)
+    """Return `value` as an array of doubles, integers included.
+
+    Complex numbers stay complex: the kernels carry the complex steps by which derivatives are taken.
+    """
+    array = np.asarray(value)
+    return array if np.iscomplexobj(array) else array.astype(np.float64, copy=False)
+
+
+def hypotenuse(first: FloatArray, second: FloatArray) -> FloatArray:
+    """Return √(a² + b²), as `np.hypot` does for doubles, with its derivative for complex steps."""
+    if np.iscomplexobj(first) or np.iscomplexobj(second):
+        return np.sqrt(first * first + second * second)
+    return np.hypot(first, second)
 
 
 def broadcast(*values: ArrayLike) -> tuple[FloatArray, ...]:
@@ -69,7 +80,8 @@ def in_blocks(
     arrays = broadcast(*values)
     shape = arrays[0].shape
     flat = [array.reshape(-1) for array in arrays]
-    results = tuple(np.empty(flat[0].size) for _ in range(outputs))
+    kind = np.result_type(*flat)
+    results = tuple(np.empty(flat[0].size, dtype=kind) for _ in range(outputs))
     with np.errstate(all="ignore"):
         for start in range(0, flat[0].size, _BLOCK):
             block = slice(start, start + _BLOCK)

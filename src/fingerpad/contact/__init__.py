@@ -11,6 +11,7 @@ from fingerpad.contact.equivalent import (
     equivalent_radius_from_area,
     equivalent_radius_from_compliance,
     equivalent_radius_from_indentation,
+    equivalent_radius_ratios,
 )
 from fingerpad.contact.hertz import (
     HertzContact,
@@ -30,6 +31,7 @@ __all__ = [
     "equivalent_radius_from_area",
     "equivalent_radius_from_compliance",
     "equivalent_radius_from_indentation",
+    "equivalent_radius_ratios",
     "hertz_contact",
     "indentation_factor",
     "pad_contact",

@@ -15,6 +15,7 @@ import numpy as np
 from fingerpad._arrays import ArrayLike, FloatArray, in_blocks
 
 # Five steps bring the mean to the last digit for k ≥ 1e-5, thirteen for every double.
+_FEW_STEPS = 1e-5
 _STEPS = 5
 _STEPS_NEAR_LINE = 13
 
@@ -125,7 +126,7 @@ def solve_contact_ellipse(
 
 
 def _domain(axis_ratio: FloatArray) -> FloatArray:
-    return np.where((axis_ratio > 0) & (axis_ratio <= 1), axis_ratio, np.nan)
+    return np.where((axis_ratio.real > 0) & (axis_ratio.real <= 1), axis_ratio, np.nan)
 
 
 def complete_integrals(axis_ratio: ArrayLike) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -152,7 +153,7 @@ def complete_integrals(axis_ratio: ArrayLike) -> tuple[FloatArray, FloatArray, F
 
     def kernel(k: FloatArray) -> tuple[FloatArray, ...]:
         k = _domain(k)
-        integral, p = _mean(k, _STEPS_NEAR_LINE)
+        integral, p = _mean(k, _STEPS if np.nanmin(k.real, initial=1) >= _FEW_STEPS else _STEPS_NEAR_LINE)
         b, d = _shares(k, p)
         return integral, integral * b, integral * d
 

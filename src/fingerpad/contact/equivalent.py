@@ -9,7 +9,31 @@ R_e = √(R'R'') in exact Hertz theory, for which the three relations are identi
 import numpy as np
 
 from fingerpad._arrays import ArrayLike, FloatArray, floats
-from fingerpad.contact.elliptic import indentation_factor, size_factor
+from fingerpad.contact.elliptic import complete_integrals
+
+
+@np.errstate(all="ignore")
+def equivalent_radius_ratios(axis_ratio: ArrayLike) -> tuple[FloatArray, FloatArray, FloatArray]:
+    r"""Return R_δ/R, R_A/R and R_Aξ/R, the three radii below over their base radius, in one pass.
+
+    In Johnson's factors they are :math:`F_2^{-3}`, :math:`F_1^3` and :math:`F_1^2/F_2`, which hold no cube
+    root: :math:`F_1^3 = \frac{4}{\pi}\sqrt{kBD}` and :math:`F_1 F_2 = \frac{2}{\pi}\sqrt{k}K`.
+
+    Parameters
+    ----------
+    axis_ratio : array_like
+        k = ℓe/ℓd of the contact ellipse, in (0, 1]; NaN is returned elsewhere.
+
+    Examples
+    --------
+    >>> [round(float(ratio), 4) for ratio in equivalent_radius_ratios(5.0 / 7.4)]
+    [1.0145, 0.9858, 0.9953]
+    """
+    k = floats(axis_ratio)
+    integral, b, d = complete_integrals(k)
+    area = (4 / np.pi) * np.sqrt(k * b * d)
+    product = (2 / np.pi) * np.sqrt(k) * integral
+    return area / product**3, area, area / product
 
 
 def equivalent_radius_from_indentation(base_radius: ArrayLike, axis_ratio: ArrayLike) -> FloatArray:
@@ -30,7 +54,7 @@ def equivalent_radius_from_indentation(base_radius: ArrayLike, axis_ratio: Array
     >>> round(float(equivalent_radius_from_indentation(18.7, 5.0 / 7.4)), 2)
     18.97
     """
-    return floats(base_radius) / indentation_factor(axis_ratio) ** 3
+    return floats(base_radius) * equivalent_radius_ratios(axis_ratio)[0]
 
 
 def equivalent_radius_from_area(base_radius: ArrayLike, axis_ratio: ArrayLike) -> FloatArray:
@@ -38,7 +62,7 @@ def equivalent_radius_from_area(base_radius: ArrayLike, axis_ratio: ArrayLike) -
 
     :math:`R_A = R F_1^3 \le R`; parameters as for `equivalent_radius_from_indentation`.
     """
-    return floats(base_radius) * size_factor(axis_ratio) ** 3
+    return floats(base_radius) * equivalent_radius_ratios(axis_ratio)[1]
 
 
 def equivalent_radius_from_compliance(base_radius: ArrayLike, axis_ratio: ArrayLike) -> FloatArray:
@@ -47,4 +71,4 @@ def equivalent_radius_from_compliance(base_radius: ArrayLike, axis_ratio: ArrayL
     :math:`R_{A\xi} = R F_1^2/F_2`, slightly below R; parameters as for
     `equivalent_radius_from_indentation`. It is the one to compare with R_g, the slope of A against πξ.
     """
-    return floats(base_radius) * np.square(size_factor(axis_ratio)) / indentation_factor(axis_ratio)
+    return floats(base_radius) * equivalent_radius_ratios(axis_ratio)[2]

@@ -6,11 +6,7 @@ import numpy as np
 
 from fingerpad._arrays import ArrayLike, FloatArray, broadcast
 from fingerpad.contact.elliptic import solve_contact_ellipse
-from fingerpad.contact.equivalent import (
-    equivalent_radius_from_area,
-    equivalent_radius_from_compliance,
-    equivalent_radius_from_indentation,
-)
+from fingerpad.contact.equivalent import equivalent_radius_ratios
 from fingerpad.geometry import Ellipsoid, platen_normal
 
 
@@ -96,19 +92,19 @@ def pad_contact(
     base, exact = curvature.mean_curvature_radius, curvature.geometric_mean_radius
     size, area = np.sqrt(major * minor), np.pi * major * minor
     predicted, _, _ = solve_contact_ellipse(curvature.in_plane_radius, curvature.transverse_radius)
-    along = np.sign(curvature.in_plane_radius - curvature.transverse_radius)
-    compliance = equivalent_radius_from_compliance(exact, axis_ratio)
+    along = np.sign(np.real(curvature.in_plane_radius - curvature.transverse_radius))
+    from_indentation, from_area, from_compliance = equivalent_radius_ratios(axis_ratio)
     return PadContact(
         mean_curvature_radius=base,
         geometric_mean_radius=exact,
-        radius_from_indentation=equivalent_radius_from_indentation(base, axis_ratio),
-        radius_from_area=equivalent_radius_from_area(base, axis_ratio),
-        radius_from_compliance=equivalent_radius_from_compliance(base, axis_ratio),
-        geometric_radius_from_indentation=equivalent_radius_from_indentation(exact, axis_ratio),
-        geometric_radius_from_area=equivalent_radius_from_area(exact, axis_ratio),
-        geometric_radius_from_compliance=compliance,
-        indentation=area / (np.pi * compliance),
-        reduced_modulus=0.75 * load * equivalent_radius_from_area(exact, axis_ratio) / size**3,
+        radius_from_indentation=base * from_indentation,
+        radius_from_area=base * from_area,
+        radius_from_compliance=base * from_compliance,
+        geometric_radius_from_indentation=exact * from_indentation,
+        geometric_radius_from_area=exact * from_area,
+        geometric_radius_from_compliance=exact * from_compliance,
+        indentation=area / (np.pi * exact * from_compliance),
+        reduced_modulus=0.75 * load * exact * from_area / size**3,
         mean_pressure=load / area,
         contact_size=size / exact,
         predicted_elongation=-along * np.log(predicted),

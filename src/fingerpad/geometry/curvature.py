@@ -5,7 +5,7 @@ from typing import Self
 
 import numpy as np
 
-from fingerpad._arrays import ArrayLike, FloatArray, broadcast, require
+from fingerpad._arrays import ArrayLike, FloatArray, broadcast, hypotenuse, require
 from fingerpad.exceptions import GeometryError
 
 
@@ -187,10 +187,13 @@ def principal_curvatures(
     half_difference = 0.5 * (first - second)
     mean = 0.5 * (first + second)
     # The product of the two is the determinant; their difference would lose the smaller one's digits.
-    stronger = mean + np.copysign(np.hypot(half_difference, mixed), mean)
+    radius = hypotenuse(half_difference, mixed)
+    stronger = np.where(np.signbit(mean.real), mean - radius, mean + radius)
     weaker = (first * second - mixed * mixed) / np.where(stronger == 0, 1.0, stronger)
     first_is_stronger = (half_difference >= 0) == (mean >= 0)
-    angle = 0.5 * np.arctan2(np.where(half_difference < 0, -mixed, mixed), np.abs(half_difference))
+    # Directions alone need the angle, and nothing takes their derivative.
+    difference, twist = half_difference.real, mixed.real
+    angle = 0.5 * np.arctan2(np.where(difference < 0, -twist, twist), np.abs(difference))
     curvatures = np.stack(
         [np.where(first_is_stronger, stronger, weaker), np.where(first_is_stronger, weaker, stronger)],
         axis=-1,

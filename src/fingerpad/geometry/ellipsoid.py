@@ -5,7 +5,7 @@ from typing import Self
 
 import numpy as np
 
-from fingerpad._arrays import ArrayLike, FloatArray, broadcast, floats, require
+from fingerpad._arrays import ArrayLike, FloatArray, broadcast, floats, hypotenuse, require
 from fingerpad.exceptions import GeometryError
 from fingerpad.geometry.curvature import SurfaceCurvature, principal_curvatures
 
@@ -127,8 +127,10 @@ class Ellipsoid:
 def _tangents(normal: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return unit tangents along the finger, the projection of its axis y, and across it."""
     x, y, z = np.moveaxis(normal, -1, 0)
-    roll = np.arctan2(z, x)  # 0 at the fingertip, where the projection vanishes: "along" is then −x
-    cosine, sine = np.cos(roll), np.sin(roll)
-    along = np.stack([-y * cosine, np.hypot(x, z), -y * sine], axis=-1)
+    radius = hypotenuse(x, z)
+    at_tip = radius == 0  # there the projection vanishes, and "along" is −x
+    radius_or_one = np.where(at_tip, 1.0, radius)
+    cosine, sine = np.where(at_tip, 1.0, x / radius_or_one), z / radius_or_one
+    along = np.stack([-y * cosine, radius, -y * sine], axis=-1)
     across = np.stack([-sine, np.zeros_like(y), cosine], axis=-1)
     return along, across
