@@ -28,5 +28,9 @@ class FitError(FingerpadError):
     """Data that do not determine the model fitted to them."""
 
 
+class UncertaintyError(FingerpadError, ValueError):
+    """A variance, covariance or set of estimates that no uncertainty can be computed from."""
+
+
 class ManifestError(FingerpadError, ValueError):
     """A study manifest that cannot be acted upon."""

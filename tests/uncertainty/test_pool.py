@@ -5,9 +5,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
+from scipy import stats
+from statsmodels.stats.meta_analysis import combine_effects
 
-from fingerpad.exceptions import FitError
-from fingerpad.uncertainty import pool
+from fingerpad.exceptions import UncertaintyError
+from fingerpad.uncertainty import pool, pool_random_effects, scatter_of
 
 
 def test_equal_weights_are_the_mean() -> None:
@@ -65,5 +67,78 @@ def test_exact_and_tiny_uncertainties_do_not_overflow() -> None:
     ],
 )
 def test_refuses(values: list[float], stds: list[float], message: str) -> None:
-    with pytest.raises(FitError, match=message):
+    with pytest.raises(UncertaintyError, match=message):
         pool(values, stds)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_random_effects_agree_with_statsmodels(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    stds = rng.uniform(0.1, 0.6, 7)
+    values = 14 + rng.normal(0, 1.0, 7) + stds * rng.normal(size=7)
+    ours = pool_random_effects(values, stds)
+    theirs = combine_effects(values, stds**2, method_re="iterated", use_t=True, atol=1e-12)
+    assert ours.between_std > 0
+    assert_allclose(ours.between_std**2, theirs.tau2, rtol=1e-6)
+    assert_allclose(ours.value, theirs.mean_effect_re, rtol=1e-8)
+    assert_allclose(ours.std, theirs.sd_eff_w_re_hksj, rtol=1e-6)
+    assert_allclose(ours.interval, theirs.conf_int()[3], rtol=1e-6)
+
+
+def test_random_effects_without_excess_scatter_are_fixed_effects() -> None:
+    values, stds = [10.0, 10.01, 9.99], [0.5, 0.4, 0.6]
+    random, fixed = pool_random_effects(values, stds), pool(values, stds)
+    assert random.between_std == 0
+    assert_allclose((random.value, random.std), (fixed.value, fixed.std))
+
+
+def test_one_estimate_tells_nothing_of_the_others() -> None:
+    pooled = pool_random_effects([5.0], [0.3])
+    assert (pooled.value, pooled.std, pooled.between_std) == (5.0, pytest.approx(0.3), 0.0)
+    assert pooled.interval == (-np.inf, np.inf)
+
+
+def test_random_effects_cover_the_truth() -> None:
+    rng, held = np.random.default_rng(8), []
+    for _ in range(1500):
+        stds = rng.uniform(0.2, 1.0, 5)
+        shared = 0.4 * rng.normal()
+        values = 20 + rng.normal(0, 0.8, 5) + stds * rng.normal(size=5) + shared
+        lower, upper = pool_random_effects(values, stds, np.full((5, 5), 0.16)).interval
+        held.append(lower <= 20 <= upper)
+    assert 0.93 <= np.mean(held) <= 0.97
+
+
+def test_fixed_effects_cover_the_truth() -> None:
+    rng, scores = np.random.default_rng(9), []
+    for _ in range(2000):
+        stds = rng.uniform(0.2, 1.0, 6)
+        pooled = pool(20 + stds * rng.normal(size=6) + 0.4 * rng.normal(), stds, np.full((6, 6), 0.16))
+        scores.append((pooled.value - 20) / pooled.total_std)
+    assert 0.93 <= np.mean(np.abs(scores) < stats.norm.ppf(0.975)) <= 0.97
+
+
+def test_scatter_is_parted_into_repeats_and_loads() -> None:
+    rng = np.random.default_rng(10)
+    loads = np.repeat(np.arange(400), rng.integers(1, 5, 400))
+    values = 12 + 1.5 * rng.normal(size=400)[loads] + 0.5 * rng.normal(size=loads.size)
+    scatter = scatter_of(values, loads)
+    assert_allclose(scatter.within_std, 0.5, rtol=0.06)
+    assert_allclose(scatter.between_std, 1.5, rtol=0.08)
+
+
+def test_scatter_that_cannot_be_told_is_nan() -> None:
+    assert np.isnan(scatter_of([1.0, 2.0, 3.0], [1, 2, 3]).within_std)
+    alone = scatter_of([1.0, 2.0], [1, 1])
+    assert alone.within_std == pytest.approx(np.sqrt(0.5))
+    assert np.isnan(alone.between_std)
+
+
+def test_random_effects_refuse_an_exact_estimate() -> None:
+    with pytest.raises(UncertaintyError, match="standard uncertainty must be positive, found 0 at index 1"):
+        pool_random_effects([1.0, 2.0], [0.1, 0.0])
+
+
+def test_shared_covariance_must_be_one() -> None:
+    with pytest.raises(UncertaintyError, match="correlation"):
+        pool([1.0, 2.0], [0.1, 0.1], [[1.0, 3.0], [3.0, 1.0]])

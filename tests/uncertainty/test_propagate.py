@@ -6,6 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
+from fingerpad.exceptions import UncertaintyError
 from fingerpad.uncertainty import PAD_INPUTS, PAD_OUTPUTS, pad_model, propagate
 
 
@@ -83,3 +84,25 @@ def test_near_circle_is_differentiable() -> None:
     mean = np.array([7.9, 13.8, 11.8, 0.5, 0.0, 2.0, 5.0, 0.0])
     result = propagate(pad_model, mean, np.diag(np.full(8, 1e-4)))
     assert np.isfinite(result.std).all()
+
+
+@pytest.mark.parametrize(
+    "mean",
+    [
+        [7.9, 13.8, 11.8, np.radians(30), 0.05, 2.0, 6.08, 0.39],
+        [7.9, 13.8, 11.8, 0.0, 0.0, 2.0, 5.0, 0.2],  # flat on the platen
+        [7.9, 13.8, 11.8, np.pi / 2, 0.0, 2.0, 5.0, 0.0],  # on the tip, a circular contact
+    ],
+)
+def test_derivatives_agree_with_differences(mean: list[float]) -> None:
+    jacobian = propagate(pad_model, mean, np.eye(8) * 1e-6).jacobian
+    for column in range(8):
+        step = 1e-4 * np.eye(8)[column]
+        outer = pad_model(mean + 2 * step) - pad_model(mean - 2 * step)
+        inner = pad_model(mean + step) - pad_model(mean - step)
+        assert_allclose(jacobian[:, column], (8 * inner - outer) / 12e-4, rtol=1e-8, atol=1e-9)
+
+
+def test_refuses_models_that_drop_the_complex_step() -> None:
+    with pytest.raises(UncertaintyError, match="real numbers for complex steps"):
+        propagate(np.abs, [1.0], [[1.0]])

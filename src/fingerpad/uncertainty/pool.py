@@ -3,9 +3,11 @@
 from dataclasses import dataclass
 
 import numpy as np
+from scipy import optimize, stats
 
-from fingerpad._arrays import ArrayLike, floats, require
-from fingerpad.exceptions import FitError
+from fingerpad._arrays import ArrayLike, FloatArray, floats, require
+from fingerpad.exceptions import UncertaintyError
+from fingerpad.uncertainty.covariance import covariance_of
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -49,8 +51,9 @@ def pool(values: ArrayLike, stds: ArrayLike, shared_covariance: ArrayLike = 0.0)
 
     Raises
     ------
-    FitError
-        If there is no estimate, or a value or standard uncertainty is not finite, or one is negative.
+    UncertaintyError
+        If there is no estimate, a value or standard uncertainty is not finite, one is negative, or
+        `shared_covariance` is no covariance.
 
     Examples
     --------
@@ -58,15 +61,7 @@ def pool(values: ArrayLike, stds: ArrayLike, shared_covariance: ArrayLike = 0.0)
     >>> print(f"{pooled.value:.1f} ± {pooled.std:.2f}, Birge ratio {pooled.birge_ratio:.2f}")
     20.0 ± 0.50, Birge ratio 1.41
     """
-    values, stds = floats(values).reshape(-1), floats(stds).reshape(-1)
-    if values.size == 0:
-        raise FitError("no estimates to pool; at least one row must have been measured")
-    if values.shape != stds.shape:
-        raise FitError(f"each value needs its standard uncertainty, found {values.size} and {stds.size}")
-    require(np.isfinite(values), "value to pool", values, "finite", FitError)
-    require(
-        np.isfinite(stds) & (stds >= 0), "standard uncertainty", stds, "finite and not negative", FitError
-    )
+    values, stds, shared = _estimates(values, stds, shared_covariance)
     own = np.maximum(stds, np.spacing(np.abs(values)))  # no value is known better than a double holds it
     least = own.min()
     weights = (least / own) ** 2 / np.sum((least / own) ** 2)
@@ -74,11 +69,170 @@ def pool(values: ArrayLike, stds: ArrayLike, shared_covariance: ArrayLike = 0.0)
     count = values.size
     birge = float(np.sqrt(np.sum(((values - mean) / own) ** 2) / (count - 1))) if count > 1 else np.nan
     variance = least**2 / np.sum((least / own) ** 2) * max(1.0, birge if count > 1 else 1.0) ** 2
-    shared = weights @ np.broadcast_to(floats(shared_covariance), (count, count)) @ weights
     return Pooled(
         value=mean,
         std=float(np.sqrt(variance)),
-        total_std=float(np.sqrt(variance + shared)),
+        total_std=float(np.sqrt(variance + weights @ shared @ weights)),
         birge_ratio=birge,
         count=count,
     )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RandomEffects:
+    """A weighted mean of estimates that differ by more than their uncertainty, as loads or fingers do.
+
+    Attributes
+    ----------
+    value : float
+        The mean, weighted by 1/(u² + τ²).
+    std : float
+        Its standard uncertainty after Hartung and Knapp.
+    total_std : float
+        The same with the shared uncertainty added.
+    interval : (float, float)
+        95 % interval, with Student's t of n − 1 degrees of freedom for what is not shared; infinite for
+        one estimate, which tells nothing of τ.
+    between_std : float
+        τ, the standard deviation of what differs between estimates beyond their stated uncertainty.
+    count : int
+        Number of estimates.
+    """
+
+    value: float
+    std: float
+    total_std: float
+    interval: tuple[float, float]
+    between_std: float
+    count: int
+
+
+def pool_random_effects(
+    values: ArrayLike, stds: ArrayLike, shared_covariance: ArrayLike = 0.0
+) -> RandomEffects:
+    r"""Pool estimates of a quantity that itself varies from one to the other.
+
+    τ² solves Paule and Mandel's :math:`\sum w_i (y_i - \bar y)^2 = n - 1`, :math:`w_i = 1/(u_i^2 + \tau^2)`,
+    and is zero where the estimates scatter less than stated. The variance of the mean is Hartung and
+    Knapp's, never below :math:`1/\sum w_i`.
+
+    Parameters
+    ----------
+    values, stds, shared_covariance
+        As for `pool`; the standard uncertainties must be positive.
+
+    Raises
+    ------
+    UncertaintyError
+        As `pool`, and if a standard uncertainty is zero.
+
+    Examples
+    --------
+    >>> pooled = pool_random_effects([19.0, 20.5, 22.0], [0.1, 0.1, 0.1])
+    >>> print(f"{pooled.value:.1f} ± {pooled.std:.2f}, between {pooled.between_std:.1f}")
+    20.5 ± 0.87, between 1.5
+    """
+    values, stds, shared = _estimates(values, stds, shared_covariance)
+    require(stds > 0, "standard uncertainty", stds, "positive", UncertaintyError)
+    count = values.size
+
+    def excess(between_variance: float) -> float:
+        weights = 1 / (stds**2 + between_variance)
+        mean = weights @ values / weights.sum()
+        return float(weights @ (values - mean) ** 2) - (count - 1)
+
+    between_variance = 0.0
+    if count > 1 and excess(0.0) > 0:
+        between_variance = float(optimize.brentq(excess, 0.0, np.ptp(values) ** 2 * count, rtol=1e-12))
+    weights = 1 / (stds**2 + between_variance)
+    variance = 1 / weights.sum()
+    weights /= weights.sum()
+    shared_variance = float(weights @ shared @ weights)
+    value = float(weights @ values)
+    half = np.inf
+    if count > 1:
+        variance *= max(1.0, 1 + excess(between_variance) / (count - 1))
+        quantiles = stats.t.ppf(0.975, count - 1), stats.norm.ppf(0.975)
+        half = float(np.hypot(quantiles[0] * np.sqrt(variance), quantiles[1] * np.sqrt(shared_variance)))
+    return RandomEffects(
+        value=value,
+        std=float(np.sqrt(variance)),
+        total_std=float(np.sqrt(variance + shared_variance)),
+        interval=(value - half, value + half),
+        between_std=float(np.sqrt(between_variance)),
+        count=count,
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Scatter:
+    """How values scatter within groups, as repeats at one load do, and between them.
+
+    Attributes
+    ----------
+    within_std : float
+        Standard deviation within groups; NaN if no group has two values.
+    between_std : float
+        Standard deviation of the groups' own means, what repeats add taken off; NaN for one group or
+        where `within_std` is not known.
+    """
+
+    within_std: float
+    between_std: float
+
+
+def scatter_of(values: ArrayLike, groups: ArrayLike) -> Scatter:
+    """Part the scatter of values into that within groups and that between them, by analysis of variance.
+
+    Parameters
+    ----------
+    values : array_like, shape (n,)
+        Values of one quantity.
+    groups : array_like, shape (n,)
+        Which group each belongs to, as the load under which it was measured.
+
+    Examples
+    --------
+    >>> scatter = scatter_of([10.0, 10.2, 12.0, 12.2], [1, 1, 2, 2])
+    >>> print(f"within {scatter.within_std:.2f}, between {scatter.between_std:.2f}")
+    within 0.14, between 1.41
+    """
+    values = floats(values).reshape(-1)
+    _, which, sizes = np.unique(np.asarray(groups).reshape(-1), return_inverse=True, return_counts=True)
+    if which.size != values.size:
+        raise UncertaintyError(f"each value needs its group, found {values.size} and {which.size}")
+    require(np.isfinite(values), "value", values, "finite", UncertaintyError)
+    total, count = values.size, sizes.size
+    if total <= count:
+        return Scatter(within_std=np.nan, between_std=np.nan)
+    means = np.bincount(which, values) / sizes
+    within = float(np.sum((values - means[which]) ** 2) / (total - count))
+    between = np.nan
+    if count > 1:
+        typical_size = (total - np.sum(sizes**2) / total) / (count - 1)
+        spread = float(np.sum(sizes * (means - values.mean()) ** 2) / (count - 1))
+        between = np.sqrt(max(0.0, spread - within) / typical_size)
+    return Scatter(within_std=float(np.sqrt(within)), between_std=float(between))
+
+
+def _estimates(
+    values: ArrayLike, stds: ArrayLike, shared_covariance: ArrayLike
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return estimates, their standard uncertainties and shared covariance, once they are sound."""
+    values, stds = floats(values).reshape(-1), floats(stds).reshape(-1)
+    if values.size == 0:
+        raise UncertaintyError("no estimates to pool; at least one row must have been measured")
+    if values.shape != stds.shape:
+        raise UncertaintyError(
+            f"each value needs its standard uncertainty, found {values.size} and {stds.size}"
+        )
+    require(np.isfinite(values), "value to pool", values, "finite", UncertaintyError)
+    require(
+        np.isfinite(stds) & (stds >= 0),
+        "standard uncertainty",
+        stds,
+        "finite and not negative",
+        UncertaintyError,
+    )
+    shared = np.broadcast_to(floats(shared_covariance), (values.size, values.size))
+    return values, stds, covariance_of(shared)

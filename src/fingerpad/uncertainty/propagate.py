@@ -1,14 +1,20 @@
-"""Propagation of uncertainty through any model of arrays (GUM, clause 5)."""
+"""First-order propagation of uncertainty through any model of arrays (GUM, clause 5)."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 
 from fingerpad._arrays import ArrayLike, FloatArray, floats
+from fingerpad.exceptions import UncertaintyError
+from fingerpad.uncertainty.covariance import covariance_of
 
-# Central differences err by step² from curvature and by eps/step from rounding: the cube root balances them.
-_RELATIVE_STEP = np.finfo(float).eps ** (1 / 3)
+# Inputs of shape (..., n) to outputs of shape (..., m), elementwise over the leading axes.
+Model: TypeAlias = Callable[[FloatArray], FloatArray]
+
+# The imaginary part of f(x + ih) is h f'(x) + O(h³). Nothing is subtracted, so h may be tiny.
+_COMPLEX_STEP = 1e-30
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -37,11 +43,15 @@ class Propagated:
         """Standard uncertainty of each output, shape (..., m)."""
         return np.sqrt(np.diagonal(self.covariance, axis1=-2, axis2=-1))
 
+    @property
+    def interval(self) -> FloatArray:
+        """Lower and upper ends of the 95 % interval of a normal output, shape (..., m, 2)."""
+        half = 1.959963984540054 * self.std
+        return np.stack([self.value - half, self.value + half], axis=-1)
+
 
 @np.errstate(all="ignore")
-def propagate(
-    model: Callable[[FloatArray], FloatArray], mean: ArrayLike, covariance: ArrayLike
-) -> Propagated:
+def propagate(model: Model, mean: ArrayLike, covariance: ArrayLike) -> Propagated:
     r"""Propagate a covariance through `model`, to first order and where that vanishes to second.
 
     :math:`\Sigma_y = J \Sigma_x J^T + \sum_i s_i s_i^T`, with
@@ -49,6 +59,9 @@ def propagate(
     the note to 5.1.2 for each input by itself, as normal inputs have it. The second term matters where
     an output is flat in an input, as the corrected radius is in the elongation of a circular contact.
     The shift of the mean that goes with it is not applied.
+
+    The derivatives are those of complex steps, exact to rounding: the model is called with complex
+    arrays, and must be made of analytic functions (no ``abs``, no rounding, comparisons on real parts).
 
     Parameters
     ----------
@@ -62,7 +75,11 @@ def propagate(
     Returns
     -------
     Propagated
-        Outputs and their covariance. Derivatives are taken by differences.
+
+    Raises
+    ------
+    UncertaintyError
+        If `covariance` is none, or the model drops the imaginary part of a complex step.
 
     Examples
     --------
@@ -75,23 +92,25 @@ def propagate(
     >>> print(f"{area.value[0]:.1f} ± {area.std[0]:.1f}")
     116.2 ± 7.4
     """
-    mean, covariance = floats(mean), floats(covariance)
+    mean, covariance = floats(mean), covariance_of(covariance)
     value = model(mean)
     std = np.sqrt(np.diagonal(covariance, axis1=-2, axis2=-1))
-    step = _RELATIVE_STEP * np.maximum(np.abs(mean), std)
-    upper, lower, width = _moved(model, mean, np.where(step > 0, step, _RELATIVE_STEP))
-    jacobian = np.swapaxes((upper - lower) / width[..., None], -1, -2)
-    upper, lower, _ = _moved(model, mean, std)
-    second_order = np.swapaxes(upper + lower - 2 * value[..., None, :], -1, -2) / np.sqrt(2)
+    moves = std[..., None, :] * np.eye(mean.shape[-1])
+    centre = mean[..., None, :]
+    bent = model(centre + moves) + model(centre - moves) - 2 * value[..., None, :]
+    second_order = np.swapaxes(bent, -1, -2) / np.sqrt(2)
+    jacobian = _jacobian(model, mean)
     propagated = jacobian @ covariance @ np.swapaxes(jacobian, -1, -2)
     propagated += second_order @ np.swapaxes(second_order, -1, -2)
     return Propagated(value=value, covariance=propagated, jacobian=jacobian, second_order=second_order)
 
 
-def _moved(
-    model: Callable[[FloatArray], FloatArray], mean: FloatArray, step: FloatArray
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return the model with each input moved up and down, and the width between the two."""
-    moves = step[..., None, :] * np.eye(mean.shape[-1])
-    upper, lower = mean[..., None, :] + moves, mean[..., None, :] - moves
-    return model(upper), model(lower), np.diagonal(upper - lower, axis1=-2, axis2=-1)
+def _jacobian(model: Model, mean: FloatArray) -> FloatArray:
+    """Return the derivative of each output by each input, shape (..., m, n), by complex steps."""
+    stepped = model(mean[..., None, :] + 1j * _COMPLEX_STEP * np.eye(mean.shape[-1]))
+    if not np.iscomplexobj(stepped):
+        raise UncertaintyError(
+            "the model returns real numbers for complex steps: leave out abs, real and rounding, "
+            "or propagate by Monte Carlo"
+        )
+    return np.swapaxes(stepped.imag, -1, -2) / _COMPLEX_STEP

@@ -1,0 +1,50 @@
+"""What is a covariance and what is not, and its factors."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from fingerpad.exceptions import UncertaintyError
+from fingerpad.uncertainty import covariance_of, factor_of
+
+
+@pytest.mark.parametrize(
+    "covariance",
+    [
+        np.diag([4.0, 0.0, 1e-12]),
+        np.ones((2, 2)),  # one input seen twice
+        np.array([[1e-12, 1e-3 * 1e-6], [1e-3 * 1e-6, 1e6]]),
+        np.zeros((3, 3)),
+    ],
+)
+def test_factors_give_the_matrix_back(covariance: np.ndarray) -> None:
+    factor = factor_of(covariance_of(covariance))
+    assert_allclose(factor @ factor.T, covariance, rtol=1e-9, atol=1e-20)
+
+
+@pytest.mark.parametrize(
+    ("covariance", "message"),
+    [
+        ([1.0, 2.0], "must be square, found the shape"),
+        ([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], "must be square"),
+        ([[1.0, np.nan], [np.nan, 1.0]], "covariance must be finite, found nan at index 0, 1"),
+        ([[1.0, 0.0], [0.0, -0.1]], "variance must be positive or zero, found -0.1 at index 1"),
+        ([[1.0, 0.5], [0.4, 1.0]], "covariance must be symmetric, found 0.5 at index 0, 1"),
+        ([[1.0, 1.5], [1.5, 1.0]], r"correlation must be within \[-1, 1\], found 1.5"),
+        ([[0.0, 0.1], [0.1, 1.0]], r"correlation must be within \[-1, 1\], found inf"),
+        (
+            [[1.0, 0.9, -0.9], [0.9, 1.0, 0.9], [-0.9, 0.9, 1.0]],
+            "smallest eigenvalue of the correlations must be positive or zero",
+        ),
+    ],
+)
+def test_refuses(covariance: list[list[float]], message: str) -> None:
+    with pytest.raises(UncertaintyError, match=message):
+        covariance_of(covariance)
+
+
+def test_finds_the_one_bad_matrix_of_many() -> None:
+    matrices = np.tile(np.eye(2), (4, 1, 1))
+    matrices[2, 0, 0] = -1
+    with pytest.raises(UncertaintyError, match="at index 2, 0"):
+        covariance_of(matrices)
