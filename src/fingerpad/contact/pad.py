@@ -7,6 +7,7 @@ import numpy as np
 from fingerpad._arrays import ArrayLike, FloatArray, broadcast
 from fingerpad.contact.elliptic import solve_contact_ellipse
 from fingerpad.contact.equivalent import equivalent_radius_ratios
+from fingerpad.contact.hertz import youngs_modulus
 from fingerpad.geometry import Ellipsoid, platen_normal
 
 
@@ -26,6 +27,8 @@ class PadContact:
         ξ = A/(π R_Aξ) from the observed ellipse, on R_e.
     reduced_modulus : ndarray
         E* = 3 W R_e F1³/(4 (ℓd ℓe)^{3/2}) from the load and the observed ellipse.
+    youngs_modulus : ndarray
+        E = E*(1 − ν²).
     mean_pressure : ndarray
         W/A.
     contact_size : ndarray
@@ -45,6 +48,7 @@ class PadContact:
     geometric_radius_from_compliance: FloatArray
     indentation: FloatArray
     reduced_modulus: FloatArray
+    youngs_modulus: FloatArray
     mean_pressure: FloatArray
     contact_size: FloatArray
     predicted_elongation: FloatArray
@@ -59,6 +63,7 @@ def pad_contact(
     load: ArrayLike,
     semi_major: ArrayLike,
     semi_minor: ArrayLike,
+    poisson_ratio: ArrayLike = 0.5,
 ) -> PadContact:
     """Turn an observed contact ellipse into radii, indentation and modulus.
 
@@ -73,6 +78,8 @@ def pad_contact(
     semi_major, semi_minor : array_like
         Semi-axes of the observed contact ellipse. The two may be given in either order: the axis ratio of
         a near-circle stays differentiable where measurement noise swaps them.
+    poisson_ratio : array_like
+        ν of the pad.
 
     Examples
     --------
@@ -94,6 +101,7 @@ def pad_contact(
     predicted, _, _ = solve_contact_ellipse(curvature.in_plane_radius, curvature.transverse_radius)
     along = np.sign(np.real(curvature.in_plane_radius - curvature.transverse_radius))
     from_indentation, from_area, from_compliance = equivalent_radius_ratios(axis_ratio)
+    modulus = 0.75 * load * exact * from_area / size**3
     return PadContact(
         mean_curvature_radius=base,
         geometric_mean_radius=exact,
@@ -104,7 +112,8 @@ def pad_contact(
         geometric_radius_from_area=exact * from_area,
         geometric_radius_from_compliance=exact * from_compliance,
         indentation=area / (np.pi * exact * from_compliance),
-        reduced_modulus=0.75 * load * exact * from_area / size**3,
+        reduced_modulus=modulus,
+        youngs_modulus=youngs_modulus(modulus, poisson_ratio),
         mean_pressure=load / area,
         contact_size=size / exact,
         predicted_elongation=-along * np.log(predicted),

@@ -12,7 +12,7 @@ from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.study.fingers import FingerResult
 from fingerpad.study.manifest import CORRECTIONS, Observation, Study
 from fingerpad.study.measure import Measurement
-from fingerpad.uncertainty import PAD_OUTPUTS, SHARED_INPUTS, Propagated, pad_model, propagate
+from fingerpad.uncertainty import PAD_INPUTS, PAD_OUTPUTS, Propagated, pad_model, propagate
 from fingerpad.units import KPA_PER_MPA
 
 Row: TypeAlias = dict[str, Any]
@@ -103,6 +103,8 @@ COLUMNS: Final[Mapping[str, str]] = {
 }
 
 _NO_ANSWER: Final = "the model has no finite answer for these values; check their units"
+# The first inputs of the model belong to the finger on its wedge: all its observations there share them.
+_SHARED_INPUTS: Final = PAD_INPUTS.index("image_scale")
 _IN_MM: Final = tuple(name for name in PAD_OUTPUTS if "radius" in name or name == "indentation")
 _IN_KPA: Final = ("reduced_modulus", "mean_pressure")
 
@@ -147,7 +149,8 @@ def make_rows(
             good.append(index)
             means.append(mean)
             covariances.append(covariance)
-    mean, covariance = np.reshape(means, (-1, 8)), np.reshape(covariances, (-1, 8, 8))
+    size = len(PAD_INPUTS)
+    mean, covariance = np.reshape(means, (-1, size)), np.reshape(covariances, (-1, size, size))
     propagated = propagate(pad_model, mean, covariance)
     shared, own_std = _parted(propagated, covariance)
     finite = np.isfinite(propagated.covariance.sum(axis=(-2, -1)))
@@ -176,7 +179,7 @@ def make_rows(
 
 def _parted(propagated: Propagated, covariance: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return the parts of the uncertainty that rows share, and the standard uncertainty of the rest."""
-    mine, theirs = slice(SHARED_INPUTS, None), slice(SHARED_INPUTS)
+    mine, theirs = slice(_SHARED_INPUTS, None), slice(_SHARED_INPUTS)
     with np.errstate(all="ignore"):
         size, direction = np.linalg.eigh(covariance[:, theirs, theirs])
         factor = direction * np.sqrt(np.maximum(size, 0))[:, None, :]
@@ -196,14 +199,24 @@ def pad_inputs(
     angles = np.radians([observation.wedge_angle_deg, observation.roll_angle_deg])
     major, minor = measured.semi_major, measured.semi_minor
     size = np.sqrt(major * minor)
-    mean = np.array([*finger.semi_axes, *angles, observation.load_N, size, np.log(major / minor)])
-    covariance = np.zeros((8, 8))
+    mean = np.array(
+        [
+            *finger.semi_axes,
+            *angles,
+            study.poisson_ratio,
+            1.0,
+            observation.load_N,
+            size,
+            np.log(major / minor),
+        ]
+    )
+    covariance = np.zeros((len(PAD_INPUTS), len(PAD_INPUTS)))
     covariance[:3, :3] = finger.covariance
     covariance[3, 3] = np.radians(study.uncertainty.wedge_angle_std_deg) ** 2
     covariance[4, 4] = np.radians(study.uncertainty.roll_angle_std_deg) ** 2
-    covariance[5, 5] = (study.uncertainty.load_relative_std * observation.load_N) ** 2
+    covariance[7, 7] = (study.uncertainty.load_relative_std * observation.load_N) ** 2
     to_size_and_elongation = np.array([[0.5 * size / major, 0.5 * size / minor], [1 / major, -1 / minor]])
-    covariance[6:, 6:] = to_size_and_elongation @ measured.covariance @ to_size_and_elongation.T
+    covariance[8:, 8:] = to_size_and_elongation @ measured.covariance @ to_size_and_elongation.T
     return mean, covariance
 
 

@@ -4,14 +4,14 @@ from fingerpad.uncertainty.budget import SobolIndices, sobol_indices, variance_s
 from fingerpad.uncertainty.correlated import correlated_values, mean_and_covariance
 from fingerpad.uncertainty.covariance import covariance_of, factor_of
 from fingerpad.uncertainty.monte_carlo import Simulated, Validation, simulate, validate_first_order
-from fingerpad.uncertainty.pad import PAD_INPUTS, PAD_OUTPUTS, SHARED_INPUTS, pad_model
+from fingerpad.uncertainty.pad import PAD_INPUTS, PAD_OUTPUTS, PAD_SOURCES, pad_model
 from fingerpad.uncertainty.pool import Pooled, RandomEffects, Scatter, pool, pool_random_effects, scatter_of
 from fingerpad.uncertainty.propagate import Model, Propagated, propagate
 
 __all__ = [
     "PAD_INPUTS",
     "PAD_OUTPUTS",
-    "SHARED_INPUTS",
+    "PAD_SOURCES",
     "Model",
     "Pooled",
     "Propagated",
