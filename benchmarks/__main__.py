@@ -10,7 +10,7 @@ import mpmath as mp
 import numpy as np
 from scipy.special import ellipe, ellipk
 
-from benchmarks import imprints, photographs, sequences
+from benchmarks import imprints, photographs, sequences, uncertainty
 from benchmarks.exact import RATIOS, exact_contact
 from fingerpad.contact import HertzGeometry, hertz_contact, solve_contact_ellipse
 
@@ -66,6 +66,8 @@ def hertz_speed(count: int = 1_000_000) -> None:
 if __name__ == "__main__":
     hertz_accuracy()
     hertz_speed()
+    uncertainty.monte_carlo_speed()
+    uncertainty.first_order_against_simulation()
     imprints.accuracy_and_coverage(72)
     imprints.edge_calibration(72)
     imprints.speed()

@@ -94,12 +94,14 @@ def pad_contact(
     13.61 mm, corrected 13.80 mm
     """
     major, minor, load = broadcast(semi_major, semi_minor, load)
-    curvature = pad.curvature_at_normal(platen_normal(wedge_angle, roll_angle))
+    in_plane, transverse = np.moveaxis(
+        pad.principal_radii_at_normal(platen_normal(wedge_angle, roll_angle)), -1, 0
+    )
     axis_ratio = np.minimum(major, minor) / np.maximum(major, minor)
-    base, exact = curvature.mean_curvature_radius, curvature.geometric_mean_radius
+    base, exact = 2 / (1 / in_plane + 1 / transverse), np.sqrt(in_plane * transverse)
     size, area = np.sqrt(major * minor), np.pi * major * minor
-    predicted, _, _ = solve_contact_ellipse(curvature.in_plane_radius, curvature.transverse_radius)
-    along = np.sign(np.real(curvature.in_plane_radius - curvature.transverse_radius))
+    predicted, _, _ = solve_contact_ellipse(in_plane, transverse)
+    along = np.sign(np.real(in_plane - transverse))
     from_indentation, from_area, from_compliance = equivalent_radius_ratios(axis_ratio)
     modulus = 0.75 * load * exact * from_area / size**3
     return PadContact(

@@ -184,6 +184,13 @@ def principal_curvatures(
     (array([0.7, 3.3]), -33.69)
     """
     first, second, mixed = broadcast(first, second, mixed)
+    difference = first - second
+    angle = 0.5 * np.arctan2(np.where(difference < 0, -mixed, mixed), 0.5 * np.abs(difference))
+    return curvatures_of(first, second, mixed), angle
+
+
+def curvatures_of(first: FloatArray, second: FloatArray, mixed: FloatArray) -> FloatArray:
+    """Return the curvatures of `principal_curvatures` alone, shape (..., 2)."""
     half_difference = 0.5 * (first - second)
     mean = 0.5 * (first + second)
     # The product of the two is the determinant; their difference would lose the smaller one's digits.
@@ -191,11 +198,7 @@ def principal_curvatures(
     stronger = np.where(np.signbit(mean.real), mean - radius, mean + radius)
     weaker = (first * second - mixed * mixed) / np.where(stronger == 0, 1.0, stronger)
     first_is_stronger = (half_difference >= 0) == (mean >= 0)
-    # Directions alone need the angle, and nothing takes their derivative.
-    difference, twist = half_difference.real, mixed.real
-    angle = 0.5 * np.arctan2(np.where(difference < 0, -twist, twist), np.abs(difference))
-    curvatures = np.stack(
+    return np.stack(
         [np.where(first_is_stronger, stronger, weaker), np.where(first_is_stronger, weaker, stronger)],
         axis=-1,
     )
-    return curvatures, angle

@@ -7,7 +7,7 @@ import numpy as np
 
 from fingerpad._arrays import ArrayLike, FloatArray, broadcast, floats, hypotenuse, require
 from fingerpad.exceptions import GeometryError
-from fingerpad.geometry.curvature import SurfaceCurvature, principal_curvatures
+from fingerpad.geometry.curvature import SurfaceCurvature, curvatures_of, principal_curvatures
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -95,42 +95,56 @@ class Ellipsoid:
     def curvature_at_normal(self, normal: ArrayLike) -> SurfaceCurvature:
         """Return principal radii and directions where the outward normal is `normal`.
 
-        The shape operator of the level surface ½ pᵀQp, Q = diag(1/ℓ²), is the tangential part of
-        Q/‖Qp‖, and 1/‖Qp‖ is the support function h(n) = √(Σ ℓ²n²).
-
         Parameters
         ----------
         normal : array_like, shape (..., 3)
             Unit vectors.
         """
         normal = floats(normal)
+        curvatures, angle = principal_curvatures(*self._curvature_tensor(normal))
         along, across = _tangents(normal)
-        support = self._support(normal)
-
-        def component(a: FloatArray, b: FloatArray) -> FloatArray:
-            projected: FloatArray = (a * b / self.semi_axes**2).sum(axis=-1)
-            return support * projected
-
-        curvatures, angle = principal_curvatures(
-            component(along, along), component(across, across), component(along, across)
-        )
         cosine, sine = np.cos(angle)[..., None], np.sin(angle)[..., None]
         directions = np.stack([cosine * along + sine * across, cosine * across - sine * along], axis=-2)
         return SurfaceCurvature(principal_radii=1 / curvatures, principal_directions=directions)
 
+    def principal_radii_at_normal(self, normal: ArrayLike) -> FloatArray:
+        """Return the radii of `curvature_at_normal` alone, shape (..., 2), at a third of the cost."""
+        return 1 / curvatures_of(*self._curvature_tensor(floats(normal)))
+
+    def _curvature_tensor(self, normal: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return the curvatures along and across the finger, and the mixed one.
+
+        The shape operator of the level surface ½ pᵀQp, Q = diag(1/ℓ²), is the tangential part of
+        Q/‖Qp‖, and 1/‖Qp‖ is the support function h(n) = √(Σ ℓ²n²).
+        """
+        y, radius, cosine, sine = _parts(normal)
+        support = self._support(normal)
+        flatness_x, flatness_y, flatness_z = 1 / self.palmar**2, 1 / self.distal**2, 1 / self.radial_ulnar**2
+        return (
+            support * (y**2 * (cosine**2 * flatness_x + sine**2 * flatness_z) + radius**2 * flatness_y),
+            support * (sine**2 * flatness_x + cosine**2 * flatness_z),
+            support * y * cosine * sine * (flatness_x - flatness_z),
+        )
+
     def _support(self, normal: FloatArray) -> FloatArray:
         """Return the support function h(n), the distance from the centre to the tangent plane."""
-        squared: FloatArray = (self.semi_axes**2 * normal**2).sum(axis=-1)
+        x, y, z = np.moveaxis(normal, -1, 0)
+        squared: FloatArray = (self.palmar * x) ** 2 + (self.distal * y) ** 2 + (self.radial_ulnar * z) ** 2
         return np.sqrt(squared)
+
+
+def _parts(normal: FloatArray) -> tuple[FloatArray, ...]:
+    """Return y, √(x² + z²), and cosine and sine of the roll of unit normals."""
+    x, y, z = np.moveaxis(normal, -1, 0)
+    radius = hypotenuse(x, z)
+    at_tip = radius == 0  # there the roll has no meaning, and is taken to be none
+    radius_or_one = np.where(at_tip, 1.0, radius)
+    return y, radius, np.where(at_tip, 1.0, x / radius_or_one), z / radius_or_one
 
 
 def _tangents(normal: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return unit tangents along the finger, the projection of its axis y, and across it."""
-    x, y, z = np.moveaxis(normal, -1, 0)
-    radius = hypotenuse(x, z)
-    at_tip = radius == 0  # there the projection vanishes, and "along" is −x
-    radius_or_one = np.where(at_tip, 1.0, radius)
-    cosine, sine = np.where(at_tip, 1.0, x / radius_or_one), z / radius_or_one
+    y, radius, cosine, sine = _parts(normal)
     along = np.stack([-y * cosine, radius, -y * sine], axis=-1)
     across = np.stack([-sine, np.zeros_like(y), cosine], axis=-1)
     return along, across

@@ -1,0 +1,53 @@
+"""Propagation through the pad's model: accuracy of derivatives, and the cost of a million draws.
+
+Run alone with ``python -m benchmarks.uncertainty``.
+"""
+
+import resource
+import time
+from collections.abc import Callable
+
+import numpy as np
+from scipy.special import ellipe, ellipk
+
+from fingerpad.uncertainty import pad_model, propagate, simulate
+
+MEAN = np.array([7.9, 13.8, 11.8, np.radians(30), 0.05, 0.5, 1.0, 2.0, 6.08, 0.39])
+COVARIANCE = np.diag(
+    np.square([0.1, 0.12, 0.08, np.radians(0.5), np.radians(1), 0.0, 0.01, 0.02, 0.07, 0.02])
+)
+DRAWS = 1_000_000
+
+
+def best(function: Callable[[], object], repeats: int) -> float:
+    """Return the shortest of several run times of this thread, in seconds."""
+    times = []
+    for _ in range(repeats):
+        start = time.thread_time()
+        function()
+        times.append(time.thread_time() - start)
+    return min(times)
+
+
+def monte_carlo_speed() -> None:
+    """Print the cost of a million draws of the whole chain as a multiple of SciPy's two integrals."""
+    m = np.random.default_rng(0).uniform(0.01, 0.9, DRAWS)
+    floor = best(lambda: (ellipk(m), ellipe(m)), 9)
+    whole = best(lambda: simulate(pad_model, MEAN, COVARIANCE, fewest=DRAWS, most=DRAWS), 5)
+    memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+    print(f"\n{DRAWS:,} draws of all inputs through the pad's model, with means, covariance and intervals")
+    print(f"    {whole / floor:.1f} x SciPy's ellipk + ellipe on as many values (asked: 40)")
+    print(f"    peak memory of the process {memory:.0f} MB (asked: 500)")
+
+
+def first_order_against_simulation() -> None:
+    """Print by how much first-order and simulated standard uncertainties differ."""
+    first = propagate(pad_model, MEAN, COVARIANCE)
+    simulated = simulate(pad_model, MEAN, COVARIANCE, fewest=DRAWS, most=DRAWS)
+    off = np.max(np.abs(first.std / simulated.std - 1))
+    print(f"    first-order against simulated standard uncertainties: within {100 * off:.2f} %")
+
+
+if __name__ == "__main__":
+    monte_carlo_speed()
+    first_order_against_simulation()
