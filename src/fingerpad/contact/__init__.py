@@ -13,6 +13,7 @@ from fingerpad.contact.equivalent import (
     equivalent_radius_from_indentation,
     equivalent_radius_ratios,
 )
+from fingerpad.contact.halfspace import HalfSpaceContact, ellipsoid_gap
 from fingerpad.contact.hertz import (
     HertzContact,
     HertzGeometry,
@@ -23,11 +24,13 @@ from fingerpad.contact.hertz import (
 from fingerpad.contact.pad import PadContact, pad_contact
 
 __all__ = [
+    "HalfSpaceContact",
     "HertzContact",
     "HertzGeometry",
     "PadContact",
     "complete_integrals",
     "curvature_ratio",
+    "ellipsoid_gap",
     "equivalent_radius_from_area",
     "equivalent_radius_from_compliance",
     "equivalent_radius_from_indentation",

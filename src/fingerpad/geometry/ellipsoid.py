@@ -102,7 +102,7 @@ class Ellipsoid:
         """
         normal = floats(normal)
         curvatures, angle = principal_curvatures(*self._curvature_tensor(normal))
-        along, across = _tangents(normal)
+        along, across = tangents(normal)
         cosine, sine = np.cos(angle)[..., None], np.sin(angle)[..., None]
         directions = np.stack([cosine * along + sine * across, cosine * across - sine * along], axis=-2)
         return SurfaceCurvature(principal_radii=1 / curvatures, principal_directions=directions)
@@ -142,7 +142,7 @@ def _parts(normal: FloatArray) -> tuple[FloatArray, ...]:
     return y, radius, np.where(at_tip, 1.0, x / radius_or_one), z / radius_or_one
 
 
-def _tangents(normal: FloatArray) -> tuple[FloatArray, FloatArray]:
+def tangents(normal: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return unit tangents along the finger, the projection of its axis y, and across it."""
     y, radius, cosine, sine = _parts(normal)
     along = np.stack([-y * cosine, radius, -y * sine], axis=-1)
