@@ -15,9 +15,14 @@ from fingerpad.figures import (
     plot_aspect_ratio,
     plot_contact_compliance,
     plot_corrected_radius,
+    plot_initial_modulus,
     plot_load_indentation,
+    plot_modulus_from_area_and_indentation,
     plot_pad,
     plot_pad_with_contact,
+    plot_relaxation,
+    plot_secant_modulus,
+    plot_uncertainty_budget,
     plot_wedge,
     plot_wedge_in_pad_axes,
     save_figure,
@@ -258,11 +263,54 @@ def test_contacts_keep_their_shape_and_direction(axes) -> None:
     assert "Hertz\n1.07" in texts(axes)
 
 
-def test_hertz_line_follows_its_law(axes) -> None:
-    plot_load_indentation(axes, [0, 1.0], [0, 0.7], radius=13.6, reduced_modulus=0.1365)
-    (line,) = (line for line in axes.lines if line.get_linestyle() == "--")
-    assert_allclose(line.get_ydata(), 4 / 3 * 0.1365 * np.sqrt(13.6) * line.get_xdata() ** 1.5, rtol=1e-12)
-    assert "E* = 136 kPa" in texts(axes)
+def test_the_loop_is_told_apart_and_the_fit_is_drawn(axes) -> None:
+    phase = np.array(["baseline", "loading", "hold", "unloading"])
+    fit = (np.array([0.0, 1.4]), np.array([0.0, 2.0]))
+    plot_load_indentation(axes, VALUE, LOAD, phase=phase, fits={"Hertz, E* = 136 kPa": fit}, synthetic=True)
+    assert {"baseline", "loading", "hold", "unloading"} <= set(texts(axes).split("\n"))
+    (line,) = (line for line in axes.lines if line.get_label().startswith("Hertz"))
+    assert_allclose(line.get_xydata(), np.transpose(fit))
+    assert is_marked_synthetic(axes)
+
+
+def test_secant_moduli_are_in_kpa_and_the_region_is_marked(axes) -> None:
+    modulus = np.array([5.0, 0.06, 0.08, 0.10])
+    region = [False, True, True, True]
+    plot_secant_modulus(axes, LOAD, modulus, against="load", fitted_region=region, fit=(LOAD, modulus))
+    grey, blue, line = (line.get_ydata() for line in axes.lines)
+    assert_allclose(grey, [5000])
+    assert_allclose(blue, [60, 80, 100])
+    assert_allclose(line, 1000 * modulus)
+    assert axes.get_ylim()[1] < 200  # what is left out does not set the scale
+    assert axes.get_xlabel() == "normal load W (N)"
+
+
+def test_relaxation_says_what_the_ramp_hides(axes) -> None:
+    time = np.array([-1.0, 0.1, 1.0, 10.0])
+    plot_relaxation(axes, time, VALUE, ramp_time=0.5, time_constants=[2.0])
+    assert len(axes.lines[0].get_xdata()) == 3
+    assert "faster than the ramp" in texts(axes)
+    assert any(np.allclose(line.get_xdata(), 2.0) for line in axes.lines if len(line.get_xdata()))
+
+
+def test_moduli_of_area_and_indentation_are_a_ratio(axes) -> None:
+    plot_modulus_from_area_and_indentation(axes, LOAD, 2 * VALUE, VALUE, expected_ratio=([0, 2], [1.0, 1.1]))
+    assert_allclose(axes.lines[0].get_ydata(), 2)
+    assert "expected of the true ellipsoid" in texts(axes)
+
+
+def test_initial_modulus_against_velocity(axes) -> None:
+    plot_initial_modulus(axes, [0.2, 2.0], [0.04, 0.06], initial_modulus_std=[0.002, 0.003])
+    assert sorted(map(tuple, bars(axes))) == [(38.0, 42.0), (57.0, 63.0)]
+    assert axes.get_xscale() == "log"
+
+
+def test_budget_bars_fall_from_the_top(axes) -> None:
+    shares = {"load": 0.1, "semi-axes": 0.7, "scale": 0.2}
+    plot_uncertainty_budget(axes, shares, total={"load": 0.1, "semi-axes": 0.72, "scale": 0.21})
+    assert [label.get_text() for label in axes.get_yticklabels()] == ["load", "scale", "semi-axes"]
+    assert_allclose([bar.get_width() for bar in axes.containers[0]], [10, 20, 70])
+    assert "70.0 %" in texts(axes)
 
 
 def test_compliance_line_has_the_slope_and_the_fan_its_width(axes) -> None:

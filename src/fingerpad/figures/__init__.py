@@ -4,16 +4,23 @@ Every ``plot_*`` draws on Matplotlib axes and returns them; `new_figure` makes a
 `save_figure` and `figure_svg` write them.
 """
 
+from fingerpad.figures.loading import (
+    plot_contact_compliance,
+    plot_initial_modulus,
+    plot_load_indentation,
+    plot_modulus_from_area_and_indentation,
+    plot_relaxation,
+    plot_secant_modulus,
+)
 from fingerpad.figures.pad import plot_pad, plot_pad_with_contact
 from fingerpad.figures.results import (
     plot_area_against_load,
     plot_aspect_ratio,
-    plot_contact_compliance,
     plot_corrected_radius,
-    plot_load_indentation,
 )
 from fingerpad.figures.source import source_figures
 from fingerpad.figures.style import figure_svg, new_figure, save_figure
+from fingerpad.figures.uncertainty import plot_uncertainty_budget
 from fingerpad.figures.wedge import plot_wedge, plot_wedge_in_pad_axes
 
 __all__ = [
@@ -23,9 +30,14 @@ __all__ = [
     "plot_aspect_ratio",
     "plot_contact_compliance",
     "plot_corrected_radius",
+    "plot_initial_modulus",
     "plot_load_indentation",
+    "plot_modulus_from_area_and_indentation",
     "plot_pad",
     "plot_pad_with_contact",
+    "plot_relaxation",
+    "plot_secant_modulus",
+    "plot_uncertainty_budget",
     "plot_wedge",
     "plot_wedge_in_pad_axes",
     "save_figure",

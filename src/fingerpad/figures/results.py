@@ -1,4 +1,4 @@
-"""Figures of results: radii, areas, shapes and indentations against load.
+"""Figures of results: radii, areas and shapes against load.
 
 Arrays are in mm, mm² and N; a `_std` is a standard uncertainty and is drawn as an error bar of that length
 to either side. `synthetic` marks data that were rendered or simulated, for all points or one by one.
@@ -9,10 +9,8 @@ from typing import Final, Literal, TypeAlias
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import EllipseCollection
-from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
 from fingerpad._arrays import ArrayLike, FloatArray, broadcast, floats
-from fingerpad.contact import HertzGeometry
 from fingerpad.figures.style import (
     BLACK,
     BLUE,
@@ -21,9 +19,10 @@ from fingerpad.figures.style import (
     VERMILLION,
     draw_points,
     in_style,
+    legend_above,
+    plain_log_ticks,
 )
 from fingerpad.published import PublishedWedge
-from fingerpad.units import KPA_PER_MPA
 
 Side: TypeAlias = Literal["top", "center", "bottom"]
 _SHAPE_POINTS: Final = 13.0
@@ -89,7 +88,7 @@ def plot_corrected_radius(
     axes.margins(y=0.15)
     axes.set_xlabel("normal load W (N)")
     axes.set_ylabel("corrected radius of curvature (mm)")
-    _legend_above(axes)
+    legend_above(axes)
     return axes
 
 
@@ -120,14 +119,6 @@ def _name_level(
         va=side,
         fontsize=6.8,
     )
-
-
-def _legend_above(axes: Axes) -> None:
-    """Put the legend over the frame, where no data can be."""
-    if axes.get_legend_handles_labels()[0]:
-        axes.legend(
-            loc="lower left", bbox_to_anchor=(-0.02, 1.0), borderaxespad=0.1, labelspacing=0.25, ncols=1
-        )
 
 
 @in_style
@@ -179,20 +170,12 @@ def plot_area_against_load(
         axes.plot(line, power_law(2 / 3), "--", color=ORANGE, label=r"Hertz, $A \propto W^{2/3}$")
         axes.set_xlim(line[0], line[-1])
     axes.grid(visible=True, which="major")
-    _plain_log_ticks(axes)
+    plain_log_ticks(axes.xaxis, axes.yaxis)
     axes.set_xlabel("normal load W (N)")
     axes.set_ylabel("contact area A (mm²)")
     if W.size:
         axes.legend(loc="upper left")
     return axes
-
-
-def _plain_log_ticks(axes: Axes) -> None:
-    """Label 1, 2, 5 of each decade with plain numbers: most data span little more than one."""
-    for axis in (axes.xaxis, axes.yaxis):
-        axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
-        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-        axis.set_minor_locator(NullLocator())
 
 
 @in_style
@@ -271,86 +254,3 @@ def _draw_shapes(
         ),
         autolim=False,
     )
-
-
-@in_style
-def plot_load_indentation(
-    axes: Axes,
-    indentation: ArrayLike,
-    load: ArrayLike,
-    *,
-    load_std: ArrayLike | None = None,
-    indentation_std: ArrayLike | None = None,
-    radius: float | None = None,
-    reduced_modulus: float | None = None,
-    synthetic: ArrayLike = False,
-) -> Axes:
-    """Draw load against indentation, with Hertz's law where its radius and modulus are given.
-
-    Parameters
-    ----------
-    axes : Axes
-        Where to draw.
-    indentation, load, indentation_std, load_std : array_like
-        Indentation ξ (mm) and normal force (N).
-    radius, reduced_modulus : float, optional
-        Radius of the equivalent sphere (mm) and E* (MPa) of the line W = (4/3) E* R^½ ξ^(3/2).
-    synthetic : array_like of bool
-        Points that are not measured: hollow.
-    """
-    draw_points(axes, indentation, load, x_std=indentation_std, y_std=load_std, synthetic=synthetic)
-    depth = floats(indentation)
-    if radius is not None and reduced_modulus is not None and np.isfinite(depth).any():
-        line = np.linspace(0, max(np.nanmax(depth), 0), 200)
-        force = HertzGeometry.of(radius, radius).at_indentation(line, reduced_modulus=reduced_modulus).load
-        label = f"Hertz, R = {radius:.1f} mm, E* = {reduced_modulus * KPA_PER_MPA:.0f} kPa"
-        axes.plot(line, force, "--", color=ORANGE, label=label, zorder=4)
-    axes.set_xlabel("indentation ξ (mm)")
-    axes.set_ylabel("normal load W (N)")
-    _legend_above(axes)
-    return axes
-
-
-@in_style
-def plot_contact_compliance(
-    axes: Axes,
-    indentation: ArrayLike,
-    area: ArrayLike,
-    *,
-    area_std: ArrayLike | None = None,
-    effective_radius: float | None = None,
-    effective_radius_std: float = 0.0,
-    area_at_zero: float = 0.0,
-    synthetic: ArrayLike = False,
-) -> Axes:
-    """Draw contact area against πξ, with the line whose slope is R_g and the fan of its uncertainty.
-
-    The fan turns about the mean of the points, where the line is known best.
-
-    Parameters
-    ----------
-    axes : Axes
-        Where to draw.
-    indentation, area, area_std : array_like
-        Indentation ξ (mm) and contact area (mm²).
-    effective_radius, effective_radius_std : float, optional
-        R_g and its standard uncertainty, mm.
-    area_at_zero : float
-        Area of the line at ξ = 0, mm².
-    synthetic : array_like of bool
-        Points that are not measured: hollow.
-    """
-    x = np.pi * floats(indentation)
-    draw_points(axes, x, area, y_std=area_std, synthetic=synthetic)
-    if effective_radius is not None and np.isfinite(x).any():
-        line = np.array([min(np.nanmin(x), 0), np.nanmax(x)])
-        fitted = area_at_zero + effective_radius * line
-        spread = effective_radius_std * np.abs(line - np.nanmean(x))
-        error = f" ± {effective_radius_std:.1f}" if effective_radius_std else ""
-        label = rf"slope $R_\mathrm{{g}}$ = {effective_radius:.1f}{error} mm"
-        axes.plot(line, fitted, color=ORANGE, label=label, zorder=4)
-        axes.fill_between(line, fitted - spread, fitted + spread, color=ORANGE, alpha=0.25, linewidth=0)
-    axes.set_xlabel("π × indentation, πξ (mm)")
-    axes.set_ylabel("contact area A (mm²)")
-    _legend_above(axes)
-    return axes

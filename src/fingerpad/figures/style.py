@@ -10,8 +10,10 @@ from typing import Any, Final, ParamSpec, TypeVar
 
 import matplotlib as mpl
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
 from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, broadcast, floats
 from fingerpad.exceptions import FingerpadError
@@ -237,3 +239,19 @@ def _selected(std: ArrayLike | None, mask: BoolArray) -> FloatArray | None:
     if std is None:
         return None
     return broadcast(floats(std).ravel() if floats(std).ndim else std, mask)[0][mask]
+
+
+def legend_above(axes: Axes) -> None:
+    """Put the legend over the frame, where no data can be."""
+    if axes.get_legend_handles_labels()[0]:
+        axes.legend(
+            loc="lower left", bbox_to_anchor=(-0.02, 1.0), borderaxespad=0.1, labelspacing=0.25, ncols=1
+        )
+
+
+def plain_log_ticks(*every: Axis) -> None:
+    """Label 1, 2, 5 of each decade with plain numbers: most data span little more than one."""
+    for axis in every:
+        axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        axis.set_minor_locator(NullLocator())

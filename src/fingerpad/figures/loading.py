@@ -1,0 +1,320 @@
+"""Figures of loading data: curves with their fits, moduli, relaxation.
+
+Arrays are in s, mm, mm², N and MPa; moduli are drawn in kPa. A `_std` is a standard uncertainty, drawn as a
+bar or band of that length to either side. `synthetic` marks data that were simulated.
+"""
+
+from collections.abc import Mapping
+from typing import Final, Literal, TypeAlias
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, broadcast, floats
+from fingerpad.figures.style import (
+    BLACK,
+    BLUE,
+    GREEN,
+    GREY,
+    ORANGE,
+    SKY,
+    VERMILLION,
+    draw_points,
+    in_style,
+    legend_above,
+    mark_synthetic,
+    plain_log_ticks,
+)
+from fingerpad.units import KPA_PER_MPA
+
+Line: TypeAlias = tuple[ArrayLike, ArrayLike]
+
+_PHASE_COLOURS: Final = {"baseline": GREY, "loading": BLUE, "hold": GREEN, "unloading": VERMILLION}
+_LINE_STYLES: Final = ((ORANGE, "-"), (BLACK, "--"), (SKY, "-."))
+
+
+@in_style
+def plot_load_indentation(
+    axes: Axes,
+    indentation: ArrayLike,
+    load: ArrayLike,
+    *,
+    load_std: ArrayLike | None = None,
+    indentation_std: ArrayLike | None = None,
+    phase: ArrayLike | None = None,
+    fits: Mapping[str, Line] | None = None,
+    synthetic: ArrayLike = False,
+) -> Axes:
+    """Draw load against indentation, its loop by phase, and fitted laws.
+
+    Parameters
+    ----------
+    axes : Axes
+        Where to draw.
+    indentation, load, indentation_std, load_std : array_like
+        Indentation ξ (mm) and normal force (N).
+    phase : array_like of str, optional
+        ``baseline``, ``loading``, ``hold`` or ``unloading`` of each point.
+    fits : mapping, optional
+        From the name of a law, as the legend gives it, to its (ξ, W).
+    synthetic : array_like of bool
+        Points that were simulated: hollow.
+    """
+    xi, W = floats(indentation), floats(load)
+    if phase is None:
+        draw_points(axes, xi, W, x_std=indentation_std, y_std=load_std, synthetic=synthetic)
+    else:
+        for name, colour in _PHASE_COLOURS.items():
+            chosen = np.asarray(phase) == name
+            if chosen.any():
+                axes.plot(xi[chosen], W[chosen], ".", color=colour, markersize=2.2, label=name)
+        if np.any(synthetic):
+            mark_synthetic(axes)
+    _draw_fits(axes, fits)
+    axes.set_xlabel("indentation ξ (mm)")
+    axes.set_ylabel("normal load W (N)")
+    legend_above(axes)
+    return axes
+
+
+def _draw_fits(axes: Axes, fits: Mapping[str, Line] | None) -> None:
+    for (name, (x, y)), (colour, style) in zip((fits or {}).items(), _LINE_STYLES, strict=False):
+        axes.plot(x, y, style, color=colour, label=name, zorder=4)
+
+
+@in_style
+def plot_contact_compliance(
+    axes: Axes,
+    indentation: ArrayLike,
+    area: ArrayLike,
+    *,
+    area_std: ArrayLike | None = None,
+    effective_radius: float | None = None,
+    effective_radius_std: float = 0.0,
+    area_at_zero: float = 0.0,
+    synthetic: ArrayLike = False,
+) -> Axes:
+    """Draw contact area against πξ, with the line whose slope is R_g and the fan of its uncertainty.
+
+    The fan turns about the mean of the points, where the line is known best.
+
+    Parameters
+    ----------
+    axes : Axes
+        Where to draw.
+    indentation, area, area_std : array_like
+        Indentation ξ (mm) and contact area (mm²).
+    effective_radius, effective_radius_std : float, optional
+        R_g and its standard uncertainty, mm.
+    area_at_zero : float
+        Area of the line at ξ = 0, mm².
+    synthetic : array_like of bool
+        Points that are not measured: hollow.
+    """
+    x = np.pi * floats(indentation)
+    draw_points(axes, x, area, y_std=area_std, synthetic=synthetic)
+    if effective_radius is not None and np.isfinite(x).any():
+        line = np.array([min(np.nanmin(x), 0), np.nanmax(x)])
+        fitted = area_at_zero + effective_radius * line
+        spread = effective_radius_std * np.abs(line - np.nanmean(x))
+        error = f" ± {effective_radius_std:.1f}" if effective_radius_std else ""
+        label = rf"slope $R_\mathrm{{g}}$ = {effective_radius:.1f}{error} mm"
+        axes.plot(line, fitted, color=ORANGE, label=label, zorder=4)
+        axes.fill_between(line, fitted - spread, fitted + spread, color=ORANGE, alpha=0.25, linewidth=0)
+    axes.set_xlabel("π × indentation, πξ (mm)")
+    axes.set_ylabel("contact area A (mm²)")
+    legend_above(axes)
+    return axes
+
+
+@in_style
+def plot_secant_modulus(
+    axes: Axes,
+    abscissa: ArrayLike,
+    secant_modulus: ArrayLike,
+    *,
+    against: Literal["indentation", "load"],
+    fitted_region: ArrayLike | None = None,
+    fit: Line | None = None,
+    fit_std: ArrayLike = 0.0,
+    label: str = "fit",
+    synthetic: bool = False,
+) -> Axes:
+    """Draw the secant modulus E_g against indentation or load, with the region that was fitted.
+
+    Parameters
+    ----------
+    axes : Axes
+        Where to draw.
+    abscissa : array_like
+        Indentation ξ (mm) or load W (N).
+    secant_modulus : array_like
+        E_g, MPa.
+    against : {"indentation", "load"}
+        What `abscissa` is.
+    fitted_region : array_like of bool, optional
+        Points of the region in which E_g grows; the others are grey.
+    fit : (abscissa, modulus), optional
+        The line E_0g + βW.
+    fit_std : array_like
+        Its standard uncertainty, MPa: a band.
+    label : str
+        What the legend says of the line.
+    synthetic : bool
+        Whether the data were simulated.
+    """
+    x, modulus = broadcast(abscissa, KPA_PER_MPA * floats(secant_modulus))
+    chosen: BoolArray = np.ones(x.shape, bool) if fitted_region is None else np.asarray(fitted_region, bool)
+    axes.plot(x[~chosen], modulus[~chosen], ".", color=GREY, markersize=2.5, label="not in the fit")
+    axes.plot(x[chosen], modulus[chosen], ".", color=BLUE, markersize=3.2, label=r"$E_\mathrm{g}$")
+    if fit is not None:
+        line, fitted, spread = broadcast(fit[0], KPA_PER_MPA * floats(fit[1]), KPA_PER_MPA * floats(fit_std))
+        axes.plot(line, fitted, color=ORANGE, label=label, zorder=4)
+        axes.fill_between(line, fitted - spread, fitted + spread, color=ORANGE, alpha=0.25, linewidth=0)
+    if synthetic:
+        mark_synthetic(axes)
+    # The first points after contact divide by nearly nothing; they must not set the scale.
+    if chosen.any():
+        axes.set_ylim(0, 1.6 * float(np.nanpercentile(modulus[chosen], 99)))
+    axes.set_xlim(left=0)
+    axes.set_xlabel("indentation ξ (mm)" if against == "indentation" else "normal load W (N)")
+    axes.set_ylabel("secant modulus $E_\\mathrm{g}$ (kPa)")
+    legend_above(axes)
+    return axes
+
+
+@in_style
+def plot_initial_modulus(
+    axes: Axes,
+    velocity: ArrayLike,
+    initial_modulus: ArrayLike,
+    *,
+    initial_modulus_std: ArrayLike | None = None,
+    synthetic: ArrayLike = False,
+) -> Axes:
+    """Draw E_0g against the velocity of loading, on a logarithmic axis.
+
+    Parameters
+    ----------
+    axes : Axes
+        Where to draw.
+    velocity : array_like
+        Velocity of the platen while loading, mm/s.
+    initial_modulus, initial_modulus_std : array_like
+        E_0g and its standard uncertainty, MPa.
+    synthetic : array_like of bool
+        Points that were simulated: hollow.
+    """
+    std = None if initial_modulus_std is None else KPA_PER_MPA * floats(initial_modulus_std)
+    axes.set_xscale("log")
+    draw_points(axes, velocity, KPA_PER_MPA * floats(initial_modulus), y_std=std, synthetic=synthetic)
+    axes.margins(x=0.15)
+    axes.set_ylim(bottom=0)
+    plain_log_ticks(axes.xaxis)
+    axes.set_xlabel("velocity of loading (mm/s)")
+    axes.set_ylabel(r"initial modulus $E_\mathrm{0g}$ (kPa)")
+    return axes
+
+
+@in_style
+def plot_relaxation(
+    axes: Axes,
+    time: ArrayLike,
+    value: ArrayLike,
+    *,
+    quantity: Literal["load", "ridge area"] = "load",
+    fit: Line | None = None,
+    label: str = "fit",
+    ramp_time: float | None = None,
+    time_constants: ArrayLike = (),
+    synthetic: bool = False,
+) -> Axes:
+    """Draw what changes during a hold against time since the hold began, on a logarithmic axis.
+
+    Parameters
+    ----------
+    axes : Axes
+        Where to draw.
+    time : array_like
+        Time since the beginning of the hold, s; what lies before is left out.
+    value : array_like
+        Load (N) or ridge area (mm²).
+    quantity : {"load", "ridge area"}
+        What `value` is.
+    fit : (time, value), optional
+        The fitted curve.
+    label : str
+        What the legend says of it.
+    ramp_time : float, optional
+        Duration of the ramp, s: nothing faster can be told from it.
+    time_constants : array_like
+        Fitted time constants, s: ticks on the axis.
+    synthetic : bool
+        Whether the data were simulated.
+    """
+    t, y = broadcast(time, value)
+    after = t > 0
+    axes.set_xscale("log")
+    axes.plot(t[after], y[after], ".", color=BLUE, markersize=2.5, label="measured")
+    if fit is not None:
+        line, fitted = broadcast(*fit)
+        axes.plot(line[line > 0], fitted[line > 0], color=ORANGE, label=label, zorder=4)
+    if ramp_time is not None and after.any() and ramp_time > t[after].min():
+        axes.axvspan(float(t[after].min()), ramp_time, color=GREY, alpha=0.15, linewidth=0)
+        axes.plot([], [], color=GREY, alpha=0.3, linewidth=6, label="faster than the ramp: not known")
+    for constant in np.atleast_1d(floats(time_constants)):
+        axes.axvline(float(constant), color=GREEN, linestyle=":", linewidth=0.9)
+    if np.size(time_constants):
+        axes.plot([], [], ":", color=GREEN, label="time constants")
+    if synthetic:
+        mark_synthetic(axes)
+    axes.set_xlabel("time since the hold began (s)")
+    axes.set_ylabel("normal load W (N)" if quantity == "load" else "ridge area (mm²)")
+    legend_above(axes)
+    return axes
+
+
+@in_style
+def plot_modulus_from_area_and_indentation(
+    axes: Axes,
+    load: ArrayLike,
+    from_area: ArrayLike,
+    from_indentation: ArrayLike,
+    *,
+    expected_ratio: Line | None = None,
+    synthetic: bool = False,
+) -> Axes:
+    """Draw E* read from the area over E* read from the indentation, against load: one where Hertz holds.
+
+    Parameters
+    ----------
+    axes : Axes
+        Where to draw.
+    load : array_like
+        Normal force, N.
+    from_area, from_indentation : array_like
+        E*, MPa.
+    expected_ratio : (load, ratio), optional
+        What the true ellipsoid makes of the ratio.
+    synthetic : bool
+        Whether the data were simulated.
+    """
+    W, ratio = broadcast(load, _ratio(floats(from_area), floats(from_indentation)))
+    axes.plot(W, ratio, ".", color=BLUE, markersize=3, label="measured")
+    axes.axhline(1.0, color=BLACK, linewidth=0.8)
+    if expected_ratio is not None:
+        axes.plot(*expected_ratio, "--", color=ORANGE, label="expected of the true ellipsoid")
+    if synthetic:
+        mark_synthetic(axes)
+    axes.set_xlim(left=0)
+    if np.isfinite(ratio).any():
+        axes.set_ylim(0, max(1.6, 1.3 * float(np.nanpercentile(ratio, 98))))
+    axes.set_xlabel("normal load W (N)")
+    axes.set_ylabel("E* from area / E* from indentation (–)")
+    legend_above(axes)
+    return axes
+
+
+@np.errstate(all="ignore")
+def _ratio(above: FloatArray, below: FloatArray) -> FloatArray:
+    return above / below
