@@ -243,9 +243,15 @@ def _selected(std: ArrayLike | None, mask: BoolArray) -> FloatArray | None:
 
 def legend_above(axes: Axes) -> None:
     """Put the legend over the frame, where no data can be."""
-    if axes.get_legend_handles_labels()[0]:
+    count = len(axes.get_legend_handles_labels()[0])
+    if count:
         axes.legend(
-            loc="lower left", bbox_to_anchor=(-0.02, 1.0), borderaxespad=0.1, labelspacing=0.25, ncols=1
+            loc="lower left",
+            bbox_to_anchor=(-0.02, 1.0),
+            borderaxespad=0.1,
+            labelspacing=0.25,
+            columnspacing=1.0,
+            ncols=1 if count <= 3 else 2,
         )
 
 
