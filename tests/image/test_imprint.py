@@ -223,6 +223,11 @@ CHANGES = {
         2,
         lambda angle: angle,
     ),
+    "enlarged by a fraction": (
+        lambda p: cv2.resize(p, None, fx=1.375, fy=1.375, interpolation=cv2.INTER_CUBIC),
+        1.375,
+        lambda angle: angle,
+    ),
 }
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fingerpad._arrays import BoolArray
-from fingerpad.image.imprint._region import distance_to, filled, largest, longest_contour
+from fingerpad.image.imprint._region import distance_to, largest, longest_contour
 
 _LEAST_BORDER = 0.02
 # Lossy compression leaves ripples in an even border.
@@ -28,13 +28,14 @@ def card_of(pixels: npt.NDArray[np.uint8] | npt.NDArray[np.float32], shape: tupl
     # A copy of a few hundred px is fine enough for a border.
     step = max(1, round(max(pixels.shape) / _WORKING_SIDE))
     small = pixels[::step, ::step].astype(np.float32)
-    corners = small[[0, 0, -1, -1], [0, -1, 0, -1]]
-    level, width = float(np.median(corners)), _TOLERANCE * float(np.ptp(small))
-    even = (np.abs(small - level) <= width).astype(np.uint8)
-    if np.count_nonzero(np.abs(corners - level) <= width) >= 3 and even.mean() >= _LEAST_BORDER:
-        even = np.asarray(cv2.morphologyEx(even, cv2.MORPH_OPEN, np.ones((5, 5), np.uint8)), dtype=np.uint8)
+    corners = small[[0, 0, -1, -1], [0, -1, 0, -1]].astype(np.float32)
+    low, high, _, _ = cv2.minMaxLoc(small)
+    level, width = float(np.median(corners)), _TOLERANCE * (high - low)
+    if np.count_nonzero(np.abs(corners - level) <= width) >= 3:
+        even = cv2.inRange(small, level - width, level + width)
         # Noise that comes near one level here and there leaves no even piece.
-        if even.mean() < _LEAST_BORDER:
+        even = cv2.morphologyEx(even, cv2.MORPH_OPEN, np.ones((5, 5), np.uint8))
+        if cv2.countNonZero(even) < _LEAST_BORDER * even.size:
             return np.ones(shape, dtype=bool)
         _, labels = cv2.connectedComponents(np.pad(even, 1, constant_values=1), connectivity=4)
         card = _smoothed((labels != labels[0, 0])[1:-1, 1:-1])
@@ -49,7 +50,7 @@ def _smoothed(card: BoolArray) -> BoolArray:
     mask = np.pad(card, pad)
     grown = distance_to(~(distance_to(mask) <= 7)) > 7
     plain = distance_to(distance_to(~grown) > 20) <= 20
-    return filled(largest(np.asarray(plain[pad:-pad, pad:-pad])))
+    return largest(np.asarray(plain[pad:-pad, pad:-pad]))
 
 
 def _is_polygon(card: BoolArray) -> bool:

@@ -112,7 +112,7 @@ def edge_of(patch: BoolArray, closed: UInt8, amount: UInt8, period: float, noise
     points = _resampled(_smoothed(contour, round(period / 2)))
     # Beyond the patch lie whiskers and other patches: they do not count.
     grown = cv2.dilate(patch.astype(np.uint8), np.ones((3, 3), np.uint8))
-    field = _single(cv2.GaussianBlur(np.where(grown, closed, 0).astype(np.float32), (3, 3), 0))
+    field = _single(cv2.GaussianBlur(_single(cv2.copyTo(closed, grown)), (3, 3), 0))
     normals = _normals(points, period)
     for _ in range(3):
         value, slope = _profile(field, points, normals)

@@ -10,7 +10,7 @@ import numpy.typing as npt
 from fingerpad._arrays import BoolArray
 from fingerpad.exceptions import ImageError
 
-_Pixels: TypeAlias = npt.NDArray[np.uint8] | npt.NDArray[np.float32]
+Pixels: TypeAlias = npt.NDArray[np.uint8] | npt.NDArray[np.float32]
 
 _LEAST_SIDE_PX = 16
 
@@ -31,7 +31,7 @@ class Frame:
         Of the whole picture.
     """
 
-    pixels: _Pixels
+    pixels: Pixels
     inside: BoolArray | None
     corner: tuple[int, int]
     shape: tuple[int, int]
@@ -82,7 +82,7 @@ def _grey(pixels: npt.ArrayLike, name: str) -> npt.NDArray[np.number]:
     return array
 
 
-def _finite(values: npt.NDArray[np.number], name: str) -> _Pixels:
+def _finite(values: npt.NDArray[np.number], name: str) -> Pixels:
     if values.dtype == np.uint8:
         return np.ascontiguousarray(values)
     single = np.ascontiguousarray(values, dtype=np.float32)
@@ -91,7 +91,7 @@ def _finite(values: npt.NDArray[np.number], name: str) -> _Pixels:
     return single
 
 
-def _divided(part: _Pixels, ground: _Pixels) -> npt.NDArray[np.float32]:
+def _divided(part: Pixels, ground: Pixels) -> npt.NDArray[np.float32]:
     light = ground.astype(np.float32)
     if not (light > 0).all():
         raise ImageError("background must be positive everywhere, found zero: it cannot divide the picture")

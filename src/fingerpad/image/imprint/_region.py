@@ -23,8 +23,7 @@ _LEAST_PART = 0.03
 _LEAST_SHARE = 0.1
 # Parts narrower than this share of the patch's width are not finger.
 _APPENDAGE_RATIO = 0.35
-# A ridge's speck is smaller than the square of this share of a period.
-_SPECK = 0.25
+_NEIGHBOURS = np.array([[1, 1, 1], [1, 0, 1], [1, 1, 1]], dtype=np.uint8)
 
 
 def disk(radius: float) -> UInt8:
@@ -37,16 +36,13 @@ def disk(radius: float) -> UInt8:
 def closed_over(amount: UInt8, period: float) -> UInt8:
     """Return the amount of ridge without specks, closed over the valleys."""
     closed = np.zeros_like(amount)
-    ridges = (amount >= HALF).astype(np.uint8)
-    x, y, columns, rows = cv2.boundingRect(ridges)
+    x, y, columns, rows = cv2.boundingRect((amount >= HALF).astype(np.uint8))
     if not columns:
         return closed
     box = np.s_[max(0, y - 2) : y + rows + 2, max(0, x - 2) : x + columns + 2]
-    _, labels, stats, _ = cv2.connectedComponentsWithStats(ridges[box], connectivity=8, ltype=cv2.CV_16U)
-    # What is below half may be the flank of a ridge: it stays.
-    most = np.where(stats[:, cv2.CC_STAT_AREA] >= (_SPECK * period) ** 2, 255, HALF - 1).astype(np.uint8)
-    most[0] = 255
-    plain = np.minimum(amount[box], most[labels])
+    # A lone pixel is a speck; what is below half may be the flank of a ridge: it stays.
+    _, most = cv2.threshold(cv2.dilate(amount[box], _NEIGHBOURS), HALF - 1, 255, cv2.THRESH_BINARY)
+    plain = np.minimum(amount[box], np.maximum(most, HALF - 1))
     radius = CLOSING_RADIUS * period
     pad = math.ceil(radius) + 1
     padded = cv2.copyMakeBorder(plain, pad, pad, pad, pad, cv2.BORDER_CONSTANT, value=0)
@@ -101,19 +97,15 @@ def without_appendages(patch: BoolArray, period: float) -> BoolArray:
     # Half the pixels show widths well enough.
     part, period = whole[::2, ::2], period / 2
     inradius = float(distance_to(~np.pad(part, 1)).max())
-    core = _opened(part, max(_APPENDAGE_RATIO * inradius, _OPENING_RADIUS * period))
-    near = (distance_to(core) <= period).astype(np.uint8)
+    radius = max(_APPENDAGE_RATIO * inradius, _OPENING_RADIUS * period)
+    # The frame counts as patch, so that a cut patch keeps its corners.
+    pad = math.ceil(radius) + 2
+    core = distance_to(~np.pad(part, pad, mode="edge")) > radius
+    near = (distance_to(core) <= radius + period)[pad:-pad, pad:-pad].astype(np.uint8)
     finger = cv2.resize(near, whole.shape[::-1], interpolation=cv2.INTER_NEAREST) > 0
     plain = np.zeros_like(patch)
     plain[box] = largest(np.asarray(whole & finger))
     return plain
-
-
-def _opened(mask: BoolArray, radius: float) -> BoolArray:
-    """Open a mask with a large disk; the frame counts as mask, so that a cut patch keeps its corners."""
-    pad = math.ceil(radius) + 2
-    padded = np.pad(mask, pad, mode="edge")
-    return (distance_to(distance_to(~padded) > radius) <= radius)[pad:-pad, pad:-pad]
 
 
 def distance_to(mask: BoolArray) -> npt.NDArray[np.float32]:
@@ -125,9 +117,12 @@ def distance_to(mask: BoolArray) -> npt.NDArray[np.float32]:
 
 
 def largest(mask: BoolArray) -> BoolArray:
-    """Return the largest connected piece."""
-    _, labels, stats, _ = cv2.connectedComponentsWithStats(mask.astype(np.uint8), connectivity=4)
-    return np.asarray(labels == 1 + int(stats[1:, cv2.CC_STAT_AREA].argmax())) if len(stats) > 1 else mask
+    """Return the largest connected piece without its holes."""
+    contours, _ = cv2.findContours(mask.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+    canvas = np.zeros(mask.shape, dtype=np.uint8)
+    if contours:
+        cv2.drawContours(canvas, [max(contours, key=cv2.contourArea)], -1, 1, cv2.FILLED)
+    return canvas > 0
 
 
 def _pieces(mask: BoolArray, share: float) -> list[BoolArray]:

@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from fingerpad._arrays import BoolArray
+from fingerpad._arrays import BoolArray, FloatArray
 
 Float32: TypeAlias = npt.NDArray[np.float32]
 UInt8: TypeAlias = npt.NDArray[np.uint8]
@@ -50,61 +50,78 @@ class Signal:
 
 def signal_of(values: Float32, inside: BoolArray, period: float, *, dark_on_light: bool | None) -> Signal:
     """Turn contact bright, and take the uneven light away by a smooth surface through the quiet ground."""
-    rows, columns = (max(1, round(n / (_BLOCK * period))) for n in values.shape)
-    means, deviations = _blocks(values, (rows, columns))
-    counted = cv2.resize(inside.astype(np.float32), (columns, rows), interpolation=cv2.INTER_AREA) > 0.99
+    side = max(2, round(_BLOCK * period))
+    means = _block_means(values, side)
+    deviations = np.sqrt(np.maximum(_block_means(values * values, side) - means * means, 0))
+    # Blocks that reach over the edge do not count.
+    whole = np.zeros(means.shape, dtype=bool)
+    whole[: values.shape[0] // side, : values.shape[1] // side] = True
+    counted = whole & (_block_means(inside * np.uint8(255), side) > 252)
     if not counted.any():
-        counted = np.ones_like(counted)
+        counted = whole
     limit = otsu_threshold(deviations[counted])
-    quiet, busy = counted & (deviations <= limit), counted & (deviations > limit)
+    quiet, busy = _thinned(counted & (deviations <= limit)), counted & (deviations > limit)
     if dark_on_light is None:
         dark_on_light = _is_dark_on_light(means, quiet, busy)
     sign = -1.0 if dark_on_light else 1.0
-    flat = sign * values - _ground(sign * means, quiet, values.shape)
-    noise = float(np.median(deviations[quiet])) if quiet.any() else 0.0
-    everywhere = cv2.resize(busy.astype(np.uint8), values.shape[::-1], interpolation=cv2.INTER_NEAREST) > 0
-    sample = flat[::2, ::2][everywhere[::2, ::2]] if busy.any() else flat[::2, ::2].ravel()
+    flat = sign * values - _enlarged(_ground(sign * means, quiet), side, values.shape)
+    noise = float(np.median(deviations.flat[quiet])) if quiet.size else 0.0
+    everywhere = _enlarged(_single(busy if busy.any() else counted), side, values.shape) > 0.5
+    sample = flat[::2, ::2][everywhere[::2, ::2]]
     threshold = otsu_threshold(sample)
     above, below = sample[sample > threshold], sample[sample <= threshold]
     contrast = float(above.mean() - below.mean()) if above.size and below.size else 0.0
     return Signal(values=_single(flat), noise=noise, contrast=contrast, dark_on_light=dark_on_light)
 
 
-def _blocks(values: Float32, shape: tuple[int, int]) -> tuple[Float32, Float32]:
-    """Return the mean and standard deviation of small square blocks."""
-    mean = cv2.resize(values, shape[::-1], interpolation=cv2.INTER_AREA)
-    square = cv2.resize(values * values, shape[::-1], interpolation=cv2.INTER_AREA)
-    return _single(mean), _single(np.sqrt(np.maximum(square - mean * mean, 0)))
+def _thinned(quiet: BoolArray) -> npt.NDArray[np.intp]:
+    """Return where some hundred quiet blocks are, as indices of the flat array."""
+    places = np.flatnonzero(quiet)
+    return places[:: max(1, places.size // _MOST_QUIET)]
 
 
-def _is_dark_on_light(means: Float32, quiet: BoolArray, busy: BoolArray) -> bool:
+def _block_means(values: Float32 | UInt8, side: int) -> Float32:
+    """Return the means of square blocks; the last in a row or column may reach over the edge, mirrored."""
+    over = [-n % side for n in values.shape]
+    whole = cv2.copyMakeBorder(values, 0, over[0], 0, over[1], cv2.BORDER_REFLECT) if any(over) else values
+    rows, columns = (n // side for n in whole.shape)
+    return _single(cv2.resize(whole, (columns, rows), interpolation=cv2.INTER_AREA))
+
+
+def _enlarged(blocks: Float32, side: int, shape: tuple[int, int]) -> Float32:
+    """Return values given by blocks at each pixel of a picture of this shape."""
+    size = (blocks.shape[1] * side, blocks.shape[0] * side)
+    return _single(cv2.resize(blocks, size, interpolation=cv2.INTER_LINEAR))[: shape[0], : shape[1]]
+
+
+def _is_dark_on_light(means: Float32, quiet: npt.NDArray[np.intp], busy: BoolArray) -> bool:
     """Tell the polarity: ridges raise the texture, and their mean differs from the quiet ground's."""
-    if not busy.any() or not quiet.any():
+    if not busy.any() or not quiet.size:
         return True
-    return float(means[busy].mean()) < float(np.median(means[quiet]))
+    return float(means[busy].mean()) < float(np.median(means.flat[quiet]))
 
 
-def _ground(means: Float32, quiet: BoolArray, shape: tuple[int, ...]) -> Float32:
-    """Return a quadratic surface through the lowest quiet blocks, at the size of the picture."""
-    rows, columns = means.shape
-    y, x = np.meshgrid(np.linspace(-1, 1, rows), np.linspace(-1, 1, columns), indexing="ij")
-    terms = np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=-1)
-    enough = np.count_nonzero(quiet) >= _LEAST_QUIET
-    chosen = quiet if enough else np.ones_like(quiet)
-    if enough:
-        chosen = np.zeros_like(quiet)
-        chosen.flat[np.flatnonzero(quiet)[:: max(1, np.count_nonzero(quiet) // _MOST_QUIET)]] = True
-    design, level = terms[chosen], means[chosen].astype(np.float64)
+def _ground(means: Float32, quiet: npt.NDArray[np.intp]) -> Float32:
+    """Return a quadratic surface through the lowest quiet blocks."""
+    y, x = (np.linspace(-1, 1, n) for n in means.shape)
+    if quiet.size < _LEAST_QUIET:
+        # With little ground to see, a constant is all that can be told.
+        return np.full_like(means, np.percentile(means, 20))
+    rows, columns = np.unravel_index(quiet, means.shape)
+    design = np.stack(_quadratic_terms(y[rows], x[columns]), axis=-1)
+    level = means[rows, columns].astype(np.float64)
     surface = np.array([np.percentile(level, 20), 0, 0, 0, 0, 0])
-    # With little ground to see, a constant is all that can be told.
-    for _ in range(6 if enough else 0):
+    for _ in range(6):
         off = level - design @ surface
         width = max(2 * float(np.median(np.abs(off))), 1e-6)
         weight = 1 / (1 + (off / width) ** 2) * np.where(off > width, 0.1, 1.0)
         weighted = design.T * weight
         surface = np.linalg.solve(weighted @ design + 1e-9 * np.eye(6), weighted @ level)
-    coarse = (terms @ surface).astype(np.float32)
-    return _single(cv2.resize(coarse, shape[::-1], interpolation=cv2.INTER_LINEAR))
+    return _single(sum(map(np.multiply, surface, _quadratic_terms(y[:, None], x))))
+
+
+def _quadratic_terms(y: FloatArray, x: FloatArray) -> list[FloatArray]:
+    return [np.ones(np.broadcast_shapes(y.shape, x.shape)), x, y, x * x, x * y, y * y]
 
 
 def otsu_threshold(values: npt.NDArray[np.floating]) -> float:
@@ -129,30 +146,34 @@ def ridge_amount(signal: Signal, period: float, threshold: float | None) -> tupl
         amount = cv2.convertScaleAbs(np.maximum(smooth, 0), alpha=255 / (2 * threshold))
         return np.asarray(amount, dtype=np.uint8), np.full((1, 1), threshold, dtype=np.float32)
     step = _LEVEL_STEP if period >= 2 * _LEVEL_STEP else 1
-    valley, rise = _levels(_single(smooth[::step, ::step]), _WINDOW * period / step, signal.contrast)
-    size = smooth.shape[::-1]
-    offset = cv2.resize(valley, size, interpolation=cv2.INTER_LINEAR)
-    slope = cv2.resize(255 / rise, size, interpolation=cv2.INTER_LINEAR)
-    amount = np.multiply(np.subtract(smooth, offset, out=smooth), slope, out=smooth)
-    return np.clip(amount, 0, 255, out=amount).astype(np.uint8), _single(valley + rise / 2)
+    side = max(1, round(_WINDOW * period / step / 3))
+    valley, rise = _levels(_single(smooth[::step, ::step]), side, signal.contrast)
+    np.subtract(smooth, _enlarged(valley, side * step, smooth.shape), out=smooth)
+    amount = cv2.multiply(smooth, _enlarged(_single(255 / rise), side * step, smooth.shape), dtype=cv2.CV_8U)
+    return np.asarray(amount, dtype=np.uint8), _single(valley + rise / 2)
 
 
-def _levels(smooth: Float32, window: float, contrast: float) -> tuple[Float32, Float32]:
-    """Return the local valley level and the local rise from it to the ridges."""
-    side = 2 * round(window / 2) + 1
-    whole = cv2.blur(smooth, (side, side))
+def _levels(smooth: Float32, side: int, contrast: float) -> tuple[Float32, Float32]:
+    """Return the local valley level and the local rise from it to the ridges, by blocks of a side.
+
+    A window is three blocks wide.
+    """
+    whole = _window_means(smooth, side)
     # Where blur fills the valleys, only the local mean lies between the two levels.
     middle = np.maximum(whole, contrast / 2)
     for _ in range(_ROUNDS):
-        inside = (smooth > middle).astype(np.float32)
-        share = cv2.blur(inside, (side, side))
-        np.multiply(inside, smooth, out=inside)
-        high = cv2.blur(inside, (side, side))
+        inside = _single(smooth > _enlarged(middle, side, smooth.shape))
+        share = _window_means(inside, side)
+        high = _window_means(np.multiply(inside, smooth, out=inside), side)
         valley = (whole - high) / ((1 + _PRIOR) - share)
         ridge = (high + _PRIOR * contrast) / (share + _PRIOR)
         rise = np.maximum(ridge - valley, _LEAST_RISE * contrast)
         middle = valley + rise / 2
     return _single(valley), _single(rise)
+
+
+def _window_means(values: Float32, side: int) -> Float32:
+    return _single(cv2.blur(_block_means(values, side), (3, 3)))
 
 
 def _single(values: npt.ArrayLike) -> Float32:

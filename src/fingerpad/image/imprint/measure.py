@@ -14,7 +14,14 @@ from fingerpad.geometry.ellipse import Ellipse
 from fingerpad.image.imprint._frame import frame_of
 from fingerpad.image.imprint._patch import Patch, measured
 from fingerpad.image.imprint._period import ridge_period_px
-from fingerpad.image.imprint._region import HALF, UInt8, closed_over, patches_of, without_appendages
+from fingerpad.image.imprint._region import (
+    HALF,
+    UInt8,
+    closed_over,
+    longest_contour,
+    patches_of,
+    without_appendages,
+)
 from fingerpad.image.imprint._ridges import Float32, Signal, ridge_amount, signal_of
 from fingerpad.image.imprint._view import View
 from fingerpad.image.scale import Scale
@@ -317,7 +324,7 @@ def _chosen(patches: list[BoolArray], seed: tuple[float, float] | None, view: Vi
 
 
 def _prominence(patch: BoolArray) -> float:
-    moments = cv2.moments(patch.astype(np.uint8), binaryImage=True)
+    moments = cv2.moments(longest_contour(patch))
     row, column = moments["m01"] / moments["m00"], moments["m10"] / moments["m00"]
     off = math.hypot(row / patch.shape[0] - 0.5, column / patch.shape[1] - 0.5)
     return float(moments["m00"]) * (1 - 0.7 * off)
