@@ -20,6 +20,7 @@ from fingerpad.figures import (
     plot_modulus_from_area_and_indentation,
     plot_pad,
     plot_pad_with_contact,
+    plot_press,
     plot_relaxation,
     plot_secant_modulus,
     plot_uncertainty_budget,
@@ -388,3 +389,35 @@ def test_size_on_paper() -> None:
     figure, axes = new_figure(width_mm=85, height_mm=60, rows=2, columns=3)
     assert_allclose(figure.get_size_inches() * 25.4, [85, 60])
     assert len(axes) == 6
+
+
+PRESS = {
+    "time": [0.0, 0.1, 0.2, 0.3, 0.4],
+    "load": [0.5, 2.0, 2.0, 1.0, 0.4],
+    "phase": ["loading", "loading", "hold", "unloading", "unloading"],
+    "area": [40.0, 110.0, 115.0, 80.0, 45.0],
+    "semi_major": [4.0, 6.5, 6.6, 5.5, 4.2],
+    "semi_minor": [3.2, 5.4, 5.5, 4.6, 3.4],
+}
+
+
+@pytest.mark.parametrize("synthetic", [False, True])
+def test_a_press_tells_loading_from_unloading_in_every_panel(synthetic: bool) -> None:
+    panels = plot_press(new_figure(rows=2, columns=2)[1], **PRESS, synthetic=synthetic)
+    for panel, x, y in zip(panels, 2 * ["time", "load"], 2 * ["area"] + 2 * ["semi_major"], strict=True):
+        lines = {line.get_label(): line for line in panel.lines}
+        for phase in ("loading", "hold", "unloading"):
+            chosen = np.array(PRESS["phase"]) == phase
+            assert_allclose(lines[phase].get_xdata(), np.array(PRESS[x])[chosen])
+            assert_allclose(lines[phase].get_ydata(), np.array(PRESS[y])[chosen])
+            assert (lines[phase].get_markerfacecolor() == "white") == synthetic
+        assert len({lines[phase].get_marker() for phase in ("loading", "hold", "unloading")}) == 3
+        assert panel.get_ylim()[0] == 0
+    assert is_marked_synthetic(panels[1]) == synthetic
+
+
+def test_a_press_of_one_frame_or_none_is_drawn() -> None:
+    for count in (0, 1):
+        figure, axes = new_figure(rows=2, columns=2)
+        plot_press(axes, **{name: values[:count] for name, values in PRESS.items()})
+        assert "<svg" in figure_svg(figure, "press")

@@ -1,8 +1,9 @@
 """Render the synthetic part of this study from known truth: ``python examples/dzidek2017/render.py``.
 
 A Hertzian pad with the semi-axes of the source's Table 1 (ellipse approach) is pressed against the platen;
-contact images, photographs of its faces and a loading curve are drawn from what the theory says, with noise.
-``synthetic/truth.csv`` holds the truth.
+contact images, photographs of its faces, a loading curve and a film of one press are drawn from what the
+theory says, with noise. ``synthetic/truth.csv`` and ``synthetic/synthetic_press_30deg_truth.csv`` hold the
+truth.
 """
 
 import csv
@@ -13,7 +14,7 @@ from PIL import Image
 
 from fingerpad.contact import HertzGeometry
 from fingerpad.geometry import Ellipsoid, Placement
-from fingerpad.image import render_finger, render_imprint
+from fingerpad.image import render_finger, render_imprint, synthetic_press
 
 FOLDER = Path(__file__).parent / "synthetic"
 PAD = Ellipsoid.of(palmar=7.9, distal=13.8, radial_ulnar=11.8)
@@ -22,6 +23,8 @@ LOADS = {30: (0.25, 0.5, 1.0, 2.0, 4.0), 45: (0.5, 1.0, 2.0, 4.0)}
 LOOKS = {30: "livescan", 45: "ink"}
 PPI = 500.0
 MM_PER_PX = 0.05
+FILM_PPI = 240.0
+FRAMES_PER_SECOND, FRAMES = 20.0, 24
 
 
 def main() -> None:
@@ -34,6 +37,7 @@ def main() -> None:
         table.writerows(truth)
     render_photographs()
     render_curve(30)
+    render_press(30)
 
 
 def hertz(wedge: float) -> HertzGeometry:
@@ -90,6 +94,33 @@ def render_curve(wedge: int) -> None:
         contact.area * (1 + rng.normal(0, 0.015, load.size)),
     )
     write(f"curve_{wedge}deg.csv", ("force_N", "displacement_mm", "area_mm2"), np.stack(columns, axis=-1))
+
+
+def render_press(wedge: int) -> None:
+    """Film a press to 2 N, a hold and the release, with a force whose trigger starts the camera."""
+    knots, loads = (0.06, 0.55, 0.75, 1.12), (0.0, 2.0, 2.0, 0.0)
+    time = np.arange(FRAMES) / FRAMES_PER_SECOND
+    load = np.interp(time, knots, loads)
+    # The contact is longest along the larger radius, here across the finger; the renderer draws that upright.
+    radii = Placement.of(PAD, wedge_angle=np.radians(wedge)).curvature.principal_radii
+    press = synthetic_press(
+        load,
+        radii=(float(max(radii)), float(min(radii))),
+        reduced_modulus=REDUCED_MODULUS,
+        ppi=FILM_PPI,
+        noise_std=2.0,
+        seed=17,
+    )
+    name = f"synthetic_press_{wedge}deg"
+    first, *others = (Image.fromarray(np.rot90(press.pixels(k))) for k in range(FRAMES))
+    first.save(FOLDER / f"{name}.tif", save_all=True, append_images=others, compression="tiff_adobe_deflate")
+    axes = np.stack([time, load, press.semi_major, press.semi_minor, press.gross_area], axis=-1)
+    write(f"{name}_truth.csv", ("time_s", "load_N", "semi_major_mm", "semi_minor_mm", "gross_area_mm2"), axes)
+    clock = np.arange(-0.1, 1.3, 0.01)
+    force = np.interp(clock, knots, loads) + np.random.default_rng(8).normal(0, 0.003, clock.size)
+    # The trigger rises between two samples, through half of its range at time 0.
+    trigger = np.clip(2.5 + 500 * clock, 0, 5)
+    write(f"{name}_force.csv", ("time_s", "force_N", "trigger_V"), np.stack([clock, force, trigger], axis=-1))
 
 
 def write(name: str, header: tuple[str, ...], rows: np.ndarray) -> None:

@@ -2,6 +2,7 @@
 
 import json
 import os
+import pty
 import re
 import shutil
 import subprocess
@@ -14,7 +15,7 @@ from PIL import Image
 from typer.testing import CliRunner
 
 from fingerpad.cli import app
-from fingerpad.image import render_finger, render_imprint, synthetic_press
+from fingerpad.image import render_coin, render_finger, render_imprint, synthetic_press
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "dzidek2017"
 
@@ -132,7 +133,10 @@ def test_text_shows_units_and_no_traceback() -> None:
         (["correct", "--ellipse", "7.4", "0", "--radius", "18"], "semi_minor must be positive"),
         (["correct", "--ellipse", "7.4", "5", "--radius", "-18"], "--radius must be positive .* found -18"),
         (["correct", "--ellipse", "7.4", "five", "--radius", "18"], "--ellipse.* valid number"),
-        (["measure", "photo", "x.png", "--face", "palmar"], "give either --ppi or --mm-per-px"),
+        (
+            ["measure", "photo", "x.png", "--face", "palmar"],
+            "give either --ppi, --mm-per-px, --scale-line or",
+        ),
         (["measure", "photo", "x.png", "--face", "thumb", "--ppi", "500"], "--face must be one of palmar"),
         (
             ["measure", "photo", "x.png", "--face", "palmar", "--ppi", "500", "--tip", "north"],
@@ -140,7 +144,33 @@ def test_text_shows_units_and_no_traceback() -> None:
         ),
         (["measure", "print", "x.png", "--ppi", "500", "--seed-px", "12"], "--seed-px takes 2 numbers"),
         (["measure", "print", "x.png", "--ppi", "-500"], "ppi must be positive"),
-        (["measure", "print", "x.png", "--ppi", "500", "--mm-per-px", "0.05"], "give either"),
+        (
+            ["measure", "print", "x.png", "--ppi", "500", "--mm-per-px", "0.05"],
+            "give either .*, found --ppi and --mm-per-px",
+        ),
+        (["measure", "print", "x.png", "--ppi", "500", "--roi", "0,0,nan,9"], "--roi takes 4 numbers"),
+        (["measure", "sequence", "frames"], "a sequence needs a scale: give either --ppi"),
+        (
+            ["measure", "print", "x.png", "--scale-line", "5,5,5,5", "--line-mm", "3"],
+            "--scale-line.* two different ends",
+        ),
+        (["measure", "print", "x.png", "--scale-line", "5,5,-5,5", "--line-mm", "3"], "lie in the picture"),
+        (
+            ["measure", "print", "x.png", "--scale-line", "5,5,5,9", "--line-mm", "-3"],
+            "--line-mm: .*positive and finite, found -3",
+        ),
+        (["measure", "print", "x.png", "--scale-line", "5,5,5", "--line-mm", "3"], "takes 4 numbers"),
+        (["measure", "print", "x.png", "--scale-line", "5,5,5,9"], "give --line-mm"),
+        (
+            ["measure", "print", "x.png", "--line-mm", "3"],
+            "--line-mm belongs to --scale-line, found it alone",
+        ),
+        (["measure", "print", "x.png", "--ppi", "500", "--coin-mm", "3"], "belongs to --coin.* beside --ppi"),
+        (["measure", "print", "x.png", "--coin", "c.png"], "give --coin-mm"),
+        (["measure", "print", "x.png", "--coin", "c.png", "--coin-mm", "23"], "c.png: no such file"),
+        (["measure", "print", "x.png", "--scale-relative-std", "0.1"], "belongs to --ppi or --mm-per-px"),
+        (["measure", "print", "x.png", "--ppi", "500", "--threshold", "0"], "--threshold must be positive"),
+        (["measure", "print", "x.png", "--ppi", "500", "--mask", "m.csv"], "m.csv"),
         (["run", "nowhere.toml"], "nowhere.toml: no such file; .fingerpad init DIR"),
     ],
 )
@@ -192,7 +222,8 @@ def test_measure_print_takes_the_scale_that_a_file_states(tmp_path: Path) -> Non
     placeholder, silent, stated = json.loads(out)
     assert stated["semi_major_mm"] == pytest.approx(9.0, rel=0.02)
     assert (
-        "give either --ppi or --mm-per-px (the picture's file states 72 dots per inch" in placeholder["error"]
+        "give either --ppi, --mm-per-px, --scale-line or --coin (the picture's file states 72 dots per inch"
+        in placeholder["error"]
     )
     assert "states no resolution" in silent["error"]
 
@@ -211,6 +242,77 @@ def test_measure_print_takes_a_seed_and_a_region(tmp_path: Path) -> None:
     assert free["semi_major_mm"] == pytest.approx(8.0, rel=0.03)
     assert seeded["semi_major_mm"] == pytest.approx(5.0, rel=0.03)
     assert windowed["semi_major_mm"] == pytest.approx(5.0, rel=0.03)
+
+
+@pytest.fixture
+def print_file(tmp_path: Path) -> Path:
+    Image.fromarray(render_imprint(semi_major=9.0, semi_minor=6.5, seed=4).pixels).save(tmp_path / "p.png")
+    return tmp_path / "p.png"
+
+
+def test_measure_print_takes_threshold_and_mask(print_file: Path, tmp_path: Path) -> None:
+    (tmp_path / "mask.csv").write_text("row_px,column_px\n1,1\n1,330\n230,330\n230,1\n")
+    (tmp_path / "line.csv").write_text("row_px,column_px\n1,1\n1,330\n")
+    common = ("measure", "print", print_file, "--ppi", 500)
+    (free,) = run_json(*common)
+    (masked,) = run_json(*common, "--mask", tmp_path / "mask.csv")
+    assert "cut_by_mask" in masked["flags"]
+    assert masked["gross_area_mm2"] < 0.7 * free["gross_area_mm2"]
+    (high,) = run_json(*common, "--threshold", 150)
+    (low,) = run_json(*common, "--threshold", 60)
+    assert high["ridge_area_mm2"] < low["ridge_area_mm2"]
+    code, _, err = run(*common, "--mask", tmp_path / "line.csv")
+    assert (code, "needs three corners or more, found 2" in err) == (2, True)
+
+
+def test_a_ruler_and_a_coin_are_scales(print_file: Path, tmp_path: Path) -> None:
+    common = ("measure", "print", print_file)
+    (known,) = run_json(*common, "--mm-per-px", 0.05)
+    line = ("--scale-line", "10,20,10,220", "--line-mm", 10)
+    (ruler,) = run_json(*common, *line)
+    assert ruler == known
+    (doubted,) = run_json(*common, *line, "--line-mm-std", 0.2)
+    gained = doubted["semi_major_mm_std"] ** 2 - ruler["semi_major_mm_std"] ** 2
+    assert gained == pytest.approx((0.02 * ruler["semi_major_mm"]) ** 2)
+    Image.fromarray(render_coin(radius=120.0, shadow=0.0).pixels).save(tmp_path / "coin.png")
+    (coin,) = run_json(*common, "--coin", tmp_path / "coin.png", "--coin-mm", 12)
+    assert coin["semi_major_mm"] == pytest.approx(known["semi_major_mm"], rel=2e-3)
+    assert coin["semi_major_mm_std"] > known["semi_major_mm_std"]
+    code, _, err = run(*common, "--coin", print_file, "--coin-mm", 12)
+    assert code == 2
+    assert re.search(r"--coin .*p\.png: no coin found", err)
+
+
+def test_a_bar_is_shown_to_people_and_costs_scripts_nothing(print_file: Path, tmp_path: Path) -> None:
+    film = EXAMPLE / "synthetic" / "synthetic_press_30deg.tif"
+    for command, count in (
+        (["print", print_file], 1),
+        (["print", print_file, print_file], 2),
+        (["sequence", film], 24),
+    ):
+        ours, theirs = pty.openpty()
+        arguments = [
+            sys.executable,
+            "-m",
+            "fingerpad",
+            "measure",
+            *map(str, command),
+            "--ppi",
+            "240",
+            "--json",
+        ]
+        with (tmp_path / "out.json").open("wb") as out:
+            code = subprocess.run(arguments, stdout=out, stderr=theirs).returncode
+        os.close(theirs)
+        os.set_blocking(ours, False)
+        try:
+            bar = os.read(ours, 100_000)
+        except (BlockingIOError, OSError):
+            bar = b""
+        os.close(ours)
+        assert code == 0
+        assert len(json.loads((tmp_path / "out.json").read_text())) == count
+        assert (b"Measuring" in bar) == (count > 1)
 
 
 def test_measure_photo(tmp_path: Path) -> None:
@@ -254,6 +356,17 @@ def test_measure_sequence(tmp_path: Path) -> None:
     assert [frame["load_N"] for frame in frames] == pytest.approx(load, abs=1e-9)
     assert "error" in frames[5]
     assert frames[6]["gross_area_mm2"] == pytest.approx(press.gross_area[6], rel=0.03)
+    common = ("measure", "sequence", folder, "--ppi", press.ppi, "--fps", 11, "--json")
+    rows, columns = press.pixels(0).shape
+    _, out, _ = run(*common, "--roi", f"0,0,{rows // 2},{columns}")
+    halves = json.loads(out)
+    assert "cut_by_mask" in halves[6]["flags"]
+    assert halves[6]["gross_area_mm2"] == pytest.approx(press.gross_area[6] / 2, rel=0.05)
+    code, _, err = run(*common, "--start-s", 0.1, "--contact-load", 1)
+    assert (code, "give either the time of the first frame or the load" in err) == (2, True)
+    (tmp_path / "times.csv").write_text("time_s\n0\n1\n")
+    code, _, err = run(*common, "--times", tmp_path / "times.csv")
+    assert (code, "there is no use for --fps" in err) == (2, True)
     code, out, err = run("measure", "sequence", folder, "--ppi", 300, "--fps", -1)
     assert code == 2
     assert "frames_per_second must be positive" in err
@@ -296,7 +409,7 @@ def test_run_says_what_failed_and_goes_on(tmp_path: Path) -> None:
     code, stdout, err = run("run", study / "study.toml", "--out", out, "--workers", 2)
     assert code == 3
     assert "failed: synthetic_30deg_1N: synthetic/synthetic_30deg_1N.png" in err
-    assert "from 4 observations  (synthetic)" in stdout
+    assert "from 4 observations and 9 frames of 1 sequence  (synthetic)" in stdout
     assert "synthetic_30deg_1N" in (out / "report.html").read_text(encoding="utf-8")
 
 

@@ -8,7 +8,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fingerpad.exceptions import LoadingError
-from fingerpad.image import ForceSignal, FrameRate, FrameStamps, read_force_signal, read_frame_stamps
+from fingerpad.image import (
+    ForceSignal,
+    FrameRate,
+    FrameStamps,
+    frame_clock,
+    read_force_signal,
+    read_frame_stamps,
+)
 
 
 def write(folder, text):
@@ -119,3 +126,15 @@ def test_stamps_from_a_file(tmp_path):
     np.testing.assert_allclose(read_frame_stamps(write(tmp_path, "time_ms\n5\n7\n")).time, [0.005, 0.007])
     with pytest.raises(LoadingError, match=r"force\.csv: time of the frames must increase"):
         read_frame_stamps(write(tmp_path, "time_s\n5\n4\n"))
+
+
+def test_the_clock_takes_the_best_that_is_known():
+    plain = ForceSignal.of([5.0, 6.0, 7.0, 8.0, 9.0], [0.0, 0.0, 1.0, 2.0, 2.0])
+    triggered = ForceSignal.of(plain.time, plain.load, trigger=[0, 0, 5, 5, 5])
+    assert frame_clock(10).time_of(3, None) == pytest.approx(0.3)
+    assert frame_clock(10, plain).time_of(3, None) == pytest.approx(5.3)
+    assert frame_clock(10, triggered).time_of(3, None) == pytest.approx(6.8)
+    assert frame_clock(10, triggered, start_time=0.0).time_of(3, None) == pytest.approx(0.3)
+    assert frame_clock(10, triggered, contact_load=0.5).time_of(3, first_contact=1) == pytest.approx(6.7)
+    with pytest.raises(LoadingError, match="not both"):
+        frame_clock(10, plain, start_time=1.0, contact_load=0.5)

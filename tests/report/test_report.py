@@ -66,10 +66,11 @@ def test_needs_nothing_from_elsewhere(demo: tuple[StudyResult, str, Path]) -> No
 def test_shows_every_observation_and_overlay(demo: tuple[StudyResult, str, Path]) -> None:
     result, text, out = demo
     for row in result.rows:
-        assert row["observation"] in text
+        assert (row["observation"] in text) == (row["frame"] is None)
     photographs = sum(len(finger.photographs) for finger in result.fingers.values())
     overlays = sum(row["overlay"] is not None for row in result.rows)
-    assert text.count("data:image/jpeg;base64,") == overlays + photographs == 9 + 3
+    assert text.count("data:image/jpeg;base64,") == overlays + photographs + 3 == 9 + 3 + 3
+    assert all(f"synthetic_press_30deg, {role}" in text for role in ("first contact", "largest load"))
     figures = {path.name for path in (out / "figures").iterdir()}
     assert {path.removesuffix(".svg") for path in figures if path.endswith(".svg")} == {
         path.removesuffix(".png") for path in figures if path.endswith(".png")
@@ -80,7 +81,8 @@ def test_shows_every_observation_and_overlay(demo: tuple[StudyResult, str, Path]
 def test_calls_synthetic_what_is(demo: tuple[StudyResult, str, Path]) -> None:
     result, text, _ = demo
     tag = '<span class="synthetic">synthetic</span>'
-    for row in result.rows:
+    assert re.search(rf"<h3>synthetic_press_30deg{tag}</h3>", text)
+    for row in (row for row in result.rows if row["frame"] is None):
         cell = re.search(rf"<td>{row['observation']}(<span[^>]*>synthetic</span>)?</td>", text)
         assert cell is not None
         assert bool(cell.group(1)) == row["synthetic"]

@@ -1,12 +1,13 @@
 """The manifest: what is accepted, and what is said of each fault before any work."""
 
+import re
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from fingerpad.exceptions import ManifestError
-from fingerpad.study.manifest import read_study
+from fingerpad.study.manifest import ResolutionScale, read_study
 from fingerpad.study.template import write_template
 
 FINGER = """
@@ -22,6 +23,14 @@ finger = "index"
 wedge_angle_deg = 30
 load_N = 2
 ellipse_mm = { semi_major = 7.4, semi_minor = 5.0, std = 0.1 }
+"""
+PRESS = """
+[[sequences]]
+name = "p"
+finger = "index"
+wedge_angle_deg = 30
+path = "film"
+force = "force.csv"
 """
 VALID = 'title = "T"\n' + FINGER + ROW
 
@@ -47,44 +56,23 @@ def test_template_overwrites_nothing(tmp_path: Path) -> None:
 def test_every_commented_line_of_the_template_is_valid_too(tmp_path: Path) -> None:
     path = write_template(tmp_path / "new")
     lines = path.read_text(encoding="utf-8").splitlines()
-    keys = (
-        "[",
-        "]",
-        "    {",
-        "name",
-        "finger",
-        "wedge",
-        "load",
-        "image",
-        "ppi",
-        "scale",
-        "background",
-        "seed",
-    )
-    keys += (
-        "dark",
-        "file",
-        "columns",
-        "photographs",
-        "pad_thickness",
-        "effective",
-        "region_of",
-        "mask_px",
-        "threshold",
-    )
-    opened = [line[2:] if line.startswith("# ") and line[2:].startswith(keys) else line for line in lines]
+    opened = [
+        line[2:] if re.match(r"# (\[|\]|    \{|(?!observations_csv)\w+ = )", line) else line for line in lines
+    ]
     path.write_text("\n".join(opened), encoding="utf-8")
-    for name in ("images/index_30deg_1N.png", "images/background.png", "curves/index_30deg.csv"):
+    for name in (
+        *("images/index_30deg_1N.png", "images/background.png", "curves/index_30deg.csv"),
+        *("films/index_30deg", "films/index_30deg_force.csv", "photographs/one_euro.jpg"),
+        *(f"outlines/right_index_{face}.csv" for face in ("palmar", "distal", "radial")),
+        *(f"photographs/{face}.jpg" for face in ("palmar", "distal", "radial")),
+    ):
         (path.parent / name).parent.mkdir(exist_ok=True)
         (path.parent / name).touch()
-    (path.parent / "outlines").mkdir()
-    (path.parent / "photographs").mkdir()
-    for face in ("palmar", "distal", "radial"):
-        (path.parent / f"outlines/right_index_{face}.csv").touch()
-        (path.parent / f"photographs/{face}.jpg").touch()
     study = read_study(path)
     assert (len(study.fingers), len(study.observations), len(study.curves)) == (3, 2, 2)
     assert study.observations[1].seed_px == [250, 200]
+    assert list(study.scales) == ["reader", "camera", "ruler", "coin"]
+    assert study.sequences[0].contact_load_N == 0.02
 
 
 def test_rows_may_come_from_a_spreadsheet(tmp_path: Path) -> None:
@@ -117,14 +105,17 @@ def test_rows_may_come_from_a_spreadsheet(tmp_path: Path) -> None:
         (VALID.replace("= 2\n", "= true\n"), "load_N: expected a valid number, found True"),
         (VALID.replace("= 2\n", "= 2e9\n"), "load_N: expected less than or equal to 10000, found 2000000000"),
         (VALID.replace("[[fingers]]", "[fingers]"), r"write \[\[fingers\]\] in place of \[fingers\]"),
-        (VALID + "ppi = 500", "without an image there is no use for ppi"),
+        (VALID + "scale = { ppi = 500 }", "without an image there is no use for scale"),
         (VALID.replace('"a"', '"a' + 80 * "x" + '"'), "observations.0..name: String should have at most 60"),
         (
             VALID + ROW.replace('"a"', '"A"'),
             "the name 'A' is given 2 times; names must differ by more than case",
         ),
-        (VALID.replace("ellipse_mm =", 'image = "a\\u0000.png"\nppi = 500 #'), "is no file name"),
-        (VALID.replace("ellipse_mm =", f'image = "{"x" * 5000}"\nppi = 500 #'), "is no file name"),
+        (VALID.replace("ellipse_mm =", 'image = "a\\u0000.png"\nscale = { ppi = 500 } #'), "is no file name"),
+        (
+            VALID.replace("ellipse_mm =", f'image = "{"x" * 5000}"\nscale = {{ ppi = 500 }} #'),
+            "is no file name",
+        ),
         ("title = " + 3000 * "[", "not valid TOML"),
         ("title = " + 5000 * "9", "not valid TOML|title"),
         (
@@ -137,8 +128,8 @@ def test_rows_may_come_from_a_spreadsheet(tmp_path: Path) -> None:
         ),
         (
             'title = "T"\n[[fingers]]\nname = "f"\n'
-            'photographs = [{ face = "palmar", outline = "a.csv", tip = "up", ppi = 500 }]',
-            "beside an outline there is no use for ppi, tip",
+            'photographs = [{ face = "palmar", outline = "a.csv", tip = "up", scale = { ppi = 500 } }]',
+            "beside an outline there is no use for scale, tip",
         ),
         (
             VALID
@@ -163,18 +154,86 @@ def test_rows_may_come_from_a_spreadsheet(tmp_path: Path) -> None:
         (VALID.replace('name = "a"', 'name = "../a"'), "observations.0..name: write it with letters"),
         (VALID + ROW, "observations: the name 'a' is given 2 times"),
         (VALID.replace("semi_axes_std_mm", "# "), "semi_axes_mm and semi_axes_std_mm belong together"),
-        (VALID + 'image = "x.png"\nppi = 500', "give either image or ellipse_mm, one of the two"),
+        (VALID + 'image = "x.png"\nscale = { ppi = 500 }', "give either image or ellipse_mm, one of the two"),
         (VALID.replace("ellipse_mm =", "# "), "give either image or ellipse_mm"),
         (VALID.replace("ellipse_mm =", 'image = "x.png" #'), "an image needs its scale"),
         (
-            VALID.replace("ellipse_mm =", 'image = "no.png"\nppi = 500 #'),
+            VALID.replace("ellipse_mm =", 'image = "no.png"\nscale = { ppi = 500 } #'),
             "image: no file 'no.png' in the study",
         ),
         (
-            VALID.replace("ellipse_mm =", 'image = "../x.png"\nppi = 500 #'),
+            VALID.replace("ellipse_mm =", 'image = "../x.png"\nscale = { ppi = 500 } #'),
             "'../x.png' leaves the study folder",
         ),
-        (VALID.replace("ellipse_mm =", 'image = "/etc/passwd"\nppi = 500 #'), "leaves the study folder"),
+        (
+            VALID.replace("ellipse_mm =", 'image = "/etc/passwd"\nscale = { ppi = 500 } #'),
+            "leaves the study folder",
+        ),
+        (
+            VALID.replace("ellipse_mm =", 'image = "x.png"\nppi = 500 #'),
+            r"observations.0..ppi: unknown key; write it in the table of a scale, as in scale = \{ ppi",
+        ),
+        (
+            VALID + "[scales.s]\nppi = 500\nmm_per_px = 0.05",
+            "scales.s: give one of .*, found ppi and mm_per_px",
+        ),
+        (
+            VALID + "[scales.s]\nrelative_std = 0.1",
+            "scales.s: give one of ppi, mm_per_px, line, coin, found none",
+        ),
+        (VALID + "[scales.s]\nppi = 0", "scales.s.ppi: expected greater than or equal to 20, found 0"),
+        (VALID + "[scales.s]\nppi = 500\nlength_mm = 5", "scales.s.length_mm: unknown key; write it in the"),
+        (VALID + "[scales.s]\nmm_per_px = 500", "scales.s.mm_per_px: expected less than or equal to 1"),
+        (VALID + "[scales]\ns = 500", "scales.s: give the name of one of .scales., or a table"),
+        (VALID + '[scales]\ns = "t"', "scales.s: expected a table"),
+        (VALID + '[scales."a b"]\nppi = 500', "scales.a b.*: write it with letters"),
+        (VALID + "[scales.s]\nppi = 500\n[scales.S]\nppi = 400", "scales: the name 'S' is given 2 times"),
+        (
+            VALID + "[scales.s]\nline = [[1, 2], [1, 2]]\nlength_mm = 5",
+            "scales.s: the line must have two different",
+        ),
+        (
+            VALID + "[scales.s]\nline = [[1, -2], [1, 2]]\nlength_mm = 5",
+            "line.0..1.: expected greater than or equal",
+        ),
+        (
+            VALID + "[scales.s]\nline = [[1, 2], [1, 5]]\nlength_mm = -5",
+            "length_mm: expected greater than 0, found -5",
+        ),
+        (VALID + "[scales.s]\nline = [[1, 2], [1, 5]]", "scales.s.length_mm: required, but missing"),
+        (
+            VALID + "[scales.s]\nline = [1, 2, 1, 5]\nlength_mm = 5",
+            "scales.s.line: List should have at most 2 items",
+        ),
+        (VALID + '[scales.s]\ncoin = "no.png"\ndiameter_mm = 23.25', "scales.s.coin: no file 'no.png'"),
+        (VALID + '[scales.s]\ncoin = "study.toml"', "scales.s.diameter_mm: required, but missing"),
+        (
+            VALID.replace("ellipse_mm =", 'image = "study.toml"\nscale = "s" #'),
+            r"observations.0..scale: no scale is named 's'; write a table .scales.s.",
+        ),
+        (VALID + PRESS, "sequences.0.: a sequence needs its scale"),
+        (VALID + PRESS + "scale = { ppi = 500 }", "sequences.0..path: no file 'film' in the study"),
+        (
+            VALID + PRESS + 'scale = { ppi = 500 }\ntimes = "t.csv"\nframes_per_second = 9',
+            "no use for frames_per_second",
+        ),
+        (
+            VALID + PRESS + "scale = { ppi = 500 }\nstart_s = 1\ncontact_load_N = 1",
+            "give either start_s or contact",
+        ),
+        (
+            VALID + PRESS + "scale = { ppi = 500 }\nframes_per_second = 0",
+            "frames_per_second: expected greater than 0",
+        ),
+        (VALID + PRESS + "scale = { ppi = 500 }\nload_N = 2", "sequences.0..load_N: unknown key"),
+        (
+            VALID + PRESS.replace('"p"', '"A"') + "scale = { ppi = 500 }",
+            "observations and sequences: the name 'A'",
+        ),
+        (
+            VALID + PRESS.replace('"index"', '"ring"') + "scale = { ppi = 500 }",
+            "sequence 'p': no finger is named 'ring'",
+        ),
         ('title = "T"\nobservations_csv = "no.csv"' + FINGER, "observations_csv: no file 'no.csv'"),
         ('title = "T"\nobservations_csv = "../no.csv"' + FINGER, "leaves the study folder"),
     ],
@@ -199,6 +258,15 @@ CELLS = "b,index,45,2,5,4,.1"
         (CELLS, "rows.csv: no column finger, load_N, name, wedge_angle_deg in the first line"),
         ("", "rows.csv: no column"),
         (HEADER, "rows.csv: holds no rows"),
+        (
+            f"{HEADER},image,ppi,mm_per_px\nb,index,45,2,,,,x.png,500,0.05",
+            "rows.csv, line 2: scale: give one of .*, found ppi and mm_per_px",
+        ),
+        (
+            f"{HEADER},image,ppi,scale\nb,index,45,2,,,,x.png,500,reader",
+            "rows.csv, line 2: give either scale or ppi",
+        ),
+        (f"{HEADER},image,ppi\nb,index,45,2,,,,x.png,5oo", "rows.csv, line 2: scale.ppi: .*found '5oo'"),
         (f"{HEADER},load_N\n{CELLS},3", "rows.csv: column load_N is there 2 times"),
     ],
 )
@@ -215,6 +283,7 @@ def test_spreadsheets_may_be_untidy(tmp_path: Path) -> None:
     study = read_study(write(tmp_path, '\ufefftitle = "T"\nobservations_csv = "rows.csv"' + FINGER))
     assert [row.name for row in study.observations] == ["b", "c"]
     assert study.observations[1].seed_px == [250, 200]
+    assert study.observations[1].scale == ResolutionScale(ppi=500)
 
 
 @pytest.mark.parametrize("make", [lambda p: None, lambda p: p.write_bytes(b"\xff\xff")])

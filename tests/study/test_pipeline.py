@@ -83,7 +83,8 @@ def test_pools_by_finger_and_angle_without_mixing_synthetic_rows(demo: tuple[Stu
     keys = [(summary.finger, summary.wedge_angle_deg, summary.synthetic) for summary in result.summaries]
     assert len(keys) == len(set(keys)) == 6
     pooled = {key: summary.corrected_radius for key, summary in zip(keys, result.summaries, strict=True)}
-    assert pooled["synthetic_pad", 30.0, True].count == 5
+    # Five contacts, and one press however many its frames.
+    assert pooled["synthetic_pad", 30.0, True].count == 6
     assert pooled["left_index_ellipse", 30.0, False].count == 1
     truth = 13.6077 * 1.0004  # R_0g F2⁻³ of the true pad
     assert (
@@ -97,7 +98,7 @@ def test_tables_agree_with_each_other(demo: tuple[StudyResult, Path]) -> None:
     with (out / "results.csv").open() as file:
         table = list(csv.DictReader(file))
     records = json.loads((out / "results.json").read_text())
-    assert len(table) == len(records) == len(result.rows) == 13
+    assert len(table) == len(records) == len(result.rows) == 13 + 21
     for line, record in zip(table, records, strict=True):
         assert list(line) == list(record) == list(COLUMNS)
         for key, value in record.items():
@@ -109,7 +110,7 @@ def test_tables_agree_with_each_other(demo: tuple[StudyResult, Path]) -> None:
         assert [row["column"] for row in csv.DictReader(file)] == list(COLUMNS)
     summary = json.loads((out / "summary.json").read_text())
     assert set(summary["provenance"]["inputs_sha256"]) >= {"study.toml", "observations.csv"}
-    assert len(summary["provenance"]["inputs_sha256"]) == 2 + 3 + 9 + 1
+    assert len(summary["provenance"]["inputs_sha256"]) == 2 + 3 + 9 + 2 + 1
     for row in records:
         assert row["overlay"] is None or (out / row["overlay"]).is_file()
 
@@ -118,6 +119,7 @@ def test_two_workers_find_what_one_finds(demo: tuple[StudyResult, Path], tmp_pat
     result, _ = demo
     again = run_study(EXAMPLE / "study.toml", tmp_path, workers=2)
     assert again.rows == result.rows
+    assert [film.overlays for film in again.sequences] == [film.overlays for film in result.sequences]
 
 
 @pytest.fixture
@@ -133,7 +135,7 @@ def test_a_bad_image_costs_its_row_only(copy: Path, tmp_path: Path, demo: tuple[
     Image.fromarray(np.full((300, 300, 3), 200, np.uint8)).save(bad / "photograph_palmar.jpg")
     (bad / "curve_30deg.csv").write_text("force_N\n1\n")
     result = run_study(copy / "study.toml", tmp_path / "out")
-    rows = {row["observation"]: row for row in result.rows}
+    rows = {row["observation"]: row for row in result.rows if row["frame"] is None}
     untouched = {row["observation"]: row for row in demo[0].rows}
     for load in ("1N", "2N", "4N"):
         row = rows[f"synthetic_30deg_{load}"]
@@ -147,7 +149,7 @@ def test_a_bad_image_costs_its_row_only(copy: Path, tmp_path: Path, demo: tuple[
         "left_index_direct"
     ]
     assert result.curves[-1].fit is None
-    assert len(result.failures) == 9 + 1 + 1
+    assert len(result.failures) == 9 + 1 + 1 + 1
 
 
 def single_row(folder: Path, rows: str) -> Path:
@@ -184,7 +186,7 @@ def test_circular_contacts_pool_with_others(tmp_path: Path) -> None:
 )
 def test_odd_pictures_cost_their_row_only(tmp_path: Path, picture: np.ndarray) -> None:
     Image.fromarray(picture.astype(np.uint8)).save(tmp_path / "odd.png")
-    rows = row("odd", 'image = "odd.png"\nppi = 500')
+    rows = row("odd", 'image = "odd.png"\nscale = { ppi = 500 }')
     rows += row("good", "ellipse_mm = { semi_major = 7.4, semi_minor = 5.0, std = 0.1 }")
     result = run_study(single_row(tmp_path, rows), tmp_path / "out")
     assert [line["status"] for line in result.rows] == ["failed", "measured"]
@@ -196,7 +198,7 @@ def test_results_are_never_written_over_inputs(tmp_path: Path, out: str) -> None
     picture.parent.mkdir(parents=True)
     shutil.copy(EXAMPLE / "synthetic" / "synthetic_30deg_1N.png", picture)
     before = picture.read_bytes()
-    manifest = single_row(tmp_path, row("a", f'image = "{out}/overlays/a.png"\nppi = 500'))
+    manifest = single_row(tmp_path, row("a", f'image = "{out}/overlays/a.png"\nscale = {{ ppi = 500 }}'))
     with pytest.raises(ManifestError, match="results would be written over .*overlays/a.png"):
         run_study(manifest, tmp_path / out)
     assert picture.read_bytes() == before
@@ -211,7 +213,7 @@ def test_doubtful_pictures_are_shown_but_not_pooled(tmp_path: Path) -> None:
     truth = render_imprint(semi_major=8.0, semi_minor=6.0, seed=3)
     Image.fromarray(truth.pixels).save(tmp_path / "good.png")
     Image.fromarray(truth.pixels[120:]).save(tmp_path / "cut.png")
-    rows = "".join(row(name, f'image = "{name}.png"\nppi = 500') for name in ("good", "cut"))
+    rows = "".join(row(name, f'image = "{name}.png"\nscale = {{ ppi = 500 }}') for name in ("good", "cut"))
     (tmp_path / "one").mkdir()
     result = run_study(single_row(tmp_path, rows), tmp_path / "out")
     good, cut = result.rows
@@ -220,7 +222,9 @@ def test_doubtful_pictures_are_shown_but_not_pooled(tmp_path: Path) -> None:
     (summary,) = result.summaries
     assert len(summary.rows) == 2
     assert summary.corrected_radius.count == 1
-    only = run_study(single_row(tmp_path, row("cut", 'image = "cut.png"\nppi = 500')), tmp_path / "out")
+    only = run_study(
+        single_row(tmp_path, row("cut", 'image = "cut.png"\nscale = { ppi = 500 }')), tmp_path / "out"
+    )
     assert only.summaries[0].corrected_radius is None
     write_tables(only, tmp_path / "out")
     assert "is not pooled" in write_report(only, tmp_path / "out").read_text(encoding="utf-8")
@@ -242,7 +246,9 @@ def test_slips_of_units_are_noted(tmp_path: Path) -> None:
 def test_an_earlier_run_leaves_no_pictures_behind(tmp_path: Path) -> None:
     shutil.copy(EXAMPLE / "synthetic" / "synthetic_30deg_1N.png", tmp_path / "p.png")
     for name in ("first", "second"):
-        result = run_study(single_row(tmp_path, row(name, 'image = "p.png"\nppi = 500')), tmp_path / "out")
+        result = run_study(
+            single_row(tmp_path, row(name, 'image = "p.png"\nscale = { ppi = 500 }')), tmp_path / "out"
+        )
         write_tables(result, tmp_path / "out")
     assert [path.name for path in (tmp_path / "out" / "overlays").iterdir()] == ["second.png"]
 
@@ -263,7 +269,7 @@ def test_a_study_of_failures_still_reports(copy: Path, tmp_path: Path) -> None:
         "semi_axes_mm = { palmar = 8, distal = 14, radial_ulnar = 12 }\n"
         "semi_axes_std_mm = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }\n"
         '[[observations]]\nname = "x"\nfinger = "f"\nwedge_angle_deg = 0\nload_N = 1\n'
-        'image = "study.toml"\nppi = 500\n'
+        'image = "study.toml"\nscale = { ppi = 500 }\n'
     )
     result = run_study(manifest, tmp_path / "out")
     write_tables(result, tmp_path / "out")

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 from PIL import Image
 
-from fingerpad.image import render_imprint
+from fingerpad.image import render_coin, render_imprint
 from fingerpad.study.pipeline import run_study
 
 MANIFEST = """
@@ -27,7 +27,7 @@ load_N = 2
 {row}
 """
 ELLIPSE = "ellipse_mm = { semi_major = 7.4, semi_minor = 5.0, std = 1e-9, long_axis = 'along' }"
-IMAGE = "image = 'print.png'\nppi = 500\n"
+IMAGE = "image = 'print.png'\nscale = { ppi = 500 }\n"
 
 
 def row_of(folder: Path, *, row: str = ELLIPSE, finger: str = "", wedge_std=0.0, load_std=0.0, top: str = ""):
@@ -63,11 +63,45 @@ def test_load(tmp_path: Path) -> None:
 
 def test_scale_moves_both_axes_together(picture: Path) -> None:
     exact = row_of(picture, row=IMAGE)
-    row = row_of(picture, row=IMAGE + "scale_relative_std = 0.05")
+    row = row_of(picture, row=IMAGE.replace("500", "500, relative_std = 0.05"))
     # Area and pressure go with the square of the scale; the axis ratio and the corrected radius not at all.
     assert row["mean_pressure_kpa_std"] / row["mean_pressure_kpa"] == pytest.approx(0.1, rel=0.02)
     name = "radius_from_indentation_mm_std_given_geometry"
     assert row[name] == pytest.approx(exact[name], rel=0.05)
+
+
+def test_a_named_scale_is_kept_on_the_row_and_one_of_its_own_is_not(picture: Path) -> None:
+    named = row_of(
+        picture, row='image = "print.png"\nscale = "s"\n[scales.s]\nppi = 500\nrelative_std = 0.05'
+    )
+    alone = row_of(picture, row=IMAGE.replace("500", "500, relative_std = 0.05"))
+    assert (named["scale"], alone["scale"]) == ("s", None)
+    assert named["mm_per_px_std"] == pytest.approx(0.05 * named["mm_per_px"])
+    assert {**named, "scale": None} == alone
+
+
+def test_four_ways_to_say_a_scale(picture: Path) -> None:
+    known = row_of(picture, row=IMAGE.replace("ppi = 500", "mm_per_px = 0.05, relative_std = 0.02"))
+    line = "line = [[10, 20], [10, 220]], length_mm = 10, length_std_mm = 0.2"
+    ruler = row_of(picture, row=IMAGE.replace("ppi = 500", line))
+    assert ruler["semi_major_mm_std"] == pytest.approx(known["semi_major_mm_std"])
+    coin = render_coin(radius=120.0, shadow=0.0)
+    Image.fromarray(coin.pixels).save(picture / "coin.png")
+    way = 'coin = "coin.png", diameter_mm = 12, diameter_std_mm = 0.24'
+    coined = row_of(picture, row=IMAGE.replace("ppi = 500", way))
+    assert coined["semi_major_mm"] == pytest.approx(known["semi_major_mm"], rel=2e-3)
+    assert coined["semi_major_mm_std"] == pytest.approx(known["semi_major_mm_std"], rel=0.05)
+    assert coined["mm_per_px_std"] > 0.02 * coined["mm_per_px"]
+
+
+def test_a_coin_that_is_not_there_costs_its_rows(picture: Path) -> None:
+    shared = 'image = "print.png"\nscale = "euro"\n[scales.euro]\ncoin = "print.png"\ndiameter_mm = 23.25'
+    (picture / "study.toml").write_text(
+        MANIFEST.format(row=shared, finger="", wedge_std=0.0, load_std=0.0, top="")
+    )
+    result = run_study(picture / "study.toml", picture / "out")
+    assert result.rows[0]["reason"].startswith("scale euro: print.png: no coin found")
+    assert len(result.failures) == 2
 
 
 @pytest.mark.parametrize(("turn", "side"), [(0, "along"), (30, "along"), (90, "across"), (-80, "across")])

@@ -38,14 +38,14 @@ def run(
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
     with plain_errors(), Progress(*columns, console=Console(stderr=True)) as progress:
         task = progress.add_task("Measuring", visible=False)
+        frames = progress.add_task("Frames", total=None, visible=False)
         result = run_study(
             study,
             out,
             workers=workers,
             on_start=lambda total: progress.update(task, total=total, visible=True),
-            on_measured=lambda done: progress.update(
-                task, advance=1, description=f"Measured {done.observation}"
-            ),
+            on_measured=lambda done: progress.update(task, advance=1, description=f"Measured {done.contact}"),
+            on_frame=lambda: progress.update(frames, advance=1, visible=True),
         )
         progress.update(task, description="Writing tables and report")
         write_tables(result, out)
@@ -56,7 +56,7 @@ def run(
 
 
 def _print_outcome(result: "StudyResult", report: Path) -> None:
-    from fingerpad.report.text import FLAG_WORDS, in_words, value_with_uncertainty
+    from fingerpad.report.text import FLAG_WORDS, doubtful_frames, in_words, value_with_uncertainty
 
     for summary in result.summaries:
         pooled = summary.corrected_radius
@@ -65,12 +65,13 @@ def _print_outcome(result: "StudyResult", report: Path) -> None:
         label = "  (synthetic)" if summary.synthetic else ""
         typer.echo(
             f"{summary.finger}, wedge {summary.wedge_angle_deg:g}°: corrected radius "
-            f"{value_with_uncertainty(pooled.value, pooled.total_std)} mm from {pooled.count} "
-            f"observation{'s' if pooled.count != 1 else ''}{label}"
+            f"{value_with_uncertainty(pooled.value, pooled.total_std)} mm from {summary.pooled_from}{label}"
         )
     for row in result.rows:
-        if row["flags"]:
+        if row["flags"] and row["frame"] is None:
             typer.echo(f"doubtful: {row['observation']}: {', '.join(in_words(row['flags'], FLAG_WORDS))}")
+    for name, count, words in doubtful_frames(result):
+        typer.echo(f"doubtful: {name}: {words} in {count} of its frames")
     for failure in result.failures:
         typer.echo(f"failed: {failure}", err=True)
     typer.echo(f"Report: {report}")

@@ -18,6 +18,7 @@ from fingerpad.figures.results import (
     plot_aspect_ratio,
     plot_corrected_radius,
 )
+from fingerpad.figures.sequence import plot_press
 from fingerpad.figures.source import source_figures
 from fingerpad.figures.style import figure_svg, new_figure, save_figure
 from fingerpad.figures.uncertainty import plot_uncertainty_budget
@@ -35,6 +36,7 @@ __all__ = [
     "plot_modulus_from_area_and_indentation",
     "plot_pad",
     "plot_pad_with_contact",
+    "plot_press",
     "plot_relaxation",
     "plot_secant_modulus",
     "plot_uncertainty_budget",

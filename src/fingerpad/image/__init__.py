@@ -40,6 +40,7 @@ from fingerpad.image.photograph.outline_fit import OutlineFit, fit_outline_ellip
 from fingerpad.image.photograph.overlay import draw_photograph_overlay, write_photograph_overlay
 from fingerpad.image.read import Picture, read_image
 from fingerpad.image.scale import Scale
+from fingerpad.image.sequence.clock import frame_clock
 from fingerpad.image.sequence.force import (
     ForceSignal,
     FrameClock,
@@ -49,7 +50,7 @@ from fingerpad.image.sequence.force import (
     read_frame_stamps,
 )
 from fingerpad.image.sequence.frames import Frame, Frames, open_frames
-from fingerpad.image.sequence.measure import Reading, learn_reading, measure_sequence
+from fingerpad.image.sequence.measure import Place, Reading, learn_reading, measure_sequence
 from fingerpad.image.sequence.phases import PHASES, Phase, phases_of
 from fingerpad.image.sequence.result import FrameResult, SequenceSummary, sequence_summary
 from fingerpad.image.synthetic.coin import SyntheticCoin, render_coin
@@ -84,6 +85,7 @@ __all__ = [
     "Phase",
     "PhotographFit",
     "Picture",
+    "Place",
     "Reading",
     "RegionEllipse",
     "Scale",
@@ -101,6 +103,7 @@ __all__ = [
     "fit_aligned_ellipse",
     "fit_ellipse",
     "fit_outline_ellipse",
+    "frame_clock",
     "learn_reading",
     "measure_coin",
     "measure_imprint",

@@ -14,10 +14,11 @@ from PIL import Image
 from fingerpad.exceptions import FingerpadError
 from fingerpad.figures import save_figure
 from fingerpad.image import PHOTOGRAPH_FLAGS
-from fingerpad.report.plots import Plot, curve_plots, summary_plots
-from fingerpad.report.text import FLAG_WORDS, in_words, two_digits, value_with_uncertainty
+from fingerpad.report.plots import Plot, curve_plots, press_plot, summary_plots
+from fingerpad.report.text import FLAG_WORDS, doubtful_frames, in_words, two_digits, value_with_uncertainty
 from fingerpad.study.pipeline import StudyResult
 from fingerpad.study.rows import RANGE_NOTES
+from fingerpad.study.sequences import SequenceResult
 from fingerpad.study.summary import Summary, area_exponent, curve_of
 
 _OVERLAY_WIDTH_PX = 560
@@ -39,7 +40,7 @@ def write_report(result: StudyResult, out: Path) -> Path:
     )
     environment.filters |= {
         "flags": lambda codes: in_words(codes, FLAG_WORDS),
-        "photograph_flags": lambda codes: in_words(codes, PHOTOGRAPH_FLAGS),
+        "photograph_flags": lambda codes: in_words(codes, {**FLAG_WORDS, **PHOTOGRAPH_FLAGS}),
     }
     environment.globals |= {"pm": value_with_uncertainty, "two": two_digits, "exponent": area_exponent}
     try:
@@ -57,7 +58,7 @@ def write_report(result: StudyResult, out: Path) -> Path:
                 for finger in result.fingers.values()
                 for photograph in finger.photographs
             ],
-            failed=[row for row in result.rows if row["status"] == "failed"],
+            sequences=[_sequence(result, film, out) for film in result.sequences],
             synthetic=any(row["synthetic"] for row in result.rows),
             certain=bool(result.study.uncertainty.model_fields_set),
         )
@@ -75,13 +76,27 @@ def _group(result: StudyResult, summary: Summary, out: Path) -> dict[str, Any]:
         "summary": summary,
         "curve": curve_of(result.curves, summary),
         "figures": _drawn(summary_plots(result, summary), out),
-        "doubtful": [row for row in summary.rows if row["flags"]],
+        "doubtful": [row for row in summary.contacts if row["flags"]],
         "largest_size": max(row["contact_size"] for row in summary.rows),
         "deepest": max((row["indentation_over_thickness"] or 0.0) for row in summary.rows),
         "range_notes": [
             (RANGE_NOTES[code], codes.count(code), len(summary.rows)) for code in RANGE_NOTES if code in codes
         ],
-        "overlays": [(row, _picture(row["overlay"], out)) for row in summary.rows if row["overlay"]],
+        "overlays": [(row, _picture(row["overlay"], out)) for row in summary.contacts if row["overlay"]],
+    }
+
+
+def _sequence(result: StudyResult, film: SequenceResult, out: Path) -> dict[str, Any]:
+    """Return what the template shows of one sequence: never its single rows, which may be thousands."""
+    frames = [row for row in result.rows if row["sequence"] == film.manifest.name]
+    return {
+        "film": film,
+        "synthetic": any(row["synthetic"] for row in frames),
+        "figures": _drawn(press_plot(result, film), out),
+        "pooled": sum(row["pooled"] for row in frames),
+        "exponent": area_exponent(frames),
+        "doubts": [entry[1:] for entry in doubtful_frames(result) if entry[0] == film.manifest.name],
+        "overlays": [(overlay, _picture(overlay.file, out)) for overlay in film.overlays],
     }
 
 

@@ -1,12 +1,13 @@
 """The figures of a study's report, one set for each finger and placement."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 from matplotlib.figure import Figure
 
-from fingerpad._arrays import FloatArray
+from fingerpad._arrays import BoolArray, FloatArray
 from fingerpad.contact import HertzGeometry
 from fingerpad.figures import (
     new_figure,
@@ -16,10 +17,17 @@ from fingerpad.figures import (
     plot_corrected_radius,
     plot_load_indentation,
     plot_pad_with_contact,
+    plot_press,
 )
 from fingerpad.geometry import Ellipse, Ellipsoid, Placement
 from fingerpad.study.pipeline import StudyResult
+from fingerpad.study.rows import Row
+from fingerpad.study.sequences import SequenceResult
 from fingerpad.study.summary import CurveResult, Summary, area_exponent, curve_of
+
+# More than these only make a page heavy.
+_MOST_FRAMES: Final = 300
+_MOST_POINTS: Final = 60
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -51,6 +59,7 @@ def group_name(finger: str, wedge_angle_deg: float, roll_angle_deg: float, *, sy
 
 def summary_plots(result: StudyResult, summary: Summary) -> Iterator[Plot]:
     """Draw one finger at one placement."""
+    rows = shown_rows(summary)
     name = group_name(
         summary.finger, summary.wedge_angle_deg, summary.roll_angle_deg, synthetic=summary.synthetic
     )
@@ -58,35 +67,31 @@ def summary_plots(result: StudyResult, summary: Summary) -> Iterator[Plot]:
     where = f"{summary.finger}, wedge {summary.wedge_angle_deg:g}°{label}"
     yield Plot(
         name=f"{name}_pad",
-        figure=_pad(result, summary),
+        figure=_pad(result, summary, rows[-1]),
         caption=(
             f"The pad seen through the platen ({where}; grey: not pad), and the contact "
-            f"{summary.rows[-1]['observation']} drawn flat. Hertz theory gives the shape only."
-            + (
-                ""
-                if summary.rows[-1]["long_axis"]
-                else " The measured ellipse has no direction and is not drawn."
-            )
+            f"{rows[-1]['observation']} drawn flat. Hertz theory gives the shape only."
+            + ("" if rows[-1]["long_axis"] else " The measured ellipse has no direction and is not drawn.")
         ),
     )
     yield Plot(
         name=f"{name}_corrected_radius",
-        figure=_corrected_radius(summary, curve_of(result.curves, summary)),
+        figure=_corrected_radius(rows, curve_of(result.curves, summary)),
         caption=(
             f"Corrected radius against load ({where}); bars: one standard uncertainty with the pad's "
             "geometry held exact, as the source does. Dotted: undeformed pad. Dashed: loading data, if any."
         ),
     )
-    if len({row["load_N"] for row in summary.rows}) > 1:
+    if len({row["load_N"] for row in rows}) > 1:
         yield Plot(
             name=f"{name}_area",
-            figure=_area(summary),
+            figure=_area(rows, area_exponent(summary.contacts or summary.rows)),
             caption=f"Contact area against load, with the fitted exponent and that of Hertz ({where}).",
         )
-    if any(row["long_axis"] for row in summary.rows):
+    if any(row["long_axis"] for row in rows):
         yield Plot(
             name=f"{name}_aspect_ratio",
-            figure=_aspect_ratio(summary),
+            figure=_aspect_ratio(rows),
             caption=f"Aspect ratio and direction of the long axis, measured and predicted ({where}).",
         )
 
@@ -124,12 +129,58 @@ def curve_plots(curve: CurveResult, number: int) -> Iterator[Plot]:
     )
 
 
-def _column(summary: Summary, name: str) -> FloatArray:
-    return np.array([np.nan if row[name] is None else row[name] for row in summary.rows], dtype=float)
+def press_plot(result: StudyResult, film: SequenceResult) -> Iterator[Plot]:
+    """Draw one sequence."""
+    of = film.manifest
+    seen = [row for row in result.rows if row["sequence"] == of.name and row["semi_major_mm"] is not None]
+    if not seen:
+        return
+    rows = _thinned(seen, _MOST_FRAMES)
+    figure, axes = new_figure(width_mm=170, height_mm=110, rows=2, columns=2)
+    synthetic = bool(rows[0]["synthetic"])
+    plot_press(
+        axes,
+        time=_column(rows, "time_s"),
+        load=_column(rows, "load_N"),
+        phase=[row["phase"] for row in rows],
+        area=_column(rows, "gross_area_mm2"),
+        semi_major=_column(rows, "semi_major_mm"),
+        semi_minor=_column(rows, "semi_minor_mm"),
+        synthetic=synthetic,
+    )
+    some = "" if len(rows) == len(seen) else f" {len(rows)} of {len(seen)} frames are drawn."
+    yield Plot(
+        name=f"sequence_{of.name}{'_synthetic' if synthetic else ''}",
+        figure=figure,
+        caption=(
+            f"Contact area and semi-axes against time and against force ({of.name}, {of.finger}, wedge "
+            f"{of.wedge_angle_deg:g}°{'; synthetic' if synthetic else ''}).{some}"
+        ),
+    )
 
 
-def _pad(result: StudyResult, summary: Summary) -> Figure:
-    row = summary.rows[-1]
+def shown_rows(summary: Summary) -> Sequence[Row]:
+    """Return the rows to draw one by one: single contacts, or where there are none some frames, by load."""
+    frames = [row for row in summary.rows if row["pooled"]] or summary.rows
+    return summary.contacts or _thinned(frames, _MOST_POINTS)
+
+
+def _thinned(rows: Sequence[Row], most: int) -> Sequence[Row]:
+    """Return at most so many rows, evenly spaced, with the first and the last."""
+    if len(rows) <= most:
+        return rows
+    return [rows[k] for k in np.linspace(0, len(rows) - 1, most).round().astype(int)]
+
+
+def _column(rows: Sequence[Row], name: str) -> FloatArray:
+    return np.array([np.nan if row[name] is None else row[name] for row in rows], dtype=float)
+
+
+def _synthetic(rows: Sequence[Row]) -> BoolArray:
+    return np.array([row["synthetic"] for row in rows])
+
+
+def _pad(result: StudyResult, summary: Summary, row: Row) -> Figure:
     pad = Ellipsoid.of(*result.fingers[summary.finger].semi_axes)
     wedge, roll = np.radians([summary.wedge_angle_deg, summary.roll_angle_deg])
     radii = Placement.of(pad, wedge_angle=wedge, roll_angle=roll).curvature.principal_radii
@@ -155,53 +206,52 @@ def _pad(result: StudyResult, summary: Summary) -> Figure:
     return figure
 
 
-def _corrected_radius(summary: Summary, curve: CurveResult | None) -> Figure:
+def _corrected_radius(rows: Sequence[Row], curve: CurveResult | None) -> Figure:
     figure, (axes,) = new_figure()
     plot_corrected_radius(
         axes,
-        _column(summary, "load_N"),
-        _column(summary, "radius_from_indentation_mm"),
-        corrected_radius_std=_column(summary, "radius_from_indentation_mm_std_given_geometry"),
-        compliance_radius=_column(summary, "radius_from_compliance_mm"),
+        _column(rows, "load_N"),
+        _column(rows, "radius_from_indentation_mm"),
+        corrected_radius_std=_column(rows, "radius_from_indentation_mm_std_given_geometry"),
+        compliance_radius=_column(rows, "radius_from_compliance_mm"),
         measured_radius=None if curve is None else curve.effective_radius,
-        mean_curvature_radius=summary.rows[0]["mean_curvature_radius_mm"],
-        synthetic=np.full(len(summary.rows), summary.synthetic),
+        mean_curvature_radius=rows[0]["mean_curvature_radius_mm"],
+        synthetic=_synthetic(rows),
     )
     return figure
 
 
-def _area(summary: Summary) -> Figure:
+def _area(rows: Sequence[Row], exponent: float) -> Figure:
     figure, (axes,) = new_figure()
-    major, minor = _column(summary, "semi_major_mm"), _column(summary, "semi_minor_mm")
+    major, minor = _column(rows, "semi_major_mm"), _column(rows, "semi_minor_mm")
     plot_area_against_load(
         axes,
-        _column(summary, "load_N"),
+        _column(rows, "load_N"),
         np.pi * major * minor,
-        area_std=_column(summary, "gross_area_mm2_std"),
-        exponent=area_exponent(summary),
-        synthetic=np.full(len(summary.rows), summary.synthetic),
+        area_std=_column(rows, "gross_area_mm2_std"),
+        exponent=exponent,
+        synthetic=_synthetic(rows),
     )
     return figure
 
 
-def _aspect_ratio(summary: Summary) -> Figure:
+def _aspect_ratio(rows: Sequence[Row]) -> Figure:
     figure, (axes,) = new_figure()
-    ratio = _column(summary, "aspect_ratio")
+    ratio = _column(rows, "aspect_ratio")
     relative = [
-        _column(summary, f"semi_{axis}_mm_std") / _column(summary, f"semi_{axis}_mm")
-        for axis in ("major", "minor")
+        _column(rows, f"semi_{axis}_mm_std") / _column(rows, f"semi_{axis}_mm") for axis in ("major", "minor")
     ]
-    across = np.array([90.0 if row["long_axis"] == "across" else 0.0 for row in summary.rows])
-    orientation = _column(summary, "orientation_deg")
-    first = summary.rows[0]
+    across = np.array([90.0 if row["long_axis"] == "across" else 0.0 for row in rows])
+    orientation = _column(rows, "orientation_deg")
+    first = rows[0]
     plot_aspect_ratio(
         axes,
-        _column(summary, "load_N"),
+        _column(rows, "load_N"),
         ratio,
         aspect_ratio_std=ratio * np.hypot(*relative),
         long_axis_angle=np.radians(np.where(np.isfinite(orientation), orientation, across)),
         predicted_aspect_ratio=first["predicted_aspect_ratio"],
         predicted_long_axis_angle=np.pi / 2 if first["predicted_long_axis"] == "across" else 0.0,
-        synthetic=np.full(len(summary.rows), summary.synthetic),
+        synthetic=_synthetic(rows),
     )
     return figure

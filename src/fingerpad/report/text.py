@@ -1,8 +1,11 @@
 """Numbers and remarks in words."""
 
 import math
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Iterator, Mapping
 from typing import Final
+
+from fingerpad.study.pipeline import StudyResult
 
 FLAG_WORDS: Final[Mapping[str, str]] = {
     "touches_border": "the contact is cut by the edge of the picture",
@@ -11,6 +14,9 @@ FLAG_WORDS: Final[Mapping[str, str]] = {
     "poor_ellipse": "the contact is not well described by an ellipse",
     "cut_by_mask": "the contact is cut by the mask or region of interest",
     "scale_doubtful": "the ridge period is not that of a finger: check the scale",
+    "coin_shadow": "a shadow beside the coin may make the scale too small",
+    "no_time": "the frame has no time",
+    "no_force": "the force does not last so long",
 }
 
 
@@ -55,3 +61,13 @@ def _decimals(std: float) -> int:
 def in_words(codes: str, words: Mapping[str, str]) -> list[str]:
     """Return the remark for each of the codes, which are separated by spaces."""
     return [words.get(code, code) for code in codes.split()]
+
+
+def doubtful_frames(result: StudyResult) -> Iterator[tuple[str, int, str]]:
+    """Yield for each sequence and flag the sequence's name, the number of frames, and the flag in words."""
+    counts: Counter[tuple[str, str]] = Counter()
+    for row in result.rows:
+        if row["frame"] is not None:
+            counts.update((row["sequence"], flag) for flag in row["flags"].split())
+    for (name, flag), count in counts.items():
+        yield name, count, FLAG_WORDS.get(flag, flag)

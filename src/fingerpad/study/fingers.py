@@ -1,6 +1,6 @@
 """The fingers of a study: semi-axes as given, or measured in photographs of the faces or their outlines."""
 
-import os
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -13,7 +13,6 @@ from fingerpad.exceptions import FingerpadError
 from fingerpad.image import (
     FaceSemiAxes,
     OutlineSemiAxes,
-    Scale,
     combine_faces,
     face_from_outline,
     measure_photograph,
@@ -21,7 +20,9 @@ from fingerpad.image import (
     read_outline,
     write_photograph_overlay,
 )
-from fingerpad.study.manifest import Finger, Observation, Photograph
+from fingerpad.study.manifest import Finger, Photograph
+from fingerpad.study.scales import FoundScale, find_scale
+from fingerpad.study.words import in_study
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -32,6 +33,8 @@ class PhotographResult:
     ----------
     manifest : Photograph
         What the manifest says of it.
+    scale : FoundScale
+        Its scale, with the name that other pictures share.
     overlay : str
         Picture of the measurement, relative to the output folder.
     arc_deg : float
@@ -41,6 +44,7 @@ class PhotographResult:
     """
 
     manifest: Photograph
+    scale: FoundScale
     overlay: str
     arc_deg: float
     flags: tuple[str, ...]
@@ -83,7 +87,9 @@ class FingerResult:
     reason: str | None = None
 
 
-def finger_result(finger: Finger, folder: Path, out: Path) -> FingerResult:
+def finger_result(
+    finger: Finger, scales: Mapping[str, FoundScale | str], folder: Path, out: Path
+) -> FingerResult:
     """Return a finger's semi-axes; a photograph or outline that cannot be used costs this finger only."""
     common: dict[str, Any] = {
         "name": finger.name,
@@ -99,14 +105,14 @@ def finger_result(finger: Finger, folder: Path, out: Path) -> FingerResult:
             **common,
         )
     try:
-        seen = [_face(finger, number, folder, out) for number in range(len(finger.photographs))]
+        seen = [_face(finger, number, scales, folder, out) for number in range(len(finger.photographs))]
         combined = combine_faces(face for face, _ in seen)
     except FingerpadError as error:
         return FingerResult(
             semi_axes=np.full(3, np.nan),
             covariance=np.full((3, 3), np.nan),
             source="photographs",
-            reason=f"finger {finger.name}: {error}".replace(f"{folder}{os.sep}", ""),
+            reason=in_study(f"finger {finger.name}: {error}", folder),
             **common,
         )
     freedom = combined.degrees_of_freedom
@@ -121,29 +127,23 @@ def finger_result(finger: Finger, folder: Path, out: Path) -> FingerResult:
     )
 
 
-def scale_of(table: Observation | Photograph) -> Scale:
-    """Return the scale that a table of the manifest gives for its image."""
-    if table.ppi is not None:
-        return Scale.of_ppi(table.ppi, table.ppi * table.scale_relative_std)
-    assert table.mm_per_px is not None  # the manifest's own rule
-    return Scale.of_mm_per_px(table.mm_per_px, table.mm_per_px * table.scale_relative_std)
-
-
 def _face(
-    finger: Finger, number: int, folder: Path, out: Path
+    finger: Finger, number: int, scales: Mapping[str, FoundScale | str], folder: Path, out: Path
 ) -> tuple[FaceSemiAxes, PhotographResult | None]:
     """Measure one face, and draw it where it is a photograph."""
     photograph = finger.photographs[number]
     if photograph.outline is not None:
         points = read_outline(folder / photograph.outline)
-        return face_from_outline(photograph.face, points, photograph.scale_relative_std), None
+        return face_from_outline(photograph.face, points, photograph.outline_relative_std), None
     assert photograph.image is not None  # the manifest's own rule
+    assert photograph.scale is not None
+    scale = find_scale(photograph.scale, scales, folder)
     pixels = read_colour_image(folder / photograph.image)
     window = photograph.region_of_interest_px
     found = measure_photograph(
         pixels,
         photograph.face,
-        scale_of(photograph),
+        scale.scale,
         tip=photograph.tip,
         palmar=photograph.palmar_side,
         region_of_interest=None if window is None else (window[0], window[1], window[2], window[3]),
@@ -154,5 +154,9 @@ def _face(
         out / overlay, pixels, found, label="synthetic" if photograph.synthetic else None
     )
     return found.face_semi_axes, PhotographResult(
-        manifest=photograph, overlay=str(overlay), arc_deg=found.arc_deg, flags=tuple(sorted(found.flags))
+        manifest=photograph,
+        scale=scale,
+        overlay=str(overlay),
+        arc_deg=found.arc_deg,
+        flags=(*sorted(found.flags), *scale.flags),
     )

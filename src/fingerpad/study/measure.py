@@ -1,8 +1,9 @@
 """Measuring one observation: from its picture, or from the ellipse given, to a contact ellipse."""
 
-import os
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
@@ -10,9 +11,10 @@ import numpy as np
 from fingerpad._arrays import FloatArray
 from fingerpad._files import make_folder
 from fingerpad.exceptions import FingerpadError
-from fingerpad.image import Imprint, measure_imprint, read_image, write_overlay
-from fingerpad.study.fingers import scale_of
-from fingerpad.study.manifest import Direction, Observation
+from fingerpad.image import Imprint, Place, measure_imprint, read_image, write_overlay
+from fingerpad.study.manifest import Contact, Direction, Observation
+from fingerpad.study.scales import FoundScale, find_scale
+from fingerpad.study.words import in_study
 
 _FROM_RECORD = (
     "gross_area_mm2",
@@ -22,6 +24,8 @@ _FROM_RECORD = (
     "ridge_period_mm",
     "ellipse_iou",
 )
+# A picture can be odd in ways that nobody has thought of: it costs its rows, never the run.
+ODDITIES = (ArithmeticError, MemoryError, OSError, ValueError, cv2.error)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -30,8 +34,10 @@ class Measurement:
 
     Attributes
     ----------
-    observation : str
-        Name of the observation.
+    name : str
+        Name of the observation, or of the sequence with the frame's number.
+    load : float
+        Normal force, N; NaN where it is not known.
     reason : str or None
         Why nothing was measured; None where something was.
     semi_major, semi_minor : float
@@ -40,93 +46,116 @@ class Measurement:
         Their covariance, mm².
     long_axis : {"along", "across"} or None
         Whether the long axis lies along or across the finger, where that is known.
-    details : dict of str to float
-        Further columns of the results that only a picture yields.
+    columns : dict
+        Further columns of the results.
     flags : tuple of str
         Doubts about the picture.
     overlay : str or None
         File of the overlay, relative to the output folder.
+    counts : bool
+        Whether it may be pooled, its flags apart: not every frame of a press may.
     """
 
-    observation: str
+    name: str
+    load: float
     reason: str | None = None
     semi_major: float = np.nan
     semi_minor: float = np.nan
     covariance: FloatArray = field(default_factory=lambda: np.full((2, 2), np.nan))
     long_axis: Direction | None = None
-    details: dict[str, float] = field(default_factory=dict)
+    columns: dict[str, Any] = field(default_factory=dict)
     flags: tuple[str, ...] = ()
     overlay: str | None = None
+    counts: bool = True
 
 
-def measure_observation(observation: Observation, folder: Path, out: Path) -> Measurement:
+def measure_observation(
+    observation: Observation, scales: Mapping[str, FoundScale | str], folder: Path, out: Path
+) -> Measurement:
     """Measure one observation and write its overlay; whatever goes wrong costs this row only.
 
     Parameters
     ----------
     observation : Observation
         A row of the manifest.
+    scales : mapping
+        The study's named scales.
     folder, out : Path
         The study folder, and the folder of results.
     """
     if observation.ellipse_mm is not None:
         ellipse = observation.ellipse_mm
         return Measurement(
-            observation=observation.name,
+            name=observation.name,
+            load=observation.load_N,
             semi_major=ellipse.semi_major,
             semi_minor=ellipse.semi_minor,
             covariance=ellipse.std**2 * np.eye(2),
             long_axis=ellipse.long_axis,
         )
     try:
-        return _measure_image(observation, folder, out)
+        return _measure_image(observation, scales, folder, out)
     except FingerpadError as error:
-        reason = str(error).replace(f"{folder}{os.sep}", "")
-    except (ArithmeticError, MemoryError, OSError, ValueError, cv2.error) as error:
-        # A picture can be odd in ways that nobody has thought of: it costs its row, never the run.
+        reason = in_study(error, folder)
+    except ODDITIES as error:
         reason = f"{observation.image}: cannot be measured ({type(error).__name__}: {error})"
-    return Measurement(observation=observation.name, reason=reason)
+    return Measurement(name=observation.name, load=observation.load_N, reason=reason)
 
 
-def _measure_image(observation: Observation, folder: Path, out: Path) -> Measurement:
+def _measure_image(
+    observation: Observation, scales: Mapping[str, FoundScale | str], folder: Path, out: Path
+) -> Measurement:
     assert observation.image is not None  # the manifest's own rule
-    window = observation.region_of_interest_px
+    assert observation.scale is not None
+    found = find_scale(observation.scale, scales, folder)
     pixels = read_image(folder / observation.image).pixels
     imprint = measure_imprint(
         pixels,
-        scale_of(observation),
+        found.scale,
         dark_on_light=observation.dark_on_light,
-        background=None
-        if observation.background is None
-        else read_image(folder / observation.background).pixels,
-        seed=None if observation.seed_px is None else (observation.seed_px[0], observation.seed_px[1]),
         threshold=observation.threshold,
-        mask=observation.mask_px,
-        region_of_interest=None if window is None else (window[0], window[1], window[2], window[3]),
+        **place_of(observation, folder),
     )
     overlay = Path("overlays") / f"{observation.name}.png"
     make_folder((out / overlay).parent)
     write_overlay(out / overlay, pixels, imprint, label="synthetic" if observation.synthetic else None)
-    return _from_imprint(imprint, observation, overlay)
-
-
-def _from_imprint(imprint: Imprint, observation: Observation, overlay: Path) -> Measurement:
-    major, minor = float(imprint.ellipse.semi_major), float(imprint.ellipse.semi_minor)
-    record = imprint.as_record()
-    turn = np.degrees(imprint.orientation) - observation.finger_axis_deg
-    orientation = float(90 - (90 - turn) % 180)
     return Measurement(
-        observation=observation.name,
-        semi_major=major,
-        semi_minor=minor,
-        covariance=imprint.covariance[:2, :2],
-        long_axis="along" if abs(orientation) <= 45 else "across",
-        details={
+        name=observation.name,
+        load=observation.load_N,
+        overlay=str(overlay),
+        **from_imprint(imprint, observation, found),
+    )
+
+
+def place_of(contact: Contact, folder: Path) -> Place:
+    """Return where a contact's pictures are looked at, as the manifest says."""
+    window, seed = contact.region_of_interest_px, contact.seed_px
+    return {
+        "background": None if contact.background is None else read_image(folder / contact.background).pixels,
+        "seed": None if seed is None else (seed[0], seed[1]),
+        "mask": contact.mask_px,
+        "region_of_interest": None if window is None else (window[0], window[1], window[2], window[3]),
+    }
+
+
+def from_imprint(imprint: Imprint, contact: Contact, found: FoundScale) -> dict[str, Any]:
+    """Return what a `Measurement` keeps of an imprint."""
+    record = imprint.as_record()
+    turn = np.degrees(imprint.orientation) - contact.finger_axis_deg
+    orientation = float(90 - (90 - turn) % 180)
+    return {
+        "semi_major": float(imprint.ellipse.semi_major),
+        "semi_minor": float(imprint.ellipse.semi_minor),
+        "covariance": imprint.covariance[:2, :2],
+        "long_axis": "along" if abs(orientation) <= 45 else "across",
+        "columns": {
             **{name: record[name] for name in _FROM_RECORD},
             "orientation_deg": orientation,
             "centroid_row_px": imprint.centroid[0],
             "centroid_column_px": imprint.centroid[1],
+            "scale": found.name,
+            "mm_per_px": found.scale.mm_per_px,
+            "mm_per_px_std": found.scale.mm_per_px_std,
         },
-        flags=imprint.flags,
-        overlay=str(overlay),
-    )
+        "flags": (*imprint.flags, *found.flags),
+    }

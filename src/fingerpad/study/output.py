@@ -9,7 +9,9 @@ from typing import Any
 from fingerpad._json import dumps
 from fingerpad.exceptions import FingerpadError
 from fingerpad.study.pipeline import StudyResult
-from fingerpad.study.rows import COLUMNS
+from fingerpad.study.rows import COLUMNS, Row
+from fingerpad.study.scales import FoundScale
+from fingerpad.study.sequences import SequenceResult
 from fingerpad.study.summary import Summary, area_exponent
 from fingerpad.uncertainty import Pooled
 
@@ -56,6 +58,8 @@ def summary_record(result: StudyResult) -> dict[str, Any]:
             for finger in result.fingers.values()
         ],
         "summaries": [_summary(summary) for summary in result.summaries],
+        "sequences": [_sequence(sequence, result.rows) for sequence in result.sequences],
+        "scales": {name: _scale(scale) for name, scale in result.scales.items()},
         "curves": [
             {
                 "file": curve.manifest.file,
@@ -79,14 +83,56 @@ def _summary(summary: Summary) -> dict[str, Any]:
         "wedge_angle_deg": summary.wedge_angle_deg,
         "roll_angle_deg": summary.roll_angle_deg,
         "synthetic": summary.synthetic,
-        "count": len(summary.rows),
+        "count": len(summary.contacts),
+        "frames": len(summary.rows) - len(summary.contacts),
         "mean_curvature_radius_mm": summary.rows[0]["mean_curvature_radius_mm"],
         "mean_curvature_radius_mm_std": summary.rows[0]["mean_curvature_radius_mm_std"],
         "geometric_mean_radius_mm": summary.rows[0]["geometric_mean_radius_mm"],
         "geometric_mean_radius_mm_std": summary.rows[0]["geometric_mean_radius_mm_std"],
         **_pooled("radius_from_indentation", summary.corrected_radius),
         **_pooled("radius_from_compliance", summary.compliance_radius),
-        "area_exponent": area_exponent(summary),
+        "area_exponent": area_exponent(summary.contacts or summary.rows),
+    }
+
+
+def _sequence(sequence: SequenceResult, rows: list[Row]) -> dict[str, Any]:
+    of, summary = sequence.manifest, sequence.summary
+    frames = [row for row in rows if row["sequence"] == of.name and row["frame"] is not None]
+    counts = (
+        {}
+        if summary is None
+        else {
+            "frames": summary.count,
+            "frames_with_contact": summary.measured,
+            "frames_without_contact": summary.without_contact,
+            "frames_failed": summary.failed,
+            "phases": summary.phases,
+            "first_contact_frame": summary.first_contact,
+            "notes": summary.notes,
+        }
+    )
+    return {
+        "sequence": of.name,
+        "finger": of.finger,
+        "wedge_angle_deg": of.wedge_angle_deg,
+        "roll_angle_deg": of.roll_angle_deg,
+        "synthetic": of.synthetic,
+        **counts,
+        "rows": len(frames),
+        "pooled": sum(row["pooled"] for row in frames),
+        "area_exponent": area_exponent(frames),
+        "overlays": [overlay._asdict() for overlay in sequence.overlays],
+        "reason": sequence.reason,
+    }
+
+
+def _scale(scale: FoundScale | str) -> dict[str, Any]:
+    if isinstance(scale, str):
+        return {"reason": scale}
+    return {
+        "mm_per_px": scale.scale.mm_per_px,
+        "mm_per_px_std": scale.scale.mm_per_px_std,
+        "flags": scale.flags,
     }
 
 

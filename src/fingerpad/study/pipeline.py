@@ -8,11 +8,12 @@ from typing import Any, Final
 from fingerpad._files import make_folder
 from fingerpad.exceptions import ManifestError
 from fingerpad.study.fingers import FingerResult, finger_result
-from fingerpad.study.manifest import Study, read_study
-from fingerpad.study.measure import Measurement
+from fingerpad.study.manifest import Contact, Study, read_study
 from fingerpad.study.provenance import provenance
 from fingerpad.study.rows import Row, make_rows
-from fingerpad.study.runner import measure_all
+from fingerpad.study.runner import Measured, measure_all
+from fingerpad.study.scales import FoundScale, named_scales
+from fingerpad.study.sequences import SequenceResult
 from fingerpad.study.summary import CurveResult, Summary, curve_result, summaries
 
 # What a run writes into its output folder.
@@ -42,7 +43,11 @@ class StudyResult:
     fingers : dict of str to FingerResult
         Semi-axes by finger.
     rows : list of Row
-        One per observation.
+        One per observation, and one per frame in contact of a sequence.
+    sequences : list of SequenceResult
+        One per sequence.
+    scales : dict of str to FoundScale or str
+        Named scales, or why there is none.
     summaries : list of Summary
         One per finger and placement.
     curves : list of CurveResult
@@ -55,18 +60,32 @@ class StudyResult:
     folder: Path
     fingers: dict[str, FingerResult]
     rows: list[Row]
+    sequences: list[SequenceResult]
+    scales: dict[str, FoundScale | str]
     summaries: list[Summary]
     curves: list[CurveResult]
     provenance: dict[str, Any]
 
     @property
     def failures(self) -> list[str]:
-        """What failed and why, fingers, observations and curves alike."""
+        """What failed and why, fingers, observations, sequences, scales and curves alike."""
         return [
-            *(f"{row['observation']}: {row['reason']}" for row in self.rows if row["status"] == "failed"),
+            *(f"{name}: {reason}" for name, reason in self.failed_contacts),
+            *(scale for scale in self.scales.values() if isinstance(scale, str)),
             *(finger.reason for finger in self.fingers.values() if finger.reason is not None),
             *(curve.reason for curve in self.curves if curve.reason is not None),
         ]
+
+    @property
+    def failed_contacts(self) -> list[tuple[str, str]]:
+        """Names of contacts that failed, with the reason; the frames of a sequence in one line."""
+        failed = [row for row in self.rows if row["status"] == "failed"]
+        lines = [(row["observation"], row["reason"]) for row in failed if row["frame"] is None]
+        for name in dict.fromkeys(row["sequence"] for row in failed if row["frame"] is not None):
+            frames = [row for row in failed if row["sequence"] == name and row["frame"] is not None]
+            many = "1 frame" if len(frames) == 1 else f"{len(frames)} frames; the first:"
+            lines.append((name, f"{many} {frames[0]['frame']}: {frames[0]['reason']}"))
+        return lines
 
 
 def run_study(
@@ -75,7 +94,8 @@ def run_study(
     *,
     workers: int = 1,
     on_start: Callable[[int], None] = lambda _: None,
-    on_measured: Callable[[Measurement], None] = lambda _: None,
+    on_measured: Callable[[Measured], None] = lambda _: None,
+    on_frame: Callable[[], None] = lambda: None,
 ) -> StudyResult:
     """Run a study: measure every observation, place every finger, apply the model, pool.
 
@@ -88,7 +108,9 @@ def run_study(
     workers : int
         Number of processes that measure.
     on_start, on_measured : callable
-        Told how many observations there are, and of each one as it is done.
+        Told how many observations and sequences there are, and of each one as it is done.
+    on_frame : callable
+        Called after each frame of a sequence that is measured in this process.
 
     Raises
     ------
@@ -104,18 +126,23 @@ def run_study(
     make_folder(out)
     _remove_earlier_pictures(out)
     origin = provenance(folder, inputs)
-    fingers = {finger.name: finger_result(finger, folder, out) for finger in study.fingers}
-    on_start(len(study.observations))
-    measurements = {}
-    for measurement in measure_all(study.observations, folder, out, workers=workers):
-        measurements[measurement.observation] = measurement
-        on_measured(measurement)
-    rows = make_rows(study, fingers, measurements)
+    scales = named_scales(study, folder)
+    fingers = {finger.name: finger_result(finger, scales, folder, out) for finger in study.fingers}
+    contacts: list[Contact] = [*study.observations, *study.sequences]
+    on_start(len(contacts))
+    measured = {}
+    for one in measure_all(contacts, scales, folder, out, workers=workers, on_frame=on_frame):
+        measured[one.contact] = one
+        on_measured(one)
+    seen = [(contact, each) for contact in contacts for each in measured[contact.name].measurements]
+    rows = make_rows(study, fingers, seen)
     return StudyResult(
         study=study,
         folder=folder,
         fingers=fingers,
         rows=rows.rows,
+        sequences=[film for contact in contacts if (film := measured[contact.name].sequence) is not None],
+        scales=scales,
         summaries=summaries(rows),
         curves=[curve_result(curve, folder) for curve in study.curves],
         provenance=origin,
@@ -133,6 +160,6 @@ def _refuse_to_overwrite(inputs: list[str], folder: Path, out: Path) -> None:
 def _remove_earlier_pictures(out: Path) -> None:
     """Remove the pictures of an earlier run, which its summary attests, lest they mix with new ones."""
     if (out / "summary.json").is_file():
-        for pattern in ("overlays/*.png", "figures/*.png", "figures/*.svg"):
+        for pattern in ("overlays/*.png", "overlays/sequences/*.png", "figures/*.png", "figures/*.svg"):
             for path in out.glob(pattern):
                 path.unlink()

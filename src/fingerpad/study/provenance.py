@@ -22,20 +22,30 @@ FORMULAS: Final = {
     "reduced_modulus": "E* = 3 W R_e F₁³/(4 (ℓd ℓe)^(3/2)), Johnson (4.26a)",
     "effective_radius": "R_g, slope of contact area against πξ by least squares, intercept free",
     "uncertainty": "J Σ Jᵀ (GUM Eq. 13) with the second-order term of each input (note to 5.1.2)",
-    "pooled": "inverse-variance mean; its standard uncertainty times the Birge ratio where that exceeds one",
+    "pooled": "inverse-variance mean; its standard uncertainty times the Birge ratio where that exceeds one. "
+    "The frames of a sequence count as one contact",
 }
 
 
 def provenance(folder: Path, files: Iterable[str]) -> dict[str, Any]:
-    """Return what is needed to repeat a run: versions, SHA-256 of every input file, formulas."""
+    """Return what is needed to repeat a run: versions, SHA-256 of every input, formulas."""
     return {
         "fingerpad": fingerpad.__version__,
         "python": platform.python_version(),
         "numpy": np.__version__,
         "scipy": scipy.__version__,
         "made": datetime.now(UTC).isoformat(timespec="seconds"),
-        "inputs_sha256": {
-            name: hashlib.sha256((folder / name).read_bytes()).hexdigest() for name in sorted(set(files))
-        },
+        "inputs_sha256": {name: _digest(folder / name) for name in sorted(set(files))},
         "formulas": FORMULAS,
     }
+
+
+def _digest(path: Path) -> str:
+    """Return the SHA-256 of a file, or of the names and digests of a folder's files."""
+    if not path.is_dir():
+        with path.open("rb") as file:
+            return hashlib.file_digest(file, "sha256").hexdigest()
+    whole = hashlib.sha256()
+    for file_path in sorted(item for item in path.iterdir() if item.is_file()):
+        whole.update(f"{file_path.name}\0{_digest(file_path)}\n".encode())
+    return whole.hexdigest()

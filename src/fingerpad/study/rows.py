@@ -10,7 +10,7 @@ from fingerpad._arrays import FloatArray
 from fingerpad.contact import youngs_modulus
 from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.study.fingers import FingerResult
-from fingerpad.study.manifest import CORRECTIONS, Observation, Study
+from fingerpad.study.manifest import CORRECTIONS, Contact, Observation, Study
 from fingerpad.study.measure import Measurement
 from fingerpad.uncertainty import PAD_INPUTS, PAD_OUTPUTS, Propagated, pad_model, propagate
 from fingerpad.units import KPA_PER_MPA
@@ -38,19 +38,27 @@ RANGE_NOTES: Final = {
 
 # Every column of results.csv, in order, with what it means.
 COLUMNS: Final[Mapping[str, str]] = {
-    "observation": "name of the observation",
+    "observation": "name of the observation, or of the sequence with the frame's number behind a #",
     "finger": "name of the finger",
     "status": "measured or failed",
     "reason": "why the row failed",
     "synthetic": "whether picture, ellipse or finger was rendered or simulated",
     "flags": "doubts about the picture, separated by spaces",
     "measured_by": "program, program with corrections, or person (an ellipse that was given)",
-    "pooled": "whether the row counts in pooled radii: not if its picture is cut or its scale in doubt",
+    "pooled": "whether the row counts in pooled radii: not if its picture is cut or its scale in doubt; "
+    "of a sequence loading frames of a large enough ellipse",
     "range_notes": "where the model is out of its range, separated by spaces",
     "wedge_angle_deg": "angle of the wedge on which the finger rests",
     "roll_angle_deg": "roll of the finger about its own long axis",
     "load_N": "normal force W",
-    "image": "contact image measured; empty where the ellipse was given",
+    "sequence": "name of the sequence of which this is a frame; empty for single observations",
+    "frame": "number of the frame, from 0",
+    "time_s": "time of the frame on the clock of its force",
+    "phase": "loading, hold or unloading, by the force",
+    "image": "contact image or sequence measured; empty where the ellipse was given",
+    "scale": "name of the scale; rows of one name share one uncertain scale. Empty: a scale of its own",
+    "mm_per_px": "scale of the picture",
+    "mm_per_px_std": "its standard uncertainty",
     "semi_major_mm": "semi-major axis of the contact ellipse",
     "semi_major_mm_std": "its standard uncertainty",
     "semi_minor_mm": "semi-minor axis of the contact ellipse",
@@ -105,6 +113,7 @@ COLUMNS: Final[Mapping[str, str]] = {
 _NO_ANSWER: Final = "the model has no finite answer for these values; check their units"
 # The first inputs of the model belong to the finger on its wedge: all its observations there share them.
 _SHARED_INPUTS: Final = PAD_INPUTS.index("image_scale")
+_AT_ONCE: Final = 1000
 _IN_MM: Final = tuple(name for name in PAD_OUTPUTS if "radius" in name or name == "indentation")
 _IN_KPA: Final = ("reduced_modulus", "mean_pressure")
 
@@ -116,7 +125,7 @@ class Rows:
     Attributes
     ----------
     rows : list of Row
-        One per observation, in the manifest's order.
+        One per observation and frame, in the manifest's order.
     good : list of int
         Places in `rows` of those that were measured.
     value : ndarray, shape (good, outputs)
@@ -136,16 +145,42 @@ class Rows:
 
 
 def make_rows(
-    study: Study, fingers: Mapping[str, FingerResult], measurements: Mapping[str, Measurement]
+    study: Study, fingers: Mapping[str, FingerResult], seen: Sequence[tuple[Contact, Measurement]]
 ) -> Rows:
-    """Turn measurements into rows: placement, model and uncertainty, all rows at once."""
+    """Turn measurements into rows: placement, model and uncertainty.
+
+    Parameters
+    ----------
+    study : Study
+        The manifest.
+    fingers : mapping
+        Semi-axes by finger.
+    seen : sequence of (Contact, Measurement)
+        Each contact that was seen, with the table of the manifest that it belongs to.
+    """
+    # So many rows at a time that the model's derivatives, far larger than rows, stay small.
+    parts = [_some_rows(study, fingers, seen[k : k + _AT_ONCE]) for k in range(0, len(seen), _AT_ONCE)]
+    if not parts:
+        parts = [_some_rows(study, fingers, [])]
+    return Rows(
+        rows=[row for part in parts for row in part.rows],
+        good=[k * _AT_ONCE + index for k, part in enumerate(parts) for index in part.good],
+        value=np.concatenate([part.value for part in parts]),
+        shared=np.concatenate([part.shared for part in parts]),
+        own_std=np.concatenate([part.own_std for part in parts]),
+    )
+
+
+def _some_rows(
+    study: Study, fingers: Mapping[str, FingerResult], seen: Sequence[tuple[Contact, Measurement]]
+) -> Rows:
     rows, good, means, covariances = [], [], [], []
-    for index, observation in enumerate(study.observations):
-        finger, measured = fingers[observation.finger], measurements[observation.name]
+    for index, (contact, measured) in enumerate(seen):
+        finger = fingers[contact.finger]
         reason = measured.reason or finger.reason
-        rows.append(_described(observation, finger, measured, reason))
+        rows.append(_described(contact, finger, measured, reason))
         if reason is None:
-            mean, covariance = pad_inputs(study, observation, finger, measured)
+            mean, covariance = pad_inputs(study, contact, finger, measured)
             good.append(index)
             means.append(mean)
             covariances.append(covariance)
@@ -155,14 +190,14 @@ def make_rows(
     shared, own_std = _parted(propagated, covariance)
     finite = np.isfinite(propagated.covariance.sum(axis=(-2, -1)))
     for place, index in enumerate(good):
-        observation = study.observations[index]
+        contact, measured = seen[index]
         if not finite[place]:
             rows[index] |= {"status": "failed", "reason": _NO_ANSWER, "pooled": False}
             continue
         rows[index] |= _modelled(
-            observation,
-            fingers[observation.finger],
-            measurements[observation.name],
+            contact,
+            fingers[contact.finger],
+            measured,
             value=dict(zip(PAD_OUTPUTS, propagated.value[place], strict=True)),
             std=dict(zip(PAD_OUTPUTS, propagated.std[place], strict=True)),
             own_std=dict(zip(PAD_OUTPUTS, own_std[place], strict=True)),
@@ -193,10 +228,10 @@ def _parted(propagated: Propagated, covariance: FloatArray) -> tuple[FloatArray,
 
 
 def pad_inputs(
-    study: Study, observation: Observation, finger: FingerResult, measured: Measurement
+    study: Study, contact: Contact, finger: FingerResult, measured: Measurement
 ) -> tuple[FloatArray, FloatArray]:
-    """Return mean and covariance of the model's inputs for one observation."""
-    angles = np.radians([observation.wedge_angle_deg, observation.roll_angle_deg])
+    """Return mean and covariance of the model's inputs for one contact."""
+    angles = np.radians([contact.wedge_angle_deg, contact.roll_angle_deg])
     major, minor = measured.semi_major, measured.semi_minor
     size = np.sqrt(major * minor)
     mean = np.array(
@@ -205,7 +240,7 @@ def pad_inputs(
             *angles,
             study.poisson_ratio,
             1.0,
-            observation.load_N,
+            measured.load,
             size,
             np.log(major / minor),
         ]
@@ -214,30 +249,29 @@ def pad_inputs(
     covariance[:3, :3] = finger.covariance
     covariance[3, 3] = np.radians(study.uncertainty.wedge_angle_std_deg) ** 2
     covariance[4, 4] = np.radians(study.uncertainty.roll_angle_std_deg) ** 2
-    covariance[7, 7] = (study.uncertainty.load_relative_std * observation.load_N) ** 2
+    covariance[7, 7] = (study.uncertainty.load_relative_std * measured.load) ** 2
     to_size_and_elongation = np.array([[0.5 * size / major, 0.5 * size / minor], [1 / major, -1 / minor]])
     covariance[8:, 8:] = to_size_and_elongation @ measured.covariance @ to_size_and_elongation.T
     return mean, covariance
 
 
-def _described(
-    observation: Observation, finger: FingerResult, measured: Measurement, reason: str | None
-) -> Row:
+def _described(contact: Contact, finger: FingerResult, measured: Measurement, reason: str | None) -> Row:
     """Return the columns known before any model."""
     row: Row = {
-        "observation": observation.name,
-        "finger": observation.finger,
+        "observation": measured.name,
+        "finger": contact.finger,
         "status": "measured" if reason is None else "failed",
         "reason": reason,
-        "synthetic": observation.synthetic or finger.synthetic,
+        "synthetic": contact.synthetic or finger.synthetic,
         "flags": " ".join(measured.flags),
-        "measured_by": _measured_by(observation),
-        "pooled": reason is None and NOT_POOLED.isdisjoint(measured.flags),
-        "wedge_angle_deg": observation.wedge_angle_deg,
-        "roll_angle_deg": observation.roll_angle_deg,
-        "load_N": observation.load_N,
-        "image": observation.image,
+        "measured_by": _measured_by(contact),
+        "pooled": reason is None and measured.counts and NOT_POOLED.isdisjoint(measured.flags),
+        "wedge_angle_deg": contact.wedge_angle_deg,
+        "roll_angle_deg": contact.roll_angle_deg,
+        "load_N": measured.load if np.isfinite(measured.load) else None,
+        "image": contact.image if isinstance(contact, Observation) else contact.path,
         "overlay": measured.overlay,
+        **measured.columns,
     }
     if measured.reason is None:
         row |= {
@@ -247,20 +281,19 @@ def _described(
             "semi_minor_mm_std": np.sqrt(measured.covariance[1][1]),
             "aspect_ratio": measured.semi_major / measured.semi_minor,
             "long_axis": measured.long_axis,
-            **measured.details,
         }
     return row
 
 
-def _measured_by(observation: Observation) -> str:
-    if observation.ellipse_mm is not None:
+def _measured_by(contact: Contact) -> str:
+    if isinstance(contact, Observation) and contact.ellipse_mm is not None:
         return "person"
-    corrected = any(getattr(observation, key) is not None for key in CORRECTIONS)
+    corrected = any(getattr(contact, key) is not None for key in CORRECTIONS)
     return "program with corrections" if corrected else "program"
 
 
 def _modelled(
-    observation: Observation,
+    contact: Contact,
     finger: FingerResult,
     measured: Measurement,
     *,
@@ -272,8 +305,8 @@ def _modelled(
     """Return the columns that follow from the model; `value` and the others by the model's output."""
     placement = Placement.of(
         Ellipsoid.of(*finger.semi_axes),
-        wedge_angle=np.radians(observation.wedge_angle_deg),
-        roll_angle=np.radians(observation.roll_angle_deg),
+        wedge_angle=np.radians(contact.wedge_angle_deg),
+        roll_angle=np.radians(contact.roll_angle_deg),
     )
     row: Row = {
         "u_deg": np.degrees(placement.u),

@@ -1,40 +1,87 @@
-"""Measuring all observations of a study, on one or several processes."""
+"""Measuring all contacts of a study, on one or several processes."""
 
 import signal
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import dataclass
 from multiprocessing import get_context
 from pathlib import Path
 
 import cv2
 
-from fingerpad.study.manifest import Observation
+from fingerpad.study.manifest import Contact, ContactSequence, Observation
 from fingerpad.study.measure import Measurement, measure_observation
+from fingerpad.study.scales import FoundScale
+from fingerpad.study.sequences import SequenceResult, measure_contact_sequence
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Measured:
+    """What one contact of the manifest gave.
+
+    Attributes
+    ----------
+    contact : str
+        Name of the observation or sequence.
+    measurements : list of Measurement
+        One for an observation, one for each frame in contact of a sequence.
+    sequence : SequenceResult or None
+        What the film comes to, if it is one.
+    """
+
+    contact: str
+    measurements: list[Measurement]
+    sequence: SequenceResult | None = None
 
 
 def measure_all(
-    observations: list[Observation], folder: Path, out: Path, *, workers: int = 1
-) -> Iterator[Measurement]:
-    """Yield the measurement of each observation as it is done, in any order.
+    contacts: Sequence[Contact],
+    scales: Mapping[str, FoundScale | str],
+    folder: Path,
+    out: Path,
+    *,
+    workers: int = 1,
+    on_frame: Callable[[], None] = lambda: None,
+) -> Iterator[Measured]:
+    """Yield the measurement of each contact as it is done, in any order.
 
     Parameters
     ----------
-    observations : list of Observation
+    contacts : sequence of Contact
         What to measure.
+    scales : mapping
+        The study's named scales.
     folder, out : Path
         The study folder, and the folder of results.
     workers : int
         Number of processes; one measures in this process.
+    on_frame : callable
+        Called after each frame of a sequence that is measured in this process.
     """
-    workers = min(workers, len(observations))
+    workers = min(workers, len(contacts))
     if workers <= 1:
-        for observation in observations:
-            yield measure_observation(observation, folder, out)
+        for contact in contacts:
+            yield _measure(contact, scales, folder, out, on_frame)
         return
     with ProcessPoolExecutor(workers, mp_context=get_context("spawn"), initializer=_start_worker) as pool:
-        futures = [pool.submit(measure_observation, row, folder, out) for row in observations]
+        # The longest first, so that no process is left alone with a film.
+        ordered = sorted(contacts, key=lambda contact: isinstance(contact, Observation))
+        futures = [pool.submit(_measure, contact, scales, folder, out) for contact in ordered]
         for future in as_completed(futures):
             yield future.result()
+
+
+def _measure(
+    contact: Contact,
+    scales: Mapping[str, FoundScale | str],
+    folder: Path,
+    out: Path,
+    on_frame: Callable[[], None] = lambda: None,
+) -> Measured:
+    if isinstance(contact, ContactSequence):
+        result, measurements = measure_contact_sequence(contact, scales, folder, out, on_frame)
+        return Measured(contact=contact.name, measurements=measurements, sequence=result)
+    return Measured(contact=contact.name, measurements=[measure_observation(contact, scales, folder, out)])
 
 
 def _start_worker() -> None:

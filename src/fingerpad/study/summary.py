@@ -1,7 +1,6 @@
 """One summary per finger and placement: pooled radii, and the radius from loading data beside them."""
 
 import math
-import os
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,6 +12,7 @@ from fingerpad.exceptions import FingerpadError
 from fingerpad.loading import ContactCompliance, LoadingCurve, fit_contact_compliance, read_loading_curve
 from fingerpad.study.manifest import Curve
 from fingerpad.study.rows import Row, Rows
+from fingerpad.study.words import in_study
 from fingerpad.uncertainty import PAD_OUTPUTS, Pooled, pool
 
 
@@ -59,7 +59,7 @@ class Summary:
     finger, wedge_angle_deg, roll_angle_deg, synthetic
         What the rows have in common.
     rows : tuple of Row
-        The rows, by load.
+        The rows, by load: single contacts and frames of sequences.
     corrected_radius : Pooled or None
         Pooled ``radius_from_indentation_mm``, the source's combined R_g^corr; None without a sound row.
     compliance_radius : Pooled or None
@@ -73,6 +73,26 @@ class Summary:
     rows: tuple[Row, ...]
     corrected_radius: Pooled | None
     compliance_radius: Pooled | None
+
+    @property
+    def contacts(self) -> tuple[Row, ...]:
+        """Rows of single contacts, without frames."""
+        return tuple(row for row in self.rows if row["frame"] is None)
+
+    @property
+    def pooled_from(self) -> str:
+        """What the pooled radii come from, in words."""
+        pooled = [row for row in self.rows if row["pooled"]]
+        contacts = sum(row["frame"] is None for row in pooled)
+        films = len({row["sequence"] for row in pooled} - {None})
+        parts = [_counted(contacts, "observation")] if contacts or not films else []
+        if films:
+            parts.append(f"{_counted(len(pooled) - contacts, 'frame')} of {_counted(films, 'sequence')}")
+        return " and ".join(parts)
+
+
+def _counted(count: int, noun: str) -> str:
+    return f"{count} {noun}{'' if count == 1 else 's'}"
 
 
 def curve_result(curve: Curve, folder: Path) -> CurveResult:
@@ -103,7 +123,7 @@ def curve_result(curve: Curve, folder: Path) -> CurveResult:
 
 def _named(error: FingerpadError, file: str, folder: Path) -> str:
     """Return an error's words, which begin with the file's name in the study."""
-    words = str(error).replace(f"{folder}{os.sep}", "")
+    words = in_study(error, folder)
     return words if words.startswith(file) else f"{file}: {words}"
 
 
@@ -129,12 +149,20 @@ def summaries(rows: Rows) -> list[Summary]:
 def _summary(key: tuple[str, float, float, bool], rows: Rows, places: list[int]) -> Summary:
     sound = [place for place in places if rows.rows[rows.good[place]]["pooled"]]
 
+    estimates: dict[str, list[int]] = {}
+    for place in sound:
+        row = rows.rows[rows.good[place]]
+        estimates.setdefault(row["sequence"] or row["observation"], []).append(place)
+
     def pooled(output: str) -> Pooled | None:
         if not sound:
             return None
         column = PAD_OUTPUTS.index(output)
-        shared: FloatArray = rows.shared[sound, column]
-        return pool(rows.value[sound, column], rows.own_std[sound, column], shared @ shared.T)
+        value, own_std, shared = (
+            np.array(part)
+            for part in zip(*(_estimate(rows, one, column) for one in estimates.values()), strict=True)
+        )
+        return pool(value, own_std, shared @ shared.T)
 
     members = sorted((rows.rows[rows.good[place]] for place in places), key=lambda row: float(row["load_N"]))
     return Summary(
@@ -148,9 +176,21 @@ def _summary(key: tuple[str, float, float, bool], rows: Rows, places: list[int])
     )
 
 
-def area_exponent(summary: Summary) -> float:
-    """Return the slope of ln A against ln W over a summary's sound rows, NaN with fewer than two loads."""
-    sound = [row for row in summary.rows if row["pooled"]]
+def _estimate(rows: Rows, places: list[int], column: int) -> tuple[float, float, FloatArray]:
+    """Return one estimate of some rows: of a single contact, or of all frames of a film together.
+
+    The frames show the same skin, pressed once: their errors are taken to be the same error, so that the mean
+    is no better known than a frame is, however many there are.
+    """
+    weight = rows.own_std[places, column] ** -2.0 if len(places) > 1 else np.ones(1)
+    weight /= weight.sum()
+    value, own_std = rows.value[places, column], rows.own_std[places, column]
+    return float(weight @ value), float(weight @ own_std), weight @ rows.shared[places, column]
+
+
+def area_exponent(rows: Iterable[Row]) -> float:
+    """Return the slope of ln A against ln W over the pooled of some rows, NaN with fewer than two loads."""
+    sound = [row for row in rows if row["pooled"] and row["load_N"] > 0]
     load = np.array([row["load_N"] for row in sound])
     area = np.pi * np.array([row["semi_major_mm"] * row["semi_minor_mm"] for row in sound])
     if np.unique(load).size < 2:

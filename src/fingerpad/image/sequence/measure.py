@@ -5,7 +5,7 @@ import math
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
-from typing import Final, TypeAlias
+from typing import Final, TypeAlias, TypedDict, Unpack
 
 import cv2
 import numpy as np
@@ -22,6 +22,16 @@ from fingerpad.image.sequence.phases import PHASES, Phase, phases_of
 from fingerpad.image.sequence.result import FrameResult
 
 Watcher: TypeAlias = Callable[[int, Pixels, Imprint], None]
+
+
+class Place(TypedDict, total=False):
+    """Where every frame is looked at, as keyword arguments of `measure_imprint`."""
+
+    background: npt.ArrayLike | None
+    seed: tuple[float, float] | None
+    mask: npt.ArrayLike | None
+    region_of_interest: tuple[int, int, int, int] | None
+
 
 # A contact persists when it is seen in so many frames in a row.
 PERSISTENCE: Final = 3
@@ -57,7 +67,8 @@ def learn_reading(
     scale: Scale,
     *,
     dark_on_light: bool | None = None,
-    background: npt.ArrayLike | None = None,
+    threshold: float | None = None,
+    **place: Unpack[Place],
 ) -> Reading:
     """Learn from the frames of largest contact how to read a sequence: one threshold for all its frames.
 
@@ -69,8 +80,10 @@ def learn_reading(
         Millimetres per pixel.
     dark_on_light : bool, optional
         Whether contact is darker than the ground, where it is known.
-    background : array_like, optional
-        The same view without a finger.
+    threshold : float, optional
+        Grey levels from the ground to a ridge, where it is known.
+    **place
+        Background, seed, mask and region of interest, as for `measure_imprint`.
 
     Raises
     ------
@@ -82,7 +95,7 @@ def learn_reading(
     busiest: list[tuple[float, int, Pixels]] = []
     reason = "there is none"
     for frame in frames:
-        textures.append(math.nan if frame.pixels is None else _texture(frame.pixels, scale))
+        textures.append(math.nan if frame.pixels is None else _texture(frame.pixels, scale, place))
         if frame.pixels is None:
             reason = frame.reason or reason
             continue
@@ -96,7 +109,9 @@ def learn_reading(
     seen: list[tuple[int, Imprint]] = []
     for _, index, pixels in sorted(busiest, key=lambda entry: entry[:2], reverse=True):
         try:
-            imprint = measure_imprint(pixels, scale, dark_on_light=dark_on_light, background=background)
+            imprint = measure_imprint(
+                pixels, scale, dark_on_light=dark_on_light, threshold=threshold, **place
+            )
         except ImageError as error:
             reason = str(error)
             continue
@@ -123,8 +138,9 @@ def measure_sequence(
     force: ForceSignal | None = None,
     reading: Reading | None = None,
     dark_on_light: bool | None = None,
-    background: npt.ArrayLike | None = None,
+    threshold: float | None = None,
     watch: Watcher | None = None,
+    **place: Unpack[Place],
 ) -> Iterator[FrameResult]:
     """Measure the contact in each frame of a sequence, one frame in memory at a time.
 
@@ -148,10 +164,12 @@ def measure_sequence(
         Normal force. A frame outside the signal has load NaN, no phase, and the flag ``no_force``.
     reading : Reading, optional
         What `learn_reading` found; learnt here when None.
-    dark_on_light, background
-        As for `measure_imprint`.
+    dark_on_light, threshold
+        As for `learn_reading`, without `reading`.
     watch : callable, optional
         Called with (index, pixels, imprint) after each measurement, as for drawing overlays.
+    **place
+        Background, seed, mask and region of interest, as for `measure_imprint`.
 
     Yields
     ------
@@ -167,8 +185,8 @@ def measure_sequence(
     if force is not None and clock is None:
         raise LoadingError("a force signal needs the times of the frames: give frames per second, or stamps")
     if reading is None:
-        reading = learn_reading(frames, scale, dark_on_light=dark_on_light, background=background)
-    measured = _measured_frames(frames, scale, reading, background, watch)
+        reading = learn_reading(frames, scale, dark_on_light=dark_on_light, threshold=threshold, **place)
+    measured = _measured_frames(frames, scale, reading, place, watch)
     yield from _timed(measured, clock, force, _PhaseRecord.of(reading, force))
 
 
@@ -176,7 +194,7 @@ def _measured_frames(
     frames: Iterable[Frame],
     scale: Scale,
     reading: Reading,
-    background: npt.ArrayLike | None,
+    place: Place,
     watch: Watcher | None,
 ) -> Iterator[FrameResult]:
     """Measure frame by frame, without time, load or phase."""
@@ -185,12 +203,12 @@ def _measured_frames(
         if frame.pixels is None:
             yield FrameResult(index=frame.index, readable=False, reason=frame.reason)
             continue
-        if _texture(frame.pixels, scale) < least:
+        if _texture(frame.pixels, scale, place) < least:
             reason = "no contact found: the frame is smooth beside those of the largest contact"
             yield FrameResult(index=frame.index, reason=reason)
             continue
         try:
-            imprint = _imprint(frame.pixels, scale, reading, background)
+            imprint = _imprint(frame.pixels, scale, reading, place)
         except ImageError as error:
             yield FrameResult(index=frame.index, reason=str(error))
             continue
@@ -199,13 +217,16 @@ def _measured_frames(
         yield FrameResult(index=frame.index, measures=imprint.as_record(), flags=imprint.flags)
 
 
-def _imprint(pixels: Pixels, scale: Scale, reading: Reading, background: npt.ArrayLike | None) -> Imprint:
+def _imprint(pixels: Pixels, scale: Scale, reading: Reading, place: Place) -> Imprint:
     """Measure one frame as the whole sequence is read: the only place that hands a reading on."""
-    return measure_imprint(pixels, scale, background=background, **reading.settings)
+    return measure_imprint(pixels, scale, **reading.settings, **place)
 
 
-def _texture(pixels: Pixels, scale: Scale) -> float:
-    """Return the power of what is finer than a finger."""
+def _texture(pixels: Pixels, scale: Scale, place: Place) -> float:
+    """Return the power of what is finer than a finger, where the frame is looked at."""
+    row, column, last_row, last_column = place.get("region_of_interest") or (0, 0, *pixels.shape)
+    part = pixels[max(row, 0) : last_row, max(column, 0) : last_column]
+    pixels = part if part.size else pixels  # a region that misses the frame is refused where it is measured
     side = 2 * round(_TEXTURE_WINDOW_MM / scale.mm_per_px / 2) + 1
     values = pixels.astype(np.float32)
     fine = values - cv2.blur(values, (side, side))

@@ -1,0 +1,10 @@
+"""Commands that measure pictures."""
+
+import typer
+
+from fingerpad.cli.measure import photograph, prints, sequence
+
+app = typer.Typer(help="Measure pictures.", no_args_is_help=True)
+app.command("print")(prints.measure_prints)
+app.command("photo")(photograph.measure_photo)
+app.command("sequence")(sequence.measure_frames)

@@ -1,0 +1,76 @@
+"""Flags that several measuring commands know, and what their text means."""
+
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, TypeAlias
+
+import typer
+
+from fingerpad.exceptions import ImageError
+
+if TYPE_CHECKING:
+    from fingerpad._arrays import FloatArray
+    from fingerpad.image import Place
+
+Overlay: TypeAlias = Annotated[Path | None, typer.Option(help="Folder for pictures of the measurement.")]
+DarkOnLight: TypeAlias = Annotated[
+    bool | None,
+    typer.Option("--dark-on-light/--light-on-dark", help="Polarity, where it is not found by itself."),
+]
+Background: TypeAlias = Annotated[
+    Path | None, typer.Option(help="Picture of the empty platen, which is divided out.")
+]
+Seed: TypeAlias = Annotated[
+    str | None, typer.Option(metavar="ROW,COLUMN", help="A point inside the contact that is meant, px.")
+]
+Threshold: TypeAlias = Annotated[
+    float | None, typer.Option(help="Grey levels from the ground to a ridge, where half the contrast errs.")
+]
+Mask: TypeAlias = Annotated[
+    Path | None,
+    typer.Option(help="CSV of corners round the contact, with the header row_px,column_px."),
+]
+Roi: TypeAlias = Annotated[
+    str | None, typer.Option(metavar="R0,C0,R1,C1", help="Rows and columns of the part to look at, px.")
+]
+
+
+def numbers_of(flag: str, text: str, count: int) -> list[float]:
+    """Return the numbers of a flag such as "250,200"."""
+    try:
+        numbers = [float(part) for part in text.split(",")]
+    except ValueError:
+        numbers = []
+    if len(numbers) != count or not all(map(math.isfinite, numbers)):
+        raise ImageError(f"{flag} takes {count} numbers parted by commas, found {text!r}")
+    return numbers
+
+
+def region_of(text: str | None) -> tuple[int, int, int, int] | None:
+    """Return the region of interest, in whole pixels."""
+    if text is None:
+        return None
+    row, column, last_row, last_column = map(round, numbers_of("--roi", text, 4))
+    return row, column, last_row, last_column
+
+
+def place_of(background: Path | None, seed_px: str | None, mask: Path | None, roi: str | None) -> "Place":
+    """Return where a contact image is looked at."""
+    from fingerpad.image import read_image
+
+    seed = None if seed_px is None else numbers_of("--seed-px", seed_px, 2)
+    return {
+        "background": None if background is None else read_image(background).pixels,
+        "seed": None if seed is None else (seed[0], seed[1]),
+        "mask": None if mask is None else _corners(mask),
+        "region_of_interest": region_of(roi),
+    }
+
+
+def _corners(path: Path) -> "FloatArray":
+    from fingerpad.image import read_marks
+
+    corners = read_marks(path)
+    if len(corners) < 3:
+        raise ImageError(f"{path}: a mask needs three corners or more, found {len(corners)}")
+    return corners

@@ -1,0 +1,83 @@
+"""Measure photographs of a finger's faces."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from fingerpad.cli.measure.flags import Overlay, Roi, region_of
+from fingerpad.cli.measure.records import overlay_files, record_of
+from fingerpad.cli.measure.scale import WAYS, takes_scale
+from fingerpad.cli.shared import AsJson, Exit, plain_errors, print_record
+from fingerpad.exceptions import CalibrationError, ImageError
+
+if TYPE_CHECKING:
+    from fingerpad.image import Scale
+
+
+@takes_scale
+def measure_photo(
+    *,
+    image: Annotated[Path, typer.Argument(help="Photograph of one face.", show_default=False)],
+    face: Annotated[
+        str, typer.Option(help="Face that looks at the camera: palmar, distal, radial or ulnar.")
+    ],
+    tip: Annotated[str, typer.Option(help="Where the fingertip points: up, down, left or right.")] = "up",
+    palmar: Annotated[
+        str | None, typer.Option(help="Where the palmar side lies, in views that show it; down by default.")
+    ] = None,
+    roi: Roi = None,
+    points: Annotated[
+        Path | None,
+        typer.Option(help="CSV of points on the pad's outline, with the header row_px,column_px."),
+    ] = None,
+    overlay: Overlay = None,
+    as_json: AsJson = False,
+    scale: "Scale | None",
+) -> None:
+    """Measure two semi-axes of the pad in a photograph of a finger before a plain backdrop."""
+    from fingerpad.image import (
+        FACE_AXES,
+        measure_photograph,
+        read_colour_image,
+        read_marks,
+        write_photograph_overlay,
+    )
+
+    with plain_errors():
+        if face not in FACE_AXES:
+            raise ImageError(f"--face must be one of {', '.join(FACE_AXES)}, found {face!r}")
+        for flag, side in (("--tip", tip), ("--palmar", palmar)):
+            if side not in {"up", "down", "left", "right", None}:
+                raise ImageError(f"{flag} must be up, down, left or right, found {side!r}")
+        if scale is None:
+            raise CalibrationError(f"photographs need a scale: give {WAYS}")
+        window = region_of(roi)
+        marks = None if points is None else read_marks(points)
+        overlays = overlay_files([image], overlay)
+
+    def measured(path: Path) -> dict[str, Any]:
+        pixels = read_colour_image(path)
+        found = measure_photograph(
+            pixels,
+            face,  # type: ignore[arg-type]
+            scale,
+            tip=tip,  # type: ignore[arg-type]
+            palmar=palmar,  # type: ignore[arg-type]
+            region_of_interest=window,
+            points=marks,
+        )
+        if path in overlays:
+            write_photograph_overlay(overlays[path], pixels, found)
+        return {
+            "semi_axes_mm": found.semi_axes_mm,
+            "semi_axes_mm_std": found.semi_axes_mm_std,
+            "arc_deg": found.arc_deg,
+            "outlier_fraction": found.outlier_fraction,
+            "flags": sorted(found.flags),
+        }
+
+    record = record_of(image, measured)
+    print_record(record, as_json)
+    if "error" in record:
+        raise typer.Exit(Exit.SOME_FAILED)

@@ -1,0 +1,83 @@
+"""Measure contact images."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from fingerpad.cli.measure.flags import (
+    Background,
+    DarkOnLight,
+    Mask,
+    Overlay,
+    Roi,
+    Seed,
+    Threshold,
+    place_of,
+)
+from fingerpad.cli.measure.records import overlay_files, record_of, tracked
+from fingerpad.cli.measure.scale import WAYS, takes_scale
+from fingerpad.cli.shared import AsJson, Exit, plain_errors, print_json, print_text, require_positive
+from fingerpad.exceptions import CalibrationError
+
+if TYPE_CHECKING:
+    from fingerpad.image import Picture, Scale
+
+
+@takes_scale
+def measure_prints(
+    *,
+    images: Annotated[list[Path], typer.Argument(help="Contact images.", show_default=False)],
+    dark_on_light: DarkOnLight = None,
+    background: Background = None,
+    seed_px: Seed = None,
+    threshold: Threshold = None,
+    mask: Mask = None,
+    roi: Roi = None,
+    overlay: Overlay = None,
+    as_json: AsJson = False,
+    scale: "Scale | None",
+) -> None:
+    """Measure the contact region and its ellipse in fingerprint images.
+
+    Without a scale it is the one that each file states.
+    """
+    from fingerpad.image import measure_imprint, read_image, write_overlay
+
+    with plain_errors():
+        require_positive("--threshold", threshold)
+        place = place_of(background, seed_px, mask, roi)
+        overlays = overlay_files(images, overlay)
+
+    def measured(path: Path) -> dict[str, Any]:
+        picture = read_image(path)
+        imprint = measure_imprint(
+            picture.pixels,
+            scale or _stated_scale(path, picture),
+            dark_on_light=dark_on_light,
+            threshold=threshold,
+            **place,
+        )
+        if path in overlays:
+            write_overlay(overlays[path], picture.pixels, imprint)
+        return imprint.as_record()
+
+    with plain_errors():
+        records = [record_of(path, measured) for path in tracked(images, len(images))]
+    if as_json:
+        print_json(records)
+    else:
+        for record in records:
+            print_text(record)
+            typer.echo()
+    if any("error" in record for record in records):
+        raise typer.Exit(Exit.SOME_FAILED)
+
+
+def _stated_scale(path: Path, picture: "Picture") -> "Scale":
+    from fingerpad.image import Scale
+
+    try:
+        return Scale.of_picture(picture)
+    except CalibrationError as error:
+        raise CalibrationError(f"{path}: give {WAYS} ({error})") from error

@@ -1,0 +1,113 @@
+"""The figure of one press: contact area and semi-axes against time and against force."""
+
+from collections.abc import Sequence
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+from matplotlib.axes import Axes
+
+from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, broadcast, floats
+from fingerpad.figures.style import BLUE, GREY, VERMILLION, in_style, mark_synthetic
+
+# Told apart by colour and by shape.
+_PHASES: Final = (("loading", BLUE, "o"), ("hold", GREY, "s"), ("unloading", VERMILLION, "v"))
+
+
+@in_style
+def plot_press(
+    axes: Sequence[Axes],
+    *,
+    time: ArrayLike,
+    load: ArrayLike,
+    phase: npt.ArrayLike,
+    area: ArrayLike,
+    semi_major: ArrayLike,
+    semi_minor: ArrayLike,
+    synthetic: bool = False,
+) -> Sequence[Axes]:
+    """Draw area and semi-axes of a contact against time and against force, loading and unloading told apart.
+
+    Parameters
+    ----------
+    axes : sequence of four Axes
+        Area against time and against force, then the semi-axes against both.
+    time, load : array_like, (n,)
+        Time (s) and normal force (N) of each frame.
+    phase : array_like of str, (n,)
+        ``loading``, ``hold`` or ``unloading``.
+    area, semi_major, semi_minor : array_like, (n,)
+        Contact area (mm²) and semi-axes (mm).
+    synthetic : bool
+        Whether the frames are rendered: hollow.
+
+    Examples
+    --------
+    >>> from fingerpad.figures import new_figure
+    >>> figure, axes = new_figure(rows=2, columns=2)
+    >>> names = ["loading", "unloading"]
+    >>> axes = plot_press(
+    ...     axes, time=[0, 1], load=[1, 2], phase=names, area=[9, 12], semi_major=[2, 2], semi_minor=[1, 2]
+    ... )
+    """
+    area_by_time, area_by_load, axes_by_time, axes_by_load = axes
+    t, W, A, major, minor = broadcast(time, load, area, semi_major, semi_minor)
+    phases = np.asarray(phase)
+    for panel, x in ((area_by_time, t), (area_by_load, W)):
+        _draw(panel, x, A, phases, hollow=synthetic)
+        panel.set_ylabel("contact area A (mm²)")
+    for panel, x in ((axes_by_time, t), (axes_by_load, W)):
+        _draw(panel, x, major, phases, hollow=synthetic)
+        _draw(panel, x, minor, phases, hollow=synthetic, named=False)
+        panel.set_ylabel("semi-axes (mm)")
+    _name(axes_by_time, t, major, r"$\ell_\mathrm{d}$", above=True)
+    _name(axes_by_time, t, minor, r"$\ell_\mathrm{e}$", above=False)
+    for panel in axes:
+        panel.margins(y=0.12)
+        panel.set_ylim(bottom=0)
+    for panel, label in ((area_by_time, "time (s)"), (axes_by_time, "time (s)")):
+        panel.set_xlabel(label)
+    for panel in (area_by_load, axes_by_load):
+        panel.set_xlabel("normal load W (N)")
+        panel.set_xlim(left=min(0.0, float(W.min())) if W.size else 0.0)
+    if t.size:
+        area_by_time.legend(loc="lower left", bbox_to_anchor=(-0.02, 1.0), borderaxespad=0.1, ncols=3)
+    if synthetic:
+        mark_synthetic(area_by_load)
+    return axes
+
+
+def _draw(
+    axes: Axes, x: FloatArray, y: FloatArray, phase: npt.NDArray[np.str_], *, hollow: bool, named: bool = True
+) -> None:
+    size = 1.8 if x.size > 80 else 3.6
+    axes.plot(x, y, color="#c9c9c9", linewidth=0.7, zorder=2)
+    for name, colour, marker in _PHASES:
+        chosen: BoolArray = phase == name
+        if chosen.any():
+            axes.plot(
+                x[chosen],
+                y[chosen],
+                marker,
+                color=colour,
+                markerfacecolor="white" if hollow else colour,
+                markersize=size,
+                markeredgewidth=0.5 if x.size > 80 else 0.9,
+                label=name if named else None,
+                zorder=3,
+            )
+
+
+def _name(axes: Axes, x: FloatArray, y: FloatArray, name: str, *, above: bool) -> None:
+    """Write the name of a curve above or below its largest value."""
+    if x.size:
+        k = int(np.argmax(floats(y)))
+        axes.annotate(
+            name,
+            (x[k], y[k]),
+            xytext=(0, 4 if above else -4),
+            textcoords="offset points",
+            ha="center",
+            va="bottom" if above else "top",
+            fontsize=7.5,
+        )

@@ -1,0 +1,42 @@
+"""The study manifest: a TOML file that says what was observed, and where pictures, films and curves lie."""
+
+from fingerpad.study.manifest.contacts import (
+    CORRECTIONS,
+    Contact,
+    ContactEllipse,
+    ContactSequence,
+    Direction,
+    Observation,
+)
+from fingerpad.study.manifest.fingers import Finger, Photograph
+from fingerpad.study.manifest.read import read_study
+from fingerpad.study.manifest.scales import (
+    CoinScale,
+    LineScale,
+    PitchScale,
+    ResolutionScale,
+    ScaleKey,
+    ScaleTable,
+)
+from fingerpad.study.manifest.study import Curve, Study, Uncertainty
+
+__all__ = [
+    "CORRECTIONS",
+    "CoinScale",
+    "Contact",
+    "ContactEllipse",
+    "ContactSequence",
+    "Curve",
+    "Direction",
+    "Finger",
+    "LineScale",
+    "Observation",
+    "Photograph",
+    "PitchScale",
+    "ResolutionScale",
+    "ScaleKey",
+    "ScaleTable",
+    "Study",
+    "Uncertainty",
+    "read_study",
+]

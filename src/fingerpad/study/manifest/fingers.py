@@ -1,0 +1,74 @@
+"""Fingers: their semi-axes, or the photographs that show them."""
+
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, model_validator
+
+from fingerpad.study.manifest.scales import ScaleKey
+from fingerpad.study.manifest.tables import Finite, Length, LengthStd, Name, RelativeStd, Table
+
+Side = Literal["up", "down", "left", "right"]
+
+
+class SemiAxes(Table):
+    """Semi-axes of a finger pad, mm."""
+
+    palmar: Length
+    distal: Length
+    radial_ulnar: Length
+
+
+class SemiAxesStd(Table):
+    """Standard uncertainties of semi-axes, mm."""
+
+    palmar: LengthStd
+    distal: LengthStd
+    radial_ulnar: LengthStd
+
+
+class Photograph(Table):
+    """One face of a finger: a photograph before a plain backdrop with its scale, or points of its outline."""
+
+    face: Literal["palmar", "distal", "radial", "ulnar"]
+    outline: str | None = None
+    outline_relative_std: RelativeStd = 0.0
+    image: str | None = None
+    scale: ScaleKey | None = None
+    tip: Side = "up"
+    palmar_side: Side | None = None
+    region_of_interest_px: Annotated[list[Finite], Field(min_length=4, max_length=4)] | None = None
+    synthetic: bool = False
+
+    @model_validator(mode="after")
+    def _one_source(self) -> Self:
+        if (self.outline is None) == (self.image is None):
+            raise ValueError("give either outline or image, one of the two")
+        if self.image is not None and self.scale is None:
+            raise ValueError("an image needs its scale, as in scale = { ppi = 500 }")
+        ours = {"face", "synthetic", "outline", "outline_relative_std"}
+        idle = (
+            self.model_fields_set - ours if self.outline else self.model_fields_set & {"outline_relative_std"}
+        )
+        if idle:
+            beside = "an outline" if self.outline else "an image"
+            raise ValueError(f"beside {beside} there is no use for {', '.join(sorted(idle))}")
+        return self
+
+
+class Finger(Table):
+    """A finger, with its semi-axes given or to be fitted to the outlines of its photographs."""
+
+    name: Name
+    semi_axes_mm: SemiAxes | None = None
+    semi_axes_std_mm: SemiAxesStd | None = None
+    photographs: list[Photograph] = Field(default=[])
+    pad_thickness_mm: Length | None = None
+    synthetic: bool = False
+
+    @model_validator(mode="after")
+    def _one_source(self) -> Self:
+        if (self.semi_axes_mm is None) == (not self.photographs):
+            raise ValueError("give either semi_axes_mm or photographs, one of the two")
+        if (self.semi_axes_mm is None) != (self.semi_axes_std_mm is None):
+            raise ValueError("semi_axes_mm and semi_axes_std_mm belong together")
+        return self

@@ -1,0 +1,92 @@
+"""Reading a manifest, and everything that can be checked before any work."""
+
+import tomllib
+from collections.abc import Iterator
+from pathlib import Path
+
+from fingerpad.exceptions import ManifestError
+from fingerpad.study.manifest.faults import validated
+from fingerpad.study.manifest.spreadsheet import read_rows
+from fingerpad.study.manifest.study import Study
+
+
+def read_study(path: Path) -> Study:
+    """Read and check a manifest; rows of ``observations_csv`` are appended to its observations.
+
+    Everything is checked before any work: keys, values, references between tables, and that every file named
+    exists inside the study folder.
+
+    Parameters
+    ----------
+    path : Path
+        The TOML file. File names in it are relative to its folder.
+
+    Raises
+    ------
+    ManifestError
+        Naming the file, and for each fault its key, what was found and what was expected.
+    """
+    try:
+        content = tomllib.loads(path.read_text(encoding="utf-8-sig"))
+    except FileNotFoundError:
+        raise ManifestError(
+            f"{path}: no such file; `fingerpad init DIR` writes a manifest to start from"
+        ) from None
+    except (OSError, UnicodeDecodeError) as error:
+        raise ManifestError(f"{path}: cannot be read ({error})") from error
+    except (ValueError, RecursionError) as error:
+        raise ManifestError(f"{path}: not valid TOML: {error}") from error
+    study = validated(Study, content, path.name, strict=True)
+    if study.observations_csv is not None:
+        rows = read_rows(_inside(path.parent, study.observations_csv, path.name, "observations_csv"))
+        study = study.model_copy(update={"observations": [*study.observations, *rows]})
+    faults = [*_reference_faults(study), *_file_faults(study, path.parent)]
+    if faults:
+        raise ManifestError("\n".join(f"{path.name}: {fault}" for fault in faults))
+    return study
+
+
+def _reference_faults(study: Study) -> Iterator[str]:
+    fingers = [finger.name for finger in study.fingers]
+    contacts = [contact.name for contact in (*study.observations, *study.sequences)]
+    kinds = "observations and sequences" if study.sequences else "observations"
+    for kind, names in (("scales", list(study.scales)), ("fingers", fingers), (kinds, contacts)):
+        folded = [name.casefold() for name in names]  # two files must differ by more than case
+        for name in sorted({name for name in names if folded.count(name.casefold()) > 1}):
+            count = folded.count(name.casefold())
+            yield f"{kind}: the name {name!r} is given {count} times; names must differ by more than case"
+    used = [(f"observation {row.name!r}", row.finger) for row in study.observations]
+    used += [(f"sequence {sequence.name!r}", sequence.finger) for sequence in study.sequences]
+    used += [(f"curves[{index}]", curve.finger) for index, curve in enumerate(study.curves)]
+    for place, name in used:
+        if name not in fingers:
+            yield f"{place}: no finger is named {name!r}; there is {', '.join(fingers)}"
+    for place, name in study.named_scales():
+        if name not in study.scales:
+            known = (
+                f"there is {', '.join(study.scales)}" if study.scales else f"write a table [scales.{name}]"
+            )
+            yield f"{place}: no scale is named {name!r}; {known}"
+
+
+def _file_faults(study: Study, folder: Path) -> Iterator[str]:
+    for place, name in study.named_files():
+        try:
+            _inside(folder, name, "", place)
+        except ManifestError as error:
+            yield str(error).removeprefix(": ")
+
+
+def _inside(folder: Path, name: str, where: str, place: str) -> Path:
+    """Return the path of a file of the study, which must exist inside its folder; frames may be a folder."""
+    path = folder / name
+    try:
+        known = path.exists() if place.endswith(".path") else path.is_file()
+        inside = path.resolve().is_relative_to(folder.resolve())
+    except (OSError, ValueError, RuntimeError) as error:  # a name too long, a NUL in it, a loop of links
+        raise ManifestError(f"{where}: {place}: {name[:60]!r} is no file name ({error})") from error
+    if not inside:
+        raise ManifestError(f"{where}: {place}: {name!r} leaves the study folder; copy the file into it")
+    if not known:
+        raise ManifestError(f"{where}: {place}: no file {name!r} in the study folder")
+    return path

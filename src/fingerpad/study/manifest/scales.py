@@ -1,0 +1,95 @@
+"""Scales of pictures: one way to say each, in a table of its own or in place."""
+
+from typing import Annotated, Final, Self, TypeAlias
+
+from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
+
+from fingerpad.study.manifest.tables import Finite, Length, Name, RelativeStd, Table
+
+MarkStd = Annotated[float, Field(ge=0, le=1000, allow_inf_nan=False)]
+Mark = Annotated[list[Annotated[Finite, Field(ge=0)]], Field(min_length=2, max_length=2)]
+
+
+class ResolutionScale(Table):
+    """Pixels per inch."""
+
+    ppi: Annotated[float, Field(ge=20, le=1e5)]
+    relative_std: RelativeStd = 0.0
+
+
+class PitchScale(Table):
+    """Millimetres per pixel."""
+
+    mm_per_px: Annotated[float, Field(ge=1e-4, le=1)]
+    relative_std: RelativeStd = 0.0
+
+
+class LineScale(Table):
+    """A line of known length, drawn on a ruler: its two ends (row, column), px."""
+
+    line: Annotated[list[Mark], Field(min_length=2, max_length=2)]
+    length_mm: Length
+    length_std_mm: MarkStd = 0.0
+    ends_std_px: MarkStd = 0.0
+
+    @model_validator(mode="after")
+    def _two_ends(self) -> Self:
+        if self.line[0] == self.line[1]:
+            raise ValueError(f"the line must have two different ends, found {self.line[0]} twice")
+        return self
+
+
+class CoinScale(Table):
+    """A coin of known diameter, found in a picture taken like those to measure."""
+
+    coin: str
+    diameter_mm: Length
+    diameter_std_mm: MarkStd = 0.0
+
+
+# The key that tells which kind of table it is; the tag must not look like a key in messages.
+_WAYS: Final = ("ppi", "mm_per_px", "line", "coin")
+NAMED: Final = "<name>"
+TAGS: Final = frozenset((NAMED, *(f"<{way}>" for way in _WAYS)))
+
+
+def _one_way(value: object) -> object:
+    """Refuse a table that says its scale in no way or in two."""
+    if isinstance(value, dict):
+        found = [way for way in _WAYS if way in value]
+        if len(found) != 1:
+            seen = " and ".join(found) if found else "none of them"
+            raise ValueError(f"give one of {', '.join(_WAYS)}, found {seen}")
+    elif not isinstance(value, str | Table):
+        raise ValueError("give the name of one of [scales], or a table such as { ppi = 500 }")  # noqa: TRY004
+    return value
+
+
+def _no_name(value: object) -> object:
+    """Refuse a name where the scale itself belongs: names do not lead to names."""
+    if isinstance(value, str):
+        raise ValueError("expected a table, as in { ppi = 500 }")  # noqa: TRY004
+    return value
+
+
+def _tag(value: object) -> str:
+    if isinstance(value, str):
+        return NAMED
+    keys = value if isinstance(value, dict) else type(value).model_fields  # type: ignore[attr-defined]
+    return next(f"<{way}>" for way in _WAYS if way in keys)
+
+
+ScaleTable: TypeAlias = ResolutionScale | PitchScale | LineScale | CoinScale
+_Tagged: TypeAlias = (
+    Annotated[ResolutionScale, Tag("<ppi>")]
+    | Annotated[PitchScale, Tag("<mm_per_px>")]
+    | Annotated[LineScale, Tag("<line>")]
+    | Annotated[CoinScale, Tag("<coin>")]
+)
+# A table, or the name of one that several pictures share: one uncertain number for all of them.
+ScaleKey: TypeAlias = Annotated[
+    _Tagged | Annotated[Name, Tag(NAMED)], Discriminator(_tag), BeforeValidator(_one_way)
+]
+OwnScale: TypeAlias = Annotated[
+    _Tagged, Discriminator(_tag), BeforeValidator(_one_way), BeforeValidator(_no_name)
+]

@@ -1,0 +1,88 @@
+"""The whole manifest."""
+
+from collections.abc import Iterable, Iterator
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, model_validator
+
+from fingerpad.study.manifest.contacts import ContactSequence, Observation
+from fingerpad.study.manifest.fingers import Finger
+from fingerpad.study.manifest.scales import CoinScale, OwnScale, ScaleKey
+from fingerpad.study.manifest.tables import AngleStd, Length, LengthStd, Name, RelativeStd, Table, WedgeAngle
+
+
+class Curve(Table):
+    """Loading data of one finger at one wedge angle: a curve, or the radius R_g found from one elsewhere."""
+
+    finger: str
+    wedge_angle_deg: WedgeAngle
+    file: str | None = None
+    columns: dict[Literal["force", "displacement", "area"], str] = Field(default={})
+    effective_radius_mm: Length | None = None
+    effective_radius_std_mm: LengthStd | None = None
+    synthetic: bool = False
+
+    @model_validator(mode="after")
+    def _one_source(self) -> Self:
+        if (self.file is None) == (self.effective_radius_mm is None):
+            raise ValueError("give either file or effective_radius_mm, one of the two")
+        idle = {"columns"} if self.file is None else {"effective_radius_std_mm"}
+        if idle & self.model_fields_set:
+            raise ValueError(f"there is no use for {idle.pop()} here; remove it")
+        return self
+
+
+class Uncertainty(Table):
+    """Standard uncertainties common to all observations."""
+
+    wedge_angle_std_deg: AngleStd = 0.0
+    roll_angle_std_deg: AngleStd = 0.0
+    load_relative_std: RelativeStd = 0.0
+
+
+class Study(Table):
+    """The whole manifest."""
+
+    title: str
+    description: str = ""
+    poisson_ratio: Annotated[float, Field(gt=-1, le=0.5)] = 0.5
+    uncertainty: Uncertainty = Uncertainty()
+    scales: dict[Name, OwnScale] = Field(default={})
+    fingers: Annotated[list[Finger], Field(min_length=1)]
+    observations: list[Observation] = Field(default=[])
+    observations_csv: str | None = None
+    sequences: list[ContactSequence] = Field(default=[])
+    curves: list[Curve] = Field(default=[])
+
+    def named_files(self) -> Iterator[tuple[str, str]]:
+        """Yield the place in the manifest and the name of every file that the study uses."""
+        if self.observations_csv is not None:
+            yield "observations_csv", self.observations_csv
+        for name, scale in self.scales.items():
+            yield from _coin_of(f"scales.{name}", scale)
+        for place, keys, tables in self._tables_with_files():
+            for index, table in enumerate(tables):
+                for key in keys:
+                    if (name := getattr(table, key)) is not None:
+                        yield f"{place}[{index}].{key}", name
+                yield from _coin_of(f"{place}[{index}].scale", getattr(table, "scale", None))
+
+    def named_scales(self) -> Iterator[tuple[str, str]]:
+        """Yield the place in the manifest and the name of every use of a scale by its name."""
+        for place, _, tables in self._tables_with_files():
+            for index, table in enumerate(tables):
+                if isinstance(name := getattr(table, "scale", None), str):
+                    yield f"{place}[{index}].scale", name
+
+    def _tables_with_files(self) -> Iterator[tuple[str, tuple[str, ...], Iterable[Table]]]:
+        """Yield each list of tables with its place and the keys that name files."""
+        for index, finger in enumerate(self.fingers):
+            yield f"fingers[{index}].photographs", ("outline", "image"), finger.photographs
+        yield "observations", ("image", "background"), self.observations
+        yield "sequences", ("path", "force", "times", "background"), self.sequences
+        yield "curves", ("file",), self.curves
+
+
+def _coin_of(place: str, scale: ScaleKey | None) -> Iterator[tuple[str, str]]:
+    if isinstance(scale, CoinScale):
+        yield f"{place}.coin", scale.coin

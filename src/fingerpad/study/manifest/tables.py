@@ -1,0 +1,31 @@
+"""What all tables of the manifest are made of."""
+
+from typing import Annotated, TypeAlias
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
+
+# Wide bounds that only a slip of units or of the keyboard crosses.
+Length = Annotated[float, Field(gt=0, le=1000, allow_inf_nan=False)]
+LengthStd = Annotated[float, Field(ge=1e-9, le=1000, allow_inf_nan=False)]
+Load = Annotated[float, Field(gt=0, le=1e4, allow_inf_nan=False)]
+RelativeStd = Annotated[float, Field(ge=0, lt=1, allow_inf_nan=False)]
+WedgeAngle = Annotated[float, Field(ge=0, le=90)]
+AngleStd = Annotated[float, Field(ge=0, le=90, allow_inf_nan=False)]
+Finite = Annotated[float, Field(allow_inf_nan=False)]
+# Names become file names: letters, digits and . _ + - only.
+Name = Annotated[str, Field(pattern=r"^\w[\w.+-]*$", max_length=60)]
+
+
+class Table(BaseModel):
+    """A table of the manifest: no key that is not known, no value that changes."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+def _listed(value: object) -> object:
+    """Let a spreadsheet's cell hold a list, as in "250, 200"."""
+    return [float(part) for part in value.split(",")] if isinstance(value, str) else value
+
+
+Point: TypeAlias = Annotated[list[Finite], Field(min_length=2, max_length=2), BeforeValidator(_listed)]
+Box: TypeAlias = Annotated[list[int], Field(min_length=4, max_length=4), BeforeValidator(_listed)]

@@ -1,0 +1,90 @@
+"""Scales of a study: from a table of the manifest, or by the name that several pictures share."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from fingerpad.exceptions import CalibrationError, FingerpadError
+from fingerpad.image import Scale, measure_coin, read_image
+from fingerpad.study.manifest import CoinScale, LineScale, PitchScale, ScaleKey, ScaleTable, Study
+from fingerpad.study.words import in_study
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FoundScale:
+    """A scale with what must be known of it.
+
+    Attributes
+    ----------
+    scale : Scale
+        Millimetres per pixel.
+    name : str or None
+        Its name, where pictures share it: they have one uncertain number in common.
+    flags : tuple of str
+        Doubts: ``coin_shadow``.
+    """
+
+    scale: Scale
+    name: str | None = None
+    flags: tuple[str, ...] = ()
+
+
+def named_scales(study: Study, folder: Path) -> dict[str, FoundScale | str]:
+    """Return each named scale of a study, or why there is none; each is measured once."""
+    found: dict[str, FoundScale | str] = {}
+    for name, table in study.scales.items():
+        try:
+            found[name] = _found(table, folder, name)
+        except FingerpadError as error:
+            found[name] = in_study(f"scale {name}: {error}", folder)
+    return found
+
+
+def find_scale(key: ScaleKey, known: Mapping[str, FoundScale | str], folder: Path) -> FoundScale:
+    """Return the scale that a key of the manifest means.
+
+    Raises
+    ------
+    CalibrationError
+        If there is none, as where no coin is found.
+    ImageError
+        If a coin's picture cannot be read.
+    """
+    if not isinstance(key, str):
+        return _found(key, folder)
+    found = known[key]
+    if isinstance(found, str):
+        raise CalibrationError(found)
+    return found
+
+
+def _found(table: ScaleTable, folder: Path, name: str | None = None) -> FoundScale:
+    if isinstance(table, CoinScale):
+        return _coin(table, folder, name)
+    if isinstance(table, LineScale):
+        (row, column), (end_row, end_column) = table.line
+        scale = Scale.of_line(
+            table.length_mm,
+            (row, column),
+            (end_row, end_column),
+            length_mm_std=table.length_std_mm,
+            point_px_std=table.ends_std_px,
+        )
+    elif isinstance(table, PitchScale):
+        scale = Scale.of_mm_per_px(table.mm_per_px, table.mm_per_px * table.relative_std)
+    else:
+        scale = Scale.of_ppi(table.ppi, table.ppi * table.relative_std)
+    return FoundScale(scale=scale, name=name)
+
+
+def _coin(table: CoinScale, folder: Path, name: str | None) -> FoundScale:
+    pixels = read_image(folder / table.coin).pixels
+    try:
+        coin = measure_coin(pixels)
+    except CalibrationError as error:
+        raise CalibrationError(f"{table.coin}: {error}") from error
+    return FoundScale(
+        scale=coin.scale(table.diameter_mm, table.diameter_std_mm),
+        name=name,
+        flags=tuple(f"coin_{flag}" for flag in coin.flags),
+    )

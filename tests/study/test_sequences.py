@@ -1,0 +1,204 @@
+"""Films of presses in a study: frames become rows, few are pooled, and none is listed by the thousand."""
+
+import shutil
+import tracemalloc
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from PIL import Image
+
+from fingerpad.image import SyntheticPress, synthetic_press
+from fingerpad.report import write_report
+from fingerpad.study.output import summary_record, write_tables
+from fingerpad.study.pipeline import StudyResult, run_study
+
+RATE = 20
+# Loading to frame 11, hold to 15, unloading; empty at either end.
+LOAD = np.interp(np.arange(28), [2, 11, 15, 25], [0, 2, 2, 0])
+MANIFEST = """
+title = "T"
+[uncertainty]
+wedge_angle_std_deg = 0.5
+[[fingers]]
+name = "f"
+semi_axes_mm = { palmar = 7.9, distal = 13.8, radial_ulnar = 11.8 }
+semi_axes_std_mm = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }
+"""
+FILM = """
+[[sequences]]
+name = "%s"
+finger = "f"
+wedge_angle_deg = 30
+path = "film"
+scale = { ppi = 240, relative_std = 0.01 }
+force = "force.csv"
+%s
+"""
+CLOCK = "frames_per_second = 20"
+
+
+@pytest.fixture(scope="module")
+def press() -> SyntheticPress:
+    return synthetic_press(LOAD, radii=(14.3, 13.0), reduced_modulus=0.09, ppi=240, seed=5)
+
+
+@pytest.fixture(scope="module")
+def untouched(press: SyntheticPress, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("untouched")
+    (folder / "film").mkdir()
+    for k in range(LOAD.size):
+        Image.fromarray(press.pixels(k)).save(folder / "film" / f"f{k}.png")
+    rows = "\n".join(f"{k / RATE},{load}" for k, load in enumerate(LOAD))
+    (folder / "force.csv").write_text(f"time_s,force_N\n{rows}\n")
+    return folder
+
+
+@pytest.fixture
+def film(untouched: Path, tmp_path: Path) -> Path:
+    return Path(shutil.copytree(untouched, tmp_path / "study"))
+
+
+@pytest.fixture(scope="module")
+def plain(untouched: Path) -> StudyResult:
+    return run(untouched, ("p", CLOCK))
+
+
+def run(folder: Path, *sequences: tuple[str, str], more: str = "") -> StudyResult:
+    text = MANIFEST + "".join(FILM % sequence for sequence in sequences) + more
+    (folder / "study.toml").write_text(text)
+    return run_study(folder / "study.toml", folder / "out")
+
+
+def test_frames_in_contact_become_rows(plain: StudyResult, press: SyntheticPress) -> None:
+    result = plain
+    frames = [row["frame"] for row in result.rows]
+    assert set(range(4, 24)) <= set(frames) <= set(range(3, 25))
+    for row in result.rows:
+        k = row["frame"]
+        assert (row["observation"], row["sequence"], row["status"]) == (f"p#{k}", "p", "measured")
+        assert row["scale"] == "sequence:p"
+        assert row["time_s"] == pytest.approx(k / RATE)
+        assert row["load_N"] == pytest.approx(LOAD[k])
+        assert abs(row["semi_major_mm"] - press.semi_major[k]) < 3.5 * row["semi_major_mm_std"]
+    phases = {row["frame"]: row["phase"] for row in result.rows}
+    assert {phases[k] for k in range(5, 10)} == {"loading"}
+    assert {phases[k] for k in (12, 13, 14)} == {"hold"}
+    assert {phases[k] for k in range(17, 24)} == {"unloading"}
+    assert_allclose([row["reduced_modulus_kpa"] for row in result.rows[3:-3]], 90, rtol=0.06)
+
+
+def test_only_loading_frames_of_large_ellipses_are_pooled(film: Path, plain: StudyResult) -> None:
+    pooled = [row for row in plain.rows if row["pooled"]]
+    assert {row["phase"] for row in pooled} == {"loading"}
+    assert all(row["semi_minor_mm"] >= 5 * row["ridge_period_mm"] for row in pooled)
+    chosen = [row["load_N"] for row in run(film, ("p", CLOCK + "\npool_from_N = 1.2")).rows if row["pooled"]]
+    assert 1.2 <= min(chosen) < 1.5
+    assert 0 < len(chosen) < len(pooled)
+
+
+def test_a_film_counts_as_one_contact_however_many_its_frames(film: Path) -> None:
+    few, many = (run(film, ("p", f"{CLOCK}\npool_from_N = {least}")) for least in (1.5, 0.3))
+    (one,), (all_,) = few.summaries, many.summaries
+    assert one.corrected_radius.count == all_.corrected_radius.count == 1
+    own = [row["radius_from_indentation_mm_std_given_geometry"] for row in many.rows if row["pooled"]]
+    assert all_.corrected_radius.std >= min(own)
+    assert all_.corrected_radius.total_std == pytest.approx(one.corrected_radius.total_std, rel=0.02)
+    (two,) = run(film, ("p", CLOCK), ("q", CLOCK)).summaries
+    assert two.corrected_radius.count == 2
+    assert two.pooled_from.endswith("frames of 2 sequences")
+    # Pad and wedge are the same for both films: most of the uncertainty does not average away.
+    assert two.corrected_radius.total_std == pytest.approx(all_.corrected_radius.total_std, rel=0.05)
+
+
+def test_a_corrupt_frame_is_one_failed_row(film: Path) -> None:
+    (film / "film" / "f8.png").write_bytes(b"torn")
+    Image.new("L", (40, 40)).save(film / "film" / "f12.png")
+    result = run(film, ("p", CLOCK))
+    failed = {row["frame"]: row for row in result.rows if row["status"] == "failed"}
+    assert set(failed) == {8, 12}
+    assert "f8.png" in failed[8]["reason"]
+    assert str(film) not in failed[8]["reason"]
+    assert (failed[8]["time_s"], failed[8]["pooled"]) == (pytest.approx(0.4), False)
+    assert len(result.failures) == 1
+    assert "first frame 8: film/f8.png" in result.sequences[0].summary.notes[0]
+    assert result.failures[0].startswith("p: 2 frames; the first: 8: film/f8.png")
+
+
+@pytest.mark.parametrize(
+    ("keys", "make", "reason"),
+    [
+        ("", lambda folder: None, "film: pictures state no rate: give frames_per_second, or times"),
+        (
+            CLOCK,
+            lambda folder: (folder / "force.csv").write_text("t,F\n1,2\n"),
+            "force.csv: no column time_s",
+        ),
+        (CLOCK, lambda folder: [f.unlink() for f in (folder / "film").iterdir()], "film: holds no picture"),
+        (CLOCK + "\ncontact_load_N = 9", lambda folder: None, "the force never rises through 9 N"),
+        (CLOCK + "\nregion_of_interest_px = [900, 0, 990, 90]", lambda folder: None, "region_of_interest"),
+    ],
+)
+def test_a_film_that_cannot_be_used_costs_itself_only(film: Path, keys: str, make, reason: str) -> None:
+    make(film)
+    ellipse = (
+        '[[observations]]\nname = "x"\nfinger = "f"\nwedge_angle_deg = 30\nload_N = 1\n'
+        "ellipse_mm = { semi_major = 7.4, semi_minor = 5.0, std = 0.1 }\n"
+    )
+    result = run(film, ("p", keys), more=ellipse)
+    assert [row["status"] for row in result.rows] == ["measured", "failed"]
+    assert reason in result.rows[1]["reason"]
+    assert "#" not in result.rows[1]["observation"]
+    write_tables(result, film / "out")
+    assert "It could not be measured" in write_report(result, film / "out").read_text(encoding="utf-8")
+
+
+def test_corrections_reach_every_frame(film: Path, press: SyntheticPress) -> None:
+    rows, columns = press.pixels(0).shape
+    half = f"{CLOCK}\nregion_of_interest_px = [0, 0, {rows // 2}, {columns}]"
+    result = run(film, ("p", half))
+    frame = next(row for row in result.rows if row["frame"] == 12)
+    assert frame["measured_by"] == "program with corrections"
+    assert "cut_by_mask" in frame["flags"]
+    assert not any(row["pooled"] for row in result.rows)
+    assert frame["gross_area_mm2"] == pytest.approx(press.gross_area[12] / 2, rel=0.05)
+
+
+def test_the_report_shows_a_few_frames_and_lists_none(plain: StudyResult, untouched: Path) -> None:
+    result, out = plain, untouched / "out"
+    write_tables(result, out)
+    text = write_report(result, out).read_text(encoding="utf-8")
+    assert "<td>p#" not in text
+    assert text.count("p#") < 3
+    assert text.count("data:image/jpeg;base64,") == 3
+    assert [overlay.role for overlay in result.sequences[0].overlays] == [
+        "first contact",
+        "largest load",
+        "last contact",
+    ]
+    assert LOAD[result.sequences[0].overlays[1].frame] == 2
+    (record,) = summary_record(result)["sequences"]
+    assert record["frames"] == LOAD.size
+    assert record["frames_with_contact"] + record["frames_without_contact"] == LOAD.size
+    assert record["area_exponent"] == pytest.approx(2 / 3, abs=0.02)
+
+
+def test_memory_grows_with_rows_only(film: Path, press: SyntheticPress) -> None:
+    # Each frame three times: kept pictures would add a thousand times what a row takes.
+    peaks = []
+    for copies in (1, 3):
+        lines = [f"{k / RATE},{LOAD[k // copies]}" for k in range(LOAD.size * copies)]
+        (film / "force.csv").write_text("time_s,force_N\n" + "\n".join(lines) + "\n")
+        if copies > 1:
+            for k in reversed(range(LOAD.size)):
+                picture = (film / "film" / f"f{k}.png").read_bytes()
+                for copy in range(copies):
+                    (film / "film" / f"f{copies * k + copy}.png").write_bytes(picture)
+        tracemalloc.start()
+        rows = len(run(film, ("p", CLOCK)).rows)
+        peaks.append((rows, tracemalloc.get_traced_memory()[1]))
+        tracemalloc.stop()
+    (few, before), (many, after) = peaks
+    assert many > 2.5 * few
+    assert (after - before) / (many - few) < press.pixels(0).size / 2
