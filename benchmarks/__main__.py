@@ -70,6 +70,7 @@ if __name__ == "__main__":
     uncertainty.first_order_against_simulation()
     imprints.accuracy_and_coverage(72)
     imprints.edge_calibration(72)
+    imprints.ridge_calibration(72)
     imprints.speed()
     photographs.photograph_accuracy(marked=True)
     photographs.photograph_accuracy(marked=False)

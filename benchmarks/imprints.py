@@ -5,7 +5,8 @@ Run alone with ``python -m benchmarks.imprints [images]``.
 
 import sys
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator
+from itertools import pairwise
 from typing import Literal
 from unittest.mock import patch
 
@@ -16,6 +17,7 @@ import numpy.typing as npt
 from fingerpad.exceptions import ImageError
 from fingerpad.image import Imprint, Scale, SyntheticImprint, measure_imprint, render_imprint
 
+SIZES = (100, 170, 240, 300)
 LOOKS: tuple[Literal["ink", "livescan", "prism"], ...] = ("ink", "livescan", "prism")
 PATTERNS: tuple[Literal["arch", "loop", "whorl"], ...] = ("arch", "loop", "whorl")
 NOISES = (4.0, 12.0, 25.0)
@@ -25,7 +27,14 @@ SCALE = Scale.of_ppi(500)
 Numbers = npt.NDArray[np.float64]
 
 
-def population(count: int, seed: int = 1, *, noise_std: float | None = None) -> Iterator[SyntheticImprint]:
+def population(
+    count: int,
+    seed: int = 1,
+    *,
+    noise_std: float | None = None,
+    smudges: int = 0,
+    blur: tuple[float, float] = (0, 0.08),
+) -> Iterator[SyntheticImprint]:
     """Render a broad population: sizes, outlines, looks, patterns, noise, blur, light, compression."""
     rng = np.random.default_rng(seed)
     for k in range(count):
@@ -39,10 +48,11 @@ def population(count: int, seed: int = 1, *, noise_std: float | None = None) -> 
             pattern=PATTERNS[k // 8 % 3],
             look=LOOKS[k % 3],
             noise_std=NOISES[rng.integers(3)] if noise_std is None else noise_std,
-            blur=rng.uniform(0, 0.08),
+            blur=rng.uniform(*blur),
             lighting=rng.uniform(0, 0.4),
             irregularity=rng.choice([0, rng.uniform(0, 0.04)]),
             creases=int(rng.integers(0, 4)),
+            smudges=smudges,
             jpeg_quality=int(rng.integers(60, 96)),
             seed=int(rng.integers(1 << 31)),
             ridge_seed=int(1000 * seed + k // 8),
@@ -55,22 +65,31 @@ def values_of(item: Imprint | SyntheticImprint) -> Numbers:
     return np.array([float(ellipse.semi_major), float(ellipse.semi_minor), item.gross_area, item.ridge_area])
 
 
-def measured(truths: Sequence[SyntheticImprint]) -> tuple[Numbers, Numbers, Numbers, list[tuple[str, ...]]]:
-    """Return relative errors, errors over their uncertainty, turns (deg) and flags of each picture."""
-    errors, scores, turns, flags = [], [], [], []
-    for truth in truths:
+def measured(
+    rendered: Iterable[SyntheticImprint],
+) -> tuple[list[tuple[int, SyntheticImprint]], Numbers, Numbers, Numbers, list[tuple[str, ...]]]:
+    """Return number and truth, relative errors, errors over uncertainty, turns (deg) and flags of each."""
+    truths, errors, scores, turns, flags = [], [], [], [], []
+    for number, truth in enumerate(rendered):
         try:
             found = measure_imprint(truth.pixels, SCALE)
         except ImageError as error:
             print(f"    refused: {error}")
             continue
+        truths.append((number, truth))
         off = values_of(found) - values_of(truth)
         errors.append(100 * off / values_of(truth))
         scores.append(off / np.sqrt(np.diag(found.covariance)))
         turn = np.degrees(found.orientation - truth.orientation + np.pi / 2) % 180 - 90
         turns.append(turn if float(truth.ellipse.axis_ratio) < 1 / 1.2 else np.nan)
         flags.append(found.flags)
-    return np.array(errors), np.array(scores), np.array(turns), flags
+    return truths, np.array(errors), np.array(scores), np.array(turns), flags
+
+
+def _groups_of(number: int, truth: SyntheticImprint, noise: float) -> tuple[str, ...]:
+    """Return the names of the groups that a picture of the population belongs to."""
+    size = int(np.searchsorted(SIZES[1:-1], truth.gross_area))
+    return f"noise {noise:.0f}", LOOKS[number % 3], f"{SIZES[size]}-{SIZES[size + 1]} mm2", "all"
 
 
 def accuracy_and_coverage(count: int) -> None:
@@ -79,28 +98,36 @@ def accuracy_and_coverage(count: int) -> None:
         f"\nContact images of known truth, 500 ppi, 100-300 mm2, irregular, creased, {count} per noise level"
     )
     print("    asked: gross area bias 1 %, 95 % within 3 %; axes 2 %; orientation 2 deg; coverage 93-97 %")
-    groups: dict[str, list[tuple[Numbers, Numbers, float]]] = {}
+    order = ["all", *LOOKS, *(f"noise {noise:.0f}" for noise in NOISES)]
+    order += [f"{low}-{high} mm2" for low, high in pairwise(SIZES)]
+    groups: dict[str, list[list[Numbers]]] = {name: [] for name in [*order, "smudged", "no ridges"]}
     for noise in NOISES:
-        truths = list(population(count, seed=100 + int(noise), noise_std=noise))
-        errors, scores, turns, flags = measured(truths)
-        flagged = sum(bool(f) for f in flags)
-        print(
-            f"    noise {noise:.0f}: {flagged} of {len(flags)} flagged", sorted({x for f in flags for x in f})
-        )
-        for k, row in enumerate(zip(errors, scores, turns, strict=True)):
-            for name in (f"noise {noise:.0f}", LOOKS[k % 3], "all"):
-                groups.setdefault(name, []).append(row)
-    print("    group       quantity      mean error  95 % within   worst   coverage  rms score")
+        populations = {
+            "": population(count, seed=100 + int(noise), noise_std=noise),
+            "smudged": population(count // 2, seed=200 + int(noise), noise_std=noise, smudges=3),
+            "no ridges": population(count // 2, seed=300 + int(noise), noise_std=noise, blur=(0.2, 0.35)),
+        }
+        for kind, rendered in populations.items():
+            print(f"    noise {noise:.0f} {kind}:", end=" ")
+            truths, errors, scores, turns, flags = measured(rendered)
+            flagged = sum(bool(f) for f in flags)
+            print(f"{flagged} of {len(flags)} flagged", sorted({x for f in flags for x in f}))
+            for truth, *row in zip(truths, errors, scores, turns, strict=True):
+                for name in (kind,) if kind else _groups_of(*truth, noise):
+                    groups[name].append(row)
+    print("    group        quantity      mean error  95 % within   worst   coverage  rms score")
     for name, rows in groups.items():
+        if not rows:
+            continue
         errors, scores, turns = (np.array(part) for part in zip(*rows, strict=True))
         for k, quantity in enumerate(QUANTITIES):
             e, z = errors[:, k], scores[:, k]
-            print(f"    {name:<11} {quantity:<11} {e.mean():+9.2f} %", end=" ")
+            print(f"    {name:<12} {quantity:<11} {e.mean():+9.2f} %", end=" ")
             print(f"{np.quantile(np.abs(e), 0.95):9.2f} % {np.abs(e).max():8.2f} %", end=" ")
             print(f"{100 * np.mean(np.abs(z) < 1.96):7.1f} % {np.sqrt(np.mean(z**2)):8.2f}")
         turns = np.abs(turns[np.isfinite(turns)])
         print(
-            f"    {name:<11} orientation {'':11} {np.quantile(turns, 0.95):9.2f} deg {turns.max():6.2f} deg"
+            f"    {name:<12} orientation {'':11} {np.quantile(turns, 0.95):9.2f} deg {turns.max():6.2f} deg"
         )
 
 
@@ -138,6 +165,32 @@ def edge_calibration(count: int) -> None:
     print("in use", (_edge._ENDS, _edge._FOLLOWING, _edge._NOISE))
 
 
+def ridge_calibration(count: int) -> None:
+    """Print how far the level that gives the true ridge area lies above the middle, as the levels lean."""
+    from fingerpad.image.imprint import _patch  # noqa: PLC0415
+
+    kept: list[tuple[float, float, float]] = []
+    plain = _patch._ridges_in
+
+    def watched(counts: Numbers, noise: float, period: float, *, by_threshold: bool) -> _patch._Ridges:
+        ridges = plain(counts, noise, period, by_threshold=by_threshold)
+        kept.append((_patch.lean_of(counts), ridges.level / 255 - 0.5, ridges.softness))
+        return ridges
+
+    leans, levels = [], []
+    for truth in population(count, seed=7):
+        with patch.object(_patch, "_ridges_in", watched):
+            found = measure_imprint(truth.pixels, SCALE)
+        lean, level, softness = kept[-1]
+        leans.append(lean)
+        levels.append(level + (found.ridge_area / truth.ridge_area - 1) / softness)
+    fitted = np.polyfit(leans, levels, 1)
+    print("Ridge level (lean, upright): fitted", np.round(fitted, 3), end=" ")
+    print(
+        "in use", (_patch._LEAN, _patch._UPRIGHT), f"spread {np.std(levels - np.polyval(fitted, leans)):.4f}"
+    )
+
+
 def speed(repeats: int = 40) -> None:
     """Print the time of one measurement against the decoding of its PNG, one thread, side by side."""
     threads = cv2.getNumThreads()
@@ -166,4 +219,5 @@ if __name__ == "__main__":
     images = int(sys.argv[1]) if len(sys.argv) > 1 else 72
     accuracy_and_coverage(images)
     edge_calibration(images)
+    ridge_calibration(images)
     speed()

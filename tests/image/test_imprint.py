@@ -95,8 +95,8 @@ def test_stated_intervals_cover_the_truth():
         off = values_of(found) - values_of(truth)
         errors.append(off / values_of(truth))
         scores.append(off / np.sqrt(np.diag(found.covariance)))
-    assert (np.abs(np.mean(errors, axis=0)) < [0.002, 0.002, 0.003, 0.03]).all()
-    assert (np.quantile(np.abs(errors), 0.95, axis=0) < [0.007, 0.007, 0.01, 0.1]).all()
+    assert (np.abs(np.mean(errors, axis=0)) < [0.002, 0.002, 0.003, 0.01]).all()
+    assert (np.quantile(np.abs(errors), 0.95, axis=0) < [0.007, 0.007, 0.01, 0.04]).all()
     # Of 48 intervals of 95 %, fewer than 41 miss with a chance below 1 %.
     assert (np.sum(np.abs(scores) < 1.96, axis=0) >= 41).all()
     rms = np.sqrt(np.mean(np.square(scores), axis=0))
@@ -354,7 +354,56 @@ def test_contact_without_ridges_is_kept_and_doubted():
     found = measure_imprint(pixels, PPI_500)
     assert math.isnan(found.ridge_period)
     assert "scale_doubtful" in found.flags
-    assert found.gross_area == pytest.approx(math.pi * 110 * 160 * 0.0508**2, rel=0.02)
+    gross_area = np.count_nonzero(pixels == 60) * 0.0508**2
+    assert found.gross_area == pytest.approx(gross_area, rel=0.015)
+    for value, std in ((found.gross_area, found.gross_area_std), (found.ridge_area, found.ridge_area_std)):
+        assert abs(value - gross_area) < 1.96 * std
+
+
+@pytest.mark.parametrize("dark_on_light", [True, False])
+def test_the_ground_is_what_is_quiet_at_the_rim(dark_on_light):
+    # The contact is quiet too, and larger than the ground.
+    pixels = np.full((360, 260), 200, np.float64)
+    cv2.ellipse(pixels, (130, 180), (110, 160), 0, 0, 360, 60, -1)
+    pixels = cv2.GaussianBlur(pixels, (0, 0), 3) * np.linspace(1, 0.7, 260)
+    pixels += np.random.default_rng(0).normal(0, 12, pixels.shape)
+    found = measure_imprint(pixels if dark_on_light else 255 - pixels, PPI_500)
+    assert found.dark_on_light == dark_on_light
+    assert found.gross_area == pytest.approx(math.pi * 110 * 160 * 0.0508**2, rel=0.015)
+
+
+def test_intervals_cover_where_blur_hides_the_ridges():
+    scores = []
+    for seed in range(9):
+        look = ("ink", "livescan", "prism")[seed % 3]
+        truth = render_imprint(
+            look=look, blur=0.2 + 0.015 * seed, seed=seed, ridge_seed=seed % 3, noise_std=4
+        )
+        found = measure_imprint(truth.pixels, PPI_500)
+        assert found.flags == ("scale_doubtful",)
+        scores.append((values_of(found) - values_of(truth)) / np.sqrt(np.diag(found.covariance)))
+    assert (np.sum(np.abs(scores) < 1.96, axis=0) >= 7).all()
+
+
+def test_smudges_are_not_counted_as_known():
+    plain, smudged = (
+        [render_imprint(seed=seed, ridge_seed=1, smudges=count, noise_std=8) for seed in range(5)]
+        for count in (0, 4)
+    )
+    for clean, truth in zip(plain, smudged, strict=True):
+        found = measure_imprint(truth.pixels, PPI_500)
+        assert found.gross_area == pytest.approx(truth.gross_area, rel=0.01)
+        assert abs(found.ridge_area - truth.ridge_area) < 2.5 * found.ridge_area_std
+        assert found.ridge_area_std > 1.2 * measure_imprint(clean.pixels, PPI_500).ridge_area_std
+
+
+@pytest.mark.parametrize("blur", [0, 0.04, 0.08])
+def test_blur_does_not_make_ridges_wider(blur):
+    errors = []
+    for seed in range(4):
+        truth = render_imprint(seed=seed, ridge_seed=1, blur=blur, noise_std=8)
+        errors.append(measure_imprint(truth.pixels, PPI_500).ridge_area / truth.ridge_area - 1)
+    assert abs(np.mean(errors)) < 0.02
 
 
 def test_a_triangle_is_a_poor_ellipse():
@@ -419,6 +468,7 @@ def test_what_cannot_be_measured_is_refused(pixels, words):
         ({"background": 0}, "shape"),
         ({"threshold": 0}, "threshold"),
         ({"threshold": math.nan}, "threshold"),
+        ({"contrast": -1.0}, "contrast"),
         ({"ridge_period": -1}, "ridge_period"),
         ({"mask": np.ones((5, 5), dtype=bool)}, "mask"),
         ({"mask": [(0, 0), (1, 1)]}, "mask"),

@@ -109,3 +109,20 @@ def test_creases_and_compression_show():
     assert creased.gross_area == plain.gross_area
     assert (packed.pixels != plain.pixels).any()
     assert packed.pixels.shape == plain.pixels.shape
+
+
+def test_smudges_stay_within_the_contact_and_leave_the_truth():
+    plain, smudged = (render_imprint(seed=4, smudges=count, noise_std=0) for count in (0, 4))
+    assert smudged.ridge_area == plain.ridge_area
+    assert smudged.gross_area == plain.gross_area
+    changed = np.abs(smudged.pixels.astype(int) - plain.pixels) > 20
+    assert 0.02 < changed.mean() < 0.4
+    # Where they smear, black and white become grey.
+    assert np.ptp(smudged.pixels[changed]) < np.ptp(plain.pixels[changed])
+    rows, columns = np.indices(plain.pixels.shape)
+    row, column = plain.centroid
+    semi_major, semi_minor = (
+        float(axis) / plain.mm_per_px for axis in (plain.ellipse.semi_major, plain.ellipse.semi_minor)
+    )
+    outside = ((rows - row) / (semi_major + 3)) ** 2 + ((columns - column) / (semi_minor + 3)) ** 2 > 1
+    np.testing.assert_array_equal(smudged.pixels[outside], plain.pixels[outside])

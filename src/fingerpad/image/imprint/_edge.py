@@ -15,12 +15,10 @@ Points = npt.NDArray[np.float64]
 _HALF_LEVEL = 127.5
 # All lengths in ridge periods. The outline follows a ridge or not over this length.
 _FOLLOWED = 3.0
-_ENDS, _FOLLOWING, _NOISE = 0.079, 0.204, 0.175
-# Standard deviation of the edge's place in a valley, and among ridge ends as a share of how far the outline
-# departs from its running mean over `_SMOOTH`; neighbours share an error over `_STRETCH`.
-_IN_VALLEY, _RAGGED, _SMOOTH, _STRETCH = 0.16, 0.66, 4.0, 3.8
-# Half-width of the range, in parts of the local rise, in which the right level lies.
-_LEVEL_DOUBT = 0.012
+_ENDS, _FOLLOWING, _NOISE = 0.084, 0.206, 0.192
+# Standard deviation of the edge's place in a valley, and by how soft the picture is; neighbours share an
+# error over `_STRETCH`.
+_IN_VALLEY, _BY_SOFTNESS, _STRETCH = 0.16, 0.092, 2.75
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -82,8 +80,6 @@ class Edge:
         Outward.
     steps : ndarray, (n,)
         Length of outline that each point stands for.
-    slope : ndarray, (n,)
-        Fall of the ridge amount across the edge, in parts of the local rise per px.
     along : ndarray, (n,)
         How far the outline follows one ridge (1) or crosses ridges (0), near each point: by how much the
         ridge amount 0.3 periods inside exceeds that 0.8 inside.
@@ -91,22 +87,36 @@ class Edge:
         Ridge period.
     noise : float
         Standard deviation of the noise, in parts of the rise from valley to ridge.
+    softness : float
+        By what share the ridges' area would change if their level moved by the whole rise.
+    resolved : bool
+        Whether the period was seen in the picture, or is one that fingers usually have.
     """
 
     points: Points
     normals: Points
     steps: FloatArray
-    slope: FloatArray
     along: FloatArray
     period: float
     noise: float
+    softness: float
+    resolved: bool
 
     def moved(self, outward: FloatArray) -> Points:
         """Return the points moved outward."""
         return self.points + self.normals * np.asarray(outward)[..., None]
 
 
-def edge_of(patch: BoolArray, closed: UInt8, amount: UInt8, period: float, noise: float) -> Edge:
+def edge_of(
+    patch: BoolArray,
+    closed: UInt8,
+    amount: UInt8,
+    period: float,
+    *,
+    noise: float,
+    softness: float,
+    resolved: bool,
+) -> Edge:
     """Find the outline of a patch where the closed ridge amount falls through half."""
     contour = longest_contour(patch).reshape(-1, 2).astype(np.float64)
     points = _resampled(_smoothed(contour, round(period / 2)))
@@ -120,7 +130,6 @@ def edge_of(patch: BoolArray, closed: UInt8, amount: UInt8, period: float, noise
         points = points + normals * off[:, None]
     points = _resampled(_smoothed(points, 2))
     normals = _normals(points, period)
-    _, slope = _profile(field, points, normals)
     levels = _single(amount)
     outer, inner = (_sample(levels, points - normals * (depth * period)) for depth in (0.3, 0.8))
     along = _smoothed((outer - inner)[:, None] / 255, round(_FOLLOWED * period))[:, 0]
@@ -129,10 +138,11 @@ def edge_of(patch: BoolArray, closed: UInt8, amount: UInt8, period: float, noise
         points=points,
         normals=normals,
         steps=(lengths + np.roll(lengths, 1)) / 2,
-        slope=np.maximum(slope, 10.0) / 255,
         along=along,
         period=period,
         noise=noise,
+        softness=softness,
+        resolved=resolved,
     )
 
 
@@ -190,7 +200,11 @@ def edge_shift(edge: Edge) -> FloatArray:
     carries what is closed outward. The three terms are fitted to rendered contacts (`edge_calibration` in
     benchmarks/imprints.py prints them).
     """
-    return (_ENDS + _FOLLOWING * edge.along - _NOISE * edge.noise) * edge.period
+    return _beyond_ridges(edge) - _NOISE * edge.noise * edge.period
+
+
+def _beyond_ridges(edge: Edge) -> FloatArray:
+    return (_ENDS + _FOLLOWING * edge.along) * edge.period
 
 
 def axis_weights(moments: Moments, points: Points) -> FloatArray:
@@ -206,21 +220,19 @@ def edge_covariance(edge: Edge, weights: FloatArray) -> FloatArray:
     """Return the covariance of (semi_major, semi_minor, area) from the position of the edge.
 
     Each stretch of outline has its own error: where it follows a ridge that of an edge fallen at random on
-    valleys of half the period, √(v³/3 − v⁴/4) P = 0.16 P, and where it crosses ridges that of their ragged
-    ends, seen in how rough the outline is. All share that of the level at which the edge is read, uniform
-    within a range and wider for a softer edge, and half of the correction for noise. The weight of the
-    roughness, the length of a stretch and the range are fitted so that intervals cover the truth
-    (`accuracy_and_coverage` in benchmarks/imprints.py prints how often).
+    valleys of half the period, √(v³/3 − v⁴/4) P = 0.16 P, and everywhere that of the local level, which moves
+    the edge more the softer the picture is. All stretches share a third of the correction for noise and,
+    where no ridges are resolved, all of the shift for them: a solid print ends at its outline. The share of
+    the softness and the length of a stretch are fitted to the errors of rendered contacts
+    (`accuracy_and_coverage` in benchmarks/imprints.py prints how often intervals cover).
     """
     along = edge.along.clip(0, 1)
-    off = ((edge.points - _smoothed(edge.points, round(_SMOOTH * edge.period))) * edge.normals).sum(axis=1)
-    ragged = _RAGGED * float(np.std(off))
-    own = np.sqrt(along * (_IN_VALLEY * edge.period) ** 2 + (1 - along) * ragged**2)
+    own = edge.period * np.sqrt(along * _IN_VALLEY**2 + (_BY_SOFTNESS * edge.softness) ** 2)
     # Neighbours share their error over a stretch: a running mean spreads independent errors over it.
     response = weights * (edge.steps * own)[:, None]
     width = min(max(1, round(_STRETCH * edge.period)), len(response))
     spread = _smoothed(response, width)
-    level = _LEVEL_DOUBT / math.sqrt(3) * float(np.median(1 / edge.slope))
-    noise = _NOISE * edge.noise * edge.period / 2
-    common = (weights * (edge.steps * math.hypot(level, noise))[:, None]).sum(axis=0)
+    noise = _NOISE * edge.noise * edge.period / 3
+    unknown = np.zeros_like(along) if edge.resolved else _beyond_ridges(edge)
+    common = (weights * (edge.steps * np.hypot(noise, unknown))[:, None]).sum(axis=0)
     return np.asarray(spread.T @ spread * width + np.outer(common, common))

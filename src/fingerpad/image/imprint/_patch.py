@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import cv2
 import numpy as np
@@ -19,33 +20,58 @@ from fingerpad.image.imprint._edge import (
 from fingerpad.image.imprint._region import UInt8
 from fingerpad.image.imprint._view import View
 
-# Levels, of 255, between which the ridges' right threshold lies: 0.45 to 0.55 of the local rise, fitted so
-# that intervals of the ridge area cover the truth (`accuracy_and_coverage` in benchmarks/imprints.py).
-_DOUBTED = slice(115, 141)
 # Half-way through a ramp of this many levels on each side, a pixel counts as half a ridge.
 _RAMP = 64
+_NEAR_HALF = slice(128 - _RAMP // 2, 128 + _RAMP // 2)
 _LEVELS = np.arange(256)
-_RIDGE_SHARE = np.clip((_LEVELS - 127.5) / (2 * _RAMP) + 0.5, 0, 1)
+_HALVES = (slice(0, 128), slice(128, 256))
+# How far the level that keeps the area lies above the middle, in parts of the rise, by how the means of
+# ridges and valleys lean; and its standard deviation: of each square period by itself, as a share of the
+# lean, and of the noise. Fitted to rendered contacts (`ridge_calibration` in benchmarks/imprints.py prints
+# them).
+_LEAN, _UPRIGHT = 2.12, -0.026
+_OWN, _LEANING, _NOISY = 0.31, 0.26, 0.058
+# Over windows of so many periods resolved ridges spread by more than so many levels.
+_WINDOW, _LEAST_SPREAD = 3.0, 76.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Patch:
-    """A patch in px of the picture: `covariance` is of (semi_major, semi_minor, gross_area, ridge_area)."""
+    """A patch in px of the picture.
+
+    `covariance` is of (semi_major, semi_minor, gross_area, ridge_area); ridges lie above `ridge_level`, of
+    255.
+    """
 
     moments: Moments
     outline: npt.NDArray[np.float64]
     ridge_area: float
+    ridge_level: float
     covariance: FloatArray
     overlap: float
     touches_border: bool
     cut_by_mask: bool
 
 
-def measured(view: View, patch: BoolArray, closed: UInt8, amount: UInt8, noise: float) -> Patch:
-    """Measure a patch of the view, given the amount of ridge as found and as closed over the valleys."""
+def measured(
+    view: View,
+    patch: BoolArray,
+    closed: UInt8,
+    amount: UInt8,
+    noise: float,
+    *,
+    resolved: bool,
+    by_threshold: bool,
+) -> Patch:
+    """Measure a patch of the view, given the amount of ridge as found and as closed over the valleys.
+
+    `resolved` says whether the ridge period was seen, `by_threshold` that the caller sets the ridges' level.
+    """
     pixel = view.steps[0] * view.steps[1]
-    counts = cv2.calcHist([amount], [0], patch.astype(np.uint8), [256], [0, 256]).ravel().astype(np.float64)
-    edge = edge_of(patch, closed, amount, view.period, noise)
+    ridges = _ridges_in(_counts(amount, patch), noise, view.period, by_threshold=by_threshold)
+    edge = edge_of(
+        patch, closed, amount, view.period, noise=noise, softness=ridges.softness, resolved=resolved
+    )
     outline = edge.moved(edge_shift(edge))
     rows, columns = patch.shape
     outline = outline.clip(-0.5, [columns - 0.5, rows - 0.5])
@@ -54,17 +80,71 @@ def measured(view: View, patch: BoolArray, closed: UInt8, amount: UInt8, noise: 
     covariance = np.zeros((4, 4))
     weights = axis_weights(moments, points) * pixel
     covariance[:3, :3] = edge_covariance(edge, weights)
-    # The right threshold is somewhere within the doubted levels.
-    covariance[3, 3] = (counts[_DOUBTED].sum() * pixel) ** 2 / 12
+    smeared = _smeared(amount, patch, view.period) if resolved else patch
+    unknown = np.count_nonzero(smeared)
+    # Where ridges are not told apart any part may be ridge: half of it, uniform from none to all.
+    ridge_area = float(_counts(amount, patch & ~smeared) @ ridges.share) + unknown / 2
+    covariance[3, 3] = (ridges.std**2 + unknown**2 / 12) * pixel**2
     return Patch(
         moments=moments,
         outline=points,
-        ridge_area=float(counts @ _RIDGE_SHARE) * pixel,
+        ridge_area=ridge_area * pixel,
+        ridge_level=ridges.level,
         covariance=covariance,
         overlap=_overlap(outline, moments_of(outline)),
         touches_border=view.touches_border(outline, edge.steps),
         cut_by_mask=view.cut_by_mask(outline, edge.steps),
     )
+
+
+class _Ridges(NamedTuple):
+    """The level above which ridges lie, of 255, and what share of a pixel of each level is ridge.
+
+    `std` is the standard deviation of the ridges' area, pixels; `softness` the share of it that a change of
+    the level by the whole rise would give or take.
+    """
+
+    level: float
+    share: FloatArray
+    std: float
+    softness: float
+
+
+def _counts(amount: UInt8, where: BoolArray) -> FloatArray:
+    """Return how many pixels of a place have each level."""
+    return cv2.calcHist([amount], [0], where.astype(np.uint8), [256], [0, 256]).ravel().astype(np.float64)
+
+
+def _ridges_in(counts: FloatArray, noise: float, period: float, *, by_threshold: bool) -> _Ridges:
+    """Tell the area of ridges from the levels in a patch.
+
+    Where blur fills the valleys, or cuts the crests, the local levels lie on one side of the true ones by an
+    amount that the means of what is above and below the middle show: they lean to that side.
+    """
+    lean = lean_of(counts)
+    off = 0.0 if by_threshold else _LEAN * lean + _UPRIGHT
+    level = 127.5 + 255 * off
+    share = np.clip((_LEVELS - level) / (2 * _RAMP) + 0.5, 0, 1)
+    area = float(counts @ share)
+    softness = float(counts[_NEAR_HALF].sum()) * 255 / _RAMP / max(area, 1.0)
+    cells = counts.sum() / period**2
+    doubt = math.sqrt(_OWN**2 / cells + (_LEANING * lean) ** 2 + (_NOISY * noise) ** 2)
+    return _Ridges(level=level, share=share, std=doubt * softness * area, softness=softness)
+
+
+def lean_of(counts: FloatArray) -> float:
+    """Return by how much the mean ridge and the mean valley together exceed the rise, in parts of it."""
+    low, high = (float(np.average(_LEVELS[part], weights=counts[part] + 1e-9)) for part in _HALVES)
+    return (low + high) / 255 - 1
+
+
+def _smeared(amount: UInt8, patch: BoolArray, period: float) -> BoolArray:
+    """Return where in a patch ridges are blurred into one another, as a quarter of its pixels shows."""
+    part = amount[::2, ::2].astype(np.float32)
+    side = 2 * round(_WINDOW * period / 4) + 1
+    mean, square = (cv2.blur(values, (side, side)) for values in (part, part * part))
+    smooth = (square - mean * mean < _LEAST_SPREAD**2).astype(np.uint8)
+    return patch & (cv2.resize(smooth, patch.shape[::-1], interpolation=cv2.INTER_NEAREST) > 0)
 
 
 def _overlap(outline: npt.NDArray[np.float64], moments: Moments) -> float:

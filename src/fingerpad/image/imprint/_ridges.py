@@ -37,7 +37,7 @@ class Signal:
     noise : float
         Standard deviation of the quiet ground.
     contrast : float
-        Level of the busy parts' contact above the ground.
+        Level of the busy parts' contact above the ground; the caller's where frames share one.
     dark_on_light : bool
         Whether contact was darker than the ground.
     """
@@ -48,7 +48,14 @@ class Signal:
     dark_on_light: bool
 
 
-def signal_of(values: Float32, inside: BoolArray, period: float, *, dark_on_light: bool | None) -> Signal:
+def signal_of(
+    values: Float32,
+    inside: BoolArray,
+    period: float,
+    *,
+    dark_on_light: bool | None,
+    contrast: float | None,
+) -> Signal:
     """Turn contact bright, and take the uneven light away by a smooth surface through the quiet ground."""
     side = max(2, round(_BLOCK * period))
     means = _block_means(values, side)
@@ -60,18 +67,27 @@ def signal_of(values: Float32, inside: BoolArray, period: float, *, dark_on_ligh
     if not counted.any():
         counted = whole
     limit = otsu_threshold(deviations[counted])
-    quiet, busy = _thinned(counted & (deviations <= limit)), counted & (deviations > limit)
+    quiet, busy = counted & (deviations <= limit), counted & (deviations > limit)
+    rim = _at_rim(quiet, values.shape[0] // side, values.shape[1] // side)
     if dark_on_light is None:
-        dark_on_light = _is_dark_on_light(means, quiet, busy)
+        dark_on_light = _is_dark_on_light(means, rim, busy)
     sign = -1.0 if dark_on_light else 1.0
-    flat = sign * values - _enlarged(_ground(sign * means, quiet), side, values.shape)
-    noise = float(np.median(deviations.flat[quiet])) if quiet.size else 0.0
-    everywhere = _enlarged(_single(busy if busy.any() else counted), side, values.shape) > 0.5
-    sample = flat[::2, ::2][everywhere[::2, ::2]]
+    places = _thinned(quiet)
+    flat = sign * values - _enlarged(_ground(sign * means, places, rim), side, values.shape)
+    noise = float(np.median(deviations.flat[places])) if places.size else 0.0
+    if contrast is None:
+        contrast = _contrast(
+            flat, _enlarged(_single(busy if busy.any() else counted), side, values.shape) > 0.5
+        )
+    return Signal(values=_single(flat), noise=noise, contrast=contrast, dark_on_light=dark_on_light)
+
+
+def _contrast(flat: Float32, busy: BoolArray) -> float:
+    """Return how far the contact in the busy places lies above what lies between."""
+    sample = flat[::2, ::2][busy[::2, ::2]]
     threshold = otsu_threshold(sample)
     above, below = sample[sample > threshold], sample[sample <= threshold]
-    contrast = float(above.mean() - below.mean()) if above.size and below.size else 0.0
-    return Signal(values=_single(flat), noise=noise, contrast=contrast, dark_on_light=dark_on_light)
+    return float(above.mean() - below.mean()) if above.size and below.size else 0.0
 
 
 def _thinned(quiet: BoolArray) -> npt.NDArray[np.intp]:
@@ -94,26 +110,38 @@ def _enlarged(blocks: Float32, side: int, shape: tuple[int, int]) -> Float32:
     return _single(cv2.resize(blocks, size, interpolation=cv2.INTER_LINEAR))[: shape[0], : shape[1]]
 
 
-def _is_dark_on_light(means: Float32, quiet: npt.NDArray[np.intp], busy: BoolArray) -> bool:
+def _at_rim(quiet: BoolArray, rows: int, columns: int) -> BoolArray:
+    """Return the quiet blocks that are ground for sure: those at the rim of the picture's whole blocks.
+
+    A smooth contact is quiet too.
+    """
+    rim = quiet.copy()
+    rim[1 : rows - 1, 1 : columns - 1] = False
+    return rim if rim.any() else quiet
+
+
+def _is_dark_on_light(means: Float32, ground: BoolArray, busy: BoolArray) -> bool:
     """Tell the polarity: ridges raise the texture, and their mean differs from the quiet ground's."""
-    if not busy.any() or not quiet.size:
+    if not busy.any() or not ground.any():
         return True
-    return float(means[busy].mean()) < float(np.median(means.flat[quiet]))
+    return float(means[busy].mean()) < float(np.median(means[ground]))
 
 
-def _ground(means: Float32, quiet: npt.NDArray[np.intp]) -> Float32:
-    """Return a quadratic surface through the lowest quiet blocks."""
+def _ground(means: Float32, quiet: npt.NDArray[np.intp], rim: BoolArray) -> Float32:
+    """Return a quadratic surface through the lowest quiet blocks, and as near as those at the rim lie."""
     y, x = (np.linspace(-1, 1, n) for n in means.shape)
     if quiet.size < _LEAST_QUIET:
         # With little ground to see, a constant is all that can be told.
         return np.full_like(means, np.percentile(means, 20))
-    rows, columns = np.unravel_index(quiet, means.shape)
+    places = np.union1d(quiet, np.flatnonzero(rim))
+    at_rim = rim.flat[places]
+    rows, columns = np.unravel_index(places, means.shape)
     design = np.stack(_quadratic_terms(y[rows], x[columns]), axis=-1)
     level = means[rows, columns].astype(np.float64)
     surface = np.array([np.percentile(level, 20), 0, 0, 0, 0, 0])
     for _ in range(6):
         off = level - design @ surface
-        width = max(2 * float(np.median(np.abs(off))), 1e-6)
+        width = max(2 * float(np.median(np.abs(off[at_rim]))), 1e-6)
         weight = 1 / (1 + (off / width) ** 2) * np.where(off > width, 0.1, 1.0)
         weighted = design.T * weight
         surface = np.linalg.solve(weighted @ design + 1e-9 * np.eye(6), weighted @ level)

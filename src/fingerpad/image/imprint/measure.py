@@ -15,7 +15,6 @@ from fingerpad.image.imprint._frame import frame_of
 from fingerpad.image.imprint._patch import Patch, measured
 from fingerpad.image.imprint._period import ridge_period_px
 from fingerpad.image.imprint._region import (
-    HALF,
     UInt8,
     closed_over,
     longest_contour,
@@ -46,7 +45,7 @@ _OTHER_REGION = 0.2
 class ImprintSettings(TypedDict):
     """What one frame of a sequence can hand on to the others, as keyword arguments of `measure_imprint`."""
 
-    threshold: float
+    contrast: float
     ridge_period: float | None
     dark_on_light: bool
 
@@ -67,16 +66,20 @@ class Imprint:
     outline : ndarray, (n, 2)
         (row, column) of points round the contact, px; all areas and axes are those of this polygon.
     gross_area, ridge_area : float
-        Area inside the outline, and of the ridges within, mm².
+        Area inside the outline, and of the ridges within, mm². Parts in which ridges are blurred into one
+        another, or all of a contact without ridges, count as half ridge.
     ridge_period : float
         Median distance between neighbouring ridges, mm, NaN where no ridges are resolved.
     overlap : float
         Intersection over union of region and ellipse.
     covariance : ndarray, (4, 4)
         Of (semi_major, semi_minor, gross_area, ridge_area), mm and mm², to first order: the relative
-        uncertainty of the scale, shared by all, the position of the edge, and the ridges' threshold.
+        uncertainty of the scale, shared by all, the position of the edge, and the ridges' threshold; of
+        what counts as half ridge, anything from none to all may be one.
     threshold : float
         Median level that parts ridges from valleys in the patch, grey levels from the ground towards contact.
+    contrast : float
+        Level of the contact above the ground, grey levels: the scale against which faint places are judged.
     dark_on_light : bool
         Whether contact is darker than the ground.
     flags : tuple of str
@@ -93,10 +96,12 @@ class Imprint:
     overlap: float
     covariance: FloatArray
     threshold: float
+    contrast: float
     dark_on_light: bool
     flags: tuple[str, ...]
     _view: View
     _amount: UInt8
+    _ridge_level: float
 
     def as_record(self) -> dict[str, Any]:
         """Return the numbers under names with units, for tables and scripts."""
@@ -152,13 +157,13 @@ class Imprint:
     @property
     def ridges(self) -> BoolArray:
         """Where the ridges within the region are, drawn on demand, (rows, columns) of the picture."""
-        return np.asarray(self.region & (self._view.enlarged(self._amount) >= HALF))
+        return np.asarray(self.region & (self._view.enlarged(self._amount) >= self._ridge_level))
 
     @property
     def settings(self) -> ImprintSettings:
-        """Threshold, ridge period (mm) and polarity, to measure other frames alike."""
+        """Contrast, ridge period (mm) and polarity, to measure other frames alike."""
         period = None if math.isnan(self.ridge_period) else self.ridge_period
-        return {"threshold": self.threshold, "ridge_period": period, "dark_on_light": self.dark_on_light}
+        return {"contrast": self.contrast, "ridge_period": period, "dark_on_light": self.dark_on_light}
 
 
 def measure_imprint(
@@ -169,6 +174,7 @@ def measure_imprint(
     background: npt.ArrayLike | None = None,
     seed: tuple[float, float] | None = None,
     threshold: float | None = None,
+    contrast: float | None = None,
     ridge_period: float | None = None,
     mask: npt.ArrayLike | None = None,
     region_of_interest: tuple[int, int, int, int] | None = None,
@@ -199,7 +205,10 @@ def measure_imprint(
         (row, column) of a point in the wanted patch, px; without it, the largest, preferring the centre.
     threshold : float, optional
         Grey levels, from the even ground towards contact, beyond which a place is ridge everywhere in the
-        picture. Without it, half of the local contrast. One value for a whole sequence keeps frames
+        picture. Without it, half of the local contrast.
+    contrast : float, optional
+        Level of the contact above the ground, grey levels; found from the picture when None. Where nothing
+        rises above half of it there is no contact. One value for a whole sequence keeps its frames
         comparable: `Imprint.settings` of a good frame holds it.
     ridge_period : float, optional
         Ridge period, mm; found from the picture when None.
@@ -226,7 +235,8 @@ def measure_imprint(
     >>> abs(imprint.gross_area / truth.gross_area - 1) < 0.03, imprint.flags
     (True, ())
     """
-    for name, value in (("threshold", threshold), ("ridge_period", ridge_period)):
+    positive = {"threshold": threshold, "contrast": contrast, "ridge_period": ridge_period}
+    for name, value in positive.items():
         if value is not None and not (value > 0 and math.isfinite(value)):
             raise ImageError(f"{name} must be positive and finite, found {value}")
     frame = frame_of(pixels, background=background, mask=mask, region_of_interest=region_of_interest)
@@ -235,7 +245,7 @@ def measure_imprint(
     resolved = math.isfinite(found)
     view = View.of(frame, found if resolved else expected)
     counted = view.card & view.inside
-    signal = signal_of(view.values, view.inside, view.period, dark_on_light=dark_on_light)
+    signal = signal_of(view.values, view.inside, view.period, dark_on_light=dark_on_light, contrast=contrast)
     if threshold is None:
         _require_contrast(signal, resolved=resolved)
     amount, level = ridge_amount(signal, view.period, threshold)
@@ -248,7 +258,9 @@ def measure_imprint(
     largest_other = max((np.count_nonzero(p) for k, p in enumerate(patches) if k != chosen), default=0)
     several = bool(largest_other > _OTHER_REGION * np.count_nonzero(patches[chosen]))
     noise = signal.noise / max(signal.contrast, 1e-9)
-    contact = measured(view, patch, closed, amount, noise)
+    contact = measured(
+        view, patch, closed, amount, noise, resolved=resolved, by_threshold=threshold is not None
+    )
     period = found * scale.mm_per_px
     doubts = {
         "touches_border": contact.touches_border,
@@ -271,10 +283,12 @@ def measure_imprint(
         overlap=contact.overlap,
         covariance=covariance,
         threshold=_median_level(level, patch),
+        contrast=signal.contrast,
         dark_on_light=signal.dark_on_light,
         flags=tuple(flag for flag in FLAGS if doubts[flag]),
         _view=view,
         _amount=amount,
+        _ridge_level=contact.ridge_level,
     )
 
 

@@ -49,8 +49,8 @@ class Reading:
     Attributes
     ----------
     settings : ImprintSettings
-        Polarity, threshold and ridge period for `measure_imprint`, the same for all frames: a threshold of
-        each frame's own would flicker.
+        Polarity, contrast and ridge period for `measure_imprint`, the same for all frames: those of each
+        frame's own would flicker, and differ between a first touch and the largest contact.
     learnt_from : tuple of int
         Frames of the largest contact from which this was learnt.
     texture : ndarray, (count,)
@@ -70,7 +70,11 @@ def learn_reading(
     threshold: float | None = None,
     **place: Unpack[Place],
 ) -> Reading:
-    """Learn from the frames of largest contact how to read a sequence: one threshold for all its frames.
+    """Learn from the frames of largest contact how to read a sequence: one relative level for all its frames.
+
+    Ridges lie above half the local rise from valley to ridge, which a flicker of the light scales without
+    moving its half. What counts as a rise is told from the contrast of the largest contact in every frame,
+    so that neither noise nor faint traces pass for a first contact.
 
     Parameters
     ----------
@@ -121,7 +125,7 @@ def learn_reading(
     polarity, _ = Counter(imprint.dark_on_light for _, imprint in seen).most_common(1)[0]
     alike = sorted(
         ((index, imprint) for index, imprint in seen if imprint.dark_on_light == polarity),
-        key=lambda entry: entry[1].threshold,
+        key=lambda entry: entry[1].contrast,
     )
     return Reading(
         settings=alike[len(alike) // 2][1].settings,

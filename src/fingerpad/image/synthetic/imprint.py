@@ -18,6 +18,8 @@ from fingerpad.exceptions import GeometryError
 from fingerpad.geometry.ellipse import Ellipse
 from fingerpad.image.imprint._edge import moments_of
 from fingerpad.image.scale import MM_PER_INCH
+from fingerpad.image.synthetic._disturbances import creases as crease_lines
+from fingerpad.image.synthetic._disturbances import smudged
 from fingerpad.image.synthetic._ridge_sheet import CELLS_PER_PERIOD, Pattern, ridge_sheet
 
 Look: TypeAlias = Literal["ink", "livescan", "prism"]
@@ -80,6 +82,7 @@ def render_imprint(
     lighting: float = 0.0,
     irregularity: float = 0.0,
     creases: int = 0,
+    smudges: int = 0,
     blur: float = 0.0,
     jpeg_quality: int | None = None,
     margin: float = 2.0,
@@ -111,6 +114,9 @@ def render_imprint(
         round the outline, the longer the higher.
     creases : int
         Number of fine straight lines without contact across the print.
+    smudges : int
+        Number of smears, as of moist or sliding skin: parts of 1.5 to 3 mm radius within which ridges blur
+        into one another. The contact and its ridges, which are the truth, stay what they are.
     blur : float
         Standard deviation of a blur on top of the look's own, mm.
     jpeg_quality : int, optional
@@ -151,9 +157,17 @@ def render_imprint(
         radius /= _reach(np.arctan2(across / semi_minor, along / semi_major), irregularity, seed)
     skin = seed if ridge_seed is None else ridge_seed
     ridges = _ridges(along, across, radius, ridge_period=ridge_period, pattern=pattern, seed=skin)
-    ridges &= ~_creases(along, across, semi_minor, creases, seed)
+    ridges &= ~crease_lines(along, across, semi_minor, creases, seed)
+    amount = smudged(
+        ridges.astype(np.float32),
+        radius <= 1,
+        (along, across),
+        (semi_major, semi_minor),
+        count=smudges,
+        seed=seed,
+    )
     pixels = _expose(
-        ridges,
+        amount,
         look,
         mm_per_px,
         lighting=lighting,
@@ -196,20 +210,6 @@ def _reach(angle: FloatArray, irregularity: float, seed: int) -> FloatArray:
     for k, wave in enumerate(waves):
         reach += size[k] * np.cos(wave * angle + phase[k])
     return reach
-
-
-def _creases(along: FloatArray, across: FloatArray, semi_minor: float, count: int, seed: int) -> BoolArray:
-    """Return where fine lines of 0.1 to 0.3 mm keep the skin off."""
-    lines = np.zeros(along.shape, dtype=bool)
-    rng = np.random.default_rng([seed, 5])
-    for _ in range(count):
-        angle, off, width = (
-            rng.uniform(0, math.pi),
-            rng.uniform(-0.7, 0.7) * semi_minor,
-            rng.uniform(0.1, 0.3),
-        )
-        lines |= np.abs(along * math.sin(angle) + across * math.cos(angle) - off) < width / 2
-    return lines
 
 
 def outline_points(
@@ -297,7 +297,7 @@ def _ridges(
 
 
 def _expose(
-    ridges: BoolArray,
+    amount: _Float32,
     look: Look,
     mm_per_px: float,
     *,
@@ -306,18 +306,17 @@ def _expose(
     blur: float,
     rng: np.random.Generator,
 ) -> npt.NDArray[np.uint8]:
-    """Turn touching ridges into grey levels: blur, light, grain of the ink, noise."""
+    """Turn the amount of touching ridge into grey levels: blur, light, grain of the ink, noise."""
     dark, light, own_blur, contact_is_dark = _LOOKS[look]
-    amount = cv2.GaussianBlur(
-        ridges.astype(np.float32), (0, 0), max(math.hypot(blur, own_blur) / mm_per_px, 0.3)
-    )
-    amount = amount * (1 + 0.12 * _cloud(rng, ridges.shape, 0.8 / mm_per_px))
+    width = max(math.hypot(blur, own_blur) / mm_per_px, 0.3)
+    contact = np.asarray(cv2.GaussianBlur(amount, (0, 0), width), dtype=np.float64)
+    contact *= 1 + 0.12 * _cloud(rng, contact.shape, 0.8 / mm_per_px)
     if look == "ink":
-        amount = amount * (1 - 0.25 * np.abs(_cloud(rng, ridges.shape, 0.04 / mm_per_px)))
-    level = light - (light - dark) * amount if contact_is_dark else dark + (light - dark) * amount
-    rows, columns = ridges.shape
+        contact *= 1 - 0.25 * np.abs(_cloud(rng, contact.shape, 0.04 / mm_per_px))
+    level = light - (light - dark) * contact if contact_is_dark else dark + (light - dark) * contact
+    rows, columns = contact.shape
     slope = np.add.outer(np.linspace(0, 0.5, rows), np.linspace(0, 0.5, columns))
-    exposed = level * (1 - lighting * slope) + rng.normal(0, noise_std, ridges.shape)
+    exposed = level * (1 - lighting * slope) + rng.normal(0, noise_std, contact.shape)
     return np.clip(np.rint(exposed), 0, 255).astype(np.uint8)
 
 
