@@ -9,6 +9,7 @@ from skimage.measure import EllipseModel
 
 from fingerpad.exceptions import FitError
 from fingerpad.image import fit_outline_ellipse, outline_points
+from fingerpad.image.photograph.outline_fit import departure_covariance
 
 
 def noisy(seed, *, arc_deg=140.0, std=0.01, reach=6.0, lean=0.0, count=240):
@@ -119,3 +120,48 @@ def test_bad_points_are_refused(points, words):
 def test_bad_lean_uncertainty_is_refused(bad):
     with pytest.raises(FitError, match="lean_std"):
         fit_outline_ellipse(noisy(0), lean_std=bad)
+
+
+def flanked(seed, bend, *, std=0.01, arc_deg=100.0, past=0.2):
+    """Return an elliptic arc with flanks whose curvature changes at the ends by a share `bend` of itself."""
+    half = math.radians(arc_deg) / 2
+    t = np.linspace(math.pi / 2 - half - past, math.pi / 2 + half + past, 320)
+    over = np.sign(t - math.pi / 2) * np.maximum(np.abs(t - math.pi / 2) - half, 0)
+    speed = np.hypot(11.8 * np.sin(t), 13.8 * np.cos(t))
+    rough = np.random.default_rng(seed).normal(0, std, len(t))
+    radius = speed**3 / (11.8 * 13.8)
+    outward = rough - 0.5 * bend * (speed * over) ** 2 / radius
+    normal = np.stack([13.8 * np.cos(t), 11.8 * np.sin(t)], axis=-1) / speed[:, None]
+    points = np.stack([11.8 * np.cos(t), 13.8 * np.sin(t)], axis=-1) + outward[:, None] * normal
+    return points, speed * over
+
+
+@pytest.mark.parametrize("bend", [-1.0, 0.0, 0.7])
+def test_flanks_help_and_are_trusted_no_further_than_they_may(bend):
+    found, stated, alone = [], [], []
+    for seed in range(12):
+        points, beyond = flanked(seed, bend)
+        fit = fit_outline_ellipse(points, beyond=beyond)
+        found.append((fit.semi_x, fit.semi_y))
+        stated.append(np.sqrt(np.diagonal(fit.covariance))[2:4])
+        on_arc = beyond == 0
+        arc = fit_outline_ellipse(points[on_arc])
+        alone.append(np.sqrt(np.diagonal(arc.covariance))[2:4])
+    assert (np.median(stated, axis=0) < 0.8 * np.median(alone, axis=0)).all()
+    off = np.abs(np.array(found) - (11.8, 13.8))
+    assert np.mean(off < 1.96 * np.array(stated)) > 0.85
+
+
+def test_departure_is_a_covariance_of_a_twice_integrated_walk():
+    beyond = np.array([-2.0, -1.0, 0.0, 1.0, 2.0])
+    spread = departure_covariance(beyond, (10.0, 4.0))
+    assert np.linalg.eigvalsh(spread).min() > -1e-12
+    assert not spread[2].any()
+    assert not spread[:2, 3:].any()
+    # Drawn: a jump of the curvature and a walk from there, summed twice over fine steps.
+    rng = np.random.default_rng(0)
+    step, count = 0.005, 100
+    walk = np.cumsum(rng.normal(0, math.sqrt(step), (20000, count)), axis=1)
+    bend = rng.normal(0, 1, (20000, 1)) + walk
+    drawn = 4.0 * np.cumsum(np.cumsum(bend, axis=1), axis=1)[:, [49, 99]] * step**2
+    np.testing.assert_allclose(np.cov(drawn.T), spread[3:, 3:], rtol=0.1)

@@ -1,7 +1,7 @@
 """The part of a finger's outline that is pad: the longest arc round its middle that one ellipse fits."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import TypeAlias
 
@@ -11,11 +11,19 @@ import numpy.typing as npt
 from fingerpad._arrays import BoolArray, FloatArray
 from fingerpad.exceptions import FitError
 from fingerpad.image._distance import distances
+from fingerpad.image.photograph._edges import Edges
 from fingerpad.image.photograph._face_frame import PAD_MIDDLE, PAD_REACH
 from fingerpad.image.photograph.outline import Face
 from fingerpad.image.photograph.outline_fit import OutlineFit, fit_outline_ellipse, parametric_angles
 
 IndexArray: TypeAlias = npt.NDArray[np.intp]
+
+# What an edge can be off without showing it (compression, light on the limb), alike all round and slowly
+# along it: a least value, px, and a share of the noise over the step; found on rendered photographs.
+_SHARED_PX = (0.03, 3.0)
+# An arc that is found by itself may hold a little of what is beyond the pad.
+_SHARED_FOUND_PX = (0.045, 6.0)
+_SHARED_REACH = math.radians(25)
 
 _HYPOTHESES = 500
 _SPARSE = 240
@@ -38,14 +46,17 @@ class PadArc:
     Attributes
     ----------
     fit : OutlineFit
-        The ellipse of the points used.
+        The ellipse of the points used, and of the flanks where they were taken in.
     used, rejected : ndarray of int
         Indices into the outline, in order along it.
+    shared_px : (float, float)
+        What the points can be off together: a least value, px, and a share of the noise over the step.
     """
 
     fit: OutlineFit
     used: IndexArray
     rejected: IndexArray
+    shared_px: tuple[float, float] = _SHARED_PX
 
 
 def candidate_points(points: FloatArray, face: Face) -> IndexArray:
@@ -111,6 +122,7 @@ def longest_arc(points: FloatArray, order: IndexArray, middle: float, lean: tupl
                 first, last = _longest_window(track, values, middle, lean, slack)
                 trim = round(_END_MARGIN * (last - first))
                 arc = fitted_arc(points, order[first + trim : last - trim], lean, start=values)
+                arc = replace(arc, shared_px=_SHARED_FOUND_PX)
                 values = arc.fit.values
         except FitError:
             continue
@@ -144,6 +156,14 @@ def fitted_arc(
         if good.sum() < _LEAST_POINTS or (good == before).all():
             break
     return PadArc(fit=fit, used=order[before], rejected=order[~before])
+
+
+def widened(arc: PadArc, edges: Edges) -> PadArc:
+    """Widen the covariance by the errors that the points share."""
+    fit, (least, by_noise) = arc.fit, arc.shared_px
+    shared = least + by_noise / float(np.median(edges.step_ratio[arc.used]))
+    more = fit.shared_error_covariance(shared, shared, _SHARED_REACH)
+    return replace(arc, fit=replace(fit, covariance=fit.covariance + more))
 
 
 def _standing(off: FloatArray) -> BoolArray:

@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from fingerpad._arrays import ArrayLike, FloatArray
 from fingerpad.exceptions import FitError, ImageError
-from fingerpad.image.photograph._arc import PadArc, candidate_points, fitted_arc, longest_arc
+from fingerpad.image.photograph._arc import PadArc, candidate_points, fitted_arc, longest_arc, widened
 from fingerpad.image.photograph._edges import Edges, locate_edges
 from fingerpad.image.photograph._face_frame import (
     PAD_MIDDLE,
@@ -24,6 +24,7 @@ from fingerpad.image.photograph._face_frame import (
     palmar_directions,
 )
 from fingerpad.image.photograph._finger_axis import finger_lean
+from fingerpad.image.photograph._flanks import with_flanks
 from fingerpad.image.photograph._input import (
     Window,
     between,
@@ -36,6 +37,7 @@ from fingerpad.image.photograph._input import (
 from fingerpad.image.photograph._light import opponent_light
 from fingerpad.image.photograph._silhouette import Silhouette, find_silhouette
 from fingerpad.image.photograph.outline import FACE_AXES, Face, FaceSemiAxes
+from fingerpad.image.photograph.outline_fit import parametric_angles
 from fingerpad.image.scale import Scale
 
 PHOTOGRAPH_FLAGS: Mapping[str, str] = {
@@ -49,11 +51,6 @@ PHOTOGRAPH_FLAGS: Mapping[str, str] = {
     "leaning": "the finger leans by more than 10 degrees",
 }
 
-# What an edge can be off without showing it (compression, light on the limb), alike all round and slowly
-# along it: a least value, px, and a share of the noise over the step; found on rendered photographs.
-_LEAST_SHARED_PX = 0.045
-_SHARED_BY_NOISE_PX = 6.0
-_SHARED_REACH = math.radians(25)
 _SHORT_ARC_DEG = 90.0
 _MOST_RELATIVE_STD = 0.4
 # Step across the edge over the noise beside it.
@@ -166,7 +163,8 @@ def measure_photograph(
     """Measure two semi-axes of the finger pad in a photograph of one face.
 
     The arc is the longest about the pad's middle that one ellipse fits, or all the outline inside
-    `region_of_interest`, or from the first to the last of `points`. The ellipse lies along the finger's own
+    `region_of_interest`, or from the first to the last of `points`; beyond the ends of an arc so given the
+    outline, which has no corner, still counts for what it can say. The ellipse lies along the finger's own
     axis, as its sides show it, within what they leave open.
 
     Parameters
@@ -271,8 +269,10 @@ def _pad_arc(
             "widen region_of_interest, or mark points on the pad"
         )
     if marks is None and window is None:
-        return longest_arc(local, found, PAD_MIDDLE[face], lean), place
-    return fitted_arc(local, found, lean), place
+        arc = longest_arc(local, found, PAD_MIDDLE[face], lean)
+    else:
+        arc = with_flanks(local, edges, fitted_arc(local, found, lean), lean)
+    return widened(arc, edges), place
 
 
 def _result(
@@ -285,21 +285,20 @@ def _result(
     """Return what was fitted in the face's frame, as lengths and as places in the picture."""
     fit, (axes, place), (edges, silhouette) = arc.fit, frame, seen
     turn = np.array([[math.cos(fit.lean), math.sin(fit.lean)], [-math.sin(fit.lean), math.cos(fit.lean)]])
-    shared = _LEAST_SHARED_PX + _SHARED_BY_NOISE_PX / float(np.median(edges.step_ratio[arc.used]))
-    covariance = fit.covariance + fit.shared_error_covariance(shared, shared, _SHARED_REACH)
     centre = fit.centre @ axes + place
     middle = PAD_MIDDLE[face]
-    angles = middle + (fit.angles - middle + math.pi) % (2 * math.pi) - math.pi
+    angles = parametric_angles((edges.points[arc.used] - place) @ axes.T, fit.values)
+    angles = middle + (angles - middle + math.pi) % (2 * math.pi) - math.pi
     semi_px = np.array([fit.semi_x, fit.semi_y])
     found = PhotographFit(
         face=face,
         semi_axes=semi_px * scale.mm_per_px,
-        edge_covariance=covariance[2:4, 2:4] * scale.mm_per_px**2,
+        edge_covariance=fit.covariance[2:4, 2:4] * scale.mm_per_px**2,
         scale=scale,
         centre=(float(centre[0]), float(centre[1])),
         directions=turn @ axes,
         lean=fit.lean,
-        lean_std=math.sqrt(covariance[4, 4]),
+        lean_std=math.sqrt(fit.covariance[4, 4]),
         arc=(float(angles.min()), float(angles.max())),
         points=edges.points[arc.used],
         outliers=edges.points[arc.rejected],

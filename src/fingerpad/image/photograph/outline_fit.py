@@ -3,22 +3,27 @@
 Neighbouring points of a located edge share the skin's texture, the picture's noise and whatever the finger
 has that an ellipse has not. Taken as independent they would promise far too much: here their correlation
 length is estimated from the residuals, and the covariance widened by it.
+
+The outline does not break off where the elliptic arc ends: it runs on without a corner, and its curvature
+changes by about as much as there is of it. Points just beyond the ends are weighted by that.
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
+from scipy.linalg import cho_solve, solve_triangular
 from scipy.optimize import least_squares
 from scipy.stats import t as student
 
-from fingerpad._arrays import ArrayLike, FloatArray, floats
+from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, floats
 from fingerpad.exceptions import FitError
 from fingerpad.image._distance import Parameters, distances
 from fingerpad.image.ellipse_fit import fit_aligned_ellipse
 
-_ROUNDS = 3
+_ROUNDS = 2
 # The window of the autocovariance's sum, in correlation lengths (Sokal 1997, section 3).
 _WINDOW = 5.0
 _LEAST_FREEDOM = 3.0
@@ -40,11 +45,11 @@ class OutlineFit:
     covariance : ndarray, (5, 5)
         Of (x, y, semi_x, semi_y, lean), correlated errors allowed for.
     residuals : ndarray, (n,)
-        Signed orthogonal distances, outwards positive.
+        Signed orthogonal distances of all points, outwards positive.
     angles : ndarray, (n,)
         Parametric angle of each point's foot, radians.
     residual_std : float
-        Their standard deviation.
+        Standard deviation of the residuals on the arc.
     correlation : float
         Number of neighbouring points that count as one.
     influence : ndarray, (5, n)
@@ -94,6 +99,7 @@ def fit_outline_ellipse(
     lean_std: float = math.radians(2),
     places: ArrayLike | None = None,
     start: ArrayLike | None = None,
+    beyond: ArrayLike | None = None,
 ) -> OutlineFit:
     """Fit the ellipse of least orthogonal distance to ordered, evenly spaced points of an outline.
 
@@ -108,6 +114,9 @@ def fit_outline_ellipse(
         Place of each point in the outline, rising, where some are left out.
     start : array_like, (5,), optional
         (x, y, semi_x, semi_y, lean) to start from; the least-squares conic if left out.
+    beyond : array_like, (n,), optional
+        How far along the outline each point lies beyond the arc, in the unit of the points: negative before
+        its first end, positive past its last, 0 on it. All points are on the arc if left out.
 
     Returns
     -------
@@ -133,23 +142,28 @@ def fit_outline_ellipse(
             f"lean_std must be positive, found {lean_std}: give what is known of the finger's axis"
         )
     rows = np.asarray(np.arange(len(points)) if places is None else places, dtype=np.int64)
+    past = np.zeros(len(points)) if beyond is None else floats(beyond)
+    on_arc = past == 0
     shift = points.mean(axis=0)
     size = float(np.sqrt(np.mean((points - shift) ** 2)))
-    local = (points - shift) / size
-    values = _start(local, lean) if start is None else _scaled(floats(start), shift, size)
-    variance, correlation = 0.0, 1.0
+    local, past = (points - shift) / size, past / size
+    values = _start(local[on_arc], lean) if start is None else _scaled(floats(start), shift, size)
+    values = _refined(local[on_arc], values, (lean, math.inf), np.asarray)
     for _ in range(_ROUNDS):
-        weight = math.sqrt(variance * correlation) / lean_std
-        values = _refined(local, values, lean, weight)
-        residuals = distances(values, local)[0]
-        variance, correlation = _noise(residuals, rows)
-    design = distances(values, local)[1]
-    information = design.T @ design / (variance * correlation)
+        variance, correlation = _noise(distances(values, local[on_arc])[0], rows[on_arc])
+        spread = departure_covariance(past[~on_arc], _end_radii(values, local[on_arc]))
+        errors = _Errors(on_arc=on_arc, density=variance * correlation, departure=spread)
+        values = _refined(local, values, (lean, lean_std), errors.whitened)
+    residuals, design = distances(values, local)
+    white = errors.whitened(design)
+    information = white.T @ white
     information[4, 4] += 1 / lean_std**2
     inverse = np.linalg.pinv(information, hermitian=True)
-    widening = _student_widening(len(points) / correlation - values.size)
+    widening = _student_widening(on_arc.sum() / correlation - values.size)
     unit = np.array([size, size, size, size, 1.0])
     covariance = widening * inverse * np.outer(unit, unit)
+    # By convention a distance grows outwards and falls as the ellipse does.
+    influence = -inverse @ errors.weighted(design).T * (unit / size)[:, None]
     return OutlineFit(
         centre=values[:2] * size + shift,
         semi_x=float(values[2] * size),
@@ -158,11 +172,74 @@ def fit_outline_ellipse(
         covariance=np.asarray(covariance, dtype=np.float64),
         residuals=residuals * size,
         angles=parametric_angles(local, values),
-        residual_std=float(np.std(residuals)) * size,
+        residual_std=float(np.std(residuals[on_arc])) * size,
         correlation=correlation,
-        # By convention a distance grows outwards and falls as the ellipse does.
-        influence=-inverse @ design.T / (variance * correlation) * (unit / size)[:, None],
+        influence=influence,
     )
+
+
+class _Errors:
+    """The points' errors: independent on the arc, running together with the departure beyond its ends."""
+
+    def __init__(self, *, on_arc: BoolArray, density: float, departure: FloatArray) -> None:
+        self._on_arc, self._density = on_arc, density
+        self._root = np.linalg.cholesky(departure + density * np.eye(len(departure)))
+
+    def whitened(self, values: FloatArray) -> FloatArray:
+        """Return values, one row for each point, scaled to independent unit errors."""
+        out = values / math.sqrt(self._density)
+        if len(self._root):
+            out[~self._on_arc] = solve_triangular(self._root, values[~self._on_arc], lower=True)
+        return out
+
+    def weighted(self, values: FloatArray) -> FloatArray:
+        """Return values, one row for each point, times the inverse of the errors' covariance."""
+        out = values / self._density
+        if len(self._root):
+            out[~self._on_arc] = cho_solve((self._root, True), values[~self._on_arc])
+        return out
+
+
+def departure_covariance(beyond: FloatArray, radii: tuple[float, float]) -> FloatArray:
+    """Return the covariance of how far an outline departs from the ellipse beyond its arc's ends.
+
+    The outline has no corner. Its curvature, in units of the ellipse's at the end, jumps there by a normal
+    deviate and then walks at random, both with a standard deviation of one (the walk's after one radian): it
+    may grow twofold or give way to a straight side. Twice integrated along the outline, with s and t the
+    lesser and greater of two distances in radii of curvature R, the covariance is
+    R² [s² t² / 4 + (s⁵/5 + (t − s) s⁴/2 + (t − s)² s³/3) / 4]; the two ends know nothing of each other.
+
+    Parameters
+    ----------
+    beyond : ndarray, (n,)
+        Distance beyond the arc, negative before its first end, 0 on it.
+    radii : (float, float)
+        The ellipse's radius of curvature at the first and the last end.
+
+    Returns
+    -------
+    ndarray, (n, n)
+        In the unit of the radii, squared.
+    """
+    radius = np.where(beyond < 0, *radii)
+    angle = np.abs(beyond) / radius
+    near, far = np.minimum(angle[:, None], angle), np.maximum(angle[:, None], angle)
+    gap = far - near
+    spread = (near * far) ** 2 / 4 + near**3 * (near**2 / 5 + gap * near / 2 + gap**2 / 3) / 4
+    same = np.sign(beyond)[:, None] == np.sign(beyond)
+    return np.asarray(np.where(same, spread, 0) * np.outer(radius, radius), dtype=np.float64)
+
+
+def _end_radii(values: Parameters, arc: FloatArray) -> tuple[float, float]:
+    """Return the ellipse's radii of curvature at the first and the last point of an arc."""
+    first, last = radii_of_curvature(values, parametric_angles(arc[[0, -1]], values))
+    return float(first), float(last)
+
+
+def radii_of_curvature(values: Parameters, angles: FloatArray) -> FloatArray:
+    """Return the radius of curvature (a² sin² t + b² cos² t)^(3/2) / (a b) at parametric angles t."""
+    speed = np.hypot(values[2] * np.sin(angles), values[3] * np.cos(angles))
+    return np.asarray(speed**3 / (values[2] * values[3]), dtype=np.float64)
 
 
 def parametric_angles(points: FloatArray, values: Parameters) -> FloatArray:
@@ -182,15 +259,20 @@ def _scaled(values: FloatArray, shift: FloatArray, size: float) -> Parameters:
     return np.array([*((values[:2] - shift) / size), values[2] / size, values[3] / size, values[4]])
 
 
-def _refined(points: FloatArray, start: Parameters, lean: float, weight: float) -> Parameters:
-    """Minimise the orthogonal distances together with the distance from the lean known beforehand."""
-    prior = np.array([[0.0, 0.0, 0.0, 0.0, weight]])
+def _refined(
+    points: FloatArray,
+    start: Parameters,
+    lean: tuple[float, float],
+    whitened: Callable[[FloatArray], FloatArray],
+) -> Parameters:
+    """Minimise the orthogonal distances, whitened, together with the distance from the known lean."""
+    prior = np.array([[0.0, 0.0, 0.0, 0.0, 1 / lean[1]]])
 
     def off(values: Parameters) -> FloatArray:
-        return np.append(distances(values, points)[0], weight * (values[4] - lean))
+        return np.append(whitened(distances(values, points)[0]), (values[4] - lean[0]) / lean[1])
 
     def slopes(values: Parameters) -> FloatArray:
-        return np.concatenate([distances(values, points)[1], prior])
+        return np.concatenate([whitened(distances(values, points)[1]), prior])
 
     result = least_squares(off, start, jac=slopes, xtol=1e-9, ftol=1e-9, gtol=1e-12, max_nfev=60)
     values = np.asarray(result.x, dtype=np.float64)
