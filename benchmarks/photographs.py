@@ -92,7 +92,7 @@ def photograph_accuracy(count: int = 240, *, marked: bool) -> None:
     print(f"\nPhotographs of known truth, {way}: {count}, refused {count - len(done)},", end=" ")
     print(f"{time.perf_counter() - start:.0f} s")
     print("    arc, deg     n   median   95 % within   stated   held by 95 % intervals   flagged")
-    for low, high in (*ARCS_DEG, (60, 180)):
+    for low, high in (*ARCS_DEG, (120, 180), (60, 180)):
         some = [one for one in done if low <= one.arc_deg <= high]
         if not some:
             continue
