@@ -14,6 +14,7 @@ title = "T"
 [uncertainty]
 wedge_angle_std_deg = {wedge_std}
 load_relative_std = {load_std}
+{more}
 [[fingers]]
 name = "f"
 semi_axes_mm = {{ palmar = 7.9, distal = 13.8, radial_ulnar = 11.8 }}
@@ -30,9 +31,18 @@ ELLIPSE = "ellipse_mm = { semi_major = 7.4, semi_minor = 5.0, std = 1e-9, long_a
 IMAGE = "image = 'print.png'\nscale = { ppi = 500 }\n"
 
 
-def row_of(folder: Path, *, row: str = ELLIPSE, finger: str = "", wedge_std=0.0, load_std=0.0, top: str = ""):
+def row_of(
+    folder: Path,
+    *,
+    row: str = ELLIPSE,
+    finger: str = "",
+    wedge_std=0.0,
+    load_std=0.0,
+    top: str = "",
+    more: str = "",
+):
     (folder / "study.toml").write_text(
-        MANIFEST.format(row=row, finger=finger, wedge_std=wedge_std, load_std=load_std, top=top)
+        MANIFEST.format(row=row, finger=finger, wedge_std=wedge_std, load_std=load_std, top=top, more=more)
     )
     (row,) = run_study(folder / "study.toml", folder / "out").rows
     assert row["status"] == "measured"
@@ -59,6 +69,22 @@ def test_load(tmp_path: Path) -> None:
     for name in ("reduced_modulus_kpa", "youngs_modulus_kpa", "mean_pressure_kpa"):
         assert row[f"{name}_std"] / row[name] == pytest.approx(0.03, rel=1e-6)
     assert row["indentation_mm_std"] < 1e-6
+
+
+def test_poisson_ratio_std(tmp_path: Path) -> None:
+    row = row_of(tmp_path, more="poisson_ratio_std = 0.02")
+    # E = E*(1 − ν²): dE/E = 2ν dν/(1 − ν²) at ν = ½.
+    assert row["youngs_modulus_kpa_std"] / row["youngs_modulus_kpa"] == pytest.approx(0.02 / 0.75, rel=1e-3)
+    assert row["reduced_modulus_kpa_std"] < 1e-6
+
+
+def test_monte_carlo_by_one_key(tmp_path: Path) -> None:
+    first = row_of(tmp_path, wedge_std=1.0, load_std=0.03)
+    drawn = row_of(tmp_path, wedge_std=1.0, load_std=0.03, more='method = "monte_carlo"')
+    for name in ("mean_curvature_radius_mm", "radius_from_indentation_mm", "youngs_modulus_kpa"):
+        assert drawn[name] == first[name]
+        assert drawn[f"{name}_std"] != first[f"{name}_std"]
+        assert drawn[f"{name}_std"] == pytest.approx(first[f"{name}_std"], rel=0.03)
 
 
 def test_scale_moves_both_axes_together(picture: Path) -> None:
@@ -97,7 +123,7 @@ def test_four_ways_to_say_a_scale(picture: Path) -> None:
 def test_a_coin_that_is_not_there_costs_its_rows(picture: Path) -> None:
     shared = 'image = "print.png"\nscale = "euro"\n[scales.euro]\ncoin = "print.png"\ndiameter_mm = 23.25'
     (picture / "study.toml").write_text(
-        MANIFEST.format(row=shared, finger="", wedge_std=0.0, load_std=0.0, top="")
+        MANIFEST.format(row=shared, finger="", wedge_std=0.0, load_std=0.0, top="", more="")
     )
     result = run_study(picture / "study.toml", picture / "out")
     assert result.rows[0]["reason"].startswith("scale euro: print.png: no coin found")

@@ -103,13 +103,13 @@ def test_a_film_counts_as_one_contact_however_many_its_frames(film: Path) -> Non
     (one,), (all_,) = few.summaries, many.summaries
     assert one.corrected_radius.count == all_.corrected_radius.count == 1
     own = [row["radius_from_indentation_mm_std_given_geometry"] for row in many.rows if row["pooled"]]
-    assert all_.corrected_radius.std >= min(own)
-    assert all_.corrected_radius.total_std == pytest.approx(one.corrected_radius.total_std, rel=0.02)
+    assert all_.corrected_radius.fixed.std >= min(own)
+    assert all_.corrected_radius.std == pytest.approx(one.corrected_radius.std, rel=0.02)
     (two,) = run(film, ("p", CLOCK), ("q", CLOCK)).summaries
     assert two.corrected_radius.count == 2
     assert two.pooled_from.endswith("frames of 2 sequences")
     # Pad and wedge are the same for both films: most of the uncertainty does not average away.
-    assert two.corrected_radius.total_std == pytest.approx(all_.corrected_radius.total_std, rel=0.05)
+    assert two.corrected_radius.std == pytest.approx(all_.corrected_radius.std, rel=0.05)
 
 
 def test_a_corrupt_frame_is_one_failed_row(film: Path) -> None:

@@ -65,7 +65,7 @@ def _print_outcome(result: "StudyResult", report: Path) -> None:
         label = "  (synthetic)" if summary.synthetic else ""
         typer.echo(
             f"{summary.finger}, wedge {summary.wedge_angle_deg:g}°: corrected radius "
-            f"{value_with_uncertainty(pooled.value, pooled.total_std)} mm from {summary.pooled_from}{label}"
+            f"{value_with_uncertainty(pooled.value, pooled.std)} mm from {summary.pooled_from}{label}"
         )
     for row in result.rows:
         if row["flags"] and row["frame"] is None:

@@ -1,7 +1,7 @@
 """The fingers of a study: semi-axes as given, or measured in photographs of the faces or their outlines."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -61,13 +61,16 @@ class FingerResult:
     semi_axes : ndarray, shape (3,)
         Palmar, distal, radial–ulnar, mm; NaN where they could not be had.
     covariance : ndarray, shape (3, 3)
-        Their covariance, mm², widened by χ² over its degrees of freedom where faces disagree.
+        Their covariance, mm², widened by χ² over its degrees of freedom where faces disagree,
+        with that of a scale they share.
     source : str
         ``given`` or ``photographs``.
     outlines : OutlineSemiAxes or None
         The faces combined, with their consistency.
     photographs : tuple of PhotographResult
         The photographs measured.
+    scale : str or None
+        Name of the scale that all its photographs share: one uncertain number for all of them.
     pad_thickness : float or None
         Thickness of the soft pad, mm.
     synthetic : bool
@@ -82,6 +85,7 @@ class FingerResult:
     source: str
     outlines: OutlineSemiAxes | None = None
     photographs: tuple[PhotographResult, ...] = ()
+    scale: str | None = None
     pad_thickness: float | None = None
     synthetic: bool = False
     reason: str | None = None
@@ -105,8 +109,11 @@ def finger_result(
             **common,
         )
     try:
+        shared = _shared_scale(finger, scales, folder)
+        scale_std = shared.scale.relative_std if shared else 0.0
         seen = [_face(finger, number, scales, folder, out) for number in range(len(finger.photographs))]
-        combined = combine_faces(face for face, _ in seen)
+        faces = [replace(face, relative_scale_std=0.0) if shared else face for face, _ in seen]
+        combined = combine_faces(faces)
     except FingerpadError as error:
         return FingerResult(
             semi_axes=np.full(3, np.nan),
@@ -117,14 +124,25 @@ def finger_result(
         )
     freedom = combined.degrees_of_freedom
     widening = max(1.0, combined.chi_square / freedom) if freedom else 1.0
+    semi_axes = np.array([combined.palmar, combined.distal, combined.radial_ulnar])
     return FingerResult(
-        semi_axes=np.array([combined.palmar, combined.distal, combined.radial_ulnar]),
-        covariance=widening * combined.covariance,
+        semi_axes=semi_axes,
+        covariance=widening * combined.covariance + scale_std**2 * np.outer(semi_axes, semi_axes),
         source="photographs",
+        scale=shared.name if shared else None,
         outlines=combined,
         photographs=tuple(result for _, result in seen if result is not None),
         **common,
     )
+
+
+def _shared_scale(finger: Finger, scales: Mapping[str, FoundScale | str], folder: Path) -> FoundScale | None:
+    """Return the named scale that all photographs of a finger share, None where they do not."""
+    keys = {
+        photograph.scale if isinstance(photograph.scale, str) else None for photograph in finger.photographs
+    }
+    name = keys.pop()
+    return None if name is None or keys else find_scale(name, scales, folder)
 
 
 def _face(

@@ -44,6 +44,10 @@ class Measurement:
         Semi-axes of the contact ellipse, mm.
     covariance : ndarray, (2, 2)
         Their covariance, mm².
+    scale : str or None
+        Name of the scale that other pictures share.
+    relative_scale_std : float
+        Its relative standard uncertainty, which `covariance` contains.
     long_axis : {"along", "across"} or None
         Whether the long axis lies along or across the finger, where that is known.
     columns : dict
@@ -62,6 +66,8 @@ class Measurement:
     semi_major: float = np.nan
     semi_minor: float = np.nan
     covariance: FloatArray = field(default_factory=lambda: np.full((2, 2), np.nan))
+    scale: str | None = None
+    relative_scale_std: float = 0.0
     long_axis: Direction | None = None
     columns: dict[str, Any] = field(default_factory=dict)
     flags: tuple[str, ...] = ()
@@ -147,6 +153,8 @@ def from_imprint(imprint: Imprint, contact: Contact, found: FoundScale) -> dict[
         "semi_major": float(imprint.ellipse.semi_major),
         "semi_minor": float(imprint.ellipse.semi_minor),
         "covariance": imprint.covariance[:2, :2],
+        "scale": found.name,
+        "relative_scale_std": found.scale.relative_std,
         "long_axis": "along" if abs(orientation) <= 45 else "across",
         "columns": {
             **{name: record[name] for name in _FROM_RECORD},

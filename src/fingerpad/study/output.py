@@ -8,12 +8,14 @@ from typing import Any
 
 from fingerpad._json import dumps
 from fingerpad.exceptions import FingerpadError
+from fingerpad.study.check import UncertaintyCheck
+from fingerpad.study.columns import COLUMNS
 from fingerpad.study.pipeline import StudyResult
-from fingerpad.study.rows import COLUMNS, Row
+from fingerpad.study.pooling import PooledRadius
+from fingerpad.study.rows import Row
 from fingerpad.study.scales import FoundScale
 from fingerpad.study.sequences import SequenceResult
 from fingerpad.study.summary import Summary, area_exponent
-from fingerpad.uncertainty import Pooled
 
 
 def write_tables(result: StudyResult, out: Path) -> None:
@@ -57,7 +59,9 @@ def summary_record(result: StudyResult) -> dict[str, Any]:
             }
             for finger in result.fingers.values()
         ],
-        "summaries": [_summary(summary) for summary in result.summaries],
+        "summaries": [
+            _summary(summary, check) for summary, check in zip(result.summaries, result.checks, strict=True)
+        ],
         "sequences": [_sequence(sequence, result.rows) for sequence in result.sequences],
         "scales": {name: _scale(scale) for name, scale in result.scales.items()},
         "curves": [
@@ -77,7 +81,7 @@ def summary_record(result: StudyResult) -> dict[str, Any]:
     }
 
 
-def _summary(summary: Summary) -> dict[str, Any]:
+def _summary(summary: Summary, check: UncertaintyCheck | None) -> dict[str, Any]:
     return {
         "finger": summary.finger,
         "wedge_angle_deg": summary.wedge_angle_deg,
@@ -92,6 +96,7 @@ def _summary(summary: Summary) -> dict[str, Any]:
         **_pooled("radius_from_indentation", summary.corrected_radius),
         **_pooled("radius_from_compliance", summary.compliance_radius),
         "area_exponent": area_exponent(summary.contacts or summary.rows),
+        "uncertainty_check": check and asdict(check),
     }
 
 
@@ -136,14 +141,22 @@ def _scale(scale: FoundScale | str) -> dict[str, Any]:
     }
 
 
-def _pooled(name: str, pooled: Pooled | None) -> dict[str, Any]:
-    values = asdict(pooled) if pooled else {}
+def _pooled(name: str, pooled: PooledRadius | None) -> dict[str, Any]:
+    if pooled is None:
+        return {f"{name}_mm": None, f"{name}_count": 0}
     return {
-        f"{name}_mm": values.get("value"),
-        f"{name}_mm_std": values.get("total_std"),
-        f"{name}_mm_std_given_geometry": values.get("std"),
-        f"{name}_birge_ratio": values.get("birge_ratio"),
-        f"{name}_count": values.get("count", 0),
+        f"{name}_mm": pooled.value,
+        f"{name}_mm_std": pooled.std,
+        f"{name}_mm_std_given_geometry": pooled.given_geometry,
+        f"{name}_birge_ratio": pooled.fixed.birge_ratio,
+        f"{name}_count": pooled.count,
+        f"{name}_random_effects_mm": pooled.random.value,
+        f"{name}_random_effects_mm_std": pooled.random.total_std,
+        f"{name}_random_effects_mm_ci95": pooled.random.interval,
+        f"{name}_between_std_mm": pooled.random.between_std,
+        f"{name}_scatter_within_loads_mm": pooled.scatter.within_std,
+        f"{name}_scatter_between_loads_mm": pooled.scatter.between_std,
+        f"{name}_variance_shares": pooled.budget,
     }
 
 

@@ -7,8 +7,11 @@ from typing import Any, Final
 
 from fingerpad._files import make_folder
 from fingerpad.exceptions import ManifestError
+from fingerpad.study.check import UncertaintyCheck
 from fingerpad.study.fingers import FingerResult, finger_result
 from fingerpad.study.manifest import Contact, Study, read_study
+from fingerpad.study.measure import Measurement
+from fingerpad.study.model import pad_inputs
 from fingerpad.study.provenance import provenance
 from fingerpad.study.rows import Row, make_rows
 from fingerpad.study.runner import Measured, measure_all
@@ -50,6 +53,8 @@ class StudyResult:
         Named scales, or why there is none.
     summaries : list of Summary
         One per finger and placement.
+    checks : list of UncertaintyCheck or None
+        Of the heaviest contact that counts in each summary; None where none does.
     curves : list of CurveResult
         One per loading curve.
     provenance : dict
@@ -63,6 +68,7 @@ class StudyResult:
     sequences: list[SequenceResult]
     scales: dict[str, FoundScale | str]
     summaries: list[Summary]
+    checks: list[UncertaintyCheck | None]
     curves: list[CurveResult]
     provenance: dict[str, Any]
 
@@ -136,6 +142,7 @@ def run_study(
         on_measured(one)
     seen = [(contact, each) for contact in contacts for each in measured[contact.name].measurements]
     rows = make_rows(study, fingers, seen)
+    found = summaries(rows)
     return StudyResult(
         study=study,
         folder=folder,
@@ -143,10 +150,30 @@ def run_study(
         rows=rows.rows,
         sequences=[film for contact in contacts if (film := measured[contact.name].sequence) is not None],
         scales=scales,
-        summaries=summaries(rows),
+        summaries=found,
+        checks=_checks(found, study, fingers, seen),
         curves=[curve_result(curve, folder) for curve in study.curves],
         provenance=origin,
     )
+
+
+def _checks(
+    found: list[Summary],
+    study: Study,
+    fingers: dict[str, FingerResult],
+    seen: list[tuple[Contact, Measurement]],
+) -> list[UncertaintyCheck | None]:
+    """Return a check of the heaviest contact that counts in each summary."""
+    heaviest = [next((row for row in reversed(summary.rows) if row["pooled"]), None) for summary in found]
+    wanted = {row["observation"] for row in heaviest if row is not None}
+    checked = {
+        measured.name: UncertaintyCheck.of(
+            measured.name, pad_inputs(study, contact, fingers[contact.finger], measured)
+        )
+        for contact, measured in seen
+        if measured.name in wanted
+    }
+    return [None if row is None else checked[row["observation"]] for row in heaviest]
 
 
 def _refuse_to_overwrite(inputs: list[str], folder: Path, out: Path) -> None:

@@ -1,18 +1,19 @@
-"""One row of results per observation, with its columns, units and uncertainties."""
+"""One row of results per contact: what was seen of it, and what the model says."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final, TypeAlias
 
 import numpy as np
+import numpy.typing as npt
 
-from fingerpad._arrays import FloatArray
-from fingerpad.contact import youngs_modulus
 from fingerpad.geometry import Ellipsoid, Placement
+from fingerpad.study.columns import COLUMNS
 from fingerpad.study.fingers import FingerResult
 from fingerpad.study.manifest import CORRECTIONS, Contact, Observation, Study
 from fingerpad.study.measure import Measurement
-from fingerpad.uncertainty import PAD_INPUTS, PAD_OUTPUTS, Propagated, pad_model, propagate
+from fingerpad.study.model import GEOMETRY, Modelled, pad_inputs
+from fingerpad.uncertainty import PAD_OUTPUTS, PAD_SOURCES
 from fingerpad.units import KPA_PER_MPA
 
 Row: TypeAlias = dict[str, Any]
@@ -36,86 +37,10 @@ RANGE_NOTES: Final = {
     "long_axis_disagrees": "the long axis lies across the direction that Hertz theory predicts",
 }
 
-# Every column of results.csv, in order, with what it means.
-COLUMNS: Final[Mapping[str, str]] = {
-    "observation": "name of the observation, or of the sequence with the frame's number behind a #",
-    "finger": "name of the finger",
-    "status": "measured or failed",
-    "reason": "why the row failed",
-    "synthetic": "whether picture, ellipse or finger was rendered or simulated",
-    "flags": "doubts about the picture, separated by spaces",
-    "measured_by": "program, program with corrections, or person (an ellipse that was given)",
-    "pooled": "whether the row counts in pooled radii: not if its picture is cut or its scale in doubt; "
-    "of a sequence loading frames of a large enough ellipse",
-    "range_notes": "where the model is out of its range, separated by spaces",
-    "wedge_angle_deg": "angle of the wedge on which the finger rests",
-    "roll_angle_deg": "roll of the finger about its own long axis",
-    "load_N": "normal force W",
-    "sequence": "name of the sequence of which this is a frame; empty for single observations",
-    "frame": "number of the frame, from 0",
-    "time_s": "time of the frame on the clock of its force",
-    "phase": "loading, hold or unloading, by the force",
-    "image": "contact image or sequence measured; empty where the ellipse was given",
-    "scale": "name of the scale; rows of one name share one uncertain scale. Empty: a scale of its own",
-    "mm_per_px": "scale of the picture",
-    "mm_per_px_std": "its standard uncertainty",
-    "semi_major_mm": "semi-major axis of the contact ellipse",
-    "semi_major_mm_std": "its standard uncertainty",
-    "semi_minor_mm": "semi-minor axis of the contact ellipse",
-    "semi_minor_mm_std": "its standard uncertainty",
-    "aspect_ratio": "semi-major over semi-minor axis",
-    "long_axis": "along or across the finger",
-    "predicted_aspect_ratio": "of elliptical Hertz theory for the undeformed pad",
-    "predicted_long_axis": "along or across the finger, of elliptical Hertz theory",
-    "orientation_deg": "long axis from the finger's axis, counter-clockwise",
-    "gross_area_mm2": "area inside the outline of the contact",
-    "gross_area_mm2_std": "its standard uncertainty",
-    "ridge_area_mm2": "area of the ridges in contact",
-    "ridge_area_mm2_std": "its standard uncertainty",
-    "ridge_period_mm": "median distance between ridges",
-    "ellipse_iou": "intersection over union of ellipse and contact region",
-    "centroid_row_px": "row of the contact's centroid",
-    "centroid_column_px": "column of the contact's centroid",
-    "u_deg": "parametric angle u of the place of contact",
-    "v_deg": "parametric angle v of the place of contact",
-    "in_plane_radius_mm": "principal radius along the finger at the place of contact",
-    "transverse_radius_mm": "principal radius across the finger at the place of contact",
-    "mean_curvature_radius_mm": "R_0g = 1/H of the undeformed pad",
-    "mean_curvature_radius_mm_std": "its standard uncertainty",
-    "geometric_mean_radius_mm": "R_e = sqrt(R'R'') of the undeformed pad",
-    "geometric_mean_radius_mm_std": "its standard uncertainty",
-    "radius_from_indentation_mm": "corrected radius R_0g F2^-3, the source's R_g^corr",
-    "radius_from_indentation_mm_std": "its standard uncertainty",
-    "radius_from_indentation_mm_std_given_geometry": "the same with R_0g held exact, as the source does",
-    "radius_from_area_mm": "equivalent sphere of the same area, R_0g F1^3",
-    "radius_from_area_mm_std": "its standard uncertainty",
-    "radius_from_compliance_mm": "equivalent sphere of A/(pi xi), R_0g F1^2/F2: the one to compare with R_g",
-    "radius_from_compliance_mm_std": "its standard uncertainty",
-    "geometric_radius_from_indentation_mm": "R_e F2^-3",
-    "geometric_radius_from_indentation_mm_std": "its standard uncertainty",
-    "geometric_radius_from_area_mm": "R_e F1^3",
-    "geometric_radius_from_area_mm_std": "its standard uncertainty",
-    "geometric_radius_from_compliance_mm": "R_e F1^2/F2",
-    "geometric_radius_from_compliance_mm_std": "its standard uncertainty",
-    "indentation_mm": "xi of elliptical Hertz theory from the observed ellipse",
-    "indentation_mm_std": "its standard uncertainty",
-    "reduced_modulus_kpa": "E* of elliptical Hertz theory from load and observed ellipse",
-    "reduced_modulus_kpa_std": "its standard uncertainty",
-    "youngs_modulus_kpa": "E = E*(1 - nu^2)",
-    "youngs_modulus_kpa_std": "its standard uncertainty",
-    "mean_pressure_kpa": "W over the area of the ellipse",
-    "mean_pressure_kpa_std": "its standard uncertainty",
-    "contact_size": "sqrt(l_d l_e)/R_e, which Hertz theory takes to be small",
-    "indentation_over_thickness": "indentation over the pad's thickness, where that is given",
-    "overlay": "picture of the measurement",
-}
-
 _NO_ANSWER: Final = "the model has no finite answer for these values; check their units"
-# The first inputs of the model belong to the finger on its wedge: all its observations there share them.
-_SHARED_INPUTS: Final = PAD_INPUTS.index("image_scale")
-_AT_ONCE: Final = 1000
+_OF_THE_CONTACT: Final = tuple(source for source in PAD_SOURCES if source not in GEOMETRY)
 _IN_MM: Final = tuple(name for name in PAD_OUTPUTS if "radius" in name or name == "indentation")
-_IN_KPA: Final = ("reduced_modulus", "mean_pressure")
+_IN_KPA: Final = ("reduced_modulus", "youngs_modulus", "mean_pressure")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -126,22 +51,18 @@ class Rows:
     ----------
     rows : list of Row
         One per observation and frame, in the manifest's order.
-    good : list of int
-        Places in `rows` of those that were measured.
-    value : ndarray, shape (good, outputs)
-        Model outputs of the good rows.
-    shared : ndarray, shape (good, outputs, parts)
-        What comes of the inputs that rows of one finger at one angle share, as independent parts: the
-        product of two rows' parts is their shared covariance.
-    own_std : ndarray, shape (good, outputs)
-        Standard uncertainty from the inputs that they do not share.
+    good : ndarray of int
+        Places in `rows` of those that the model has an answer for.
+    modelled : Modelled
+        That answer, for the good rows.
+    scales : list of str or None
+        Names of the scales that good rows share with others.
     """
 
     rows: list[Row]
-    good: list[int]
-    value: FloatArray
-    shared: FloatArray
-    own_std: FloatArray
+    good: npt.NDArray[np.intp]
+    modelled: Modelled
+    scales: list[str | None]
 
 
 def make_rows(
@@ -158,101 +79,43 @@ def make_rows(
     seen : sequence of (Contact, Measurement)
         Each contact that was seen, with the table of the manifest that it belongs to.
     """
-    # So many rows at a time that the model's derivatives, far larger than rows, stay small.
-    parts = [_some_rows(study, fingers, seen[k : k + _AT_ONCE]) for k in range(0, len(seen), _AT_ONCE)]
-    if not parts:
-        parts = [_some_rows(study, fingers, [])]
-    return Rows(
-        rows=[row for part in parts for row in part.rows],
-        good=[k * _AT_ONCE + index for k, part in enumerate(parts) for index in part.good],
-        value=np.concatenate([part.value for part in parts]),
-        shared=np.concatenate([part.shared for part in parts]),
-        own_std=np.concatenate([part.own_std for part in parts]),
+    reasons = [measured.reason or fingers[contact.finger].reason for contact, measured in seen]
+    sound = np.array([place for place, reason in enumerate(reasons) if reason is None], dtype=np.intp)
+    modelled = Modelled.of(
+        (
+            pad_inputs(study, contact, fingers[contact.finger], measured)
+            for contact, measured in map(seen.__getitem__, sound)
+        ),
+        study.uncertainty.method,
     )
-
-
-def _some_rows(
-    study: Study, fingers: Mapping[str, FingerResult], seen: Sequence[tuple[Contact, Measurement]]
-) -> Rows:
-    rows, good, means, covariances = [], [], [], []
-    for index, (contact, measured) in enumerate(seen):
-        finger = fingers[contact.finger]
-        reason = measured.reason or finger.reason
-        rows.append(_described(contact, finger, measured, reason))
-        if reason is None:
-            mean, covariance = pad_inputs(study, contact, finger, measured)
-            good.append(index)
-            means.append(mean)
-            covariances.append(covariance)
-    size = len(PAD_INPUTS)
-    mean, covariance = np.reshape(means, (-1, size)), np.reshape(covariances, (-1, size, size))
-    propagated = propagate(pad_model, mean, covariance)
-    shared, own_std = _parted(propagated, covariance)
-    finite = np.isfinite(propagated.covariance.sum(axis=(-2, -1)))
+    answered = modelled.answered
+    reasons = [
+        _NO_ANSWER if reason is None and place in unanswered else reason
+        for unanswered in [set(sound[~answered])]
+        for place, reason in enumerate(reasons)
+    ]
+    rows = [
+        _described(contact, fingers[contact.finger], measured, reason)
+        for (contact, measured), reason in zip(seen, reasons, strict=True)
+    ]
+    good, modelled = sound[answered], modelled.only(answered)
+    given_geometry = modelled.std_of("radius_from_indentation", _OF_THE_CONTACT)
     for place, index in enumerate(good):
         contact, measured = seen[index]
-        if not finite[place]:
-            rows[index] |= {"status": "failed", "reason": _NO_ANSWER, "pooled": False}
-            continue
         rows[index] |= _modelled(
             contact,
             fingers[contact.finger],
             measured,
-            value=dict(zip(PAD_OUTPUTS, propagated.value[place], strict=True)),
-            std=dict(zip(PAD_OUTPUTS, propagated.std[place], strict=True)),
-            own_std=dict(zip(PAD_OUTPUTS, own_std[place], strict=True)),
-            poisson_ratio=study.poisson_ratio,
+            value=dict(zip(PAD_OUTPUTS, modelled.value[place], strict=True)),
+            std=dict(zip(PAD_OUTPUTS, modelled.std[place], strict=True)),
         )
+        rows[index]["radius_from_indentation_mm_std_given_geometry"] = float(given_geometry[place])
     return Rows(
         rows=[{name: row.get(name) for name in COLUMNS} for row in rows],
-        good=[index for index, kept in zip(good, finite, strict=True) if kept],
-        value=propagated.value[finite],
-        shared=shared[finite],
-        own_std=own_std[finite],
+        good=good,
+        modelled=modelled,
+        scales=[seen[index][1].scale for index in good],
     )
-
-
-def _parted(propagated: Propagated, covariance: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the parts of the uncertainty that rows share, and the standard uncertainty of the rest."""
-    mine, theirs = slice(_SHARED_INPUTS, None), slice(_SHARED_INPUTS)
-    with np.errstate(all="ignore"):
-        size, direction = np.linalg.eigh(covariance[:, theirs, theirs])
-        factor = direction * np.sqrt(np.maximum(size, 0))[:, None, :]
-        shared = np.concatenate(
-            [propagated.jacobian[..., theirs] @ factor, propagated.second_order[..., theirs]], axis=-1
-        )
-        own = propagated.jacobian[..., mine] @ covariance[:, mine, mine]
-        variance = (own * propagated.jacobian[..., mine]).sum(axis=-1)
-        variance += np.square(propagated.second_order[..., mine]).sum(axis=-1)
-        return shared, np.sqrt(variance)
-
-
-def pad_inputs(
-    study: Study, contact: Contact, finger: FingerResult, measured: Measurement
-) -> tuple[FloatArray, FloatArray]:
-    """Return mean and covariance of the model's inputs for one contact."""
-    angles = np.radians([contact.wedge_angle_deg, contact.roll_angle_deg])
-    major, minor = measured.semi_major, measured.semi_minor
-    size = np.sqrt(major * minor)
-    mean = np.array(
-        [
-            *finger.semi_axes,
-            *angles,
-            study.poisson_ratio,
-            1.0,
-            measured.load,
-            size,
-            np.log(major / minor),
-        ]
-    )
-    covariance = np.zeros((len(PAD_INPUTS), len(PAD_INPUTS)))
-    covariance[:3, :3] = finger.covariance
-    covariance[3, 3] = np.radians(study.uncertainty.wedge_angle_std_deg) ** 2
-    covariance[4, 4] = np.radians(study.uncertainty.roll_angle_std_deg) ** 2
-    covariance[7, 7] = (study.uncertainty.load_relative_std * measured.load) ** 2
-    to_size_and_elongation = np.array([[0.5 * size / major, 0.5 * size / minor], [1 / major, -1 / minor]])
-    covariance[8:, 8:] = to_size_and_elongation @ measured.covariance @ to_size_and_elongation.T
-    return mean, covariance
 
 
 def _described(contact: Contact, finger: FingerResult, measured: Measurement, reason: str | None) -> Row:
@@ -299,10 +162,8 @@ def _modelled(
     *,
     value: Mapping[str, float],
     std: Mapping[str, float],
-    own_std: Mapping[str, float],
-    poisson_ratio: float,
 ) -> Row:
-    """Return the columns that follow from the model; `value` and the others by the model's output."""
+    """Return the columns that follow from the model; `value` and `std` by the model's output."""
     placement = Placement.of(
         Ellipsoid.of(*finger.semi_axes),
         wedge_angle=np.radians(contact.wedge_angle_deg),
@@ -320,10 +181,6 @@ def _modelled(
     for names, unit, factor in ((_IN_MM, "mm", 1.0), (_IN_KPA, "kpa", KPA_PER_MPA)):
         for name in names:
             row[f"{name}_{unit}"], row[f"{name}_{unit}_std"] = factor * value[name], factor * std[name]
-    for suffix in ("", "_std"):
-        reduced = row[f"reduced_modulus_kpa{suffix}"]
-        row[f"youngs_modulus_kpa{suffix}"] = youngs_modulus(reduced, poisson_ratio)
-    row["radius_from_indentation_mm_std_given_geometry"] = own_std["radius_from_indentation"]
     if finger.pad_thickness is not None:
         row["indentation_over_thickness"] = value["indentation"] / finger.pad_thickness
     row["range_notes"] = " ".join(_range_notes(row, finger, measured))

@@ -7,13 +7,13 @@ from pathlib import Path
 
 import numpy as np
 
-from fingerpad._arrays import FloatArray
 from fingerpad.exceptions import FingerpadError
 from fingerpad.loading import ContactCompliance, LoadingCurve, fit_contact_compliance, read_loading_curve
 from fingerpad.study.manifest import Curve
+from fingerpad.study.model import POOLED_OUTPUTS
+from fingerpad.study.pooling import PooledRadius
 from fingerpad.study.rows import Row, Rows
 from fingerpad.study.words import in_study
-from fingerpad.uncertainty import PAD_OUTPUTS, Pooled, pool
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -60,9 +60,9 @@ class Summary:
         What the rows have in common.
     rows : tuple of Row
         The rows, by load: single contacts and frames of sequences.
-    corrected_radius : Pooled or None
+    corrected_radius : PooledRadius or None
         Pooled ``radius_from_indentation_mm``, the source's combined R_g^corr; None without a sound row.
-    compliance_radius : Pooled or None
+    compliance_radius : PooledRadius or None
         Pooled ``radius_from_compliance_mm``, the one to compare with R_g.
     """
 
@@ -71,8 +71,8 @@ class Summary:
     roll_angle_deg: float
     synthetic: bool
     rows: tuple[Row, ...]
-    corrected_radius: Pooled | None
-    compliance_radius: Pooled | None
+    corrected_radius: PooledRadius | None
+    compliance_radius: PooledRadius | None
 
     @property
     def contacts(self) -> tuple[Row, ...]:
@@ -147,45 +147,23 @@ def summaries(rows: Rows) -> list[Summary]:
 
 
 def _summary(key: tuple[str, float, float, bool], rows: Rows, places: list[int]) -> Summary:
-    sound = [place for place in places if rows.rows[rows.good[place]]["pooled"]]
-
     estimates: dict[str, list[int]] = {}
-    for place in sound:
+    for place in places:
         row = rows.rows[rows.good[place]]
-        estimates.setdefault(row["sequence"] or row["observation"], []).append(place)
-
-    def pooled(output: str) -> Pooled | None:
-        if not sound:
-            return None
-        column = PAD_OUTPUTS.index(output)
-        value, own_std, shared = (
-            np.array(part)
-            for part in zip(*(_estimate(rows, one, column) for one in estimates.values()), strict=True)
-        )
-        return pool(value, own_std, shared @ shared.T)
-
+        if row["pooled"]:
+            estimates.setdefault(row["sequence"] or row["observation"], []).append(place)
+    sound = list(estimates.values())
     members = sorted((rows.rows[rows.good[place]] for place in places), key=lambda row: float(row["load_N"]))
+    corrected, compliance = (PooledRadius.of(rows, sound, name) if sound else None for name in POOLED_OUTPUTS)
     return Summary(
         finger=key[0],
         wedge_angle_deg=key[1],
         roll_angle_deg=key[2],
         synthetic=key[3],
         rows=tuple(members),
-        corrected_radius=pooled("radius_from_indentation"),
-        compliance_radius=pooled("radius_from_compliance"),
+        corrected_radius=corrected,
+        compliance_radius=compliance,
     )
-
-
-def _estimate(rows: Rows, places: list[int], column: int) -> tuple[float, float, FloatArray]:
-    """Return one estimate of some rows: of a single contact, or of all frames of a film together.
-
-    The frames show the same skin, pressed once: their errors are taken to be the same error, so that the mean
-    is no better known than a frame is, however many there are.
-    """
-    weight = rows.own_std[places, column] ** -2.0 if len(places) > 1 else np.ones(1)
-    weight /= weight.sum()
-    value, own_std = rows.value[places, column], rows.own_std[places, column]
-    return float(weight @ value), float(weight @ own_std), weight @ rows.shared[places, column]
 
 
 def area_exponent(rows: Iterable[Row]) -> float:

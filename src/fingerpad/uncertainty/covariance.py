@@ -50,9 +50,14 @@ def covariance_of(value: ArrayLike) -> FloatArray:
 
 
 def factor_of(covariance: FloatArray) -> FloatArray:
-    """Return F with F Fᵀ = `covariance`, which may be singular, shape (..., n, n)."""
+    """Return F with F Fᵀ = `covariance`, which may be singular, shape (..., n, n).
+
+    In units of the standard deviations F is the symmetric root, the same for the same matrix wherever it
+    stands.
+    """
     std = np.sqrt(np.diagonal(covariance, axis1=-2, axis2=-1))
     unit = np.where(std > 0, std, 1.0)
     size, direction = np.linalg.eigh(covariance / (unit[..., :, None] * unit[..., None, :]))
-    factor: FloatArray = unit[..., :, None] * direction * np.sqrt(np.maximum(size, 0))[..., None, :]
+    root = direction * np.sqrt(np.maximum(size, 0))[..., None, :] @ np.swapaxes(direction, -1, -2)
+    factor: FloatArray = unit[..., :, None] * root
     return factor

@@ -38,6 +38,8 @@ class Uncertainty(Table):
     wedge_angle_std_deg: AngleStd = 0.0
     roll_angle_std_deg: AngleStd = 0.0
     load_relative_std: RelativeStd = 0.0
+    poisson_ratio_std: Annotated[float, Field(ge=0, le=0.5)] = 0.0
+    method: Literal["first_order", "monte_carlo"] = "first_order"
 
 
 class Study(Table):
