@@ -10,7 +10,7 @@ import mpmath as mp
 import numpy as np
 from scipy.special import ellipe, ellipk
 
-from benchmarks import imprints, photographs, sequences, uncertainty
+from benchmarks import imprints, loading, photographs, sequences, uncertainty
 from benchmarks.exact import RATIOS, exact_contact
 from fingerpad.contact import HertzGeometry, hertz_contact, solve_contact_ellipse
 
@@ -77,3 +77,4 @@ if __name__ == "__main__":
     sequences.coin_accuracy()
     sequences.press_accuracy()
     sequences.sequence_memory()
+    loading.loading_coverage(repeats=100)

@@ -1,6 +1,65 @@
 """Loading curves: force, displacement and contact area, and what they say of the pad."""
 
+from fingerpad.loading.compliance import ContactCompliance, fit_contact_compliance
+from fingerpad.loading.contact_point import ESTIMATORS, contact_points
 from fingerpad.loading.curve import LoadingCurve, read_loading_curve
-from fingerpad.loading.fit import ContactCompliance, fit_contact_compliance
+from fingerpad.loading.estimate import Estimate, Quantity, Unknown
+from fingerpad.loading.fit import LoadingFit, fit_loading_curve
+from fingerpad.loading.joint import JointFit
+from fingerpad.loading.least_squares import LeastSquaresFit, effective_count, fit_least_squares
+from fingerpad.loading.models import (
+    area_from_load,
+    indentation_from_load,
+    load_from_indentation,
+    local_area_exponent,
+    secant_modulus,
+)
+from fingerpad.loading.region import Secant
+from fingerpad.loading.relaxation import (
+    PronyTerm,
+    Relaxation,
+    RidgeGrowth,
+    fit_relaxation,
+    fit_ridge_growth,
+)
+from fingerpad.loading.segments import Cycle, Hysteresis, Segment, baseline_level, find_cycles, hysteresis
+from fingerpad.loading.shape import ShapeCheck, shape_check
+from fingerpad.loading.synthetic import simulate_loading_curve
 
-__all__ = ["ContactCompliance", "LoadingCurve", "fit_contact_compliance", "read_loading_curve"]
+__all__ = [
+    "ESTIMATORS",
+    "ContactCompliance",
+    "Cycle",
+    "Estimate",
+    "Hysteresis",
+    "JointFit",
+    "LeastSquaresFit",
+    "LoadingCurve",
+    "LoadingFit",
+    "PronyTerm",
+    "Quantity",
+    "Relaxation",
+    "RidgeGrowth",
+    "Secant",
+    "Segment",
+    "ShapeCheck",
+    "Unknown",
+    "area_from_load",
+    "baseline_level",
+    "contact_points",
+    "effective_count",
+    "find_cycles",
+    "fit_contact_compliance",
+    "fit_least_squares",
+    "fit_loading_curve",
+    "fit_relaxation",
+    "fit_ridge_growth",
+    "hysteresis",
+    "indentation_from_load",
+    "load_from_indentation",
+    "local_area_exponent",
+    "read_loading_curve",
+    "secant_modulus",
+    "shape_check",
+    "simulate_loading_curve",
+]

@@ -1,51 +1,110 @@
-"""Loading curves as tables of force, displacement and contact area."""
+"""Loading curves as tables of time, force, displacement and contact area."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from fingerpad._arrays import FloatArray
 from fingerpad._columns import read_columns
+from fingerpad.exceptions import LoadingError
+
+# A step in time longer than this many usual ones is a gap.
+_GAP = 10.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class LoadingCurve:
-    """One record of a finger pad pressed against a platen, row by row.
+    """One record of a finger pad pressed against a platen, row by row; it may hold several cycles.
 
     Attributes
     ----------
-    load : ndarray
-        Normal force W, N.
-    indentation : ndarray
-        Displacement of the platen ξ, mm, from whatever zero the instrument had.
-    area : ndarray or None
+    load : ndarray, (n,)
+        Normal force W, N, positive in compression, from whatever zero the sensor had.
+    indentation : ndarray, (n,)
+        Displacement of the platen ξ, mm, growing into the pad, from whatever zero the instrument had.
+    area : ndarray, (n,), or None
         Contact area A, mm², where it was measured.
+    time : ndarray, (n,), or None
+        Times, s, where they were recorded; without them the samples are taken to be evenly spaced.
+
+    Raises
+    ------
+    LoadingError
+        If the columns differ in length, a value is not finite, or time runs backwards.
     """
 
     load: FloatArray
     indentation: FloatArray
-    area: FloatArray | None
+    area: FloatArray | None = None
+    time: FloatArray | None = None
+
+    def __post_init__(self) -> None:
+        columns = {"load": self.load, "indentation": self.indentation, "area": self.area, "time": self.time}
+        for name, values in columns.items():
+            if values is None:
+                continue
+            if np.ndim(values) != 1 or len(values) != len(self.load):
+                raise LoadingError(
+                    f"{name} has shape {np.shape(values)}; load has {np.shape(self.load)}: a curve has one "
+                    "value of each quantity per row"
+                )
+            bad = np.flatnonzero(~np.isfinite(values))
+            if bad.size:
+                raise LoadingError(f"{name} is not finite in row {bad[0] + 1}: leave such rows out")
+        if self.time is not None and (np.diff(self.time) < 0).any():
+            row = int(np.flatnonzero(np.diff(self.time) < 0)[0]) + 2
+            raise LoadingError(
+                f"time runs backwards at row {row}: {self.time[row - 2]:g} s is followed by "
+                f"{self.time[row - 1]:g} s; sort the rows, or read each record by itself"
+            )
+
+    @property
+    def clock(self) -> FloatArray:
+        """Times from the start, or row numbers where no times were recorded."""
+        if self.time is None:
+            return np.arange(float(len(self.load)))
+        return np.asarray(self.time - self.time[0])
+
+    @property
+    def doubts(self) -> tuple[str, ...]:
+        """What the times themselves show: ``duplicated_time``, ``time_gap``."""
+        if self.time is None or len(self.time) < 3:
+            return ()
+        steps = np.diff(self.time)
+        found = {"duplicated_time": (steps == 0).any(), "time_gap": steps.max() > _GAP * np.median(steps)}
+        return tuple(name for name, seen in found.items() if seen)
 
 
 def read_loading_curve(path: Path, columns: Mapping[str, str] | None = None) -> LoadingCurve:
     """Read a loading curve from a CSV file.
 
-    The header names a quantity and its unit, as in ``force_N, displacement_mm, area_mm2``; ``force_mN`` or
-    ``displacement_um`` are converted. Columns of other names are left alone.
+    The header names a quantity and its unit, as in ``time_s, force_N, displacement_mm, area_mm2``;
+    ``force_mN`` or ``displacement_um`` are converted. Time and area may be absent. Columns of other names
+    are left alone.
 
     Parameters
     ----------
     path : Path
         The CSV file, with a header line.
     columns : mapping, optional
-        From a quantity (``force``, ``displacement``, ``area``) to ``"HEADER:UNIT"`` where the file's own
-        headers differ.
+        From a quantity (``force``, ``displacement``, ``area``, ``time``) to ``"HEADER:UNIT"`` where the
+        file's own headers differ.
 
     Raises
     ------
     LoadingError
-        If the file cannot be read, a column is missing or has an unknown unit, or a cell is not a finite
-        number. The message names file, column and line.
+        If the file cannot be read, a column is missing or has an unknown unit, a cell is not a finite
+        number, or time runs backwards. The message names file, column and line.
     """
-    found = read_columns(path, ("force", "displacement"), ("area",), columns=columns)
-    return LoadingCurve(load=found["force"], indentation=found["displacement"], area=found.get("area"))
+    found = read_columns(path, ("force", "displacement"), ("area", "time"), columns=columns)
+    try:
+        return LoadingCurve(
+            load=found["force"],
+            indentation=found["displacement"],
+            area=found.get("area"),
+            time=found.get("time"),
+        )
+    except LoadingError as error:
+        raise LoadingError(f"{path}: {error}") from error

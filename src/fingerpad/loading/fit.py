@@ -1,76 +1,281 @@
-"""Radius of curvature from loading data."""
+"""Everything that one loading curve tells, in one call."""
 
+import math
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
-from scipy import stats
 
-from fingerpad.exceptions import FitError
+from fingerpad._arrays import FloatArray
+from fingerpad.exceptions import FitError, LoadingError
+from fingerpad.loading._prepare import Press, prepare, start_values
+from fingerpad.loading.contact_point import ESTIMATORS, contact_points
 from fingerpad.loading.curve import LoadingCurve
+from fingerpad.loading.estimate import Estimate, Quantity, Unknown, estimates_record
+from fingerpad.loading.joint import JointFit, fit_joint
+from fingerpad.loading.least_squares import effective_count, fit_least_squares
+from fingerpad.loading.region import Secant, increasing_region, secant_of
+from fingerpad.loading.segments import Cycle, Hysteresis, hysteresis
+from fingerpad.units import KPA_PER_MPA
+
+# AICc by which the law with a growing modulus must be ahead before the modulus is said to depend on the load.
+_DECISIVE = 10.0
+_NO_RADIUS = (
+    "no contact area in the curve, so its radius is not known: give a column area_mm2, or effective_radius"
+)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ContactCompliance:
-    """The line A = R_g π ξ + A₀ through a loading curve.
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class LoadingFit:
+    """What a loading curve tells of the pad. Quantities are an `Estimate`, or `Unknown` with the reason.
 
     Attributes
     ----------
-    effective_radius, effective_radius_std : float
-        Slope R_g and its standard uncertainty from the residuals, mm.
-    area_at_zero : float
-        Intercept A₀, mm²: the area at the instrument's zero of displacement.
-    residual_std : float
-        Standard deviation of the area about the line, mm².
-    count : int
-        Number of points fitted.
+    effective_radius : Quantity
+        R_g, mm: from the slope of area against πξ, in the joint fit; or as given.
+    reduced_modulus, youngs_modulus : Quantity
+        E* and E, MPa, secant at `modulus_load`; for a Hertzian pad the same at every load.
+    contact_offset : Quantity
+        Displacement at first contact, mm.
+    initial_modulus, load_coefficient : Quantity
+        E_0g (MPa) and β (MPa/N) of E_g = E_0g + β W.
+    load_exponent : Quantity
+        m of W ∝ ξ^m; 3/2 for Hertz.
+    area_exponent : Quantity
+        n of A ∝ W^n; 2/3 for Hertz.
+    modulus_load : float
+        Largest load fitted, N.
+    region : (float, float)
+        Loads between which E_g was taken to increase, N.
+    cycles : tuple of Cycle
+        All presses in the record.
+    hysteresis : tuple of (Hysteresis or None)
+        Of each.
+    models : mapping of str to JointFit
+        ``load_dependent``, ``hertz``, ``free_exponent``, under one noise.
+    preferred_model : str
+        That of the least AICc.
+    secant : Secant
+        E_g of each row against ξ and W.
+    flags : tuple of str
+        Doubts.
     """
 
-    effective_radius: float
-    effective_radius_std: float
-    area_at_zero: float
-    residual_std: float
-    count: int
+    effective_radius: Quantity
+    reduced_modulus: Quantity
+    youngs_modulus: Quantity
+    contact_offset: Quantity
+    initial_modulus: Quantity
+    load_coefficient: Quantity
+    load_exponent: Quantity
+    area_exponent: Quantity
+    modulus_load: float
+    region: tuple[float, float]
+    cycles: tuple[Cycle, ...]
+    hysteresis: tuple[Hysteresis | None, ...]
+    models: Mapping[str, JointFit]
+    preferred_model: str
+    secant: Secant
+    flags: tuple[str, ...]
+
+    @property
+    def segments(self) -> tuple[Cycle, ...]:
+        """The phases of each press, by rows."""
+        return self.cycles
+
+    def as_record(self) -> dict[str, Any]:
+        """Return the numbers under names with units, each with _std and _ci95, null where not known."""
+        quantities = {
+            "effective_radius_mm": self.effective_radius,
+            "reduced_modulus_kpa": self.reduced_modulus.times(KPA_PER_MPA),
+            "youngs_modulus_kpa": self.youngs_modulus.times(KPA_PER_MPA),
+            "contact_offset_mm": self.contact_offset,
+            "initial_modulus_kpa": self.initial_modulus.times(KPA_PER_MPA),
+            "load_coefficient_kpa_per_N": self.load_coefficient.times(KPA_PER_MPA),
+            "load_exponent": self.load_exponent,
+            "area_exponent": self.area_exponent,
+        }
+        return {
+            **estimates_record(quantities),
+            "modulus_load_N": self.modulus_load,
+            "region_N": list(self.region),
+            "preferred_model": self.preferred_model,
+            "aicc": {name: model.aicc for name, model in self.models.items()},
+            "cycles": len(self.cycles),
+            "hysteresis_mJ": [loss.energy if loss else None for loss in self.hysteresis],
+            "hysteresis_fraction": [loss.fraction if loss else None for loss in self.hysteresis],
+            "flags": list(self.flags),
+        }
 
 
-def fit_contact_compliance(curve: LoadingCurve) -> ContactCompliance:
-    """Fit R_g, the slope of contact area against πξ ("contact compliance"), by least squares.
+def fit_loading_curve(
+    curve: LoadingCurve,
+    *,
+    poisson_ratio: float = 0.5,
+    effective_radius: float | Estimate | None = None,
+    cycle: int = 0,
+    contact_point: str = "joint",
+    region: tuple[float, float] | None = None,
+) -> LoadingFit:
+    """Fit radius, modulus and its growth with load, place of contact and exponents to one press.
 
-    Points without load are left out. A smooth sphere or ellipse gives R = A/(πξ) at every load, whatever its
-    modulus and however it varies with load. The zero of displacement is free.
+    Baseline and loading are fitted together: F = W(ξ) + zero + tilt t and A = π R_g ξ, with
+    W = 4/3 R_g^{1/2} ξ^{3/2} (E_0g + β W)/(1 − ν²). Zero, tilt and place of contact are parameters, so that
+    their uncertainty is in all results; noise of force, displacement and area is estimated.
+
+    Parameters
+    ----------
+    curve : LoadingCurve
+        The record.
+    poisson_ratio : float
+        ν of the pad.
+    effective_radius : float or Estimate, optional
+        R_g (mm) from elsewhere, used as it is and with its uncertainty; needed where there is no area.
+    cycle : int
+        Which press of the record to fit.
+    contact_point : str
+        ``joint``, or a name of `ESTIMATORS`, whose place of contact is then held.
+    region : (float, float), optional
+        Loads (N) between which E_g increases linearly; found from the curve without it.
 
     Raises
     ------
+    LoadingError
+        If the curve or an argument cannot be used: no range, reversed signs, no such cycle.
     FitError
-        If the curve has no area, fewer than three points under load, or no spread in displacement; or if
-        area does not grow with indentation.
+        If the record shows no contact, or does not determine the model.
 
     Examples
     --------
-    >>> import numpy as np
-    >>> depth = np.linspace(0.1, 2, 20)
-    >>> curve = LoadingCurve(load=depth**1.5, indentation=depth, area=np.pi * 20.5 * depth)
-    >>> print(f"{fit_contact_compliance(curve).effective_radius:.2f} mm")
-    20.50 mm
+    >>> from fingerpad.loading import simulate_loading_curve
+    >>> curve = simulate_loading_curve(points=200, force_std=0.005, area_std=0.5, seed=1)
+    >>> fit = fit_loading_curve(curve)
+    >>> radius = fit.effective_radius
+    >>> radius.lower < 15 < radius.upper
+    True
     """
-    if curve.area is None:
-        raise FitError("the loading curve has no contact area; R_g needs a column area_mm2")
-    loaded = curve.load > 0
-    count = int(loaded.sum())
-    if count < 3:
-        raise FitError(f"{count} points under load in the curve; at least 3 are needed for a line")
-    x, y = np.pi * curve.indentation[loaded], curve.area[loaded]
-    if not np.ptp(x) > 0:
-        raise FitError("the displacement is the same at every point under load; R_g needs a range of it")
-    line = stats.linregress(x, y)
-    if not line.slope > 0:
-        raise FitError(
-            f"contact area falls as the displacement grows (slope {line.slope:.3g} mm); is its sign reversed?"
-        )
-    residual = y - line.intercept - line.slope * x
-    return ContactCompliance(
-        effective_radius=float(line.slope),
-        effective_radius_std=float(line.stderr),
-        area_at_zero=float(line.intercept),
-        residual_std=float(np.sqrt(np.sum(residual**2) / (count - 2))),
-        count=count,
+    _require_options(poisson_ratio, contact_point)
+    press = prepare(curve, poisson_ratio, cycle)
+    held = _held(press, effective_radius)
+    main, limits, doubts = _main_fit(press, held, contact_point, region)
+    models = _models(main)
+    preferred = min(models, key=lambda name: models[name].aicc)
+    grows = "hertz" in models and models["hertz"].aicc > main.aicc + _DECISIVE
+    known = press.record.area.size > 0 or effective_radius is not None
+    top = float(main.load(np.array([main.record.smooth_displacement.max()]))[0])
+    youngs = main.combined(
+        main.values["initial_modulus"] + main.values["load_coefficient"] * top,
+        {"initial_modulus": 1.0, "load_coefficient": top},
     )
+    modulus: Quantity = youngs if known else Unknown(_NO_RADIUS)
+    return LoadingFit(
+        effective_radius=_bounded(main, "effective_radius") if known else Unknown(_NO_RADIUS),
+        reduced_modulus=modulus.times(1 / (1 - poisson_ratio**2)),
+        youngs_modulus=modulus,
+        contact_offset=_bounded(main, "contact_offset"),
+        initial_modulus=_bounded(main, "initial_modulus") if known else Unknown(_NO_RADIUS),
+        load_coefficient=_bounded(main, "load_coefficient") if known else Unknown(_NO_RADIUS),
+        load_exponent=(
+            _bounded(models["free_exponent"], "load_exponent")
+            if "free_exponent" in models
+            else Unknown("a power law with free exponent does not fit the curve")
+        ),
+        area_exponent=_area_exponent(main),
+        modulus_load=top,
+        region=limits,
+        cycles=press.cycles,
+        hysteresis=tuple(hysteresis(curve, each) for each in press.cycles),
+        models=models,
+        preferred_model=preferred,
+        secant=secant_of(main),
+        flags=(*press.flags, *doubts, *(("modulus_depends_on_load",) if grows else ())),
+    )
+
+
+def _require_options(poisson_ratio: float, contact_point: str) -> None:
+    if not -1 < poisson_ratio <= 0.5:
+        raise LoadingError(f"poisson_ratio must be above -1 and at most 0.5, found {poisson_ratio}")
+    if contact_point != "joint" and contact_point not in ESTIMATORS:
+        raise LoadingError(f"contact_point must be joint, {', '.join(ESTIMATORS)}; found {contact_point!r}")
+
+
+def _held(press: Press, effective_radius: float | Estimate | None) -> dict[str, Estimate]:
+    """Return what is not fitted. Without area the radius is held at 1 mm: the place of contact needs none."""
+    if effective_radius is None:
+        return {} if press.record.area.size else {"effective_radius": Estimate.symmetric(1.0, 0.0)}
+    given = effective_radius
+    radius = given if isinstance(given, Estimate) else Estimate.symmetric(given, 0.0)
+    if not (radius.value > 0 and math.isfinite(radius.value)):
+        raise LoadingError(f"effective_radius must be positive and finite, found {radius.value} mm")
+    return {"effective_radius": radius}
+
+
+def _main_fit(
+    press: Press, held: Mapping[str, Estimate], contact_point: str, region: tuple[float, float] | None
+) -> tuple[JointFit, tuple[float, float], list[str]]:
+    """Return the fit of the growing modulus over its region, the region's loads, and doubts."""
+    radius = held["effective_radius"].value if held else None
+    main = fit_joint(press.record, "load_dependent", start_values(press, radius), held)
+    if contact_point != "joint":
+        place = contact_points(main)[contact_point]
+        if isinstance(place, Unknown):
+            raise FitError(f"no place of contact by {contact_point}: {place.reason}")
+        held = {**held, "contact_offset": place}
+        main = fit_joint(press.record, "load_dependent", main.values, held)
+    doubts = []
+    limits, record = increasing_region(main, region)
+    if record.load.size < press.record.load.size:
+        doubts.append("modulus_partly_decreases" if region is None else "region_given")
+        main = fit_joint(record, "load_dependent", main.values, held)
+    before = np.count_nonzero(record.smooth_displacement < main.values["contact_offset"])
+    if before < 2 and "no_baseline" not in press.flags:
+        doubts.append("no_baseline")
+    return main, limits, doubts
+
+
+def _models(main: JointFit) -> dict[str, JointFit]:
+    """Return the laws fitted under one noise, those that can be."""
+    start = {**main.values, "load_exponent": 1.5}
+    top = float(main.load(np.array([main.record.smooth_displacement.max()]))[0])
+    start["youngs_modulus"] = start.pop("initial_modulus") + start.pop("load_coefficient") * top
+    found = {"load_dependent": main}
+    for law in ("hertz", "free_exponent"):
+        unused = {"load_exponent"} if law == "hertz" else set()
+        begin = {name: value for name, value in start.items() if name not in unused}
+        try:
+            found[law] = fit_joint(main.record, law, begin, main.held, main.noise)
+        except FitError:
+            continue
+    return found
+
+
+def _bounded(fit: JointFit, name: str) -> Quantity:
+    estimate = fit.estimate(name)
+    if math.isfinite(estimate.lower) and math.isfinite(estimate.upper):
+        return estimate
+    return Unknown(f"the curve does not bound it: {estimate.value:.3g} is best, but far from certain")
+
+
+def _area_exponent(main: JointFit) -> Quantity:
+    """Fit A = a W^n to what was measured, with the noise of both."""
+    record, noise = main.record, main.noise
+    load = main.corrected_load(record.clock, record.load)[record.with_area]
+    smooth = main.load(record.smooth_displacement)[record.with_area]
+    used = smooth > max(
+        0.05 * float(smooth.max(initial=0.0)), 5 * math.hypot(noise.force_std, noise.wander_std)
+    )
+    W, A = load[used], record.area[used]
+    if W.size < 5:
+        return Unknown(_NO_RADIUS if not record.area.size else f"{W.size} areas under load; five are needed")
+    spread = np.hypot(noise.area_std, 0.5 * A * math.hypot(noise.force_std, noise.wander_std) / smooth[used])
+
+    def residuals(p: FloatArray) -> FloatArray:
+        grown = np.maximum(W / W.max(), 1e-9) ** float(np.clip(p[1], 0.02, 5.0))
+        return np.asarray((A - p[0] * grown) / spread)
+
+    try:
+        fit = fit_least_squares(residuals, [A.max(), 0.5], ["area", "area_exponent"])
+        return fit.with_effective_count(effective_count(fit.residuals)).estimate("area_exponent")
+    except FitError as error:
+        return Unknown(str(error))

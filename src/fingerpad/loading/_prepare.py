@@ -1,0 +1,119 @@
+"""One press of a record made ready to fit: its rows, its doubts, and where a search may begin."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from fingerpad.exceptions import FitError, LoadingError
+from fingerpad.loading.curve import LoadingCurve
+from fingerpad.loading.joint import Record
+from fingerpad.loading.segments import Cycle, find_cycles, rising_start, saturated, smoothed
+
+# Rows before contact from which a drift, or a zero, can be told.
+_TILT_ROWS, _ZERO_ROWS = 4, 2
+# An area this near to contact, as a share of the depth, may be cut off at zero by its noise.
+_NEAR_CONTACT = 0.1
+_CONTACT_DEVIATIONS = 5.0
+_LEAST_LOADING = 5
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Press:
+    """Rows to fit, all cycles of the record, how many rows lie before contact, and doubts."""
+
+    record: Record
+    cycles: tuple[Cycle, ...]
+    baseline_rows: int
+    flags: tuple[str, ...]
+
+
+def prepare(curve: LoadingCurve, poisson_ratio: float, cycle: int) -> Press:
+    """Choose the rows of one press. Raise LoadingError or FitError where there is nothing to fit."""
+    cycles = find_cycles(curve)
+    if not 0 <= cycle < len(cycles):
+        raise LoadingError(f"the record has {len(cycles)} cycles, numbered from 0; there is no {cycle}")
+    chosen = cycles[cycle]
+    begin = chosen.baseline.start if chosen.baseline else chosen.loading.start
+    before = chosen.loading.start - begin
+    rows = np.arange(begin, chosen.loading.stop)
+    full = saturated(curve, chosen.loading)
+    rows = rows[np.append(np.zeros(before, dtype=bool), full) == 0]
+    if rows.size - before < _LEAST_LOADING:
+        raise FitError(
+            f"{rows.size - before} rows in contact while the load grows (saturated ones left out); at least "
+            f"{_LEAST_LOADING} are needed"
+        )
+    smooth = smoothed(curve.indentation)[rows]
+    contact = smooth[before] if before < smooth.size else smooth[-1]
+    with_area = np.zeros(rows.size, dtype=bool)
+    if curve.area is not None:
+        with_area = smooth > contact + _NEAR_CONTACT * (smooth.max() - contact)
+    record = Record(
+        clock=curve.clock[rows] - curve.clock[rows[0]],
+        load=np.asarray(curve.load, dtype=np.float64)[rows],
+        displacement=np.asarray(curve.indentation, dtype=np.float64)[rows],
+        smooth_displacement=smooth,
+        area=np.zeros(0) if curve.area is None else np.asarray(curve.area, dtype=np.float64)[rows][with_area],
+        with_area=with_area,
+        poisson_ratio=poisson_ratio,
+    )
+    _require_contact(record)
+    doubts = {
+        "no_baseline": before < _ZERO_ROWS,
+        "tilt_unknown": _ZERO_ROWS <= before < _TILT_ROWS,
+        "saturated_force": bool(full.any()),
+    }
+    flags = (*(name for name, seen in doubts.items() if seen), *curve.doubts)
+    return Press(record=record, cycles=cycles, baseline_rows=before, flags=flags)
+
+
+def start_values(press: Press, radius: float | None) -> dict[str, float]:
+    """Return where a search of the law with a growing modulus may begin; its names say what is fitted.
+
+    `radius` (mm) is used where it is given.
+    """
+    record = press.record
+    tilt = press.baseline_rows >= _TILT_ROWS
+    place, parts = rising_start(record.clock, record.load, record.smooth_displacement, tilt=tilt)
+    linear, square = parts[-2:]
+    top = float(np.maximum(record.smooth_displacement - place, 0).max()) ** 1.5
+    if not linear > 0:
+        linear, square = linear + square * top, 0.0
+    growth = float(np.clip(square / linear, -0.5 / top, 0.6 / top))
+    if radius is None:
+        depth = record.smooth_displacement[record.with_area] - place
+        radius = float(record.area @ depth) / float(np.pi * depth @ depth)
+        if not radius > 0:
+            raise LoadingError("contact area falls as the pad is pressed: is the sign of a column reversed?")
+    stiffness = 4 / 3 * math.sqrt(radius) / (1 - record.poisson_ratio**2)
+    start = {
+        "contact_offset": place,
+        "initial_modulus": float(linear) / stiffness,
+        "load_coefficient": growth / stiffness,
+        "effective_radius": radius,
+    }
+    if press.baseline_rows >= _ZERO_ROWS:
+        start["force_zero"] = float(parts[0])
+    if tilt:
+        start["force_tilt"] = float(parts[1])
+    return start
+
+
+def _require_contact(record: Record) -> None:
+    """Raise where the force does not rise out of its noise as the platen moves in, or falls."""
+    place, parts = rising_start(record.clock, record.load, record.smooth_displacement, tilt=False)
+    s = np.maximum(record.smooth_displacement - place, 0) ** 1.5
+    rise = parts[1] * s + parts[2] * s * s
+    noise = float(np.std(record.load - parts[0] - rise))
+    size = float(rise[np.argmax(np.abs(rise))])
+    if not abs(size) > _CONTACT_DEVIATIONS * noise:
+        raise FitError(
+            f"no contact in the record: the force changes by {abs(size):.3g} N while the platen moves in, "
+            f"against noise of {noise:.3g} N"
+        )
+    if size < 0:
+        raise LoadingError(
+            "the force falls as the displacement grows: the sign of one is reversed; compression is "
+            "positive, and displacement grows into the pad"
+        )

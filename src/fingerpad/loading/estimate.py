@@ -1,0 +1,86 @@
+"""A quantity with its uncertainty, or the reason why the data do not tell it."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+from scipy import stats
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Estimate:
+    """A value with its standard uncertainty and 95 % interval (GUM, 2.3).
+
+    Attributes
+    ----------
+    value, std : float
+        Estimate and standard uncertainty.
+    lower, upper : float
+        Ends of the 95 % interval, which need not lie evenly about the value.
+    """
+
+    value: float
+    std: float
+    lower: float
+    upper: float
+
+    @classmethod
+    def symmetric(cls, value: float, std: float, degrees_of_freedom: float = math.inf) -> "Estimate":
+        """Return an estimate whose interval is the value ± t times its standard uncertainty.
+
+        Examples
+        --------
+        >>> print(f"{Estimate.symmetric(20.0, 1.0).upper:.2f}")
+        21.96
+        """
+        half = float(stats.t.ppf(0.975, degrees_of_freedom)) * std
+        return cls(value=float(value), std=float(std), lower=float(value - half), upper=float(value + half))
+
+    def times(self, factor: float) -> "Estimate":
+        """Return the estimate in other units, or multiplied with an exact number above zero."""
+        return Estimate(
+            value=factor * self.value,
+            std=factor * self.std,
+            lower=factor * self.lower,
+            upper=factor * self.upper,
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Unknown:
+    """A quantity that the data do not tell.
+
+    Attributes
+    ----------
+    reason : str
+        What is missing, in words for a reader of the result.
+    """
+
+    reason: str
+
+    def times(self, factor: float) -> "Unknown":  # noqa: ARG002
+        """Return the same: what is unknown is so in all units."""
+        return self
+
+
+Quantity: TypeAlias = Estimate | Unknown
+
+
+def estimates_record(quantities: Mapping[str, Quantity]) -> dict[str, Any]:
+    """Return quantities as flat keys: the name, name_std, name_ci95, and the reasons of those unknown.
+
+    Examples
+    --------
+    >>> record = estimates_record({"effective_radius_mm": Unknown("no area")})
+    >>> record["effective_radius_mm"], record["reasons"]
+    (None, {'effective_radius_mm': 'no area'})
+    """
+    record: dict[str, Any] = {}
+    for name, found in quantities.items():
+        known = found if isinstance(found, Estimate) else None
+        record[name] = known and known.value
+        record[f"{name}_std"] = known and known.std
+        record[f"{name}_ci95"] = known and [known.lower, known.upper]
+    reasons = {name: found.reason for name, found in quantities.items() if isinstance(found, Unknown)}
+    return {**record, "reasons": reasons}

@@ -1,0 +1,287 @@
+"""Force, displacement and area of a pressed pad in one fit, with the noise of all three.
+
+Every row has F = W(ξ) + zero + tilt · t and A = π R ξ with ξ = displacement − offset; before contact W = 0.
+The zero of the force, its drift and the place of contact are parameters like the moduli, so that their
+uncertainty is in every result.
+"""
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+
+from fingerpad._arrays import BoolArray, FloatArray, floats
+from fingerpad.loading.estimate import Estimate
+from fingerpad.loading.least_squares import LeastSquaresFit, fit_least_squares
+from fingerpad.loading.models import load_slope, searched_load
+from fingerpad.loading.noise import Noise, NoiseUncertainty, likely_noise, noise_uncertainty
+
+Values = Mapping[str, float]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Record:
+    """The rows of one press that a fit uses: baseline and loading.
+
+    Attributes
+    ----------
+    clock, load, displacement, smooth_displacement : ndarray, (n,)
+        Time, force, and displacement as measured and without most of its noise, for slopes.
+    area : ndarray, (m,)
+        Areas, mm².
+    with_area : ndarray of bool, (n,)
+        Rows that have one, m in all.
+    poisson_ratio : float
+        ν.
+    """
+
+    clock: FloatArray
+    load: FloatArray
+    displacement: FloatArray
+    smooth_displacement: FloatArray
+    area: FloatArray
+    with_area: BoolArray
+    poisson_ratio: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Law:
+    """How the load grows with ξ: parameter names, and W(values, ξ, 4/3 R^½/(1 − ν²))."""
+
+    names: tuple[str, ...]
+    load: Callable[[Values, FloatArray, float], FloatArray]
+
+
+def _power(values: Values, xi: FloatArray, stiffness: float) -> FloatArray:
+    exponent = min(max(values["load_exponent"], 0.05), 20.0)
+    return values["youngs_modulus"] * stiffness * xi**exponent
+
+
+LAWS: Final = {
+    "hertz": Law(
+        names=("youngs_modulus",), load=lambda values, xi, c: values["youngs_modulus"] * (c * xi**1.5)
+    ),
+    "load_dependent": Law(
+        names=("initial_modulus", "load_coefficient"),
+        load=lambda values, xi, c: searched_load(
+            c * xi**1.5, values["initial_modulus"], values["load_coefficient"]
+        ),
+    ),
+    "free_exponent": Law(names=("youngs_modulus", "load_exponent"), load=_power),
+}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class JointFit:
+    """A law fitted to a record.
+
+    Attributes
+    ----------
+    law : str
+        Key of `LAWS`.
+    fit : LeastSquaresFit
+        The free parameters.
+    held : mapping of str to Estimate
+        Parameters given from elsewhere, whose uncertainty is carried on.
+    noise, noise_uncertainty : Noise, NoiseUncertainty
+        Of the record.
+    record : Record
+        What was fitted.
+    response : mapping of str to ndarray
+        Derivative of the free parameters by each held one.
+    """
+
+    law: str
+    fit: LeastSquaresFit
+    held: Mapping[str, Estimate]
+    noise: Noise
+    noise_uncertainty: NoiseUncertainty
+    record: Record
+    response: Mapping[str, FloatArray]
+
+    @property
+    def values(self) -> dict[str, float]:
+        """All parameters, free and held."""
+        free = dict(zip(self.fit.names, map(float, self.fit.values), strict=True))
+        return {**{name: given.value for name, given in self.held.items()}, **free}
+
+    def load(self, displacement: FloatArray) -> FloatArray:
+        """Return the fitted load W (N) at readings of the displacement."""
+        return _law_load(self.values, LAWS[self.law], displacement, self.record.poisson_ratio)
+
+    def corrected_load(self, clock: FloatArray, load: FloatArray) -> FloatArray:
+        """Return measured forces with zero and tilt removed, N."""
+        return load - _zero(self.values, clock)
+
+    @property
+    def covariance(self) -> FloatArray:
+        """Covariance of the free parameters, wandering noise included."""
+        return self.noise.parameter_covariance(*self._jacobians)
+
+    def simulated(self, rng: np.random.Generator) -> tuple[FloatArray, FloatArray]:
+        """Return displacement and force of one more record like this, with new noise."""
+        record, noise = self.record, self.noise
+        load = self.load(record.smooth_displacement) + _zero(self.values, record.clock)
+        load = load + noise.force_std * rng.standard_normal(load.size)
+        kept = np.append(0.0, np.exp(-noise.steps / noise.wander_time))
+        wander = noise.wander_std * rng.standard_normal(load.size) * np.sqrt(1 - kept**2)
+        for row in range(1, load.size if noise.wander_std > 0 else 0):
+            wander[row] += kept[row] * wander[row - 1]
+        displacement = record.smooth_displacement + noise.displacement_std * rng.standard_normal(load.size)
+        return displacement, load + wander
+
+    @property
+    def aicc(self) -> float:
+        """Corrected Akaike criterion χ² + 2k + 2k(k+1)/(n−k−1), to compare laws under one noise."""
+        n = self.record.load.size / self.noise.inflation + self.record.area.size
+        k = self.fit.values.size
+        return self.fit.sum_of_squares + 2 * k + 2 * k * (k + 1) / (n - k - 1) if n > k + 1 else math.inf
+
+    @property
+    def _jacobians(self) -> tuple[FloatArray, FloatArray]:
+        return _jacobians(self.record, self.law, list(self.fit.names), self.values)
+
+    def estimate(self, name: str) -> Estimate:
+        """Return one parameter with a 95 % interval: its profile, widened by noise and by what is held."""
+        if name in self.held:
+            return self.held[name]
+        own = self.fit.estimate(name)
+        whole = self.combined(own.value, {name: 1.0})
+        stretch = (whole.upper - whole.value) / Estimate.symmetric(
+            0.0, own.std, self.fit.degrees_of_freedom
+        ).upper
+        return Estimate(
+            value=own.value,
+            std=whole.std,
+            lower=own.value - stretch * (own.value - own.lower),
+            upper=own.value + stretch * (own.upper - own.value),
+        )
+
+    def combined(self, value: float, gradient: Values) -> Estimate:
+        """Return a function of the parameters from its gradient, to first order (GUM Eq. 13 and G.4)."""
+        slope = np.array([gradient.get(name, 0.0) for name in self.fit.names])
+        jacobians = self._jacobians
+        covariance = self.noise.parameter_covariance(*jacobians)
+        freedom = self.noise_uncertainty.degrees_of_freedom(self.noise, jacobians, slope)
+        own = Estimate.symmetric(value, math.sqrt(float(slope @ covariance @ slope)), freedom)
+        shifts = [
+            (gradient.get(key, 0.0) + float(slope @ self.response[key])) * given.std
+            for key, given in self.held.items()
+        ]
+        return _widened(own, math.hypot(*shifts))
+
+
+def fit_joint(
+    record: Record, law: str, start: Values, held: Mapping[str, Estimate], noise: Noise | None = None
+) -> JointFit:
+    """Fit a law to a record; the noise is found from the residuals unless it is given.
+
+    Noise of the displacement is carried to force and area by the slopes (effective variance), which makes
+    their residuals correlate; all deviations are those of greatest restricted likelihood.
+    """
+    names = [name for name in start if name not in held]
+    if noise is not None:
+        return _fitted(record, law, start, held, noise)
+    whole = {**start, **{name: given.value for name, given in held.items()}}
+    noise = _first_noise(record, law, whole)
+    for wandering in (False, True, True):
+        noise = replace(noise, slope=_slope(record, whole), radius=whole["effective_radius"])
+        jacobians = _jacobians(record, law, names, whole)
+        noise = likely_noise(noise, _residuals(record, law, whole), jacobians, wandering=wandering)
+        found = _fitted(record, law, whole, held, noise)
+        whole = found.values
+    return found
+
+
+def _law_load(values: Values, law: Law, displacement: FloatArray, poisson_ratio: float) -> FloatArray:
+    xi = np.maximum(displacement - values["contact_offset"], 0.0)
+    stiffness = 4 / 3 * math.sqrt(max(values["effective_radius"], 1e-9)) / (1 - poisson_ratio**2)
+    return law.load(values, xi, stiffness)
+
+
+def _zero(values: Values, clock: FloatArray) -> FloatArray:
+    return values.get("force_zero", 0.0) + values.get("force_tilt", 0.0) * clock
+
+
+def _residuals(record: Record, law: str, values: Values) -> tuple[FloatArray, FloatArray]:
+    load = _law_load(values, LAWS[law], record.displacement, record.poisson_ratio)
+    force = record.load - load - _zero(values, record.clock)
+    depth = record.displacement[record.with_area] - values["contact_offset"]
+    return force, record.area - np.pi * values["effective_radius"] * depth
+
+
+def _fitted(record: Record, law: str, start: Values, held: Mapping[str, Estimate], noise: Noise) -> JointFit:
+    names = [name for name in start if name not in held]
+    given = {name: estimate.value for name, estimate in held.items()}
+
+    def residuals(free: FloatArray, fixed: Values = given) -> FloatArray:
+        values = {**fixed, **dict(zip(names, free.tolist(), strict=True))}
+        force, area = _residuals(record, law, values)
+        return noise.scaled(force[:, None], area[:, None])[:, 0]
+
+    fit = fit_least_squares(residuals, [start[name] for name in names], names)
+    response: dict[str, FloatArray] = {}
+    for name, estimate in held.items():
+        step = 1e-4 * max(abs(estimate.value), estimate.std) or 1e-6
+        moved = [residuals(fit.values, {**given, name: estimate.value + way * step}) for way in (1, -1)]
+        change = (moved[0] - moved[1]) / (2 * step)
+        response[name] = floats(-np.linalg.lstsq(fit.jacobian, change)[0])
+    whole = {**given, **dict(zip(names, map(float, fit.values), strict=True))}
+    known = noise_uncertainty(noise, _residuals(record, law, whole), _jacobians(record, law, names, whole))
+    return JointFit(
+        law=law,
+        fit=fit,
+        held=held,
+        noise=noise,
+        noise_uncertainty=known,
+        record=record,
+        response=response,
+    )
+
+
+def _slope(record: Record, values: Values) -> FloatArray:
+    """Return dW/dξ, of the law whose modulus grows with load or of Hertz's."""
+    xi = np.maximum(record.smooth_displacement - values["contact_offset"], 0.0)
+    h = 4 / 3 * math.sqrt(max(values["effective_radius"], 1e-9)) / (1 - record.poisson_ratio**2) * xi**1.5
+    modulus = values.get("initial_modulus", values.get("youngs_modulus", 0.0))
+    return load_slope(xi, h, modulus, values.get("load_coefficient", 0.0))
+
+
+def _first_noise(record: Record, law: str, values: Values) -> Noise:
+    """Return deviations to begin a search with."""
+    force, area = _residuals(record, law, values)
+    slope, spread = _slope(record, values), float(np.std(force)) or 1e-12
+    return Noise(
+        force_std=0.7 * spread,
+        displacement_std=0.3 * spread / max(float(slope.max()), 1e-12),
+        area_std=0.9 * (float(np.std(area)) or 1e-12) if area.size else 1.0,
+        wander_std=0.0,
+        wander_time=5 * float(np.median(np.diff(record.clock))) or 1.0,
+        slope=slope,
+        radius=values["effective_radius"],
+        steps=np.diff(record.clock),
+        with_area=record.with_area,
+    )
+
+
+def _jacobians(record: Record, law: str, names: list[str], values: Values) -> tuple[FloatArray, FloatArray]:
+    """Return derivatives of the residuals of force and of area, where the smooth displacement is."""
+    record = replace(record, displacement=record.smooth_displacement)
+    force, area = [], []
+    for name in names:
+        step = 1e-5 * (abs(values[name]) or 1.0)
+        up, down = (_residuals(record, law, {**values, name: values[name] + way * step}) for way in (1, -1))
+        force.append((up[0] - down[0]) / (2 * step))
+        area.append((up[1] - down[1]) / (2 * step))
+    return np.stack(force, -1), np.stack(area, -1)
+
+
+def _widened(own: Estimate, shift: float) -> Estimate:
+    return Estimate(
+        value=own.value,
+        std=math.hypot(own.std, shift),
+        lower=own.value - math.hypot(own.value - own.lower, 1.96 * shift),
+        upper=own.value + math.hypot(own.upper - own.value, 1.96 * shift),
+    )

@@ -1,0 +1,301 @@
+"""Least squares for every nonlinear model here: values, covariance, profile intervals, AICc, correlation."""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import TypeAlias
+
+import numpy as np
+from scipy import linalg, optimize, stats
+
+from fingerpad._arrays import ArrayLike, FloatArray, floats
+from fingerpad.exceptions import FitError
+from fingerpad.loading.estimate import Estimate
+
+Residuals: TypeAlias = Callable[[FloatArray], FloatArray]
+
+_STEP = np.finfo(float).eps ** (1 / 3)
+# Singular values of the Jacobian, its columns scaled to one, below which parameters are not told apart.
+_SINGULAR = 1e-12
+_HIGHEST_ORDER = 3
+_FARTHEST = 50.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class LeastSquaresFit:
+    """Parameters that minimise a sum of squares.
+
+    Attributes
+    ----------
+    names : tuple of str
+        Of the p parameters.
+    values : ndarray, (p,)
+        Estimates.
+    residuals : ndarray, (n,)
+        At the estimates.
+    jacobian : ndarray, (n, p)
+        Derivative of the residuals by the parameters.
+    effective_count : float
+        Number of independent residuals that carry as much information: n where they are not correlated.
+    """
+
+    names: tuple[str, ...]
+    values: FloatArray
+    residuals: FloatArray
+    jacobian: FloatArray
+    effective_count: float
+    _function: Residuals
+
+    @property
+    def sum_of_squares(self) -> float:
+        """Least sum of squares S."""
+        return float(self.residuals @ self.residuals)
+
+    @property
+    def degrees_of_freedom(self) -> float:
+        """Effective count less the number of parameters."""
+        return self.effective_count - self.values.size
+
+    @property
+    def residual_std(self) -> float:
+        """Standard deviation of the residuals, √(S/(n − p))."""
+        return math.sqrt(self.sum_of_squares / (self.residuals.size - self.values.size))
+
+    @property
+    def covariance(self) -> FloatArray:
+        """Covariance of the parameters, (JᵀJ)⁻¹ S/(n_eff − p), (p, p)."""
+        return _inverse_information(self.jacobian) * (self.sum_of_squares / self.degrees_of_freedom)
+
+    @property
+    def aicc(self) -> float:
+        """Corrected Akaike criterion n ln(S/n) + 2k + 2k(k+1)/(n−k−1), with n effective and k = p + 1."""
+        n, k = self.effective_count, self.values.size + 1
+        if not n > k + 1:
+            return math.inf
+        tiny = np.finfo(float).tiny
+        return n * math.log(max(self.sum_of_squares, tiny) / n) + 2 * k + 2 * k * (k + 1) / (n - k - 1)
+
+    def value(self, name: str) -> float:
+        """Return the estimate of one parameter."""
+        return float(self.values[self.names.index(name)])
+
+    def with_effective_count(self, count: float) -> "LeastSquaresFit":
+        """Return the same fit for residuals worth `count` independent ones.
+
+        Raises
+        ------
+        FitError
+            If they are no more than the parameters.
+        """
+        if not count > self.values.size:
+            raise FitError(
+                f"the residuals are so correlated that they are worth {count:.1f} independent ones, for "
+                f"{self.values.size} parameters ({', '.join(self.names)}): record for longer, or fit less"
+            )
+        return replace(self, effective_count=float(count))
+
+    def derived(self, value: float, gradient: ArrayLike) -> Estimate:
+        """Return a function of the parameters with its first-order uncertainty (GUM Eq. 13)."""
+        slope = floats(gradient)
+        std = math.sqrt(float(slope @ self.covariance @ slope))
+        return Estimate.symmetric(value, std, self.degrees_of_freedom)
+
+    def estimate(self, name: str) -> Estimate:
+        """Return one parameter with its 95 % interval by profile likelihood.
+
+        The parameter is moved and all others are fitted again, until S has grown by t² S/(n_eff − p)
+        (Bates & Watts 1988, ch. 6). An end that is never reached is infinite.
+        """
+        place = self.names.index(name)
+        std = math.sqrt(self.covariance[place, place])
+        lower, upper = (_profile_end(self, place, way * std) for way in (-1, 1))
+        return Estimate(value=self.value(name), std=std, lower=lower, upper=upper)
+
+
+def fit_least_squares(
+    residuals: Residuals, start: ArrayLike, names: Sequence[str], *, evaluations: int = 2000
+) -> LeastSquaresFit:
+    """Minimise the sum of squares of `residuals` by the Levenberg–Marquardt method.
+
+    Parameters
+    ----------
+    residuals : callable
+        From parameters (p,) to residuals (n,), each divided by its relative standard deviation.
+    start : array_like, (p,)
+        Where to begin.
+    names : sequence of str
+        Of the parameters.
+    evaluations : int
+        Of the residuals, after which the search is given up.
+
+    Raises
+    ------
+    FitError
+        If there are no more residuals than parameters, the residuals at the start are not finite, the
+        search does not end, or the data do not tell the parameters apart.
+
+    Examples
+    --------
+    >>> x = np.linspace(0, 2, 9)
+    >>> y = 3 * np.exp(-x) + 0.01 * np.cos(9 * x)
+    >>> fit = fit_least_squares(lambda p: p[0] * np.exp(-p[1] * x) - y, [1, 2], ["size", "rate"])
+    >>> rate = fit.estimate("rate")
+    >>> print(f"{rate.value:.3f} in {rate.lower:.3f} to {rate.upper:.3f}")
+    1.002 in 0.992 to 1.011
+    """
+    values, names = floats(start), tuple(names)
+    first = residuals(values)
+    if not first.size > values.size:
+        raise FitError(
+            f"{first.size} data for {values.size} parameters ({', '.join(names)}): record more points"
+        )
+    values = _minimum(residuals, values, names, evaluations=evaluations)
+    fit = LeastSquaresFit(
+        names=names,
+        values=values,
+        residuals=residuals(values),
+        jacobian=_jacobian(residuals, values),
+        effective_count=float(first.size),
+        _function=residuals,
+    )
+    _require_determined(fit)
+    return fit
+
+
+def effective_count(residuals: ArrayLike) -> float:
+    """Return the number of independent values that a run of correlated residuals is worth for a slow trend.
+
+    An autoregression, of an order up to three found by AICc, gives the spectral density at zero frequency
+    against the variance, 1 + 2 Σ ρ_k; the count is divided by it. It is never raised: what looks like
+    anticorrelation does not make an interval narrower.
+
+    Examples
+    --------
+    >>> rng = np.random.default_rng(0)
+    >>> white = rng.standard_normal(1000)
+    >>> doubled = np.repeat(white, 2)
+    >>> effective_count(white) > 900, effective_count(doubled) < 1400
+    (True, True)
+    """
+    values = floats(residuals) - float(np.mean(floats(residuals)))
+    n = values.size
+    variance = float(values @ values) / n
+    if n < 8 or not variance > 0:
+        return float(n)
+    lags = min(_HIGHEST_ORDER, n // 8)
+    correlation = np.array([float(values[k:] @ values[: n - k]) / n / variance for k in range(lags + 1)])
+    best, inflation = math.inf, 1.0
+    for order in range(lags + 1):
+        weights = (
+            linalg.solve_toeplitz(correlation[:order], correlation[1 : order + 1]) if order else np.zeros(0)
+        )
+        innovation = max(1 - float(weights @ correlation[1 : order + 1]), 1 / n**2)
+        k = order + 1
+        criterion = n * math.log(innovation) + 2 * k + 2 * k * (k + 1) / (n - k - 1)
+        if criterion < best:
+            best, inflation = criterion, innovation / max(1 - float(weights.sum()), 1 / n) ** 2
+    return float(n / max(inflation, 1.0))
+
+
+def _minimum(
+    residuals: Residuals,
+    start: FloatArray,
+    names: Sequence[str],
+    *,
+    tolerance: float = 1e-14,
+    evaluations: int = 300,
+) -> FloatArray:
+    if not np.isfinite(residuals(start)).all():
+        raise FitError(f"the model is not finite at {dict(zip(names, start.tolist(), strict=False))}")
+    found = optimize.least_squares(
+        residuals,
+        start,
+        jac=partial(_jacobian, residuals),
+        method="lm",
+        x_scale="jac",
+        ftol=tolerance,
+        xtol=tolerance,
+        gtol=tolerance,
+        max_nfev=evaluations,
+    )
+    if not (found.success and np.isfinite(found.x).all() and math.isfinite(found.cost)):
+        raise FitError(f"the fit of {', '.join(names)} found no minimum: {found.message}")
+    return np.asarray(found.x)
+
+
+def _jacobian(residuals: Residuals, values: FloatArray) -> FloatArray:
+    """Return central differences: they err by 1e-10, one-sided ones by 1e-8."""
+    columns = []
+    for k, value in enumerate(values):
+        step = _STEP * (abs(value) or 1.0)
+        upper, lower = values.copy(), values.copy()
+        upper[k], lower[k] = value + step, value - step
+        columns.append((residuals(upper) - residuals(lower)) / (upper[k] - lower[k]))
+    return np.asarray(np.nan_to_num(np.stack(columns, axis=-1)))
+
+
+def _inverse_information(jacobian: FloatArray) -> FloatArray:
+    """Return (JᵀJ)⁻¹ from the singular values of J with columns of length one, which loses fewest digits."""
+    length = np.linalg.norm(jacobian, axis=0)
+    _, singular, right = np.linalg.svd(jacobian / length, full_matrices=False)
+    root = right.T / singular / length[:, None]
+    return np.asarray(root @ root.T)
+
+
+def _require_determined(fit: LeastSquaresFit) -> None:
+    length = np.linalg.norm(fit.jacobian, axis=0)
+    if not (length > 0).all():
+        idle = [name for name, size in zip(fit.names, length, strict=True) if not size > 0]
+        raise FitError(f"the data do not depend on {', '.join(idle)}: nothing was fitted")
+    singular = np.linalg.svd(fit.jacobian / length, compute_uv=False)
+    if not singular[-1] > _SINGULAR * singular[0]:
+        raise FitError(
+            f"the data do not tell {', '.join(fit.names)} apart: record a wider range, or fit less"
+        )
+
+
+def _profile_end(fit: LeastSquaresFit, place: int, step: float) -> float:
+    """Return where the profile of a parameter, as a signed root, reaches the 95 % point of Student's t."""
+    target = float(stats.t.ppf(0.975, fit.degrees_of_freedom))
+    scale = fit.sum_of_squares / fit.degrees_of_freedom
+    if not (scale > 0 and step != 0):
+        return float(fit.values[place])
+    others = np.arange(fit.values.size) != place
+    trend = fit.covariance[others, place] / fit.covariance[place, place]
+    free = fit.values[others]
+
+    def root(moved: float) -> float:
+        """Return how far, in standard uncertainties, the data resist the move."""
+        nonlocal free
+
+        def whole(part: FloatArray) -> FloatArray:
+            values = np.empty(fit.values.size)
+            values[others], values[place] = part, fit.values[place] + moved * step
+            return values
+
+        begin = fit.values[others] + trend * moved * step
+        part = begin
+        if others.any():
+            try:
+                part = _minimum(lambda p: fit._function(whole(p)), begin, fit.names, tolerance=1e-8)
+            except FitError:
+                return math.nan
+        rest = fit._function(whole(part))
+        return math.sqrt(max(float(rest @ rest) - fit.sum_of_squares, 0.0) / scale)
+
+    near, far = (0.0, 0.0), (target, root(target))
+    if math.isnan(far[1]):
+        return math.copysign(math.inf, step)
+    for _ in range(25):
+        if abs(far[1] - target) < 0.002 * target:
+            break
+        rise = (far[1] - near[1]) / (far[0] - near[0])
+        ahead = far[0] + (target - far[1]) / rise if rise > 0 else 2 * far[0]
+        ahead = min(max(ahead, 0.3 * far[0]), 3 * far[0])
+        if ahead > _FARTHEST * target:
+            return math.copysign(math.inf, step)
+        near, far = far, (ahead, root(ahead))
+        if math.isnan(far[1]):
+            return math.copysign(math.inf, step)
+    return float(fit.values[place] + far[0] * step)

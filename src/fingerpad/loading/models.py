@@ -1,0 +1,120 @@
+r"""The contact of a soft sphere whose modulus grows with load, as equations between arrays.
+
+Hertz: :math:`W = \tfrac{4}{3} E^* R^{1/2} \xi^{3/2}` with :math:`E^* = E/(1 - \nu^2)`. With the secant
+modulus :math:`E_g = E_{0g} + \beta W` in place of E, the load is explicit in
+:math:`h = \tfrac{4}{3} R^{1/2} \xi^{3/2}/(1 - \nu^2)`: :math:`W = E_{0g} h/(1 - \beta h)`.
+Lengths in mm, forces in N, moduli in MPa; arrays broadcast, and what has no answer is NaN.
+"""
+
+import numpy as np
+
+from fingerpad._arrays import ArrayLike, FloatArray, broadcast, floats
+
+# Where β h comes this near to one, the load grows beyond all bounds, and a search must be turned back.
+_POLE = 0.02
+
+
+@np.errstate(all="ignore")
+def load_from_indentation(
+    indentation: ArrayLike,
+    *,
+    effective_radius: ArrayLike,
+    initial_modulus: ArrayLike,
+    load_coefficient: ArrayLike = 0.0,
+    poisson_ratio: ArrayLike = 0.5,
+) -> FloatArray:
+    """Return the load W (N) at an indentation ξ (mm), zero before contact.
+
+    NaN from the indentation on at which the modulus, growing with the load, makes the load infinite.
+
+    Examples
+    --------
+    >>> print(f"{load_from_indentation(1.806, effective_radius=20.5, initial_modulus=0.1024):.2f} N")
+    2.00 N
+    """
+    xi, radius, modulus, coefficient, ratio = broadcast(
+        indentation, effective_radius, initial_modulus, load_coefficient, poisson_ratio
+    )
+    h = 4 / 3 * np.sqrt(radius) * np.maximum(xi, 0) ** 1.5 / (1 - ratio**2)
+    rest = 1 - coefficient * h
+    return np.where(rest > 0, modulus * h / rest, np.nan)
+
+
+@np.errstate(all="ignore")
+def indentation_from_load(
+    load: ArrayLike,
+    *,
+    effective_radius: ArrayLike,
+    initial_modulus: ArrayLike,
+    load_coefficient: ArrayLike = 0.0,
+    poisson_ratio: ArrayLike = 0.5,
+) -> FloatArray:
+    """Return the indentation ξ (mm) under a load W (N); the inverse of `load_from_indentation`."""
+    W, radius, modulus, coefficient, ratio = broadcast(
+        load, effective_radius, initial_modulus, load_coefficient, poisson_ratio
+    )
+    return np.asarray(
+        (3 * (1 - ratio**2) * W / (4 * np.sqrt(radius) * (modulus + coefficient * W))) ** (2 / 3)
+    )
+
+
+@np.errstate(all="ignore")
+def secant_modulus(
+    load: ArrayLike, indentation: ArrayLike, *, effective_radius: ArrayLike, poisson_ratio: ArrayLike = 0.5
+) -> FloatArray:
+    r"""Return :math:`E_g = 3(1-\nu^2) W/(4 R_g^{1/2} \xi^{3/2})` (MPa), NaN before contact.
+
+    Examples
+    --------
+    The source's contact at 30° and 2 N:
+
+    >>> print(f"{1000 * secant_modulus(2.0, 1.806, effective_radius=20.5):.1f} kPa")
+    102.4 kPa
+    """
+    W, xi, radius, ratio = broadcast(load, indentation, effective_radius, poisson_ratio)
+    return np.where(xi > 0, 3 * (1 - ratio**2) * W / (4 * np.sqrt(radius) * xi**1.5), np.nan)
+
+
+def area_from_load(
+    load: ArrayLike,
+    *,
+    effective_radius: ArrayLike,
+    initial_modulus: ArrayLike,
+    load_coefficient: ArrayLike = 0.0,
+    poisson_ratio: ArrayLike = 0.5,
+) -> FloatArray:
+    r"""Return :math:`A = \pi [3(1-\nu^2) W R_g/(4(E_{0g} + \beta W))]^{2/3}` (mm²), which is π R_g ξ(W)."""
+    xi = indentation_from_load(
+        load,
+        effective_radius=effective_radius,
+        initial_modulus=initial_modulus,
+        load_coefficient=load_coefficient,
+        poisson_ratio=poisson_ratio,
+    )
+    return np.asarray(np.pi * floats(effective_radius) * xi)
+
+
+@np.errstate(all="ignore")
+def local_area_exponent(
+    load: ArrayLike, *, initial_modulus: ArrayLike, load_coefficient: ArrayLike
+) -> FloatArray:
+    r"""Return :math:`d\ln A/d\ln W = \tfrac{2}{3} E_{0g}/(E_{0g} + \beta W)`: 2/3 for Hertz, less as β grows.
+
+    Examples
+    --------
+    >>> print(f"{local_area_exponent(2.0, initial_modulus=0.04, load_coefficient=0.02):.3f}")
+    0.333
+    """
+    W, modulus, coefficient = broadcast(load, initial_modulus, load_coefficient)
+    return 2 / 3 * modulus / (modulus + coefficient * W)
+
+
+def searched_load(h: FloatArray, initial_modulus: float, load_coefficient: float) -> FloatArray:
+    """Return the load for a search among parameters: beyond its pole it goes on finite and very large."""
+    return initial_modulus * h / np.maximum(1 - load_coefficient * h, _POLE)
+
+
+def load_slope(xi: FloatArray, h: FloatArray, initial_modulus: float, load_coefficient: float) -> FloatArray:
+    """Return dW/dξ of the same."""
+    rest = np.maximum(1 - load_coefficient * h, _POLE)
+    return np.asarray(1.5 * initial_modulus * h / np.maximum(xi, 1e-12) / rest**2)

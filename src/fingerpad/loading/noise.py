@@ -1,0 +1,254 @@
+r"""The noise of a pressed pad's record: of force, of displacement and of area, and how it hangs together.
+
+With :math:`e` the noise of displacement, :math:`s = dW/d\xi` and :math:`g = \pi R_g`, the residuals are
+:math:`r_F = f + w + s e` and :math:`r_A = a - g e`: noise of the displacement enters both (effective
+variance).
+The force has white noise w and wandering noise f, which forgets exponentially in time. Given :math:`r_A`, the
+force's residuals have covariance :math:`B^{-1} T B^{-\mathsf T}`, with B the bidiagonal filter that makes f
+white and T tridiagonal, so that all of it is done in as many steps as there are rows.
+"""
+
+import math
+from dataclasses import dataclass, replace
+from typing import Any, Final
+
+import numpy as np
+from scipy import linalg, optimize
+
+from fingerpad._arrays import BoolArray, FloatArray
+
+# Gain in log-likelihood from which the two parameters of wandering noise are believed (as by AIC).
+_GAIN = 2.0
+# A log-likelihood need not be known better than to a few hundredths.
+_ENOUGH: Final[Any] = {"ftol": 1e-6, "gtol": 1e-3}
+_WHITE: Final = ("force_std", "displacement_std", "area_std")
+_WANDERING: Final = ("wander_std", "wander_time")
+_LOG_STEP = 0.1
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Noise:
+    """Noise of a record of n rows, m of them with an area.
+
+    Attributes
+    ----------
+    force_std, displacement_std, area_std : float
+        White noise of one row, N, mm, mm².
+    wander_std, wander_time : float
+        Standard deviation (N) and correlation time (s, or rows) of the force's wandering.
+    slope : ndarray, (n,)
+        dW/dξ, N/mm.
+    radius : float
+        R_g, mm.
+    steps : ndarray, (n − 1,)
+        Time from each row to the next.
+    with_area : ndarray of bool, (n,)
+        Rows that have an area.
+    """
+
+    force_std: float
+    displacement_std: float
+    area_std: float
+    wander_std: float
+    wander_time: float
+    slope: FloatArray
+    radius: float
+    steps: FloatArray
+    with_area: BoolArray
+
+    def scaled(self, force: FloatArray, area: FloatArray) -> FloatArray:
+        """Return columns of residuals divided by their spread, those of the area after those of the force.
+
+        Wandering counts by its density at zero frequency, where the parameters' traces lie. To filter it out
+        of the fit would leave differences of neighbouring rows, which noise of the displacement biases.
+        """
+        white, force, area_std = self._parted(force, area)
+        return np.concatenate([force / np.sqrt(white + self._slow_variance)[:, None], area / area_std])
+
+    @property
+    def _slow_variance(self) -> float:
+        kept = math.exp(-float(np.median(self.steps)) / self.wander_time)
+        return self.wander_std**2 * (1 + kept) / (1 - kept)
+
+    @property
+    def inflation(self) -> float:
+        """How many rows of the force before contact are worth one that does not wander."""
+        return (self.force_std**2 + self._slow_variance) / (self.force_std**2 + self.wander_std**2)
+
+    def parameter_covariance(self, force: FloatArray, area: FloatArray) -> FloatArray:
+        """Return H Cov(Jᵀz) H with H = (JᵀJ)⁻¹ for scaled residuals z, from the derivatives of raw ones."""
+        scaled = self.scaled(force, area)
+        length = np.linalg.norm(scaled, axis=0)
+        inverse = np.linalg.inv((scaled / length).T @ (scaled / length)) / np.outer(length, length)
+        return np.asarray(inverse @ self._score_covariance(scaled) @ inverse)
+
+    def _score_covariance(self, scaled: FloatArray) -> FloatArray:
+        count = self.slope.size
+        white, *_ = self._parted(np.zeros((count, 1)), np.zeros((0, 1)))
+        spread = scaled[:count] / np.sqrt(white + self._slow_variance)[:, None]
+        alone = spread.T @ (white[:, None] * spread) + scaled[count:].T @ scaled[count:]
+        if not self.wander_std > 0:
+            return alone
+        kept = np.exp(-self.steps / self.wander_time)
+        band = np.stack([np.ones(count), np.append(-kept, 0.0)])
+        passed, _ = linalg.lapack.dtbtrs(band, spread, uplo="L", trans="T", diag="U")
+        passed *= self.wander_std * np.sqrt(np.append(1.0, 1 - kept**2))[:, None]
+        return np.asarray(alone + passed.T @ passed)
+
+    def surprise(self, force: FloatArray, area: FloatArray) -> float:
+        """Return minus the restricted log-likelihood, which allows for what the fit took up (REML).
+
+        The first columns are the residuals, the others their derivatives by the parameters.
+        """
+        force, area, volume = self._whitened(force, area)
+        product = force.T @ force + area.T @ area
+        length = np.sqrt(np.diagonal(product)).copy()
+        length[0] = 1.0
+        product /= np.outer(length, length)
+        try:
+            triangle = np.linalg.cholesky(product[1:, 1:])
+        except np.linalg.LinAlgError:
+            return math.inf
+        taken = linalg.solve_triangular(triangle, product[1:, 0], lower=True)
+        determined = float(np.log(np.diagonal(triangle) * length[1:]).sum())
+        return volume + determined + float(product[0, 0] - taken @ taken) / 2
+
+    def _parted(self, force: FloatArray, area: FloatArray) -> tuple[FloatArray, FloatArray, float]:
+        """Return variances of the force given the area, what the area does not tell of it, the area's std."""
+        shared, g = self.displacement_std**2, np.pi * self.radius
+        area_variance = self.area_std**2 + g**2 * shared
+        left = np.where(self.with_area, self.area_std**2 / area_variance, 1.0) * shared
+        if area.size:
+            told = self.slope[self.with_area] * g * shared / area_variance
+            force = force.copy()
+            force[self.with_area] += told[:, None] * area
+        return self.force_std**2 + self.slope**2 * left, force, math.sqrt(area_variance)
+
+    def _whitened(self, force: FloatArray, area: FloatArray) -> tuple[FloatArray, FloatArray, float]:
+        """Return both as independent ones of unit variance, and half the log of their determinant."""
+        white, force, area_std = self._parted(force, area)
+        volume = len(area) * math.log(area_std)
+        if not self.wander_std > 0:
+            volume += 0.5 * float(np.log(white).sum())
+            return force / np.sqrt(white)[:, None], area / area_std, volume
+        kept = np.exp(-self.steps / self.wander_time)
+        diagonal = np.append(1.0, 1 - kept**2) * self.wander_std**2 + white
+        diagonal[1:] += kept**2 * white[:-1]
+        pivots, below, _ = linalg.lapack.dpttrf(diagonal, -kept * white[:-1])
+        filtered = force.copy()
+        filtered[1:] -= kept[:, None] * force[:-1]
+        band = np.stack([np.ones_like(pivots), np.append(below, 0.0)])
+        solved, _ = linalg.lapack.dtbtrs(band, filtered, uplo="L", diag="U")
+        return solved / np.sqrt(pivots)[:, None], area / area_std, volume + 0.5 * float(np.log(pivots).sum())
+
+
+def likely_noise(
+    first: Noise,
+    residuals: tuple[FloatArray, FloatArray],
+    jacobians: tuple[FloatArray, FloatArray],
+    *,
+    wandering: bool,
+) -> Noise:
+    """Return the noise of greatest restricted likelihood, with or without a search for wandering.
+
+    `first` gives slope, radius, steps and rows with area; its deviations are where the search begins.
+    """
+    white = _found(
+        replace(first, wander_std=0.0), residuals, jacobians, _WHITE[: 3 if residuals[1].size else 2]
+    )
+    if not wandering:
+        return white[0]
+    names = _WHITE[: 3 if residuals[1].size else 2] + _WANDERING
+    seen = replace(first, wander_std=first.wander_std or white[0].force_std)
+    both = _found(seen, residuals, jacobians, names)
+    return both[0] if both[1] < white[1] - _GAIN else white[0]
+
+
+def _found(
+    first: Noise,
+    residuals: tuple[FloatArray, FloatArray],
+    jacobians: tuple[FloatArray, FloatArray],
+    names: tuple[str, ...],
+) -> tuple[Noise, float]:
+    most = _most(first, residuals)
+    force, area = (np.column_stack(pair) for pair in zip(residuals, jacobians, strict=True))
+    bounds = [(math.log(most[name][0]), math.log(most[name][1])) for name in names]
+    start = [
+        min(max(math.log(getattr(first, name)), low), high)
+        for name, (low, high) in zip(names, bounds, strict=True)
+    ]
+
+    def surprise(logs: FloatArray) -> float:
+        return _with_logs(first, names, logs).surprise(force, area)
+
+    found = optimize.minimize(
+        surprise,
+        np.array(start),
+        method="L-BFGS-B",
+        bounds=bounds,
+        options=_ENOUGH,
+    )
+    return _with_logs(first, names, found.x), float(found.fun)
+
+
+def _most(first: Noise, residuals: tuple[FloatArray, FloatArray]) -> dict[str, tuple[float, float]]:
+    """Return the least and the largest deviation that residuals can show: below, one is as good as zero."""
+    force, area = (float(np.std(part)) if part.size else 1.0 for part in residuals)
+    displacement = force / max(float(first.slope.max()), 1e-12)
+    usual, whole = float(np.median(first.steps)), float(first.steps.sum())
+    tiny = 1e-12
+    return {
+        "force_std": (0.02 * force + tiny, 3 * force + tiny),
+        "displacement_std": (0.02 * displacement + tiny, 3 * displacement + tiny),
+        "area_std": (0.02 * area + tiny, 3 * area + tiny),
+        "wander_std": (0.02 * force + tiny, 3 * force + tiny),
+        "wander_time": (0.5 * usual + tiny, max(0.1 * whole, usual) + tiny),
+    }
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class NoiseUncertainty:
+    """How well a noise is known: names of its estimated deviations and the covariance of their logarithms."""
+
+    names: tuple[str, ...]
+    covariance: FloatArray
+
+    def degrees_of_freedom(
+        self, noise: Noise, jacobians: tuple[FloatArray, FloatArray], gradient: FloatArray
+    ) -> float:
+        """Return Satterthwaite's 2 v²/Var(v) for the variance v of gᵀp that the noise gives (GUM G.4)."""
+        at = np.log([getattr(noise, name) for name in self.names])
+
+        def log_variance(logs: FloatArray) -> float:
+            seen = _with_logs(noise, self.names, logs)
+            return math.log(float(gradient @ seen.parameter_covariance(*jacobians) @ gradient))
+
+        moves = _LOG_STEP * np.eye(len(self.names))
+        slope = np.array([log_variance(at + m) - log_variance(at - m) for m in moves]) / (2 * _LOG_STEP)
+        return min(max(2 / float(slope @ self.covariance @ slope), 2.0), 1e6)
+
+
+def noise_uncertainty(
+    noise: Noise, residuals: tuple[FloatArray, FloatArray], jacobians: tuple[FloatArray, FloatArray]
+) -> NoiseUncertainty:
+    """Return the uncertainty of a noise from the curvature of its restricted likelihood."""
+    names = _WHITE[: 3 if residuals[1].size else 2] + (_WANDERING if noise.wander_std > 0 else ())
+    force, area = (np.column_stack(pair) for pair in zip(residuals, jacobians, strict=True))
+    at, moves = np.log([getattr(noise, name) for name in names]), _LOG_STEP * np.eye(len(names))
+
+    def surprise(move: FloatArray) -> float:
+        return _with_logs(noise, names, at + move).surprise(force, area)
+
+    middle, single = surprise(0 * at), [surprise(m) + surprise(-m) for m in moves]
+    curvature = np.diag([s - 2 * middle for s in single])
+    for i in range(len(names)):
+        for k in range(i):
+            pair = surprise(moves[i] + moves[k]) + surprise(-moves[i] - moves[k])
+            curvature[i, k] = curvature[k, i] = (pair - single[i] - single[k] + 2 * middle) / 2
+    values, vectors = np.linalg.eigh(curvature / _LOG_STEP**2)
+    # What the data hardly show is held to a factor of a few: it then hardly matters either.
+    return NoiseUncertainty(names=names, covariance=(vectors / np.maximum(values, 0.5)) @ vectors.T)
+
+
+def _with_logs(noise: Noise, names: tuple[str, ...], logs: FloatArray) -> Noise:
+    return replace(noise, **dict(zip(names, np.exp(logs).tolist(), strict=True)))

@@ -1,0 +1,248 @@
+r"""What time does to a held contact: relaxation of the force, and growth of the ridges' area.
+
+A pad that is linearly viscoelastic in time bears :math:`W(t) = \int g(t - s)\,dW_e(s)`, with the elastic load
+:math:`W_e = k\,\xi^{3/2}/(1 - b\,\xi^{3/2})` of the recorded motion and
+:math:`g = 1 - \sum_i g_i (1 - e^{-t/\tau_i})`. The ramp is in the integral: nothing need be instantaneous.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import signal
+
+from fingerpad._arrays import ArrayLike, FloatArray, floats
+from fingerpad.exceptions import FitError
+from fingerpad.loading.curve import LoadingCurve
+from fingerpad.loading.estimate import Quantity, Unknown
+from fingerpad.loading.least_squares import LeastSquaresFit, Residuals, effective_count, fit_least_squares
+from fingerpad.loading.segments import Cycle, smoothed
+
+# A term that takes off less than this share of the squares ends the search for more.
+_MOST_TERMS, _GAIN = 3, 0.995
+_FINE = 500
+_MOST_ROWS = 600
+_PATIENCE = 150
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PronyTerm:
+    """One relaxing share of the load and its time.
+
+    Attributes
+    ----------
+    share : Estimate or Unknown
+        Part of an instantaneous load that decays.
+    time : Estimate or Unknown
+        Its time constant, s; Unknown where the record is too slow or too short for it.
+    """
+
+    share: Quantity
+    time: Quantity
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Relaxation:
+    """The relaxation of a held load.
+
+    Attributes
+    ----------
+    terms : tuple of PronyTerm
+        Fastest first; none where the force does not relax.
+    ramp_time, hold_time : float
+        s.
+    aicc : tuple of float
+        Of no, one, two ... terms.
+    fit : LeastSquaresFit
+        Of the number chosen.
+    time, load : ndarray
+        Times (s) from contact, at most 600 of them, and the
+        force fitted there (N).
+    """
+
+    terms: tuple[PronyTerm, ...]
+    ramp_time: float
+    hold_time: float
+    aicc: tuple[float, ...]
+    fit: LeastSquaresFit
+    time: FloatArray
+    load: FloatArray
+
+
+def fit_relaxation(curve: LoadingCurve, cycle: Cycle, contact_offset: float) -> Relaxation:
+    """Fit a Prony series to loading and hold of one cycle, the ramp as it was; terms are chosen by AICc.
+
+    No time faster than the ramp is known: such a term's effect is over before the hold begins, and what it
+    did meanwhile cannot be told from the pad's stiffness. Nor is a time longer than the hold.
+
+    Parameters
+    ----------
+    curve : LoadingCurve
+        With times; the force's zero taken off.
+    cycle : Cycle
+        With a hold.
+    contact_offset : float
+        Displacement at contact, mm.
+
+    Raises
+    ------
+    FitError
+        If there are no times, the cycle has no hold, or the load does not determine the model.
+    """
+    if curve.time is None:
+        raise FitError("relaxation needs times: a column time_s")
+    if cycle.hold is None or len(cycle.hold) < 5:
+        raise FitError(
+            "the cycle has no hold of five rows or more; relaxation shows only while the platen rests"
+        )
+    rows = slice(cycle.loading.start, cycle.hold.stop)
+    time, load = curve.time[rows] - curve.time[rows][0], curve.load[rows]
+    # Each by itself: smoothed across, the end of the ramp would be rounded, which looks like relaxation.
+    parts = [smoothed(curve.indentation[part.rows]) for part in (cycle.loading, cycle.hold)]
+    depth = np.maximum(np.concatenate(parts) - contact_offset, 0.0)
+    ramp, whole = float(time[len(cycle.loading) - 1]), float(time[-1])
+    some = np.unique(np.linspace(0, load.size - 1, min(load.size, _MOST_ROWS)).astype(int))
+    time, load, depth = time[some], load[some], depth[some]
+    fine = np.linspace(0, whole, _FINE)
+    motion = np.interp(fine, time, depth / depth.max())
+    top = float(load.max())
+
+    def model(p: FloatArray) -> FloatArray:
+        elastic = p[0] * motion**1.5 / np.maximum(1 - p[1] * motion**1.5, 0.02)
+        borne = _relaxed(fine, elastic, p[2::2], np.exp(np.clip(p[3::2], -15, 15)))
+        return np.asarray(np.interp(time, fine, borne))
+
+    fits: list[LeastSquaresFit] = []
+    start = [0.5 * top, 0.5]
+    for count in range(_MOST_TERMS + 1):
+        try:
+            fits.append(_with_terms(lambda p: load - model(p), start, count, ramp, whole))
+        except FitError:
+            break
+        start = [*fits[-1].values]
+        if count and fits[-1].sum_of_squares > _GAIN * fits[-2].sum_of_squares:
+            break
+    if not fits:
+        raise FitError("loading and hold do not determine even a purely elastic load")
+    worth = effective_count(fits[-1].residuals)
+    fits = [each.with_effective_count(max(worth, each.values.size + 1.0)) for each in fits]
+    best = min(fits, key=lambda each: each.aicc)
+    return Relaxation(
+        terms=_terms(best, ramp, whole - ramp),
+        ramp_time=ramp,
+        hold_time=whole - ramp,
+        aicc=tuple(each.aicc for each in fits),
+        fit=best,
+        time=time,
+        load=model(best.values),
+    )
+
+
+def _with_terms(
+    residuals: Residuals, start: Sequence[float], count: int, ramp: float, whole: float
+) -> LeastSquaresFit:
+    """Fit `count` terms from the fit of one fewer, the new one tried at several times."""
+    names = ["load", "growth", *(f"{part}{k}" for k in range(count) for part in ("share", "log_time"))]
+    if count == 0:
+        return fit_least_squares(residuals, start, names, evaluations=_PATIENCE)
+    found, last = [], FitError("no start was tried")
+    for time in np.geomspace(max(0.3 * ramp, whole / 200), whole, 3):
+        try:
+            found.append(
+                fit_least_squares(residuals, [*start, 0.1, np.log(time)], names, evaluations=_PATIENCE)
+            )
+        except FitError as error:
+            last = error
+    if not found:
+        raise last
+    return min(found, key=lambda each: each.sum_of_squares)
+
+
+def _terms(fit: LeastSquaresFit, ramp: float, hold: float) -> tuple[PronyTerm, ...]:
+    terms = []
+    for k in range((fit.values.size - 2) // 2):
+        time = float(np.exp(fit.value(f"log_time{k}")))
+        known = fit.derived(time, time * (np.array(fit.names) == f"log_time{k}"))
+        share: Quantity = fit.derived(
+            fit.value(f"share{k}"), (np.array(fit.names) == f"share{k}").astype(float)
+        )
+        seen: Quantity = known
+        if time < ramp:
+            reason = f"faster than the ramp of {ramp:.3g} s: load the pad faster to see it"
+            seen, share = Unknown(reason), Unknown(reason)
+        elif time > hold:
+            reason = f"slower than the hold of {hold:.3g} s: hold for longer to see it"
+            seen, share = Unknown(reason), Unknown(reason)
+        terms.append((time, PronyTerm(share=share, time=seen)))
+    return tuple(term for _, term in sorted(terms, key=lambda pair: pair[0]))
+
+
+def _relaxed(time: FloatArray, elastic: FloatArray, shares: FloatArray, times: FloatArray) -> FloatArray:
+    steps, step = np.diff(elastic, prepend=0.0), time[1] - time[0]
+    load = (1 - shares.sum()) * elastic
+    for share, tau in zip(shares, times, strict=True):
+        kept = np.exp(-step / tau)
+        load = load + share * signal.lfilter([tau / step * (1 - kept)], [1.0, -kept], steps)
+    return np.asarray(load)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class RidgeGrowth:
+    """Ridge area that grows as A∞ − (A∞ − A0) exp(−t/τ).
+
+    Attributes
+    ----------
+    initial_area, final_area : Estimate or Unknown
+        A0 and A∞, mm².
+    time : Estimate or Unknown
+        τ, s.
+    fit : LeastSquaresFit
+        With parameters ``initial_area``, ``final_area``, ``log_time``.
+    """
+
+    initial_area: Quantity
+    final_area: Quantity
+    time: Quantity
+    fit: LeastSquaresFit
+
+
+def fit_ridge_growth(time: ArrayLike, area: ArrayLike) -> RidgeGrowth:
+    """Fit first-order growth of the ridges' contact area under a held load.
+
+    Parameters
+    ----------
+    time, area : array_like, (n,)
+        s from the start of the hold, and mm².
+
+    Raises
+    ------
+    FitError
+        If there are fewer than five rows, time or area has no range, or the growth is not determined.
+
+    Examples
+    --------
+    >>> time = np.linspace(0, 60, 40)
+    >>> area = 60 - 20 * np.exp(-time / 15) + 0.1 * np.cos(7 * time)
+    >>> print(f"{fit_ridge_growth(time, area).time.value:.0f} s")
+    15 s
+    """
+    t, A = floats(time), floats(area)
+    if t.size < 5 or not (np.ptp(t) > 0 and np.ptp(A) > 0):
+        raise FitError(f"growth of area needs five rows and a range of times and areas, found {t.size} rows")
+
+    def residuals(p: FloatArray) -> FloatArray:
+        return np.asarray(p[1] - (p[1] - p[0]) * np.exp(-t / np.exp(np.clip(p[2], -15, 15))) - A)
+
+    start = [float(A[0]), float(A[-1]), float(np.log(np.ptp(t) / 3))]
+    fit = fit_least_squares(residuals, start, ["initial_area", "final_area", "log_time"])
+    fit = fit.with_effective_count(effective_count(fit.residuals))
+    tau, whole = float(np.exp(fit.value("log_time"))), float(np.ptp(t))
+    if tau > whole:
+        late = Unknown(f"slower than the record of {whole:.3g} s: hold for longer to see it")
+        return RidgeGrowth(initial_area=fit.estimate("initial_area"), final_area=late, time=late, fit=fit)
+    return RidgeGrowth(
+        initial_area=fit.estimate("initial_area"),
+        final_area=fit.estimate("final_area"),
+        time=fit.derived(tau, [0.0, 0.0, tau]),
+        fit=fit,
+    )

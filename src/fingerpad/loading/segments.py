@@ -1,0 +1,206 @@
+"""Baseline, loading, hold and unloading of each cycle, told apart by the platen's motion."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+from scipy import signal
+
+from fingerpad._arrays import BoolArray, FloatArray
+from fingerpad.exceptions import LoadingError
+from fingerpad.loading.curve import LoadingCurve
+from fingerpad.loading.estimate import Estimate
+
+# A platen slower than this share of its usual speed rests; phases shorter than this share are none.
+_RESTING, _LEAST = 0.2, 0.02
+_RISE, _REST, _FALL = 1, 0, -1
+# Rows at the sensor's very maximum, while the platen still moves, that show it was saturated.
+_SATURATED_ROWS = 4
+_SMOOTHING = 50
+_START_GRID, _START_ROWS = 30, 300
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Segment:
+    """Rows from `start` to before `stop`."""
+
+    start: int
+    stop: int
+
+    @property
+    def rows(self) -> slice:
+        """The rows as a slice."""
+        return slice(self.start, self.stop)
+
+    def __len__(self) -> int:
+        return self.stop - self.start
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Cycle:
+    """One press: what comes before contact, loading, and hold and unloading where there are any."""
+
+    baseline: Segment | None
+    loading: Segment
+    hold: Segment | None
+    unloading: Segment | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Hysteresis:
+    """Energy that a cycle lost, N mm = mJ, and its share of the work of loading."""
+
+    energy: float
+    fraction: float
+
+
+def smoothed(values: FloatArray) -> FloatArray:
+    """Return a moving average over a fiftieth of the rows, straight at its ends."""
+    window = 2 * (len(values) // (2 * _SMOOTHING)) + 1
+    if window < 3:
+        return np.asarray(values, dtype=np.float64)
+    return np.asarray(signal.savgol_filter(values, window, 1))
+
+
+def find_cycles(curve: LoadingCurve) -> tuple[Cycle, ...]:
+    """Tell baseline, loading, hold and unloading of each cycle apart.
+
+    The platen's motion shows the phases: it moves into the pad, rests, or moves away. Within the way in,
+    contact parts baseline from loading where a line followed by a Hertzian rise fits the force best.
+
+    Raises
+    ------
+    LoadingError
+        If there are fewer than six rows, the force or the displacement is the same in all, or the platen
+        never moves into the pad.
+
+    Examples
+    --------
+    >>> from fingerpad.loading import simulate_loading_curve
+    >>> (cycle,) = find_cycles(simulate_loading_curve(points=200, hold=0.5, unloading=True))
+    >>> len(cycle.baseline), len(cycle.loading), len(cycle.hold), len(cycle.unloading)
+    (19, 68, 26, 87)
+    """
+    _require_usable(curve)
+    phases = _phases(curve)
+    starts = np.flatnonzero(np.diff(phases, prepend=9))
+    ends = np.append(starts[1:], phases.size)
+    cycles = []
+    for k, (start, end) in enumerate(zip(starts, ends, strict=True)):
+        if phases[start] != _RISE:
+            continue
+        later = [
+            (int(phases[a]), Segment(start=int(a), stop=int(b)))
+            for a, b in zip(starts[k + 1 :], ends[k + 1 :], strict=True)
+        ]
+        hold = later[0][1] if later and later[0][0] == _REST else None
+        after = later[1:] if hold else later
+        unloading = after[0][1] if after and after[0][0] == _FALL else None
+        before = start - 1 if k and phases[start - 1] == _REST else start
+        begin = int(starts[k - 1]) if before < start else int(start)
+        contact = begin + _contact_row(curve, begin, int(end))
+        cycles.append(
+            Cycle(
+                baseline=Segment(start=begin, stop=contact) if contact > begin else None,
+                loading=Segment(start=contact, stop=int(end)),
+                hold=hold,
+                unloading=unloading,
+            )
+        )
+    if not cycles:
+        raise LoadingError("the displacement never grows: it must grow into the pad; reverse its sign")
+    return tuple(cycles)
+
+
+def hysteresis(curve: LoadingCurve, cycle: Cycle) -> Hysteresis | None:
+    """Return the energy lost between loading and unloading, or None where a cycle has no unloading.
+
+    The force's zero is the mean of the baseline, where there is one.
+    """
+    if cycle.unloading is None:
+        return None
+    zero = float(np.mean(curve.load[cycle.baseline.rows])) if cycle.baseline else 0.0
+    last = cycle.unloading.stop
+    depth, load = curve.indentation[cycle.loading.start : last], curve.load[cycle.loading.start : last] - zero
+    # Only down to where the platen was at first contact, so that both ways cover the same ground.
+    back = np.arange(depth.size) < len(cycle.loading)
+    kept = back | (depth >= depth[0])
+    energy = float(np.trapezoid(load[kept], depth[kept]))
+    work = float(np.trapezoid(load[back], depth[back]))
+    return Hysteresis(energy=energy, fraction=energy / work) if work > 0 else None
+
+
+def saturated(curve: LoadingCurve, segment: Segment) -> BoolArray:
+    """Return which rows of a loading lie at the sensor's limit: the very same maximum in several rows."""
+    load = curve.load[segment.rows]
+    at_top = load == load.max()
+    many = int(at_top.sum()) >= _SATURATED_ROWS and np.ptp(curve.indentation[segment.rows][at_top]) > 0
+    return np.asarray(at_top & bool(many))
+
+
+def rising_start(
+    clock: FloatArray, load: FloatArray, displacement: FloatArray, *, tilt: bool
+) -> tuple[float, FloatArray]:
+    """Return the place of contact (mm) and coefficients of force = 1 (+ clock) + s + s², s = ξ^1.5.
+
+    The law whose modulus grows with load begins like that; for a given place of contact it is linear.
+    """
+    some = np.unique(np.linspace(0, load.size - 1, min(load.size, _START_ROWS)).astype(int))
+    t, y, x = clock[some], load[some], displacement[some]
+    basis = [np.ones_like(y), t] if tilt else [np.ones_like(y)]
+
+    def best(places: FloatArray) -> tuple[float, FloatArray]:
+        found = []
+        for place in places:
+            s = np.maximum(x - place, 0) ** 1.5
+            columns = np.stack([*basis, s, s * s], axis=-1)
+            parts, *_ = np.linalg.lstsq(columns, y)
+            found.append((float(np.sum((y - columns @ parts) ** 2)), float(place), parts))
+        return min(found, key=lambda each: each[0])[1:]
+
+    grid = np.linspace(x.min(), x.min() + 0.8 * np.ptp(x), _START_GRID)
+    place, _ = best(grid)
+    return best(place + (grid[1] - grid[0]) * np.linspace(-1, 1, 11))
+
+
+def _require_usable(curve: LoadingCurve) -> None:
+    if curve.load.size < 6:
+        raise LoadingError(f"{curve.load.size} rows in the curve; at least 6 are needed")
+    for name, unit, values in (("force", "N", curve.load), ("displacement", "mm", curve.indentation)):
+        if not np.ptp(values) > 0:
+            raise LoadingError(
+                f"the {name} is {values[0]:g} {unit} in every row; a curve needs a range of it"
+            )
+
+
+def _phases(curve: LoadingCurve) -> npt.NDArray[np.int8]:
+    smooth = smoothed(curve.indentation)
+    rate = np.gradient(smooth)
+    usual = float(np.average(np.abs(rate), weights=np.abs(rate)))
+    phases = np.where(np.abs(rate) < _RESTING * usual, _REST, np.sign(rate)).astype(np.int8)
+    least = max(2, round(_LEAST * phases.size))
+    while True:
+        starts = np.flatnonzero(np.diff(phases, prepend=9))
+        ends = np.append(starts[1:], phases.size)
+        k = int(np.argmin(ends - starts))
+        if starts.size == 1 or ends[k] - starts[k] >= least:
+            return phases
+        phases[starts[k] : ends[k]] = phases[starts[k] - 1] if k else phases[ends[k]]
+
+
+def _contact_row(curve: LoadingCurve, start: int, end: int) -> int:
+    """Return how many rows of the way in lie before contact."""
+    displacement = smoothed(curve.indentation)[start:end]
+    place, _ = rising_start(
+        curve.clock[start:end], curve.load[start:end], displacement, tilt=end - start > 12
+    )
+    return min(int(np.searchsorted(np.maximum.accumulate(displacement), place)), end - start - 1)
+
+
+def baseline_level(curve: LoadingCurve, cycle: Cycle) -> Estimate | None:
+    """Return the mean force before contact and its uncertainty, or None where there is no baseline."""
+    if cycle.baseline is None or len(cycle.baseline) < 2:
+        return None
+    values = curve.load[cycle.baseline.rows]
+    std = float(np.std(values, ddof=1)) / np.sqrt(values.size)
+    return Estimate.symmetric(float(values.mean()), float(std), values.size - 1)

@@ -1,0 +1,172 @@
+"""All quantities of a loading curve against the truth it was simulated from."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from benchmarks.loading import QUANTITIES, coverage_row
+from numpy.testing import assert_allclose
+
+from fingerpad._json import dumps
+from fingerpad.exceptions import LoadingError
+from fingerpad.loading import (
+    ESTIMATORS,
+    Estimate,
+    Unknown,
+    contact_points,
+    fit_loading_curve,
+    simulate_loading_curve,
+)
+
+NOISE = {"force_std": 0.005, "displacement_std": 0.005, "area_std": 1.0, "force_tilt": 0.01}
+CURVE = simulate_loading_curve(points=300, seed=3, **NOISE)
+
+
+@pytest.mark.parametrize(("points", "beta"), [(20, 0.02), (200, 0.02), (200, 0.0)])
+def test_intervals_cover_and_bias_is_small(points: int, beta: float) -> None:
+    rows = np.array([coverage_row(points, beta, seed) for seed in range(40)])
+    for k, name in enumerate(QUANTITIES):
+        inside, error, std = rows[:, k].T
+        assert inside.mean() >= 0.82, name  # four standard deviations below 95 %
+        assert abs(error.mean()) < 0.65 * np.median(std), name  # the mean of forty is uncertain to 0.16
+        assert 0.6 < error.std() / np.median(std) < 1.6, name
+
+
+def test_noise_free_curve_gives_the_truth() -> None:
+    fit = fit_loading_curve(simulate_loading_curve(points=200, force_offset=0.3, force_tilt=0.05))
+    found = (fit.effective_radius, fit.initial_modulus, fit.load_coefficient, fit.contact_offset)
+    assert_allclose([each.value for each in found], [15, 0.04, 0.02, 1.0], rtol=1e-4)
+    assert_allclose(fit.youngs_modulus.value, 0.08, rtol=1e-4)
+    assert_allclose(fit.reduced_modulus.value, 0.08 / 0.75, rtol=1e-4)
+
+
+def test_hertzian_pad_has_hertzian_exponents() -> None:
+    curve = simulate_loading_curve(points=400, load_coefficient=0.0, seed=5, **NOISE)
+    fit = fit_loading_curve(curve)
+    assert "modulus_depends_on_load" not in fit.flags
+    assert abs(fit.load_exponent.value - 1.5) < 3 * fit.load_exponent.std
+    assert abs(fit.area_exponent.value - 2 / 3) < 3 * fit.area_exponent.std
+    assert fit.models["hertz"].aicc < fit.models["load_dependent"].aicc + 6
+
+
+def test_growing_modulus_is_seen() -> None:
+    fit = fit_loading_curve(CURVE)
+    assert fit.preferred_model == "load_dependent"
+    assert "modulus_depends_on_load" in fit.flags
+    assert fit.load_exponent.lower > 1.5
+    assert fit.area_exponent.upper < 2 / 3
+
+
+@pytest.mark.parametrize("shift", [-30.0, 4.0])
+def test_zero_of_the_stage_does_not_matter(shift: float) -> None:
+    moved = fit_loading_curve(replace(CURVE, indentation=CURVE.indentation + shift))
+    fit = fit_loading_curve(CURVE)
+    assert_allclose(moved.contact_offset.value - shift, fit.contact_offset.value, atol=1e-4)
+    assert_allclose(moved.effective_radius.value, fit.effective_radius.value, rtol=1e-4)
+    assert_allclose(moved.initial_modulus.value, fit.initial_modulus.value, rtol=2e-3)
+
+
+def test_without_area_the_place_of_contact_is_known_and_the_modulus_is_not() -> None:
+    fit = fit_loading_curve(replace(CURVE, area=None))
+    assert isinstance(fit.contact_offset, Estimate)
+    for name in (
+        "effective_radius",
+        "youngs_modulus",
+        "initial_modulus",
+        "load_coefficient",
+        "area_exponent",
+    ):
+        assert isinstance(getattr(fit, name), Unknown), name
+    record = json.loads(dumps(fit.as_record()))
+    assert record["youngs_modulus_kpa"] is None
+    assert record["youngs_modulus_kpa_ci95"] is None
+    assert "give a column area_mm2, or effective_radius" in record["reasons"]["youngs_modulus_kpa"]
+
+
+def test_given_radius_carries_its_uncertainty() -> None:
+    bare = replace(CURVE, area=None)
+    sure, unsure = (
+        fit_loading_curve(bare, effective_radius=Estimate.symmetric(15.0, std)) for std in (0.0, 1.5)
+    )
+    # E goes as R^-1/2 for a given curve: 10 % of the radius are 5 % of the modulus.
+    added = np.sqrt(unsure.youngs_modulus.std**2 - sure.youngs_modulus.std**2)
+    assert_allclose(added / unsure.youngs_modulus.value, 0.05, rtol=0.05)
+    assert_allclose(sure.youngs_modulus.value, 0.08, rtol=0.15)
+    four = fit_loading_curve(bare, effective_radius=60.0)
+    assert_allclose(four.youngs_modulus.value, sure.youngs_modulus.value / 2, rtol=1e-3)
+
+
+def test_record_has_every_number_with_its_uncertainty_and_unit() -> None:
+    fit = fit_loading_curve(CURVE)
+    record = json.loads(dumps(fit.as_record()))
+    for name in (
+        "effective_radius_mm",
+        "reduced_modulus_kpa",
+        "youngs_modulus_kpa",
+        "contact_offset_mm",
+        "initial_modulus_kpa",
+        "load_coefficient_kpa_per_N",
+        "load_exponent",
+        "area_exponent",
+    ):
+        low, high = record[f"{name}_ci95"]
+        assert low < record[name] < high
+        assert 1.5 * record[f"{name}_std"] < high - low
+    assert_allclose(record["initial_modulus_kpa"], 1000 * fit.initial_modulus.value)
+    assert record["reasons"] == {}
+
+
+def test_region_is_found_where_the_modulus_turns_and_can_be_given() -> None:
+    curve = simulate_loading_curve(points=600, top_load=4.0, seed=1, **NOISE)
+    # From 2 N on the pad is made ever softer than its law.
+    soft = np.where(curve.load > 2, curve.load / (1 + 0.9 * (curve.load - 2)), curve.load)
+    fit = fit_loading_curve(replace(curve, load=soft))
+    assert "modulus_partly_decreases" in fit.flags
+    assert fit.region[1] < 2.4
+    blind = fit_loading_curve(replace(curve, load=soft), region=(0.0, 10.0))
+    assert abs(fit.initial_modulus.value - 0.04) < 0.5 * abs(blind.initial_modulus.value - 0.04)
+    given = fit_loading_curve(CURVE, region=(0.0, 1.0))
+    assert "region_given" in given.flags
+    assert given.modulus_load < 1.05
+    assert given.load_coefficient.std > fit_loading_curve(CURVE).load_coefficient.std
+
+
+def test_estimators_of_contact_state_errors_that_hold() -> None:
+    points = contact_points(fit_loading_curve(CURVE).models["load_dependent"])
+    assert set(points) == {"joint", *ESTIMATORS}
+    for name, found in points.items():
+        assert abs(found.value - 1.0) < 3 * found.std, name
+    assert points["joint"].std < min(points[name].std for name in ESTIMATORS)
+
+
+def test_estimator_can_be_chosen_and_its_uncertainty_is_carried() -> None:
+    fit = fit_loading_curve(CURVE)
+    held = fit_loading_curve(CURVE, contact_point="baseline_deviation")
+    assert held.contact_offset.value > fit.contact_offset.value  # a threshold is always late
+    assert held.initial_modulus.std > 3 * fit.initial_modulus.std
+
+
+def test_each_cycle_can_be_fitted() -> None:
+    curve = simulate_loading_curve(points=900, cycles=2, unloading=True, seed=4, **NOISE)
+    for cycle in (0, 1):
+        fit = fit_loading_curve(curve, cycle=cycle)
+        assert abs(fit.effective_radius.value - 15) < 4 * fit.effective_radius.std
+    with pytest.raises(LoadingError, match="2 cycles, numbered from 0; there is no 2"):
+        fit_loading_curve(curve, cycle=2)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"poisson_ratio": 0.6}, "poisson_ratio must be"),
+        ({"poisson_ratio": np.nan}, "poisson_ratio must be"),
+        ({"contact_point": "eye"}, "contact_point must be joint, baseline_deviation"),
+        ({"effective_radius": -3.0}, "effective_radius must be positive"),
+        ({"effective_radius": np.nan}, "effective_radius must be positive"),
+        ({"region": (1.0, 0.5)}, "region must be two rising loads"),
+    ],
+)
+def test_impossible_options_are_refused(options: dict, message: str) -> None:
+    with pytest.raises(LoadingError, match=message):
+        fit_loading_curve(CURVE, **options)

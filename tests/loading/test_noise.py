@@ -1,0 +1,93 @@
+"""The noise in as many steps as rows, against its covariance written out as a matrix."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from fingerpad.loading.noise import Noise, likely_noise
+
+RNG = np.random.default_rng(0)
+COUNT = 40
+TIME = np.sort(RNG.uniform(0, 1, COUNT))
+SLOPE = np.maximum(np.linspace(-1, 3, COUNT), 0)
+WITH_AREA = np.arange(COUNT) > 15
+G = np.pi * 15.0
+
+
+def noise(wander_std: float) -> Noise:
+    return Noise(
+        force_std=0.003,
+        displacement_std=0.005,
+        area_std=1.0,
+        wander_std=wander_std,
+        wander_time=0.1,
+        slope=SLOPE,
+        radius=15.0,
+        steps=np.diff(TIME),
+        with_area=WITH_AREA,
+    )
+
+
+def written_out(wander_std: float) -> np.ndarray:
+    """Return the covariance of residuals of force and area from f + w + s e and a - g e."""
+    rows = np.flatnonzero(WITH_AREA)
+    displacement = np.concatenate([np.diag(SLOPE), -G * np.eye(COUNT)[rows]])
+    whole = 0.005**2 * displacement @ displacement.T
+    lags = np.abs(TIME[:, None] - TIME)
+    whole[:COUNT, :COUNT] += wander_std**2 * np.exp(-lags / 0.1) + 0.003**2 * np.eye(COUNT)
+    whole[COUNT:, COUNT:] += np.eye(rows.size)
+    return whole
+
+
+@pytest.mark.parametrize("wander_std", [0.0, 0.006])
+def test_likelihood_is_that_of_the_matrix(wander_std: float) -> None:
+    covariance = written_out(wander_std)
+    columns = np.random.default_rng(1).standard_normal((len(covariance), 4))
+    residual, jacobian = columns[:, 0], columns[:, 1:]
+    inverse = np.linalg.inv(covariance)
+    information = jacobian.T @ inverse @ jacobian
+    left = residual - jacobian @ np.linalg.solve(information, jacobian.T @ inverse @ residual)
+    expected = sum(np.linalg.slogdet(each)[1] for each in (covariance, information)) + left @ inverse @ left
+    assert_allclose(noise(wander_std).surprise(columns[:COUNT], columns[COUNT:]), expected / 2, rtol=1e-9)
+
+
+@pytest.mark.parametrize("wander_std", [0.0, 0.006])
+def test_parameter_covariance_is_the_sandwich_of_the_matrix(wander_std: float) -> None:
+    covariance, seen = written_out(wander_std), noise(wander_std)
+    jacobian = np.random.default_rng(2).standard_normal((len(covariance), 3))
+    identity = np.eye(len(covariance))
+    scaling = seen.scaled(identity[:COUNT], identity[COUNT:])
+    weighed = scaling @ jacobian
+    estimator = np.linalg.solve(weighed.T @ weighed, weighed.T @ scaling)
+    found = seen.parameter_covariance(jacobian[:COUNT], jacobian[COUNT:])
+    assert_allclose(found, estimator @ covariance @ estimator.T, rtol=1e-8)
+
+
+def test_deviations_are_found_again() -> None:
+    count, rng, found = 1500, np.random.default_rng(3), []
+    slope, with_area = np.linspace(0, 3, count), np.ones(count, dtype=bool)
+    line = np.stack([np.ones(count), np.linspace(0, 1, count)], axis=-1)
+    for _ in range(6):
+        wander = np.zeros(count)
+        for k in range(1, count):
+            wander[k] = 0.9 * wander[k - 1] + 0.004 * rng.standard_normal()
+        e = 0.005 * rng.standard_normal(count)
+        force = wander + 0.004 * rng.standard_normal(count) + slope * e
+        area = rng.standard_normal(count) - G * e
+        start = Noise(
+            force_std=0.01,
+            displacement_std=0.001,
+            area_std=0.5,
+            wander_std=0.0,
+            wander_time=5.0,
+            slope=slope,
+            radius=15.0,
+            steps=np.ones(count - 1),
+            with_area=with_area,
+        )
+        seen = likely_noise(start, (force, area), (line, line), wandering=True)
+        found.append(
+            (seen.force_std, seen.displacement_std, seen.area_std, seen.wander_std, seen.wander_time)
+        )
+    expected = (0.004, 0.005, 1.0, 0.004 / np.sqrt(1 - 0.81), -1 / np.log(0.9))
+    assert_allclose(np.median(found, axis=0), expected, rtol=0.15)

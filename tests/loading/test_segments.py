@@ -1,0 +1,122 @@
+"""Phases of a record, the energy it lost, and records in which there is nothing to find."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from fingerpad.exceptions import FingerpadError, FitError, LoadingError
+from fingerpad.loading import (
+    LoadingCurve,
+    baseline_level,
+    find_cycles,
+    fit_loading_curve,
+    hysteresis,
+    simulate_loading_curve,
+)
+
+NOISE = {"force_std": 0.005, "displacement_std": 0.005, "area_std": 1.0}
+
+
+@pytest.mark.parametrize("noise", [{}, NOISE])
+@pytest.mark.parametrize("points", [120, 600, 2000])
+def test_phases_of_three_cycles(points: int, noise: dict) -> None:
+    curve = simulate_loading_curve(points=points, cycles=3, hold=0.6, unloading=True, seed=2, **noise)
+    cycles = find_cycles(curve)
+    assert len(cycles) == 3
+    third = points / 3
+    for number, cycle in enumerate(cycles):
+        # Way in 1.39 s of which 0.3 s before contact, hold 0.6 s, way out 1.39 s.
+        edges = np.array([cycle.loading.start, cycle.hold.start, cycle.unloading.start]) / third - number
+        assert_allclose(edges, [0.3 / 3.37, 1.39 / 3.37, 1.99 / 3.37], atol=max(0.035, 2 / third))
+
+
+def test_one_way_record_has_no_hold_and_no_unloading() -> None:
+    (cycle,) = find_cycles(simulate_loading_curve(points=300, **NOISE))
+    assert cycle.hold is None
+    assert cycle.unloading is None
+    assert len(cycle.baseline) + len(cycle.loading) == 300
+
+
+def test_baseline_level_covers_the_zero() -> None:
+    curve = simulate_loading_curve(points=400, force_offset=0.2, **NOISE)
+    level = baseline_level(curve, find_cycles(curve)[0])
+    assert level.lower < 0.2 < level.upper
+    assert level.std < 0.002
+
+
+@pytest.mark.parametrize("share", [0.0, 0.3, 0.6])
+def test_hysteresis_is_the_area_of_the_loop(share: float) -> None:
+    curve = simulate_loading_curve(points=4000, unloading=True, hysteresis=share, load_coefficient=0.0)
+    found = hysteresis(curve, find_cycles(curve)[0])
+    # Of W = k x^(3/2), the work is 2/5, and the loop's share h (2/5 - 2/7) / (2/5).
+    assert_allclose(found.fraction, share * (1 - 5 / 7), atol=2e-3)
+    assert found.energy >= -1e-3
+
+
+def changed(**columns) -> LoadingCurve:
+    return replace(simulate_loading_curve(points=300, **NOISE), **columns)
+
+
+CURVE = simulate_loading_curve(points=300, **NOISE)
+
+
+@pytest.mark.parametrize(
+    ("columns", "kind", "message"),
+    [
+        ({"load": -CURVE.load}, LoadingError, "force falls as the displacement grows"),
+        ({"indentation": -CURVE.indentation}, LoadingError, "displacement never grows"),
+        ({"load": np.ones(300)}, LoadingError, "force is 1 N in every row"),
+        ({"indentation": np.ones(300)}, LoadingError, "displacement is 1 mm in every row"),
+        (
+            {"load": 0.01 * np.random.default_rng(0).standard_normal(300)},
+            FitError,
+            "no contact in the record",
+        ),
+        ({"area": -CURVE.area}, LoadingError, "contact area falls"),
+    ],
+)
+def test_impossible_records_are_refused(columns: dict, kind: type[FingerpadError], message: str) -> None:
+    with pytest.raises(kind, match=message):
+        fit_loading_curve(replace(CURVE, **columns))
+
+
+@pytest.mark.parametrize("name", ["load", "indentation", "area", "time"])
+def test_nan_and_wrong_lengths_are_refused(name: str) -> None:
+    values = getattr(CURVE, name).copy()
+    values[7] = np.nan
+    with pytest.raises(LoadingError, match=f"{name} is not finite in row 8"):
+        replace(CURVE, **{name: values})
+    if name != "load":
+        with pytest.raises(LoadingError, match=f"{name} has shape"):
+            replace(CURVE, **{name: values[:9]})
+
+
+def test_backward_time_is_refused_and_repeated_time_and_gaps_are_flagged() -> None:
+    time = CURVE.time.copy()
+    time[100] = time[98]
+    with pytest.raises(LoadingError, match="runs backwards at row 101"):
+        replace(CURVE, time=time)
+    time = CURVE.time.copy()
+    time[100] = time[99]
+    time[150:] += 1.0
+    flags = fit_loading_curve(replace(CURVE, time=time)).flags
+    assert {"duplicated_time", "time_gap"} <= set(flags)
+
+
+def test_saturated_rows_are_left_out_and_flagged() -> None:
+    clipped = replace(CURVE, load=np.minimum(CURVE.load, 1.5))
+    fit = fit_loading_curve(clipped)
+    assert "saturated_force" in fit.flags
+    assert fit.effective_radius.lower < 15 < fit.effective_radius.upper
+    assert fit.initial_modulus.lower < 0.04 < fit.initial_modulus.upper
+    assert fit.modulus_load < 1.52
+
+
+def test_without_a_baseline_it_says_so() -> None:
+    start = find_cycles(CURVE)[0].loading.start + 60
+    cut = LoadingCurve(
+        load=CURVE.load[start:], indentation=CURVE.indentation[start:], area=CURVE.area[start:]
+    )
+    assert "no_baseline" in fit_loading_curve(cut).flags
