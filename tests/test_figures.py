@@ -246,7 +246,7 @@ def test_power_laws_pass_through_the_middle_of_the_data(axes) -> None:
         x, y = np.log(line.get_xdata()), np.log(line.get_ydata())
         assert_allclose(np.diff(y) / np.diff(x), slope)
         assert_allclose(np.interp(np.log(LOAD).mean(), x, y), np.log(area).mean())
-    assert r"0.40 \pm 0.03" in texts(axes)
+    assert "0.400 ± 0.030" in texts(axes)
 
 
 def test_area_without_logarithm_is_left_out(axes) -> None:
@@ -325,7 +325,7 @@ def test_compliance_line_has_the_slope_and_the_fan_its_width(axes) -> None:
     fan = axes.collections[-1].get_paths()[0].vertices
     at_end = fan[np.isclose(fan[:, 0], 2 * np.pi), 1]
     assert_allclose(np.ptp(at_end), 2 * 0.5 * np.pi)
-    assert "13.4 ± 0.5 mm" in texts(axes)
+    assert "13.40 ± 0.50 mm" in texts(axes)
 
 
 def drawing(seed: int = 0):

@@ -1,9 +1,9 @@
 """Render the synthetic part of this study from known truth: ``python examples/dzidek2017/render.py``.
 
 A Hertzian pad with the semi-axes of the source's Table 1 (ellipse approach) is pressed against the platen;
-contact images, photographs of its faces, a loading curve and a film of one press are drawn from what the
-theory says, with noise. ``synthetic/truth.csv`` and ``synthetic/synthetic_press_30deg_truth.csv`` hold the
-truth.
+contact images, photographs of its faces and a film of one press are drawn from what the theory says, with
+noise. Its loading curves are those of a viscoelastic sphere of the same A/(πξ) that stiffens with load.
+``synthetic/truth.csv`` and ``synthetic/synthetic_press_30deg_truth.csv`` hold the truth of the pictures.
 """
 
 import csv
@@ -12,9 +12,10 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from fingerpad.contact import HertzGeometry
+from fingerpad.contact import HertzGeometry, equivalent_radius_from_compliance
 from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.image import render_finger, render_imprint, synthetic_press
+from fingerpad.loading import simulate_loading_curve
 
 FOLDER = Path(__file__).parent / "synthetic"
 PAD = Ellipsoid.of(palmar=7.9, distal=13.8, radial_ulnar=11.8)
@@ -25,10 +26,11 @@ PPI = 500.0
 MM_PER_PX = 0.05
 FILM_PPI = 240.0
 FRAMES_PER_SECOND, FRAMES = 20.0, 24
+RATES, HELD_RATE = (0.2, 2.0, 10.0), 2.0
 
 
 def main() -> None:
-    """Write images, photographs, curve and truth."""
+    """Write images, photographs, curves, film and truth."""
     FOLDER.mkdir(exist_ok=True)
     truth = [row for wedge in LOADS for row in render_images(wedge)]
     with (FOLDER / "truth.csv").open("w", newline="", encoding="utf-8") as file:
@@ -36,7 +38,7 @@ def main() -> None:
         table.writeheader()
         table.writerows(truth)
     render_photographs()
-    render_curve(30)
+    render_curves(30)
     render_press(30)
 
 
@@ -83,17 +85,33 @@ def render_photographs() -> None:
         Image.fromarray(photograph.pixels).save(FOLDER / f"photograph_{face}.jpg", quality=92)
 
 
-def render_curve(wedge: int) -> None:
-    """Draw a loading curve with sensor noise, its displacement counted from above the contact."""
-    rng = np.random.default_rng(7)
-    load = np.linspace(0.05, 4.0, 60)
-    contact = hertz(wedge).under_load(load, reduced_modulus=REDUCED_MODULUS)
-    columns = (
-        load + rng.normal(0, 0.005, load.size),
-        contact.indentation + 0.4 + rng.normal(0, 0.01, load.size),
-        contact.area * (1 + rng.normal(0, 0.015, load.size)),
+def render_curves(wedge: int) -> None:
+    """Simulate presses at three velocities, of a pad that is viscoelastic and stiffens with load."""
+    radius = float(
+        equivalent_radius_from_compliance(hertz(wedge).geometric_mean_radius, hertz(wedge).axis_ratio)
     )
-    write(f"curve_{wedge}deg.csv", ("force_N", "displacement_mm", "area_mm2"), np.stack(columns, axis=-1))
+    for seed, rate in enumerate(RATES, start=7):
+        curve = simulate_loading_curve(
+            effective_radius=radius,
+            initial_modulus=0.070,
+            load_coefficient=0.005,
+            relaxation=((0.12, 0.3), (0.10, 3.0)),
+            rate=rate,
+            hold=12.0 if rate == HELD_RATE else 0.0,
+            unloading=True,
+            points=700 if rate == HELD_RATE else 300,
+            contact_offset=0.4,
+            force_std=0.005,
+            correlation_time=0.02,
+            displacement_std=0.005,
+            area_std=1.0,
+            force_offset=0.02,
+            force_tilt=0.002,
+            seed=seed,
+        )
+        columns = np.stack([curve.time, curve.load, curve.indentation, curve.area], axis=-1)
+        headers = ("time_s", "force_N", "displacement_mm", "area_mm2")
+        write(f"curve_{wedge}deg_{rate:g}mm_per_s.csv", headers, columns)
 
 
 def render_press(wedge: int) -> None:

@@ -1,5 +1,6 @@
-"""Units of files and flags, converted to the library's mm, N, MPa, s and radians. Used at the edges only."""
+"""Units at the edges: factors to those of the library, and numbers as people read them."""
 
+import math
 from typing import Final
 
 KPA_PER_MPA: Final = 1000.0
@@ -12,3 +13,41 @@ FACTORS: Final = {
     "time": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0},
     "trigger": {"V": 1.0, "mV": 1e-3},
 }
+
+
+def value_with_uncertainty(value: float | None, std: float | None = None) -> str:
+    """Return ``value ± standard uncertainty``, the uncertainty with two digits (GUM 7.2.6).
+
+    Examples
+    --------
+    >>> value_with_uncertainty(13.80484, 0.18442)
+    '13.80 ± 0.18'
+    >>> value_with_uncertainty(1234.5, 56.7)
+    '1234 ± 57'
+    >>> value_with_uncertainty(0.5)
+    '0.500'
+    """
+    if value is None or not math.isfinite(value):
+        return "–"
+    if std is None or not math.isfinite(std) or std <= 0:
+        return f"{value:.4g}" if abs(value) >= 1 else f"{value:.3f}"
+    decimals = _decimals(std)
+    return f"{round(value, decimals):.{max(decimals, 0)}f} ± {two_digits(std)}"
+
+
+def two_digits(std: float) -> str:
+    """Return a standard uncertainty with two digits.
+
+    Examples
+    --------
+    >>> two_digits(0.0996), two_digits(5678.0)
+    ('0.10', '5700')
+    """
+    decimals = _decimals(std)
+    return f"{round(std, decimals):.{max(decimals, 0)}f}"
+
+
+def _decimals(std: float) -> int:
+    """Return the decimal place of the second digit, after rounding: 0.0996 becomes 0.10."""
+    decimals = 1 - math.floor(math.log10(std))
+    return decimals - 1 if round(std, decimals) >= 10 ** (2 - decimals) else decimals

@@ -8,8 +8,9 @@ import pytest
 
 from fingerpad.image import FLAGS
 from fingerpad.report import write_report
-from fingerpad.report.text import FLAG_WORDS, value_with_uncertainty
+from fingerpad.report.text import FLAG_WORDS
 from fingerpad.study.pipeline import StudyResult, run_study
+from fingerpad.units import value_with_uncertainty
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "dzidek2017"
 VOID = {"meta", "img", "br", "link"}

@@ -132,9 +132,8 @@ def test_rows_may_come_from_a_spreadsheet(tmp_path: Path) -> None:
             "beside an outline there is no use for scale, tip",
         ),
         (
-            VALID
-            + '[[curves]]\nfinger = "index"\nwedge_angle_deg = 30\nfile = "c.csv"\neffective_radius_mm = 3',
-            "curves.0.: give either file or effective_radius_mm",
+            VALID + '[[curves]]\nfinger = "index"\nwedge_angle_deg = 30',
+            "curves.0.: give file, effective_radius_mm, or both",
         ),
         (
             VALID + '[[curves]]\nfinger = "index"\nwedge_angle_deg = 30\nfile = "c.csv"\n'

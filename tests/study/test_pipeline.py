@@ -14,6 +14,7 @@ from fingerpad.exceptions import ManifestError
 from fingerpad.image import render_imprint
 from fingerpad.report import write_report
 from fingerpad.study.columns import COLUMNS
+from fingerpad.study.curves import loading_radius
 from fingerpad.study.output import write_tables
 from fingerpad.study.pipeline import StudyResult, run_study
 
@@ -52,10 +53,15 @@ def test_measures_the_photographs_and_the_curve(demo: tuple[StudyResult, Path]) 
     assert_allclose(pad.semi_axes, [7.9, 13.8, 11.8], rtol=0.01)
     assert len(pad.photographs) == 3
     assert (np.abs(pad.semi_axes - [7.9, 13.8, 11.8]) < 3 * np.sqrt(np.diag(pad.covariance))).all()
-    fit = result.curves[-1].fit
-    assert fit is not None
-    # The pad's own A/(πξ) at 30°.
-    assert abs(fit.effective_radius - 13.6248 * 0.99986) < 3 * fit.effective_radius_std
+    curves = [curve for curve in result.curves if curve.fit is not None]
+    assert [round(curve.velocity, 1) for curve in curves] == [0.2, 2.0, 10.0]
+    for curve in curves:  # the pad's own A/(πξ) at 30°
+        assert abs(curve.effective_radius - 13.6248 * 0.99986) < 3 * curve.effective_radius_std
+    # A viscoelastic pad is the stiffer the faster it is pressed.
+    moduli = [curve.fit.initial_modulus.value for curve in curves]
+    assert moduli == sorted(moduli)
+    loading = loading_radius(result.curves, "synthetic_pad", 30, synthetic=True)
+    assert abs(loading.value - 13.6248 * 0.99986) < 3 * loading.std < 0.2
 
 
 def test_the_source_rows_hold_its_numbers(demo: tuple[StudyResult, Path]) -> None:
@@ -109,7 +115,7 @@ def test_tables_agree_with_each_other(demo: tuple[StudyResult, Path]) -> None:
         assert [row["column"] for row in csv.DictReader(file)] == list(COLUMNS)
     summary = json.loads((out / "summary.json").read_text())
     assert set(summary["provenance"]["inputs_sha256"]) >= {"study.toml", "observations.csv"}
-    assert len(summary["provenance"]["inputs_sha256"]) == 2 + 3 + 9 + 2 + 1
+    assert len(summary["provenance"]["inputs_sha256"]) == 2 + 3 + 9 + 2 + 3
     for row in records:
         assert row["overlay"] is None or (out / row["overlay"]).is_file()
 
@@ -132,7 +138,7 @@ def test_a_bad_image_costs_its_row_only(copy: Path, tmp_path: Path, demo: tuple[
     (bad / "synthetic_30deg_2N.png").write_text("not a picture")
     Image.fromarray(np.full((300, 300), 255, np.uint8)).save(bad / "synthetic_30deg_4N.png")
     Image.fromarray(np.full((300, 300, 3), 200, np.uint8)).save(bad / "photograph_palmar.jpg")
-    (bad / "curve_30deg.csv").write_text("force_N\n1\n")
+    (bad / "curve_30deg_10mm_per_s.csv").write_text("force_N\n1\n")
     result = run_study(copy / "study.toml", tmp_path / "out")
     rows = {row["observation"]: row for row in result.rows if row["frame"] is None}
     untouched = {row["observation"]: row for row in demo[0].rows}

@@ -170,7 +170,7 @@ def test_the_report_shows_a_few_frames_and_lists_none(plain: StudyResult, untouc
     write_tables(result, out)
     text = write_report(result, out).read_text(encoding="utf-8")
     assert "<td>p#" not in text
-    assert text.count("p#") < 3
+    assert text.count("p#") < 8  # drawn and looked at closely, not listed
     assert text.count("data:image/jpeg;base64,") == 3
     assert [overlay.role for overlay in result.sequences[0].overlays] == [
         "first contact",

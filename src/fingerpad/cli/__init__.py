@@ -6,6 +6,7 @@ import typer
 
 import fingerpad
 from fingerpad.cli import measure, model, study
+from fingerpad.cli.fit import fit
 
 __all__ = ["app"]
 
@@ -21,6 +22,7 @@ app.command()(model.hertz)
 app.command()(model.correct)
 app.command()(model.reproduce)
 app.add_typer(measure.app, name="measure")
+app.command()(fit)
 app.command()(study.init)
 app.command()(study.run)
 

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from fingerpad.cli.shared import Exit, plain_errors
+from fingerpad.units import value_with_uncertainty
 
 if TYPE_CHECKING:
     from fingerpad.study.pipeline import StudyResult
@@ -56,7 +57,7 @@ def run(
 
 
 def _print_outcome(result: "StudyResult", report: Path) -> None:
-    from fingerpad.report.text import FLAG_WORDS, doubtful_frames, in_words, value_with_uncertainty
+    from fingerpad.report.text import FLAG_WORDS, doubtful_frames, in_words
 
     for summary in result.summaries:
         pooled = summary.corrected_radius

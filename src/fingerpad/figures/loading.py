@@ -25,7 +25,7 @@ from fingerpad.figures.style import (
     mark_synthetic,
     plain_log_ticks,
 )
-from fingerpad.units import KPA_PER_MPA
+from fingerpad.units import KPA_PER_MPA, value_with_uncertainty
 
 Line: TypeAlias = tuple[ArrayLike, ArrayLike]
 
@@ -117,8 +117,8 @@ def plot_contact_compliance(
         line = np.array([min(np.nanmin(x), 0), np.nanmax(x)])
         fitted = area_at_zero + effective_radius * line
         spread = effective_radius_std * np.abs(line - np.nanmean(x))
-        error = f" ± {effective_radius_std:.1f}" if effective_radius_std else ""
-        label = rf"slope $R_\mathrm{{g}}$ = {effective_radius:.1f}{error} mm"
+        said = value_with_uncertainty(effective_radius, effective_radius_std)
+        label = rf"slope $R_\mathrm{{g}}$ = {said} mm"
         axes.plot(line, fitted, color=ORANGE, label=label, zorder=4)
         axes.fill_between(line, fitted - spread, fitted + spread, color=ORANGE, alpha=0.25, linewidth=0)
     axes.set_xlabel("π × indentation, πξ (mm)")
@@ -258,7 +258,8 @@ def plot_relaxation(
     axes.plot(t[after], y[after], ".", color=BLUE, markersize=2.5, label="measured")
     if fit is not None:
         line, fitted = broadcast(*fit)
-        axes.plot(line[line > 0], fitted[line > 0], color=ORANGE, label=label, zorder=4)
+        shown = line >= (t[after].min() if after.any() else 0)
+        axes.plot(line[shown], fitted[shown], color=ORANGE, label=label, zorder=4)
     if ramp_time is not None and after.any() and ramp_time > t[after].min():
         axes.axvspan(float(t[after].min()), ramp_time, color=GREY, alpha=0.15, linewidth=0)
         axes.plot([], [], color=GREY, alpha=0.3, linewidth=6, label="faster than the ramp: not known")

@@ -23,6 +23,7 @@ from fingerpad.figures.style import (
     plain_log_ticks,
 )
 from fingerpad.published import PublishedWedge
+from fingerpad.units import value_with_uncertainty
 
 Side: TypeAlias = Literal["top", "center", "bottom"]
 _SHAPE_POINTS: Final = 13.0
@@ -163,10 +164,10 @@ def plot_area_against_load(
             return floats(np.exp(np.log(A).mean() + slope * (np.log(line) - np.log(W).mean())))
 
         if exponent is not None:
-            error = "" if exponent_std is None else rf" \pm {exponent_std:.2f}"
-            axes.plot(
-                line, power_law(exponent), color=BLUE, label=rf"fit, $A \propto W^{{{exponent:.2f}{error}}}$"
+            said = (
+                f"{exponent:.2f}" if exponent_std is None else value_with_uncertainty(exponent, exponent_std)
             )
+            axes.plot(line, power_law(exponent), color=BLUE, label=rf"fit, $A \propto W^{{{said}}}$")
         axes.plot(line, power_law(2 / 3), "--", color=ORANGE, label=r"Hertz, $A \propto W^{2/3}$")
         axes.set_xlim(line[0], line[-1])
     axes.grid(visible=True, which="major")

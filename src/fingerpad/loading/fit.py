@@ -102,7 +102,7 @@ class LoadingFit:
             "region_N": list(self.region),
             "preferred_model": self.preferred_model,
             "aicc": {name: model.aicc for name, model in self.models.items()},
-            "cycles": len(self.cycles),
+            "segments": [cycle.as_record() for cycle in self.cycles],
             "hysteresis_mJ": [loss.energy if loss else None for loss in self.hysteresis],
             "hysteresis_fraction": [loss.fraction if loss else None for loss in self.hysteresis],
             "flags": list(self.flags),

@@ -45,6 +45,22 @@ class Cycle:
     hold: Segment | None
     unloading: Segment | None
 
+    def as_record(self) -> dict[str, list[int] | None]:
+        """Return the first and last row of each phase, counted from zero; None for one that is not there."""
+        return {
+            name: None if segment is None else [segment.start, segment.stop - 1]
+            for name, segment in self.phases().items()
+        }
+
+    def phases(self) -> dict[str, Segment | None]:
+        """Return the phases by name, in their order."""
+        return {
+            "baseline": self.baseline,
+            "loading": self.loading,
+            "hold": self.hold,
+            "unloading": self.unloading,
+        }
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Hysteresis:

@@ -14,12 +14,22 @@ from PIL import Image
 from fingerpad.exceptions import FingerpadError
 from fingerpad.figures import save_figure
 from fingerpad.image import PHOTOGRAPH_FLAGS
-from fingerpad.report.plots import Plot, curve_plots, press_plot, summary_plots
-from fingerpad.report.text import FLAG_WORDS, doubtful_frames, in_words, two_digits, value_with_uncertainty
+from fingerpad.loading import Quantity, Unknown
+from fingerpad.report.plot import Plot
+from fingerpad.report.plots import (
+    budget_plot,
+    curve_plots,
+    loading_radius_of,
+    press_plot,
+    summary_plots,
+    velocity_plots,
+)
+from fingerpad.report.text import FLAG_WORDS, doubtful_frames, in_words
 from fingerpad.study.pipeline import StudyResult
 from fingerpad.study.rows import RANGE_NOTES
 from fingerpad.study.sequences import SequenceResult
-from fingerpad.study.summary import Summary, area_exponent, curve_of
+from fingerpad.study.summary import Summary, area_exponent
+from fingerpad.units import two_digits, value_with_uncertainty
 
 _OVERLAY_WIDTH_PX = 560
 
@@ -42,7 +52,12 @@ def write_report(result: StudyResult, out: Path) -> Path:
         "flags": lambda codes: in_words(codes, FLAG_WORDS),
         "photograph_flags": lambda codes: in_words(codes, {**FLAG_WORDS, **PHOTOGRAPH_FLAGS}),
     }
-    environment.globals |= {"pm": value_with_uncertainty, "two": two_digits, "exponent": area_exponent}
+    environment.globals |= {
+        "pm": value_with_uncertainty,
+        "two": two_digits,
+        "exponent": area_exponent,
+        "quantity": _quantity,
+    }
     try:
         (out / "figures").mkdir(parents=True, exist_ok=True)
         page = environment.get_template("report.html.jinja").render(
@@ -53,6 +68,7 @@ def write_report(result: StudyResult, out: Path) -> Path:
                 {"curve": curve, "figures": _drawn(curve_plots(curve, number), out)}
                 for number, curve in enumerate(result.curves, start=1)
             ],
+            velocities=_drawn(velocity_plots(result.curves), out),
             photographs=[
                 (finger.name, photograph, _picture(photograph.overlay, out))
                 for finger in result.fingers.values()
@@ -74,7 +90,9 @@ def _group(result: StudyResult, summary: Summary, out: Path) -> dict[str, Any]:
     codes = [code for row in summary.rows for code in row["range_notes"].split()]
     return {
         "summary": summary,
-        "curve": curve_of(result.curves, summary),
+        "loading": loading_radius_of(result, summary),
+        "check": result.checks[result.summaries.index(summary)],
+        "budget": _drawn(budget_plot(result, summary), out),
         "figures": _drawn(summary_plots(result, summary), out),
         "doubtful": [row for row in summary.contacts if row["flags"]],
         "largest_size": max(row["contact_size"] for row in summary.rows),
@@ -84,6 +102,13 @@ def _group(result: StudyResult, summary: Summary, out: Path) -> dict[str, Any]:
         ],
         "overlays": [(row, _picture(row["overlay"], out)) for row in summary.contacts if row["overlay"]],
     }
+
+
+def _quantity(found: Quantity, factor: float = 1.0) -> Markup:
+    """Return a quantity from loading data as a cell, or a dash that tells the reason."""
+    if isinstance(found, Unknown):
+        return Markup('<span title="{}">–</span>').format(found.reason)
+    return Markup("{}").format(value_with_uncertainty(factor * found.value, factor * found.std))
 
 
 def _sequence(result: StudyResult, film: SequenceResult, out: Path) -> dict[str, Any]:

@@ -1,7 +1,6 @@
 """The figures of a study's report, one set for each finger and placement."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -13,40 +12,25 @@ from fingerpad.figures import (
     new_figure,
     plot_area_against_load,
     plot_aspect_ratio,
-    plot_contact_compliance,
     plot_corrected_radius,
-    plot_load_indentation,
+    plot_initial_modulus,
     plot_pad_with_contact,
     plot_press,
+    plot_uncertainty_budget,
 )
 from fingerpad.geometry import Ellipse, Ellipsoid, Placement
+from fingerpad.loading import Estimate
+from fingerpad.report.loading import loading_plots
+from fingerpad.report.plot import Plot
+from fingerpad.study.curves import CurveResult, LoadingRadius, loading_radius
 from fingerpad.study.pipeline import StudyResult
 from fingerpad.study.rows import Row
 from fingerpad.study.sequences import SequenceResult
-from fingerpad.study.summary import CurveResult, Summary, area_exponent, curve_of
+from fingerpad.study.summary import Summary, area_exponent
 
 # More than these only make a page heavy.
 _MOST_FRAMES: Final = 300
 _MOST_POINTS: Final = 60
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Plot:
-    """A drawn figure.
-
-    Attributes
-    ----------
-    name : str
-        File name without suffix.
-    figure : Figure
-        The drawing.
-    caption : str
-        What is seen.
-    """
-
-    name: str
-    figure: Figure
-    caption: str
 
 
 def group_name(finger: str, wedge_angle_deg: float, roll_angle_deg: float, *, synthetic: bool) -> str:
@@ -55,6 +39,11 @@ def group_name(finger: str, wedge_angle_deg: float, roll_angle_deg: float, *, sy
     return f"{finger}_{wedge_angle_deg!r}deg{roll}".replace(".0deg", "deg") + (
         "_synthetic" if synthetic else ""
     )
+
+
+def loading_radius_of(result: StudyResult, summary: Summary) -> LoadingRadius | None:
+    """Return R_g from loading data of a summary's finger at its angle, as real or synthetic as its rows."""
+    return loading_radius(result.curves, summary.finger, summary.wedge_angle_deg, synthetic=summary.synthetic)
 
 
 def summary_plots(result: StudyResult, summary: Summary) -> Iterator[Plot]:
@@ -76,7 +65,7 @@ def summary_plots(result: StudyResult, summary: Summary) -> Iterator[Plot]:
     )
     yield Plot(
         name=f"{name}_corrected_radius",
-        figure=_corrected_radius(rows, curve_of(result.curves, summary)),
+        figure=_corrected_radius(rows, loading_radius_of(result, summary)),
         caption=(
             f"Corrected radius against load ({where}); bars: one standard uncertainty with the pad's "
             "geometry held exact, as the source does. Dotted: undeformed pad. Dashed: loading data, if any."
@@ -98,34 +87,63 @@ def summary_plots(result: StudyResult, summary: Summary) -> Iterator[Plot]:
 
 def curve_plots(curve: CurveResult, number: int) -> Iterator[Plot]:
     """Draw one loading curve."""
-    if curve.curve is None or curve.fit is None or curve.curve.area is None:
+    if curve.curve is None or curve.fit is None:
         return
-    data, area, fit = curve.curve, curve.curve.area, curve.fit
-    synthetic = np.full(data.load.shape, curve.manifest.synthetic)
     of = curve.manifest
-    name = f"curve{number}_{group_name(of.finger, of.wedge_angle_deg, 0.0, synthetic=of.synthetic)}"
-    where = f"{curve.name}{'; synthetic' if curve.manifest.synthetic else ''}"
+    yield from loading_plots(
+        f"curve{number}_{group_name(of.finger, of.wedge_angle_deg, 0.0, synthetic=of.synthetic)}",
+        curve.curve,
+        curve.fit,
+        where=f"{curve.name}{'; synthetic' if of.synthetic else ''}",
+        cycle=of.cycle,
+        geometric_mean_radius=curve.shape and curve.shape.geometric_mean_radius,
+        expected_ratio=curve.shape and (curve.shape.load, curve.shape.ratio),
+        synthetic=of.synthetic,
+    )
+
+
+def velocity_plots(curves: Sequence[CurveResult]) -> Iterator[Plot]:
+    """Draw E_0g against velocity for each finger and angle at which there is more than one."""
+    groups: dict[tuple[str, float, bool], list[tuple[float, Estimate]]] = {}
+    for curve in curves:
+        of, initial = curve.manifest, curve.fit and curve.fit.initial_modulus
+        if isinstance(initial, Estimate) and np.isfinite(curve.velocity):
+            key = (of.finger, of.wedge_angle_deg, of.synthetic)
+            groups.setdefault(key, []).append((curve.velocity, initial))
+    for (finger, wedge, synthetic), found in groups.items():
+        if len({velocity for velocity, _ in found}) < 2:
+            continue
+        figure, (axes,) = new_figure()
+        plot_initial_modulus(
+            axes,
+            [velocity for velocity, _ in found],
+            [initial.value for _, initial in found],
+            initial_modulus_std=[initial.std for _, initial in found],
+            synthetic=np.full(len(found), synthetic),
+        )
+        label = "; synthetic" if synthetic else ""
+        yield Plot(
+            name=f"{group_name(finger, wedge, 0.0, synthetic=synthetic)}_initial_modulus",
+            figure=figure,
+            caption=f"Young's modulus at no load against velocity ({finger}, wedge {wedge:g}°{label}).",
+        )
+
+
+def budget_plot(result: StudyResult, summary: Summary) -> Iterator[Plot]:
+    """Draw who contributes what to the uncertainty of the heaviest contact's corrected radius."""
+    check = result.checks[result.summaries.index(summary)]
+    if check is None:
+        return
     figure, (axes,) = new_figure()
-    plot_contact_compliance(
-        axes,
-        data.indentation,
-        area,
-        effective_radius=fit.effective_radius,
-        effective_radius_std=fit.effective_radius_std,
-        area_at_zero=fit.area_at_zero,
-        synthetic=synthetic,
+    plot_uncertainty_budget(axes, check.shares, total=check.total, synthetic=summary.synthetic)
+    name = group_name(
+        summary.finger, summary.wedge_angle_deg, summary.roll_angle_deg, synthetic=summary.synthetic
     )
     yield Plot(
-        name=f"{name}_compliance",
+        name=f"{name}_budget",
         figure=figure,
-        caption=f"Contact area against π × indentation; its slope is the effective radius ({where}).",
-    )
-    figure, (axes,) = new_figure()
-    plot_load_indentation(axes, data.indentation, data.load, synthetic=synthetic)
-    yield Plot(
-        name=f"{name}_load_indentation",
-        figure=figure,
-        caption=f"Load against displacement, from the instrument's own zero ({where}).",
+        caption=f"Shares of the variance of the corrected radius of {check.observation}: of first order, and "
+        "Sobol's total index, which counts interactions.",
     )
 
 
@@ -206,7 +224,7 @@ def _pad(result: StudyResult, summary: Summary, row: Row) -> Figure:
     return figure
 
 
-def _corrected_radius(rows: Sequence[Row], curve: CurveResult | None) -> Figure:
+def _corrected_radius(rows: Sequence[Row], loading: LoadingRadius | None) -> Figure:
     figure, (axes,) = new_figure()
     plot_corrected_radius(
         axes,
@@ -214,7 +232,7 @@ def _corrected_radius(rows: Sequence[Row], curve: CurveResult | None) -> Figure:
         _column(rows, "radius_from_indentation_mm"),
         corrected_radius_std=_column(rows, "radius_from_indentation_mm_std_given_geometry"),
         compliance_radius=_column(rows, "radius_from_compliance_mm"),
-        measured_radius=None if curve is None else curve.effective_radius,
+        measured_radius=None if loading is None else loading.value,
         mean_curvature_radius=rows[0]["mean_curvature_radius_mm"],
         synthetic=_synthetic(rows),
     )

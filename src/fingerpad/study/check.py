@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from typing import Final, Self
 
+from fingerpad._arrays import FloatArray
 from fingerpad.study.model import Inputs
 from fingerpad.uncertainty import (
     PAD_INPUTS,
@@ -16,7 +17,11 @@ from fingerpad.uncertainty import (
     variance_shares,
 )
 
-_OUTPUT: Final = PAD_OUTPUTS.index("radius_from_indentation")
+_OUTPUT: Final = [PAD_OUTPUTS.index("radius_from_indentation")]
+
+
+def _corrected_radius(inputs: FloatArray) -> FloatArray:
+    return pad_model(inputs)[..., _OUTPUT]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -57,27 +62,27 @@ class UncertaintyCheck:
     def of(cls, observation: str, inputs: Inputs) -> Self:
         """Propagate the inputs of one contact in all ways."""
         sources = _independent_sources(inputs)
-        first = propagate(pad_model, *inputs)
-        simulated = simulate(pad_model, *inputs)
-        valid = validate_first_order(first, simulated).valid
-        shares = variance_shares(first, inputs.covariance, sources)[_OUTPUT]
-        total = sobol_indices(pad_model, *inputs, sources).total[_OUTPUT]
+        first = propagate(_corrected_radius, *inputs)
+        simulated = simulate(_corrected_radius, *inputs)
+        shares = variance_shares(first, inputs.covariance, sources)
+        total = sobol_indices(_corrected_radius, *inputs, sources).total
         return cls(
             observation=observation,
-            value=float(first.value[_OUTPUT]),
-            std=float(first.std[_OUTPUT]),
-            interval=(float(first.interval[_OUTPUT, 0]), float(first.interval[_OUTPUT, 1])),
-            simulated_std=float(simulated.std[_OUTPUT]),
-            simulated_interval=(
-                float(simulated.interval[_OUTPUT, 0]),
-                float(simulated.interval[_OUTPUT, 1]),
-            ),
+            value=float(first.value[0]),
+            std=float(first.std[0]),
+            interval=_pair(first.interval),
+            simulated_std=float(simulated.std[0]),
+            simulated_interval=_pair(simulated.interval),
             draws=simulated.draws,
-            settled=bool(simulated.settled[_OUTPUT]),
-            valid=bool(valid[_OUTPUT]),
-            shares=dict(zip(sources, map(float, shares), strict=True)),
-            total=dict(zip(sources, map(float, total), strict=True)),
+            settled=bool(simulated.settled[0]),
+            valid=bool(validate_first_order(first, simulated).valid[0]),
+            shares=dict(zip(sources, map(float, shares[0]), strict=True)),
+            total=dict(zip(sources, map(float, total[0]), strict=True)),
         )
+
+
+def _pair(interval: FloatArray) -> tuple[float, float]:
+    return float(interval[0, 0]), float(interval[0, 1])
 
 
 def _independent_sources(inputs: Inputs) -> dict[str, tuple[int, ...]]:

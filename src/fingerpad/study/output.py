@@ -72,7 +72,9 @@ def summary_record(result: StudyResult) -> dict[str, Any]:
                 "synthetic": curve.manifest.synthetic,
                 "effective_radius_mm": curve.effective_radius,
                 "effective_radius_mm_std": curve.effective_radius_std,
+                "velocity_mm_per_s": curve.velocity,
                 "reason": curve.reason,
+                "fit": curve.fit and curve.fit.as_record(),
             }
             for curve in result.curves
         ],

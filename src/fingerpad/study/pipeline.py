@@ -8,6 +8,7 @@ from typing import Any, Final
 from fingerpad._files import make_folder
 from fingerpad.exceptions import ManifestError
 from fingerpad.study.check import UncertaintyCheck
+from fingerpad.study.curves import CurveResult, curve_result
 from fingerpad.study.fingers import FingerResult, finger_result
 from fingerpad.study.manifest import Contact, Study, read_study
 from fingerpad.study.measure import Measurement
@@ -17,7 +18,7 @@ from fingerpad.study.rows import Row, make_rows
 from fingerpad.study.runner import Measured, measure_all
 from fingerpad.study.scales import FoundScale, named_scales
 from fingerpad.study.sequences import SequenceResult
-from fingerpad.study.summary import CurveResult, Summary, curve_result, summaries
+from fingerpad.study.summary import Summary, summaries
 
 # What a run writes into its output folder.
 OUTPUT_NAMES: Final = frozenset(
@@ -79,7 +80,7 @@ class StudyResult:
             *(f"{name}: {reason}" for name, reason in self.failed_contacts),
             *(scale for scale in self.scales.values() if isinstance(scale, str)),
             *(finger.reason for finger in self.fingers.values() if finger.reason is not None),
-            *(curve.reason for curve in self.curves if curve.reason is not None),
+            *(curve.reason for curve in self.curves if curve.failed and curve.reason is not None),
         ]
 
     @property
@@ -152,7 +153,9 @@ def run_study(
         scales=scales,
         summaries=found,
         checks=_checks(found, study, fingers, seen),
-        curves=[curve_result(curve, folder) for curve in study.curves],
+        curves=[
+            curve_result(curve, fingers[curve.finger], study.poisson_ratio, folder) for curve in study.curves
+        ],
         provenance=origin,
     )
 

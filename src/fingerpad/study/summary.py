@@ -1,53 +1,13 @@
-"""One summary per finger and placement: pooled radii, and the radius from loading data beside them."""
+"""One summary per finger and placement: its rows, and radii pooled from them."""
 
-import math
 from collections.abc import Iterable
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
-from fingerpad.exceptions import FingerpadError
-from fingerpad.loading import ContactCompliance, LoadingCurve, fit_contact_compliance, read_loading_curve
-from fingerpad.study.manifest import Curve
 from fingerpad.study.model import POOLED_OUTPUTS
 from fingerpad.study.pooling import PooledRadius
 from fingerpad.study.rows import Row, Rows
-from fingerpad.study.words import in_study
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class CurveResult:
-    """Loading data and the effective radius R_g from them.
-
-    Attributes
-    ----------
-    manifest : Curve
-        What the manifest says of it.
-    effective_radius, effective_radius_std : float
-        R_g, mm; NaN where it could not be had, and for an uncertainty that was not given.
-    curve : LoadingCurve or None
-        The data; None where R_g was given or they could not be read.
-    fit : ContactCompliance or None
-        The line whose slope is R_g.
-    reason : str or None
-        Why there is no R_g.
-    """
-
-    manifest: Curve
-    effective_radius: float = math.nan
-    effective_radius_std: float = math.nan
-    curve: LoadingCurve | None = None
-    fit: ContactCompliance | None = None
-    reason: str | None = None
-
-    @property
-    def name(self) -> str:
-        """The file, or whose radius was given."""
-        return (
-            self.manifest.file
-            or f"{self.manifest.finger} at {self.manifest.wedge_angle_deg:g}°, R_g as given"
-        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -93,47 +53,6 @@ class Summary:
 
 def _counted(count: int, noun: str) -> str:
     return f"{count} {noun}{'' if count == 1 else 's'}"
-
-
-def curve_result(curve: Curve, folder: Path) -> CurveResult:
-    """Read and fit one loading curve; one that cannot be used costs itself only."""
-    if curve.file is None:
-        assert curve.effective_radius_mm is not None  # the manifest's own rule
-        return CurveResult(
-            manifest=curve,
-            effective_radius=curve.effective_radius_mm,
-            effective_radius_std=curve.effective_radius_std_mm or math.nan,
-        )
-    data = None
-    try:
-        data = read_loading_curve(
-            folder / curve.file, {str(key): value for key, value in curve.columns.items()}
-        )
-        fit = fit_contact_compliance(data)
-    except FingerpadError as error:
-        return CurveResult(manifest=curve, curve=data, reason=_named(error, curve.file, folder))
-    return CurveResult(
-        manifest=curve,
-        effective_radius=fit.effective_radius,
-        effective_radius_std=fit.effective_radius_std,
-        curve=data,
-        fit=fit,
-    )
-
-
-def _named(error: FingerpadError, file: str, folder: Path) -> str:
-    """Return an error's words, which begin with the file's name in the study."""
-    words = in_study(error, folder)
-    return words if words.startswith(file) else f"{file}: {words}"
-
-
-def curve_of(curves: Iterable[CurveResult], summary: "Summary") -> CurveResult | None:
-    """Return the loading data of a summary's finger at its angle, as real or as synthetic as its rows."""
-    for curve in curves:
-        same = curve.manifest.finger == summary.finger and curve.manifest.synthetic == summary.synthetic
-        if same and curve.manifest.wedge_angle_deg == summary.wedge_angle_deg and curve.reason is None:
-            return curve
-    return None
 
 
 def summaries(rows: Rows) -> list[Summary]:

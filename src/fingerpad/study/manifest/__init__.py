@@ -8,6 +8,7 @@ from fingerpad.study.manifest.contacts import (
     Direction,
     Observation,
 )
+from fingerpad.study.manifest.curves import Curve
 from fingerpad.study.manifest.fingers import Finger, Photograph
 from fingerpad.study.manifest.read import read_study
 from fingerpad.study.manifest.scales import (
@@ -18,7 +19,7 @@ from fingerpad.study.manifest.scales import (
     ScaleKey,
     ScaleTable,
 )
-from fingerpad.study.manifest.study import Curve, Study, Uncertainty
+from fingerpad.study.manifest.study import Study, Uncertainty
 
 __all__ = [
     "CORRECTIONS",

@@ -8,9 +8,10 @@ from pydantic import BaseModel, ValidationError
 
 from fingerpad.exceptions import ManifestError
 from fingerpad.study.manifest.contacts import ContactEllipse, ContactSequence, Observation
+from fingerpad.study.manifest.curves import Curve
 from fingerpad.study.manifest.fingers import Finger, Photograph, SemiAxes
 from fingerpad.study.manifest.scales import TAGS, CoinScale, LineScale, PitchScale, ResolutionScale
-from fingerpad.study.manifest.study import Curve, Study, Uncertainty
+from fingerpad.study.manifest.study import Study, Uncertainty
 
 _SCALES: Final = (ResolutionScale, PitchScale, LineScale, CoinScale)
 _TABLES: Final = (

@@ -1,35 +1,15 @@
 """The whole manifest."""
 
 from collections.abc import Iterable, Iterator
-from typing import Annotated, Literal, Self
+from typing import Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from fingerpad.study.manifest.contacts import ContactSequence, Observation
+from fingerpad.study.manifest.curves import Curve
 from fingerpad.study.manifest.fingers import Finger
 from fingerpad.study.manifest.scales import CoinScale, OwnScale, ScaleKey
-from fingerpad.study.manifest.tables import AngleStd, Length, LengthStd, Name, RelativeStd, Table, WedgeAngle
-
-
-class Curve(Table):
-    """Loading data of one finger at one wedge angle: a curve, or the radius R_g found from one elsewhere."""
-
-    finger: str
-    wedge_angle_deg: WedgeAngle
-    file: str | None = None
-    columns: dict[Literal["force", "displacement", "area"], str] = Field(default={})
-    effective_radius_mm: Length | None = None
-    effective_radius_std_mm: LengthStd | None = None
-    synthetic: bool = False
-
-    @model_validator(mode="after")
-    def _one_source(self) -> Self:
-        if (self.file is None) == (self.effective_radius_mm is None):
-            raise ValueError("give either file or effective_radius_mm, one of the two")
-        idle = {"columns"} if self.file is None else {"effective_radius_std_mm"}
-        if idle & self.model_fields_set:
-            raise ValueError(f"there is no use for {idle.pop()} here; remove it")
-        return self
+from fingerpad.study.manifest.tables import AngleStd, Name, RelativeStd, Table
 
 
 class Uncertainty(Table):

@@ -1,0 +1,109 @@
+"""Fit one loading curve."""
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from fingerpad.cli.shared import AsJson, plain_errors, print_json, require_positive
+from fingerpad.exceptions import LoadingError
+from fingerpad.units import value_with_uncertainty
+
+
+def fit(
+    curve: Annotated[Path, typer.Argument(help="CSV with force and displacement.", show_default=False)],
+    *,
+    column: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="QUANTITY=NAME:UNIT", help="A column of another name, as in force=Fz:mN. Repeatable."
+        ),
+    ] = None,
+    poisson_ratio: Annotated[float, typer.Option(help="Poisson's ratio of the pad.")] = 0.5,
+    radius_mm: Annotated[
+        float | None, typer.Option(help="Effective radius R_g, mm, where the curve has no area.")
+    ] = None,
+    radius_mm_std: Annotated[float, typer.Option(help="Its standard uncertainty, mm.")] = 0.0,
+    cycle: Annotated[int, typer.Option(help="Which press of the record, from 0.")] = 0,
+    contact_point: Annotated[
+        str,
+        typer.Option(help="joint, or hold it by baseline_deviation, two_lines, gradient or power_law."),
+    ] = "joint",
+    region: Annotated[
+        str | None, typer.Option(metavar="W0,W1", help="Loads, N, between which the modulus grows.")
+    ] = None,
+    plot: Annotated[Path | None, typer.Option(help="Folder for the figures, SVG and PNG.")] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Fit radius, moduli, place of contact and exponents to a loading curve.
+
+    The header names quantities with units: time_s, force_N, displacement_mm, area_mm2; time and area are
+    optional. Each number comes with its standard uncertainty and 95 % interval, or the reason why the
+    curve does not tell it.
+    """
+    from fingerpad.loading import Estimate, fit_loading_curve, read_loading_curve
+
+    with plain_errors():
+        require_positive("--radius-mm", radius_mm)
+        if not radius_mm_std >= 0 or (radius_mm_std and radius_mm is None):
+            raise LoadingError("--radius-mm-std must not be negative, and goes with --radius-mm")
+        record = read_loading_curve(curve, _columns(column or []))
+        found = fit_loading_curve(
+            record,
+            poisson_ratio=poisson_ratio,
+            effective_radius=None if radius_mm is None else Estimate.symmetric(radius_mm, radius_mm_std),
+            cycle=cycle,
+            contact_point=contact_point,
+            region=None if region is None else _loads(region),
+        )
+        if plot is not None:
+            _draw(plot, curve.stem, record, found, cycle)
+    if as_json:
+        print_json({"file": str(curve), **found.as_record()})
+    else:
+        _print_table(found.as_record())
+
+
+def _columns(texts: list[str]) -> dict[str, str]:
+    known = ("time", "force", "displacement", "area")
+    columns = {}
+    for text in texts:
+        quantity, _, column = text.partition("=")
+        if quantity not in known or ":" not in column:
+            raise LoadingError(f"--column takes QUANTITY=NAME:UNIT with {', '.join(known)}, found {text!r}")
+        columns[quantity] = column
+    return columns
+
+
+def _loads(text: str) -> tuple[float, float]:
+    try:
+        low, high = map(float, text.split(","))
+    except ValueError:
+        raise LoadingError(f"--region takes two loads parted by a comma, found {text!r}") from None
+    return low, high
+
+
+def _draw(folder: Path, name: str, record: Any, found: Any, cycle: int) -> None:
+    from fingerpad._files import make_folder
+    from fingerpad.figures import save_figure
+    from fingerpad.report.loading import loading_plots
+
+    make_folder(folder)
+    for drawn in loading_plots(name, record, found, cycle=cycle):
+        save_figure(drawn.figure, folder / drawn.name, description=drawn.caption)
+
+
+def _print_table(record: dict[str, Any]) -> None:
+    """Print each number with its uncertainty and interval, or why it is not known."""
+    names = [name.removesuffix("_std") for name in record if name.endswith("_std")]
+    width = max(map(len, names))
+    for name in names:
+        if record[name] is None:
+            typer.echo(f"{name:<{width}}  not known: {record['reasons'][name]}")
+        else:
+            low, high = record[f"{name}_ci95"]
+            value = value_with_uncertainty(record[name], record[f"{name}_std"])
+            typer.echo(f"{name:<{width}}  {value:<18}  95 %: {low:.4g} to {high:.4g}")
+    typer.echo(f"{'law':<{width}}  {record['preferred_model'].replace('_', ' ')}, by AICc")
+    typer.echo(f"{'presses':<{width}}  {len(record['segments'])}")
+    typer.echo(f"{'flags':<{width}}  {', '.join(record['flags']) or 'none'}")

@@ -1,0 +1,214 @@
+"""The figures of one loading curve."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from fingerpad._arrays import ArrayLike, FloatArray
+from fingerpad.exceptions import FitError
+from fingerpad.figures import (
+    new_figure,
+    plot_contact_compliance,
+    plot_load_indentation,
+    plot_modulus_from_area_and_indentation,
+    plot_relaxation,
+    plot_secant_modulus,
+)
+from fingerpad.loading import Estimate, LoadingCurve, LoadingFit, Relaxation, fit_relaxation, shape_check
+from fingerpad.report.plot import Plot
+from fingerpad.units import KPA_PER_MPA, value_with_uncertainty
+
+_LAWS = {
+    "load_dependent": "modulus growing with load",
+    "hertz": "Hertz",
+    "free_exponent": "free exponent",
+}
+
+
+def loading_plots(
+    name: str,
+    curve: LoadingCurve,
+    fit: LoadingFit,
+    *,
+    where: str = "",
+    cycle: int = 0,
+    geometric_mean_radius: float | None = None,
+    expected_ratio: tuple[ArrayLike, ArrayLike] | None = None,
+    synthetic: bool = False,
+) -> Iterator[Plot]:
+    """Draw what a loading curve tells, figure by figure.
+
+    Parameters
+    ----------
+    name : str
+        Beginning of the figures' file names.
+    curve, fit : LoadingCurve, LoadingFit
+        The record, and what was fitted to it.
+    where : str
+        Which curve it is, for the captions; `name` without it.
+    cycle : int
+        The press that was fitted.
+    geometric_mean_radius : float, optional
+        R_e of the pad, mm: with it the moduli from area and from indentation are compared.
+    expected_ratio : (load, ratio), optional
+        What the true ellipsoid makes of that comparison.
+    synthetic : bool
+        Whether the record was simulated.
+    """
+    where = where or name
+    drawn = _Drawn(curve, fit, cycle)
+    figure, (axes,) = new_figure()
+    plot_load_indentation(
+        axes, drawn.indentation, drawn.load, phase=drawn.phase, fits=drawn.laws(), synthetic=synthetic
+    )
+    yield Plot(
+        name=f"{name}_load_indentation",
+        figure=figure,
+        caption=f"Load against indentation from the fitted place of contact, and the laws fitted to the "
+        f"loading ({where}).",
+    )
+    if drawn.area is not None:
+        figure, (axes,) = new_figure()
+        radius = fit.effective_radius if isinstance(fit.effective_radius, Estimate) else None
+        fitted = drawn.phase == "loading"
+        plot_contact_compliance(
+            axes,
+            drawn.indentation[fitted],
+            drawn.area[fitted],
+            effective_radius=radius.value if radius else None,
+            effective_radius_std=radius.std if radius else 0.0,
+            synthetic=synthetic,
+        )
+        yield Plot(
+            name=f"{name}_compliance",
+            figure=figure,
+            caption=f"Contact area against π × indentation; its slope is the effective radius ({where}).",
+        )
+    yield from _secant_plots(name, where, fit, synthetic=synthetic)
+    if drawn.area is not None and geometric_mean_radius is not None:
+        yield _shape(name, where, drawn, geometric_mean_radius, expected_ratio, synthetic=synthetic)
+    relaxation = drawn.relaxation()
+    if relaxation is not None:
+        yield _relaxation(name, where, drawn, relaxation, synthetic=synthetic)
+
+
+class _Drawn:
+    """The press that was fitted, from its fitted zeros of force and displacement."""
+
+    def __init__(self, curve: LoadingCurve, fit: LoadingFit, cycle: int) -> None:
+        self.fit, self.cycle = fit, fit.cycles[cycle]
+        main = fit.models["load_dependent"]
+        self.offset = main.values["contact_offset"]
+        segments = [(part, phase) for phase, part in self.cycle.phases().items() if part is not None]
+        rows = np.concatenate([np.arange(part.start, part.stop) for part, _ in segments])
+        self.phase = np.concatenate([np.full(len(part), phase) for part, phase in segments])
+        clock = np.arange(len(curve.load), dtype=float) if curve.time is None else curve.time
+        load = main.corrected_load(clock, curve.load)
+        self.zeroed = LoadingCurve(load=load, indentation=curve.indentation, area=curve.area, time=curve.time)
+        self.load: FloatArray = load[rows]
+        self.indentation: FloatArray = curve.indentation[rows] - self.offset
+        self.area = None if curve.area is None else curve.area[rows]
+
+    def laws(self) -> dict[str, tuple[FloatArray, FloatArray]]:
+        """Return each fitted law as a line, the one that AICc prefers first."""
+        depth = np.linspace(0, float(self.indentation.max()), 200)
+        order = sorted(self.fit.models, key=lambda law: self.fit.models[law].aicc)
+        return {_LAWS[law]: (depth, self.fit.models[law].load(depth + self.offset)) for law in order}
+
+    def relaxation(self) -> Relaxation | None:
+        """Return the relaxation of the hold, None where there is none to fit."""
+        try:
+            return fit_relaxation(self.zeroed, self.cycle, self.offset)
+        except FitError:
+            return None
+
+
+def _secant_plots(name: str, where: str, fit: LoadingFit, *, synthetic: bool) -> Iterator[Plot]:
+    secant, (low, high) = fit.secant, fit.region
+    line, label = None, "fit"
+    initial, growth = fit.initial_modulus, fit.load_coefficient
+    if isinstance(initial, Estimate) and isinstance(growth, Estimate):
+        loads = np.array([low, high])
+        line = (loads, initial.value + growth.value * loads)
+        label = rf"$E_\mathrm{{0g}}$ = {_in_kpa(initial)} kPa, β = {_in_kpa(growth)} kPa/N"
+    region = (secant.load >= low) & (secant.load <= high)
+    for against, abscissa in (("load", secant.load), ("indentation", secant.indentation)):
+        figure, (axes,) = new_figure()
+        plot_secant_modulus(
+            axes,
+            abscissa,
+            secant.modulus,
+            against=against,  # type: ignore[arg-type]
+            fitted_region=region,
+            fit=line if against == "load" else None,
+            label=label,
+            synthetic=synthetic,
+        )
+        yield Plot(
+            name=f"{name}_secant_modulus_{against}",
+            figure=figure,
+            caption=f"Secant modulus against {against}, with the region in which it was fitted ({where}).",
+        )
+
+
+def _in_kpa(estimate: Estimate) -> str:
+    return value_with_uncertainty(KPA_PER_MPA * estimate.value, KPA_PER_MPA * estimate.std)
+
+
+def _shape(
+    name: str,
+    where: str,
+    drawn: _Drawn,
+    radius: float,
+    expected: tuple[ArrayLike, ArrayLike] | None,
+    *,
+    synthetic: bool,
+) -> Plot:
+    fitted = (drawn.phase == "loading") & (drawn.load > 0.05 * drawn.load.max())
+    assert drawn.area is not None  # drawn only with areas
+    check = shape_check(
+        drawn.load[fitted], drawn.indentation[fitted], drawn.area[fitted], effective_radius=radius
+    )
+    figure, (axes,) = new_figure()
+    plot_modulus_from_area_and_indentation(
+        axes,
+        check.load,
+        check.modulus_from_area,
+        check.modulus_from_indentation,
+        expected_ratio=expected,
+        synthetic=synthetic,
+    )
+    return Plot(
+        name=f"{name}_shape",
+        figure=figure,
+        caption="E* read from the area over E* read from the indentation, on R_e of the undeformed pad: "
+        f"one for a Hertzian contact ({where}).",
+    )
+
+
+def _relaxation(name: str, where: str, drawn: _Drawn, found: Relaxation, *, synthetic: bool) -> Plot:
+    loading, hold = drawn.cycle.loading, drawn.cycle.hold
+    assert hold is not None and drawn.zeroed.time is not None  # noqa: PT018 (fitted only with both)
+    begin = drawn.zeroed.time[hold.start]
+    times = [term.time for term in found.terms]
+    figure, (axes,) = new_figure()
+    plot_relaxation(
+        axes,
+        drawn.zeroed.time[hold.rows] - begin,
+        drawn.zeroed.load[hold.rows],
+        fit=(found.time + drawn.zeroed.time[loading.start] - begin, found.load),
+        label=f"Prony series of {len(times)} terms" if len(times) != 1 else "Prony series of one term",
+        ramp_time=found.ramp_time,
+        time_constants=[time.value for time in times if isinstance(time, Estimate)],
+        synthetic=synthetic,
+    )
+    said = ", ".join(
+        f"{value_with_uncertainty(each.value, each.std)} s" if isinstance(each, Estimate) else each.reason
+        for each in times
+    )
+    return Plot(
+        name=f"{name}_relaxation",
+        figure=figure,
+        caption=f"Load during the hold, with the Prony series through the recorded ramp; time constants: "
+        f"{said or 'none'} ({where}).",
+    )

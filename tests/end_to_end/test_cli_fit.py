@@ -1,0 +1,136 @@
+"""``fingerpad fit``: what scripts read, what people see, and what is refused."""
+
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from fingerpad.cli import app
+from fingerpad.loading import simulate_loading_curve
+
+NUMBERS = (
+    "effective_radius_mm",
+    "reduced_modulus_kpa",
+    "youngs_modulus_kpa",
+    "contact_offset_mm",
+    "initial_modulus_kpa",
+    "load_coefficient_kpa_per_N",
+    "load_exponent",
+    "area_exponent",
+)
+
+
+def run(*arguments: object) -> tuple[int, str, str]:
+    result = CliRunner().invoke(app, ["fit", *map(str, arguments)])
+    assert result.exception is None or isinstance(result.exception, SystemExit), result.exception
+    return result.exit_code, result.stdout, result.stderr
+
+
+@pytest.fixture
+def curve(tmp_path: Path) -> Path:
+    record = simulate_loading_curve(
+        effective_radius=15.0, initial_modulus=0.04, load_coefficient=0.02, contact_offset=1.0,
+        hold=5.0, unloading=True, points=600, force_std=0.004, displacement_std=0.004, area_std=1.0,
+    )  # fmt: skip
+    path = tmp_path / "press.csv"
+    columns = np.stack([record.time, record.load, record.indentation, record.area], axis=-1)
+    header = "time_s,force_N,displacement_mm,area_mm2"
+    np.savetxt(path, columns, delimiter=",", header=header, comments="", fmt="%.6f")
+    return path
+
+
+def test_the_contract_of_scripts(curve: Path) -> None:
+    code, out, err = run(curve, "--json")
+    assert (code, err) == (0, "")
+    record = json.loads(out)
+    truth = dict(zip(NUMBERS, (15, None, None, 1.0, 40, 20, None, None), strict=True))
+    for name in NUMBERS:
+        low, high = record[f"{name}_ci95"]
+        assert low < record[name] < high
+        assert record[f"{name}_std"] > 0
+        if truth[name] is not None:
+            assert abs(record[name] - truth[name]) < 4 * record[f"{name}_std"]
+    (segments,) = record["segments"]
+    assert list(segments) == ["baseline", "loading", "hold", "unloading"]
+    assert segments["baseline"][0] == 0
+    assert segments["unloading"][1] == 599
+    assert isinstance(record["flags"], list)
+
+
+def test_what_the_curve_cannot_tell_is_null_with_a_reason(curve: Path, tmp_path: Path) -> None:
+    bare = tmp_path / "bare.csv"
+    rows = np.loadtxt(curve, delimiter=",", skiprows=1)[:, [1, 2]] * [1000, 1]
+    np.savetxt(bare, rows, delimiter=",", header="Fz,stage", comments="", fmt="%.4f")
+    columns = ("--column", "force=Fz:mN", "--column", "displacement=stage:mm")
+    record = json.loads(run(bare, *columns, "--json")[1])
+    for name in ("effective_radius_mm", "youngs_modulus_kpa", "initial_modulus_kpa"):
+        assert record[name] is record[f"{name}_std"] is record[f"{name}_ci95"] is None
+        assert "no contact area" in record["reasons"][name]
+    assert abs(record["contact_offset_mm"] - 1.0) < 4 * record["contact_offset_mm_std"]
+    helped = json.loads(run(bare, *columns, "--radius-mm", 15, "--radius-mm-std", 0.5, "--json")[1])
+    assert helped["initial_modulus_kpa"] == pytest.approx(40, rel=0.1)
+
+
+def test_people_see_uncertainties_and_intervals(curve: Path) -> None:
+    code, out, _ = run(curve)
+    assert code == 0
+    lines = {line.split()[0]: line for line in out.splitlines()}
+    assert set(NUMBERS) <= set(lines)
+    assert all("±" in lines[name] and "95 %" in lines[name] for name in NUMBERS)
+
+
+def test_figures(curve: Path, tmp_path: Path) -> None:
+    assert run(curve, "--plot", tmp_path / "figures")[0] == 0
+    names = {path.name for path in (tmp_path / "figures").glob("*.svg")}
+    assert names == {
+        f"press_{name}.svg"
+        for name in (
+            *("load_indentation", "compliance", "secant_modulus_load", "secant_modulus_indentation"),
+            "relaxation",
+        )
+    }
+
+
+@pytest.mark.parametrize(
+    ("text", "arguments", "message"),
+    [
+        ("force_N,displacement_mm\n", (), "holds no data"),
+        ("force_N,displacement_mm\n0,0\n1,1\n", (), "points|rows"),
+        ("force_N,displacement_mm\n" + "0.5,1\n" * 40, (), "0.5 N in every row"),
+        ("force_N,displacement_mm\n" + "\n".join(f"0,{k}" for k in range(40)), (), "no contact|range|load"),
+        ("force_N,displacement_mm\n" + "\n".join(f"{-k},{k}" for k in range(40)), (), "sign"),
+        ("force_N,displacement_mm\n0,0\nnan,1\n", (), "line 3, column 'force_N': 'nan'"),
+        ("time_s,force_N,displacement_mm\n0,0,0\n2,1,1\n1,2,2\n", (), "time runs backwards"),
+        ("load,x\n1,1\n", (), "no column force_N"),
+        (None, ("--column", "force=Fz"), "QUANTITY=NAME:UNIT"),
+        (None, ("--column", "force=Fz:mN"), "no column 'Fz'"),
+        (None, ("--region", "1"), "two loads"),
+        (None, ("--region", "2,1"), "region|loads"),
+        (None, ("--cycle", "7"), "cycle"),
+        (None, ("--contact-point", "guess"), "contact_point must be"),
+        (None, ("--poisson-ratio", "0.7"), "poisson_ratio"),
+        (None, ("--radius-mm", "-1"), "--radius-mm must be positive"),
+        (None, ("--radius-mm-std", "1"), "goes with --radius-mm"),
+    ],
+)
+def test_refuses(
+    curve: Path, tmp_path: Path, text: str | None, arguments: tuple[str, ...], message: str
+) -> None:
+    path = curve
+    if text is not None:
+        path = tmp_path / "bad.csv"
+        path.write_text(text)
+    code, out, err = run(path, *arguments, "--json")
+    assert (code, out) == (2, "")
+    assert err.startswith("fingerpad: ")
+    assert re.search(message, err), err
+    assert err.count("\n") == 1
+
+
+def test_a_missing_file(tmp_path: Path) -> None:
+    code, _, err = run(tmp_path / "none.csv")
+    assert code == 2
+    assert "none.csv: cannot be read" in err

@@ -1,0 +1,127 @@
+"""Loading curves in studies: fitted whole, by their slope alone, or with a radius from elsewhere."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fingerpad.loading import Estimate, Unknown, simulate_loading_curve
+from fingerpad.report import write_report
+from fingerpad.study.curves import loading_radius
+from fingerpad.study.output import summary_record
+from fingerpad.study.pipeline import StudyResult, run_study
+
+MANIFEST = """
+title = "T"
+[uncertainty]
+wedge_angle_std_deg = 1.0
+[[fingers]]
+name = "f"
+semi_axes_mm = { palmar = 7.9, distal = 13.8, radial_ulnar = 11.8 }
+semi_axes_std_mm = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }
+[[observations]]
+name = "c"
+finger = "f"
+wedge_angle_deg = 30
+load_N = 2
+ellipse_mm = { semi_major = 7.4, semi_minor = 5.0, std = 0.1 }
+"""
+CURVE = """[[curves]]
+finger = "f"
+wedge_angle_deg = 30
+"""
+
+
+def write_curve(path: Path, *, area: bool = True, rows: slice = slice(None), **truth: float) -> None:
+    curve = simulate_loading_curve(
+        force_std=0.004, displacement_std=0.003, area_std=0.8 if area else 0, with_area=area, **truth
+    )
+    columns = [curve.time, curve.load, curve.indentation, *([curve.area] if area else [])]
+    header = "time_s,force_N,displacement_mm" + (",area_mm2" if area else "")
+    np.savetxt(path, np.stack(columns, axis=-1)[rows], delimiter=",", header=header, comments="")
+
+
+def study(folder: Path, *curves: str) -> StudyResult:
+    (folder / "study.toml").write_text(MANIFEST + "".join(CURVE + each for each in curves))
+    return run_study(folder / "study.toml", folder / "out")
+
+
+def test_a_curve_tells_radius_modulus_and_velocity(tmp_path: Path) -> None:
+    write_curve(
+        tmp_path / "a.csv", effective_radius=15.0, initial_modulus=0.04, load_coefficient=0.02, rate=3.0
+    )
+    result = study(tmp_path, 'file = "a.csv"\n')
+    (curve,) = result.curves
+    assert abs(curve.effective_radius - 15) < 4 * curve.effective_radius_std
+    assert curve.velocity == pytest.approx(3.0, rel=0.01)
+    assert abs(curve.fit.initial_modulus.value - 0.04) < 4 * curve.fit.initial_modulus.std
+    (record,) = summary_record(result)["curves"]
+    assert record["fit"]["initial_modulus_kpa"] == pytest.approx(1000 * curve.fit.initial_modulus.value)
+    # The true ellipsoid reads a higher modulus from the area than from the indentation, the more so loaded.
+    assert (curve.shape.ratio > 1).all()
+    assert curve.shape.ratio[-1] > curve.shape.ratio[0]
+
+
+def test_without_area_a_radius_from_elsewhere_gives_moduli(tmp_path: Path) -> None:
+    write_curve(tmp_path / "a.csv", area=False, effective_radius=15.0)
+    alone = study(tmp_path, 'file = "a.csv"\n').curves[0]
+    assert isinstance(alone.fit.initial_modulus, Unknown)
+    assert "no contact area" in alone.reason
+    given = 'file = "a.csv"\neffective_radius_mm = 15\neffective_radius_std_mm = 1.5\n'
+    helped = study(tmp_path, given).curves[0]
+    assert helped.effective_radius == 15
+    assert isinstance(helped.fit.initial_modulus, Estimate)
+    # E goes as R^-1/2: a tenth of the radius is a twentieth of the modulus.
+    assert helped.fit.youngs_modulus.std / helped.fit.youngs_modulus.value == pytest.approx(0.05, rel=0.15)
+
+
+def test_what_cannot_be_fitted_whole_may_still_have_a_slope(tmp_path: Path) -> None:
+    load = np.linspace(0.5, 2.0, 6)
+    depth = load ** (2 / 3)
+    rows = np.stack([load, depth, np.pi * 14.0 * depth], axis=-1)
+    np.savetxt(
+        tmp_path / "a.csv", rows, delimiter=",", header="force_N,displacement_mm,area_mm2", comments=""
+    )
+    result = study(tmp_path, 'file = "a.csv"\n')
+    (curve,) = result.curves
+    assert curve.effective_radius == pytest.approx(14.0, rel=1e-3)
+    assert not curve.failed
+    assert result.failures == []
+
+
+def test_curves_of_one_placement_are_pooled(tmp_path: Path) -> None:
+    for seed in (1, 2):
+        write_curve(tmp_path / f"{seed}.csv", effective_radius=15.0, seed=seed)
+    result = study(tmp_path, 'file = "1.csv"\n', 'file = "2.csv"\n')
+    pooled = loading_radius(result.curves, "f", 30, synthetic=False)
+    low, high = sorted(curve.effective_radius for curve in result.curves)
+    assert low < pooled.value < high
+    assert abs(pooled.value - 15) < 4 * pooled.std
+    assert loading_radius(result.curves, "f", 30, synthetic=True) is None
+    assert loading_radius(result.curves, "f", 45, synthetic=False) is None
+    exact = study(tmp_path, "effective_radius_mm = 14\n", "effective_radius_mm = 16\n")
+    assert loading_radius(exact.curves, "f", 30, synthetic=False).value == 15
+
+
+def test_a_bad_curve_costs_itself_only(tmp_path: Path) -> None:
+    (tmp_path / "a.csv").write_text("force_N,displacement_mm\n" + "0.0,1.0\n" * 30)
+    write_curve(tmp_path / "b.csv")
+    result = study(tmp_path, 'file = "a.csv"\n', 'file = "b.csv"\ncycle = 3\n', 'file = "b.csv"\n')
+    bad, missing, good = result.curves
+    assert bad.failed
+    assert bad.reason.startswith("a.csv: ")
+    assert "cycle" in missing.reason
+    assert good.fit is not None
+    assert str(tmp_path) not in "".join(result.failures)
+
+
+def test_the_report_shows_fits_and_reasons(tmp_path: Path) -> None:
+    write_curve(tmp_path / "a.csv", area=False)
+    for rate in (1.0, 4.0):
+        write_curve(tmp_path / f"{rate:g}.csv", rate=rate)
+    result = study(tmp_path, 'file = "a.csv"\n', 'file = "1.csv"\n', 'file = "4.csv"\n')
+    page = write_report(result, tmp_path / "out").read_text()
+    assert "no contact area in the curve" in page
+    assert "Young's modulus at no load against velocity" in page or "Young&#39;s modulus at no load" in page
+    names = {path.name for path in (tmp_path / "out" / "figures").glob("curve2*.svg")}
+    assert len(names) == 5
