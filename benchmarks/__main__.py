@@ -10,7 +10,7 @@ import mpmath as mp
 import numpy as np
 from scipy.special import ellipe, ellipk
 
-from benchmarks import imprints, loading, photographs, sequences, uncertainty
+from benchmarks import imprints, loading, photographs, sequences, studies, uncertainty
 from benchmarks.exact import RATIOS, exact_contact
 from fingerpad.contact import HertzGeometry, hertz_contact, solve_contact_ellipse
 
@@ -68,6 +68,7 @@ if __name__ == "__main__":
     hertz_speed()
     uncertainty.monte_carlo_speed()
     uncertainty.first_order_against_simulation()
+    studies.study_coverage()
     imprints.accuracy_and_coverage(72)
     imprints.edge_calibration(72)
     imprints.ridge_calibration(72)

@@ -241,12 +241,16 @@ def test_corrected_radius_beside_both_other_radii(axes) -> None:
 def test_power_laws_pass_through_the_middle_of_the_data(axes) -> None:
     area = 80 * LOAD**0.4
     plot_area_against_load(axes, LOAD, area, exponent=0.4, exponent_std=0.03)
-    fit, hertz = (line for line in axes.lines if line.get_marker() == "None" and len(line.get_xdata()) == 2)
+    fit, hertz = (line for line in axes.lines if line.get_marker() == "None" and len(line.get_xdata()) == 50)
     for line, slope in ((fit, 0.4), (hertz, 2 / 3)):
         x, y = np.log(line.get_xdata()), np.log(line.get_ydata())
         assert_allclose(np.diff(y) / np.diff(x), slope)
         assert_allclose(np.interp(np.log(LOAD).mean(), x, y), np.log(area).mean())
     assert "0.400 ± 0.030" in texts(axes)
+    band = axes.collections[-1].get_paths()[0].vertices
+    end = band[np.isclose(band[:, 0], band[:, 0].max()), 1]
+    lever = np.log(band[:, 0].max()) - np.log(LOAD).mean()
+    assert_allclose(np.log(end.max() / end.min()), 2 * 0.03 * lever)
 
 
 def test_area_without_logarithm_is_left_out(axes) -> None:

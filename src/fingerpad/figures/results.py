@@ -135,7 +135,8 @@ def plot_area_against_load(
 ) -> Axes:
     """Draw contact area against load in logarithmic axes, with the fitted power law and Hertz's 2/3.
 
-    Both lines pass through the mean of the logarithms, as every least-squares line does. Points without
+    Both lines pass through the mean of the logarithms, as every least-squares line does, and the band of the
+    exponent turns about it. Points without
     a positive load and area have no logarithm and are left out.
 
     Parameters
@@ -158,16 +159,17 @@ def plot_area_against_load(
         axes, W, A, y_std=None if area_std is None else std[good], synthetic=flags[good] != 0, label="area"
     )
     if W.size:
-        line = np.geomspace(W.min() / 1.15, W.max() * 1.15, 2)
+        line = np.geomspace(W.min() / 1.15, W.max() * 1.15, 50)
 
         def power_law(slope: float) -> FloatArray:
             return floats(np.exp(np.log(A).mean() + slope * (np.log(line) - np.log(W).mean())))
 
-        if exponent is not None:
-            said = (
-                f"{exponent:.2f}" if exponent_std is None else value_with_uncertainty(exponent, exponent_std)
-            )
+        if exponent is not None and np.isfinite(exponent):
+            said = value_with_uncertainty(exponent, exponent_std)
             axes.plot(line, power_law(exponent), color=BLUE, label=rf"fit, $A \propto W^{{{said}}}$")
+            if exponent_std is not None and np.isfinite(exponent_std):
+                turned = (power_law(exponent - exponent_std), power_law(exponent + exponent_std))
+                axes.fill_between(line, *turned, color=BLUE, alpha=0.2, linewidth=0)
         axes.plot(line, power_law(2 / 3), "--", color=ORANGE, label=r"Hertz, $A \propto W^{2/3}$")
         axes.set_xlim(line[0], line[-1])
     axes.grid(visible=True, which="major")

@@ -26,7 +26,7 @@ from fingerpad.study.curves import CurveResult, LoadingRadius, loading_radius
 from fingerpad.study.pipeline import StudyResult
 from fingerpad.study.rows import Row
 from fingerpad.study.sequences import SequenceResult
-from fingerpad.study.summary import Summary, area_exponent
+from fingerpad.study.summary import Exponent, Summary, area_exponent
 
 # More than these only make a page heavy.
 _MOST_FRAMES: Final = 300
@@ -239,7 +239,7 @@ def _corrected_radius(rows: Sequence[Row], loading: LoadingRadius | None) -> Fig
     return figure
 
 
-def _area(rows: Sequence[Row], exponent: float) -> Figure:
+def _area(rows: Sequence[Row], exponent: Exponent) -> Figure:
     figure, (axes,) = new_figure()
     major, minor = _column(rows, "semi_major_mm"), _column(rows, "semi_minor_mm")
     plot_area_against_load(
@@ -247,7 +247,8 @@ def _area(rows: Sequence[Row], exponent: float) -> Figure:
         _column(rows, "load_N"),
         np.pi * major * minor,
         area_std=_column(rows, "gross_area_mm2_std"),
-        exponent=exponent,
+        exponent=exponent.value,
+        exponent_std=exponent.std,
         synthetic=_synthetic(rows),
     )
     return figure

@@ -2,6 +2,7 @@
 
 import csv
 import math
+from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -97,7 +98,7 @@ def _summary(summary: Summary, check: UncertaintyCheck | None) -> dict[str, Any]
         "geometric_mean_radius_mm_std": summary.rows[0]["geometric_mean_radius_mm_std"],
         **_pooled("radius_from_indentation", summary.corrected_radius),
         **_pooled("radius_from_compliance", summary.compliance_radius),
-        "area_exponent": area_exponent(summary.contacts or summary.rows),
+        **_exponent(summary.contacts or summary.rows),
         "uncertainty_check": check and asdict(check),
     }
 
@@ -127,10 +128,15 @@ def _sequence(sequence: SequenceResult, rows: list[Row]) -> dict[str, Any]:
         **counts,
         "rows": len(frames),
         "pooled": sum(row["pooled"] for row in frames),
-        "area_exponent": area_exponent(frames),
+        **_exponent(frames),
         "overlays": [overlay._asdict() for overlay in sequence.overlays],
         "reason": sequence.reason,
     }
+
+
+def _exponent(rows: Sequence[Row]) -> dict[str, float]:
+    exponent = area_exponent(rows)
+    return {"area_exponent": exponent.value, "area_exponent_std": exponent.std}
 
 
 def _scale(scale: FoundScale | str) -> dict[str, Any]:

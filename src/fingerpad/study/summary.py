@@ -1,9 +1,12 @@
 """One summary per finger and placement: its rows, and radii pooled from them."""
 
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
+from scipy import stats
 
 from fingerpad.study.model import POOLED_OUTPUTS
 from fingerpad.study.pooling import PooledRadius
@@ -85,11 +88,19 @@ def _summary(key: tuple[str, float, float, bool], rows: Rows, places: list[int])
     )
 
 
-def area_exponent(rows: Iterable[Row]) -> float:
-    """Return the slope of ln A against ln W over the pooled of some rows, NaN with fewer than two loads."""
+class Exponent(NamedTuple):
+    """Slope of ln A against ln W, with its standard uncertainty from the scatter; NaN where not known."""
+
+    value: float
+    std: float
+
+
+def area_exponent(rows: Iterable[Row]) -> Exponent:
+    """Return the exponent of A ∝ W^n over the pooled of some rows: two loads give a slope, three its std."""
     sound = [row for row in rows if row["pooled"] and row["load_N"] > 0]
     load = np.array([row["load_N"] for row in sound])
     area = np.pi * np.array([row["semi_major_mm"] * row["semi_minor_mm"] for row in sound])
     if np.unique(load).size < 2:
-        return float("nan")
-    return float(np.polyfit(np.log(load), np.log(area), 1)[0])
+        return Exponent(math.nan, math.nan)
+    line = stats.linregress(np.log(load), np.log(area))
+    return Exponent(float(line.slope), float(line.stderr) if load.size > 2 else math.nan)
