@@ -15,6 +15,7 @@ from fingerpad._arrays import ArrayLike, FloatArray
 from fingerpad.exceptions import FitError, ImageError
 from fingerpad.image.photograph._arc import PadArc, candidate_points, fitted_arc, longest_arc, widened
 from fingerpad.image.photograph._edges import Edges, locate_edges
+from fingerpad.image.photograph._ends import averaged_over_ends
 from fingerpad.image.photograph._face_frame import (
     PAD_MIDDLE,
     Direction,
@@ -162,10 +163,10 @@ def measure_photograph(
 ) -> PhotographFit:
     """Measure two semi-axes of the finger pad in a photograph of one face.
 
-    The arc is the longest about the pad's middle that one ellipse fits, or all the outline inside
-    `region_of_interest`, or from the first to the last of `points`; beyond the ends of an arc so given the
-    outline, which has no corner, still counts for what it can say. The ellipse lies along the finger's own
-    axis, as its sides show it, within what they leave open.
+    The arc is the longest about the pad's middle that one ellipse fits, its ellipse averaged over where the
+    arc may end; or all the outline inside `region_of_interest`, or from the first to the last of `points`.
+    Beyond its ends the outline, which has no corner, still counts for what it can say. The ellipse lies along
+    the finger's own axis, as its sides show it, within what they leave open.
 
     Parameters
     ----------
@@ -263,13 +264,15 @@ def _pad_arc(
     else:
         order = candidate_points(local, face)
     found = order[edges.found[order]]
+    middle = PAD_MIDDLE[face]
     if len(found) < _LEAST_POINTS:
         raise FitError(
             f"only {len(found)} points of the finger's outline lie on the {face} face's arc: "
             "widen region_of_interest, or mark points on the pad"
         )
     if marks is None and window is None:
-        arc = longest_arc(local, found, PAD_MIDDLE[face], lean)
+        arc = longest_arc(local, found, middle, lean)
+        arc = averaged_over_ends(local, found, arc, middle=middle, lean=lean, spacing=edges.spacing)
     else:
         arc = with_flanks(local, edges, fitted_arc(local, found, lean), lean)
     return widened(arc, edges), place

@@ -159,7 +159,7 @@ def fit_outline_ellipse(
     information = white.T @ white
     information[4, 4] += 1 / lean_std**2
     inverse = np.linalg.pinv(information, hermitian=True)
-    widening = _student_widening(on_arc.sum() / correlation - values.size)
+    widening = student_widening(on_arc.sum() / correlation - values.size)
     unit = np.array([size, size, size, size, 1.0])
     covariance = widening * inverse * np.outer(unit, unit)
     # By convention a distance grows outwards and falls as the ellipse does.
@@ -315,6 +315,6 @@ def _lagged(values: FloatArray, most: int) -> FloatArray:
     return np.asarray(np.fft.irfft(power, size)[: most + 1], dtype=np.float64)
 
 
-def _student_widening(freedom: float) -> float:
+def student_widening(freedom: float) -> float:
     """Return how much a variance from few degrees of freedom widens, so that 1.96 deviations hold 95 %."""
     return float((student.ppf(0.975, max(freedom, _LEAST_FREEDOM)) / _TWO_SIDED_95) ** 2)

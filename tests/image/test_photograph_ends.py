@@ -1,0 +1,104 @@
+"""The ellipse of an arc whose ends nobody knows: against outlines of known truth that depart beyond them."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import cumulative_simpson
+from scipy.ndimage import gaussian_filter1d
+
+from fingerpad.image.photograph._arc import fitted_arc, widened
+from fingerpad.image.photograph._edges import Edges
+from fingerpad.image.photograph._ends import averaged_over_ends
+
+SEMI_AXES = np.array([197.0, 230.0])
+LEAN = (0.0, math.radians(2))
+
+
+def half_outline(half_deg, departure):
+    """Return points 1 px apart from the ellipse's top on, whose curvature changes beyond an angle."""
+    a, b = SEMI_AXES
+    turn = np.linspace(0, math.radians(98), 20001)
+    speed = np.hypot(a * np.cos(turn), b * np.sin(turn))
+    bend = a * b / speed**2 * (1 + departure * (turn > math.radians(half_deg)))
+    along, heading = (cumulative_simpson(one, x=turn, initial=0) for one in (speed, bend))
+    x = cumulative_simpson(np.cos(heading) * speed, x=turn, initial=0)
+    y = b - cumulative_simpson(np.sin(heading) * speed, x=turn, initial=0)
+    places = np.arange(0, along[-1])
+    return np.stack([np.interp(places, along, x), np.interp(places, along, y)], axis=-1)
+
+
+def outline(half_deg, departures, seed):
+    """Return an outline about a middle of 90 degrees, and each point's angle from there, degrees."""
+    right, left = (half_outline(half_deg, one) for one in departures)
+    points = np.concatenate([right[::-1], left[1:] * (-1, 1)])
+    rough = gaussian_filter1d(np.random.default_rng(seed).normal(0, 1, points.shape), 1, axis=0)
+    angles = np.degrees(np.arctan2(points[:, 1] / SEMI_AXES[1], points[:, 0] / SEMI_AXES[0])) - 90
+    return points + 0.2 * rough / rough.std(), angles
+
+
+def both(half_deg, departures, seed, found_deg):
+    points, angles = outline(half_deg, departures, seed)
+    every = np.arange(len(points))
+    arc = fitted_arc(points, every[np.abs(angles) < found_deg], LEAN)
+    return arc, averaged_over_ends(points, every, arc, middle=math.pi / 2, lean=LEAN, spacing=1.0)
+
+
+def sharp_edges(count):
+    return Edges(
+        points=np.zeros((count, 2)),
+        found=np.ones(count, bool),
+        blur=1.0,
+        step_ratio=np.full(count, 200.0),
+        spacing=1.0,
+        closed=False,
+    )
+
+
+def off(arc):
+    return (arc.fit.values[2:4] - SEMI_AXES) / SEMI_AXES
+
+
+@pytest.mark.parametrize(
+    ("departures", "found_deg"), [((0.3, 0.3), 60), ((-0.4, -0.4), 60), ((-0.4, -0.4), 78), ((0.8, 0.8), 76)]
+)
+def test_ends_found_wrongly_are_mended(departures, found_deg):
+    pairs = [both(70, departures, seed, found_deg) for seed in range(6)]
+    before, after = (np.sqrt(np.mean([off(pair[k]) ** 2 for pair in pairs])) for k in (0, 1))
+    assert after < 0.75 * before
+    assert after < 0.005
+
+
+def test_stated_uncertainties_hold():
+    z = []
+    for seed in range(30):
+        rng = np.random.default_rng([seed, 7])
+        half = rng.uniform(55, 85)
+        _, arc = both(half, rng.normal(0, 0.6, 2), seed, half + rng.normal(0, 5))
+        fit = widened(arc, sharp_edges(1000)).fit
+        z.append((fit.semi_y - SEMI_AXES[1]) / math.sqrt(fit.covariance[3, 3]))
+    # Of 30 one or two lie beyond 1.96; seven would be a chance of one in a thousand.
+    assert np.sum(np.abs(z) > 1.96) < 7
+    assert np.median(np.abs(z)) > 0.2
+
+
+def test_no_departure_leaves_the_ellipse():
+    before, after = both(70, (0.0, 0.0), 1, 90)
+    assert np.abs(off(after)).max() < 0.002
+    assert np.diagonal(after.fit.covariance)[3] < 4 * np.diagonal(before.fit.covariance)[3]
+
+
+def test_a_nail_beyond_the_arc_does_no_harm():
+    points, angles = outline(70, (0.2, -0.3), 2)
+    points[angles > 85] += (-4, 0)
+    every = np.arange(len(points))
+    arc = fitted_arc(points, every[np.abs(angles) < 70], LEAN)
+    arc = averaged_over_ends(points, every, arc, middle=math.pi / 2, lean=LEAN, spacing=1.0)
+    assert np.abs(off(arc)).max() < 0.01
+
+
+def test_too_little_to_average_leaves_the_arc():
+    points, _ = outline(70, (0.2, 0.2), 3)
+    every = np.arange(len(points))[::10]
+    arc = fitted_arc(points, every, LEAN)
+    assert averaged_over_ends(points, every, arc, middle=math.pi / 2, lean=LEAN, spacing=1.0) is arc
