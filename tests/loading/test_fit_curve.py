@@ -132,6 +132,13 @@ def test_region_is_found_where_the_modulus_turns_and_can_be_given() -> None:
     assert given.load_coefficient.std > fit_loading_curve(CURVE).load_coefficient.std
 
 
+@pytest.mark.parametrize("offset", [-12.0, 12.0])
+def test_area_before_contact_is_flagged(offset: float) -> None:
+    assert "area_offset" not in fit_loading_curve(CURVE).flags
+    moved = replace(CURVE, area=np.maximum(CURVE.area + offset, 0))
+    assert "area_offset" in fit_loading_curve(moved).flags
+
+
 def test_estimators_of_contact_state_errors_that_hold() -> None:
     points = contact_points(fit_loading_curve(CURVE).models["load_dependent"])
     assert set(points) == {"joint", *ESTIMATORS}

@@ -1,10 +1,12 @@
 """The noise in as many steps as rows, against its covariance written out as a matrix."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fingerpad.loading.noise import Noise, likely_noise
+from fingerpad.loading.noise import Noise, NoiseUncertainty, likely_noise
 
 RNG = np.random.default_rng(0)
 COUNT = 40
@@ -61,6 +63,33 @@ def test_parameter_covariance_is_the_sandwich_of_the_matrix(wander_std: float) -
     estimator = np.linalg.solve(weighed.T @ weighed, weighed.T @ scaling)
     found = seen.parameter_covariance(jacobian[:COUNT], jacobian[COUNT:])
     assert_allclose(found, estimator @ covariance @ estimator.T, rtol=1e-8)
+
+
+def test_estimated_weights_cost_what_kenward_and_roger_say() -> None:
+    """Their own form, Φ + 2 Φ Σ C_ij (Q_ij − P_i Φ P_j) Φ, in variances and with the matrix written out."""
+    names, parts = ("force_std", "displacement_std", "area_std"), []
+    for name in names:
+        alone = replace(noise(0.0), **{other: 0.0 for other in names if other != name})
+        parts.append(2 * alone.covariance_of(*np.split(np.eye(written_out(0.0).shape[0]), [COUNT])))
+    covariance = written_out(0.0)
+    assert_allclose(sum(parts), 2 * covariance, rtol=1e-9)
+    root = np.random.default_rng(5).standard_normal((3, 3))
+    of_logs = 0.3 * root @ root.T
+    jacobian = np.random.default_rng(6).standard_normal((len(covariance), 3))
+    inverse = np.linalg.inv(covariance)
+    plain = np.linalg.inv(jacobian.T @ inverse @ jacobian)
+    change = [-inverse @ part @ inverse for part in parts]
+    first = [jacobian.T @ each @ jacobian for each in change]
+    middle = np.zeros((3, 3))
+    for i in range(3):
+        for k in range(3):
+            second = jacobian.T @ change[i] @ covariance @ change[k] @ jacobian
+            middle += of_logs[i, k] * (second - first[i] @ plain @ first[k])
+    known = NoiseUncertainty(names=names, covariance=of_logs)
+    found = known.parameter_covariance(noise(0.0), (jacobian[:COUNT], jacobian[COUNT:]))
+    added = 2 * plain @ middle @ plain
+    assert_allclose(found - plain, added, atol=0.03 * np.abs(added).max())
+    assert np.linalg.norm(added) > 0.05 * np.linalg.norm(plain)
 
 
 def test_deviations_are_found_again() -> None:

@@ -67,6 +67,11 @@ CURVE = simulate_loading_curve(points=300, **NOISE)
     [
         ({"load": -CURVE.load}, LoadingError, "force falls as the displacement grows"),
         ({"indentation": -CURVE.indentation}, LoadingError, "displacement never grows"),
+        (
+            {"load": -CURVE.load, "indentation": -CURVE.indentation},
+            LoadingError,
+            "both of the wrong sign .* reverse both columns",
+        ),
         ({"load": np.ones(300)}, LoadingError, "force is 1 N in every row"),
         ({"indentation": np.ones(300)}, LoadingError, "displacement is 1 mm in every row"),
         (
@@ -80,6 +85,25 @@ CURVE = simulate_loading_curve(points=300, **NOISE)
 def test_impossible_records_are_refused(columns: dict, kind: type[FingerpadError], message: str) -> None:
     with pytest.raises(kind, match=message):
         fit_loading_curve(replace(CURVE, **columns))
+
+
+@pytest.mark.parametrize("approach", [0.0, 0.8])
+@pytest.mark.parametrize("points", [40, 400])
+def test_record_upside_down_is_told_from_one_that_is_not(points: int, approach: float) -> None:
+    curve = simulate_loading_curve(points=points, approach=approach, hold=0.5, unloading=True, **NOISE)
+    with pytest.raises(LoadingError, match="both of the wrong sign"):
+        fit_loading_curve(replace(curve, load=0.1 - curve.load, indentation=3 - curve.indentation))
+    # The way out alone is wrong as well, but not in its signs.
+    out = slice(points // 2, None)
+    away = LoadingCurve(load=curve.load[out], indentation=curve.indentation[out])
+    with pytest.raises(LoadingError, match="displacement never grows"):
+        fit_loading_curve(away)
+
+
+@pytest.mark.parametrize("exponent", [0.7, 1.0])
+def test_pad_that_yields_is_not_upside_down(exponent: float) -> None:
+    depth = np.maximum(CURVE.indentation - 1, 0)
+    assert fit_loading_curve(replace(CURVE, load=depth**exponent + CURVE.load * 1e-3)).flags is not None
 
 
 @pytest.mark.parametrize("name", ["load", "indentation", "area", "time"])

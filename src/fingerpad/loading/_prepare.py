@@ -8,7 +8,16 @@ import numpy as np
 from fingerpad.exceptions import FitError, LoadingError
 from fingerpad.loading.curve import LoadingCurve
 from fingerpad.loading.joint import Record
-from fingerpad.loading.segments import Cycle, find_cycles, rising_start, saturated, smoothed
+from fingerpad.loading.segments import (
+    BOTH_REVERSED,
+    Cycle,
+    both_reversed,
+    find_cycles,
+    rising_start,
+    saturated,
+    smoothed,
+    start_of_press,
+)
 
 # Rows before contact from which a drift, or a zero, can be told.
 _TILT_ROWS, _ZERO_ROWS = 4, 2
@@ -102,11 +111,11 @@ def start_values(press: Press, radius: float | None) -> dict[str, float]:
 
 def _require_contact(record: Record) -> None:
     """Raise where the force does not rise out of its noise as the platen moves in, or falls."""
-    place, parts = rising_start(record.clock, record.load, record.smooth_displacement, tilt=False)
-    s = np.maximum(record.smooth_displacement - place, 0) ** 1.5
-    rise = parts[1] * s + parts[2] * s * s
-    noise = float(np.std(record.load - parts[0] - rise))
+    rise, rest = start_of_press(record.clock, record.load, record.smooth_displacement)
+    noise = float(np.std(rest))
     size = float(rise[np.argmax(np.abs(rise))])
+    if both_reversed(record.clock, record.load, record.smooth_displacement):
+        raise LoadingError(BOTH_REVERSED)
     if not abs(size) > _CONTACT_DEVIATIONS * noise:
         raise FitError(
             f"no contact in the record: the force changes by {abs(size):.3g} N while the platen moves in, "

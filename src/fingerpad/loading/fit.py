@@ -21,6 +21,8 @@ from fingerpad.units import KPA_PER_MPA
 
 # AICc by which the law with a growing modulus must be ahead before the modulus is said to depend on the load.
 _DECISIVE = 10.0
+# An area at contact is doubtful from this many standard uncertainties on.
+_OFFSET_DEVIATIONS = 3.0
 _NO_RADIUS = (
     "no contact area in the curve, so its radius is not known: give a column area_mm2, or effective_radius"
 )
@@ -163,26 +165,9 @@ def fit_loading_curve(
     preferred = min(models, key=lambda name: models[name].aicc)
     grows = "hertz" in models and models["hertz"].aicc > main.aicc + _DECISIVE
     known = press.record.area.size > 0 or effective_radius is not None
-    top = float(main.load(np.array([main.record.smooth_displacement.max()]))[0])
-    youngs = main.combined(
-        main.values["initial_modulus"] + main.values["load_coefficient"] * top,
-        {"initial_modulus": 1.0, "load_coefficient": top},
-    )
-    modulus: Quantity = youngs if known else Unknown(_NO_RADIUS)
     return LoadingFit(
-        effective_radius=_bounded(main, "effective_radius") if known else Unknown(_NO_RADIUS),
-        reduced_modulus=modulus.times(1 / (1 - poisson_ratio**2)),
-        youngs_modulus=modulus,
-        contact_offset=_bounded(main, "contact_offset"),
-        initial_modulus=_bounded(main, "initial_modulus") if known else Unknown(_NO_RADIUS),
-        load_coefficient=_bounded(main, "load_coefficient") if known else Unknown(_NO_RADIUS),
-        load_exponent=(
-            _bounded(models["free_exponent"], "load_exponent")
-            if "free_exponent" in models
-            else Unknown("a power law with free exponent does not fit the curve")
-        ),
-        area_exponent=_area_exponent(main),
-        modulus_load=top,
+        **_quantities(main, models, known=known),
+        modulus_load=_top_load(main),
         region=limits,
         cycles=press.cycles,
         hysteresis=tuple(hysteresis(curve, each) for each in press.cycles),
@@ -191,6 +176,33 @@ def fit_loading_curve(
         secant=secant_of(main),
         flags=(*press.flags, *doubts, *(("modulus_depends_on_load",) if grows else ())),
     )
+
+
+def _quantities(main: JointFit, models: Mapping[str, JointFit], *, known: bool) -> dict[str, Quantity]:
+    """Return all quantities by name; those that need a radius are unknown where it is not `known`."""
+    top = _top_load(main)
+    youngs = main.combined(
+        main.values["initial_modulus"] + main.values["load_coefficient"] * top,
+        {"initial_modulus": 1.0, "load_coefficient": top},
+    )
+    modulus: Quantity = youngs if known else Unknown(_NO_RADIUS)
+    need_radius = ("effective_radius", "initial_modulus", "load_coefficient")
+    return {
+        **{name: _bounded(main, name) if known else Unknown(_NO_RADIUS) for name in need_radius},
+        "reduced_modulus": modulus.times(1 / (1 - main.record.poisson_ratio**2)),
+        "youngs_modulus": modulus,
+        "contact_offset": _bounded(main, "contact_offset"),
+        "load_exponent": (
+            _bounded(models["free_exponent"], "load_exponent")
+            if "free_exponent" in models
+            else Unknown("a power law with free exponent does not fit the curve")
+        ),
+        "area_exponent": _area_exponent(main),
+    }
+
+
+def _top_load(main: JointFit) -> float:
+    return float(main.load(np.array([main.record.smooth_displacement.max()]))[0])
 
 
 def _require_options(poisson_ratio: float, contact_point: str) -> None:
@@ -231,14 +243,27 @@ def _main_fit(
     before = np.count_nonzero(record.smooth_displacement < main.values["contact_offset"])
     if before < 2 and "no_baseline" not in press.flags:
         doubts.append("no_baseline")
+    if _has_area_offset(main):
+        doubts.append("area_offset")
     return main, limits, doubts
+
+
+def _has_area_offset(main: JointFit) -> bool:
+    """Tell whether the areas show one at contact, which the law has none for."""
+    if not main.record.area.size:
+        return False
+    try:
+        wider = fit_joint(main.record, main.law, {**main.values, "area_offset": 0.0}, main.held)
+    except FitError:
+        return False
+    offset = wider.combined(wider.values["area_offset"], {"area_offset": 1.0})
+    return abs(offset.value) > _OFFSET_DEVIATIONS * offset.std
 
 
 def _models(main: JointFit) -> dict[str, JointFit]:
     """Return the laws fitted under one noise, those that can be."""
     start = {**main.values, "load_exponent": 1.5}
-    top = float(main.load(np.array([main.record.smooth_displacement.max()]))[0])
-    start["youngs_modulus"] = start.pop("initial_modulus") + start.pop("load_coefficient") * top
+    start["youngs_modulus"] = start.pop("initial_modulus") + start.pop("load_coefficient") * _top_load(main)
     found = {"load_dependent": main}
     for law in ("hertz", "free_exponent"):
         unused = {"load_exponent"} if law == "hertz" else set()

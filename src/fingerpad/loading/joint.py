@@ -87,6 +87,8 @@ class JointFit:
         Parameters given from elsewhere, whose uncertainty is carried on.
     noise, noise_uncertainty : Noise, NoiseUncertainty
         Of the record.
+    covariance : ndarray, (p, p)
+        Of the free parameters, with wandering noise and with the uncertainty of the noise itself.
     record : Record
         What was fitted.
     response : mapping of str to ndarray
@@ -98,6 +100,7 @@ class JointFit:
     held: Mapping[str, Estimate]
     noise: Noise
     noise_uncertainty: NoiseUncertainty
+    covariance: FloatArray
     record: Record
     response: Mapping[str, FloatArray]
 
@@ -114,11 +117,6 @@ class JointFit:
     def corrected_load(self, clock: FloatArray, load: FloatArray) -> FloatArray:
         """Return measured forces with zero and tilt removed, N."""
         return load - _zero(self.values, clock)
-
-    @property
-    def covariance(self) -> FloatArray:
-        """Covariance of the free parameters, wandering noise included."""
-        return self.noise.parameter_covariance(*self._jacobians)
 
     def simulated(self, rng: np.random.Generator) -> tuple[FloatArray, FloatArray]:
         """Return displacement and force of one more record like this, with new noise."""
@@ -162,10 +160,8 @@ class JointFit:
     def combined(self, value: float, gradient: Values) -> Estimate:
         """Return a function of the parameters from its gradient, to first order (GUM Eq. 13 and G.4)."""
         slope = np.array([gradient.get(name, 0.0) for name in self.fit.names])
-        jacobians = self._jacobians
-        covariance = self.noise.parameter_covariance(*jacobians)
-        freedom = self.noise_uncertainty.degrees_of_freedom(self.noise, jacobians, slope)
-        own = Estimate.symmetric(value, math.sqrt(float(slope @ covariance @ slope)), freedom)
+        freedom = self.noise_uncertainty.degrees_of_freedom(self.noise, self._jacobians, slope)
+        own = Estimate.symmetric(value, math.sqrt(float(slope @ self.covariance @ slope)), freedom)
         shifts = [
             (gradient.get(key, 0.0) + float(slope @ self.response[key])) * given.std
             for key, given in self.held.items()
@@ -209,7 +205,8 @@ def _residuals(record: Record, law: str, values: Values) -> tuple[FloatArray, Fl
     load = _law_load(values, LAWS[law], record.displacement, record.poisson_ratio)
     force = record.load - load - _zero(values, record.clock)
     depth = record.displacement[record.with_area] - values["contact_offset"]
-    return force, record.area - np.pi * values["effective_radius"] * depth
+    area = np.pi * values["effective_radius"] * depth + values.get("area_offset", 0.0)
+    return force, record.area - area
 
 
 def _fitted(record: Record, law: str, start: Values, held: Mapping[str, Estimate], noise: Noise) -> JointFit:
@@ -229,13 +226,15 @@ def _fitted(record: Record, law: str, start: Values, held: Mapping[str, Estimate
         change = (moved[0] - moved[1]) / (2 * step)
         response[name] = floats(-np.linalg.lstsq(fit.jacobian, change)[0])
     whole = {**given, **dict(zip(names, map(float, fit.values), strict=True))}
-    known = noise_uncertainty(noise, _residuals(record, law, whole), _jacobians(record, law, names, whole))
+    jacobians = _jacobians(record, law, names, whole)
+    known = noise_uncertainty(noise, _residuals(record, law, whole), jacobians)
     return JointFit(
         law=law,
         fit=fit,
         held=held,
         noise=noise,
         noise_uncertainty=known,
+        covariance=known.parameter_covariance(noise, jacobians),
         record=record,
         response=response,
     )

@@ -76,24 +76,37 @@ class Noise:
         return (self.force_std**2 + self._slow_variance) / (self.force_std**2 + self.wander_std**2)
 
     def parameter_covariance(self, force: FloatArray, area: FloatArray) -> FloatArray:
-        """Return H Cov(Jᵀz) H with H = (JᵀJ)⁻¹ for scaled residuals z, from the derivatives of raw ones."""
+        """Return the covariance of the weighed fit's parameters, from derivatives of the residuals."""
+        return self.covariance_of(*self.estimator(force, area))
+
+    def estimator(self, force: FloatArray, area: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return how each parameter answers to each residual of force and of area, (n, p) and (m, p).
+
+        These are the columns of K J (JᵀKJ)⁻¹, with the weights K of `scaled`.
+        """
         scaled = self.scaled(force, area)
         length = np.linalg.norm(scaled, axis=0)
         inverse = np.linalg.inv((scaled / length).T @ (scaled / length)) / np.outer(length, length)
-        return np.asarray(inverse @ self._score_covariance(scaled) @ inverse)
+        answer = scaled @ inverse
+        white, told, area_std = self._parts
+        by_force = answer[: len(force)] / np.sqrt(white + self._slow_variance)[:, None]
+        by_area = answer[len(force) :] / area_std
+        return by_force, by_area + told[:, None] * by_force[self.with_area][: len(area)]
 
-    def _score_covariance(self, scaled: FloatArray) -> FloatArray:
-        count = self.slope.size
-        white, *_ = self._parted(np.zeros((count, 1)), np.zeros((0, 1)))
-        spread = scaled[:count] / np.sqrt(white + self._slow_variance)[:, None]
-        alone = spread.T @ (white[:, None] * spread) + scaled[count:].T @ scaled[count:]
+    def covariance_of(self, force: FloatArray, area: FloatArray) -> FloatArray:
+        """Return the covariance of sums of residuals of force and area with weights (n, p) and (m, p)."""
+        shared = self.slope[:, None] * force
+        if area.size:
+            shared[self.with_area] -= np.pi * self.radius * area
+        total = self.force_std**2 * force.T @ force + self.area_std**2 * area.T @ area
+        total += self.displacement_std**2 * shared.T @ shared
         if not self.wander_std > 0:
-            return alone
+            return np.asarray(total)
         kept = np.exp(-self.steps / self.wander_time)
-        band = np.stack([np.ones(count), np.append(-kept, 0.0)])
-        passed, _ = linalg.lapack.dtbtrs(band, spread, uplo="L", trans="T", diag="U")
+        band = np.stack([np.ones(len(force)), np.append(-kept, 0.0)])
+        passed, _ = linalg.lapack.dtbtrs(band, force, uplo="L", trans="T", diag="U")
         passed *= self.wander_std * np.sqrt(np.append(1.0, 1 - kept**2))[:, None]
-        return np.asarray(alone + passed.T @ passed)
+        return np.asarray(total + passed.T @ passed)
 
     def surprise(self, force: FloatArray, area: FloatArray) -> float:
         """Return minus the restricted log-likelihood, which allows for what the fit took up (REML).
@@ -113,16 +126,22 @@ class Noise:
         determined = float(np.log(np.diagonal(triangle) * length[1:]).sum())
         return volume + determined + float(product[0, 0] - taken @ taken) / 2
 
-    def _parted(self, force: FloatArray, area: FloatArray) -> tuple[FloatArray, FloatArray, float]:
-        """Return variances of the force given the area, what the area does not tell of it, the area's std."""
+    @property
+    def _parts(self) -> tuple[FloatArray, FloatArray, float]:
+        """Variances of the force given the area, what each area tells of its force, the area's deviation."""
         shared, g = self.displacement_std**2, np.pi * self.radius
         area_variance = self.area_std**2 + g**2 * shared
         left = np.where(self.with_area, self.area_std**2 / area_variance, 1.0) * shared
+        told = self.slope[self.with_area] * g * shared / area_variance
+        return self.force_std**2 + self.slope**2 * left, told, math.sqrt(area_variance)
+
+    def _parted(self, force: FloatArray, area: FloatArray) -> tuple[FloatArray, FloatArray, float]:
+        """Return variances of the force given the area, what the area does not tell of it, the area's std."""
+        white, told, area_std = self._parts
         if area.size:
-            told = self.slope[self.with_area] * g * shared / area_variance
             force = force.copy()
             force[self.with_area] += told[:, None] * area
-        return self.force_std**2 + self.slope**2 * left, force, math.sqrt(area_variance)
+        return white, force, area_std
 
     def _whitened(self, force: FloatArray, area: FloatArray) -> tuple[FloatArray, FloatArray, float]:
         """Return both as independent ones of unit variance, and half the log of their determinant."""
@@ -149,7 +168,7 @@ def likely_noise(
     *,
     wandering: bool,
 ) -> Noise:
-    """Return the noise of greatest restricted likelihood, with or without a search for wandering.
+    """Return the noise of greatest penalised likelihood, with or without a search for wandering.
 
     `first` gives slope, radius, steps and rows with area; its deviations are where the search begins.
     """
@@ -179,7 +198,7 @@ def _found(
     ]
 
     def surprise(logs: FloatArray) -> float:
-        return _with_logs(first, names, logs).surprise(force, area)
+        return _penalised(_with_logs(first, names, logs), force, area)
 
     found = optimize.minimize(
         surprise,
@@ -189,6 +208,14 @@ def _found(
         options=_ENOUGH,
     )
     return _with_logs(first, names, found.x), float(found.fun)
+
+
+def _penalised(noise: Noise, force: FloatArray, area: FloatArray) -> float:
+    """Return the surprise less log σ of the displacement, which keeps that off zero (Chung et al. 2013).
+
+    Few rows cannot tell it from none, and its weights and their uncertainty would then be those of none.
+    """
+    return noise.surprise(force, area) - math.log(noise.displacement_std)
 
 
 def _most(first: Noise, residuals: tuple[FloatArray, FloatArray]) -> dict[str, tuple[float, float]]:
@@ -227,17 +254,32 @@ class NoiseUncertainty:
         slope = np.array([log_variance(at + m) - log_variance(at - m) for m in moves]) / (2 * _LOG_STEP)
         return min(max(2 / float(slope @ self.covariance @ slope), 2.0), 1e6)
 
+    def parameter_covariance(self, noise: Noise, jacobians: tuple[FloatArray, FloatArray]) -> FloatArray:
+        """Return the covariance of the parameters, with what it costs that their weights are estimated.
+
+        A weight that errs adds the variance Λ = Σ C_ij (∂G/∂θ_i) V (∂G/∂θ_j)ᵀ to parameters p = G y, and the
+        deviations found make the plain covariance look smaller by Λ again (Kenward & Roger 1997).
+        """
+        at = np.log([getattr(noise, name) for name in self.names])
+        added = noise.parameter_covariance(*jacobians)
+        values, vectors = np.linalg.eigh(self.covariance)
+        for move in _LOG_STEP * (vectors * np.sqrt(np.maximum(values, 0.0))).T:
+            up, down = (_with_logs(noise, self.names, at + m).estimator(*jacobians) for m in (move, -move))
+            changes = [(u - d) / (2 * _LOG_STEP) for u, d in zip(up, down, strict=True)]
+            added = added + 2 * noise.covariance_of(*changes)
+        return added
+
 
 def noise_uncertainty(
     noise: Noise, residuals: tuple[FloatArray, FloatArray], jacobians: tuple[FloatArray, FloatArray]
 ) -> NoiseUncertainty:
-    """Return the uncertainty of a noise from the curvature of its restricted likelihood."""
+    """Return the uncertainty of a noise from the curvature of its penalised likelihood."""
     names = _WHITE[: 3 if residuals[1].size else 2] + (_WANDERING if noise.wander_std > 0 else ())
     force, area = (np.column_stack(pair) for pair in zip(residuals, jacobians, strict=True))
     at, moves = np.log([getattr(noise, name) for name in names]), _LOG_STEP * np.eye(len(names))
 
     def surprise(move: FloatArray) -> float:
-        return _with_logs(noise, names, at + move).surprise(force, area)
+        return _penalised(_with_logs(noise, names, at + move), force, area)
 
     middle, single = surprise(0 * at), [surprise(m) + surprise(-m) for m in moves]
     curvature = np.diag([s - 2 * middle for s in single])

@@ -1,6 +1,7 @@
 """Baseline, loading, hold and unloading of each cycle, told apart by the platen's motion."""
 
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 import numpy.typing as npt
@@ -18,6 +19,12 @@ _RISE, _REST, _FALL = 1, 0, -1
 _SATURATED_ROWS = 4
 _SMOOTHING = 50
 _START_GRID, _START_ROWS = 30, 300
+# A record is upside down where, turned about, it leaves less than this share of its sum of squares.
+_UPSIDE_DOWN = 0.2
+BOTH_REVERSED: Final = (
+    "force and displacement are both of the wrong sign (force sign flipped, displacement too): turned about "
+    "they are a press; compression is positive, and displacement grows into the pad: reverse both columns"
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -124,6 +131,8 @@ def find_cycles(curve: LoadingCurve) -> tuple[Cycle, ...]:
             )
         )
     if not cycles:
+        if both_reversed(curve.clock, curve.load, curve.indentation):
+            raise LoadingError(BOTH_REVERSED)
         raise LoadingError("the displacement never grows: it must grow into the pad; reverse its sign")
     return tuple(cycles)
 
@@ -177,6 +186,27 @@ def rising_start(
     grid = np.linspace(x.min(), x.min() + 0.8 * np.ptp(x), _START_GRID)
     place, _ = best(grid)
     return best(place + (grid[1] - grid[0]) * np.linspace(-1, 1, 11))
+
+
+def start_of_press(
+    clock: FloatArray, load: FloatArray, displacement: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return the rise of the force over its zero by `rising_start`, and what is left of the force."""
+    place, parts = rising_start(clock, load, displacement, tilt=False)
+    s = np.maximum(displacement - place, 0) ** 1.5
+    rise = parts[1] * s + parts[2] * s * s
+    return rise, load - parts[0] - rise
+
+
+def both_reversed(clock: FloatArray, load: FloatArray, displacement: FloatArray) -> bool:
+    """Tell whether force and displacement, both reversed, are a press far better than as they stand.
+
+    A press grows ever steeper after a level baseline; upside down it ends in one.
+    """
+    _, rest = start_of_press(clock, load, displacement)
+    rise, turned = start_of_press(clock, -load, -displacement)
+    rising = float(rise[np.argmax(np.abs(rise))]) > 0
+    return rising and float(turned @ turned) < _UPSIDE_DOWN * float(rest @ rest)
 
 
 def _require_usable(curve: LoadingCurve) -> None:
