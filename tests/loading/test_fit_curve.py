@@ -1,6 +1,7 @@
 """All quantities of a loading curve against the truth it was simulated from."""
 
 import json
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -177,3 +178,22 @@ def test_each_cycle_can_be_fitted() -> None:
 def test_impossible_options_are_refused(options: dict, message: str) -> None:
     with pytest.raises(LoadingError, match=message):
         fit_loading_curve(CURVE, **options)
+
+
+def test_a_constraint_coefficient_divides_the_moduli_and_brings_its_uncertainty() -> None:
+    fit = fit_loading_curve(simulate_loading_curve(points=200, force_std=0.004, area_std=0.5, seed=2))
+    free = fit.unconstrained(Estimate.symmetric(2.0, 0.5))
+    for name in ("reduced_modulus", "youngs_modulus", "initial_modulus", "load_coefficient"):
+        before, after = getattr(fit, name), getattr(free, name)
+        assert after.value == pytest.approx(before.value / 2)
+        assert after.std / after.value == pytest.approx(math.hypot(before.std / before.value, 0.25))
+        assert after.lower < after.value < after.upper
+    assert free.effective_radius == fit.effective_radius
+    assert free.contact_offset == fit.contact_offset
+    assert "constraint_assumed" in free.flags
+    exact = fit.unconstrained(Estimate.symmetric(2.0, 0.0)).youngs_modulus
+    assert exact.upper - exact.lower == pytest.approx(
+        (fit.youngs_modulus.upper - fit.youngs_modulus.lower) / 2
+    )
+    with pytest.raises(LoadingError, match="must be positive, found 0"):
+        fit.unconstrained(Estimate.symmetric(0.0, 0.0))

@@ -32,6 +32,11 @@ def fit(
     region: Annotated[
         str | None, typer.Option(metavar="W0,W1", help="Loads, N, between which the modulus grows.")
     ] = None,
+    constraint: Annotated[
+        float | None,
+        typer.Option(help="Factor by which bone stiffens the pad; uncertain. Moduli are divided by it."),
+    ] = None,
+    constraint_std: Annotated[float, typer.Option(help="Its standard uncertainty.")] = 0.0,
     plot: Annotated[Path | None, typer.Option(help="Folder for the figures, SVG and PNG.")] = None,
     as_json: AsJson = False,
 ) -> None:
@@ -56,6 +61,8 @@ def fit(
             contact_point=contact_point,
             region=None if region is None else _loads(region),
         )
+        if constraint is not None:
+            found = found.unconstrained(Estimate.symmetric(constraint, constraint_std))
         if plot is not None:
             _draw(plot, curve.stem, record, found, cycle)
     if as_json:

@@ -46,6 +46,27 @@ class Estimate:
             upper=factor * self.upper,
         )
 
+    def over(self, divisor: "Estimate") -> "Estimate":
+        """Return the estimate divided by another, above zero and independent of it, to first order.
+
+        Examples
+        --------
+        >>> ratio = Estimate.symmetric(40.0, 3.0).over(Estimate.symmetric(2.0, 0.2))
+        >>> print(f"{ratio.value:.1f} ± {ratio.std:.1f}")
+        20.0 ± 2.5
+        """
+        value = self.value / divisor.value
+
+        def apart(own: float, other: float) -> float:
+            return math.hypot(own, value * other) / divisor.value
+
+        return Estimate(
+            value=value,
+            std=apart(self.std, divisor.std),
+            lower=value - apart(self.value - self.lower, divisor.upper - divisor.value),
+            upper=value + apart(self.upper - self.value, divisor.value - divisor.lower),
+        )
+
 
 @dataclass(frozen=True, slots=True)
 class Unknown:
@@ -61,6 +82,10 @@ class Unknown:
 
     def times(self, factor: float) -> "Unknown":  # noqa: ARG002
         """Return the same: what is unknown is so in all units."""
+        return self
+
+    def over(self, divisor: Estimate) -> "Unknown":  # noqa: ARG002
+        """Return the same."""
         return self
 
 

@@ -2,8 +2,8 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import Any, Self
 
 import numpy as np
 
@@ -85,6 +85,31 @@ class LoadingFit:
     def segments(self) -> tuple[Cycle, ...]:
         """The phases of each press, by rows."""
         return self.cycles
+
+    def unconstrained(self, coefficient: Estimate) -> Self:
+        """Return the fit with all moduli divided by a constraint coefficient.
+
+        Bone and nail behind a pad that is thin against its contact make it stiffer than a half-space of the
+        same skin, by this factor. How much is hardly known of any finger: its uncertainty goes into the
+        moduli, and the result is flagged ``constraint_assumed``.
+
+        Raises
+        ------
+        LoadingError
+            If the coefficient is not positive and finite.
+        """
+        if not (coefficient.value > 0 and math.isfinite(coefficient.value) and coefficient.std >= 0):
+            raise LoadingError(
+                f"the constraint coefficient must be positive, found {coefficient.value} ± {coefficient.std}"
+            )
+        return replace(
+            self,
+            reduced_modulus=self.reduced_modulus.over(coefficient),
+            youngs_modulus=self.youngs_modulus.over(coefficient),
+            initial_modulus=self.initial_modulus.over(coefficient),
+            load_coefficient=self.load_coefficient.over(coefficient),
+            flags=(*self.flags, "constraint_assumed"),
+        )
 
     def as_record(self) -> dict[str, Any]:
         """Return the numbers under names with units, each with _std and _ci95, null where not known."""
