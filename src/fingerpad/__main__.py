@@ -2,7 +2,18 @@
 
 import sys
 
-_OPTIONAL = {"PIL", "cv2", "jinja2", "markupsafe", "matplotlib", "pydantic", "rich", "tifffile", "typer"}
+_OPTIONAL = {
+    "PIL",
+    "cv2",
+    "jinja2",
+    "filelock",
+    "markupsafe",
+    "matplotlib",
+    "pydantic",
+    "rich",
+    "tifffile",
+    "typer",
+}
 
 
 def main() -> None:

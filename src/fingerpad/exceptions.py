@@ -32,5 +32,9 @@ class UncertaintyError(FingerpadError, ValueError):
     """A variance, covariance or set of estimates that no uncertainty can be computed from."""
 
 
+class StoreError(FingerpadError):
+    """A study's store of results that cannot be opened, read or written."""
+
+
 class ManifestError(FingerpadError, ValueError):
     """A study manifest that cannot be acted upon."""

@@ -195,6 +195,8 @@ def test_memory_grows_with_rows_only(film: Path, press: SyntheticPress) -> None:
                 picture = (film / "film" / f"f{k}.png").read_bytes()
                 for copy in range(copies):
                     (film / "film" / f"f{copies * k + copy}.png").write_bytes(picture)
+        run(film, ("p", CLOCK))  # whatever is loaded only once, is loaded now
+        shutil.rmtree(film / "out")
         tracemalloc.start()
         rows = len(run(film, ("p", CLOCK)).rows)
         peaks.append((rows, tracemalloc.get_traced_memory()[1]))

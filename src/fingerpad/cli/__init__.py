@@ -25,6 +25,7 @@ app.add_typer(measure.app, name="measure")
 app.command()(fit)
 app.command()(study.init)
 app.command()(study.run)
+app.command()(study.status)
 
 
 def _show_version(value: bool) -> None:

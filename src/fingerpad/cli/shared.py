@@ -32,7 +32,7 @@ def plain_errors() -> Iterator[None]:
             typer.echo(f"fingerpad: {line}", err=True)
         raise typer.Exit(Exit.REFUSED) from None
     except KeyboardInterrupt:
-        typer.echo("fingerpad: interrupted; what was written is incomplete, run the command again", err=True)
+        typer.echo("fingerpad: interrupted; what was measured is kept: run it again to go on", err=True)
         raise typer.Exit(Exit.INTERRUPTED) from None
 
 

@@ -1,11 +1,12 @@
 """Commands that make and run studies."""
 
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fingerpad.cli.shared import Exit, plain_errors
+from fingerpad.cli.shared import AsJson, Exit, plain_errors, print_json
 from fingerpad.units import value_with_uncertainty
 
 if TYPE_CHECKING:
@@ -27,8 +28,13 @@ def run(
     study: Annotated[Path, typer.Argument(help="The study's manifest.", show_default=False)],
     out: Annotated[Path, typer.Option(help="Folder for tables, figures and report.")] = Path("results"),
     workers: Annotated[int, typer.Option(min=1, help="Number of processes that measure.")] = 1,
+    fresh: Annotated[bool, typer.Option("--fresh", help="Measure everything anew.")] = False,
 ) -> None:
-    """Run a study: measure, model, pool, and write tables, figures and a report."""
+    """Run a study: measure, model, pool, and write tables, figures and a report.
+
+    What was measured before is kept in the output folder and measured again only where its picture, its
+    parameters or the program have changed. Interrupted, a run goes on where it stopped.
+    """
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
@@ -44,6 +50,7 @@ def run(
             study,
             out,
             workers=workers,
+            fresh=fresh,
             on_start=lambda total: progress.update(task, total=total, visible=True),
             on_measured=lambda done: progress.update(task, advance=1, description=f"Measured {done.contact}"),
             on_frame=lambda: progress.update(frames, advance=1, visible=True),
@@ -54,6 +61,26 @@ def run(
     _print_outcome(result, report)
     if result.failures:
         raise typer.Exit(Exit.SOME_FAILED)
+
+
+def status(
+    study: Annotated[Path, typer.Argument(help="The study's manifest.", show_default=False)],
+    out: Annotated[Path, typer.Option(help="Folder that it was run into.")] = Path("results"),
+    as_json: AsJson = False,
+) -> None:
+    """Tell how much of a study is measured, failed, stale or left."""
+    from fingerpad.study.status import study_status
+
+    with plain_errors():
+        found = study_status(study, out)
+    record = {**asdict(found), "total": found.total}
+    if as_json:
+        print_json(record)
+        return
+    for name in ("done", "failed", "stale", "left", "total"):
+        typer.echo(f"{name:<7} {record[name]}")
+    if found.seconds_left is not None and found.stale + found.left:
+        typer.echo(f"about {found.seconds_left:.0f} s of measuring on one process")
 
 
 def _print_outcome(result: "StudyResult", report: Path) -> None:

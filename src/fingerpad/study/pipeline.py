@@ -1,6 +1,6 @@
 """The whole way of a study, from its manifest to rows and summaries."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
@@ -18,7 +18,9 @@ from fingerpad.study.rows import Row, make_rows
 from fingerpad.study.runner import Measured, measure_all
 from fingerpad.study.scales import FoundScale, named_scales
 from fingerpad.study.sequences import SequenceResult
+from fingerpad.study.store import STORE_NAME, Store
 from fingerpad.study.summary import Summary, summaries
+from fingerpad.study.tasks import Task, pictures_of, stored_of, tasks_of
 
 # What a run writes into its output folder.
 OUTPUT_NAMES: Final = frozenset(
@@ -100,6 +102,7 @@ def run_study(
     out: Path,
     *,
     workers: int = 1,
+    fresh: bool = False,
     on_start: Callable[[int], None] = lambda _: None,
     on_measured: Callable[[Measured], None] = lambda _: None,
     on_frame: Callable[[], None] = lambda: None,
@@ -114,8 +117,10 @@ def run_study(
         Folder for overlays; made if it is not there.
     workers : int
         Number of processes that measure.
+    fresh : bool
+        Measure everything anew, whatever is stored.
     on_start, on_measured : callable
-        Told how many observations and sequences there are, and of each one as it is done.
+        Told how many observations and sequences are to be measured, and of each one as it is done.
     on_frame : callable
         Called after each frame of a sequence that is measured in this process.
 
@@ -123,6 +128,8 @@ def run_study(
     ------
     ManifestError
         Before any work, if the manifest cannot be acted upon, or results would be written over inputs.
+    StoreError
+        If the store of results in `out` cannot be used, or another run is writing to it.
     """
     if manifest.is_dir():
         manifest = manifest / "study.toml"
@@ -131,16 +138,20 @@ def run_study(
     inputs = [manifest.name, *(name for _, name in study.named_files())]
     _refuse_to_overwrite(inputs, folder, out)
     make_folder(out)
-    _remove_earlier_pictures(out)
-    origin = provenance(folder, inputs)
     scales = named_scales(study, folder)
     fingers = {finger.name: finger_result(finger, scales, folder, out) for finger in study.fingers}
     contacts: list[Contact] = [*study.observations, *study.sequences]
-    on_start(len(contacts))
-    measured = {}
-    for one in measure_all(contacts, scales, folder, out, workers=workers, on_frame=on_frame):
-        measured[one.contact] = one
-        on_measured(one)
+    with Store.writing(out / STORE_NAME) as store:
+        origin = provenance(inputs, lambda name: store.digest(folder / name))
+        tasks = {task.contact.name: task for task in tasks_of(contacts, scales, folder, store.digest)}
+        measured = {} if fresh else _stored(tasks, store, out)
+        left = [contact for contact in contacts if contact.name not in measured]
+        on_start(len(left))
+        for one in measure_all(left, scales, folder, out, workers=workers, on_frame=on_frame):
+            measured[one.contact] = one
+            store.put(one.contact, stored_of(one, tasks[one.contact].key))
+            on_measured(one)
+    _remove_other_pictures(out, measured.values(), fingers.values())
     seen = [(contact, each) for contact in contacts for each in measured[contact.name].measurements]
     rows = make_rows(study, fingers, seen)
     found = summaries(rows)
@@ -187,9 +198,18 @@ def _refuse_to_overwrite(inputs: list[str], folder: Path, out: Path) -> None:
             raise ManifestError(f"{out}: results would be written over {name}; choose another output folder")
 
 
-def _remove_earlier_pictures(out: Path) -> None:
-    """Remove the pictures of an earlier run, which its summary attests, lest they mix with new ones."""
-    if (out / "summary.json").is_file():
-        for pattern in ("overlays/*.png", "overlays/sequences/*.png", "figures/*.png", "figures/*.svg"):
-            for path in out.glob(pattern):
+def _stored(tasks: Mapping[str, Task], store: Store, out: Path) -> dict[str, Measured]:
+    """Return what earlier runs measured and is still good."""
+    stored = store.results()
+    found = {name: task.done_by(stored.get(name), out) for name, task in tasks.items()}
+    return {name: measured for name, measured in found.items() if measured is not None}
+
+
+def _remove_other_pictures(out: Path, measured: Iterable[Measured], fingers: Iterable[FingerResult]) -> None:
+    """Remove overlays and figures of earlier runs, lest they mix with this one's."""
+    kept = {name for one in measured for name in pictures_of(one)}
+    kept |= {photograph.overlay for finger in fingers for photograph in finger.photographs}
+    for pattern in ("overlays/*.png", "overlays/sequences/*.png", "figures/*.png", "figures/*.svg"):
+        for path in out.glob(pattern):
+            if path.relative_to(out).as_posix() not in kept:
                 path.unlink()

@@ -1,10 +1,8 @@
 """Where results come from: versions, input hashes, and the formulas used."""
 
-import hashlib
 import platform
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from datetime import UTC, datetime
-from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
@@ -28,25 +26,14 @@ FORMULAS: Final = {
 }
 
 
-def provenance(folder: Path, files: Iterable[str]) -> dict[str, Any]:
-    """Return what is needed to repeat a run: versions, SHA-256 of every input, formulas."""
+def provenance(files: Iterable[str], digest: Callable[[str], str]) -> dict[str, Any]:
+    """Return what is needed to repeat a run: versions, SHA-256 of every input by `digest`, formulas."""
     return {
         "fingerpad": fingerpad.__version__,
         "python": platform.python_version(),
         "numpy": np.__version__,
         "scipy": scipy.__version__,
         "made": datetime.now(UTC).isoformat(timespec="seconds"),
-        "inputs_sha256": {name: _digest(folder / name) for name in sorted(set(files))},
+        "inputs_sha256": {name: digest(name) for name in sorted(set(files))},
         "formulas": FORMULAS,
     }
-
-
-def _digest(path: Path) -> str:
-    """Return the SHA-256 of a file, or of the names and digests of a folder's files."""
-    if not path.is_dir():
-        with path.open("rb") as file:
-            return hashlib.file_digest(file, "sha256").hexdigest()
-    whole = hashlib.sha256()
-    for file_path in sorted(item for item in path.iterdir() if item.is_file()):
-        whole.update(f"{file_path.name}\0{_digest(file_path)}\n".encode())
-    return whole.hexdigest()

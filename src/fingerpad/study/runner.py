@@ -6,6 +6,7 @@ from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
 from multiprocessing import get_context
 from pathlib import Path
+from time import perf_counter
 
 import cv2
 
@@ -27,11 +28,19 @@ class Measured:
         One for an observation, one for each frame in contact of a sequence.
     sequence : SequenceResult or None
         What the film comes to, if it is one.
+    seconds : float
+        What measuring it took.
     """
 
     contact: str
     measurements: list[Measurement]
     sequence: SequenceResult | None = None
+    seconds: float = 0.0
+
+    @property
+    def failed(self) -> bool:
+        """Whether nothing of it could be measured."""
+        return all(each.reason is not None for each in self.measurements) and bool(self.measurements)
 
 
 def measure_all(
@@ -66,9 +75,16 @@ def measure_all(
     with ProcessPoolExecutor(workers, mp_context=get_context("spawn"), initializer=_start_worker) as pool:
         # The longest first, so that no process is left alone with a film.
         ordered = sorted(contacts, key=lambda contact: isinstance(contact, Observation))
-        futures = [pool.submit(_measure, contact, scales, folder, out) for contact in ordered]
-        for future in as_completed(futures):
-            yield future.result()
+        waiting = {pool.submit(_measure, contact, scales, folder, out) for contact in ordered}
+        try:
+            for future in as_completed(tuple(waiting)):
+                waiting.discard(future)
+                yield future.result()
+        except KeyboardInterrupt:
+            # What is in hand is finished and kept.
+            pool.shutdown(cancel_futures=True)
+            yield from (future.result() for future in waiting if not future.cancelled())
+            raise
 
 
 def _measure(
@@ -78,10 +94,14 @@ def _measure(
     out: Path,
     on_frame: Callable[[], None] = lambda: None,
 ) -> Measured:
+    start, film = perf_counter(), None
     if isinstance(contact, ContactSequence):
-        result, measurements = measure_contact_sequence(contact, scales, folder, out, on_frame)
-        return Measured(contact=contact.name, measurements=measurements, sequence=result)
-    return Measured(contact=contact.name, measurements=[measure_observation(contact, scales, folder, out)])
+        film, measurements = measure_contact_sequence(contact, scales, folder, out, on_frame)
+    else:
+        measurements = [measure_observation(contact, scales, folder, out)]
+    return Measured(
+        contact=contact.name, measurements=measurements, sequence=film, seconds=perf_counter() - start
+    )
 
 
 def _start_worker() -> None:

@@ -1,0 +1,233 @@
+"""What was measured is kept: runs go on where they stopped, measure only what changed, and lose nothing."""
+
+import json
+import os
+import shutil
+import signal
+import sqlite3
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from filelock import FileLock
+from PIL import Image
+from typer.testing import CliRunner
+
+from fingerpad.cli import app
+from fingerpad.exceptions import StoreError
+from fingerpad.image import render_imprint
+from fingerpad.study.pipeline import run_study
+from fingerpad.study.status import study_status
+from fingerpad.study.store import STORE_NAME, Store, Stored
+
+MANIFEST = """
+title = "T"
+[[fingers]]
+name = "f"
+semi_axes_mm = { palmar = 7.9, distal = 13.8, radial_ulnar = 11.8 }
+semi_axes_std_mm = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }
+"""
+OBSERVATION = """[[observations]]
+name = "o{number}"
+finger = "f"
+wedge_angle_deg = 30
+load_N = {load}
+image = "o{number}.png"
+scale = {{ ppi = 500 }}
+{more}
+"""
+COUNT = 4
+
+
+@pytest.fixture(scope="module")
+def pictures(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("pictures")
+    for number in range(COUNT):
+        truth = render_imprint(semi_major=4.0 + 0.2 * number, semi_minor=3.2, seed=number)
+        Image.fromarray(truth.pixels).save(folder / f"o{number}.png")
+    return folder
+
+
+@pytest.fixture
+def folder(pictures: Path, tmp_path: Path) -> Path:
+    shutil.copytree(pictures, tmp_path, dirs_exist_ok=True)
+    write(tmp_path)
+    return tmp_path
+
+
+def write(folder: Path, more: dict[int, str] | None = None, load: float = 1.0) -> None:
+    tables = (OBSERVATION.format(number=k, load=load, more=(more or {}).get(k, "")) for k in range(COUNT))
+    (folder / "study.toml").write_text(MANIFEST + "".join(tables))
+
+
+def run(folder: Path, **options: object) -> tuple[list[str], list[dict]]:
+    """Run the study, and return what was measured and the rows."""
+    measured: list[str] = []
+    result = run_study(
+        folder / "study.toml", folder / "out", on_measured=lambda one: measured.append(one.contact), **options
+    )
+    return sorted(measured), result.rows
+
+
+def test_a_second_run_measures_nothing_and_says_the_same(folder: Path) -> None:
+    first, rows = run(folder)
+    again, same = run(folder)
+    assert (first, again) == ([f"o{k}" for k in range(COUNT)], [])
+    assert same == rows
+    assert study_status(folder / "study.toml", folder / "out").done == COUNT
+
+
+@pytest.mark.parametrize(
+    ("more", "expected"),
+    [
+        ({1: "threshold = 40"}, ["o1"]),
+        ({2: "finger_axis_deg = 10"}, ["o2"]),
+        ({0: 'notes = "a second look"'}, []),
+        ({0: "roll_angle_deg = 5"}, []),
+    ],
+)
+def test_only_what_bears_on_the_picture_is_measured_again(folder: Path, more: dict, expected: list) -> None:
+    run(folder)
+    write(folder, more)
+    assert study_status(folder / "study.toml", folder / "out").stale == len(expected)
+    assert run(folder)[0] == expected
+
+
+def test_a_changed_load_changes_the_row_without_measuring(folder: Path) -> None:
+    _, before = run(folder)
+    write(folder, load=2.0)
+    measured, after = run(folder)
+    assert measured == []
+    assert [row["load_N"] for row in after] == [2.0] * COUNT
+    assert after[0]["reduced_modulus_kpa"] == pytest.approx(2 * before[0]["reduced_modulus_kpa"])
+
+
+def test_a_replaced_picture_is_measured_again_and_a_touched_one_is_not(folder: Path) -> None:
+    run(folder)
+    os.utime(folder / "o0.png", (1, 1))
+    shutil.copy(folder / "o2.png", folder / "o1.png")
+    assert run(folder)[0] == ["o1"]
+
+
+def test_a_lost_overlay_is_drawn_again(folder: Path) -> None:
+    run(folder)
+    (folder / "out" / "overlays" / "o3.png").unlink()
+    assert run(folder)[0] == ["o3"]
+    assert (folder / "out" / "overlays" / "o3.png").is_file()
+
+
+def test_fresh_measures_everything(folder: Path) -> None:
+    run(folder)
+    assert len(run(folder, fresh=True)[0]) == COUNT
+
+
+def test_a_failed_picture_is_kept_as_failed_until_it_is_mended(folder: Path) -> None:
+    good = (folder / "o1.png").read_bytes()
+    Image.fromarray(np.full((200, 200), 255, np.uint8)).save(folder / "o1.png")
+    run(folder)
+    assert study_status(folder / "study.toml", folder / "out").failed == 1
+    assert run(folder)[0] == []
+    (folder / "o1.png").write_bytes(good)
+    measured, rows = run(folder)
+    assert measured == ["o1"]
+    assert {row["status"] for row in rows} == {"measured"}
+
+
+def test_pictures_of_removed_observations_do_not_stay(folder: Path) -> None:
+    run(folder)
+    text = (folder / "study.toml").read_text()
+    (folder / "study.toml").write_text(text[: text.rindex("[[observations]]")])
+    run(folder)
+    assert {path.name for path in (folder / "out" / "overlays").iterdir()} == {"o0.png", "o1.png", "o2.png"}
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_killed_run_loses_no_row_and_doubles_none(folder: Path, seed: int) -> None:
+    _, undisturbed = run(folder)
+    shutil.rmtree(folder / "out")
+    command = [
+        sys.executable,
+        "-m",
+        "fingerpad",
+        "run",
+        str(folder / "study.toml"),
+        "--out",
+        str(folder / "out"),
+    ]
+    process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    deadline, wanted = time.monotonic() + 60, np.random.default_rng(seed).integers(1, COUNT + 1)
+    while process.poll() is None and time.monotonic() < deadline:
+        if len(list((folder / "out" / "overlays").glob("*.png"))) >= wanted:
+            break
+        time.sleep(0.01)
+    process.send_signal(signal.SIGKILL)
+    process.wait()
+    measured, rows = run(folder)
+    assert len(measured) <= COUNT - wanted + 1
+    assert rows == undisturbed
+
+
+def test_two_runs_at_once(folder: Path) -> None:
+    (folder / "out").mkdir()
+    with FileLock(folder / "out" / "store.lock"):
+        result = CliRunner().invoke(app, ["run", str(folder / "study.toml"), "--out", str(folder / "out")])
+    assert result.exit_code == 2
+    assert "another run writes here" in result.stderr
+
+
+def test_a_store_that_is_none(folder: Path) -> None:
+    (folder / "out").mkdir()
+    (folder / "out" / STORE_NAME).write_bytes(b"not a database" * 100)
+    with pytest.raises(StoreError, match="damaged or no store .* move it away and run again"):
+        run(folder)
+    assert (folder / "out" / STORE_NAME).read_bytes() == b"not a database" * 100
+
+
+def test_a_damaged_store(folder: Path) -> None:
+    run(folder)
+    path = folder / "out" / STORE_NAME
+    content = bytearray(path.read_bytes())
+    content[4096 : 4096 + 2000] = bytes(2000)
+    path.write_bytes(content)
+    with pytest.raises(StoreError, match="damaged or no store"):
+        run(folder)
+
+
+def test_a_store_from_the_future(folder: Path) -> None:
+    run(folder)
+    connection = sqlite3.connect(folder / "out" / STORE_NAME)
+    connection.execute("PRAGMA user_version=99")
+    connection.close()
+    with pytest.raises(StoreError, match="written by a newer fingerpad"):
+        run(folder)
+
+
+def test_status_for_scripts(folder: Path) -> None:
+    command = ["status", str(folder / "study.toml"), "--out", str(folder / "out"), "--json"]
+    before = json.loads(CliRunner().invoke(app, command).stdout)
+    assert (before["left"], before["total"], before["seconds_left"]) == (COUNT, COUNT, None)
+    run(folder)
+    write(folder, {0: "threshold = 50"})
+    after = json.loads(CliRunner().invoke(app, command).stdout)
+    assert {key: after[key] for key in ("done", "failed", "stale", "left", "total")} == {
+        "done": COUNT - 1,
+        "failed": 0,
+        "stale": 1,
+        "left": 0,
+        "total": COUNT,
+    }
+    assert after["seconds_left"] > 0
+
+
+def test_the_store_keeps_numbers_to_the_last_digit(tmp_path: Path) -> None:
+    record = {"x": 0.1 + 0.2, "nan": float("nan"), "words": "µ – ✓", "none": None}
+    with Store.writing(tmp_path / STORE_NAME) as store:
+        store.put("a", Stored(key="k", status="done", record=record, seconds=0.5))
+    with Store.open(tmp_path / STORE_NAME) as store:
+        found = store.results()["a"].record
+    assert found["x"] == record["x"]
+    assert np.isnan(found["nan"])
+    assert (found["words"], found["none"]) == (record["words"], None)
