@@ -81,7 +81,16 @@ def _read_table(path: Path) -> _Table:
         raise LoadingError(f"{path}: cannot be read as CSV ({error})") from error
     if len(rows) < 2:
         raise LoadingError(f"{path}: holds no data; a header line and rows of numbers are expected")
-    return _Table(path=path, header=[cell.strip() for cell in rows[0][1]], rows=rows[1:])
+    header = [cell.strip() for cell in rows[0][1]]
+    if len(header) == 1 and any(mark in header[0] for mark in ";\t"):
+        raise LoadingError(f"{path}: columns are parted by commas and decimals by points; save it as such")
+    for line, row in rows[1:]:
+        if any(cell.strip() for cell in row[len(header) :]):
+            raise LoadingError(
+                f"{path}: line {line} has {len(row)} cells under {len(header)} headers: "
+                "decimals are marked by points, not commas"
+            )
+    return _Table(path=path, header=header, rows=rows[1:])
 
 
 def _find_column(table: _Table, name: str, given: str | None) -> _Column | None:
@@ -93,11 +102,14 @@ def _find_column(table: _Table, name: str, given: str | None) -> _Column | None:
                 f"{table.path}: no column {title!r} for {name}; found {', '.join(table.header)}"
             )
         return _Column(table.header.index(title), title, _factor(table.path, name, title, unit))
-    for index, title in enumerate(table.header):
-        stem, _, unit = title.rpartition("_")
-        if stem.lower() == name:
-            return _Column(index, title, _factor(table.path, name, title, unit))
-    return None
+    found = [index for index, title in enumerate(table.header) if title.rpartition("_")[0].lower() == name]
+    if not found:
+        return None
+    if len(found) > 1:
+        titles = " and ".join(table.header[index] for index in found)
+        raise LoadingError(f"{table.path}: two columns of {name}, {titles}: say which, as in {name} = ...")
+    title = table.header[found[0]]
+    return _Column(found[0], title, _factor(table.path, name, title, title.rpartition("_")[2]))
 
 
 def _factor(path: Path, name: str, title: str, unit: str) -> float:

@@ -138,3 +138,22 @@ def test_the_clock_takes_the_best_that_is_known():
     assert frame_clock(10, triggered, contact_load=0.5).time_of(3, first_contact=1) == pytest.approx(6.7)
     with pytest.raises(LoadingError, match="not both"):
         frame_clock(10, plain, start_time=1.0, contact_load=0.5)
+
+
+@pytest.mark.parametrize(
+    ("rows", "message"),
+    [
+        ([(0, 0), (1, 0), (2, 0)], "the force is 0 N throughout"),
+        ([(0, 0), (1, -1.0), (2, -2.0)], "positive in compression: reverse its sign"),
+        ([(0, 0.1), (1, -1.0), (2, -0.5)], "goes down to -1 N and up to 0.1 N only"),
+    ],
+)
+def test_forces_that_press_nothing_are_refused(tmp_path, rows, message):
+    text = "time_s,force_N\n" + "".join(f"{t},{f}\n" for t, f in rows)
+    with pytest.raises(LoadingError, match=message):
+        read_force_signal(write(tmp_path, text))
+
+
+def test_a_zero_below_nought_is_no_wrong_sign(tmp_path):
+    signal = read_force_signal(write(tmp_path, "time_s,force_N\n0,-0.3\n1,0.2\n2,1.7\n"))
+    assert signal.load[0] == -0.3

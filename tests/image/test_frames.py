@@ -156,3 +156,18 @@ def test_memory_does_not_grow_with_length(tmp_path):
         peaks.append(peak_bytes(path))
     # 4,800 more frames of 3 kB are 15 MB; a page's place in the file may be remembered.
     assert peaks[1] - peaks[0] < 1_000_000
+
+
+def test_a_stack_cut_off_says_that_frames_are_lost(tmp_path, capfd):
+    path = tmp_path / "film.tif"
+    with tifffile.TiffWriter(path) as writer:  # page by page, as cameras write
+        for k in range(10):
+            writer.write(level(k), contiguous=False)
+    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+    frames = list(open_frames(path))
+    assert len(frames) == len(open_frames(path))
+    readable = [frame for frame in frames if frame.pixels is not None]
+    assert 1 <= len(readable) < 10
+    assert frames[-1].pixels is None
+    assert "those that follow are lost" in frames[-1].reason or "cannot be decoded" in frames[-1].reason
+    assert capfd.readouterr() == ("", "")

@@ -2,6 +2,7 @@
 
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -116,6 +117,15 @@ def test_the_clock_can_start_at_first_contact(frames, reading, signal):
     # Late by the ridges needed to see a contact, and by up to a frame.
     np.testing.assert_allclose(times, TIME, atol=1.5 / FPS)
     np.testing.assert_allclose(np.diff(times), 1 / FPS)
+
+
+def test_a_film_that_contradicts_its_force_is_told(results, signal):
+    assert sequence_summary(results, signal).notes == ()
+    late = [replace(result, load=4.0 - result.load) for result in results]
+    slow = [replace(result, load=0.01 * result.load) for result in results]
+    for wrong in (late, slow):
+        (note,) = sequence_summary(wrong, signal).notes
+        assert "area and force do not rise and fall together" in note
 
 
 def test_a_short_force_flags_the_rest(frames, reading, signal):

@@ -197,3 +197,23 @@ def test_a_constraint_coefficient_divides_the_moduli_and_brings_its_uncertainty(
     )
     with pytest.raises(LoadingError, match="must be positive, found 0"):
         fit.unconstrained(Estimate.symmetric(0.0, 0.0))
+
+
+def test_times_of_a_slow_clock_are_spread() -> None:
+    curve = simulate_loading_curve(points=300, force_std=0.004, area_std=0.5, seed=3)
+    fine = fit_loading_curve(curve)
+    coarse = fit_loading_curve(replace(curve, time=np.floor(curve.time / 0.05) * 0.05))
+    assert "duplicated_time" in coarse.flags
+    assert abs(coarse.effective_radius.value - fine.effective_radius.value) < 0.2 * fine.effective_radius.std
+    with pytest.raises(LoadingError, match="the time is 1 s in every row"):
+        fit_loading_curve(replace(curve, time=np.ones_like(curve.time)))
+
+
+def test_slips_of_units_and_contradictions_are_flagged() -> None:
+    curve = simulate_loading_curve(points=200, force_std=0.004, area_std=0.5, seed=3)
+    assert "implausible_radius" in fit_loading_curve(replace(curve, area=curve.area / 100)).flags
+    assert "implausible_modulus" in fit_loading_curve(replace(curve, load=1000 * curve.load)).flags
+    assert "radius_contradicts_area" in fit_loading_curve(curve, effective_radius=20.0).flags
+    assert not {"radius_contradicts_area", "implausible_radius"} & set(
+        fit_loading_curve(curve, effective_radius=15.0).flags
+    )

@@ -111,6 +111,7 @@ def _print_table(record: dict[str, Any]) -> None:
             low, high = record[f"{name}_ci95"]
             value = value_with_uncertainty(record[name], record[f"{name}_std"])
             typer.echo(f"{name:<{width}}  {value:<18}  95 %: {low:.4g} to {high:.4g}")
+    typer.echo(f"{'moduli at':<{width}}  {record['modulus_load_N']:.3g} N")
     typer.echo(f"{'law':<{width}}  {record['preferred_model'].replace('_', ' ')}, by AICc")
     typer.echo(f"{'presses':<{width}}  {len(record['segments'])}")
     typer.echo(f"{'flags':<{width}}  {', '.join(record['flags']) or 'none'}")

@@ -62,10 +62,19 @@ class LoadingCurve:
 
     @property
     def clock(self) -> FloatArray:
-        """Times from the start, or row numbers where no times were recorded."""
+        """Times from the start, or row numbers where no times were recorded.
+
+        Rows that share a time, as of a clock slower than the samples, are spread evenly up to the next.
+        """
+        rows = np.arange(float(len(self.load)))
         if self.time is None:
-            return np.arange(float(len(self.load)))
-        return np.asarray(self.time - self.time[0])
+            return rows
+        first = np.append(True, np.diff(self.time) > 0)
+        if first.sum() < 2:
+            raise LoadingError(f"the time is {self.time[0]:g} s in every row: leave the column out")
+        step = (self.time[-1] - self.time[0]) / (rows[first][-1] - rows[0])
+        ends = np.append(rows[first], rows[-1] + 1), np.append(self.time[first], self.time[-1] + step)
+        return np.asarray(np.interp(rows, *ends) - self.time[0])
 
     @property
     def doubts(self) -> tuple[str, ...]:

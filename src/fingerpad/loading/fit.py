@@ -7,25 +7,19 @@ from typing import Any, Self
 
 import numpy as np
 
-from fingerpad._arrays import FloatArray
-from fingerpad.exceptions import FitError, LoadingError
+from fingerpad.exceptions import FingerpadError, FitError, LoadingError
 from fingerpad.loading._prepare import Press, prepare, start_values
+from fingerpad.loading._told import has_area_offset, implausible, quantities, top_load
 from fingerpad.loading.contact_point import ESTIMATORS, contact_points
 from fingerpad.loading.curve import LoadingCurve
 from fingerpad.loading.estimate import Estimate, Quantity, Unknown, estimates_record
 from fingerpad.loading.joint import JointFit, fit_joint
-from fingerpad.loading.least_squares import effective_count, fit_least_squares
 from fingerpad.loading.region import Secant, increasing_region, secant_of
 from fingerpad.loading.segments import Cycle, Hysteresis, hysteresis
 from fingerpad.units import KPA_PER_MPA
 
 # AICc by which the law with a growing modulus must be ahead before the modulus is said to depend on the load.
 _DECISIVE = 10.0
-# An area at contact is doubtful from this many standard uncertainties on.
-_OFFSET_DEVIATIONS = 3.0
-_NO_RADIUS = (
-    "no contact area in the curve, so its radius is not known: give a column area_mm2, or effective_radius"
-)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -183,6 +177,34 @@ def fit_loading_curve(
     True
     """
     _require_options(poisson_ratio, contact_point)
+    try:
+        with np.errstate(all="ignore"):
+            return _fitted(
+                curve,
+                poisson_ratio,
+                effective_radius,
+                cycle=cycle,
+                contact_point=contact_point,
+                region=region,
+            )
+    except FingerpadError:
+        raise
+    except (ArithmeticError, np.linalg.LinAlgError, ValueError) as error:
+        raise FitError(
+            f"the record does not determine the law and its noise ({error}): is it rounded, repeated, or of "
+            "the wrong sign?"
+        ) from error
+
+
+def _fitted(
+    curve: LoadingCurve,
+    poisson_ratio: float,
+    effective_radius: float | Estimate | None,
+    *,
+    cycle: int,
+    contact_point: str,
+    region: tuple[float, float] | None,
+) -> LoadingFit:
     press = prepare(curve, poisson_ratio, cycle)
     held = _held(press, effective_radius)
     main, limits, doubts = _main_fit(press, held, contact_point, region)
@@ -191,43 +213,21 @@ def fit_loading_curve(
     grows = "hertz" in models and models["hertz"].aicc > main.aicc + _DECISIVE
     known = press.record.area.size > 0 or effective_radius is not None
     return LoadingFit(
-        **_quantities(main, models, known=known),
-        modulus_load=_top_load(main),
+        **quantities(main, models, known=known),
+        modulus_load=top_load(main),
         region=limits,
         cycles=press.cycles,
         hysteresis=tuple(hysteresis(curve, each) for each in press.cycles),
         models=models,
         preferred_model=preferred,
         secant=secant_of(main),
-        flags=(*press.flags, *doubts, *(("modulus_depends_on_load",) if grows else ())),
-    )
-
-
-def _quantities(main: JointFit, models: Mapping[str, JointFit], *, known: bool) -> dict[str, Quantity]:
-    """Return all quantities by name; those that need a radius are unknown where it is not `known`."""
-    top = _top_load(main)
-    youngs = main.combined(
-        main.values["initial_modulus"] + main.values["load_coefficient"] * top,
-        {"initial_modulus": 1.0, "load_coefficient": top},
-    )
-    modulus: Quantity = youngs if known else Unknown(_NO_RADIUS)
-    need_radius = ("effective_radius", "initial_modulus", "load_coefficient")
-    return {
-        **{name: _bounded(main, name) if known else Unknown(_NO_RADIUS) for name in need_radius},
-        "reduced_modulus": modulus.times(1 / (1 - main.record.poisson_ratio**2)),
-        "youngs_modulus": modulus,
-        "contact_offset": _bounded(main, "contact_offset"),
-        "load_exponent": (
-            _bounded(models["free_exponent"], "load_exponent")
-            if "free_exponent" in models
-            else Unknown("a power law with free exponent does not fit the curve")
+        flags=(
+            *press.flags,
+            *doubts,
+            *(("modulus_depends_on_load",) if grows else ()),
+            *implausible(main, effective_radius, known=known),
         ),
-        "area_exponent": _area_exponent(main),
-    }
-
-
-def _top_load(main: JointFit) -> float:
-    return float(main.load(np.array([main.record.smooth_displacement.max()]))[0])
+    )
 
 
 def _require_options(poisson_ratio: float, contact_point: str) -> None:
@@ -268,27 +268,15 @@ def _main_fit(
     before = np.count_nonzero(record.smooth_displacement < main.values["contact_offset"])
     if before < 2 and "no_baseline" not in press.flags:
         doubts.append("no_baseline")
-    if _has_area_offset(main):
+    if has_area_offset(main):
         doubts.append("area_offset")
     return main, limits, doubts
-
-
-def _has_area_offset(main: JointFit) -> bool:
-    """Tell whether the areas show one at contact, which the law has none for."""
-    if not main.record.area.size:
-        return False
-    try:
-        wider = fit_joint(main.record, main.law, {**main.values, "area_offset": 0.0}, main.held)
-    except FitError:
-        return False
-    offset = wider.combined(wider.values["area_offset"], {"area_offset": 1.0})
-    return abs(offset.value) > _OFFSET_DEVIATIONS * offset.std
 
 
 def _models(main: JointFit) -> dict[str, JointFit]:
     """Return the laws fitted under one noise, those that can be."""
     start = {**main.values, "load_exponent": 1.5}
-    start["youngs_modulus"] = start.pop("initial_modulus") + start.pop("load_coefficient") * _top_load(main)
+    start["youngs_modulus"] = start.pop("initial_modulus") + start.pop("load_coefficient") * top_load(main)
     found = {"load_dependent": main}
     for law in ("hertz", "free_exponent"):
         unused = {"load_exponent"} if law == "hertz" else set()
@@ -298,34 +286,3 @@ def _models(main: JointFit) -> dict[str, JointFit]:
         except FitError:
             continue
     return found
-
-
-def _bounded(fit: JointFit, name: str) -> Quantity:
-    estimate = fit.estimate(name)
-    if math.isfinite(estimate.lower) and math.isfinite(estimate.upper):
-        return estimate
-    return Unknown(f"the curve does not bound it: {estimate.value:.3g} is best, but far from certain")
-
-
-def _area_exponent(main: JointFit) -> Quantity:
-    """Fit A = a W^n to what was measured, with the noise of both."""
-    record, noise = main.record, main.noise
-    load = main.corrected_load(record.clock, record.load)[record.with_area]
-    smooth = main.load(record.smooth_displacement)[record.with_area]
-    used = smooth > max(
-        0.05 * float(smooth.max(initial=0.0)), 5 * math.hypot(noise.force_std, noise.wander_std)
-    )
-    W, A = load[used], record.area[used]
-    if W.size < 5:
-        return Unknown(_NO_RADIUS if not record.area.size else f"{W.size} areas under load; five are needed")
-    spread = np.hypot(noise.area_std, 0.5 * A * math.hypot(noise.force_std, noise.wander_std) / smooth[used])
-
-    def residuals(p: FloatArray) -> FloatArray:
-        grown = np.maximum(W / W.max(), 1e-9) ** float(np.clip(p[1], 0.02, 5.0))
-        return np.asarray((A - p[0] * grown) / spread)
-
-    try:
-        fit = fit_least_squares(residuals, [A.max(), 0.5], ["area", "area_exponent"])
-        return fit.with_effective_count(effective_count(fit.residuals)).estimate("area_exponent")
-    except FitError as error:
-        return Unknown(str(error))

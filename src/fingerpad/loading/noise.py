@@ -67,8 +67,8 @@ class Noise:
 
     @property
     def _slow_variance(self) -> float:
-        kept = math.exp(-float(np.median(self.steps)) / self.wander_time)
-        return self.wander_std**2 * (1 + kept) / (1 - kept)
+        step = float(np.median(self.steps)) / self.wander_time
+        return self.wander_std**2 * (1 + math.exp(-step)) / -math.expm1(-step)
 
     @property
     def inflation(self) -> float:

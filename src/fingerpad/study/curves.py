@@ -10,7 +10,7 @@ import numpy as np
 
 from fingerpad._arrays import FloatArray
 from fingerpad.contact import HalfSpaceContact
-from fingerpad.exceptions import FingerpadError, GeometryError
+from fingerpad.exceptions import FingerpadError, FitError, GeometryError
 from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.loading import (
     Estimate,
@@ -23,6 +23,7 @@ from fingerpad.loading import (
 )
 from fingerpad.study.fingers import FingerResult
 from fingerpad.study.manifest import Curve
+from fingerpad.study.measure import ODDITIES
 from fingerpad.study.words import in_study
 from fingerpad.uncertainty import pool
 
@@ -85,8 +86,8 @@ class CurveResult:
 def curve_result(curve: Curve, finger: FingerResult, poisson_ratio: float, folder: Path) -> CurveResult:
     """Read and fit one loading curve; one that cannot be used costs itself only.
 
-    Where the whole fit fails, as without any rows before contact, the slope of area against indentation
-    may still give R_g.
+    Where the record does not determine the whole fit, the slope of area against indentation may still give
+    R_g, with the reason beside it.
     """
     radius, std = curve.effective_radius_mm, curve.effective_radius_std_mm
     given = math.nan if radius is None else radius
@@ -105,8 +106,13 @@ def curve_result(curve: Curve, finger: FingerResult, poisson_ratio: float, folde
             contact_point=curve.contact_point,
             region=None if curve.region_N is None else (curve.region_N[0], curve.region_N[1]),
         )
-    except FingerpadError as error:
+    except FitError as error:
         return _slope_alone(curve, data, _named(error, curve.file, folder))
+    except FingerpadError as error:
+        return CurveResult(manifest=curve, curve=data, reason=_named(error, curve.file, folder))
+    except ODDITIES as error:
+        reason = f"{curve.file}: cannot be fitted ({type(error).__name__}: {error})"
+        return CurveResult(manifest=curve, curve=data, reason=reason)
     found = fit.effective_radius
     return CurveResult(
         manifest=curve,

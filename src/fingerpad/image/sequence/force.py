@@ -14,6 +14,8 @@ from fingerpad._columns import read_columns
 from fingerpad.exceptions import LoadingError
 
 _LEAST_SAMPLES = 2
+# A signal that goes so many times further below zero than above has the wrong sign.
+_REVERSED = 2.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -221,14 +223,23 @@ def read_force_signal(path: str | PathLike[str], columns: Mapping[str, str] | No
     ------
     LoadingError
         If the file cannot be read, a column is missing or has an unknown unit, a cell is not a finite
-        number, or time does not increase.
+        number, time does not increase, or the force has no range or the wrong sign.
     """
     path = Path(path)
     found = read_columns(path, ("time", "force"), ("trigger",), columns=columns)
     try:
-        return ForceSignal.of(found["time"], found["force"], found.get("trigger"))
+        signal = ForceSignal.of(found["time"], found["force"], found.get("trigger"))
     except LoadingError as error:
         raise LoadingError(f"{path}: {error}") from error
+    low, high = float(signal.load.min()), float(signal.load.max())
+    if low == high:
+        raise LoadingError(f"{path}: the force is {low:g} N throughout; a press needs a range of it")
+    if -low > _REVERSED * max(high, 0.0):
+        raise LoadingError(
+            f"{path}: the force goes down to {low:g} N and up to {high:g} N only; it is positive in "
+            "compression: reverse its sign"
+        )
+    return signal
 
 
 def read_frame_stamps(path: str | PathLike[str], columns: Mapping[str, str] | None = None) -> FrameStamps:

@@ -1,8 +1,10 @@
 """Frames of a sequence, decoded one at a time: a folder of pictures, a TIFF of many pages, or a video."""
 
+import logging
 import re
 import warnings
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
@@ -156,10 +158,36 @@ def _folder_frames(pictures: list[Path], pixel_limit: int) -> Iterator[Frame]:
             yield Frame(index=index, pixels=pixels)
 
 
-def _count_pages(path: Path) -> int:
+class _Complaints(logging.Handler):
+    """Keep what tifffile only logs: that the chain of pages is broken."""
+
+    def __init__(self) -> None:
+        super().__init__(logging.WARNING)
+        self.heard: list[str] = []
+
+    def emit(self, record: logging.LogRecord) -> None:
+        self.heard.append(record.getMessage())
+
+
+@contextmanager
+def _complaints() -> Iterator[list[str]]:
+    """Listen to tifffile, and keep it from printing."""
+    logger, ear = logging.getLogger("tifffile"), _Complaints()
+    before = logger.propagate
+    logger.addHandler(ear)
+    logger.propagate = False
     try:
-        with tifffile.TiffFile(path) as tiff:
-            return len(tiff.pages)
+        yield ear.heard
+    finally:
+        logger.removeHandler(ear)
+        logger.propagate = before
+
+
+def _count_pages(path: Path) -> int:
+    """Return the number of frames; where the chain of pages is broken, one more stands for what is lost."""
+    try:
+        with _complaints() as heard, tifffile.TiffFile(path) as tiff:
+            return len(tiff.pages) + bool(heard)
     # tifffile lets errors of any kind out of a damaged file.
     except Exception as error:
         raise ImageError(f"{path}: cannot be read as TIFF ({error}): copy it again") from error
@@ -167,8 +195,10 @@ def _count_pages(path: Path) -> int:
 
 def _tiff_frames(path: Path, pixel_limit: int) -> Iterator[Frame]:
     # Reading one IFD at a time: a list of all pages would grow with the film.
-    with tifffile.TiffFile(path) as tiff:
-        for index in range(len(tiff.pages)):
+    with _complaints() as heard, tifffile.TiffFile(path) as tiff:
+        count = len(tiff.pages)
+        broken = heard[0] if heard else None
+        for index in range(count):
             try:
                 pixels = _page(path, tiff, index, pixel_limit)
             # tifffile lets errors of any kind out of a damaged page.
@@ -177,6 +207,9 @@ def _tiff_frames(path: Path, pixel_limit: int) -> Iterator[Frame]:
                 yield Frame(index=index, pixels=None, reason=reason)
             else:
                 yield Frame(index=index, pixels=pixels)
+        if broken is not None:
+            reason = f"{path}: damaged after {count} pages, those that follow are lost ({broken})"
+            yield Frame(index=count, pixels=None, reason=reason)
 
 
 def _page(path: Path, tiff: tifffile.TiffFile, index: int, pixel_limit: int) -> Pixels:

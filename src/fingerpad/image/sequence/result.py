@@ -1,10 +1,14 @@
 """What one frame of a sequence shows, and what all of them come to."""
 
 import math
+from array import array
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
+
+import numpy as np
+from scipy import stats
 
 from fingerpad.image.sequence.force import ForceSignal
 from fingerpad.image.sequence.phases import Phase
@@ -85,6 +89,21 @@ class SequenceSummary:
     notes: tuple[str, ...]
 
 
+# With fewer contacts than this nothing is said of how area and force go together.
+_LEAST_TO_COMPARE = 8
+_TOGETHER = 0.5
+# A film in which the load stays below this share of what the force reaches is timed wrongly, or cut.
+_SEEN = 0.1
+
+
+def _go_together(loads: Sequence[float], areas: Sequence[float]) -> bool:
+    """Tell whether the area follows the load, whatever its law: by their rank correlation."""
+    if not np.ptp(loads) > 0:
+        return False
+    correlation, _ = stats.spearmanr(loads, areas)
+    return bool(correlation > _TOGETHER)
+
+
 def sequence_summary(results: Iterable[FrameResult], force: ForceSignal | None = None) -> SequenceSummary:
     """Sum up a sequence in one pass over its results.
 
@@ -99,6 +118,7 @@ def sequence_summary(results: Iterable[FrameResult], force: ForceSignal | None =
     phases: Counter[str] = Counter()
     first_contact, largest, largest_area = None, None, 0.0
     start, end, reason = math.inf, -math.inf, None
+    loads, areas = array("d"), array("d")
     for result in results:
         counts["all"] += 1
         counts["measured"] += result.measures is not None
@@ -109,6 +129,9 @@ def sequence_summary(results: Iterable[FrameResult], force: ForceSignal | None =
             first_contact = result.index
         if result.measures is not None and result.measures["gross_area_mm2"] > largest_area:
             largest, largest_area = result.index, result.measures["gross_area_mm2"]
+        if result.measures is not None and math.isfinite(result.load):
+            loads.append(result.load)
+            areas.append(result.measures["gross_area_mm2"])
         if not result.readable and reason is None:
             reason = f"frame {result.index}: {result.reason}"
         if math.isfinite(result.time):
@@ -121,6 +144,10 @@ def sequence_summary(results: Iterable[FrameResult], force: ForceSignal | None =
             f"{max(0.0, end - start):.4g} s (from {start:.4g} to {end:.4g} s): "
             f"{counts['no_force']} of {counts['all']} frames have no load"
         )
+    reach = 0.0 if force is None else _SEEN * float(force.load.max())
+    together = bool(areas) and max(loads) >= reach and _go_together(loads, areas)
+    if len(areas) >= _LEAST_TO_COMPARE and not together:
+        notes.append("area and force do not rise and fall together: check frame rate, trigger and force file")
     if counts["failed"]:
         notes.append(f"{counts['failed']} of {counts['all']} frames could not be read; first {reason}")
     return SequenceSummary(

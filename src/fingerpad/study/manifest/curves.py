@@ -30,6 +30,8 @@ class Curve(Table):
         idle = _FILE_KEYS if self.file is None else frozenset()
         if self.effective_radius_mm is None:
             idle |= {"effective_radius_std_mm"}
+        if self.region_N is not None and not self.region_N[0] < self.region_N[1]:
+            raise ValueError(f"region_N must rise, found {self.region_N}; give the smaller load first")
         if found := sorted(idle & self.model_fields_set):
             raise ValueError(f"there is no use for {found[0]} here; remove it")
         return self
