@@ -84,6 +84,10 @@ def test_the_source_rows_hold_its_numbers(demo: tuple[StudyResult, Path]) -> Non
     assert rows["table3_30deg_ellipse"]["radius_from_indentation_mm_std"] > 0.1
 
 
+def test_nothing_rendered_whole_is_doubted(demo: tuple[StudyResult, Path]) -> None:
+    assert {row["observation"]: row["flags"] for row in demo[0].rows if row["flags"]} == {}
+
+
 def test_pools_by_finger_and_angle_without_mixing_synthetic_rows(demo: tuple[StudyResult, Path]) -> None:
     result, _ = demo
     keys = [(summary.finger, summary.wedge_angle_deg, summary.synthetic) for summary in result.summaries]

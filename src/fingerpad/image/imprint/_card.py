@@ -16,6 +16,7 @@ _LEAST_CONVEXITY = 0.96
 # An even ground behind a print also has one level, but a print has no straight sides.
 _LEAST_STRAIGHTNESS = 0.7
 _LONG_SIDE = 0.2
+_BLUNTNESS = 0.005
 _WORKING_SIDE = 400
 
 
@@ -48,8 +49,11 @@ def _smoothed(card: BoolArray) -> BoolArray:
     """Close grain that runs into the border and drop letters that stick out."""
     pad = 32
     mask = np.pad(card, pad)
-    grown = distance_to(~(distance_to(mask) <= 7)) > 7
-    plain = distance_to(distance_to(~grown) > 20) <= 20
+    # In a small picture a print must not be rounded into a polygon.
+    scale = min(1.0, max(card.shape) / _WORKING_SIDE)
+    grain, letter = 7 * scale, 20 * scale
+    grown = distance_to(~(distance_to(mask) <= grain)) > grain
+    plain = distance_to(distance_to(~grown) > letter) <= letter
     return largest(np.asarray(plain[pad:-pad, pad:-pad]))
 
 
@@ -57,7 +61,8 @@ def _is_polygon(card: BoolArray) -> bool:
     hull = cv2.convexHull(longest_contour(card))
     if np.count_nonzero(card) < _LEAST_CONVEXITY * cv2.contourArea(hull):
         return False
-    corners = cv2.approxPolyDP(hull, 2.0, True).reshape(-1, 2)
+    # As a share of the picture: a print in a small one must not be straightened into a polygon.
+    corners = cv2.approxPolyDP(hull, _BLUNTNESS * max(card.shape), True).reshape(-1, 2)
     sides = np.linalg.norm(corners - np.roll(corners, 1, axis=0), axis=1)
     straight = sides[sides > _LONG_SIDE * math.sqrt(card.size)].sum()
     return bool(straight > _LEAST_STRAIGHTNESS * sides.sum())
