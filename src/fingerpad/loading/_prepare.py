@@ -53,7 +53,7 @@ def prepare(curve: LoadingCurve, poisson_ratio: float, cycle: int) -> Press:
             f"{rows.size - before} rows in contact while the load grows (saturated ones left out); at least "
             f"{_LEAST_LOADING} are needed"
         )
-    smooth = smoothed(curve.indentation)[rows]
+    smooth = smoothed(curve.indentation[begin : chosen.loading.stop])[rows - begin]
     contact = smooth[before] if before < smooth.size else smooth[-1]
     with_area = np.zeros(rows.size, dtype=bool)
     if curve.area is not None:

@@ -18,6 +18,8 @@ _RISE, _REST, _FALL = 1, 0, -1
 # Rows at the sensor's very maximum, while the platen still moves, that show it was saturated.
 _SATURATED_ROWS = 4
 _SMOOTHING = 50
+# A press is taken to last so many times as long as its way in.
+_PRESS = 4
 _START_GRID, _START_ROWS = 30, 300
 # A record is upside down where, turned about, it leaves less than this share of its sum of squares.
 _UPSIDE_DOWN = 0.2
@@ -77,9 +79,9 @@ class Hysteresis:
     fraction: float
 
 
-def smoothed(values: FloatArray) -> FloatArray:
-    """Return a moving average over a fiftieth of the rows, straight at its ends."""
-    window = 2 * (len(values) // (2 * _SMOOTHING)) + 1
+def smoothed(values: FloatArray, rows: int | None = None) -> FloatArray:
+    """Return a moving average over a fiftieth of `rows`, all of them without it, straight at its ends."""
+    window = 2 * ((len(values) if rows is None else rows) // (2 * _SMOOTHING)) + 1
     if window < 3:
         return np.asarray(values, dtype=np.float64)
     return np.asarray(signal.savgol_filter(values, window, 1))
@@ -102,7 +104,7 @@ def find_cycles(curve: LoadingCurve) -> tuple[Cycle, ...]:
     >>> from fingerpad.loading import simulate_loading_curve
     >>> (cycle,) = find_cycles(simulate_loading_curve(points=200, hold=0.5, unloading=True))
     >>> len(cycle.baseline), len(cycle.loading), len(cycle.hold), len(cycle.unloading)
-    (19, 68, 26, 87)
+    (18, 69, 26, 87)
     """
     _require_usable(curve)
     phases = _phases(curve)
@@ -220,7 +222,16 @@ def _require_usable(curve: LoadingCurve) -> None:
 
 
 def _phases(curve: LoadingCurve) -> npt.NDArray[np.int8]:
-    smooth = smoothed(curve.indentation)
+    """Return the phase of each row; a way in that is short beside holds is looked at more finely."""
+    phases = _phases_over(curve, len(curve.load))
+    edges = np.flatnonzero(np.diff(phases == _RISE, prepend=False, append=False))
+    shortest = int(np.min(edges[1::2] - edges[::2])) if edges.size else len(curve.load)
+    few = _PRESS * shortest
+    return _phases_over(curve, few) if few < len(curve.load) else phases
+
+
+def _phases_over(curve: LoadingCurve, rows: int) -> npt.NDArray[np.int8]:
+    smooth = smoothed(curve.indentation, rows)
     rate = np.gradient(smooth)
     usual = float(np.average(np.abs(rate), weights=np.abs(rate)))
     phases = np.where(np.abs(rate) < _RESTING * usual, _REST, np.sign(rate)).astype(np.int8)
@@ -236,7 +247,7 @@ def _phases(curve: LoadingCurve) -> npt.NDArray[np.int8]:
 
 def _contact_row(curve: LoadingCurve, start: int, end: int) -> int:
     """Return how many rows of the way in lie before contact."""
-    displacement = smoothed(curve.indentation)[start:end]
+    displacement = smoothed(curve.indentation[start:end])
     place, _ = rising_start(
         curve.clock[start:end], curve.load[start:end], displacement, tilt=end - start > 12
     )
