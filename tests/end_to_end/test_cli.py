@@ -409,7 +409,7 @@ def test_run_says_what_failed_and_goes_on(tmp_path: Path) -> None:
     code, stdout, err = run("run", study / "study.toml", "--out", out, "--workers", 2)
     assert code == 3
     assert "failed: synthetic_30deg_1N: synthetic/synthetic_30deg_1N.png" in err
-    assert "from 4 observations and 9 frames of 1 sequence  (synthetic)" in stdout
+    assert "from 4 observations and 10 frames of 1 sequence  (synthetic)" in stdout
     assert "synthetic_30deg_1N" in (out / "report.html").read_text(encoding="utf-8")
 
 
