@@ -294,7 +294,7 @@ def test_relaxation_says_what_the_ramp_hides(axes) -> None:
     time = np.array([-1.0, 0.1, 1.0, 10.0])
     plot_relaxation(axes, time, VALUE, ramp_time=0.5, time_constants=[2.0])
     assert len(axes.lines[0].get_xdata()) == 3
-    assert "faster than the ramp" in texts(axes)
+    assert "hidden by the ramp" in texts(axes)
     assert any(np.allclose(line.get_xdata(), 2.0) for line in axes.lines if len(line.get_xdata()))
 
 

@@ -262,7 +262,7 @@ def plot_relaxation(
         axes.plot(line[shown], fitted[shown], color=ORANGE, label=label, zorder=4)
     if ramp_time is not None and after.any() and ramp_time > t[after].min():
         axes.axvspan(float(t[after].min()), ramp_time, color=GREY, alpha=0.15, linewidth=0)
-        axes.plot([], [], color=GREY, alpha=0.3, linewidth=6, label="faster than the ramp: not known")
+        axes.plot([], [], color=GREY, alpha=0.3, linewidth=6, label="hidden by the ramp")
     for constant in np.atleast_1d(floats(time_constants)):
         axes.axvline(float(constant), color=GREEN, linestyle=":", linewidth=0.9)
     if np.size(time_constants):

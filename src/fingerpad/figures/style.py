@@ -245,9 +245,10 @@ def legend_above(axes: Axes) -> None:
     """Put the legend over the frame, where no data can be."""
     count = len(axes.get_legend_handles_labels()[0])
     if count:
+        labelled = any(text.get_gid() == "synthetic" for text in axes.texts)
         axes.legend(
             loc="lower left",
-            bbox_to_anchor=(-0.02, 1.0),
+            bbox_to_anchor=(-0.02, 1.07 if labelled else 1.0),
             borderaxespad=0.1,
             labelspacing=0.25,
             columnspacing=1.0,

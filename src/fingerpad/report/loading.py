@@ -102,7 +102,9 @@ class _Drawn:
         segments = [(part, phase) for phase, part in self.cycle.phases().items() if part is not None]
         rows = np.concatenate([np.arange(part.start, part.stop) for part, _ in segments])
         self.phase = np.concatenate([np.full(len(part), phase) for part, phase in segments])
-        clock = np.arange(len(curve.load), dtype=float) if curve.time is None else curve.time
+        # The force's drift is known over the rows fitted; carried on through a hold it would bend the rest.
+        begin = segments[0][0].start
+        clock = np.minimum(curve.clock, curve.clock[self.cycle.loading.stop - 1]) - curve.clock[begin]
         load = main.corrected_load(clock, curve.load)
         self.zeroed = LoadingCurve(load=load, indentation=curve.indentation, area=curve.area, time=curve.time)
         self.load: FloatArray = load[rows]
