@@ -185,14 +185,16 @@ def pair(point: ArrayLike) -> tuple[float, float]:
 
 
 def mark_synthetic(axes: Axes) -> None:
-    """Write "synthetic" above the upper right corner, clear of data."""
+    """Write "synthetic" into the lower right corner, where a growing curve leaves room."""
     axes.text(
-        1.0,
-        1.02,
+        0.99,
+        0.02,
         "synthetic",
         transform=axes.transAxes,
         ha="right",
         va="bottom",
+        zorder=10,
+        bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.7, "pad": 1.0},
         color=VERMILLION,
         style="italic",
         weight="bold",
@@ -245,10 +247,9 @@ def legend_above(axes: Axes) -> None:
     """Put the legend over the frame, where no data can be."""
     count = len(axes.get_legend_handles_labels()[0])
     if count:
-        labelled = any(text.get_gid() == "synthetic" for text in axes.texts)
         axes.legend(
             loc="lower left",
-            bbox_to_anchor=(-0.02, 1.07 if labelled else 1.0),
+            bbox_to_anchor=(-0.02, 1.0),
             borderaxespad=0.1,
             labelspacing=0.25,
             columnspacing=1.0,
