@@ -140,9 +140,9 @@ def lean_of(counts: FloatArray) -> float:
 
 def _smeared(amount: UInt8, patch: BoolArray, period: float) -> BoolArray:
     """Return where in a patch ridges are blurred into one another, as a quarter of its pixels shows."""
-    part = amount[::2, ::2].astype(np.float32)
+    part = np.ascontiguousarray(amount[::2, ::2])
     side = 2 * round(_WINDOW * period / 4) + 1
-    mean, square = (cv2.blur(values, (side, side)) for values in (part, part * part))
+    mean, square = (box(part, cv2.CV_32F, (side, side)) for box in (cv2.boxFilter, cv2.sqrBoxFilter))
     smooth = (square - mean * mean < _LEAST_SPREAD**2).astype(np.uint8)
     return patch & (cv2.resize(smooth, patch.shape[::-1], interpolation=cv2.INTER_NEAREST) > 0)
 

@@ -59,11 +59,13 @@ def signal_of(
     """Turn contact bright, and take the uneven light away by a smooth surface through the quiet ground."""
     side = max(2, round(_BLOCK * period))
     means = _block_means(values, side)
-    deviations = np.sqrt(np.maximum(_block_means(values * values, side) - means * means, 0))
+    deviations = np.sqrt(
+        np.maximum(_block_means(_single(cv2.multiply(values, values)), side) - means * means, 0)
+    )
     # Blocks that reach over the edge do not count.
     whole = np.zeros(means.shape, dtype=bool)
     whole[: values.shape[0] // side, : values.shape[1] // side] = True
-    counted = whole & (_block_means(inside * np.uint8(255), side) > 252)
+    counted = whole if inside.all() else whole & (_block_means(inside * np.uint8(255), side) > 252)
     if not counted.any():
         counted = whole
     limit = otsu_threshold(deviations[counted])
