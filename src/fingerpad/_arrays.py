@@ -9,6 +9,7 @@ import numpy.typing as npt
 from fingerpad.exceptions import FingerpadError
 
 FloatArray: TypeAlias = npt.NDArray[np.float64]
+Float32Array: TypeAlias = npt.NDArray[np.float32]
 BoolArray: TypeAlias = npt.NDArray[np.bool_]
 ArrayLike: TypeAlias = npt.ArrayLike
 
@@ -20,6 +21,11 @@ def floats(value: ArrayLike) -> FloatArray:
     """
     array = np.asarray(value)
     return array if np.iscomplexobj(array) else array.astype(np.float64, copy=False)
+
+
+def singles(value: ArrayLike) -> Float32Array:
+    """Return `value` as an array of single precision, which pictures are worked in."""
+    return np.asarray(value, dtype=np.float32)
 
 
 def hypotenuse(first: FloatArray, second: FloatArray) -> FloatArray:

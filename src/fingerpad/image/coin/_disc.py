@@ -2,15 +2,13 @@
 
 import math
 from dataclasses import dataclass
-from typing import NamedTuple, TypeAlias
+from typing import NamedTuple
 
 import cv2
 import numpy as np
 import numpy.typing as npt
 
-from fingerpad._arrays import BoolArray, FloatArray, floats
-
-Float32: TypeAlias = npt.NDArray[np.float32]
+from fingerpad._arrays import BoolArray, Float32Array, FloatArray, floats
 
 SECTORS = 180
 LEAST_AXIS_RATIO = 0.75
@@ -90,7 +88,7 @@ class Edges:
         )
 
 
-def edges_of(values: Float32) -> Edges:
+def edges_of(values: Float32Array) -> Edges:
     """Return the edges of a picture that stand out of its noise and are sharp, as a shadow's are not."""
     right, down, strength = _gradient(values, _FINE)
     floor = max(3.0 * float(np.median(strength)), 1e-3 * float(np.ptp(values)))
@@ -118,7 +116,7 @@ def edges_of(values: Float32) -> Edges:
     )
 
 
-def _gradient(values: Float32, blur: float) -> tuple[Float32, Float32, Float32]:
+def _gradient(values: Float32Array, blur: float) -> tuple[Float32Array, Float32Array, Float32Array]:
     """Return the gradient to the right, down, and its length, of the blurred picture."""
     smooth = cv2.GaussianBlur(values, (0, 0), blur)
     right, down = (
@@ -128,7 +126,7 @@ def _gradient(values: Float32, blur: float) -> tuple[Float32, Float32, Float32]:
     return right, down, np.hypot(right, down)
 
 
-def _sampled(values: Float32, x: FloatArray, y: FloatArray) -> FloatArray:
+def _sampled(values: Float32Array, x: FloatArray, y: FloatArray) -> FloatArray:
     if not x.size:
         return np.empty(0)
     return floats(cv2.remap(values, x.astype(np.float32), y.astype(np.float32), cv2.INTER_LINEAR)).ravel()
@@ -278,7 +276,7 @@ def _drawn_through(edges: Edges, start: Rim, rng: np.random.Generator) -> Rim | 
     return best
 
 
-def _through(points: Float32) -> Rim | None:
+def _through(points: Float32Array) -> Rim | None:
     """Return the least-squares ellipse through points, None where it is no disc's."""
     if len(points) < 6:
         return None

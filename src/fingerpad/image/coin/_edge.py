@@ -5,8 +5,8 @@ import math
 import cv2
 import numpy as np
 
-from fingerpad._arrays import BoolArray, FloatArray, floats
-from fingerpad.image.coin._disc import Float32, Rim, summit_of
+from fingerpad._arrays import BoolArray, Float32Array, FloatArray, floats
+from fingerpad.image.coin._disc import Rim, summit_of
 from fingerpad.image.ellipse_fit import EllipseFit, fit_ellipse
 
 _PROFILE_STEP = 0.25
@@ -14,7 +14,7 @@ _STEEP, _CLIMB = 0.3, 6
 _SHADOW_SECTORS = 36
 
 
-def edge_points(smooth: Float32, rim: Rim, reach: float) -> tuple[FloatArray, BoolArray]:
+def edge_points(smooth: Float32Array, rim: Rim, reach: float) -> tuple[FloatArray, BoolArray]:
     """Return the steepest place across the rim on each of many normals, and where there is a steep one."""
     count = int(np.clip(2 * math.pi * rim.size / 2, 120, 1440))
     t = floats(np.arange(count) * (2 * math.pi / count))
@@ -77,7 +77,7 @@ def memory_of(offsets: FloatArray, kept: BoolArray) -> float:
     return float(1 + 2 * correlation[: negative[0] if negative.size else correlation.size].sum())
 
 
-def shadow_beside(smooth: Float32, rim: Rim) -> float:
+def shadow_beside(smooth: Float32Array, rim: Rim) -> float:
     """Return how far the level beside the rim is from the ground's further out, over the contrast."""
     t = floats(np.arange(_SHADOW_SECTORS * 8) * (2 * math.pi / (_SHADOW_SECTORS * 8)))
     levels = []

@@ -7,11 +7,10 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from fingerpad._arrays import FloatArray, floats
+from fingerpad._arrays import Float32Array, FloatArray, floats
 from fingerpad.exceptions import CalibrationError, FitError
 from fingerpad.image.coin._disc import (
     Edges,
-    Float32,
     Rim,
     candidates,
     circles,
@@ -160,7 +159,7 @@ def measure_coin(pixels: npt.ArrayLike) -> Coin:
     return coin
 
 
-def _checked(pixels: npt.ArrayLike) -> Float32:
+def _checked(pixels: npt.ArrayLike) -> Float32Array:
     array = np.asarray(pixels)
     if array.ndim != 2 or array.dtype.kind not in "buif" or min(array.shape) < _LEAST_SIDE_PX:
         raise CalibrationError(
@@ -235,7 +234,7 @@ def _require_end(edges: Edges, rim: Rim) -> None:
             )
 
 
-def _outermost(values: Float32, rims: list[Rim], reach: float) -> tuple[Coin, int]:
+def _outermost(values: Float32Array, rims: list[Rim], reach: float) -> tuple[Coin, int]:
     """Return the coin of the largest of nested ellipses that is no shadow's, and the ellipse's number."""
     smooth = np.asarray(cv2.GaussianBlur(values, (0, 0), 1.0), dtype=np.float32)
     found = [_refined(smooth, rim, max(reach, 0.006 * rim.size)) for rim in rims]
@@ -271,7 +270,7 @@ def _is_shadowed(coin: Coin, rim: Rim, inner: Coin, inner_rim: Rim) -> bool:
     )
 
 
-def _refined(smooth: Float32, rim: Rim, reach: float) -> tuple[Coin, Rim] | None:
+def _refined(smooth: Float32Array, rim: Rim, reach: float) -> tuple[Coin, Rim] | None:
     """Fit an ellipse to the steepest places near a rim, None where they make none."""
     for _ in range(_ROUNDS):
         points, found = edge_points(smooth, rim, reach)

@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from fingerpad._arrays import BoolArray, FloatArray
+from fingerpad._arrays import BoolArray, FloatArray, singles
 from fingerpad.image.imprint._region import UInt8, longest_contour
 
 Points = npt.NDArray[np.float64]
@@ -122,7 +122,7 @@ def edge_of(
     points = _resampled(_smoothed(contour, round(period / 2)))
     # Beyond the patch lie whiskers and other patches: they do not count.
     grown = cv2.dilate(patch.astype(np.uint8), np.ones((3, 3), np.uint8))
-    field = _single(cv2.GaussianBlur(_single(cv2.copyTo(closed, grown)), (3, 3), 0))
+    field = singles(cv2.GaussianBlur(singles(cv2.copyTo(closed, grown)), (3, 3), 0))
     normals = _normals(points, period)
     for _ in range(3):
         value, slope = _profile(field, points, normals)
@@ -130,7 +130,7 @@ def edge_of(
         points = points + normals * off[:, None]
     points = _resampled(_smoothed(points, 2))
     normals = _normals(points, period)
-    levels = _single(amount)
+    levels = singles(amount)
     outer, inner = (_sample(levels, points - normals * (depth * period)) for depth in (0.3, 0.8))
     along = _smoothed((outer - inner)[:, None] / 255, round(_FOLLOWED * period))[:, 0]
     lengths = np.linalg.norm(np.roll(points, -1, axis=0) - points, axis=1)
@@ -144,10 +144,6 @@ def edge_of(
         softness=softness,
         resolved=resolved,
     )
-
-
-def _single(values: npt.ArrayLike) -> npt.NDArray[np.float32]:
-    return np.asarray(values, dtype=np.float32)
 
 
 def _smoothed(values: FloatArray, width: int) -> FloatArray:

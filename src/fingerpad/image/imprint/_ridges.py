@@ -7,9 +7,8 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from fingerpad._arrays import BoolArray, FloatArray
+from fingerpad._arrays import BoolArray, Float32Array, FloatArray, singles
 
-Float32: TypeAlias = npt.NDArray[np.float32]
 UInt8: TypeAlias = npt.NDArray[np.uint8]
 
 # Levels are taken every so many pixels.
@@ -42,14 +41,14 @@ class Signal:
         Whether contact was darker than the ground.
     """
 
-    values: Float32
+    values: Float32Array
     noise: float
     contrast: float
     dark_on_light: bool
 
 
 def signal_of(
-    values: Float32,
+    values: Float32Array,
     inside: BoolArray,
     period: float,
     *,
@@ -60,7 +59,7 @@ def signal_of(
     side = max(2, round(_BLOCK * period))
     means = _block_means(values, side)
     deviations = np.sqrt(
-        np.maximum(_block_means(_single(cv2.multiply(values, values)), side) - means * means, 0)
+        np.maximum(_block_means(singles(cv2.multiply(values, values)), side) - means * means, 0)
     )
     # Blocks that reach over the edge do not count.
     whole = np.zeros(means.shape, dtype=bool)
@@ -79,12 +78,12 @@ def signal_of(
     noise = float(np.median(deviations.flat[places])) if places.size else 0.0
     if contrast is None:
         contrast = _contrast(
-            flat, _enlarged(_single(busy if busy.any() else counted), side, values.shape) > 0.5
+            flat, _enlarged(singles(busy if busy.any() else counted), side, values.shape) > 0.5
         )
-    return Signal(values=_single(flat), noise=noise, contrast=contrast, dark_on_light=dark_on_light)
+    return Signal(values=singles(flat), noise=noise, contrast=contrast, dark_on_light=dark_on_light)
 
 
-def _contrast(flat: Float32, busy: BoolArray) -> float:
+def _contrast(flat: Float32Array, busy: BoolArray) -> float:
     """Return how far the contact in the busy places lies above what lies between."""
     sample = flat[::2, ::2][busy[::2, ::2]]
     threshold = otsu_threshold(sample)
@@ -98,18 +97,18 @@ def _thinned(quiet: BoolArray) -> npt.NDArray[np.intp]:
     return places[:: max(1, places.size // _MOST_QUIET)]
 
 
-def _block_means(values: Float32 | UInt8, side: int) -> Float32:
+def _block_means(values: Float32Array | UInt8, side: int) -> Float32Array:
     """Return the means of square blocks; the last in a row or column may reach over the edge, mirrored."""
     over = [-n % side for n in values.shape]
     whole = cv2.copyMakeBorder(values, 0, over[0], 0, over[1], cv2.BORDER_REFLECT) if any(over) else values
     rows, columns = (n // side for n in whole.shape)
-    return _single(cv2.resize(whole, (columns, rows), interpolation=cv2.INTER_AREA))
+    return singles(cv2.resize(whole, (columns, rows), interpolation=cv2.INTER_AREA))
 
 
-def _enlarged(blocks: Float32, side: int, shape: tuple[int, int]) -> Float32:
+def _enlarged(blocks: Float32Array, side: int, shape: tuple[int, int]) -> Float32Array:
     """Return values given by blocks at each pixel of a picture of this shape."""
     size = (blocks.shape[1] * side, blocks.shape[0] * side)
-    return _single(cv2.resize(blocks, size, interpolation=cv2.INTER_LINEAR))[: shape[0], : shape[1]]
+    return singles(cv2.resize(blocks, size, interpolation=cv2.INTER_LINEAR))[: shape[0], : shape[1]]
 
 
 def _at_rim(quiet: BoolArray, rows: int, columns: int) -> BoolArray:
@@ -122,14 +121,14 @@ def _at_rim(quiet: BoolArray, rows: int, columns: int) -> BoolArray:
     return rim if rim.any() else quiet
 
 
-def _is_dark_on_light(means: Float32, ground: BoolArray, busy: BoolArray) -> bool:
+def _is_dark_on_light(means: Float32Array, ground: BoolArray, busy: BoolArray) -> bool:
     """Tell the polarity: ridges raise the texture, and their mean differs from the quiet ground's."""
     if not busy.any() or not ground.any():
         return True
     return float(means[busy].mean()) < float(np.median(means[ground]))
 
 
-def _ground(means: Float32, quiet: npt.NDArray[np.intp], rim: BoolArray) -> Float32:
+def _ground(means: Float32Array, quiet: npt.NDArray[np.intp], rim: BoolArray) -> Float32Array:
     """Return a quadratic surface through the lowest quiet blocks, and as near as those at the rim lie."""
     y, x = (np.linspace(-1, 1, n) for n in means.shape)
     if quiet.size < _LEAST_QUIET:
@@ -147,7 +146,7 @@ def _ground(means: Float32, quiet: npt.NDArray[np.intp], rim: BoolArray) -> Floa
         weight = 1 / (1 + (off / width) ** 2) * np.where(off > width, 0.1, 1.0)
         weighted = design.T * weight
         surface = np.linalg.solve(weighted @ design + 1e-9 * np.eye(6), weighted @ level)
-    return _single(sum(map(np.multiply, surface, _quadratic_terms(y[:, None], x))))
+    return singles(sum(map(np.multiply, surface, _quadratic_terms(y[:, None], x))))
 
 
 def _quadratic_terms(y: FloatArray, x: FloatArray) -> list[FloatArray]:
@@ -164,7 +163,7 @@ def otsu_threshold(values: npt.NDArray[np.floating]) -> float:
     return low + (float(threshold) + 0.5) * (high - low) / 255
 
 
-def ridge_amount(signal: Signal, period: float, threshold: float | None) -> tuple[UInt8, Float32]:
+def ridge_amount(signal: Signal, period: float, threshold: float | None) -> tuple[UInt8, Float32Array]:
     """Return how far each place is from its valley level (0) to its ridge level (255), and the mid level.
 
     The two levels are means over windows of three periods (Ridler & Calvard's two means, made local); where a
@@ -177,13 +176,13 @@ def ridge_amount(signal: Signal, period: float, threshold: float | None) -> tupl
         return np.asarray(amount, dtype=np.uint8), np.full((1, 1), threshold, dtype=np.float32)
     step = _LEVEL_STEP if period >= 2 * _LEVEL_STEP else 1
     side = max(1, round(_WINDOW * period / step / 3))
-    valley, rise = _levels(_single(smooth[::step, ::step]), side, signal.contrast)
+    valley, rise = _levels(singles(smooth[::step, ::step]), side, signal.contrast)
     np.subtract(smooth, _enlarged(valley, side * step, smooth.shape), out=smooth)
-    amount = cv2.multiply(smooth, _enlarged(_single(255 / rise), side * step, smooth.shape), dtype=cv2.CV_8U)
-    return np.asarray(amount, dtype=np.uint8), _single(valley + rise / 2)
+    amount = cv2.multiply(smooth, _enlarged(singles(255 / rise), side * step, smooth.shape), dtype=cv2.CV_8U)
+    return np.asarray(amount, dtype=np.uint8), singles(valley + rise / 2)
 
 
-def _levels(smooth: Float32, side: int, contrast: float) -> tuple[Float32, Float32]:
+def _levels(smooth: Float32Array, side: int, contrast: float) -> tuple[Float32Array, Float32Array]:
     """Return the local valley level and the local rise from it to the ridges, by blocks of a side.
 
     A window is three blocks wide.
@@ -192,19 +191,15 @@ def _levels(smooth: Float32, side: int, contrast: float) -> tuple[Float32, Float
     # Where blur fills the valleys, only the local mean lies between the two levels.
     middle = np.maximum(whole, contrast / 2)
     for _ in range(_ROUNDS):
-        inside = _single(smooth > _enlarged(middle, side, smooth.shape))
+        inside = singles(smooth > _enlarged(middle, side, smooth.shape))
         share = _window_means(inside, side)
         high = _window_means(np.multiply(inside, smooth, out=inside), side)
         valley = (whole - high) / ((1 + _PRIOR) - share)
         ridge = (high + _PRIOR * contrast) / (share + _PRIOR)
         rise = np.maximum(ridge - valley, _LEAST_RISE * contrast)
         middle = valley + rise / 2
-    return _single(valley), _single(rise)
+    return singles(valley), singles(rise)
 
 
-def _window_means(values: Float32, side: int) -> Float32:
-    return _single(cv2.blur(_block_means(values, side), (3, 3)))
-
-
-def _single(values: npt.ArrayLike) -> Float32:
-    return np.asarray(values, dtype=np.float32)
+def _window_means(values: Float32Array, side: int) -> Float32Array:
+    return singles(cv2.blur(_block_means(values, side), (3, 3)))

@@ -8,11 +8,10 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from fingerpad._arrays import BoolArray
+from fingerpad._arrays import BoolArray, Float32Array
 from fingerpad.image.imprint._card import card_of
 from fingerpad.image.imprint._frame import Frame, Pixels
 from fingerpad.image.imprint._region import UInt8, disk
-from fingerpad.image.imprint._ridges import Float32
 
 WORKING_PERIOD_PX = 4.5
 
@@ -42,7 +41,7 @@ class View:
         Of the whole picture.
     """
 
-    values: Float32
+    values: Float32Array
     card: BoolArray
     inside: BoolArray
     cut: tuple[bool, bool, bool, bool]

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from fingerpad._arrays import BoolArray, FloatArray
+from fingerpad._arrays import BoolArray, Float32Array, FloatArray
 from fingerpad.exceptions import ImageError
 from fingerpad.geometry.ellipse import Ellipse
 from fingerpad.image.imprint._frame import frame_of
@@ -21,7 +21,7 @@ from fingerpad.image.imprint._region import (
     patches_of,
     without_appendages,
 )
-from fingerpad.image.imprint._ridges import Float32, Signal, ridge_amount, signal_of
+from fingerpad.image.imprint._ridges import Signal, ridge_amount, signal_of
 from fingerpad.image.imprint._view import View
 from fingerpad.image.scale import Scale
 
@@ -301,7 +301,7 @@ def _in_mm(contact: Patch, scale: Scale) -> tuple[FloatArray, FloatArray]:
     return values, contact.covariance * np.outer(units, units) + np.outer(shared, shared)
 
 
-def _median_level(level: Float32, patch: BoolArray) -> float:
+def _median_level(level: Float32Array, patch: BoolArray) -> float:
     """Return the median level in a patch; it varies slowly, and some hundred places show it."""
     rows, columns = (np.linspace(0, n - 1, min(n, 60)).astype(int) for n in level.shape)
     size = (columns.size, rows.size)

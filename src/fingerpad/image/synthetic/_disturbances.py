@@ -4,11 +4,8 @@ import math
 
 import cv2
 import numpy as np
-import numpy.typing as npt
 
-from fingerpad._arrays import BoolArray, FloatArray
-
-_Float32 = npt.NDArray[np.float32]
+from fingerpad._arrays import BoolArray, Float32Array, FloatArray
 
 
 def creases(along: FloatArray, across: FloatArray, semi_minor: float, count: int, seed: int) -> BoolArray:
@@ -26,14 +23,14 @@ def creases(along: FloatArray, across: FloatArray, semi_minor: float, count: int
 
 
 def smudged(
-    amount: _Float32,
+    amount: Float32Array,
     inside: BoolArray,
     places: tuple[FloatArray, FloatArray],
     semi_axes: tuple[float, float],
     *,
     count: int,
     seed: int,
-) -> _Float32:
+) -> Float32Array:
     """Smear ridges into one another within parts of the contact, 1.5 to 3 mm in radius.
 
     Each smear is a Gaussian of 0.25 to 0.5 mm along the slide and 0.1 to 0.25 mm across it; nothing is
@@ -57,7 +54,7 @@ def smudged(
     return amount
 
 
-def _gaussian(long: float, short: float, angle: float) -> _Float32:
+def _gaussian(long: float, short: float, angle: float) -> Float32Array:
     """Return an elongated Gaussian kernel of unit sum, in px."""
     reach = math.ceil(3 * long)
     y, x = np.mgrid[-reach : reach + 1, -reach : reach + 1]

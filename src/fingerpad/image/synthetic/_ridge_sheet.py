@@ -6,12 +6,10 @@ from typing import Literal, TypeAlias
 
 import cv2
 import numpy as np
-import numpy.typing as npt
 
-from fingerpad._arrays import FloatArray
+from fingerpad._arrays import Float32Array, FloatArray, singles
 
 Pattern: TypeAlias = Literal["arch", "loop", "whorl"]
-_Float32: TypeAlias = npt.NDArray[np.float32]
 
 # The ridges grow on a grid of their own, so that every resolution shows the same finger.
 CELLS_PER_PERIOD = 8.0
@@ -31,7 +29,7 @@ def _flow(pattern: Pattern, along: FloatArray, across: FloatArray, size: float) 
 
 
 @lru_cache(maxsize=12)
-def ridge_sheet(seed: int, pattern: Pattern, half_periods: int) -> tuple[_Float32, _Float32]:
+def ridge_sheet(seed: int, pattern: Pattern, half_periods: int) -> tuple[Float32Array, Float32Array]:
     """Grow a square sheet of ridges, crests +1 and valleys −1, and the grain that makes pores and breaks."""
     rng = np.random.default_rng([seed, 7])
     side = int(2 * half_periods * CELLS_PER_PERIOD)
@@ -49,10 +47,10 @@ def ridge_sheet(seed: int, pattern: Pattern, half_periods: int) -> tuple[_Float3
                 grown[chosen] = cv2.filter2D(sheet, -1, kernel)[chosen]
         sheet = np.tanh(grown / (0.6 * grown.std())).astype(np.float32)
     grain = cv2.GaussianBlur(rng.normal(0, 1, (side, side)).astype(np.float32), (0, 0), 1.1)
-    return _single(cv2.GaussianBlur(sheet, (0, 0), 0.8)), _single(grain / grain.std())
+    return singles(cv2.GaussianBlur(sheet, (0, 0), 0.8)), singles(grain / grain.std())
 
 
-def _gabor(direction: float) -> _Float32:
+def _gabor(direction: float) -> Float32Array:
     """Return the zero-mean filter for ridges along `direction` (from right to up)."""
     reach = int(1.6 * CELLS_PER_PERIOD)
     y, x = np.mgrid[-reach : reach + 1, -reach : reach + 1].astype(np.float64)
@@ -60,8 +58,4 @@ def _gabor(direction: float) -> _Float32:
     envelope = np.exp(-(x**2 + y**2) / (2 * (0.55 * CELLS_PER_PERIOD) ** 2))
     kernel = envelope * np.cos(2 * math.pi * off / CELLS_PER_PERIOD)
     kernel -= envelope * kernel.sum() / envelope.sum()
-    return _single(kernel)
-
-
-def _single(values: npt.ArrayLike) -> _Float32:
-    return np.asarray(values, dtype=np.float32)
+    return singles(kernel)

@@ -7,11 +7,10 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from fingerpad._arrays import FloatArray
+from fingerpad._arrays import Float32Array, FloatArray
 from fingerpad.exceptions import GeometryError
 from fingerpad.geometry.ellipse import Ellipse
 
-_Float32 = npt.NDArray[np.float32]
 _OVERSAMPLING = 3
 
 
@@ -145,7 +144,7 @@ def _lit_ground(
     shadow: float,
     light: float,
     rng: np.random.Generator,
-) -> _Float32:
+) -> Float32Array:
     """Return the ground at the fine size: grain, a fall of light, and the coin's soft shadow."""
     rows, columns = shape
     down, right = 0.07 * radius * math.sin(light), -0.07 * radius * math.cos(light)

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.spatial import cKDTree
 
-from fingerpad._arrays import FloatArray
+from fingerpad._arrays import Float32Array, FloatArray, singles
 from fingerpad.exceptions import GeometryError
 from fingerpad.image.photograph._face_frame import Direction, face_axes, palmar_directions
 from fingerpad.image.photograph._light import encoded, linear_light
@@ -18,7 +18,6 @@ from fingerpad.image.photograph.outline import Face
 from fingerpad.image.synthetic._finger_shape import FingerShape, finger_shape, pad_arc
 
 Backdrop: TypeAlias = Literal["white", "grey", "black", "blue", "green", "cork"]
-_Float32: TypeAlias = npt.NDArray[np.float32]
 
 _BACKDROPS: Mapping[Backdrop, tuple[int, int, int]] = {
     "white": (228, 228, 224),
@@ -214,7 +213,7 @@ def _tilted(seen: FloatArray, tilt: float, rng: np.random.Generator) -> FloatArr
     )
 
 
-def _depths(places: FloatArray, shape: FingerShape, mm_per_px: float) -> tuple[_Float32, _Float32]:
+def _depths(places: FloatArray, shape: FingerShape, mm_per_px: float) -> tuple[Float32Array, Float32Array]:
     """Return the depth of each pixel inside the finger, mm, and the share of the nail in it."""
     spots = places.reshape(-1, 2)
     inside = _inside(places, shape.points, mm_per_px)
@@ -249,11 +248,11 @@ def _inside(places: FloatArray, outline: FloatArray, mm_per_px: float) -> npt.ND
 
 def _lit(
     face: Face,
-    cover: tuple[_Float32, _Float32],
+    cover: tuple[Float32Array, Float32Array],
     places: FloatArray,
     look: tuple[float, Backdrop, float, float, float],
     rng: np.random.Generator,
-) -> _Float32:
+) -> Float32Array:
     """Return the light from each pixel, linear red, green, blue: skin and nail over the backdrop."""
     (depth, nail), (skin, backdrop, light_deg, shadow, mm_per_px) = cover, look
     size = depth.shape
@@ -275,10 +274,10 @@ def _lit(
     step = np.array([[1, 0, -light[0] * 4 / mm_per_px], [0, 1, -light[1] * 4 / mm_per_px]])
     dark = cv2.warpAffine(share[..., 0], step, (size[1], size[0]), borderMode=cv2.BORDER_REPLICATE)
     paper = paper * (1 - shadow * cv2.GaussianBlur(dark, (0, 0), 1.8 / mm_per_px))[..., None]
-    return _single(share * finger + (1 - share) * paper)
+    return singles(share * finger + (1 - share) * paper)
 
 
-def _shading(depth: _Float32, light: _Float32, mm_per_px: float) -> tuple[_Float32, _Float32]:
+def _shading(depth: Float32Array, light: Float32Array, mm_per_px: float) -> tuple[Float32Array, Float32Array]:
     """Return the diffuse shade of a rounded body and its highlight."""
     radius = max(1.0, 0.85 * float(depth.max()))
     q = np.clip(depth / radius, 0, 1)
@@ -290,10 +289,10 @@ def _shading(depth: _Float32, light: _Float32, mm_per_px: float) -> tuple[_Float
     level = math.sqrt(1 - float(light @ light))
     lambert = level * facing - tilt * (right * light[0] + down * light[1]) / length
     shade = 0.42 + 0.62 * np.maximum(lambert, 0)
-    return _single(shade), _single(np.maximum(lambert, 0) ** 24)
+    return singles(shade), singles(np.maximum(lambert, 0) ** 24)
 
 
-def _creases(face: Face, places: FloatArray, rng: np.random.Generator) -> _Float32:
+def _creases(face: Face, places: FloatArray, rng: np.random.Generator) -> Float32Array:
     """Return the darkness of the skin's folds at the joint."""
     if face == "distal":
         return np.zeros(places.shape[:2], np.float32)
@@ -305,16 +304,16 @@ def _creases(face: Face, places: FloatArray, rng: np.random.Generator) -> _Float
         line = middle + tilt * x + bend * x**2 + 0.15 * np.sin(0.9 * x + phase)
         strength = rng.uniform(0.12, 0.4) * np.exp(-(((x - rng.normal(0, 3)) / 7) ** 2))
         dark += strength * np.exp(-0.5 * ((places[..., 1] - line) / width) ** 2)
-    return _single(np.minimum(dark, 0.6))
+    return singles(np.minimum(dark, 0.6))
 
 
-def _grain(rng: np.random.Generator, size: tuple[int, ...], mm_per_px: float) -> _Float32:
+def _grain(rng: np.random.Generator, size: tuple[int, ...], mm_per_px: float) -> Float32Array:
     """Return the look of the skin's ridges: noise of their period."""
     return _cloud(rng, size, 0.09 / mm_per_px) - 0.8 * _cloud(rng, size, 0.2 / mm_per_px)
 
 
 def _exposed(
-    light: _Float32, blur: float, noise_std: float, jpeg_quality: int | None, rng: np.random.Generator
+    light: Float32Array, blur: float, noise_std: float, jpeg_quality: int | None, rng: np.random.Generator
 ) -> npt.NDArray[np.uint8]:
     """Return what a camera makes of the light: blur, shot and read noise, sRGB, JPEG."""
     seen = cv2.GaussianBlur(light, (0, 0), blur) if blur > 0 else light
@@ -327,15 +326,11 @@ def _exposed(
     return pixels
 
 
-def _cloud(rng: np.random.Generator, size: tuple[int, ...], sigma: float) -> _Float32:
+def _cloud(rng: np.random.Generator, size: tuple[int, ...], sigma: float) -> Float32Array:
     """Return smooth noise of unit deviation, grown coarse where it is very smooth."""
     step = max(1, int(sigma / 4))
     rough = rng.normal(0, 1, (size[0] // step + 2, size[1] // step + 2)).astype(np.float32)
     soft = cv2.GaussianBlur(rough, (0, 0), max(sigma / step, 0.3))
     large = cv2.resize(soft, (rough.shape[1] * step, rough.shape[0] * step), interpolation=cv2.INTER_CUBIC)
-    noise = _single(large)[: size[0], : size[1]]
-    return _single(noise / noise.std())
-
-
-def _single(values: npt.ArrayLike) -> _Float32:
-    return np.asarray(values, dtype=np.float32)
+    noise = singles(large)[: size[0], : size[1]]
+    return singles(noise / noise.std())

@@ -13,7 +13,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from fingerpad._arrays import BoolArray, FloatArray
+from fingerpad._arrays import BoolArray, Float32Array, FloatArray, singles
 from fingerpad.exceptions import GeometryError
 from fingerpad.geometry.ellipse import Ellipse
 from fingerpad.image.imprint._edge import moments_of
@@ -23,7 +23,6 @@ from fingerpad.image.synthetic._disturbances import smudged
 from fingerpad.image.synthetic._ridge_sheet import CELLS_PER_PERIOD, Pattern, ridge_sheet
 
 Look: TypeAlias = Literal["ink", "livescan", "prism"]
-_Float32: TypeAlias = npt.NDArray[np.float32]
 
 # Dark level, light level, blur (mm), and whether contact is the dark one.
 _LOOKS: dict[Look, tuple[float, float, float, bool]] = {
@@ -285,10 +284,10 @@ def _ridges(
     cells = CELLS_PER_PERIOD / ridge_period
     middle = (crests.shape[0] - 1) / 2
 
-    def sample(sheet: _Float32) -> _Float32:
+    def sample(sheet: Float32Array) -> Float32Array:
         columns = (middle - across * cells).astype(np.float32)
         rows = (middle - along * cells).astype(np.float32)
-        return _single(cv2.remap(sheet, columns, rows, cv2.INTER_CUBIC, borderMode=cv2.BORDER_REFLECT))
+        return singles(cv2.remap(sheet, columns, rows, cv2.INTER_CUBIC, borderMode=cv2.BORDER_REFLECT))
 
     # Pressure falls to nothing at the edge: the ridges thin out and break up there.
     edge = np.clip((radius - 0.86) / 0.14, 0, 1) ** 2
@@ -297,7 +296,7 @@ def _ridges(
 
 
 def _expose(
-    amount: _Float32,
+    amount: Float32Array,
     look: Look,
     mm_per_px: float,
     *,
@@ -320,11 +319,7 @@ def _expose(
     return np.clip(np.rint(exposed), 0, 255).astype(np.uint8)
 
 
-def _cloud(rng: np.random.Generator, shape: tuple[int, ...], sigma: float) -> _Float32:
+def _cloud(rng: np.random.Generator, shape: tuple[int, ...], sigma: float) -> Float32Array:
     """Return smooth noise of unit deviation."""
     noise = cv2.GaussianBlur(rng.normal(0, 1, shape).astype(np.float32), (0, 0), sigma)
-    return _single(noise / noise.std())
-
-
-def _single(values: npt.ArrayLike) -> _Float32:
-    return np.asarray(values, dtype=np.float32)
+    return singles(noise / noise.std())
