@@ -1,0 +1,32 @@
+"""The named scales of the open study, each measured once as long as its table and its picture stay the same."""
+
+from collections.abc import Mapping
+from typing import Any, Final
+
+from fingerpad.study.manifest import CoinScale, ScaleKey
+from fingerpad.study.scales import FoundScale, find_scale, named_scales
+from fingerpad.web.open_study import OpenStudy
+from fingerpad.web.pictures import Cache, Place
+
+_FOUND: Final[Cache[dict[str, FoundScale | str]]] = Cache(20, lambda _: 1)
+
+
+def scales_of(opened: OpenStudy) -> Mapping[str, FoundScale | str]:
+    """Return each named scale, or why there is none."""
+    study = opened.study()
+    stamps = [
+        (name, table.model_dump_json(), _stamp(opened, table.coin) if isinstance(table, CoinScale) else None)
+        for name, table in study.scales.items()
+    ]
+    return _FOUND.get((str(opened.folder), tuple(stamps)), lambda: named_scales(study, opened.folder))
+
+
+def scale_of(opened: OpenStudy, key: ScaleKey) -> FoundScale:
+    """Return the scale that a key of the manifest means."""
+    return find_scale(key, scales_of(opened) if isinstance(key, str) else {}, opened.folder)
+
+
+def _stamp(opened: OpenStudy, file: str) -> Any:
+    return Place(opened.folder / file).stamp
+
+
