@@ -10,14 +10,15 @@ from fingerpad.image.ellipse_fit import (
     fit_aligned_ellipse,
     fit_ellipse,
 )
+from fingerpad.image.imprint.edits import BrushStroke, HandEllipse
 from fingerpad.image.imprint.measure import (
-    FLAGS,
     PLAUSIBLE_RIDGE_PERIOD_MM,
-    Imprint,
-    ImprintSettings,
+    PreparedImprint,
     measure_imprint,
+    prepare_imprint,
 )
 from fingerpad.image.imprint.overlay import draw_overlay, write_overlay
+from fingerpad.image.imprint.result import FLAGS, Imprint, ImprintSettings
 from fingerpad.image.photograph._face_frame import Direction
 from fingerpad.image.photograph.direct import direct_semi_axes
 from fingerpad.image.photograph.measure import (
@@ -66,6 +67,7 @@ __all__ = [
     "PLAUSIBLE_RIDGE_PERIOD_MM",
     "AlignedEllipseFit",
     "Backdrop",
+    "BrushStroke",
     "Coin",
     "Direction",
     "EllipseFit",
@@ -78,6 +80,7 @@ __all__ = [
     "FrameResult",
     "FrameStamps",
     "Frames",
+    "HandEllipse",
     "Imprint",
     "ImprintSettings",
     "OutlineFit",
@@ -86,6 +89,7 @@ __all__ = [
     "PhotographFit",
     "Picture",
     "Place",
+    "PreparedImprint",
     "Reading",
     "RegionEllipse",
     "Scale",
@@ -112,6 +116,7 @@ __all__ = [
     "open_frames",
     "outline_points",
     "phases_of",
+    "prepare_imprint",
     "read_colour_image",
     "read_force_signal",
     "read_frame_stamps",
