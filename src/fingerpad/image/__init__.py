@@ -20,6 +20,7 @@ from fingerpad.image.imprint.measure import (
 from fingerpad.image.imprint.overlay import draw_overlay, write_overlay
 from fingerpad.image.imprint.result import FLAGS, Imprint, ImprintSettings
 from fingerpad.image.photograph._face_frame import Direction
+from fingerpad.image.photograph.by_hand import photograph_from_ellipse, with_points
 from fingerpad.image.photograph.direct import direct_semi_axes
 from fingerpad.image.photograph.measure import (
     PHOTOGRAPH_FLAGS,
@@ -116,6 +117,7 @@ __all__ = [
     "open_frames",
     "outline_points",
     "phases_of",
+    "photograph_from_ellipse",
     "prepare_imprint",
     "read_colour_image",
     "read_force_signal",
@@ -129,6 +131,7 @@ __all__ = [
     "semi_axes_from_outlines",
     "sequence_summary",
     "synthetic_press",
+    "with_points",
     "write_overlay",
     "write_photograph_overlay",
 ]

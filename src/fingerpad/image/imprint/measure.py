@@ -119,9 +119,10 @@ class PreparedImprint:
         Examples
         --------
         >>> from fingerpad.image import Scale, render_imprint
-        >>> prepared = prepare_imprint(render_imprint(semi_major=8.0, semi_minor=6.0, seed=3).pixels, Scale.of_ppi(500))
+        >>> truth = render_imprint(semi_major=8.0, semi_minor=6.0, seed=3)
+        >>> prepared = prepare_imprint(truth.pixels, Scale.of_ppi(500))
         >>> row, column = prepared.imprint.centroid
-        >>> bite = BrushStroke(action="remove", points=((row - 150, column),), radius=40)
+        >>> bite = BrushStroke(action="remove", points=[(row - 150, column)], radius=40)
         >>> prepared.with_edits([bite]).gross_area < prepared.imprint.gross_area
         True
         """
