@@ -43,7 +43,13 @@ class GeometryQuestion(PadQuestion):
     """The same, and how finely to draw it."""
 
     detail: Annotated[int, Field(ge=4, le=120)] = 32
-    u_deg: Annotated[list[Annotated[float, Field(ge=-180, le=180)]], Field(max_length=50)] = [0, 30, 45, 60, 90]
+    u_deg: Annotated[list[Annotated[float, Field(ge=-180, le=180)]], Field(max_length=50)] = [
+        0,
+        30,
+        45,
+        60,
+        90,
+    ]
 
 
 def geometry(bench: Bench, _: Any, asked: GeometryQuestion) -> dict[str, Any]:
@@ -77,9 +83,7 @@ def geometry(bench: Bench, _: Any, asked: GeometryQuestion) -> dict[str, Any]:
     }
 
 
-def _pad(
-    bench: Bench, asked: PadQuestion
-) -> tuple[FloatArray, FloatArray | None, FloatArray]:
+def _pad(bench: Bench, asked: PadQuestion) -> tuple[FloatArray, FloatArray | None, FloatArray]:
     """Return semi-axes (mm), their covariance if it is known, and the angles' standard uncertainties."""
     if asked.finger is None:
         given = np.array([asked.palmar_mm, asked.distal_mm, asked.radial_ulnar_mm], dtype=float)

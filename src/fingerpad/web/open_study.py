@@ -9,10 +9,19 @@ from pathlib import Path
 from threading import Lock
 from typing import Any, Final
 
-from fingerpad.exceptions import ManifestError
-from fingerpad.study.manifest import CoinScale, ContactSequence, Finger, Observation, Photograph, Study, read_study
+from fingerpad.exceptions import ImageError, ManifestError
+from fingerpad.image import open_frames
+from fingerpad.study.manifest import (
+    CoinScale,
+    ContactSequence,
+    Finger,
+    Observation,
+    Photograph,
+    Study,
+    read_study,
+)
 from fingerpad.web.events import Events
-from fingerpad.web.pictures import Place, Pictures
+from fingerpad.web.pictures import Cache, Pictures, Place
 from fingerpad.web.refusal import Refusal
 from fingerpad.web.running import Running
 
@@ -64,8 +73,10 @@ class OpenStudy:
         self.folder, self.out = folder, out
         self.manifest_path = folder / manifest
         self.events = events
+        self.pixel_limit = pixel_limit
         self.pictures = Pictures(pixel_limit)
         self.running = Running(events)
+        self._counts: Cache[int] = Cache(10_000, lambda _: 1)
         self._read: tuple[object, Manifest] | None = None
         self._lock = Lock()
 
@@ -129,6 +140,17 @@ class OpenStudy:
                     return finger, photograph
         raise Refusal.not_there(f"no item is named {item!r}")
 
+    def count_frames(self, sequence: ContactSequence) -> int | None:
+        """Return how many frames a film has, None where it cannot be opened."""
+        path = self.folder / sequence.path
+        try:
+            return self._counts.get(
+                (sequence.path, _stamp_of(path)),
+                lambda: open_frames(path, pixel_limit=self.pixel_limit).count,
+            )
+        except ImageError:
+            return None
+
     def place_of(self, item: str) -> Place:
         """Return where an item's picture is: only files that the manifest names or that lie in the folder."""
         if item.startswith("file:"):
@@ -150,7 +172,9 @@ class OpenStudy:
         observation = self.observation(item)
         if observation is None or observation.image is None:
             raise Refusal.not_there(
-                f"no item is named {item!r}" if observation is None else f"{item}: its ellipse is given, without a picture"
+                f"no item is named {item!r}"
+                if observation is None
+                else f"{item}: its ellipse is given, without a picture"
             )
         return Place(self.folder / observation.image)
 

@@ -140,7 +140,9 @@ def _malformed(error: ValidationError) -> Refusal:
         {"place": ".".join(map(str, fault["loc"])), "words": fault["msg"]}
         for fault in error.errors(include_url=False, include_input=False, include_context=False)
     ]
-    words = "; ".join(f"{fault['place']}: {fault['words']}" if fault["place"] else fault["words"] for fault in faults)
+    words = "; ".join(
+        f"{fault['place']}: {fault['words']}" if fault["place"] else fault["words"] for fault in faults
+    )
     return Refusal(HTTPStatus.BAD_REQUEST, words, faults=faults)
 
 
@@ -162,7 +164,11 @@ def openapi(operations: Sequence[Operation], version: str) -> dict[str, Any]:
         paths.setdefault(operation.path, {})[operation.method.lower()] = _described(operation)
     return {
         "openapi": "3.1.0",
-        "info": {"title": "fingerpad", "version": version, "description": "The API under the page of fingerpad app."},
+        "info": {
+            "title": "fingerpad",
+            "version": version,
+            "description": "The API under the page of fingerpad app.",
+        },
         "components": {"securitySchemes": {"token": {"type": "http", "scheme": "bearer"}}},
         "security": [{"token": []}],
         "paths": paths,
@@ -171,7 +177,9 @@ def openapi(operations: Sequence[Operation], version: str) -> dict[str, Any]:
 
 def _described(operation: Operation) -> dict[str, Any]:
     schema = operation.query.model_json_schema()
-    in_path = [part.strip("{}").partition(":")[0] for part in operation.path.split("/") if part.startswith("{")]
+    in_path = [
+        part.strip("{}").partition(":")[0] for part in operation.path.split("/") if part.startswith("{")
+    ]
     parameters = [
         {
             "name": name,
@@ -204,7 +212,10 @@ def _described(operation: Operation) -> dict[str, Any]:
     }
     if operation.body is not Nothing:
         body = json.loads(json.dumps(operation.body.model_json_schema(ref_template="#/$defs/{model}")))
-        described["requestBody"] = {"required": True, "content": {"application/json": {"schema": _flat(body)}}}
+        described["requestBody"] = {
+            "required": True,
+            "content": {"application/json": {"schema": _flat(body)}},
+        }
     return described
 
 

@@ -168,7 +168,9 @@ class PlotQuestion(Question):
 def plot(bench: Bench, asked: PlotQuestion, _: Any) -> dict[str, Any]:
     """Return what to plot of each finger at each placement."""
     found = _results(bench)
-    groups = [_group(one, found.rows) for one in found.summary["summaries"] if asked.finger in {None, one["finger"]}]
+    groups = [
+        _group(one, found.rows) for one in found.summary["summaries"] if asked.finger in {None, one["finger"]}
+    ]
     return {"groups": groups}
 
 
@@ -228,10 +230,18 @@ def published(_: Bench, __: Any, ___: Any) -> dict[str, Any]:
 
 
 OPERATIONS: Final = (
-    Operation(method="GET", path="/api/results/rows", answer=rows, query=RowsQuestion, summary="Rows of the results"),
-    Operation(method="GET", path="/api/results/summary", answer=summary, summary="Summaries, fingers, provenance"),
-    Operation(method="GET", path="/api/results/plot", answer=plot, query=PlotQuestion, summary="What to plot"),
-    Operation(method="GET", path="/api/results/budget", answer=budget, summary="Who contributes what uncertainty"),
+    Operation(
+        method="GET", path="/api/results/rows", answer=rows, query=RowsQuestion, summary="Rows of the results"
+    ),
+    Operation(
+        method="GET", path="/api/results/summary", answer=summary, summary="Summaries, fingers, provenance"
+    ),
+    Operation(
+        method="GET", path="/api/results/plot", answer=plot, query=PlotQuestion, summary="What to plot"
+    ),
+    Operation(
+        method="GET", path="/api/results/budget", answer=budget, summary="Who contributes what uncertainty"
+    ),
     Operation(method="GET", path="/api/results/figures", answer=figures, summary="The report's figures"),
     Operation(method="GET", path="/api/published", answer=published, summary="Audit of the printed tables"),
 )

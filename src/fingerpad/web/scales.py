@@ -7,6 +7,7 @@ from fingerpad.study.manifest import CoinScale, ScaleKey
 from fingerpad.study.scales import FoundScale, find_scale, named_scales
 from fingerpad.web.open_study import OpenStudy
 from fingerpad.web.pictures import Cache, Place
+from fingerpad.web.refusal import Refusal
 
 _FOUND: Final[Cache[dict[str, FoundScale | str]]] = Cache(20, lambda _: 1)
 
@@ -23,10 +24,15 @@ def scales_of(opened: OpenStudy) -> Mapping[str, FoundScale | str]:
 
 def scale_of(opened: OpenStudy, key: ScaleKey) -> FoundScale:
     """Return the scale that a key of the manifest means."""
-    return find_scale(key, scales_of(opened) if isinstance(key, str) else {}, opened.folder)
+    if isinstance(key, str):
+        known = scales_of(opened)
+        if key not in known:
+            raise Refusal.not_there(f"no scale is named {key!r}")
+        return find_scale(key, known, opened.folder)
+    if isinstance(key, CoinScale):
+        opened.file(key.coin)  # one of the study's own
+    return find_scale(key, {}, opened.folder)
 
 
 def _stamp(opened: OpenStudy, file: str) -> Any:
     return Place(opened.folder / file).stamp
-
-

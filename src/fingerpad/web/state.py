@@ -49,12 +49,20 @@ def document(opened: OpenStudy) -> dict[str, Any]:
         "observations": [_observation(one, states, seen) for one in study.observations] if study else [],
         "sequences": [_sequence(opened, one, states) for one in study.sequences] if study else [],
         "curves": [
-            {"key": str(number), "complete": True, "table": said(one), **_of(one, ("finger", "wedge_angle_deg", "file", "effective_radius_mm", "synthetic"))}
+            {
+                "key": str(number),
+                "complete": True,
+                "table": said(one),
+                **_of(one, ("finger", "wedge_angle_deg", "file", "effective_radius_mm", "synthetic")),
+            }
             for number, one in enumerate(study.curves if study else ())
         ],
         "files": _files(opened, manifest),
         "words": _WORDS,
-        "counts": {**{name: counts[name] for name in ("done", "failed", "stale", "left")}, "total": len(states)},
+        "counts": {
+            **{name: counts[name] for name in ("done", "failed", "stale", "left")},
+            "total": len(states),
+        },
         "run": opened.running.describe(),
         "results": {
             "there": found is not None,
@@ -139,7 +147,11 @@ def _observation(
 
 def _sequence(opened: OpenStudy, one: ContactSequence, states: Mapping[str, str]) -> dict[str, Any]:
     found = last_results(opened)
-    frames = [row for row in found.rows if row["sequence"] == one.name and row["frame"] is not None] if found else []
+    frames = (
+        [row for row in found.rows if row["sequence"] == one.name and row["frame"] is not None]
+        if found
+        else []
+    )
     return {
         "name": one.name,
         **_of(one, ("finger", "wedge_angle_deg", "roll_angle_deg", "force", "synthetic")),
@@ -210,8 +222,14 @@ def _frame(sequence: str, number: int, row: Mapping[str, Any] | None) -> dict[st
 
 
 OPERATIONS: Final = (
-    Operation(method="GET", path="/api/study", answer=state, summary="What is there, what is missing, how far"),
     Operation(
-        method="GET", path="/api/study/frames", answer=frames, query=FramesQuestion, summary="Frames of a film"
+        method="GET", path="/api/study", answer=state, summary="What is there, what is missing, how far"
+    ),
+    Operation(
+        method="GET",
+        path="/api/study/frames",
+        answer=frames,
+        query=FramesQuestion,
+        summary="Frames of a film",
     ),
 )
