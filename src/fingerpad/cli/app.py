@@ -24,8 +24,8 @@ def app(
 ) -> None:
     """Open a page in the browser to measure, correct and read a study.
 
-    It can be reached from this machine only, and only through the address that is printed. Without a study the
-    page offers those in the current folder. Ctrl-C ends it.
+    It can be reached from this machine only, through the address that is printed. Without a study the page
+    offers those in the current folder. Ctrl-C ends it.
     """
     with plain_errors():
         try:

@@ -20,7 +20,11 @@ from fingerpad.image.imprint.measure import (
 from fingerpad.image.imprint.overlay import draw_overlay, write_overlay
 from fingerpad.image.imprint.result import FLAGS, Imprint, ImprintSettings
 from fingerpad.image.photograph._face_frame import Direction
-from fingerpad.image.photograph.by_hand import photograph_from_ellipse, with_points
+from fingerpad.image.photograph.by_hand import (
+    photograph_from_ellipse,
+    photograph_from_handles,
+    with_points,
+)
 from fingerpad.image.photograph.direct import direct_semi_axes
 from fingerpad.image.photograph.measure import (
     PHOTOGRAPH_FLAGS,
@@ -118,6 +122,7 @@ __all__ = [
     "outline_points",
     "phases_of",
     "photograph_from_ellipse",
+    "photograph_from_handles",
     "prepare_imprint",
     "read_colour_image",
     "read_force_signal",

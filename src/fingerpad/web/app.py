@@ -12,14 +12,25 @@ from starlette.staticfiles import StaticFiles
 from starlette.types import ASGIApp, Scope
 
 import fingerpad
-from fingerpad.web import contacts, files, geometry, lengths, photographs, results, shown, state, studies
+from fingerpad.web import (
+    contacts,
+    corrections,
+    files,
+    geometry,
+    lengths,
+    photographs,
+    results,
+    shown,
+    state,
+    studies,
+)
 from fingerpad.web.bench import Bench
 from fingerpad.web.operations import Operation, openapi
 from fingerpad.web.security import START, Guard, cookie_name, same_token
 
 STATIC: Final = Path(__file__).parent / "static"
 _YEAR_S: Final = 31_536_000
-_ROOMS: Final = (studies, state, shown, lengths, photographs, contacts, results, geometry, files)
+_ROOMS: Final = (studies, state, shown, lengths, photographs, contacts, corrections, results, geometry, files)
 OPERATIONS: Final[tuple[Operation, ...]] = tuple(one for room in _ROOMS for one in room.OPERATIONS)
 
 

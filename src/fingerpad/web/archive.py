@@ -1,4 +1,4 @@
-"""A study folder as one ZIP, and such a ZIP as a study folder; what comes from elsewhere is trusted in nothing."""
+"""A study folder as one ZIP, and such a ZIP as a study folder; what comes from elsewhere is not trusted."""
 
 import os
 import shutil
@@ -12,7 +12,7 @@ from uuid import uuid4
 from fingerpad.web.refusal import Refusal
 
 MOST_FILES: Final = 200_000
-# Pictures hardly shrink; a file that grows a thousandfold is a bomb. TIFF frames of a blank platen may reach 500.
+# Pictures hardly shrink; a file that grows a thousandfold is a bomb. Frames of a blank platen reach 500.
 MOST_RATIO: Final = 1000
 _SMALL: Final = 1_000_000
 _WAL: Final = ("-wal", "-shm")

@@ -1,15 +1,24 @@
-"""Contact images measured while a person corrects them: decoded and prepared once, then a few milliseconds each."""
+"""Contact images measured while a person corrects them: prepared once, then a few milliseconds each."""
 
 import time
-from collections.abc import Mapping
 from typing import Any, Final
 
 import numpy as np
 
 from fingerpad.exceptions import ImageError
-from fingerpad.image import BrushStroke, HandEllipse, Imprint, PreparedImprint, prepare_imprint
-from fingerpad.study.manifest import Contact, ScaleKey
-from fingerpad.study.measure import Measurement, from_imprint, place_of
+from fingerpad.image import (
+    HandEllipse,
+    Imprint,
+    ImprintSettings,
+    PreparedImprint,
+    Reading,
+    learn_reading,
+    open_frames,
+)
+from fingerpad.study.changes import ContactCorrection
+from fingerpad.study.corrected import place_of, prepared_contact
+from fingerpad.study.manifest import Contact, ContactSequence, Observation, ScaleKey
+from fingerpad.study.measure import Measurement, from_imprint
 from fingerpad.study.rows import make_rows
 from fingerpad.study.scales import FoundScale
 from fingerpad.web.asked import Item
@@ -17,20 +26,23 @@ from fingerpad.web.bench import Bench
 from fingerpad.web.fingers import known_finger
 from fingerpad.web.open_study import OpenStudy
 from fingerpad.web.operations import Operation, Question
-from fingerpad.web.pictures import Cache
+from fingerpad.web.pictures import Cache, Place
 from fingerpad.web.refusal import Refusal
 from fingerpad.web.results import last_results
 from fingerpad.web.scales import scale_of
 
 _PREPARED: Final[Cache[PreparedImprint]] = Cache(12, lambda _: 1)
-_SETTINGS: Final = ("dark_on_light", "threshold", "seed_px", "mask_px", "region_of_interest_px")
+_READINGS: Final[Cache[Reading | None]] = Cache(50, lambda _: 1)
+# A film may have thousands of frames, and the page waits: some show as well how it is to be read.
+_TEACHING_FRAMES: Final = 200
+_NO_TABLE: Final = "none"
 
 
 class ContactQuestion(Question):
     """Which contact image, and the correction under which it is measured."""
 
     item: Item
-    change: dict[str, Any] | None = None
+    change: ContactCorrection | None = None
     scale: ScaleKey | None = None
 
 
@@ -38,20 +50,13 @@ def measure(bench: Bench, _: Any, asked: ContactQuestion) -> dict[str, Any]:
     """Measure a contact image as it is being corrected; nothing is stored."""
     began = time.perf_counter()
     opened = bench.study
-    contact = _contact(opened, asked.item)
-    key = asked.scale or (contact and contact.scale)
-    if key is None:
-        raise Refusal.impossible(f"{asked.item}: say its scale first")
-    found = scale_of(opened, key)
-    change = asked.change or {}
-    imprint = _prepared(opened, asked.item, contact, found, change).with_edits(**_edits(change))
-    own: Imprint | None = imprint
-    error = None
-    if change:
-        try:
-            own = _prepared(opened, asked.item, contact, found, {}).imprint
-        except ImageError as refused:
-            own, error = None, str(refused)
+    contact = _contact(opened, asked)
+    assert contact.scale is not None
+    found = scale_of(opened, contact.scale)
+    change = asked.change or _stored(opened, asked)
+    prepared = _prepared(opened, asked.item, contact, found, change)
+    imprint = prepared.with_edits(change.brush_strokes, change.hand_ellipse)
+    own, error = _program(opened, asked.item, contact, found) if change.edits else (imprint, None)
     return {
         "item": asked.item,
         "by": _by(change),
@@ -72,60 +77,90 @@ def measure(bench: Bench, _: Any, asked: ContactQuestion) -> dict[str, Any]:
     }
 
 
-def _contact(opened: OpenStudy, item: str) -> Contact | None:
-    """Return the table that an item belongs to, None for a file that no table names yet."""
+def _contact(opened: OpenStudy, asked: ContactQuestion) -> Contact:
+    """Return the table that an item belongs to; a file that none names yet gets one for the moment."""
+    item = asked.item
     if item.startswith("file:"):
-        return None
-    if "#" in item:
-        return opened.sequence(item.rpartition("#")[0])
-    observation = opened.observation(item)
-    if observation is None:
+        if asked.scale is None:
+            raise Refusal.impossible(f"{item}: say its scale first")
+        file = item.removeprefix("file:")
+        return Observation(
+            name=_NO_TABLE, finger=_NO_TABLE, wedge_angle_deg=0, load_N=1, image=file, scale=asked.scale
+        )
+    contact = opened.sequence(item.rpartition("#")[0]) if "#" in item else opened.observation(item)
+    if contact is None or contact.scale is None:
         raise Refusal.not_there(f"no contact image is named {item!r}")
-    return observation
+    return contact if asked.scale is None else contact.model_copy(update={"scale": asked.scale})
+
+
+def _stored(opened: OpenStudy, asked: ContactQuestion) -> ContactCorrection:
+    """Return the correction that rules where none is being made."""
+    ruling = opened.corrections.ruling(asked.item) if asked.change is None else None
+    change = ruling and ruling.change
+    return change if isinstance(change, ContactCorrection) else ContactCorrection()
 
 
 def _prepared(
-    opened: OpenStudy, item: str, contact: Contact | None, found: FoundScale, change: Mapping[str, Any]
+    opened: OpenStudy, item: str, contact: Contact, found: FoundScale, change: ContactCorrection
 ) -> PreparedImprint:
+    """Return a picture with its ridges told; strokes and ellipse need that only once."""
     place = opened.place_of(item)
-    said = {name: change.get(name, getattr(contact, name, None)) for name in _SETTINGS}
-    background = getattr(contact, "background", None)
-
-    def prepare() -> PreparedImprint:
-        where = {} if contact is None else place_of(contact, opened.folder)
-        seed, mask, window = said["seed_px"], said["mask_px"], said["region_of_interest_px"]
-        where |= {"seed": seed and tuple(seed), "mask": mask, "region_of_interest": window and tuple(window)}
-        return prepare_imprint(
+    reading = change.model_copy(
+        update={"strokes": [], "ellipse_px": None, "accepted": False, "rejected": None}
+    )
+    settings = reading_of(opened, contact, found) if isinstance(contact, ContactSequence) else None
+    background = None if contact.background is None else Place(opened.file(contact.background)).stamp
+    return _PREPARED.get(
+        (place.stamp, found.scale, contact.model_dump_json(), reading.model_dump_json(), background),
+        lambda: prepared_contact(
             opened.pictures.grey(place).pixels,
             found.scale,
-            dark_on_light=said["dark_on_light"],
-            threshold=said["threshold"],
-            **where,
+            contact,
+            opened.folder,
+            reading,
+            settings=settings,
+        ),
+    )
+
+
+def reading_of(opened: OpenStudy, sequence: ContactSequence, found: FoundScale) -> ImprintSettings | None:
+    """Return how a film is read, learnt from some of its frames; None where they teach nothing."""
+    place = Place(opened.folder / sequence.path)
+
+    def learn() -> Reading | None:
+        frames = open_frames(place.path, pixel_limit=opened.pixel_limit)
+        some = np.unique(
+            np.linspace(0, frames.count - 1, min(frames.count, _TEACHING_FRAMES)).round().astype(int)
         )
+        try:
+            return learn_reading(
+                map(frames.at, map(int, some)),
+                found.scale,
+                dark_on_light=sequence.dark_on_light,
+                threshold=sequence.threshold,
+                **place_of(sequence, opened.folder),
+            )
+        except ImageError:
+            return None
 
-    return _PREPARED.get((place.stamp, found.scale, repr(said), background), prepare)
-
-
-def _edits(change: Mapping[str, Any]) -> dict[str, Any]:
-    strokes = [
-        BrushStroke(action=one["action"], points=one["points_px"], radius=one["radius_px"])
-        for one in change.get("strokes") or ()
-    ]
-    hand = change.get("ellipse_px")
-    ellipse = hand and HandEllipse(
-        centre=tuple(hand["centre"]),
-        semi_axes=tuple(hand["semi_axes"]),
-        orientation=float(np.radians(hand.get("orientation_deg", 0.0))),
-    )
-    return {"strokes": strokes, "ellipse": ellipse}
+    reading = _READINGS.get((place.stamp, found.scale, sequence.model_dump_json()), learn)
+    return None if reading is None else reading.settings
 
 
-def _by(change: Mapping[str, Any]) -> str:
-    if change.get("ellipse_px"):
+def _program(
+    opened: OpenStudy, item: str, contact: Contact, found: FoundScale
+) -> tuple[Imprint | None, str | None]:
+    """Return what the program measures by itself, or why it does not."""
+    try:
+        return _prepared(opened, item, contact, found, ContactCorrection()).imprint, None
+    except ImageError as error:
+        return None, str(error)
+
+
+def _by(change: ContactCorrection) -> str:
+    if change.ellipse_px is not None:
         return "person"
-    return (
-        "program with corrections" if any(change.get(key) for key in (*_SETTINGS, "strokes")) else "program"
-    )
+    return "program with corrections" if change.edits else "program"
 
 
 def numbers(imprint: Imprint) -> dict[str, Any]:
@@ -160,11 +195,11 @@ def _drawn(imprint: Imprint, found: FoundScale) -> dict[str, Any]:
 
 
 def _model(
-    opened: OpenStudy, item: str, contact: Contact | None, imprint: Imprint, found: FoundScale
+    opened: OpenStudy, item: str, contact: Contact, imprint: Imprint, found: FoundScale
 ) -> dict[str, Any] | None:
     """Return what the model makes of a contact: the row that the results would have."""
-    finger = None if contact is None else known_finger(opened, contact.finger)
-    if contact is None or finger is None:
+    finger = None if item.startswith("file:") else known_finger(opened, contact.finger)
+    if finger is None:
         return None
     load = getattr(contact, "load_N", None) or _load_of_frame(opened, item)
     if load is None:

@@ -83,7 +83,7 @@ async def upload(bench: Bench, request: Request) -> Response:
     def keep() -> Response:
         try:
             with plain_refusals():
-                record, new = kept(opened, path, digest, name, asked.folder)
+                record, new = kept(opened, path, digest, name)
         finally:
             with suppress(OSError):
                 path.unlink()

@@ -1,4 +1,4 @@
-"""The fingers of a study as far as they are known without measuring: as given, or as the last run found them."""
+"""The fingers of a study as far as they are known without measuring: given, or found by the last run."""
 
 from typing import Any
 

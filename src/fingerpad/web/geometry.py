@@ -17,6 +17,7 @@ from fingerpad.web.fingers import known_finger
 from fingerpad.web.operations import Operation, Question
 from fingerpad.web.refusal import Refusal
 
+_Angles = Annotated[list[Annotated[float, Field(ge=-180, le=180)]], Field(max_length=50)]
 _AXES: Final = ("palmar", "distal", "radial_ulnar")
 
 
@@ -43,13 +44,7 @@ class GeometryQuestion(PadQuestion):
     """The same, and how finely to draw it."""
 
     detail: Annotated[int, Field(ge=4, le=120)] = 32
-    u_deg: Annotated[list[Annotated[float, Field(ge=-180, le=180)]], Field(max_length=50)] = [
-        0,
-        30,
-        45,
-        60,
-        90,
-    ]
+    u_deg: _Angles = Field(default=[0, 30, 45, 60, 90])
 
 
 def geometry(bench: Bench, _: Any, asked: GeometryQuestion) -> dict[str, Any]:

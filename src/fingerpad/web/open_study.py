@@ -20,12 +20,14 @@ from fingerpad.study.manifest import (
     Study,
     read_study,
 )
+from fingerpad.web.correction_log import Corrections
 from fingerpad.web.events import Events
 from fingerpad.web.pictures import Cache, Pictures, Place
 from fingerpad.web.refusal import Refusal
 from fingerpad.web.running import Running
 
 _MOST_FILES: Final = 100_000
+_PATIENCE_S: Final = 30.0
 _OWN: Final = frozenset(("study.toml", "draft.toml", "corrections.jsonl"))
 
 
@@ -76,6 +78,7 @@ class OpenStudy:
         self.pixel_limit = pixel_limit
         self.pictures = Pictures(pixel_limit)
         self.running = Running(events)
+        self.corrections = Corrections(folder)
         self._counts: Cache[int] = Cache(10_000, lambda _: 1)
         self._read: tuple[object, Manifest] | None = None
         self._lock = Lock()
@@ -86,8 +89,9 @@ class OpenStudy:
         return self.folder.name
 
     def close(self) -> None:
-        """Stop what is at work."""
+        """Stop what is at work, and wait until it has put down what it had in hand."""
         self.running.cancel()
+        self.running.wait(_PATIENCE_S)
 
     def read(self) -> Manifest:
         """Return what the manifest says, read again when a file of it has changed."""
@@ -177,6 +181,14 @@ class OpenStudy:
                 else f"{item}: its ellipse is given, without a picture"
             )
         return Place(self.folder / observation.image)
+
+    def shape_of(self, item: str) -> tuple[int, int] | None:
+        """Return rows and columns of an item's picture, None where it has none."""
+        if "/" not in item and "#" not in item and (one := self.observation(item)) and one.image is None:
+            return None
+        place = self.place_of(item)
+        pixels = self.pictures.colour(place) if place.colour else self.pictures.grey(place).pixels
+        return pixels.shape[0], pixels.shape[1]
 
     def files(self) -> dict[str, os.stat_result]:
         """Return every file of the study folder by its name in the manifest's manner, results left aside."""

@@ -1,4 +1,4 @@
-"""What the API can be asked: each operation with its question, its answer, and its place in the OpenAPI document."""
+"""What the API can be asked: each operation with its question, its answer, and its OpenAPI description."""
 
 import json
 from collections.abc import Callable, Sequence
@@ -10,7 +10,7 @@ import cv2
 from pydantic import BaseModel, ConfigDict, ValidationError
 from starlette.concurrency import run_in_threadpool
 from starlette.requests import Request
-from starlette.responses import JSONResponse, Response
+from starlette.responses import Response
 from starlette.routing import Route
 
 from fingerpad._json import dumps
@@ -114,9 +114,9 @@ def json_response(content: Any, status: int = HTTPStatus.OK) -> Response:
     return Response(dumps(content), status_code=status, media_type="application/json")
 
 
-def refused(refusal: Refusal) -> JSONResponse:
+def refused(refusal: Refusal) -> Response:
     """Return the answer that something is not granted."""
-    return JSONResponse({"error": refusal.words, **refusal.more}, status_code=refusal.status)
+    return json_response({"error": refusal.words, **refusal.more}, refusal.status)
 
 
 def checked(model: type[Question], content: Any) -> Question:

@@ -2,7 +2,6 @@
 
 import math
 import time
-from collections.abc import Mapping
 from typing import Any, Final, Literal
 
 import numpy as np
@@ -10,19 +9,18 @@ import numpy as np
 from fingerpad.exceptions import FingerpadError
 from fingerpad.image import (
     FACE_AXES,
-    Face,
     OutlineSemiAxes,
     PhotographFit,
     combine_faces,
     face_from_outline,
-    measure_photograph,
-    photograph_from_ellipse,
+    photograph_from_handles,
     read_outline,
     with_points,
 )
+from fingerpad.study.changes import PhotographCorrection
+from fingerpad.study.corrected import corrected_photograph
 from fingerpad.study.manifest import Finger, Photograph, ScaleKey
-from fingerpad.study.scales import FoundScale
-from fingerpad.web.asked import Item, Spot
+from fingerpad.web.asked import Item, Spot, as_pair
 from fingerpad.web.bench import Bench
 from fingerpad.web.open_study import OpenStudy
 from fingerpad.web.operations import Operation, Question
@@ -32,6 +30,8 @@ from fingerpad.web.scales import scale_of
 
 _FITS: Final[Cache[PhotographFit]] = Cache(60, lambda _: 1)
 _CURVE_POINTS: Final = 181
+# An ellipse placed by hand needs none.
+_NO_PICTURE: Final = np.zeros((1, 1), dtype=np.uint8)
 
 
 class Handles(Question):
@@ -46,7 +46,7 @@ class PhotographQuestion(Question):
     """Which photograph, and the correction under which it is measured."""
 
     item: Item
-    change: dict[str, Any] | None = None
+    change: PhotographCorrection | None = None
     handles: Handles | None = None
     face: Literal["palmar", "distal", "radial", "ulnar"] | None = None
     scale: ScaleKey | None = None
@@ -57,13 +57,9 @@ def measure(bench: Bench, _: Any, asked: PhotographQuestion) -> dict[str, Any]:
     """Measure a photograph as it is being corrected; nothing is stored."""
     began = time.perf_counter()
     opened = bench.study
-    finger, photograph = (None, None) if asked.item.startswith("file:") else opened.photograph(asked.item)
-    face = asked.face or (photograph and photograph.face)
-    key = asked.scale or (photograph and photograph.scale)
-    if face is None or key is None:
-        raise Refusal.impossible(f"{asked.item}: say its face and its scale first")
-    scale = scale_of(opened, key)
-    fit = _fit(opened, asked.item, face, scale, _said(photograph, asked.change or {}), asked.handles)
+    finger, photograph = _table(opened, asked)
+    change = _change(opened, asked)
+    fit = _fit(opened, asked.item, photograph, change, asked.handles)
     together: dict[str, Any] | None = None
     error = None
     if asked.with_finger and finger is not None:
@@ -71,18 +67,34 @@ def measure(bench: Bench, _: Any, asked: PhotographQuestion) -> dict[str, Any]:
             together = _together(opened, finger, asked.item, fit)
         except FingerpadError as refused:
             error = str(refused)
+    by_hand = asked.handles is not None or change.ellipse_px is not None
     return {
         "item": asked.item,
-        "by": "person"
-        if asked.handles or (asked.change or {}).get("ellipse_px")
-        else "program with corrections"
-        if asked.change
-        else "program",
+        "by": "person" if by_hand else "program with corrections" if change.edits else "program",
         **described(fit),
         "finger": together,
         "finger_error": error,
         "milliseconds": 1000 * (time.perf_counter() - began),
     }
+
+
+def _table(opened: OpenStudy, asked: PhotographQuestion) -> tuple[Finger | None, Photograph]:
+    """Return a photograph's table with what stands in for parts of it, and its finger if it has one."""
+    if not asked.item.startswith("file:"):
+        finger, photograph = opened.photograph(asked.item)
+        said = {"face": asked.face, "scale": asked.scale}
+        return finger, photograph.model_copy(update={k: v for k, v in said.items() if v is not None})
+    if asked.face is None or asked.scale is None:
+        raise Refusal.impossible(f"{asked.item}: say its face and its scale first")
+    return None, Photograph(face=asked.face, image=asked.item.removeprefix("file:"), scale=asked.scale)
+
+
+def _change(opened: OpenStudy, asked: PhotographQuestion) -> PhotographCorrection:
+    if asked.change is not None:
+        return asked.change
+    ruling = opened.corrections.ruling(asked.item)
+    change = ruling and ruling.change
+    return change if isinstance(change, PhotographCorrection) else PhotographCorrection()
 
 
 def described(fit: PhotographFit) -> dict[str, Any]:
@@ -110,93 +122,56 @@ def described(fit: PhotographFit) -> dict[str, Any]:
     }
 
 
-def _said(photograph: Photograph | None, change: Mapping[str, Any]) -> dict[str, Any]:
-    """Return what manifest and correction say of a photograph."""
-    names = ("tip", "palmar_side", "region_of_interest_px")
-    known = {name: getattr(photograph, name, None) for name in names}
-    return {**known, "tip": known["tip"] or "up", **change}
-
-
 def _fit(
     opened: OpenStudy,
     item: str,
-    face: Face,
-    scale: FoundScale,
-    said: Mapping[str, Any],
+    photograph: Photograph,
+    change: PhotographCorrection,
     handles: Handles | None = None,
 ) -> PhotographFit:
-    """Return the ellipse as drawn, or as found and corrected by points."""
-    side: dict[str, Any] = {"tip": said["tip"], "palmar": said["palmar_side"]}
+    """Return the ellipse as drawn, or as found and corrected by points: found once, corrected often."""
+    assert photograph.scale is not None  # the manifest's own rule
+    scale = scale_of(opened, photograph.scale).scale
     if handles is not None:
-        return _dragged(face, scale, handles, side)
-    if (hand := said.get("ellipse_px")) is not None:
-        return photograph_from_ellipse(
-            face,
-            scale.scale,
-            centre=tuple(hand["centre"]),
-            semi_axes=tuple(hand["semi_axes"]),
-            lean=math.radians(hand.get("lean_deg", 0.0)),
-            **side,
+        return photograph_from_handles(
+            photograph.face,
+            scale,
+            centre=as_pair(handles.centre_px),
+            across_end=as_pair(handles.across_end_px),
+            along_end=as_pair(handles.along_end_px),
+            tip=change.tip or photograph.tip,
+            palmar=change.palmar_side or photograph.palmar_side,
         )
+    if change.ellipse_px is not None:
+        return corrected_photograph(_NO_PICTURE, photograph, scale, change)
     place = opened.place_of(item)
-    window = said["region_of_interest_px"]
+    before = change.model_copy(update={"added_points_px": [], "erased": []})
     found = _FITS.get(
-        (place.stamp, face, scale.scale, repr((side, window))),
-        lambda: measure_photograph(
-            opened.pictures.colour(place),
-            face,
-            scale.scale,
-            region_of_interest=None if window is None else tuple(window),
-            **side,
-        ),
+        (place.stamp, scale, photograph.model_dump_json(), before.model_dump_json()),
+        lambda: corrected_photograph(opened.pictures.colour(place), photograph, scale, before),
     )
-    return with_points(
-        found,
-        added=said.get("added_points_px") or (),
-        erased=[(one["points_px"], one["radius_px"]) for one in said.get("erased") or ()],
-    )
-
-
-def _dragged(face: Face, scale: FoundScale, handles: Handles, side: Mapping[str, Any]) -> PhotographFit:
-    """Return the ellipse of dragged handles: the two semi-axes stay square, turned as the farther is."""
-    centre = np.array(handles.centre_px)
-    ends = np.array([handles.across_end_px, handles.along_end_px]) - centre
-    sizes = np.linalg.norm(ends, axis=1)
-
-    def placed(lean: float) -> PhotographFit:
-        return photograph_from_ellipse(
-            face,
-            scale.scale,
-            centre=(float(centre[0]), float(centre[1])),
-            semi_axes=(float(sizes[0]), float(sizes[1])),
-            lean=lean,
-            **side,
-        )
-
-    longer = int(np.argmax(sizes))
-    upright = placed(0.0).directions
-    lean = math.atan2(float(ends[longer] @ upright[1 - longer]), float(ends[longer] @ upright[longer]))
-    return placed(lean if longer == 0 else -lean)
+    erased = [(stroke.points_px, stroke.radius_px) for stroke in change.erased]
+    return with_points(found, added=change.added_points_px, erased=erased)
 
 
 def _together(opened: OpenStudy, finger: Finger, item: str, fit: PhotographFit) -> dict[str, Any]:
     """Return the finger's semi-axes with one face as it is being corrected."""
-    faces = []
-    items = []
+    faces = {}
     for one in finger.photographs:
         own = f"{finger.name}/{one.image or one.outline}"
-        items.append(own)
+        ruling = opened.corrections.ruling(own)
+        change = ruling and ruling.change
         if own == item:
-            faces.append(fit.face_semi_axes)
+            faces[own] = fit.face_semi_axes
+        elif isinstance(change, PhotographCorrection) and change.rejected is not None:
+            continue
         elif one.outline is not None:
             points = read_outline(opened.folder / one.outline)
-            faces.append(face_from_outline(one.face, points, one.outline_relative_std))
+            faces[own] = face_from_outline(one.face, points, one.outline_relative_std)
         else:
-            assert one.scale is not None  # the manifest's own rule
-            faces.append(
-                _fit(opened, own, one.face, scale_of(opened, one.scale), _said(one, {})).face_semi_axes
-            )
-    return _joint(combine_faces(faces), items)
+            stored = change if isinstance(change, PhotographCorrection) else PhotographCorrection()
+            faces[own] = _fit(opened, own, one, stored).face_semi_axes
+    return _joint(combine_faces(faces.values()), list(faces))
 
 
 def _joint(found: OutlineSemiAxes, items: list[str]) -> dict[str, Any]:

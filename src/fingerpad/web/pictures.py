@@ -172,7 +172,7 @@ def eight_bit(pixels: npt.NDArray[Any]) -> npt.NDArray[np.uint8]:
         return pixels
     low, high = float(pixels.min()), float(pixels.max())
     stretched = (pixels.astype(np.float32) - low) * (255 / max(high - low, 1e-30))
-    return np.rint(stretched).astype(np.uint8)
+    return np.asarray(np.rint(stretched), dtype=np.uint8)
 
 
 def reduced(pixels: npt.NDArray[np.uint8], longest_px: int) -> npt.NDArray[np.uint8]:

@@ -4,7 +4,7 @@ from http import HTTPStatus
 from typing import Any
 
 
-class Refusal(Exception):
+class Refusal(Exception):  # noqa: N818 (it is an answer)
     """A request that is not granted.
 
     Attributes

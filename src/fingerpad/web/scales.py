@@ -1,4 +1,4 @@
-"""The named scales of the open study, each measured once as long as its table and its picture stay the same."""
+"""The named scales of the open study, each measured once as long as its table and picture stay the same."""
 
 from collections.abc import Mapping
 from typing import Any, Final

@@ -1,7 +1,7 @@
 """Who may ask: this machine's own page and scripts that know the launch's token, and nobody else.
 
-A page on the internet can make a browser send requests to this machine. It cannot read the token, set a foreign
-Host to the loopback's name, or hide the Origin from which it asks.
+A page on the internet can make a browser send requests to this machine. It cannot read the token,
+set a foreign Host to the loopback's name, or hide the Origin from which it asks.
 """
 
 import secrets

@@ -1,5 +1,6 @@
 """The pictures of items: what they are, previews, thumbnails, and overlays as the report shows them."""
 
+import hashlib
 from typing import Annotated, Any, Final
 from urllib.parse import urlencode
 
@@ -53,7 +54,7 @@ def info(bench: Bench, asked: PictureQuestion, _: Any) -> dict[str, Any]:
 
 def version(place: Place) -> str:
     """Return what stands for a picture as it is now."""
-    return format(hash(place.stamp) & (2**60 - 1), "x")
+    return hashlib.sha256(repr(place.stamp).encode()).hexdigest()[:16]
 
 
 def preview(bench: Bench, asked: PreviewQuestion, _: Any) -> Response:

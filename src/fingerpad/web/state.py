@@ -9,6 +9,7 @@ from pydantic import BaseModel, Field
 from fingerpad.image import PHOTOGRAPH_FLAGS
 from fingerpad.report.text import FLAG_WORDS
 from fingerpad.study.columns import COLUMNS
+from fingerpad.study.corrections import Ruling, frames_of
 from fingerpad.study.manifest import ContactSequence, Finger, Observation, Study
 from fingerpad.study.rows import RANGE_NOTES
 from fingerpad.web.bench import Bench
@@ -31,6 +32,7 @@ def document(opened: OpenStudy) -> dict[str, Any]:
     """Return the state document; nothing is measured for it."""
     manifest = opened.read()
     study = manifest.study
+    rulings = opened.corrections.rulings()
     states: dict[str, str] = {} if study is None else item_states(study, opened)
     found = last_results(opened)
     seen = {row["observation"]: row for row in found.rows if row["frame"] is None} if found else {}
@@ -45,9 +47,11 @@ def document(opened: OpenStudy) -> dict[str, Any]:
         "ready": study is not None and not manifest.missing,
         "missing": list(manifest.missing),
         "scales": _scales(study),
-        "fingers": [_finger(opened, one) for one in study.fingers] if study else [],
-        "observations": [_observation(one, states, seen) for one in study.observations] if study else [],
-        "sequences": [_sequence(opened, one, states) for one in study.sequences] if study else [],
+        "fingers": [_finger(opened, one, rulings) for one in study.fingers] if study else [],
+        "observations": [_observation(one, states, seen, rulings) for one in study.observations]
+        if study
+        else [],
+        "sequences": [_sequence(opened, one, states, rulings) for one in study.sequences] if study else [],
         "curves": [
             {
                 "key": str(number),
@@ -69,6 +73,16 @@ def document(opened: OpenStudy) -> dict[str, Any]:
             "finished": found and found.finished,
             "fresh": found is not None and not (counts["stale"] + counts["left"]),
         },
+    }
+
+
+def judged(ruling: Ruling | None) -> dict[str, Any]:
+    """Return what a person has said of an item."""
+    return {
+        "corrected": ruling is not None and bool(ruling.change.edits),
+        "accepted": ruling is not None and ruling.change.accepted,
+        "rejected": ruling and ruling.change.rejected,
+        "who": ruling and ruling.who,
     }
 
 
@@ -95,7 +109,7 @@ def _scales(study: Study | None) -> list[dict[str, Any]]:
     ]
 
 
-def _finger(opened: OpenStudy, finger: Finger) -> dict[str, Any]:
+def _finger(opened: OpenStudy, finger: Finger, rulings: Mapping[str, Ruling]) -> dict[str, Any]:
     known = known_finger(opened, finger.name)
     axes = ("palmar", "distal", "radial_ulnar")
     return {
@@ -114,9 +128,7 @@ def _finger(opened: OpenStudy, finger: Finger) -> dict[str, Any]:
                 "outline": one.outline is not None,
                 "scale": _scale(one.scale),
                 "synthetic": one.synthetic,
-                "corrected": False,
-                "accepted": False,
-                "rejected": None,
+                **judged(rulings.get(f"{finger.name}/{one.image}")),
                 "complete": True,
             }
             for one in finger.photographs
@@ -125,7 +137,10 @@ def _finger(opened: OpenStudy, finger: Finger) -> dict[str, Any]:
 
 
 def _observation(
-    one: Observation, states: Mapping[str, str], seen: Mapping[str, Mapping[str, Any]]
+    one: Observation,
+    states: Mapping[str, str],
+    seen: Mapping[str, Mapping[str, Any]],
+    rulings: Mapping[str, Ruling],
 ) -> dict[str, Any]:
     row = seen.get(one.name, {})
     return {
@@ -136,22 +151,22 @@ def _observation(
         "status": "given" if one.image is None else states.get(one.name, "left"),
         "flags": (row.get("flags") or "").split(),
         "reason": row.get("reason"),
-        "corrected": False,
-        "accepted": False,
-        "rejected": None,
-        "who": None,
+        **judged(rulings.get(one.name)),
         "from_csv": False,
         "complete": True,
     }
 
 
-def _sequence(opened: OpenStudy, one: ContactSequence, states: Mapping[str, str]) -> dict[str, Any]:
+def _sequence(
+    opened: OpenStudy, one: ContactSequence, states: Mapping[str, str], rulings: Mapping[str, Ruling]
+) -> dict[str, Any]:
     found = last_results(opened)
     frames = (
         [row for row in found.rows if row["sequence"] == one.name and row["frame"] is not None]
         if found
         else []
     )
+    of_frames = frames_of(rulings, one.name).values()
     return {
         "name": one.name,
         **_of(one, ("finger", "wedge_angle_deg", "roll_angle_deg", "force", "synthetic")),
@@ -160,9 +175,9 @@ def _sequence(opened: OpenStudy, one: ContactSequence, states: Mapping[str, str]
         "status": states.get(one.name, "left"),
         "frames": opened.count_frames(one),
         "flags": Counter(flag for row in frames for flag in row["flags"].split()),
-        "corrected": 0,
-        "rejected": 0,
-        "reviewed": 0,
+        "corrected": sum(bool(ruling.change.edits) for ruling in of_frames),
+        "rejected": sum(ruling.change.rejected is not None for ruling in of_frames),
+        "reviewed": len(of_frames),
         "table": said(one),
         "complete": True,
     }
@@ -203,10 +218,16 @@ def frames(bench: Bench, asked: FramesQuestion, _: Any) -> dict[str, Any]:
     rows = {row["frame"]: row for row in found.rows if row["sequence"] == sequence.name} if found else {}
     total = opened.count_frames(sequence) or 0
     shown = range(min(asked.offset, total), min(asked.offset + asked.limit, total))
-    return {"total": total, "frames": [_frame(sequence.name, number, rows.get(number)) for number in shown]}
+    ruled = frames_of(opened.corrections.rulings(), sequence.name)
+    return {
+        "total": total,
+        "frames": [_frame(sequence.name, number, rows.get(number), ruled.get(number)) for number in shown],
+    }
 
 
-def _frame(sequence: str, number: int, row: Mapping[str, Any] | None) -> dict[str, Any]:
+def _frame(
+    sequence: str, number: int, row: Mapping[str, Any] | None, ruling: Ruling | None
+) -> dict[str, Any]:
     known = row or {}
     return {
         "item": f"{sequence}#{number}",
@@ -215,9 +236,7 @@ def _frame(sequence: str, number: int, row: Mapping[str, Any] | None) -> dict[st
         "flags": (known.get("flags") or "").split(),
         **{key: known.get(key) for key in ("phase", "time_s", "load_N")},
         "pooled": bool(known.get("pooled")),
-        "corrected": False,
-        "accepted": False,
-        "rejected": None,
+        **judged(ruling),
     }
 
 

@@ -4,12 +4,11 @@ import hashlib
 import os
 import re
 import unicodedata
-from collections.abc import AsyncIterator
 from contextlib import suppress
 from http import HTTPStatus
 from pathlib import Path
 from tempfile import NamedTemporaryFile
-from typing import Any, Final
+from typing import IO, Any, Final
 
 from starlette.concurrency import run_in_threadpool
 from starlette.requests import Request
@@ -40,7 +39,8 @@ def plain_name(name: str) -> str:
     if not dot or f".{suffix.lower()}" not in _SUFFIXES:
         raise Refusal(
             HTTPStatus.UNSUPPORTED_MEDIA_TYPE,
-            f"{name[-80:]!r}: pictures (PNG, TIFF, JPEG, BMP, PGM), films (TIFF, AVI, MP4) and tables (CSV) can be used",
+            f"{name[-80:]!r}: only pictures (PNG, TIFF, JPEG, BMP, PGM), films (TIFF, AVI, MP4) and tables "
+            "(CSV) can be used",
         )
     plain = re.sub(r"[^\w+-]+", "-", stem).strip("-.+_")[:_LONGEST] or "file"
     return f"{plain}.{suffix}"
@@ -57,46 +57,42 @@ async def stored(request: Request, limit: int, folder: Path) -> tuple[Path, str]
     announced = request.headers.get("content-length", "")
     if announced.isdecimal() and int(announced) > limit:
         raise _too_large(limit)
-    digest, size = hashlib.sha256(), 0
     try:
-        folder.mkdir(parents=True, exist_ok=True)
+        await run_in_threadpool(folder.mkdir, parents=True, exist_ok=True)
         with NamedTemporaryFile(dir=folder, prefix=".upload-", delete=False) as file:
-            path = Path(file.name)
             try:
-                async for part in _parts(request):
-                    size += len(part)
-                    if size > limit:
-                        raise _too_large(limit)
-                    digest.update(part)
-                    await run_in_threadpool(file.write, part)
-                if not size:
-                    raise Refusal(HTTPStatus.BAD_REQUEST, "the file is empty: choose it again")
-                file.flush()
-                os.fsync(file.fileno())
+                return Path(file.name), await _written(request, limit, file)
             except BaseException:
                 with suppress(OSError):
-                    path.unlink()
+                    Path(file.name).unlink()
                 raise
     except OSError as error:
         raise Refusal.impossible(
             f"the file cannot be written ({error.strerror}): make room on the disk"
         ) from error
-    return path, digest.hexdigest()
 
 
-async def _parts(request: Request) -> AsyncIterator[bytes]:
+async def _written(request: Request, limit: int, file: IO[bytes]) -> str:
+    """Write a body to the disk as it comes, and return its SHA-256."""
+    digest, size = hashlib.sha256(), 0
     async for part in request.stream():
-        if part:
-            yield part
+        size += len(part)
+        if size > limit:
+            raise _too_large(limit)
+        digest.update(part)
+        await run_in_threadpool(file.write, part)
+    if not size:
+        raise Refusal(HTTPStatus.BAD_REQUEST, "the file is empty: choose it again")
+    file.flush()
+    await run_in_threadpool(os.fsync, file.fileno())
+    return digest.hexdigest()
 
 
 def _too_large(limit: int) -> Refusal:
     return Refusal(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, f"the file is larger than {limit} bytes")
 
 
-def kept(
-    opened: OpenStudy, path: Path, digest: str, name: str, folder: str | None
-) -> tuple[dict[str, Any], bool]:
+def kept(opened: OpenStudy, path: Path, digest: str, name: str) -> tuple[dict[str, Any], bool]:
     """Give an uploaded file its name in the study; return what it is, and whether it is new."""
     target = path.parent / name
     number = 1

@@ -97,6 +97,58 @@ def photograph_from_ellipse(
     )
 
 
+def photograph_from_handles(
+    face: Face,
+    scale: Scale,
+    *,
+    centre: tuple[float, float],
+    across_end: tuple[float, float],
+    along_end: tuple[float, float],
+    tip: Direction = "up",
+    palmar: Direction | None = None,
+) -> PhotographFit:
+    """Return the face's ellipse from the ends of its semi-axes as they are dragged; it needs no picture.
+
+    The ends need not be square to each other: the ellipse is turned as the longer of the two is.
+
+    Parameters
+    ----------
+    face, scale, tip, palmar
+        As for `photograph_from_ellipse`.
+    centre, across_end, along_end : (float, float)
+        (row, column), px, as `PhotographFit.handles` gives them.
+
+    Raises
+    ------
+    ImageError
+        As `photograph_from_ellipse`.
+
+    Examples
+    --------
+    >>> scale = Scale.of_mm_per_px(0.05)
+    >>> fit = photograph_from_handles(
+    ...     "palmar", scale, centre=(300, 200), across_end=(300, 436), along_end=(24, 200)
+    ... )
+    >>> {name: round(value, 2) for name, value in fit.semi_axes_mm.items()}, round(fit.lean, 6) + 0.0
+    ({'radial_ulnar': 11.8, 'distal': 13.8}, 0.0)
+    """
+    ends = floats([across_end, along_end]) - floats(centre)
+    lengths = np.linalg.norm(ends, axis=1)
+    longer = int(np.argmax(lengths))
+    axes = face_axes(face, tip, palmar_directions(face, tip, palmar)[0])
+    first, second = axes @ ends[longer]
+    lean = math.atan2(second, first) if longer == 0 else math.atan2(-first, second)
+    return photograph_from_ellipse(
+        face,
+        scale,
+        centre=centre,
+        semi_axes=(float(lengths[0]), float(lengths[1])),
+        lean=lean,
+        tip=tip,
+        palmar=palmar,
+    )
+
+
 def with_points(
     found: PhotographFit,
     *,
