@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from fingerpad.geometry import Ellipsoid, Placement
+from fingerpad.image import render_coin
 
 PRINT = "synthetic_30deg_2N"
 FRAME = "synthetic_press_30deg#12"
@@ -206,9 +207,7 @@ def test_scales_in_all_ways(standing):
 
 
 def test_a_coin_is_a_scale(client):
-    from fingerpad.image import render_coin
-
-    coin = render_coin(radius_px=120, seed=3)
+    coin = render_coin(radius=120, seed=3)
     content = cv2.imencode(".png", coin.pixels)[1].tobytes()
     file = client.post("/api/files", params={"name": "coin.png"}, content=content).json()["file"]
     found = client.post("/api/measure/scale", json={"table": {"coin": file, "diameter_mm": 24.0}})
