@@ -5,6 +5,7 @@ import math
 import cv2
 import numpy as np
 import pytest
+from tests.web.conftest import DEMO
 
 from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.image import render_coin
@@ -42,7 +43,7 @@ def test_the_state_tells_each_item_once(standing):
     assert given["semi_axes_mm"] == {"palmar": 7.9, "distal": 13.8, "radial_ulnar": 11.8}
     assert given["semi_axes_mm_std"]["palmar"] == pytest.approx(0.1)
     assert photographed["semi_axes_mm"] is None  # before any run
-    assert [one["item"] for one in photographed["photographs"]][0] == PHOTO
+    assert photographed["photographs"][0]["item"] == PHOTO
     assert state["scales"][0] == {
         "name": "camera",
         "table": {"mm_per_px": 0.05, "relative_std": 0.002},
@@ -62,21 +63,21 @@ def test_frames_are_told_in_parts(standing):
     assert part["frames"] == whole["frames"][20:]
 
 
-def test_previews_show_the_picture_as_it_is(standing, run_once):
+def test_previews_show_the_picture_as_it_is(standing):
     answer = standing.get("/api/picture/preview", params={"item": PRINT})
     assert answer.headers["content-type"] == "image/png"
     shown = cv2.imdecode(np.frombuffer(answer.content, np.uint8), cv2.IMREAD_UNCHANGED)
-    file = cv2.imread(str(run_once / "synthetic" / f"{PRINT}.png"), cv2.IMREAD_UNCHANGED)
+    file = cv2.imread(str(DEMO / "synthetic" / f"{PRINT}.png"), cv2.IMREAD_UNCHANGED)
     np.testing.assert_array_equal(shown, file)
     small = standing.get("/api/picture/thumbnail", params={"item": PRINT}).content
     assert max(cv2.imdecode(np.frombuffer(small, np.uint8), cv2.IMREAD_UNCHANGED).shape[:2]) == 192
 
 
-def test_a_photograph_keeps_its_colours(standing, run_once):
+def test_a_photograph_keeps_its_colours(standing):
     answer = standing.get("/api/picture/preview", params={"item": PHOTO})
     assert answer.headers["content-type"] == "image/jpeg"
     shown = cv2.imdecode(np.frombuffer(answer.content, np.uint8), cv2.IMREAD_COLOR).astype(float)
-    file = cv2.imread(str(run_once / PHOTO.partition("/")[2])).astype(float)
+    file = cv2.imread(str(DEMO / PHOTO.partition("/")[2])).astype(float)
     assert (
         np.abs(shown.mean(axis=(0, 1)) - file.mean(axis=(0, 1))).max() < 1.5
     )  # a swap of colours would be tens
@@ -349,7 +350,7 @@ def test_a_study_grows_from_nothing_and_says_what_is_missing(client, workspace):
     content = (workspace / "demo/synthetic/synthetic_30deg_2N.png").read_bytes()
     file = client.post("/api/files", params={"name": "a.png"}, content=content).json()["file"]
     state = client.get("/api/study").json()
-    assert [one for one in state["missing"] if one["kind"] == "file"][0]["key"] == file
+    assert next(one for one in state["missing"] if one["kind"] == "file")["key"] == file
     state = edit(client, state, {"kind": "observation", "key": "a", "set": {"image": file, "load_N": 2.0}})
     assert (
         state["observations"][0] | {"complete": False, "load_N": 2.0, "finger": None}

@@ -11,6 +11,7 @@ import time
 import zipfile
 
 import pytest
+from filelock import FileLock
 from tests.web.conftest import DEMO, serving
 
 from fingerpad.web.bench import Bench
@@ -242,8 +243,6 @@ def test_the_page_answers_at_once_while_a_run_is_at_work(workspace):
 
 
 def test_a_store_that_another_run_holds_is_said_in_words(client, study):
-    from filelock import FileLock
-
     (study / "results").mkdir()
     with FileLock(study / "results/store.lock"):
         run = run_of(client)
