@@ -43,7 +43,7 @@ def test_the_page_says_where_it_is_and_ends_cleanly(workspace):
             assert client.get("/api/study").json()["name"] == "demo"
             with client.stream("GET", "/api/events") as events:  # a page that listens does not hold it up
                 assert events.status_code == 200
-                assert "Ctrl-C" in ended(process)
+                ended(process)
     finally:
         process.kill()
         process.communicate()
