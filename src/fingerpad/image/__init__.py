@@ -50,8 +50,9 @@ from fingerpad.image.sequence.force import (
     read_frame_stamps,
 )
 from fingerpad.image.sequence.frames import Frame, Frames, open_frames
-from fingerpad.image.sequence.measure import Place, Reading, learn_reading, measure_sequence
+from fingerpad.image.sequence.measure import measure_frames, measure_sequence, place_in_time
 from fingerpad.image.sequence.phases import PHASES, Phase, phases_of
+from fingerpad.image.sequence.reading import Place, Reading, Survey, learn_reading, survey_frames
 from fingerpad.image.sequence.result import FrameResult, SequenceSummary, sequence_summary
 from fingerpad.image.synthetic.coin import SyntheticCoin, render_coin
 from fingerpad.image.synthetic.finger import Backdrop, SyntheticFinger, render_finger
@@ -90,6 +91,7 @@ __all__ = [
     "RegionEllipse",
     "Scale",
     "SequenceSummary",
+    "Survey",
     "SyntheticCoin",
     "SyntheticFinger",
     "SyntheticImprint",
@@ -106,12 +108,14 @@ __all__ = [
     "frame_clock",
     "learn_reading",
     "measure_coin",
+    "measure_frames",
     "measure_imprint",
     "measure_photograph",
     "measure_sequence",
     "open_frames",
     "outline_points",
     "phases_of",
+    "place_in_time",
     "read_colour_image",
     "read_force_signal",
     "read_frame_stamps",
@@ -123,6 +127,7 @@ __all__ = [
     "render_imprint",
     "semi_axes_from_outlines",
     "sequence_summary",
+    "survey_frames",
     "synthetic_press",
     "write_overlay",
     "write_photograph_overlay",

@@ -74,9 +74,16 @@ class Frames:
         return self.count
 
     def __iter__(self) -> Iterator[Frame]:
-        """Go through the frames; one that is damaged, or of another size than the first, has a reason."""
-        shape = None
-        for frame in self._decoded():
+        """Go through all frames; one that is damaged, or of another size than the first, has a reason."""
+        return self.between(0, self.count)
+
+    def between(self, start: int, stop: int) -> Iterator[Frame]:
+        """Go through the frames from `start` up to `stop`, as all of them would come.
+
+        A folder or a TIFF is entered where `start` lies; a video must be decoded up to there.
+        """
+        shape = None if start == 0 else self._first_shape()
+        for frame in self._decoded(start, min(stop, self.count)):
             if frame.pixels is not None and shape is None:
                 shape = frame.pixels.shape
             if frame.pixels is not None and frame.pixels.shape != shape:
@@ -85,12 +92,16 @@ class Frames:
             else:
                 yield frame
 
-    def _decoded(self) -> Iterator[Frame]:
+    def _first_shape(self) -> tuple[int, ...] | None:
+        readable = (frame.pixels for frame in self._decoded(0, self.count) if frame.pixels is not None)
+        return next((pixels.shape for pixels in readable), None)
+
+    def _decoded(self, start: int, stop: int) -> Iterator[Frame]:
         if self.kind == "folder":
-            return _folder_frames(_pictures_in(self.path), self.pixel_limit)
+            return _folder_frames(_pictures_in(self.path), start, stop, self.pixel_limit)
         if self.kind == "tiff":
-            return _tiff_frames(self.path, self.pixel_limit)
-        return _video_frames(self.path, self.count, self.pixel_limit)
+            return _tiff_frames(self.path, start, stop, self.pixel_limit)
+        return _video_frames(self.path, start, stop, self.count, self.pixel_limit)
 
 
 def open_frames(path: str | PathLike[str], *, pixel_limit: int = PIXEL_LIMIT) -> Frames:
@@ -148,8 +159,8 @@ def _natural(path: Path) -> list[tuple[int, int, str]]:
     return [(0, int(part), part) if part.isdecimal() else (1, 0, part) for part in parts]
 
 
-def _folder_frames(pictures: list[Path], pixel_limit: int) -> Iterator[Frame]:
-    for index, picture in enumerate(pictures):
+def _folder_frames(pictures: list[Path], start: int, stop: int, pixel_limit: int) -> Iterator[Frame]:
+    for index, picture in enumerate(pictures[start:stop], start):
         try:
             pixels = read_image(picture, pixel_limit=pixel_limit).pixels
         except ImageError as error:
@@ -183,31 +194,38 @@ def _complaints() -> Iterator[list[str]]:
         logger.propagate = before
 
 
+def _walked(tiff: tifffile.TiffFile) -> tuple[int, str | None]:
+    """Return the number of pages that can be reached, and what breaks their chain, if anything does."""
+    with _complaints() as heard:
+        return len(tiff.pages), heard[0] if heard else None
+
+
 def _count_pages(path: Path) -> int:
     """Return the number of frames; where the chain of pages is broken, one more stands for what is lost."""
     try:
-        with _complaints() as heard, tifffile.TiffFile(path) as tiff:
-            return len(tiff.pages) + bool(heard)
+        with tifffile.TiffFile(path) as tiff:
+            count, broken = _walked(tiff)
     # tifffile lets errors of any kind out of a damaged file.
     except Exception as error:
         raise ImageError(f"{path}: cannot be read as TIFF ({error}): copy it again") from error
+    return count + (broken is not None)
 
 
-def _tiff_frames(path: Path, pixel_limit: int) -> Iterator[Frame]:
+def _tiff_frames(path: Path, start: int, stop: int, pixel_limit: int) -> Iterator[Frame]:
     # Reading one IFD at a time: a list of all pages would grow with the film.
-    with _complaints() as heard, tifffile.TiffFile(path) as tiff:
-        count = len(tiff.pages)
-        broken = heard[0] if heard else None
-        for index in range(count):
+    with tifffile.TiffFile(path) as tiff:
+        count, broken = _walked(tiff)
+        for index in range(start, min(stop, count)):
             try:
-                pixels = _page(path, tiff, index, pixel_limit)
+                with _complaints():
+                    pixels = _page(path, tiff, index, pixel_limit)
             # tifffile lets errors of any kind out of a damaged page.
             except Exception as error:
                 reason = f"{path}: page {index} cannot be decoded ({error})"
                 yield Frame(index=index, pixels=None, reason=reason)
             else:
                 yield Frame(index=index, pixels=pixels)
-        if broken is not None:
+        if broken is not None and stop > count:
             reason = f"{path}: damaged after {count} pages, those that follow are lost ({broken})"
             yield Frame(index=count, pixels=None, reason=reason)
 
@@ -250,7 +268,7 @@ def _capture(path: Path) -> Any:
     return capture
 
 
-def _video_frames(path: Path, count: int, pixel_limit: int) -> Iterator[Frame]:
+def _video_frames(path: Path, start: int, stop: int, count: int, pixel_limit: int) -> Iterator[Frame]:
     capture = _capture(path)
     index = 0
     try:
@@ -258,7 +276,10 @@ def _video_frames(path: Path, count: int, pixel_limit: int) -> Iterator[Frame]:
             int(capture.get(key)) for key in (cv2.CAP_PROP_FRAME_WIDTH, cv2.CAP_PROP_FRAME_HEIGHT)
         )
         check_size(path, columns, rows, pixel_limit)
-        while True:
+        # Seeking lands on the wrong frame in some codecs; going through all of them never does.
+        while index < start and capture.grab():
+            index += 1
+        while index < stop or stop == count:  # headers may count too few
             good, colour = capture.read()
             if not good:
                 break
@@ -266,7 +287,7 @@ def _video_frames(path: Path, count: int, pixel_limit: int) -> Iterator[Frame]:
             index += 1
     finally:
         capture.release()
-    for missing in range(index, count):
+    for missing in range(max(index, start), stop):
         yield Frame(
             index=missing, pixels=None, reason=f"{path}: the video ends after {index} of {count} frames"
         )
