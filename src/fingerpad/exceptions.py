@@ -36,5 +36,9 @@ class StoreError(FingerpadError):
     """A study's store of results that cannot be opened, read or written."""
 
 
+class ClusterError(FingerpadError):
+    """A scheduler or its workers that cannot be used."""
+
+
 class ManifestError(FingerpadError, ValueError):
     """A study manifest that cannot be acted upon."""

@@ -92,9 +92,24 @@ class FingerResult:
 
 
 def finger_result(
-    finger: Finger, scales: Mapping[str, FoundScale | str], folder: Path, out: Path
+    finger: Finger,
+    scales: Mapping[str, FoundScale | str],
+    folder: Path,
+    measured: Mapping[int, Mapping[str, Any]],
 ) -> FingerResult:
-    """Return a finger's semi-axes; a photograph or outline that cannot be used costs this finger only."""
+    """Return a finger's semi-axes; a photograph or outline that cannot be used costs this finger only.
+
+    Parameters
+    ----------
+    finger : Finger
+        What the manifest says of it.
+    scales : mapping
+        The study's named scales.
+    folder : Path
+        The study folder.
+    measured : mapping
+        What `face_record` found in each photograph, by its place in the list.
+    """
     common: dict[str, Any] = {
         "name": finger.name,
         "pad_thickness": finger.pad_thickness_mm,
@@ -111,7 +126,10 @@ def finger_result(
     try:
         shared = _shared_scale(finger, scales, folder)
         scale_std = shared.scale.relative_std if shared else 0.0
-        seen = [_face(finger, number, scales, folder, out) for number in range(len(finger.photographs))]
+        seen = [
+            _face(photograph, scales, folder, measured.get(number))
+            for number, photograph in enumerate(finger.photographs)
+        ]
         faces = [replace(face, relative_scale_std=0.0) if shared else face for face, _ in seen]
         combined = combine_faces(faces)
     except FingerpadError as error:
@@ -145,14 +163,20 @@ def _shared_scale(finger: Finger, scales: Mapping[str, FoundScale | str], folder
     return None if name is None or keys else find_scale(name, scales, folder)
 
 
-def _face(
-    finger: Finger, number: int, scales: Mapping[str, FoundScale | str], folder: Path, out: Path
-) -> tuple[FaceSemiAxes, PhotographResult | None]:
-    """Measure one face, and draw it where it is a photograph."""
-    photograph = finger.photographs[number]
-    if photograph.outline is not None:
-        points = read_outline(folder / photograph.outline)
-        return face_from_outline(photograph.face, points, photograph.outline_relative_std), None
+def face_record(
+    photograph: Photograph,
+    overlay: str,
+    scales: Mapping[str, FoundScale | str],
+    folder: Path,
+    out: Path,
+) -> dict[str, Any]:
+    """Measure one photograph of a finger and draw it, and return what was found as plain values.
+
+    Raises
+    ------
+    FingerpadError
+        If the photograph cannot be read or measured.
+    """
     assert photograph.image is not None  # the manifest's own rule
     assert photograph.scale is not None
     scale = find_scale(photograph.scale, scales, folder)
@@ -166,15 +190,45 @@ def _face(
         palmar=photograph.palmar_side,
         region_of_interest=None if window is None else (window[0], window[1], window[2], window[3]),
     )
-    overlay = Path("overlays") / f"finger_{finger.name}_{number + 1}_{photograph.face}.png"
     make_folder((out / overlay).parent)
     write_photograph_overlay(
         out / overlay, pixels, found, label="synthetic" if photograph.synthetic else None
     )
-    return found.face_semi_axes, PhotographResult(
+    axes = found.face_semi_axes
+    return {
+        "semi_axes": axes.semi_axes.tolist(),
+        "covariance": axes.covariance.tolist(),
+        "relative_scale_std": axes.relative_scale_std,
+        "overlay": overlay,
+        "arc_deg": found.arc_deg,
+        "flags": [*sorted(found.flags), *scale.flags],
+    }
+
+
+def _face(
+    photograph: Photograph,
+    scales: Mapping[str, FoundScale | str],
+    folder: Path,
+    record: Mapping[str, Any] | None,
+) -> tuple[FaceSemiAxes, PhotographResult | None]:
+    """Return what is known of one face."""
+    if photograph.outline is not None:
+        points = read_outline(folder / photograph.outline)
+        return face_from_outline(photograph.face, points, photograph.outline_relative_std), None
+    assert record is not None  # each photograph was measured
+    assert photograph.scale is not None
+    if record.get("reason") is not None:
+        raise FingerpadError(record["reason"])
+    axes = FaceSemiAxes(
+        face=photograph.face,
+        semi_axes=np.array(record["semi_axes"]),
+        covariance=np.array(record["covariance"]),
+        relative_scale_std=record["relative_scale_std"],
+    )
+    return axes, PhotographResult(
         manifest=photograph,
-        scale=scale,
-        overlay=str(overlay),
-        arc_deg=found.arc_deg,
-        flags=(*sorted(found.flags), *scale.flags),
+        scale=find_scale(photograph.scale, scales, folder),
+        overlay=record["overlay"],
+        arc_deg=record["arc_deg"],
+        flags=tuple(record["flags"]),
     )

@@ -1,7 +1,8 @@
 """The whole way of a study, from its manifest to rows and summaries."""
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Container
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any, Final
 
@@ -10,17 +11,19 @@ from fingerpad.exceptions import ManifestError
 from fingerpad.study.check import UncertaintyCheck
 from fingerpad.study.curves import CurveResult, curve_result
 from fingerpad.study.fingers import FingerResult, finger_result
-from fingerpad.study.manifest import Contact, Study, read_study
+from fingerpad.study.hands import hands_for
+from fingerpad.study.manifest import Contact, Study, manifest_in, read_study
 from fingerpad.study.measure import Measurement
+from fingerpad.study.measuring import drawn_for, faces_of, film_results, measure_study, measurements
 from fingerpad.study.model import pad_inputs
+from fingerpad.study.progress import Progress
 from fingerpad.study.provenance import provenance
 from fingerpad.study.rows import Row, make_rows
-from fingerpad.study.runner import Measured, measure_all
 from fingerpad.study.scales import FoundScale, named_scales
 from fingerpad.study.sequences import SequenceResult
 from fingerpad.study.store import STORE_NAME, Store
 from fingerpad.study.summary import Summary, summaries
-from fingerpad.study.tasks import Task, pictures_of, stored_of, tasks_of
+from fingerpad.study.tasks import Keys
 
 # What a run writes into its output folder.
 OUTPUT_NAMES: Final = frozenset(
@@ -102,57 +105,59 @@ def run_study(
     out: Path,
     *,
     workers: int = 1,
+    scheduler: str | None = None,
     fresh: bool = False,
-    on_start: Callable[[int], None] = lambda _: None,
-    on_measured: Callable[[Measured], None] = lambda _: None,
-    on_frame: Callable[[], None] = lambda: None,
+    on_progress: Callable[[Progress], None] = lambda _: None,
 ) -> StudyResult:
-    """Run a study: measure every observation, place every finger, apply the model, pool.
+    """Run a study: measure every picture, place every finger, apply the model, pool.
 
     Parameters
     ----------
     manifest : Path
-        The study's TOML file.
+        The study's TOML file, or its folder.
     out : Path
-        Folder for overlays; made if it is not there.
+        Folder for results; made if it is not there.
     workers : int
-        Number of processes that measure.
+        Number of processes that measure on this machine.
+    scheduler : str or None
+        Address of a Dask scheduler whose workers measure instead, as ``tcp://host:8786``; or ``local`` for
+        one that is started here with so many workers.
     fresh : bool
         Measure everything anew, whatever is stored.
-    on_start, on_measured : callable
-        Told how many observations and sequences are to be measured, and of each one as it is done.
-    on_frame : callable
-        Called after each frame of a sequence that is measured in this process.
+    on_progress : callable
+        Told at the start and whenever something has been measured. If it raises KeyboardInterrupt, what is
+        in hand is finished and kept, and the run ends with KeyboardInterrupt.
 
     Raises
     ------
     ManifestError
         Before any work, if the manifest cannot be acted upon, or results would be written over inputs.
     StoreError
-        If the store of results in `out` cannot be used, or another run is writing to it.
+        If the store of results in `out` cannot be used, another run is writing to it, or results cannot be
+        kept.
+    ClusterError
+        If the scheduler or its workers cannot be used.
     """
-    if manifest.is_dir():
-        manifest = manifest / "study.toml"
-    study = read_study(manifest)
-    folder = manifest.absolute().parent
+    manifest = manifest_in(manifest)
+    study, folder = read_study(manifest), manifest.absolute().parent
     inputs = [manifest.name, *(name for _, name in study.named_files())]
     _refuse_to_overwrite(inputs, folder, out)
     make_folder(out)
-    scales = named_scales(study, folder)
-    fingers = {finger.name: finger_result(finger, scales, folder, out) for finger in study.fingers}
-    contacts: list[Contact] = [*study.observations, *study.sequences]
     with Store.writing(out / STORE_NAME) as store:
-        origin = provenance(inputs, lambda name: store.digest(folder / name))
-        tasks = {task.contact.name: task for task in tasks_of(contacts, scales, folder, store.digest)}
-        measured = {} if fresh else _stored(tasks, store, out)
-        left = [contact for contact in contacts if contact.name not in measured]
-        on_start(len(left))
-        for one in measure_all(left, scales, folder, out, workers=workers, on_frame=on_frame):
-            measured[one.contact] = one
-            store.put(one.contact, stored_of(one, tasks[one.contact].key))
-            on_measured(one)
-    _remove_other_pictures(out, measured.values(), fingers.values())
-    seen = [(contact, each) for contact in contacts for each in measured[contact.name].measurements]
+        if fresh:
+            store.forget()
+        keys = Keys(study=study, folder=folder, digest=cache(store.digest))
+        origin = provenance(inputs, lambda name: keys.digest(folder / name))
+        scales = named_scales(study, folder)
+        with hands_for(manifest, workers, scheduler) as hands:
+            measure_study(keys, scales, store, out, hands=hands, on_progress=on_progress)
+        fingers = {
+            finger.name: finger_result(finger, scales, folder, faces_of(finger, keys, store))
+            for finger in study.fingers
+        }
+        films = film_results(keys, store)
+        seen = list(measurements(keys, scales, store, films))
+        _remove_other_pictures(out, drawn_for(study, store))
     rows = make_rows(study, fingers, seen)
     found = summaries(rows)
     return StudyResult(
@@ -160,7 +165,7 @@ def run_study(
         folder=folder,
         fingers=fingers,
         rows=rows.rows,
-        sequences=[film for contact in contacts if (film := measured[contact.name].sequence) is not None],
+        sequences=films,
         scales=scales,
         summaries=found,
         checks=_checks(found, study, fingers, seen),
@@ -198,17 +203,8 @@ def _refuse_to_overwrite(inputs: list[str], folder: Path, out: Path) -> None:
             raise ManifestError(f"{out}: results would be written over {name}; choose another output folder")
 
 
-def _stored(tasks: Mapping[str, Task], store: Store, out: Path) -> dict[str, Measured]:
-    """Return what earlier runs measured and is still good."""
-    stored = store.results()
-    found = {name: task.done_by(stored.get(name), out) for name, task in tasks.items()}
-    return {name: measured for name, measured in found.items() if measured is not None}
-
-
-def _remove_other_pictures(out: Path, measured: Iterable[Measured], fingers: Iterable[FingerResult]) -> None:
+def _remove_other_pictures(out: Path, kept: Container[str]) -> None:
     """Remove overlays and figures of earlier runs, lest they mix with this one's."""
-    kept = {name for one in measured for name in pictures_of(one)}
-    kept |= {photograph.overlay for finger in fingers for photograph in finger.photographs}
     for pattern in ("overlays/*.png", "overlays/sequences/*.png", "figures/*.png", "figures/*.svg"):
         for path in out.glob(pattern):
             if path.relative_to(out).as_posix() not in kept:
