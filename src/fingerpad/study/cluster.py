@@ -4,10 +4,11 @@ Workers that see the study folder under the path that it has here read it themse
 each task are sent. A worker must run the very code that this process runs.
 """
 
+import logging
 import math
 from collections import OrderedDict
 from collections.abc import Iterator
-from concurrent.futures import Future
+from concurrent.futures import CancelledError, Future
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -87,6 +88,7 @@ def cluster_hands(manifest: Path, workers: int, scheduler: str) -> Iterator[Clus
     except ModuleNotFoundError:
         raise ClusterError("--scheduler needs Dask: pip install 'fingerpad[cluster]'") from None
     with ExitStack() as stack:
+        stack.enter_context(_quiet())
         if scheduler == "local":
             start: Any = distributed.LocalCluster
             started = start(
@@ -111,19 +113,30 @@ def cluster_hands(manifest: Path, workers: int, scheduler: str) -> Iterator[Clus
         yield ClusterHands(client, folder, sends=not _all_see(client, manifest.absolute()))
 
 
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """Keep Dask from printing tracebacks of what is said here in words."""
+    logger = logging.getLogger("distributed")
+    before = logger.level
+    logger.setLevel(logging.CRITICAL + 1)
+    try:
+        yield
+    finally:
+        logger.setLevel(before)
+
+
 def _hand_on(remote: Any, future: Future[Done], file: str) -> None:
     """Pass on what became of a task on the cluster."""
-    if remote.status == "finished":
+    gone = ClusterError(
+        "the scheduler is gone: what was measured is kept; start it again and run again to go on"
+    )
+    try:
         future.set_result(remote.result())
-        return
-    error = remote.exception() if remote.status == "error" else None
-    if type(error).__name__ == "KilledWorker":
-        error = ClusterError(f"{file}: workers died over it, perhaps for want of memory: run again to go on")
-    if not isinstance(error, Exception):
-        error = ClusterError(
-            "the scheduler is gone: what was measured is kept; start it again and run again to go on"
-        )
-    future.set_exception(error)
+    except (OSError, CancelledError):  # of the connection, and of all that hung on it
+        future.set_exception(gone)
+    except Exception as error:  # whatever went wrong with the task goes to whoever asked for it
+        killed = ClusterError(f"{file}: workers died over it, perhaps for want of memory: run again to go on")
+        future.set_exception(killed if type(error).__name__ == "KilledWorker" else error)
 
 
 def _all_see(client: Any, manifest: Path) -> bool:

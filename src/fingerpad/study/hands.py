@@ -1,10 +1,12 @@
 """Who does the measuring: this process, or several on this machine."""
 
+import os
 import signal
+import threading
 from collections.abc import Iterator
 from concurrent.futures import Future, ProcessPoolExecutor
 from contextlib import contextmanager
-from multiprocessing import get_context
+from multiprocessing import get_context, parent_process
 from pathlib import Path
 from typing import Protocol
 
@@ -86,6 +88,15 @@ def hands_for(manifest: Path, workers: int, scheduler: str | None) -> Iterator[H
 
 
 def _start_worker() -> None:
-    """Leave interrupts to the parent, and the other cores to the other workers."""
+    """Leave interrupts to the parent, the other cores to the other workers, and end with the parent."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     cv2.setNumThreads(1)
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+
+
+def _end_with_parent() -> None:
+    """End when the parent is killed, which tells nobody: workers would wait for work for ever."""
+    parent = parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
