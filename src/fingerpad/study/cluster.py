@@ -9,7 +9,7 @@ import math
 from collections import OrderedDict
 from collections.abc import Iterator
 from concurrent.futures import CancelledError, Future
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import monotonic
@@ -38,8 +38,10 @@ class ClusterHands:
     @property
     def capacity(self) -> int:
         """Twice the number of threads that the workers have at present."""
-        if monotonic() > self._counted + _COUNT_AGAIN_S and self._client.status == "running":
-            self._counted, self._threads = monotonic(), sum(self._client.nthreads().values())
+        if monotonic() > self._counted + _COUNT_AGAIN_S:
+            self._counted = monotonic()
+            with suppress(OSError):  # a scheduler that is gone is told by the tasks in hand
+                self._threads = sum(self._client.nthreads().values())
         return 2 * max(1, self._threads)
 
     def submit(self, task: Task) -> Future[Done]:
