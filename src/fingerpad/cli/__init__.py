@@ -5,7 +5,7 @@ from typing import Annotated
 import typer
 
 import fingerpad
-from fingerpad.cli import measure, model, study
+from fingerpad.cli import imports, measure, model, study
 from fingerpad.cli.export import export
 from fingerpad.cli.fit import fit
 
@@ -28,6 +28,7 @@ app.command()(study.init)
 app.command()(study.run)
 app.command()(study.status)
 app.command()(export)
+app.add_typer(imports.app, name="import")
 
 
 def _show_version(value: bool) -> None:
