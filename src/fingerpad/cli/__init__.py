@@ -6,6 +6,7 @@ import typer
 
 import fingerpad
 from fingerpad.cli import imports, measure, model, study
+from fingerpad.cli.compare import compare
 from fingerpad.cli.export import export
 from fingerpad.cli.fit import fit
 
@@ -27,6 +28,7 @@ app.command()(fit)
 app.command()(study.init)
 app.command()(study.run)
 app.command()(study.status)
+app.command()(compare)
 app.command()(export)
 app.add_typer(imports.app, name="import")
 
