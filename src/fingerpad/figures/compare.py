@@ -24,6 +24,7 @@ from fingerpad.figures.style import (
 
 _COLOURS: Final = (BLUE, ORANGE, GREEN, VERMILLION, SKY, "#CC79A7", GREY)
 _MOST_NAMES: Final = 8
+_WIDEST_SHIFT_DEG: Final = 1.4
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -72,7 +73,7 @@ class FingerLine:
 
 def colours_of(people: Sequence[str]) -> dict[str, str]:
     """Return one colour for each person, again from the first where there are more than seven."""
-    return dict(zip(dict.fromkeys(people), cycle(_COLOURS)))  # noqa: B905 (endless)
+    return dict(zip(dict.fromkeys(people), cycle(_COLOURS)))
 
 
 @in_style
@@ -85,6 +86,7 @@ def plot_forest(
     colours: Sequence[str],
     synthetic: ArrayLike,
     means: Sequence[tuple[float, MeanMark]] = (),
+    title: str = "",
 ) -> Axes:
     """Draw values in rows, each with its standard uncertainty, and means below them.
 
@@ -104,6 +106,8 @@ def plot_forest(
         Which were rendered or simulated: hollow.
     means : sequence of (row, MeanMark)
         The means, at their rows.
+    title : str
+        What the values have in common.
     """
     y, x, spread = floats(place), floats(value), floats(std)
     for row, colour in enumerate(colours):
@@ -118,20 +122,20 @@ def plot_forest(
     for mark in [text for text in axes.texts if text.get_gid() == "synthetic"]:
         mark.remove()  # the rows' own names say it
     ends = [x - np.nan_to_num(spread), x + np.nan_to_num(spread)]
-    for row, mean in means:
-        colour = VERMILLION if mean.synthetic else BLACK
+    for line, mean in means:
         if np.isfinite(mean.between_std):
             band = mean.value - mean.between_std, mean.value + mean.between_std
-            axes.axvspan(*band, color=colour, alpha=0.08, linewidth=0, zorder=0)
+            axes.axvspan(*band, color=BLACK, alpha=0.08, linewidth=0, zorder=0)
             ends.append(floats(band))
         if mean.interval is not None:
-            axes.plot(mean.interval, (row, row), color=colour, linewidth=1.2, solid_capstyle="butt")
-        face = "white" if mean.synthetic else colour
-        axes.plot(mean.value, row, "D", color=colour, markerfacecolor=face, markersize=5, zorder=4)
+            axes.plot(mean.interval, (line, line), color=BLACK, linewidth=1.2, solid_capstyle="butt")
+        face = "white" if mean.synthetic else BLACK
+        axes.plot(mean.value, line, "D", color=BLACK, markerfacecolor=face, markersize=5, zorder=4)
     every = np.concatenate([np.ravel(end) for end in ends])
     if every.size:
         room = 0.08 * (np.ptp(every) or abs(every[0]) or 1.0)
         axes.set_xlim(every.min() - room, every.max() + room)
+    axes.set_title(title)
     axes.grid(visible=False, axis="y")
     axes.tick_params(axis="y", length=0)
     return axes
@@ -162,7 +166,7 @@ def plot_by_wedge(
     named: set[str] = set()
     for place, line in enumerate(lines):
         # Beside one another where fingers share an angle.
-        shift = 0.5 * (place - (len(lines) - 1) / 2) * min(1.0, 8 / max(len(lines), 1))
+        shift = _WIDEST_SHIFT_DEG * (2 * (place + 0.5) / len(lines) - 1)
         angle = floats(line.wedge_angle_deg) + shift
         axes.errorbar(
             angle,
@@ -183,6 +187,7 @@ def plot_by_wedge(
         chosen = [(angle, mean) for angle, mean in means if mean.synthetic is synthetic]
         if chosen:
             _draw_means(axes, *zip(*sorted(chosen, key=lambda one: one[0]), strict=True), synthetic=synthetic)
+    axes.set_xticks(sorted({float(angle) for line in lines for angle in floats(line.wedge_angle_deg)}))
     axes.set_xlabel("wedge angle (°)")
     axes.set_ylabel(label)
     axes.margins(y=0.12)
@@ -191,10 +196,9 @@ def plot_by_wedge(
 
 
 def _draw_means(axes: Axes, angles: Sequence[float], means: Sequence[MeanMark], *, synthetic: bool) -> None:
-    colour = VERMILLION if synthetic else BLACK
     value: FloatArray = floats([mean.value for mean in means])
     spread = np.nan_to_num(floats([mean.between_std for mean in means]))
-    label = f"mean of {'synthetic fingers' if synthetic else 'people'}, ± scatter between them"
-    face = "white" if synthetic else colour
-    axes.plot(angles, value, "D--", color=colour, markersize=4.5, markerfacecolor=face, zorder=4, label=label)
-    axes.fill_between(floats(angles), value - spread, value + spread, color=colour, alpha=0.1, linewidth=0)
+    label = f"mean over people{' (synthetic)' if synthetic else ''}, band: between people"
+    face = "white" if synthetic else BLACK
+    axes.plot(angles, value, "D--", color=BLACK, markersize=4.5, markerfacecolor=face, zorder=4, label=label)
+    axes.fill_between(floats(angles), value - spread, value + spread, color=BLACK, alpha=0.1, linewidth=0)

@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Sequence
 from importlib.resources import files
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
@@ -15,11 +15,12 @@ from fingerpad.figures import new_figure, save_figure
 from fingerpad.figures.compare import FingerLine, MeanMark, colours_of, plot_by_wedge, plot_forest
 from fingerpad.report.plot import Plot
 from fingerpad.study.compare import QUANTITIES, Comparison, Mean, Value
-from fingerpad.units import value_with_uncertainty
+from fingerpad.units import two_digits, value_with_uncertainty
 
 _LONGEST_LABEL: Final = 38
 # More fingers than these make no readable figure: their people are drawn in their place.
-_MOST_ROWS: Final = 80
+_MOST_ROWS: Final = 100
+_PX_PER_INCH: Final = 140
 _SYMBOLS: Final = {
     "palmar_mm": "ℓ<sub>a</sub>",
     "distal_mm": "ℓ<sub>b</sub>",
@@ -48,7 +49,7 @@ def write_comparison_page(comparison: Comparison, out: Path) -> Path:
         undefined=StrictUndefined,
         trim_blocks=True,
     )
-    environment.globals |= {"pm": value_with_uncertainty}
+    environment.globals |= {"pm": value_with_uncertainty, "interval": _interval, "two": _two_digits}
     path = out / "compare.html"
     try:
         page = environment.get_template("compare.html.jinja").render(
@@ -83,6 +84,7 @@ def forest_plot(comparison: Comparison, quantity: str) -> Iterator[Plot]:
     if not values:
         return
     kind = QUANTITIES[quantity]
+    values = _shown(values, means)
     rows, labels, places = _rows(values, means)
     panels = list(dict.fromkeys((value.wedge_angle_deg, value.roll_angle_deg) for value in values))
     figure, every = new_figure(
@@ -103,16 +105,15 @@ def forest_plot(comparison: Comparison, quantity: str) -> Iterator[Plot]:
                 for mean in means
                 if (mean.wedge_angle_deg, mean.roll_angle_deg) == (wedge, roll) and len(mean.people) > 1
             ],
+            title="" if wedge is None else f"wedge {wedge:g}°" + (f", roll {roll:g}°" if roll else ""),
         )
         axes.set_ylim(len(labels) - 0.4, -0.6)
         axes.set_yticks(range(len(labels)), labels if axes is every[0] else [""] * len(labels))
         axes.set_xlabel(f"{kind.symbol} ({kind.unit})" if kind.unit else kind.symbol)
-        if wedge is not None:
-            axes.set_title(f"wedge {wedge:g}°" + (f", roll {roll:g}°" if roll else ""))
     yield Plot(
         name=f"compare_{quantity}",
         figure=figure,
-        caption=f"{kind.words[0].upper()}{kind.words[1:]}: each finger with one standard uncertainty"
+        caption=f"{kind.words[0].upper()}{kind.words[1:]}, with one standard uncertainty"
         + ("; diamonds: means over people with their 95 % interval, which may leave the frame; band: one "
            "standard deviation between people" if any(len(mean.people) > 1 for mean in means) else "")
         + (". Hollow: synthetic." if any(value.synthetic for value in values) else "."),
@@ -128,17 +129,40 @@ def _rows(
         return value.synthetic, value.person.name, value.finger, value.study
 
     order = {each: place for place, each in enumerate(sorted({key(value) for value in values}))}
-    labels = [_label(person, finger, synthetic) for synthetic, person, finger, _ in order]
+    fingers = [each[:3] for each in order]
+    labels = [_label(*each[:3], each[3] if fingers.count(each[:3]) > 1 else "") for each in order]
     places = {}
     for synthetic in (False, True):
         if any(mean.synthetic is synthetic and len(mean.people) > 1 for mean in means):
             places[synthetic] = len(labels)
-            labels.append("mean of synthetic fingers" if synthetic else "mean of people")
+            labels.append(f"mean over people{' (synthetic)' if synthetic else ''}")
     return [(order[key(value)], value) for value in values], labels, places
 
 
-def _label(person: str, finger: str, synthetic: bool) -> str:
-    name = f"{person}, {finger}"
+def _shown(values: Sequence[Value], means: Sequence[Mean]) -> Sequence[Value]:
+    """Return the values, or the means of people where there are too many fingers for a figure."""
+    if len({(value.study, value.finger) for value in values}) <= _MOST_ROWS:
+        return values
+    return [
+        Value(
+            quantity=mean.quantity,
+            study="",
+            person=each.person,
+            finger=f"{each.fingers} finger{'s' if each.fingers > 1 else ''}",
+            synthetic=mean.synthetic,
+            value=each.value,
+            std=each.std,
+            wedge_angle_deg=mean.wedge_angle_deg,
+            roll_angle_deg=mean.roll_angle_deg,
+        )
+        for mean in means
+        for each in mean.people
+    ]
+
+
+def _label(synthetic: bool, person: str, finger: str, study: str) -> str:
+    name = finger if finger.startswith(person) else f"{person}, {finger}"
+    name = f"{name}, {study}" if study else name
     short = name if len(name) <= _LONGEST_LABEL else f"…{name[1 - _LONGEST_LABEL :]}"
     return f"{short} (synthetic)" if synthetic else short
 
@@ -181,6 +205,18 @@ def wedge_plot(comparison: Comparison) -> Iterator[Plot]:
     )
 
 
+def _interval(mean: Mean) -> str:
+    """Return the 95 % interval with the digits of the mean."""
+    if mean.interval is None:
+        return "–"
+    low, high = (value_with_uncertainty(end, mean.std).partition(" ±")[0] for end in mean.interval)
+    return f"{low} to {high}"
+
+
+def _two_digits(std: float) -> str:
+    return two_digits(std) if std > 0 else "0" if std == 0 else "–"
+
+
 def _mark(mean: Mean) -> MeanMark:
     return MeanMark(
         value=mean.value,
@@ -197,5 +233,6 @@ def _drawn(plots: Iterator[Plot], out: Path) -> list[dict[str, str]]:
     for plot in plots:
         file, _ = save_figure(plot.figure, out / "figures" / plot.name, description=plot.caption)
         _, _, drawing = file.read_text(encoding="utf-8").partition("\n")  # without the XML declaration
-        drawn.append({"svg": Markup(drawing), "caption": plot.caption})  # noqa: S704 (drawn here)
+        width_px = round(_PX_PER_INCH * plot.figure.get_figwidth())
+        drawn.append({"svg": Markup(drawing), "caption": plot.caption, "width_px": str(width_px)})  # noqa: S704 (drawn here)
     return drawn

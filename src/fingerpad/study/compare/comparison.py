@@ -114,13 +114,14 @@ def _notes(studies: Sequence[FinishedStudy], values: Sequence[Value]) -> Iterato
         unnamed = {value.finger for value in values if value.study == study.title and not value.person.named}
         if unnamed:
             yield (
-                f"{study.title}: the manifest names no person for {', '.join(sorted(unnamed))}: taken as fingers "
-                'of one person, who is in no other study; write person = "…" at each finger to say whose it is'
+                f"{study.title}: the manifest names no person for {', '.join(sorted(unnamed))}: taken as "
+                "fingers of one person, who is in no other study; "
+                'write person = "…" at each finger to say whose it is'
             )
         if study.failures:
             yield f"{study.title}: {study.failures} could not be measured, see its own report"
     if any(value.synthetic for value in values):
-        yield "synthetic fingers were rendered or simulated; they have means of their own, never with real ones"
+        yield "synthetic fingers were rendered or simulated: their means are their own, never with real ones"
     for quantity in QUANTITIES:
         alike = [value for value in values if value.quantity == quantity]
         if alike and not all(value.std > 0 for value in alike):

@@ -54,7 +54,7 @@ def read_finished(paths: Sequence[Path]) -> list[FinishedStudy]:
                 study.inputs and study.inputs == other.inputs
             ):
                 raise FingerpadError(
-                    f"{study.folder}: is the same study as {other.folder}, and its fingers would count twice; "
+                    f"{study.folder}: is the same study as {other.folder}: its fingers would count twice; "
                     "name it once"
                 )
             if study.title.casefold() == other.title.casefold():

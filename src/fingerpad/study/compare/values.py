@@ -49,9 +49,9 @@ QUANTITIES: Final[Mapping[str, Kind]] = {
     "initial_modulus_kpa": Kind(
         symbol=r"$E_\mathrm{0g}$", unit="kPa", words="Young's modulus at small load, from loading curves"
     ),
-    "load_exponent": Kind(symbol="$m$", unit="", words="exponent of W ∝ ξ^m, from loading curves"),
-    "curve_area_exponent": Kind(symbol="$n$", unit="", words="exponent of A ∝ W^n, from loading curves"),
-    "area_exponent": Kind(symbol="$n$", unit="", words="exponent of A ∝ W^n, from contacts"),
+    "load_exponent": Kind(symbol="$m$", unit="", words="exponent of W ∝ ξᵐ, from loading curves"),
+    "curve_area_exponent": Kind(symbol="$n$", unit="", words="exponent of A ∝ Wⁿ, from loading curves"),
+    "area_exponent": Kind(symbol="$n$", unit="", words="exponent of A ∝ Wⁿ, from contacts"),
 }  # fmt: skip
 _FROM_CURVES: Final = {
     "initial_modulus_kpa": "initial_modulus_kpa",
