@@ -38,7 +38,7 @@ class MeanMark:
     interval : (float, float) or None
         Its 95 % interval.
     between_std : float
-        Scatter between people, drawn as a band; NaN for none.
+        Scatter between people, drawn as a bar; NaN for none.
     synthetic : bool
         Whether it is over synthetic fingers.
     """
@@ -56,8 +56,8 @@ class FingerLine:
 
     Attributes
     ----------
-    person : str
-        Whose finger it is: one colour.
+    person, colour : str
+        Whose finger it is, and the colour of that person.
     wedge_angle_deg, value, std : array_like
         The values, by angle.
     synthetic : bool
@@ -65,6 +65,7 @@ class FingerLine:
     """
 
     person: str
+    colour: str
     wedge_angle_deg: ArrayLike
     value: ArrayLike
     std: ArrayLike
@@ -90,7 +91,7 @@ def plot_forest(
 ) -> Axes:
     """Draw values in rows, each with its standard uncertainty, and means below them.
 
-    A mean is a diamond on its 95 % interval; the band round it is one standard deviation between people.
+    A mean is a diamond on its 95 % interval; the bar round it is one standard deviation between people.
 
     Parameters
     ----------
@@ -125,7 +126,7 @@ def plot_forest(
     for line, mean in means:
         if np.isfinite(mean.between_std):
             band = mean.value - mean.between_std, mean.value + mean.between_std
-            axes.axvspan(*band, color=BLACK, alpha=0.08, linewidth=0, zorder=0)
+            axes.fill_betweenx((line - 0.4, line + 0.4), *band, color=BLACK, alpha=0.15, linewidth=0)
             ends.append(floats(band))
         if mean.interval is not None:
             axes.plot(mean.interval, (line, line), color=BLACK, linewidth=1.2, solid_capstyle="butt")
@@ -162,7 +163,7 @@ def plot_by_wedge(
     label : str
         Name of the values with their unit.
     """
-    colours = colours_of([line.person for line in lines])
+    crowded = len({line.person for line in lines}) > _MOST_NAMES
     named: set[str] = set()
     for place, line in enumerate(lines):
         # Beside one another where fingers share an angle.
@@ -173,13 +174,13 @@ def plot_by_wedge(
             floats(line.value),
             yerr=floats(line.std),
             fmt="o-",
-            color=colours[line.person],
+            color=line.colour,
             linewidth=0.7,
             markersize=3.6,
             elinewidth=0.7,
-            markerfacecolor="white" if line.synthetic else colours[line.person],
+            markerfacecolor="white" if line.synthetic else line.colour,
             label=f"{line.person}{' (synthetic)' if line.synthetic else ''}"
-            if line.person not in named and len(colours) <= _MOST_NAMES
+            if line.person not in named and not crowded
             else None,
         )
         named.add(line.person)

@@ -80,11 +80,11 @@ def write_comparison_page(comparison: Comparison, out: Path) -> Path:
 
 def forest_plot(comparison: Comparison, quantity: str) -> Iterator[Plot]:
     """Yield the forest plot of one quantity: a panel for each placement, a row for each finger."""
-    values, means = comparison.of(quantity)
-    if not values:
+    every_value, means = comparison.of(quantity)
+    if not every_value:
         return
     kind = QUANTITIES[quantity]
-    values = _shown(values, means)
+    values = _shown(every_value, means)
     rows, labels, places = _rows(values, means)
     panels = list(dict.fromkeys((value.wedge_angle_deg, value.roll_angle_deg) for value in values))
     figure, every = new_figure(
@@ -114,7 +114,7 @@ def forest_plot(comparison: Comparison, quantity: str) -> Iterator[Plot]:
         name=f"compare_{quantity}",
         figure=figure,
         caption=f"{kind.words[0].upper()}{kind.words[1:]}, with one standard uncertainty"
-        + ("; diamonds: means over people with their 95 % interval, which may leave the frame; band: one "
+        + ("; diamonds: means over people with their 95 % interval, which may leave the frame; bar: one "
            "standard deviation between people" if any(len(mean.people) > 1 for mean in means) else "")
         + (". Hollow: synthetic." if any(value.synthetic for value in values) else "."),
     )  # fmt: skip
@@ -177,12 +177,14 @@ def wedge_plot(comparison: Comparison) -> Iterator[Plot]:
     for value in values:
         lines.setdefault((value.person.name, value.study, value.finger, value.synthetic), []).append(value)
     figure, (axes,) = new_figure(width_mm=140, height_mm=95)
+    colours = colours_of([value.person.name for value in comparison.values])
     kind = QUANTITIES["radius_from_indentation_mm"]
     plot_by_wedge(
         axes,
         [
             FingerLine(
                 person=person,
+                colour=colours[person],
                 wedge_angle_deg=[value.wedge_angle_deg or 0.0 for value in points],
                 value=[value.value for value in points],
                 std=[value.std for value in points],
