@@ -111,15 +111,19 @@ def plot_forest(
         What the values have in common.
     """
     y, x, spread = floats(place), floats(value), floats(std)
-    for row, colour in enumerate(colours):
-        draw_points(
-            axes,
-            x[row],
-            y[row],
-            x_std=spread[row] if np.isfinite(spread[row]) else None,
-            synthetic=bool(np.broadcast_to(synthetic, x.shape)[row]),
-            colour=colour,
-        )
+    for colour in dict.fromkeys(colours):
+        same = np.array([each == colour for each in colours])
+        for known in (True, False):
+            chosen = same & (np.isfinite(spread) == known)
+            if chosen.any():
+                draw_points(
+                    axes,
+                    x[chosen],
+                    y[chosen],
+                    x_std=spread[chosen] if known else None,
+                    synthetic=np.broadcast_to(synthetic, x.shape)[chosen],
+                    colour=colour,
+                )
     for mark in [text for text in axes.texts if text.get_gid() == "synthetic"]:
         mark.remove()  # the rows' own names say it
     ends = [x - np.nan_to_num(spread), x + np.nan_to_num(spread)]

@@ -117,13 +117,11 @@ def means_of(values: Iterable[Value]) -> list[Mean]:
 
 
 def _mean(values: Sequence[Value]) -> Mean:
-    people: dict[Owner, dict[Hashable, list[_Level]]] = {}
+    people: dict[Owner, dict[str, list[_Level]]] = {}
     for value in values:
-        # A named person's finger is the same in every study; nothing is known of others.
-        finger = value.finger if value.person.named else (value.study, value.finger)
         own = math.sqrt(max(0.0, value.std**2 - value.shared_std**2))
         level = _Level(value.value, own, {(value.study, value.wedge_angle_deg): value.shared_std})
-        people.setdefault(value.person, {}).setdefault(finger, []).append(level)
+        people.setdefault(value.person, {}).setdefault(value.finger, []).append(level)
     persons, scatters = [], []
     for fingers in people.values():
         level, pooled = _pooled([_pooled(levels)[0] for levels in fingers.values()])
