@@ -156,6 +156,8 @@ def plot_by_wedge(
 ) -> Axes:
     """Draw each finger's values against the wedge angle, people by colour, and the means over people.
 
+    More than eight people have thin grey lines without names or bars.
+
     Parameters
     ----------
     axes : Axes
@@ -163,18 +165,24 @@ def plot_by_wedge(
     lines : sequence of FingerLine
         The fingers.
     means : sequence of (wedge angle in degrees, MeanMark)
-        Means over people, joined by a line, with a band of one standard deviation between people.
+        Means over people, joined by a line, in a band of one standard deviation between people.
     label : str
         Name of the values with their unit.
     """
     crowded = len({line.person for line in lines}) > _MOST_NAMES
     named: set[str] = set()
     for place, line in enumerate(lines):
+        name = f"{'a finger' if crowded else line.person}{' (synthetic)' if line.synthetic else ''}"
+        new = None if name in named else name
+        named.add(name)
+        if crowded:
+            style = ":" if line.synthetic else "-"
+            axes.plot(line.wedge_angle_deg, line.value, style, color=GREY, linewidth=0.5, zorder=1, label=new)
+            continue
         # Beside one another where fingers share an angle.
         shift = _WIDEST_SHIFT_DEG * (2 * (place + 0.5) / len(lines) - 1)
-        angle = floats(line.wedge_angle_deg) + shift
         axes.errorbar(
-            angle,
+            floats(line.wedge_angle_deg) + shift,
             floats(line.value),
             yerr=floats(line.std),
             fmt="o-",
@@ -183,11 +191,8 @@ def plot_by_wedge(
             markersize=3.6,
             elinewidth=0.7,
             markerfacecolor="white" if line.synthetic else line.colour,
-            label=f"{line.person}{' (synthetic)' if line.synthetic else ''}"
-            if line.person not in named and not crowded
-            else None,
+            label=new,
         )
-        named.add(line.person)
     for synthetic in (False, True):
         chosen = [(angle, mean) for angle, mean in means if mean.synthetic is synthetic]
         if chosen:
@@ -206,4 +211,4 @@ def _draw_means(axes: Axes, angles: Sequence[float], means: Sequence[MeanMark], 
     label = f"mean over people{' (synthetic)' if synthetic else ''}, band: between people"
     face = "white" if synthetic else BLACK
     axes.plot(angles, value, "D--", color=BLACK, markersize=4.5, markerfacecolor=face, zorder=4, label=label)
-    axes.fill_between(floats(angles), value - spread, value + spread, color=BLACK, alpha=0.1, linewidth=0)
+    axes.fill_between(floats(angles), value - spread, value + spread, color=BLACK, alpha=0.13, linewidth=0)

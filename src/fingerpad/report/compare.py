@@ -202,8 +202,9 @@ def wedge_plot(comparison: Comparison) -> Iterator[Plot]:
     yield Plot(
         name="compare_radius_by_wedge",
         figure=figure,
-        caption="Corrected radius against wedge angle: a line for each finger, a colour for each person, set "
-        "beside one another at their angle; bars are one standard uncertainty. Hollow: synthetic.",
+        caption="Corrected radius against wedge angle, a line for each finger. Where bars are drawn they are "
+        "one standard uncertainty, and fingers of one angle stand beside one another. Hollow or dotted: "
+        "synthetic.",
     )
 
 
