@@ -104,7 +104,7 @@ class HandObservation:
     synthetic : bool
         Whether the picture was rendered.
     notes : str
-        Where it comes from.
+        Where it comes from, and doubts.
     """
 
     name: str
@@ -200,7 +200,7 @@ def hand_observations(
                 ellipse_std_mm=math.hypot(semi_axis_std_mm, relative_scale_std * math.sqrt(major * minor)),
                 long_axis=_long_axis(ellipse, finger_axis_deg),
                 synthetic=synthetic,
-                notes=f"measured by hand: {ellipse.place}",
+                notes="; ".join((f"measured by hand: {ellipse.place}", *ellipse.doubts)),
             )
         )
     return rows
