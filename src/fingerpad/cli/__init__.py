@@ -5,7 +5,9 @@ from typing import Annotated
 import typer
 
 import fingerpad
-from fingerpad.cli import measure, model, study
+from fingerpad.cli import imports, measure, model, study
+from fingerpad.cli.compare import compare
+from fingerpad.cli.export import export
 from fingerpad.cli.fit import fit
 
 __all__ = ["app"]
@@ -26,6 +28,9 @@ app.command()(fit)
 app.command()(study.init)
 app.command()(study.run)
 app.command()(study.status)
+app.command()(compare)
+app.command()(export)
+app.add_typer(imports.app, name="import")
 
 
 def _show_version(value: bool) -> None:

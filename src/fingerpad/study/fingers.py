@@ -58,6 +58,8 @@ class FingerResult:
     ----------
     name : str
         The finger.
+    person : str or None
+        Whose finger it is, where the manifest says.
     semi_axes : ndarray, shape (3,)
         Palmar, distal, radial–ulnar, mm; NaN where they could not be had.
     covariance : ndarray, shape (3, 3)
@@ -83,6 +85,7 @@ class FingerResult:
     semi_axes: FloatArray
     covariance: FloatArray
     source: str
+    person: str | None = None
     outlines: OutlineSemiAxes | None = None
     photographs: tuple[PhotographResult, ...] = ()
     scale: str | None = None
@@ -112,6 +115,7 @@ def finger_result(
     """
     common: dict[str, Any] = {
         "name": finger.name,
+        "person": finger.person,
         "pad_thickness": finger.pad_thickness_mm,
         "synthetic": finger.synthetic or any(photograph.synthetic for photograph in finger.photographs),
     }

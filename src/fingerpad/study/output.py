@@ -47,6 +47,7 @@ def summary_record(result: StudyResult) -> dict[str, Any]:
         "fingers": [
             {
                 "finger": finger.name,
+                "person": finger.person,
                 "source": finger.source,
                 "synthetic": finger.synthetic,
                 "palmar_mm": finger.semi_axes[0],
