@@ -2,11 +2,13 @@
 
 import base64
 import io
+from collections import Counter
 from collections.abc import Iterable
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 from PIL import Image
@@ -17,21 +19,27 @@ from fingerpad.image import PHOTOGRAPH_FLAGS
 from fingerpad.loading import Quantity, Unknown
 from fingerpad.report.plot import Plot
 from fingerpad.report.plots import (
+    MOST_POINTS,
     budget_plot,
     curve_plots,
     loading_radius_of,
     press_plot,
+    shown_rows,
     summary_plots,
+    thinned,
     velocity_plots,
 )
 from fingerpad.report.text import FLAG_WORDS, doubtful_frames, in_words
+from fingerpad.study.check import UncertaintyCheck
 from fingerpad.study.pipeline import StudyResult
 from fingerpad.study.rows import RANGE_NOTES
-from fingerpad.study.sequences import SequenceResult
 from fingerpad.study.summary import Summary, area_exponent
 from fingerpad.units import two_digits, value_with_uncertainty
 
 _OVERLAY_WIDTH_PX = 560
+_MOST_FAILED = 200
+# Of contacts and of sequences each: some twenty kilobytes a picture make a page that still opens.
+_MOST_PICTURES = 240
 
 
 def write_report(result: StudyResult, out: Path) -> Path:
@@ -55,15 +63,19 @@ def write_report(result: StudyResult, out: Path) -> Path:
     environment.globals |= {
         "pm": value_with_uncertainty,
         "two": two_digits,
-        "exponent": area_exponent,
         "quantity": _quantity,
     }
     try:
         (out / "figures").mkdir(parents=True, exist_ok=True)
         page = environment.get_template("report.html.jinja").render(
             result=result,
+            failed=result.failed_contacts,
+            most_failed=_MOST_FAILED,
             style=Markup(files("fingerpad.report").joinpath("report.css").read_text(encoding="utf-8")),  # noqa: S704
-            groups=[_group(result, summary, out) for summary in result.summaries],
+            groups=[
+                _group(result, summary, check, out)
+                for summary, check in zip(result.summaries, result.checks, strict=True)
+            ],
             curves=[
                 {"curve": curve, "figures": _drawn(curve_plots(curve, number), out)}
                 for number, curve in enumerate(result.curves, start=1)
@@ -74,8 +86,8 @@ def write_report(result: StudyResult, out: Path) -> Path:
                 for finger in result.fingers.values()
                 for photograph in finger.photographs
             ],
-            sequences=[_sequence(result, film, out) for film in result.sequences],
-            synthetic=any(row["synthetic"] for row in result.rows),
+            sequences=_sequences(result, out),
+            synthetic=bool(result.rows.column("synthetic").any()),
             certain=bool(result.study.uncertainty.model_fields_set),
         )
         path = out / "report.html"
@@ -85,22 +97,35 @@ def write_report(result: StudyResult, out: Path) -> Path:
     return path
 
 
-def _group(result: StudyResult, summary: Summary, out: Path) -> dict[str, Any]:
+def _group(
+    result: StudyResult, summary: Summary, check: UncertaintyCheck | None, out: Path
+) -> dict[str, Any]:
     """Return what the template shows of one finger at one placement."""
-    codes = [code for row in summary.rows for code in row["range_notes"].split()]
+    rows, contacts, shown = summary.rows, summary.contacts, shown_rows(summary)
+    notes: Counter[str] = Counter()
+    for codes, count in Counter(rows.column("range_notes")).items():
+        notes.update(dict.fromkeys(codes.split(), count))
+    doubtful = contacts.at(contacts.column("flags") != "")
+    overlays = contacts.at(contacts.known("overlay"))
+    deepest = rows.column("indentation_over_thickness")
     return {
         "summary": summary,
+        "contacts": len(contacts),
+        "shown": shown if contacts else (),
         "loading": loading_radius_of(result, summary),
-        "check": result.checks[result.summaries.index(summary)],
-        "budget": _drawn(budget_plot(result, summary), out),
+        "check": check,
+        "budget": _drawn(budget_plot(summary, check), out),
         "figures": _drawn(summary_plots(result, summary), out),
-        "doubtful": [row for row in summary.contacts if row["flags"]],
-        "largest_size": max(row["contact_size"] for row in summary.rows),
-        "deepest": max((row["indentation_over_thickness"] or 0.0) for row in summary.rows),
-        "range_notes": [
-            (RANGE_NOTES[code], codes.count(code), len(summary.rows)) for code in RANGE_NOTES if code in codes
+        "doubtful": len(doubtful),
+        "doubts": doubtful[:MOST_POINTS],
+        "largest_size": float(rows.column("contact_size").max()),
+        "deepest": float(np.nanmax(deepest, initial=0.0)),
+        "range_notes": [(RANGE_NOTES[code], notes[code], len(rows)) for code in RANGE_NOTES if notes[code]],
+        "pictures": len(overlays),
+        "overlays": [
+            (row, _picture(row["overlay"], out))
+            for row in thinned(overlays, _share(_MOST_PICTURES, len(result.summaries)))
         ],
-        "overlays": [(row, _picture(row["overlay"], out)) for row in summary.contacts if row["overlay"]],
     }
 
 
@@ -111,18 +136,29 @@ def _quantity(found: Quantity, factor: float = 1.0) -> Markup:
     return Markup("{}").format(value_with_uncertainty(factor * found.value, factor * found.std))
 
 
-def _sequence(result: StudyResult, film: SequenceResult, out: Path) -> dict[str, Any]:
-    """Return what the template shows of one sequence: never its single rows, which may be thousands."""
-    frames = [row for row in result.rows if row["sequence"] == film.manifest.name]
-    return {
-        "film": film,
-        "synthetic": any(row["synthetic"] for row in frames),
-        "figures": _drawn(press_plot(result, film), out),
-        "pooled": sum(row["pooled"] for row in frames),
-        "exponent": area_exponent(frames),
-        "doubts": [entry[1:] for entry in doubtful_frames(result) if entry[0] == film.manifest.name],
-        "overlays": [(overlay, _picture(overlay.file, out)) for overlay in film.overlays],
-    }
+def _sequences(result: StudyResult, out: Path) -> list[dict[str, Any]]:
+    """Return what the template shows of each sequence: never its single rows, which may be thousands."""
+    doubts: dict[str, list[tuple[int, str]]] = {}
+    for name, count, words in doubtful_frames(result):
+        doubts.setdefault(name, []).append((count, words))
+    pictures = _share(_MOST_PICTURES, len(result.sequences))
+    return [
+        {
+            "film": film,
+            "synthetic": bool(frames.column("synthetic").any()),
+            "figures": _drawn(press_plot(film, frames), out),
+            "pooled": int(frames.column("pooled").sum()),
+            "exponent": area_exponent(frames),
+            "doubts": doubts.get(film.manifest.name, ()),
+            "overlays": [(overlay, _picture(overlay.file, out)) for overlay in film.overlays[:pictures]],
+        }
+        for film, frames in zip(result.sequences, result.frames(), strict=True)
+    ]
+
+
+def _share(whole: int, count: int) -> int:
+    """Return how many each of so many may have of a whole, at least one."""
+    return max(1, whole // max(count, 1))
 
 
 def _drawn(plots: Iterable[Plot], out: Path) -> list[dict[str, str]]:
