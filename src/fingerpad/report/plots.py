@@ -29,7 +29,7 @@ from fingerpad.study.summary import Exponent, Summary, area_exponent
 from fingerpad.study.table import Row, Table
 
 # More than these only make a page heavy.
-_MOST_FRAMES: Final = 300
+_MOST_FRAMES: Final = 150
 MOST_POINTS: Final = 60
 
 
@@ -154,6 +154,9 @@ def press_plot(film: SequenceResult, frames: Table) -> Iterator[Plot]:
         return
     rows = thinned(seen, _MOST_FRAMES)
     figure, axes = new_figure(width_mm=170, height_mm=110, rows=2, columns=2)
+    # All presses in one frame, as eyes go from one to the next; and to find a frame takes as long as to draw.
+    figure.set_layout_engine(None)
+    figure.subplots_adjust(left=0.07, right=0.985, bottom=0.085, top=0.945, wspace=0.17, hspace=0.3)
     synthetic = bool(rows[0]["synthetic"])
     plot_press(
         axes,

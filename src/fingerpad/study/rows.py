@@ -13,7 +13,7 @@ from fingerpad.study.fingers import FingerResult
 from fingerpad.study.manifest import CORRECTIONS, Contact, Observation, Study
 from fingerpad.study.measure import Measurement
 from fingerpad.study.model import GEOMETRY, PART_SOURCES, POOLED_OUTPUTS, Inputs, Modelled, pad_inputs
-from fingerpad.study.table import Column, Places, Table, TableBuilder, column_of, unknown
+from fingerpad.study.table import Column, GrowingArray, Places, Table, TableBuilder, column_of, unknown
 from fingerpad.uncertainty import PAD_OUTPUTS, PAD_SOURCES
 from fingerpad.units import KPA_PER_MPA
 
@@ -63,7 +63,7 @@ _OF_THE_PICTURE: Final = (
     "centroid_column_px",
 )
 # The model's derivatives at so many contacts take tens of megabytes.
-_AT_ONCE: Final = 1000
+_AT_ONCE: Final = 500
 
 Seen: TypeAlias = Sequence[tuple[Contact, Measurement]]
 
@@ -124,21 +124,19 @@ def make_rows(
         order. It is gone through once, and no more than a batch is held.
     """
     table, stream = TableBuilder(), iter(seen)
-    pooled = [np.empty(0, dtype=np.intp)]
-    parts = [np.empty((0, len(POOLED_OUTPUTS), len(PART_SOURCES)))]
+    pooled = GrowingArray(np.empty(0, dtype=np.intp))
+    parts = GrowingArray(np.empty((0, len(POOLED_OUTPUTS), len(PART_SOURCES))))
     heaviest: dict[PlacementKey, Heaviest] = {}
     start = 0
     while batch := list(islice(stream, _AT_ONCE)):
         done = _Batch.of(study, fingers, batch)
         table.add(done.columns)
         counts = done.columns["pooled"][done.good]
-        pooled.append(start + done.good[counts])
-        parts.append(done.modelled.parts[counts])
+        pooled.add(start + done.good[counts])
+        parts.add(done.modelled.parts[counts])
         done.weigh(heaviest)
         start += len(batch)
-    return Rows(
-        table=table.table(), pooled=np.concatenate(pooled), parts=np.concatenate(parts), heaviest=heaviest
-    )
+    return Rows(table=table.table(), pooled=pooled.array, parts=parts.array, heaviest=heaviest)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -108,27 +108,49 @@ class Table(Sequence[Row]):
             yield self[start : start + size]
 
 
+class GrowingArray:
+    """An array that is added to at its end, in place: lists of parts would be held twice when joined."""
+
+    def __init__(self, empty: Column) -> None:
+        self._array, self._size = empty, 0
+
+    def add(self, more: Column) -> None:
+        """Add items."""
+        size = self._size + len(more)
+        if size > len(self._array):
+            grown = np.empty((max(size, 2 * len(self._array)), *more.shape[1:]), dtype=self._array.dtype)
+            grown[: self._size] = self._array[: self._size]
+            self._array = grown
+        self._array[self._size : size] = more
+        self._size = size
+
+    @property
+    def array(self) -> Column:
+        """All items."""
+        return self._array[: self._size]
+
+
 class TableBuilder:
     """Gathers a table from batches of rows."""
 
     def __init__(self) -> None:
-        self._parts: dict[str, list[Column]] = {name: [unknown(name, 0)] for name in COLUMNS}
+        self._columns = {name: GrowingArray(unknown(name, 0)) for name in COLUMNS}
         self._words: dict[str | None, str | None] = {}
 
     def add(self, batch: Mapping[str, Column]) -> None:
         """Add rows, given by column; a column that is not named is not known."""
         size = len(next(iter(batch.values())))
-        for name, parts in self._parts.items():
+        for name, grown in self._columns.items():
             column = batch.get(name)
             if column is None:
                 column = unknown(name, size)
             elif name in WORDS:  # each word is kept once
                 column = column_of(name, (self._words.setdefault(word, word) for word in column))
-            parts.append(column)
+            grown.add(column)
 
     def table(self) -> Table:
-        """Return all rows; the builder is empty then, so that there are never two tables."""
-        columns = {name: np.concatenate(self._parts.pop(name)) for name in COLUMNS}
+        """Return all rows."""
+        columns = {name: grown.array for name, grown in self._columns.items()}
         return Table(columns, np.arange(len(columns["observation"])))
 
 
