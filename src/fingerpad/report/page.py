@@ -1,9 +1,10 @@
 """Writing the report and its figures."""
 
 import base64
+import gc
 import io
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -38,6 +39,8 @@ from fingerpad.units import two_digits, value_with_uncertainty
 
 _OVERLAY_WIDTH_PX = 560
 _MOST_FAILED = 200
+_MOST_PRESSES = 60
+_FIGURES_HELD = 2
 # Of contacts and of sequences each: some twenty kilobytes a picture make a page that still opens.
 _MOST_PICTURES = 240
 
@@ -56,10 +59,14 @@ def write_report(result: StudyResult, out: Path) -> Path:
         undefined=StrictUndefined,
         trim_blocks=True,
     )
-    environment.filters |= {
+    filters: dict[str, Callable[..., Any]] = {
         "flags": lambda codes: in_words(codes, FLAG_WORDS),
+        # Read as the page is written: all together they would take more memory than all rows.
+        "drawing": _drawing,
+        "picture": lambda overlay: _picture(out / overlay),
         "photograph_flags": lambda codes: in_words(codes, {**FLAG_WORDS, **PHOTOGRAPH_FLAGS}),
     }
+    environment.filters |= filters
     environment.globals |= {
         "pm": value_with_uncertainty,
         "two": two_digits,
@@ -67,7 +74,7 @@ def write_report(result: StudyResult, out: Path) -> Path:
     }
     try:
         (out / "figures").mkdir(parents=True, exist_ok=True)
-        page = environment.get_template("report.html.jinja").render(
+        page = environment.get_template("report.html.jinja").stream(
             result=result,
             failed=result.failed_contacts,
             most_failed=_MOST_FAILED,
@@ -82,16 +89,19 @@ def write_report(result: StudyResult, out: Path) -> Path:
             ],
             velocities=_drawn(velocity_plots(result.curves), out),
             photographs=[
-                (finger.name, photograph, _picture(photograph.overlay, out))
+                (finger.name, photograph)
                 for finger in result.fingers.values()
                 for photograph in finger.photographs
             ],
             sequences=_sequences(result, out),
+            most_presses=_MOST_PRESSES,
             synthetic=bool(result.rows.column("synthetic").any()),
             certain=bool(result.study.uncertainty.model_fields_set),
         )
-        path = out / "report.html"
-        path.write_text(page, encoding="utf-8")
+        page.enable_buffering()
+        with (out / "report.html.part").open("w", encoding="utf-8") as file:
+            file.writelines(page)
+        path = (out / "report.html.part").replace(out / "report.html")
     except OSError as error:
         raise FingerpadError(f"{error.filename}: cannot be written ({error.strerror})") from error
     return path
@@ -108,6 +118,7 @@ def _group(
     doubtful = contacts.at(contacts.column("flags") != "")
     overlays = contacts.at(contacts.known("overlay"))
     deepest = rows.column("indentation_over_thickness")
+    gc.collect()  # as in _sequences
     return {
         "summary": summary,
         "contacts": len(contacts),
@@ -122,10 +133,7 @@ def _group(
         "deepest": float(np.nanmax(deepest, initial=0.0)),
         "range_notes": [(RANGE_NOTES[code], notes[code], len(rows)) for code in RANGE_NOTES if notes[code]],
         "pictures": len(overlays),
-        "overlays": [
-            (row, _picture(row["overlay"], out))
-            for row in thinned(overlays, _share(_MOST_PICTURES, len(result.summaries)))
-        ],
+        "overlays": thinned(overlays, _share(_MOST_PICTURES, len(result.summaries))),
     }
 
 
@@ -141,19 +149,26 @@ def _sequences(result: StudyResult, out: Path) -> list[dict[str, Any]]:
     doubts: dict[str, list[tuple[int, str]]] = {}
     for name, count, words in doubtful_frames(result):
         doubts.setdefault(name, []).append((count, words))
-    pictures = _share(_MOST_PICTURES, len(result.sequences))
-    return [
-        {
-            "film": film,
-            "synthetic": bool(frames.column("synthetic").any()),
-            "figures": _drawn(press_plot(film, frames), out),
-            "pooled": int(frames.column("pooled").sum()),
-            "exponent": area_exponent(frames),
-            "doubts": doubts.get(film.manifest.name, ()),
-            "overlays": [(overlay, _picture(overlay.file, out)) for overlay in film.overlays[:pictures]],
-        }
-        for film, frames in zip(result.sequences, result.frames(), strict=True)
-    ]
+    shown = []
+    films = list(zip(result.sequences, result.frames(), strict=True))
+    drawn = set(np.linspace(0, len(films) - 1, min(len(films), _MOST_PRESSES)).round().astype(int).tolist())
+    pictures = _share(_MOST_PICTURES, len(films))
+    for number, (film, frames) in enumerate(films):
+        figures = _drawn(press_plot(film, frames), out) if number in drawn else []
+        shown.append(
+            {
+                "film": film,
+                "synthetic": bool(frames.column("synthetic").any()),
+                "figures": figures,
+                "pooled": int(frames.column("pooled").sum()),
+                "exponent": area_exponent(frames),
+                "doubts": doubts.get(film.manifest.name, ()),
+                "overlays": film.overlays[:pictures],
+            }
+        )
+        if number % _FIGURES_HELD == 0:
+            gc.collect()  # a drawn figure and its ten megabytes of pixels go in circles
+    return shown
 
 
 def _share(whole: int, count: int) -> int:
@@ -161,19 +176,26 @@ def _share(whole: int, count: int) -> int:
     return max(1, whole // max(count, 1))
 
 
-def _drawn(plots: Iterable[Plot], out: Path) -> list[dict[str, str]]:
-    """Save each plot as files, and return it as SVG for the page."""
-    drawn = []
-    for plot in plots:
-        file, _ = save_figure(plot.figure, out / "figures" / plot.name, description=plot.caption)
-        _, _, drawing = file.read_text(encoding="utf-8").partition("\n")  # without the XML declaration
-        drawn.append({"svg": Markup(drawing), "caption": plot.caption})  # noqa: S704 (drawn here)
-    return drawn
+def _drawn(plots: Iterable[Plot], out: Path) -> list[dict[str, Any]]:
+    """Save each plot as files, and return its SVG and caption for the page."""
+    return [
+        {
+            "file": save_figure(plot.figure, out / "figures" / plot.name, description=plot.caption)[0],
+            "caption": plot.caption,
+        }
+        for plot in plots
+    ]
 
 
-def _picture(overlay: str, out: Path) -> str:
+def _drawing(file: Path) -> Markup:
+    """Return a drawing as an element of the page."""
+    _, _, drawing = file.read_text(encoding="utf-8").partition("\n")  # without the XML declaration
+    return Markup(drawing)  # noqa: S704 (drawn here)
+
+
+def _picture(overlay: Path) -> str:
     """Return an overlay, small enough to travel in the page, as a data URL."""
-    with Image.open(out / overlay) as picture:
+    with Image.open(overlay) as picture:
         picture.thumbnail((_OVERLAY_WIDTH_PX, 2 * _OVERLAY_WIDTH_PX))
         buffer = io.BytesIO()
         picture.convert("RGB").save(buffer, "JPEG", quality=85)
