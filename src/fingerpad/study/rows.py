@@ -49,7 +49,6 @@ _OF_THE_PICTURE: Final = (
     "frame",
     "time_s",
     "phase",
-    "scale",
     "mm_per_px",
     "mm_per_px_std",
     "orientation_deg",
@@ -221,6 +220,7 @@ def _described(
         "image": (
             contact.image if isinstance(contact, Observation) else contact.path for contact in contacts
         ),
+        "scale": (one.scale for one in measured),
         "overlay": (one.overlay for one in measured),
         "long_axis": (one.long_axis if one.reason is None else None for one in measured),
     }
