@@ -16,7 +16,7 @@ from fingerpad.study.columns import COLUMNS
 from fingerpad.study.export import export_results
 from fingerpad.study.output import write_tables
 from fingerpad.study.pipeline import run_study
-from fingerpad.study.table import TEXT, TRUTHS, Column
+from fingerpad.study.results import TEXT, TRUTHS, Column
 
 STUDY = """
 title = "Two presses, é"

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from scipy import io
 
 from fingerpad.exceptions import FingerpadError
-from fingerpad.study.table import COUNTS, TEXT, TRUTHS, ResultsTable
+from fingerpad.study.results import COUNTS, TEXT, TRUTHS, ResultsTable
 
 # What MATLAB takes as the name of a field.
 _MATLAB_NAME: Final = re.compile(r"[A-Za-z]\w{0,62}", re.ASCII)

@@ -1,6 +1,6 @@
 """The whole way of a study, from its manifest to rows and summaries."""
 
-from collections.abc import Callable, Container
+from collections.abc import Callable, Container, Iterable
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -15,14 +15,14 @@ from fingerpad.study.hands import hands_for
 from fingerpad.study.manifest import Contact, Study, manifest_in, read_study
 from fingerpad.study.measure import Measurement
 from fingerpad.study.measuring import drawn_for, faces_of, film_results, measure_study, measurements
-from fingerpad.study.model import pad_inputs
 from fingerpad.study.progress import Progress
 from fingerpad.study.provenance import provenance
-from fingerpad.study.rows import Row, make_rows
+from fingerpad.study.rows import Heaviest, make_rows
 from fingerpad.study.scales import FoundScale, named_scales
 from fingerpad.study.sequences import SequenceResult
 from fingerpad.study.store import STORE_NAME, Store
 from fingerpad.study.summary import Summary, summaries
+from fingerpad.study.table import Table
 from fingerpad.study.tasks import Keys
 
 # What a run writes into its output folder.
@@ -51,7 +51,7 @@ class StudyResult:
         The study folder.
     fingers : dict of str to FingerResult
         Semi-axes by finger.
-    rows : list of Row
+    rows : Table
         One per observation, and one per frame in contact of a sequence.
     sequences : list of SequenceResult
         One per sequence.
@@ -70,7 +70,7 @@ class StudyResult:
     study: Study
     folder: Path
     fingers: dict[str, FingerResult]
-    rows: list[Row]
+    rows: Table
     sequences: list[SequenceResult]
     scales: dict[str, FoundScale | str]
     summaries: list[Summary]
@@ -91,13 +91,19 @@ class StudyResult:
     @property
     def failed_contacts(self) -> list[tuple[str, str]]:
         """Names of contacts that failed, with the reason; the frames of a sequence in one line."""
-        failed = [row for row in self.rows if row["status"] == "failed"]
-        lines = [(row["observation"], row["reason"]) for row in failed if row["frame"] is None]
-        for name in dict.fromkeys(row["sequence"] for row in failed if row["frame"] is not None):
-            frames = [row for row in failed if row["sequence"] == name and row["frame"] is not None]
-            many = "1 frame" if len(frames) == 1 else f"{len(frames)} frames; the first:"
-            lines.append((name, f"{many} {frames[0]['frame']}: {frames[0]['reason']}"))
+        failed = self.rows.at(self.rows.column("status") == "failed")
+        frames = failed.known("frame")
+        lines = [(row["observation"], row["reason"]) for row in failed.at(~frames)]
+        for (name,), film in failed.at(frames).by("sequence").items():
+            first = film[0]
+            many = "1 frame" if len(film) == 1 else f"{len(film)} frames; the first:"
+            lines.append((name, f"{many} {first['frame']}: {first['reason']}"))
         return lines
+
+    def frames(self) -> list[Table]:
+        """Return the rows of frames of each of `sequences`."""
+        films = self.rows.at(self.rows.known("frame")).by("sequence")
+        return [films.get((film.manifest.name,), self.rows[:0]) for film in self.sequences]
 
 
 def run_study(
@@ -156,19 +162,48 @@ def run_study(
             for finger in study.fingers
         }
         films = film_results(keys, store)
-        seen = list(measurements(keys, scales, store, films))
         _remove_other_pictures(out, drawn_for(study, store))
+        return result_of(
+            study,
+            folder,
+            fingers=fingers,
+            scales=scales,
+            seen=measurements(keys, scales, store, films),
+            sequences=films,
+            origin=origin,
+        )
+
+
+def result_of(
+    study: Study,
+    folder: Path,
+    *,
+    fingers: dict[str, FingerResult],
+    scales: dict[str, FoundScale | str],
+    seen: Iterable[tuple[Contact, Measurement]],
+    sequences: list[SequenceResult],
+    origin: dict[str, Any],
+) -> StudyResult:
+    """Return what a study comes to, once everything is measured: rows, summaries and loading curves.
+
+    Parameters
+    ----------
+    study, folder, fingers, scales, sequences, origin
+        As `StudyResult` has them, `origin` its provenance.
+    seen : iterable of (Contact, Measurement)
+        All measurements in the manifest's order; gone through once, a thousand held at a time.
+    """
     rows = make_rows(study, fingers, seen)
     found = summaries(rows)
     return StudyResult(
         study=study,
         folder=folder,
         fingers=fingers,
-        rows=rows.rows,
-        sequences=films,
+        rows=rows.table,
+        sequences=sequences,
         scales=scales,
         summaries=found,
-        checks=_checks(found, study, fingers, seen),
+        checks=[_check(rows.heaviest.get(summary.key)) for summary in found],
         curves=[
             curve_result(curve, fingers[curve.finger], study.poisson_ratio, folder) for curve in study.curves
         ],
@@ -176,23 +211,8 @@ def run_study(
     )
 
 
-def _checks(
-    found: list[Summary],
-    study: Study,
-    fingers: dict[str, FingerResult],
-    seen: list[tuple[Contact, Measurement]],
-) -> list[UncertaintyCheck | None]:
-    """Return a check of the heaviest contact that counts in each summary."""
-    heaviest = [next((row for row in reversed(summary.rows) if row["pooled"]), None) for summary in found]
-    wanted = {row["observation"] for row in heaviest if row is not None}
-    checked = {
-        measured.name: UncertaintyCheck.of(
-            measured.name, pad_inputs(study, contact, fingers[contact.finger], measured)
-        )
-        for contact, measured in seen
-        if measured.name in wanted
-    }
-    return [None if row is None else checked[row["observation"]] for row in heaviest]
+def _check(heaviest: Heaviest | None) -> UncertaintyCheck | None:
+    return None if heaviest is None else UncertaintyCheck.of(heaviest.observation, heaviest.inputs)
 
 
 def _refuse_to_overwrite(inputs: list[str], folder: Path, out: Path) -> None:

@@ -1,202 +1,197 @@
-"""The table of a finished run, read back from results.csv with types, units and meanings."""
+"""Rows of results kept by column: a study may have a hundred thousand."""
 
-import csv
-import json
-import math
-import re
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
-from dataclasses import dataclass
-from itertools import islice
-from pathlib import Path
-from typing import Any, Final, Self, TextIO
+from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
+from math import isnan
+from typing import Any, Final, TypeAlias, overload
 
 import numpy as np
 import numpy.typing as npt
 
-from fingerpad.exceptions import FingerpadError
+from fingerpad._arrays import BoolArray
+from fingerpad.study.columns import COLUMNS, COUNTS, TRUTHS, WORDS
 
-# What a column holds follows from its name; all others are numbers.
-TEXT: Final = frozenset((
-    "observation", "finger", "person", "status", "reason", "flags", "measured_by", "range_notes", "sequence",
-    "phase", "image", "scale", "long_axis", "predicted_long_axis", "overlay",
-))  # fmt: skip
-TRUTHS: Final = frozenset(("synthetic", "pooled"))
-COUNTS: Final = frozenset(("frame",))
+Row: TypeAlias = dict[str, Any]
+Column: TypeAlias = npt.NDArray[Any]
+Places: TypeAlias = npt.NDArray[np.intp]
 
-_STD: Final = re.compile(r"_std(_given_geometry)?$")
-_UNITS: Final = {
-    "mm_per_px": "mm/px", "mm2": "mm2", "mm": "mm", "N": "N", "s": "s", "deg": "deg", "kpa": "kPa",
-    "px": "px",
-}  # fmt: skip
-_ROWS_AT_ONCE: Final = 5000
-_RERUN: Final = "run the study again: nothing that was measured is measured anew"
+# Stands for a count that is not known, as NaN does for a float and None for a word.
+UNKNOWN_COUNT: Final = -1
+_AT_ONCE: Final = 1000
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Column:
-    """A column of the table.
+class Table(Sequence[Row]):
+    """Rows of `COLUMNS`, each column one array; a row is a dict made when it is asked for.
 
-    Attributes
-    ----------
-    name : str
-        As in ``results.csv``.
-    meaning : str
-        What it holds, in words.
+    In a row what is not known is None. In a column it is NaN among floats, None among words, and −1 among
+    counts. Some rows of a table (`at`, a slice, `by`) are a table that shares the columns.
+
+    Examples
+    --------
+    >>> builder = TableBuilder()
+    >>> builder.add({name: column_of(name, ["a", None]) for name in ("observation", "reason")})
+    >>> builder.add({"observation": column_of("observation", ["b"]), "load_N": np.array([2.0])})
+    >>> table = builder.table()
+    >>> table[2]["observation"], table[2]["load_N"], table[2]["frame"]
+    ('b', 2.0, None)
+    >>> table.column("load_N")
+    array([nan, nan,  2.])
     """
 
-    name: str
-    meaning: str
+    __slots__ = ("_columns", "_places")
 
-    @property
-    def unit(self) -> str:
-        """Its unit: empty for words and truths, ``1`` for pure numbers and counts.
+    def __init__(self, columns: Mapping[str, Column], places: Places) -> None:
+        self._columns = columns
+        self._places = places
 
-        Examples
-        --------
-        >>> Column(name="youngs_modulus_kpa_std", meaning="").unit
-        'kPa'
-        """
-        if self.name in TEXT | TRUTHS:
-            return ""
-        name = _STD.sub("", self.name)
-        return next((unit for end, unit in _UNITS.items() if name == end or name.endswith(f"_{end}")), "1")
+    def __len__(self) -> int:
+        return self._places.size
 
-    @property
-    def description(self) -> str:
-        """Its meaning, which names the column that a standard uncertainty belongs to."""
-        own = self.meaning == "its standard uncertainty"
-        return f"standard uncertainty of {_STD.sub('', self.name)}" if own else self.meaning
+    @overload
+    def __getitem__(self, place: int) -> Row: ...
+    @overload
+    def __getitem__(self, place: slice) -> "Table": ...
+    def __getitem__(self, place: int | slice) -> "Row | Table":
+        if isinstance(place, slice):
+            return self.at(np.arange(len(self))[place])
+        index = self._places[place]
+        return {name: _items(name, column[index, None])[0] for name, column in self._columns.items()}
 
+    def __iter__(self) -> Iterator[Row]:
+        for some in self.batches():
+            columns = (_items(name, some.column(name)) for name in self._columns)
+            for values in zip(*columns, strict=True):
+                yield dict(zip(self._columns, values, strict=True))
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ResultsTable:
-    """The results of a finished run, read in batches of rows so that memory stays flat.
-
-    Attributes
-    ----------
-    folder : Path
-        The output folder.
-    columns : tuple of Column
-        In the order of ``results.csv``.
-    title : str
-        The study's title.
-    version : str
-        The fingerpad that made it.
-    """
-
-    folder: Path
-    columns: tuple[Column, ...]
-    title: str
-    version: str
-
-    @classmethod
-    def of(cls, folder: Path) -> Self:
-        """Open the output folder of a finished run.
-
-        Raises
-        ------
-        FingerpadError
-            If the folder holds no finished run, or its files do not belong together.
-        """
-        meanings = dict(_pairs(folder / "results_columns.csv"))
-        with _opened(folder / "results.csv") as file:
-            header = next(csv.reader(file), [])
-        if not header or set(header) - set(meanings) or len(set(header)) < len(header):
-            raise FingerpadError(
-                f"{folder / 'results.csv'}: its columns are not those of results_columns.csv; {_RERUN}"
-            )
-        summary = read_summary(folder)
-        return cls(
-            folder=folder,
-            columns=tuple(Column(name=name, meaning=meanings[name]) for name in header),
-            title=str(summary["title"]),
-            version=str(summary["provenance"]["fingerpad"]),
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Table):
+            return NotImplemented
+        return len(self) == len(other) and all(
+            _items(name, self.column(name)) == _items(name, other.column(name)) for name in self._columns
         )
 
-    def batches(self) -> Iterator[dict[str, npt.NDArray[Any]]]:
-        """Yield the rows in batches: each column as an array.
+    __hash__ = None  # type: ignore[assignment]
 
-        Text is an object array with None for empty cells; a truth is bool; all else is float, NaN for empty
-        cells. There is one batch at least, so that a table without rows keeps its columns.
+    def __repr__(self) -> str:
+        return f"<Table of {len(self)} rows>"
 
-        Raises
-        ------
-        FingerpadError
-            If a row has a cell too few or too many, as a file cut short has, or a cell of the wrong kind.
-        """
-        path = self.folder / "results.csv"
-        with _opened(path) as file:
-            reader = csv.reader(file)
-            next(reader)
-            rows = list(islice(reader, _ROWS_AT_ONCE))
-            while True:
-                yield self._arrays(rows, path, reader.line_num)
-                rows = list(islice(reader, _ROWS_AT_ONCE))
-                if not rows:
-                    return
+    @property
+    def places(self) -> Places:
+        """Where the rows stand in the table that they are of."""
+        return self._places
 
-    def _arrays(self, rows: Sequence[Sequence[str]], path: Path, line: int) -> dict[str, npt.NDArray[Any]]:
-        if any(len(row) != len(self.columns) for row in rows):
-            raise FingerpadError(
-                f"{path}, before line {line}: a row has more or fewer cells than the header; {_RERUN}"
-            )
-        cells = zip(*rows, strict=True) if rows else ([] for _ in self.columns)
-        try:
-            return {
-                column.name: _typed(column.name, list(some))
-                for column, some in zip(self.columns, cells, strict=True)
-            }
-        except (ValueError, KeyError) as error:
-            raise FingerpadError(
-                f"{path}, before line {line}: a cell that is no number or no truth ({error}); {_RERUN}"
-            ) from error
+    def column(self, name: str) -> Column:
+        """Return one column: floats, counts (int), truths (bool) or words (object)."""
+        return self._columns[name][self._places]
+
+    def known(self, name: str) -> BoolArray:
+        """Return where a column is known."""
+        column = self.column(name)
+        if name in WORDS:
+            return np.array([item is not None for item in column], dtype=bool)
+        return np.asarray(column != UNKNOWN_COUNT if name in COUNTS else ~np.isnan(column))
+
+    def at(self, places: Places | BoolArray) -> "Table":
+        """Return some rows, by their places or by truths."""
+        return Table(self._columns, self._places[places])
+
+    def by(self, *names: str) -> dict[tuple[Any, ...], "Table"]:
+        """Return the rows with the same values in some columns, in the order in which they first come."""
+        groups: dict[tuple[Any, ...], list[int]] = {}
+        columns = (_items(name, self.column(name)) for name in names)
+        for place, values in enumerate(zip(*columns, strict=True)):
+            groups.setdefault(values, []).append(place)
+        return {values: self.at(np.array(places)) for values, places in groups.items()}
+
+    def batches(self, size: int = _AT_ONCE) -> Iterator["Table"]:
+        """Yield all rows, some at a time."""
+        for start in range(0, len(self), size):
+            yield self[start : start + size]
 
 
-def read_summary(folder: Path) -> dict[str, Any]:
-    """Return the content of a finished run's ``summary.json``.
+class GrowingArray:
+    """An array that is added to at its end, in place: lists of parts would be held twice when joined."""
 
-    Raises
-    ------
-    FingerpadError
-        If there is none, or it is none.
+    def __init__(self, empty: Column) -> None:
+        self._array, self._size = empty, 0
+
+    def add(self, more: Column) -> None:
+        """Add items."""
+        size = self._size + len(more)
+        if size > len(self._array):
+            grown = np.empty((max(size, 2 * len(self._array)), *more.shape[1:]), dtype=self._array.dtype)
+            grown[: self._size] = self._array[: self._size]
+            self._array = grown
+        self._array[self._size : size] = more
+        self._size = size
+
+    @property
+    def array(self) -> Column:
+        """All items."""
+        return self._array[: self._size]
+
+
+class TableBuilder:
+    """Gathers a table from batches of rows."""
+
+    def __init__(self) -> None:
+        self._columns = {name: GrowingArray(unknown(name, 0)) for name in COLUMNS}
+        self._words: dict[str | None, str | None] = {}
+
+    def add(self, batch: Mapping[str, Column]) -> None:
+        """Add rows, given by column; a column that is not named is not known."""
+        size = len(next(iter(batch.values())))
+        for name, grown in self._columns.items():
+            column = batch.get(name)
+            if column is None:
+                column = unknown(name, size)
+            elif name in WORDS:  # each word is kept once
+                column = column_of(name, (self._words.setdefault(word, word) for word in column))
+            grown.add(column)
+
+    def table(self) -> Table:
+        """Return all rows."""
+        columns = {name: grown.array for name, grown in self._columns.items()}
+        return Table(columns, np.arange(len(columns["observation"])))
+
+
+def column_of(name: str, items: Iterable[Any]) -> Column:
+    """Return the items of rows as a column."""
+    listed = list(items)
+    if name in WORDS:
+        column = np.empty(len(listed), dtype=object)
+        column[:] = listed
+        return column
+    if name in COUNTS:
+        return np.array([UNKNOWN_COUNT if item is None else item for item in listed], dtype=np.int64)
+    return np.array(listed, dtype=bool if name in TRUTHS else np.float64)
+
+
+def numbered(items: Iterable[Hashable]) -> Places:
+    """Return a number for each item, the same for the same, counted from 0 in the order of coming.
+
+    Examples
+    --------
+    >>> numbered(["b", "a", "b"])
+    array([0, 1, 0])
     """
-    path = folder / "summary.json"
-    try:
-        with _opened(path) as file:
-            summary = json.load(file)
-    except (ValueError, RecursionError) as error:
-        raise FingerpadError(f"{path}: cannot be read as JSON ({error}); {_RERUN}") from error
-    if not isinstance(summary, dict) or not {"title", "fingers", "summaries", "provenance"} <= summary.keys():
-        raise FingerpadError(f"{path}: is no summary of a study that was run; {_RERUN}")
-    return summary
+    numbers: dict[Hashable, int] = {}
+    return np.array([numbers.setdefault(item, len(numbers)) for item in items], dtype=np.intp)
 
 
-def _typed(name: str, cells: list[str]) -> npt.NDArray[Any]:
-    if name in TEXT:
-        return np.array([cell or None for cell in cells], dtype=object)
+def unknown(name: str, size: int) -> Column:
+    """Return a column of which nothing is known."""
+    if name in WORDS:
+        return np.full(size, None, dtype=object)
     if name in TRUTHS:
-        return np.array([{"true": True, "false": False}[cell] for cell in cells], dtype=bool)
-    return np.array([float(cell) if cell else math.nan for cell in cells], dtype=np.float64)
+        return np.zeros(size, dtype=bool)
+    return np.full(size, UNKNOWN_COUNT) if name in COUNTS else np.full(size, np.nan)
 
 
-def _pairs(path: Path) -> Iterator[tuple[str, str]]:
-    with _opened(path) as file:
-        rows = csv.reader(file)
-        next(rows, None)
-        yield from ((row[0], row[1]) for row in rows if len(row) > 1)
-
-
-@contextmanager
-def _opened(path: Path) -> Iterator[TextIO]:
-    """Open a file of a run's output."""
-    try:
-        with path.open(newline="", encoding="utf-8") as file:
-            yield file
-    except FileNotFoundError:
-        raise FingerpadError(
-            f"{path.parent}: no {path.name} there, so no finished run; "
-            "`fingerpad run STUDY --out FOLDER` makes one"
-        ) from None
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise FingerpadError(f"{path}: cannot be read ({error})") from error
+def _items(name: str, column: Column) -> list[Any]:
+    """Return a column as it stands in rows: None for what is not known."""
+    items: list[Any] = column.tolist()
+    if name in WORDS or name in TRUTHS:
+        return items
+    if name in COUNTS:
+        return [None if item == UNKNOWN_COUNT else item for item in items]
+    return [None if isnan(item) else item for item in items]
