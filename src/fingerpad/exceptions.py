@@ -48,5 +48,9 @@ class EditConflict(StoreError):  # noqa: N818 (it is no fault)
     """Someone else edited the study in the meantime."""
 
 
+class ClusterError(FingerpadError):
+    """A scheduler or its workers that cannot be used."""
+
+
 class ManifestError(FingerpadError, ValueError):
     """A study manifest that cannot be acted upon."""
