@@ -131,33 +131,6 @@ def test_a_study_that_travels_gives_the_same_results_and_measures_nothing_anew(c
     assert (tmp_path / "elsewhere/brought/results/results.csv").read_bytes() == before
 
 
-def test_a_correction_makes_a_result_stale_and_the_next_run_takes_it(client):
-    run_of(client)
-    before = {row["item"]: row for row in client.get("/api/results/rows").json()["rows"]}
-    assert {one["status"] for one in client.get("/api/study").json()["observations"]} == {"done"}
-    one = client.post("/api/measure/contact", json={"item": "o2"}).json()
-    row, column = one["ellipse_px"]["centre"]
-    stroke = {"action": "remove", "points_px": [[row - 110, column]], "radius_px": 40}
-    body = {"item": "o2", "expected": 0, "who": "ada", "change": {"strokes": [stroke]}}
-    assert client.post("/api/corrections", json=body).status_code == 201
-    state = client.get("/api/study").json()
-    assert {one["item"]: one["status"] for one in state["observations"]} == {
-        "o1": "done",
-        "o2": "stale",
-        "o4": "done",
-    }
-    assert not state["results"]["fresh"]
-    assert (
-        client.get("/api/results/rows").json()["rows"][1]["gross_area_mm2"] == before["o2"]["gross_area_mm2"]
-    )
-    seen = client.post("/api/measure/contact", json={"item": "o2"}).json()["numbers"]
-    run_of(client)
-    after = {row["item"]: row for row in client.get("/api/results/rows").json()["rows"]}
-    assert after["o2"]["gross_area_mm2"] == pytest.approx(seen["gross_area_mm2"])
-    assert after["o2"]["gross_area_mm2"] < before["o2"]["gross_area_mm2"]
-    assert after["o1"] == before["o1"]
-
-
 def test_what_the_page_shows_is_what_the_run_finds(client):
     live = client.post("/api/measure/contact", json={"item": "o2"}).json()
     run_of(client)
