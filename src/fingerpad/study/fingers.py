@@ -1,8 +1,9 @@
 """The fingers of a study: semi-axes as given, or measured in photographs of the faces or their outlines."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -15,11 +16,13 @@ from fingerpad.image import (
     OutlineSemiAxes,
     combine_faces,
     face_from_outline,
-    measure_photograph,
     read_colour_image,
     read_outline,
     write_photograph_overlay,
 )
+from fingerpad.study.changes import PhotographCorrection
+from fingerpad.study.corrected import corrected_photograph
+from fingerpad.study.corrections import Ruling
 from fingerpad.study.manifest import Finger, Photograph
 from fingerpad.study.scales import FoundScale, find_scale
 from fingerpad.study.words import in_study
@@ -59,7 +62,7 @@ class FingerResult:
     name : str
         The finger.
     person : str or None
-        Whose finger it is, where the manifest says.
+        Whose it is, where that is said.
     semi_axes : ndarray, shape (3,)
         Palmar, distal, radial–ulnar, mm; NaN where they could not be had.
     covariance : ndarray, shape (3, 3)
@@ -85,33 +88,36 @@ class FingerResult:
     semi_axes: FloatArray
     covariance: FloatArray
     source: str
-    person: str | None = None
     outlines: OutlineSemiAxes | None = None
     photographs: tuple[PhotographResult, ...] = ()
     scale: str | None = None
     pad_thickness: float | None = None
     synthetic: bool = False
     reason: str | None = None
+    person: str | None = None
 
 
 def finger_result(
     finger: Finger,
     scales: Mapping[str, FoundScale | str],
     folder: Path,
-    measured: Mapping[int, Mapping[str, Any]],
+    measured: Mapping[str, Mapping[str, Any]],
+    rulings: Mapping[str, Ruling] = MappingProxyType({}),
 ) -> FingerResult:
     """Return a finger's semi-axes; a photograph or outline that cannot be used costs this finger only.
 
     Parameters
     ----------
     finger : Finger
-        What the manifest says of it.
+        Its table of the manifest.
     scales : mapping
         The study's named scales.
     folder : Path
         The study folder.
     measured : mapping
-        What `face_record` found in each photograph, by its place in the list.
+        What `face_record` found in each photograph, by its item.
+    rulings : mapping
+        What people corrected, by item: photographs that they rejected are left out.
     """
     common: dict[str, Any] = {
         "name": finger.name,
@@ -128,14 +134,12 @@ def finger_result(
             **common,
         )
     try:
-        shared = _shared_scale(finger, scales, folder)
-        scale_std = shared.scale.relative_std if shared else 0.0
         seen = [
-            _face(photograph, scales, folder, measured.get(number))
-            for number, photograph in enumerate(finger.photographs)
+            _face(photograph, scales, folder, measured.get(item))
+            for photograph in finger.photographs
+            if not is_rejected(rulings.get(item := photograph_item(finger, photograph)))
         ]
-        faces = [replace(face, relative_scale_std=0.0) if shared else face for face, _ in seen]
-        combined = combine_faces(faces)
+        joint = joint_semi_axes([face for face, _ in seen], shared_scale(finger, scales, folder))
     except FingerpadError as error:
         return FingerResult(
             semi_axes=np.full(3, np.nan),
@@ -144,21 +148,60 @@ def finger_result(
             reason=in_study(f"finger {finger.name}: {error}", folder),
             **common,
         )
-    freedom = combined.degrees_of_freedom
-    widening = max(1.0, combined.chi_square / freedom) if freedom else 1.0
-    semi_axes = np.array([combined.palmar, combined.distal, combined.radial_ulnar])
     return FingerResult(
-        semi_axes=semi_axes,
-        covariance=widening * combined.covariance + scale_std**2 * np.outer(semi_axes, semi_axes),
+        semi_axes=joint.semi_axes,
+        covariance=joint.covariance,
         source="photographs",
-        scale=shared.name if shared else None,
-        outlines=combined,
+        scale=joint.scale,
+        outlines=joint.outlines,
         photographs=tuple(result for _, result in seen if result is not None),
         **common,
     )
 
 
-def _shared_scale(finger: Finger, scales: Mapping[str, FoundScale | str], folder: Path) -> FoundScale | None:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class JointSemiAxes:
+    """Semi-axes from several faces.
+
+    Attributes
+    ----------
+    semi_axes, covariance, scale, outlines
+        As of `FingerResult`.
+    """
+
+    semi_axes: FloatArray
+    covariance: FloatArray
+    scale: str | None
+    outlines: OutlineSemiAxes
+
+
+def joint_semi_axes(faces: Sequence[FaceSemiAxes], shared: FoundScale | None) -> JointSemiAxes:
+    """Combine what faces show; `shared` is the scale that all their photographs share.
+
+    Raises
+    ------
+    FitError
+        If no face shows one of the semi-axes.
+    """
+    scale_std = shared.scale.relative_std if shared else 0.0
+    combined = combine_faces(replace(face, relative_scale_std=0.0) if shared else face for face in faces)
+    freedom = combined.degrees_of_freedom
+    widening = max(1.0, combined.chi_square / freedom) if freedom else 1.0
+    semi_axes = np.array([combined.palmar, combined.distal, combined.radial_ulnar])
+    return JointSemiAxes(
+        semi_axes=semi_axes,
+        covariance=widening * combined.covariance + scale_std**2 * np.outer(semi_axes, semi_axes),
+        scale=shared.name if shared else None,
+        outlines=combined,
+    )
+
+
+def photograph_item(finger: Finger, photograph: Photograph) -> str:
+    """Return the name under which a photograph is corrected."""
+    return f"{finger.name}/{photograph.image or photograph.outline}"
+
+
+def shared_scale(finger: Finger, scales: Mapping[str, FoundScale | str], folder: Path) -> FoundScale | None:
     """Return the named scale that all photographs of a finger share, None where they do not."""
     keys = {
         photograph.scale if isinstance(photograph.scale, str) else None for photograph in finger.photographs
@@ -167,14 +210,34 @@ def _shared_scale(finger: Finger, scales: Mapping[str, FoundScale | str], folder
     return None if name is None or keys else find_scale(name, scales, folder)
 
 
+def is_rejected(ruling: Ruling | None) -> bool:
+    """Tell whether a person rejected an item."""
+    return ruling is not None and ruling.change.rejected is not None
+
+
 def face_record(
-    photograph: Photograph,
-    overlay: str,
-    scales: Mapping[str, FoundScale | str],
     folder: Path,
     out: Path,
+    *,
+    photograph: Photograph,
+    correction: PhotographCorrection | None,
+    overlay: str,
+    scales: Mapping[str, FoundScale | str],
 ) -> dict[str, Any]:
     """Measure one photograph of a finger and draw it, and return what was found as plain values.
+
+    Parameters
+    ----------
+    folder, out : Path
+        The study folder, and the one to draw into.
+    photograph : Photograph
+        What the manifest says of it.
+    correction : PhotographCorrection or None
+        What a person wants of it.
+    overlay : str
+        Picture to draw, relative to `out`.
+    scales : mapping
+        The study's named scales.
 
     Raises
     ------
@@ -185,15 +248,7 @@ def face_record(
     assert photograph.scale is not None
     scale = find_scale(photograph.scale, scales, folder)
     pixels = read_colour_image(folder / photograph.image)
-    window = photograph.region_of_interest_px
-    found = measure_photograph(
-        pixels,
-        photograph.face,
-        scale.scale,
-        tip=photograph.tip,
-        palmar=photograph.palmar_side,
-        region_of_interest=None if window is None else (window[0], window[1], window[2], window[3]),
-    )
+    found = corrected_photograph(pixels, photograph, scale.scale, correction)
     make_folder((out / overlay).parent)
     write_photograph_overlay(
         out / overlay, pixels, found, label="synthetic" if photograph.synthetic else None

@@ -18,7 +18,8 @@ from fingerpad.exceptions import FingerpadError
 
 # What a column holds follows from its name; all others are numbers.
 TEXT: Final = frozenset((
-    "observation", "finger", "person", "status", "reason", "flags", "measured_by", "range_notes", "sequence",
+    "observation", "finger", "person", "status", "reason", "flags", "measured_by", "reviewed",
+    "reviewed_by", "range_notes", "sequence",
     "phase", "image", "scale", "long_axis", "predicted_long_axis", "overlay",
 ))  # fmt: skip
 TRUTHS: Final = frozenset(("synthetic", "pooled"))
