@@ -5,14 +5,13 @@ import hashlib
 import json
 import re
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache, partial
 from importlib import resources
 from importlib.resources.abc import Traversable
 from pathlib import Path
 from tempfile import TemporaryDirectory, gettempdir
 from time import perf_counter
-from types import MappingProxyType
 from typing import Any, Final, NamedTuple, TypeAlias
 
 from pydantic import BaseModel
@@ -137,7 +136,7 @@ class Keys:
     study: Study
     folder: Path
     digest: Callable[[Path], str]
-    rulings: Mapping[str, Ruling] = MappingProxyType({})
+    rulings: Mapping[str, Ruling] = field(default_factory=dict)
 
     def edits(self, item: str) -> dict[str, Any]:
         """Return what a person changed in the measurement of an item."""
