@@ -206,9 +206,7 @@ def cost_apart(rows: int) -> Cost:
 
 def rows_at_scale(largest: int = 5) -> list[Cost]:
     """Print and return seconds and memory from 10² rows to 10^`largest`, with the exponent of the cost."""
-    print(
-        "\nAfter measuring: rows and pooling, tables, report of synthetic films; processor time, one process each"
-    )
+    print("\nAfter measuring: model, tables and report of synthetic films; processor time, a process each")
     print("       rows    model   tables   report    total  exponent  peak memory  report.html")
     found: list[Cost] = []
     for power in range(2, largest + 1):
