@@ -29,7 +29,7 @@ EDGE_STD, SCALE_STD = 0.05, 0.01
 
 
 class Cost(NamedTuple):
-    """What the rows of a study cost the process that makes them."""
+    """What the rows of a study cost the process that makes them, by the processor's clock."""
 
     rows: int
     model_s: float
@@ -175,13 +175,13 @@ def cost(rows: int) -> Cost:
     """Make the rows, tables and report of a study in this process, and return what they cost."""
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder)
-        start = time.perf_counter()
+        start = time.process_time()
         result = study_result(rows, out)
-        modelled = time.perf_counter()
+        modelled = time.process_time()
         write_tables(result, out)
-        tabled = time.perf_counter()
+        tabled = time.process_time()
         report = write_report(result, out)
-        done = time.perf_counter()
+        done = time.process_time()
         return Cost(
             rows=rows,
             model_s=modelled - start,
@@ -206,9 +206,7 @@ def cost_apart(rows: int) -> Cost:
 
 def rows_at_scale(largest: int = 5) -> list[Cost]:
     """Print and return seconds and memory from 10² rows to 10^`largest`, with the exponent of the cost."""
-    print(
-        "\nAfter measuring: model, pooling, tables, figures and report of synthetic films, one process each"
-    )
+    print("\nAfter measuring: model, tables and report of synthetic films; processor time, a process each")
     print("       rows    model   tables   report    total  exponent  peak memory  report.html")
     found: list[Cost] = []
     for power in range(2, largest + 1):

@@ -12,11 +12,11 @@ from pyarrow import parquet
 from scipy import io
 
 from fingerpad.exceptions import FingerpadError
-from fingerpad.study.columns import COLUMNS
+from fingerpad.study.columns import COLUMNS, TRUTHS, WORDS
 from fingerpad.study.export import export_results
 from fingerpad.study.output import write_tables
 from fingerpad.study.pipeline import run_study
-from fingerpad.study.results import TEXT, TRUTHS, Column
+from fingerpad.study.results import Column
 
 STUDY = """
 title = "Two presses, é"
@@ -74,7 +74,7 @@ def test_parquet_keeps_values_types_units_and_meanings(results: Path, tmp_path: 
     rows = json.loads((results / "results.json").read_text())
     table = parquet.read_table(tmp_path / "r.parquet")
     assert table.to_pylist() == [
-        {name: row[name] or None if name in TEXT else row[name] for name in row} for row in rows
+        {name: row[name] or None if name in WORDS else row[name] for name in row} for row in rows
     ]
     types = {field.name: str(field.type) for field in table.schema}
     assert types["synthetic"] == types["pooled"] == "bool"
@@ -98,7 +98,7 @@ def test_matlab_keeps_values_units_and_meanings(results: Path, tmp_path: Path) -
     for name in COLUMNS:
         assert len(struct[name]) == len(rows), name  # one line each, as MATLAB's struct2table asks for
         values = [row[name] for row in rows]
-        if name in TEXT:
+        if name in WORDS:
             assert [str(word).rstrip() for word in struct[name]] == [value or "" for value in values]
         else:
             assert struct[name].shape == (3, 1)
@@ -127,7 +127,7 @@ def test_every_column_has_the_unit_that_its_name_says() -> None:
         "indentation_over_thickness",
     }
     without = {name for name in COLUMNS if Column(name=name, meaning="").unit in {"", "1"}}
-    assert without == {name for name in COLUMNS if name in TEXT | TRUTHS} | pure | {"frame"}
+    assert without == {name for name in COLUMNS if name in WORDS | TRUTHS} | pure | {"frame"}
 
 
 def test_many_rows_come_in_batches_and_none_is_lost(results: Path, tmp_path: Path) -> None:

@@ -52,6 +52,7 @@ def test_some_rows_keep_their_places_in_the_whole() -> None:
     films = table.at(table.known("frame")).by("sequence", "finger")
     assert list(films) == [("p", "g"), ("p", "f"), ("q", "f")]
     assert films["q", "f"].places.tolist() == [3]
+    assert films["q", "f"][0] == table[3] == list(table[2:])[1]
     assert table[1:][::-1].column("frame").tolist() == [13, 12, 0]
     assert table[1:].at(np.array([2, 0])).places.tolist() == [3, 1]
     assert np.isnan(table.column("load_N")).tolist() == [False, True, False, False]

@@ -131,6 +131,55 @@ def test_a_study_that_travels_gives_the_same_results_and_measures_nothing_anew(c
     assert (tmp_path / "elsewhere/brought/results/results.csv").read_bytes() == before
 
 
+def test_a_correction_makes_a_result_stale_and_the_next_run_takes_it(client):
+    run_of(client)
+    before = {row["item"]: row for row in client.get("/api/results/rows").json()["rows"]}
+    assert {one["status"] for one in client.get("/api/study").json()["observations"]} == {"done"}
+    one = client.post("/api/measure/contact", json={"item": "o2"}).json()
+    row, column = one["ellipse_px"]["centre"]
+    stroke = {"action": "remove", "points_px": [[row - 110, column]], "radius_px": 40}
+    body = {"item": "o2", "expected": 0, "who": "ada", "change": {"strokes": [stroke]}}
+    assert client.post("/api/corrections", json=body).status_code == 201
+    state = client.get("/api/study").json()
+    assert {one["item"]: one["status"] for one in state["observations"]} == {
+        "o1": "done",
+        "o2": "stale",
+        "o4": "done",
+    }
+    assert not state["results"]["fresh"]
+    assert (
+        client.get("/api/results/rows").json()["rows"][1]["gross_area_mm2"] == before["o2"]["gross_area_mm2"]
+    )
+    seen = client.post("/api/measure/contact", json={"item": "o2"}).json()["numbers"]
+    run_of(client)
+    after = {row["item"]: row for row in client.get("/api/results/rows").json()["rows"]}
+    assert after["o2"]["gross_area_mm2"] == pytest.approx(seen["gross_area_mm2"])
+    assert after["o2"]["gross_area_mm2"] < before["o2"]["gross_area_mm2"]
+    assert after["o1"] == before["o1"]
+    assert (after["o2"]["reviewed_by"], after["o2"]["measured_by"]) == ("ada", "program with corrections")
+    assert client.get("/api/study").json()["results"]["fresh"]
+
+
+def test_what_changes_no_measurement_changes_results_all_the_same(client):
+    """A load or a rejection leaves each item done, and yet the results are no longer those of the study."""
+    run_of(client)
+    state = client.get("/api/study").json()
+    assert state["results"]["fresh"]
+    edits = [{"kind": "observation", "key": "o2", "set": {"load_N": 2.5}}]
+    state = client.post("/api/study/edits", json={"expected": state["digest"], "edits": edits}).json()
+    assert (state["counts"]["done"], state["results"]["fresh"]) == (3, False)
+    run_of(client)
+    assert client.get("/api/study").json()["results"]["fresh"]
+    client.post(
+        "/api/corrections", json={"item": "o4", "expected": 0, "who": "ada", "change": {"rejected": "no"}}
+    )
+    state = client.get("/api/study").json()
+    assert (state["counts"]["done"], state["results"]["fresh"]) == (3, False)
+    run_of(client)
+    rows = {row["item"]: row for row in client.get("/api/results/rows").json()["rows"]}
+    assert (rows["o4"]["status"], rows["o4"]["pooled"], rows["o2"]["load_N"]) == ("rejected", False, 2.5)
+
+
 def test_what_the_page_shows_is_what_the_run_finds(client):
     live = client.post("/api/measure/contact", json={"item": "o2"}).json()
     run_of(client)

@@ -101,6 +101,8 @@ def _print_outcome(result: "StudyResult", report: Path) -> None:
             typer.echo(f"doubtful: {row['observation']}: {', '.join(in_words(row['flags'], FLAG_WORDS))}")
     for name, count, words in doubtful_frames(result):
         typer.echo(f"doubtful: {name}: {words} in {count} of its frames")
+    for note in result.notes:
+        typer.echo(f"note: {note}", err=True)
     for failure in result.failures:
         typer.echo(f"failed: {failure}", err=True)
     typer.echo(f"Report: {report}")

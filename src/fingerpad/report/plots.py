@@ -156,7 +156,7 @@ def press_plot(film: SequenceResult, frames: Table) -> Iterator[Plot]:
     figure, axes = new_figure(width_mm=170, height_mm=110, rows=2, columns=2)
     # All presses in one frame, as eyes go from one to the next; and to find a frame takes as long as to draw.
     figure.set_layout_engine(None)
-    figure.subplots_adjust(left=0.07, right=0.985, bottom=0.085, top=0.945, wspace=0.17, hspace=0.3)
+    figure.subplots_adjust(left=0.08, right=0.985, bottom=0.085, top=0.945, wspace=0.2, hspace=0.3)
     synthetic = bool(rows[0]["synthetic"])
     plot_press(
         axes,

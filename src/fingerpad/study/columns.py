@@ -89,6 +89,8 @@ WORDS: Final = frozenset(
         "reason",
         "flags",
         "measured_by",
+        "reviewed",
+        "reviewed_by",
         "range_notes",
         "sequence",
         "phase",

@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -19,7 +20,9 @@ from fingerpad.image import (
     read_outline,
     write_photograph_overlay,
 )
+from fingerpad.study.changes import PhotographCorrection
 from fingerpad.study.corrected import corrected_photograph
+from fingerpad.study.corrections import Ruling
 from fingerpad.study.manifest import Finger, Photograph
 from fingerpad.study.scales import FoundScale, find_scale
 from fingerpad.study.words import in_study
@@ -59,7 +62,7 @@ class FingerResult:
     name : str
         The finger.
     person : str or None
-        Whose finger it is, where the manifest says.
+        Whose it is, where that is said.
     semi_axes : ndarray, shape (3,)
         Palmar, distal, radial–ulnar, mm; NaN where they could not be had.
     covariance : ndarray, shape (3, 3)
@@ -85,33 +88,36 @@ class FingerResult:
     semi_axes: FloatArray
     covariance: FloatArray
     source: str
-    person: str | None = None
     outlines: OutlineSemiAxes | None = None
     photographs: tuple[PhotographResult, ...] = ()
     scale: str | None = None
     pad_thickness: float | None = None
     synthetic: bool = False
     reason: str | None = None
+    person: str | None = None
 
 
 def finger_result(
     finger: Finger,
     scales: Mapping[str, FoundScale | str],
     folder: Path,
-    measured: Mapping[int, Mapping[str, Any]],
+    measured: Mapping[str, Mapping[str, Any]],
+    rulings: Mapping[str, Ruling] = MappingProxyType({}),
 ) -> FingerResult:
     """Return a finger's semi-axes; a photograph or outline that cannot be used costs this finger only.
 
     Parameters
     ----------
     finger : Finger
-        What the manifest says of it.
+        Its table of the manifest.
     scales : mapping
         The study's named scales.
     folder : Path
         The study folder.
     measured : mapping
-        What `face_record` found in each photograph, by its place in the list.
+        What `face_record` found in each photograph, by its item.
+    rulings : mapping
+        What people corrected, by item: photographs that they rejected are left out.
     """
     common: dict[str, Any] = {
         "name": finger.name,
@@ -129,8 +135,9 @@ def finger_result(
         )
     try:
         seen = [
-            _face(photograph, scales, folder, measured.get(number))
-            for number, photograph in enumerate(finger.photographs)
+            _face(photograph, scales, folder, measured.get(item))
+            for photograph in finger.photographs
+            if not is_rejected(rulings.get(item := photograph_item(finger, photograph)))
         ]
         joint = joint_semi_axes([face for face, _ in seen], shared_scale(finger, scales, folder))
     except FingerpadError as error:
@@ -203,14 +210,34 @@ def shared_scale(finger: Finger, scales: Mapping[str, FoundScale | str], folder:
     return None if name is None or keys else find_scale(name, scales, folder)
 
 
+def is_rejected(ruling: Ruling | None) -> bool:
+    """Tell whether a person rejected an item."""
+    return ruling is not None and ruling.change.rejected is not None
+
+
 def face_record(
-    photograph: Photograph,
-    overlay: str,
-    scales: Mapping[str, FoundScale | str],
     folder: Path,
     out: Path,
+    *,
+    photograph: Photograph,
+    correction: PhotographCorrection | None,
+    overlay: str,
+    scales: Mapping[str, FoundScale | str],
 ) -> dict[str, Any]:
     """Measure one photograph of a finger and draw it, and return what was found as plain values.
+
+    Parameters
+    ----------
+    folder, out : Path
+        The study folder, and the one to draw into.
+    photograph : Photograph
+        What the manifest says of it.
+    correction : PhotographCorrection or None
+        What a person wants of it.
+    overlay : str
+        Picture to draw, relative to `out`.
+    scales : mapping
+        The study's named scales.
 
     Raises
     ------
@@ -221,7 +248,7 @@ def face_record(
     assert photograph.scale is not None
     scale = find_scale(photograph.scale, scales, folder)
     pixels = read_colour_image(folder / photograph.image)
-    found = corrected_photograph(pixels, photograph, scale.scale)
+    found = corrected_photograph(pixels, photograph, scale.scale, correction)
     make_folder((out / overlay).parent)
     write_photograph_overlay(
         out / overlay, pixels, found, label="synthetic" if photograph.synthetic else None

@@ -1,14 +1,15 @@
 """The work on the pictures of a film, each part of it a task of its own."""
 
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from fingerpad._files import make_folder
 from fingerpad.image import (
+    Frame,
     Imprint,
     Reading,
     SequenceSummary,
@@ -19,9 +20,10 @@ from fingerpad.image import (
     survey_frames,
     write_overlay,
 )
-from fingerpad.study.corrected import place_of
+from fingerpad.study.changes import ContactCorrection
+from fingerpad.study.corrected import NOTHING, CorrectedImprint, corrected_imprint, place_of
 from fingerpad.study.manifest import ContactSequence
-from fingerpad.study.measure import from_imprint
+from fingerpad.study.measure import from_imprint, program_columns
 from fingerpad.study.scales import FoundScale
 from fingerpad.study.tasks import Record
 from fingerpad.study.words import in_study
@@ -73,10 +75,13 @@ class Footage:
         What the manifest says of it.
     found : FoundScale
         Its scale, which all its frames share.
+    corrections : mapping of int to ContactCorrection
+        What people want of single frames.
     """
 
     sequence: ContactSequence
     found: FoundScale
+    corrections: Mapping[int, ContactCorrection] = field(default_factory=dict)
 
     def survey(self, piece: tuple[int, int], folder: Path, _out: Path) -> Record:
         """Look at the texture of a piece's frames."""
@@ -103,49 +108,72 @@ class Footage:
     def measure(self, reading: Reading, piece: tuple[int, int], folder: Path, _out: Path) -> Record:
         """Measure the frames of a piece."""
         measured: dict[int, Record] = {}
+        corrected: dict[int, CorrectedImprint] = {}
 
         def keep(index: int, _: object, imprint: Imprint) -> None:
-            record = from_imprint(imprint, self.sequence, self.found)
-            measured[index] = {**record, "covariance": record["covariance"].tolist()}
+            measured[index] = self._record(imprint)
 
-        frames = open_frames(folder / self.sequence.path).between(*piece)
+        def seen(frames: Iterator[Frame]) -> Iterator[Frame]:
+            for frame in frames:
+                if frame.index in self.corrections and frame.pixels is not None:
+                    corrected[frame.index] = self._corrected(frame, reading, folder)
+                yield frame
+
+        frames = seen(open_frames(folder / self.sequence.path).between(*piece))
         place = place_of(self.sequence, folder)
-        results = measure_frames(frames, self.found.scale, reading, watch=keep, **place)
+        results = list(measure_frames(frames, self.found.scale, reading, watch=keep, **place))
+        reasons = {result.index: result.reason for result in results}
+        for index, one in corrected.items():
+            reasons[index] = one.reason
+            measured.pop(index, None)
+            if one.imprint is not None:
+                record = self._record(one.imprint)
+                measured[index] = record | {"columns": record["columns"] | program_columns(one)}
         return {
             "frames": [
                 {
                     "index": result.index,
                     "readable": result.readable,
-                    "reason": result.reason and in_study(result.reason, folder),
+                    "reason": (reason := reasons[result.index]) and in_study(reason, folder),
                     "measured": measured.get(result.index),
                 }
                 for result in results
             ]
         }
 
+    def _corrected(self, frame: Frame, reading: Reading, folder: Path) -> CorrectedImprint:
+        """Measure one frame as a person wants it, if anybody does."""
+        assert frame.pixels is not None
+        change = self.corrections.get(frame.index, NOTHING)
+        settings = reading.settings
+        return corrected_imprint(
+            frame.pixels, self.found.scale, self.sequence, folder, change, settings=settings
+        )
+
+    def _record(self, imprint: Imprint) -> Record:
+        record = from_imprint(imprint, self.sequence, self.found)
+        return {**record, "covariance": record["covariance"].tolist()}
+
     def draw(self, reading: Reading, told: Told, folder: Path, out: Path) -> Record:
         """Draw the chosen frames, each once, and return what there is to be said of the film."""
-        frames, place = open_frames(folder / self.sequence.path), place_of(self.sequence, folder)
+        frames = open_frames(folder / self.sequence.path)
         overlays: dict[int, FrameOverlay] = {}
         for role, index in told.chosen.items():
             if index in overlays:
                 continue
-            name = f"{self.sequence.name}_frame_{index:06d}.png"
-            overlays[index] = FrameOverlay(role, index, f"overlays/sequences/{name}")
+            file = f"overlays/sequences/{self.sequence.name}_frame_{index:06d}.png"
+            overlays[index] = FrameOverlay(role, index, file)
             label = f"{'synthetic, ' if self.sequence.synthetic else ''}frame {index}, {role}"
-            frame = frames.between(index, index + 1)
-            draw = _draws(out / overlays[index].file, label)
-            list(measure_frames(frame, self.found.scale, reading, watch=draw, **place))
+            (frame,) = frames.between(index, index + 1)
+            imprint = self._corrected(frame, reading, folder).imprint
+            assert frame.pixels is not None  # it was measured
+            assert imprint is not None
+            make_folder((out / file).parent)
+            write_overlay(out / file, frame.pixels, imprint, label=label)
         return {
             "summary": asdict(told.summary),
             "overlays": [list(overlay) for overlay in overlays.values()],
         }
-
-
-def _draws(file: Path, label: str) -> Any:
-    """Return a watcher that draws what it sees."""
-    make_folder(file.parent)
-    return lambda _, pixels, imprint: write_overlay(file, pixels, imprint, label=label)
 
 
 def survey_from(record: Record) -> Survey:

@@ -7,13 +7,21 @@ from pathlib import Path
 
 from fingerpad._files import make_folder
 from fingerpad.exceptions import StoreError
+from fingerpad.study.fingers import is_rejected, photograph_item
 from fingerpad.study.hands import Hands
-from fingerpad.study.manifest import Contact, Finger, Observation, Study
-from fingerpad.study.measure import Measurement
+from fingerpad.study.manifest import Contact, Finger, Observation
+from fingerpad.study.measure import Measurement, reviewed
 from fingerpad.study.progress import Progress
 from fingerpad.study.records import measurement_from
 from fingerpad.study.runner import run_plans
-from fingerpad.study.sequences import SequenceResult, film_measurements, film_plan, film_result, frames_in
+from fingerpad.study.sequences import (
+    SequenceResult,
+    film_key,
+    film_measurements,
+    film_plan,
+    film_result,
+    frames_in,
+)
 from fingerpad.study.store import Mark, Store
 from fingerpad.study.tasks import (
     CHANGED,
@@ -22,9 +30,10 @@ from fingerpad.study.tasks import (
     Record,
     Scales,
     Task,
+    item_key,
     observation_tasks,
-    photograph_item,
     photograph_tasks,
+    photographs_of,
 )
 
 
@@ -84,7 +93,7 @@ def measure_study(
     films = (
         film_plan(sequence, keys, scales, store)
         for sequence in keys.study.sequences
-        if (mark := marks.get(sequence.name)) is None or mark.key != keys.of(sequence)
+        if (mark := marks.get(sequence.name)) is None or mark.key != film_key(sequence, keys)
     )
     single = (
         iter(([task],)) for task in chain(photograph_tasks(keys, scales), observation_tasks(keys, scales))
@@ -93,19 +102,20 @@ def measure_study(
     run_plans(chain(films, single), hands, keep, is_done)
 
 
-def faces_of(finger: Finger, keys: Keys, store: Store) -> dict[int, Record]:
-    """Return what the store holds of a finger's photographs, by their place in the list."""
+def faces_of(finger: Finger, keys: Keys, store: Store) -> dict[str, Record]:
+    """Return what the store holds of a finger's photographs, by item."""
+    items = {photograph_item(finger, one): one for one in finger.photographs if one.image is not None}
     return {
-        number: _found(store, photograph_item(finger, number), keys.of(photograph, number), photograph.image)
-        for number, photograph in enumerate(finger.photographs)
-        if photograph.image is not None
+        item: _found(store, item, item_key(keys, item, photograph), photograph.image)
+        for item, photograph in items.items()
+        if not is_rejected(keys.rulings.get(item))
     }
 
 
 def film_results(keys: Keys, store: Store) -> list[SequenceResult]:
     """Return what the store holds of each film as a whole."""
     return [
-        film_result(sequence, _found(store, sequence.name, keys.of(sequence), sequence.path))
+        film_result(sequence, _found(store, sequence.name, film_key(sequence, keys), sequence.path))
         for sequence in keys.study.sequences
     ]
 
@@ -115,14 +125,15 @@ def measurements(
 ) -> Iterator[tuple[Contact, Measurement]]:
     """Yield what was measured of each observation and frame, in the manifest's order, one at a time."""
     for observation in keys.study.observations:
-        yield observation, _observed(observation, keys, store)
+        seen = _observed(observation, keys, store)
+        yield observation, reviewed(seen, keys.rulings.get(observation.name))
     for film in films:
         for measured in film_measurements(film, keys, scales, store):
             yield film.manifest, measured
 
 
 def _observed(observation: Observation, keys: Keys, store: Store) -> Measurement:
-    record = _found(store, observation.name, keys.of(observation), observation.image)
+    record = _found(store, observation.name, item_key(keys, observation.name, observation), observation.image)
     if record.keys() == {"reason"}:
         return Measurement(name=observation.name, load=observation.load_N, reason=record["reason"])
     return measurement_from(record, observation.load_N)
@@ -132,31 +143,22 @@ def _found(store: Store, name: str, key: str, file: str | None) -> Record:
     return store.record(name, key) or {"reason": CHANGED.format(file)}
 
 
-def item_names(study: Study) -> list[str]:
-    """Return the names of everything that is measured: photographs, observations and films."""
-    photographs = (
-        photograph_item(finger, number)
-        for finger in study.fingers
-        for number, photograph in enumerate(finger.photographs)
-        if photograph.image is not None
-    )
-    return [*photographs, *(contact.name for contact in (*study.observations, *study.sequences))]
-
-
 def item_keys(keys: Keys) -> Iterator[tuple[str, str]]:
-    """Yield the name and the key of each of `item_names`, in their order."""
-    for finger in keys.study.fingers:
-        for number, photograph in enumerate(finger.photographs):
-            if photograph.image is not None:
-                yield photograph_item(finger, number), keys.of(photograph, number)
-    for contact in (*keys.study.observations, *keys.study.sequences):
-        yield contact.name, keys.of(contact)
+    """Yield the name and the key of everything that is measured: photographs, observations and films."""
+    for finger, photograph in photographs_of(keys.study):
+        item = photograph_item(finger, photograph)
+        if not is_rejected(keys.rulings.get(item)):
+            yield item, item_key(keys, item, photograph)
+    for observation in keys.study.observations:
+        yield observation.name, item_key(keys, observation.name, observation)
+    for sequence in keys.study.sequences:
+        yield sequence.name, film_key(sequence, keys)
 
 
-def drawn_for(study: Study, store: Store) -> set[str]:
+def drawn_for(keys: Keys, store: Store) -> set[str]:
     """Return the overlays that belong to the study as it is, relative to the output folder."""
     marks = store.marks()
-    found = (marks.get(name) for name in item_names(study))
+    found = (marks.get(name) for name, _ in item_keys(keys))
     return {file for mark in found if mark is not None for file in mark.drawn.splitlines()}
 
 

@@ -9,7 +9,9 @@ from typing import Any, Final
 from fingerpad._files import make_folder
 from fingerpad.exceptions import ManifestError
 from fingerpad.study.check import UncertaintyCheck
+from fingerpad.study.corrections import CorrectionLog
 from fingerpad.study.curves import CurveResult, curve_result
+from fingerpad.study.decisions import CORRECTIONS_NAME
 from fingerpad.study.fingers import FingerResult, finger_result
 from fingerpad.study.hands import hands_for
 from fingerpad.study.manifest import Contact, Study, manifest_in, read_study
@@ -38,6 +40,8 @@ OUTPUT_NAMES: Final = frozenset(
     )
 )
 
+_NOT_THERE: Final = f"{CORRECTIONS_NAME}: {{}} is not in the study: what was decided about it has no effect"
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class StudyResult:
@@ -65,6 +69,8 @@ class StudyResult:
         One per loading curve.
     provenance : dict
         Versions, input hashes, formulas.
+    notes : tuple of str
+        What is odd about people's corrections.
     """
 
     study: Study
@@ -77,6 +83,7 @@ class StudyResult:
     checks: list[UncertaintyCheck | None]
     curves: list[CurveResult]
     provenance: dict[str, Any]
+    notes: tuple[str, ...] = ()
 
     @property
     def failures(self) -> list[str]:
@@ -146,23 +153,26 @@ def run_study(
     """
     manifest = manifest_in(manifest)
     study, folder = read_study(manifest), manifest.absolute().parent
-    inputs = [manifest.name, *(name for _, name in study.named_files())]
+    log = CorrectionLog(folder)
+    rulings = log.rulings()
+    decided = [CORRECTIONS_NAME] if (folder / CORRECTIONS_NAME).is_file() else []
+    inputs = [manifest.name, *decided, *(name for _, name in study.named_files())]
     _refuse_to_overwrite(inputs, folder, out)
     make_folder(out)
     with Store.writing(out / STORE_NAME) as store:
         if fresh:
             store.forget()
-        keys = Keys(study=study, folder=folder, digest=cache(store.digest))
+        keys = Keys(study=study, folder=folder, digest=cache(store.digest), rulings=rulings)
         origin = provenance(inputs, lambda name: keys.digest(folder / name))
         scales = named_scales(study, folder)
         with hands_for(manifest, workers, scheduler) as hands:
             measure_study(keys, scales, store, out, hands=hands, on_progress=on_progress)
         fingers = {
-            finger.name: finger_result(finger, scales, folder, faces_of(finger, keys, store))
+            finger.name: finger_result(finger, scales, folder, faces_of(finger, keys, store), rulings)
             for finger in study.fingers
         }
         films = film_results(keys, store)
-        _remove_other_pictures(out, drawn_for(study, store))
+        _remove_other_pictures(out, drawn_for(keys, store))
         return result_of(
             study,
             folder,
@@ -171,6 +181,10 @@ def run_study(
             seen=measurements(keys, scales, store, films),
             sequences=films,
             origin=origin,
+            notes=(
+                *log.notes,
+                *(f"{CORRECTIONS_NAME}: {item} is not in the study" for item in log.unknown_items(study)),
+            ),
         )
 
 
@@ -183,12 +197,13 @@ def result_of(
     seen: Iterable[tuple[Contact, Measurement]],
     sequences: list[SequenceResult],
     origin: dict[str, Any],
+    notes: tuple[str, ...] = (),
 ) -> StudyResult:
     """Return what a study comes to, once everything is measured: rows, summaries and loading curves.
 
     Parameters
     ----------
-    study, folder, fingers, scales, sequences, origin
+    study, folder, fingers, scales, sequences, origin, notes
         As `StudyResult` has them, `origin` its provenance.
     seen : iterable of (Contact, Measurement)
         All measurements in the manifest's order; gone through once, a thousand held at a time.
@@ -208,6 +223,7 @@ def result_of(
             curve_result(curve, fingers[curve.finger], study.poisson_ratio, folder) for curve in study.curves
         ],
         provenance=origin,
+        notes=notes,
     )
 
 

@@ -15,14 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fingerpad.exceptions import FingerpadError
-
-# What a column holds follows from its name; all others are numbers.
-TEXT: Final = frozenset((
-    "observation", "finger", "person", "status", "reason", "flags", "measured_by", "range_notes", "sequence",
-    "phase", "image", "scale", "long_axis", "predicted_long_axis", "overlay",
-))  # fmt: skip
-TRUTHS: Final = frozenset(("synthetic", "pooled"))
-COUNTS: Final = frozenset(("frame",))
+from fingerpad.study.columns import TRUTHS, WORDS
 
 _STD: Final = re.compile(r"_std(_given_geometry)?$")
 _UNITS: Final = {
@@ -57,7 +50,7 @@ class Column:
         >>> Column(name="youngs_modulus_kpa_std", meaning="").unit
         'kPa'
         """
-        if self.name in TEXT | TRUTHS:
+        if self.name in WORDS | TRUTHS:
             return ""
         name = _STD.sub("", self.name)
         return next((unit for end, unit in _UNITS.items() if name == end or name.endswith(f"_{end}")), "1")
@@ -173,7 +166,7 @@ def read_summary(folder: Path) -> dict[str, Any]:
 
 
 def _typed(name: str, cells: list[str]) -> npt.NDArray[Any]:
-    if name in TEXT:
+    if name in WORDS:
         return np.array([cell or None for cell in cells], dtype=object)
     if name in TRUTHS:
         return np.array([{"true": True, "false": False}[cell] for cell in cells], dtype=bool)

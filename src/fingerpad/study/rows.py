@@ -45,6 +45,10 @@ _OF_THE_CONTACT: Final = tuple(source for source in PAD_SOURCES if source not in
 _IN_MM: Final = tuple(name for name in PAD_OUTPUTS if "radius" in name or name == "indentation")
 _IN_KPA: Final = ("reduced_modulus", "youngs_modulus", "mean_pressure")
 _OF_THE_PICTURE: Final = (
+    "reviewed",
+    "reviewed_by",
+    "program_semi_major_mm",
+    "program_semi_minor_mm",
     "sequence",
     "frame",
     "time_s",
@@ -149,7 +153,10 @@ class _Batch:
 
     @classmethod
     def of(cls, study: Study, fingers: Mapping[str, FingerResult], seen: Seen) -> "_Batch":
-        reasons = [measured.reason or fingers[contact.finger].reason for contact, measured in seen]
+        reasons = [
+            measured.rejected or measured.reason or fingers[contact.finger].reason
+            for contact, measured in seen
+        ]
         sound = np.array([place for place, reason in enumerate(reasons) if reason is None], dtype=np.intp)
         inputs = pad_inputs(study, fingers, [seen[place] for place in sound])
         modelled = Modelled.of(inputs, study.uncertainty.method)
@@ -206,11 +213,14 @@ def _described(
     words: dict[str, Iterable[Any]] = {
         "observation": (one.name for one in measured),
         "finger": (contact.finger for contact in contacts),
-        "status": ("measured" if reason is None else "failed" for reason in reasons),
+        "status": (
+            "rejected" if one.rejected is not None else "measured" if reason is None else "failed"
+            for one, reason in zip(measured, reasons, strict=True)
+        ),
         "reason": reasons,
         "synthetic": (contact.synthetic or fingers[contact.finger].synthetic for contact in contacts),
         "flags": (" ".join(one.flags) for one in measured),
-        "measured_by": map(_measured_by, contacts),
+        "measured_by": (one.columns.get("measured_by") or _measured_by(contact) for contact, one in seen),
         "pooled": (
             reason is None and one.counts and NOT_POOLED.isdisjoint(one.flags)
             for reason, one in zip(reasons, measured, strict=True)

@@ -29,9 +29,10 @@ from fingerpad.image import (
     read_frame_stamps,
     sequence_summary,
 )
+from fingerpad.study.corrections import frames_of
 from fingerpad.study.footage import Footage, FrameOverlay, Told, survey_from
 from fingerpad.study.manifest import ContactSequence
-from fingerpad.study.measure import ODDITIES, Measurement
+from fingerpad.study.measure import ODDITIES, Measurement, contact_correction, reviewed
 from fingerpad.study.scales import find_scale
 from fingerpad.study.store import Store
 from fingerpad.study.tasks import CHANGED, ChangedError, Keys, Record, Scales, Task, Work, chained
@@ -114,7 +115,15 @@ class Film:
         columns = {str(key): value for key, value in sequence.force_columns.items()}
         force = read_force_signal(keys.folder / sequence.force, columns)
         return cls(
-            footage=Footage(sequence=sequence, found=found),
+            footage=Footage(
+                sequence=sequence,
+                found=found,
+                corrections={
+                    frame: contact_correction(ruling)
+                    for frame, ruling in frames_of(keys.rulings, sequence.name).items()
+                    if ruling.change.edits
+                },
+            ),
             keys=keys,
             frames=frames,
             force=force,
@@ -156,7 +165,7 @@ class Film:
             for piece in self.pieces
         ]
         draw = partial(self.footage.draw, reading, _told(self.placed(store), self.force))
-        yield [replace(self._task("", draw), name=self.sequence.name, key=self.keys.of(self.sequence))]
+        yield [replace(self._task("", draw), name=self.sequence.name, key=film_key(self.sequence, self.keys))]
 
     def _task(self, stage: str, work: Work, piece: tuple[int, int] | None = None) -> Task:
         return Task(
@@ -175,7 +184,9 @@ class Film:
 
     def _key(self, stage: str, piece: tuple[int, int] | None) -> str:
         pictures = self.keys.of(self.sequence, leave_out=_TIMING)
-        return chained(pictures, stage, piece, self.frames.count)
+        start, stop = piece if piece is not None and stage == _FRAMES else (0, 0)
+        edits = {index: one.edits for index, one in self.footage.corrections.items() if start <= index < stop}
+        return chained(pictures, stage, piece, self.frames.count, edits)
 
     def measurements(self, store: Store) -> Iterator[Measurement]:
         """Yield what was measured, frame by frame, from what the store holds.
@@ -186,7 +197,7 @@ class Film:
         for result, measured in self.placed(store):
             row = self._row(result, measured)
             if row is not None:
-                yield row
+                yield reviewed(row, self.keys.rulings.get(row.name))
 
     def placed(self, store: Store) -> Iterator[tuple[FrameResult, Record | None]]:
         """Yield each frame with its time, load and phase, and what was measured of it, from the store."""
@@ -243,6 +254,12 @@ class Film:
         return bool(measured["semi_minor"] >= LEAST_RIDGES * measured["columns"]["ridge_period_mm"])
 
 
+def film_key(sequence: ContactSequence, keys: Keys) -> str:
+    """Return the key of all that is known of a film."""
+    frames = frames_of(keys.rulings, sequence.name)
+    return keys.of(sequence, {frame: edits for frame, one in frames.items() if (edits := one.change.edits)})
+
+
 def frames_in(sequence: ContactSequence, folder: Path) -> int:
     """Return the number of frames of a film; one that cannot be opened counts as one picture."""
     try:
@@ -265,7 +282,7 @@ def film_plan(sequence: ContactSequence, keys: Keys, scales: Scales, store: Stor
     store : Store
         Where results are: those of a stage must be there before the next is asked for.
     """
-    key = keys.of(sequence)
+    key = film_key(sequence, keys)
     try:
         yield from Film.open(sequence, keys, scales).stages(store)
     except ChangedError:

@@ -4,8 +4,9 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
+from fingerpad.study.corrections import CorrectionLog
 from fingerpad.study.manifest import manifest_in, read_study
-from fingerpad.study.measuring import item_keys, item_names
+from fingerpad.study.measuring import item_keys
 from fingerpad.study.sequences import frames_in
 from fingerpad.study.store import STORE_NAME, Store
 from fingerpad.study.tasks import Keys
@@ -51,14 +52,17 @@ def study_status(manifest: Path, out: Path) -> Status:
     """
     manifest = manifest_in(manifest)
     study, folder = read_study(manifest), manifest.absolute().parent
+    rulings = CorrectionLog(folder).rulings()
     if not (out / STORE_NAME).is_file():
-        return Status(done=0, failed=0, stale=0, left=len(item_names(study)), seconds_left=None)
+        keys = Keys(study=study, folder=folder, digest=str, rulings=rulings)
+        return Status(done=0, failed=0, stale=0, left=len(list(item_keys(keys))), seconds_left=None)
     counts = dict.fromkeys(("done", "failed", "stale", "left"), 0)
     pictures = 0
     films = {sequence.name: sequence for sequence in study.sequences}
     with Store.open(out / STORE_NAME) as store:
         marks = store.marks()
-        for name, key in item_keys(Keys(study=study, folder=folder, digest=cache(store.digest))):
+        keys = Keys(study=study, folder=folder, digest=cache(store.digest), rulings=rulings)
+        for name, key in item_keys(keys):
             mark = marks.get(name)
             state = "left" if mark is None else mark.status if mark.key == key else "stale"
             counts[state] += 1

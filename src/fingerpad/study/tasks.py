@@ -3,8 +3,9 @@
 import errno
 import hashlib
 import json
+import re
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache, partial
 from importlib import resources
 from importlib.resources.abc import Traversable
@@ -16,9 +17,11 @@ from typing import Any, Final, NamedTuple, TypeAlias
 from pydantic import BaseModel
 
 from fingerpad.exceptions import FingerpadError, StoreError
-from fingerpad.study.fingers import face_record
-from fingerpad.study.manifest import CoinScale, Finger, Observation, Study
-from fingerpad.study.measure import ODDITIES, measure_observation
+from fingerpad.study.changes import ContactCorrection
+from fingerpad.study.decisions import Ruling
+from fingerpad.study.fingers import face_record, is_rejected, photograph_item
+from fingerpad.study.manifest import CoinScale, Finger, Observation, Photograph, Study
+from fingerpad.study.measure import ODDITIES, contact_correction, measure_observation
 from fingerpad.study.records import measurement_record
 from fingerpad.study.scales import FoundScale
 from fingerpad.study.words import in_study
@@ -126,11 +129,19 @@ class Keys:
         The study folder.
     digest : callable
         That of a file or folder.
+    rulings : mapping
+        What people corrected, by item.
     """
 
     study: Study
     folder: Path
     digest: Callable[[Path], str]
+    rulings: Mapping[str, Ruling] = field(default_factory=dict)
+
+    def edits(self, item: str) -> dict[str, Any]:
+        """Return what a person changed in the measurement of an item."""
+        ruling = self.rulings.get(item)
+        return {} if ruling is None else ruling.change.edits
 
     def of(self, table: BaseModel, *more: object, leave_out: frozenset[str] = frozenset()) -> str:
         """Return the key of what the manifest says in a table.
@@ -169,39 +180,64 @@ def chained(*parts: object) -> str:
 def observation_tasks(keys: Keys, scales: Scales) -> Iterator[Task]:
     """Yield a task for each observation."""
     for observation in keys.study.observations:
+        correction = contact_correction(keys.rulings.get(observation.name))
         yield Task(
             name=observation.name,
             item=observation.name,
             file=observation.image or "",
-            key=keys.of(observation),
-            work=partial(_observed, observation, scales),
+            key=item_key(keys, observation.name, observation),
+            work=partial(_observed, observation, scales, correction),
             inputs=keys.inputs_of(observation),
         )
 
 
-def _observed(observation: Observation, scales: Scales, folder: Path, out: Path) -> Record:
-    return measurement_record(measure_observation(observation, scales, folder, out))
+def _observed(
+    observation: Observation, scales: Scales, correction: ContactCorrection, folder: Path, out: Path
+) -> Record:
+    return measurement_record(measure_observation(observation, scales, folder, out, correction))
 
 
 def photograph_tasks(keys: Keys, scales: Scales) -> Iterator[Task]:
-    """Yield a task for each photograph of a finger."""
-    for finger in keys.study.fingers:
-        for number, photograph in enumerate(finger.photographs):
+    """Yield a task for each photograph of a finger that nobody rejected."""
+    for finger, photograph in photographs_of(keys.study):
+        item = photograph_item(finger, photograph)
+        ruling = keys.rulings.get(item)
+        if photograph.image is None or is_rejected(ruling):
+            continue
+        change = None if ruling is None else ruling.change
+        assert not isinstance(change, ContactCorrection)  # the items' own rule
+        yield Task(
+            name=item,
+            item=item,
+            file=photograph.image,
+            key=item_key(keys, item, photograph),
+            work=partial(
+                face_record,
+                photograph=photograph,
+                correction=change,
+                overlay=f"overlays/finger_{finger.name}_{photograph.face}_{_plain(photograph.image)}.png",
+                scales=scales,
+            ),
+            inputs=keys.inputs_of(photograph),
+        )
+
+
+def photographs_of(study: Study) -> Iterator[tuple[Finger, Photograph]]:
+    """Yield each photograph of each finger that is a picture."""
+    for finger in study.fingers:
+        for photograph in finger.photographs:
             if photograph.image is not None:
-                overlay = f"overlays/finger_{finger.name}_{number + 1}_{photograph.face}.png"
-                yield Task(
-                    name=photograph_item(finger, number),
-                    item=photograph_item(finger, number),
-                    file=photograph.image,
-                    key=keys.of(photograph, number),
-                    work=partial(face_record, photograph, overlay, scales),
-                    inputs=keys.inputs_of(photograph),
-                )
+                yield finger, photograph
 
 
-def photograph_item(finger: Finger, number: int) -> str:
-    """Return the name of a finger's photograph: its finger and its image."""
-    return f"{finger.name}/{finger.photographs[number].image}"
+def item_key(keys: Keys, item: str, table: BaseModel) -> str:
+    """Return the key of an observation or a photograph."""
+    return keys.of(table, keys.edits(item))
+
+
+def _plain(file: str) -> str:
+    """Return a file's name as part of another's."""
+    return re.sub(r"[^\w.-]+", "_", file)
 
 
 @cache
@@ -218,6 +254,6 @@ def measuring_code() -> str:
 
     package = resources.files("fingerpad")
     add(package / "image")
-    for name in ("corrected.py", "fingers.py", "footage.py", "measure.py", "scales.py"):
+    for name in ("changes.py", "corrected.py", "fingers.py", "footage.py", "measure.py", "scales.py"):
         add(package / "study" / name)
     return digest.hexdigest()
