@@ -16,15 +16,16 @@ import tifffile
 
 from fingerpad.image import synthetic_press
 from fingerpad.report import write_report
+from fingerpad.study.engine.progress import Progress
+from fingerpad.study.engine.store import STORE_NAME, Store
+from fingerpad.study.engine.task import perform
 from fingerpad.study.manifest import read_study
-from fingerpad.study.output import write_tables
+from fingerpad.study.measuring.scales import named_scales
+from fingerpad.study.measuring.sequences import Film
+from fingerpad.study.measuring.tasks import Keys
 from fingerpad.study.pipeline import run_study
-from fingerpad.study.progress import Progress
-from fingerpad.study.scales import named_scales
-from fingerpad.study.sequences import Film
+from fingerpad.study.results.output import write_tables
 from fingerpad.study.status import study_status
-from fingerpad.study.store import STORE_NAME, Store
-from fingerpad.study.tasks import Keys, perform
 
 FPS = 500
 _FINGER = """

@@ -15,13 +15,13 @@ import numpy as np
 
 from fingerpad.image import SequenceSummary
 from fingerpad.report import write_report
-from fingerpad.study.fingers import FingerResult
 from fingerpad.study.manifest import Contact, ContactSequence, Study
-from fingerpad.study.measure import Measurement
-from fingerpad.study.output import write_tables
-from fingerpad.study.pipeline import StudyResult, result_of
-from fingerpad.study.provenance import provenance
-from fingerpad.study.sequences import SequenceResult
+from fingerpad.study.measuring.fingers import FingerResult
+from fingerpad.study.measuring.measure import Measurement
+from fingerpad.study.measuring.sequences import SequenceResult
+from fingerpad.study.results.output import write_tables
+from fingerpad.study.results.provenance import provenance
+from fingerpad.study.results.study_result import StudyResult, result_of
 
 FRAMES, FINGERS, WEDGES = 2000, 5, (15.0, 45.0)
 AXES, AXES_STD = (7.9, 13.8, 11.8), 0.1

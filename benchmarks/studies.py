@@ -8,11 +8,11 @@ import numpy as np
 from fingerpad._arrays import FloatArray
 from fingerpad.contact import equivalent_radius_from_indentation, size_factor
 from fingerpad.geometry import Ellipsoid, Placement
-from fingerpad.study.fingers import FingerResult
 from fingerpad.study.manifest import Observation, Study
-from fingerpad.study.measure import Measurement
-from fingerpad.study.rows import make_rows
-from fingerpad.study.summary import summaries
+from fingerpad.study.measuring.fingers import FingerResult
+from fingerpad.study.measuring.measure import Measurement
+from fingerpad.study.results.rows import make_rows
+from fingerpad.study.results.summary import summaries
 
 LOADS = (0.25, 0.5, 1.0, 2.0, 4.0)
 AXES_STD, WEDGE_STD, LOAD_STD, SCALE_STD, EDGE_STD = 0.1, 0.5, 0.02, 0.01, 0.05

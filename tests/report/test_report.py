@@ -9,7 +9,8 @@ import pytest
 from fingerpad.image import FLAGS
 from fingerpad.report import write_report
 from fingerpad.report.text import FLAG_WORDS
-from fingerpad.study.pipeline import StudyResult, run_study
+from fingerpad.study.pipeline import run_study
+from fingerpad.study.results.study_result import StudyResult
 from fingerpad.units import value_with_uncertainty
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "dzidek2017"

@@ -7,7 +7,7 @@ import numpy as np
 from PIL import Image
 
 from fingerpad.image import render_finger, render_imprint, synthetic_press
-from fingerpad.study import sequences
+from fingerpad.study.measuring import sequences
 from fingerpad.study.pipeline import run_study
 
 PPI = 240

@@ -18,9 +18,9 @@ from typer.testing import CliRunner
 import fingerpad
 from fingerpad.cli import app
 from fingerpad.exceptions import ClusterError
-from fingerpad.study import cluster, sequences
+from fingerpad.study.engine import cluster, sequences
+from fingerpad.study.engine.progress import Progress
 from fingerpad.study.pipeline import run_study
-from fingerpad.study.progress import Progress
 
 TOTAL = PICTURES + 2 + FRAMES
 _BLIND = 'mount -t tmpfs none "$0" && exec "$@"'

@@ -17,8 +17,8 @@ from fingerpad.exceptions import FingerpadError
 from fingerpad.report.compare import forest_plot, write_comparison_page
 from fingerpad.study.compare import Owner, Value, compare_studies, write_comparison
 from fingerpad.study.compare.means import means_of
-from fingerpad.study.output import write_tables
 from fingerpad.study.pipeline import run_study
+from fingerpad.study.results.output import write_tables
 
 
 def value(

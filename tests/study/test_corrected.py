@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 
 from fingerpad.image import Scale, measure_imprint, read_colour_image, render_finger, render_imprint
-from fingerpad.study.changes import ContactCorrection, PhotographCorrection
-from fingerpad.study.corrected import corrected_imprint, corrected_photograph
-from fingerpad.study.corrections import CorrectionLog
-from fingerpad.study.fingers import finger_result, joint_semi_axes, photograph_item, shared_scale
+from fingerpad.study.corrections.changes import ContactCorrection, PhotographCorrection
+from fingerpad.study.corrections.corrected import corrected_imprint, corrected_photograph
+from fingerpad.study.corrections.log import CorrectionLog
 from fingerpad.study.manifest import Study
-from fingerpad.study.measure import contact_correction, measure_observation, reviewed
-from fingerpad.study.scales import named_scales
-from fingerpad.study.tasks import Keys, photograph_tasks
+from fingerpad.study.measuring.fingers import finger_result, joint_semi_axes, photograph_item, shared_scale
+from fingerpad.study.measuring.measure import contact_correction, measure_observation, reviewed
+from fingerpad.study.measuring.scales import named_scales
+from fingerpad.study.measuring.tasks import Keys, photograph_tasks
 
 TRUTH = render_imprint(semi_major=8.0, semi_minor=6.0, margin=4.0, seed=5)
 FACES = {"palmar": (11.8, 13.8), "distal": (11.8, 7.9), "radial": (7.9, 13.8)}

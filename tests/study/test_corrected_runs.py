@@ -5,11 +5,12 @@ from pathlib import Path
 import pytest
 from tests.study.small_study import copy, make
 
-from fingerpad.study import sequences
-from fingerpad.study.corrections import CorrectionLog
+from fingerpad.study.corrections.log import CorrectionLog
+from fingerpad.study.engine.progress import Progress
 from fingerpad.study.manifest import read_study
-from fingerpad.study.pipeline import StudyResult, run_study
-from fingerpad.study.progress import Progress
+from fingerpad.study.measuring import sequences
+from fingerpad.study.pipeline import run_study
+from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.status import study_status
 
 ELLIPSE = {"ellipse_px": {"centre": [60, 60], "semi_axes": [40, 30], "orientation_deg": 10}}

@@ -13,8 +13,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from fingerpad.exceptions import CorrectionConflict, StoreError
-from fingerpad.study.changes import ContactCorrection
-from fingerpad.study.corrections import CORRECTIONS_NAME, CorrectionLog, frames_of, kind_of
+from fingerpad.study.corrections.changes import ContactCorrection
+from fingerpad.study.corrections.log import CORRECTIONS_NAME, CorrectionLog, frames_of, kind_of
 from fingerpad.study.manifest import Study
 
 STUDY = Study.model_validate(

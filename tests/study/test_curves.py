@@ -7,9 +7,10 @@ import pytest
 
 from fingerpad.loading import Estimate, Unknown, simulate_loading_curve
 from fingerpad.report import write_report
-from fingerpad.study.curves import loading_radius
-from fingerpad.study.output import summary_record
-from fingerpad.study.pipeline import StudyResult, run_study
+from fingerpad.study.pipeline import run_study
+from fingerpad.study.results.curves import loading_radius
+from fingerpad.study.results.output import summary_record
+from fingerpad.study.results.study_result import StudyResult
 
 MANIFEST = """
 title = "T"

@@ -6,10 +6,10 @@ import tomllib
 import pytest
 
 from fingerpad.exceptions import EditConflict, ManifestError, StoreError
-from fingerpad.study.corrections import CorrectionLog
-from fingerpad.study.edit import DRAFT_NAME, STUDY_NAME, Edit, change_study, create_study, study_state
+from fingerpad.study.corrections.log import CorrectionLog
+from fingerpad.study.editing.edit import DRAFT_NAME, STUDY_NAME, Edit, change_study, create_study, study_state
+from fingerpad.study.editing.missing import missing
 from fingerpad.study.manifest import read_study
-from fingerpad.study.missing import missing
 
 MANIFEST = """\
 # Whose study this is.

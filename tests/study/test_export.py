@@ -12,11 +12,11 @@ from pyarrow import parquet
 from scipy import io
 
 from fingerpad.exceptions import FingerpadError
-from fingerpad.study.columns import COLUMNS, TRUTHS, WORDS
-from fingerpad.study.export import export_results
-from fingerpad.study.output import write_tables
 from fingerpad.study.pipeline import run_study
-from fingerpad.study.results import Column
+from fingerpad.study.results.columns import COLUMNS, TRUTHS, WORDS
+from fingerpad.study.results.export import export_results
+from fingerpad.study.results.finished_table import Column
+from fingerpad.study.results.output import write_tables
 
 STUDY = """
 title = "Two presses, é"

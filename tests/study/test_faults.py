@@ -17,11 +17,11 @@ import pytest
 from tests.study.small_study import FRAMES, PICTURES, copy, make, run_here
 
 from fingerpad.exceptions import FingerpadError, StoreError
-from fingerpad.study import sequences
+from fingerpad.study.engine.progress import Progress
+from fingerpad.study.engine.store import STORE_NAME, Store
+from fingerpad.study.measuring import sequences
 from fingerpad.study.pipeline import run_study
-from fingerpad.study.progress import Progress
 from fingerpad.study.status import study_status
-from fingerpad.study.store import STORE_NAME, Store
 
 pytestmark = pytest.mark.usefixtures("small_pieces")
 ITEMS = PICTURES + 3  # two photographs and a film

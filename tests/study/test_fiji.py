@@ -28,8 +28,8 @@ from fingerpad.study.fiji import (
     write_observations,
 )
 from fingerpad.study.manifest.spreadsheet import read_rows
-from fingerpad.study.output import write_tables
 from fingerpad.study.pipeline import run_study
+from fingerpad.study.results.output import write_tables
 
 SEMI_MAJOR, SEMI_MINOR = 146.0, 98.0  # px; 7.4 and 5.0 mm at 500 ppi
 PX_MM = 25.4 / 500

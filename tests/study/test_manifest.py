@@ -7,8 +7,8 @@ from typing import Any
 import pytest
 
 from fingerpad.exceptions import ManifestError
+from fingerpad.study.editing.template import write_template
 from fingerpad.study.manifest import ResolutionScale, read_study
-from fingerpad.study.template import write_template
 
 FINGER = """
 [[fingers]]

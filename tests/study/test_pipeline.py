@@ -13,10 +13,11 @@ from PIL import Image
 from fingerpad.exceptions import ManifestError
 from fingerpad.image import render_imprint
 from fingerpad.report import write_report
-from fingerpad.study.columns import COLUMNS
-from fingerpad.study.curves import loading_radius
-from fingerpad.study.output import write_tables
-from fingerpad.study.pipeline import StudyResult, run_study
+from fingerpad.study.pipeline import run_study
+from fingerpad.study.results.columns import COLUMNS
+from fingerpad.study.results.curves import loading_radius
+from fingerpad.study.results.output import write_tables
+from fingerpad.study.results.study_result import StudyResult
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "dzidek2017"
 

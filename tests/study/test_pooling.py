@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from fingerpad.exceptions import ManifestError
-from fingerpad.study.pipeline import StudyResult, run_study
+from fingerpad.study.pipeline import run_study
+from fingerpad.study.results.study_result import StudyResult
 from fingerpad.uncertainty import PAD_SOURCES
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "dzidek2017" / "synthetic"

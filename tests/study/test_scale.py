@@ -9,13 +9,13 @@ from benchmarks.scale import cost_apart, films_of, measurements_of, study_result
 from numpy.testing import assert_allclose
 
 from fingerpad.report import write_report
-from fingerpad.study import rows as rows_module
-from fingerpad.study.columns import COLUMNS, WORDS
-from fingerpad.study.fingers import FingerResult
 from fingerpad.study.manifest import Contact, Observation, Study
-from fingerpad.study.measure import Measurement
-from fingerpad.study.rows import make_rows
-from fingerpad.study.summary import summaries
+from fingerpad.study.measuring.fingers import FingerResult
+from fingerpad.study.measuring.measure import Measurement
+from fingerpad.study.results import rows as rows_module
+from fingerpad.study.results.columns import COLUMNS, WORDS
+from fingerpad.study.results.rows import make_rows
+from fingerpad.study.results.summary import summaries
 
 
 def test_cost_grows_with_the_rows() -> None:

@@ -11,8 +11,9 @@ from PIL import Image
 
 from fingerpad.image import SyntheticPress, synthetic_press
 from fingerpad.report import write_report
-from fingerpad.study.output import summary_record, write_tables
-from fingerpad.study.pipeline import StudyResult, run_study
+from fingerpad.study.pipeline import run_study
+from fingerpad.study.results.output import summary_record, write_tables
+from fingerpad.study.results.study_result import StudyResult
 
 RATE = 20
 # Loading to frame 11, hold to 15, unloading; empty at either end.

@@ -19,10 +19,10 @@ from typer.testing import CliRunner
 from fingerpad.cli import app
 from fingerpad.exceptions import StoreError
 from fingerpad.image import render_imprint
+from fingerpad.study.engine.progress import Progress
+from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.pipeline import run_study
-from fingerpad.study.progress import Progress
 from fingerpad.study.status import study_status
-from fingerpad.study.store import STORE_NAME, Store
 
 MANIFEST = """
 title = "T"

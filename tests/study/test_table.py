@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fingerpad.study.columns import COLUMNS
-from fingerpad.study.output import write_rows
-from fingerpad.study.table import Row, Table, TableBuilder, column_of
+from fingerpad.study.results.columns import COLUMNS
+from fingerpad.study.results.output import write_rows
+from fingerpad.study.results.table import Row, Table, TableBuilder, column_of
 
 ROWS = [
     {"observation": "a", "finger": "f", "load_N": 1.5, "frame": None, "pooled": True, "sequence": None},

@@ -10,8 +10,8 @@ import pytest
 import uvicorn
 
 from fingerpad.report import write_report
-from fingerpad.study.output import write_tables
 from fingerpad.study.pipeline import run_study
+from fingerpad.study.results.output import write_tables
 from fingerpad.web.app import make_app
 from fingerpad.web.bench import Bench
 from fingerpad.web.server import listening

@@ -19,7 +19,7 @@ def export(
 
     Every column keeps its type, unit and meaning. Parquet needs the package pyarrow.
     """
-    from fingerpad.study.export import export_results
+    from fingerpad.study.results.export import export_results
 
     with plain_errors():
         for file in files:

@@ -10,14 +10,14 @@ from fingerpad.cli.shared import AsJson, Exit, plain_errors, print_json
 from fingerpad.units import value_with_uncertainty
 
 if TYPE_CHECKING:
-    from fingerpad.study.pipeline import StudyResult
+    from fingerpad.study.results.study_result import StudyResult
 
 
 def init(
     folder: Annotated[Path, typer.Argument(help="Folder to make, or an empty one.", show_default=False)],
 ) -> None:
     """Write a commented study manifest to start from."""
-    from fingerpad.study.template import write_template
+    from fingerpad.study.editing.template import write_template
 
     with plain_errors():
         manifest = write_template(folder)
@@ -49,8 +49,8 @@ def run(
     """
     from fingerpad.cli.progress import shown_progress
     from fingerpad.report import write_report
-    from fingerpad.study.output import write_tables
     from fingerpad.study.pipeline import run_study
+    from fingerpad.study.results.output import write_tables
 
     with plain_errors(), shown_progress(log) as told:
         result = run_study(

@@ -31,10 +31,10 @@ from fingerpad.report.plots import (
     velocity_plots,
 )
 from fingerpad.report.text import FLAG_WORDS, doubtful_frames, in_words
-from fingerpad.study.check import UncertaintyCheck
-from fingerpad.study.pipeline import StudyResult
-from fingerpad.study.rows import RANGE_NOTES
-from fingerpad.study.summary import Summary, area_exponent
+from fingerpad.study.results.check import UncertaintyCheck
+from fingerpad.study.results.rows import RANGE_NOTES
+from fingerpad.study.results.study_result import StudyResult
+from fingerpad.study.results.summary import Summary, area_exponent
 from fingerpad.units import two_digits, value_with_uncertainty
 
 _OVERLAY_WIDTH_PX = 560

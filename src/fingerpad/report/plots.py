@@ -21,12 +21,12 @@ from fingerpad.geometry import Ellipse, Ellipsoid, Placement
 from fingerpad.loading import Estimate
 from fingerpad.report.loading import loading_plots
 from fingerpad.report.plot import Plot
-from fingerpad.study.check import UncertaintyCheck
-from fingerpad.study.curves import CurveResult, LoadingRadius, loading_radius
-from fingerpad.study.pipeline import StudyResult
-from fingerpad.study.sequences import SequenceResult
-from fingerpad.study.summary import Exponent, Summary, area_exponent
-from fingerpad.study.table import Row, Table
+from fingerpad.study.measuring.sequences import SequenceResult
+from fingerpad.study.results.check import UncertaintyCheck
+from fingerpad.study.results.curves import CurveResult, LoadingRadius, loading_radius
+from fingerpad.study.results.study_result import StudyResult
+from fingerpad.study.results.summary import Exponent, Summary, area_exponent
+from fingerpad.study.results.table import Row, Table
 
 # More than these only make a page heavy.
 _MOST_FRAMES: Final = 150

@@ -4,7 +4,7 @@ from collections import Counter
 from collections.abc import Iterator, Mapping
 from typing import Final
 
-from fingerpad.study.pipeline import StudyResult
+from fingerpad.study.results.study_result import StudyResult
 
 FLAG_WORDS: Final[Mapping[str, str]] = {
     "touches_border": "the contact is cut by the edge of the picture",

@@ -4,12 +4,12 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-from fingerpad.study.corrections import CorrectionLog
+from fingerpad.study.corrections.log import CorrectionLog
+from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.manifest import manifest_in, read_study
-from fingerpad.study.measuring import item_keys
-from fingerpad.study.sequences import frames_in
-from fingerpad.study.store import STORE_NAME, Store
-from fingerpad.study.tasks import Keys
+from fingerpad.study.measuring.run import item_keys
+from fingerpad.study.measuring.sequences import frames_in
+from fingerpad.study.measuring.tasks import Keys
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -3,6 +3,11 @@
 import os
 from pathlib import Path
 
+import cv2
+
+# A picture can be odd in ways that nobody has thought of: it costs its rows, never the run.
+ODDITIES = (ArithmeticError, MemoryError, OSError, ValueError, cv2.error)
+
 
 def in_study(words: object, folder: Path) -> str:
     """Return a message without the place of the study's folder on this machine.

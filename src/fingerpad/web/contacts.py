@@ -16,12 +16,12 @@ from fingerpad.image import (
     open_frames,
     survey_frames,
 )
-from fingerpad.study.changes import ContactCorrection
-from fingerpad.study.corrected import place_of, prepared_contact
+from fingerpad.study.corrections.changes import ContactCorrection
+from fingerpad.study.corrections.corrected import place_of, prepared_contact
 from fingerpad.study.manifest import Contact, ContactSequence, Observation, ScaleKey
-from fingerpad.study.measure import Measurement, from_imprint
-from fingerpad.study.rows import make_rows
-from fingerpad.study.scales import FoundScale
+from fingerpad.study.measuring.measure import Measurement, from_imprint
+from fingerpad.study.measuring.scales import FoundScale
+from fingerpad.study.results.rows import make_rows
 from fingerpad.web.asked import Item
 from fingerpad.web.bench import Bench
 from fingerpad.web.fingers import known_finger

@@ -6,13 +6,13 @@ from functools import cache, partial
 from typing import Any, Final
 
 from fingerpad.exceptions import StoreError
-from fingerpad.study.corrections import CORRECTIONS_NAME, Ruling
-from fingerpad.study.edit import STUDY_NAME
-from fingerpad.study.fingers import is_rejected, photograph_item
+from fingerpad.study.corrections.log import CORRECTIONS_NAME, Ruling
+from fingerpad.study.editing.edit import STUDY_NAME
+from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.manifest import Study
-from fingerpad.study.sequences import film_key
-from fingerpad.study.store import STORE_NAME, Store
-from fingerpad.study.tasks import Keys, item_key, photographs_of
+from fingerpad.study.measuring.fingers import is_rejected, photograph_item
+from fingerpad.study.measuring.sequences import film_key
+from fingerpad.study.measuring.tasks import Keys, item_key, photographs_of
 from fingerpad.web.open_study import OpenStudy
 
 _UNREADABLE: Final = (OSError, StoreError)

@@ -6,7 +6,7 @@ from pydantic import Field
 
 from fingerpad.image import Coin, measure_coin
 from fingerpad.study.manifest import CoinScale, ScaleKey
-from fingerpad.study.scales import FoundScale
+from fingerpad.study.measuring.scales import FoundScale
 from fingerpad.web.asked import Line
 from fingerpad.web.bench import Bench
 from fingerpad.web.operations import Operation, Question

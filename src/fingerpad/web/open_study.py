@@ -11,7 +11,9 @@ from pydantic import BaseModel
 
 from fingerpad.exceptions import ImageError, ManifestError
 from fingerpad.image import open_frames
-from fingerpad.study.edit import DRAFT_NAME, STUDY_NAME, Edit, Incomplete, change_study, study_state
+from fingerpad.study.editing.edit import DRAFT_NAME, STUDY_NAME, Edit, Incomplete, change_study, study_state
+from fingerpad.study.editing.missing import Missing, missing_of
+from fingerpad.study.engine.store import STORE_NAME
 from fingerpad.study.manifest import (
     Contact,
     ContactSequence,
@@ -20,8 +22,6 @@ from fingerpad.study.manifest import (
     Photograph,
     Study,
 )
-from fingerpad.study.missing import Missing, missing_of
-from fingerpad.study.store import STORE_NAME
 from fingerpad.web.correction_log import Corrections
 from fingerpad.web.events import Events
 from fingerpad.web.pictures import Cache, Pictures, Place

@@ -15,10 +15,10 @@ from fingerpad.image import (
     read_outline,
     with_points,
 )
-from fingerpad.study.changes import PhotographCorrection
-from fingerpad.study.corrected import corrected_photograph
-from fingerpad.study.fingers import JointSemiAxes, joint_semi_axes, photograph_item, shared_scale
+from fingerpad.study.corrections.changes import PhotographCorrection
+from fingerpad.study.corrections.corrected import corrected_photograph
 from fingerpad.study.manifest import Finger, Photograph, ScaleKey
+from fingerpad.study.measuring.fingers import JointSemiAxes, joint_semi_axes, photograph_item, shared_scale
 from fingerpad.web.asked import Item, Spot, as_pair
 from fingerpad.web.bench import Bench
 from fingerpad.web.open_study import OpenStudy

@@ -10,8 +10,8 @@ from typing import Annotated, Any, Final, Self
 from pydantic import Field
 
 from fingerpad.published import audit
-from fingerpad.study.columns import COLUMNS
-from fingerpad.study.rows import RANGE_NOTES
+from fingerpad.study.results.columns import COLUMNS
+from fingerpad.study.results.rows import RANGE_NOTES
 from fingerpad.web.bench import Bench
 from fingerpad.web.open_study import OpenStudy
 from fingerpad.web.operations import Operation, Question

@@ -9,9 +9,9 @@ from typing import Any, Final
 
 from fingerpad.exceptions import FingerpadError
 from fingerpad.report import write_report
-from fingerpad.study.output import write_tables
+from fingerpad.study.engine.progress import Progress
 from fingerpad.study.pipeline import run_study
-from fingerpad.study.progress import Progress
+from fingerpad.study.results.output import write_tables
 from fingerpad.web.drawing import DRAWING
 from fingerpad.web.events import Events
 from fingerpad.web.refusal import Refusal

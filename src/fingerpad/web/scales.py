@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import Any, Final
 
 from fingerpad.study.manifest import CoinScale, ScaleKey
-from fingerpad.study.scales import FoundScale, find_scale, named_scales
+from fingerpad.study.measuring.scales import FoundScale, find_scale, named_scales
 from fingerpad.web.open_study import OpenStudy
 from fingerpad.web.pictures import Cache, Place
 from fingerpad.web.refusal import Refusal

@@ -10,11 +10,11 @@ from pydantic import BaseModel, Field
 
 from fingerpad.image import PHOTOGRAPH_FLAGS
 from fingerpad.report.text import FLAG_WORDS
-from fingerpad.study.columns import COLUMNS
-from fingerpad.study.corrections import Ruling, frames_of
-from fingerpad.study.fingers import is_rejected
+from fingerpad.study.corrections.log import Ruling, frames_of
 from fingerpad.study.manifest import Contact, Finger, Study
-from fingerpad.study.rows import RANGE_NOTES
+from fingerpad.study.measuring.fingers import is_rejected
+from fingerpad.study.results.columns import COLUMNS
+from fingerpad.study.results.rows import RANGE_NOTES
 from fingerpad.web.bench import Bench
 from fingerpad.web.engine import item_states, said_the_same
 from fingerpad.web.fingers import known_finger

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from fingerpad.exceptions import FingerpadError
-from fingerpad.study.results import read_summary
+from fingerpad.study.results.finished_table import read_summary
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -1,0 +1,1 @@
+"""What people decide about what the program measured: kept with who and when, and applied."""

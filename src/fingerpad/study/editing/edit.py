@@ -1,0 +1,121 @@
+"""Changing a study's manifest by program: comments and order stay, and nothing that is wrong is written.
+
+What is not complete yet cannot stand in ``study.toml``. It waits in ``draft.toml`` beside it, in the same
+layout, and moves over by itself as soon as the manifest takes it.
+"""
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Final
+
+import tomlkit
+from filelock import FileLock, Timeout
+
+from fingerpad.exceptions import EditConflict, ManifestError, StoreError
+from fingerpad.study.durable import replace_file
+from fingerpad.study.editing.documents import DRAFT_NAME, STUDY_NAME, StudyFiles
+from fingerpad.study.editing.incomplete import Kind
+from fingerpad.study.editing.state import Edit, Incomplete, StudyState
+
+LOCK_NAME: Final = ".study.lock"
+_WAIT_S: Final = 30.0
+
+
+def create_study(folder: Path, title: str) -> StudyState:
+    """Begin a study in a folder that has none; pictures may lie there already.
+
+    Raises
+    ------
+    ManifestError
+        If there is a study already, or the title is empty.
+    StoreError
+        If the folder cannot be written.
+    """
+    if not title.strip():
+        raise ManifestError("a study needs a title")
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise StoreError(f"{folder}: cannot make this folder ({error.strerror})") from error
+    with _locked(folder):
+        if any((folder / name).exists() for name in (STUDY_NAME, DRAFT_NAME)):
+            raise ManifestError(f"{folder}: there is a study already: open it, or name another folder")
+        replace_file(folder / DRAFT_NAME, tomlkit.dumps({"title": title.strip()}))
+        return StudyFiles.read(folder).state()
+
+
+def study_state(folder: Path) -> StudyState:
+    """Return a study as it is now.
+
+    Raises
+    ------
+    ManifestError
+        If there is none, or what someone wrote into it by hand is wrong.
+    """
+    return StudyFiles.read(folder).state()
+
+
+def change_study(folder: Path, edits: Sequence[Edit], *, expected: str) -> StudyState:
+    """Change a study: all edits or none.
+
+    Parameters
+    ----------
+    folder : Path
+        The study folder.
+    edits : sequence of Edit
+        In order.
+    expected : str
+        `StudyState.digest` as the author last saw it.
+
+    Returns
+    -------
+    StudyState
+        The study after it.
+
+    Raises
+    ------
+    EditConflict
+        If someone has changed the study since.
+    ManifestError
+        If an edit would make wrong what is complete; nothing is written.
+    StoreError
+        If the folder cannot be written.
+    """
+    with _locked(folder):
+        files = StudyFiles.to_edit(folder)
+        if files.digest != expected:
+            raise EditConflict(
+                f"{files.title}: someone has changed the study since: look at it again before you do"
+            )
+        for edit in edits:
+            files.apply(edit)
+        files.settle()
+        files.write()
+        return files.state()
+
+
+@contextmanager
+def _locked(folder: Path) -> Iterator[None]:
+    """Hold the lock of the manifest, and say plainly where it cannot be written."""
+    try:
+        with FileLock(folder / LOCK_NAME, timeout=_WAIT_S):
+            yield
+    except Timeout:
+        raise StoreError(f"{folder}: another process has been writing for {_WAIT_S:g} s: try again") from None
+    except OSError as error:
+        raise StoreError(f"{folder}: the study cannot be written ({error.strerror})") from error
+
+
+__all__: Sequence[str] = (
+    "DRAFT_NAME",
+    "LOCK_NAME",
+    "STUDY_NAME",
+    "Edit",
+    "Incomplete",
+    "Kind",
+    "StudyState",
+    "change_study",
+    "create_study",
+    "study_state",
+)

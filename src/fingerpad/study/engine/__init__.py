@@ -1,0 +1,1 @@
+"""Doing tasks: in this process, in several, on many machines; and keeping what they give."""

@@ -1,0 +1,118 @@
+"""One task: what it measures, the key of all that it depends on, and the doing of it."""
+
+import errno
+import hashlib
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from importlib import resources
+from importlib.resources.abc import Traversable
+from pathlib import Path
+from tempfile import TemporaryDirectory, gettempdir
+from time import perf_counter
+from typing import Any, Final, NamedTuple, TypeAlias
+
+from fingerpad.exceptions import FingerpadError, StoreError
+from fingerpad.study.words import ODDITIES, in_study
+
+Record: TypeAlias = dict[str, Any]
+# Measures something of the study folder, draws into another, and returns what it found.
+Work: TypeAlias = Callable[[Path, Path], Record]
+
+# Said of what is not what it was when the run began.
+CHANGED: Final = "{}: changed while it was being measured: run again"
+
+
+class ChangedError(Exception):
+    """A result is not there, since its input changed after its key was made."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Task:
+    """One thing to measure: a picture, or a piece of a film.
+
+    Attributes
+    ----------
+    name : str
+        Its name in the store.
+    item : str
+        Observation, photograph or sequence of which it is.
+    file : str
+        The file at work.
+    key : str
+        Digest of inputs, parameters and measuring code.
+    work : Work
+        The measuring itself.
+    inputs : tuple of str
+        Files and folders that it reads, relative to the study folder.
+    pictures : int
+        Number of pictures or frames that it deals with.
+    """
+
+    name: str
+    item: str
+    file: str
+    key: str
+    work: Work
+    inputs: tuple[str, ...]
+    pictures: int = 1
+
+
+class Done(NamedTuple):
+    """What a task gave: its record, the pictures drawn by their names, and what it cost."""
+
+    record: Record
+    pictures: dict[str, bytes]
+    seconds: float
+
+
+def perform(work: Work, file: str, folder: Path) -> Done:
+    """Do the work of a task: whatever goes wrong costs this task only, and becomes its reason.
+
+    Pictures are drawn aside, for the one process that writes results to keep.
+
+    Raises
+    ------
+    StoreError
+        If there is no room to draw.
+    """
+    start = perf_counter()
+    with TemporaryDirectory(prefix="fingerpad-") as aside:
+        try:
+            record = work(folder, Path(aside))
+        except FingerpadError as error:
+            _raise_if_full(error.__cause__)
+            record = {"reason": in_study(error, folder)}
+        except ODDITIES as error:
+            _raise_if_full(error)
+            record = {"reason": f"{file}: cannot be measured ({type(error).__name__}: {error})"}
+        drawn = {
+            path.relative_to(aside).as_posix(): path.read_bytes()
+            for path in sorted(Path(aside).rglob("*"))
+            if path.is_file()
+        }
+    return Done(record, drawn, perf_counter() - start)
+
+
+def _raise_if_full(error: BaseException | None) -> None:
+    if isinstance(error, OSError) and error.errno == errno.ENOSPC:
+        raise StoreError(f"{gettempdir()}: the disk is full: make room and run again to go on") from error
+
+
+@cache
+def measuring_code() -> str:
+    """Return the digest of all code that measures pictures: a change of it makes every result stale."""
+    digest = hashlib.sha256()
+
+    def add(item: Traversable) -> None:
+        if item.is_dir():
+            for inner in sorted(item.iterdir(), key=lambda inner: inner.name):
+                add(inner)
+        elif item.name.endswith(".py"):
+            digest.update(item.name.encode() + b"\0" + item.read_bytes())
+
+    package = resources.files("fingerpad")
+    add(package / "image")
+    add(package / "study" / "corrections")
+    add(package / "study" / "measuring")
+    return digest.hexdigest()

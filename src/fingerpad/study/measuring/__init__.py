@@ -1,0 +1,1 @@
+"""Measuring what a study shows: photographs, contact images, films."""

@@ -1,0 +1,293 @@
+"""The fingers of a study: semi-axes as given, or measured in photographs of the faces or their outlines."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from fingerpad._arrays import FloatArray
+from fingerpad._files import make_folder
+from fingerpad.exceptions import FingerpadError
+from fingerpad.image import (
+    FaceSemiAxes,
+    OutlineSemiAxes,
+    combine_faces,
+    face_from_outline,
+    read_colour_image,
+    read_outline,
+    write_photograph_overlay,
+)
+from fingerpad.study.corrections.changes import PhotographCorrection
+from fingerpad.study.corrections.corrected import corrected_photograph
+from fingerpad.study.corrections.log import Ruling
+from fingerpad.study.manifest import Finger, Photograph
+from fingerpad.study.measuring.scales import FoundScale, find_scale
+from fingerpad.study.words import in_study
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PhotographResult:
+    """What was seen in one photograph.
+
+    Attributes
+    ----------
+    manifest : Photograph
+        What the manifest says of it.
+    scale : FoundScale
+        Its scale, with the name that other pictures share.
+    overlay : str
+        Picture of the measurement, relative to the output folder.
+    arc_deg : float
+        Extent of the arc used, parametric degrees.
+    flags : tuple of str
+        Doubts.
+    """
+
+    manifest: Photograph
+    scale: FoundScale
+    overlay: str
+    arc_deg: float
+    flags: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class FingerResult:
+    """A finger's semi-axes with their covariance.
+
+    Attributes
+    ----------
+    name : str
+        The finger.
+    person : str or None
+        Whose it is, where that is said.
+    semi_axes : ndarray, shape (3,)
+        Palmar, distal, radial–ulnar, mm; NaN where they could not be had.
+    covariance : ndarray, shape (3, 3)
+        Their covariance, mm², widened by χ² over its degrees of freedom where faces disagree,
+        with that of a scale they share.
+    source : str
+        ``given`` or ``photographs``.
+    outlines : OutlineSemiAxes or None
+        The faces combined, with their consistency.
+    photographs : tuple of PhotographResult
+        The photographs measured.
+    scale : str or None
+        Name of the scale that all its photographs share: one uncertain number for all of them.
+    pad_thickness : float or None
+        Thickness of the soft pad, mm.
+    synthetic : bool
+        Whether anything of it was rendered or simulated.
+    reason : str or None
+        Why there are no semi-axes.
+    """
+
+    name: str
+    semi_axes: FloatArray
+    covariance: FloatArray
+    source: str
+    outlines: OutlineSemiAxes | None = None
+    photographs: tuple[PhotographResult, ...] = ()
+    scale: str | None = None
+    pad_thickness: float | None = None
+    synthetic: bool = False
+    reason: str | None = None
+    person: str | None = None
+
+
+def finger_result(
+    finger: Finger,
+    scales: Mapping[str, FoundScale | str],
+    folder: Path,
+    measured: Mapping[str, Mapping[str, Any]],
+    rulings: Mapping[str, Ruling] = MappingProxyType({}),
+) -> FingerResult:
+    """Return a finger's semi-axes; a photograph or outline that cannot be used costs this finger only.
+
+    Parameters
+    ----------
+    finger : Finger
+        Its table of the manifest.
+    scales : mapping
+        The study's named scales.
+    folder : Path
+        The study folder.
+    measured : mapping
+        What `face_record` found in each photograph, by its item.
+    rulings : mapping
+        What people corrected, by item: photographs that they rejected are left out.
+    """
+    common: dict[str, Any] = {
+        "name": finger.name,
+        "person": finger.person,
+        "pad_thickness": finger.pad_thickness_mm,
+        "synthetic": finger.synthetic or any(photograph.synthetic for photograph in finger.photographs),
+    }
+    if finger.semi_axes_mm is not None and finger.semi_axes_std_mm is not None:
+        given, std = finger.semi_axes_mm, finger.semi_axes_std_mm
+        return FingerResult(
+            semi_axes=np.array([given.palmar, given.distal, given.radial_ulnar]),
+            covariance=np.diag(np.square([std.palmar, std.distal, std.radial_ulnar])),
+            source="given",
+            **common,
+        )
+    try:
+        seen = [
+            _face(photograph, scales, folder, measured.get(item))
+            for photograph in finger.photographs
+            if not is_rejected(rulings.get(item := photograph_item(finger, photograph)))
+        ]
+        joint = joint_semi_axes([face for face, _ in seen], shared_scale(finger, scales, folder))
+    except FingerpadError as error:
+        return FingerResult(
+            semi_axes=np.full(3, np.nan),
+            covariance=np.full((3, 3), np.nan),
+            source="photographs",
+            reason=in_study(f"finger {finger.name}: {error}", folder),
+            **common,
+        )
+    return FingerResult(
+        semi_axes=joint.semi_axes,
+        covariance=joint.covariance,
+        source="photographs",
+        scale=joint.scale,
+        outlines=joint.outlines,
+        photographs=tuple(result for _, result in seen if result is not None),
+        **common,
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class JointSemiAxes:
+    """Semi-axes from several faces.
+
+    Attributes
+    ----------
+    semi_axes, covariance, scale, outlines
+        As of `FingerResult`.
+    """
+
+    semi_axes: FloatArray
+    covariance: FloatArray
+    scale: str | None
+    outlines: OutlineSemiAxes
+
+
+def joint_semi_axes(faces: Sequence[FaceSemiAxes], shared: FoundScale | None) -> JointSemiAxes:
+    """Combine what faces show; `shared` is the scale that all their photographs share.
+
+    Raises
+    ------
+    FitError
+        If no face shows one of the semi-axes.
+    """
+    scale_std = shared.scale.relative_std if shared else 0.0
+    combined = combine_faces(replace(face, relative_scale_std=0.0) if shared else face for face in faces)
+    freedom = combined.degrees_of_freedom
+    widening = max(1.0, combined.chi_square / freedom) if freedom else 1.0
+    semi_axes = np.array([combined.palmar, combined.distal, combined.radial_ulnar])
+    return JointSemiAxes(
+        semi_axes=semi_axes,
+        covariance=widening * combined.covariance + scale_std**2 * np.outer(semi_axes, semi_axes),
+        scale=shared.name if shared else None,
+        outlines=combined,
+    )
+
+
+def photograph_item(finger: Finger, photograph: Photograph) -> str:
+    """Return the name under which a photograph is corrected."""
+    return f"{finger.name}/{photograph.image or photograph.outline}"
+
+
+def shared_scale(finger: Finger, scales: Mapping[str, FoundScale | str], folder: Path) -> FoundScale | None:
+    """Return the named scale that all photographs of a finger share, None where they do not."""
+    keys = {
+        photograph.scale if isinstance(photograph.scale, str) else None for photograph in finger.photographs
+    }
+    name = keys.pop()
+    return None if name is None or keys else find_scale(name, scales, folder)
+
+
+def is_rejected(ruling: Ruling | None) -> bool:
+    """Tell whether a person rejected an item."""
+    return ruling is not None and ruling.change.rejected is not None
+
+
+def face_record(
+    folder: Path,
+    out: Path,
+    *,
+    photograph: Photograph,
+    correction: PhotographCorrection | None,
+    overlay: str,
+    scales: Mapping[str, FoundScale | str],
+) -> dict[str, Any]:
+    """Measure one photograph of a finger and draw it, and return what was found as plain values.
+
+    Parameters
+    ----------
+    folder, out : Path
+        The study folder, and the one to draw into.
+    photograph : Photograph
+        What the manifest says of it.
+    correction : PhotographCorrection or None
+        What a person wants of it.
+    overlay : str
+        Picture to draw, relative to `out`.
+    scales : mapping
+        The study's named scales.
+
+    Raises
+    ------
+    FingerpadError
+        If the photograph cannot be read or measured.
+    """
+    assert photograph.image is not None  # the manifest's own rule
+    assert photograph.scale is not None
+    scale = find_scale(photograph.scale, scales, folder)
+    pixels = read_colour_image(folder / photograph.image)
+    found = corrected_photograph(pixels, photograph, scale.scale, correction)
+    make_folder((out / overlay).parent)
+    write_photograph_overlay(
+        out / overlay, pixels, found, label="synthetic" if photograph.synthetic else None
+    )
+    axes = found.face_semi_axes
+    return {
+        "semi_axes": axes.semi_axes.tolist(),
+        "covariance": axes.covariance.tolist(),
+        "relative_scale_std": axes.relative_scale_std,
+        "overlay": overlay,
+        "arc_deg": found.arc_deg,
+        "flags": [*sorted(found.flags), *scale.flags],
+    }
+
+
+def _face(
+    photograph: Photograph,
+    scales: Mapping[str, FoundScale | str],
+    folder: Path,
+    record: Mapping[str, Any] | None,
+) -> tuple[FaceSemiAxes, PhotographResult | None]:
+    """Return what is known of one face."""
+    if photograph.outline is not None:
+        points = read_outline(folder / photograph.outline)
+        return face_from_outline(photograph.face, points, photograph.outline_relative_std), None
+    assert record is not None  # each photograph was measured
+    assert photograph.scale is not None
+    if record.get("reason") is not None:
+        raise FingerpadError(record["reason"])
+    axes = FaceSemiAxes(
+        face=photograph.face,
+        semi_axes=np.array(record["semi_axes"]),
+        covariance=np.array(record["covariance"]),
+        relative_scale_std=record["relative_scale_std"],
+    )
+    return axes, PhotographResult(
+        manifest=photograph,
+        scale=find_scale(photograph.scale, scales, folder),
+        overlay=record["overlay"],
+        arc_deg=record["arc_deg"],
+        flags=tuple(record["flags"]),
+    )

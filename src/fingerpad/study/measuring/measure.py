@@ -1,0 +1,202 @@
+"""Measuring one observation: from its picture, or from the ellipse given, to a contact ellipse."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fingerpad._arrays import FloatArray
+from fingerpad._files import make_folder
+from fingerpad.exceptions import FingerpadError
+from fingerpad.image import Imprint, read_image, write_overlay
+from fingerpad.study.corrections.changes import ContactCorrection
+from fingerpad.study.corrections.corrected import NOTHING, CorrectedImprint, corrected_imprint
+from fingerpad.study.corrections.log import Ruling
+from fingerpad.study.manifest import Contact, Direction, Observation
+from fingerpad.study.measuring.scales import FoundScale, find_scale
+from fingerpad.study.words import ODDITIES, in_study
+
+_FROM_RECORD = (
+    "gross_area_mm2",
+    "gross_area_mm2_std",
+    "ridge_area_mm2",
+    "ridge_area_mm2_std",
+    "ridge_period_mm",
+    "ellipse_iou",
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Measurement:
+    """What was seen of one contact.
+
+    Attributes
+    ----------
+    name : str
+        Name of the observation, or of the sequence with the frame's number.
+    load : float
+        Normal force, N; NaN where it is not known.
+    reason : str or None
+        Why nothing was measured; None where something was.
+    semi_major, semi_minor : float
+        Semi-axes of the contact ellipse, mm.
+    covariance : ndarray, (2, 2)
+        Their covariance, mm².
+    scale : str or None
+        Name of the scale that other pictures share.
+    relative_scale_std : float
+        Its relative standard uncertainty, which `covariance` contains.
+    long_axis : {"along", "across"} or None
+        Whether the long axis lies along or across the finger, where that is known.
+    columns : dict
+        Further columns of the results.
+    flags : tuple of str
+        Doubts about the picture.
+    overlay : str or None
+        File of the overlay, relative to the output folder.
+    counts : bool
+        Whether it may be pooled, its flags apart: not every frame of a press may.
+    rejected : str or None
+        Why a person does not want it; it is no failure, and never counts.
+    """
+
+    name: str
+    load: float
+    reason: str | None = None
+    semi_major: float = np.nan
+    semi_minor: float = np.nan
+    covariance: FloatArray = field(default_factory=lambda: np.full((2, 2), np.nan))
+    scale: str | None = None
+    relative_scale_std: float = 0.0
+    long_axis: Direction | None = None
+    columns: dict[str, Any] = field(default_factory=dict)
+    flags: tuple[str, ...] = ()
+    overlay: str | None = None
+    counts: bool = True
+    rejected: str | None = None
+
+
+def measure_observation(
+    observation: Observation,
+    scales: Mapping[str, FoundScale | str],
+    folder: Path,
+    out: Path,
+    correction: ContactCorrection = NOTHING,
+) -> Measurement:
+    """Measure one observation and write its overlay; whatever goes wrong costs this row only.
+
+    Parameters
+    ----------
+    observation : Observation
+        A row of the manifest.
+    scales : mapping
+        The study's named scales.
+    folder, out : Path
+        The study folder, and the folder of results.
+    correction : ContactCorrection
+        What a person wants of it; what they think of it is told by `reviewed`.
+    """
+    if observation.ellipse_mm is not None:
+        ellipse = observation.ellipse_mm
+        return Measurement(
+            name=observation.name,
+            load=observation.load_N,
+            semi_major=ellipse.semi_major,
+            semi_minor=ellipse.semi_minor,
+            covariance=ellipse.std**2 * np.eye(2),
+            long_axis=ellipse.long_axis,
+        )
+    try:
+        return _measure_image(observation, scales, folder, out, correction)
+    except FingerpadError as error:
+        reason = in_study(error, folder)
+    except ODDITIES as error:
+        reason = f"{observation.image}: cannot be measured ({type(error).__name__}: {error})"
+    return Measurement(name=observation.name, load=observation.load_N, reason=reason)
+
+
+def _measure_image(
+    observation: Observation,
+    scales: Mapping[str, FoundScale | str],
+    folder: Path,
+    out: Path,
+    correction: ContactCorrection,
+) -> Measurement:
+    assert observation.image is not None  # the manifest's own rule
+    assert observation.scale is not None
+    found = find_scale(observation.scale, scales, folder)
+    pixels = read_image(folder / observation.image).pixels
+    seen = corrected_imprint(pixels, found.scale, observation, folder, correction)
+    if seen.imprint is None:
+        assert seen.reason is not None  # one of the two
+        return Measurement(
+            name=observation.name,
+            load=observation.load_N,
+            reason=in_study(seen.reason, folder),
+            columns=program_columns(seen),
+        )
+    overlay = Path("overlays") / f"{observation.name}.png"
+    make_folder((out / overlay).parent)
+    write_overlay(out / overlay, pixels, seen.imprint, label="synthetic" if observation.synthetic else None)
+    kept = from_imprint(seen.imprint, observation, found)
+    kept["columns"] |= program_columns(seen)
+    return Measurement(name=observation.name, load=observation.load_N, overlay=str(overlay), **kept)
+
+
+def contact_correction(ruling: Ruling | None) -> ContactCorrection:
+    """Return what a person wants of a contact, nothing where nobody said anything."""
+    return ruling.change if ruling is not None and isinstance(ruling.change, ContactCorrection) else NOTHING
+
+
+def program_columns(seen: CorrectedImprint) -> dict[str, Any]:
+    """Return the program's own result, as columns that stand beside the corrected one."""
+    if seen.program is None:
+        return {}
+    return {
+        "program_semi_major_mm": float(seen.program.ellipse.semi_major),
+        "program_semi_minor_mm": float(seen.program.ellipse.semi_minor),
+    }
+
+
+def reviewed(measured: Measurement, ruling: Ruling | None) -> Measurement:
+    """Return a measurement with what a person decided about it, and who."""
+    if ruling is None:
+        return measured
+    edits, rejected = ruling.change.edits, ruling.change.rejected
+    verdict = "rejected" if rejected is not None else "accepted" if ruling.change.accepted else "corrected"
+    columns: dict[str, Any] = {"reviewed": verdict, "reviewed_by": ruling.who}
+    if edits:
+        columns["measured_by"] = "person" if "ellipse_px" in edits else "program with corrections"
+    return replace(
+        measured,
+        columns=measured.columns | columns,
+        rejected=rejected,
+        counts=measured.counts and rejected is None,
+    )
+
+
+def from_imprint(imprint: Imprint, contact: Contact, found: FoundScale) -> dict[str, Any]:
+    """Return what a `Measurement` keeps of an imprint."""
+    record = imprint.as_record()
+    turn = np.degrees(imprint.orientation) - contact.finger_axis_deg
+    orientation = float(90 - (90 - turn) % 180)
+    return {
+        "semi_major": float(imprint.ellipse.semi_major),
+        "semi_minor": float(imprint.ellipse.semi_minor),
+        "covariance": imprint.covariance[:2, :2],
+        "scale": found.name,
+        "relative_scale_std": found.scale.relative_std,
+        "long_axis": "along" if abs(orientation) <= 45 else "across",
+        "columns": {
+            **{name: record[name] for name in _FROM_RECORD},
+            "orientation_deg": orientation,
+            "centroid_row_px": imprint.centroid[0],
+            "centroid_column_px": imprint.centroid[1],
+            "scale": found.name,
+            "mm_per_px": found.scale.mm_per_px,
+            "mm_per_px_std": found.scale.mm_per_px_std,
+        },
+        "flags": (*imprint.flags, *found.flags),
+    }

@@ -1,0 +1,152 @@
+"""What there is to measure in a study, each task keyed by all that its result depends on."""
+
+import hashlib
+import json
+import re
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import partial
+from pathlib import Path
+from typing import Any, Final, TypeAlias
+
+from pydantic import BaseModel
+
+from fingerpad.study.corrections.changes import ContactCorrection
+from fingerpad.study.corrections.decisions import Ruling
+from fingerpad.study.engine.task import Record, Task, measuring_code
+from fingerpad.study.manifest import CoinScale, Finger, Observation, Photograph, Study
+from fingerpad.study.measuring.fingers import face_record, is_rejected, photograph_item
+from fingerpad.study.measuring.measure import contact_correction, measure_observation
+from fingerpad.study.measuring.records import measurement_record
+from fingerpad.study.measuring.scales import FoundScale
+
+Scales: TypeAlias = Mapping[str, FoundScale | str]
+
+# What of a contact's table changes nothing in what is measured on its picture.
+_NOT_MEASURED: Final = frozenset(
+    ("finger", "wedge_angle_deg", "roll_angle_deg", "load_N", "notes", "scale", "pool_from_N")
+)
+_FILES: Final = ("image", "background", "path", "force", "times")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Keys:
+    """Keys of a study's tasks.
+
+    Attributes
+    ----------
+    study : Study
+        The manifest.
+    folder : Path
+        The study folder.
+    digest : callable
+        That of a file or folder.
+    rulings : mapping
+        What people corrected, by item.
+    """
+
+    study: Study
+    folder: Path
+    digest: Callable[[Path], str]
+    rulings: Mapping[str, Ruling] = field(default_factory=dict)
+
+    def edits(self, item: str) -> dict[str, Any]:
+        """Return what a person changed in the measurement of an item."""
+        ruling = self.rulings.get(item)
+        return {} if ruling is None else ruling.change.edits
+
+    def of(self, table: BaseModel, *more: object, leave_out: frozenset[str] = frozenset()) -> str:
+        """Return the key of what the manifest says in a table.
+
+        Parameters
+        ----------
+        table : BaseModel
+            Of an observation, a sequence or a photograph.
+        *more
+            Further parameters of the result.
+        leave_out : frozenset of str
+            Keys of the table that do not bear on it.
+        """
+        parameters = table.model_dump(mode="json", exclude=set(_NOT_MEASURED | leave_out))
+        name = getattr(table, "scale", None)
+        scale = self.study.scales[name].model_dump(mode="json") if isinstance(name, str) else None
+        if scale is None and isinstance(name, BaseModel):
+            scale = name.model_dump(mode="json")
+        digests = {file: self.digest(self.folder / file) for file in self.inputs_of(table, leave_out)}
+        return chained(parameters, name if isinstance(name, str) else None, scale, digests, *more)
+
+    def inputs_of(self, table: BaseModel, leave_out: frozenset[str] = frozenset()) -> tuple[str, ...]:
+        """Return the files and folders that a table names, but for those of some keys."""
+        scale = getattr(table, "scale", None)
+        scale = self.study.scales[scale] if isinstance(scale, str) else scale
+        coin = (scale.coin,) if isinstance(scale, CoinScale) else ()
+        names = (name for name in _FILES if name not in leave_out)
+        return (*(file for name in names if (file := getattr(table, name, None))), *coin)
+
+
+def chained(*parts: object) -> str:
+    """Return a digest of some parameters and of the code that measures."""
+    return hashlib.sha256(json.dumps([*parts, measuring_code()], sort_keys=True).encode()).hexdigest()
+
+
+def observation_tasks(keys: Keys, scales: Scales) -> Iterator[Task]:
+    """Yield a task for each observation."""
+    for observation in keys.study.observations:
+        correction = contact_correction(keys.rulings.get(observation.name))
+        yield Task(
+            name=observation.name,
+            item=observation.name,
+            file=observation.image or "",
+            key=item_key(keys, observation.name, observation),
+            work=partial(_observed, observation, scales, correction),
+            inputs=keys.inputs_of(observation),
+        )
+
+
+def _observed(
+    observation: Observation, scales: Scales, correction: ContactCorrection, folder: Path, out: Path
+) -> Record:
+    return measurement_record(measure_observation(observation, scales, folder, out, correction))
+
+
+def photograph_tasks(keys: Keys, scales: Scales) -> Iterator[Task]:
+    """Yield a task for each photograph of a finger that nobody rejected."""
+    for finger, photograph in photographs_of(keys.study):
+        item = photograph_item(finger, photograph)
+        ruling = keys.rulings.get(item)
+        if photograph.image is None or is_rejected(ruling):
+            continue
+        change = None if ruling is None else ruling.change
+        assert not isinstance(change, ContactCorrection)  # the items' own rule
+        yield Task(
+            name=item,
+            item=item,
+            file=photograph.image,
+            key=item_key(keys, item, photograph),
+            work=partial(
+                face_record,
+                photograph=photograph,
+                correction=change,
+                overlay=f"overlays/finger_{finger.name}_{photograph.face}_{_plain(photograph.image)}.png",
+                scales=scales,
+            ),
+            inputs=keys.inputs_of(photograph),
+        )
+
+
+def photographs_of(study: Study) -> Iterator[tuple[Finger, Photograph]]:
+    """Yield each photograph of each finger that is a picture."""
+    for finger in study.fingers:
+        for photograph in finger.photographs:
+            if photograph.image is not None:
+                yield finger, photograph
+
+
+def item_key(keys: Keys, item: str, table: BaseModel) -> str:
+    """Return the key of an observation or a photograph."""
+    return keys.of(table, keys.edits(item))
+
+
+def _plain(file: str) -> str:
+    """Return a file's name as part of another's."""
+    return re.sub(r"[^\w.-]+", "_", file)

@@ -1,0 +1,220 @@
+"""Writing a study's tables: results.csv with its data dictionary, results.json, summary.json."""
+
+import csv
+from dataclasses import asdict
+from json.encoder import encode_basestring
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fingerpad._json import dumps
+from fingerpad.exceptions import FingerpadError
+from fingerpad.study.measuring.scales import FoundScale
+from fingerpad.study.measuring.sequences import SequenceResult
+from fingerpad.study.results.check import UncertaintyCheck
+from fingerpad.study.results.columns import COLUMNS, TRUTHS, WORDS
+from fingerpad.study.results.curves import LoadingRadius, loading_radius
+from fingerpad.study.results.pooling import PooledRadius
+from fingerpad.study.results.study_result import StudyResult
+from fingerpad.study.results.summary import Summary, area_exponent
+from fingerpad.study.results.table import Table
+
+
+def write_tables(result: StudyResult, out: Path) -> None:
+    """Write ``results.csv``, ``results_columns.csv``, ``results.json`` and ``summary.json`` into `out`.
+
+    Raises
+    ------
+    FingerpadError
+        If a file cannot be written.
+    """
+    try:
+        write_rows(result.rows, out / "results.csv", out / "results.json")
+        with (out / "results_columns.csv").open("w", newline="", encoding="utf-8") as file:
+            csv.writer(file).writerows([("column", "meaning"), *COLUMNS.items()])
+        record = dumps(summary_record(result), indent=1)
+        (out / "summary.json").write_text(record + "\n", encoding="utf-8")
+    except OSError as error:
+        raise FingerpadError(f"{error.filename}: cannot be written ({error.strerror})") from error
+
+
+def write_rows(rows: Table, table: Path, records: Path) -> None:
+    """Write rows as a CSV table and as a JSON array of objects, batch by batch."""
+    with (
+        table.open("w", newline="", encoding="utf-8") as cells,
+        records.open("w", encoding="utf-8") as array,
+    ):
+        lines = csv.writer(cells)
+        lines.writerow(COLUMNS)
+        array.write("[")
+        between = "\n"
+        for batch in rows.batches():
+            # To write a float in decimals costs more than all else: once for both files.
+            literals = {name: _literals(batch, name) for name in COLUMNS}
+            lines.writerows(zip(*(_cells(batch, *column) for column in literals.items()), strict=True))
+            keyed = ([f'  "{name}": {each}' for each in column] for name, column in literals.items())
+            objects = (" {\n" + ",\n".join(items) + "\n }" for items in zip(*keyed, strict=True))
+            array.write(between + ",\n".join(objects))
+            between = ",\n"
+        array.write("\n]\n" if rows else "]\n")
+
+
+def _literals(rows: Table, name: str) -> list[str]:
+    """Return a column as JSON literals."""
+    items = rows.column(name).tolist()
+    if name in WORDS:
+        return ["null" if item is None else encode_basestring(item) for item in items]
+    if name in TRUTHS:
+        return ["true" if item else "false" for item in items]
+    known = rows.known(name) & np.isfinite(rows.column(name))
+    return [repr(item) if there else "null" for item, there in zip(items, known.tolist(), strict=True)]
+
+
+def _cells(rows: Table, name: str, literals: list[str]) -> list[str]:
+    """Return a column as CSV cells: words bare, all else as in JSON, empty for what is not known."""
+    if name in WORDS:
+        return ["" if item is None else item for item in rows.column(name).tolist()]
+    return ["" if literal == "null" else literal for literal in literals]
+
+
+def summary_record(result: StudyResult) -> dict[str, Any]:
+    """Return the content of ``summary.json``."""
+    return {
+        "title": result.study.title,
+        "fingers": [
+            {
+                "finger": finger.name,
+                "person": finger.person,
+                "source": finger.source,
+                "synthetic": finger.synthetic,
+                "palmar_mm": finger.semi_axes[0],
+                "distal_mm": finger.semi_axes[1],
+                "radial_ulnar_mm": finger.semi_axes[2],
+                "covariance_mm2": finger.covariance,
+                "chi_square": finger.outlines and finger.outlines.chi_square,
+                "degrees_of_freedom": finger.outlines and finger.outlines.degrees_of_freedom,
+                "p_value": finger.outlines and finger.outlines.p_value,
+                "reason": finger.reason,
+            }
+            for finger in result.fingers.values()
+        ],
+        "summaries": [
+            _summary(
+                summary,
+                check,
+                loading_radius(
+                    result.curves, summary.finger, summary.wedge_angle_deg, synthetic=summary.synthetic
+                ),
+            )
+            for summary, check in zip(result.summaries, result.checks, strict=True)
+        ],
+        "sequences": [
+            _sequence(film, frames) for film, frames in zip(result.sequences, result.frames(), strict=True)
+        ],
+        "scales": {name: _scale(scale) for name, scale in result.scales.items()},
+        "curves": [
+            {
+                "file": curve.manifest.file,
+                "finger": curve.manifest.finger,
+                "wedge_angle_deg": curve.manifest.wedge_angle_deg,
+                "synthetic": curve.manifest.synthetic,
+                "effective_radius_mm": curve.effective_radius,
+                "effective_radius_mm_std": curve.effective_radius_std,
+                "velocity_mm_per_s": curve.velocity,
+                "reason": curve.reason,
+                "fit": curve.fit and curve.fit.as_record(),
+            }
+            for curve in result.curves
+        ],
+        "failures": result.failures,
+        "provenance": result.provenance,
+    }
+
+
+def _summary(
+    summary: Summary, check: UncertaintyCheck | None, loading: LoadingRadius | None
+) -> dict[str, Any]:
+    first, contacts = summary.rows[0], summary.contacts
+    return {
+        "finger": summary.finger,
+        "wedge_angle_deg": summary.wedge_angle_deg,
+        "roll_angle_deg": summary.roll_angle_deg,
+        "synthetic": summary.synthetic,
+        "count": len(contacts),
+        "frames": len(summary.rows) - len(contacts),
+        "mean_curvature_radius_mm": first["mean_curvature_radius_mm"],
+        "mean_curvature_radius_mm_std": first["mean_curvature_radius_mm_std"],
+        "geometric_mean_radius_mm": first["geometric_mean_radius_mm"],
+        "geometric_mean_radius_mm_std": first["geometric_mean_radius_mm_std"],
+        **_pooled("radius_from_indentation", summary.corrected_radius),
+        **_pooled("radius_from_compliance", summary.compliance_radius),
+        "loading_radius_mm": loading and loading.value,
+        "loading_radius_mm_std": loading and loading.std,
+        **_exponent(contacts or summary.rows),
+        "uncertainty_check": check and asdict(check),
+    }
+
+
+def _sequence(sequence: SequenceResult, frames: Table) -> dict[str, Any]:
+    of, summary = sequence.manifest, sequence.summary
+    counts = (
+        {}
+        if summary is None
+        else {
+            "frames": summary.count,
+            "frames_with_contact": summary.measured,
+            "frames_without_contact": summary.without_contact,
+            "frames_failed": summary.failed,
+            "phases": summary.phases,
+            "first_contact_frame": summary.first_contact,
+            "notes": summary.notes,
+        }
+    )
+    return {
+        "sequence": of.name,
+        "finger": of.finger,
+        "wedge_angle_deg": of.wedge_angle_deg,
+        "roll_angle_deg": of.roll_angle_deg,
+        "synthetic": of.synthetic,
+        **counts,
+        "rows": len(frames),
+        "pooled": int(frames.column("pooled").sum()),
+        **_exponent(frames),
+        "overlays": [overlay._asdict() for overlay in sequence.overlays],
+        "reason": sequence.reason,
+    }
+
+
+def _exponent(rows: Table) -> dict[str, float]:
+    exponent = area_exponent(rows)
+    return {"area_exponent": exponent.value, "area_exponent_std": exponent.std}
+
+
+def _scale(scale: FoundScale | str) -> dict[str, Any]:
+    if isinstance(scale, str):
+        return {"reason": scale}
+    return {
+        "mm_per_px": scale.scale.mm_per_px,
+        "mm_per_px_std": scale.scale.mm_per_px_std,
+        "flags": scale.flags,
+    }
+
+
+def _pooled(name: str, pooled: PooledRadius | None) -> dict[str, Any]:
+    if pooled is None:
+        return {f"{name}_mm": None, f"{name}_count": 0}
+    return {
+        f"{name}_mm": pooled.value,
+        f"{name}_mm_std": pooled.std,
+        f"{name}_mm_std_given_geometry": pooled.given_geometry,
+        f"{name}_birge_ratio": pooled.fixed.birge_ratio,
+        f"{name}_count": pooled.count,
+        f"{name}_random_effects_mm": pooled.random.value,
+        f"{name}_random_effects_mm_std": pooled.random.total_std,
+        f"{name}_random_effects_mm_ci95": pooled.random.interval,
+        f"{name}_between_std_mm": pooled.random.between_std,
+        f"{name}_scatter_within_loads_mm": pooled.scatter.within_std,
+        f"{name}_scatter_between_loads_mm": pooled.scatter.between_std,
+        f"{name}_variance_shares": pooled.budget,
+    }

@@ -1,0 +1,125 @@
+"""One radius from the contacts of a finger at one angle, with what they share counted as shared."""
+
+from dataclasses import dataclass
+from typing import Final, Self
+
+import numpy as np
+
+from fingerpad._arrays import FloatArray, floats
+from fingerpad.study.results.model import GEOMETRY, OF_THE_PLACEMENT, PART_SOURCES, POOLED_OUTPUTS
+from fingerpad.study.results.rows import Rows
+from fingerpad.study.results.table import Column, Places, Table, numbered
+from fingerpad.uncertainty import (
+    PAD_SOURCES,
+    Pooled,
+    RandomEffects,
+    Scatter,
+    SharedParts,
+    inverse_variance_weights,
+    pool,
+    pool_random_effects,
+    scatter_of,
+)
+
+# Parts that a contact shares with no other.
+_OWN: Final = ~np.isin(PART_SOURCES, (*OF_THE_PLACEMENT, "image scale"))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PooledRadius:
+    """A radius pooled over contacts.
+
+    Attributes
+    ----------
+    fixed : Pooled
+        All contacts taken to have one radius; the scatter beyond their uncertainties widens it (Birge).
+    given_geometry : float
+        Its standard uncertainty with semi-axes and angles held exact, as the source does.
+    random : RandomEffects
+        Contacts taken to have radii of their own about a mean.
+    scatter : Scatter
+        Of contacts under one load, and between loads.
+    budget : dict of str to float
+        Share of each source in the variance of `fixed`, with ``"scatter"`` for what Birge's ratio adds.
+    """
+
+    fixed: Pooled
+    given_geometry: float
+    random: RandomEffects
+    scatter: Scatter
+    budget: dict[str, float]
+
+    @property
+    def value(self) -> float:
+        """The pooled radius, mm."""
+        return self.fixed.value
+
+    @property
+    def std(self) -> float:
+        """Its standard uncertainty, with everything that contacts share, mm."""
+        return self.fixed.total_std
+
+    @property
+    def count(self) -> int:
+        """Number of contacts, a film counting as one."""
+        return self.fixed.count
+
+    @classmethod
+    def of(cls, rows: Rows, pooled: Table, estimate: Places, output: str) -> Self:
+        """Pool one of `POOLED_OUTPUTS`.
+
+        Parameters
+        ----------
+        rows : Rows
+            All rows.
+        pooled : Table
+            Those of them to pool; all must count.
+        estimate : ndarray of int
+            Which estimate each belongs to, counted from 0: one for a single contact, one for all frames of
+            a film. The frames show the same skin, pressed once: their errors are taken to be the same
+            error, so that their mean is no better known than a frame is, however many there are.
+        output : str
+            The radius.
+        """
+        parts = rows.parts[np.searchsorted(rows.pooled, pooled.places), POOLED_OUTPUTS.index(output)]
+        own_std = np.sqrt(np.sum(parts[:, _OWN] ** 2, axis=-1))
+        weights = np.where(np.bincount(estimate)[estimate] > 1, own_std**-2.0, 1.0)
+        weights /= np.bincount(estimate, weights)[estimate]
+
+        def mean(of: FloatArray) -> FloatArray:
+            return floats(np.bincount(estimate, weights * of))
+
+        value, own = mean(pooled.column(f"{output}_mm")), mean(own_std)
+        parts = np.stack([mean(part) for part in parts.T], axis=-1)
+        first, last = (np.empty(value.size, dtype=np.intp) for _ in range(2))
+        last[estimate] = np.arange(estimate.size)
+        first[estimate[::-1]] = np.arange(estimate.size)[::-1]
+        shared = _shared(parts, pooled.column("scale")[first])
+        fixed = pool(value, own, shared)
+        final = inverse_variance_weights(value, own)
+        variances = np.empty(len(PART_SOURCES))
+        variances[_OWN] = final**2 @ parts[:, _OWN] ** 2
+        variances[~_OWN] = shared.variances(final)
+        exact = np.sum(variances[~_OWN & ~np.isin(PART_SOURCES, GEOMETRY)])
+        return cls(
+            fixed=fixed,
+            given_geometry=float(np.hypot(fixed.std, np.sqrt(exact))),
+            random=pool_random_effects(value, np.maximum(own, np.spacing(value)), shared),
+            scatter=scatter_of(value, pooled.column("load_N")[last]),
+            budget=_budget(fixed, variances),
+        )
+
+
+def _shared(parts: FloatArray, scales: Column) -> SharedParts:
+    """Return what estimates share: the placement all of them, a scale those that name it."""
+    scale = numbered((place,) if name is None else name for place, name in enumerate(scales))
+    of_scale = PART_SOURCES[~_OWN] == "image scale"
+    return SharedParts(parts=parts[:, ~_OWN], groups=np.where(of_scale, scale[:, None], 0))
+
+
+def _budget(fixed: Pooled, variances: FloatArray) -> dict[str, float]:
+    """Return each source's share in the variance of the pooled value."""
+    variance = {source: float(variances[source == PART_SOURCES].sum()) for source in PAD_SOURCES}
+    variance["scatter"] = max(0.0, fixed.total_std**2 - sum(variance.values()))
+    total = sum(variance.values())
+    return {name: share / total if total > 0 else 0.0 for name, share in variance.items()}

@@ -1,0 +1,315 @@
+"""One row of results per contact: what was seen of it, and what the model says."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import islice
+from typing import Any, Final, NamedTuple, TypeAlias
+
+import numpy as np
+
+from fingerpad._arrays import BoolArray, FloatArray
+from fingerpad.geometry import Ellipsoid, Placement
+from fingerpad.study.manifest import CORRECTIONS, Contact, Observation, Study
+from fingerpad.study.measuring.fingers import FingerResult
+from fingerpad.study.measuring.measure import Measurement
+from fingerpad.study.results.model import GEOMETRY, PART_SOURCES, POOLED_OUTPUTS, Inputs, Modelled, pad_inputs
+from fingerpad.study.results.table import (
+    Column,
+    GrowingArray,
+    Places,
+    Table,
+    TableBuilder,
+    column_of,
+    unknown,
+)
+from fingerpad.uncertainty import PAD_OUTPUTS, PAD_SOURCES
+from fingerpad.units import KPA_PER_MPA
+
+# What the rows of one summary have in common.
+PLACEMENT: Final = ("finger", "wedge_angle_deg", "roll_angle_deg", "synthetic")
+PlacementKey: TypeAlias = tuple[Any, ...]
+
+# Beyond these Hertz theory is out of its range; the report says so in words.
+SMALL_CONTACT: Final = 0.3
+SMALL_INDENTATION: Final = 0.1
+SAME_SHAPE: Final = 0.1
+
+# A contact that is cut, or whose scale is in doubt, is kept and shown but not pooled.
+NOT_POOLED: Final = frozenset(("touches_border", "cut_by_mask", "scale_doubtful"))
+
+RANGE_NOTES: Final = {
+    "faces_disagree": "the finger's photographs disagree about its semi-axes (p < 0.01)",
+    "implausible_size": "a semi-axis of the pad lies outside 2–40 mm: check the units",
+    "implausible_modulus": "Young's modulus lies outside 1–5000 kPa: check load and scale",
+    "deeper_than_pad": "the indentation exceeds the palmar semi-axis: check load, scale and units",
+    "contact_not_small": f"the contact radius exceeds {SMALL_CONTACT:g} of the radius of curvature",
+    "indentation_not_small": f"the indentation exceeds {SMALL_INDENTATION:.0%} of the pad's thickness",
+    "aspect_ratio_disagrees": f"measured and predicted aspect ratio differ by more than {SAME_SHAPE:.0%}",
+    "long_axis_disagrees": "the long axis lies across the direction that Hertz theory predicts",
+}
+
+_NO_ANSWER: Final = "the model has no finite answer for these values; check their units"
+_OF_THE_CONTACT: Final = tuple(source for source in PAD_SOURCES if source not in GEOMETRY)
+_IN_MM: Final = tuple(name for name in PAD_OUTPUTS if "radius" in name or name == "indentation")
+_IN_KPA: Final = ("reduced_modulus", "youngs_modulus", "mean_pressure")
+_OF_THE_PICTURE: Final = (
+    "reviewed",
+    "reviewed_by",
+    "program_semi_major_mm",
+    "program_semi_minor_mm",
+    "sequence",
+    "frame",
+    "time_s",
+    "phase",
+    "mm_per_px",
+    "mm_per_px_std",
+    "orientation_deg",
+    "gross_area_mm2",
+    "gross_area_mm2_std",
+    "ridge_area_mm2",
+    "ridge_area_mm2_std",
+    "ridge_period_mm",
+    "ellipse_iou",
+    "centroid_row_px",
+    "centroid_column_px",
+)
+# The model's derivatives at so many contacts take tens of megabytes.
+_AT_ONCE: Final = 500
+
+Seen: TypeAlias = Sequence[tuple[Contact, Measurement]]
+
+
+class Heaviest(NamedTuple):
+    """The contact under the largest load of those that count at one placement.
+
+    Attributes
+    ----------
+    observation : str
+        Its name.
+    load : float
+        Its load, N.
+    inputs : Inputs
+        The model's inputs for it.
+    """
+
+    observation: str
+    load: float
+    inputs: Inputs
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Rows:
+    """All rows of a study, with what pooling needs.
+
+    Attributes
+    ----------
+    table : Table
+        One row per observation and frame, in the manifest's order.
+    pooled : ndarray of int
+        Places in `table` of the rows that count in pooled radii, ascending.
+    parts : ndarray, shape (pooled rows, pooled outputs, parts)
+        Signed contributions to the uncertainty of their radii, as `Modelled` has them.
+    heaviest : dict of PlacementKey to Heaviest
+        By the values of `PLACEMENT`; without those at which nothing counts.
+    """
+
+    table: Table
+    pooled: Places
+    parts: FloatArray
+    heaviest: dict[PlacementKey, Heaviest]
+
+
+def make_rows(
+    study: Study, fingers: Mapping[str, FingerResult], seen: Iterable[tuple[Contact, Measurement]]
+) -> Rows:
+    """Turn measurements into rows: placement, model and uncertainty.
+
+    Parameters
+    ----------
+    study : Study
+        The manifest.
+    fingers : mapping
+        Semi-axes by finger.
+    seen : iterable of (Contact, Measurement)
+        Each contact that was seen, with the table of the manifest that it belongs to, in the manifest's
+        order. It is gone through once, and no more than a batch is held.
+    """
+    table, stream = TableBuilder(), iter(seen)
+    pooled = GrowingArray(np.empty(0, dtype=np.intp))
+    parts = GrowingArray(np.empty((0, len(POOLED_OUTPUTS), len(PART_SOURCES))))
+    heaviest: dict[PlacementKey, Heaviest] = {}
+    start = 0
+    while batch := list(islice(stream, _AT_ONCE)):
+        done = _Batch.of(study, fingers, batch)
+        table.add(done.columns)
+        counts = done.columns["pooled"][done.good]
+        pooled.add(start + done.good[counts])
+        parts.add(done.modelled.parts[counts])
+        done.weigh(heaviest)
+        start += len(batch)
+    return Rows(table=table.table(), pooled=pooled.array, parts=parts.array, heaviest=heaviest)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Batch:
+    """Some rows by column, with inputs and answer of the model for the `good` ones among them."""
+
+    columns: dict[str, Column]
+    good: Places
+    inputs: Inputs
+    modelled: Modelled
+
+    @classmethod
+    def of(cls, study: Study, fingers: Mapping[str, FingerResult], seen: Seen) -> "_Batch":
+        reasons = [
+            measured.rejected or measured.reason or fingers[contact.finger].reason
+            for contact, measured in seen
+        ]
+        sound = np.array([place for place, reason in enumerate(reasons) if reason is None], dtype=np.intp)
+        inputs = pad_inputs(study, fingers, [seen[place] for place in sound])
+        modelled = Modelled.of(inputs, study.uncertainty.method)
+        answered = modelled.answered
+        for place in sound[~answered]:
+            reasons[place] = _NO_ANSWER
+        good, modelled = sound[answered], modelled.only(answered)
+        columns = _described(fingers, seen, reasons)
+        if good.size:
+            pads = [fingers[seen[place][0].finger] for place in good]
+            answers = _modelled({name: column[good] for name, column in columns.items()}, pads, modelled)
+            for name, answer in answers.items():
+                columns[name] = unknown(name, len(seen))
+                columns[name][good] = answer
+        return cls(
+            columns=columns,
+            good=good,
+            inputs=Inputs(inputs.mean[answered], inputs.covariance[answered]),
+            modelled=modelled,
+        )
+
+    def weigh(self, heaviest: dict[PlacementKey, Heaviest]) -> None:
+        """Put those of these contacts into `heaviest` that belong there; of equal loads the last counts."""
+        counts = self.columns["pooled"][self.good]
+        loads = self.columns["load_N"][self.good].tolist()
+        keys = list(zip(*(self.columns[name][self.good].tolist() for name in PLACEMENT), strict=True))
+        found: dict[PlacementKey, int] = {}
+        for place in np.flatnonzero(counts).tolist():
+            key = keys[place]
+            if key not in found or loads[place] >= loads[found[key]]:
+                found[key] = place
+        for key, place in found.items():
+            if key not in heaviest or loads[place] >= heaviest[key].load:
+                name = self.columns["observation"][self.good[place]]
+                heaviest[key] = Heaviest(name, loads[place], self.inputs.at(place))
+
+
+def _described(
+    fingers: Mapping[str, FingerResult], seen: Seen, reasons: Sequence[str | None]
+) -> dict[str, Column]:
+    """Return the columns known before any model."""
+    contacts, measured = zip(*seen, strict=True)
+    found = np.array([one.reason is None for one in measured])
+    load, major, minor = np.array([(one.load, one.semi_major, one.semi_minor) for one in measured]).T
+    variance = np.array([(one.covariance[0][0], one.covariance[1][1]) for one in measured]).T
+    with np.errstate(all="ignore"):
+        numbers = {
+            "semi_major_mm": major,
+            "semi_major_mm_std": np.sqrt(variance[0]),
+            "semi_minor_mm": minor,
+            "semi_minor_mm_std": np.sqrt(variance[1]),
+            "aspect_ratio": major / minor,
+        }
+    words: dict[str, Iterable[Any]] = {
+        "observation": (one.name for one in measured),
+        "finger": (contact.finger for contact in contacts),
+        "status": (
+            "rejected" if one.rejected is not None else "measured" if reason is None else "failed"
+            for one, reason in zip(measured, reasons, strict=True)
+        ),
+        "reason": reasons,
+        "synthetic": (contact.synthetic or fingers[contact.finger].synthetic for contact in contacts),
+        "flags": (" ".join(one.flags) for one in measured),
+        "measured_by": (one.columns.get("measured_by") or _measured_by(contact) for contact, one in seen),
+        "pooled": (
+            reason is None and one.counts and NOT_POOLED.isdisjoint(one.flags)
+            for reason, one in zip(reasons, measured, strict=True)
+        ),
+        "wedge_angle_deg": (contact.wedge_angle_deg for contact in contacts),
+        "roll_angle_deg": (contact.roll_angle_deg for contact in contacts),
+        "image": (
+            contact.image if isinstance(contact, Observation) else contact.path for contact in contacts
+        ),
+        "scale": (one.scale for one in measured),
+        "overlay": (one.overlay for one in measured),
+        "long_axis": (one.long_axis if one.reason is None else None for one in measured),
+    }
+    return {
+        **{name: column_of(name, items) for name, items in words.items()},
+        **{name: column_of(name, [one.columns.get(name) for one in measured]) for name in _OF_THE_PICTURE},
+        **{name: np.where(found, column, np.nan) for name, column in numbers.items()},
+        "load_N": np.where(np.isfinite(load), load, np.nan),
+    }
+
+
+def _measured_by(contact: Contact) -> str:
+    if isinstance(contact, Observation) and contact.ellipse_mm is not None:
+        return "person"
+    corrected = any(getattr(contact, key) is not None for key in CORRECTIONS)
+    return "program with corrections" if corrected else "program"
+
+
+def _modelled(
+    seen: Mapping[str, Column], pads: Sequence[FingerResult], modelled: Modelled
+) -> dict[str, Column]:
+    """Return the columns that follow from the model for the rows `seen` on `pads`."""
+    value = dict(zip(PAD_OUTPUTS, modelled.value.T, strict=True))
+    std = dict(zip(PAD_OUTPUTS, modelled.std.T, strict=True))
+    semi_axes = np.reshape([pad.semi_axes for pad in pads], (-1, 3))
+    placement = Placement.of(
+        Ellipsoid.of(*semi_axes.T),
+        wedge_angle=np.radians(seen["wedge_angle_deg"]),
+        roll_angle=np.radians(seen["roll_angle_deg"]),
+    )
+    elongation = value["predicted_elongation"]
+    sides = column_of("predicted_long_axis", (None, "along", "across"))
+    thickness = column_of("indentation_over_thickness", [pad.pad_thickness for pad in pads])
+    columns: dict[str, Column] = {
+        "u_deg": np.degrees(placement.u),
+        "v_deg": np.degrees(placement.v),
+        "in_plane_radius_mm": placement.curvature.in_plane_radius,
+        "transverse_radius_mm": placement.curvature.transverse_radius,
+        "contact_size": value["contact_size"],
+        "predicted_aspect_ratio": np.exp(np.abs(elongation)),
+        "predicted_long_axis": sides[np.sign(elongation).astype(int)],
+        "radius_from_indentation_mm_std_given_geometry": modelled.std_of(
+            "radius_from_indentation", _OF_THE_CONTACT
+        ),
+        "indentation_over_thickness": value["indentation"] / thickness,
+    }
+    for names, unit, factor in ((_IN_MM, "mm", 1.0), (_IN_KPA, "kpa", KPA_PER_MPA)):
+        for name in names:
+            columns[f"{name}_{unit}"] = factor * value[name]
+            columns[f"{name}_{unit}_std"] = factor * std[name]
+    columns["range_notes"] = _range_notes({**seen, **columns}, pads, semi_axes)
+    return columns
+
+
+def _range_notes(row: Mapping[str, Column], pads: Sequence[FingerResult], semi_axes: FloatArray) -> Column:
+    """Return the notes that hold for each row, separated by spaces."""
+    axes = zip(row["long_axis"], row["predicted_long_axis"], strict=True)
+    crossed = [None not in (axis, predicted) and axis != predicted for axis, predicted in axes]
+    outside = (semi_axes < 2) | (semi_axes > 40)
+    disagree = [pad.outlines is not None and pad.outlines.p_value < 0.01 for pad in pads]
+    notes: dict[str, BoolArray] = {
+        "faces_disagree": np.array(disagree, dtype=bool),
+        "implausible_size": np.asarray(outside.any(axis=-1)),
+        "implausible_modulus": (row["youngs_modulus_kpa"] < 1) | (row["youngs_modulus_kpa"] > 5000),
+        "deeper_than_pad": row["indentation_mm"] > semi_axes[:, 0],
+        "contact_not_small": row["contact_size"] > SMALL_CONTACT,
+        "indentation_not_small": row["indentation_over_thickness"] > SMALL_INDENTATION,
+        "long_axis_disagrees": np.array(crossed, dtype=bool),
+        "aspect_ratio_disagrees": np.abs(row["aspect_ratio"] / row["predicted_aspect_ratio"] - 1)
+        > SAME_SHAPE,
+    }
+    kinds, kind = np.unique(np.array(list(notes.values())), axis=1, return_inverse=True)
+    words = [" ".join(note for note, holds in zip(notes, some, strict=True) if holds) for some in kinds.T]
+    return column_of("range_notes", words)[kind.reshape(-1)]

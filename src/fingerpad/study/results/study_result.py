@@ -1,0 +1,130 @@
+"""Everything that a run found, once all is measured."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from fingerpad.study.manifest import Contact, Study
+from fingerpad.study.measuring.fingers import FingerResult
+from fingerpad.study.measuring.measure import Measurement
+from fingerpad.study.measuring.scales import FoundScale
+from fingerpad.study.measuring.sequences import SequenceResult
+from fingerpad.study.results.check import UncertaintyCheck
+from fingerpad.study.results.curves import CurveResult, curve_result
+from fingerpad.study.results.rows import Heaviest, make_rows
+from fingerpad.study.results.summary import Summary, summaries
+from fingerpad.study.results.table import Table
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class StudyResult:
+    """Everything that a run found.
+
+    Attributes
+    ----------
+    study : Study
+        The manifest.
+    folder : Path
+        The study folder.
+    fingers : dict of str to FingerResult
+        Semi-axes by finger.
+    rows : Table
+        One per observation, and one per frame in contact of a sequence.
+    sequences : list of SequenceResult
+        One per sequence.
+    scales : dict of str to FoundScale or str
+        Named scales, or why there is none.
+    summaries : list of Summary
+        One per finger and placement.
+    checks : list of UncertaintyCheck or None
+        Of the heaviest contact that counts in each summary; None where none does.
+    curves : list of CurveResult
+        One per loading curve.
+    provenance : dict
+        Versions, input hashes, formulas.
+    notes : tuple of str
+        What is odd about people's corrections.
+    """
+
+    study: Study
+    folder: Path
+    fingers: dict[str, FingerResult]
+    rows: Table
+    sequences: list[SequenceResult]
+    scales: dict[str, FoundScale | str]
+    summaries: list[Summary]
+    checks: list[UncertaintyCheck | None]
+    curves: list[CurveResult]
+    provenance: dict[str, Any]
+    notes: tuple[str, ...] = ()
+
+    @property
+    def failures(self) -> list[str]:
+        """What failed and why, fingers, observations, sequences, scales and curves alike."""
+        return [
+            *(f"{name}: {reason}" for name, reason in self.failed_contacts),
+            *(scale for scale in self.scales.values() if isinstance(scale, str)),
+            *(finger.reason for finger in self.fingers.values() if finger.reason is not None),
+            *(curve.reason for curve in self.curves if curve.failed and curve.reason is not None),
+        ]
+
+    @property
+    def failed_contacts(self) -> list[tuple[str, str]]:
+        """Names of contacts that failed, with the reason; the frames of a sequence in one line."""
+        failed = self.rows.at(self.rows.column("status") == "failed")
+        frames = failed.known("frame")
+        lines = [(row["observation"], row["reason"]) for row in failed.at(~frames)]
+        for (name,), film in failed.at(frames).by("sequence").items():
+            first = film[0]
+            many = "1 frame" if len(film) == 1 else f"{len(film)} frames; the first:"
+            lines.append((name, f"{many} {first['frame']}: {first['reason']}"))
+        return lines
+
+    def frames(self) -> list[Table]:
+        """Return the rows of frames of each of `sequences`."""
+        films = self.rows.at(self.rows.known("frame")).by("sequence")
+        return [films.get((film.manifest.name,), self.rows[:0]) for film in self.sequences]
+
+
+def result_of(
+    study: Study,
+    folder: Path,
+    *,
+    fingers: dict[str, FingerResult],
+    scales: dict[str, FoundScale | str],
+    seen: Iterable[tuple[Contact, Measurement]],
+    sequences: list[SequenceResult],
+    origin: dict[str, Any],
+    notes: tuple[str, ...] = (),
+) -> StudyResult:
+    """Return what a study comes to, once everything is measured: rows, summaries and loading curves.
+
+    Parameters
+    ----------
+    study, folder, fingers, scales, sequences, origin, notes
+        As `StudyResult` has them, `origin` its provenance.
+    seen : iterable of (Contact, Measurement)
+        All measurements in the manifest's order; gone through once, a thousand held at a time.
+    """
+    rows = make_rows(study, fingers, seen)
+    found = summaries(rows)
+    return StudyResult(
+        study=study,
+        folder=folder,
+        fingers=fingers,
+        rows=rows.table,
+        sequences=sequences,
+        scales=scales,
+        summaries=found,
+        checks=[_check(rows.heaviest.get(summary.key)) for summary in found],
+        curves=[
+            curve_result(curve, fingers[curve.finger], study.poisson_ratio, folder) for curve in study.curves
+        ],
+        provenance=origin,
+        notes=notes,
+    )
+
+
+def _check(heaviest: Heaviest | None) -> UncertaintyCheck | None:
+    return None if heaviest is None else UncertaintyCheck.of(heaviest.observation, heaviest.inputs)

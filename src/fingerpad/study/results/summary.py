@@ -1,0 +1,107 @@
+"""One summary per finger and placement: its rows, and radii pooled from them."""
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from scipy import stats
+
+from fingerpad.study.results.model import POOLED_OUTPUTS
+from fingerpad.study.results.pooling import PooledRadius
+from fingerpad.study.results.rows import PLACEMENT, PlacementKey, Rows
+from fingerpad.study.results.table import Table, numbered
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Summary:
+    """All good rows of one finger at one placement.
+
+    Attributes
+    ----------
+    finger, wedge_angle_deg, roll_angle_deg, synthetic
+        What the rows have in common.
+    rows : Table
+        The rows, by load: single contacts and frames of sequences.
+    corrected_radius : PooledRadius or None
+        Pooled ``radius_from_indentation_mm``, the source's combined R_g^corr; None without a sound row.
+    compliance_radius : PooledRadius or None
+        Pooled ``radius_from_compliance_mm``, the one to compare with R_g.
+    """
+
+    finger: str
+    wedge_angle_deg: float
+    roll_angle_deg: float
+    synthetic: bool
+    rows: Table
+    corrected_radius: PooledRadius | None
+    compliance_radius: PooledRadius | None
+
+    @property
+    def key(self) -> PlacementKey:
+        """The values of `PLACEMENT`, which no other summary has."""
+        return self.finger, self.wedge_angle_deg, self.roll_angle_deg, self.synthetic
+
+    @property
+    def contacts(self) -> Table:
+        """Rows of single contacts, without frames."""
+        return self.rows.at(~self.rows.known("frame"))
+
+    @property
+    def pooled_from(self) -> str:
+        """What the pooled radii come from, in words."""
+        pooled = self.rows.at(self.rows.column("pooled"))
+        frames = int(pooled.known("frame").sum())
+        films = len(set(pooled.column("sequence")) - {None})
+        contacts = len(pooled) - frames
+        parts = [_counted(contacts, "observation")] if contacts or not films else []
+        if films:
+            parts.append(f"{_counted(frames, 'frame')} of {_counted(films, 'sequence')}")
+        return " and ".join(parts)
+
+
+def _counted(count: int, noun: str) -> str:
+    return f"{count} {noun}{'' if count == 1 else 's'}"
+
+
+def summaries(rows: Rows) -> list[Summary]:
+    """Pool the good rows of each finger at each placement; synthetic and real rows never mix."""
+    good = rows.table.at(rows.table.column("status") == "measured")
+    return [_summary(key, rows, group) for key, group in good.by(*PLACEMENT).items()]
+
+
+def _summary(key: PlacementKey, rows: Rows, group: Table) -> Summary:
+    pooled = group.at(group.column("pooled"))
+    films = pooled.known("sequence")
+    estimate = numbered(np.where(films, pooled.column("sequence"), pooled.column("observation")))
+    corrected, compliance = (
+        PooledRadius.of(rows, pooled, estimate, name) if len(pooled) else None for name in POOLED_OUTPUTS
+    )
+    finger, wedge, roll, synthetic = key
+    return Summary(
+        finger=finger,
+        wedge_angle_deg=wedge,
+        roll_angle_deg=roll,
+        synthetic=synthetic,
+        rows=group.at(np.argsort(group.column("load_N"), kind="stable")),
+        corrected_radius=corrected,
+        compliance_radius=compliance,
+    )
+
+
+class Exponent(NamedTuple):
+    """Slope of ln A against ln W, with its standard uncertainty from the scatter; NaN where not known."""
+
+    value: float
+    std: float
+
+
+def area_exponent(rows: Table) -> Exponent:
+    """Return the exponent of A ∝ W^n over the pooled of some rows: two loads give a slope, three its std."""
+    sound = rows.at(rows.column("pooled") & (rows.column("load_N") > 0))
+    load = sound.column("load_N")
+    area = np.pi * sound.column("semi_major_mm") * sound.column("semi_minor_mm")
+    if np.unique(load).size < 2:
+        return Exponent(math.nan, math.nan)
+    line = stats.linregress(np.log(load), np.log(area))
+    return Exponent(float(line.slope), float(line.stderr) if load.size > 2 else math.nan)
