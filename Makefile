@@ -20,6 +20,7 @@ demo: setup ## Run the bundled study and write its report to demo-report/
 	$(BIN)/fingerpad run examples/dzidek2017/study.toml --out demo-report
 
 test: setup ## Run all tests
+	sh tools/find-chromium
 	$(BIN)/python -m pytest -n auto --dist worksteal
 
 check: setup ## Lint, type-check and check the layers
