@@ -18,8 +18,9 @@ from typer.testing import CliRunner
 import fingerpad
 from fingerpad.cli import app
 from fingerpad.exceptions import ClusterError
-from fingerpad.study.engine import cluster, sequences
+from fingerpad.study.engine import cluster
 from fingerpad.study.engine.progress import Progress
+from fingerpad.study.measuring import sequences
 from fingerpad.study.pipeline import run_study
 
 TOTAL = PICTURES + 2 + FRAMES
