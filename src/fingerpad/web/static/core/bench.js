@@ -1,6 +1,6 @@
 // The study on the bench: one state document, kept fresh, and edits of its manifest.
 
-import { ApiError, get, post, put, remove } from "./api.js";
+import { ApiError, get, post } from "./api.js";
 import { say } from "./messages.js";
 
 class Bench extends EventTarget {
@@ -40,7 +40,7 @@ class Bench extends EventTarget {
     this.#stream?.close();
     this.#stream = new EventSource("/api/events");
     const on = (kind, then) => this.#stream.addEventListener(kind, (event) => then(JSON.parse(event.data)));
-    on("study", ({ revision }) => revision !== this.study?.revision && this.reload().catch(() => {}));
+    on("study", ({ digest }) => digest !== this.study?.digest && this.reload().catch(() => {}));
     on("run", (run) => this.takeRun(run));
     on("corrections", (detail) => this.tell("corrections", detail));
     this.#stream.onerror = () => this.tell("link", { there: false });
@@ -73,39 +73,34 @@ class Bench extends EventTarget {
     return this.#take(document);
   }
 
-  /** Add or replace a table of the manifest; `number` for curves, `name` for all else. */
-  putTable(kind, key, table) {
-    return this.#edit(put, { kind, ...nameOrNumber(kind, key), table });
-  }
-
-  deleteTable(kind, key) {
-    return this.#edit(remove, { kind, ...nameOrNumber(kind, key) });
-  }
-
-  // Another window may have changed the study: take its state, and say again what was asked if that concerned
-  // another table than ours; else leave theirs standing and say so.
-  async #edit(way, change) {
-    const before = JSON.stringify(tableOf(this.study, change));
+  /**
+   * Change the manifest: edits are {kind, key, set}, all of them or none. Another window may have changed the study
+   * just before: then its state is taken, and ours asked again, if it is about other tables than those that changed.
+   */
+  async edit(...edits) {
+    const send = async () => this.#take(await post("/api/study/edits", { expected: this.study.digest, edits }));
+    const before = edits.map((edit) => tableOf(this.study, edit));
     try {
-      return this.#take(await way("/api/study/table", { revision: this.study.revision, ...change }));
+      return await send();
     } catch (error) {
-      if (!(error instanceof ApiError) || error.status !== 409 || !error.body.revision) throw error;
+      if (!(error instanceof ApiError) || error.status !== 409 || !error.body.digest) throw error;
       await this.reload();
-      if (JSON.stringify(tableOf(this.study, change)) !== before) {
+      if (edits.some((edit, index) => tableOf(this.study, edit) !== before[index])) {
         say("Another window changed this entry just now. Its values are shown; enter yours again if they should stand.", { kind: "error" });
         return this.study;
       }
-      return this.#take(await way("/api/study/table", { revision: this.study.revision, ...change }));
+      return send();
     }
   }
 }
 
-const nameOrNumber = (kind, key) => (kind === "curves" ? { number: key } : key === undefined ? {} : { name: key });
-
-function tableOf(study, { kind, name, number }) {
-  const list = study[kind];
-  if (Array.isArray(list)) return list.find((entry) => (kind === "curves" ? entry.number === number : entry.name === name))?.table ?? null;
-  return list ?? [study.title, study.description, study.poisson_ratio];
+/** What the state says of an edit's table, as text to compare. */
+function tableOf(study, { kind, key }) {
+  if (kind === "study") return JSON.stringify([study.title, study.description, study.poisson_ratio]);
+  if (kind === "uncertainty") return JSON.stringify(study.uncertainty);
+  if (kind === "photograph") return JSON.stringify(study.fingers.flatMap(({ photographs }) => photographs).find(({ item }) => item === key) ?? null);
+  const found = study[`${kind}s`].find((entry) => (entry.item ?? entry.key ?? entry.name) === key);
+  return JSON.stringify(found ?? null);
 }
 
 export const bench = new Bench();

@@ -10,9 +10,9 @@ export class Corrections {
   constructor(item, changed) {
     this.item = item;
     this.changed = changed;
-    this.document = { number: 0, corrections: [], now: {}, own: null, can_undo: false, can_redo: false };
+    this.document = { last_id: 0, change: {}, ruling: null, history: [], can_undo: false, can_redo: false };
     this.queue = Promise.resolve();
-    this.heard = ({ detail }) => detail.item === item && detail.number !== this.document.number && this.load();
+    this.heard = ({ detail }) => detail.item === item && this.queue.then(() => detail.last_id !== this.document.last_id && this.load());
     bench.addEventListener("corrections", this.heard);
   }
 
@@ -25,23 +25,30 @@ export class Corrections {
     return this.#take(await get("/api/corrections", { item: this.item }));
   }
 
+  get change() {
+    return this.document.change;
+  }
+
   #take(document) {
     this.document = document;
     this.changed(document);
     return document;
   }
 
-  /** Keep one correction. One after the other, so that quick work does not overtake itself. */
-  keep(what, value) {
-    return this.#next("/api/corrections", { what, value });
+  /**
+   * Keep a correction: `edit(change)` returns the whole wanted correction from the one that rules. One after the
+   * other, so that quick work does not overtake itself; asked again upon what another window kept meanwhile.
+   */
+  keep(edit) {
+    return this.#next("/api/corrections", () => ({ change: edit(structuredClone(this.change)) }));
   }
 
   undo() {
-    return this.#next("/api/corrections/undo", {});
+    return this.#next("/api/corrections/undo", () => ({}));
   }
 
   redo() {
-    return this.#next("/api/corrections/redo", {});
+    return this.#next("/api/corrections/redo", () => ({}));
   }
 
   #next(path, body) {
@@ -51,18 +58,18 @@ export class Corrections {
   }
 
   async #send(path, body) {
-    const send = () => post(path, { item: this.item, after: this.document.number, who: who(), ...body });
+    const send = () => post(path, { item: this.item, expected: this.document.last_id, who: who(), ...body() });
     try {
       return this.#take(await send());
     } catch (error) {
       if (!(error instanceof ApiError) || error.status !== 409) throw error;
       await this.load();
-      const theirs = this.document.corrections.at(-1);
+      const theirs = this.document.history.at(-1);
       const answer = await question(
         "Another window corrected this picture",
-        h("p", null, theirs ? `${theirs.who || "Someone"} changed ${wordFor(theirs.what)} just now. Nothing is lost: theirs is shown behind this question.` : "It was changed just now."),
+        h("p", null, theirs ? `${theirs.who || "Someone"} kept ${wordsOf(theirs)} just now. It is shown behind this question; yours is not kept yet.` : "It was changed just now."),
         [
-          ["theirs", "Keep theirs only"],
+          ["theirs", "Leave theirs"],
           ["both", "Keep mine on top", "primary"],
         ],
       );
@@ -72,20 +79,24 @@ export class Corrections {
 }
 
 const WORDS = {
-  dark_on_light: "the polarity",
-  threshold: "the threshold",
-  seed_px: "the seed point",
-  region_of_interest_px: "the region of interest",
-  mask_px: "the mask",
-  strokes: "the region, by brush",
-  ellipse: "the ellipse",
-  reject: "the rejection",
-  accept: "the acceptance",
-  note: "the note",
-  points_px: "the outline's points",
-  handles: "the axes",
-  tip: "where the tip points",
-  palmar_side: "where the palmar side lies",
+  dark_on_light: "polarity",
+  threshold: "threshold",
+  seed_px: "seed point",
+  region_of_interest_px: "region of interest",
+  mask_px: "mask",
+  strokes: "brush",
+  ellipse_px: "ellipse",
+  added_points_px: "points added",
+  erased: "points erased",
+  tip: "fingertip's side",
+  palmar_side: "palmar side",
+  accepted: "accepted",
+  rejected: "rejected",
 };
 
-export const wordFor = (what) => WORDS[what] ?? what;
+/** What a record holds, in words. */
+export function wordsOf({ action, change }) {
+  if (action !== "change") return action;
+  const parts = Object.keys(change).filter((key) => change[key] !== null && change[key] !== false);
+  return parts.length ? parts.map((key) => WORDS[key] ?? key).join(", ") : "back to the program";
+}

@@ -51,7 +51,7 @@ function table(title, keys) {
   );
 }
 
-export function showHelp(words) {
+export function showHelp() {
   const dialog = h("dialog.help", { "aria-label": "Keys", onclose: () => dialog.remove() });
   place(
     dialog,

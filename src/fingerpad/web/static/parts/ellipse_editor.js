@@ -95,11 +95,10 @@ export class EllipseEditor {
     return [centre[0] + side * lengths[axis] * directions[axis][0], centre[1] + side * lengths[axis] * directions[axis][1]];
   }
 
-  /** Angle of the first axis, degrees counter-clockwise on the screen from `zero` ("right" or "up"). */
-  angle(zero) {
+  /** Where the first axis points, degrees counter-clockwise on the screen from straight up. */
+  get fromUp() {
     const [row, column] = this.shape.directions[0];
-    const radians = zero === "up" ? Math.atan2(-column, -row) : Math.atan2(-row, column);
-    return (radians * 180) / Math.PI;
+    return (Math.atan2(-column, -row) * 180) / Math.PI;
   }
 
   #draw() {
