@@ -36,5 +36,17 @@ class StoreError(FingerpadError):
     """A study's store of results that cannot be opened, read or written."""
 
 
+class CorrectionConflict(StoreError):  # noqa: N818 (it is no fault)
+    """Someone else corrected the same thing meanwhile; `latest` is their record, None if all are gone."""
+
+    def __init__(self, message: str, latest: object = None) -> None:
+        super().__init__(message)
+        self.latest = latest
+
+
+class EditConflict(StoreError):  # noqa: N818 (it is no fault)
+    """Someone else edited the study in the meantime."""
+
+
 class ManifestError(FingerpadError, ValueError):
     """A study manifest that cannot be acted upon."""

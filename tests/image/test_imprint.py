@@ -429,6 +429,7 @@ def test_flags_have_one_order():
         "several_regions",
         "poor_ellipse",
         "scale_doubtful",
+        "edited_by_person",
     )
 
 

@@ -6,6 +6,7 @@ import typer
 
 import fingerpad
 from fingerpad.cli import measure, model, study
+from fingerpad.cli.app import app as page
 from fingerpad.cli.fit import fit
 
 __all__ = ["app"]
@@ -26,6 +27,7 @@ app.command()(fit)
 app.command()(study.init)
 app.command()(study.run)
 app.command()(study.status)
+app.command("app")(page)
 
 
 def _show_version(value: bool) -> None:

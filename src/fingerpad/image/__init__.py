@@ -10,15 +10,21 @@ from fingerpad.image.ellipse_fit import (
     fit_aligned_ellipse,
     fit_ellipse,
 )
+from fingerpad.image.imprint.edits import BrushStroke, HandEllipse
 from fingerpad.image.imprint.measure import (
-    FLAGS,
     PLAUSIBLE_RIDGE_PERIOD_MM,
-    Imprint,
-    ImprintSettings,
+    PreparedImprint,
     measure_imprint,
+    prepare_imprint,
 )
 from fingerpad.image.imprint.overlay import draw_overlay, write_overlay
+from fingerpad.image.imprint.result import FLAGS, Imprint, ImprintSettings
 from fingerpad.image.photograph._face_frame import Direction
+from fingerpad.image.photograph.by_hand import (
+    photograph_from_ellipse,
+    photograph_from_handles,
+    with_points,
+)
 from fingerpad.image.photograph.direct import direct_semi_axes
 from fingerpad.image.photograph.measure import (
     PHOTOGRAPH_FLAGS,
@@ -66,6 +72,7 @@ __all__ = [
     "PLAUSIBLE_RIDGE_PERIOD_MM",
     "AlignedEllipseFit",
     "Backdrop",
+    "BrushStroke",
     "Coin",
     "Direction",
     "EllipseFit",
@@ -78,6 +85,7 @@ __all__ = [
     "FrameResult",
     "FrameStamps",
     "Frames",
+    "HandEllipse",
     "Imprint",
     "ImprintSettings",
     "OutlineFit",
@@ -86,6 +94,7 @@ __all__ = [
     "PhotographFit",
     "Picture",
     "Place",
+    "PreparedImprint",
     "Reading",
     "RegionEllipse",
     "Scale",
@@ -112,6 +121,9 @@ __all__ = [
     "open_frames",
     "outline_points",
     "phases_of",
+    "photograph_from_ellipse",
+    "photograph_from_handles",
+    "prepare_imprint",
     "read_colour_image",
     "read_force_signal",
     "read_frame_stamps",
@@ -124,6 +136,7 @@ __all__ = [
     "semi_axes_from_outlines",
     "sequence_summary",
     "synthetic_press",
+    "with_points",
     "write_overlay",
     "write_photograph_overlay",
 ]

@@ -148,6 +148,32 @@ class Scale:
         """Relative standard uncertainty, shared by every length measured in the picture."""
         return self.mm_per_px_std / self.mm_per_px
 
+    @property
+    def ppi(self) -> float:
+        """Pixels per inch."""
+        return MM_PER_INCH / self.mm_per_px
+
+    def length(
+        self, start: tuple[float, float], end: tuple[float, float], *, point_px_std: float = 0.0
+    ) -> tuple[float, float]:
+        """Return the length of a line drawn on the picture and its standard uncertainty, mm.
+
+        Parameters
+        ----------
+        start, end : (float, float)
+            Ends of the line, (row, column), px.
+        point_px_std : float
+            Standard uncertainty of each end along the line, px.
+
+        Examples
+        --------
+        >>> Scale.of_mm_per_px(0.05, 0.001).length((0, 0), (0, 200))
+        (10.0, 0.2)
+        """
+        length_px = math.dist(start, end)
+        own_std = math.sqrt(2) * point_px_std * self.mm_per_px
+        return length_px * self.mm_per_px, math.hypot(length_px * self.mm_per_px_std, own_std)
+
 
 def _require_positive(value: float, name: str) -> None:
     require(math.isfinite(value) and value > 0, name, value, "positive and finite", CalibrationError)

@@ -13,6 +13,7 @@ FLAG_WORDS: Final[Mapping[str, str]] = {
     "poor_ellipse": "the contact is not well described by an ellipse",
     "cut_by_mask": "the contact is cut by the mask or region of interest",
     "scale_doubtful": "the ridge period is not that of a finger: check the scale",
+    "edited_by_person": "a person drew part of the contact, or all of it",
     "coin_shadow": "a shadow beside the coin may make the scale too small",
     "no_time": "the frame has no time",
     "no_force": "the force does not last so long",

@@ -1,8 +1,9 @@
 """The fingers of a study: semi-axes as given, or measured in photographs of the faces or their outlines."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -15,11 +16,13 @@ from fingerpad.image import (
     OutlineSemiAxes,
     combine_faces,
     face_from_outline,
-    measure_photograph,
     read_colour_image,
     read_outline,
     write_photograph_overlay,
 )
+from fingerpad.study.changes import ContactCorrection
+from fingerpad.study.corrected import corrected_photograph
+from fingerpad.study.corrections import Ruling
 from fingerpad.study.manifest import Finger, Photograph
 from fingerpad.study.scales import FoundScale, find_scale
 from fingerpad.study.words import in_study
@@ -92,9 +95,25 @@ class FingerResult:
 
 
 def finger_result(
-    finger: Finger, scales: Mapping[str, FoundScale | str], folder: Path, out: Path
+    finger: Finger,
+    scales: Mapping[str, FoundScale | str],
+    folder: Path,
+    out: Path,
+    rulings: Mapping[str, Ruling] = MappingProxyType({}),
 ) -> FingerResult:
-    """Return a finger's semi-axes; a photograph or outline that cannot be used costs this finger only."""
+    """Return a finger's semi-axes; a photograph or outline that cannot be used costs this finger only.
+
+    Parameters
+    ----------
+    finger : Finger
+        Its table of the manifest.
+    scales : mapping
+        The study's named scales.
+    folder, out : Path
+        The study folder, and the folder of results.
+    rulings : mapping
+        What people corrected, by item: photographs that they rejected are left out.
+    """
     common: dict[str, Any] = {
         "name": finger.name,
         "pad_thickness": finger.pad_thickness_mm,
@@ -109,11 +128,13 @@ def finger_result(
             **common,
         )
     try:
-        shared = _shared_scale(finger, scales, folder)
-        scale_std = shared.scale.relative_std if shared else 0.0
-        seen = [_face(finger, number, scales, folder, out) for number in range(len(finger.photographs))]
-        faces = [replace(face, relative_scale_std=0.0) if shared else face for face, _ in seen]
-        combined = combine_faces(faces)
+        seen = [
+            _face(finger, number, scales, folder, out, ruling=ruling)
+            for number, photograph in enumerate(finger.photographs)
+            if (ruling := rulings.get(photograph_item(finger, photograph))) is None
+            or ruling.change.rejected is None
+        ]
+        joint = joint_semi_axes([face for face, _ in seen], shared_scale(finger, scales, folder))
     except FingerpadError as error:
         return FingerResult(
             semi_axes=np.full(3, np.nan),
@@ -122,21 +143,60 @@ def finger_result(
             reason=in_study(f"finger {finger.name}: {error}", folder),
             **common,
         )
-    freedom = combined.degrees_of_freedom
-    widening = max(1.0, combined.chi_square / freedom) if freedom else 1.0
-    semi_axes = np.array([combined.palmar, combined.distal, combined.radial_ulnar])
     return FingerResult(
-        semi_axes=semi_axes,
-        covariance=widening * combined.covariance + scale_std**2 * np.outer(semi_axes, semi_axes),
+        semi_axes=joint.semi_axes,
+        covariance=joint.covariance,
         source="photographs",
-        scale=shared.name if shared else None,
-        outlines=combined,
+        scale=joint.scale,
+        outlines=joint.outlines,
         photographs=tuple(result for _, result in seen if result is not None),
         **common,
     )
 
 
-def _shared_scale(finger: Finger, scales: Mapping[str, FoundScale | str], folder: Path) -> FoundScale | None:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class JointSemiAxes:
+    """Semi-axes from several faces.
+
+    Attributes
+    ----------
+    semi_axes, covariance, scale, outlines
+        As of `FingerResult`.
+    """
+
+    semi_axes: FloatArray
+    covariance: FloatArray
+    scale: str | None
+    outlines: OutlineSemiAxes
+
+
+def joint_semi_axes(faces: Sequence[FaceSemiAxes], shared: FoundScale | None) -> JointSemiAxes:
+    """Combine what faces show; `shared` is the scale that all their photographs share.
+
+    Raises
+    ------
+    FitError
+        If no face shows one of the semi-axes.
+    """
+    scale_std = shared.scale.relative_std if shared else 0.0
+    combined = combine_faces(replace(face, relative_scale_std=0.0) if shared else face for face in faces)
+    freedom = combined.degrees_of_freedom
+    widening = max(1.0, combined.chi_square / freedom) if freedom else 1.0
+    semi_axes = np.array([combined.palmar, combined.distal, combined.radial_ulnar])
+    return JointSemiAxes(
+        semi_axes=semi_axes,
+        covariance=widening * combined.covariance + scale_std**2 * np.outer(semi_axes, semi_axes),
+        scale=shared.name if shared else None,
+        outlines=combined,
+    )
+
+
+def photograph_item(finger: Finger, photograph: Photograph) -> str:
+    """Return the name under which a photograph is corrected."""
+    return f"{finger.name}/{photograph.image or photograph.outline}"
+
+
+def shared_scale(finger: Finger, scales: Mapping[str, FoundScale | str], folder: Path) -> FoundScale | None:
     """Return the named scale that all photographs of a finger share, None where they do not."""
     keys = {
         photograph.scale if isinstance(photograph.scale, str) else None for photograph in finger.photographs
@@ -146,7 +206,13 @@ def _shared_scale(finger: Finger, scales: Mapping[str, FoundScale | str], folder
 
 
 def _face(
-    finger: Finger, number: int, scales: Mapping[str, FoundScale | str], folder: Path, out: Path
+    finger: Finger,
+    number: int,
+    scales: Mapping[str, FoundScale | str],
+    folder: Path,
+    out: Path,
+    *,
+    ruling: Ruling | None,
 ) -> tuple[FaceSemiAxes, PhotographResult | None]:
     """Measure one face, and draw it where it is a photograph."""
     photograph = finger.photographs[number]
@@ -157,15 +223,9 @@ def _face(
     assert photograph.scale is not None
     scale = find_scale(photograph.scale, scales, folder)
     pixels = read_colour_image(folder / photograph.image)
-    window = photograph.region_of_interest_px
-    found = measure_photograph(
-        pixels,
-        photograph.face,
-        scale.scale,
-        tip=photograph.tip,
-        palmar=photograph.palmar_side,
-        region_of_interest=None if window is None else (window[0], window[1], window[2], window[3]),
-    )
+    change = ruling.change if ruling is not None else None
+    assert not isinstance(change, ContactCorrection)  # the items' own rule
+    found = corrected_photograph(pixels, photograph, scale.scale, change)
     overlay = Path("overlays") / f"finger_{finger.name}_{number + 1}_{photograph.face}.png"
     make_folder((out / overlay).parent)
     write_photograph_overlay(

@@ -1,7 +1,7 @@
 """Measuring one observation: from its picture, or from the ellipse given, to a contact ellipse."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +11,10 @@ import numpy as np
 from fingerpad._arrays import FloatArray
 from fingerpad._files import make_folder
 from fingerpad.exceptions import FingerpadError
-from fingerpad.image import Imprint, Place, measure_imprint, read_image, write_overlay
+from fingerpad.image import Imprint, read_image, write_overlay
+from fingerpad.study.changes import ContactCorrection
+from fingerpad.study.corrected import NOTHING, CorrectedImprint, corrected_imprint
+from fingerpad.study.corrections import Ruling
 from fingerpad.study.manifest import Contact, Direction, Observation
 from fingerpad.study.scales import FoundScale, find_scale
 from fingerpad.study.words import in_study
@@ -58,6 +61,8 @@ class Measurement:
         File of the overlay, relative to the output folder.
     counts : bool
         Whether it may be pooled, its flags apart: not every frame of a press may.
+    rejected : str or None
+        Why a person does not want it; it is no failure, and never counts.
     """
 
     name: str
@@ -73,10 +78,15 @@ class Measurement:
     flags: tuple[str, ...] = ()
     overlay: str | None = None
     counts: bool = True
+    rejected: str | None = None
 
 
 def measure_observation(
-    observation: Observation, scales: Mapping[str, FoundScale | str], folder: Path, out: Path
+    observation: Observation,
+    scales: Mapping[str, FoundScale | str],
+    folder: Path,
+    out: Path,
+    ruling: Ruling | None = None,
 ) -> Measurement:
     """Measure one observation and write its overlay; whatever goes wrong costs this row only.
 
@@ -88,7 +98,19 @@ def measure_observation(
         The study's named scales.
     folder, out : Path
         The study folder, and the folder of results.
+    ruling : Ruling, optional
+        What a person corrected.
     """
+    return reviewed(_measured(observation, scales, folder, out, ruling), ruling)
+
+
+def _measured(
+    observation: Observation,
+    scales: Mapping[str, FoundScale | str],
+    folder: Path,
+    out: Path,
+    ruling: Ruling | None,
+) -> Measurement:
     if observation.ellipse_mm is not None:
         ellipse = observation.ellipse_mm
         return Measurement(
@@ -100,7 +122,7 @@ def measure_observation(
             long_axis=ellipse.long_axis,
         )
     try:
-        return _measure_image(observation, scales, folder, out)
+        return _measure_image(observation, scales, folder, out, ruling)
     except FingerpadError as error:
         reason = in_study(error, folder)
     except ODDITIES as error:
@@ -109,39 +131,63 @@ def measure_observation(
 
 
 def _measure_image(
-    observation: Observation, scales: Mapping[str, FoundScale | str], folder: Path, out: Path
+    observation: Observation,
+    scales: Mapping[str, FoundScale | str],
+    folder: Path,
+    out: Path,
+    ruling: Ruling | None,
 ) -> Measurement:
     assert observation.image is not None  # the manifest's own rule
     assert observation.scale is not None
     found = find_scale(observation.scale, scales, folder)
     pixels = read_image(folder / observation.image).pixels
-    imprint = measure_imprint(
-        pixels,
-        found.scale,
-        dark_on_light=observation.dark_on_light,
-        threshold=observation.threshold,
-        **place_of(observation, folder),
-    )
+    seen = corrected_imprint(pixels, found.scale, observation, folder, contact_correction(ruling))
+    if seen.imprint is None:
+        assert seen.reason is not None  # one of the two
+        return Measurement(
+            name=observation.name,
+            load=observation.load_N,
+            reason=in_study(seen.reason, folder),
+            columns=program_columns(seen),
+        )
     overlay = Path("overlays") / f"{observation.name}.png"
     make_folder((out / overlay).parent)
-    write_overlay(out / overlay, pixels, imprint, label="synthetic" if observation.synthetic else None)
-    return Measurement(
-        name=observation.name,
-        load=observation.load_N,
-        overlay=str(overlay),
-        **from_imprint(imprint, observation, found),
-    )
+    write_overlay(out / overlay, pixels, seen.imprint, label="synthetic" if observation.synthetic else None)
+    kept = from_imprint(seen.imprint, observation, found)
+    kept["columns"] |= program_columns(seen)
+    return Measurement(name=observation.name, load=observation.load_N, overlay=str(overlay), **kept)
 
 
-def place_of(contact: Contact, folder: Path) -> Place:
-    """Return where a contact's pictures are looked at, as the manifest says."""
-    window, seed = contact.region_of_interest_px, contact.seed_px
+def contact_correction(ruling: Ruling | None) -> ContactCorrection:
+    """Return what a person wants of a contact, nothing where nobody said anything."""
+    return ruling.change if ruling is not None and isinstance(ruling.change, ContactCorrection) else NOTHING
+
+
+def program_columns(seen: CorrectedImprint) -> dict[str, Any]:
+    """Return the program's own result, as columns that stand beside the corrected one."""
+    if seen.program is None:
+        return {}
     return {
-        "background": None if contact.background is None else read_image(folder / contact.background).pixels,
-        "seed": None if seed is None else (seed[0], seed[1]),
-        "mask": contact.mask_px,
-        "region_of_interest": None if window is None else (window[0], window[1], window[2], window[3]),
+        "program_semi_major_mm": float(seen.program.ellipse.semi_major),
+        "program_semi_minor_mm": float(seen.program.ellipse.semi_minor),
     }
+
+
+def reviewed(measured: Measurement, ruling: Ruling | None) -> Measurement:
+    """Return a measurement with what a person decided about it, and who."""
+    if ruling is None:
+        return measured
+    edits, rejected = ruling.change.edits, ruling.change.rejected
+    verdict = "rejected" if rejected is not None else "accepted" if ruling.change.accepted else "corrected"
+    columns: dict[str, Any] = {"reviewed": verdict, "reviewed_by": ruling.who}
+    if edits:
+        columns["measured_by"] = "person" if "ellipse_px" in edits else "program with corrections"
+    return replace(
+        measured,
+        columns=measured.columns | columns,
+        rejected=rejected,
+        counts=measured.counts and rejected is None,
+    )
 
 
 def from_imprint(imprint: Imprint, contact: Contact, found: FoundScale) -> dict[str, Any]:

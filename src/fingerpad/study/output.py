@@ -11,6 +11,7 @@ from fingerpad._json import dumps
 from fingerpad.exceptions import FingerpadError
 from fingerpad.study.check import UncertaintyCheck
 from fingerpad.study.columns import COLUMNS
+from fingerpad.study.curves import LoadingRadius, loading_radius
 from fingerpad.study.pipeline import StudyResult
 from fingerpad.study.pooling import PooledRadius
 from fingerpad.study.rows import Row
@@ -61,7 +62,14 @@ def summary_record(result: StudyResult) -> dict[str, Any]:
             for finger in result.fingers.values()
         ],
         "summaries": [
-            _summary(summary, check) for summary, check in zip(result.summaries, result.checks, strict=True)
+            _summary(
+                summary,
+                check,
+                loading_radius(
+                    result.curves, summary.finger, summary.wedge_angle_deg, synthetic=summary.synthetic
+                ),
+            )
+            for summary, check in zip(result.summaries, result.checks, strict=True)
         ],
         "sequences": [_sequence(sequence, result.rows) for sequence in result.sequences],
         "scales": {name: _scale(scale) for name, scale in result.scales.items()},
@@ -84,7 +92,9 @@ def summary_record(result: StudyResult) -> dict[str, Any]:
     }
 
 
-def _summary(summary: Summary, check: UncertaintyCheck | None) -> dict[str, Any]:
+def _summary(
+    summary: Summary, check: UncertaintyCheck | None, loading: LoadingRadius | None
+) -> dict[str, Any]:
     return {
         "finger": summary.finger,
         "wedge_angle_deg": summary.wedge_angle_deg,
@@ -98,6 +108,8 @@ def _summary(summary: Summary, check: UncertaintyCheck | None) -> dict[str, Any]
         "geometric_mean_radius_mm_std": summary.rows[0]["geometric_mean_radius_mm_std"],
         **_pooled("radius_from_indentation", summary.corrected_radius),
         **_pooled("radius_from_compliance", summary.compliance_radius),
+        "loading_radius_mm": loading and loading.value,
+        "loading_radius_mm_std": loading and loading.std,
         **_exponent(summary.contacts or summary.rows),
         "uncertainty_check": check and asdict(check),
     }

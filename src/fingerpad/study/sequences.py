@@ -24,8 +24,9 @@ from fingerpad.image import (
     sequence_summary,
     write_overlay,
 )
+from fingerpad.study.corrected import place_of
 from fingerpad.study.manifest import ContactSequence
-from fingerpad.study.measure import ODDITIES, Measurement, from_imprint, place_of
+from fingerpad.study.measure import ODDITIES, Measurement, from_imprint
 from fingerpad.study.scales import FoundScale, find_scale
 from fingerpad.study.words import in_study
 

@@ -5,6 +5,7 @@ from fingerpad.uncertainty.correlated import correlated_values, mean_and_covaria
 from fingerpad.uncertainty.covariance import covariance_of, factor_of
 from fingerpad.uncertainty.monte_carlo import Simulated, Validation, simulate, validate_first_order
 from fingerpad.uncertainty.pad import PAD_INPUTS, PAD_OUTPUTS, PAD_SOURCES, pad_model
+from fingerpad.uncertainty.placement import PLACEMENT_INPUTS, PLACEMENT_OUTPUTS, placement_model
 from fingerpad.uncertainty.pool import Pooled, RandomEffects, Scatter, pool, pool_random_effects, scatter_of
 from fingerpad.uncertainty.propagate import Model, Propagated, propagate
 
@@ -12,6 +13,8 @@ __all__ = [
     "PAD_INPUTS",
     "PAD_OUTPUTS",
     "PAD_SOURCES",
+    "PLACEMENT_INPUTS",
+    "PLACEMENT_OUTPUTS",
     "Model",
     "Pooled",
     "Propagated",
@@ -25,6 +28,7 @@ __all__ = [
     "factor_of",
     "mean_and_covariance",
     "pad_model",
+    "placement_model",
     "pool",
     "pool_random_effects",
     "propagate",

@@ -19,6 +19,9 @@ _ENDS, _FOLLOWING, _NOISE = 0.084, 0.206, 0.192
 # Standard deviation of the edge's place in a valley, and by how soft the picture is; neighbours share an
 # error over `_STRETCH`.
 _IN_VALLEY, _BY_SOFTNESS, _STRETCH = 0.16, 0.092, 2.75
+# A hand draws the edge somewhere within one ridge period, uniformly: half of that variance it has everywhere
+# alike, as whoever paints generously does so all round.
+_BY_HAND = math.sqrt(1 / 12 / 2)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -91,6 +94,8 @@ class Edge:
         By what share the ridges' area would change if their level moved by the whole rise.
     resolved : bool
         Whether the period was seen in the picture, or is one that fingers usually have.
+    by_hand : ndarray of bool, (n,)
+        Where a person drew it.
     """
 
     points: Points
@@ -101,6 +106,7 @@ class Edge:
     noise: float
     softness: float
     resolved: bool
+    by_hand: BoolArray
 
     def moved(self, outward: FloatArray) -> Points:
         """Return the points moved outward."""
@@ -119,41 +125,47 @@ def edge_of(
 ) -> Edge:
     """Find the outline of a patch where the closed ridge amount falls through half."""
     contour = longest_contour(patch).reshape(-1, 2).astype(np.float64)
-    points = _resampled(_smoothed(contour, round(period / 2)))
+    points = resampled(smoothed(contour, round(period / 2)))
     # Beyond the patch lie whiskers and other patches: they do not count.
     grown = cv2.dilate(patch.astype(np.uint8), np.ones((3, 3), np.uint8))
     field = singles(cv2.GaussianBlur(singles(cv2.copyTo(closed, grown)), (3, 3), 0))
-    normals = _normals(points, period)
+    normals = normals_of(points, period)
     for _ in range(3):
         value, slope = _profile(field, points, normals)
         off = np.clip((value - _HALF_LEVEL) / np.maximum(slope, 10.0), -1, 1)
         points = points + normals * off[:, None]
-    points = _resampled(_smoothed(points, 2))
-    normals = _normals(points, period)
+    points = resampled(smoothed(points, 2))
+    normals = normals_of(points, period)
     levels = singles(amount)
     outer, inner = (_sample(levels, points - normals * (depth * period)) for depth in (0.3, 0.8))
-    along = _smoothed((outer - inner)[:, None] / 255, round(_FOLLOWED * period))[:, 0]
-    lengths = np.linalg.norm(np.roll(points, -1, axis=0) - points, axis=1)
+    along = smoothed((outer - inner)[:, None] / 255, round(_FOLLOWED * period))[:, 0]
     return Edge(
         points=points,
         normals=normals,
-        steps=(lengths + np.roll(lengths, 1)) / 2,
+        steps=steps_of(points),
         along=along,
         period=period,
         noise=noise,
         softness=softness,
         resolved=resolved,
+        by_hand=np.zeros(len(points), dtype=bool),
     )
 
 
-def _smoothed(values: FloatArray, width: int) -> FloatArray:
+def steps_of(points: Points) -> FloatArray:
+    """Return the length of a closed outline that each of its points stands for."""
+    lengths = np.linalg.norm(np.roll(points, -1, axis=0) - points, axis=1)
+    return np.asarray((lengths + np.roll(lengths, 1)) / 2)
+
+
+def smoothed(values: FloatArray, width: int) -> FloatArray:
     """Return running means along a closed sequence."""
     width = min(max(1, width) | 1, len(values) | 1)
     total = np.cumsum(np.concatenate([values[-(width // 2 + 1) :], values, values[: width // 2]]), axis=0)
     return np.asarray((total[width:] - total[:-width]) / width)
 
 
-def _resampled(points: Points) -> Points:
+def resampled(points: Points) -> Points:
     """Return points one px apart along a closed outline."""
     closed = np.concatenate([points, points[:1]])
     place = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(closed, axis=0), axis=1))])
@@ -162,9 +174,9 @@ def _resampled(points: Points) -> Points:
     return np.stack([np.interp(even, place, closed[:, k]) for k in (0, 1)], axis=-1)
 
 
-def _normals(points: Points, period: float) -> Points:
+def normals_of(points: Points, period: float) -> Points:
     """Return the outward normals of an outline seen at the scale of a ridge period."""
-    smooth = _smoothed(points, round(period))
+    smooth = smoothed(points, round(period))
     tangent = np.roll(smooth, -2, axis=0) - np.roll(smooth, 2, axis=0)
     tangent /= np.maximum(np.linalg.norm(tangent, axis=1, keepdims=True), 1e-9)
     p, q = smooth, np.roll(smooth, -1, axis=0)
@@ -220,15 +232,18 @@ def edge_covariance(edge: Edge, weights: FloatArray) -> FloatArray:
     the edge more the softer the picture is. All stretches share a third of the correction for noise and,
     where no ridges are resolved, all of the shift for them: a solid print ends at its outline. The share of
     the softness and the length of a stretch are fitted to the errors of rendered contacts
-    (`accuracy_and_coverage` in benchmarks/imprints.py prints how often intervals cover).
+    (`accuracy_and_coverage` in benchmarks/imprints.py prints how often intervals cover). Where a hand drew
+    the edge, its error takes the place of all of these.
     """
     along = edge.along.clip(0, 1)
     own = edge.period * np.sqrt(along * _IN_VALLEY**2 + (_BY_SOFTNESS * edge.softness) ** 2)
+    own = np.where(edge.by_hand, _BY_HAND * edge.period, own)
     # Neighbours share their error over a stretch: a running mean spreads independent errors over it.
     response = weights * (edge.steps * own)[:, None]
     width = min(max(1, round(_STRETCH * edge.period)), len(response))
-    spread = _smoothed(response, width)
+    spread = smoothed(response, width)
     noise = _NOISE * edge.noise * edge.period / 3
     unknown = np.zeros_like(along) if edge.resolved else _beyond_ridges(edge)
-    common = (weights * (edge.steps * np.hypot(noise, unknown))[:, None]).sum(axis=0)
+    alike = np.where(edge.by_hand, _BY_HAND * edge.period, np.hypot(noise, unknown))
+    common = (weights * (edge.steps * alike)[:, None]).sum(axis=0)
     return np.asarray(spread.T @ spread * width + np.outer(common, common))

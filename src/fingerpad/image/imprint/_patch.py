@@ -1,7 +1,7 @@
 """One patch of contact, measured in px of the picture."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import cv2
@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from fingerpad._arrays import BoolArray, FloatArray
 from fingerpad.image.imprint._edge import (
+    Edge,
     Moments,
     axis_weights,
     edge_covariance,
@@ -53,7 +54,7 @@ class Patch:
     cut_by_mask: bool
 
 
-def measured(
+def traced(
     view: View,
     patch: BoolArray,
     closed: UInt8,
@@ -62,38 +63,46 @@ def measured(
     *,
     resolved: bool,
     by_threshold: bool,
-) -> Patch:
-    """Measure a patch of the view, given the amount of ridge as found and as closed over the valleys.
+) -> Edge:
+    """Trace a patch of the view, given the amount of ridge as found and as closed over the valleys.
 
     `resolved` says whether the ridge period was seen, `by_threshold` that the caller sets the ridges' level.
     """
-    pixel = view.steps[0] * view.steps[1]
     ridges = _ridges_in(_counts(amount, patch), noise, view.period, by_threshold=by_threshold)
     edge = edge_of(
         patch, closed, amount, view.period, noise=noise, softness=ridges.softness, resolved=resolved
     )
-    outline = edge.moved(edge_shift(edge))
     rows, columns = patch.shape
-    outline = outline.clip(-0.5, [columns - 0.5, rows - 0.5])
-    points = view.to_picture(outline)
+    outline = edge.moved(edge_shift(edge)).clip(-0.5, [columns - 0.5, rows - 0.5])
+    return replace(edge, points=outline)
+
+
+def measured(view: View, patch: BoolArray, edge: Edge, amount: UInt8, *, by_threshold: bool) -> Patch:
+    """Measure a patch of the view inside its traced edge."""
+    pixel = view.steps[0] * view.steps[1]
+    ridges = _ridges_in(_counts(amount, patch), edge.noise, view.period, by_threshold=by_threshold)
+    points = view.to_picture(edge.points)
     moments = moments_of(points)
     covariance = np.zeros((4, 4))
     weights = axis_weights(moments, points) * pixel
     covariance[:3, :3] = edge_covariance(edge, weights)
-    smeared = _smeared(amount, patch, view.period) if resolved else patch
+    smeared = _smeared(amount, patch, view.period) if edge.resolved else patch
     unknown = np.count_nonzero(smeared)
     # Where ridges are not told apart any part may be ridge: half of it, uniform from none to all.
     ridge_area = float(_counts(amount, patch & ~smeared) @ ridges.share) + unknown / 2
     covariance[3, 3] = (ridges.std**2 + unknown**2 / 12) * pixel**2
+    if edge.by_hand.any():
+        # A hand that takes in too much skin takes in its ridges.
+        covariance[3, 3] += (ridge_area * pixel / moments.area) ** 2 * covariance[2, 2]
     return Patch(
         moments=moments,
         outline=points,
         ridge_area=ridge_area * pixel,
         ridge_level=ridges.level,
         covariance=covariance,
-        overlap=_overlap(outline, moments_of(outline)),
-        touches_border=view.touches_border(outline, edge.steps),
-        cut_by_mask=view.cut_by_mask(outline, edge.steps),
+        overlap=_overlap(edge.points, moments_of(edge.points)),
+        touches_border=view.touches_border(edge.points, edge.steps),
+        cut_by_mask=view.cut_by_mask(edge.points, edge.steps),
     )
 
 

@@ -82,6 +82,10 @@ class View:
         """Return points (x, y) of the copy as points (x, y) of the picture."""
         return np.asarray((points + 0.5) * self.steps[::-1] - 0.5 + np.array(self.corner[::-1]))
 
+    def to_copy(self, points: Points) -> Points:
+        """Return points (x, y) of the picture as points (x, y) of the copy."""
+        return np.asarray((points + 0.5 - np.array(self.corner[::-1])) / self.steps[::-1] - 0.5)
+
     def place_of(self, row: float, column: float) -> tuple[int, int] | None:
         """Return the pixel of the copy that shows a place of the picture, None where it shows none."""
         y = int((row + 0.5 - self.corner[0]) // self.steps[0])

@@ -1,8 +1,8 @@
 """Measure a contact image: the contact ellipse, gross and ridge areas, and the ridge period."""
 
 import math
-from dataclasses import dataclass
-from typing import Any, TypedDict
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
@@ -11,8 +11,9 @@ import numpy.typing as npt
 from fingerpad._arrays import BoolArray, Float32Array, FloatArray
 from fingerpad.exceptions import ImageError
 from fingerpad.geometry.ellipse import Ellipse
+from fingerpad.image.imprint._edge import Edge
 from fingerpad.image.imprint._frame import frame_of
-from fingerpad.image.imprint._patch import Patch, measured
+from fingerpad.image.imprint._patch import Patch, measured, traced
 from fingerpad.image.imprint._period import ridge_period_px
 from fingerpad.image.imprint._region import (
     UInt8,
@@ -23,16 +24,10 @@ from fingerpad.image.imprint._region import (
 )
 from fingerpad.image.imprint._ridges import Signal, ridge_amount, signal_of
 from fingerpad.image.imprint._view import View
+from fingerpad.image.imprint.edits import BrushStroke, HandEllipse, brushed, placed
+from fingerpad.image.imprint.result import FLAGS, Imprint
 from fingerpad.image.scale import Scale
 
-FLAGS = (
-    "touches_border",
-    "cut_by_mask",
-    "low_contrast",
-    "several_regions",
-    "poor_ellipse",
-    "scale_doubtful",
-)
 PLAUSIBLE_RIDGE_PERIOD_MM = (0.25, 0.9)
 
 _NOMINAL_RIDGE_PERIOD_MM = 0.45
@@ -42,128 +37,108 @@ _POOR_OVERLAP = 0.85
 _OTHER_REGION = 0.2
 
 
-class ImprintSettings(TypedDict):
-    """What one frame of a sequence can hand on to the others, as keyword arguments of `measure_imprint`."""
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Ridged:
+    """A picture with its ridges told, whatever of them is contact; `period` in px of the picture or NaN."""
 
-    contrast: float
-    ridge_period: float | None
-    dark_on_light: bool
+    view: View
+    signal: Signal
+    amount: UInt8
+    level: Float32Array
+    period: float
+    by_threshold: bool
+
+    @property
+    def noise(self) -> float:
+        """Noise in parts of the contrast."""
+        return self.signal.noise / max(self.signal.contrast, 1e-9)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Imprint:
-    """What a contact image shows of one contact.
+class _Region:
+    """What is taken for the contact, in px of the working copy."""
+
+    patch: BoolArray
+    edge: Edge
+    several: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class PreparedImprint:
+    """A contact image up to where a person may have a say: cheap to measure again with other edits.
 
     Attributes
     ----------
-    ellipse : Ellipse
-        Contact ellipse, mm: the region's area, with the axis ratio of its second moments.
-    orientation : float
-        Angle of the major axis from straight up (the image's row axis), positive counter-clockwise as
-        seen on the screen, radians in (−π/2, π/2]. Zero is an upright finger.
-    centroid : (float, float)
-        (row, column) of the region's centroid, px; pixel centres are whole numbers.
-    outline : ndarray, (n, 2)
-        (row, column) of points round the contact, px; all areas and axes are those of this polygon.
-    gross_area, ridge_area : float
-        Area inside the outline, and of the ridges within, mm². Parts in which ridges are blurred into one
-        another, or all of a contact without ridges, count as half ridge.
-    ridge_period : float
-        Median distance between neighbouring ridges, mm, NaN where no ridges are resolved.
-    overlap : float
-        Intersection over union of region and ellipse.
-    covariance : ndarray, (4, 4)
-        Of (semi_major, semi_minor, gross_area, ridge_area), mm and mm², to first order: the relative
-        uncertainty of the scale, shared by all, the position of the edge, and the ridges' threshold; of
-        what counts as half ridge, anything from none to all may be one.
-    threshold : float
-        Median level that parts ridges from valleys in the patch, grey levels from the ground towards contact.
-    contrast : float
-        Level of the contact above the ground, grey levels: the scale against which faint places are judged.
-    dark_on_light : bool
-        Whether contact is darker than the ground.
-    flags : tuple of str
-        Doubts, from `FLAGS`.
+    scale : Scale
+        Millimetres per pixel.
+    reason : str or None
+        Why the program found no contact; None where it did. A person can still draw one.
     """
 
-    ellipse: Ellipse
-    orientation: float
-    centroid: tuple[float, float]
-    outline: FloatArray
-    gross_area: float
-    ridge_area: float
-    ridge_period: float
-    overlap: float
-    covariance: FloatArray
-    threshold: float
-    contrast: float
-    dark_on_light: bool
-    flags: tuple[str, ...]
-    _view: View
-    _amount: UInt8
-    _ridge_level: float
-
-    def as_record(self) -> dict[str, Any]:
-        """Return the numbers under names with units, for tables and scripts."""
-        return {
-            "semi_major_mm": float(self.ellipse.semi_major),
-            "semi_major_mm_std": self.semi_major_std,
-            "semi_minor_mm": float(self.ellipse.semi_minor),
-            "semi_minor_mm_std": self.semi_minor_std,
-            "orientation_deg": math.degrees(self.orientation),
-            "gross_area_mm2": self.gross_area,
-            "gross_area_mm2_std": self.gross_area_std,
-            "ridge_area_mm2": self.ridge_area,
-            "ridge_area_mm2_std": self.ridge_area_std,
-            "ridge_period_mm": self.ridge_period,
-            "ellipse_iou": self.overlap,
-            "centroid_px": self.centroid,
-            "flags": self.flags,
-        }
+    scale: Scale
+    reason: str | None
+    _ridged: _Ridged
+    _region: _Region | None
 
     @property
-    def semi_major_std(self) -> float:
-        """Standard uncertainty of the semi-major axis, mm."""
-        return math.sqrt(self.covariance[0, 0])
+    def imprint(self) -> Imprint:
+        """What the program measures.
 
-    @property
-    def semi_minor_std(self) -> float:
-        """Standard uncertainty of the semi-minor axis, mm."""
-        return math.sqrt(self.covariance[1, 1])
+        Raises
+        ------
+        ImageError
+            Where it found no contact.
+        """
+        if self._region is None:
+            raise ImageError(self.reason)
+        return _imprint(self._ridged, self._region, self.scale, edited=False)
 
-    @property
-    def gross_area_std(self) -> float:
-        """Standard uncertainty of the gross area, mm²."""
-        return math.sqrt(self.covariance[2, 2])
+    def with_edits(self, strokes: Sequence[BrushStroke] = (), ellipse: HandEllipse | None = None) -> Imprint:
+        """Measure the contact as a person corrects it.
 
-    @property
-    def ridge_area_std(self) -> float:
-        """Standard uncertainty of the ridge area, mm²."""
-        return math.sqrt(self.covariance[3, 3])
+        Parameters
+        ----------
+        strokes : sequence of BrushStroke
+            Painted one after the other over the program's region; the largest piece that they leave is the
+            contact, without holes.
+        ellipse : HandEllipse, optional
+            The contact is this ellipse, whatever the region.
 
-    @property
-    def region(self) -> BoolArray:
-        """Where the contact is, drawn from the outline on demand, (rows, columns) of the picture."""
-        corners = [np.rint(self.outline[:, ::-1] * 256).astype(np.int32)]
-        canvas, rim = (np.zeros(self._view.shape, dtype=np.uint8) for _ in range(2))
-        cv2.fillPoly(canvas, corners, 1, shift=8)
-        # OpenCV fills every pixel that the outline touches; only those whose centre is inside count.
-        cv2.polylines(rim, corners, True, 1, 1, shift=8)
-        polygon = self.outline[:, ::-1].astype(np.float32)
-        for row, column in np.argwhere(rim):
-            canvas[row, column] = cv2.pointPolygonTest(polygon, (float(column), float(row)), False) >= 0
-        return canvas > 0
+        Returns
+        -------
+        Imprint
+            With the flag ``edited_by_person``, and the uncertainty of a hand wherever the hand drew; without
+            edits the program's own.
 
-    @property
-    def ridges(self) -> BoolArray:
-        """Where the ridges within the region are, drawn on demand, (rows, columns) of the picture."""
-        return np.asarray(self.region & (self._view.enlarged(self._amount) >= self._ridge_level))
+        Raises
+        ------
+        ImageError
+            If the edits leave no contact, or lie outside the picture, or there are none and the program found
+            no contact.
 
-    @property
-    def settings(self) -> ImprintSettings:
-        """Contrast, ridge period (mm) and polarity, to measure other frames alike."""
-        period = None if math.isnan(self.ridge_period) else self.ridge_period
-        return {"contrast": self.contrast, "ridge_period": period, "dark_on_light": self.dark_on_light}
+        Examples
+        --------
+        >>> from fingerpad.image import Scale, render_imprint
+        >>> truth = render_imprint(semi_major=8.0, semi_minor=6.0, seed=3)
+        >>> prepared = prepare_imprint(truth.pixels, Scale.of_ppi(500))
+        >>> row, column = prepared.imprint.centroid
+        >>> bite = BrushStroke(action="remove", points=[(row - 150, column)], radius=40)
+        >>> prepared.with_edits([bite]).gross_area < prepared.imprint.gross_area
+        True
+        """
+        view, region = self._ridged.view, self._region
+        if ellipse is not None:
+            patch, edge = placed(ellipse, view, noise=self._ridged.noise)
+            several = False
+        elif strokes:
+            before = None if region is None else (region.patch, region.edge)
+            patch, edge, other = brushed(before, strokes, view, noise=self._ridged.noise)
+            several = other > _OTHER_REGION or (region is not None and region.several)
+        else:
+            return self.imprint
+        return _imprint(
+            self._ridged, _Region(patch=patch, edge=edge, several=several), self.scale, edited=True
+        )
 
 
 def measure_imprint(
@@ -235,6 +210,51 @@ def measure_imprint(
     >>> abs(imprint.gross_area / truth.gross_area - 1) < 0.03, imprint.flags
     (True, ())
     """
+    return prepare_imprint(
+        pixels,
+        scale,
+        dark_on_light=dark_on_light,
+        background=background,
+        seed=seed,
+        threshold=threshold,
+        contrast=contrast,
+        ridge_period=ridge_period,
+        mask=mask,
+        region_of_interest=region_of_interest,
+    ).imprint
+
+
+def prepare_imprint(
+    pixels: npt.ArrayLike,
+    scale: Scale,
+    *,
+    dark_on_light: bool | None = None,
+    background: npt.ArrayLike | None = None,
+    seed: tuple[float, float] | None = None,
+    threshold: float | None = None,
+    contrast: float | None = None,
+    ridge_period: float | None = None,
+    mask: npt.ArrayLike | None = None,
+    region_of_interest: tuple[int, int, int, int] | None = None,
+) -> PreparedImprint:
+    """Tell the ridges and the contact in a grey contact image, ready for a person's edits.
+
+    Parameters
+    ----------
+    pixels, scale, **options
+        As for `measure_imprint`.
+
+    Returns
+    -------
+    PreparedImprint
+        Also where no contact is found: its `reason` says why.
+
+    Raises
+    ------
+    ImageError
+        If the array is not a grey picture, is not finite or all of one level, or an option is not as
+        described.
+    """
     positive = {"threshold": threshold, "contrast": contrast, "ridge_period": ridge_period}
     for name, value in positive.items():
         if value is not None and not (value > 0 and math.isfinite(value)):
@@ -244,31 +264,67 @@ def measure_imprint(
     found = expected if ridge_period else ridge_period_px(frame.pixels, frame.inside, expected)
     resolved = math.isfinite(found)
     view = View.of(frame, found if resolved else expected)
-    counted = view.card & view.inside
+    _require_seed(seed, view)
     signal = signal_of(view.values, view.inside, view.period, dark_on_light=dark_on_light, contrast=contrast)
-    if threshold is None:
-        _require_contrast(signal, resolved=resolved)
+    reason = None if threshold is not None else _lack_of_contrast(signal, resolved=resolved)
+    if reason is not None:
+        # Ridges are then told from noise, should a person see a contact there.
+        signal = replace(signal, contrast=max(signal.contrast, signal.noise, 1e-3))
     amount, level = ridge_amount(signal, view.period, threshold)
+    counted = view.card & view.inside
     if not counted.all():
         amount = np.where(counted, amount, np.uint8(0))
-    closed = closed_over(amount, view.period)
+    ridged = _Ridged(
+        view=view,
+        signal=signal,
+        amount=amount,
+        level=level,
+        period=found,
+        by_threshold=threshold is not None,
+    )
+    region = None
+    if reason is None:
+        try:
+            region = _region(ridged, seed, resolved=resolved)
+        except ImageError as error:
+            reason = str(error)
+    return PreparedImprint(scale=scale, reason=reason, _ridged=ridged, _region=region)
+
+
+def _region(ridged: _Ridged, seed: tuple[float, float] | None, *, resolved: bool) -> _Region:
+    """Return the contact that the program finds."""
+    view = ridged.view
+    closed = closed_over(ridged.amount, view.period)
     patches = patches_of(closed, view.period)
     chosen = _chosen(patches, seed, view)
     patch = without_appendages(patches[chosen], view.period)
     largest_other = max((np.count_nonzero(p) for k, p in enumerate(patches) if k != chosen), default=0)
-    several = bool(largest_other > _OTHER_REGION * np.count_nonzero(patches[chosen]))
-    noise = signal.noise / max(signal.contrast, 1e-9)
-    contact = measured(
-        view, patch, closed, amount, noise, resolved=resolved, by_threshold=threshold is not None
+    edge = traced(
+        view,
+        patch,
+        closed,
+        ridged.amount,
+        ridged.noise,
+        resolved=resolved,
+        by_threshold=ridged.by_threshold,
     )
-    period = found * scale.mm_per_px
+    several = bool(largest_other > _OTHER_REGION * np.count_nonzero(patches[chosen]))
+    return _Region(patch=patch, edge=edge, several=several)
+
+
+def _imprint(ridged: _Ridged, region: _Region, scale: Scale, *, edited: bool) -> Imprint:
+    """Measure a region of a picture."""
+    signal, patch = ridged.signal, region.patch
+    contact = measured(ridged.view, patch, region.edge, ridged.amount, by_threshold=ridged.by_threshold)
+    period = ridged.period * scale.mm_per_px
     doubts = {
         "touches_border": contact.touches_border,
         "cut_by_mask": contact.cut_by_mask,
         "low_contrast": signal.contrast < _LOW_CONTRAST * signal.noise,
-        "several_regions": several,
+        "several_regions": region.several,
         "poor_ellipse": contact.overlap < _POOR_OVERLAP,
         "scale_doubtful": not PLAUSIBLE_RIDGE_PERIOD_MM[0] <= period <= PLAUSIBLE_RIDGE_PERIOD_MM[1],
+        "edited_by_person": edited,
     }
     (semi_major, semi_minor, gross_area, ridge_area), covariance = _in_mm(contact, scale)
     column, row = contact.moments.centroid
@@ -282,12 +338,12 @@ def measure_imprint(
         ridge_period=period,
         overlap=contact.overlap,
         covariance=covariance,
-        threshold=_median_level(level, patch),
+        threshold=_median_level(ridged.level, patch),
         contrast=signal.contrast,
         dark_on_light=signal.dark_on_light,
         flags=tuple(flag for flag in FLAGS if doubts[flag]),
-        _view=view,
-        _amount=amount,
+        _view=ridged.view,
+        _amount=ridged.amount,
         _ridge_level=contact.ridge_level,
     )
 
@@ -310,13 +366,19 @@ def _median_level(level: Float32Array, patch: BoolArray) -> float:
     return float(np.median(some[inside] if inside.any() else some))
 
 
-def _require_contrast(signal: Signal, *, resolved: bool) -> None:
-    least = _NO_CONTRAST if resolved else _LOW_CONTRAST
-    if not signal.contrast > least * signal.noise:
-        raise ImageError(
-            f"no contact found: contrast {signal.contrast:.3g} against noise {signal.noise:.3g}: "
-            "check that the picture shows a print, or give dark_on_light"
-        )
+def _lack_of_contrast(signal: Signal, *, resolved: bool) -> str | None:
+    """Say that nothing stands out of the noise; None where something does."""
+    if signal.contrast > (_NO_CONTRAST if resolved else _LOW_CONTRAST) * signal.noise:
+        return None
+    return (
+        f"no contact found: contrast {signal.contrast:.3g} against noise {signal.noise:.3g}: "
+        "check that the picture shows a print, or give dark_on_light"
+    )
+
+
+def _require_seed(seed: tuple[float, float] | None, view: View) -> None:
+    if seed is not None and not (0 <= seed[0] < view.shape[0] and 0 <= seed[1] < view.shape[1]):
+        raise ImageError(f"seed {seed} lies outside the picture of {view.shape} pixels")
 
 
 def _chosen(patches: list[BoolArray], seed: tuple[float, float] | None, view: View) -> int:
@@ -327,10 +389,7 @@ def _chosen(patches: list[BoolArray], seed: tuple[float, float] | None, view: Vi
         )
     if seed is None:
         return int(np.argmax([_prominence(patch) for patch in patches]))
-    row, column = seed
-    if not (0 <= row < view.shape[0] and 0 <= column < view.shape[1]):
-        raise ImageError(f"seed {seed} lies outside the picture of {view.shape} pixels")
-    place = view.place_of(row, column)
+    place = view.place_of(*seed)
     for k, patch in enumerate(patches):
         if place is not None and patch[place]:
             return k

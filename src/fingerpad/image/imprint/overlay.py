@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from fingerpad.exceptions import ImageError
 from fingerpad.image._canvas import INK, PAPER, Canvas, Colour, scale_bar_length, write_canvas
-from fingerpad.image.imprint.measure import Imprint
+from fingerpad.image.imprint.result import Imprint
 
 # Okabe & Ito's colours, told apart by colour-blind readers too; red, green, blue.
 REGION_COLOUR: Colour = (0, 158, 115)

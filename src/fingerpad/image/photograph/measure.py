@@ -50,6 +50,7 @@ PHOTOGRAPH_FLAGS: Mapping[str, str] = {
     "touches_border": "the arc ends where the frame cuts the finger",
     "poor_ellipse": "the outline departs from the ellipse by more than 1 percent of the smaller semi-axis",
     "leaning": "the finger leans by more than 10 degrees",
+    "by_hand": "a person placed the ellipse, or added or left out points",
 }
 
 _SHORT_ARC_DEG = 90.0
@@ -132,7 +133,7 @@ class PhotographFit:
     @property
     def outlier_fraction(self) -> float:
         """Share of the arc's points that were left out."""
-        return len(self.outliers) / (len(self.outliers) + len(self.points))
+        return len(self.outliers) / max(len(self.outliers) + len(self.points), 1)
 
     @property
     def face_semi_axes(self) -> FaceSemiAxes:
@@ -143,6 +144,13 @@ class PhotographFit:
             covariance=self.edge_covariance,
             relative_scale_std=self.scale.relative_std,
         )
+
+    @property
+    def handles(self) -> FloatArray:
+        """(row, column) of the centre and of the ends of the semi-axes across and along, px, (3, 2)."""
+        centre = np.array(self.centre)
+        ends = self.directions * self.semi_axes[:, None] / self.scale.mm_per_px
+        return np.stack([centre, *(centre + ends)])
 
     def ellipse_points(self, count: int = 361) -> FloatArray:
         """Return points (row, column) round the ellipse, px."""

@@ -53,7 +53,7 @@ def draw_photograph_overlay(
         If the points measured do not lie in the picture.
     """
     colour = _eight_bit_colour(np.asarray(pixels))
-    if (found.points.max(axis=0) > np.array(colour.shape[:2])).any():
+    if len(found.points) and (found.points.max(axis=0) > np.array(colour.shape[:2])).any():
         raise ImageError(
             f"pixels must be the photograph that was measured, found {colour.shape[0]} rows and "
             f"{colour.shape[1]} columns, and points beyond them"
@@ -126,9 +126,8 @@ def _draw_points(canvas: Canvas, found: PhotographFit, zoom: float) -> None:
 
 def _draw_axes(canvas: Canvas, found: PhotographFit, zoom: float) -> None:
     """Draw the semi-axes, then their names, which no line shall cross."""
-    centre = np.array(found.centre)
-    middle = _placed(centre, zoom)
-    ends = _placed(centre + found.directions * found.semi_axes[:, None] / found.scale.mm_per_px, zoom)
+    middle, *sides = _placed(found.handles, zoom)
+    ends = np.array(sides)
     for end in ends:
         _line(canvas, middle, end, INK, 5)
         _line(canvas, middle, end, PAPER, 2)
@@ -148,11 +147,15 @@ def _draw_axes(canvas: Canvas, found: PhotographFit, zoom: float) -> None:
 
 def _legend(found: PhotographFit, label: str | None) -> list[tuple[str, Colour]]:
     lines = [(label, INK)] if label else []
-    lines += [
-        (f"{found.face} face, arc {found.arc_deg:.0f} deg, lean {math.degrees(found.lean):.1f} deg", INK),
-        (f"{len(found.points)} points used", POINT_COLOUR),
-        (f"{len(found.outliers)} left out ({found.outlier_fraction:.0%})", OUTLIER_COLOUR),
-    ]
+    lean = f"lean {math.degrees(found.lean):.1f} deg"
+    if len(found.points):
+        lines += [
+            (f"{found.face} face, arc {found.arc_deg:.0f} deg, {lean}", INK),
+            (f"{len(found.points)} points used", POINT_COLOUR),
+            (f"{len(found.outliers)} left out ({found.outlier_fraction:.0%})", OUTLIER_COLOUR),
+        ]
+    else:
+        lines.append((f"{found.face} face, ellipse placed by hand, {lean}", INK))
     if found.flags:
         lines.append((", ".join(sorted(found.flags)), (200, 30, 30)))
     return lines

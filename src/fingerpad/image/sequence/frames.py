@@ -5,7 +5,8 @@ import re
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import islice
 from os import PathLike
 from pathlib import Path
 from typing import Any, Final, Literal, TypeAlias
@@ -84,6 +85,29 @@ class Frames:
                 yield Frame(index=frame.index, pixels=None, reason=reason)
             else:
                 yield frame
+
+    def at(self, index: int) -> Frame:
+        """Decode one frame alone, without those before it where the file allows.
+
+        Parameters
+        ----------
+        index : int
+            Its number, from zero.
+
+        Raises
+        ------
+        ImageError
+            If there is no such frame.
+        """
+        if not 0 <= index < self.count:
+            raise ImageError(f"{self.path}: has no frame {index}: there are {self.count}, counted from 0")
+        if self.kind == "folder":
+            alone = _folder_frames(_pictures_in(self.path)[index : index + 1], self.pixel_limit)
+            return replace(next(alone), index=index)
+        if self.kind == "tiff":
+            return _tiff_frame(self.path, index, self.pixel_limit)
+        lost = Frame(index=index, pixels=None, reason=f"{self.path}: the film ends before frame {index}")
+        return next(islice(self._decoded(), index, None), lost)
 
     def _decoded(self) -> Iterator[Frame]:
         if self.kind == "folder":
@@ -199,17 +223,23 @@ def _tiff_frames(path: Path, pixel_limit: int) -> Iterator[Frame]:
         count = len(tiff.pages)
         broken = heard[0] if heard else None
         for index in range(count):
-            try:
-                pixels = _page(path, tiff, index, pixel_limit)
-            # tifffile lets errors of any kind out of a damaged page.
-            except Exception as error:
-                reason = f"{path}: page {index} cannot be decoded ({error})"
-                yield Frame(index=index, pixels=None, reason=reason)
-            else:
-                yield Frame(index=index, pixels=pixels)
+            yield _frame_of_page(path, tiff, index, pixel_limit)
         if broken is not None:
             reason = f"{path}: damaged after {count} pages, those that follow are lost ({broken})"
             yield Frame(index=count, pixels=None, reason=reason)
+
+
+def _tiff_frame(path: Path, index: int, pixel_limit: int) -> Frame:
+    with _complaints(), tifffile.TiffFile(path) as tiff:
+        return _frame_of_page(path, tiff, index, pixel_limit)
+
+
+def _frame_of_page(path: Path, tiff: tifffile.TiffFile, index: int, pixel_limit: int) -> Frame:
+    try:
+        return Frame(index=index, pixels=_page(path, tiff, index, pixel_limit))
+    # tifffile lets errors of any kind out of a damaged page.
+    except Exception as error:
+        return Frame(index=index, pixels=None, reason=f"{path}: page {index} cannot be decoded ({error})")
 
 
 def _page(path: Path, tiff: tifffile.TiffFile, index: int, pixel_limit: int) -> Pixels:

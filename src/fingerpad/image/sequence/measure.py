@@ -14,7 +14,8 @@ import numpy.typing as npt
 from fingerpad._arrays import FloatArray
 from fingerpad.exceptions import ImageError, LoadingError
 from fingerpad.image._grey import Pixels
-from fingerpad.image.imprint.measure import Imprint, ImprintSettings, measure_imprint
+from fingerpad.image.imprint.measure import measure_imprint
+from fingerpad.image.imprint.result import Imprint, ImprintSettings
 from fingerpad.image.scale import Scale
 from fingerpad.image.sequence.force import ForceSignal, FrameClock
 from fingerpad.image.sequence.frames import Frame

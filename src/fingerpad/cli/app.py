@@ -1,0 +1,60 @@
+"""The page on which a study is measured, corrected and read."""
+
+import webbrowser
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from fingerpad.cli.shared import plain_errors
+from fingerpad.exceptions import FingerpadError, ManifestError
+
+_NEEDED = {"plotly", "starlette", "tomlkit", "uvicorn"}
+
+
+def app(
+    study: Annotated[
+        Path | None, typer.Argument(help="The study's manifest, or its folder.", show_default=False)
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option(help="Folder of its results.", show_default="results beside the manifest")
+    ] = None,
+    port: Annotated[int, typer.Option(min=0, max=65535, help="Port; 0 takes one that is free.")] = 0,
+    browser: Annotated[bool, typer.Option(help="Open the page in the browser.")] = True,
+) -> None:
+    """Open a page in the browser to measure, correct and read a study.
+
+    It can be reached from this machine only, through the address that is printed. Without a study the page
+    offers those in the current folder. Ctrl-C ends it.
+    """
+    with plain_errors():
+        try:
+            from fingerpad.web.bench import Bench
+            from fingerpad.web.server import serve
+        except ModuleNotFoundError as error:
+            if (error.name or "").partition(".")[0] not in _NEEDED:
+                raise
+            raise FingerpadError(
+                f"the page needs the package {error.name}: pip install 'fingerpad[app]'"
+            ) from None
+        bench = Bench(Path.cwd() if study is None else _folder_of(study).parent)
+        if study is not None:
+            name = "study.toml" if study.is_dir() else study.name
+            bench.open_folder(_folder_of(study), name, out)
+        elif out is not None:
+            raise FingerpadError("--out needs a study: name its manifest")
+        serve(bench, port=port, on_ready=lambda address: _tell(address, browser=browser))
+
+
+def _folder_of(study: Path) -> Path:
+    if study.is_dir():
+        return study.absolute()
+    if not study.is_file():
+        raise ManifestError(f"{study}: no such file; `fingerpad app` without a name starts a new study")
+    return study.absolute().parent
+
+
+def _tell(address: str, *, browser: bool) -> None:
+    typer.echo(f"The page is at {address}\nCtrl-C ends it.")
+    if browser:
+        webbrowser.open(address)

@@ -1,0 +1,177 @@
+"""What a person can correct in a measurement: each change says all that is wanted of its item."""
+
+import math
+from typing import Annotated, Any, Literal, Self, TypeAlias
+
+from pydantic import Field, StringConstraints, model_validator
+
+from fingerpad.image import BrushStroke, HandEllipse
+from fingerpad.study.manifest.fingers import Side
+from fingerpad.study.manifest.tables import Box, Finite, Point, Table
+
+Reason = Annotated[str, StringConstraints(strip_whitespace=True, min_length=1, max_length=500)]
+Size = Annotated[float, Field(gt=0, le=1e5, allow_inf_nan=False)]
+Pair = Annotated[list[Size], Field(min_length=2, max_length=2)]
+Path = Annotated[list[Point], Field(min_length=1, max_length=5000)]
+
+
+class Stroke(Table):
+    """A stroke of a round brush or rubber; of one point a disk."""
+
+    points_px: Path
+    radius_px: Size
+
+
+class RegionStroke(Stroke):
+    """A stroke that adds to a contact region or removes from it."""
+
+    action: Literal["add", "remove"]
+
+
+class ContactEllipseByHand(Table):
+    """A contact ellipse by its handles: major and minor semi-axis, the major's angle from straight up."""
+
+    centre: Point
+    semi_axes: Pair
+    orientation_deg: Finite = 0.0
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Self:
+        if self.semi_axes[1] > self.semi_axes[0]:
+            raise ValueError(f"semi_axes: give the major one first, found {self.semi_axes}")
+        return self
+
+
+class FaceEllipseByHand(Table):
+    """The ellipse of a face by its handles: semi-axes across and along, turned from across towards along."""
+
+    centre: Point
+    semi_axes: Pair
+    lean_deg: Annotated[float, Field(ge=-90, le=90)] = 0.0
+
+
+class _Judged(Table):
+    """Whether a person takes the measurement, or why not."""
+
+    accepted: bool = False
+    rejected: Reason | None = None
+
+    @model_validator(mode="after")
+    def _one_verdict(self) -> Self:
+        if self.accepted and self.rejected is not None:
+            raise ValueError("give either accepted or rejected, one of the two")
+        return self
+
+    @property
+    def edits(self) -> dict[str, Any]:
+        """What it says beyond the verdict, as JSON."""
+        return self.model_dump(mode="json", exclude_defaults=True, exclude={"accepted", "rejected"})
+
+    def as_json(self) -> dict[str, Any]:
+        """Return it as a record keeps it."""
+        return self.model_dump(mode="json", exclude_defaults=True)
+
+
+class ContactCorrection(_Judged):
+    """What a person corrects in the measurement of a contact image or a frame."""
+
+    dark_on_light: bool | None = None
+    threshold: Annotated[float, Field(gt=0, allow_inf_nan=False)] | None = None
+    seed_px: Point | None = None
+    mask_px: Annotated[list[Point], Field(min_length=3, max_length=5000)] | None = None
+    region_of_interest_px: Box | None = None
+    strokes: Annotated[list[RegionStroke], Field(max_length=2000)] = Field(default=[])
+    ellipse_px: ContactEllipseByHand | None = None
+
+    @property
+    def brush_strokes(self) -> list[BrushStroke]:
+        """The strokes as `PreparedImprint.with_edits` takes them."""
+        return [
+            BrushStroke(
+                action=stroke.action,
+                points=[(row, column) for row, column in stroke.points_px],
+                radius=stroke.radius_px,
+            )
+            for stroke in self.strokes
+        ]
+
+    @property
+    def hand_ellipse(self) -> HandEllipse | None:
+        """The ellipse as `PreparedImprint.with_edits` takes it."""
+        if self.ellipse_px is None:
+            return None
+        (row, column), (major, minor) = self.ellipse_px.centre, self.ellipse_px.semi_axes
+        turn = self.ellipse_px.orientation_deg
+        return HandEllipse(centre=(row, column), semi_axes=(major, minor), orientation=math.radians(turn))
+
+    def outside(self, shape: tuple[int, int]) -> str | None:
+        """Say what misses a picture of this shape altogether; None where nothing does."""
+        seed, ellipse = self.seed_px, self.ellipse_px
+        box = self.region_of_interest_px
+        corners = None if box is None else [[*map(float, box[:2])], [*map(float, box[2:])]]
+        return _outside(
+            shape,
+            {
+                "seed_px": ([seed] if seed else None, 0.0),
+                "mask_px": (_extent(self.mask_px), 0.0),
+                "region_of_interest_px": (_extent(corners), 0.0),
+                "ellipse_px.centre": ([ellipse.centre] if ellipse else None, 0.0),
+                **{
+                    f"strokes[{k}].points_px": (_extent(stroke.points_px), stroke.radius_px)
+                    for k, stroke in enumerate(self.strokes)
+                },
+            },
+        )
+
+
+class PhotographCorrection(_Judged):
+    """What a person corrects in the measurement of a photograph."""
+
+    region_of_interest_px: Annotated[list[Finite], Field(min_length=4, max_length=4)] | None = None
+    tip: Side | None = None
+    palmar_side: Side | None = None
+    ellipse_px: FaceEllipseByHand | None = None
+    added_points_px: Annotated[list[Point], Field(max_length=5000)] = Field(default=[])
+    erased: Annotated[list[Stroke], Field(max_length=2000)] = Field(default=[])
+
+    def outside(self, shape: tuple[int, int]) -> str | None:
+        """Say what misses a picture of this shape altogether; None where nothing does."""
+        box = self.region_of_interest_px
+        corners = None if box is None else [[*map(float, box[:2])], [*map(float, box[2:])]]
+        return _outside(
+            shape,
+            {
+                # The ellipse's centre may lie beyond a picture that shows the tip alone.
+                "region_of_interest_px": (_extent(corners), 0.0),
+                **{f"added_points_px[{k}]": ([point], 0.0) for k, point in enumerate(self.added_points_px)},
+                **{
+                    f"erased[{k}].points_px": (_extent(stroke.points_px), stroke.radius_px)
+                    for k, stroke in enumerate(self.erased)
+                },
+            },
+        )
+
+
+Change: TypeAlias = ContactCorrection | PhotographCorrection
+
+
+def _extent(points: list[Point] | None) -> list[Point] | None:
+    """Return the corners of the box round some points."""
+    if points is None:
+        return None
+    rows, columns = zip(*points, strict=True)
+    return [[min(rows), min(columns)], [max(rows), max(columns)]]
+
+
+def _outside(shape: tuple[int, int], places: dict[str, tuple[list[Point] | None, float]]) -> str | None:
+    for name, (corners, reach) in places.items():
+        if corners is None:
+            continue
+        for axis, count in enumerate(shape):
+            if corners[-1][axis] < -0.5 - reach or corners[0][axis] > count - 0.5 + reach:
+                row, column = corners[0]
+                return (
+                    f"{name}: row {row:g}, column {column:g} lies outside the picture of {shape[0]} rows and "
+                    f"{shape[1]} columns"
+                )
+    return None

@@ -1,0 +1,455 @@
+"""What people corrected in a study, with who and when: a file that is only ever added to.
+
+``corrections.jsonl`` lies beside the manifest, one record a line. Each record of a change says all that is
+wanted of its item, so that the newest rules. An undo or redo is a record too, and walks over earlier changes.
+Nothing that the program measured is kept here, and nothing that it measured is overwritten.
+"""
+
+import json
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any, Final, Literal, TypeAlias
+
+from filelock import FileLock, Timeout
+
+from fingerpad.exceptions import CorrectionConflict, ManifestError, StoreError
+from fingerpad.study.changes import Change, ContactCorrection, PhotographCorrection
+from fingerpad.study.manifest import Study
+from fingerpad.study.manifest.faults import validated
+
+CORRECTIONS_NAME: Final = "corrections.jsonl"
+LOCK_NAME: Final = ".corrections.lock"
+
+Action: TypeAlias = Literal["change", "undo", "redo"]
+Kind: TypeAlias = Literal["observation", "frame", "photograph"]
+
+_WAIT_S: Final = 30.0
+_MOST_NAME: Final = 200
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Record:
+    """One decision of one person.
+
+    Attributes
+    ----------
+    id : int
+        Its number in the file, from 1, rising.
+    item : str
+        What was corrected.
+    when : str
+        Time, ISO 8601, UTC.
+    who : str
+        The person.
+    action : {"change", "undo", "redo"}
+        What was done.
+    change : dict
+        All that is wanted of the item, as `ContactCorrection` or `PhotographCorrection` write it; empty for
+        what the program found, and for an undo or redo.
+    """
+
+    id: int
+    item: str
+    when: str
+    who: str
+    action: Action
+    change: dict[str, Any]
+
+    def as_json(self) -> dict[str, Any]:
+        """Return it as its line of the file says it."""
+        return {name: getattr(self, name) for name in ("id", "item", "when", "who", "action", "change")}
+
+    @property
+    def words(self) -> str:
+        """Who did what, and when."""
+        what = ", ".join(self.change) or "everything back to the program's"
+        did = f"changed {what}" if self.action == "change" else f"took a step ({self.action})"
+        return f"{self.who} {did} at {self.when}"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Ruling:
+    """What rules for an item.
+
+    Attributes
+    ----------
+    item : str
+        The item.
+    change : ContactCorrection or PhotographCorrection
+        What is wanted of it.
+    who, when : str
+        Who wanted it first, and when.
+    """
+
+    item: str
+    change: Change
+    who: str
+    when: str
+
+    @property
+    def key(self) -> list[Any]:
+        """All of it that results depend on, for a digest."""
+        return [self.item, self.who, self.change.as_json()]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class History:
+    """All decisions about one item.
+
+    Attributes
+    ----------
+    item : str
+        The item.
+    records : tuple of Record
+        In order.
+    """
+
+    item: str
+    records: tuple[Record, ...] = ()
+
+    @property
+    def last_id(self) -> int:
+        """Number of the newest record, 0 where there is none: what an author has seen."""
+        return self.records[-1].id if self.records else 0
+
+    @property
+    def can_undo(self) -> bool:
+        """Whether there is a change to take back."""
+        return self._place()[1] > 0
+
+    @property
+    def can_redo(self) -> bool:
+        """Whether there is a change taken back."""
+        changes, place = self._place()
+        return place < len(changes)
+
+    @property
+    def ruling(self) -> Ruling | None:
+        """What rules; None where the program's own result does."""
+        changes, place = self._place()
+        if not place or not changes[place - 1].change:
+            return None
+        record = changes[place - 1]
+        model = PhotographCorrection if "/" in self.item else ContactCorrection
+        change = _checked(model, record.change, f"{CORRECTIONS_NAME}: record {record.id}: {self.item}")
+        return Ruling(item=self.item, change=change, who=record.who, when=record.when)
+
+    def _place(self) -> tuple[list[Record], int]:
+        """Return the changes that undo and redo walk over, and how many of them hold."""
+        changes: list[Record] = []
+        place = 0
+        for record in self.records:
+            if record.action == "change":
+                changes[place:] = [record]
+                place += 1
+            elif record.action == "undo":
+                place = max(0, place - 1)
+            else:
+                place = min(len(changes), place + 1)
+        return changes, place
+
+
+class CorrectionLog:
+    """The corrections of a study folder, as far as they are written.
+
+    It reads what others add as it goes, and only that. Any number of processes may write.
+
+    Parameters
+    ----------
+    folder : Path
+        The study folder.
+
+    Raises
+    ------
+    StoreError
+        If the file cannot be read or holds what is no record.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self._path = folder / CORRECTIONS_NAME
+        self._forget()
+        self.refresh()
+
+    def _forget(self) -> None:
+        self._read_to = 0
+        self._lines = 0
+        self._last_id = 0
+        self._inode = 0
+        self._torn = b""
+        self._histories: dict[str, list[Record]] = {}
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What is odd in the file but does no harm."""
+        if not self._torn:
+            return ()
+        line = f"{CORRECTIONS_NAME}: line {self._lines + 1}"
+        return (f"{line} is torn, as by a process stopped while it wrote; it is left out",)
+
+    def refresh(self) -> None:
+        """Read what has been written since.
+
+        Raises
+        ------
+        StoreError
+            If the file cannot be read or holds what is no record.
+        """
+        try:
+            with self._path.open("rb") as file:
+                state = os.fstat(file.fileno())
+                if state.st_size < self._read_to or state.st_ino != self._inode:
+                    self._forget()
+                    self._inode = state.st_ino
+                file.seek(self._read_to)
+                fresh = file.read()
+        except FileNotFoundError:
+            self._forget()
+            return
+        except OSError as error:
+            raise StoreError(f"{self._path}: cannot be read ({error.strerror})") from error
+        whole, _, self._torn = fresh.rpartition(b"\n")
+        if self._torn and _record(self._torn) is not None:  # its end of line was lost in an editor
+            whole, self._torn = fresh, b""
+        for line in whole.split(b"\n") if whole else ():
+            self._take(line)
+        self._read_to += len(fresh) - len(self._torn)
+
+    def _take(self, line: bytes) -> None:
+        self._lines += 1
+        if not line.strip():
+            return
+        record = _record(line)
+        if record is None or record.id <= self._last_id:
+            raise StoreError(
+                f"{self._path}: line {self._lines} is no correction that follows those above it: "
+                "mend or remove that line"
+            )
+        self._last_id = record.id
+        self._histories.setdefault(record.item, []).append(record)
+
+    def history(self, item: str) -> History:
+        """Return all decisions about an item."""
+        self.refresh()
+        return History(item=item, records=tuple(self._histories.get(item, ())))
+
+    def ruling(self, item: str) -> Ruling | None:
+        """Return what rules for an item; None where the program's own result does."""
+        return self.history(item).ruling
+
+    def rulings(self) -> dict[str, Ruling]:
+        """Return what rules, by item."""
+        self.refresh()
+        found = {
+            item: History(item=item, records=tuple(records)).ruling
+            for item, records in self._histories.items()
+        }
+        return {item: ruling for item, ruling in found.items() if ruling is not None}
+
+    def unknown_items(self, study: Study) -> list[str]:
+        """Return the corrected items that a manifest does not name: they are kept, and wait."""
+        self.refresh()
+        return [item for item in self._histories if _kind_of(item, study) is None]
+
+    def append(
+        self,
+        item: str,
+        change: Mapping[str, Any] | Change,
+        *,
+        who: str,
+        expected: int,
+        study: Study,
+        shape: tuple[int, int] | None = None,
+    ) -> Record:
+        """Keep a change; once this returns, it is on the disk.
+
+        Parameters
+        ----------
+        item : str
+            An observation by its name, a frame as ``press#120``, or a photograph as ``FINGER/IMAGE``.
+        change : mapping or ContactCorrection or PhotographCorrection
+            All that is wanted of the item; empty for what the program found.
+        who : str
+            The person.
+        expected : int
+            `History.last_id` as the person last saw it.
+        study : Study
+            The manifest, which must name the item.
+        shape : (int, int), optional
+            Of the picture, which what is drawn must touch; not looked at if left out.
+
+        Raises
+        ------
+        CorrectionConflict
+            If someone has corrected the item since.
+        StoreError
+            If the item is unknown, the change is none, or the file cannot be written.
+        """
+        kind = kind_of(item, study)
+        model = PhotographCorrection if kind == "photograph" else ContactCorrection
+        content = change if isinstance(change, Mapping) else change.as_json()
+        checked = _checked(model, content, item)
+        _require_picture(item, checked, study)
+        if shape is not None and (fault := checked.outside(shape)):
+            raise StoreError(f"{item}: {fault}")
+        return self._add(item, "change", checked.as_json(), who, expected)
+
+    def undo(self, item: str, *, who: str, expected: int) -> Record:
+        """Take the newest change of an item back; parameters and errors as for `append`."""
+        return self._add(item, "undo", {}, who, expected)
+
+    def redo(self, item: str, *, who: str, expected: int) -> Record:
+        """Put back the change that was taken back last; parameters and errors as for `append`."""
+        return self._add(item, "redo", {}, who, expected)
+
+    def _add(self, item: str, action: Action, change: dict[str, Any], who: str, expected: int) -> Record:
+        who = " ".join(who.split())
+        if not 0 < len(who) <= _MOST_NAME:
+            raise StoreError(f"{item}: a correction needs the name of who makes it, found {who[:40]!r}")
+        with _locked(self._path):
+            history = self.history(item)
+            if history.last_id != expected:
+                latest = history.records[-1] if history.records else None
+                since = latest.words if latest else "the corrections were removed"
+                raise CorrectionConflict(f"{item}: {since}: look at it again before you correct it", latest)
+            if (action == "undo" and not history.can_undo) or (action == "redo" and not history.can_redo):
+                raise StoreError(f"{item}: there is nothing to {action}")
+            record = Record(
+                id=self._last_id + 1,
+                item=item,
+                when=datetime.now(UTC).isoformat(timespec="milliseconds").replace("+00:00", "Z"),
+                who=who,
+                action=action,
+                change=change,
+            )
+            self._write(json.dumps(record.as_json(), ensure_ascii=False, allow_nan=False).encode() + b"\n")
+            self.refresh()
+        return record
+
+    def _write(self, line: bytes) -> None:
+        """Add a line after the last whole one, and wait until it is on the disk."""
+        new = not self._path.exists()
+        with self._path.open("r+b" if not new else "xb") as file:
+            # A torn line was never confirmed to anyone: it makes room.
+            file.truncate(self._read_to)
+            file.seek(self._read_to - 1 if self._read_to else 0)
+            if self._read_to and file.read(1) != b"\n":
+                line = b"\n" + line
+            file.write(line)
+            file.flush()
+            os.fsync(file.fileno())
+        if new:
+            sync_folder(self._path.parent)
+
+
+def kind_of(item: str, study: Study) -> Kind:
+    """Return what an item is.
+
+    Raises
+    ------
+    StoreError
+        If the manifest names no such item.
+    """
+    kind = _kind_of(item, study)
+    if kind is None:
+        raise StoreError(
+            f"{item[:80]!r} is nothing that can be corrected: name an observation, a frame as SEQUENCE#12, "
+            "or a photograph as FINGER/IMAGE, as the manifest has them"
+        )
+    return kind
+
+
+def _kind_of(item: str, study: Study) -> Kind | None:
+    if "/" in item:
+        finger, _, image = item.partition("/")
+        images = {photo.image for each in study.fingers if each.name == finger for photo in each.photographs}
+        return "photograph" if image in images else None
+    name, mark, number = item.partition("#")
+    if mark:
+        film = any(sequence.name == name for sequence in study.sequences)
+        return "frame" if film and number.isdecimal() and str(int(number)) == number else None
+    return "observation" if any(each.name == item for each in study.observations) else None
+
+
+def frames_of(rulings: Mapping[str, Ruling], sequence: str) -> dict[int, Ruling]:
+    """Return what rules for the frames of a sequence, by the frame's number."""
+    start = f"{sequence}#"
+    return {
+        int(item.removeprefix(start)): ruling for item, ruling in rulings.items() if item.startswith(start)
+    }
+
+
+def _require_picture(item: str, change: Change, study: Study) -> None:
+    """Refuse edits of an observation whose ellipse was measured elsewhere."""
+    given = any(each.name == item and each.image is None for each in study.observations)
+    if given and change.edits:
+        raise StoreError(
+            f"{item}: its ellipse was given, there is no picture to correct: accept or reject it, or change "
+            "ellipse_mm in the manifest"
+        )
+
+
+def _checked(model: type[Change], content: Mapping[str, Any], where: str) -> Any:
+    try:
+        return validated(model, content, where, strict=True)
+    except ManifestError as error:
+        raise StoreError(str(error)) from None
+
+
+def _record(line: bytes) -> Record | None:
+    """Return the record that a line holds, None where it holds none."""
+    try:
+        content = json.loads(line)
+        record = Record(**content)
+    except (ValueError, TypeError, RecursionError):
+        return None
+    texts = (record.item, record.when, record.who)
+    good = (
+        all(isinstance(text, str) for text in texts)
+        and type(record.id) is int
+        and record.id > 0
+        and record.action in {"change", "undo", "redo"}
+        and isinstance(record.change, dict)
+    )
+    return record if good else None
+
+
+@contextmanager
+def _locked(path: Path) -> Iterator[None]:
+    """Hold the lock of the corrections, and say plainly where they cannot be written."""
+    try:
+        with FileLock(path.with_name(LOCK_NAME), timeout=_WAIT_S):
+            yield
+    except Timeout:
+        raise StoreError(f"{path}: another process has been writing for {_WAIT_S:g} s: try again") from None
+    except OSError as error:
+        raise StoreError(f"{path}: cannot be written ({error.strerror})") from error
+
+
+def sync_folder(folder: Path) -> None:
+    """Wait until the names in a folder are on the disk, where the system can."""
+    if os.name == "nt":
+        return
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)
+
+
+__all__: Sequence[str] = (
+    "CORRECTIONS_NAME",
+    "LOCK_NAME",
+    "Change",
+    "ContactCorrection",
+    "CorrectionLog",
+    "History",
+    "PhotographCorrection",
+    "Record",
+    "Ruling",
+    "frames_of",
+    "kind_of",
+)

@@ -1,0 +1,107 @@
+"""The application: the guard, the API, the page's files."""
+
+from pathlib import Path
+from typing import Final
+
+from starlette.applications import Starlette
+from starlette.exceptions import HTTPException
+from starlette.requests import Request
+from starlette.responses import FileResponse, JSONResponse, PlainTextResponse, RedirectResponse, Response
+from starlette.routing import Mount, Route
+from starlette.staticfiles import StaticFiles
+from starlette.types import ASGIApp, Scope
+
+import fingerpad
+from fingerpad.web import (
+    contacts,
+    corrections,
+    files,
+    geometry,
+    lengths,
+    photographs,
+    results,
+    shown,
+    state,
+    studies,
+)
+from fingerpad.web.bench import Bench
+from fingerpad.web.operations import Operation, openapi
+from fingerpad.web.security import START, Guard, cookie_name, same_token
+
+STATIC: Final = Path(__file__).parent / "static"
+_YEAR_S: Final = 31_536_000
+_ROOMS: Final = (studies, state, shown, lengths, photographs, contacts, corrections, results, geometry, files)
+OPERATIONS: Final[tuple[Operation, ...]] = tuple(one for room in _ROOMS for one in room.OPERATIONS)
+
+
+def make_app(bench: Bench, token: str) -> ASGIApp:
+    """Return the application of one launch.
+
+    Parameters
+    ----------
+    bench : Bench
+        What it works on.
+    token : str
+        The launch's secret, which the start address carries.
+    """
+
+    def start(request: Request) -> Response:
+        """Take the token of the start address into a cookie, and lead to the page."""
+        if not same_token(request.query_params.get("token", ""), token):
+            words = "this address is of another launch: open the one that fingerpad app printed last"
+            return PlainTextResponse(words, status_code=403)
+        answer = RedirectResponse("/", status_code=303)
+        name = cookie_name(request.headers.get("host", ""))
+        answer.set_cookie(name, token, httponly=True, samesite="strict", path="/")
+        return answer
+
+    def document(_: Request) -> Response:
+        return JSONResponse(openapi(OPERATIONS, fingerpad.__version__))
+
+    starlette = Starlette(
+        routes=[
+            Route(START, start),
+            Route("/", _page),
+            Route("/favicon.ico", _icon),
+            Route("/static/vendor/plotly.min.js", _plotly),
+            Route("/api/openapi.json", document),
+            *files.streamed(bench),
+            *(operation.route(bench) for operation in OPERATIONS),
+            Mount("/static", _Static(directory=STATIC)),
+        ],
+        exception_handlers={HTTPException: _not_there},
+    )
+    return Guard(starlette, token)
+
+
+class _Static(StaticFiles):
+    """The page's own files, asked for anew each time, so that an upgrade is seen at once."""
+
+    async def get_response(self, path: str, scope: Scope) -> Response:
+        answer = await super().get_response(path, scope)
+        answer.headers["cache-control"] = "no-cache"
+        return answer
+
+
+def _page(_: Request) -> Response:
+    return FileResponse(STATIC / "index.html", headers={"cache-control": "no-cache"})
+
+
+def _icon(_: Request) -> Response:
+    icon = STATIC / "icon.svg"
+    return FileResponse(icon) if icon.is_file() else Response(status_code=404)
+
+
+def _plotly(_: Request) -> Response:
+    """Return Plotly's script from the installed package: nothing comes from elsewhere."""
+    import plotly  # noqa: PLC0415 (large, and needed for this file only)
+
+    script = Path(plotly.__file__).parent / "package_data" / "plotly.min.js"
+    headers = {"cache-control": f"private, max-age={_YEAR_S}"}
+    return FileResponse(script, media_type="text/javascript", headers=headers)
+
+
+def _not_there(request: Request, error: Exception) -> Response:
+    assert isinstance(error, HTTPException)
+    words = f"{request.method} {request.url.path}: {error.detail}"
+    return JSONResponse({"error": words}, status_code=error.status_code, headers=error.headers)

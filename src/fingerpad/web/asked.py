@@ -1,0 +1,18 @@
+"""What questions are made of."""
+
+from typing import Annotated, TypeAlias
+
+from pydantic import Field
+
+# Far beyond any picture; no arithmetic on it overflows.
+Pixel: TypeAlias = Annotated[float, Field(ge=-1e6, le=1e6)]
+Spot: TypeAlias = Annotated[list[Pixel], Field(min_length=2, max_length=2)]
+Line: TypeAlias = Annotated[list[Spot], Field(min_length=2, max_length=2)]
+Item: TypeAlias = Annotated[str, Field(min_length=1, max_length=1000)]
+Length: TypeAlias = Annotated[float, Field(gt=0, le=1000)]
+Person: TypeAlias = Annotated[str, Field(max_length=60)]
+
+
+def as_pair(spot: list[float]) -> tuple[float, float]:
+    """Return a place as the library takes it."""
+    return spot[0], spot[1]

@@ -1,0 +1,61 @@
+"""The log of corrections, asked by one thread at a time."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from threading import Lock
+from typing import Any
+
+from fingerpad.study.corrections import CorrectionLog, History, Record, Ruling
+from fingerpad.study.manifest import Study
+
+
+class Corrections:
+    """The corrections of the open study; the library's log, which keeps its place in the file, behind a lock.
+
+    Parameters
+    ----------
+    folder : Path
+        The study folder.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self._log = CorrectionLog(folder)
+        self._lock = Lock()
+
+    def history(self, item: str) -> History:
+        """Return all decisions about an item."""
+        with self._lock:
+            return self._log.history(item)
+
+    def ruling(self, item: str) -> Ruling | None:
+        """Return what rules for an item."""
+        return self.history(item).ruling
+
+    def rulings(self) -> dict[str, Ruling]:
+        """Return what rules, by item."""
+        with self._lock:
+            return self._log.rulings()
+
+    def append(
+        self,
+        item: str,
+        change: Mapping[str, Any],
+        *,
+        who: str,
+        expected: int,
+        study: Study,
+        shape: tuple[int, int] | None,
+    ) -> Record:
+        """Keep a change; once this returns, it is on the disk."""
+        with self._lock:
+            return self._log.append(item, change, who=who, expected=expected, study=study, shape=shape)
+
+    def undo(self, item: str, *, who: str, expected: int) -> Record:
+        """Take the newest change back."""
+        with self._lock:
+            return self._log.undo(item, who=who, expected=expected)
+
+    def redo(self, item: str, *, who: str, expected: int) -> Record:
+        """Put the change back that was taken back last."""
+        with self._lock:
+            return self._log.redo(item, who=who, expected=expected)

@@ -1,0 +1,216 @@
+"""Files in and out: uploads, a study as a ZIP, and what the run wrote."""
+
+import os
+import re
+from collections.abc import Awaitable, Callable
+from contextlib import suppress
+from functools import wraps
+from http import HTTPStatus
+from pathlib import Path
+from tempfile import NamedTemporaryFile, gettempdir
+from typing import Annotated, Any, Final
+
+from pydantic import Field
+from starlette.background import BackgroundTask
+from starlette.concurrency import run_in_threadpool
+from starlette.requests import Request
+from starlette.responses import FileResponse, Response, StreamingResponse
+from starlette.routing import Route
+
+from fingerpad.web.archive import packed, unpacked
+from fingerpad.web.bench import NAME, Bench
+from fingerpad.web.operations import (
+    Operation,
+    Question,
+    checked,
+    json_response,
+    plain_refusals,
+    refused,
+)
+from fingerpad.web.refusal import Refusal
+from fingerpad.web.security import FRAMED_HEADERS
+from fingerpad.web.state import document
+from fingerpad.web.uploads import FOLDER, kept, plain_name, stored
+
+_TABLES: Final = (
+    "report.html",
+    "results.csv",
+    "results_columns.csv",
+    "results.json",
+    "summary.json",
+    "results.parquet",
+    "results.mat",
+)
+_TYPES: Final = {
+    ".html": "text/html",
+    ".csv": "text/csv",
+    ".json": "application/json",
+    ".svg": "image/svg+xml",
+    ".png": "image/png",
+}
+_DRAWN: Final = re.compile(r"(figures|overlays)/(sequences/)?[^/\\\0]+\.(svg|png)")
+Handler = Callable[[Bench, Request], Awaitable[Response]]
+
+
+class UploadQuestion(Question):
+    """Name of a file, and the folder that collects a film's frames."""
+
+    name: Annotated[str, Field(min_length=1, max_length=500)]
+    folder: Annotated[str, Field(pattern=NAME)] | None = None
+
+
+class ImportQuestion(Question):
+    """Name of the study to make of a ZIP."""
+
+    name: Annotated[str, Field(pattern=NAME)]
+
+
+class RemoveQuestion(Question):
+    """A file of the study."""
+
+    file: Annotated[str, Field(min_length=1, max_length=1000)]
+
+
+async def upload(bench: Bench, request: Request) -> Response:
+    """Keep a file in the study."""
+    asked = checked(UploadQuestion, dict(request.query_params))
+    assert isinstance(asked, UploadQuestion)
+    opened = bench.study
+    name = plain_name(asked.name)
+    target = opened.folder / FOLDER if asked.folder is None else opened.folder / FOLDER / asked.folder
+    path, digest = await stored(request, bench.upload_limit, target)
+
+    def keep() -> Response:
+        try:
+            with plain_refusals():
+                record, new = kept(opened, path, digest, name)
+        finally:
+            with suppress(OSError):
+                path.unlink()
+        if record["problem"] is not None:
+            if new:
+                (opened.folder / record["file"]).unlink(missing_ok=True)
+            raise Refusal.impossible(record["problem"])
+        bench.events.tell("study", {"digest": opened.read().digest})
+        return json_response(record, HTTPStatus.CREATED if new else HTTPStatus.OK)
+
+    return await run_in_threadpool(keep)
+
+
+async def bring(bench: Bench, request: Request) -> Response:
+    """Make a study of a ZIP, and open it."""
+    asked = checked(ImportQuestion, dict(request.query_params))
+    assert isinstance(asked, ImportQuestion)
+    folder = bench.new_folder(asked.name)
+    path, _ = await stored(request, bench.upload_limit, Path(gettempdir()))
+
+    def unpack() -> Response:
+        try:
+            unpacked(path, folder, 4 * bench.upload_limit)
+            return json_response(document(bench.open_folder(folder)), HTTPStatus.CREATED)
+        finally:
+            path.unlink(missing_ok=True)
+
+    return await run_in_threadpool(unpack)
+
+
+async def listen(bench: Bench, _: Request) -> Response:
+    """Tell what happens as it happens."""
+    return StreamingResponse(bench.events.listen(), media_type="text/event-stream")
+
+
+def remove(bench: Bench, _: Any, asked: RemoveQuestion) -> dict[str, Any]:
+    """Remove a file that was uploaded and that no table names."""
+    opened = bench.study
+    path = opened.file(asked.file)
+    study = opened.read().study
+    named = {name for _, name in study.named_files()} if study else set()
+    if asked.file in named or any(asked.file.startswith(f"{name}/") for name in named):
+        raise Refusal.conflict(f"{asked.file}: the study names this file: remove what names it first")
+    if not asked.file.startswith(f"{FOLDER}/"):
+        raise Refusal.conflict(f"{asked.file}: only files that were dropped on the page are removed by it")
+    path.unlink(missing_ok=True)
+    return document(opened)
+
+
+class DownloadQuestion(Question):
+    """A file that the run wrote; its name leads to no other."""
+
+    path: Annotated[str, Field(max_length=300)]
+    attachment: bool = False
+
+
+def download(bench: Bench, asked: DownloadQuestion, _: Any) -> Response:
+    """Return a file that the run wrote."""
+    opened = bench.study
+    if asked.path == "study.zip":
+        return _zipped(bench)
+    if asked.path not in _TABLES and not _DRAWN.fullmatch(asked.path):
+        raise Refusal.not_there(f"no file {asked.path[:80]!r} can be fetched here")
+    path = opened.out / asked.path
+    if not path.is_file() or not path.resolve().is_relative_to(opened.out.resolve()):
+        raise Refusal.not_there(f"{asked.path}: not there yet: run the study")
+    headers = {"cache-control": "private, no-cache"} | (FRAMED_HEADERS if path.suffix == ".html" else {})
+    if asked.attachment:
+        headers["content-disposition"] = f'attachment; filename="{_ascii(path.name)}"'
+    return FileResponse(path, media_type=_TYPES.get(path.suffix, "application/octet-stream"), headers=headers)
+
+
+def _zipped(bench: Bench) -> Response:
+    opened = bench.study
+    with NamedTemporaryFile(prefix="fingerpad-", suffix=".zip", delete=False) as file:
+        target = Path(file.name)
+    try:
+        packed(opened.folder, opened.out, target, opened.manifest_path.name)
+    except BaseException:
+        target.unlink(missing_ok=True)
+        raise
+    return FileResponse(
+        target,
+        media_type="application/zip",
+        headers={"content-disposition": f'attachment; filename="{_ascii(opened.name)}.zip"'},
+        background=BackgroundTask(os.unlink, target),
+    )
+
+
+def _ascii(name: str) -> str:
+    return re.sub(r"[^A-Za-z0-9._+-]", "_", name)
+
+
+def streamed(bench: Bench) -> list[Route]:
+    """Return the routes whose bodies or answers are streamed."""
+    return [
+        Route("/api/files", _plain(bench, upload), methods=["POST"]),
+        Route("/api/session/import", _plain(bench, bring), methods=["POST"]),
+        Route("/api/events", _plain(bench, listen), methods=["GET"]),
+    ]
+
+
+def _plain(bench: Bench, handler: Handler) -> Callable[[Request], Awaitable[Response]]:
+    @wraps(handler)
+    async def respond(request: Request) -> Response:
+        try:
+            return await handler(bench, request)
+        except Refusal as refusal:
+            return refused(refusal)
+
+    return respond
+
+
+OPERATIONS: Final = (
+    Operation(
+        method="DELETE",
+        path="/api/files",
+        answer=remove,
+        body=RemoveQuestion,
+        summary="Remove an uploaded file that nothing names",
+    ),
+    Operation(
+        method="GET",
+        path="/api/download/{path:path}",
+        answer=download,
+        query=DownloadQuestion,
+        media="application/octet-stream",
+        summary="A file that the run wrote, or the whole study as study.zip",
+    ),
+)

@@ -1,0 +1,204 @@
+"""The pad in three dimensions on its wedge under its platen: places, curvatures, and drawings."""
+
+from typing import Annotated, Any, Final, Self
+
+import numpy as np
+from pydantic import Field, model_validator
+from starlette.responses import Response
+
+from fingerpad._arrays import FloatArray
+from fingerpad.figures import figure_svg, new_figure, plot_pad_with_contact, plot_wedge
+from fingerpad.geometry import Ellipsoid, Placement
+from fingerpad.uncertainty import PLACEMENT_OUTPUTS, placement_model, propagate
+from fingerpad.web.asked import Length
+from fingerpad.web.bench import Bench
+from fingerpad.web.drawing import DRAWING
+from fingerpad.web.fingers import known_finger
+from fingerpad.web.operations import Operation, Question
+from fingerpad.web.refusal import Refusal
+
+_Angles = Annotated[list[Annotated[float, Field(ge=-180, le=180)]], Field(max_length=50)]
+_AXES: Final = ("palmar", "distal", "radial_ulnar")
+
+
+class PadQuestion(Question):
+    """A pad on a wedge: by the name of its finger, or by its semi-axes."""
+
+    finger: str | None = None
+    palmar_mm: Length | None = None
+    distal_mm: Length | None = None
+    radial_ulnar_mm: Length | None = None
+    wedge_angle_deg: Annotated[float, Field(ge=0, le=90)] = 30.0
+    roll_angle_deg: Annotated[float, Field(ge=-180, le=180)] = 0.0
+    synthetic: bool = False
+
+    @model_validator(mode="after")
+    def _one_pad(self) -> Self:
+        axes = (self.palmar_mm, self.distal_mm, self.radial_ulnar_mm)
+        if (self.finger is None) == (None in axes):
+            raise ValueError("give finger, or palmar_mm, distal_mm and radial_ulnar_mm")
+        return self
+
+
+class GeometryQuestion(PadQuestion):
+    """The same, and how finely to draw it."""
+
+    detail: Annotated[int, Field(ge=4, le=120)] = 32
+    u_deg: _Angles = Field(default=[0, 30, 45, 60, 90])
+
+
+def geometry(bench: Bench, _: Any, asked: GeometryQuestion) -> dict[str, Any]:
+    """Return where the platen touches, how the pad is curved there, and what to draw."""
+    axes, covariance, angle_stds = _pad(bench, asked)
+    pad = Ellipsoid.of(*axes)
+    wedge, roll = np.radians([asked.wedge_angle_deg, asked.roll_angle_deg])
+    placement = Placement.of(pad, wedge_angle=wedge, roll_angle=roll)
+    turn = np.linspace(0, 2 * np.pi, 2 * asked.detail + 1)
+    height = np.linspace(0, np.pi, asked.detail + 1)
+    mesh = pad.point(turn[:, None], height)
+    return {
+        **_placed(axes, covariance, np.array([wedge, roll]), angle_stds),
+        "synthetic": asked.synthetic,
+        "v_deg": np.degrees(placement.v),
+        "contact_point_mm": placement.point,
+        "normal": placement.normal,
+        "principal_directions": placement.curvature.principal_directions,
+        "principal_radii_mm": placement.curvature.principal_radii,
+        "semi_axes_mm": dict(zip(_AXES, axes, strict=True)),
+        "semi_axes_mm_std": None
+        if covariance is None
+        else dict(zip(_AXES, np.sqrt(np.diagonal(covariance)), strict=True)),
+        "mesh": {f"{name}_mm": mesh[..., k] for k, name in enumerate("xyz")},
+        "lines": [
+            {"name": name, "points_mm": points} for name, points in _lines(pad, placement, float(max(axes)))
+        ],
+        "platen": {"corners_mm": _platen(placement, float(max(axes)))},
+        "wedge": _wedge(pad, placement),
+        "points": [{"u_deg": u, "point_mm": pad.point(np.radians(u), np.pi / 2)} for u in asked.u_deg],
+    }
+
+
+def _pad(bench: Bench, asked: PadQuestion) -> tuple[FloatArray, FloatArray | None, FloatArray]:
+    """Return semi-axes (mm), their covariance if it is known, and the angles' standard uncertainties."""
+    if asked.finger is None:
+        given = np.array([asked.palmar_mm, asked.distal_mm, asked.radial_ulnar_mm], dtype=float)
+        return given, None, np.zeros(2)
+    study = bench.study.study()
+    finger = known_finger(bench.study, asked.finger)
+    if finger is None:
+        raise Refusal.impossible(f"{asked.finger}: its semi-axes are not measured yet: run the study")
+    of = study.uncertainty
+    return (
+        finger.semi_axes,
+        finger.covariance,
+        np.radians([of.wedge_angle_std_deg, of.roll_angle_std_deg]),
+    )
+
+
+def _placed(
+    axes: FloatArray, covariance: FloatArray | None, angles: FloatArray, angle_stds: FloatArray
+) -> dict[str, float | None]:
+    """Return radii and u at the place of contact, with standard uncertainties where they are known."""
+    mean = np.concatenate([axes, angles])
+    whole = np.zeros((mean.size, mean.size))
+    whole[:3, :3] = 0.0 if covariance is None else covariance
+    whole[range(3, 5), range(3, 5)] = angle_stds**2
+    found = propagate(placement_model, mean, whole)
+    placed: dict[str, float | None] = {}
+    for name, value, std in zip(PLACEMENT_OUTPUTS, found.value, found.std, strict=True):
+        key, factor = (f"{name}_deg", np.degrees(1.0)) if name == "u" else (f"{name}_mm", 1.0)
+        placed[key] = float(factor * value)
+        placed[f"{key}_std"] = None if covariance is None else float(factor * std)
+    return placed
+
+
+def _lines(pad: Ellipsoid, placement: Placement, size: float) -> list[tuple[str, FloatArray]]:
+    """Return what is drawn as lines: principal directions, the normal, the finger's axis, the midline."""
+    point, reach = placement.point, 0.6 * size
+    along, across = placement.curvature.principal_directions
+    midline = pad.point(np.linspace(-np.pi / 2, np.pi / 2, 61), np.pi / 2)
+    return [
+        ("principal direction along", np.stack([point - reach * along, point + reach * along])),
+        ("principal direction across", np.stack([point - reach * across, point + reach * across])),
+        ("normal", np.stack([point, point + reach * placement.normal])),
+        ("finger axis", np.array([[0, -1.2, 0], [0, 1.2, 0]]) * pad.semi_axes),
+        ("midline", midline),
+    ]
+
+
+def _platen(placement: Placement, size: float) -> FloatArray:
+    """Return the corners of the platen, a square in the tangent plane at the place of contact."""
+    along, across = placement.curvature.principal_directions
+    corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * size
+    return np.asarray(placement.point + corners @ np.stack([along, across]))
+
+
+def _wedge(pad: Ellipsoid, placement: Placement) -> dict[str, Any]:
+    """Return the wedge behind the finger: its incline lies along the back of the pad, its foot is level."""
+    a, b, c = pad.semi_axes
+    low, high = np.array([-a, -1.15 * b, 0.0]), np.array([-a, b, 0.0])
+    level = np.array([placement.normal[0], placement.normal[1], 0.0])
+    level /= np.linalg.norm(level) or 1.0
+    foot = high - ((high - low) @ level) * level
+    width = np.array([0.0, 0.0, 0.8 * c])
+    vertices = np.stack([side for corner in (low, high, foot) for side in (corner - width, corner + width)])
+    faces = [[0, 1, 3], [0, 3, 2], [0, 1, 5], [0, 5, 4], [2, 3, 5], [2, 5, 4], [0, 2, 4], [1, 3, 5]]
+    return {"vertices_mm": vertices, "faces": faces}
+
+
+def pad_svg(bench: Bench, asked: PadQuestion, _: Any) -> Response:
+    """Draw the pad as seen through the platen."""
+    axes, _, _ = _pad(bench, asked)
+    with DRAWING:
+        figure, (panel,) = new_figure(height_mm=95)
+        plot_pad_with_contact(
+            panel,
+            Ellipsoid.of(*axes),
+            wedge_angle=float(np.radians(asked.wedge_angle_deg)),
+            roll_angle=float(np.radians(asked.roll_angle_deg)),
+            synthetic=asked.synthetic,
+        )
+        words = f"The pad seen through the platen, wedge {asked.wedge_angle_deg:g}°"
+        return _svg(figure_svg(figure, "pad", description=words))
+
+
+def wedge_svg(bench: Bench, asked: PadQuestion, _: Any) -> Response:
+    """Draw the finger on its wedge, in section."""
+    axes, _, _ = _pad(bench, asked)
+    with DRAWING:
+        figure, (panel,) = new_figure(height_mm=95)
+        wedge = float(np.radians(asked.wedge_angle_deg))
+        plot_wedge(panel, Ellipsoid.of(*axes), wedge_angle=wedge, synthetic=asked.synthetic)
+        words = f"The finger on its wedge of {asked.wedge_angle_deg:g}°, in section"
+        return _svg(figure_svg(figure, "wedge", description=words))
+
+
+def _svg(drawing: str) -> Response:
+    return Response(drawing, media_type="image/svg+xml")
+
+
+OPERATIONS: Final = (
+    Operation(
+        method="POST",
+        path="/api/geometry",
+        answer=geometry,
+        summary="A pad on its wedge: place of contact, curvature, and what to draw in three dimensions",
+        body=GeometryQuestion,
+    ),
+    Operation(
+        method="GET",
+        path="/api/geometry/pad.svg",
+        answer=pad_svg,
+        summary="The pad seen through the platen",
+        query=PadQuestion,
+        media="image/svg+xml",
+    ),
+    Operation(
+        method="GET",
+        path="/api/geometry/wedge.svg",
+        answer=wedge_svg,
+        summary="The finger on its wedge, in section",
+        query=PadQuestion,
+        media="image/svg+xml",
+    ),
+)

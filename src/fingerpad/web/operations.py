@@ -1,0 +1,234 @@
+"""What the API can be asked: each operation with its question, its answer, and its OpenAPI description."""
+
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from http import HTTPStatus
+from typing import Any, Final, Literal
+
+import cv2
+from pydantic import BaseModel, ConfigDict, ValidationError
+from starlette.concurrency import run_in_threadpool
+from starlette.requests import Request
+from starlette.responses import Response
+from starlette.routing import Route
+
+from fingerpad._json import dumps
+from fingerpad.exceptions import FingerpadError, ManifestError
+from fingerpad.web.bench import Bench
+from fingerpad.web.refusal import Refusal
+
+BODY_LIMIT: Final = 8_000_000
+# A picture or a number can be odd in ways that nobody has thought of: it costs its answer, never the page.
+_ODDITIES: Final = (ArithmeticError, MemoryError, ValueError, cv2.error)
+
+
+class Question(BaseModel):
+    """What a request says: no key that is not known, no number that is not finite."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+
+class Nothing(Question):
+    """A question without keys."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Operation:
+    """One operation of the API.
+
+    Attributes
+    ----------
+    method, path : str
+        Where it is asked.
+    answer : callable
+        Takes the bench, the checked query and body (`Nothing` where there is none), and returns what JSON can
+        hold or a `Response`. It runs on a thread of its own, so that it may take its time.
+    summary : str
+        One line of the OpenAPI document.
+    query, body : type of Question
+        What is asked.
+    status : int
+        Of an answer in JSON.
+    media : str
+        Type of the answer.
+    """
+
+    method: Literal["GET", "POST", "PUT", "DELETE"]
+    path: str
+    answer: Callable[[Bench, Any, Any], Any]
+    summary: str
+    query: type[Question] = Nothing
+    body: type[Question] = Nothing
+    status: HTTPStatus = HTTPStatus.OK
+    media: str = "application/json"
+
+    def route(self, bench: Bench) -> Route:
+        """Return the route that answers for `bench`."""
+
+        async def respond(request: Request) -> Response:
+            try:
+                query = checked(self.query, {**request.query_params, **request.path_params})
+                body = Nothing() if self.body is Nothing else await _body(self.body, request)
+                return await run_in_threadpool(self._answered, bench, query, body)
+            except Refusal as refusal:
+                return refused(refusal)
+
+        return Route(self.path, respond, methods=[self.method])
+
+    def _answered(self, bench: Bench, query: Question, body: Question) -> Response:
+        """Ask the library; what it refuses becomes the same words in the answer."""
+        with plain_refusals():
+            found = self.answer(bench, query, body)
+        return found if isinstance(found, Response) else json_response(found, self.status)
+
+
+class plain_refusals:  # noqa: N801 (used as a statement)
+    """Turn the library's errors into refusals."""
+
+    def __enter__(self) -> None:
+        """Begin."""
+
+    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
+        """Say the library's words."""
+        if isinstance(error, ManifestError):
+            raise Refusal.impossible(str(error), faults=faults_of(error)) from error
+        if isinstance(error, FingerpadError):
+            raise Refusal.impossible(str(error)) from error
+        if isinstance(error, _ODDITIES):
+            raise Refusal.impossible(f"this cannot be done ({type(error).__name__}: {error})") from error
+
+
+def faults_of(error: ManifestError) -> list[dict[str, str]]:
+    """Return the faults of a manifest, each with its place in it."""
+    found = []
+    for line in str(error).splitlines():
+        where, _, rest = line.partition(": ")
+        place, colon, words = rest.partition(": ")
+        found.append({"place": place, "words": words} if colon else {"place": "", "words": rest or where})
+    return found
+
+
+def json_response(content: Any, status: int = HTTPStatus.OK) -> Response:
+    """Return an answer in JSON, what is not a number as null."""
+    return Response(dumps(content), status_code=status, media_type="application/json")
+
+
+def refused(refusal: Refusal) -> Response:
+    """Return the answer that something is not granted."""
+    return json_response({"error": refusal.words, **refusal.more}, refusal.status)
+
+
+def checked(model: type[Question], content: Any) -> Question:
+    """Return what a query asks, if it is as it should be; its values are text."""
+    try:
+        return model.model_validate(content, strict=False)
+    except ValidationError as error:
+        raise _malformed(error) from error
+
+
+async def _body(model: type[Question], request: Request) -> Question:
+    text = await limited_body(request, BODY_LIMIT)
+    try:
+        return model.model_validate_json(text or b"{}", strict=True)
+    except ValidationError as error:
+        raise _malformed(error) from error
+
+
+def _malformed(error: ValidationError) -> Refusal:
+    faults = [
+        {"place": ".".join(map(str, fault["loc"])), "words": fault["msg"]}
+        for fault in error.errors(include_url=False, include_input=False, include_context=False)
+    ]
+    words = "; ".join(
+        f"{fault['place']}: {fault['words']}" if fault["place"] else fault["words"] for fault in faults
+    )
+    return Refusal(HTTPStatus.BAD_REQUEST, words, faults=faults)
+
+
+async def limited_body(request: Request, limit: int) -> bytes:
+    """Read a body of at most `limit` bytes, and no more of a larger one."""
+    parts, size = [], 0
+    async for part in request.stream():
+        size += len(part)
+        if size > limit:
+            raise Refusal(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, f"more than {limit} bytes: send less at once")
+        parts.append(part)
+    return b"".join(parts)
+
+
+def openapi(operations: Sequence[Operation], version: str) -> dict[str, Any]:
+    """Return the OpenAPI 3.1 document of the operations."""
+    paths: dict[str, dict[str, Any]] = {}
+    for operation in operations:
+        paths.setdefault(operation.path, {})[operation.method.lower()] = _described(operation)
+    return {
+        "openapi": "3.1.0",
+        "info": {
+            "title": "fingerpad",
+            "version": version,
+            "description": "The API under the page of fingerpad app.",
+        },
+        "components": {"securitySchemes": {"token": {"type": "http", "scheme": "bearer"}}},
+        "security": [{"token": []}],
+        "paths": paths,
+    }
+
+
+def _described(operation: Operation) -> dict[str, Any]:
+    schema = operation.query.model_json_schema()
+    in_path = [
+        part.strip("{}").partition(":")[0] for part in operation.path.split("/") if part.startswith("{")
+    ]
+    parameters = [
+        {
+            "name": name,
+            "in": "path" if name in in_path else "query",
+            "required": name in in_path or name in schema.get("required", ()),
+            "schema": what,
+        }
+        for name, what in schema.get("properties", {}).items()
+    ]
+    content: dict[str, Any] = {operation.media: {"schema": {}}}
+    described: dict[str, Any] = {
+        "summary": operation.summary,
+        "operationId": f"{operation.method.lower()}{operation.path.replace('/', '_')}",
+        "parameters": parameters,
+        "responses": {
+            str(int(operation.status)): {"description": "the answer", "content": content},
+            "4XX": {
+                "description": "refused, in words",
+                "content": {
+                    "application/json": {
+                        "schema": {
+                            "type": "object",
+                            "required": ["error"],
+                            "properties": {"error": {"type": "string"}},
+                        }
+                    }
+                },
+            },
+        },
+    }
+    if operation.body is not Nothing:
+        body = json.loads(json.dumps(operation.body.model_json_schema(ref_template="#/$defs/{model}")))
+        described["requestBody"] = {
+            "required": True,
+            "content": {"application/json": {"schema": _flat(body)}},
+        }
+    return described
+
+
+def _flat(schema: dict[str, Any]) -> dict[str, Any]:
+    """Put what a schema refers to in its place, so that it stands alone."""
+    known = schema.pop("$defs", {})
+
+    def put(value: Any) -> Any:
+        if isinstance(value, dict):
+            if "$ref" in value:
+                return put(known[value["$ref"].rpartition("/")[2]])
+            return {key: put(item) for key, item in value.items() if key != "discriminator"}
+        return [put(item) for item in value] if isinstance(value, list) else value
+
+    flat: dict[str, Any] = put(schema)
+    return flat

@@ -1,0 +1,200 @@
+"""Photographs of a finger's faces measured while a person corrects them, and what they say together."""
+
+import math
+import time
+from typing import Any, Final, Literal
+
+import numpy as np
+
+from fingerpad.exceptions import FingerpadError
+from fingerpad.image import (
+    FACE_AXES,
+    OutlineSemiAxes,
+    PhotographFit,
+    combine_faces,
+    face_from_outline,
+    photograph_from_handles,
+    read_outline,
+    with_points,
+)
+from fingerpad.study.changes import PhotographCorrection
+from fingerpad.study.corrected import corrected_photograph
+from fingerpad.study.manifest import Finger, Photograph, ScaleKey
+from fingerpad.web.asked import Item, Spot, as_pair
+from fingerpad.web.bench import Bench
+from fingerpad.web.open_study import OpenStudy
+from fingerpad.web.operations import Operation, Question
+from fingerpad.web.pictures import Cache
+from fingerpad.web.refusal import Refusal
+from fingerpad.web.scales import scale_of
+
+_FITS: Final[Cache[PhotographFit]] = Cache(60, lambda _: 1)
+_CURVE_POINTS: Final = 181
+# An ellipse placed by hand needs none.
+_NO_PICTURE: Final = np.zeros((1, 1), dtype=np.uint8)
+
+
+class Handles(Question):
+    """The ends of an ellipse's semi-axes as dragged."""
+
+    centre_px: Spot
+    across_end_px: Spot
+    along_end_px: Spot
+
+
+class PhotographQuestion(Question):
+    """Which photograph, and the correction under which it is measured."""
+
+    item: Item
+    change: PhotographCorrection | None = None
+    handles: Handles | None = None
+    face: Literal["palmar", "distal", "radial", "ulnar"] | None = None
+    scale: ScaleKey | None = None
+    with_finger: bool = False
+
+
+def measure(bench: Bench, _: Any, asked: PhotographQuestion) -> dict[str, Any]:
+    """Measure a photograph as it is being corrected; nothing is stored."""
+    began = time.perf_counter()
+    opened = bench.study
+    finger, photograph = _table(opened, asked)
+    change = _change(opened, asked)
+    fit = _fit(opened, asked.item, photograph, change, asked.handles)
+    together: dict[str, Any] | None = None
+    error = None
+    if asked.with_finger and finger is not None:
+        try:
+            together = _together(opened, finger, asked.item, fit)
+        except FingerpadError as refused:
+            error = str(refused)
+    by_hand = asked.handles is not None or change.ellipse_px is not None
+    return {
+        "item": asked.item,
+        "by": "person" if by_hand else "program with corrections" if change.edits else "program",
+        **described(fit),
+        "finger": together,
+        "finger_error": error,
+        "milliseconds": 1000 * (time.perf_counter() - began),
+    }
+
+
+def _table(opened: OpenStudy, asked: PhotographQuestion) -> tuple[Finger | None, Photograph]:
+    """Return a photograph's table with what stands in for parts of it, and its finger if it has one."""
+    if not asked.item.startswith("file:"):
+        finger, photograph = opened.photograph(asked.item)
+        said = {"face": asked.face, "scale": asked.scale}
+        return finger, photograph.model_copy(update={k: v for k, v in said.items() if v is not None})
+    if asked.face is None or asked.scale is None:
+        raise Refusal.impossible(f"{asked.item}: say its face and its scale first")
+    return None, Photograph(face=asked.face, image=asked.item.removeprefix("file:"), scale=asked.scale)
+
+
+def _change(opened: OpenStudy, asked: PhotographQuestion) -> PhotographCorrection:
+    if asked.change is not None:
+        return asked.change
+    ruling = opened.corrections.ruling(asked.item)
+    change = ruling and ruling.change
+    return change if isinstance(change, PhotographCorrection) else PhotographCorrection()
+
+
+def described(fit: PhotographFit) -> dict[str, Any]:
+    """Return a fit's numbers, and what is drawn of it."""
+    centre, across, along = fit.handles
+    return {
+        "face": fit.face,
+        "axes": list(FACE_AXES[fit.face]),
+        "semi_axes_mm": fit.semi_axes_mm,
+        "semi_axes_mm_std": fit.semi_axes_mm_std,
+        "ellipse_px": {
+            "centre": fit.centre,
+            "semi_axes": fit.semi_axes / fit.scale.mm_per_px,
+            "lean_deg": math.degrees(fit.lean),
+        },
+        "handles": {"centre_px": centre, "across_end_px": across, "along_end_px": along},
+        "curve_px": fit.ellipse_points(_CURVE_POINTS).round(2),
+        "points_px": fit.points.round(2),
+        "outliers_px": fit.outliers.round(2),
+        "arc_deg": fit.arc_deg,
+        "lean_deg": math.degrees(fit.lean),
+        "flags": sorted(fit.flags),
+        "mm_per_px": fit.scale.mm_per_px,
+        "mm_per_px_std": fit.scale.mm_per_px_std,
+    }
+
+
+def _fit(
+    opened: OpenStudy,
+    item: str,
+    photograph: Photograph,
+    change: PhotographCorrection,
+    handles: Handles | None = None,
+) -> PhotographFit:
+    """Return the ellipse as drawn, or as found and corrected by points: found once, corrected often."""
+    assert photograph.scale is not None  # the manifest's own rule
+    scale = scale_of(opened, photograph.scale).scale
+    if handles is not None:
+        return photograph_from_handles(
+            photograph.face,
+            scale,
+            centre=as_pair(handles.centre_px),
+            across_end=as_pair(handles.across_end_px),
+            along_end=as_pair(handles.along_end_px),
+            tip=change.tip or photograph.tip,
+            palmar=change.palmar_side or photograph.palmar_side,
+        )
+    if change.ellipse_px is not None:
+        return corrected_photograph(_NO_PICTURE, photograph, scale, change)
+    place = opened.place_of(item)
+    before = change.model_copy(update={"added_points_px": [], "erased": []})
+    found = _FITS.get(
+        (place.stamp, scale, photograph.model_dump_json(), before.model_dump_json()),
+        lambda: corrected_photograph(opened.pictures.colour(place), photograph, scale, before),
+    )
+    erased = [(stroke.points_px, stroke.radius_px) for stroke in change.erased]
+    return with_points(found, added=change.added_points_px, erased=erased)
+
+
+def _together(opened: OpenStudy, finger: Finger, item: str, fit: PhotographFit) -> dict[str, Any]:
+    """Return the finger's semi-axes with one face as it is being corrected."""
+    faces = {}
+    for one in finger.photographs:
+        own = f"{finger.name}/{one.image or one.outline}"
+        ruling = opened.corrections.ruling(own)
+        change = ruling and ruling.change
+        if own == item:
+            faces[own] = fit.face_semi_axes
+        elif isinstance(change, PhotographCorrection) and change.rejected is not None:
+            continue
+        elif one.outline is not None:
+            points = read_outline(opened.folder / one.outline)
+            faces[own] = face_from_outline(one.face, points, one.outline_relative_std)
+        else:
+            stored = change if isinstance(change, PhotographCorrection) else PhotographCorrection()
+            faces[own] = _fit(opened, own, one, stored).face_semi_axes
+    return _joint(combine_faces(faces.values()), list(faces))
+
+
+def _joint(found: OutlineSemiAxes, items: list[str]) -> dict[str, Any]:
+    axes = ("palmar", "distal", "radial_ulnar")
+    return {
+        "semi_axes_mm": {name: getattr(found, name) for name in axes},
+        "semi_axes_mm_std": dict(zip(axes, found.stds, strict=True)),
+        "chi_square": found.chi_square,
+        "degrees_of_freedom": found.degrees_of_freedom,
+        "p_value": found.p_value,
+        "disagreements": [
+            {"item": item, "face": face.face, **off}
+            for item, face, off in zip(items, found.faces, found.disagreements, strict=True)
+        ],
+    }
+
+
+OPERATIONS: Final = (
+    Operation(
+        method="POST",
+        path="/api/measure/photograph",
+        answer=measure,
+        summary="Measure a photograph under a correction, without storing it",
+        body=PhotographQuestion,
+    ),
+)

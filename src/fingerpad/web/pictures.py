@@ -1,0 +1,184 @@
+"""Pictures of any depth as a browser can show them: previews and thumbnails, made when asked for and kept."""
+
+from collections import OrderedDict
+from collections.abc import Callable, Hashable
+from dataclasses import dataclass
+from pathlib import Path
+from threading import Lock
+from typing import Any, Final, Generic, TypeVar
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from fingerpad.exceptions import ImageError
+from fingerpad.image import open_frames, read_colour_image, read_image
+from fingerpad.image.read import Picture
+from fingerpad.image.sequence.frames import PICTURE_SUFFIXES
+from fingerpad.web.refusal import Refusal
+
+THUMBNAIL_PX: Final = 192
+PREVIEW_PX: Final = 2048
+_DECODED_BYTES: Final = 400_000_000
+_ENCODED_BYTES: Final = 100_000_000
+_FILM_SUFFIXES: Final = frozenset((".tif", ".tiff", ".avi", ".mp4", ".mov", ".mkv"))
+_JPEG: Final = [cv2.IMWRITE_JPEG_QUALITY, 90]
+_WEBP: Final = [cv2.IMWRITE_WEBP_QUALITY, 75]
+_PNG: Final = [cv2.IMWRITE_PNG_COMPRESSION, 1]
+
+Kept = TypeVar("Kept")
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """Where a picture is: a file, or a frame of a film.
+
+    Attributes
+    ----------
+    path : Path
+        File or folder.
+    frame : int or None
+        Number of the frame.
+    colour : bool
+        Whether its colour matters: photographs, and files of which nothing is known.
+    """
+
+    path: Path
+    frame: int | None = None
+    colour: bool = False
+
+    @property
+    def stamp(self) -> Hashable:
+        """What changes when the file does."""
+        try:
+            status = self.path.stat()
+        except OSError as error:
+            raise Refusal.not_there(f"{self.path.name}: the file is no longer there") from error
+        return str(self.path), self.frame, status.st_size, status.st_mtime_ns
+
+
+class Cache(Generic[Kept]):
+    """The values asked for last, up to a size; a value is made once, however many ask for it at a time."""
+
+    def __init__(self, limit: int, size: Callable[[Kept], int]) -> None:
+        self._limit, self._size = limit, size
+        self._kept: OrderedDict[Hashable, Kept] = OrderedDict()
+        self._making: dict[Hashable, Lock] = {}
+        self._total, self._lock = 0, Lock()
+
+    def get(self, key: Hashable, make: Callable[[], Kept]) -> Kept:
+        """Return the value of `key`, made now unless it is kept."""
+        with self._lock:
+            if key in self._kept:
+                self._kept.move_to_end(key)
+                return self._kept[key]
+            making = self._making.setdefault(key, Lock())
+        with making:
+            with self._lock:
+                if key in self._kept:
+                    return self._kept[key]
+            try:
+                value = make()
+            finally:
+                with self._lock:
+                    self._making.pop(key, None)
+            with self._lock:
+                self._kept[key] = value
+                self._total += self._size(value)
+                while self._total > self._limit and len(self._kept) > 1:
+                    self._total -= self._size(self._kept.popitem(last=False)[1])
+            return value
+
+
+class Pictures:
+    """The pictures of an open study."""
+
+    def __init__(self, pixel_limit: int) -> None:
+        self._pixel_limit = pixel_limit
+        self._decoded: Cache[Picture] = Cache(_DECODED_BYTES, lambda picture: picture.pixels.nbytes)
+        self._colours: Cache[npt.NDArray[np.uint8]] = Cache(_DECODED_BYTES, lambda pixels: pixels.nbytes)
+        self._encoded: Cache[bytes] = Cache(_ENCODED_BYTES, len)
+
+    def grey(self, place: Place) -> Picture:
+        """Return a picture as contact images are measured on."""
+        return self._decoded.get(place.stamp, lambda: self._read(place))
+
+    def colour(self, place: Place) -> npt.NDArray[np.uint8]:
+        """Return a picture as photographs are measured on."""
+        return self._colours.get(
+            place.stamp, lambda: read_colour_image(place.path, pixel_limit=self._pixel_limit)
+        )
+
+    def _read(self, place: Place) -> Picture:
+        if place.frame is None:
+            return read_image(place.path, pixel_limit=self._pixel_limit)
+        frame = open_frames(place.path, pixel_limit=self._pixel_limit).at(place.frame)
+        if frame.pixels is None:
+            raise ImageError(frame.reason or f"frame {place.frame} cannot be read")
+        return Picture(pixels=frame.pixels, dots_per_inch=None)
+
+    def shown(self, place: Place) -> npt.NDArray[np.uint8]:
+        """Return a picture's levels as 8 bits, in colour where that matters."""
+        if place.colour and not is_film(place.path):
+            return self.colour(place)
+        if place.colour:
+            place = Place(place.path, frame=0)
+        return eight_bit(self.grey(place).pixels)
+
+    def preview(self, place: Place, longest_px: int) -> tuple[bytes, str]:
+        """Return a picture for the browser and its type: photographs as JPEG, the rest without loss."""
+        kind, ending, options = ("image/jpeg", ".jpg", _JPEG) if place.colour else ("image/png", ".png", _PNG)
+        return self._drawn(place, longest_px, ending, options), kind
+
+    def thumbnail(self, place: Place) -> bytes:
+        """Return a small picture as WebP."""
+        return self._drawn(place, THUMBNAIL_PX, ".webp", _WEBP)
+
+    def _drawn(self, place: Place, longest_px: int, ending: str, options: list[int]) -> bytes:
+        def draw() -> bytes:
+            pixels = reduced(self.shown(place), longest_px)
+            done, drawn = cv2.imencode(ending, pixels[..., ::-1] if pixels.ndim == 3 else pixels, options)
+            if not done:
+                raise ImageError(f"{place.path.name}: cannot be drawn")
+            return drawn.tobytes()
+
+        return self._encoded.get((place.stamp, longest_px, ending), draw)
+
+
+def is_film(path: Path) -> bool:
+    """Tell whether a file may hold many frames, by its name."""
+    return path.is_dir() or path.suffix.lower() in _FILM_SUFFIXES
+
+
+def kind_of_file(name: str) -> str:
+    """Return what a file may serve as, by its name: picture, film, table or other.
+
+    Examples
+    --------
+    >>> kind_of_file("a.PNG"), kind_of_file("a.csv"), kind_of_file("a.avi"), kind_of_file("a.txt")
+    ('picture', 'table', 'film', 'other')
+    """
+    suffix = Path(name).suffix.lower()
+    if suffix in PICTURE_SUFFIXES:
+        return "picture"
+    if suffix == ".csv":
+        return "table"
+    return "film" if suffix in _FILM_SUFFIXES else "other"
+
+
+def eight_bit(pixels: npt.NDArray[Any]) -> npt.NDArray[np.uint8]:
+    """Return grey levels as 8 bits: those of deeper pictures stretched from the darkest to the brightest."""
+    if pixels.dtype == np.uint8:
+        return pixels
+    low, high = float(pixels.min()), float(pixels.max())
+    stretched = (pixels.astype(np.float32) - low) * (255 / max(high - low, 1e-30))
+    return np.asarray(np.rint(stretched), dtype=np.uint8)
+
+
+def reduced(pixels: npt.NDArray[np.uint8], longest_px: int) -> npt.NDArray[np.uint8]:
+    """Return a picture of at most `longest_px` on its longer side."""
+    zoom = longest_px / max(pixels.shape[:2])
+    if zoom >= 1:
+        return pixels
+    size = (max(1, round(pixels.shape[1] * zoom)), max(1, round(pixels.shape[0] * zoom)))
+    return np.asarray(cv2.resize(pixels, size, interpolation=cv2.INTER_AREA), dtype=np.uint8)

@@ -1,0 +1,247 @@
+"""What the last run found: rows, summaries, what to plot, figures, and the audit of the printed tables."""
+
+import json
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, Final
+
+from pydantic import Field
+
+from fingerpad.published import audit
+from fingerpad.study.columns import COLUMNS
+from fingerpad.study.rows import RANGE_NOTES
+from fingerpad.web.bench import Bench
+from fingerpad.web.open_study import OpenStudy
+from fingerpad.web.operations import Operation, Question
+from fingerpad.web.refusal import Refusal
+
+_UNITS: Final = ("mm2", "mm", "N", "kpa", "deg", "px", "s")
+_PLOTTED: Final = (
+    "item",
+    "load_N",
+    "radius_from_indentation_mm",
+    "radius_from_indentation_mm_std",
+    "radius_from_indentation_mm_std_given_geometry",
+    "radius_from_compliance_mm",
+    "radius_from_compliance_mm_std",
+    "semi_major_mm",
+    "semi_minor_mm",
+    "gross_area_mm2",
+    "gross_area_mm2_std",
+    "aspect_ratio",
+    "indentation_mm",
+    "indentation_mm_std",
+    "youngs_modulus_kpa",
+    "youngs_modulus_kpa_std",
+    "flags",
+    "pooled",
+    "sequence",
+    "phase",
+)
+_CAPTION: Final = re.compile(r'aria-label="([^"]*)"')
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Results:
+    """The tables that the last run wrote.
+
+    Attributes
+    ----------
+    rows : list of dict
+        Of ``results.json``.
+    summary : dict
+        Of ``summary.json``.
+    finished : str
+        When they were made.
+    """
+
+    rows: list[dict[str, Any]]
+    summary: dict[str, Any]
+    finished: str
+
+
+_READ: dict[Path, tuple[object, Results]] = {}
+
+
+def last_results(opened: OpenStudy) -> Results | None:
+    """Return the last run's tables, None before the first; read again only when they are new."""
+    try:
+        stamp = tuple(
+            (status.st_mtime_ns, status.st_size)
+            for status in ((opened.out / f"{name}.json").stat() for name in ("results", "summary"))
+        )
+        known = _READ.get(opened.out)
+        if known is None or known[0] != stamp:
+            rows, summary = (
+                json.loads((opened.out / f"{name}.json").read_text(encoding="utf-8"))
+                for name in ("results", "summary")
+            )
+            for row in rows:
+                row["item"] = row["observation"]
+            known = (stamp, Results(rows=rows, summary=summary, finished=summary["provenance"]["made"]))
+            _READ.clear()
+            _READ[opened.out] = known
+        return known[1]
+    except (OSError, ValueError, KeyError, TypeError):
+        return None  # nothing there, or half written: a run is at work
+
+
+def _results(bench: Bench) -> Results:
+    found = last_results(bench.study)
+    if found is None:
+        raise Refusal.not_there("there are no results yet: run the study")
+    return found
+
+
+class RowsQuestion(Question):
+    """Which rows, in which order."""
+
+    offset: Annotated[int, Field(ge=0, le=10**9)] = 0
+    limit: Annotated[int, Field(ge=1, le=2000)] = 100
+    sort: Annotated[str, Field(max_length=80)] = ""
+    finger: str | None = None
+    status: str | None = None
+    flag: str | None = None
+    sequence: str | None = None
+    text: Annotated[str, Field(max_length=200)] = ""
+    wedge_angle_deg: float | None = None
+    columns: Annotated[str, Field(max_length=4000)] = ""
+
+
+def rows(bench: Bench, asked: RowsQuestion, _: Any) -> dict[str, Any]:
+    """Return some rows of the results."""
+    found = _results(bench)
+    chosen = [row for row in found.rows if _is_meant(row, asked)]
+    if asked.sort:
+        key, falling = asked.sort.lstrip("-"), asked.sort.startswith("-")
+        if key not in COLUMNS:
+            raise Refusal.impossible(f"no column is named {key!r}")
+        known = [row for row in chosen if row[key] is not None]
+        unknown = [row for row in chosen if row[key] is None]  # last, whichever way
+        chosen = sorted(known, key=lambda row: row[key], reverse=falling) + unknown
+    columns = [name for name in asked.columns.split(",") if name in COLUMNS] or list(COLUMNS)
+    return {
+        "total": len(found.rows),
+        "matching": len(chosen),
+        "columns": [_column(name) for name in columns],
+        "rows": [
+            {name: row[name] for name in ("item", *columns)}
+            for row in chosen[asked.offset : asked.offset + asked.limit]
+        ],
+    }
+
+
+def _is_meant(row: Mapping[str, Any], asked: RowsQuestion) -> bool:
+    same = (
+        ("finger", asked.finger),
+        ("status", asked.status),
+        ("sequence", asked.sequence),
+        ("wedge_angle_deg", asked.wedge_angle_deg),
+    )
+    if any(wanted is not None and row[key] != wanted for key, wanted in same):
+        return False
+    if asked.flag is not None and asked.flag not in row["flags"].split():
+        return False
+    return asked.text.casefold() in f"{row['observation']} {row['finger']} {row['reason'] or ''}".casefold()
+
+
+def _column(name: str) -> dict[str, Any]:
+    bare = name.removesuffix("_std_given_geometry").removesuffix("_std")
+    unit = next((unit for unit in _UNITS if bare.endswith(f"_{unit}")), None)
+    std = f"{name}_std" if f"{name}_std" in COLUMNS else None
+    return {"key": name, "words": COLUMNS[name], "unit": "kPa" if unit == "kpa" else unit, "std": std}
+
+
+def summary(bench: Bench, _: Any, __: Any) -> dict[str, Any]:
+    """Return the content of ``summary.json``."""
+    return _results(bench).summary
+
+
+class PlotQuestion(Question):
+    """Which finger."""
+
+    finger: str | None = None
+
+
+def plot(bench: Bench, asked: PlotQuestion, _: Any) -> dict[str, Any]:
+    """Return what to plot of each finger at each placement."""
+    found = _results(bench)
+    groups = [
+        _group(one, found.rows) for one in found.summary["summaries"] if asked.finger in {None, one["finger"]}
+    ]
+    return {"groups": groups}
+
+
+def _group(of: Mapping[str, Any], every: list[dict[str, Any]]) -> dict[str, Any]:
+    keys = ("finger", "wedge_angle_deg", "roll_angle_deg", "synthetic")
+    members = [row for row in every if row["radius_from_indentation_mm"] is not None]
+    members = [row for row in members if all(row[key] == of[key] for key in keys)]
+    codes = [code for row in members for code in (row["range_notes"] or "").split()]
+    return {
+        **of,
+        "rows": {name: [row[name] for row in members] for name in _PLOTTED},
+        "range_notes": [
+            {"code": code, "words": RANGE_NOTES[code], "rows": codes.count(code)}
+            for code in RANGE_NOTES
+            if code in codes
+        ],
+    }
+
+
+def budget(bench: Bench, _: Any, __: Any) -> dict[str, Any]:
+    """Return who contributes what to each pooled radius and to the heaviest contact's."""
+    return {
+        "groups": [
+            {
+                **{key: one[key] for key in ("finger", "wedge_angle_deg", "roll_angle_deg", "synthetic")},
+                "pooled": one.get("radius_from_indentation_variance_shares"),
+                "check": one["uncertainty_check"],
+            }
+            for one in _results(bench).summary["summaries"]
+        ]
+    }
+
+
+def figures(bench: Bench, _: Any, __: Any) -> dict[str, Any]:
+    """Return the report's figures with their captions."""
+    _results(bench)
+    return {"figures": list(_figures(bench.study.out / "figures"))}
+
+
+def _figures(folder: Path) -> Iterator[dict[str, str]]:
+    for path in sorted(folder.glob("*.svg")):
+        with path.open(encoding="utf-8") as file:
+            start = file.read(4000)
+        caption = _CAPTION.search(start)
+        words = caption[1] if caption else path.stem
+        yield {
+            "name": path.stem,
+            "caption": words.replace("&quot;", '"').replace("&lt;", "<").replace("&amp;", "&"),
+            "svg": f"/api/download/figures/{path.name}",
+            "png": f"/api/download/figures/{path.stem}.png",
+        }
+
+
+def published(_: Bench, __: Any, ___: Any) -> dict[str, Any]:
+    """Return the audit of the numbers that the source prints."""
+    return {"items": [item.as_record() for item in audit()]}
+
+
+OPERATIONS: Final = (
+    Operation(
+        method="GET", path="/api/results/rows", answer=rows, query=RowsQuestion, summary="Rows of the results"
+    ),
+    Operation(
+        method="GET", path="/api/results/summary", answer=summary, summary="Summaries, fingers, provenance"
+    ),
+    Operation(
+        method="GET", path="/api/results/plot", answer=plot, query=PlotQuestion, summary="What to plot"
+    ),
+    Operation(
+        method="GET", path="/api/results/budget", answer=budget, summary="Who contributes what uncertainty"
+    ),
+    Operation(method="GET", path="/api/results/figures", answer=figures, summary="The report's figures"),
+    Operation(method="GET", path="/api/published", answer=published, summary="Audit of the printed tables"),
+)

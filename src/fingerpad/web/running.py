@@ -1,0 +1,144 @@
+"""The run of a study on a thread of its own: its progress for all who listen, and its end by request."""
+
+import time
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+from threading import Event, Lock, Thread
+from typing import Any, Final
+
+from fingerpad.exceptions import FingerpadError
+from fingerpad.report import write_report
+from fingerpad.study.output import write_tables
+from fingerpad.study.pipeline import run_study
+from fingerpad.web.drawing import DRAWING
+from fingerpad.web.events import Events
+from fingerpad.web.refusal import Refusal
+
+_EVERY_S: Final = 0.2
+_AT_WORK: Final = frozenset(("running", "cancelling"))
+_NOTHING: Final[dict[str, Any]] = {
+    "state": "idle",
+    "phase": None,
+    "total": 0,
+    "done": 0,
+    "failed": 0,
+    "frames": 0,
+    "current": "",
+    "file": "",
+    "seconds": 0.0,
+    "seconds_left": None,
+    "error": None,
+    "failures": [],
+}
+
+
+class Running:
+    """One run at a time."""
+
+    def __init__(self, events: Events) -> None:
+        self._events = events
+        self._now = dict(_NOTHING)
+        self._started = self._told = 0.0
+        self._stop = Event()
+        self._lock = Lock()
+        self._thread: Thread | None = None
+
+    def describe(self) -> dict[str, Any]:
+        """Return how far the run is."""
+        with self._lock:
+            now = dict(self._now)
+        if now["state"] in _AT_WORK:
+            now["seconds"] = time.monotonic() - self._started
+        return now
+
+    def start(
+        self, manifest: Path, out: Path, *, workers: int, fresh: bool, when_done: Callable[[], None]
+    ) -> dict[str, Any]:
+        """Begin a run."""
+        with self._lock:
+            if self._now["state"] in _AT_WORK:
+                raise Refusal.conflict("a run is at work: wait for it to end, or cancel it")
+            self._now = {**_NOTHING, "state": "running", "phase": "measuring"}
+            self._started, self._told = time.monotonic(), 0.0
+            self._stop.clear()
+            self._thread = Thread(
+                target=self._work, args=(manifest, out, workers, fresh, when_done), name="run", daemon=True
+            )
+            self._thread.start()
+        self._tell()
+        return self.describe()
+
+    def cancel(self) -> dict[str, Any]:
+        """Ask the run to stop; what it has measured is kept."""
+        with self._lock:
+            if self._now["state"] == "running":
+                self._now["state"] = "cancelling"
+                self._stop.set()
+        return self.describe()
+
+    def wait(self, timeout_s: float | None = None) -> None:
+        """Wait for the run to end."""
+        if self._thread is not None:
+            self._thread.join(timeout_s)
+
+    def _work(
+        self, manifest: Path, out: Path, workers: int, fresh: bool, when_done: Callable[[], None]
+    ) -> None:
+        end: dict[str, Any] = {"state": "failed"}
+        try:
+            result = run_study(
+                manifest,
+                out,
+                workers=workers,
+                fresh=fresh,
+                on_start=lambda total: self._set(total=total),
+                on_measured=lambda done: self._measured(done.contact, done.failed),
+                on_frame=self._frame,
+            )
+            self._go_on()
+            self._set(phase="tables", current="", file="")
+            write_tables(result, out)
+            self._go_on()
+            self._set(phase="report")
+            with DRAWING:
+                write_report(result, out)
+            end = {"state": "done", "failures": result.failures}
+        except KeyboardInterrupt:
+            end = {"state": "cancelled"}
+        except (FingerpadError, OSError) as error:
+            end = {"state": "failed", "error": str(error)}
+        finally:
+            with suppress(Exception):
+                when_done()
+            self._set(
+                **end, phase=None, current="", file="", seconds=time.monotonic() - self._started, told=True
+            )
+
+    def _go_on(self) -> None:
+        if self._stop.is_set():
+            raise KeyboardInterrupt
+
+    def _measured(self, name: str, failed: bool) -> None:
+        with self._lock:
+            done, bad = self._now["done"] + 1, self._now["failed"] + failed
+            gone = time.monotonic() - self._started
+            left = gone / done * (self._now["total"] - done)
+        self._set(done=done, failed=bad, current=name, seconds_left=left)
+        self._go_on()
+
+    def _frame(self) -> None:
+        self._set(frames=self._now["frames"] + 1)
+        self._go_on()
+
+    def _set(self, *, told: bool = False, **changes: Any) -> None:
+        with self._lock:
+            self._now |= changes
+            now = time.monotonic()
+            due = told or "phase" in changes or now - self._told > _EVERY_S
+            self._told = now if due else self._told
+        if due:
+            self._tell()
+
+    def _tell(self) -> None:
+        self._events.tell("run", self.describe())

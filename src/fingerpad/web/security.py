@@ -1,0 +1,131 @@
+"""Who may ask: this machine's own page and scripts that know the launch's token, and nobody else.
+
+A page on the internet can make a browser send requests to this machine. It cannot read the token,
+set a foreign Host to the loopback's name, or hide the Origin from which it asks.
+"""
+
+import secrets
+from collections.abc import Mapping
+from http import HTTPStatus
+from http.cookies import CookieError, SimpleCookie
+from typing import Final
+from urllib.parse import urlsplit
+
+from starlette.datastructures import Headers, MutableHeaders
+from starlette.responses import JSONResponse, PlainTextResponse, Response
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from fingerpad.web.refusal import Refusal
+
+START: Final = "/start"
+_LOOPBACK: Final = frozenset(("127.0.0.1", "localhost", "::1"))
+_HEADERS: Final = {
+    # Plotly writes styles into the page; scripts come from files only.
+    "content-security-policy": "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; "
+    "img-src 'self' data: blob:; font-src 'self'; connect-src 'self'; frame-src 'self'; form-action 'self'; "
+    "base-uri 'none'; frame-ancestors 'none'",
+    "cross-origin-opener-policy": "same-origin",
+    "cross-origin-resource-policy": "same-origin",
+    "referrer-policy": "no-referrer",
+    "x-content-type-options": "nosniff",
+    "x-frame-options": "DENY",
+}
+# The report is one file with its own styles and no script; only this page may show it inside itself.
+FRAMED_HEADERS: Final = {
+    "content-security-policy": "default-src 'none'; style-src 'unsafe-inline'; img-src data:; "
+    "base-uri 'none'; form-action 'none'; frame-ancestors 'self'; sandbox allow-popups allow-same-origin",
+    "x-frame-options": "SAMEORIGIN",
+}
+
+
+class Guard:
+    """ASGI middleware that lets through what comes from this launch's own page or scripts.
+
+    Parameters
+    ----------
+    app : ASGIApp
+        What is guarded.
+    token : str
+        The launch's secret.
+    """
+
+    def __init__(self, app: ASGIApp, token: str) -> None:
+        self._app, self._token = app, token
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Refuse a request, or hand it on and add the headers of every answer."""
+        if scope["type"] != "http":
+            await self._app(scope, receive, send)
+            return
+
+        async def send_guarded(message: Message) -> None:
+            if message["type"] == "http.response.start":
+                headers = MutableHeaders(scope=message)
+                for name, value in _HEADERS.items():
+                    headers.setdefault(name, value)
+                headers.setdefault("cache-control", "no-store")
+            await send(message)
+
+        try:
+            self._require(Headers(scope=scope), scope["path"])
+        except Refusal as refusal:
+            await _answer(refusal, scope["path"])(scope, receive, send_guarded)
+        else:
+            await self._app(scope, receive, send_guarded)
+
+    def _require(self, headers: Mapping[str, str], path: str) -> None:
+        host = headers.get("host", "")
+        if _host_name(host) not in _LOOPBACK:
+            raise Refusal(HTTPStatus.MISDIRECTED_REQUEST, "this page answers to 127.0.0.1 and localhost only")
+        origin, site = headers.get("origin"), headers.get("sec-fetch-site", "none")
+        if origin is not None and origin != f"http://{host}":
+            raise Refusal(HTTPStatus.FORBIDDEN, "requests from other pages are refused")
+        if path == START:
+            return
+        if site not in {"same-origin", "none"}:
+            raise Refusal(HTTPStatus.FORBIDDEN, "requests from other pages are refused")
+        if not self._knows_token(headers, host):
+            raise Refusal(
+                HTTPStatus.FORBIDDEN,
+                "this launch's token is missing: open the address that fingerpad app printed when it started",
+            )
+
+    def _knows_token(self, headers: Mapping[str, str], host: str) -> bool:
+        kind, _, given = headers.get("authorization", "").partition(" ")
+        if kind.lower() == "bearer" and same_token(given.strip(), self._token):
+            return True
+        try:
+            cookie = SimpleCookie(headers.get("cookie", "")).get(cookie_name(host))
+        except CookieError:
+            return False
+        return cookie is not None and same_token(cookie.value, self._token)
+
+
+def new_token() -> str:
+    """Return a secret for one launch."""
+    return secrets.token_urlsafe(32)
+
+
+def same_token(given: str, token: str) -> bool:
+    """Tell whether two tokens are the same, in a time that tells nothing of them."""
+    return secrets.compare_digest(given.encode(), token.encode())
+
+
+def cookie_name(host: str) -> str:
+    """Return the cookie's name: browsers do not part cookies by port, and two launches must not mix."""
+    return f"fingerpad-{host.rpartition(':')[2] if ':' in host else 80}"
+
+
+def _host_name(host: str) -> str | None:
+    try:
+        parts = urlsplit(f"//{host}")
+        _ = parts.port
+    except ValueError:
+        return None
+    return None if parts.path or parts.query or parts.username is not None else parts.hostname
+
+
+def _answer(refusal: Refusal, path: str) -> Response:
+    if path.startswith("/api/"):
+        return JSONResponse({"error": refusal.words}, status_code=refusal.status)
+    return PlainTextResponse(refusal.words, status_code=refusal.status)

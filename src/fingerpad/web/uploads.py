@@ -1,0 +1,143 @@
+"""Files that come from the page: streamed to the disk, and named by nothing but letters of their own."""
+
+import hashlib
+import os
+import re
+import unicodedata
+from contextlib import suppress
+from http import HTTPStatus
+from pathlib import Path
+from tempfile import NamedTemporaryFile
+from typing import IO, Any, Final
+
+from starlette.concurrency import run_in_threadpool
+from starlette.requests import Request
+
+from fingerpad.exceptions import FingerpadError
+from fingerpad.image import open_frames, read_image
+from fingerpad.web.open_study import OpenStudy
+from fingerpad.web.pictures import is_film, kind_of_file
+from fingerpad.web.refusal import Refusal
+
+FOLDER: Final = "uploads"
+_LONGEST: Final = 120
+_SUFFIXES: Final = frozenset(
+    (".png", ".tif", ".tiff", ".jpg", ".jpeg", ".bmp", ".pgm", ".ppm", ".csv", ".avi", ".mp4", ".mov", ".mkv")
+)
+
+
+def plain_name(name: str) -> str:
+    """Return a file's name with letters, digits and . _ + - only, whatever was in it.
+
+    Examples
+    --------
+    >>> plain_name("../../Finger (1).PNG"), plain_name("ü b.tif")
+    ('Finger-1.PNG', 'ü-b.tif')
+    """
+    last = unicodedata.normalize("NFC", re.split(r"[/\\]", name)[-1])
+    stem, dot, suffix = last.rpartition(".")
+    if not dot or f".{suffix.lower()}" not in _SUFFIXES:
+        raise Refusal(
+            HTTPStatus.UNSUPPORTED_MEDIA_TYPE,
+            f"{name[-80:]!r}: only pictures (PNG, TIFF, JPEG, BMP, PGM), films (TIFF, AVI, MP4) and tables "
+            "(CSV) can be used",
+        )
+    plain = re.sub(r"[^\w+-]+", "-", stem).strip("-.+_")[:_LONGEST] or "file"
+    return f"{plain}.{suffix}"
+
+
+async def stored(request: Request, limit: int, folder: Path) -> tuple[Path, str]:
+    """Stream a body into a file of `folder` and return its path and its SHA-256.
+
+    Raises
+    ------
+    Refusal
+        If it is larger than `limit` bytes, empty, or cannot be written.
+    """
+    announced = request.headers.get("content-length", "")
+    if announced.isdecimal() and int(announced) > limit:
+        raise _too_large(limit)
+    try:
+        await run_in_threadpool(folder.mkdir, parents=True, exist_ok=True)
+        with NamedTemporaryFile(dir=folder, prefix=".upload-", delete=False) as file:
+            try:
+                return Path(file.name), await _written(request, limit, file)
+            except BaseException:
+                with suppress(OSError):
+                    Path(file.name).unlink()
+                raise
+    except OSError as error:
+        raise Refusal.impossible(
+            f"the file cannot be written ({error.strerror}): make room on the disk"
+        ) from error
+
+
+async def _written(request: Request, limit: int, file: IO[bytes]) -> str:
+    """Write a body to the disk as it comes, and return its SHA-256."""
+    digest, size = hashlib.sha256(), 0
+    async for part in request.stream():
+        size += len(part)
+        if size > limit:
+            raise _too_large(limit)
+        digest.update(part)
+        await run_in_threadpool(file.write, part)
+    if not size:
+        raise Refusal(HTTPStatus.BAD_REQUEST, "the file is empty: choose it again")
+    file.flush()
+    await run_in_threadpool(os.fsync, file.fileno())
+    return digest.hexdigest()
+
+
+def _too_large(limit: int) -> Refusal:
+    return Refusal(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, f"the file is larger than {limit} bytes")
+
+
+def kept(opened: OpenStudy, path: Path, digest: str, name: str) -> tuple[dict[str, Any], bool]:
+    """Give an uploaded file its name in the study; return what it is, and whether it is new."""
+    target = path.parent / name
+    number = 1
+    while True:
+        try:
+            os.link(path, target)  # unlike a renaming, it never puts one file in the place of another
+            break
+        except FileExistsError:
+            if _digest_of(target) == digest:
+                path.unlink()
+                return described(opened, target), False
+            number += 1
+            target = path.parent / f"{Path(name).stem}-{number}{Path(name).suffix}"
+    path.unlink()
+    return described(opened, target), True
+
+
+def _digest_of(path: Path) -> str:
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def described(opened: OpenStudy, path: Path) -> dict[str, Any]:
+    """Return what a file is, as far as it can be told without measuring."""
+    record: dict[str, Any] = {
+        "file": path.relative_to(opened.folder).as_posix(),
+        "kind": kind_of_file(path.name),
+        "bytes": path.stat().st_size,
+        "rows_px": None,
+        "columns_px": None,
+        "resolution_ppi": None,
+        "frames": None,
+        "columns": None,
+        "problem": None,
+    }
+    try:
+        if record["kind"] == "table":
+            with path.open(encoding="utf-8-sig", errors="replace") as file:
+                record["columns"] = [cell.strip() for cell in file.readline(4000).split(",")]
+        elif is_film(path) and (count := open_frames(path, pixel_limit=opened.pixel_limit).count) != 1:
+            record |= {"kind": "film", "frames": count}
+        else:
+            picture = read_image(path, pixel_limit=opened.pixel_limit)
+            record |= dict(zip(("rows_px", "columns_px"), picture.pixels.shape, strict=True))
+            record |= {"resolution_ppi": picture.dots_per_inch, "frames": 1}
+    except FingerpadError as error:
+        record["problem"] = str(error).replace(f"{opened.folder}{os.sep}", "")
+    return record

@@ -1,0 +1,299 @@
+"""The file of corrections: nothing confirmed is lost, the newest rules, and undo walks back and forth."""
+
+import json
+import multiprocessing
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from fingerpad.exceptions import CorrectionConflict, StoreError
+from fingerpad.study.changes import ContactCorrection
+from fingerpad.study.corrections import CORRECTIONS_NAME, CorrectionLog, frames_of, kind_of
+from fingerpad.study.manifest import Study
+
+STUDY = Study.model_validate(
+    {
+        "title": "t",
+        "fingers": [
+            {"name": "f", "photographs": [{"face": "palmar", "image": "a/p.jpg", "scale": {"ppi": 500}}]}
+        ],
+        "observations": [
+            *(
+                {
+                    "name": name,
+                    "finger": "f",
+                    "wedge_angle_deg": 30,
+                    "load_N": 1,
+                    "image": "x.png",
+                    "scale": {"ppi": 500},
+                }
+                for name in ("print_1", "print_2")
+            ),
+            {
+                "name": "given",
+                "finger": "f",
+                "wedge_angle_deg": 30,
+                "load_N": 1,
+                "ellipse_mm": {"semi_major": 5, "semi_minor": 4, "std": 0.1},
+            },
+        ],
+        "sequences": [
+            {
+                "name": "press",
+                "finger": "f",
+                "wedge_angle_deg": 30,
+                "path": "p",
+                "force": "f.csv",
+                "scale": {"ppi": 500},
+            }
+        ],
+    }
+)
+STROKE = {"action": "add", "points_px": [[10.5, 20], [30, 40.25]], "radius_px": 5}
+
+
+def said(log, item, change, **others):
+    given = {"who": "anna", "expected": log.history(item).last_id, "study": STUDY} | others
+    return log.append(item, change, **given)
+
+
+def test_a_change_is_read_back_by_another(tmp_path):
+    log, other = CorrectionLog(tmp_path), CorrectionLog(tmp_path)
+    said(log, "print_1", {"threshold": 40, "strokes": [STROKE], "accepted": True})
+    ruling = other.ruling("print_1")
+    assert ruling.change.threshold == 40
+    assert ruling.change.strokes[0].points_px == [[10.5, 20], [30, 40.25]]
+    assert ruling.change.accepted
+    assert ruling.who == "anna"
+    assert other.ruling("print_2") is None
+
+
+def test_the_newest_rules_and_every_decision_stays(tmp_path):
+    log = CorrectionLog(tmp_path)
+    for level in (10, 20, 30):
+        said(log, "print_1", {"threshold": level})
+    assert log.ruling("print_1").change.threshold == 30
+    kept = [json.loads(line) for line in (tmp_path / CORRECTIONS_NAME).read_text().splitlines()]
+    assert [record["change"]["threshold"] for record in kept] == [10, 20, 30]
+    assert all(record["who"] == "anna" and record["when"].endswith("Z") for record in kept)
+
+
+def test_nothing_said_is_the_programs_own(tmp_path):
+    log = CorrectionLog(tmp_path)
+    said(log, "print_1", {"threshold": 10})
+    said(log, "print_1", {})
+    assert log.ruling("print_1") is None
+    assert log.rulings() == {}
+
+
+def test_items_of_all_kinds(tmp_path):
+    log = CorrectionLog(tmp_path)
+    said(log, "press#120", {"rejected": "blurred"})
+    said(log, "f/a/p.jpg", {"tip": "left", "erased": [{"points_px": [[1, 1]], "radius_px": 3}]})
+    assert [kind_of(item, STUDY) for item in ("print_1", "press#120", "f/a/p.jpg")] == [
+        "observation",
+        "frame",
+        "photograph",
+    ]
+    assert frames_of(log.rulings(), "press")[120].change.rejected == "blurred"
+    assert log.ruling("f/a/p.jpg").change.tip == "left"
+
+
+def test_items_that_the_manifest_lost_wait(tmp_path):
+    log = CorrectionLog(tmp_path)
+    said(log, "print_1", {"accepted": True})
+    assert log.unknown_items(STUDY) == []
+    fewer = STUDY.model_copy(update={"observations": STUDY.observations[1:]})
+    assert log.unknown_items(fewer) == ["print_1"]
+
+
+BAD = {
+    "no such item": ("print_9", {"threshold": 1}, "nothing that can be corrected"),
+    "no such film": ("prints#1", {"threshold": 1}, "nothing that can be corrected"),
+    "no frame number": ("press#x", {"threshold": 1}, "nothing that can be corrected"),
+    "frame number with zeros": ("press#007", {"threshold": 1}, "nothing that can be corrected"),
+    "no such photograph": ("f/b.jpg", {"tip": "up"}, "nothing that can be corrected"),
+    "unknown key": ("print_1", {"treshold": 1}, "treshold: unknown key"),
+    "key of another kind": ("print_1", {"tip": "up"}, "tip: unknown key"),
+    "zero threshold": ("print_1", {"threshold": 0}, "threshold: expected"),
+    "not a number": ("print_1", {"threshold": float("nan")}, "threshold"),
+    "text for a number": ("print_1", {"threshold": "40"}, "threshold"),
+    "two corners": ("print_1", {"mask_px": [[1, 1], [2, 2]]}, "mask_px"),
+    "no radius": ("print_1", {"strokes": [{"action": "add", "points_px": [[1, 1]]}]}, "radius_px: required"),
+    "unknown action": ("print_1", {"strokes": [{**STROKE, "action": "smear"}]}, "action"),
+    "minor first": ("print_1", {"ellipse_px": {"centre": [1, 1], "semi_axes": [3, 4]}}, "major one first"),
+    "both verdicts": ("print_1", {"accepted": True, "rejected": "x"}, "one of the two"),
+    "no reason": ("print_1", {"rejected": "  "}, "rejected"),
+    "no picture": ("given", {"threshold": 4}, "no picture to correct"),
+    "seed outside": ("print_1", {"seed_px": [100, 5]}, "seed_px: row 100, column 5 lies outside"),
+    "stroke outside": ("print_1", {"strokes": [{**STROKE, "points_px": [[-9, 4]]}]}, "lies outside"),
+    "mask outside": ("print_1", {"mask_px": [[1, 90], [2, 90], [3, 99]]}, "mask_px"),
+    "ellipse outside": ("print_1", {"ellipse_px": {"centre": [5, -3], "semi_axes": [4, 3]}}, "centre"),
+    "point outside": ("f/a/p.jpg", {"added_points_px": [[5, 5], [5, 99]]}, "added_points_px"),
+}
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_what_is_wrong_is_said_and_nothing_is_kept(tmp_path, case):
+    item, change, words = BAD[case]
+    log = CorrectionLog(tmp_path)
+    with pytest.raises(StoreError, match=words) as error:
+        said(log, item, change, shape=(60, 80))
+    assert item in str(error.value)
+    assert not (tmp_path / CORRECTIONS_NAME).exists()
+
+
+def test_a_brush_may_reach_over_the_rim(tmp_path):
+    log = CorrectionLog(tmp_path)
+    said(log, "print_1", {"strokes": [{**STROKE, "points_px": [[-3, 40]]}]}, shape=(60, 80))
+    assert log.ruling("print_1") is not None
+
+
+def test_a_nameless_author_is_refused(tmp_path):
+    with pytest.raises(StoreError, match="name of who"):
+        said(CorrectionLog(tmp_path), "print_1", {"accepted": True}, who="  ")
+
+
+def test_who_saw_less_is_told_who_did_what(tmp_path):
+    log, other = CorrectionLog(tmp_path), CorrectionLog(tmp_path)
+    seen = other.history("print_1").last_id
+    record = said(log, "print_1", {"threshold": 40})
+    with pytest.raises(CorrectionConflict, match="anna changed threshold at 2") as error:
+        said(other, "print_1", {"threshold": 50}, who="ben", expected=seen)
+    assert error.value.latest == record
+    assert log.ruling("print_1").change.threshold == 40
+    # What is done to one item does not stand in the way of another.
+    said(other, "print_2", {"threshold": 50}, who="ben", expected=0)
+
+
+@given(steps=st.lists(st.one_of(st.sampled_from(["undo", "redo"]), st.integers(1, 9)), max_size=14))
+@settings(max_examples=30, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+def test_undo_and_redo_walk_like_two_stacks(tmp_path_factory, steps):
+    log = CorrectionLog(tmp_path_factory.mktemp("study"))
+    done, undone = [], []
+    for step in steps:
+        history = log.history("print_1")
+        assert (history.can_undo, history.can_redo) == (bool(done), bool(undone))
+        if isinstance(step, int):
+            said(log, "print_1", {"threshold": step})
+            done.append(step)
+            undone.clear()
+        elif (step == "undo" and done) or (step == "redo" and undone):
+            getattr(log, step)("print_1", who="anna", expected=history.last_id)
+            (undone if step == "undo" else done).append((done if step == "undo" else undone).pop())
+        else:
+            with pytest.raises(StoreError, match=f"nothing to {step}"):
+                getattr(log, step)("print_1", who="anna", expected=history.last_id)
+        ruling = CorrectionLog(log._path.parent).ruling("print_1")
+        assert (ruling and ruling.change.threshold) == (done[-1] if done else None)
+
+
+def write_many(folder, who, count):
+    log = CorrectionLog(folder)
+    for number in range(count):
+        log.append(
+            "print_1" if who == "anna" else "print_2",
+            {"threshold": number + 1, "strokes": [STROKE] * (number % 7)},
+            who=who,
+            expected=log.history("print_1" if who == "anna" else "print_2").last_id,
+            study=STUDY,
+        )
+
+
+def test_two_processes_lose_nothing(tmp_path):
+    context = multiprocessing.get_context("fork")
+    workers = [context.Process(target=write_many, args=(tmp_path, who, 200)) for who in ("anna", "ben")]
+    for worker in workers:
+        worker.start()
+    for worker in workers:
+        worker.join(60)
+        assert worker.exitcode == 0
+    log = CorrectionLog(tmp_path)
+    for item in ("print_1", "print_2"):
+        assert [record.change["threshold"] for record in log.history(item).records] == list(range(1, 201))
+    lines = (tmp_path / CORRECTIONS_NAME).read_text().splitlines()
+    assert [json.loads(line)["id"] for line in lines] == list(range(1, 401))
+
+
+@pytest.mark.parametrize("cut", [1, 7, 40])
+def test_a_torn_line_is_left_out_and_mended(tmp_path, cut):
+    log = CorrectionLog(tmp_path)
+    for level in (10, 20):
+        said(log, "print_1", {"threshold": level})
+    path = tmp_path / CORRECTIONS_NAME
+    whole = path.read_bytes()
+    last = whole.splitlines(keepends=True)[-1]
+    path.write_bytes(whole + last[:cut])
+    fresh = CorrectionLog(tmp_path)
+    assert "line 3 is torn" in fresh.notes[0]
+    assert fresh.ruling("print_1").change.threshold == 20
+    said(fresh, "print_1", {"threshold": 30})
+    assert fresh.notes == ()
+    assert path.read_bytes().startswith(whole)
+    assert [record.id for record in CorrectionLog(tmp_path).history("print_1").records] == [1, 2, 3]
+
+
+def test_a_last_line_without_its_end_counts(tmp_path):
+    log = CorrectionLog(tmp_path)
+    said(log, "print_1", {"threshold": 10})
+    path = tmp_path / CORRECTIONS_NAME
+    path.write_bytes(path.read_bytes().rstrip(b"\n"))
+    again = CorrectionLog(tmp_path)
+    assert again.notes == ()
+    said(again, "print_1", {"threshold": 20})
+    assert [r.change["threshold"] for r in CorrectionLog(tmp_path).history("print_1").records] == [10, 20]
+
+
+@pytest.mark.parametrize("line", ["{}", "[1]", "nonsense", '{"id": 1}', "{" * 3000])
+def test_damage_in_the_middle_is_no_silence(tmp_path, line):
+    log = CorrectionLog(tmp_path)
+    said(log, "print_1", {"threshold": 10})
+    path = tmp_path / CORRECTIONS_NAME
+    path.write_text(f"{line}\n{path.read_text()}")
+    with pytest.raises(StoreError, match="line 1 is no correction"):
+        CorrectionLog(tmp_path)
+
+
+KILLED = """
+import sys
+from pathlib import Path
+sys.path.insert(0, sys.argv[2])
+from test_corrections import CorrectionLog, said
+log = CorrectionLog(Path(sys.argv[1]))
+stroke = {"action": "add", "points_px": [[float(k), 1.5] for k in range(3000)], "radius_px": 5}
+for level in range(1, 10**6):
+    said(log, "print_1", {"threshold": level, "strokes": [stroke]})
+    print(level, flush=True)
+"""
+
+
+def test_what_was_confirmed_outlives_a_kill(tmp_path):
+    for _ in range(3):
+        before = len(CorrectionLog(tmp_path).history("print_1").records)
+        process = subprocess.Popen(
+            [sys.executable, "-c", KILLED, str(tmp_path), os.path.dirname(__file__)],
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+        process.stdout.readline()
+        time.sleep(0.05)
+        process.send_signal(signal.SIGKILL)
+        confirmed = 1 + len(process.stdout.read().splitlines())
+        process.wait()
+        process.stdout.close()
+        log = CorrectionLog(tmp_path)
+        levels = [record.change["threshold"] for record in log.history("print_1").records][before:]
+        assert len(levels) >= confirmed
+        assert levels == list(range(1, len(levels) + 1))
+        said(log, "print_2", {"accepted": True})
+
+
+def test_a_correction_says_only_what_was_said():
+    assert ContactCorrection.model_validate({"threshold": 3.0}).as_json() == {"threshold": 3.0}
+    assert ContactCorrection.model_validate({"accepted": True}).edits == {}

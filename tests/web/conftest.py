@@ -1,0 +1,81 @@
+"""A bench on a copy of the demo study, asked as the page asks it."""
+
+import shutil
+import socket
+import threading
+from contextlib import contextmanager
+from pathlib import Path
+
+import httpx
+import pytest
+import uvicorn
+
+from fingerpad.web.app import make_app
+from fingerpad.web.bench import Bench
+
+DEMO = Path(__file__).parents[2] / "examples" / "dzidek2017"
+TOKEN = "a-token-of-the-tests"
+
+
+@contextmanager
+def serving(bench):
+    """Serve a bench on a port of this machine, and yield a client that knows the token."""
+    listener = socket.create_server(("127.0.0.1", 0))
+    server = uvicorn.Server(
+        uvicorn.Config(make_app(bench, TOKEN), log_level="warning", timeout_graceful_shutdown=1)
+    )
+    thread = threading.Thread(target=server.run, kwargs={"sockets": [listener]})
+    thread.start()
+    base = f"http://127.0.0.1:{listener.getsockname()[1]}"
+    headers = {"authorization": f"Bearer {TOKEN}"}
+    try:
+        with httpx.Client(base_url=base, headers=headers, timeout=60, trust_env=False) as client:
+            yield client
+    finally:
+        server.should_exit = True
+        thread.join(20)
+        listener.close()
+        bench.close()
+
+
+@pytest.fixture
+def workspace(tmp_path):
+    shutil.copytree(DEMO, tmp_path / "demo")
+    return tmp_path
+
+
+@pytest.fixture
+def bench(workspace):
+    bench = Bench(workspace)
+    bench.open_folder(workspace / "demo")
+    return bench
+
+
+@pytest.fixture
+def client(bench):
+    with serving(bench) as client:
+        yield client
+
+
+@pytest.fixture(scope="session")
+def run_once(tmp_path_factory):
+    """Run the demo study once, for all tests that only read its results."""
+    from fingerpad.report import write_report
+    from fingerpad.study.output import write_tables
+    from fingerpad.study.pipeline import run_study
+
+    folder = tmp_path_factory.mktemp("run") / "demo"
+    shutil.copytree(DEMO, folder)
+    result = run_study(folder / "study.toml", folder / "results")
+    write_tables(result, folder / "results")
+    write_report(result, folder / "results")
+    return folder
+
+
+@pytest.fixture(scope="session")
+def done(run_once):
+    """Return a client of a bench on the demo study after its run; tests must not change it."""
+    bench = Bench(run_once.parent)
+    bench.open_folder(run_once)
+    with serving(bench) as client:
+        yield client
