@@ -4,7 +4,7 @@
 import { h } from "./dom.js";
 
 const EN = "–";
-const THIN = "\u202f";
+const SPACE = "\u00a0";
 
 function decimalsOf(std) {
   const decimals = 1 - Math.floor(Math.log10(std));
@@ -25,7 +25,7 @@ export function withStd(value, std) {
   if (value === null || value === undefined || !Number.isFinite(value)) return EN;
   if (!(std > 0) || !Number.isFinite(std)) return plain(value);
   const decimals = decimalsOf(std);
-  return `${fixed(value, decimals)}${THIN}±${THIN}${fixed(std, decimals)}`;
+  return `${fixed(value, decimals)}${SPACE}±${SPACE}${fixed(std, decimals)}`;
 }
 
 const UNITS = [

@@ -12,7 +12,7 @@ export class EllipseEditor {
     this.changed = changed;
     this.shape = null;
     this.curve = [s("ellipse.casing"), s("ellipse.ellipse")];
-    this.axes = [s("path.axis"), s("path.axis")];
+    this.axes = [s("path.arm"), s("path.arm")];
     this.stalk = s("path.stalk");
     this.layer = s("g.ellipse-editor", { visibility: "hidden" }, this.curve, this.axes, this.stalk);
     this.handles = {

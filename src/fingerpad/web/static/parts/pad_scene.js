@@ -9,7 +9,7 @@ const SKIN = [0.95, 0.85, 0.775, 1];
 const BACK = [0.86, 0.88, 0.9, 1];
 const PLATEN = [0.34, 0.7, 0.91, 0.3];
 const WEDGE = [0.56, 0.62, 0.7, 0.55];
-const START = { turn: -0.72, tilt: 0.3 };
+const START = { turn: -0.62, tilt: 0.42 };
 
 const subtract = (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
 const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
@@ -35,6 +35,22 @@ function flat(vertices, faces) {
   return [positions, normals, triangles];
 }
 
+/** Edges of a solid, without those between two triangles of one flat side. */
+function sharp({ vertices_mm: vertices, faces }) {
+  const seen = new Map();
+  for (const face of faces) {
+    const normal = unit(cross(subtract(vertices[face[1]], vertices[face[0]]), subtract(vertices[face[2]], vertices[face[0]])));
+    face.forEach((from, index) => {
+      const to = face[(index + 1) % face.length];
+      const key = from < to ? `${from} ${to}` : `${to} ${from}`;
+      const other = seen.get(key);
+      const flush = other && Math.abs(other.normal[0] * normal[0] + other.normal[1] * normal[1] + other.normal[2] * normal[2]) > 0.999;
+      seen.set(key, { normal, ends: [vertices[from], vertices[to]], flush });
+    });
+  }
+  return [...seen.values()].filter(({ flush }) => !flush).map(({ ends }) => ends);
+}
+
 /** A grid of points as triangles; the normal of a point from its neighbours. */
 function grid(x, y, z) {
   const rows = x.length;
@@ -50,6 +66,8 @@ function grid(x, y, z) {
       const [left, right] = [at(row, Math.max(column - 1, 0)), at(row, Math.min(column + 1, columns - 1))];
       let normal = cross(subtract(down, up), subtract(right, left));
       if (Math.hypot(...normal) < 1e-9) normal = here;
+      // Outwards, so that neighbours never cancel where the grid closes.
+      if (normal[0] * here[0] + normal[1] * here[1] + normal[2] * here[2] < 0) normal = normal.map((value) => -value);
       positions.push(...here);
       normals.push(...unit(normal));
       if (row && column) {
@@ -122,14 +140,15 @@ export class PadScene {
     this.root.setAttribute("aria-label", label);
     const { x_mm: x, y_mm: y, z_mm: z } = scene.mesh;
     const all = scene.platen.corners_mm.concat(scene.wedge.vertices_mm);
-    this.reach = Math.max(...x.flat().map(Math.abs), ...y.flat().map(Math.abs), ...z.flat().map(Math.abs)) * 1.42;
     this.meshes = { pad: grid(x, y, z), platen: flat(scene.platen.corners_mm, [[0, 1, 2, 3]]), wedge: flat(scene.wedge.vertices_mm, scene.wedge.faces) };
+    this.edges = sharp(scene.wedge);
     this.far = Math.max(...all.map((point) => Math.hypot(...point)));
     if (this.painter) for (const [name, mesh] of Object.entries(this.meshes)) this.painter.keep(name, ...mesh);
+    this.reach = 0.86 * this.far;
     this.draw();
   }
 
-  /** Rows of the turn: right, up and towards the eye. The palmar side looks down, as the finger lies on a platen. */
+  /** Rows of the turn: right, up and towards the eye. The platen lies on top, as it is pressed onto the pad. */
   #axes() {
     const { turn, tilt } = this.view;
     const { up } = this;
@@ -145,14 +164,14 @@ export class PadScene {
     const { scene } = this;
     const { clientWidth: width, clientHeight: height } = this.root;
     if (!scene || !width || !height) return;
-    this.up = scene.normal.map((value) => -value);
+    this.up = scene.normal;
     this.along = unit(scene.principal_directions[0]);
     if (this.along[1] < 0) this.along = this.along.map((value) => -value);
     const axes = this.#axes();
     const scale = Math.min(width, height) / 2 / this.reach;
     this.project = (point) => {
       const [x, y, depth] = axes.map((axis) => axis[0] * point[0] + axis[1] * point[1] + axis[2] * point[2]);
-      return [width / 2 + x * scale, height / 2 - y * scale - height * 0.04, depth];
+      return [width / 2 + x * scale, height / 2 - y * scale, depth];
     };
     attributes(this.svg, { viewBox: `0 0 ${width} ${height}`, width, height });
     if (this.painter) this.#paint(axes, scale, width, height);
@@ -169,7 +188,7 @@ export class PadScene {
     const [sx, sy, sz] = [(2 * scale) / width, (2 * scale) / height, 1 / (3 * this.far)];
     const place = [];
     for (let column = 0; column < 3; column += 1) place.push(right[column] * sx, up[column] * sy, -eye[column] * sz, 0);
-    place.push(0, 0.08, 0, 1);
+    place.push(0, 0, 0, 1);
     const turn = [];
     for (let column = 0; column < 3; column += 1) turn.push(right[column], up[column], eye[column]);
     this.painter.begin(this.canvas.width, this.canvas.height);
@@ -223,7 +242,7 @@ export class PadScene {
     place(
       this.marks,
       line([...scene.platen.corners_mm, scene.platen.corners_mm[0]], "platen-edge"),
-      scene.wedge.faces.map((face) => line([...face, face[0]].map((index) => scene.wedge.vertices_mm[index]), "wedge-edge")),
+      this.edges.map((edge) => line(edge, "wedge-edge")),
       scene.lines.map(({ name, points_mm: points }, index) => {
         const kind = /across/.test(name) ? "across" : /along/.test(name) ? "along" : (colours[index] ?? "other");
         return [line(points, `direction ${kind}`.replace(" ", ".")), /direction/.test(name) && label(ends(points), /across/.test(name) ? `across ${scene.transverse_radius_mm.toFixed(1)} mm` : `along ${scene.in_plane_radius_mm.toFixed(1)} mm`, kind)];

@@ -25,10 +25,10 @@ const REASONS = ["smeared", "slipped", "cut off", "wrong finger", "no contact"];
 export class ContactInspector {
   constructor(view) {
     this.view = view;
-    this.parts = Object.fromEntries(["head", "numbers", "tool", "settings", "decision", "history"].map((name) => [name, h("section", { "data-part": name })]));
-    this.why = text({ value: "", placeholder: "why it is no good", list: "reasons", label: "Reason for rejecting" });
+    this.parts = Object.fromEntries(["head", "numbers", "tool", "settings", "history"].map((name) => [name, h("section", { "data-part": name })]));
+    this.why = text({ value: "", placeholder: "why it is no good", list: "reasons" });
     this.root = h("div.stack", null, Object.values(this.parts), h("datalist", { id: "reasons" }, REASONS.map((value) => h("option", { value }))));
-    place(this.parts.decision, this.#decision());
+    this.footer = h("div.footer", null, this.#decision());
   }
 
   reason() {
@@ -40,7 +40,7 @@ export class ContactInspector {
     place(
       this.parts.head,
       h("div.headline", null, h("h2", null, entry.frame === undefined ? entry.item : `Frame ${entry.frame}`), h("span", null, synthetic(entry.synthetic ?? this.view.film?.synthetic))),
-      h("dl.readings.context", null, lines.map(([label, words]) => reading(label, words))),
+      h("p.context.number", null, lines.join(" · ")),
     );
     place(this.parts.numbers, h("p.loading", null, "Measuring …"));
     this.tool();
@@ -146,10 +146,10 @@ export class ContactInspector {
       undo: button("Undo", () => this.view.undo(), { key: "u" }),
       redo: button("Redo", () => this.view.redo(), { key: "r" }),
       reject: button("Reject", () => this.view.reject(), { kind: "bad", key: "x" }),
-      revert: button("Program's result", () => this.view.revert(), { title: "Take back all corrections of this picture; they stay in its history" }),
+      revert: button("Back to the program", () => this.view.revert(), { kind: "small", title: "Take back all corrections of this picture; they stay in its history" }),
     };
-    const { accept, undo, redo, reject, revert } = this.buttons;
-    return [h("div.decision", null, accept, undo, redo, reject, revert), field("Reason, if rejected", this.why)];
+    const { accept, undo, redo, reject } = this.buttons;
+    return [h("div.decision", null, accept, undo, redo, reject), h("label.why", null, h("span", null, "Reason to reject"), this.why)];
   }
 
   corrected() {
@@ -162,7 +162,8 @@ export class ContactInspector {
     const records = [...document.history].reverse();
     place(
       this.parts.history,
-      h("div.headline", null, h("h3", null, "History"), change.accepted && chip("accepted", "good"), change.rejected && chip(`rejected: ${change.rejected}`, "bad")),
+      h("div.headline", null, h("h3", null, "History"), this.buttons.revert),
+      h("div.chips", null, change.accepted && chip("accepted", "good"), change.rejected && chip(`rejected: ${change.rejected}`, "bad")),
       records.length
         ? h("ol.history", { tabindex: 0, "aria-label": "History of corrections" }, records.map((record) => h("li", null, h("span", null, wordsOf(record)), h("time", { datetime: record.when, title: record.when }, `${record.who || "unknown"}, ${ago(record.when)}`))))
         : h("p.soft", null, "As the program measured it."),

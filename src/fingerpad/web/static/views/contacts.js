@@ -111,7 +111,7 @@ class Contacts {
         null,
         this.toolbar,
         this.stage.root,
-        h("aside.inspector", { "aria-label": "The contact that is open", tabindex: 0 }, this.inspector.root),
+        h("aside.inspector", { "aria-label": "The contact that is open", tabindex: 0 }, this.inspector.root, this.inspector.footer),
         h(
           "section.film",
           { "aria-label": "Pictures" },
@@ -429,12 +429,13 @@ class Contacts {
     return {
       entry,
       lines: [
-        ["Finger", of.finger],
-        ["Wedge", `${plain(of.wedge_angle_deg)}°${of.roll_angle_deg ? `, roll ${plain(of.roll_angle_deg)}°` : ""}`],
-        ["Load", entry.load_N === null || entry.load_N === undefined ? "–" : `${plain(entry.load_N)} N`],
-        ...(entry.time_s === undefined || entry.time_s === null ? [] : [["Time", `${plain(entry.time_s)} s${entry.phase ? `, ${entry.phase}` : ""}`]]),
-        ["Scale", scaleWords(of.scale)],
-        ...(this.info?.bits > 8 ? [["Depth", `${this.info.bits} bit, shown in 8`]] : []),
+        of.finger ?? "which finger?",
+        `θ ${plain(of.wedge_angle_deg)}°`,
+        ...(of.roll_angle_deg ? [`φ ${plain(of.roll_angle_deg)}°`] : []),
+        ...(entry.load_N === null || entry.load_N === undefined ? [] : [`${plain(entry.load_N)} N`]),
+        ...(entry.time_s === undefined || entry.time_s === null ? [] : [`${plain(entry.time_s)} s${entry.phase ? `, ${entry.phase}` : ""}`]),
+        `scale ${scaleWords(of.scale)}`,
+        ...(this.info?.bits > 8 ? [`${this.info.bits} bit, shown in 8`] : []),
       ],
     };
   }
@@ -479,7 +480,7 @@ function describe(entry) {
   if (entry.rejected) marks.push(["rejected", `rejected: ${entry.rejected}`]);
   const load = entry.load_N === null || entry.load_N === undefined ? "" : `${plain(entry.load_N)} N`;
   return {
-    label: film ? `${entry.frame}${load ? ` · ${load}` : ""}` : entry.item,
+    label: film ? `${entry.frame}${load ? ` · ${load}` : ""}` : load ? `${load} · ${plain(entry.wedge_angle_deg)}°` : entry.item,
     name: [film ? `Frame ${entry.frame}` : entry.item, load, ...marks.map(([, title]) => title), state === "none" ? "no contact seen, or not run yet" : ""].filter(Boolean).join(", "),
     state,
     marks,

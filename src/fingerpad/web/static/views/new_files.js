@@ -46,6 +46,7 @@ export class NewFiles {
     this.drafts = new Map();
     this.info = new Map();
     this.root = h("section.card.new-files", { hidden: true, "aria-label": "New files" });
+    this.rest = h("details.card", { hidden: true });
   }
 
   /** Column names and resolution that the library read while the file was sent. */
@@ -54,7 +55,9 @@ export class NewFiles {
   }
 
   draw() {
-    const files = bench.study.files.filter(({ used, kind }) => !used && kind !== "other");
+    const unused = bench.study.files.filter(({ used, kind }) => !used && kind !== "other");
+    const files = unused.filter(({ file }) => file.startsWith("uploads/"));
+    this.#drawRest(unused.filter(({ file }) => !file.startsWith("uploads/")));
     this.root.hidden = !files.length;
     if (!files.length) return;
     for (const { file, kind } of files) {
@@ -91,6 +94,12 @@ export class NewFiles {
       h("datalist", { id: "fingers" }, bench.study.fingers.map(({ name }) => h("option", { value: name }))),
       this.problem,
     );
+  }
+
+  /** Files that lie in the study's folder, and that nobody sent from this page. */
+  #drawRest(files) {
+    this.rest.hidden = !files.length;
+    place(this.rest, h("summary", null, `${files.length} more file${files.length > 1 ? "s" : ""} in the study's folder, not in use`), h("ul.rest", null, files.slice(0, 200).map(({ file, bytes: size }) => h("li", null, h("code", null, file), " ", h("span.soft.number", null, bytes(size))))));
   }
 
   async #learn(file) {

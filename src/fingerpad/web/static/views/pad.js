@@ -42,8 +42,8 @@ class PadView {
     bindHere([
       ["w", "Wedge angle up", () => this.#nudge("wedge", 1)],
       ["W", "Wedge angle down", () => this.#nudge("wedge", -1)],
-      ["f", "Look from the front", () => this.scene.look({ turn: 0, tilt: 0 })],
-      ["t", "Look along the platen's normal", () => this.scene.look({ turn: -Math.PI / 2, tilt: -1.5 })],
+      ["f", "Look from the side", () => this.scene.look({ turn: 0, tilt: 0 })],
+      ["t", "Look along the platen's normal", () => this.scene.look({ turn: -Math.PI / 2, tilt: 1.5 })],
       ["ArrowLeft ArrowRight ArrowUp ArrowDown", "Turn the pad, when it has the focus", null],
       ["0", "Back to the first view, when it has the focus", null],
     ]);
@@ -53,7 +53,7 @@ class PadView {
 
   #views() {
     const look = (words, view) => button(words, () => this.scene.look(view), { kind: "small" });
-    return [look("Aslant", { turn: -0.72, tilt: 0.3 }), look("From the side", { turn: 0, tilt: 0 }), look("From the tip", { turn: Math.PI / 2, tilt: 0 }), look("Through the platen", { turn: -Math.PI / 2, tilt: -1.5 })];
+    return [look("Aslant", { turn: -0.62, tilt: 0.42 }), look("From the side", { turn: 0, tilt: 0 }), look("From the tip", { turn: Math.PI / 2, tilt: 0 }), look("Through the platen", { turn: -Math.PI / 2, tilt: 1.5 })];
   }
 
   #draw() {

@@ -19,11 +19,11 @@ const SIDES = [
 export class PhotographInspector {
   constructor(view) {
     this.view = view;
-    this.parts = Object.fromEntries(["head", "pad", "face", "tool", "settings", "decision", "history"].map((name) => [name, h("section", { "data-part": name })]));
+    this.parts = Object.fromEntries(["head", "pad", "face", "tool", "settings", "history"].map((name) => [name, h("section", { "data-part": name })]));
     this.why = text({ value: "", placeholder: "why it is no good" });
     this.root = h("div.stack", null, Object.values(this.parts));
     this.parts.tool.hidden = true;
-    place(this.parts.decision, this.#decision());
+    this.footer = h("div.footer", null, this.#decision());
   }
 
   reason() {
@@ -126,9 +126,10 @@ export class PhotographInspector {
       undo: button("Undo", () => this.view.undo(), { key: "u" }),
       redo: button("Redo", () => this.view.redo(), { key: "r" }),
       reject: button("Reject", () => this.view.reject(), { kind: "bad", key: "x" }),
-      revert: button("Program's result", () => this.view.revert(), { title: "Take back all corrections of this photograph; they stay in its history" }),
+      revert: button("Back to the program", () => this.view.revert(), { kind: "small", title: "Take back all corrections of this photograph; they stay in its history" }),
     };
-    return [h("div.decision", null, Object.values(this.buttons)), field("Reason, if rejected", this.why)];
+    const { accept, undo, redo, reject } = this.buttons;
+    return [h("div.decision", null, accept, undo, redo, reject), h("label.why", null, h("span", null, "Reason to reject"), this.why)];
   }
 
   corrected() {
@@ -140,7 +141,8 @@ export class PhotographInspector {
     const records = [...document.history].reverse();
     place(
       this.parts.history,
-      h("div.headline", null, h("h3", null, "History"), change.accepted && chip("accepted", "good"), change.rejected && chip(`rejected: ${change.rejected}`, "bad")),
+      h("div.headline", null, h("h3", null, "History"), this.buttons.revert),
+      h("div.chips", null, change.accepted && chip("accepted", "good"), change.rejected && chip(`rejected: ${change.rejected}`, "bad")),
       records.length
         ? h("ol.history", { tabindex: 0, "aria-label": "History of corrections" }, records.map((record) => h("li", null, h("span", null, wordsOf(record)), h("time", { datetime: record.when, title: record.when }, `${record.who || "unknown"}, ${ago(record.when)}`))))
         : h("p.soft", null, "As the program measured it."),

@@ -80,7 +80,7 @@ class Photographs {
         null,
         this.toolbar,
         this.stage.root,
-        h("aside.inspector", { "aria-label": "The photograph that is open", tabindex: 0 }, this.inspector.root),
+        h("aside.inspector", { "aria-label": "The photograph that is open", tabindex: 0 }, this.inspector.root, this.inspector.footer),
         h("section.film", { "aria-label": "All photographs" }, this.strip.root),
       ),
     );
@@ -343,7 +343,7 @@ class Photographs {
 }
 
 /** Many points as one path: a stroke of no length with round ends is a dot. */
-const dots = (points) => (points ?? []).map(([row, column]) => `M${column} ${row}h0`).join("");
+const dots = (points) => (points ?? []).map(([row, column]) => `M${column} ${row}h.01`).join("");
 
 function describe(entry) {
   const marks = [];

@@ -5,7 +5,7 @@ import { h, place } from "../core/dom.js";
 import { plain, unitOf } from "../core/quantity.js";
 import { chip } from "../parts/forms.js";
 
-const good = (verdict) => /reproduc|agree|follow|within/i.test(verdict) && !/not|no |differ/i.test(verdict);
+const KIND = { reproduced: "good", "reproduced with the known slip": "accent" };
 
 export class Audit {
   constructor(root) {
@@ -14,10 +14,10 @@ export class Audit {
 
   async load() {
     const { items } = await get("/api/published");
-    const kept = items.filter(({ verdict }) => good(verdict)).length;
+    const count = (verdict) => items.filter((item) => item.verdict === verdict).length;
     place(
       this.root,
-      h("p.lead", null, `The supplement of Dzidek et al. 2017, from which the model comes: ${items.length} printed numbers beside what its equations give from its own printed inputs. ${kept} can be reproduced.`),
+      h("p.lead", null, `The supplement of Dzidek et al. 2017, from which the model comes: ${items.length} printed numbers beside what its equations give from its own printed inputs. ${count("reproduced")} are reproduced, ${count("reproduced with the known slip")} with a slip of the pen that is known, and the rest cannot be had from what is printed.`),
       h(
         "div.table-wrap",
         { tabindex: 0, role: "region", "aria-label": "Audit of the printed tables" },
@@ -37,7 +37,7 @@ export class Audit {
                 h("td.number", null, plain(item.computed)),
                 h("td.number", null, item.low === null || item.low === undefined ? "–" : `${plain(item.low)} to ${plain(item.high)}`),
                 h("td.number", null, plain(item.with_slip)),
-                h("td", null, chip(item.verdict, good(item.verdict) ? "good" : "warn")),
+                h("td", null, chip(item.verdict, KIND[item.verdict] ?? "warn")),
                 h("td.how", null, item.formula && h("code", null, item.formula), item.remark && h("p.soft", null, item.remark)),
               ),
             ),

@@ -32,7 +32,7 @@ export class Budget {
       "section.card",
       { "aria-label": `${finger}, wedge ${wedge}°` },
       h("header", null, h("h2", null, `${finger}, θ = ${plain(wedge)}°${roll ? `, φ = ${plain(roll)}°` : ""}`), synthetic(made)),
-      check && h("p", null, h("span.number", null, `${check.observation}: ${withStd(check.value_mm, check.std_mm)} mm`), " ", check.valid ? chip("the first order holds", "good") : chip("the first order does not hold", "warn")),
+      check && h("p", null, h("span.number", null, `${check.observation}: ${withStd(check.value, check.std)} mm`), " ", check.valid ? chip("the first order holds", "good") : chip("the first order does not hold", "warn")),
       sources.length
         ? h(
             "table.budget",

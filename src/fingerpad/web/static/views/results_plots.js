@@ -2,9 +2,18 @@
 
 import { get } from "../core/api.js";
 import { h, place, symbol } from "../core/dom.js";
-import { plain, withStd } from "../core/quantity.js";
+import { plain, unitOf, withStd, withUnit } from "../core/quantity.js";
 import { chart, colour, forget } from "../parts/chart.js";
 import { choose, field, synthetic } from "../parts/forms.js";
+
+// What is drawn against load: key, words, axis, and whether both axes are logarithmic.
+const QUANTITIES = [
+  ["radius_from_indentation_mm", "corrected radius", "corrected radius of curvature (mm)"],
+  ["gross_area_mm2", "contact area", "gross area (mm²)", true],
+  ["aspect_ratio", "aspect ratio", "aspect ratio ℓd/ℓe"],
+  ["indentation_mm", "indentation", "indentation ξ (mm)"],
+  ["youngs_modulus_kpa", "Young's modulus", "Young's modulus E (kPa)"],
+];
 
 const BARS = [
   ["given", "with the pad's geometry held exact, as the source does"],
@@ -16,11 +25,12 @@ export class Plots {
     this.root = root;
     this.finger = "";
     this.bars = "given";
+    this.quantity = QUANTITIES[0][0];
     this.drawn = new Set();
   }
 
   async load() {
-    this.groups = (await get("/api/results/plot", { kind: "corrected_radius" })).groups;
+    this.groups = (await get("/api/results/plot")).groups;
     const fingers = [...new Set(this.groups.map(({ finger }) => finger))];
     this.grid = h("div.plot-grid");
     place(
@@ -28,6 +38,7 @@ export class Plots {
       h(
         "div.plot-bar",
         null,
+        field("Against load", choose({ value: this.quantity, options: QUANTITIES, onset: (value) => ((this.quantity = value), this.#draw()) })),
         field("Finger", choose({ value: "", options: [["", "all fingers"], ...fingers], onset: (value) => ((this.finger = value), this.#draw()) })),
         field("Bars: one standard uncertainty", choose({ value: this.bars, options: BARS, onset: (value) => ((this.bars = value), this.#draw()) })),
         h(
@@ -68,7 +79,7 @@ export class Plots {
       h(
         "dl.facts",
         null,
-        group.pooled_radius_mm !== null && h("div.main-fact", null, h("dt", null, symbol("R", "g", "corr"), ", pooled"), h("dd.number", null, withStd(group.pooled_radius_mm, group.pooled_radius_mm_std), " mm")),
+        group.radius_from_indentation_mm !== null && h("div.main-fact", null, h("dt", null, symbol("R", "g", "corr"), ", pooled"), h("dd.number", null, withStd(group.radius_from_indentation_mm, group.radius_from_indentation_mm_std), " mm")),
         fact(symbol("R", "0g"), group.mean_curvature_radius_mm, group.mean_curvature_radius_mm_std),
         fact(symbol("R", "g"), group.loading_radius_mm, group.loading_radius_mm_std),
       ),
@@ -88,12 +99,13 @@ export class Plots {
     const { group } = node;
     const { rows } = group;
     const [measured, compliance, panel, ink] = ["measured", "compliance", "panel", "undeformed"].map(colour);
-    const std = this.bars === "given" ? rows.radius_from_indentation_mm_std_given_geometry : rows.radius_from_indentation_mm_std;
-    const count = rows.item.length;
-    const crowded = count > 80;
+    const radius = this.quantity === QUANTITIES[0][0];
+    const [key, words, title, logarithmic] = QUANTITIES.find(([each]) => each === this.quantity);
+    const std = rows[radius && this.bars === "given" ? `${key}_std_given_geometry` : `${key}_std`];
+    const crowded = rows.item.length > 80;
     const name = (index) => rows.item[index];
     const traces = [
-      {
+      radius && {
         x: rows.load_N,
         y: rows.radius_from_compliance_mm,
         mode: "markers",
@@ -104,26 +116,26 @@ export class Plots {
       },
       {
         x: rows.load_N,
-        y: rows.radius_from_indentation_mm,
-        error_y: { type: "data", array: std, color: measured, thickness: 1.4, width: crowded ? 0 : 4 },
+        y: rows[key],
+        error_y: std && { type: "data", array: std, color: measured, thickness: 1.4, width: crowded ? 0 : 4 },
         mode: "markers",
         type: "scatter",
         marker: { color: group.synthetic ? panel : measured, size: crowded ? 4 : 8.5, line: { color: measured, width: 1.6 }, opacity: rows.pooled ? rows.pooled.map((pooled) => (pooled ? 1 : 0.45)) : 1 },
-        hovertemplate: rows.item.map((_, index) => `${"%{text}"}<br>W = %{x:.3g} N<br>R corrected = ${withStd(rows.radius_from_indentation_mm[index], std[index])} mm<extra></extra>`),
+        hovertemplate: rows.item.map((_, index) => `${"%{text}"}<br>W = %{x:.3g} N<br>${words}: ${withUnit(withStd(rows[key][index], std?.[index]), unitOf(key))}<extra></extra>`),
         text: rows.item,
-        customdata: rows.item,
       },
-    ];
-    const lines = [
-      ["R₀g", group.mean_curvature_radius_mm, "dot"],
-      ["Rg", group.loading_radius_mm, "dash"],
+    ].filter(Boolean);
+    const lines = !radius ? [] : [
+      ["<i>R</i><sub>0g</sub>", group.mean_curvature_radius_mm, "dot"],
+      ["<i>R</i><sub>g</sub>", group.loading_radius_mm, "dash"],
     ].filter(([, value]) => value !== null && value !== undefined);
     try {
       await chart(node, traces, {
         x: "normal load W (N)",
-        y: "corrected radius of curvature (mm)",
+        y: title,
+        ranges: logarithmic ? { x: { type: "log" }, y: { type: "log" } } : {},
         shapes: lines.map(([, value, dash]) => ({ type: "line", xref: "paper", x0: 0, x1: 1, y0: value, y1: value, line: { color: ink, width: 1.3, dash } })),
-        annotations: lines.map(([label, value]) => ({ xref: "paper", x: 1.01, xanchor: "left", y: value, text: `<i>${label}</i> ${plain(value)}` })),
+        annotations: lines.map(([label, value]) => ({ xref: "paper", x: 1.01, xanchor: "left", y: value, text: `${label} ${plain(value)}` })),
         chosen: ({ pointIndex }) => {
           const item = name(pointIndex);
           const source = item.includes("#") ? `film:${item.split("#")[0]}` : "images";

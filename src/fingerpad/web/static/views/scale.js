@@ -14,7 +14,7 @@ const WAYS = [
   ["line", "Ruler"],
   ["coin", "Coin"],
   ["ppi", "Resolution"],
-  ["mm_per_px", "mm per pixel"],
+  ["mm_per_px", "mm/px"],
 ];
 
 const COINS = [
@@ -46,7 +46,7 @@ class Scales {
     place(
       root,
       h("header.head", null, h("div", null, h("h1", null, "Scale"), h("p", null, "Every picture needs one. Pictures that share a scale by its name share its uncertainty too.")), h("div.actions", null, button("New scale", () => this.#start(null), { key: "n" }))),
-      h("div.bench.no-tools.scale-bench", null, h("div.scale-main", null, this.list, this.stage.root), h("aside.inspector", { "aria-label": "The scale that is open", tabindex: 0 }, this.form)),
+      h("div.bench.no-tools.scale-bench", null, h("div.scale-main", null, this.list, this.stage.root, (this.plainWords = h("div.empty", { hidden: true }, h("h2", null, "This scale is a number"), h("p", null, "No picture is needed. The scanner or the camera's data sheet says it; give its uncertainty too, it goes into every result.")))), h("aside.inspector", { "aria-label": "The scale that is open", tabindex: 0 }, this.form)),
     );
     bindHere([
       ["n", "New scale", () => this.#start(null)],
@@ -123,6 +123,7 @@ class Scales {
     );
     this.#drawFields();
     this.stage.root.hidden = !["line", "coin"].includes(this.way);
+    this.plainWords.hidden = !this.stage.root.hidden;
   }
 
   #drawFields() {

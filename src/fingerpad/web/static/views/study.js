@@ -23,7 +23,7 @@ class StudyView {
     this.side = h("aside.stack.study-side", { "aria-label": "What is missing, and what holds for the whole study" });
     this.heading = h("div");
     this.ready = h("div.actions");
-    place(root, h("header.head", null, this.heading, this.ready), h("div.scroll.study-grid", null, h("div.stack", null, this.drop.root, this.files.root, this.tables.root), this.side));
+    place(root, h("header.head", null, this.heading, this.ready), h("div.scroll.study-grid", null, h("div.stack.across", null, this.drop.root, this.files.root), h("div.stack", null, this.tables.root, this.files.rest), this.side));
     this.drop.watch(root);
     bindHere([
       ["a", "Add files", () => this.drop.chooser.click()],

@@ -140,6 +140,7 @@ export class StudyTables {
   }
 
   #observations(observations) {
+    const rolled = observations.some(({ roll_angle_deg: roll }) => roll) || bench.study.uncertainty.roll_angle_std_deg > 0;
     const pages = Math.max(1, Math.ceil(observations.length / PAGE));
     this.page = Math.min(this.page, pages - 1);
     const shown = observations.slice(this.page * PAGE, (this.page + 1) * PAGE);
@@ -154,8 +155,8 @@ export class StudyTables {
             h(
               "table.tight",
               null,
-              h("thead", null, h("tr", null, ["Contact", "Finger", "Wedge, °", "Roll, °", "Load, N", "Scale", "Status", ""].map((words) => h("th", { scope: "col" }, words || h("span.sr", null, "Actions"))))),
-              h("tbody", null, shown.map((observation) => this.#observation(observation))),
+              h("thead", null, h("tr", null, ["Contact", "Finger", "Wedge, °", ...(rolled ? ["Roll, °"] : []), "Load, N", "Scale", "Status", ""].map((words) => h("th", { scope: "col" }, words || h("span.sr", null, "Actions"))))),
+              h("tbody", null, shown.map((observation) => this.#observation(observation, rolled))),
             ),
           )
         : h("p.soft", null, "None yet. Drop contact images above; each is one contact at one load."),
@@ -170,7 +171,7 @@ export class StudyTables {
     return h("div.actions", null, button("‹", go(-1), { kind: "small", disabled: this.page === 0, label: "Page before" }), h("span.number", null, `${this.page + 1} of ${pages}`), button("›", go(1), { kind: "small", disabled: this.page === pages - 1, label: "Next page" }));
   }
 
-  #observation(one) {
+  #observation(one, rolled) {
     const fixed = one.from_csv;
     const set = (key) => (value) => this.change("observation", one.item, { [key]: value });
     const num = (key, words, more) => cell("observation", one.item, key, number({ value: one[key], min: 0, label: `${words} of ${one.item}`, onset: set(key), disabled: fixed, ...more }));
@@ -182,7 +183,7 @@ export class StudyTables {
         ? h("td", null, one.finger)
         : cell("observation", one.item, "finger", choose({ value: one.finger ?? "", options: [...(one.finger ? [] : [["", "– which? –"]]), ...bench.study.fingers.map(({ name }) => name)], label: `Finger of ${one.item}`, onset: set("finger") })),
       num("wedge_angle_deg", "Wedge angle", { max: 90 }),
-      num("roll_angle_deg", "Roll angle", { min: undefined }),
+      rolled && num("roll_angle_deg", "Roll angle", { min: undefined }),
       num("load_N", "Load"),
       fixed || !one.file ? h("td.soft", null, one.file ? scaleWords(one.scale) : "ellipse given") : cell("observation", one.item, "scale", scaleChoice({ value: one.scale, label: `Scale of ${one.item}`, onset: set("scale") })),
       h("td", null, incomplete(one) || statusChip(one)),
