@@ -26,7 +26,7 @@ export function colour(name) {
 export async function chart(root, traces, { x, y, shapes = [], annotations = [], chosen, ranges = {} }) {
   const plotly = await load();
   const [ink, soft, line, panel] = ["ink", "soft", "line", "panel"].map(colour);
-  const axis = (title, range) => ({ title: { text: title, standoff: 8 }, color: ink, gridcolor: line, linecolor: soft, zeroline: false, ticks: "outside", tickcolor: soft, automargin: true, rangemode: "tozero", ...(range ?? {}) });
+  const axis = (title, range) => ({ title: { text: title, standoff: 8, font: { size: 12.5 } }, color: ink, gridcolor: line, linecolor: soft, zeroline: false, ticks: "outside", tickcolor: soft, automargin: true, rangemode: "tozero", ...(range ?? {}) });
   const layout = {
     font: { family: getComputedStyle(document.body).fontFamily, size: 12.5, color: ink },
     paper_bgcolor: panel,

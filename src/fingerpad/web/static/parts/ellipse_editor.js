@@ -14,7 +14,8 @@ export class EllipseEditor {
     this.curve = [s("ellipse.casing"), s("ellipse.ellipse")];
     this.axes = [s("path.arm"), s("path.arm")];
     this.stalk = s("path.stalk");
-    this.layer = s("g.ellipse-editor", { visibility: "hidden" }, this.curve, this.axes, this.stalk);
+    this.lines = s("g.ellipse-lines", { visibility: "hidden" }, this.curve, this.axes, this.stalk);
+    this.layer = s("g.ellipse-handles", { visibility: "hidden" });
     this.handles = {
       centre: this.#handle("Centre of the ellipse", "centre", (place) => (this.shape.centre = place)),
       first: this.#end(names[0], 0, 1),
@@ -29,7 +30,7 @@ export class EllipseEditor {
       ),
     };
     this.layer.append(...Object.values(this.handles).map(({ node }) => node));
-    stage.world.append(this.layer);
+    stage.world.append(this.lines, this.layer);
     this.forget = stage.keepSize(() => this.shape && this.#draw());
   }
 
@@ -81,13 +82,17 @@ export class EllipseEditor {
     const arms = [arm(firstEnd), arm(secondEnd)];
     const lengths = arms.map(([row, column]) => Math.hypot(row, column));
     this.shape = { centre: [...centre], lengths, directions: arms.map(([row, column], index) => [row / lengths[index], column / lengths[index]]) };
-    this.layer.setAttribute("visibility", "visible");
+    this.#visible("visible");
     this.#draw();
   }
 
   hide() {
     this.shape = null;
-    this.layer.setAttribute("visibility", "hidden");
+    this.#visible("hidden");
+  }
+
+  #visible(value) {
+    for (const layer of [this.lines, this.layer]) layer.setAttribute("visibility", value);
   }
 
   end(axis, side = 1) {
@@ -124,6 +129,7 @@ export class EllipseEditor {
   remove() {
     this.forget();
     for (const each of Object.values(this.handles)) each.remove();
+    this.lines.remove();
     this.layer.remove();
   }
 }

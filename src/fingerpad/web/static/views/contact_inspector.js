@@ -40,7 +40,7 @@ export class ContactInspector {
     place(
       this.parts.head,
       h("div.headline", null, h("h2", null, entry.frame === undefined ? entry.item : `Frame ${entry.frame}`), h("span", null, synthetic(entry.synthetic ?? this.view.film?.synthetic))),
-      h("p.context.number", null, lines.join(" · ")),
+      h("p.context", null, lines.join(" · ")),
     );
     place(this.parts.numbers, h("p.loading", null, "Measuring …"));
     this.tool();

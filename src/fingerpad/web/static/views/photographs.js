@@ -56,10 +56,10 @@ class Photographs {
     this.stage.root.classList.add("face");
     this.used = s("path.arc-points");
     this.out = s("path.out-points");
-    this.stage.world.append(this.used, this.out);
     this.mark = h("span.synthetic.stage-synthetic", { hidden: true }, "synthetic");
     this.stage.root.append(this.mark);
     this.editor = new EllipseEditor(this.stage, ["semi-axis across", "semi-axis along"], (shape, final) => this.#dragged(final));
+    this.editor.layer.before(this.used, this.out);
     this.box = new Box(this.stage, (box) => this.#keep((change) => ({ ...change, region_of_interest_px: box })));
     this.line = new Line(this.stage, (ends) => this.lengths.ask(ends));
     this.added = [];
