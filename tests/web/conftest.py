@@ -1,7 +1,6 @@
 """A bench on a copy of the demo study, asked as the page asks it."""
 
 import shutil
-import socket
 import threading
 from contextlib import contextmanager
 from pathlib import Path
@@ -10,8 +9,12 @@ import httpx
 import pytest
 import uvicorn
 
+from fingerpad.report import write_report
+from fingerpad.study.output import write_tables
+from fingerpad.study.pipeline import run_study
 from fingerpad.web.app import make_app
 from fingerpad.web.bench import Bench
+from fingerpad.web.server import listening
 
 DEMO = Path(__file__).parents[2] / "examples" / "dzidek2017"
 TOKEN = "a-token-of-the-tests"
@@ -20,7 +23,7 @@ TOKEN = "a-token-of-the-tests"
 @contextmanager
 def serving(bench):
     """Serve a bench on a port of this machine, and yield a client that knows the token."""
-    listener = socket.create_server(("127.0.0.1", 0))
+    listener = listening(0)
     server = uvicorn.Server(
         uvicorn.Config(make_app(bench, TOKEN), log_level="warning", timeout_graceful_shutdown=1)
     )
@@ -58,12 +61,19 @@ def client(bench):
 
 
 @pytest.fixture(scope="session")
+def standing(tmp_path_factory):
+    """Return a client of a bench on the demo study that has not been run; tests must not change it."""
+    workspace = tmp_path_factory.mktemp("standing")
+    shutil.copytree(DEMO, workspace / "demo")
+    bench = Bench(workspace)
+    bench.open_folder(workspace / "demo")
+    with serving(bench) as client:
+        yield client
+
+
+@pytest.fixture(scope="session")
 def run_once(tmp_path_factory):
     """Run the demo study once, for all tests that only read its results."""
-    from fingerpad.report import write_report
-    from fingerpad.study.output import write_tables
-    from fingerpad.study.pipeline import run_study
-
     folder = tmp_path_factory.mktemp("run") / "demo"
     shutil.copytree(DEMO, folder)
     result = run_study(folder / "study.toml", folder / "results")

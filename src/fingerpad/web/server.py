@@ -1,5 +1,6 @@
 """Serving the page on this machine."""
 
+import os
 import socket
 from collections.abc import Callable
 from typing import Final
@@ -32,12 +33,7 @@ def serve(bench: Bench, *, port: int, on_ready: Callable[[str], None]) -> None:
         If the port cannot be had.
     """
     token = new_token()
-    try:
-        listener = socket.create_server((LOOPBACK, port))
-    except OSError as error:
-        raise FingerpadError(
-            f"port {port} of {LOOPBACK} cannot be had ({error.strerror}): choose another with --port"
-        ) from error
+    listener = listening(port)
     address = f"http://{LOOPBACK}:{listener.getsockname()[1]}{START}?token={token}"
 
     class Server(uvicorn.Server):
@@ -57,3 +53,26 @@ def serve(bench: Bench, *, port: int, on_ready: Callable[[str], None]) -> None:
             Server(config).run(sockets=[listener])
         finally:
             bench.close()
+
+
+def listening(port: int) -> socket.socket:
+    """Return a socket that listens on this machine only.
+
+    Raises
+    ------
+    FingerpadError
+        If the port cannot be had.
+    """
+    # Only of a socket that says TCP does asyncio send small parts at once; else each answer waits for 40 ms.
+    listener = socket.socket(socket.AF_INET, socket.SOCK_STREAM, socket.IPPROTO_TCP)
+    try:
+        if os.name == "posix":
+            listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        listener.bind((LOOPBACK, port))
+        listener.listen()
+    except OSError as error:
+        listener.close()
+        raise FingerpadError(
+            f"port {port} of {LOOPBACK} cannot be had ({error.strerror}): choose another with --port"
+        ) from error
+    return listener

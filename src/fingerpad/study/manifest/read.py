@@ -38,7 +38,7 @@ def read_study(path: Path) -> Study:
         raise ManifestError(f"{path}: not valid TOML: {error}") from error
     study = validated(Study, content, path.name, strict=True)
     if study.observations_csv is not None:
-        rows = read_rows(_inside(path.parent, study.observations_csv, path.name, "observations_csv"))
+        rows = read_rows(file_inside(path.parent, study.observations_csv, path.name, "observations_csv"))
         study = study.model_copy(update={"observations": [*study.observations, *rows]})
     faults = [*_reference_faults(study), *_file_faults(study, path.parent)]
     if faults:
@@ -72,12 +72,12 @@ def _reference_faults(study: Study) -> Iterator[str]:
 def _file_faults(study: Study, folder: Path) -> Iterator[str]:
     for place, name in study.named_files():
         try:
-            _inside(folder, name, "", place)
+            file_inside(folder, name, "", place)
         except ManifestError as error:
             yield str(error).removeprefix(": ")
 
 
-def _inside(folder: Path, name: str, where: str, place: str) -> Path:
+def file_inside(folder: Path, name: str, where: str, place: str) -> Path:
     """Return the path of a file of the study, which must exist inside its folder; frames may be a folder."""
     path = folder / name
     try:

@@ -9,7 +9,7 @@ from fingerpad.study.manifest.contacts import Observation
 from fingerpad.study.manifest.faults import validated
 
 # A cell holds no table: these columns make the tables of an observation.
-_COLUMNS: Final = {
+TABLE_COLUMNS: Final = {
     "ellipse_mm": {
         "semi_major_mm": "semi_major",
         "semi_minor_mm": "semi_minor",
@@ -53,7 +53,7 @@ def _row(header: list[str], cells: list[str], where: str) -> Observation:
     content: dict[str, Any] = {
         key: cell.strip() for key, cell in zip(header, cells, strict=False) if cell.strip()
     }
-    for table, columns in _COLUMNS.items():
+    for table, columns in TABLE_COLUMNS.items():
         found = [column for column in columns if column in content]
         if found and table in content:
             raise ManifestError(f"{where}: give either {table} or {found[0]}, one of the two")

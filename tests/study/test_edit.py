@@ -1,0 +1,339 @@
+"""Changing the manifest by program: comments stay, wrong edits write nothing, what is incomplete waits."""
+
+import multiprocessing
+import tomllib
+
+import pytest
+
+from fingerpad.exceptions import EditConflict, ManifestError, StoreError
+from fingerpad.study.corrections import CorrectionLog
+from fingerpad.study.edit import DRAFT_NAME, STUDY_NAME, Edit, change_study, create_study, study_state
+from fingerpad.study.manifest import read_study
+from fingerpad.study.missing import missing
+
+MANIFEST = """\
+# Whose study this is.
+title = "Ours"   # to be renamed
+
+[scales.reader]
+ppi = 500        # on the box
+
+[[fingers]]
+name = "left"    # the first
+semi_axes_mm = { palmar = 7.9, distal = 13.8, radial_ulnar = 11.8 }
+semi_axes_std_mm = { palmar = 0.2, distal = 0.2, radial_ulnar = 0.2 }
+
+# The prints.
+[[observations]]
+name = "print_1"
+finger = "left"
+wedge_angle_deg = 30
+load_N = 2.0     # from the balance
+image = "a.png"
+scale = "reader"
+
+[[observations]]
+name = "print_2"
+finger = "left"
+wedge_angle_deg = 45
+load_N = 1.0
+image = "b.png"
+scale = "reader"
+"""
+SEMI_AXES = {
+    "semi_axes_mm": {"palmar": 7.9, "distal": 13.8, "radial_ulnar": 11.8},
+    "semi_axes_std_mm": {"palmar": 0.2, "distal": 0.2, "radial_ulnar": 0.2},
+}
+PRINT = {"finger": "left", "image": "a.png", "scale": "reader", "wedge_angle_deg": 30, "load_N": 2}
+
+
+@pytest.fixture
+def folder(tmp_path):
+    for name in ("a.png", "b.png", "c.png"):
+        (tmp_path / name).write_bytes(b"a picture")
+    (tmp_path / STUDY_NAME).write_text(MANIFEST)
+    return tmp_path
+
+
+def changed(folder, *edits):
+    edits = [Edit(kind=kind, key=key, set=values) for kind, key, values in edits]
+    return change_study(folder, edits, expected=study_state(folder).digest)
+
+
+def kept(folder):
+    """Everything a study folder holds, but locks."""
+    return {path.name: path.read_bytes() for path in folder.iterdir() if path.suffix != ".lock"}
+
+
+def test_one_value_changes_one_line(folder):
+    changed(folder, ("observation", "print_1", {"load_N": 2.5}))
+    before, after = MANIFEST.splitlines(), (folder / STUDY_NAME).read_text().splitlines()
+    different = [(old, new) for old, new in zip(before, after, strict=True) if old != new]
+    assert different == [("load_N = 2.0     # from the balance", "load_N = 2.5     # from the balance")]
+
+
+def test_adding_leaves_what_was_there(folder):
+    state = changed(
+        folder,
+        ("observation", "print_3", {**PRINT, "image": "c.png", "threshold": 40.5, "seed_px": [20, 30]}),
+        ("scale", "camera", {"mm_per_px": 0.05, "relative_std": 0.01}),
+        ("study", "", {"poisson_ratio": 0.49}),
+        ("uncertainty", "", {"load_relative_std": 0.02}),
+        ("curve", "0", {"finger": "left", "wedge_angle_deg": 30, "effective_radius_mm": 5.5}),
+    )
+    study = read_study(folder / STUDY_NAME)
+    assert study == state.study
+    assert [each.name for each in study.observations] == ["print_1", "print_2", "print_3"]
+    assert study.observations[2].seed_px == [20, 30]
+    assert (study.poisson_ratio, study.uncertainty.load_relative_std) == (0.49, 0.02)
+    assert study.scales["camera"].mm_per_px == 0.05
+    assert study.curves[0].effective_radius_mm == 5.5
+    text = (folder / STUDY_NAME).read_text()
+    assert all(line in text for line in MANIFEST.splitlines())
+    assert state.incomplete == ()
+    assert not (folder / DRAFT_NAME).exists()
+
+
+def test_removing_and_renaming(folder):
+    changed(folder, ("observation", "print_1", None), ("finger", "left", {"name": "right"}))
+    changed(folder, ("scale", "reader", {"name": "scanner"}))
+    study = read_study(folder / STUDY_NAME)
+    assert [(each.name, each.finger, each.scale) for each in study.observations] == [
+        ("print_2", "right", "scanner")
+    ]
+    assert "# The prints." not in MANIFEST.split("[[observations]]")[1]
+
+
+def test_a_scale_said_another_way_replaces_the_first(folder):
+    changed(folder, ("scale", "reader", {"line": [[10, 20], [10, 220.5]], "length_mm": 10}))
+    assert read_study(folder / STUDY_NAME).scales["reader"].line == [[10, 20], [10, 220.5]]
+
+
+def test_a_finger_from_semi_axes_to_photographs(folder):
+    faces = [("palmar", "a.png"), ("distal", "b.png")]
+    changed(
+        folder,
+        ("finger", "left", dict.fromkeys(SEMI_AXES)),
+        *(("photograph", f"left/{image}", {"face": face, "scale": "reader"}) for face, image in faces),
+    )
+    changed(folder, ("photograph", "left/b.png", {"tip": "left"}))
+    finger = read_study(folder / STUDY_NAME).fingers[0]
+    assert [(one.face, one.image, one.tip) for one in finger.photographs] == [
+        ("palmar", "a.png", "up"),
+        ("distal", "b.png", "left"),
+    ]
+    changed(folder, ("photograph", "left/a.png", None))
+    assert [one.image for one in read_study(folder / STUDY_NAME).fingers[0].photographs] == ["b.png"]
+
+
+BAD = {
+    "unknown finger": (("observation", "print_1", {"finger": "middle"}), "no finger is named 'middle'"),
+    "no such file": (("observation", "print_1", {"image": "z.png"}), "no file 'z.png' in the study folder"),
+    "out of the folder": (("observation", "print_1", {"image": "../a.png"}), "'../a.png'"),
+    "absolute path": (("observation", "print_1", {"image": "/etc/passwd"}), "leaves the study folder"),
+    "negative load": (("observation", "print_1", {"load_N": -1}), "observations[0].load_N: expected"),
+    "text for a number": (("observation", "print_1", {"load_N": "2"}), "observations[0].load_N"),
+    "unknown key": (("observation", "print_1", {"laod_N": 1}), "did you mean 'load_N'"),
+    "required key gone": (("observation", "print_1", {"load_N": None}), "load_N: required, but missing"),
+    "name twice": (("observation", "print_1", {"name": "print_2"}), "is given 2 times"),
+    "name that is a path": (("observation", "print_1", {"name": "../x"}), "letters, digits"),
+    "scale in use": (("scale", "reader", None), "no scale is named 'reader'"),
+    "last finger": (("finger", "left", None), "fingers"),
+    "no such scale": (("scale", "ruler", None), "none of this name"),
+    "no such observation": (("observation", "p", None), "none of this name"),
+    "photograph of nobody": (("photograph", "x/a.png", {"face": "palmar"}), "no finger is named 'x'"),
+    "curve far on": (("curve", "7", {"finger": "left"}), "numbered from 0"),
+    "tables at the top": (("study", "", {"fingers": []}), "edits of its own"),
+    "not for TOML": (("observation", "print_1", {"notes": {1, 2}}), "cannot be written as TOML"),
+    "unknown kind": (("thing", "x", {}), "no part of a study"),
+    "title gone": (("study", "", {"title": None}), "title: required"),
+}
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_a_wrong_edit_writes_nothing(folder, case):
+    edit, words = BAD[case]
+    before = kept(folder)
+    with pytest.raises(ManifestError) as error:
+        changed(folder, ("observation", "print_2", {"load_N": 9}), edit)
+    assert words in str(error.value)
+    assert ".new" not in str(error.value)
+    assert kept(folder) == before
+
+
+def test_a_study_grows_from_nothing(tmp_path):
+    for name in ("a.png", "b.png"):
+        (tmp_path / name).write_bytes(b"a picture")
+    state = create_study(tmp_path, "  New one ")
+    assert (state.title, state.study, state.incomplete) == ("New one", None, ())
+    state = changed(tmp_path, ("scale", "reader", {"ppi": 500}))
+    state = changed(tmp_path, ("observation", "print_1", {"image": "a.png", "scale": "reader"}))
+    waiting = {one.key: one.faults for one in state.incomplete}
+    assert waiting["reader"] == ()
+    assert any("load_N: required" in fault for fault in waiting["print_1"])
+    state = changed(tmp_path, ("observation", "print_1", PRINT))
+    assert {one.key: one.faults for one in state.incomplete}["print_1"] == (
+        "finger: 'left' is not complete, or there is none of this name",
+    )
+    assert state.study is None
+    state = changed(tmp_path, ("finger", "left", SEMI_AXES))
+    assert state.incomplete == ()
+    assert state.study.title == "New one"
+    assert state.study.observations[0].load_N == 2
+    assert not (tmp_path / DRAFT_NAME).exists()
+    assert state.study == read_study(tmp_path / STUDY_NAME)
+
+
+def test_what_is_incomplete_does_not_stand_in_the_way(folder):
+    state = changed(folder, ("observation", "print_3", {"image": "c.png", "scale": "reader"}))
+    assert [one.key for one in state.incomplete] == ["print_3"]
+    state = changed(folder, ("observation", "print_1", {"load_N": 7}))
+    assert state.study.observations[0].load_N == 7
+    assert tomllib.loads((folder / DRAFT_NAME).read_text())["observations"] == [
+        {"name": "print_3", "image": "c.png", "scale": "reader"}
+    ]
+    state = changed(folder, ("observation", "print_3", {"image": "z.png", **PRINT, "name": "PRINT_1"}))
+    assert state.incomplete[0].faults == ("name: 'PRINT_1' is taken; names must differ by more than case",)
+    state = changed(folder, ("observation", "PRINT_1", {"name": "print_4", "image": "z.png"}))
+    assert "no file 'z.png'" in state.incomplete[0].faults[0]
+    state = changed(folder, ("observation", "print_4", None))
+    assert state.incomplete == ()
+    assert not (folder / DRAFT_NAME).exists()
+
+
+def test_a_stop_between_two_files_leaves_nothing_twice(folder):
+    changed(folder, ("observation", "print_3", {"image": "c.png"}))
+    left = (folder / DRAFT_NAME).read_text()
+    changed(folder, ("observation", "print_3", {**PRINT, "image": "c.png"}))
+    full = left.replace(
+        'image = "c.png"', "\n".join(f"{k} = {v!r}" for k, v in ({**PRINT, "image": "c.png"}).items())
+    )
+    (folder / DRAFT_NAME).write_text(full)
+    state = study_state(folder)
+    assert state.incomplete == ()
+    assert [each.name for each in state.study.observations] == ["print_1", "print_2", "print_3"]
+
+
+def test_who_saw_less_changes_nothing(folder):
+    seen = study_state(folder).digest
+    changed(folder, ("observation", "print_1", {"load_N": 3}))
+    before = kept(folder)
+    with pytest.raises(EditConflict, match="changed the study since"):
+        change_study(folder, [Edit(kind="study", key="", set={"title": "x"})], expected=seen)
+    assert kept(folder) == before
+    assert issubclass(EditConflict, StoreError)
+
+
+def rename_until_done(folder, number):
+    while True:
+        try:
+            edit = Edit(kind="observation", key=f"print_{number}", set={"notes": "done"})
+            change_study(folder, [edit], expected=study_state(folder).digest)
+        except EditConflict:
+            continue
+        return
+
+
+def test_two_editors_at_once(folder):
+    context = multiprocessing.get_context("fork")
+    workers = [context.Process(target=rename_until_done, args=(folder, number)) for number in (1, 2)]
+    for worker in workers:
+        worker.start()
+    for worker in workers:
+        worker.join(60)
+        assert worker.exitcode == 0
+    assert [each.notes for each in read_study(folder / STUDY_NAME).observations] == ["done", "done"]
+
+
+def test_rows_of_a_spreadsheet_are_changed_there(folder):
+    text = MANIFEST.replace('title = "Ours"', 'observations_csv = "more.csv"\ntitle = "Ours"')
+    (folder / STUDY_NAME).write_text(text)
+    rows = ['row_1,left,30,1.5,a.png,500,"as, was"', "row_2,left,30,2,b.png,500,"]
+    (folder / "more.csv").write_text(
+        "\n".join(["name,finger,wedge_angle_deg,load_N,image,ppi,notes", *rows, ""])
+    )
+    changed(
+        folder,
+        ("observation", "row_2", {"load_N": 2.25, "scale": "reader", "seed_px": [4, 5.5], "notes": None}),
+        ("finger", "left", {"name": "right"}),
+    )
+    lines = (folder / "more.csv").read_text().splitlines()
+    assert lines[1].startswith('row_1,right,30,1.5,a.png,500,"as, was"')
+    rows = {each.name: each for each in read_study(folder / STUDY_NAME).observations}
+    assert (rows["row_2"].load_N, rows["row_2"].scale, rows["row_2"].seed_px) == (2.25, "reader", [4, 5.5])
+    assert rows["row_1"].scale.ppi == 500
+    before = kept(folder)
+    with pytest.raises(ManifestError, match=r"more\.csv, line 3: load_N"):
+        changed(folder, ("observation", "row_2", {"load_N": -1}))
+    with pytest.raises(ManifestError, match="no column for scale.le"):
+        changed(folder, ("observation", "row_2", {"scale": {"line": [[1, 1], [2, 2]], "length_mm": 2}}))
+    assert kept(folder) == before
+    changed(folder, ("observation", "row_2", None))
+    assert "row_2" not in (folder / "more.csv").read_text()
+
+
+def test_corrected_names_stay(folder):
+    log = CorrectionLog(folder)
+    study = study_state(folder).study
+    log.append("print_1", {"accepted": True}, who="anna", expected=0, study=study)
+    with pytest.raises(ManifestError, match="has corrections"):
+        changed(folder, ("observation", "print_1", {"name": "other"}))
+    changed(folder, ("observation", "print_2", {"name": "other"}))
+
+
+def test_no_study_and_two_studies(tmp_path, folder):
+    with pytest.raises(ManifestError, match="there is a study already"):
+        create_study(folder, "x")
+    with pytest.raises(ManifestError, match="needs a title"):
+        create_study(tmp_path / "new", " ")
+    (tmp_path / "empty").mkdir()
+    with pytest.raises(ManifestError, match="holds no study"):
+        study_state(tmp_path / "empty")
+
+
+def test_damage_by_hand_is_told(folder):
+    (folder / STUDY_NAME).write_text("title = ")
+    with pytest.raises(ManifestError, match=r"study\.toml: not valid TOML"):
+        study_state(folder)
+    (folder / STUDY_NAME).write_text(MANIFEST)
+    (folder / DRAFT_NAME).write_text("observations = 3")
+    with pytest.raises(ManifestError, match=r"draft\.toml"):
+        study_state(folder)
+
+
+def said(folder):
+    return {(one.kind, one.key): one.words for one in missing(folder)}
+
+
+def test_what_is_missing_is_said(tmp_path):
+    create_study(tmp_path, "New")
+    assert said(tmp_path) == {("study", ""): "no finger yet: add one"}
+    for name in ("a.png", "b.png", "c.png"):
+        (tmp_path / name).write_bytes(b"a picture")
+    changed(tmp_path, ("scale", "reader", {"ppi": 500}), ("finger", "left", {}))
+    assert "give either semi_axes_mm or photographs" in said(tmp_path)["finger", "left"]
+    changed(tmp_path, ("photograph", "left/a.png", {"face": "palmar", "scale": "reader"}))
+    words = said(tmp_path)
+    assert "palmar semi-axis: add one of the distal or radial or ulnar face" in words["finger", "left"]
+    assert "no contact yet" in words["study", ""]
+    assert set(words) == {("finger", "left"), ("study", ""), ("file", "b.png"), ("file", "c.png")}
+    changed(
+        tmp_path,
+        ("photograph", "left/b.png", {"face": "distal", "scale": "reader"}),
+        ("observation", "p", {"finger": "left", "image": "c.png", "scale": "reader", "wedge_angle_deg": 30}),
+    )
+    assert said(tmp_path) == {("observation", "p"): "load_N: required, but missing"}
+    changed(tmp_path, ("observation", "p", {"load_N": 1}))
+    assert said(tmp_path) == {}
+
+
+def test_films_and_results_are_no_loose_pictures(folder):
+    (folder / "press").mkdir()
+    for number in range(30):
+        (folder / "press" / f"{number}.png").write_bytes(b"a frame")
+    (folder / "out" / "overlays").mkdir(parents=True)
+    (folder / "out" / "store.sqlite").write_bytes(b"")
+    (folder / "out" / "overlays" / "print_1.png").write_bytes(b"drawn")
+    words = said(folder)
+    assert words.pop(("folder", "press")).startswith("30 pictures")
+    assert set(words) == {("file", "c.png")}

@@ -1,0 +1,240 @@
+"""Files that come and go: uploads, ZIPs, downloads."""
+
+import io
+import stat
+import struct
+import zipfile
+import zlib
+
+import cv2
+import numpy as np
+import pytest
+import tifffile
+
+from fingerpad.web.bench import Bench
+
+from tests.web.conftest import serving
+
+
+def png(rows=40, columns=60, level=128):
+    return cv2.imencode(".png", np.full((rows, columns), level, np.uint8))[1].tobytes()
+
+
+def huge_png(rows, columns):
+    """Return a PNG whose header promises far more pixels than it holds."""
+
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    header = struct.pack(">IIBBBBB", columns, rows, 8, 0, 0, 0, 0)
+    parts = (chunk(b"IHDR", header), chunk(b"IDAT", zlib.compress(b"\0" * 1000)), chunk(b"IEND", b""))
+    return b"\x89PNG\r\n\x1a\n" + b"".join(parts)
+
+
+def upload(client, name, content, **query):
+    return client.post("/api/files", params={"name": name, **query}, content=content)
+
+
+def test_a_picture_is_kept_and_told(client, workspace):
+    answer = upload(client, "a1.png", png())
+    assert answer.status_code == 201, answer.text
+    record = answer.json()
+    assert (record["file"], record["kind"], record["rows_px"], record["columns_px"]) == (
+        "uploads/a1.png",
+        "picture",
+        40,
+        60,
+    )
+    assert (workspace / "demo" / record["file"]).read_bytes() == png()
+    listed = {file["file"]: file for file in client.get("/api/study").json()["files"]}
+    assert listed["uploads/a1.png"]["used"] is False
+    assert listed["synthetic/synthetic_30deg_2N.png"]["used"] is True
+
+
+def test_the_same_file_is_kept_once_and_another_never_replaces_it(client, workspace):
+    assert upload(client, "a.png", png()).status_code == 201
+    again = upload(client, "a.png", png())
+    assert (again.status_code, again.json()["file"]) == (200, "uploads/a.png")
+    other = upload(client, "a.png", png(level=3))
+    assert (other.status_code, other.json()["file"]) == (201, "uploads/a-2.png")
+    assert (workspace / "demo/uploads/a.png").read_bytes() == png()
+    assert not list((workspace / "demo/uploads").glob(".upload*"))
+
+
+@pytest.mark.parametrize(
+    ("name", "kept"),
+    [
+        ("../../../etc/x.png", "x.png"),
+        ("/etc/x.png", "x.png"),
+        ("C:\\temp\\x.png", "x.png"),
+        ("..png", "file.png"),
+        ("....//x.PNG", "x.PNG"),
+        ("a\0b.png", "a-b.png"),
+        ("a b (1).png", "a-b-1.png"),
+        ("Größe.png", "Größe.png"),
+        ("<script>.png", "script.png"),
+        ("x" * 400 + ".png", "x" * 120 + ".png"),
+        ("-rf.png", "rf.png"),
+        (".hidden.png", "hidden.png"),
+        ("con.png:stream.png", "con-png-stream.png"),
+    ],
+)
+def test_names_of_files_never_become_paths(client, workspace, name, kept):
+    before = {path for path in workspace.rglob("*")}
+    answer = upload(client, name, png())
+    assert answer.status_code == 201, answer.text
+    assert answer.json()["file"] == f"uploads/{kept}"
+    new = {path for path in workspace.rglob("*")} - before
+    assert new == {workspace / "demo/uploads", workspace / "demo/uploads" / kept}
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "status"),
+    [
+        ("x.exe", b"MZ", 415),
+        ("x", b"data", 415),
+        ("study.toml", b"title = 'x'", 415),
+        ("corrections.jsonl", b"{}", 415),
+        ("x.png", b"", 400),
+        ("x.png", b"no picture at all", 422),
+        ("x.tif", b"II*\0nonsense", 422),
+        ("x.avi", b"no film", 422),
+        ("x.png", huge_png(60_000, 60_000), 422),
+    ],
+)
+def test_what_cannot_be_used_is_refused_and_leaves_nothing(client, workspace, name, content, status):
+    answer = upload(client, name, content)
+    assert answer.status_code == status, answer.text
+    assert answer.json()["error"]
+    assert str(workspace) not in answer.text
+    folder = workspace / "demo/uploads"
+    assert not folder.exists() or not list(folder.iterdir())
+
+
+@pytest.mark.parametrize("folder", ["..", "a/b", ".x", "/etc", "a\\b"])
+def test_a_film_collects_its_frames_in_a_plainly_named_folder(client, folder):
+    assert upload(client, "1.png", png(), folder=folder).status_code == 400
+    kept = upload(client, "1.png", png(), folder="press1").json()
+    assert kept["file"] == "uploads/press1/1.png"
+
+
+def test_a_file_beyond_the_limit_is_cut_off_whether_it_says_its_size_or_not(workspace):
+    bench = Bench(workspace, upload_limit=100_000)
+    bench.open_folder(workspace / "demo")
+    with serving(bench) as client:
+        assert upload(client, "a.png", b"x" * 100_001).status_code == 413
+
+        def endless():
+            for _ in range(200):
+                yield b"x" * 1000
+
+        assert upload(client, "a.png", endless()).status_code == 413
+        assert client.get("/api/session").status_code == 200
+    assert not list((workspace / "demo/uploads").iterdir())
+
+
+def test_a_film_is_told_from_a_picture(client):
+    file = io.BytesIO()
+    tifffile.imwrite(file, np.zeros((5, 20, 30), np.uint16), photometric="minisblack")
+    record = upload(client, "press.tif", file.getvalue()).json()
+    assert (record["kind"], record["frames"]) == ("film", 5)
+    file = io.BytesIO()
+    tifffile.imwrite(file, np.zeros((20, 30), np.uint16))
+    record = upload(client, "one.tif", file.getvalue()).json()
+    assert (record["kind"], record["rows_px"]) == ("picture", 20)
+
+
+def test_a_table_tells_its_columns(client):
+    assert upload(client, "f.csv", b"time_s, force_N\n0,1\n").json()["columns"] == ["time_s", "force_N"]
+
+
+def test_only_unused_uploads_are_removed(client, workspace):
+    file = upload(client, "a.png", png()).json()["file"]
+    remove = lambda name: client.request("DELETE", "/api/files", json={"file": name})  # noqa: E731
+    assert remove("synthetic/synthetic_30deg_2N.png").status_code == 409
+    assert remove("synthetic/truth.csv").status_code == 409
+    assert remove("../demo/study.toml").status_code == 404
+    assert remove("study.toml").status_code == 404
+    assert remove(file).status_code == 200
+    assert not (workspace / "demo" / file).exists()
+
+
+def zipped(**files):
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, content in files.items():
+            archive.writestr(name, content)
+    return buffer.getvalue()
+
+
+STUDY = (
+    'title = "t"\n[[fingers]]\nname = "a"\nsemi_axes_mm = { palmar = 8, distal = 14, radial_ulnar = 12 }\n'
+    "semi_axes_std_mm = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }\n"
+)
+
+
+def bring(client, content, name="copy"):
+    return client.post("/api/session/import", params={"name": name}, content=content)
+
+
+def symlink():
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w") as archive:
+        archive.writestr("study.toml", STUDY)
+        link = zipfile.ZipInfo("link.png")
+        link.external_attr = (stat.S_IFLNK | 0o777) << 16
+        archive.writestr(link, "/etc/passwd")
+    return buffer.getvalue()
+
+
+def lying():
+    """Return a ZIP whose entry is larger than its directory says."""
+    whole = bytearray(zipped(**{"study.toml": STUDY, "x.bin": b"\0" * 5_000_000}))
+    size = struct.pack("<I", 5_000_000)
+    at = whole.find(size)
+    while at >= 0:
+        whole[at : at + 4] = struct.pack("<I", 10)
+        at = whole.find(size)
+    return bytes(whole)
+
+
+BAD_ZIPS = {
+    "traversal": zipped(**{"study.toml": STUDY, "../evil.png": b"x"}),
+    "traversal inside": zipped(**{"study.toml": STUDY, "a/../../evil.png": b"x"}),
+    "absolute": zipped(**{"study.toml": STUDY, "/tmp/evil.png": b"x"}),
+    "drive": zipped(**{"study.toml": STUDY, "C:evil.png": b"x"}),
+    "backslash": zipped(**{"study.toml": STUDY, "..\\evil.png": b"x"}),
+    "bomb": zipped(**{"study.toml": STUDY, "bomb.png": b"\0" * 50_000_000}),
+    "symlink": symlink(),
+    "lying": lying(),
+    "two names": zipped(**{"study.toml": STUDY, "a.png": b"1", "A.png": b"2"}),
+    "no study": zipped(**{"readme.txt": "x"}),
+    "empty": zipped(),
+    "no zip": b"PK\x03\x04 not really",
+    "nothing": b"",
+    "cut": zipped(**{"study.toml": STUDY, "x.png": png()})[:-30],
+}
+
+
+@pytest.mark.parametrize("kind", BAD_ZIPS)
+def test_a_harmful_or_broken_zip_unpacks_nothing(client, workspace, kind):
+    before = {path for path in workspace.parent.rglob("*")}
+    answer = bring(client, BAD_ZIPS[kind])
+    assert answer.status_code in {400, 422}, answer.text
+    assert answer.json()["error"]
+    assert {path for path in workspace.parent.rglob("*")} == before
+    assert client.get("/api/session").json()["study"]["name"] == "demo"
+
+
+def test_a_zip_of_many_small_files_is_limited_by_what_they_come_to(workspace):
+    bench = Bench(workspace, upload_limit=200_000)
+    content = zipped(**{"study.toml": STUDY}, **{f"{k}.bin": bytes(900_000) for k in range(3)})
+    with serving(bench) as client:
+        assert bring(client, content).status_code == 422
+    assert not (workspace / "copy").exists()
+
+
+def test_a_zip_takes_no_others_place(client):
+    assert bring(client, zipped(**{"study.toml": STUDY}), "demo").status_code == 409
+    assert bring(client, zipped(**{"study.toml": STUDY}), "new").status_code == 201
+    assert bring(client, zipped(**{"top/study.toml": STUDY}), "second").json()["title"] == "t"

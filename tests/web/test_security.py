@@ -1,0 +1,218 @@
+"""Who is let in, and what no request may reach."""
+
+import httpx
+import pytest
+
+from fingerpad.web.security import cookie_name
+
+
+def bare(client, **headers):
+    return httpx.Client(base_url=client.base_url, headers=headers, trust_env=False)
+
+
+@pytest.mark.parametrize(
+    "host",
+    [
+        "evil.example",
+        "127.0.0.1.evil.example",
+        "evil.example:80",
+        "localhost.evil.example",
+        "192.168.0.7",
+        "",
+        "[::",
+        "a@127.0.0.1",
+    ],
+)
+def test_a_foreign_host_is_misdirected(standing, host):
+    answer = standing.get("/api/session", headers={"host": host})
+    assert answer.status_code in {421, 400}  # an empty Host never reaches the application
+    assert "study" not in answer.text
+
+
+@pytest.mark.parametrize("name", ["127.0.0.1", "localhost", "LOCALHOST", "[::1]"])
+def test_the_loopback_answers_by_each_of_its_names(standing, name):
+    assert (
+        standing.get("/api/session", headers={"host": f"{name}:{standing.base_url.port}"}).status_code == 200
+    )
+
+
+@pytest.mark.parametrize(
+    "path", ["/", "/api/session", "/api/study", "/static/index.html", "/nowhere", "/api/openapi.json"]
+)
+@pytest.mark.parametrize(
+    "headers", [{}, {"authorization": "Bearer no"}, {"authorization": "Basic eDp5"}, {"cookie": "x=y"}]
+)
+def test_without_the_token_nothing_is_told(standing, path, headers):
+    with bare(standing, **headers) as stranger:
+        answer = stranger.get(path)
+    assert answer.status_code == 403
+    assert "token" in answer.text
+    assert "demo" not in answer.text
+
+
+def test_a_token_with_letters_of_another_alphabet_is_wrong_and_no_fault(standing):
+    with bare(standing) as stranger:
+        answer = stranger.get("/api/session", headers={"authorization": "Bearer é".encode("latin-1")})
+        assert answer.status_code == 403
+        assert stranger.get("/start", params={"token": "é☃"}).status_code == 403
+
+
+def test_the_start_address_gives_a_cookie_that_scripts_and_other_sites_cannot_use(standing):
+    with bare(standing) as page:
+        assert page.get("/start", params={"token": "guess"}).status_code == 403
+        answer = page.get("/start", params={"token": standing.headers["authorization"].split()[1]})
+        assert answer.status_code == 303
+        assert answer.headers["location"] == "/"
+        cookie = answer.headers["set-cookie"].lower()
+        assert "httponly" in cookie
+        assert "samesite=strict" in cookie
+        assert "domain" not in cookie
+        assert page.get("/api/session").status_code == 200
+
+
+def test_the_cookie_of_one_launch_does_not_serve_another():
+    assert cookie_name("127.0.0.1:8001") != cookie_name("127.0.0.1:8002")
+
+
+@pytest.mark.parametrize(
+    "headers",
+    [
+        {"origin": "https://evil.example"},
+        {"origin": "null"},
+        {"origin": "http://127.0.0.1:1"},
+        {"sec-fetch-site": "cross-site"},
+        {"sec-fetch-site": "same-site"},
+    ],
+)
+@pytest.mark.parametrize(
+    ("method", "path"), [("GET", "/api/study"), ("POST", "/api/run"), ("POST", "/api/session/close")]
+)
+def test_other_pages_are_refused_even_with_the_token(standing, method, path, headers):
+    assert (
+        standing.request(method, path, headers=headers, json={} if method == "POST" else None).status_code
+        == 403
+    )
+    assert standing.get("/api/session").json()["study"]["name"] == "demo"
+
+
+def test_the_page_itself_may_ask(client):
+    own = {"origin": str(client.base_url).rstrip("/"), "sec-fetch-site": "same-origin"}
+    assert client.post("/api/session/close", headers=own).status_code == 200
+
+
+@pytest.mark.parametrize("path", ["/", "/api/session", "/static/index.html", "/nowhere"])
+def test_every_answer_carries_the_guarding_headers(standing, path):
+    headers = standing.get(path).headers
+    policy = headers["content-security-policy"]
+    assert "default-src 'none'" in policy
+    assert "script-src 'self'" in policy
+    assert "frame-ancestors 'none'" in policy
+    assert "unsafe-eval" not in policy
+    assert "script-src 'self';" in policy  # and nothing inline
+    assert headers["x-content-type-options"] == "nosniff"
+    assert headers["referrer-policy"] == "no-referrer"
+    assert "access-control-allow-origin" not in headers
+
+
+def test_the_report_may_stand_in_the_page_and_runs_no_script(done):
+    policy = done.get("/api/download/report.html").headers["content-security-policy"]
+    assert "default-src 'none'" in policy
+    assert "script-src" not in policy
+    assert "frame-ancestors 'self'" in policy
+
+
+OUTSIDE = [
+    "../study.toml",
+    "..%2f..%2fetc%2fpasswd",
+    "/etc/passwd",
+    "//etc/passwd",
+    "figures/../../study.toml",
+    "figures/..%2f..%2fstudy.toml",
+    "overlays/sequences/../../store.sqlite",
+    "store.sqlite",
+    "figures/",
+    "figures/.svg/../x.svg",
+    "figures\\..\\..\\x.svg",
+    "%00",
+    "figures/%00.svg",
+]
+
+
+@pytest.mark.parametrize("path", OUTSIDE)
+def test_downloads_reach_only_what_the_run_wrote(done, path):
+    answer = done.get(httpx.URL(f"{done.base_url}/api/download/{path}"))
+    assert answer.status_code in {403, 404}, answer.text
+
+
+@pytest.mark.parametrize(
+    "item",
+    [
+        "file:../study.toml",
+        "file:/etc/passwd",
+        "file:uploads/../study.toml",
+        "file:study.toml",
+        "file:results/store.sqlite",
+        "file:\0",
+        "synthetic_pad/../../etc/passwd",
+        "nobody/x.png",
+        "nothing",
+        "synthetic_press_30deg#x",
+        "synthetic_press_30deg#-1",
+        "synthetic_press_30deg#99999999999",
+        "coin:camera",
+        "coin:nothing",
+        "#",
+        "/",
+        "x" * 900,
+    ],
+)
+@pytest.mark.parametrize("kind", ["info", "preview", "thumbnail", "overlay"])
+def test_items_are_names_and_never_paths(done, item, kind):
+    answer = done.get(f"/api/picture/{kind}", params={"item": item})
+    assert answer.status_code == 404, answer.text
+
+
+@pytest.mark.parametrize("coin", ["../../etc/passwd", "/etc/passwd", "study.toml", "nothing.png"])
+@pytest.mark.parametrize("path", ["scale", "length", "contact"])
+def test_a_coin_is_a_picture_of_the_study(done, coin, path):
+    scale = {"coin": coin, "diameter_mm": 23.25}
+    asked = {
+        "scale": {"table": scale},
+        "length": {"scale": scale, "line_px": [[0, 0], [0, 10]]},
+        "contact": {"item": "synthetic_30deg_2N", "scale": scale},
+    }[path]
+    answer = done.post(f"/api/measure/{path}", json=asked)
+    assert answer.status_code == 404, answer.text
+    assert "root:" not in answer.text
+
+
+@pytest.mark.parametrize("name", ["..", "../x", "a/b", "", ".hidden", "x" * 61, "a\0b", "con:"])
+@pytest.mark.parametrize("path", ["new", "open"])
+def test_studies_are_named_within_the_workspace(standing, name, path):
+    before = standing.get("/api/session").json()
+    answer = standing.post(f"/api/session/{path}", json={"name": name})
+    assert answer.status_code in {400, 404, 409}, answer.text
+    assert standing.get("/api/session").json() == before
+
+
+def test_static_files_stay_in_their_folder(standing):
+    for path in (
+        "/static/../app.py",
+        "/static/..%2fapp.py",
+        "/static/%2e%2e/app.py",
+        "/static/vendor/../../app.py",
+    ):
+        assert standing.get(httpx.URL(f"{standing.base_url}{path}")).status_code in {404, 405}, path
+
+
+def test_a_body_that_is_too_large_is_refused(standing):
+    answer = standing.post("/api/corrections", content=b" " * 9_000_000)
+    assert answer.status_code == 413
+
+
+def test_plotly_comes_from_this_machine_and_is_kept(standing):
+    answer = standing.get("/static/vendor/plotly.min.js")
+    assert answer.status_code == 200
+    assert len(answer.content) > 1_000_000
+    assert "max-age" in answer.headers["cache-control"]
+    assert standing.get("/static/index.html").headers["cache-control"] == "no-cache"
