@@ -62,6 +62,11 @@ export function reading(label, text, { was, mark, title } = {}) {
   );
 }
 
+/** Who measured, in words. */
+export const BY = { program: "by the program", "program with corrections": "corrected", person: "by a person" };
+
+export const probability = (p) => (p < 0.001 ? "p < 0.001" : `p = ${p.toPrecision(2)}`);
+
 export function ago(when) {
   const seconds = (Date.now() - Date.parse(when)) / 1000;
   if (!Number.isFinite(seconds)) return "";

@@ -3,7 +3,7 @@
 import { wordsFor } from "../core/bench.js";
 import { wordsOf } from "../core/corrections.js";
 import { h, place, symbol } from "../core/dom.js";
-import { ago, plain, quantityText, reading } from "../core/quantity.js";
+import { ago, BY, plain, quantityText, reading } from "../core/quantity.js";
 import { button, check, chip, choose, field, number, synthetic, text } from "../parts/forms.js";
 
 const READINGS = [
@@ -25,7 +25,7 @@ const REASONS = ["smeared", "slipped", "cut off", "wrong finger", "no contact"];
 export class ContactInspector {
   constructor(view) {
     this.view = view;
-    this.parts = Object.fromEntries(["head", "numbers", "tool", "settings", "history"].map((name) => [name, h("section", { "data-part": name })]));
+    this.parts = Object.fromEntries(["head", "tool", "numbers", "settings", "history"].map((name) => [name, h("section", { "data-part": name })]));
     this.why = text({ value: "", placeholder: "why it is no good", list: "reasons" });
     this.root = h("div.stack", null, Object.values(this.parts), h("datalist", { id: "reasons" }, REASONS.map((value) => h("option", { value }))));
     this.footer = h("div.footer", null, this.#decision());
@@ -64,7 +64,7 @@ export class ContactInspector {
           h("span", null, "Corrected radius ", symbol("R", "g", "corr")),
           h("span.figure-big.number", { "data-live": "radius" }, quantityText(model, "radius_from_indentation_mm")),
         ),
-      h("div.headline", null, h("h3", null, "Contact"), corrected ? chip(answer.by, "accent") : chip("by the program")),
+      h("div.headline", null, h("h3", null, "Contact"), chip(BY[answer.by] ?? answer.by, corrected ? "accent" : "")),
       h(
         "dl.readings",
         { "data-live": "numbers" },

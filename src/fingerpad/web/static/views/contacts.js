@@ -79,10 +79,11 @@ class Contacts {
     this.stage = new Stage("Contact image. Arrow keys move the cross-hair of a brush, space presses it.");
     this.layers = {
       own: s("path.own"),
+      strokes: s("g.kept-strokes"),
       region: s("path.region"),
       seed: s("g.seed", { visibility: "hidden" }, s("circle", { r: 7, class: "seed" }), s("path.seed", { d: "M-12 0H-4M4 0H12M0-12V-4M0 4V12" })),
     };
-    this.stage.world.append(this.layers.region, this.layers.own, this.layers.seed);
+    this.stage.world.append(this.layers.region, this.layers.strokes, this.layers.own, this.layers.seed);
     this.stage.keepSize(() => this.#drawSeed());
     this.mark = h("span.synthetic.stage-synthetic", { hidden: true }, "synthetic");
     this.stage.root.append(this.mark);
@@ -227,6 +228,7 @@ class Contacts {
   #blank() {
     this.layers.region.setAttribute("d", "");
     this.layers.own.setAttribute("d", "");
+    place(this.layers.strokes);
     this.editor.hide();
     this.box.set(null);
   }
@@ -282,6 +284,10 @@ class Contacts {
     }
     this.stage.root.classList.toggle("rejected", Boolean(change.rejected));
     this.seed = change.seed_px ?? null;
+    place(
+      this.layers.strokes,
+      (change.strokes ?? []).map(({ action, points_px: points, radius_px: radius }) => s(`path.stroke.${action}`, { d: pathOf(points.length > 1 ? points : [points[0], points[0]], false), "stroke-width": 2 * radius })),
+    );
     this.#drawSeed();
     this.box.set(change.region_of_interest_px ?? null);
     this.#showTool();

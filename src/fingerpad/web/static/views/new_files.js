@@ -45,6 +45,7 @@ export class NewFiles {
   constructor() {
     this.drafts = new Map();
     this.info = new Map();
+    this.shared = {};
     this.root = h("section.card.new-files", { hidden: true, "aria-label": "New files" });
     this.rest = h("details.card", { hidden: true });
   }
@@ -112,12 +113,14 @@ export class NewFiles {
 
   #common() {
     const every = (key, value) => {
+      this.shared[key] = value;
       for (const draft of this.drafts.values()) draft[key] = value;
       this.draw();
     };
-    const finger = text({ placeholder: "left_index", list: "fingers", label: "Finger of all new files", onset: (value) => value && every("finger", value) });
-    const scale = choose({ value: "", options: [["", "–"], ...scaleNames()], label: "Scale of all new pictures", onset: (value) => value && every("scale", value) });
-    const wedge = number({ min: 0, max: 90, label: "Wedge angle of all new files, degrees", onset: (value) => every("wedge_angle_deg", value ?? undefined) });
+    const finger = text({ value: this.shared.finger, placeholder: "left_index", list: "fingers", label: "Finger of all new files", onset: (value) => value && every("finger", value) });
+    const scale = choose({ value: this.shared.scale ?? "", options: [["", "–"], ...scaleNames()], label: "Scale of all new pictures", onset: (value) => value && every("scale", value) });
+    const wedge = number({ value: this.shared.wedge_angle_deg, min: 0, max: 90, label: "Wedge angle of all new files, degrees", onset: (value) => every("wedge_angle_deg", value ?? undefined) });
+    for (const [control, key] of [[finger, "finger"], [scale, "scale"], [wedge, "wedge"]]) control.dataset.field = `new:*:${key}`;
     return this.drafts.size > 1 && h("div.common", null, h("span.soft", null, "For all:"), h("label", null, "finger", finger), h("label", null, "wedge °", wedge), h("label", null, "scale", scale));
   }
 

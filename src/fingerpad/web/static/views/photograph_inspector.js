@@ -3,7 +3,7 @@
 import { wordsFor } from "../core/bench.js";
 import { wordsOf } from "../core/corrections.js";
 import { h, place, s } from "../core/dom.js";
-import { ago, plain, quantityText, reading, withStd } from "../core/quantity.js";
+import { ago, BY, plain, probability, quantityText, reading, withStd } from "../core/quantity.js";
 import { button, chip, choose, field, synthetic, text } from "../parts/forms.js";
 import { scaleWords } from "../parts/scale_choice.js";
 
@@ -19,7 +19,7 @@ const SIDES = [
 export class PhotographInspector {
   constructor(view) {
     this.view = view;
-    this.parts = Object.fromEntries(["head", "pad", "face", "tool", "settings", "history"].map((name) => [name, h("section", { "data-part": name })]));
+    this.parts = Object.fromEntries(["head", "tool", "pad", "face", "settings", "history"].map((name) => [name, h("section", { "data-part": name })]));
     this.why = text({ value: "", placeholder: "why it is no good" });
     this.root = h("div.stack", null, Object.values(this.parts));
     this.parts.tool.hidden = true;
@@ -48,7 +48,7 @@ export class PhotographInspector {
     const corrected = answer.by !== "program";
     place(
       this.parts.face,
-      h("div.headline", null, h("h3", null, "This face"), chip(corrected ? answer.by : "by the program", corrected ? "accent" : "")),
+      h("div.headline", null, h("h3", null, "This face"), chip(BY[answer.by] ?? answer.by, corrected ? "accent" : "")),
       h(
         "dl.readings",
         { "data-live": "face" },
@@ -80,7 +80,7 @@ export class PhotographInspector {
         "dl.readings",
         { "data-live": "finger" },
         Object.entries(NAMES).map(([axis, words]) => reading(`${words} semi-axis`, h("strong.figure", null, `${withStd(finger.semi_axes_mm[axis], finger.semi_axes_mm_std?.[axis])} mm`))),
-        finger.degrees_of_freedom > 0 && reading("Agreement", `χ² = ${plain(finger.chi_square)} for ${finger.degrees_of_freedom}, p = ${plain(finger.p_value)}`),
+        finger.degrees_of_freedom > 0 && reading("Agreement", `χ² = ${finger.chi_square.toPrecision(3)} for ${finger.degrees_of_freedom}, ${probability(finger.p_value)}`),
       ),
       finger.disagreements?.length > 0 && h("details", { open: true }, h("summary", null, "Each face against all, mm"), differences(finger.disagreements)),
     );
