@@ -10,10 +10,9 @@ import cv2
 import numpy as np
 import pytest
 import tifffile
+from tests.web.conftest import serving
 
 from fingerpad.web.bench import Bench
-
-from tests.web.conftest import serving
 
 
 def png(rows=40, columns=60, level=128):
@@ -80,11 +79,11 @@ def test_the_same_file_is_kept_once_and_another_never_replaces_it(client, worksp
     ],
 )
 def test_names_of_files_never_become_paths(client, workspace, name, kept):
-    before = {path for path in workspace.rglob("*")}
+    before = set(workspace.rglob("*"))
     answer = upload(client, name, png())
     assert answer.status_code == 201, answer.text
     assert answer.json()["file"] == f"uploads/{kept}"
-    new = {path for path in workspace.rglob("*")} - before
+    new = set(workspace.rglob("*")) - before
     assert new == {workspace / "demo/uploads", workspace / "demo/uploads" / kept}
 
 
@@ -218,11 +217,11 @@ BAD_ZIPS = {
 
 @pytest.mark.parametrize("kind", BAD_ZIPS)
 def test_a_harmful_or_broken_zip_unpacks_nothing(client, workspace, kind):
-    before = {path for path in workspace.parent.rglob("*")}
+    before = set(workspace.parent.rglob("*"))
     answer = bring(client, BAD_ZIPS[kind])
     assert answer.status_code in {400, 422}, answer.text
     assert answer.json()["error"]
-    assert {path for path in workspace.parent.rglob("*")} == before
+    assert set(workspace.parent.rglob("*")) == before
     assert client.get("/api/session").json()["study"]["name"] == "demo"
 
 

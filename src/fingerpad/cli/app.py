@@ -39,18 +39,21 @@ def app(
             ) from None
         bench = Bench(Path.cwd() if study is None else _folder_of(study).parent)
         if study is not None:
-            name = "study.toml" if study.is_dir() else study.name
-            bench.open_folder(_folder_of(study), name, out)
+            bench.open_folder(_folder_of(study), out)
         elif out is not None:
             raise FingerpadError("--out needs a study: name its manifest")
         serve(bench, port=port, on_ready=lambda address: _tell(address, browser=browser))
 
 
 def _folder_of(study: Path) -> Path:
+    from fingerpad.study.edit import STUDY_NAME
+
     if study.is_dir():
         return study.absolute()
     if not study.is_file():
         raise ManifestError(f"{study}: no such file; `fingerpad app` without a name starts a new study")
+    if study.name != STUDY_NAME:
+        raise ManifestError(f"{study}: the page changes manifests named {STUDY_NAME} only; rename it")
     return study.absolute().parent
 
 

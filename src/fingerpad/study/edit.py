@@ -159,6 +159,14 @@ def study_state(folder: Path) -> StudyState:
     ManifestError
         If there is none, or what someone wrote into it by hand is wrong.
     """
+    if not (folder / DRAFT_NAME).exists() and (text := _text(folder / STUDY_NAME)) is not None:
+        # Without a draft there is nothing to put together; a document that keeps its remarks is slow to read.
+        study = read_study(folder / STUDY_NAME)
+        sheet = None
+        if (name := study.observations_csv) is not None:
+            sheet = Sheet.read(file_inside(folder, name, STUDY_NAME, "observations_csv")).text()
+        digest = _digest([text, None, sheet])
+        return StudyState(folder=folder, digest=digest, title=study.title, study=study, incomplete=())
     return _Files.read(folder).state()
 
 

@@ -9,6 +9,7 @@ from pathlib import Path, PurePosixPath
 from typing import Final
 from uuid import uuid4
 
+from fingerpad.study.edit import DRAFT_NAME, STUDY_NAME
 from fingerpad.web.refusal import Refusal
 
 MOST_FILES: Final = 200_000
@@ -16,16 +17,15 @@ MOST_FILES: Final = 200_000
 MOST_RATIO: Final = 1000
 _SMALL: Final = 1_000_000
 _WAL: Final = ("-wal", "-shm")
-_MANIFESTS: Final = frozenset(("study.toml", "draft.toml"))
+_MANIFESTS: Final = frozenset((STUDY_NAME, DRAFT_NAME))
 _WINDOWS: Final = frozenset('\\:*?"<>|')
 
 
-def packed(folder: Path, out: Path, target: Path, manifest: str) -> None:
-    """Write a study and its results into `target`, the manifest as study.toml, the results in ``results``."""
+def packed(folder: Path, out: Path, target: Path) -> None:
+    """Write a study and its results into `target`; the results lie in ``results`` wherever they are."""
     with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive:
         for path in _plain_files(folder, leave=out):
-            name = path.relative_to(folder).as_posix()
-            archive.write(path, "study.toml" if name == manifest else name)
+            archive.write(path, path.relative_to(folder).as_posix())
         for path in _plain_files(out):
             archive.write(path, f"results/{path.relative_to(out).as_posix()}")
 

@@ -10,6 +10,7 @@ from typing import Any, Final
 
 import fingerpad
 from fingerpad.image.read import PIXEL_LIMIT
+from fingerpad.study.edit import DRAFT_NAME, STUDY_NAME
 from fingerpad.web.events import Events
 from fingerpad.web.open_study import OpenStudy
 from fingerpad.web.refusal import Refusal
@@ -17,7 +18,7 @@ from fingerpad.web.refusal import Refusal
 UPLOAD_LIMIT: Final = 4 * 2**30
 # A folder's name holds letters, digits and . _ + - only, as all names of a study.
 NAME: Final = r"^\w[\w.+-]{0,59}$"
-_MANIFESTS: Final = ("study.toml", "draft.toml")
+_MANIFESTS: Final = (STUDY_NAME, DRAFT_NAME)
 
 
 class Bench:
@@ -76,14 +77,13 @@ class Bench:
             raise Refusal.not_there(f"the workspace holds no study {name!r}")
         return self.open_folder(self.workspace / name)
 
-    def open_folder(self, folder: Path, manifest: str = "study.toml", out: Path | None = None) -> OpenStudy:
+    def open_folder(self, folder: Path, out: Path | None = None) -> OpenStudy:
         """Open the study in a folder."""
         with self._lock:
             if self._study is not None:
                 self._study.close()
             self._study = OpenStudy(
                 folder.absolute(),
-                manifest=manifest,
                 out=(out or folder / "results").absolute(),
                 events=self.events,
                 pixel_limit=self.pixel_limit,

@@ -211,7 +211,7 @@ def _model(
 
 def _load_of_frame(opened: OpenStudy, item: str) -> float | None:
     found = last_results(opened)
-    row = found and next((row for row in found.rows if row["observation"] == item), None)
+    row = found and found.row(item)
     return row["load_N"] if row else None
 
 

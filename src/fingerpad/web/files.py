@@ -161,7 +161,7 @@ def _zipped(bench: Bench) -> Response:
     with NamedTemporaryFile(prefix="fingerpad-", suffix=".zip", delete=False) as file:
         target = Path(file.name)
     try:
-        packed(opened.folder, opened.out, target, opened.manifest_path.name)
+        packed(opened.folder, opened.out, target)
     except BaseException:
         target.unlink(missing_ok=True)
         raise

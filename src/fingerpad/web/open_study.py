@@ -1,25 +1,27 @@
 """The study that is open: its manifest as it is now, its items and their pictures, its results."""
 
-import hashlib
-import json
 import os
-from collections.abc import Iterator
-from dataclasses import dataclass
-from pathlib import Path
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path, PurePosixPath
 from threading import Lock
 from typing import Any, Final
 
+from pydantic import BaseModel
+
 from fingerpad.exceptions import ImageError, ManifestError
 from fingerpad.image import open_frames
+from fingerpad.study.edit import DRAFT_NAME, STUDY_NAME, Edit, Incomplete, change_study, study_state
 from fingerpad.study.manifest import (
-    CoinScale,
+    Contact,
     ContactSequence,
     Finger,
     Observation,
     Photograph,
     Study,
-    read_study,
 )
+from fingerpad.study.missing import Missing, missing_of
+from fingerpad.study.store import STORE_NAME
 from fingerpad.web.correction_log import Corrections
 from fingerpad.web.events import Events
 from fingerpad.web.pictures import Cache, Pictures, Place
@@ -43,17 +45,17 @@ class Manifest:
         Stands for all of it: changed by any edit.
     study : Study or None
         What is complete; None where nothing is.
-    incomplete : tuple
+    incomplete : tuple of Incomplete
         Tables that lack something.
-    missing : tuple of dict
-        What they lack, in words.
+    missing : tuple of Missing
+        What there is to do, in words.
     """
 
     title: str
     digest: str
     study: Study | None
-    incomplete: tuple[Any, ...]
-    missing: tuple[dict[str, str], ...]
+    incomplete: tuple[Incomplete, ...]
+    missing: tuple[Missing, ...]
 
 
 class OpenStudy:
@@ -63,17 +65,14 @@ class OpenStudy:
     ----------
     folder, out : Path
         The study folder, and the folder of results.
-    manifest : str
-        Name of the manifest.
     events : Events
         Who is told of changes.
     pixel_limit : int
         The most pixels of a picture.
     """
 
-    def __init__(self, folder: Path, *, manifest: str, out: Path, events: Events, pixel_limit: int) -> None:
+    def __init__(self, folder: Path, *, out: Path, events: Events, pixel_limit: int) -> None:
         self.folder, self.out = folder, out
-        self.manifest_path = folder / manifest
         self.events = events
         self.pixel_limit = pixel_limit
         self.pictures = Pictures(pixel_limit)
@@ -81,6 +80,7 @@ class OpenStudy:
         self.corrections = Corrections(folder)
         self._counts: Cache[int] = Cache(10_000, lambda _: 1)
         self._read: tuple[object, Manifest] | None = None
+        self._folders: tuple[Path, ...] = ()
         self._lock = Lock()
 
     @property
@@ -96,33 +96,46 @@ class OpenStudy:
     def read(self) -> Manifest:
         """Return what the manifest says, read again when a file of it has changed."""
         with self._lock:
-            stamp = self._stamp()
-            if self._read is None or self._read[0] != stamp:
-                self._read = (stamp, self._manifest(stamp))
+            if self._read is None or self._read[0] != self._stamp_with(self._read[1]):
+                found = self._manifest()
+                self.files()
+                self._read = (self._stamp_with(found), found)
             return self._read[1]
 
     def study(self) -> Study:
         """Return what is complete of the study."""
         found = self.read()
         if found.study is None:
-            words = "; ".join(one["words"] for one in found.missing) or "nothing is there yet"
-            raise Refusal.impossible(f"the study is not complete: {words}", faults=list(found.missing))
+            words = "; ".join(one.words for one in found.missing)
+            faults = [asdict(one) for one in found.missing]
+            raise Refusal.impossible(f"the study is not complete: {words}", faults=faults)
         return found.study
 
-    def _stamp(self) -> object:
-        names = [self.manifest_path.name, "draft.toml"]
-        if self._read is not None and (study := self._read[1].study) is not None:
-            names += [study.observations_csv] if study.observations_csv is not None else []
-        return tuple(_stamp_of(self.folder / name) for name in names)
+    def _stamp_with(self, manifest: Manifest) -> object:
+        """Return what changes when a file of the manifest does, or when any file comes or goes."""
+        sheet = manifest.study.observations_csv if manifest.study is not None else None
+        names = [STUDY_NAME, DRAFT_NAME, *([sheet] if sheet is not None else [])]
+        return [_stamp_of(path) for path in (*(self.folder / name for name in names), *self._folders)]
 
-    def _manifest(self, stamp: object) -> Manifest:
-        digest = hashlib.sha256(json.dumps(stamp, default=str).encode()).hexdigest()[:16]
+    def _manifest(self) -> Manifest:
         try:
-            study = read_study(self.manifest_path)
+            state = study_state(self.folder)
         except ManifestError as error:
-            missing = tuple({"kind": "study", "key": "", "words": line} for line in str(error).splitlines())
-            return Manifest(title=self.name, digest=digest, study=None, incomplete=(), missing=missing)
-        return Manifest(title=study.title, digest=digest, study=study, incomplete=(), missing=())
+            missing = tuple(Missing(kind="study", key="", words=fault) for fault in str(error).splitlines())
+            return Manifest(title=self.name, digest="", study=None, incomplete=(), missing=missing)
+        return Manifest(
+            title=state.title,
+            digest=state.digest,
+            study=state.study,
+            incomplete=state.incomplete,
+            missing=tuple(missing_of(state)),
+        )
+
+    def change(self, edits: Sequence[Edit], expected: str) -> None:
+        """Change the manifest: all edits or none."""
+        change_study(self.folder, edits, expected=expected)
+        with self._lock:
+            self._read = None
 
     def observation(self, name: str) -> Observation | None:
         """Return an observation by its name."""
@@ -156,31 +169,46 @@ class OpenStudy:
             return None
 
     def place_of(self, item: str) -> Place:
-        """Return where an item's picture is: only files that the manifest names or that lie in the folder."""
+        """Return where an item's picture is: only files of the study that its manifest or draft names."""
+        name, mark, number = item.rpartition("#")
         if item.startswith("file:"):
             return Place(self.file(item.removeprefix("file:")), colour=True)
         if item.startswith("coin:"):
-            scale = self.study().scales.get(item.removeprefix("coin:"))
-            if not isinstance(scale, CoinScale):
-                raise Refusal.not_there(f"no scale by a coin is named {item.removeprefix('coin:')!r}")
-            return Place(self.folder / scale.coin)
-        if "#" in item:
-            name, _, number = item.rpartition("#")
-            sequence = self.sequence(name)
-            if not number.isdecimal() or len(number) > 9:
-                raise Refusal.not_there(f"{item!r} is no frame: write it as {name}#12")
-            return Place(self.folder / sequence.path, frame=int(number))
-        if "/" in item:
-            _, photograph = self.photograph(item)
-            return Place(self.folder / str(photograph.image), colour=True)
-        observation = self.observation(item)
-        if observation is None or observation.image is None:
-            raise Refusal.not_there(
-                f"no item is named {item!r}"
-                if observation is None
-                else f"{item}: its ellipse is given, without a picture"
-            )
-        return Place(self.folder / observation.image)
+            file = self._named("scale", item.removeprefix("coin:"), "coin")
+        elif "/" in item:
+            finger, _, image = item.partition("/")
+            names = {one.get("image") for one in self._content("finger", finger).get("photographs", [])}
+            file = image if image in names else None
+        elif mark:
+            file = self._named("sequence", name, "path")
+        else:
+            file = self._named("observation", item, "image")
+        if file is None:
+            raise Refusal.not_there(f"no item with a picture is named {item[:80]!r}")
+        if not mark:
+            return Place(self.file(file), colour="/" in item)
+        if not number.isdecimal() or len(number) > 9:
+            raise Refusal.not_there(f"{item[:80]!r} is no frame: write it as {name}#12")
+        return Place(self.film(file), frame=int(number))
+
+    def _named(self, kind: str, key: str, place: str) -> str | None:
+        file = self._content(kind, key).get(place)
+        return file if isinstance(file, str) else None
+
+    def _content(self, kind: str, key: str) -> Mapping[str, Any]:
+        """Return what the manifest or its draft says in a table, empty where there is none."""
+        found = self.read()
+        for one in found.incomplete:
+            if (one.kind, one.key) == (kind, key):
+                return one.content
+        if found.study is None:
+            return {}
+        if kind == "scale":
+            table: BaseModel | None = found.study.scales.get(key)
+        else:
+            tables: Iterable[Finger | Contact] = getattr(found.study, f"{kind}s")
+            table = next((one for one in tables if one.name == key), None)
+        return {} if table is None else table.model_dump(exclude_none=True)
 
     def shape_of(self, item: str) -> tuple[int, int] | None:
         """Return rows and columns of an item's picture, None where it has none."""
@@ -192,14 +220,48 @@ class OpenStudy:
 
     def files(self) -> dict[str, os.stat_result]:
         """Return every file of the study folder by its name in the manifest's manner, results left aside."""
-        return dict(sorted(_files_below(self.folder, self.out)))
+        found: dict[str, os.stat_result] = {}
+        folders: list[Path] = []
+        waiting = [self.folder]
+        while waiting and len(found) < _MOST_FILES:
+            folders.append(here := waiting.pop())
+            for entry in _entries(here):
+                if entry.is_dir(follow_symlinks=False):
+                    if not _is_of_a_run(Path(entry.path), self.out):
+                        waiting.append(Path(entry.path))
+                elif entry.is_file(follow_symlinks=False):
+                    name = Path(entry.path).relative_to(self.folder).as_posix()
+                    if name not in _OWN:
+                        found[name] = entry.stat(follow_symlinks=False)
+        self._folders = tuple(folders)
+        return dict(sorted(found.items()))
 
     def file(self, name: str) -> Path:
-        """Return the path of one of them: found among what is there, never made from the name."""
-        path = self.folder / name if name in self.files() else None
-        if path is None:
+        """Return the path of a file of the study, if it is one."""
+        path = self._inside(name)
+        if path is None or not path.is_file():
             raise Refusal.not_there(f"the study holds no file {name[:80]!r}")
         return path
+
+    def film(self, name: str) -> Path:
+        """Return the path of a film: a file of the study, or a folder of frames."""
+        path = self._inside(name)
+        if path is None or not path.exists():
+            raise Refusal.not_there(f"the study holds no film {name[:80]!r}")
+        return path
+
+    def _inside(self, name: str) -> Path | None:
+        """Return the path that a name has, None where it leads out of the study or to what is no input."""
+        parts = PurePosixPath(name).parts
+        if not parts or any(part.startswith(".") for part in parts) or parts[0] in _OWN:
+            return None
+        path = self.folder / name
+        try:
+            real = path.resolve()
+        except (OSError, ValueError, RuntimeError):  # a NUL, a name too long, a loop of links
+            return None
+        inside = real.is_relative_to(self.folder.resolve()) and not real.is_relative_to(self.out.resolve())
+        return path if inside else None
 
 
 def _stamp_of(path: Path) -> tuple[int, int, int] | None:
@@ -210,21 +272,14 @@ def _stamp_of(path: Path) -> tuple[int, int, int] | None:
     return status.st_size, status.st_mtime_ns, status.st_ino
 
 
-def _files_below(folder: Path, out: Path) -> Iterator[tuple[str, os.stat_result]]:
-    """Yield the plain files below a folder; links are not followed."""
-    waiting, count = [(folder, "")], 0
-    while waiting:
-        here, prefix = waiting.pop()
-        try:
-            entries = list(os.scandir(here))
-        except OSError:
-            continue
-        for entry in entries:
-            if entry.name.startswith(".") or (not prefix and entry.name in _OWN):
-                continue
-            if entry.is_dir(follow_symlinks=False):
-                if Path(entry.path) != out and not (Path(entry.path) / "store.sqlite").is_file():
-                    waiting.append((Path(entry.path), f"{prefix}{entry.name}/"))
-            elif entry.is_file(follow_symlinks=False) and count < _MOST_FILES:
-                count += 1
-                yield f"{prefix}{entry.name}", entry.stat(follow_symlinks=False)
+def _entries(folder: Path) -> Iterator[os.DirEntry[str]]:
+    """Yield what lies in a folder and is not hidden."""
+    try:
+        with os.scandir(folder) as entries:
+            yield from (entry for entry in entries if not entry.name.startswith("."))
+    except OSError:
+        return  # removed in the meantime
+
+
+def _is_of_a_run(folder: Path, out: Path) -> bool:
+    return folder == out or (folder / STORE_NAME).is_file()

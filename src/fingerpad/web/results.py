@@ -5,7 +5,7 @@ import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Final
+from typing import Annotated, Any, Final, Self
 
 from pydantic import Field
 
@@ -55,11 +55,38 @@ class Results:
         Of ``summary.json``.
     finished : str
         When they were made.
+    contacts : dict
+        Rows of single contacts by their names.
+    frames : dict
+        Rows of frames by the name of the sequence and the frame's number.
     """
 
     rows: list[dict[str, Any]]
     summary: dict[str, Any]
     finished: str
+    contacts: dict[str, dict[str, Any]]
+    frames: dict[str, dict[int, dict[str, Any]]]
+
+    @classmethod
+    def of(cls, rows: list[dict[str, Any]], summary: dict[str, Any]) -> Self:
+        """Put the tables in order."""
+        contacts: dict[str, dict[str, Any]] = {}
+        frames: dict[str, dict[int, dict[str, Any]]] = {}
+        for row in rows:
+            row["item"] = row["observation"]
+            if row["frame"] is None:
+                contacts[row["item"]] = row
+            else:
+                frames.setdefault(row["sequence"], {})[row["frame"]] = row
+        finished = summary["provenance"]["made"]
+        return cls(rows=rows, summary=summary, finished=finished, contacts=contacts, frames=frames)
+
+    def row(self, item: str) -> dict[str, Any] | None:
+        """Return the row of an item, None where it has none."""
+        sequence, mark, number = item.rpartition("#")
+        if not mark:
+            return self.contacts.get(item)
+        return self.frames.get(sequence, {}).get(int(number)) if number.isdecimal() else None
 
 
 _READ: dict[Path, tuple[object, Results]] = {}
@@ -78,9 +105,7 @@ def last_results(opened: OpenStudy) -> Results | None:
                 json.loads((opened.out / f"{name}.json").read_text(encoding="utf-8"))
                 for name in ("results", "summary")
             )
-            for row in rows:
-                row["item"] = row["observation"]
-            known = (stamp, Results(rows=rows, summary=summary, finished=summary["provenance"]["made"]))
+            known = (stamp, Results.of(rows, summary))
             _READ.clear()
             _READ[opened.out] = known
         return known[1]

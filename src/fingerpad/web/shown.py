@@ -82,7 +82,7 @@ def overlay(bench: Bench, asked: PictureQuestion, _: Any) -> Response:
 
 def _overlay_of(opened: OpenStudy, item: str) -> str | None:
     found = last_results(opened)
-    row = found and next((row for row in found.rows if row["observation"] == item), None)
+    row = found and found.row(item)
     if row:
         return row["overlay"] and str(row["overlay"])
     finger, _, file = item.partition("/")

@@ -1,16 +1,18 @@
 """The state of a study in one document: what is there, what is missing, how far each item is."""
 
 from collections import Counter
-from collections.abc import Mapping
-from typing import Annotated, Any, Final
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import asdict
+from typing import Annotated, Any, Final, Literal
 
+import numpy as np
 from pydantic import BaseModel, Field
 
 from fingerpad.image import PHOTOGRAPH_FLAGS
 from fingerpad.report.text import FLAG_WORDS
 from fingerpad.study.columns import COLUMNS
 from fingerpad.study.corrections import Ruling, frames_of
-from fingerpad.study.manifest import ContactSequence, Finger, Observation, Study
+from fingerpad.study.manifest import Contact, Finger
 from fingerpad.study.rows import RANGE_NOTES
 from fingerpad.web.bench import Bench
 from fingerpad.web.engine import item_states
@@ -18,6 +20,7 @@ from fingerpad.web.fingers import known_finger
 from fingerpad.web.open_study import Manifest, OpenStudy
 from fingerpad.web.operations import Operation, Question
 from fingerpad.web.pictures import kind_of_file
+from fingerpad.web.refusal import Refusal
 from fingerpad.web.results import last_results
 
 _WORDS: Final[Mapping[str, Any]] = {
@@ -35,7 +38,7 @@ def document(opened: OpenStudy) -> dict[str, Any]:
     rulings = opened.corrections.rulings()
     states: dict[str, str] = {} if study is None else item_states(study, opened)
     found = last_results(opened)
-    seen = {row["observation"]: row for row in found.rows if row["frame"] is None} if found else {}
+    seen = found.contacts if found else {}
     counts = Counter(states.values())
     return {
         "name": opened.name,
@@ -44,23 +47,18 @@ def document(opened: OpenStudy) -> dict[str, Any]:
         "digest": manifest.digest,
         "poisson_ratio": study.poisson_ratio if study else 0.5,
         "uncertainty": study.uncertainty.model_dump() if study else None,
-        "ready": study is not None and not manifest.missing,
-        "missing": list(manifest.missing),
-        "scales": _scales(study),
-        "fingers": [_finger(opened, one, rulings) for one in study.fingers] if study else [],
-        "observations": [_observation(one, states, seen, rulings) for one in study.observations]
-        if study
-        else [],
-        "sequences": [_sequence(opened, one, states, rulings) for one in study.sequences] if study else [],
-        "curves": [
-            {
-                "key": str(number),
-                "complete": True,
-                "table": said(one),
-                **_of(one, ("finger", "wedge_angle_deg", "file", "effective_radius_mm", "synthetic")),
-            }
-            for number, one in enumerate(study.curves if study else ())
+        "ready": study is not None,
+        "missing": [asdict(one) for one in manifest.missing],
+        "scales": _scales(manifest),
+        "fingers": [_finger(opened, *one, rulings) for one in _tables(manifest, "finger")],
+        "observations": [
+            _observation(*one, states=states, seen=seen, rulings=rulings)
+            for one in _tables(manifest, "observation")
         ],
+        "sequences": [
+            _sequence(opened, *one, states=states, rulings=rulings) for one in _tables(manifest, "sequence")
+        ],
+        "curves": [_curve(*one) for one in _tables(manifest, "curve")],
         "files": _files(opened, manifest),
         "words": _WORDS,
         "counts": {
@@ -91,107 +89,148 @@ def said(table: BaseModel) -> dict[str, Any]:
     return table.model_dump(mode="json", exclude_unset=True)
 
 
-def _of(table: BaseModel, names: tuple[str, ...]) -> dict[str, Any]:
-    return {name: getattr(table, name) for name in names}
+def _tables(manifest: Manifest, kind: str) -> Iterator[tuple[str, dict[str, Any], bool]]:
+    """Yield key and content of each table of a kind, and whether it is complete."""
+    study = manifest.study
+    if study is not None and kind == "curve":
+        yield from ((str(number), said(one), True) for number, one in enumerate(study.curves))
+    elif study is not None:
+        complete: Iterable[Finger | Contact] = getattr(study, f"{kind}s")
+        yield from ((one.name, said(one), True) for one in complete)
+    yield from ((one.key, one.content, False) for one in manifest.incomplete if one.kind == kind)
 
 
-def _scale(key: Any) -> Any:
-    return said(key) if isinstance(key, BaseModel) else key
-
-
-def _scales(study: Study | None) -> list[dict[str, Any]]:
-    if study is None:
-        return []
-    uses = Counter(name for _, name in study.named_scales())
+def _scales(manifest: Manifest) -> list[dict[str, Any]]:
+    study = manifest.study
+    uses = Counter(name for _, name in study.named_scales()) if study is not None else Counter[str]()
+    complete = {name: said(table) for name, table in study.scales.items()} if study is not None else {}
+    waiting = {one.key: one.content for one in manifest.incomplete if one.kind == "scale"}
     return [
-        {"name": name, "table": said(table), "used_by": uses[name], "complete": True}
-        for name, table in study.scales.items()
+        {"name": name, "table": table, "used_by": uses[name], "complete": name in complete}
+        for name, table in [*complete.items(), *waiting.items()]
     ]
 
 
-def _finger(opened: OpenStudy, finger: Finger, rulings: Mapping[str, Ruling]) -> dict[str, Any]:
-    known = known_finger(opened, finger.name)
+def _finger(
+    opened: OpenStudy, name: str, table: dict[str, Any], complete: bool, rulings: Mapping[str, Ruling]
+) -> dict[str, Any]:
+    known = known_finger(opened, name) if complete else None
     axes = ("palmar", "distal", "radial_ulnar")
     return {
-        "name": finger.name,
-        "table": said(finger),
-        "complete": True,
-        "synthetic": finger.synthetic,
+        "name": name,
+        "table": table,
+        "complete": complete,
+        "synthetic": table.get("synthetic", False),
         "semi_axes_mm": known and dict(zip(axes, known.semi_axes.tolist(), strict=True)),
         "semi_axes_mm_std": known
-        and dict(zip(axes, (float(v) ** 0.5 for v in known.covariance.diagonal()), strict=True)),
-        "photographs": [
-            {
-                "item": f"{finger.name}/{one.image or one.outline}",
-                "face": one.face,
-                "file": one.image or one.outline,
-                "outline": one.outline is not None,
-                "scale": _scale(one.scale),
-                "synthetic": one.synthetic,
-                **judged(rulings.get(f"{finger.name}/{one.image}")),
-                "complete": True,
-            }
-            for one in finger.photographs
-        ],
+        and dict(zip(axes, np.sqrt(known.covariance.diagonal()).tolist(), strict=True)),
+        "photographs": [_photograph(name, one, rulings) for one in table.get("photographs", [])],
+    }
+
+
+def _photograph(finger: str, table: Mapping[str, Any], rulings: Mapping[str, Ruling]) -> dict[str, Any]:
+    file = table.get("image") or table.get("outline")
+    return {
+        "item": f"{finger}/{file}",
+        "file": file,
+        "outline": "outline" in table,
+        **{key: table.get(key) for key in ("face", "scale", "tip", "palmar_side")},
+        "synthetic": table.get("synthetic", False),
+        **judged(rulings.get(f"{finger}/{file}")),
     }
 
 
 def _observation(
-    one: Observation,
+    name: str,
+    table: Mapping[str, Any],
+    complete: bool,
+    *,
     states: Mapping[str, str],
     seen: Mapping[str, Mapping[str, Any]],
     rulings: Mapping[str, Ruling],
 ) -> dict[str, Any]:
-    row = seen.get(one.name, {})
+    row = seen.get(name, {})
+    ruling = rulings.get(name)
+    status = "given" if "ellipse_mm" in table else states.get(name, "left")
     return {
-        "item": one.name,
-        **_of(one, ("finger", "wedge_angle_deg", "roll_angle_deg", "load_N", "synthetic", "notes")),
-        "file": one.image,
-        "scale": _scale(one.scale),
-        "status": "given" if one.image is None else states.get(one.name, "left"),
+        "item": name,
+        **{key: table.get(key) for key in ("finger", "wedge_angle_deg", "load_N", "scale")},
+        "roll_angle_deg": table.get("roll_angle_deg", 0.0),
+        "file": table.get("image"),
+        "notes": table.get("notes", ""),
+        "synthetic": table.get("synthetic", False),
+        "status": "rejected" if ruling is not None and ruling.change.rejected else status,
         "flags": (row.get("flags") or "").split(),
         "reason": row.get("reason"),
-        **judged(rulings.get(one.name)),
-        "from_csv": False,
-        "complete": True,
+        **judged(ruling),
+        "complete": complete,
     }
 
 
 def _sequence(
-    opened: OpenStudy, one: ContactSequence, states: Mapping[str, str], rulings: Mapping[str, Ruling]
+    opened: OpenStudy,
+    name: str,
+    table: dict[str, Any],
+    complete: bool,
+    *,
+    states: Mapping[str, str],
+    rulings: Mapping[str, Ruling],
 ) -> dict[str, Any]:
     found = last_results(opened)
-    frames = (
-        [row for row in found.rows if row["sequence"] == one.name and row["frame"] is not None]
-        if found
-        else []
-    )
-    of_frames = frames_of(rulings, one.name).values()
+    rows = found.frames.get(name, {}).values() if found else ()
+    of_frames = frames_of(rulings, name).values()
     return {
-        "name": one.name,
-        **_of(one, ("finger", "wedge_angle_deg", "roll_angle_deg", "force", "synthetic")),
-        "file": one.path,
-        "scale": _scale(one.scale),
-        "status": states.get(one.name, "left"),
-        "frames": opened.count_frames(one),
-        "flags": Counter(flag for row in frames for flag in row["flags"].split()),
+        "name": name,
+        **{key: table.get(key) for key in ("finger", "wedge_angle_deg", "force", "scale")},
+        "roll_angle_deg": table.get("roll_angle_deg", 0.0),
+        "file": table.get("path"),
+        "synthetic": table.get("synthetic", False),
+        "status": states.get(name, "left"),
+        "frames": opened.count_frames(opened.sequence(name)) if complete else None,
+        "flags": Counter(flag for row in rows for flag in row["flags"].split()),
         "corrected": sum(bool(ruling.change.edits) for ruling in of_frames),
         "rejected": sum(ruling.change.rejected is not None for ruling in of_frames),
         "reviewed": len(of_frames),
-        "table": said(one),
-        "complete": True,
+        "table": table,
+        "complete": complete,
     }
 
 
+def _curve(key: str, table: dict[str, Any], complete: bool) -> dict[str, Any]:
+    shown = ("finger", "wedge_angle_deg", "file", "effective_radius_mm")
+    return {
+        "key": key,
+        **{name: table.get(name) for name in shown},
+        "synthetic": table.get("synthetic", False),
+        "table": table,
+        "complete": complete,
+    }
+
+
+class TableQuestion(Question):
+    """A table of the manifest."""
+
+    kind: Literal["finger", "observation", "sequence", "curve"]
+    key: Annotated[str, Field(max_length=1000)]
+
+
+def table(bench: Bench, asked: TableQuestion, _: Any) -> dict[str, Any]:
+    """Return what the manifest says in one table."""
+    for key, content, complete in _tables(bench.study.read(), asked.kind):
+        if key == asked.key:
+            return {"table": content, "complete": complete}
+    raise Refusal.not_there(f"no {asked.kind} is named {asked.key!r}")
+
+
 def _files(opened: OpenStudy, manifest: Manifest) -> list[dict[str, Any]]:
-    study = manifest.study
-    used = {name for _, name in study.named_files()} if study else set()
+    unused = {one.key for one in manifest.missing if one.kind == "file"}
+    folders = tuple(f"{one.key}/" for one in manifest.missing if one.kind == "folder")
     return [
         {
             "file": name,
             "kind": kind_of_file(name),
             "bytes": status.st_size,
-            "used": name in used or any(name.startswith(f"{one}/") for one in used),
+            "used": name not in unused and not name.startswith(folders),
         }
         for name, status in opened.files().items()
     ]
@@ -215,7 +254,7 @@ def frames(bench: Bench, asked: FramesQuestion, _: Any) -> dict[str, Any]:
     opened = bench.study
     sequence = opened.sequence(asked.sequence)
     found = last_results(opened)
-    rows = {row["frame"]: row for row in found.rows if row["sequence"] == sequence.name} if found else {}
+    rows = found.frames.get(sequence.name, {}) if found else {}
     total = opened.count_frames(sequence) or 0
     shown = range(min(asked.offset, total), min(asked.offset + asked.limit, total))
     ruled = frames_of(opened.corrections.rulings(), sequence.name)
@@ -241,6 +280,13 @@ def _frame(
 
 
 OPERATIONS: Final = (
+    Operation(
+        method="GET",
+        path="/api/study/table",
+        answer=table,
+        query=TableQuestion,
+        summary="What the manifest says in one table",
+    ),
     Operation(
         method="GET", path="/api/study", answer=state, summary="What is there, what is missing, how far"
     ),

@@ -6,9 +6,11 @@ from typing import Annotated, Any, Final
 
 from pydantic import Field
 
-from fingerpad.study.template import write_template
+from fingerpad.exceptions import EditConflict
+from fingerpad.study.edit import STUDY_NAME, Edit, Kind, create_study
 from fingerpad.web.bench import NAME, Bench
 from fingerpad.web.operations import Operation, Question
+from fingerpad.web.refusal import Refusal
 from fingerpad.web.state import document
 
 _Name = Annotated[str, Field(pattern=NAME, max_length=60)]
@@ -42,13 +44,41 @@ def session(bench: Bench, _: Any, __: Any) -> dict[str, Any]:
 def new(bench: Bench, _: Any, asked: NewQuestion) -> dict[str, Any]:
     """Start a study in a new folder."""
     folder = bench.new_folder(asked.name)
-    write_template(folder)
+    create_study(folder, asked.title or asked.name)
     return document(bench.open_folder(folder))
 
 
 def open_study(bench: Bench, _: Any, asked: OpenQuestion) -> dict[str, Any]:
     """Open a study of the workspace."""
     return document(bench.open(asked.name))
+
+
+class EditQuestion(Question):
+    """One change of the manifest."""
+
+    kind: Kind
+    key: Annotated[str, Field(max_length=1000)]
+    set: dict[str, Any] | None
+
+
+class EditsQuestion(Question):
+    """Some changes of the manifest as it was last seen."""
+
+    expected: Annotated[str, Field(max_length=100)]
+    edits: Annotated[list[EditQuestion], Field(min_length=1, max_length=10_000)]
+
+
+def edit(bench: Bench, _: Any, asked: EditsQuestion) -> dict[str, Any]:
+    """Change the manifest: all edits or none."""
+    opened = bench.study
+    edits = [Edit(kind=one.kind, key=one.key, set=one.set) for one in asked.edits]
+    try:
+        opened.change(edits, asked.expected)
+    except EditConflict as conflict:
+        raise Refusal.conflict(str(conflict), digest=opened.read().digest) from conflict
+    found = document(opened)
+    bench.events.tell("study", {"digest": found["digest"]})
+    return found
 
 
 def close(bench: Bench, _: Any, __: Any) -> dict[str, Any]:
@@ -63,7 +93,7 @@ def run(bench: Bench, _: Any, asked: RunQuestion) -> dict[str, Any]:
     opened.study()
     workers = min(asked.workers, os.cpu_count() or 1)
     return opened.running.start(
-        opened.manifest_path,
+        opened.folder / STUDY_NAME,
         opened.out,
         workers=workers,
         fresh=asked.fresh,
@@ -97,6 +127,13 @@ OPERATIONS: Final = (
         method="POST", path="/api/session/open", answer=open_study, body=OpenQuestion, summary="Open a study"
     ),
     Operation(method="POST", path="/api/session/close", answer=close, summary="Close the study"),
+    Operation(
+        method="POST",
+        path="/api/study/edits",
+        answer=edit,
+        body=EditsQuestion,
+        summary="Change the manifest: all edits or none",
+    ),
     Operation(
         method="POST",
         path="/api/run",
