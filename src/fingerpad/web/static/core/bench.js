@@ -28,7 +28,7 @@ class Bench extends EventTarget {
 
   #take(document) {
     const first = this.study?.name !== document.name;
-    this.study = document;
+    this.study = { ...document, uncertainty: document.uncertainty ?? {} };
     this.run = document.run ?? this.run;
     if (first) this.#listen();
     this.tell("study", { first });

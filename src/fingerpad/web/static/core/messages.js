@@ -14,7 +14,7 @@ export function say(words, { kind = "info", action } = {}) {
   );
   box.append(message);
   while (box.children.length > 4) box.firstElementChild.remove();
-  if (kind !== "error") setTimeout(() => message.remove(), 6000);
+  if (kind !== "error") setTimeout(() => message.remove(), 4500);
   return message;
 }
 

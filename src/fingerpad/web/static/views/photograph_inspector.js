@@ -68,6 +68,10 @@ export class PhotographInspector {
   }
 
   #pad({ finger, finger_error: problem }) {
+    if (finger === undefined || (finger === null && !problem)) {
+      if (!this.parts.pad.querySelector("[data-live]")) place(this.parts.pad, h("h3", null, "All faces together"), h("p.soft", null, "Measuring the other faces …"));
+      return;
+    }
     if (!finger) {
       place(this.parts.pad, h("h3", null, "All faces together"), h("p.soft", null, problem ?? "Two faces are the least for a pad."));
       return;

@@ -142,9 +142,13 @@ class Photographs {
   async remeasure() {
     const mine = this.corrections;
     try {
-      const answer = await post("/api/measure/photograph", { item: mine.item, with_finger: true });
+      // This face first: the other faces of the finger may still have to be measured.
+      const answer = await post("/api/measure/photograph", { item: mine.item });
       if (this.corrections !== mine) return;
       this.#show(answer);
+      const whole = await post("/api/measure/photograph", { item: mine.item, with_finger: true });
+      if (this.corrections !== mine) return;
+      this.#show(whole, { live: true });
       if (answer.by !== "program" && !this.own?.[mine.item]) this.#askOwn(mine);
     } catch (error) {
       if (this.corrections === mine) this.#failed(error);

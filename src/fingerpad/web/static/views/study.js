@@ -57,7 +57,7 @@ class StudyView {
       { "aria-label": "What is missing" },
       h("header", null, h("h2", null, "Still missing"), h("span.soft", null, missing.length)),
       missing.length
-        ? h("ul.missing", { tabindex: 0 }, missing.slice(0, 40).map(({ kind, key, words }) => h("li", null, h("strong", null, key || kind), h("span", null, words))), missing.length > 40 && h("li.soft", null, `and ${missing.length - 40} more`))
+        ? h("ul.missing", { tabindex: 0 }, missing.slice(0, 40).map(({ kind, key, words }) => h("li", null, h("strong", null, key || kind), h("span", null, words), /scale/.test(words) && kind !== "scale" && h("a", { href: "#/scale" }, "Set the scale"))), missing.length > 40 && h("li.soft", null, `and ${missing.length - 40} more`))
         : h("p.soft", null, "Drop the files of the study to begin: photographs of the finger and images of its contact."),
     );
   }
