@@ -17,7 +17,7 @@ const fixed = (value, decimals) => round(value, decimals).toFixed(Math.max(decim
 /** Four significant digits, or three decimals below one. */
 export function plain(value) {
   if (value === null || value === undefined || !Number.isFinite(value)) return EN;
-  if (Math.abs(value) < 1) return value.toFixed(3).replace("-", "−");
+  if (value !== 0 && Math.abs(value) < 1) return value.toFixed(3).replace("-", "−");
   return String(Number(value.toPrecision(4))).replace("-", "−");
 }
 

@@ -42,9 +42,9 @@ export class EllipseEditor {
     return handle(this.stage, {
       label,
       kind,
-      move: (place) => (apply(place), after()),
-      step: step && ((arrow, size) => (step(arrow, size), after())),
-      commit: () => this.changed(this.shape, true),
+      move: (place) => this.shape && (apply(place), after()),
+      step: step && ((arrow, size) => this.shape && (step(arrow, size), after())),
+      commit: () => this.shape && this.changed(this.shape, true),
     });
   }
 

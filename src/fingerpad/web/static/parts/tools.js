@@ -41,8 +41,9 @@ export class Brush {
     this.#draw();
   }
 
-  up() {
+  up(place) {
     if (!this.points) return;
+    if (place && Math.hypot(place[0] - this.points.at(-1)[0], place[1] - this.points.at(-1)[1]) > 0.5) this.points.push(place);
     const points = this.points.map((place) => place.map((value) => Math.round(value * 100) / 100));
     this.points = null;
     this.done({ action: this.now, points_px: points, radius_px: this.radius });

@@ -35,13 +35,17 @@ export class ContactInspector {
     return this.why.value.trim() || "rejected by eye";
   }
 
-  wait() {
+  head() {
     const { entry, lines } = this.view.context();
     place(
       this.parts.head,
       h("div.headline", null, h("h2", null, entry.frame === undefined ? entry.item : `Frame ${entry.frame}`), h("span", null, synthetic(entry.synthetic ?? this.view.film?.synthetic))),
       h("p.context", null, lines.join(" · ")),
     );
+  }
+
+  wait() {
+    this.head();
     place(this.parts.numbers, h("p.loading", null, "Measuring …"));
     this.tool();
   }

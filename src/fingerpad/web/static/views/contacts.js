@@ -96,8 +96,8 @@ class Contacts {
       describe: (entry) => describe(entry),
     });
     this.count = h("span.count.number", { role: "status" });
-    this.sourceChoice = choose({ value: this.source, options: this.#sources(), onset: (key) => (location.hash = `#/contacts/${encodeURIComponent(key)}`) });
-    this.filterChoice = choose({ value: this.filter, options: FILTERS, onset: (key) => this.#filter(key) });
+    this.sourceChoice = choose({ value: this.source, label: "Pictures", options: this.#sources(), onset: (key) => (location.hash = `#/contacts/${encodeURIComponent(key)}`) });
+    this.filterChoice = choose({ value: this.filter, label: "Show", options: FILTERS, onset: (key) => this.#filter(key) });
     this.inspector = new ContactInspector(this);
     place(
       this.root,
@@ -196,6 +196,7 @@ class Contacts {
     this.at = index;
     const { item } = this.entry;
     this.strip.choose(index);
+    if (document.activeElement?.closest(".handle")) this.stage.root.focus({ preventScroll: true });
     this.#counted();
     history.replaceState(null, "", `#/contacts/${encodeURIComponent(this.source)}/${encodeURIComponent(item)}`);
     this.corrections?.close();
@@ -208,6 +209,7 @@ class Contacts {
       const [info] = await Promise.all([get("/api/picture/info", { item }), mine.load()]);
       if (this.corrections !== mine) return;
       this.info = info;
+      this.inspector.head();
       this.stage.show(info.preview ?? picture("preview", item), info.rows_px, info.columns_px, `Contact image ${item}`);
       this.mark.hidden = !(this.entry.synthetic ?? this.film?.synthetic);
       this.#ahead();

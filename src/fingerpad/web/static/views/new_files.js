@@ -212,9 +212,11 @@ export class NewFiles {
     }
     try {
       await bench.edit(...edits);
-      say(`${edits.filter(({ kind }) => kind !== "finger").length} files are in use.`, { kind: "good" });
+      say(inUse(edits.filter(({ kind }) => kind !== "finger").length), { kind: "good" });
     } catch (error) {
       place(this.problem, faultList(error));
     }
   }
 }
+
+const inUse = (count) => `${count} file${count === 1 ? " is" : "s are"} in use.`;

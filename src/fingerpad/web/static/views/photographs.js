@@ -118,6 +118,7 @@ class Photographs {
     this.at = index;
     const { item } = this.entry;
     this.strip.choose(index);
+    if (document.activeElement?.closest(".handle")) this.stage.root.focus({ preventScroll: true });
     history.replaceState(null, "", `#/photographs/${encodeURIComponent(item)}`);
     this.corrections?.close();
     this.measured = null;

@@ -17,6 +17,9 @@ const WAYS = [
   ["mm_per_px", "mm/px"],
 ];
 
+// What a new scale begins with, to be seen and changed: a hand marks a line's end to about a pixel.
+const FRESH = { line: { ends_std_px: 1 } };
+
 const COINS = [
   ["", "– type or choose –"],
   ["16.25", "1 euro cent, 16.25 mm"],
@@ -61,8 +64,8 @@ class Scales {
   #start(scale) {
     this.old = scale;
     this.name = scale?.name ?? "";
-    this.table = structuredClone(scale?.table ?? {});
-    this.way = WAYS.map(([key]) => key).find((key) => this.table[key] !== undefined) ?? "line";
+    this.table = structuredClone(scale?.table ?? FRESH.line);
+    this.way = this.#wayOf(this.table) ?? "line";
     this.answer = null;
     this.file = this.table.coin ?? this.#guess();
     this.#drawList();
@@ -136,23 +139,23 @@ class Scales {
     const ways = {
       line: () => [
         field("Length of the line", of("length_mm"), { unit: "mm" }),
-        field("Its uncertainty", of("length_std_mm", { placeholder: "0.05" }), { unit: "mm" }),
-        field("Each end is sure to", of("ends_std_px", { placeholder: "1" }), { unit: "px" }),
+        field("Its uncertainty", of("length_std_mm", { placeholder: "not said" }), { unit: "mm" }),
+        field("Each end is sure to", of("ends_std_px", { placeholder: "not said" }), { unit: "px" }),
       ],
       coin: () => [
         field("Which coin", choose({ value: String(this.table.diameter_mm ?? ""), options: COINS, onset: (value) => value && (set("diameter_mm")(Number(value)), this.#drawFields()) }), { wide: true }),
         field("Diameter", of("diameter_mm"), { unit: "mm" }),
-        field("Its uncertainty", of("diameter_std_mm", { placeholder: "0.05" }), { unit: "mm" }),
+        field("Its uncertainty", of("diameter_std_mm", { placeholder: "not said" }), { unit: "mm" }),
       ],
-      ppi: () => [field("Pixels per inch", of("ppi", { placeholder: "500" }), { unit: "ppi" }), field("Relative uncertainty", of("relative_std", { placeholder: "0.002", max: 1 }), { hint: "0.01 is one per cent" })],
-      mm_per_px: () => [field("Millimetres per pixel", of("mm_per_px"), { unit: "mm/px" }), field("Relative uncertainty", of("relative_std", { placeholder: "0.002", max: 1 }), { hint: "0.01 is one per cent" })],
+      ppi: () => [field("Pixels per inch", of("ppi"), { unit: "ppi" }), field("Relative uncertainty", of("relative_std", { placeholder: "not said", max: 1 }), { hint: "0.01 is one per cent" })],
+      mm_per_px: () => [field("Millimetres per pixel", of("mm_per_px"), { unit: "mm/px" }), field("Relative uncertainty", of("relative_std", { placeholder: "not said", max: 1 }), { hint: "0.01 is one per cent" })],
     };
     place(this.fields, ways[this.way]());
   }
 
   #choose(way) {
     this.way = way;
-    this.table = way === this.#wayOf(this.old?.table) ? structuredClone(this.old.table) : {};
+    this.table = way === this.#wayOf(this.old?.table) ? structuredClone(this.old.table) : { ...FRESH[way] };
     if (way === "coin") this.table.coin = this.file;
     this.answer = null;
     this.#drawForm();
