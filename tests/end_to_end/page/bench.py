@@ -19,7 +19,7 @@ ROOT = Path(__file__).resolve().parents[3]
 DEMO = ROOT / "examples" / "dzidek2017"
 REAL = ROOT.parent / "shared" / "data"
 PRINTS = REAL / "nist_nbis_livescan_slaps"
-PATIENCE_MS = 45_000  # machines that test are busy
+PATIENCE_MS = 30_000  # machines that test are busy
 
 
 class Served:

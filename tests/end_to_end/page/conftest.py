@@ -9,7 +9,6 @@ from pathlib import Path
 import pytest
 from filelock import FileLock
 from playwright.sync_api import Browser, sync_playwright
-
 from tests.end_to_end.page.bench import DEMO, Tab, served
 
 

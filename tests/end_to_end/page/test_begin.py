@@ -4,7 +4,6 @@ import re
 import zipfile
 
 import pytest
-
 from tests.end_to_end.page.bench import DEMO, PRINTS, Tab, drag, focus, middle
 
 FACES = [DEMO / "synthetic" / f"photograph_{face}.jpg" for face in ("palmar", "distal", "radial")]

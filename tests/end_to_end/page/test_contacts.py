@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 import tifffile
 from PIL import Image
-
 from tests.end_to_end.page.bench import DEMO, PRINTS, Tab, changed, drag, focus, middle, numbers
 
 PRINT = "synthetic_30deg_2N"

@@ -3,7 +3,6 @@
 import re
 
 import pytest
-
 from tests.end_to_end.page.bench import Tab, changed, numbers, served
 
 
@@ -65,12 +64,12 @@ def test_corrected_radius_with_its_lines_and_bars(tab: Tab) -> None:
     assert "20.5 mm" in first
     assert cards.first.locator(".shapelayer path").count() == 2
     assert cards.first.locator(".errorbar").count() == 1
-    page.get_by_label("Finger").select_option("synthetic_pad")
+    page.get_by_label("Finger", exact=True).select_option("synthetic_pad")
     page.locator(".plot-card .synthetic").first.wait_for()
     assert cards.count() == 2
     cards.first.get_by_text("Where the model ends").click()
     cards.first.get_by_text("the contact radius exceeds 0.3 of the radius of curvature").wait_for()
-    page.get_by_label("Against load").select_option("gross_area_mm2")
+    page.get_by_label("Against load", exact=True).select_option("gross_area_mm2")
     page.get_by_text("gross area (mm²)").first.wait_for()
 
 
@@ -79,8 +78,8 @@ def test_table_is_filtered_sorted_and_leads_to_the_picture(tab: Tab) -> None:
     page.locator("h1").click()
     page.keyboard.press("t")
     page.get_by_text("34 of 34 rows").wait_for()
-    page.get_by_label("Finger").select_option("synthetic_pad")
-    page.get_by_label("Wedge").select_option("45")
+    page.get_by_label("Finger", exact=True).select_option("synthetic_pad")
+    page.get_by_label("Wedge", exact=True).select_option("45")
     page.get_by_text("4 of 34 rows").wait_for()
     page.get_by_role("button", name="Sort by W, N").click()
     page.get_by_role("columnheader", name="Sort by W, N").and_(
@@ -99,7 +98,7 @@ def test_table_is_filtered_sorted_and_leads_to_the_picture(tab: Tab) -> None:
 
 def test_figures_budget_and_audit(tab: Tab) -> None:
     page = tab.open("results/figures")
-    page.get_by_label("Show").select_option("corrected_radius")
+    page.get_by_label("Show", exact=True).select_option("corrected_radius")
     figure = page.locator("figure img").first
     figure.wait_for()
     page.wait_for_function("() => document.querySelector('figure img').naturalWidth > 100")

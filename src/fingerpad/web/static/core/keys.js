@@ -56,7 +56,7 @@ export function showHelp() {
   place(
     dialog,
     h("header", null, h("h2", null, "Keys"), h("button", { type: "button", autofocus: true, onclick: () => dialog.close() }, "Close")),
-    h("div.columns", null, here.length > 0 && table(words, here), table("Everywhere", everywhere)),
+    h("div.columns", null, here.length > 0 && table("This step", here), table("Everywhere", everywhere)),
   );
   document.body.append(dialog);
   dialog.showModal();

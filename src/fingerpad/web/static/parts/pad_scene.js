@@ -238,14 +238,14 @@ export class PadScene {
     };
     const ends = (points) => points[points.length - 1];
     const [x, y] = project(scene.contact_point_mm);
-    const colours = ["along", "across"];
     place(
       this.marks,
       line([...scene.platen.corners_mm, scene.platen.corners_mm[0]], "platen-edge"),
       this.edges.map((edge) => line(edge, "wedge-edge")),
-      scene.lines.map(({ name, points_mm: points }, index) => {
-        const kind = /across/.test(name) ? "across" : /along/.test(name) ? "along" : (colours[index] ?? "other");
-        return [line(points, `direction ${kind}`.replace(" ", ".")), /direction/.test(name) && label(ends(points), /across/.test(name) ? `across ${scene.transverse_radius_mm.toFixed(1)} mm` : `along ${scene.in_plane_radius_mm.toFixed(1)} mm`, kind)];
+      scene.lines.map(({ name, points_mm: points }) => {
+        const kind = { "principal direction along": "along", "principal direction across": "across" }[name];
+        if (!kind) return line(points, `aid.${name.replace(" ", "-")}`);
+        return [line(points, `direction.${kind}`), label(ends(points), kind === "across" ? `across ${scene.transverse_radius_mm.toFixed(1)} mm` : `along ${scene.in_plane_radius_mm.toFixed(1)} mm`, kind)];
       }),
       s("circle.contact", { cx: x, cy: y, r: 5 }),
       scene.points?.map(({ u_deg: u, point_mm: point }) => {

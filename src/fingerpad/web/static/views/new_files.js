@@ -83,7 +83,7 @@ export class NewFiles {
       this.#common(),
       h(
         "div.table-wrap",
-        { tabindex: 0, role: "region", "aria-label": "New files" },
+        { tabindex: 0, role: "group", "aria-label": "New files" },
         h(
           "table",
           null,

@@ -20,7 +20,7 @@ const PARTS = [
 
 class Results {
   constructor(root, rest) {
-    this.body = h("div.scroll.results");
+    this.body = h("div.scroll.results", { tabindex: 0, role: "region", "aria-label": "Results" });
     this.banner = h("div");
     this.tabs = segments("Parts of the results", PARTS.map(([key, words]) => [key, words]), "plot", (key) => (location.hash = `#/results/${key}`));
     place(root, h("header.head", null, h("div", null, h("h1", null, "Results"), h("p", null, "Values ± one standard uncertainty.")), h("div.actions", null, this.tabs)), this.banner, this.body);
@@ -38,6 +38,7 @@ class Results {
   }
 
   turn(rest) {
+    this.finished = bench.study.results?.finished;
     const [key, , Part] = PARTS.find(([name]) => name === rest[0]) ?? PARTS[0];
     this.key = key;
     this.tabs.show(key);
@@ -69,9 +70,7 @@ class Results {
 
   update() {
     this.#sayFresh();
-    const finished = bench.study.results?.finished;
-    if (finished !== this.finished) this.turn([this.key]);
-    this.finished = finished;
+    if (bench.study.results?.finished !== this.finished) this.turn([this.key]);
   }
 
   close() {

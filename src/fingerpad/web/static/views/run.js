@@ -65,7 +65,7 @@ class Run {
     const hadFocus = this.status.contains(document.activeElement);
     place(
       this.status,
-      h("header", null, h("h2", { role: "status" }, STATES[run.state] ?? run.state), run.state === "done" && chip("up to date", "good"), run.state === "failed" && chip("failed", "bad")),
+      h("header", null, h("h2", null, h("span", { role: "status" }, STATES[run.state] ?? run.state)), run.state === "done" && chip("up to date", "good"), run.state === "failed" && chip("failed", "bad")),
       this.busy
         ? [(this.bar = h("progress", { "aria-label": "Progress of the run" })), (this.line = h("p.run-line.number")), h("div.actions", null, (this.main = button("Stop", () => this.#cancel(), { kind: "bad", key: "c", disabled: run.state === "cancelling" })))]
         : [

@@ -62,7 +62,7 @@ export class StudyTables {
       fingers.length
         ? h(
             "div.table-wrap",
-            { tabindex: 0, role: "region", "aria-label": "Fingers" },
+            { tabindex: 0, role: "group", "aria-label": "Fingers" },
             h(
               "table",
               null,
@@ -151,7 +151,7 @@ export class StudyTables {
       observations.length
         ? h(
             "div.table-wrap",
-            { tabindex: 0, role: "region", "aria-label": "Contacts" },
+            { tabindex: 0, role: "group", "aria-label": "Contacts" },
             h(
               "table.tight",
               null,
@@ -199,7 +199,7 @@ export class StudyTables {
       h("header", null, h("h2", null, "Films"), h("span.soft", null, "of one press, with its force")),
       h(
         "div.table-wrap",
-        { tabindex: 0, role: "region", "aria-label": "Films" },
+        { tabindex: 0, role: "group", "aria-label": "Films" },
         h(
           "table.tight",
           null,
@@ -238,7 +238,7 @@ export class StudyTables {
       curves.length
         ? h(
             "div.table-wrap",
-            { tabindex: 0, role: "region", "aria-label": "Loading data" },
+            { tabindex: 0, role: "group", "aria-label": "Loading data" },
             h(
               "table.tight",
               null,
