@@ -83,6 +83,7 @@ def test_adding_leaves_what_was_there(folder):
     )
     study = read_study(folder / STUDY_NAME)
     assert study == state.study
+    assert study_state(folder) == state
     assert [each.name for each in study.observations] == ["print_1", "print_2", "print_3"]
     assert study.observations[2].seed_px == [20, 30]
     assert (study.poisson_ratio, study.uncertainty.load_relative_std) == (0.49, 0.02)

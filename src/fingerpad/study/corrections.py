@@ -9,148 +9,32 @@ import json
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, Final, Literal, TypeAlias
 
 from filelock import FileLock, Timeout
 
-from fingerpad.exceptions import CorrectionConflict, ManifestError, StoreError
+from fingerpad.exceptions import CorrectionConflict, StoreError
 from fingerpad.study.changes import Change, ContactCorrection, PhotographCorrection
+from fingerpad.study.decisions import (
+    CORRECTIONS_NAME,
+    Action,
+    History,
+    Record,
+    Ruling,
+    checked_change,
+    record_of,
+)
+from fingerpad.study.durable import sync_folder
 from fingerpad.study.manifest import Study
-from fingerpad.study.manifest.faults import validated
 
-CORRECTIONS_NAME: Final = "corrections.jsonl"
 LOCK_NAME: Final = ".corrections.lock"
 
-Action: TypeAlias = Literal["change", "undo", "redo"]
 Kind: TypeAlias = Literal["observation", "frame", "photograph"]
 
 _WAIT_S: Final = 30.0
 _MOST_NAME: Final = 200
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Record:
-    """One decision of one person.
-
-    Attributes
-    ----------
-    id : int
-        Its number in the file, from 1, rising.
-    item : str
-        What was corrected.
-    when : str
-        Time, ISO 8601, UTC.
-    who : str
-        The person.
-    action : {"change", "undo", "redo"}
-        What was done.
-    change : dict
-        All that is wanted of the item, as `ContactCorrection` or `PhotographCorrection` write it; empty for
-        what the program found, and for an undo or redo.
-    """
-
-    id: int
-    item: str
-    when: str
-    who: str
-    action: Action
-    change: dict[str, Any]
-
-    def as_json(self) -> dict[str, Any]:
-        """Return it as its line of the file says it."""
-        return {name: getattr(self, name) for name in ("id", "item", "when", "who", "action", "change")}
-
-    @property
-    def words(self) -> str:
-        """Who did what, and when."""
-        what = ", ".join(self.change) or "everything back to the program's"
-        did = f"changed {what}" if self.action == "change" else f"took a step ({self.action})"
-        return f"{self.who} {did} at {self.when}"
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Ruling:
-    """What rules for an item.
-
-    Attributes
-    ----------
-    item : str
-        The item.
-    change : ContactCorrection or PhotographCorrection
-        What is wanted of it.
-    who, when : str
-        Who wanted it first, and when.
-    """
-
-    item: str
-    change: Change
-    who: str
-    when: str
-
-    @property
-    def key(self) -> list[Any]:
-        """All of it that results depend on, for a digest."""
-        return [self.item, self.who, self.change.as_json()]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class History:
-    """All decisions about one item.
-
-    Attributes
-    ----------
-    item : str
-        The item.
-    records : tuple of Record
-        In order.
-    """
-
-    item: str
-    records: tuple[Record, ...] = ()
-
-    @property
-    def last_id(self) -> int:
-        """Number of the newest record, 0 where there is none: what an author has seen."""
-        return self.records[-1].id if self.records else 0
-
-    @property
-    def can_undo(self) -> bool:
-        """Whether there is a change to take back."""
-        return self._place()[1] > 0
-
-    @property
-    def can_redo(self) -> bool:
-        """Whether there is a change taken back."""
-        changes, place = self._place()
-        return place < len(changes)
-
-    @property
-    def ruling(self) -> Ruling | None:
-        """What rules; None where the program's own result does."""
-        changes, place = self._place()
-        if not place or not changes[place - 1].change:
-            return None
-        record = changes[place - 1]
-        model = PhotographCorrection if "/" in self.item else ContactCorrection
-        change = _checked(model, record.change, f"{CORRECTIONS_NAME}: record {record.id}: {self.item}")
-        return Ruling(item=self.item, change=change, who=record.who, when=record.when)
-
-    def _place(self) -> tuple[list[Record], int]:
-        """Return the changes that undo and redo walk over, and how many of them hold."""
-        changes: list[Record] = []
-        place = 0
-        for record in self.records:
-            if record.action == "change":
-                changes[place:] = [record]
-                place += 1
-            elif record.action == "undo":
-                place = max(0, place - 1)
-            else:
-                place = min(len(changes), place + 1)
-        return changes, place
 
 
 class CorrectionLog:
@@ -212,7 +96,7 @@ class CorrectionLog:
         except OSError as error:
             raise StoreError(f"{self._path}: cannot be read ({error.strerror})") from error
         whole, _, self._torn = fresh.rpartition(b"\n")
-        if self._torn and _record(self._torn) is not None:  # its end of line was lost in an editor
+        if self._torn and record_of(self._torn) is not None:  # its end of line was lost in an editor
             whole, self._torn = fresh, b""
         for line in whole.split(b"\n") if whole else ():
             self._take(line)
@@ -222,7 +106,7 @@ class CorrectionLog:
         self._lines += 1
         if not line.strip():
             return
-        record = _record(line)
+        record = record_of(line)
         if record is None or record.id <= self._last_id:
             raise StoreError(
                 f"{self._path}: line {self._lines} is no correction that follows those above it: "
@@ -291,7 +175,7 @@ class CorrectionLog:
         kind = kind_of(item, study)
         model = PhotographCorrection if kind == "photograph" else ContactCorrection
         content = change if isinstance(change, Mapping) else change.as_json()
-        checked = _checked(model, content, item)
+        checked = checked_change(model, content, item)
         _require_picture(item, checked, study)
         if shape is not None and (fault := checked.outside(shape)):
             raise StoreError(f"{item}: {fault}")
@@ -392,31 +276,6 @@ def _require_picture(item: str, change: Change, study: Study) -> None:
         )
 
 
-def _checked(model: type[Change], content: Mapping[str, Any], where: str) -> Any:
-    try:
-        return validated(model, content, where, strict=True)
-    except ManifestError as error:
-        raise StoreError(str(error)) from None
-
-
-def _record(line: bytes) -> Record | None:
-    """Return the record that a line holds, None where it holds none."""
-    try:
-        content = json.loads(line)
-        record = Record(**content)
-    except (ValueError, TypeError, RecursionError):
-        return None
-    texts = (record.item, record.when, record.who)
-    good = (
-        all(isinstance(text, str) for text in texts)
-        and type(record.id) is int
-        and record.id > 0
-        and record.action in {"change", "undo", "redo"}
-        and isinstance(record.change, dict)
-    )
-    return record if good else None
-
-
 @contextmanager
 def _locked(path: Path) -> Iterator[None]:
     """Hold the lock of the corrections, and say plainly where they cannot be written."""
@@ -427,17 +286,6 @@ def _locked(path: Path) -> Iterator[None]:
         raise StoreError(f"{path}: another process has been writing for {_WAIT_S:g} s: try again") from None
     except OSError as error:
         raise StoreError(f"{path}: cannot be written ({error.strerror})") from error
-
-
-def sync_folder(folder: Path) -> None:
-    """Wait until the names in a folder are on the disk, where the system can."""
-    if os.name == "nt":
-        return
-    handle = os.open(folder, os.O_RDONLY)
-    try:
-        os.fsync(handle)
-    finally:
-        os.close(handle)
 
 
 __all__: Sequence[str] = (

@@ -65,7 +65,6 @@ def make_app(bench: Bench, token: str) -> ASGIApp:
             Route("/favicon.ico", _icon),
             Route("/static/vendor/plotly.min.js", _plotly),
             Route("/api/openapi.json", document),
-            *files.streamed(bench),
             *(operation.route(bench) for operation in OPERATIONS),
             Mount("/static", _Static(directory=STATIC)),
         ],

@@ -2,9 +2,7 @@
 
 import os
 import re
-from collections.abc import Awaitable, Callable
 from contextlib import suppress
-from functools import wraps
 from http import HTTPStatus
 from pathlib import Path
 from tempfile import NamedTemporaryFile, gettempdir
@@ -15,18 +13,10 @@ from starlette.background import BackgroundTask
 from starlette.concurrency import run_in_threadpool
 from starlette.requests import Request
 from starlette.responses import FileResponse, Response, StreamingResponse
-from starlette.routing import Route
 
 from fingerpad.web.archive import packed, unpacked
 from fingerpad.web.bench import NAME, Bench
-from fingerpad.web.operations import (
-    Operation,
-    Question,
-    checked,
-    json_response,
-    plain_refusals,
-    refused,
-)
+from fingerpad.web.operations import Operation, Question, json_response
 from fingerpad.web.refusal import Refusal
 from fingerpad.web.security import FRAMED_HEADERS
 from fingerpad.web.state import document
@@ -49,7 +39,6 @@ _TYPES: Final = {
     ".png": "image/png",
 }
 _DRAWN: Final = re.compile(r"(figures|overlays)/(sequences/)?[^/\\\0]+\.(svg|png)")
-Handler = Callable[[Bench, Request], Awaitable[Response]]
 
 
 class UploadQuestion(Question):
@@ -71,10 +60,8 @@ class RemoveQuestion(Question):
     file: Annotated[str, Field(min_length=1, max_length=1000)]
 
 
-async def upload(bench: Bench, request: Request) -> Response:
+async def upload(bench: Bench, asked: UploadQuestion, request: Request) -> Response:
     """Keep a file in the study."""
-    asked = checked(UploadQuestion, dict(request.query_params))
-    assert isinstance(asked, UploadQuestion)
     opened = bench.study
     name = plain_name(asked.name)
     target = opened.folder / FOLDER if asked.folder is None else opened.folder / FOLDER / asked.folder
@@ -82,8 +69,7 @@ async def upload(bench: Bench, request: Request) -> Response:
 
     def keep() -> Response:
         try:
-            with plain_refusals():
-                record, new = kept(opened, path, digest, name)
+            record, new = kept(opened, path, digest, name)
         finally:
             with suppress(OSError):
                 path.unlink()
@@ -97,10 +83,8 @@ async def upload(bench: Bench, request: Request) -> Response:
     return await run_in_threadpool(keep)
 
 
-async def bring(bench: Bench, request: Request) -> Response:
+async def bring(bench: Bench, asked: ImportQuestion, request: Request) -> Response:
     """Make a study of a ZIP, and open it."""
-    asked = checked(ImportQuestion, dict(request.query_params))
-    assert isinstance(asked, ImportQuestion)
     folder = bench.new_folder(asked.name)
     path, _ = await stored(request, bench.upload_limit, Path(gettempdir()))
 
@@ -114,7 +98,7 @@ async def bring(bench: Bench, request: Request) -> Response:
     return await run_in_threadpool(unpack)
 
 
-async def listen(bench: Bench, _: Request) -> Response:
+async def listen(bench: Bench, _: Any, __: Request) -> Response:
     """Tell what happens as it happens."""
     return StreamingResponse(bench.events.listen(), media_type="text/event-stream")
 
@@ -177,27 +161,33 @@ def _ascii(name: str) -> str:
     return re.sub(r"[^A-Za-z0-9._+-]", "_", name)
 
 
-def streamed(bench: Bench) -> list[Route]:
-    """Return the routes whose bodies or answers are streamed."""
-    return [
-        Route("/api/files", _plain(bench, upload), methods=["POST"]),
-        Route("/api/session/import", _plain(bench, bring), methods=["POST"]),
-        Route("/api/events", _plain(bench, listen), methods=["GET"]),
-    ]
-
-
-def _plain(bench: Bench, handler: Handler) -> Callable[[Request], Awaitable[Response]]:
-    @wraps(handler)
-    async def respond(request: Request) -> Response:
-        try:
-            return await handler(bench, request)
-        except Refusal as refusal:
-            return refused(refusal)
-
-    return respond
-
-
 OPERATIONS: Final = (
+    Operation(
+        method="POST",
+        path="/api/files",
+        answer=upload,
+        query=UploadQuestion,
+        status=HTTPStatus.CREATED,
+        streamed=True,
+        summary="Keep a file in the study",
+    ),
+    Operation(
+        method="POST",
+        path="/api/session/import",
+        answer=bring,
+        query=ImportQuestion,
+        status=HTTPStatus.CREATED,
+        streamed=True,
+        summary="Make a study of a ZIP, and open it",
+    ),
+    Operation(
+        method="GET",
+        path="/api/events",
+        answer=listen,
+        media="text/event-stream",
+        streamed=True,
+        summary="What happens, as it happens",
+    ),
     Operation(
         method="DELETE",
         path="/api/files",

@@ -1,13 +1,11 @@
 """The fingers of a study as far as they are known without measuring: given, or found by the last run."""
 
-from typing import Any
-
 import numpy as np
 
-from fingerpad.study.fingers import FingerResult
-from fingerpad.study.manifest import Finger
+from fingerpad.study.fingers import FingerResult, finger_result, shared_scale
 from fingerpad.web.open_study import OpenStudy
 from fingerpad.web.results import last_results
+from fingerpad.web.scales import scales_of
 
 
 def known_finger(opened: OpenStudy, name: str) -> FingerResult | None:
@@ -15,32 +13,19 @@ def known_finger(opened: OpenStudy, name: str) -> FingerResult | None:
     finger = next((one for one in opened.study().fingers if one.name == name), None)
     if finger is None:
         return None
-    common: dict[str, Any] = {
-        "name": name,
-        "pad_thickness": finger.pad_thickness_mm,
-        "synthetic": finger.synthetic or any(one.synthetic for one in finger.photographs),
-    }
-    if finger.semi_axes_mm is not None and finger.semi_axes_std_mm is not None:
-        given, std = finger.semi_axes_mm, finger.semi_axes_std_mm
-        return FingerResult(
-            semi_axes=np.array([given.palmar, given.distal, given.radial_ulnar]),
-            covariance=np.diag(np.square([std.palmar, std.distal, std.radial_ulnar])),
-            source="given",
-            **common,
-        )
+    if finger.semi_axes_mm is not None:
+        return finger_result(finger, {}, opened.folder, opened.out)  # nothing to measure
     found = last_results(opened)
     record = found and next((one for one in found.summary["fingers"] if one["finger"] == name), None)
     if not record or record["palmar_mm"] is None:
         return None
+    shared = shared_scale(finger, scales_of(opened), opened.folder)
     return FingerResult(
+        name=name,
         semi_axes=np.array([record[f"{axis}_mm"] for axis in ("palmar", "distal", "radial_ulnar")]),
         covariance=np.array(record["covariance_mm2"]),
         source="photographs",
-        scale=_shared_scale(finger),
-        **common,
+        scale=shared.name if shared else None,
+        pad_thickness=finger.pad_thickness_mm,
+        synthetic=record["synthetic"],
     )
-
-
-def _shared_scale(finger: Finger) -> str | None:
-    names = {one.scale if isinstance(one.scale, str) else None for one in finger.photographs}
-    return names.pop() if len(names) == 1 else None

@@ -52,6 +52,9 @@ class Operation:
         Of an answer in JSON.
     media : str
         Type of the answer.
+    streamed : bool
+        Whether body or answer come in parts: `answer` is then a coroutine, and takes the request as it comes
+        in place of a body.
     """
 
     method: Literal["GET", "POST", "PUT", "DELETE"]
@@ -62,6 +65,12 @@ class Operation:
     body: type[Question] = Nothing
     status: HTTPStatus = HTTPStatus.OK
     media: str = "application/json"
+    streamed: bool = False
+
+    @property
+    def plain_path(self) -> str:
+        """The path without Starlette's types of its parts."""
+        return self.path.replace(":path}", "}")
 
     def route(self, bench: Bench) -> Route:
         """Return the route that answers for `bench`."""
@@ -69,12 +78,19 @@ class Operation:
         async def respond(request: Request) -> Response:
             try:
                 query = checked(self.query, {**request.query_params, **request.path_params})
+                if self.streamed:
+                    return await self._answered_in_parts(bench, query, request)
                 body = Nothing() if self.body is Nothing else await _body(self.body, request)
                 return await run_in_threadpool(self._answered, bench, query, body)
             except Refusal as refusal:
                 return refused(refusal)
 
         return Route(self.path, respond, methods=[self.method])
+
+    async def _answered_in_parts(self, bench: Bench, query: Question, request: Request) -> Response:
+        with plain_refusals():
+            answer: Response = await self.answer(bench, query, request)
+        return answer
 
     def _answered(self, bench: Bench, query: Question, body: Question) -> Response:
         """Ask the library; what it refuses becomes the same words in the answer."""
@@ -161,7 +177,7 @@ def openapi(operations: Sequence[Operation], version: str) -> dict[str, Any]:
     """Return the OpenAPI 3.1 document of the operations."""
     paths: dict[str, dict[str, Any]] = {}
     for operation in operations:
-        paths.setdefault(operation.path, {})[operation.method.lower()] = _described(operation)
+        paths.setdefault(operation.plain_path, {})[operation.method.lower()] = _described(operation)
     return {
         "openapi": "3.1.0",
         "info": {
@@ -177,9 +193,7 @@ def openapi(operations: Sequence[Operation], version: str) -> dict[str, Any]:
 
 def _described(operation: Operation) -> dict[str, Any]:
     schema = operation.query.model_json_schema()
-    in_path = [
-        part.strip("{}").partition(":")[0] for part in operation.path.split("/") if part.startswith("{")
-    ]
+    in_path = [part.strip("{}") for part in operation.plain_path.split("/") if part.startswith("{")]
     parameters = [
         {
             "name": name,
@@ -192,7 +206,7 @@ def _described(operation: Operation) -> dict[str, Any]:
     content: dict[str, Any] = {operation.media: {"schema": {}}}
     described: dict[str, Any] = {
         "summary": operation.summary,
-        "operationId": f"{operation.method.lower()}{operation.path.replace('/', '_')}",
+        "operationId": f"{operation.method.lower()}{operation.plain_path.replace('/', '_')}",
         "parameters": parameters,
         "responses": {
             str(int(operation.status)): {"description": "the answer", "content": content},
@@ -210,6 +224,9 @@ def _described(operation: Operation) -> dict[str, Any]:
             },
         },
     }
+    if operation.streamed and operation.method == "POST":
+        content = {"application/octet-stream": {"schema": {"type": "string", "format": "binary"}}}
+        described["requestBody"] = {"required": True, "content": content}
     if operation.body is not Nothing:
         body = json.loads(json.dumps(operation.body.model_json_schema(ref_template="#/$defs/{model}")))
         described["requestBody"] = {

@@ -9,9 +9,7 @@ import numpy as np
 from fingerpad.exceptions import FingerpadError
 from fingerpad.image import (
     FACE_AXES,
-    OutlineSemiAxes,
     PhotographFit,
-    combine_faces,
     face_from_outline,
     photograph_from_handles,
     read_outline,
@@ -19,6 +17,7 @@ from fingerpad.image import (
 )
 from fingerpad.study.changes import PhotographCorrection
 from fingerpad.study.corrected import corrected_photograph
+from fingerpad.study.fingers import JointSemiAxes, joint_semi_axes, photograph_item, shared_scale
 from fingerpad.study.manifest import Finger, Photograph, ScaleKey
 from fingerpad.web.asked import Item, Spot, as_pair
 from fingerpad.web.bench import Bench
@@ -26,7 +25,7 @@ from fingerpad.web.open_study import OpenStudy
 from fingerpad.web.operations import Operation, Question
 from fingerpad.web.pictures import Cache
 from fingerpad.web.refusal import Refusal
-from fingerpad.web.scales import scale_of
+from fingerpad.web.scales import scale_of, scales_of
 
 _FITS: Final[Cache[PhotographFit]] = Cache(60, lambda _: 1)
 _CURVE_POINTS: Final = 181
@@ -158,12 +157,12 @@ def _together(opened: OpenStudy, finger: Finger, item: str, fit: PhotographFit) 
     """Return the finger's semi-axes with one face as it is being corrected."""
     faces = {}
     for one in finger.photographs:
-        own = f"{finger.name}/{one.image or one.outline}"
+        own = photograph_item(finger, one)
         ruling = opened.corrections.ruling(own)
-        change = ruling and ruling.change
+        change = None if ruling is None else ruling.change
         if own == item:
             faces[own] = fit.face_semi_axes
-        elif isinstance(change, PhotographCorrection) and change.rejected is not None:
+        elif change is not None and change.rejected is not None:
             continue
         elif one.outline is not None:
             points = read_outline(opened.folder / one.outline)
@@ -171,20 +170,22 @@ def _together(opened: OpenStudy, finger: Finger, item: str, fit: PhotographFit) 
         else:
             stored = change if isinstance(change, PhotographCorrection) else PhotographCorrection()
             faces[own] = _fit(opened, own, one, stored).face_semi_axes
-    return _joint(combine_faces(faces.values()), list(faces))
+    joint = joint_semi_axes(list(faces.values()), shared_scale(finger, scales_of(opened), opened.folder))
+    return _joint(joint, list(faces))
 
 
-def _joint(found: OutlineSemiAxes, items: list[str]) -> dict[str, Any]:
+def _joint(found: JointSemiAxes, items: list[str]) -> dict[str, Any]:
     axes = ("palmar", "distal", "radial_ulnar")
+    outlines = found.outlines
     return {
-        "semi_axes_mm": {name: getattr(found, name) for name in axes},
-        "semi_axes_mm_std": dict(zip(axes, found.stds, strict=True)),
-        "chi_square": found.chi_square,
-        "degrees_of_freedom": found.degrees_of_freedom,
-        "p_value": found.p_value,
+        "semi_axes_mm": dict(zip(axes, found.semi_axes, strict=True)),
+        "semi_axes_mm_std": dict(zip(axes, np.sqrt(found.covariance.diagonal()), strict=True)),
+        "chi_square": outlines.chi_square,
+        "degrees_of_freedom": outlines.degrees_of_freedom,
+        "p_value": outlines.p_value,
         "disagreements": [
             {"item": item, "face": face.face, **off}
-            for item, face, off in zip(items, found.faces, found.disagreements, strict=True)
+            for item, face, off in zip(items, outlines.faces, outlines.disagreements, strict=True)
         ],
     }
 

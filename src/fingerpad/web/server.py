@@ -3,6 +3,7 @@
 import os
 import socket
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Final
 
 import uvicorn
@@ -41,6 +42,10 @@ def serve(bench: Bench, *, port: int, on_ready: Callable[[str], None]) -> None:
             await super().startup(sockets)
             on_ready(address)
 
+        async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+            bench.events.end()
+            await super().shutdown(sockets)
+
     config = uvicorn.Config(
         make_app(bench, token),
         log_level="warning",
@@ -50,7 +55,8 @@ def serve(bench: Bench, *, port: int, on_ready: Callable[[str], None]) -> None:
     )
     with listener:
         try:
-            Server(config).run(sockets=[listener])
+            with suppress(KeyboardInterrupt):  # the way to end it
+                Server(config).run(sockets=[listener])
         finally:
             bench.close()
 

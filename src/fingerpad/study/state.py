@@ -1,0 +1,75 @@
+"""A study while it is edited: what is complete of it, what waits, and what can be changed."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from fingerpad.study.incomplete import Kind
+from fingerpad.study.manifest import Study
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Edit:
+    """One change of the manifest.
+
+    Attributes
+    ----------
+    kind : str
+        ``study`` (the top level), ``uncertainty``, ``scale``, ``finger``, ``photograph``, ``observation``,
+        ``sequence`` or ``curve``.
+    key : str
+        Its name; for a photograph ``FINGER/IMAGE``, for a curve its number from 0, else empty. A key that is
+        not there yet is added.
+    set : dict or None
+        Keys to set; None as a value removes that key, None in place of all removes the table.
+    """
+
+    kind: Kind
+    key: str
+    set: Mapping[str, Any] | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Incomplete:
+    """A table that the manifest does not take yet.
+
+    Attributes
+    ----------
+    kind, key : str
+        As of an `Edit`.
+    content : dict
+        What is known so far.
+    faults : tuple of str
+        What is missing or wrong, in the manifest's words; none where it only waits for a finger.
+    """
+
+    kind: Kind
+    key: str
+    content: dict[str, Any]
+    faults: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StudyState:
+    """A study as it is now.
+
+    Attributes
+    ----------
+    folder : Path
+        The study folder.
+    digest : str
+        Of its manifest's bytes: what an author has seen.
+    title : str
+        Its title, which it has from the beginning.
+    study : Study or None
+        What is complete of it; None as long as there is no complete finger.
+    incomplete : tuple of Incomplete
+        What is not.
+    """
+
+    folder: Path
+    digest: str
+    title: str
+    study: Study | None
+    incomplete: tuple[Incomplete, ...]

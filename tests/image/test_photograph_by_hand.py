@@ -1,0 +1,145 @@
+"""A face's semi-axes by a person's hand: handles, and points added or left out of the outline."""
+
+import math
+
+import numpy as np
+import pytest
+
+from fingerpad.exceptions import FitError, ImageError
+from fingerpad.image import (
+    PHOTOGRAPH_FLAGS,
+    Scale,
+    combine_faces,
+    draw_photograph_overlay,
+    measure_photograph,
+    photograph_from_ellipse,
+    render_finger,
+    with_points,
+)
+
+TRUTH = render_finger("palmar", semi_axes=(11.8, 13.8), seed=4)
+SCALE = Scale.of_mm_per_px(TRUTH.mm_per_px, 0.01 * TRUTH.mm_per_px)
+FOUND = measure_photograph(TRUTH.pixels, "palmar", SCALE)
+
+
+def placed(face="palmar", **others):
+    given = {"centre": (300.0, 200.0), "semi_axes": (236.0, 276.0)} | others
+    return photograph_from_ellipse(face, Scale.of_mm_per_px(0.05, 0.0005), **given)
+
+
+@pytest.mark.parametrize(
+    ("face", "tip", "palmar", "across", "along"),
+    [
+        ("palmar", "up", None, (0, 1), (-1, 0)),
+        ("palmar", "left", None, (-1, 0), (0, -1)),
+        ("distal", "up", "down", (0, -1), (1, 0)),
+        ("radial", "up", "right", (0, 1), (-1, 0)),
+        ("ulnar", "down", "left", (0, -1), (1, 0)),
+    ],
+)
+def test_handles_lie_along_the_faces_axes(face, tip, palmar, across, along):
+    centre, first, second = placed(face, tip=tip, palmar=palmar).handles
+    np.testing.assert_allclose(first - centre, 236 * np.array(across), atol=1e-9)
+    np.testing.assert_allclose(second - centre, 276 * np.array(along), atol=1e-9)
+
+
+def test_lean_turns_from_across_towards_along():
+    centre, first, second = placed(lean=math.radians(90)).handles
+    np.testing.assert_allclose(first - centre, (-236, 0), atol=1e-9)
+    np.testing.assert_allclose(second - centre, (0, -276), atol=1e-9)
+
+
+def test_what_was_fitted_can_be_placed_again():
+    again = photograph_from_ellipse(
+        "palmar",
+        SCALE,
+        centre=FOUND.centre,
+        semi_axes=tuple(FOUND.semi_axes / SCALE.mm_per_px),
+        lean=FOUND.lean,
+    )
+    np.testing.assert_allclose(again.handles, FOUND.handles, atol=1e-9)
+    np.testing.assert_allclose(again.ellipse_points(), FOUND.ellipse_points(), atol=1e-9)
+    assert again.semi_axes_mm == pytest.approx(FOUND.semi_axes_mm)
+    # A hand is less sure than a fit to four hundred points, and surer than a tenth.
+    for name, std in again.semi_axes_mm_std.items():
+        assert FOUND.semi_axes_mm_std[name] < std < 0.1 * again.semi_axes_mm[name]
+    assert again.flags == {"by_hand"} <= set(PHOTOGRAPH_FLAGS)
+
+
+def test_a_hands_face_joins_the_others():
+    scale = Scale.of_mm_per_px(0.05)
+    faces = [
+        photograph_from_ellipse(face, scale, centre=(300, 300), semi_axes=axes).face_semi_axes
+        for face, axes in (("palmar", (236, 276)), ("distal", (236, 158)), ("radial", (158, 276)))
+    ]
+    joint = combine_faces(faces)
+    assert (joint.palmar, joint.distal, joint.radial_ulnar) == pytest.approx((7.9, 13.8, 11.8))
+    assert joint.chi_square == pytest.approx(0, abs=1e-9)
+
+
+def test_an_ellipse_by_hand_can_be_drawn():
+    drawn = draw_photograph_overlay(TRUTH.pixels, placed(), label="synthetic")
+    assert max(drawn.shape) == 1100
+    plain = draw_photograph_overlay(TRUTH.pixels, FOUND)
+    assert (drawn != plain).any()
+
+
+def test_nothing_added_or_left_out_changes_nothing():
+    assert with_points(FOUND) is FOUND
+    assert with_points(FOUND, erased=[([(0, 0)], 5)]) is FOUND
+
+
+def bulged():
+    """The fit as it were if a wart had pushed a piece of the outline outwards."""
+    points = FOUND.points.copy()
+    wart = slice(len(points) // 4, len(points) // 4 + 50)
+    away = (points[wart] - FOUND.centre) / np.linalg.norm(points[wart] - FOUND.centre, axis=1, keepdims=True)
+    return points, points[wart] + 14 * away, wart
+
+
+def test_a_wart_is_rubbed_out():
+    points, wart, where = bulged()
+    plain = with_points(FOUND, added=[], erased=[(points[where], 1.5)])
+    dirty = with_points(plain, added=wart)
+    clean = with_points(dirty, erased=[(wart, 2.0)])
+    truth = {"radial_ulnar": 11.8, "distal": 13.8}
+    for name, value in truth.items():
+        assert abs(clean.semi_axes_mm[name] - value) < 2.5 * clean.semi_axes_mm_std[name]
+    assert abs(dirty.semi_axes_mm["radial_ulnar"] - 11.8) > 2 * abs(clean.semi_axes_mm["radial_ulnar"] - 11.8)
+    assert len(clean.points) == len(plain.points)
+    assert {"by_hand"} <= clean.flags
+
+
+def test_marks_lengthen_a_short_arc():
+    """Half of the arc rubbed out and marked again by a few exact points of the true ellipse."""
+    row, column = FOUND.centre
+    rest = FOUND.points[FOUND.points[:, 1] > column]
+    short = with_points(FOUND, erased=[(rest, 1.0)])
+    ellipse = FOUND.ellipse_points(721)
+    marks = ellipse[(ellipse[:, 1] > column) & (ellipse[:, 0] < row)][::20]
+    longer = with_points(short, added=marks)
+    assert longer.arc_deg > short.arc_deg + 40
+    for name, std in longer.semi_axes_mm_std.items():
+        assert std < short.semi_axes_mm_std[name]
+        assert longer.semi_axes_mm[name] == pytest.approx(FOUND.semi_axes_mm[name], rel=0.01)
+
+
+BAD = {
+    "no across": (lambda: placed(semi_axes=(0, 5)), ImageError, "two positive semi-axes"),
+    "not finite": (lambda: placed(centre=(math.nan, 5)), ImageError, "finite centre"),
+    "palmar given": (lambda: placed(palmar="up"), ImageError, "leave palmar out"),
+    "unknown face": (lambda: placed(face="dorsal"), ImageError, "face must be one of"),
+    "unknown tip": (lambda: placed(tip="north"), ImageError, "tip must be one of"),
+    "all rubbed out": (lambda: with_points(FOUND, erased=[([FOUND.centre], 1e4)]), FitError, "eight finite"),
+    "marks not pairs": (lambda: with_points(FOUND, added=[1, 2, 3]), ImageError, "pairs"),
+    "marks not finite": (lambda: with_points(FOUND, added=[(1, math.inf)]), ImageError, "finite"),
+    "rubber of no size": (lambda: with_points(FOUND, erased=[([(1, 1)], 0)]), ImageError, "positive radius"),
+    "rubber without a way": (lambda: with_points(FOUND, erased=[([], 3)]), ImageError, "needs a point"),
+}
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_bad_input_is_told(case):
+    act, error, words = BAD[case]
+    with pytest.raises(error, match=words):
+        act()

@@ -1,0 +1,227 @@
+"""Measuring with corrections: what a person says holds, and the program's own result stands beside it."""
+
+import math
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from fingerpad.image import Scale, measure_imprint, read_colour_image, render_finger, render_imprint
+from fingerpad.study.changes import ContactCorrection, PhotographCorrection
+from fingerpad.study.corrected import corrected_imprint, corrected_photograph
+from fingerpad.study.corrections import CorrectionLog
+from fingerpad.study.fingers import finger_result, joint_semi_axes, photograph_item, shared_scale
+from fingerpad.study.manifest import Study
+from fingerpad.study.measure import measure_observation, reviewed
+from fingerpad.study.scales import named_scales
+
+TRUTH = render_imprint(semi_major=8.0, semi_minor=6.0, margin=4.0, seed=5)
+FACES = {"palmar": (11.8, 13.8), "distal": (11.8, 7.9), "radial": (7.9, 13.8)}
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("study")
+    cv2.imwrite(str(folder / "print.png"), np.rint(TRUTH.pixels).clip(0, 255).astype(np.uint8))
+    cv2.imwrite(str(folder / "empty.png"), np.full((300, 300), 200, np.uint8))
+    for number, (face, axes) in enumerate(FACES.items()):
+        truth = render_finger(face, semi_axes=axes, seed=number)
+        cv2.imwrite(str(folder / f"{face}.png"), truth.pixels[..., ::-1])
+    return folder
+
+
+def study_of():
+    mm_per_px = render_finger("palmar", semi_axes=FACES["palmar"], seed=0).mm_per_px
+    contact = {"finger": "f", "wedge_angle_deg": 30, "load_N": 1}
+    return Study.model_validate(
+        {
+            "title": "t",
+            "scales": {"camera": {"mm_per_px": mm_per_px}, "reader": {"ppi": 500}},
+            "fingers": [
+                {
+                    "name": "f",
+                    "photographs": [
+                        {"face": face, "image": f"{face}.png", "scale": "camera", "synthetic": True}
+                        for face in FACES
+                    ],
+                }
+            ],
+            "observations": [
+                {**contact, "name": "p", "image": "print.png", "scale": "reader", "synthetic": True},
+                {**contact, "name": "none", "image": "empty.png", "scale": "reader"},
+                {
+                    **contact,
+                    "name": "given",
+                    "ellipse_mm": {"semi_major": 5, "semi_minor": 4, "std": 0.1},
+                },
+            ],
+            "sequences": [
+                {
+                    "name": "press",
+                    "finger": "f",
+                    "wedge_angle_deg": 30,
+                    "path": "p",
+                    "force": "f",
+                    "scale": "reader",
+                }
+            ],
+        }
+    )
+
+
+STUDY = study_of()
+
+
+def measured(folder, tmp_path, name, change=None):
+    log = CorrectionLog(tmp_path)
+    if change is not None:
+        log.append(name, change, who="anna", expected=log.history(name).last_id, study=STUDY)
+    observation = next(one for one in STUDY.observations if one.name == name)
+    scales = named_scales(STUDY, folder)
+    return measure_observation(observation, scales, folder, tmp_path / "out", log.ruling(name))
+
+
+def test_without_corrections_nothing_is_different(folder, tmp_path):
+    plain = measured(folder, tmp_path, "p")
+    assert plain.columns["program_semi_major_mm"] == plain.semi_major
+    assert "reviewed" not in plain.columns
+    assert plain.rejected is None
+    assert plain.counts
+
+
+def test_an_ellipse_by_hand_holds_and_the_programs_stays_beside(folder, tmp_path):
+    plain = measured(folder, tmp_path, "p")
+    centre = [plain.columns["centroid_row_px"], plain.columns["centroid_column_px"]]
+    by_hand = {"centre": centre, "semi_axes": [140, 110], "orientation_deg": 20}
+    found = measured(folder, tmp_path, "p", {"ellipse_px": by_hand})
+    assert found.semi_major == pytest.approx(140 * 25.4 / 500, rel=1e-3)
+    assert found.columns["program_semi_major_mm"] == plain.semi_major
+    assert found.columns["program_semi_minor_mm"] == plain.semi_minor
+    assert found.columns["orientation_deg"] == pytest.approx(20, abs=0.1)
+    assert found.columns["measured_by"] == "person"
+    assert (found.columns["reviewed"], found.columns["reviewed_by"]) == ("corrected", "anna")
+    assert "edited_by_person" in found.flags
+    assert (tmp_path / "out" / found.overlay).is_file()
+
+
+def test_strokes_and_options_are_the_programs_with_corrections(folder, tmp_path):
+    plain = measured(folder, tmp_path, "p")
+    middle = [plain.columns["centroid_row_px"] - 140, plain.columns["centroid_column_px"]]
+    stroke = {"action": "remove", "points_px": [middle], "radius_px": 50}
+    found = measured(folder, tmp_path, "p", {"strokes": [stroke]})
+    assert found.columns["gross_area_mm2"] < plain.columns["gross_area_mm2"] - 5
+    assert found.columns["measured_by"] == "program with corrections"
+    assert found.columns["program_semi_major_mm"] == plain.semi_major
+    other = measured(folder, tmp_path, "p", {"threshold": 90})
+    pixels = cv2.imread(str(folder / "print.png"), cv2.IMREAD_GRAYSCALE)
+    assert other.semi_major == measure_imprint(pixels, Scale.of_ppi(500), threshold=90).ellipse.semi_major
+    # Back to the program.
+    assert measured(folder, tmp_path, "p", {}).semi_major == plain.semi_major
+
+
+def test_rejected_is_no_failure_and_does_not_count(folder, tmp_path):
+    found = measured(folder, tmp_path, "p", {"rejected": "it slipped"})
+    assert found.rejected == "it slipped"
+    assert found.reason is None
+    assert not found.counts
+    assert math.isfinite(found.semi_major)
+    assert found.columns["reviewed"] == "rejected"
+    given = measured(folder, tmp_path, "given", {"rejected": "not ours"})
+    assert (given.rejected, given.counts) == ("not ours", False)
+
+
+def test_accepted_says_who(folder, tmp_path):
+    plain = measured(folder, tmp_path, "p")
+    found = measured(folder, tmp_path, "p", {"accepted": True})
+    assert found.semi_major == plain.semi_major
+    assert found.columns["reviewed"] == "accepted"
+    assert "measured_by" not in found.columns
+
+
+def test_a_person_measures_what_the_program_cannot(folder, tmp_path):
+    assert "no contact found" in measured(folder, tmp_path, "none").reason
+    pixels = np.random.default_rng(0).normal(120, 3, (300, 300))
+    by_hand = ContactCorrection.model_validate({"ellipse_px": {"centre": [150, 150], "semi_axes": [90, 70]}})
+    contact = STUDY.observations[1]
+    seen = corrected_imprint(pixels, Scale.of_ppi(500), contact, folder, by_hand)
+    assert seen.program is None
+    assert float(seen.imprint.ellipse.semi_minor) == pytest.approx(70 * 25.4 / 500, rel=1e-3)
+    nothing = ContactCorrection.model_validate(
+        {"strokes": [{"action": "remove", "points_px": [[5, 5]], "radius_px": 5}]}
+    )
+    assert "leave no contact" in corrected_imprint(pixels, Scale.of_ppi(500), contact, folder, nothing).reason
+
+
+def test_frames_keep_the_films_reading(folder):
+    """A frame is measured as its film is; a stroke changes the region, not the reading."""
+    scale, film = Scale.of_ppi(500), STUDY.sequences[0]
+    settings = measure_imprint(TRUTH.pixels, scale).settings | {"ridge_period": 0.5}
+    plain = corrected_imprint(TRUTH.pixels, scale, film, folder, settings=settings)
+    assert plain.imprint.as_record() == measure_imprint(TRUTH.pixels, scale, **settings).as_record()
+    row, column = plain.imprint.centroid
+    stroke = {"action": "remove", "points_px": [[row - 150, column]], "radius_px": 40}
+    change = ContactCorrection.model_validate({"strokes": [stroke]})
+    found = corrected_imprint(TRUTH.pixels, scale, film, folder, change, settings=settings)
+    assert found.program.as_record() == plain.imprint.as_record()
+    assert found.imprint.ridge_period == plain.imprint.ridge_period
+    assert found.imprint.gross_area < plain.imprint.gross_area
+
+
+def test_results_depend_on_the_folder_alone(folder, tmp_path):
+    change = {"strokes": [{"action": "add", "points_px": [[60, 60], [90, 80]], "radius_px": 12}]}
+    first = measured(folder, tmp_path, "p", change)
+    second = measured(folder, tmp_path, "p")
+    for name in ("semi_major", "semi_minor", "flags", "columns"):
+        assert getattr(first, name) == getattr(second, name)
+
+
+def test_photographs_by_hand_and_rejected(folder, tmp_path):
+    scales, finger = named_scales(STUDY, folder), STUDY.fingers[0]
+    plain = finger_result(finger, scales, folder, tmp_path / "out")
+    np.testing.assert_allclose(plain.semi_axes, (7.9, 13.8, 11.8), rtol=0.02)
+    items = [photograph_item(finger, one) for one in finger.photographs]
+    assert items[0] == "f/palmar.png"
+    log = CorrectionLog(tmp_path)
+    by_hand = {"centre": [400, 380], "semi_axes": [250, 290]}
+    log.append(items[0], {"ellipse_px": by_hand}, who="ben", expected=0, study=STUDY)
+    log.append(items[2], {"rejected": "nail in view"}, who="ben", expected=0, study=STUDY)
+    found = finger_result(finger, scales, folder, tmp_path / "out", log.rulings())
+    assert [one.manifest.face for one in found.photographs] == ["palmar", "distal"]
+    assert found.photographs[0].flags == ("by_hand",)
+    # The page's joint result is the run's.
+    scale = scales["camera"].scale
+    faces = [
+        corrected_photograph(
+            read_colour_image(folder / one.image),
+            one,
+            scale,
+            ruling.change if (ruling := log.ruling(item)) else None,
+        ).face_semi_axes
+        for item, one in list(zip(items, finger.photographs, strict=True))[:2]
+    ]
+    joint = joint_semi_axes(faces, shared_scale(finger, scales, folder))
+    np.testing.assert_array_equal(joint.semi_axes, found.semi_axes)
+    np.testing.assert_array_equal(joint.covariance, found.covariance)
+    assert joint.semi_axes[1] == pytest.approx(290 * scale.mm_per_px, rel=1e-6)
+
+
+def test_points_of_a_photograph_are_edited(folder):
+    photograph = STUDY.fingers[0].photographs[0]
+    pixels = read_colour_image(folder / "palmar.png")
+    scale = named_scales(STUDY, folder)["camera"].scale
+    plain = corrected_photograph(pixels, photograph, scale)
+    rubber = {"points_px": plain.points[40:60].tolist(), "radius_px": 2}
+    change = PhotographCorrection.model_validate({"erased": [rubber]})
+    fewer = corrected_photograph(pixels, photograph, scale, change)
+    assert len(fewer.points) < len(plain.points) - 19
+    assert "by_hand" in fewer.flags
+    box = [0, 0, *(pixels.shape[:2])]
+    whole = PhotographCorrection.model_validate({"region_of_interest_px": box})
+    assert corrected_photograph(pixels, photograph, scale, whole).arc_deg > plain.arc_deg
+
+
+def test_reviewing_leaves_what_was_measured(folder, tmp_path):
+    plain = measured(folder, tmp_path, "p")
+    assert reviewed(plain, None) is plain
+    assert Path(plain.overlay).name == "p.png"

@@ -1,0 +1,404 @@
+"""Every question of the API, asked well and asked badly."""
+
+import math
+
+import cv2
+import numpy as np
+import pytest
+from tests.web.conftest import DEMO
+
+from fingerpad.geometry import Ellipsoid, Placement
+from fingerpad.image import render_coin
+
+PRINT = "synthetic_30deg_2N"
+FRAME = "synthetic_press_30deg#12"
+PHOTO = "synthetic_pad/synthetic/photograph_palmar.jpg"
+
+
+def measured(client, item=PRINT, kind="contact", **asked):
+    answer = client.post(f"/api/measure/{kind}", json={"item": item, **asked})
+    assert answer.status_code == 200, answer.text
+    return answer.json()
+
+
+def test_the_session_names_what_is_open(standing):
+    session = standing.get("/api/session").json()
+    assert session["study"]["name"] == "demo"
+    assert session["studies"] == [{"name": "demo"}]
+    assert session["limits"]["picture_px"] > 0
+
+
+def test_the_state_tells_each_item_once(standing):
+    state = standing.get("/api/study").json()
+    items = {one["item"]: one for one in state["observations"]}
+    assert (
+        items[PRINT]
+        | {"file": "synthetic/synthetic_30deg_2N.png", "load_N": 2.0, "status": "left", "complete": True}
+        == items[PRINT]
+    )
+    assert items["table3_30deg_ellipse"]["status"] == "given"
+    assert state["counts"]["total"] == len(state["observations"]) + len(state["sequences"])
+    assert state["sequences"][0]["frames"] == 24
+    given, _, photographed = state["fingers"]
+    assert given["semi_axes_mm"] == {"palmar": 7.9, "distal": 13.8, "radial_ulnar": 11.8}
+    assert given["semi_axes_mm_std"]["palmar"] == pytest.approx(0.1)
+    assert photographed["semi_axes_mm"] is None  # before any run
+    assert photographed["photographs"][0]["item"] == PHOTO
+    assert state["scales"][0] == {
+        "name": "camera",
+        "table": {"mm_per_px": 0.05, "relative_std": 0.002},
+        "used_by": 3,
+        "complete": True,
+    }
+    assert {one["kind"] for one in state["missing"]} <= {"file", "finger"}
+    assert not state["results"]["there"]
+
+
+def test_frames_are_told_in_parts(standing):
+    whole = standing.get("/api/study/frames", params={"sequence": "synthetic_press_30deg"}).json()
+    part = standing.get(
+        "/api/study/frames", params={"sequence": "synthetic_press_30deg", "offset": 20, "limit": 10}
+    ).json()
+    assert whole["total"] == part["total"] == 24
+    assert part["frames"] == whole["frames"][20:]
+
+
+def test_previews_show_the_picture_as_it_is(standing):
+    answer = standing.get("/api/picture/preview", params={"item": PRINT})
+    assert answer.headers["content-type"] == "image/png"
+    shown = cv2.imdecode(np.frombuffer(answer.content, np.uint8), cv2.IMREAD_UNCHANGED)
+    file = cv2.imread(str(DEMO / "synthetic" / f"{PRINT}.png"), cv2.IMREAD_UNCHANGED)
+    np.testing.assert_array_equal(shown, file)
+    small = standing.get("/api/picture/thumbnail", params={"item": PRINT}).content
+    assert max(cv2.imdecode(np.frombuffer(small, np.uint8), cv2.IMREAD_UNCHANGED).shape[:2]) == 192
+
+
+def test_a_photograph_keeps_its_colours(standing):
+    answer = standing.get("/api/picture/preview", params={"item": PHOTO})
+    assert answer.headers["content-type"] == "image/jpeg"
+    shown = cv2.imdecode(np.frombuffer(answer.content, np.uint8), cv2.IMREAD_COLOR).astype(float)
+    file = cv2.imread(str(DEMO / PHOTO.partition("/")[2])).astype(float)
+    assert (
+        np.abs(shown.mean(axis=(0, 1)) - file.mean(axis=(0, 1))).max() < 1.5
+    )  # a swap of colours would be tens
+
+
+def test_frames_are_shown_one_by_one(standing):
+    shown = [
+        standing.get("/api/picture/preview", params={"item": f"synthetic_press_30deg#{k}"}).content
+        for k in (3, 12)
+    ]
+    assert shown[0] != shown[1]
+
+
+def test_an_address_with_a_version_is_kept_and_one_without_is_asked_anew(standing):
+    info = standing.get("/api/picture/info", params={"item": PRINT}).json()
+    assert "immutable" in standing.get(info["thumbnail"]).headers["cache-control"]
+    assert (
+        "no-cache" in standing.get("/api/picture/thumbnail", params={"item": PRINT}).headers["cache-control"]
+    )
+
+
+def test_sixteen_bits_fill_the_whole_range_of_a_preview(client, workspace):
+    deep = (np.linspace(300, 900, 64 * 64).reshape(64, 64)).astype(np.uint16)
+    file = client.post(
+        "/api/files", params={"name": "deep.png"}, content=cv2.imencode(".png", deep)[1].tobytes()
+    ).json()["file"]
+    info = client.get("/api/picture/info", params={"item": f"file:{file}"}).json()
+    assert info["bits"] == 16
+    # An observation shows its levels; a file of which nothing is known is shown as a photograph is.
+    state = client.get("/api/study").json()
+    table = {
+        "finger": "synthetic_pad",
+        "wedge_angle_deg": 30,
+        "load_N": 1.0,
+        "image": file,
+        "scale": "reader",
+    }
+    edit(client, state, {"kind": "observation", "key": "deep", "set": table})
+    shown = client.get("/api/picture/preview", params={"item": "deep"}).content
+    levels = cv2.imdecode(np.frombuffer(shown, np.uint8), cv2.IMREAD_UNCHANGED)
+    assert (levels.min(), levels.max()) == (0, 255)
+
+
+def test_a_contact_is_measured_and_modelled(standing):
+    one = measured(standing)
+    assert one["by"] == "program"
+    assert one["numbers"]["semi_major_mm"] > one["numbers"]["semi_minor_mm"] > 2
+    assert one["numbers"]["semi_major_mm_std"] > 0
+    centre, (major, minor) = one["ellipse_px"]["centre"], one["ellipse_px"]["semi_axes"]
+    assert major * one["mm_per_px"] == pytest.approx(one["numbers"]["semi_major_mm"])
+    ends = one["handles"]["major_ends_px"]
+    assert math.dist(*ends) == pytest.approx(2 * major)
+    assert np.mean(ends, axis=0) == pytest.approx(centre)
+    assert math.dist(*one["handles"]["minor_ends_px"]) == pytest.approx(2 * minor)
+    assert one["model"] is None  # the finger is not measured yet
+
+
+def test_an_ellipse_sent_back_as_it_came_changes_nothing(standing):
+    one = measured(standing)
+    again = measured(standing, change={"ellipse_px": one["ellipse_px"]})
+    assert again["by"] == "person"
+    assert again["numbers"]["semi_major_mm"] == pytest.approx(one["numbers"]["semi_major_mm"], rel=2e-3)
+    assert again["handles"]["major_ends_px"][0] == pytest.approx(one["handles"]["major_ends_px"][0], abs=0.5)
+    assert again["program"]["semi_major_mm"] == one["numbers"]["semi_major_mm"]
+
+
+def test_a_brush_changes_the_region_and_the_programs_own_stays_beside_it(standing):
+    row, column = measured(standing)["ellipse_px"]["centre"]
+    bite = {"action": "remove", "points_px": [[row - 100, column]], "radius_px": 30}
+    one = measured(standing, change={"strokes": [bite]})
+    assert one["numbers"]["gross_area_mm2"] < one["program"]["gross_area_mm2"]
+    assert measured(standing)["by"] == "program"  # nothing was stored
+
+
+def test_the_wrong_polarity_is_refused_in_words_with_what_would_do(standing):
+    answer = standing.post("/api/measure/contact", json={"item": PRINT, "change": {"seed_px": [1, 1]}})
+    assert answer.status_code == 422
+    assert "no contact found at seed" in answer.json()["error"]
+
+
+def test_a_file_without_a_table_is_measured_when_its_scale_is_said(standing):
+    item = "file:synthetic/synthetic_30deg_2N.png"
+    assert standing.post("/api/measure/contact", json={"item": item}).status_code == 422
+    one = measured(standing, item, scale={"ppi": 500})
+    assert one["numbers"] == measured(standing)["numbers"]
+
+
+def test_a_photograph_gives_two_semi_axes_and_its_finger_three(standing):
+    one = measured(standing, PHOTO, "photograph", with_finger=True)
+    assert one["by"] == "program"
+    assert one["semi_axes_mm"]["radial_ulnar"] == pytest.approx(11.8, rel=0.02)
+    assert one["finger"]["semi_axes_mm"]["palmar"] == pytest.approx(7.9, rel=0.02)
+    assert one["finger"]["degrees_of_freedom"] == 3
+    centre, across, along = (one["handles"][key] for key in ("centre_px", "across_end_px", "along_end_px"))
+    assert math.dist(centre, across) * one["mm_per_px"] == pytest.approx(one["semi_axes_mm"]["radial_ulnar"])
+    dragged = measured(standing, PHOTO, "photograph", handles=one["handles"])
+    assert dragged["by"] == "person"
+    assert dragged["semi_axes_mm"] == pytest.approx(one["semi_axes_mm"])
+    assert dragged["ellipse_px"]["lean_deg"] == pytest.approx(one["ellipse_px"]["lean_deg"], abs=1e-6)
+    assert dragged["curve_px"][45] == pytest.approx(one["curve_px"][45], abs=0.02)
+    stored = measured(standing, PHOTO, "photograph", change={"ellipse_px": dragged["ellipse_px"]})
+    assert stored["semi_axes_mm"] == pytest.approx(one["semi_axes_mm"])
+    along[0] -= 20
+    longer = measured(
+        standing, PHOTO, "photograph", handles=one["handles"] | {"along_end_px": along}, with_finger=True
+    )
+    assert longer["finger"]["semi_axes_mm"]["distal"] > one["finger"]["semi_axes_mm"]["distal"]
+
+
+def test_points_rubbed_out_are_left_out(standing):
+    one = measured(standing, PHOTO, "photograph")
+    rubber = {"points_px": [one["points_px"][0]], "radius_px": 25}
+    fewer = measured(standing, PHOTO, "photograph", change={"erased": [rubber]})
+    assert len(fewer["points_px"]) < len(one["points_px"])
+    assert fewer["by"] == "program with corrections"
+
+
+def test_scales_in_all_ways(standing):
+    ask = lambda table: standing.post("/api/measure/scale", json={"table": table})  # noqa: E731
+    assert ask({"ppi": 254}).json()["mm_per_px"] == pytest.approx(0.1)
+    assert ask("reader").json()["resolution_ppi"] == pytest.approx(500)
+    line = ask({"line": [[0, 0], [300, 400]], "length_mm": 50, "ends_std_px": 1}).json()
+    assert line["mm_per_px"] == pytest.approx(0.1)
+    assert line["relative_std"] == pytest.approx(math.sqrt(2) / 500)
+    assert ask("nothing").status_code == 404
+    assert ask({"line": [[0, 0], [0, 0]], "length_mm": 50}).status_code == 400
+    assert ask({"ppi": 500, "mm_per_px": 0.05}).status_code == 400
+
+
+def test_a_coin_is_a_scale(client):
+    coin = render_coin(radius=120, seed=3)
+    content = cv2.imencode(".png", coin.pixels)[1].tobytes()
+    file = client.post("/api/files", params={"name": "coin.png"}, content=content).json()["file"]
+    found = client.post("/api/measure/scale", json={"table": {"coin": file, "diameter_mm": 24.0}})
+    assert found.status_code == 200, found.text
+    assert found.json()["coin"]["radius_px"] == pytest.approx(120, rel=0.01)
+    assert found.json()["mm_per_px"] == pytest.approx(0.1, rel=0.01)
+
+
+def test_a_length_has_its_uncertainty(standing):
+    asked = {"scale": "camera", "line_px": [[0, 0], [0, 200]], "ends_std_px": 0}
+    found = standing.post("/api/measure/length", json=asked).json()
+    assert found == {"length_mm": pytest.approx(10), "length_mm_std": pytest.approx(0.02)}
+
+
+def test_geometry_is_that_of_the_library(standing):
+    asked = {"palmar_mm": 7.9, "distal_mm": 13.8, "radial_ulnar_mm": 11.8, "wedge_angle_deg": 30, "detail": 8}
+    found = standing.post("/api/geometry", json=asked).json()
+    pad = Ellipsoid.of(palmar=7.9, distal=13.8, radial_ulnar=11.8)
+    placement = Placement.of(pad, wedge_angle=np.radians(30))
+    assert found["u_deg"] == pytest.approx(np.degrees(placement.u))
+    assert found["mean_curvature_radius_mm"] == pytest.approx(placement.curvature.mean_curvature_radius)
+    assert found["mean_curvature_radius_mm_std"] is None
+    mesh = np.stack([np.array(found["mesh"][f"{axis}_mm"]) for axis in "xyz"], axis=-1)
+    np.testing.assert_allclose(((mesh / pad.semi_axes) ** 2).sum(axis=-1), 1)
+    corners = np.array(found["platen"]["corners_mm"]) - found["contact_point_mm"]
+    np.testing.assert_allclose(corners @ found["normal"], 0, atol=1e-9)
+    by_name = standing.post(
+        "/api/geometry", json={"finger": "left_index_ellipse", "wedge_angle_deg": 30}
+    ).json()
+    assert by_name["u_deg"] == pytest.approx(found["u_deg"])
+    assert by_name["mean_curvature_radius_mm_std"] > 0
+    assert by_name["u_deg_std"] > 0
+
+
+@pytest.mark.parametrize("wedge", [0, 45, 90])
+@pytest.mark.parametrize("drawing", ["pad", "wedge"])
+def test_drawings_stand_in_for_webgl(standing, wedge, drawing):
+    asked = {"finger": "left_index_ellipse", "wedge_angle_deg": wedge, "synthetic": True}
+    answer = standing.get(f"/api/geometry/{drawing}.svg", params=asked)
+    assert answer.headers["content-type"].startswith("image/svg+xml")
+    assert answer.text.startswith("<svg")
+    assert "synthetic" in answer.text
+
+
+def test_the_audit_of_the_printed_tables_needs_no_study(standing):
+    items = standing.get("/api/published").json()["items"]
+    assert {item["verdict"] for item in items} == {
+        "reproduced",
+        "reproduced with the known slip",
+        "not reproducible from what is printed",
+    }
+
+
+BAD = [
+    ("GET", "/api/nothing", None, 404),
+    ("POST", "/api/study", {}, 405),
+    ("GET", "/api/study/frames", None, 400),
+    ("GET", "/api/study/frames?sequence=no", None, 404),
+    ("GET", "/api/study/table?kind=finger&key=no", None, 404),
+    ("GET", "/api/picture/preview?item=synthetic_30deg_2N&longest_px=99999", None, 400),
+    ("GET", "/api/picture/preview?item=table3_30deg_ellipse", None, 404),
+    ("GET", "/api/picture/preview?item=synthetic_press_30deg%2399", None, 422),
+    ("GET", "/api/picture/overlay?item=synthetic_30deg_2N", None, 404),
+    ("GET", "/api/picture/info?item=synthetic_30deg_2N&extra=1", None, 400),
+    ("POST", "/api/measure/contact", {"item": "no"}, 404),
+    ("POST", "/api/measure/contact", {"item": "table3_30deg_ellipse"}, 404),
+    ("POST", "/api/measure/contact", {"item": PRINT, "change": {"threshold": -1}}, 400),
+    ("POST", "/api/measure/contact", {"item": PRINT, "change": {"unknown": 1}}, 400),
+    ("POST", "/api/measure/contact", {"item": PRINT, "change": {"seed_px": [1e300, 0]}}, 422),
+    ("POST", "/api/measure/contact", {"item": PRINT, "scale": "no"}, 404),
+    ("POST", "/api/measure/contact", {"item": PRINT, "scale": {"ppi": 0}}, 400),
+    ("POST", "/api/measure/photograph", {"item": PRINT}, 404),
+    ("POST", "/api/measure/photograph", {"item": PHOTO, "face": "dorsal"}, 400),
+    (
+        "POST",
+        "/api/measure/photograph",
+        {"item": PHOTO, "change": {"region_of_interest_px": [5, 5, 6, 6]}},
+        422,
+    ),
+    ("POST", "/api/measure/length", {"scale": "camera", "line_px": [[0, 0]]}, 400),
+    ("POST", "/api/geometry", {}, 400),
+    ("POST", "/api/geometry", {"finger": "nobody"}, 422),
+    ("POST", "/api/geometry", {"finger": "left_index_ellipse", "wedge_angle_deg": 91}, 400),
+    ("POST", "/api/geometry", {"palmar_mm": 1, "distal_mm": 1, "radial_ulnar_mm": 0}, 400),
+    ("GET", "/api/results/rows", None, 404),
+    ("GET", "/api/results/summary", None, 404),
+    ("GET", "/api/results/plot", None, 404),
+    ("GET", "/api/download/report.html", None, 404),
+    ("GET", "/api/corrections?item=no", None, 422),
+    ("POST", "/api/corrections", {"item": PRINT, "expected": 0, "who": "", "change": {}}, 422),
+    (
+        "POST",
+        "/api/corrections",
+        {"item": PRINT, "expected": 0, "who": "ada", "change": {"seed_px": [9999, 0]}},
+        422,
+    ),
+    ("POST", "/api/corrections/undo", {"item": PRINT, "expected": 0, "who": "ada"}, 422),
+    (
+        "POST",
+        "/api/study/edits",
+        {"expected": "old", "edits": [{"kind": "study", "key": "", "set": {"title": "x"}}]},
+        409,
+    ),
+    ("POST", "/api/study/edits", {"expected": "", "edits": []}, 400),
+    ("POST", "/api/session/open", {"name": "nothing"}, 404),
+    ("POST", "/api/session/new", {"name": "demo"}, 409),
+    ("POST", "/api/run", {"workers": 0}, 400),
+]
+
+
+@pytest.mark.parametrize(("method", "path", "body", "status"), BAD)
+def test_bad_questions_get_words(standing, method, path, body, status):
+    answer = standing.request(method, path, json=body)
+    assert answer.status_code == status, answer.text
+    assert answer.json()["error"]
+    assert "Traceback" not in answer.text
+
+
+@pytest.mark.parametrize(
+    "content",
+    [b"", b"{", b"[]", b"null", b"\xff\xfe", b'{"item": NaN}', b'{"item": "a", "item": ' + b"[" * 5000],
+)
+def test_a_body_that_is_no_question_gets_words(standing, content):
+    answer = standing.post("/api/measure/contact", content=content)
+    assert answer.status_code == 400
+    assert answer.json()["error"]
+
+
+def edit(client, state, *edits):
+    answer = client.post("/api/study/edits", json={"expected": state["digest"], "edits": list(edits)})
+    assert answer.status_code == 200, answer.text
+    return answer.json()
+
+
+def test_a_study_grows_from_nothing_and_says_what_is_missing(client, workspace):
+    state = client.post("/api/session/new", json={"name": "mine", "title": "Mine"}).json()
+    assert (state["title"], state["ready"]) == ("Mine", False)
+    assert state["missing"]
+    content = (workspace / "demo/synthetic/synthetic_30deg_2N.png").read_bytes()
+    file = client.post("/api/files", params={"name": "a.png"}, content=content).json()["file"]
+    state = client.get("/api/study").json()
+    assert next(one for one in state["missing"] if one["kind"] == "file")["key"] == file
+    state = edit(client, state, {"kind": "observation", "key": "a", "set": {"image": file, "load_N": 2.0}})
+    assert (
+        state["observations"][0] | {"complete": False, "load_N": 2.0, "finger": None}
+        == state["observations"][0]
+    )
+    assert any(one["key"] == "a" and "finger" in one["words"] for one in state["missing"])
+    assert client.get("/api/picture/thumbnail", params={"item": "a"}).status_code == 200  # already to be seen
+    axes = {"palmar": 7.9, "distal": 13.8, "radial_ulnar": 11.8}
+    std = dict.fromkeys(axes, 0.1)
+    state = edit(
+        client,
+        state,
+        {"kind": "finger", "key": "left", "set": {"semi_axes_mm": axes, "semi_axes_std_mm": std}},
+        {"kind": "scale", "key": "reader", "set": {"ppi": 500}},
+        {
+            "kind": "observation",
+            "key": "a",
+            "set": {"finger": "left", "wedge_angle_deg": 30, "scale": "reader"},
+        },
+    )
+    assert state["ready"]
+    assert state["observations"][0]["complete"]
+    assert state["missing"] == []
+    one = measured(client, "a")
+    assert one["model"]["radius_from_indentation_mm"] == pytest.approx(13.8, rel=0.1)
+    assert one["model"]["radius_from_indentation_mm_std"] > 0
+    answer = client.post(
+        "/api/study/edits",
+        json={
+            "expected": state["digest"],
+            "edits": [{"kind": "observation", "key": "a", "set": {"load_N": -1}}],
+        },
+    )
+    assert answer.status_code == 422
+    assert "load_N" in answer.json()["error"]
+    assert client.get("/api/study").json()["digest"] == state["digest"]
+
+
+def test_without_a_study_there_is_only_the_way_to_one(client):
+    assert client.post("/api/session/close").json()["study"] is None
+    assert client.get("/api/study").status_code == 404
+    assert client.post("/api/run", json={}).status_code == 404
+    assert client.post("/api/session/open", json={"name": "demo"}).json()["name"] == "demo"
+
+
+def test_a_manifest_spoilt_by_hand_opens_and_says_where(client, workspace):
+    manifest = workspace / "demo/study.toml"
+    manifest.write_text(manifest.read_text().replace("poisson_ratio = 0.5", "poisson_ratio = 5"))
+    state = client.get("/api/study").json()
+    assert not state["ready"]
+    assert any("poisson_ratio" in one["words"] for one in state["missing"])

@@ -1,0 +1,343 @@
+"""A whole study by the page: run, cancel, results, downloads, and the same on another machine."""
+
+import io
+import json
+import re
+import shutil
+import subprocess
+import sys
+import threading
+import time
+import zipfile
+
+import pytest
+from filelock import FileLock
+from tests.web.conftest import DEMO, serving
+
+from fingerpad.web.bench import Bench
+
+# A run says when it was made; all else must be the same.
+MADE = re.compile(r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d(\+00:00|Z)")
+
+
+@pytest.fixture(scope="module")
+def small(tmp_path_factory):
+    """Return a study of a few observations that runs in seconds."""
+    folder = tmp_path_factory.mktemp("small") / "small"
+    (folder / "synthetic").mkdir(parents=True)
+    for load in ("1N", "2N", "4N"):
+        shutil.copy(DEMO / "synthetic" / f"synthetic_30deg_{load}.png", folder / "synthetic")
+    axes = "palmar = 7.9, distal = 13.8, radial_ulnar = 11.8"
+    observations = "".join(
+        f'[[observations]]\nname = "o{load}"\nfinger = "pad"\nwedge_angle_deg = 30\nload_N = {load}.0\n'
+        f'image = "synthetic/synthetic_30deg_{load}N.png"\nscale = "reader"\nsynthetic = true\n'
+        for load in (1, 2, 4)
+    )
+    (folder / "study.toml").write_text(
+        'title = "Small"\n[uncertainty]\nwedge_angle_std_deg = 0.5\n[scales.reader]\nppi = 500\n'
+        f'[[fingers]]\nname = "pad"\nsemi_axes_mm = {{ {axes} }}\n'
+        "semi_axes_std_mm = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }\n" + observations
+    )
+    return folder
+
+
+@pytest.fixture
+def study(small, tmp_path):
+    shutil.copytree(small, tmp_path / "small")
+    return tmp_path / "small"
+
+
+@pytest.fixture
+def client(study):
+    bench = Bench(study.parent)
+    bench.open_folder(study)
+    with serving(bench) as client:
+        yield client
+
+
+def run_of(client, **asked):
+    answer = client.post("/api/run", json=asked)
+    assert answer.status_code == 202, answer.text
+    return ended(client)
+
+
+def ended(client, timeout_s=120):
+    until = time.monotonic() + timeout_s
+    while time.monotonic() < until:
+        run = client.get("/api/run").json()
+        if run["state"] not in {"running", "cancelling"}:
+            return run
+        time.sleep(0.05)
+    raise AssertionError(run)
+
+
+def test_the_page_writes_what_the_command_line_writes(client, study, tmp_path):
+    run = run_of(client)
+    assert (run["state"], run["done"], run["failed"], run["error"]) == ("done", 3, 0, None)
+    other = tmp_path / "cli" / "small"
+    shutil.copytree(study, other, ignore=shutil.ignore_patterns("results"))
+    command = [
+        sys.executable,
+        "-m",
+        "fingerpad",
+        "run",
+        str(other / "study.toml"),
+        "--out",
+        str(other / "results"),
+    ]
+    subprocess.run(command, check=True, capture_output=True)
+    names = {
+        path.relative_to(other / "results").as_posix()
+        for path in (other / "results").rglob("*")
+        if path.is_file()
+    }
+    names = {name for name in names if not name.startswith("store.")}
+    assert {"report.html", "results.csv", "summary.json"} < names
+    assert any(name.startswith("figures/") for name in names)
+    for name in sorted(names):
+        ours, theirs = ((folder / "results" / name).read_bytes() for folder in (study, other))
+        if name in {"report.html", "summary.json"}:
+            ours, theirs = (MADE.sub("", text.decode()) for text in (ours, theirs))
+        assert ours == theirs, name
+        if "overlays" not in name:
+            assert client.get(f"/api/download/{name}").content == (study / "results" / name).read_bytes()
+
+
+def test_a_study_that_travels_gives_the_same_results_and_measures_nothing_anew(client, study, tmp_path):
+    correction = {"item": "o2", "expected": 0, "who": "ada", "change": {"accepted": True}}
+    assert client.post("/api/corrections", json=correction).status_code == 201
+    run_of(client)
+    before = (study / "results/results.csv").read_bytes()
+    archive = client.get("/api/download/study.zip")
+    assert archive.headers["content-type"] == "application/zip"
+    names = zipfile.ZipFile(io.BytesIO(archive.content)).namelist()
+    assert {"study.toml", "corrections.jsonl", "results/store.sqlite", "results/report.html"} <= set(names)
+    assert not any(name.startswith(".") or name.endswith(".lock") for name in names)
+    elsewhere = Bench(tmp_path / "elsewhere")
+    (tmp_path / "elsewhere").mkdir()
+    with serving(elsewhere) as other:
+        answer = other.post("/api/session/import", params={"name": "brought"}, content=archive.content)
+        assert answer.status_code == 201, answer.text
+        state = answer.json()
+        assert state["results"]["fresh"]
+        assert state["counts"]["done"] == 3
+        assert {one["item"]: one["accepted"] for one in state["observations"]} == {
+            "o1": False,
+            "o2": True,
+            "o4": False,
+        }
+        assert run_of(other)["state"] == "done"
+        assert other.get("/api/download/results.csv").content == before
+    assert (tmp_path / "elsewhere/brought/results/results.csv").read_bytes() == before
+
+
+def test_a_correction_makes_a_result_stale_and_the_next_run_takes_it(client):
+    run_of(client)
+    before = {row["item"]: row for row in client.get("/api/results/rows").json()["rows"]}
+    assert {one["status"] for one in client.get("/api/study").json()["observations"]} == {"done"}
+    one = client.post("/api/measure/contact", json={"item": "o2"}).json()
+    row, column = one["ellipse_px"]["centre"]
+    stroke = {"action": "remove", "points_px": [[row - 110, column]], "radius_px": 40}
+    body = {"item": "o2", "expected": 0, "who": "ada", "change": {"strokes": [stroke]}}
+    assert client.post("/api/corrections", json=body).status_code == 201
+    state = client.get("/api/study").json()
+    assert {one["item"]: one["status"] for one in state["observations"]} == {
+        "o1": "done",
+        "o2": "stale",
+        "o4": "done",
+    }
+    assert not state["results"]["fresh"]
+    assert (
+        client.get("/api/results/rows").json()["rows"][1]["gross_area_mm2"] == before["o2"]["gross_area_mm2"]
+    )
+    seen = client.post("/api/measure/contact", json={"item": "o2"}).json()["numbers"]
+    run_of(client)
+    after = {row["item"]: row for row in client.get("/api/results/rows").json()["rows"]}
+    assert after["o2"]["gross_area_mm2"] == pytest.approx(seen["gross_area_mm2"])
+    assert after["o2"]["gross_area_mm2"] < before["o2"]["gross_area_mm2"]
+    assert after["o1"] == before["o1"]
+
+
+def test_what_the_page_shows_is_what_the_run_finds(client):
+    live = client.post("/api/measure/contact", json={"item": "o2"}).json()
+    run_of(client)
+    row = client.get("/api/results/rows", params={"text": "o2"}).json()["rows"][0]
+    for key in ("semi_major_mm", "semi_minor_mm_std", "gross_area_mm2", "ridge_period_mm"):
+        assert live["numbers"][key] == pytest.approx(row[key])
+    for key in (
+        "radius_from_indentation_mm",
+        "radius_from_indentation_mm_std",
+        "youngs_modulus_kpa",
+        "u_deg",
+    ):
+        assert live["model"][key] == pytest.approx(row[key])
+
+
+def test_one_run_at_a_time_and_events_tell_of_it(client):
+    heard = []
+
+    def listen():
+        with client.stream("GET", "/api/events") as answer:
+            assert answer.headers["content-type"].startswith("text/event-stream")
+            for line in answer.iter_lines():
+                heard.append(line)
+                if '"state": "done"' in line:
+                    return
+
+    listener = threading.Thread(target=listen)
+    listener.start()
+    while not heard:
+        time.sleep(0.01)
+    assert client.post("/api/run", json={}).status_code == 202
+    second = client.post("/api/run", json={})
+    assert second.status_code == 409, second.text
+    assert ended(client)["state"] == "done"
+    listener.join(20)
+    assert not listener.is_alive()
+    runs = [json.loads(line.removeprefix("data: ")) for line in heard if line.startswith('data: {"state"')]
+    assert runs[0]["state"] == "running"
+    assert runs[-1]["state"] == "done"
+    assert {run["phase"] for run in runs} >= {"measuring", "tables", "report"}
+
+
+def test_a_run_that_is_cancelled_keeps_what_it_has_and_goes_on(workspace):
+    bench = Bench(workspace)
+    bench.open_folder(workspace / "demo")
+    with serving(bench) as client:
+        client.post("/api/run", json={})
+        while not client.get("/api/run").json()["done"]:
+            time.sleep(0.02)
+        assert client.post("/api/run/cancel").status_code == 202
+        run = ended(client)
+        assert run["state"] == "cancelled"
+        counts = client.get("/api/study").json()["counts"]
+        assert counts["done"] >= run["done"] > 0
+        assert counts["left"] > 0
+        assert client.get("/api/run").json()["error"] is None
+        assert client.get("/api/session").status_code == 200
+
+
+def test_closing_the_study_stops_its_run(workspace):
+    bench = Bench(workspace)
+    bench.open_folder(workspace / "demo")
+    with serving(bench) as client:
+        client.post("/api/run", json={})
+        study = bench.study
+        assert client.post("/api/session/close").status_code == 200
+        assert study.running.describe()["state"] in {"cancelled", "done"}
+
+
+def test_the_page_answers_at_once_while_a_run_is_at_work(workspace):
+    bench = Bench(workspace)
+    bench.open_folder(workspace / "demo")
+    with serving(bench) as client:
+        client.post("/api/run", json={})
+        waits = []
+        for _ in range(40):
+            began = time.perf_counter()
+            assert client.get("/api/run").status_code == 200
+            waits.append(time.perf_counter() - began)
+        assert (
+            sorted(waits)[20] < 0.25
+        )  # Python's lock is shared with the run; a blocked loop would wait for seconds
+
+
+def test_a_store_that_another_run_holds_is_said_in_words(client, study):
+    (study / "results").mkdir()
+    with FileLock(study / "results/store.lock"):
+        run = run_of(client)
+    assert run["state"] == "failed"
+    assert "another run" in run["error"]
+
+
+def rows(client, **asked):
+    answer = client.get("/api/results/rows", params=asked)
+    assert answer.status_code == 200, answer.text
+    return answer.json()
+
+
+def test_rows_are_filtered_sorted_and_paged(done):
+    every = rows(done, limit=2000)
+    assert every["total"] == every["matching"] == len(every["rows"])
+    known = [row for row in every["rows"] if row["load_N"] is not None]
+    falling = rows(done, sort="-load_N", limit=2000)["rows"]
+    assert [row["load_N"] for row in falling[: len(known)]] == sorted(
+        (row["load_N"] for row in known), reverse=True
+    )
+    assert (
+        rows(done, sort="load_N", offset=2, limit=3)["rows"] == rows(done, sort="load_N", limit=5)["rows"][2:]
+    )
+    only = rows(done, finger="synthetic_pad", wedge_angle_deg=45, columns="finger,wedge_angle_deg")
+    assert only["rows"]
+    assert all(
+        row == {"item": row["item"], "finger": "synthetic_pad", "wedge_angle_deg": 45.0}
+        for row in only["rows"]
+    )
+    assert rows(done, text="TABLE3")["matching"] == 4
+    assert rows(done, sequence="synthetic_press_30deg")["matching"] > 10
+    column = {one["key"]: one for one in every["columns"]}["radius_from_indentation_mm"]
+    assert column["unit"] == "mm"
+    assert column["std"] == "radius_from_indentation_mm_std"
+    assert done.get("/api/results/rows", params={"sort": "nothing"}).status_code == 422
+
+
+def test_plots_hold_each_row_once_and_their_lines(done):
+    groups = done.get("/api/results/plot").json()["groups"]
+    every = rows(done, limit=2000)["rows"]
+    placed = [row for row in every if row["radius_from_indentation_mm"] is not None]
+    assert sorted(item for group in groups for item in group["rows"]["item"]) == sorted(
+        row["item"] for row in placed
+    )
+    table = next(
+        group for group in groups if (group["finger"], group["wedge_angle_deg"]) == ("left_index_ellipse", 30)
+    )
+    assert table["loading_radius_mm"] == 20.5  # Table 4, as the manifest gives it
+    assert table["mean_curvature_radius_mm"] == pytest.approx(13.608, abs=1e-3)
+    assert table["rows"]["radius_from_indentation_mm"] == [pytest.approx(table["radius_from_indentation_mm"])]
+
+
+def test_the_budget_adds_up(done):
+    for group in done.get("/api/results/budget").json()["groups"]:
+        assert sum(group["check"]["shares"].values()) == pytest.approx(1, abs=0.02)
+        assert sum(group["pooled"].values()) == pytest.approx(1)
+
+
+def test_figures_are_listed_with_captions_and_can_be_fetched(done):
+    listed = done.get("/api/results/figures").json()["figures"]
+    assert listed
+    for figure in listed:
+        assert figure["caption"] != figure["name"]
+        for kind, media in (("svg", "image/svg+xml"), ("png", "image/png")):
+            answer = done.get(figure[kind])
+            assert answer.status_code == 200
+            assert answer.headers["content-type"].startswith(media)
+
+
+def test_overlays_are_those_of_the_report(done):
+    for item in ("synthetic_30deg_2N", "synthetic_pad/synthetic/photograph_palmar.jpg"):
+        answer = done.get("/api/picture/overlay", params={"item": item})
+        assert answer.status_code == 200, answer.text
+        assert answer.content.startswith(b"\x89PNG")
+
+
+def test_a_download_can_be_saved_under_its_name(done):
+    answer = done.get("/api/download/results.csv", params={"attachment": True})
+    assert answer.headers["content-disposition"] == 'attachment; filename="results.csv"'
+
+
+def test_the_fingers_are_known_after_a_run(done):
+    finger = done.get("/api/study").json()["fingers"][2]
+    assert finger["semi_axes_mm"]["palmar"] == pytest.approx(7.9, rel=0.02)
+    found = done.post("/api/geometry", json={"finger": "synthetic_pad"}).json()
+    assert found["mean_curvature_radius_mm_std"] > 0
+    frame = done.post("/api/measure/contact", json={"item": "synthetic_press_30deg#12"}).json()
+    assert frame["model"]["load_N"] > 0
+
+
+def test_frames_know_their_rows_after_a_run(done):
+    frames = done.get("/api/study/frames", params={"sequence": "synthetic_press_30deg"}).json()["frames"]
+    assert {"none", "measured"} == {frame["status"] for frame in frames}
+    assert any(frame["pooled"] for frame in frames)
+    live = done.post("/api/measure/contact", json={"item": "synthetic_press_30deg#12"}).json()
+    row = next(row for row in rows(done, limit=2000)["rows"] if row["item"] == "synthetic_press_30deg#12")
+    assert live["numbers"]["gross_area_mm2"] == pytest.approx(row["gross_area_mm2"])

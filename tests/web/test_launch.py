@@ -1,0 +1,126 @@
+"""`fingerpad app`: it says where it is, serves this machine only, and ends when it is told to."""
+
+import signal
+import socket
+import subprocess
+import sys
+
+import httpx
+import pytest
+
+APP = [sys.executable, "-m", "fingerpad", "app", "--no-browser"]
+
+
+def launched(*arguments, cwd):
+    return subprocess.Popen(
+        [*APP, *map(str, arguments)],
+        cwd=cwd,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        bufsize=1,
+    )
+
+
+def ended(process):
+    process.send_signal(signal.SIGINT)
+    _, errors = process.communicate(timeout=30)
+    assert "Traceback" not in errors, errors
+    assert process.returncode == 0
+
+
+def test_the_page_says_where_it_is_and_ends_cleanly(workspace):
+    process = launched("demo", cwd=workspace)
+    address = process.stdout.readline().split()[-1]
+    try:
+        assert address.startswith("http://127.0.0.1:")
+        assert "Ctrl-C" in process.stdout.readline()
+        with httpx.Client(base_url=address.partition("/start")[0], trust_env=False) as client:
+            assert client.get("/").status_code == 403
+            page = client.get(address, follow_redirects=True)
+            assert page.status_code == 200
+            assert "<html" in page.text
+            assert client.get("/api/study").json()["name"] == "demo"
+            with client.stream("GET", "/api/events") as events:  # a page that listens does not hold it up
+                assert events.status_code == 200
+                ended(process)
+    finally:
+        process.kill()
+        process.communicate()
+
+
+def test_without_a_study_it_offers_those_of_the_folder_and_two_launches_stand_side_by_side(workspace):
+    first, second = launched(cwd=workspace), launched(cwd=workspace)
+    try:
+        addresses = [process.stdout.readline().split()[-1] for process in (first, second)]
+        assert addresses[0] != addresses[1]
+        with httpx.Client(trust_env=False) as client:
+            for address in addresses:
+                client.get(address)
+            for address in addresses:  # the second has not taken the first one's cookie
+                session = client.get(f"{address.partition('/start')[0]}/api/session").json()
+                assert session["study"] is None
+                assert session["studies"] == [{"name": "demo"}]
+        ended(first)
+        ended(second)
+    finally:
+        for process in (first, second):
+            process.kill()
+            process.communicate()
+
+
+def test_it_listens_on_this_machine_only(workspace):
+    process = launched("demo/study.toml", cwd=workspace)
+    try:
+        port = int(httpx.URL(process.stdout.readline().split()[-1]).port)
+        others = {info[4][0] for info in socket.getaddrinfo(socket.gethostname(), None, socket.AF_INET)}
+        for address in (*(one for one in others if not one.startswith("127.0.0.1")), "127.0.0.2"):
+            with pytest.raises(OSError, match="refused|timed out|unreachable"):
+                socket.create_connection((address, port), timeout=2)
+        ended(process)
+    finally:
+        process.kill()
+        process.communicate()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["nowhere/study.toml"], "no such file"),
+        (["demo/observations.csv"], "named study.toml"),
+        (["--out", "results"], "needs a study"),
+        (["--port", "99999"], "port"),
+    ],
+)
+def test_a_wrong_call_says_so(workspace, arguments, words):
+    process = launched(*arguments, cwd=workspace)
+    out, errors = process.communicate(timeout=30)
+    assert process.returncode == 2
+    assert words in errors
+    assert "Traceback" not in errors
+    assert not out
+
+
+def test_a_port_that_is_taken_is_said_in_words(workspace):
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        process = launched("demo", "--port", taken.getsockname()[1], cwd=workspace)
+        _, errors = process.communicate(timeout=30)
+    assert process.returncode == 2
+    assert "--port" in errors
+
+
+@pytest.mark.parametrize("package", ["starlette", "uvicorn", "tomlkit"])
+def test_a_package_that_is_not_installed_is_named_with_the_way_to_it(workspace, package):
+    code = (
+        "import sys\n"
+        f"sys.modules[{package!r}] = None\n"
+        "sys.argv = ['fingerpad', 'app', 'demo', '--no-browser']\n"
+        "from fingerpad.__main__ import main\n"
+        "main()"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=workspace, capture_output=True, text=True, timeout=60
+    )
+    assert done.returncode == 2
+    assert f"needs the package {package}" in done.stderr
+    assert "pip install 'fingerpad[app]'" in done.stderr

@@ -1,0 +1,111 @@
+"""The API fuzzed from its own description: whatever is asked, no answer is a fault of the server."""
+
+import shutil
+
+import pytest
+import schemathesis
+from hypothesis import HealthCheck, Phase, given, settings
+from schemathesis import GenerationMode
+from tests.web.conftest import DEMO, serving, shorten
+
+import fingerpad
+from fingerpad.web.app import OPERATIONS
+from fingerpad.web.bench import Bench
+from fingerpad.web.operations import openapi
+
+# They change which study is open, set work going, or never end.
+APART = ("/api/session/", "/api/run", "/api/events")
+KNOWN = {(one.method, one.plain_path) for one in OPERATIONS}
+EXAMPLES = 12
+PHOTO = "synthetic_pad/synthetic/photograph_palmar.jpg"
+
+
+def described():
+    schema = schemathesis.openapi.from_dict(openapi(OPERATIONS, fingerpad.__version__))
+    return [found.ok() for found in schema.get_all_operations()]
+
+
+def bench_of(tmp_path_factory):
+    workspace = tmp_path_factory.mktemp("fuzzed")
+    shutil.copytree(DEMO, workspace / "demo")
+    shorten(workspace / "demo")
+    bench = Bench(workspace, upload_limit=1_000_000)
+    bench.open_folder(workspace / "demo")
+    return bench
+
+
+@pytest.fixture(scope="module")
+def fuzzed(tmp_path_factory):
+    with serving(bench_of(tmp_path_factory)) as client:
+        yield client
+
+
+def mean_something(case):
+    """Let a question be of what is there, which chance does not find."""
+    kind = "photograph" if "photograph" in case.path else "contact"
+    known = {
+        "item": {"contact": "synthetic_30deg_2N", "photograph": PHOTO}[kind],
+        "sequence": "synthetic_press_30deg",
+        "finger": "left_index_ellipse",
+        "scale": "reader",
+    }
+    for said in (case.body, case.query):
+        if isinstance(said, dict):
+            said |= {key: value for key, value in known.items() if key in said}
+
+
+def fuzz(client, operation, mode):
+    """Ask an operation what its description allows, or what it does not."""
+    headers = {"authorization": client.headers["authorization"]}
+
+    @settings(
+        max_examples=EXAMPLES,
+        derandomize=True,
+        deadline=None,
+        database=None,
+        phases=[Phase.generate],
+        suppress_health_check=list(HealthCheck),
+    )
+    @given(case=operation.as_strategy(mode))
+    def ask(case):
+        if mode is GenerationMode.POSITIVE:
+            mean_something(case)
+        answer = case.call(base_url=str(client.base_url).rstrip("/"), headers=headers)
+        assert answer.status_code < 500, f"{case.as_curl_command()}\n{answer.text}"
+        if answer.status_code >= 400:
+            assert answer.json()["error"]
+
+    ask()
+
+
+@pytest.mark.parametrize("mode", list(GenerationMode), ids=lambda mode: mode.value)
+@pytest.mark.parametrize(
+    "operation",
+    [one for one in described() if not one.path.startswith(APART)],
+    ids=lambda one: f"{one.method} {one.path}",
+)
+def test_no_question_is_too_much_for_the_server(fuzzed, operation, mode):
+    fuzz(fuzzed, operation, mode)
+
+
+@pytest.mark.parametrize("mode", list(GenerationMode), ids=lambda mode: mode.value)
+def test_nor_any_order_of_opening_running_and_closing(tmp_path_factory, mode):
+    with serving(bench_of(tmp_path_factory)) as client:
+        for operation in described():
+            if operation.path.startswith(APART) and operation.path != "/api/events":
+                fuzz(client, operation, mode)
+        assert client.get("/api/session").status_code == 200
+
+
+def test_the_description_is_served_and_names_every_operation(fuzzed):
+    document = fuzzed.get("/api/openapi.json").json()
+    served = {(method.upper(), path) for path, methods in document["paths"].items() for method in methods}
+    assert served == KNOWN
+
+
+def test_what_is_not_described_is_not_there(fuzzed):
+    for method, path in KNOWN:
+        for other in {"GET", "POST", "PUT", "DELETE", "PATCH"} - {m for m, p in KNOWN if p == path}:
+            answer = fuzzed.request(other, path.replace("{path}", "x"))
+            assert answer.status_code == 405, (other, path)
+        assert method != "PATCH"
