@@ -28,7 +28,9 @@ class Bench extends EventTarget {
 
   #take(document) {
     const first = this.study?.name !== document.name;
-    this.study = { ...document, uncertainty: document.uncertainty ?? {} };
+    // Files that nothing names are shown where files are; nothing is missing for their sake.
+    const missing = document.missing.filter(({ kind }) => kind !== "file");
+    this.study = { ...document, missing, uncertainty: document.uncertainty ?? {} };
     this.run = document.run ?? this.run;
     if (first) this.#listen();
     this.tell("study", { first });
@@ -66,6 +68,7 @@ class Bench extends EventTarget {
     this.#stream?.close();
     this.session = await post("/api/session/close");
     this.study = this.run = null;
+    location.hash = "#/study";
     this.tell("study", { first: true });
   }
 

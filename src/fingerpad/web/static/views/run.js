@@ -100,7 +100,7 @@ class Run {
     place(
       this.line,
       h("span", null, `${run.done ?? 0} of ${run.total ?? 0}${run.frames ? `, ${run.frames} frames` : ""} · ${duration(run.seconds ?? 0)}${left}`),
-      h("span", null, `${PHASES[run.phase] ?? run.phase ?? ""} `, h("strong", { "data-live": "file" }, run.file || run.current || "")),
+      h("span", null, `${PHASES[run.phase] ?? run.phase ?? ""} `, h("strong", { "data-live": "file" }, run.file || fileOf(run.current) || (run.phase === "measuring" ? "photographs and scales" : ""))),
     );
   }
 
@@ -142,6 +142,12 @@ class Run {
   close() {
     bench.removeEventListener("run", this.heard);
   }
+}
+
+/** The file of the contact at work. */
+function fileOf(name) {
+  const { observations, sequences } = bench.study;
+  return observations.find(({ item }) => item === name)?.file ?? sequences.find((film) => film.name === name)?.file ?? name;
 }
 
 function duration(seconds) {
