@@ -75,7 +75,7 @@ class PadView {
     place(
       this.side,
       h("h2.sr", null, "Pad and placement"),
-      h("section", null, field("Finger", choose({ value: this.finger, options, onset: (value) => ((this.finger = value), this.#draw(), this.#ask()) })), finger && synthetic(finger.synthetic)),
+      h("section", null, field("Finger", choose({ value: this.finger, options, onset: (value) => ((this.finger = value), this.#draw(), this.#ask()) })), finger?.synthetic && h("div", null, synthetic(true))),
       h(
         "section",
         null,

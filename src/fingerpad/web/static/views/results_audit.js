@@ -38,7 +38,7 @@ export class Audit {
                 h("td.number", null, item.low === null || item.low === undefined ? "–" : `${plain(item.low)} to ${plain(item.high)}`),
                 h("td.number", null, plain(item.with_slip)),
                 h("td", null, chip(item.verdict, KIND[item.verdict] ?? "warn")),
-                h("td.how", null, item.formula && h("code", null, item.formula), item.remark && h("p.soft", null, item.remark)),
+                h("td.formula", null, item.formula && h("code", null, item.formula), item.remark && h("p.soft", null, item.remark)),
               ),
             ),
           ),
