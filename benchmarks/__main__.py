@@ -10,7 +10,7 @@ import mpmath as mp
 import numpy as np
 from scipy.special import ellipe, ellipk
 
-from benchmarks import imprints, loading, photographs, sequences, studies, uncertainty
+from benchmarks import engine, imprints, loading, page, photographs, scale, sequences, studies, uncertainty
 from benchmarks.exact import RATIOS, exact_contact
 from fingerpad.contact import HertzGeometry, hertz_contact, solve_contact_ellipse
 
@@ -78,4 +78,9 @@ if __name__ == "__main__":
     sequences.coin_accuracy()
     sequences.press_accuracy()
     sequences.sequence_memory()
+    engine.engines()
+    engine.long_film()
+    engine.stored_study()
     loading.loading_coverage(repeats=100)
+    scale.rows_at_scale()
+    page.report()

@@ -36,6 +36,10 @@ class StoreError(FingerpadError):
     """A study's store of results that cannot be opened, read or written."""
 
 
+class ClusterError(FingerpadError):
+    """A scheduler or its workers that cannot be used."""
+
+
 class CorrectionConflict(StoreError):  # noqa: N818 (it is no fault)
     """Someone else corrected the same thing meanwhile; `latest` is their record, None if all are gone."""
 

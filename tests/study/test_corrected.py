@@ -13,8 +13,9 @@ from fingerpad.study.corrected import corrected_imprint, corrected_photograph
 from fingerpad.study.corrections import CorrectionLog
 from fingerpad.study.fingers import finger_result, joint_semi_axes, photograph_item, shared_scale
 from fingerpad.study.manifest import Study
-from fingerpad.study.measure import measure_observation, reviewed
+from fingerpad.study.measure import contact_correction, measure_observation, reviewed
 from fingerpad.study.scales import named_scales
+from fingerpad.study.tasks import Keys, photograph_tasks
 
 TRUTH = render_imprint(semi_major=8.0, semi_minor=6.0, margin=4.0, seed=5)
 FACES = {"palmar": (11.8, 13.8), "distal": (11.8, 7.9), "radial": (7.9, 13.8)}
@@ -79,7 +80,16 @@ def measured(folder, tmp_path, name, change=None):
         log.append(name, change, who="anna", expected=log.history(name).last_id, study=STUDY)
     observation = next(one for one in STUDY.observations if one.name == name)
     scales = named_scales(STUDY, folder)
-    return measure_observation(observation, scales, folder, tmp_path / "out", log.ruling(name))
+    ruling = log.ruling(name)
+    found = measure_observation(observation, scales, folder, tmp_path / "out", contact_correction(ruling))
+    return reviewed(found, ruling)
+
+
+def finger_of(finger, scales, folder, out, rulings):
+    """Measure a finger's photographs as a run does, and combine them."""
+    keys = Keys(study=STUDY, folder=folder, digest=str, rulings=rulings)
+    records = {task.item: task.work(folder, out) for task in photograph_tasks(keys, scales)}
+    return finger_result(finger, scales, folder, records, rulings)
 
 
 def test_without_corrections_nothing_is_different(folder, tmp_path):
@@ -178,7 +188,7 @@ def test_results_depend_on_the_folder_alone(folder, tmp_path):
 
 def test_photographs_by_hand_and_rejected(folder, tmp_path):
     scales, finger = named_scales(STUDY, folder), STUDY.fingers[0]
-    plain = finger_result(finger, scales, folder, tmp_path / "out")
+    plain = finger_of(finger, scales, folder, tmp_path / "out", {})
     np.testing.assert_allclose(plain.semi_axes, (7.9, 13.8, 11.8), rtol=0.02)
     items = [photograph_item(finger, one) for one in finger.photographs]
     assert items[0] == "f/palmar.png"
@@ -186,7 +196,7 @@ def test_photographs_by_hand_and_rejected(folder, tmp_path):
     by_hand = {"centre": [400, 380], "semi_axes": [250, 290]}
     log.append(items[0], {"ellipse_px": by_hand}, who="ben", expected=0, study=STUDY)
     log.append(items[2], {"rejected": "nail in view"}, who="ben", expected=0, study=STUDY)
-    found = finger_result(finger, scales, folder, tmp_path / "out", log.rulings())
+    found = finger_of(finger, scales, folder, tmp_path / "out", log.rulings())
     assert [one.manifest.face for one in found.photographs] == ["palmar", "distal"]
     assert found.photographs[0].flags == ("by_hand",)
     # The page's joint result is the run's.

@@ -20,8 +20,9 @@ from fingerpad.cli import app
 from fingerpad.exceptions import StoreError
 from fingerpad.image import render_imprint
 from fingerpad.study.pipeline import run_study
+from fingerpad.study.progress import Progress
 from fingerpad.study.status import study_status
-from fingerpad.study.store import STORE_NAME, Store, Stored
+from fingerpad.study.store import STORE_NAME, Store
 
 MANIFEST = """
 title = "T"
@@ -65,11 +66,11 @@ def write(folder: Path, more: dict[int, str] | None = None, load: float = 1.0) -
 
 def run(folder: Path, **options: object) -> tuple[list[str], list[dict]]:
     """Run the study, and return what was measured and the rows."""
-    measured: list[str] = []
-    result = run_study(
-        folder / "study.toml", folder / "out", on_measured=lambda one: measured.append(one.contact), **options
-    )
-    return sorted(measured), result.rows
+    told: list[Progress] = []
+    result = run_study(folder / "study.toml", folder / "out", on_progress=told.append, **options)
+    assert told[0].status == "started"
+    assert told[-1].pictures == told[-1].total
+    return sorted(one.item for one in told[1:]), list(result.rows)
 
 
 def test_a_second_run_measures_nothing_and_says_the_same(folder: Path) -> None:
@@ -225,9 +226,10 @@ def test_status_for_scripts(folder: Path) -> None:
 def test_the_store_keeps_numbers_to_the_last_digit(tmp_path: Path) -> None:
     record = {"x": 0.1 + 0.2, "nan": float("nan"), "words": "µ – ✓", "none": None}
     with Store.writing(tmp_path / STORE_NAME) as store:
-        store.put("a", Stored(key="k", status="done", record=record, seconds=0.5))
+        store.put("a", "k", record, seconds=0.5, count=1)
     with Store.open(tmp_path / STORE_NAME) as store:
-        found = store.results()["a"].record
+        found = store.record("a", "k")
+        assert store.record("a", "another key") is None
     assert found["x"] == record["x"]
     assert np.isnan(found["nan"])
     assert (found["words"], found["none"]) == (record["words"], None)

@@ -9,7 +9,7 @@ from scipy import stats
 from statsmodels.stats.meta_analysis import combine_effects
 
 from fingerpad.exceptions import UncertaintyError
-from fingerpad.uncertainty import pool, pool_random_effects, scatter_of
+from fingerpad.uncertainty import SharedParts, pool, pool_random_effects, scatter_of
 
 
 def test_equal_weights_are_the_mean() -> None:
@@ -142,3 +142,34 @@ def test_random_effects_refuse_an_exact_estimate() -> None:
 def test_shared_covariance_must_be_one() -> None:
     with pytest.raises(UncertaintyError, match="correlation"):
         pool([1.0, 2.0], [0.1, 0.1], [[1.0, 3.0], [3.0, 1.0]])
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_shared_parts_are_the_matrix_without_it(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    values, stds, parts = rng.normal(20, 1, 7), rng.uniform(0.1, 0.6, 7), rng.normal(0, 0.3, (7, 3))
+    groups = np.column_stack([np.zeros(7, dtype=int), [0, 0, 1, 1, 1, 2, 0], np.arange(7)])
+    matrix = np.array(
+        [[np.sum(parts[i] * parts[j] * (groups[i] == groups[j])) for j in range(7)] for i in range(7)]
+    )
+    shared = SharedParts(parts=parts, groups=groups)
+    for way in (pool, pool_random_effects):
+        one, other = way(values, stds, shared), way(values, stds, matrix)
+        assert_allclose(one.total_std, other.total_std, rtol=1e-12)
+        assert one.total_std > one.std
+    assert_allclose(shared.variances(np.eye(7)[2]), parts[2] ** 2)
+
+
+def test_a_hundred_thousand_estimates_take_no_matrix() -> None:
+    count = 100_000  # whose matrix would take 80 GB
+    parts = np.full((count, 1), 0.2)
+    pooled = pool(
+        np.full(count, 5.0), np.full(count, 0.1), SharedParts(parts=parts, groups=np.zeros((1, 1), int))
+    )
+    assert_allclose(pooled.total_std, np.hypot(0.1 / np.sqrt(count), 0.2))
+    assert pool(np.full(count, 5.0), np.full(count, 0.1)).count == count
+
+
+def test_parts_must_be_those_of_the_estimates() -> None:
+    with pytest.raises(UncertaintyError, match="each estimate needs its parts, found 2 and 3"):
+        pool([1.0, 2.0], [0.1, 0.1], SharedParts(parts=np.ones((3, 1)), groups=np.zeros((1, 1), int)))

@@ -150,6 +150,8 @@ def test_downloads_reach_only_what_the_run_wrote(done, path):
         "file:../study.toml",
         "file:/etc/passwd",
         "file:uploads/../study.toml",
+        "file:synthetic/../study.toml",
+        "file:./study.toml",
         "file:study.toml",
         "file:results/store.sqlite",
         "file:\0",

@@ -5,8 +5,10 @@ from typing import Annotated
 import typer
 
 import fingerpad
-from fingerpad.cli import measure, model, study
+from fingerpad.cli import imports, measure, model, study
 from fingerpad.cli.app import app as page
+from fingerpad.cli.compare import compare
+from fingerpad.cli.export import export
 from fingerpad.cli.fit import fit
 
 __all__ = ["app"]
@@ -27,6 +29,9 @@ app.command()(fit)
 app.command()(study.init)
 app.command()(study.run)
 app.command()(study.status)
+app.command()(compare)
+app.command()(export)
+app.add_typer(imports.app, name="import")
 app.command("app")(page)
 
 

@@ -28,34 +28,35 @@ def run(
     study: Annotated[Path, typer.Argument(help="The study's manifest.", show_default=False)],
     out: Annotated[Path, typer.Option(help="Folder for tables, figures and report.")] = Path("results"),
     workers: Annotated[int, typer.Option(min=1, help="Number of processes that measure.")] = 1,
+    scheduler: Annotated[
+        str | None,
+        typer.Option(
+            help="Dask scheduler whose workers measure, as tcp://host:8786; local starts --workers here.",
+            show_default=False,
+        ),
+    ] = None,
+    log: Annotated[
+        Path | None,
+        typer.Option(help="File to which progress is added, one JSON object a line.", show_default=False),
+    ] = None,
     fresh: Annotated[bool, typer.Option("--fresh", help="Measure everything anew.")] = False,
 ) -> None:
     """Run a study: measure, model, pool, and write tables, figures and a report.
 
     What was measured before is kept in the output folder and measured again only where its picture, its
-    parameters or the program have changed. Interrupted, a run goes on where it stopped.
+    parameters or the program have changed. Interrupted, a run finishes what it has in hand; run again, it
+    goes on where it stopped.
     """
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
-
+    from fingerpad.cli.progress import shown_progress
     from fingerpad.report import write_report
     from fingerpad.study.output import write_tables
     from fingerpad.study.pipeline import run_study
 
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-    with plain_errors(), Progress(*columns, console=Console(stderr=True)) as progress:
-        task = progress.add_task("Measuring", visible=False)
-        frames = progress.add_task("Frames", total=None, visible=False)
+    with plain_errors(), shown_progress(log) as told:
         result = run_study(
-            study,
-            out,
-            workers=workers,
-            fresh=fresh,
-            on_start=lambda total: progress.update(task, total=total, visible=True),
-            on_measured=lambda done: progress.update(task, advance=1, description=f"Measured {done.contact}"),
-            on_frame=lambda: progress.update(frames, advance=1, visible=True),
+            study, out, workers=workers, scheduler=scheduler, fresh=fresh, on_progress=told.tell
         )
-        progress.update(task, description="Writing tables and report")
+        told.say("Writing tables and report")
         write_tables(result, out)
         report = write_report(result, out)
     _print_outcome(result, report)
@@ -100,6 +101,8 @@ def _print_outcome(result: "StudyResult", report: Path) -> None:
             typer.echo(f"doubtful: {row['observation']}: {', '.join(in_words(row['flags'], FLAG_WORDS))}")
     for name, count, words in doubtful_frames(result):
         typer.echo(f"doubtful: {name}: {words} in {count} of its frames")
+    for note in result.notes:
+        typer.echo(f"note: {note}", err=True)
     for failure in result.failures:
         typer.echo(f"failed: {failure}", err=True)
     typer.echo(f"Report: {report}")

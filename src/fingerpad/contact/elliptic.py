@@ -12,7 +12,7 @@ weights α, β are averaged along with the axes. Here k = ℓe/ℓd is the axis 
 
 import numpy as np
 
-from fingerpad._arrays import ArrayLike, FloatArray, in_blocks
+from fingerpad._arrays import ArrayLike, FloatArray, floats, in_blocks
 
 # Five steps bring the mean to the last digit for k ≥ 1e-5, thirteen for every double.
 _FEW_STEPS = 1e-5
@@ -181,6 +181,14 @@ def curvature_ratio(axis_ratio: ArrayLike) -> FloatArray:
         return b / (k * k * d)
 
 
+@np.errstate(all="ignore")
+def factor_products(axis_ratio: ArrayLike) -> tuple[FloatArray, FloatArray]:
+    r"""Return :math:`F_1^3 = \frac{4}{\pi}\sqrt{kBD}` and :math:`F_1 F_2 = \frac{2}{\pi}\sqrt{k}K`."""
+    k = floats(axis_ratio)
+    integral, b, d = complete_integrals(k)
+    return (4 / np.pi) * np.sqrt(k * b * d), (2 / np.pi) * np.sqrt(k) * integral
+
+
 def size_factor(axis_ratio: ArrayLike) -> FloatArray:
     r"""Return Johnson's F1: the mean contact radius √(ℓd ℓe) over that of the sphere of radius √(R'R'').
 
@@ -196,10 +204,7 @@ def size_factor(axis_ratio: ArrayLike) -> FloatArray:
     >>> round(float(size_factor(5.0 / 7.4)), 9)
     0.995238751
     """
-    k = np.asarray(axis_ratio, dtype=np.float64)
-    _, b, d = complete_integrals(k)
-    with np.errstate(all="ignore"):
-        return np.cbrt((4 / np.pi) * np.sqrt(k * b * d))
+    return np.cbrt(factor_products(axis_ratio)[0])
 
 
 def indentation_factor(axis_ratio: ArrayLike) -> FloatArray:
@@ -218,7 +223,5 @@ def indentation_factor(axis_ratio: ArrayLike) -> FloatArray:
     >>> round(float(indentation_factor(5.0 / 7.4)), 9)
     0.995216154
     """
-    k = np.asarray(axis_ratio, dtype=np.float64)
-    integral, _, _ = complete_integrals(k)
-    with np.errstate(all="ignore"):
-        return (2 / np.pi) * np.sqrt(k) * integral / size_factor(k)
+    cube, product = factor_products(axis_ratio)
+    return floats(product / np.cbrt(cube))

@@ -9,7 +9,7 @@ R_e = √(R'R'') in exact Hertz theory, for which the three relations are identi
 import numpy as np
 
 from fingerpad._arrays import ArrayLike, FloatArray, floats
-from fingerpad.contact.elliptic import complete_integrals
+from fingerpad.contact.elliptic import factor_products
 
 
 @np.errstate(all="ignore")
@@ -29,10 +29,7 @@ def equivalent_radius_ratios(axis_ratio: ArrayLike) -> tuple[FloatArray, FloatAr
     >>> [round(float(ratio), 4) for ratio in equivalent_radius_ratios(5.0 / 7.4)]
     [1.0145, 0.9858, 0.9953]
     """
-    k = floats(axis_ratio)
-    integral, b, d = complete_integrals(k)
-    area = (4 / np.pi) * np.sqrt(k * b * d)
-    product = (2 / np.pi) * np.sqrt(k) * integral
+    area, product = factor_products(axis_ratio)
     return area / product**3, area, area / product
 
 

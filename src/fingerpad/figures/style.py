@@ -22,6 +22,8 @@ Arguments = ParamSpec("Arguments")
 Result = TypeVar("Result")
 
 MM_PER_INCH: Final = 25.4
+# Of PNG files: a tenth larger than by the usual 6, in half the time.
+_PNG_LEVEL: Final = 3
 
 # Okabe and Ito's palette, told apart with any kind of colour vision.
 BLACK: Final = "#222222"
@@ -165,12 +167,21 @@ def save_figure(
     """
     path = Path(path)
     svg, png = (path.with_name(f"{path.name}.{suffix}") for suffix in ("svg", "png"))
-    drawing = figure_svg(figure, path.name, description=description)
+    layout = figure.get_layout_engine()
     try:
+        if layout is not None:
+            # Once for both: left to itself each file takes two layouts, which cost more than to draw it.
+            layout.execute(figure)
+            figure.set_layout_engine(None)
+        packing = {"compress_level": _PNG_LEVEL}
+        figure.savefig(png, format="png", dpi=dpi, metadata={"Software": None}, pil_kwargs=packing)
+        FigureCanvasAgg(figure)  # the one before holds ten megabytes of pixels, until the SVG is drawn
+        drawing = figure_svg(figure, path.name, description=description)
         svg.write_text(f'<?xml version="1.0" encoding="utf-8"?>\n{drawing}', encoding="utf-8", newline="\n")
-        figure.savefig(png, format="png", dpi=dpi, metadata={"Software": None})
     except OSError as error:
         raise FingerpadError(f"{error.filename}: cannot be written ({error.strerror})") from error
+    finally:
+        figure.set_layout_engine(layout)
     return svg, png
 
 

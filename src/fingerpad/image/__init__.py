@@ -56,8 +56,9 @@ from fingerpad.image.sequence.force import (
     read_frame_stamps,
 )
 from fingerpad.image.sequence.frames import Frame, Frames, open_frames
-from fingerpad.image.sequence.measure import Place, Reading, learn_reading, measure_sequence
+from fingerpad.image.sequence.measure import measure_frames, measure_sequence, place_in_time
 from fingerpad.image.sequence.phases import PHASES, Phase, phases_of
+from fingerpad.image.sequence.reading import Place, Reading, Survey, learn_reading, survey_frames
 from fingerpad.image.sequence.result import FrameResult, SequenceSummary, sequence_summary
 from fingerpad.image.synthetic.coin import SyntheticCoin, render_coin
 from fingerpad.image.synthetic.finger import Backdrop, SyntheticFinger, render_finger
@@ -99,6 +100,7 @@ __all__ = [
     "RegionEllipse",
     "Scale",
     "SequenceSummary",
+    "Survey",
     "SyntheticCoin",
     "SyntheticFinger",
     "SyntheticImprint",
@@ -115,6 +117,7 @@ __all__ = [
     "frame_clock",
     "learn_reading",
     "measure_coin",
+    "measure_frames",
     "measure_imprint",
     "measure_photograph",
     "measure_sequence",
@@ -123,6 +126,7 @@ __all__ = [
     "phases_of",
     "photograph_from_ellipse",
     "photograph_from_handles",
+    "place_in_time",
     "prepare_imprint",
     "read_colour_image",
     "read_force_signal",
@@ -135,6 +139,7 @@ __all__ = [
     "render_imprint",
     "semi_axes_from_outlines",
     "sequence_summary",
+    "survey_frames",
     "synthetic_press",
     "with_points",
     "write_overlay",

@@ -118,13 +118,31 @@ def equal_area_ellipse(mask: BoolArray) -> RegionEllipse:
     along_rows = weights.sum(axis=1) @ (row_index - row) ** 2 / area + 1 / 12
     along_columns = weights.sum(axis=0) @ (column_index - column) ** 2 / area + 1 / 12
     mixed = (row_index - row) @ weights @ (column_index - column) / area
+    return ellipse_of_moments(area=area, centroid=(row, column), moments=(along_rows, along_columns, mixed))
+
+
+def ellipse_of_moments(
+    *, area: float, centroid: tuple[float, float], moments: tuple[float, float, float]
+) -> RegionEllipse:
+    """Return the ellipse of an area, with the axis ratio and direction of central second moments.
+
+    Parameters
+    ----------
+    area : float
+        Area of the region.
+    centroid : (float, float)
+        Its (row, column).
+    moments : (float, float, float)
+        Variance along rows and along columns, and their covariance, over the region.
+    """
+    along_rows, along_columns, mixed = moments
     half_sum, half_difference = (along_rows + along_columns) / 2, (along_rows - along_columns) / 2
     spread = math.hypot(half_difference, mixed)
     ratio = math.sqrt((half_sum - spread) / (half_sum + spread))
     semi_major = math.sqrt(area / (math.pi * ratio))
     return RegionEllipse(
         ellipse=Ellipse.of(semi_major, semi_major * ratio),
-        centroid=(float(row), float(column)),
+        centroid=(float(centroid[0]), float(centroid[1])),
         orientation=_half_turn(0.5 * math.atan2(mixed, half_difference)),
     )
 

@@ -75,11 +75,6 @@ class LoadingFit:
     secant: Secant
     flags: tuple[str, ...]
 
-    @property
-    def segments(self) -> tuple[Cycle, ...]:
-        """The phases of each press, by rows."""
-        return self.cycles
-
     def unconstrained(self, coefficient: Estimate) -> Self:
         """Return the fit with all moduli divided by a constraint coefficient.
 

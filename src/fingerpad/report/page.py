@@ -1,12 +1,15 @@
 """Writing the report and its figures."""
 
 import base64
+import gc
 import io
-from collections.abc import Iterable
+from collections import Counter
+from collections.abc import Callable, Iterable
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 from PIL import Image
@@ -17,21 +20,29 @@ from fingerpad.image import PHOTOGRAPH_FLAGS
 from fingerpad.loading import Quantity, Unknown
 from fingerpad.report.plot import Plot
 from fingerpad.report.plots import (
+    MOST_POINTS,
     budget_plot,
     curve_plots,
     loading_radius_of,
     press_plot,
+    shown_rows,
     summary_plots,
+    thinned,
     velocity_plots,
 )
 from fingerpad.report.text import FLAG_WORDS, doubtful_frames, in_words
+from fingerpad.study.check import UncertaintyCheck
 from fingerpad.study.pipeline import StudyResult
 from fingerpad.study.rows import RANGE_NOTES
-from fingerpad.study.sequences import SequenceResult
 from fingerpad.study.summary import Summary, area_exponent
 from fingerpad.units import two_digits, value_with_uncertainty
 
 _OVERLAY_WIDTH_PX = 560
+_MOST_FAILED = 200
+_MOST_PRESSES = 60
+_FIGURES_HELD = 2
+# Of contacts and of sequences each: some twenty kilobytes a picture make a page that still opens.
+_MOST_PICTURES = 240
 
 
 def write_report(result: StudyResult, out: Path) -> Path:
@@ -48,59 +59,81 @@ def write_report(result: StudyResult, out: Path) -> Path:
         undefined=StrictUndefined,
         trim_blocks=True,
     )
-    environment.filters |= {
+    filters: dict[str, Callable[..., Any]] = {
         "flags": lambda codes: in_words(codes, FLAG_WORDS),
+        # Read as the page is written: all together they would take more memory than all rows.
+        "drawing": _drawing,
+        "picture": lambda overlay: _picture(out / overlay),
         "photograph_flags": lambda codes: in_words(codes, {**FLAG_WORDS, **PHOTOGRAPH_FLAGS}),
     }
+    environment.filters |= filters
     environment.globals |= {
         "pm": value_with_uncertainty,
         "two": two_digits,
-        "exponent": area_exponent,
         "quantity": _quantity,
     }
     try:
         (out / "figures").mkdir(parents=True, exist_ok=True)
-        page = environment.get_template("report.html.jinja").render(
+        page = environment.get_template("report.html.jinja").stream(
             result=result,
+            failed=result.failed_contacts,
+            most_failed=_MOST_FAILED,
             style=Markup(files("fingerpad.report").joinpath("report.css").read_text(encoding="utf-8")),  # noqa: S704
-            groups=[_group(result, summary, out) for summary in result.summaries],
+            groups=[
+                _group(result, summary, check, out)
+                for summary, check in zip(result.summaries, result.checks, strict=True)
+            ],
             curves=[
                 {"curve": curve, "figures": _drawn(curve_plots(curve, number), out)}
                 for number, curve in enumerate(result.curves, start=1)
             ],
             velocities=_drawn(velocity_plots(result.curves), out),
             photographs=[
-                (finger.name, photograph, _picture(photograph.overlay, out))
+                (finger.name, photograph)
                 for finger in result.fingers.values()
                 for photograph in finger.photographs
             ],
-            sequences=[_sequence(result, film, out) for film in result.sequences],
-            synthetic=any(row["synthetic"] for row in result.rows),
+            sequences=_sequences(result, out),
+            most_presses=_MOST_PRESSES,
+            synthetic=bool(result.rows.column("synthetic").any()),
             certain=bool(result.study.uncertainty.model_fields_set),
         )
-        path = out / "report.html"
-        path.write_text(page, encoding="utf-8")
+        page.enable_buffering()
+        with (out / "report.html.part").open("w", encoding="utf-8") as file:
+            file.writelines(page)
+        path = (out / "report.html.part").replace(out / "report.html")
     except OSError as error:
         raise FingerpadError(f"{error.filename}: cannot be written ({error.strerror})") from error
     return path
 
 
-def _group(result: StudyResult, summary: Summary, out: Path) -> dict[str, Any]:
+def _group(
+    result: StudyResult, summary: Summary, check: UncertaintyCheck | None, out: Path
+) -> dict[str, Any]:
     """Return what the template shows of one finger at one placement."""
-    codes = [code for row in summary.rows for code in row["range_notes"].split()]
+    rows, contacts, shown = summary.rows, summary.contacts, shown_rows(summary)
+    notes: Counter[str] = Counter()
+    for codes, count in Counter(rows.column("range_notes")).items():
+        notes.update(dict.fromkeys(codes.split(), count))
+    doubtful = contacts.at(contacts.column("flags") != "")
+    overlays = contacts.at(contacts.known("overlay"))
+    deepest = rows.column("indentation_over_thickness")
+    gc.collect()  # as in _sequences
     return {
         "summary": summary,
+        "contacts": len(contacts),
+        "shown": shown if contacts else (),
         "loading": loading_radius_of(result, summary),
-        "check": result.checks[result.summaries.index(summary)],
-        "budget": _drawn(budget_plot(result, summary), out),
+        "check": check,
+        "budget": _drawn(budget_plot(summary, check), out),
         "figures": _drawn(summary_plots(result, summary), out),
-        "doubtful": [row for row in summary.contacts if row["flags"]],
-        "largest_size": max(row["contact_size"] for row in summary.rows),
-        "deepest": max((row["indentation_over_thickness"] or 0.0) for row in summary.rows),
-        "range_notes": [
-            (RANGE_NOTES[code], codes.count(code), len(summary.rows)) for code in RANGE_NOTES if code in codes
-        ],
-        "overlays": [(row, _picture(row["overlay"], out)) for row in summary.contacts if row["overlay"]],
+        "doubtful": len(doubtful),
+        "doubts": doubtful[:MOST_POINTS],
+        "largest_size": float(rows.column("contact_size").max()),
+        "deepest": float(np.nanmax(deepest, initial=0.0)),
+        "range_notes": [(RANGE_NOTES[code], notes[code], len(rows)) for code in RANGE_NOTES if notes[code]],
+        "pictures": len(overlays),
+        "overlays": thinned(overlays, _share(_MOST_PICTURES, len(result.summaries))),
     }
 
 
@@ -111,33 +144,58 @@ def _quantity(found: Quantity, factor: float = 1.0) -> Markup:
     return Markup("{}").format(value_with_uncertainty(factor * found.value, factor * found.std))
 
 
-def _sequence(result: StudyResult, film: SequenceResult, out: Path) -> dict[str, Any]:
-    """Return what the template shows of one sequence: never its single rows, which may be thousands."""
-    frames = [row for row in result.rows if row["sequence"] == film.manifest.name]
-    return {
-        "film": film,
-        "synthetic": any(row["synthetic"] for row in frames),
-        "figures": _drawn(press_plot(result, film), out),
-        "pooled": sum(row["pooled"] for row in frames),
-        "exponent": area_exponent(frames),
-        "doubts": [entry[1:] for entry in doubtful_frames(result) if entry[0] == film.manifest.name],
-        "overlays": [(overlay, _picture(overlay.file, out)) for overlay in film.overlays],
-    }
+def _sequences(result: StudyResult, out: Path) -> list[dict[str, Any]]:
+    """Return what the template shows of each sequence: never its single rows, which may be thousands."""
+    doubts: dict[str, list[tuple[int, str]]] = {}
+    for name, count, words in doubtful_frames(result):
+        doubts.setdefault(name, []).append((count, words))
+    shown = []
+    films = list(zip(result.sequences, result.frames(), strict=True))
+    drawn = set(np.linspace(0, len(films) - 1, min(len(films), _MOST_PRESSES)).round().astype(int).tolist())
+    pictures = _share(_MOST_PICTURES, len(films))
+    for number, (film, frames) in enumerate(films):
+        figures = _drawn(press_plot(film, frames), out) if number in drawn else []
+        shown.append(
+            {
+                "film": film,
+                "synthetic": bool(frames.column("synthetic").any()),
+                "figures": figures,
+                "pooled": int(frames.column("pooled").sum()),
+                "exponent": area_exponent(frames),
+                "doubts": doubts.get(film.manifest.name, ()),
+                "overlays": film.overlays[:pictures],
+            }
+        )
+        if number % _FIGURES_HELD == 0:
+            gc.collect()  # a drawn figure and its ten megabytes of pixels go in circles
+    return shown
 
 
-def _drawn(plots: Iterable[Plot], out: Path) -> list[dict[str, str]]:
-    """Save each plot as files, and return it as SVG for the page."""
-    drawn = []
-    for plot in plots:
-        file, _ = save_figure(plot.figure, out / "figures" / plot.name, description=plot.caption)
-        _, _, drawing = file.read_text(encoding="utf-8").partition("\n")  # without the XML declaration
-        drawn.append({"svg": Markup(drawing), "caption": plot.caption})  # noqa: S704 (drawn here)
-    return drawn
+def _share(whole: int, count: int) -> int:
+    """Return how many each of so many may have of a whole, at least one."""
+    return max(1, whole // max(count, 1))
 
 
-def _picture(overlay: str, out: Path) -> str:
+def _drawn(plots: Iterable[Plot], out: Path) -> list[dict[str, Any]]:
+    """Save each plot as files, and return its SVG and caption for the page."""
+    return [
+        {
+            "file": save_figure(plot.figure, out / "figures" / plot.name, description=plot.caption)[0],
+            "caption": plot.caption,
+        }
+        for plot in plots
+    ]
+
+
+def _drawing(file: Path) -> Markup:
+    """Return a drawing as an element of the page."""
+    _, _, drawing = file.read_text(encoding="utf-8").partition("\n")  # without the XML declaration
+    return Markup(drawing)  # noqa: S704 (drawn here)
+
+
+def _picture(overlay: Path) -> str:
     """Return an overlay, small enough to travel in the page, as a data URL."""
-    with Image.open(out / overlay) as picture:
+    with Image.open(overlay) as picture:
         picture.thumbnail((_OVERLAY_WIDTH_PX, 2 * _OVERLAY_WIDTH_PX))
         buffer = io.BytesIO()
         picture.convert("RGB").save(buffer, "JPEG", quality=85)

@@ -6,7 +6,6 @@ from typing import Final
 import numpy as np
 from matplotlib.figure import Figure
 
-from fingerpad._arrays import BoolArray, FloatArray
 from fingerpad.contact import HertzGeometry
 from fingerpad.figures import (
     new_figure,
@@ -22,15 +21,16 @@ from fingerpad.geometry import Ellipse, Ellipsoid, Placement
 from fingerpad.loading import Estimate
 from fingerpad.report.loading import loading_plots
 from fingerpad.report.plot import Plot
+from fingerpad.study.check import UncertaintyCheck
 from fingerpad.study.curves import CurveResult, LoadingRadius, loading_radius
 from fingerpad.study.pipeline import StudyResult
-from fingerpad.study.rows import Row
 from fingerpad.study.sequences import SequenceResult
 from fingerpad.study.summary import Exponent, Summary, area_exponent
+from fingerpad.study.table import Row, Table
 
 # More than these only make a page heavy.
-_MOST_FRAMES: Final = 300
-_MOST_POINTS: Final = 60
+_MOST_FRAMES: Final = 150
+MOST_POINTS: Final = 60
 
 
 def group_name(finger: str, wedge_angle_deg: float, roll_angle_deg: float, *, synthetic: bool) -> str:
@@ -71,13 +71,13 @@ def summary_plots(result: StudyResult, summary: Summary) -> Iterator[Plot]:
             "geometry held exact, as the source does. Dotted: undeformed pad. Dashed: loading data, if any."
         ),
     )
-    if len({row["load_N"] for row in rows}) > 1:
+    if np.ptp(rows.column("load_N")) > 0:
         yield Plot(
             name=f"{name}_area",
             figure=_area(rows, area_exponent(summary.contacts or summary.rows)),
             caption=f"Contact area against load, with the fitted exponent and that of Hertz ({where}).",
         )
-    if any(row["long_axis"] for row in rows):
+    if rows.known("long_axis").any():
         yield Plot(
             name=f"{name}_aspect_ratio",
             figure=_aspect_ratio(rows),
@@ -129,9 +129,8 @@ def velocity_plots(curves: Sequence[CurveResult]) -> Iterator[Plot]:
         )
 
 
-def budget_plot(result: StudyResult, summary: Summary) -> Iterator[Plot]:
+def budget_plot(summary: Summary, check: UncertaintyCheck | None) -> Iterator[Plot]:
     """Draw who contributes what to the uncertainty of the heaviest contact's corrected radius."""
-    check = result.checks[result.summaries.index(summary)]
     if check is None:
         return
     figure, (axes,) = new_figure()
@@ -147,23 +146,26 @@ def budget_plot(result: StudyResult, summary: Summary) -> Iterator[Plot]:
     )
 
 
-def press_plot(result: StudyResult, film: SequenceResult) -> Iterator[Plot]:
+def press_plot(film: SequenceResult, frames: Table) -> Iterator[Plot]:
     """Draw one sequence."""
     of = film.manifest
-    seen = [row for row in result.rows if row["sequence"] == of.name and row["semi_major_mm"] is not None]
+    seen = frames.at(frames.known("semi_major_mm"))
     if not seen:
         return
-    rows = _thinned(seen, _MOST_FRAMES)
+    rows = thinned(seen, _MOST_FRAMES)
     figure, axes = new_figure(width_mm=170, height_mm=110, rows=2, columns=2)
+    # All presses in one frame, as eyes go from one to the next; and to find a frame takes as long as to draw.
+    figure.set_layout_engine(None)
+    figure.subplots_adjust(left=0.08, right=0.985, bottom=0.085, top=0.945, wspace=0.2, hspace=0.3)
     synthetic = bool(rows[0]["synthetic"])
     plot_press(
         axes,
-        time=_column(rows, "time_s"),
-        load=_column(rows, "load_N"),
-        phase=[row["phase"] for row in rows],
-        area=_column(rows, "gross_area_mm2"),
-        semi_major=_column(rows, "semi_major_mm"),
-        semi_minor=_column(rows, "semi_minor_mm"),
+        time=rows.column("time_s"),
+        load=rows.column("load_N"),
+        phase=rows.column("phase").tolist(),
+        area=rows.column("gross_area_mm2"),
+        semi_major=rows.column("semi_major_mm"),
+        semi_minor=rows.column("semi_minor_mm"),
         synthetic=synthetic,
     )
     some = "" if len(rows) == len(seen) else f" {len(rows)} of {len(seen)} frames are drawn."
@@ -177,25 +179,17 @@ def press_plot(result: StudyResult, film: SequenceResult) -> Iterator[Plot]:
     )
 
 
-def shown_rows(summary: Summary) -> Sequence[Row]:
-    """Return the rows to draw one by one: single contacts, or where there are none some frames, by load."""
-    frames = [row for row in summary.rows if row["pooled"]] or summary.rows
-    return summary.contacts or _thinned(frames, _MOST_POINTS)
+def shown_rows(summary: Summary) -> Table:
+    """Return the rows to show one by one, by load: single contacts, or where there are none frames."""
+    pooled = summary.rows.at(summary.rows.column("pooled"))
+    return thinned(summary.contacts or pooled or summary.rows, MOST_POINTS)
 
 
-def _thinned(rows: Sequence[Row], most: int) -> Sequence[Row]:
+def thinned(rows: Table, most: int) -> Table:
     """Return at most so many rows, evenly spaced, with the first and the last."""
     if len(rows) <= most:
         return rows
-    return [rows[k] for k in np.linspace(0, len(rows) - 1, most).round().astype(int)]
-
-
-def _column(rows: Sequence[Row], name: str) -> FloatArray:
-    return np.array([np.nan if row[name] is None else row[name] for row in rows], dtype=float)
-
-
-def _synthetic(rows: Sequence[Row]) -> BoolArray:
-    return np.array([row["synthetic"] for row in rows])
+    return rows.at(np.linspace(0, len(rows) - 1, most).round().astype(int))
 
 
 def _pad(result: StudyResult, summary: Summary, row: Row) -> Figure:
@@ -224,53 +218,53 @@ def _pad(result: StudyResult, summary: Summary, row: Row) -> Figure:
     return figure
 
 
-def _corrected_radius(rows: Sequence[Row], loading: LoadingRadius | None) -> Figure:
+def _corrected_radius(rows: Table, loading: LoadingRadius | None) -> Figure:
     figure, (axes,) = new_figure()
     plot_corrected_radius(
         axes,
-        _column(rows, "load_N"),
-        _column(rows, "radius_from_indentation_mm"),
-        corrected_radius_std=_column(rows, "radius_from_indentation_mm_std_given_geometry"),
-        compliance_radius=_column(rows, "radius_from_compliance_mm"),
+        rows.column("load_N"),
+        rows.column("radius_from_indentation_mm"),
+        corrected_radius_std=rows.column("radius_from_indentation_mm_std_given_geometry"),
+        compliance_radius=rows.column("radius_from_compliance_mm"),
         measured_radius=None if loading is None else loading.value,
         mean_curvature_radius=rows[0]["mean_curvature_radius_mm"],
-        synthetic=_synthetic(rows),
+        synthetic=rows.column("synthetic"),
     )
     return figure
 
 
-def _area(rows: Sequence[Row], exponent: Exponent) -> Figure:
+def _area(rows: Table, exponent: Exponent) -> Figure:
     figure, (axes,) = new_figure()
-    major, minor = _column(rows, "semi_major_mm"), _column(rows, "semi_minor_mm")
+    major, minor = rows.column("semi_major_mm"), rows.column("semi_minor_mm")
     plot_area_against_load(
         axes,
-        _column(rows, "load_N"),
+        rows.column("load_N"),
         np.pi * major * minor,
-        area_std=_column(rows, "gross_area_mm2_std"),
+        area_std=rows.column("gross_area_mm2_std"),
         exponent=exponent.value,
         exponent_std=exponent.std,
-        synthetic=_synthetic(rows),
+        synthetic=rows.column("synthetic"),
     )
     return figure
 
 
-def _aspect_ratio(rows: Sequence[Row]) -> Figure:
+def _aspect_ratio(rows: Table) -> Figure:
     figure, (axes,) = new_figure()
-    ratio = _column(rows, "aspect_ratio")
+    ratio = rows.column("aspect_ratio")
     relative = [
-        _column(rows, f"semi_{axis}_mm_std") / _column(rows, f"semi_{axis}_mm") for axis in ("major", "minor")
+        rows.column(f"semi_{axis}_mm_std") / rows.column(f"semi_{axis}_mm") for axis in ("major", "minor")
     ]
-    across = np.array([90.0 if row["long_axis"] == "across" else 0.0 for row in rows])
-    orientation = _column(rows, "orientation_deg")
+    across = np.where(rows.column("long_axis") == "across", 90.0, 0.0)
+    orientation = rows.column("orientation_deg")
     first = rows[0]
     plot_aspect_ratio(
         axes,
-        _column(rows, "load_N"),
+        rows.column("load_N"),
         ratio,
         aspect_ratio_std=ratio * np.hypot(*relative),
         long_axis_angle=np.radians(np.where(np.isfinite(orientation), orientation, across)),
         predicted_aspect_ratio=first["predicted_aspect_ratio"],
         predicted_long_axis_angle=np.pi / 2 if first["predicted_long_axis"] == "across" else 0.0,
-        synthetic=_synthetic(rows),
+        synthetic=rows.column("synthetic"),
     )
     return figure

@@ -27,9 +27,11 @@ def in_words(codes: str, words: Mapping[str, str]) -> list[str]:
 
 def doubtful_frames(result: StudyResult) -> Iterator[tuple[str, int, str]]:
     """Yield for each sequence and flag the sequence's name, the number of frames, and the flag in words."""
+    frames = result.rows.at(result.rows.known("frame"))
+    doubts = Counter(zip(frames.column("sequence"), frames.column("flags"), strict=True))
     counts: Counter[tuple[str, str]] = Counter()
-    for row in result.rows:
-        if row["frame"] is not None:
-            counts.update((row["sequence"], flag) for flag in row["flags"].split())
+    for (name, flags), count in doubts.items():
+        for flag in flags.split():
+            counts[name, flag] += count
     for (name, flag), count in counts.items():
         yield name, count, FLAG_WORDS.get(flag, flag)

@@ -79,3 +79,27 @@ COLUMNS: Final[Mapping[str, str]] = {
     "indentation_over_thickness": "indentation over the pad's thickness, where that is given",
     "overlay": "picture of the measurement",
 }
+
+# What a column holds; all others hold floats.
+WORDS: Final = frozenset(
+    (
+        "observation",
+        "finger",
+        "status",
+        "reason",
+        "flags",
+        "measured_by",
+        "reviewed",
+        "reviewed_by",
+        "range_notes",
+        "sequence",
+        "phase",
+        "image",
+        "scale",
+        "long_axis",
+        "predicted_long_axis",
+        "overlay",
+    )
+)
+TRUTHS: Final = frozenset(("synthetic", "pooled"))
+COUNTS: Final = frozenset(("frame",))

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fingerpad._arrays import FloatArray
-from fingerpad.contact import HalfSpaceContact
+from fingerpad.contact import HalfSpaceContact, reduced_modulus
 from fingerpad.exceptions import FingerpadError, FitError, GeometryError
 from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.loading import (
@@ -20,6 +20,7 @@ from fingerpad.loading import (
     fit_contact_compliance,
     fit_loading_curve,
     read_loading_curve,
+    shape_check,
 )
 from fingerpad.study.fingers import FingerResult
 from fingerpad.study.manifest import Curve
@@ -121,7 +122,7 @@ def curve_result(curve: Curve, finger: FingerResult, poisson_ratio: float, folde
         curve=data,
         fit=fit,
         velocity=_velocity(data, fit, curve.cycle),
-        shape=_shape(finger, curve, fit),
+        shape=_shape(finger, curve, fit, poisson_ratio),
         reason=f"{curve.file}: {found.reason}" if isinstance(found, Unknown) else None,
     )
 
@@ -156,7 +157,7 @@ def _velocity(curve: LoadingCurve, fit: LoadingFit, cycle: int) -> float:
     return float(np.polyfit(curve.time[rows], curve.indentation[rows], 1)[0])
 
 
-def _shape(finger: FingerResult, curve: Curve, fit: LoadingFit) -> Shape | None:
+def _shape(finger: FingerResult, curve: Curve, fit: LoadingFit, poisson_ratio: float) -> Shape | None:
     """Return what the pad's true shape makes of the moduli; None without a pad, a modulus or the solver."""
     initial, growth = fit.initial_modulus, fit.load_coefficient
     if finger.reason is not None or not isinstance(initial, Estimate) or not isinstance(growth, Estimate):
@@ -164,22 +165,22 @@ def _shape(finger: FingerResult, curve: Curve, fit: LoadingFit) -> Shape | None:
     pad, wedge = Ellipsoid.of(*finger.semi_axes), math.radians(curve.wedge_angle_deg)
     radius = float(Placement.of(pad, wedge_angle=wedge).curvature.geometric_mean_radius)
     loads = np.linspace(0, fit.modulus_load, _SHAPE_LOADS + 1)[1:]
-    reduced = float(fit.reduced_modulus.value / fit.youngs_modulus.value)  # type: ignore[union-attr]
+    moduli = reduced_modulus(initial.value + growth.value * loads, poisson_ratio)
     try:
         pressed = [
             HalfSpaceContact.of(
                 pad,
                 wedge_angle=wedge,
                 load=float(load),
-                reduced_modulus=reduced * (initial.value + growth.value * float(load)),
+                reduced_modulus=float(modulus),
                 points=_SHAPE_POINTS,
             )
-            for load in loads
+            for load, modulus in zip(loads, moduli, strict=True)
         ]
     except (GeometryError, ModuleNotFoundError):
         return None
-    ratio = np.array([(radius * np.pi * one.indentation / one.area) ** 1.5 for one in pressed])
-    return Shape(radius, loads, ratio)
+    indentation, area = np.array([(one.indentation, one.area) for one in pressed]).T
+    return Shape(radius, loads, shape_check(loads, indentation, area, effective_radius=radius).ratio)
 
 
 class LoadingRadius(NamedTuple):

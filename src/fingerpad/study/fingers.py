@@ -20,7 +20,7 @@ from fingerpad.image import (
     read_outline,
     write_photograph_overlay,
 )
-from fingerpad.study.changes import ContactCorrection
+from fingerpad.study.changes import PhotographCorrection
 from fingerpad.study.corrected import corrected_photograph
 from fingerpad.study.corrections import Ruling
 from fingerpad.study.manifest import Finger, Photograph
@@ -61,6 +61,8 @@ class FingerResult:
     ----------
     name : str
         The finger.
+    person : str or None
+        Whose it is, where that is said.
     semi_axes : ndarray, shape (3,)
         Palmar, distal, radial–ulnar, mm; NaN where they could not be had.
     covariance : ndarray, shape (3, 3)
@@ -92,13 +94,14 @@ class FingerResult:
     pad_thickness: float | None = None
     synthetic: bool = False
     reason: str | None = None
+    person: str | None = None
 
 
 def finger_result(
     finger: Finger,
     scales: Mapping[str, FoundScale | str],
     folder: Path,
-    out: Path,
+    measured: Mapping[str, Mapping[str, Any]],
     rulings: Mapping[str, Ruling] = MappingProxyType({}),
 ) -> FingerResult:
     """Return a finger's semi-axes; a photograph or outline that cannot be used costs this finger only.
@@ -109,13 +112,16 @@ def finger_result(
         Its table of the manifest.
     scales : mapping
         The study's named scales.
-    folder, out : Path
-        The study folder, and the folder of results.
+    folder : Path
+        The study folder.
+    measured : mapping
+        What `face_record` found in each photograph, by its item.
     rulings : mapping
         What people corrected, by item: photographs that they rejected are left out.
     """
     common: dict[str, Any] = {
         "name": finger.name,
+        "person": finger.person,
         "pad_thickness": finger.pad_thickness_mm,
         "synthetic": finger.synthetic or any(photograph.synthetic for photograph in finger.photographs),
     }
@@ -129,10 +135,9 @@ def finger_result(
         )
     try:
         seen = [
-            _face(finger, number, scales, folder, out, ruling=ruling)
-            for number, photograph in enumerate(finger.photographs)
-            if (ruling := rulings.get(photograph_item(finger, photograph))) is None
-            or ruling.change.rejected is None
+            _face(photograph, scales, folder, measured.get(item))
+            for photograph in finger.photographs
+            if not is_rejected(rulings.get(item := photograph_item(finger, photograph)))
         ]
         joint = joint_semi_axes([face for face, _ in seen], shared_scale(finger, scales, folder))
     except FingerpadError as error:
@@ -205,36 +210,84 @@ def shared_scale(finger: Finger, scales: Mapping[str, FoundScale | str], folder:
     return None if name is None or keys else find_scale(name, scales, folder)
 
 
-def _face(
-    finger: Finger,
-    number: int,
-    scales: Mapping[str, FoundScale | str],
+def is_rejected(ruling: Ruling | None) -> bool:
+    """Tell whether a person rejected an item."""
+    return ruling is not None and ruling.change.rejected is not None
+
+
+def face_record(
     folder: Path,
     out: Path,
     *,
-    ruling: Ruling | None,
-) -> tuple[FaceSemiAxes, PhotographResult | None]:
-    """Measure one face, and draw it where it is a photograph."""
-    photograph = finger.photographs[number]
-    if photograph.outline is not None:
-        points = read_outline(folder / photograph.outline)
-        return face_from_outline(photograph.face, points, photograph.outline_relative_std), None
+    photograph: Photograph,
+    correction: PhotographCorrection | None,
+    overlay: str,
+    scales: Mapping[str, FoundScale | str],
+) -> dict[str, Any]:
+    """Measure one photograph of a finger and draw it, and return what was found as plain values.
+
+    Parameters
+    ----------
+    folder, out : Path
+        The study folder, and the one to draw into.
+    photograph : Photograph
+        What the manifest says of it.
+    correction : PhotographCorrection or None
+        What a person wants of it.
+    overlay : str
+        Picture to draw, relative to `out`.
+    scales : mapping
+        The study's named scales.
+
+    Raises
+    ------
+    FingerpadError
+        If the photograph cannot be read or measured.
+    """
     assert photograph.image is not None  # the manifest's own rule
     assert photograph.scale is not None
     scale = find_scale(photograph.scale, scales, folder)
     pixels = read_colour_image(folder / photograph.image)
-    change = ruling.change if ruling is not None else None
-    assert not isinstance(change, ContactCorrection)  # the items' own rule
-    found = corrected_photograph(pixels, photograph, scale.scale, change)
-    overlay = Path("overlays") / f"finger_{finger.name}_{number + 1}_{photograph.face}.png"
+    found = corrected_photograph(pixels, photograph, scale.scale, correction)
     make_folder((out / overlay).parent)
     write_photograph_overlay(
         out / overlay, pixels, found, label="synthetic" if photograph.synthetic else None
     )
-    return found.face_semi_axes, PhotographResult(
+    axes = found.face_semi_axes
+    return {
+        "semi_axes": axes.semi_axes.tolist(),
+        "covariance": axes.covariance.tolist(),
+        "relative_scale_std": axes.relative_scale_std,
+        "overlay": overlay,
+        "arc_deg": found.arc_deg,
+        "flags": [*sorted(found.flags), *scale.flags],
+    }
+
+
+def _face(
+    photograph: Photograph,
+    scales: Mapping[str, FoundScale | str],
+    folder: Path,
+    record: Mapping[str, Any] | None,
+) -> tuple[FaceSemiAxes, PhotographResult | None]:
+    """Return what is known of one face."""
+    if photograph.outline is not None:
+        points = read_outline(folder / photograph.outline)
+        return face_from_outline(photograph.face, points, photograph.outline_relative_std), None
+    assert record is not None  # each photograph was measured
+    assert photograph.scale is not None
+    if record.get("reason") is not None:
+        raise FingerpadError(record["reason"])
+    axes = FaceSemiAxes(
+        face=photograph.face,
+        semi_axes=np.array(record["semi_axes"]),
+        covariance=np.array(record["covariance"]),
+        relative_scale_std=record["relative_scale_std"],
+    )
+    return axes, PhotographResult(
         manifest=photograph,
-        scale=scale,
-        overlay=str(overlay),
-        arc_deg=found.arc_deg,
-        flags=(*sorted(found.flags), *scale.flags),
+        scale=find_scale(photograph.scale, scales, folder),
+        overlay=record["overlay"],
+        arc_deg=record["arc_deg"],
+        flags=tuple(record["flags"]),
     )

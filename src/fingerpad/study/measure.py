@@ -86,7 +86,7 @@ def measure_observation(
     scales: Mapping[str, FoundScale | str],
     folder: Path,
     out: Path,
-    ruling: Ruling | None = None,
+    correction: ContactCorrection = NOTHING,
 ) -> Measurement:
     """Measure one observation and write its overlay; whatever goes wrong costs this row only.
 
@@ -98,19 +98,9 @@ def measure_observation(
         The study's named scales.
     folder, out : Path
         The study folder, and the folder of results.
-    ruling : Ruling, optional
-        What a person corrected.
+    correction : ContactCorrection
+        What a person wants of it; what they think of it is told by `reviewed`.
     """
-    return reviewed(_measured(observation, scales, folder, out, ruling), ruling)
-
-
-def _measured(
-    observation: Observation,
-    scales: Mapping[str, FoundScale | str],
-    folder: Path,
-    out: Path,
-    ruling: Ruling | None,
-) -> Measurement:
     if observation.ellipse_mm is not None:
         ellipse = observation.ellipse_mm
         return Measurement(
@@ -122,7 +112,7 @@ def _measured(
             long_axis=ellipse.long_axis,
         )
     try:
-        return _measure_image(observation, scales, folder, out, ruling)
+        return _measure_image(observation, scales, folder, out, correction)
     except FingerpadError as error:
         reason = in_study(error, folder)
     except ODDITIES as error:
@@ -135,13 +125,13 @@ def _measure_image(
     scales: Mapping[str, FoundScale | str],
     folder: Path,
     out: Path,
-    ruling: Ruling | None,
+    correction: ContactCorrection,
 ) -> Measurement:
     assert observation.image is not None  # the manifest's own rule
     assert observation.scale is not None
     found = find_scale(observation.scale, scales, folder)
     pixels = read_image(folder / observation.image).pixels
-    seen = corrected_imprint(pixels, found.scale, observation, folder, contact_correction(ruling))
+    seen = corrected_imprint(pixels, found.scale, observation, folder, correction)
     if seen.imprint is None:
         assert seen.reason is not None  # one of the two
         return Measurement(

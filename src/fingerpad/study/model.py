@@ -4,9 +4,8 @@ Every uncertain input is a source. What a source does to a contact's radii is ke
 each independent way in which it can be off, so that contacts which share a source can be pooled as such.
 """
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import islice
 from typing import Final, NamedTuple, Self
 
 import numpy as np
@@ -29,10 +28,9 @@ from fingerpad.uncertainty import (
 POOLED_OUTPUTS: Final = ("radius_from_indentation", "radius_from_compliance")
 
 # Sources that belong to the finger on its wedge. A scale is shared by the contacts that name it.
-OF_THE_PLACEMENT: Final = ("semi-axes", "wedge angle", "roll angle", "Poisson's ratio")
 GEOMETRY: Final = ("semi-axes", "wedge angle", "roll angle")
+OF_THE_PLACEMENT: Final = (*GEOMETRY, "Poisson's ratio")
 
-_AT_ONCE: Final = 1000
 _SCALE: Final = PAD_INPUTS.index("image_scale")
 _POOLED: Final = [PAD_OUTPUTS.index(name) for name in POOLED_OUTPUTS]
 _SOURCE_OF_INPUT: Final = [
@@ -45,10 +43,14 @@ _MOST_DRAWS: Final = 200_000
 
 
 class Inputs(NamedTuple):
-    """Mean and covariance of `PAD_INPUTS` for one contact."""
+    """Mean, shape (..., inputs), and covariance, shape (..., inputs, inputs), of `PAD_INPUTS`."""
 
     mean: FloatArray
     covariance: FloatArray
+
+    def at(self, place: int) -> "Inputs":
+        """Return those of one of several contacts, which need not be kept for it."""
+        return Inputs(self.mean[place].copy(), self.covariance[place].copy())
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -69,13 +71,9 @@ class Modelled:
     parts: FloatArray
 
     @classmethod
-    def of(cls, inputs: Iterable[Inputs], method: str) -> Self:
-        """Apply the model to some contacts at a time: its derivatives are far larger than the results."""
-        rest = iter(inputs)
-        some = [METHODS[method](list(islice(rest, _AT_ONCE)))]
-        while batch := list(islice(rest, _AT_ONCE)):
-            some.append(METHODS[method](batch))
-        value, std, parts = (np.concatenate(arrays) for arrays in zip(*some, strict=True))
+    def of(cls, inputs: Inputs, method: str) -> Self:
+        """Apply the model to some contacts, a thousand at most: its derivatives are far larger than that."""
+        value, std, parts = METHODS[method](inputs)
         return cls(value=value, std=std, parts=parts)
 
     @property
@@ -93,66 +91,77 @@ class Modelled:
         return np.asarray(np.sqrt(np.sum(parts**2, axis=-1)))
 
 
-def pad_inputs(study: Study, contact: Contact, finger: FingerResult, measured: Measurement) -> Inputs:
-    """Return mean and covariance of the model's inputs for one contact."""
-    angles = np.radians([contact.wedge_angle_deg, contact.roll_angle_deg])
-    axes = np.array([measured.semi_major, measured.semi_minor])
-    size = float(np.sqrt(axes.prod()))
-    elongation = float(np.log(axes[0] / axes[1]))
-    mean = np.array([*finger.semi_axes, *angles, study.poisson_ratio, 1.0, measured.load, size, elongation])
-    given = study.uncertainty
-    scale_std = measured.relative_scale_std
-    stds = [
-        *np.radians([given.wedge_angle_std_deg, given.roll_angle_std_deg]),
-        given.poisson_ratio_std,
-        scale_std,
-        given.load_relative_std * measured.load,
+def pad_inputs(
+    study: Study, fingers: Mapping[str, FingerResult], seen: Sequence[tuple[Contact, Measurement]]
+) -> Inputs:
+    """Return mean and covariance of the model's inputs for some contacts."""
+    given, count = study.uncertainty, len(seen)
+    pads = [fingers[contact.finger] for contact, _ in seen]
+    same_scale = [
+        pad.scale is not None and pad.scale == one.scale for pad, (_, one) in zip(pads, seen, strict=True)
     ]
-    covariance = np.zeros((len(PAD_INPUTS), len(PAD_INPUTS)))
-    covariance[:3, :3] = finger.covariance
-    covariance[range(3, 8), range(3, 8)] = np.square(stds)
-    # The scale is an input of its own: what it does to the axes is taken out of theirs.
-    own = measured.covariance - scale_std**2 * np.outer(axes, axes)
-    to_size_and_elongation = np.array([0.5 * size / axes, [1 / axes[0], -1 / axes[1]]])
-    covariance[8:, 8:] = _nearest_covariance(to_size_and_elongation @ own @ to_size_and_elongation.T)
-    if finger.scale is not None and finger.scale == measured.scale:
-        covariance[:3, _SCALE] = covariance[_SCALE, :3] = scale_std**2 * finger.semi_axes
+    semi_axes = np.reshape([pad.semi_axes for pad in pads], (count, 3))
+    angles = np.reshape(
+        [(contact.wedge_angle_deg, contact.roll_angle_deg) for contact, _ in seen], (count, 2)
+    )
+    load, scale_std = np.reshape([(one.load, one.relative_scale_std) for _, one in seen], (count, 2)).T
+    axes = np.reshape([(one.semi_major, one.semi_minor) for _, one in seen], (count, 2))
+    of_axes = np.reshape([one.covariance for _, one in seen], (count, 2, 2))
+    covariance = np.zeros((count, len(PAD_INPUTS), len(PAD_INPUTS)))
+    covariance[:, :3, :3] = np.reshape([pad.covariance for pad in pads], (count, 3, 3))
+    covariance[:, 3, 3] = np.radians(given.wedge_angle_std_deg) ** 2
+    covariance[:, 4, 4] = np.radians(given.roll_angle_std_deg) ** 2
+    covariance[:, 5, 5] = given.poisson_ratio_std**2
+    covariance[:, _SCALE, _SCALE] = scale_std**2
+    covariance[:, 7, 7] = (given.load_relative_std * load) ** 2
+    with np.errstate(all="ignore"):
+        size, elongation = np.sqrt(axes.prod(axis=-1)), np.log(axes[:, 0] / axes[:, 1])
+        # The scale is an input of its own: what it does to the axes is taken out of theirs.
+        own = of_axes - (scale_std**2)[:, None, None] * axes[:, :, None] * axes[:, None, :]
+        to_size_and_elongation = np.stack([0.5 * size[:, None] / axes, [1, -1] / axes], axis=-2)
+        turned = to_size_and_elongation @ own @ np.swapaxes(to_size_and_elongation, -1, -2)
+    covariance[:, 8:, 8:] = _nearest_covariance(turned)
+    shared = np.where(np.array(same_scale, dtype=bool), scale_std**2, 0.0)[:, None] * semi_axes
+    covariance[:, :3, _SCALE] = covariance[:, _SCALE, :3] = shared
+    given_or_one = [np.full(count, study.poisson_ratio), np.ones(count)]
+    mean = np.column_stack([semi_axes, np.radians(angles), *given_or_one, load, size, elongation])
     return Inputs(mean, covariance)
 
 
-def _nearest_covariance(matrix: FloatArray) -> FloatArray:
-    """Return a matrix without the negative eigenvalues that a difference of covariances may be left with."""
-    if not np.isfinite(matrix).all():
-        return matrix
-    size, direction = np.linalg.eigh(matrix)
-    nearest: FloatArray = direction * np.maximum(size, 0) @ direction.T
+def _nearest_covariance(matrices: FloatArray) -> FloatArray:
+    """Return matrices without the negative eigenvalues that a difference of covariances may be left with."""
+    nearest = matrices.copy()
+    sound = np.isfinite(matrices).all(axis=(-2, -1))
+    size, direction = np.linalg.eigh(matrices[sound])
+    nearest[sound] = direction * np.maximum(size, 0)[:, None, :] @ np.swapaxes(direction, -1, -2)
     return nearest
 
 
-def _first_order(inputs: Sequence[Inputs]) -> tuple[FloatArray, FloatArray, FloatArray]:
+def _first_order(inputs: Inputs) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return values, standard uncertainties and parts by first-order propagation."""
-    count, size = len(inputs), len(PAD_INPUTS)
-    mean = np.reshape([one.mean for one in inputs], (count, size))
-    covariance = np.reshape([one.covariance for one in inputs], (count, size, size))
+    mean = inputs.mean
     with np.errstate(all="ignore"):
-        sound = np.isfinite(mean).all(axis=-1) & np.isfinite(covariance).all(axis=(-2, -1))
-        propagated = propagate(pad_model, mean, np.where(sound[:, None, None], covariance, 0.0))
-        first = propagated.jacobian[:, _POOLED] @ _by_source(np.where(sound[:, None, None], covariance, 0.0))
+        finite = np.isfinite(mean).all(axis=-1) & np.isfinite(inputs.covariance).all(axis=(-2, -1))
+        sound = np.asarray(finite)
+        covariance = np.where(sound[:, None, None], inputs.covariance, 0.0)
+        propagated = propagate(pad_model, mean, covariance)
+        first = propagated.jacobian[:, _POOLED] @ _by_source(covariance)
         parts = np.concatenate([first, propagated.second_order[:, _POOLED]], axis=-1)
-    answered = sound & np.isfinite(propagated.value).all(axis=-1) & np.isfinite(propagated.std).all(axis=-1)
+    answers = np.isfinite(propagated.value) & np.isfinite(propagated.std)
+    answered = sound & np.asarray(answers.all(axis=-1))
     value, std = (np.where(answered[:, None], x, np.nan) for x in (propagated.value, propagated.std))
     return value, std, np.where(answered[:, None, None], parts, np.nan)
 
 
-def _monte_carlo(inputs: Sequence[Inputs]) -> tuple[FloatArray, FloatArray, FloatArray]:
+def _monte_carlo(inputs: Inputs) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return the same with standard uncertainties by Monte Carlo; parts stay those of the first order."""
     value, std, parts = _first_order(inputs)
     for place in np.flatnonzero(np.isfinite(std).all(axis=-1)):
-        std[place] = simulate(pad_model, *inputs[int(place)], most=_MOST_DRAWS).std
+        std[place] = simulate(pad_model, *inputs.at(int(place)), most=_MOST_DRAWS).std
     return value, std, parts
 
 
-METHODS: Final[dict[str, Callable[[Sequence[Inputs]], tuple[FloatArray, FloatArray, FloatArray]]]] = {
+METHODS: Final[dict[str, Callable[[Inputs], tuple[FloatArray, FloatArray, FloatArray]]]] = {
     "first_order": _first_order,
     "monte_carlo": _monte_carlo,
 }

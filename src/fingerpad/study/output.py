@@ -1,23 +1,24 @@
 """Writing a study's tables: results.csv with its data dictionary, results.json, summary.json."""
 
 import csv
-import math
-from collections.abc import Sequence
 from dataclasses import asdict
+from json.encoder import encode_basestring
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from fingerpad._json import dumps
 from fingerpad.exceptions import FingerpadError
 from fingerpad.study.check import UncertaintyCheck
-from fingerpad.study.columns import COLUMNS
+from fingerpad.study.columns import COLUMNS, TRUTHS, WORDS
 from fingerpad.study.curves import LoadingRadius, loading_radius
 from fingerpad.study.pipeline import StudyResult
 from fingerpad.study.pooling import PooledRadius
-from fingerpad.study.rows import Row
 from fingerpad.study.scales import FoundScale
 from fingerpad.study.sequences import SequenceResult
 from fingerpad.study.summary import Summary, area_exponent
+from fingerpad.study.table import Table
 
 
 def write_tables(result: StudyResult, out: Path) -> None:
@@ -29,16 +30,52 @@ def write_tables(result: StudyResult, out: Path) -> None:
         If a file cannot be written.
     """
     try:
-        with (out / "results.csv").open("w", newline="", encoding="utf-8") as file:
-            table = csv.DictWriter(file, fieldnames=COLUMNS)
-            table.writeheader()
-            table.writerows({key: _cell(value) for key, value in row.items()} for row in result.rows)
+        write_rows(result.rows, out / "results.csv", out / "results.json")
         with (out / "results_columns.csv").open("w", newline="", encoding="utf-8") as file:
             csv.writer(file).writerows([("column", "meaning"), *COLUMNS.items()])
-        for name, content in (("results", result.rows), ("summary", summary_record(result))):
-            (out / f"{name}.json").write_text(dumps(content, indent=1) + "\n", encoding="utf-8")
+        record = dumps(summary_record(result), indent=1)
+        (out / "summary.json").write_text(record + "\n", encoding="utf-8")
     except OSError as error:
         raise FingerpadError(f"{error.filename}: cannot be written ({error.strerror})") from error
+
+
+def write_rows(rows: Table, table: Path, records: Path) -> None:
+    """Write rows as a CSV table and as a JSON array of objects, batch by batch."""
+    with (
+        table.open("w", newline="", encoding="utf-8") as cells,
+        records.open("w", encoding="utf-8") as array,
+    ):
+        lines = csv.writer(cells)
+        lines.writerow(COLUMNS)
+        array.write("[")
+        between = "\n"
+        for batch in rows.batches():
+            # To write a float in decimals costs more than all else: once for both files.
+            literals = {name: _literals(batch, name) for name in COLUMNS}
+            lines.writerows(zip(*(_cells(batch, *column) for column in literals.items()), strict=True))
+            keyed = ([f'  "{name}": {each}' for each in column] for name, column in literals.items())
+            objects = (" {\n" + ",\n".join(items) + "\n }" for items in zip(*keyed, strict=True))
+            array.write(between + ",\n".join(objects))
+            between = ",\n"
+        array.write("\n]\n" if rows else "]\n")
+
+
+def _literals(rows: Table, name: str) -> list[str]:
+    """Return a column as JSON literals."""
+    items = rows.column(name).tolist()
+    if name in WORDS:
+        return ["null" if item is None else encode_basestring(item) for item in items]
+    if name in TRUTHS:
+        return ["true" if item else "false" for item in items]
+    known = rows.known(name) & np.isfinite(rows.column(name))
+    return [repr(item) if there else "null" for item, there in zip(items, known.tolist(), strict=True)]
+
+
+def _cells(rows: Table, name: str, literals: list[str]) -> list[str]:
+    """Return a column as CSV cells: words bare, all else as in JSON, empty for what is not known."""
+    if name in WORDS:
+        return ["" if item is None else item for item in rows.column(name).tolist()]
+    return ["" if literal == "null" else literal for literal in literals]
 
 
 def summary_record(result: StudyResult) -> dict[str, Any]:
@@ -48,6 +85,7 @@ def summary_record(result: StudyResult) -> dict[str, Any]:
         "fingers": [
             {
                 "finger": finger.name,
+                "person": finger.person,
                 "source": finger.source,
                 "synthetic": finger.synthetic,
                 "palmar_mm": finger.semi_axes[0],
@@ -71,7 +109,9 @@ def summary_record(result: StudyResult) -> dict[str, Any]:
             )
             for summary, check in zip(result.summaries, result.checks, strict=True)
         ],
-        "sequences": [_sequence(sequence, result.rows) for sequence in result.sequences],
+        "sequences": [
+            _sequence(film, frames) for film, frames in zip(result.sequences, result.frames(), strict=True)
+        ],
         "scales": {name: _scale(scale) for name, scale in result.scales.items()},
         "curves": [
             {
@@ -95,29 +135,29 @@ def summary_record(result: StudyResult) -> dict[str, Any]:
 def _summary(
     summary: Summary, check: UncertaintyCheck | None, loading: LoadingRadius | None
 ) -> dict[str, Any]:
+    first, contacts = summary.rows[0], summary.contacts
     return {
         "finger": summary.finger,
         "wedge_angle_deg": summary.wedge_angle_deg,
         "roll_angle_deg": summary.roll_angle_deg,
         "synthetic": summary.synthetic,
-        "count": len(summary.contacts),
-        "frames": len(summary.rows) - len(summary.contacts),
-        "mean_curvature_radius_mm": summary.rows[0]["mean_curvature_radius_mm"],
-        "mean_curvature_radius_mm_std": summary.rows[0]["mean_curvature_radius_mm_std"],
-        "geometric_mean_radius_mm": summary.rows[0]["geometric_mean_radius_mm"],
-        "geometric_mean_radius_mm_std": summary.rows[0]["geometric_mean_radius_mm_std"],
+        "count": len(contacts),
+        "frames": len(summary.rows) - len(contacts),
+        "mean_curvature_radius_mm": first["mean_curvature_radius_mm"],
+        "mean_curvature_radius_mm_std": first["mean_curvature_radius_mm_std"],
+        "geometric_mean_radius_mm": first["geometric_mean_radius_mm"],
+        "geometric_mean_radius_mm_std": first["geometric_mean_radius_mm_std"],
         **_pooled("radius_from_indentation", summary.corrected_radius),
         **_pooled("radius_from_compliance", summary.compliance_radius),
         "loading_radius_mm": loading and loading.value,
         "loading_radius_mm_std": loading and loading.std,
-        **_exponent(summary.contacts or summary.rows),
+        **_exponent(contacts or summary.rows),
         "uncertainty_check": check and asdict(check),
     }
 
 
-def _sequence(sequence: SequenceResult, rows: list[Row]) -> dict[str, Any]:
+def _sequence(sequence: SequenceResult, frames: Table) -> dict[str, Any]:
     of, summary = sequence.manifest, sequence.summary
-    frames = [row for row in rows if row["sequence"] == of.name and row["frame"] is not None]
     counts = (
         {}
         if summary is None
@@ -139,14 +179,14 @@ def _sequence(sequence: SequenceResult, rows: list[Row]) -> dict[str, Any]:
         "synthetic": of.synthetic,
         **counts,
         "rows": len(frames),
-        "pooled": sum(row["pooled"] for row in frames),
+        "pooled": int(frames.column("pooled").sum()),
         **_exponent(frames),
         "overlays": [overlay._asdict() for overlay in sequence.overlays],
         "reason": sequence.reason,
     }
 
 
-def _exponent(rows: Sequence[Row]) -> dict[str, float]:
+def _exponent(rows: Table) -> dict[str, float]:
     exponent = area_exponent(rows)
     return {"area_exponent": exponent.value, "area_exponent_std": exponent.std}
 
@@ -178,10 +218,3 @@ def _pooled(name: str, pooled: PooledRadius | None) -> dict[str, Any]:
         f"{name}_scatter_between_loads_mm": pooled.scatter.between_std,
         f"{name}_variance_shares": pooled.budget,
     }
-
-
-def _cell(value: Any) -> Any:
-    """Return a CSV cell: empty for what is not known, true and false in words that spreadsheets read."""
-    if value is None or (isinstance(value, float) and not math.isfinite(value)):
-        return ""
-    return str(value).lower() if isinstance(value, bool) else value

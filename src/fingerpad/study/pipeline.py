@@ -1,26 +1,31 @@
 """The whole way of a study, from its manifest to rows and summaries."""
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Container, Iterable
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any, Final
 
 from fingerpad._files import make_folder
 from fingerpad.exceptions import ManifestError
 from fingerpad.study.check import UncertaintyCheck
+from fingerpad.study.corrections import CorrectionLog
 from fingerpad.study.curves import CurveResult, curve_result
+from fingerpad.study.decisions import CORRECTIONS_NAME
 from fingerpad.study.fingers import FingerResult, finger_result
-from fingerpad.study.manifest import Contact, Study, read_study
+from fingerpad.study.hands import hands_for
+from fingerpad.study.manifest import Contact, Study, manifest_in, read_study
 from fingerpad.study.measure import Measurement
-from fingerpad.study.model import pad_inputs
+from fingerpad.study.measuring import drawn_for, faces_of, film_results, measure_study, measurements
+from fingerpad.study.progress import Progress
 from fingerpad.study.provenance import provenance
-from fingerpad.study.rows import Row, make_rows
-from fingerpad.study.runner import Measured, measure_all
+from fingerpad.study.rows import Heaviest, make_rows
 from fingerpad.study.scales import FoundScale, named_scales
 from fingerpad.study.sequences import SequenceResult
 from fingerpad.study.store import STORE_NAME, Store
 from fingerpad.study.summary import Summary, summaries
-from fingerpad.study.tasks import Task, pictures_of, stored_of, tasks_of
+from fingerpad.study.table import Table
+from fingerpad.study.tasks import Keys
 
 # What a run writes into its output folder.
 OUTPUT_NAMES: Final = frozenset(
@@ -35,6 +40,8 @@ OUTPUT_NAMES: Final = frozenset(
     )
 )
 
+_NOT_THERE: Final = f"{CORRECTIONS_NAME}: {{}} is not in the study: what was decided about it has no effect"
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class StudyResult:
@@ -48,7 +55,7 @@ class StudyResult:
         The study folder.
     fingers : dict of str to FingerResult
         Semi-axes by finger.
-    rows : list of Row
+    rows : Table
         One per observation, and one per frame in contact of a sequence.
     sequences : list of SequenceResult
         One per sequence.
@@ -62,18 +69,21 @@ class StudyResult:
         One per loading curve.
     provenance : dict
         Versions, input hashes, formulas.
+    notes : tuple of str
+        What is odd about people's corrections.
     """
 
     study: Study
     folder: Path
     fingers: dict[str, FingerResult]
-    rows: list[Row]
+    rows: Table
     sequences: list[SequenceResult]
     scales: dict[str, FoundScale | str]
     summaries: list[Summary]
     checks: list[UncertaintyCheck | None]
     curves: list[CurveResult]
     provenance: dict[str, Any]
+    notes: tuple[str, ...] = ()
 
     @property
     def failures(self) -> list[str]:
@@ -88,13 +98,19 @@ class StudyResult:
     @property
     def failed_contacts(self) -> list[tuple[str, str]]:
         """Names of contacts that failed, with the reason; the frames of a sequence in one line."""
-        failed = [row for row in self.rows if row["status"] == "failed"]
-        lines = [(row["observation"], row["reason"]) for row in failed if row["frame"] is None]
-        for name in dict.fromkeys(row["sequence"] for row in failed if row["frame"] is not None):
-            frames = [row for row in failed if row["sequence"] == name and row["frame"] is not None]
-            many = "1 frame" if len(frames) == 1 else f"{len(frames)} frames; the first:"
-            lines.append((name, f"{many} {frames[0]['frame']}: {frames[0]['reason']}"))
+        failed = self.rows.at(self.rows.column("status") == "failed")
+        frames = failed.known("frame")
+        lines = [(row["observation"], row["reason"]) for row in failed.at(~frames)]
+        for (name,), film in failed.at(frames).by("sequence").items():
+            first = film[0]
+            many = "1 frame" if len(film) == 1 else f"{len(film)} frames; the first:"
+            lines.append((name, f"{many} {first['frame']}: {first['reason']}"))
         return lines
+
+    def frames(self) -> list[Table]:
+        """Return the rows of frames of each of `sequences`."""
+        films = self.rows.at(self.rows.known("frame")).by("sequence")
+        return [films.get((film.manifest.name,), self.rows[:0]) for film in self.sequences]
 
 
 def run_study(
@@ -102,92 +118,117 @@ def run_study(
     out: Path,
     *,
     workers: int = 1,
+    scheduler: str | None = None,
     fresh: bool = False,
-    on_start: Callable[[int], None] = lambda _: None,
-    on_measured: Callable[[Measured], None] = lambda _: None,
-    on_frame: Callable[[], None] = lambda: None,
+    on_progress: Callable[[Progress], None] = lambda _: None,
 ) -> StudyResult:
-    """Run a study: measure every observation, place every finger, apply the model, pool.
+    """Run a study: measure every picture, place every finger, apply the model, pool.
 
     Parameters
     ----------
     manifest : Path
-        The study's TOML file.
+        The study's TOML file, or its folder.
     out : Path
-        Folder for overlays; made if it is not there.
+        Folder for results; made if it is not there.
     workers : int
-        Number of processes that measure.
+        Number of processes that measure on this machine.
+    scheduler : str or None
+        Address of a Dask scheduler whose workers measure instead, as ``tcp://host:8786``; or ``local`` for
+        one that is started here with so many workers.
     fresh : bool
         Measure everything anew, whatever is stored.
-    on_start, on_measured : callable
-        Told how many observations and sequences are to be measured, and of each one as it is done.
-    on_frame : callable
-        Called after each frame of a sequence that is measured in this process.
+    on_progress : callable
+        Told at the start and whenever something has been measured. If it raises KeyboardInterrupt, what is
+        in hand is finished and kept, and the run ends with KeyboardInterrupt.
 
     Raises
     ------
     ManifestError
         Before any work, if the manifest cannot be acted upon, or results would be written over inputs.
     StoreError
-        If the store of results in `out` cannot be used, or another run is writing to it.
+        If the store of results in `out` cannot be used, another run is writing to it, or results cannot be
+        kept.
+    ClusterError
+        If the scheduler or its workers cannot be used.
     """
-    if manifest.is_dir():
-        manifest = manifest / "study.toml"
-    study = read_study(manifest)
-    folder = manifest.absolute().parent
-    inputs = [manifest.name, *(name for _, name in study.named_files())]
+    manifest = manifest_in(manifest)
+    study, folder = read_study(manifest), manifest.absolute().parent
+    log = CorrectionLog(folder)
+    rulings = log.rulings()
+    decided = [CORRECTIONS_NAME] if (folder / CORRECTIONS_NAME).is_file() else []
+    inputs = [manifest.name, *decided, *(name for _, name in study.named_files())]
     _refuse_to_overwrite(inputs, folder, out)
     make_folder(out)
-    scales = named_scales(study, folder)
-    fingers = {finger.name: finger_result(finger, scales, folder, out) for finger in study.fingers}
-    contacts: list[Contact] = [*study.observations, *study.sequences]
     with Store.writing(out / STORE_NAME) as store:
-        origin = provenance(inputs, lambda name: store.digest(folder / name))
-        tasks = {task.contact.name: task for task in tasks_of(contacts, scales, folder, store.digest)}
-        measured = {} if fresh else _stored(tasks, store, out)
-        left = [contact for contact in contacts if contact.name not in measured]
-        on_start(len(left))
-        for one in measure_all(left, scales, folder, out, workers=workers, on_frame=on_frame):
-            measured[one.contact] = one
-            store.put(one.contact, stored_of(one, tasks[one.contact].key))
-            on_measured(one)
-    _remove_other_pictures(out, measured.values(), fingers.values())
-    seen = [(contact, each) for contact in contacts for each in measured[contact.name].measurements]
+        if fresh:
+            store.forget()
+        keys = Keys(study=study, folder=folder, digest=cache(store.digest), rulings=rulings)
+        origin = provenance(inputs, lambda name: keys.digest(folder / name))
+        scales = named_scales(study, folder)
+        with hands_for(manifest, workers, scheduler) as hands:
+            measure_study(keys, scales, store, out, hands=hands, on_progress=on_progress)
+        fingers = {
+            finger.name: finger_result(finger, scales, folder, faces_of(finger, keys, store), rulings)
+            for finger in study.fingers
+        }
+        films = film_results(keys, store)
+        _remove_other_pictures(out, drawn_for(keys, store))
+        return result_of(
+            study,
+            folder,
+            fingers=fingers,
+            scales=scales,
+            seen=measurements(keys, scales, store, films),
+            sequences=films,
+            origin=origin,
+            notes=(
+                *log.notes,
+                *(f"{CORRECTIONS_NAME}: {item} is not in the study" for item in log.unknown_items(study)),
+            ),
+        )
+
+
+def result_of(
+    study: Study,
+    folder: Path,
+    *,
+    fingers: dict[str, FingerResult],
+    scales: dict[str, FoundScale | str],
+    seen: Iterable[tuple[Contact, Measurement]],
+    sequences: list[SequenceResult],
+    origin: dict[str, Any],
+    notes: tuple[str, ...] = (),
+) -> StudyResult:
+    """Return what a study comes to, once everything is measured: rows, summaries and loading curves.
+
+    Parameters
+    ----------
+    study, folder, fingers, scales, sequences, origin, notes
+        As `StudyResult` has them, `origin` its provenance.
+    seen : iterable of (Contact, Measurement)
+        All measurements in the manifest's order; gone through once, a thousand held at a time.
+    """
     rows = make_rows(study, fingers, seen)
     found = summaries(rows)
     return StudyResult(
         study=study,
         folder=folder,
         fingers=fingers,
-        rows=rows.rows,
-        sequences=[film for contact in contacts if (film := measured[contact.name].sequence) is not None],
+        rows=rows.table,
+        sequences=sequences,
         scales=scales,
         summaries=found,
-        checks=_checks(found, study, fingers, seen),
+        checks=[_check(rows.heaviest.get(summary.key)) for summary in found],
         curves=[
             curve_result(curve, fingers[curve.finger], study.poisson_ratio, folder) for curve in study.curves
         ],
         provenance=origin,
+        notes=notes,
     )
 
 
-def _checks(
-    found: list[Summary],
-    study: Study,
-    fingers: dict[str, FingerResult],
-    seen: list[tuple[Contact, Measurement]],
-) -> list[UncertaintyCheck | None]:
-    """Return a check of the heaviest contact that counts in each summary."""
-    heaviest = [next((row for row in reversed(summary.rows) if row["pooled"]), None) for summary in found]
-    wanted = {row["observation"] for row in heaviest if row is not None}
-    checked = {
-        measured.name: UncertaintyCheck.of(
-            measured.name, pad_inputs(study, contact, fingers[contact.finger], measured)
-        )
-        for contact, measured in seen
-        if measured.name in wanted
-    }
-    return [None if row is None else checked[row["observation"]] for row in heaviest]
+def _check(heaviest: Heaviest | None) -> UncertaintyCheck | None:
+    return None if heaviest is None else UncertaintyCheck.of(heaviest.observation, heaviest.inputs)
 
 
 def _refuse_to_overwrite(inputs: list[str], folder: Path, out: Path) -> None:
@@ -198,17 +239,8 @@ def _refuse_to_overwrite(inputs: list[str], folder: Path, out: Path) -> None:
             raise ManifestError(f"{out}: results would be written over {name}; choose another output folder")
 
 
-def _stored(tasks: Mapping[str, Task], store: Store, out: Path) -> dict[str, Measured]:
-    """Return what earlier runs measured and is still good."""
-    stored = store.results()
-    found = {name: task.done_by(stored.get(name), out) for name, task in tasks.items()}
-    return {name: measured for name, measured in found.items() if measured is not None}
-
-
-def _remove_other_pictures(out: Path, measured: Iterable[Measured], fingers: Iterable[FingerResult]) -> None:
+def _remove_other_pictures(out: Path, kept: Container[str]) -> None:
     """Remove overlays and figures of earlier runs, lest they mix with this one's."""
-    kept = {name for one in measured for name in pictures_of(one)}
-    kept |= {photograph.overlay for finger in fingers for photograph in finger.photographs}
     for pattern in ("overlays/*.png", "overlays/sequences/*.png", "figures/*.png", "figures/*.svg"):
         for path in out.glob(pattern):
             if path.relative_to(out).as_posix() not in kept:

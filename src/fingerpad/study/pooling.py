@@ -1,24 +1,28 @@
 """One radius from the contacts of a finger at one angle, with what they share counted as shared."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Self
+from typing import Final, Self
 
 import numpy as np
 
-from fingerpad._arrays import FloatArray
+from fingerpad._arrays import FloatArray, floats
 from fingerpad.study.model import GEOMETRY, OF_THE_PLACEMENT, PART_SOURCES, POOLED_OUTPUTS
 from fingerpad.study.rows import Rows
+from fingerpad.study.table import Column, Places, Table, numbered
 from fingerpad.uncertainty import (
-    PAD_OUTPUTS,
     PAD_SOURCES,
     Pooled,
     RandomEffects,
     Scatter,
+    SharedParts,
+    inverse_variance_weights,
     pool,
     pool_random_effects,
     scatter_of,
 )
+
+# Parts that a contact shares with no other.
+_OWN: Final = ~np.isin(PART_SOURCES, (*OF_THE_PLACEMENT, "image scale"))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -61,71 +65,61 @@ class PooledRadius:
         return self.fixed.count
 
     @classmethod
-    def of(cls, rows: Rows, estimates: Sequence[Sequence[int]], output: str) -> Self:
+    def of(cls, rows: Rows, pooled: Table, estimate: Places, output: str) -> Self:
         """Pool one of `POOLED_OUTPUTS`.
 
         Parameters
         ----------
         rows : Rows
             All rows.
-        estimates : sequence of sequences of int
-            Places among the good rows: single contacts, and all frames of a film together. The frames show
-            the same skin, pressed once: their errors are taken to be the same error, so that their mean is
-            no better known than a frame is, however many there are.
+        pooled : Table
+            Those of them to pool; all must count.
+        estimate : ndarray of int
+            Which estimate each belongs to, counted from 0: one for a single contact, one for all frames of
+            a film. The frames show the same skin, pressed once: their errors are taken to be the same
+            error, so that their mean is no better known than a frame is, however many there are.
         output : str
             The radius.
         """
-        parts = rows.modelled.parts[:, POOLED_OUTPUTS.index(output)]
-        values = rows.modelled.value[:, PAD_OUTPUTS.index(output)]
-        shared = np.isin(PART_SOURCES, OF_THE_PLACEMENT)
-        scale = PART_SOURCES == "image scale"
-        own_std = np.sqrt(np.sum(parts[:, ~shared & ~scale] ** 2, axis=-1))
-        weights = np.zeros((len(estimates), len(values)))
-        for row, places in zip(weights, estimates, strict=True):
-            row[places] = own_std[places] ** -2.0 if len(places) > 1 else 1.0
-            row[places] /= row[places].sum()
-        value, own, mean_parts = weights @ values, weights @ own_std, weights @ parts
-        same_scale = _same([rows.scales[places[0]] for places in estimates])
-        covariances = {
-            source: _covariance(mean_parts[:, source == PART_SOURCES], source, same_scale)
-            for source in (*OF_THE_PLACEMENT, "image scale")
-        }
-        loads = [rows.rows[rows.good[places[-1]]]["load_N"] for places in estimates]
-        fixed = pool(value, own, sum(covariances.values()))
-        exact = sum(covariances[source] for source in covariances if source not in GEOMETRY)
+        parts = rows.parts[np.searchsorted(rows.pooled, pooled.places), POOLED_OUTPUTS.index(output)]
+        own_std = np.sqrt(np.sum(parts[:, _OWN] ** 2, axis=-1))
+        weights = np.where(np.bincount(estimate)[estimate] > 1, own_std**-2.0, 1.0)
+        weights /= np.bincount(estimate, weights)[estimate]
+
+        def mean(of: FloatArray) -> FloatArray:
+            return floats(np.bincount(estimate, weights * of))
+
+        value, own = mean(pooled.column(f"{output}_mm")), mean(own_std)
+        parts = np.stack([mean(part) for part in parts.T], axis=-1)
+        first, last = (np.empty(value.size, dtype=np.intp) for _ in range(2))
+        last[estimate] = np.arange(estimate.size)
+        first[estimate[::-1]] = np.arange(estimate.size)[::-1]
+        shared = _shared(parts, pooled.column("scale")[first])
+        fixed = pool(value, own, shared)
+        final = inverse_variance_weights(value, own)
+        variances = np.empty(len(PART_SOURCES))
+        variances[_OWN] = final**2 @ parts[:, _OWN] ** 2
+        variances[~_OWN] = shared.variances(final)
+        exact = np.sum(variances[~_OWN & ~np.isin(PART_SOURCES, GEOMETRY)])
         return cls(
             fixed=fixed,
-            given_geometry=pool(value, own, exact).total_std,
-            random=pool_random_effects(value, np.maximum(own, np.spacing(value)), sum(covariances.values())),
-            scatter=scatter_of(value, loads),
-            budget=_budget(fixed, own, covariances, mean_parts),
+            given_geometry=float(np.hypot(fixed.std, np.sqrt(exact))),
+            random=pool_random_effects(value, np.maximum(own, np.spacing(value)), shared),
+            scatter=scatter_of(value, pooled.column("load_N")[last]),
+            budget=_budget(fixed, variances),
         )
 
 
-def _same(scales: Sequence[str | None]) -> FloatArray:
-    """Return which estimates share a scale, as a matrix of ones and zeros."""
-    names = [place if scale is None else scale for place, scale in enumerate(scales)]
-    return np.array([[float(one == other) for other in names] for one in names])
+def _shared(parts: FloatArray, scales: Column) -> SharedParts:
+    """Return what estimates share: the placement all of them, a scale those that name it."""
+    scale = numbered((place,) if name is None else name for place, name in enumerate(scales))
+    of_scale = PART_SOURCES[~_OWN] == "image scale"
+    return SharedParts(parts=parts[:, ~_OWN], groups=np.where(of_scale, scale[:, None], 0))
 
 
-def _covariance(parts: FloatArray, source: str, same_scale: FloatArray) -> FloatArray:
-    """Return the covariance of the estimates that comes from one source."""
-    covariance: FloatArray = parts @ parts.T
-    return covariance * same_scale if source == "image scale" else covariance
-
-
-def _budget(
-    fixed: Pooled, own: FloatArray, covariances: dict[str, FloatArray], parts: FloatArray
-) -> dict[str, float]:
+def _budget(fixed: Pooled, variances: FloatArray) -> dict[str, float]:
     """Return each source's share in the variance of the pooled value."""
-    own = np.maximum(own, np.finfo(float).tiny)
-    weights = (own.min() / own) ** 2 / np.sum((own.min() / own) ** 2)
-    variance = {source: float(weights @ covariances[source] @ weights) for source in covariances}
-    for source in PAD_SOURCES:
-        if source not in variance:
-            columns = parts[:, source == PART_SOURCES]
-            variance[source] = float(weights**2 @ np.sum(columns**2, axis=-1))
+    variance = {source: float(variances[source == PART_SOURCES].sum()) for source in PAD_SOURCES}
     variance["scatter"] = max(0.0, fixed.total_std**2 - sum(variance.values()))
     total = sum(variance.values())
-    names = (*PAD_SOURCES, "scatter")
-    return {name: variance[name] / total if total > 0 else 0.0 for name in names}
+    return {name: share / total if total > 0 else 0.0 for name, share in variance.items()}

@@ -1,22 +1,25 @@
 """One row of results per contact: what was seen of it, and what the model says."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Final, TypeAlias
+from itertools import islice
+from typing import Any, Final, NamedTuple, TypeAlias
 
 import numpy as np
-import numpy.typing as npt
 
+from fingerpad._arrays import BoolArray, FloatArray
 from fingerpad.geometry import Ellipsoid, Placement
-from fingerpad.study.columns import COLUMNS
 from fingerpad.study.fingers import FingerResult
 from fingerpad.study.manifest import CORRECTIONS, Contact, Observation, Study
 from fingerpad.study.measure import Measurement
-from fingerpad.study.model import GEOMETRY, Modelled, pad_inputs
+from fingerpad.study.model import GEOMETRY, PART_SOURCES, POOLED_OUTPUTS, Inputs, Modelled, pad_inputs
+from fingerpad.study.table import Column, GrowingArray, Places, Table, TableBuilder, column_of, unknown
 from fingerpad.uncertainty import PAD_OUTPUTS, PAD_SOURCES
 from fingerpad.units import KPA_PER_MPA
 
-Row: TypeAlias = dict[str, Any]
+# What the rows of one summary have in common.
+PLACEMENT: Final = ("finger", "wedge_angle_deg", "roll_angle_deg", "synthetic")
+PlacementKey: TypeAlias = tuple[Any, ...]
 
 # Beyond these Hertz theory is out of its range; the report says so in words.
 SMALL_CONTACT: Final = 0.3
@@ -41,6 +44,49 @@ _NO_ANSWER: Final = "the model has no finite answer for these values; check thei
 _OF_THE_CONTACT: Final = tuple(source for source in PAD_SOURCES if source not in GEOMETRY)
 _IN_MM: Final = tuple(name for name in PAD_OUTPUTS if "radius" in name or name == "indentation")
 _IN_KPA: Final = ("reduced_modulus", "youngs_modulus", "mean_pressure")
+_OF_THE_PICTURE: Final = (
+    "reviewed",
+    "reviewed_by",
+    "program_semi_major_mm",
+    "program_semi_minor_mm",
+    "sequence",
+    "frame",
+    "time_s",
+    "phase",
+    "mm_per_px",
+    "mm_per_px_std",
+    "orientation_deg",
+    "gross_area_mm2",
+    "gross_area_mm2_std",
+    "ridge_area_mm2",
+    "ridge_area_mm2_std",
+    "ridge_period_mm",
+    "ellipse_iou",
+    "centroid_row_px",
+    "centroid_column_px",
+)
+# The model's derivatives at so many contacts take tens of megabytes.
+_AT_ONCE: Final = 500
+
+Seen: TypeAlias = Sequence[tuple[Contact, Measurement]]
+
+
+class Heaviest(NamedTuple):
+    """The contact under the largest load of those that count at one placement.
+
+    Attributes
+    ----------
+    observation : str
+        Its name.
+    load : float
+        Its load, N.
+    inputs : Inputs
+        The model's inputs for it.
+    """
+
+    observation: str
+    load: float
+    inputs: Inputs
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -49,24 +95,24 @@ class Rows:
 
     Attributes
     ----------
-    rows : list of Row
-        One per observation and frame, in the manifest's order.
-    good : ndarray of int
-        Places in `rows` of those that the model has an answer for.
-    modelled : Modelled
-        That answer, for the good rows.
-    scales : list of str or None
-        Names of the scales that good rows share with others.
+    table : Table
+        One row per observation and frame, in the manifest's order.
+    pooled : ndarray of int
+        Places in `table` of the rows that count in pooled radii, ascending.
+    parts : ndarray, shape (pooled rows, pooled outputs, parts)
+        Signed contributions to the uncertainty of their radii, as `Modelled` has them.
+    heaviest : dict of PlacementKey to Heaviest
+        By the values of `PLACEMENT`; without those at which nothing counts.
     """
 
-    rows: list[Row]
-    good: npt.NDArray[np.intp]
-    modelled: Modelled
-    scales: list[str | None]
+    table: Table
+    pooled: Places
+    parts: FloatArray
+    heaviest: dict[PlacementKey, Heaviest]
 
 
 def make_rows(
-    study: Study, fingers: Mapping[str, FingerResult], seen: Sequence[tuple[Contact, Measurement]]
+    study: Study, fingers: Mapping[str, FingerResult], seen: Iterable[tuple[Contact, Measurement]]
 ) -> Rows:
     """Turn measurements into rows: placement, model and uncertainty.
 
@@ -76,76 +122,124 @@ def make_rows(
         The manifest.
     fingers : mapping
         Semi-axes by finger.
-    seen : sequence of (Contact, Measurement)
-        Each contact that was seen, with the table of the manifest that it belongs to.
+    seen : iterable of (Contact, Measurement)
+        Each contact that was seen, with the table of the manifest that it belongs to, in the manifest's
+        order. It is gone through once, and no more than a batch is held.
     """
-    reasons = [measured.reason or fingers[contact.finger].reason for contact, measured in seen]
-    sound = np.array([place for place, reason in enumerate(reasons) if reason is None], dtype=np.intp)
-    modelled = Modelled.of(
-        (
-            pad_inputs(study, contact, fingers[contact.finger], measured)
-            for contact, measured in map(seen.__getitem__, sound)
-        ),
-        study.uncertainty.method,
-    )
-    answered = modelled.answered
-    reasons = [
-        _NO_ANSWER if reason is None and place in unanswered else reason
-        for unanswered in [set(sound[~answered])]
-        for place, reason in enumerate(reasons)
-    ]
-    rows = [
-        _described(contact, fingers[contact.finger], measured, reason)
-        for (contact, measured), reason in zip(seen, reasons, strict=True)
-    ]
-    good, modelled = sound[answered], modelled.only(answered)
-    given_geometry = modelled.std_of("radius_from_indentation", _OF_THE_CONTACT)
-    for place, index in enumerate(good):
-        contact, measured = seen[index]
-        rows[index] |= _modelled(
-            contact,
-            fingers[contact.finger],
-            measured,
-            value=dict(zip(PAD_OUTPUTS, modelled.value[place], strict=True)),
-            std=dict(zip(PAD_OUTPUTS, modelled.std[place], strict=True)),
+    table, stream = TableBuilder(), iter(seen)
+    pooled = GrowingArray(np.empty(0, dtype=np.intp))
+    parts = GrowingArray(np.empty((0, len(POOLED_OUTPUTS), len(PART_SOURCES))))
+    heaviest: dict[PlacementKey, Heaviest] = {}
+    start = 0
+    while batch := list(islice(stream, _AT_ONCE)):
+        done = _Batch.of(study, fingers, batch)
+        table.add(done.columns)
+        counts = done.columns["pooled"][done.good]
+        pooled.add(start + done.good[counts])
+        parts.add(done.modelled.parts[counts])
+        done.weigh(heaviest)
+        start += len(batch)
+    return Rows(table=table.table(), pooled=pooled.array, parts=parts.array, heaviest=heaviest)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Batch:
+    """Some rows by column, with inputs and answer of the model for the `good` ones among them."""
+
+    columns: dict[str, Column]
+    good: Places
+    inputs: Inputs
+    modelled: Modelled
+
+    @classmethod
+    def of(cls, study: Study, fingers: Mapping[str, FingerResult], seen: Seen) -> "_Batch":
+        reasons = [
+            measured.rejected or measured.reason or fingers[contact.finger].reason
+            for contact, measured in seen
+        ]
+        sound = np.array([place for place, reason in enumerate(reasons) if reason is None], dtype=np.intp)
+        inputs = pad_inputs(study, fingers, [seen[place] for place in sound])
+        modelled = Modelled.of(inputs, study.uncertainty.method)
+        answered = modelled.answered
+        for place in sound[~answered]:
+            reasons[place] = _NO_ANSWER
+        good, modelled = sound[answered], modelled.only(answered)
+        columns = _described(fingers, seen, reasons)
+        if good.size:
+            pads = [fingers[seen[place][0].finger] for place in good]
+            answers = _modelled({name: column[good] for name, column in columns.items()}, pads, modelled)
+            for name, answer in answers.items():
+                columns[name] = unknown(name, len(seen))
+                columns[name][good] = answer
+        return cls(
+            columns=columns,
+            good=good,
+            inputs=Inputs(inputs.mean[answered], inputs.covariance[answered]),
+            modelled=modelled,
         )
-        rows[index]["radius_from_indentation_mm_std_given_geometry"] = float(given_geometry[place])
-    return Rows(
-        rows=[{name: row.get(name) for name in COLUMNS} for row in rows],
-        good=good,
-        modelled=modelled,
-        scales=[seen[index][1].scale for index in good],
-    )
+
+    def weigh(self, heaviest: dict[PlacementKey, Heaviest]) -> None:
+        """Put those of these contacts into `heaviest` that belong there; of equal loads the last counts."""
+        counts = self.columns["pooled"][self.good]
+        loads = self.columns["load_N"][self.good].tolist()
+        keys = list(zip(*(self.columns[name][self.good].tolist() for name in PLACEMENT), strict=True))
+        found: dict[PlacementKey, int] = {}
+        for place in np.flatnonzero(counts).tolist():
+            key = keys[place]
+            if key not in found or loads[place] >= loads[found[key]]:
+                found[key] = place
+        for key, place in found.items():
+            if key not in heaviest or loads[place] >= heaviest[key].load:
+                name = self.columns["observation"][self.good[place]]
+                heaviest[key] = Heaviest(name, loads[place], self.inputs.at(place))
 
 
-def _described(contact: Contact, finger: FingerResult, measured: Measurement, reason: str | None) -> Row:
+def _described(
+    fingers: Mapping[str, FingerResult], seen: Seen, reasons: Sequence[str | None]
+) -> dict[str, Column]:
     """Return the columns known before any model."""
-    row: Row = {
-        "observation": measured.name,
-        "finger": contact.finger,
-        "status": "measured" if reason is None else "failed",
-        "reason": reason,
-        "synthetic": contact.synthetic or finger.synthetic,
-        "flags": " ".join(measured.flags),
-        "measured_by": _measured_by(contact),
-        "pooled": reason is None and measured.counts and NOT_POOLED.isdisjoint(measured.flags),
-        "wedge_angle_deg": contact.wedge_angle_deg,
-        "roll_angle_deg": contact.roll_angle_deg,
-        "load_N": measured.load if np.isfinite(measured.load) else None,
-        "image": contact.image if isinstance(contact, Observation) else contact.path,
-        "overlay": measured.overlay,
-        **measured.columns,
-    }
-    if measured.reason is None:
-        row |= {
-            "semi_major_mm": measured.semi_major,
-            "semi_major_mm_std": np.sqrt(measured.covariance[0][0]),
-            "semi_minor_mm": measured.semi_minor,
-            "semi_minor_mm_std": np.sqrt(measured.covariance[1][1]),
-            "aspect_ratio": measured.semi_major / measured.semi_minor,
-            "long_axis": measured.long_axis,
+    contacts, measured = zip(*seen, strict=True)
+    found = np.array([one.reason is None for one in measured])
+    load, major, minor = np.array([(one.load, one.semi_major, one.semi_minor) for one in measured]).T
+    variance = np.array([(one.covariance[0][0], one.covariance[1][1]) for one in measured]).T
+    with np.errstate(all="ignore"):
+        numbers = {
+            "semi_major_mm": major,
+            "semi_major_mm_std": np.sqrt(variance[0]),
+            "semi_minor_mm": minor,
+            "semi_minor_mm_std": np.sqrt(variance[1]),
+            "aspect_ratio": major / minor,
         }
-    return row
+    words: dict[str, Iterable[Any]] = {
+        "observation": (one.name for one in measured),
+        "finger": (contact.finger for contact in contacts),
+        "status": (
+            "rejected" if one.rejected is not None else "measured" if reason is None else "failed"
+            for one, reason in zip(measured, reasons, strict=True)
+        ),
+        "reason": reasons,
+        "synthetic": (contact.synthetic or fingers[contact.finger].synthetic for contact in contacts),
+        "flags": (" ".join(one.flags) for one in measured),
+        "measured_by": (one.columns.get("measured_by") or _measured_by(contact) for contact, one in seen),
+        "pooled": (
+            reason is None and one.counts and NOT_POOLED.isdisjoint(one.flags)
+            for reason, one in zip(reasons, measured, strict=True)
+        ),
+        "wedge_angle_deg": (contact.wedge_angle_deg for contact in contacts),
+        "roll_angle_deg": (contact.roll_angle_deg for contact in contacts),
+        "image": (
+            contact.image if isinstance(contact, Observation) else contact.path for contact in contacts
+        ),
+        "scale": (one.scale for one in measured),
+        "overlay": (one.overlay for one in measured),
+        "long_axis": (one.long_axis if one.reason is None else None for one in measured),
+    }
+    return {
+        **{name: column_of(name, items) for name, items in words.items()},
+        **{name: column_of(name, [one.columns.get(name) for one in measured]) for name in _OF_THE_PICTURE},
+        **{name: np.where(found, column, np.nan) for name, column in numbers.items()},
+        "load_N": np.where(np.isfinite(load), load, np.nan),
+    }
 
 
 def _measured_by(contact: Contact) -> str:
@@ -156,61 +250,58 @@ def _measured_by(contact: Contact) -> str:
 
 
 def _modelled(
-    contact: Contact,
-    finger: FingerResult,
-    measured: Measurement,
-    *,
-    value: Mapping[str, float],
-    std: Mapping[str, float],
-) -> Row:
-    """Return the columns that follow from the model; `value` and `std` by the model's output."""
+    seen: Mapping[str, Column], pads: Sequence[FingerResult], modelled: Modelled
+) -> dict[str, Column]:
+    """Return the columns that follow from the model for the rows `seen` on `pads`."""
+    value = dict(zip(PAD_OUTPUTS, modelled.value.T, strict=True))
+    std = dict(zip(PAD_OUTPUTS, modelled.std.T, strict=True))
+    semi_axes = np.reshape([pad.semi_axes for pad in pads], (-1, 3))
     placement = Placement.of(
-        Ellipsoid.of(*finger.semi_axes),
-        wedge_angle=np.radians(contact.wedge_angle_deg),
-        roll_angle=np.radians(contact.roll_angle_deg),
+        Ellipsoid.of(*semi_axes.T),
+        wedge_angle=np.radians(seen["wedge_angle_deg"]),
+        roll_angle=np.radians(seen["roll_angle_deg"]),
     )
-    row: Row = {
+    elongation = value["predicted_elongation"]
+    sides = column_of("predicted_long_axis", (None, "along", "across"))
+    thickness = column_of("indentation_over_thickness", [pad.pad_thickness for pad in pads])
+    columns: dict[str, Column] = {
         "u_deg": np.degrees(placement.u),
         "v_deg": np.degrees(placement.v),
         "in_plane_radius_mm": placement.curvature.in_plane_radius,
         "transverse_radius_mm": placement.curvature.transverse_radius,
         "contact_size": value["contact_size"],
-        "predicted_aspect_ratio": np.exp(abs(value["predicted_elongation"])),
-        "predicted_long_axis": _side(value["predicted_elongation"]),
+        "predicted_aspect_ratio": np.exp(np.abs(elongation)),
+        "predicted_long_axis": sides[np.sign(elongation).astype(int)],
+        "radius_from_indentation_mm_std_given_geometry": modelled.std_of(
+            "radius_from_indentation", _OF_THE_CONTACT
+        ),
+        "indentation_over_thickness": value["indentation"] / thickness,
     }
     for names, unit, factor in ((_IN_MM, "mm", 1.0), (_IN_KPA, "kpa", KPA_PER_MPA)):
         for name in names:
-            row[f"{name}_{unit}"], row[f"{name}_{unit}_std"] = factor * value[name], factor * std[name]
-    if finger.pad_thickness is not None:
-        row["indentation_over_thickness"] = value["indentation"] / finger.pad_thickness
-    row["range_notes"] = " ".join(_range_notes(row, finger, measured))
-    return {
-        name: float(item) if isinstance(item, np.ndarray | np.floating) else item
-        for name, item in row.items()
+            columns[f"{name}_{unit}"] = factor * value[name]
+            columns[f"{name}_{unit}_std"] = factor * std[name]
+    columns["range_notes"] = _range_notes({**seen, **columns}, pads, semi_axes)
+    return columns
+
+
+def _range_notes(row: Mapping[str, Column], pads: Sequence[FingerResult], semi_axes: FloatArray) -> Column:
+    """Return the notes that hold for each row, separated by spaces."""
+    axes = zip(row["long_axis"], row["predicted_long_axis"], strict=True)
+    crossed = [None not in (axis, predicted) and axis != predicted for axis, predicted in axes]
+    outside = (semi_axes < 2) | (semi_axes > 40)
+    disagree = [pad.outlines is not None and pad.outlines.p_value < 0.01 for pad in pads]
+    notes: dict[str, BoolArray] = {
+        "faces_disagree": np.array(disagree, dtype=bool),
+        "implausible_size": np.asarray(outside.any(axis=-1)),
+        "implausible_modulus": (row["youngs_modulus_kpa"] < 1) | (row["youngs_modulus_kpa"] > 5000),
+        "deeper_than_pad": row["indentation_mm"] > semi_axes[:, 0],
+        "contact_not_small": row["contact_size"] > SMALL_CONTACT,
+        "indentation_not_small": row["indentation_over_thickness"] > SMALL_INDENTATION,
+        "long_axis_disagrees": np.array(crossed, dtype=bool),
+        "aspect_ratio_disagrees": np.abs(row["aspect_ratio"] / row["predicted_aspect_ratio"] - 1)
+        > SAME_SHAPE,
     }
-
-
-def _side(elongation: float) -> str | None:
-    return None if elongation == 0 else "along" if elongation > 0 else "across"
-
-
-def _range_notes(row: Row, finger: FingerResult, measured: Measurement) -> Sequence[str]:
-    notes = []
-    if finger.outlines is not None and finger.outlines.p_value < 0.01:
-        notes.append("faces_disagree")
-    if not ((finger.semi_axes >= 2) & (finger.semi_axes <= 40)).all():
-        notes.append("implausible_size")
-    if not 1 <= row["youngs_modulus_kpa"] <= 5000:
-        notes.append("implausible_modulus")
-    if row["indentation_mm"] > finger.semi_axes[0]:
-        notes.append("deeper_than_pad")
-    if row["contact_size"] > SMALL_CONTACT:
-        notes.append("contact_not_small")
-    if row.get("indentation_over_thickness", 0) > SMALL_INDENTATION:
-        notes.append("indentation_not_small")
-    if measured.long_axis and row["predicted_long_axis"] not in {measured.long_axis, None}:
-        notes.append("long_axis_disagrees")
-    ratio = measured.semi_major / measured.semi_minor
-    if abs(ratio / row["predicted_aspect_ratio"] - 1) > SAME_SHAPE:
-        notes.append("aspect_ratio_disagrees")
-    return notes
+    kinds, kind = np.unique(np.array(list(notes.values())), axis=1, return_inverse=True)
+    words = [" ".join(note for note, holds in zip(notes, some, strict=True) if holds) for some in kinds.T]
+    return column_of("range_notes", words)[kind.reshape(-1)]

@@ -1,110 +1,125 @@
-"""Measuring all contacts of a study, on one or several processes."""
+"""Doing the tasks of a study: what can be done at the same time is, and what is done is kept at once."""
 
 import signal
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+import threading
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import FIRST_COMPLETED, Future, wait
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
-from multiprocessing import get_context
-from pathlib import Path
-from time import perf_counter
+from typing import TypeAlias
 
-import cv2
+from fingerpad.exceptions import StoreError
+from fingerpad.study.hands import Hands
+from fingerpad.study.tasks import Done, Task
 
-from fingerpad.study.manifest import Contact, ContactSequence, Observation
-from fingerpad.study.measure import Measurement, measure_observation
-from fingerpad.study.scales import FoundScale
-from fingerpad.study.sequences import SequenceResult, measure_contact_sequence
+# Tasks stage by stage: those of one stage do not depend on one another, but on all of the stage before.
+Plan: TypeAlias = Iterator[list[Task]]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Measured:
-    """What one contact of the manifest gave.
-
-    Attributes
-    ----------
-    contact : str
-        Name of the observation or sequence.
-    measurements : list of Measurement
-        One for an observation, one for each frame in contact of a sequence.
-    sequence : SequenceResult or None
-        What the film comes to, if it is one.
-    seconds : float
-        What measuring it took.
-    """
-
-    contact: str
-    measurements: list[Measurement]
-    sequence: SequenceResult | None = None
-    seconds: float = 0.0
-
-    @property
-    def failed(self) -> bool:
-        """Whether nothing of it could be measured."""
-        return all(each.reason is not None for each in self.measurements) and bool(self.measurements)
+@dataclass(slots=True)
+class _Stage:
+    plan: Plan
+    left: int
 
 
-def measure_all(
-    contacts: Sequence[Contact],
-    scales: Mapping[str, FoundScale | str],
-    folder: Path,
-    out: Path,
-    *,
-    workers: int = 1,
-    on_frame: Callable[[], None] = lambda: None,
-) -> Iterator[Measured]:
-    """Yield the measurement of each contact as it is done, in any order.
+def run_plans(
+    plans: Iterable[Plan],
+    hands: Hands,
+    keep: Callable[[Task, Done], None],
+    is_done: Callable[[Task], bool],
+) -> None:
+    """Do all tasks of some plans.
+
+    An interrupt, by the keyboard or raised by `keep`, lets what is in hand be finished and kept.
 
     Parameters
     ----------
-    contacts : sequence of Contact
-        What to measure.
-    scales : mapping
-        The study's named scales.
-    folder, out : Path
-        The study folder, and the folder of results.
-    workers : int
-        Number of processes; one measures in this process.
-    on_frame : callable
-        Called after each frame of a sequence that is measured in this process.
+    plans : iterable of iterators of lists of Task
+        What there is to do. A plan is asked for its next stage when all of the one before is kept.
+    hands : Hands
+        Who does it.
+    keep : callable
+        Called in this thread with each task and its result, in the order in which they come.
+    is_done : callable
+        Whether a task need not be done again.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        After an interrupt.
+    StoreError
+        If a process that measures dies.
     """
-    workers = min(workers, len(contacts))
-    if workers <= 1:
-        for contact in contacts:
-            yield _measure(contact, scales, folder, out, on_frame)
-        return
-    with ProcessPoolExecutor(workers, mp_context=get_context("spawn"), initializer=_start_worker) as pool:
-        # The longest first, so that no process is left alone with a film.
-        ordered = sorted(contacts, key=lambda contact: isinstance(contact, Observation))
-        waiting = {pool.submit(_measure, contact, scales, folder, out) for contact in ordered}
+    coming = iter(plans)
+    ready: deque[tuple[Task, _Stage]] = deque()
+    in_hand: dict[Future[Done], tuple[Task, _Stage]] = {}
+
+    def advance(plan: Plan) -> None:
+        """Make the plan's next stage ready, before all others: a film ends before more begin."""
+        for stage in plan:
+            missing = [task for task in stage if not is_done(task)]
+            if missing:
+                entry = _Stage(plan, len(missing))
+                ready.extendleft((task, entry) for task in reversed(missing))
+                return
+
+    def fill() -> None:
+        while len(in_hand) < hands.capacity:
+            while not ready:
+                plan = next(coming, None)
+                if plan is None:
+                    return
+                advance(plan)
+            task, stage = ready.popleft()
+            in_hand[hands.submit(task)] = (task, stage)
+
+    with _interrupts_told() as interrupted:
         try:
-            for future in as_completed(tuple(waiting)):
-                waiting.discard(future)
-                yield future.result()
+            while True:
+                fill()
+                if not in_hand:
+                    return
+                for future in wait(in_hand, return_when=FIRST_COMPLETED).done:
+                    task, stage = in_hand.pop(future)
+                    keep(task, future.result())
+                    stage.left -= 1
+                    if not stage.left:
+                        advance(stage.plan)
+                _raise_if(interrupted)
         except KeyboardInterrupt:
-            # What is in hand is finished and kept.
-            pool.shutdown(cancel_futures=True)
-            yield from (future.result() for future in waiting if not future.cancelled())
+            for future, (task, _) in in_hand.items():
+                if not future.cancel():
+                    with suppress(KeyboardInterrupt):
+                        keep(task, future.result())
             raise
+        except BrokenProcessPool as error:
+            raise StoreError(
+                "a process that measured has died, perhaps for want of memory: run again to go on, with "
+                "fewer --workers"
+            ) from error
 
 
-def _measure(
-    contact: Contact,
-    scales: Mapping[str, FoundScale | str],
-    folder: Path,
-    out: Path,
-    on_frame: Callable[[], None] = lambda: None,
-) -> Measured:
-    start, film = perf_counter(), None
-    if isinstance(contact, ContactSequence):
-        film, measurements = measure_contact_sequence(contact, scales, folder, out, on_frame)
-    else:
-        measurements = [measure_observation(contact, scales, folder, out)]
-    return Measured(
-        contact=contact.name, measurements=measurements, sequence=film, seconds=perf_counter() - start
-    )
+def _raise_if(interrupted: threading.Event) -> None:
+    if interrupted.is_set():
+        raise KeyboardInterrupt
 
 
-def _start_worker() -> None:
-    """Leave interrupts to the parent, and the other cores to the other workers."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    cv2.setNumThreads(1)
+@contextmanager
+def _interrupts_told() -> Iterator[threading.Event]:
+    """Let an interrupt by the keyboard wait until it is asked for; a second one does not wait."""
+    told = threading.Event()
+    if threading.current_thread() is not threading.main_thread():
+        yield told
+        return
+
+    def tell(*_: object) -> None:
+        told.set()
+        signal.signal(signal.SIGINT, before)
+
+    before = signal.signal(signal.SIGINT, tell)
+    try:
+        yield told
+    finally:
+        signal.signal(signal.SIGINT, before)

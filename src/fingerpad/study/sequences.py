@@ -1,58 +1,54 @@
-"""Measuring a film of one press: each frame in contact becomes a row."""
+"""A film of one press, measured piece by piece: each frame in contact becomes a row.
+
+The pieces are tasks of their own, so that a run goes on within a film, and several processes share one. Three
+stages follow one another: all frames are surveyed, one reading is learnt, and the frames are measured by it.
+"""
 
 import math
-from collections import deque
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
-from typing import Any, Final, NamedTuple
+from typing import Final
 
-from fingerpad._files import make_folder
+import numpy as np
+
 from fingerpad.exceptions import FingerpadError, LoadingError
 from fingerpad.image import (
     ForceSignal,
     FrameClock,
     FrameResult,
     Frames,
-    Imprint,
+    Reading,
     SequenceSummary,
+    Survey,
     frame_clock,
-    measure_sequence,
     open_frames,
+    place_in_time,
     read_force_signal,
     read_frame_stamps,
     sequence_summary,
-    write_overlay,
 )
-from fingerpad.study.corrected import place_of
+from fingerpad.study.corrections import frames_of
+from fingerpad.study.footage import Footage, FrameOverlay, Told, survey_from
 from fingerpad.study.manifest import ContactSequence
-from fingerpad.study.measure import ODDITIES, Measurement, from_imprint
-from fingerpad.study.scales import FoundScale, find_scale
+from fingerpad.study.measure import ODDITIES, Measurement, contact_correction, reviewed
+from fingerpad.study.scales import find_scale
+from fingerpad.study.store import Store
+from fingerpad.study.tasks import CHANGED, ChangedError, Keys, Record, Scales, Task, Work, chained
 from fingerpad.study.words import in_study
 
 IN_CONTACT: Final = frozenset(("loading", "hold", "unloading"))
 # Below so many ridges from the centre to the nearest edge an ellipse is drawn by single ridges.
 LEAST_RIDGES: Final = 5
-# `measure_sequence` holds results back until a contact has persisted for so many frames.
-_HELD: Final = 3
-
-
-class FrameOverlay(NamedTuple):
-    """A frame drawn with its measurement.
-
-    Attributes
-    ----------
-    role : str
-        Why it was chosen: ``first contact``, ``largest load`` or ``last contact``.
-    frame : int
-        Its number.
-    file : str
-        The picture, relative to the output folder.
-    """
-
-    role: str
-    frame: int
-    file: str
+# A piece is what an interrupted run loses at most. Each opens the film anew, so there are not too many.
+_FRAMES: Final = "frames"
+_LEAST_PIECE: Final = 50
+_MOST_PIECES: Final = 256
+# What says when a frame was taken and under which load, but nothing of what is seen in it.
+_TIMING: Final = frozenset(
+    ("force", "force_columns", "times", "frames_per_second", "start_s", "contact_load_N")
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -77,110 +73,155 @@ class SequenceResult:
     reason: str | None = None
 
 
-def measure_contact_sequence(
-    sequence: ContactSequence,
-    scales: Mapping[str, FoundScale | str],
-    folder: Path,
-    out: Path,
-    on_frame: Callable[[], None] = lambda: None,
-) -> tuple[SequenceResult, list[Measurement]]:
-    """Measure a film frame by frame; whatever goes wrong costs this film, or one frame of it, only.
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Film:
+    """A film that is to be measured.
 
-    A frame in contact, by the force, gives a measurement; one that cannot be decoded gives its reason; one
-    without a contact to be seen, or beyond the force, gives none and is counted.
-
-    Parameters
+    Attributes
     ----------
-    sequence : ContactSequence
-        A film of the manifest.
-    scales : mapping
-        The study's named scales.
-    folder, out : Path
-        The study folder, and the folder of results.
-    on_frame : callable
-        Called after each frame.
+    footage : Footage
+        Its pictures.
+    keys : Keys
+        Keys of the study's tasks.
+    frames : Frames
+        Its frames.
+    force : ForceSignal
+        The normal force.
+    clock : FrameRate or FrameStamps
+        Times of the frames on the force's clock.
     """
-    try:
-        film = _Film.open(sequence, scales, folder, out)
-        summary = sequence_summary(film.followed(on_frame), film.force)
-        notes = tuple(in_study(note, folder) for note in summary.notes)
-        overlays = film.write_overlays()
-    except FingerpadError as error:
-        reason = in_study(error, folder)
-    except ODDITIES as error:
-        reason = f"{sequence.path}: cannot be measured ({type(error).__name__}: {error})"
-    else:
-        summary = replace(summary, notes=notes)
-        return SequenceResult(manifest=sequence, summary=summary, overlays=overlays), film.measurements
-    return SequenceResult(manifest=sequence, reason=reason), [
-        Measurement(name=sequence.name, load=math.nan, reason=reason, columns={"sequence": sequence.name})
-    ]
 
-
-class _Seen(NamedTuple):
-    """A measured frame, while it may still be drawn."""
-
-    frame: int
-    pixels: Any
-    imprint: Imprint
-
-
-@dataclass(slots=True, kw_only=True, eq=False)
-class _Film:
-    """A film on its way through the measurement: rows are kept, of the pictures only a handful."""
-
-    sequence: ContactSequence
-    found: FoundScale
+    footage: Footage
+    keys: Keys
     frames: Frames
     force: ForceSignal
     clock: FrameClock
-    folder: Path
-    out: Path
-    measurements: list[Measurement] = field(default_factory=list)
-    _latest: deque[_Seen] = field(default_factory=lambda: deque(maxlen=_HELD))
-    _waiting: dict[int, dict[str, Any]] = field(default_factory=dict)
-    _drawn: dict[str, _Seen] = field(default_factory=dict)
-    _largest_load: float = -math.inf
 
     @classmethod
-    def open(
-        cls, sequence: ContactSequence, scales: Mapping[str, FoundScale | str], folder: Path, out: Path
-    ) -> "_Film":
+    def open(cls, sequence: ContactSequence, keys: Keys, scales: Scales) -> "Film":
+        """Open a film of the manifest.
+
+        Raises
+        ------
+        FingerpadError
+            If its scale, its frames or its force cannot be had.
+        """
         assert sequence.scale is not None  # the manifest's own rule
-        found = find_scale(sequence.scale, scales, folder)
+        found = find_scale(sequence.scale, scales, keys.folder)
         if found.name is None:
             # No name holds a colon: the frames of a film share its scale, and nothing else does.
             found = replace(found, name=f"sequence:{sequence.name}")
-        frames = open_frames(folder / sequence.path)
+        frames = open_frames(keys.folder / sequence.path)
         columns = {str(key): value for key, value in sequence.force_columns.items()}
-        force = read_force_signal(folder / sequence.force, columns)
-        clock = _clock(sequence, frames, force, folder)
+        force = read_force_signal(keys.folder / sequence.force, columns)
         return cls(
-            sequence=sequence, found=found, frames=frames, force=force, clock=clock, folder=folder, out=out
+            footage=Footage(
+                sequence=sequence,
+                found=found,
+                corrections={
+                    frame: contact_correction(ruling)
+                    for frame, ruling in frames_of(keys.rulings, sequence.name).items()
+                    if ruling.change.edits
+                },
+            ),
+            keys=keys,
+            frames=frames,
+            force=force,
+            clock=_clock(sequence, frames, force, keys.folder),
         )
 
-    def followed(self, on_frame: Callable[[], None]) -> Iterator[FrameResult]:
-        """Measure each frame, keep its row and hand its result on."""
-        for result in measure_sequence(
-            self.frames,
-            self.found.scale,
-            clock=self.clock,
-            force=self.force,
-            dark_on_light=self.sequence.dark_on_light,
-            threshold=self.sequence.threshold,
-            watch=self._watch,
-            **place_of(self.sequence, self.folder),
-        ):
-            self._keep(result)
-            on_frame()
-            yield result
+    @property
+    def sequence(self) -> ContactSequence:
+        """What the manifest says of it."""
+        return self.footage.sequence
 
-    def _watch(self, index: int, pixels: Any, imprint: Imprint) -> None:
-        self._latest.append(_Seen(index, pixels, imprint))
-        self._waiting[index] = from_imprint(imprint, self.sequence, self.found)
+    @property
+    def pieces(self) -> list[tuple[int, int]]:
+        """First frame of each piece, and the one after its last."""
+        count = max(1, self.frames.count)
+        length = max(_LEAST_PIECE, -(-count // _MOST_PIECES))
+        return [(start, min(start + length, count)) for start in range(0, count, length)]
 
-    def _keep(self, result: FrameResult) -> None:
-        measured = self._waiting.pop(result.index, None)
+    def stages(self, store: Store) -> Iterator[list[Task]]:
+        """Yield the tasks of each stage; one's results must be in the store before the next is asked for.
+
+        Raises
+        ------
+        FingerpadError
+            If a stage before failed.
+        """
+        survey = [self._task("survey", partial(self.footage.survey, piece), piece) for piece in self.pieces]
+        yield survey
+        surveyed = Survey.joined(survey_from(_good(store, task.name, task.key)) for task in survey)
+        learn = self._task("reading", partial(self.footage.learn, surveyed))
+        yield [learn]
+        learnt = _good(store, learn.name, learn.key)
+        reading = Reading(
+            settings=learnt["settings"], learnt_from=tuple(learnt["learnt_from"]), texture=surveyed.texture
+        )
+        measure = partial(self.footage.measure, reading)
+        yield [
+            replace(self._task(_FRAMES, partial(measure, piece), piece), pictures=piece[1] - piece[0])
+            for piece in self.pieces
+        ]
+        draw = partial(self.footage.draw, reading, _told(self.placed(store), self.force))
+        yield [replace(self._task("", draw), name=self.sequence.name, key=film_key(self.sequence, self.keys))]
+
+    def _task(self, stage: str, work: Work, piece: tuple[int, int] | None = None) -> Task:
+        return Task(
+            name=self._name(stage, piece),
+            item=self.sequence.name,
+            file=self.sequence.path,
+            key=self._key(stage, piece),
+            work=work,
+            inputs=self.keys.inputs_of(self.sequence),
+            pictures=0,
+        )
+
+    def _name(self, stage: str, piece: tuple[int, int] | None) -> str:
+        # No name of the manifest holds a blank.
+        return f"{self.sequence.name} {stage}" + ("" if piece is None else f" {piece[0]}-{piece[1]}")
+
+    def _key(self, stage: str, piece: tuple[int, int] | None) -> str:
+        pictures = self.keys.of(self.sequence, leave_out=_TIMING)
+        start, stop = piece if piece is not None and stage == _FRAMES else (0, 0)
+        edits = {index: one.edits for index, one in self.footage.corrections.items() if start <= index < stop}
+        return chained(pictures, stage, piece, self.frames.count, edits)
+
+    def measurements(self, store: Store) -> Iterator[Measurement]:
+        """Yield what was measured, frame by frame, from what the store holds.
+
+        A frame in contact, by the force, gives a measurement; one that cannot be decoded gives its reason;
+        one without a contact to be seen, or beyond the force, gives none.
+        """
+        for result, measured in self.placed(store):
+            row = self._row(result, measured)
+            if row is not None:
+                yield reviewed(row, self.keys.rulings.get(row.name))
+
+    def placed(self, store: Store) -> Iterator[tuple[FrameResult, Record | None]]:
+        """Yield each frame with its time, load and phase, and what was measured of it, from the store."""
+        waiting: dict[int, Record] = {}
+
+        def results() -> Iterator[FrameResult]:
+            for piece in self.pieces:
+                record = _good(store, self._name(_FRAMES, piece), self._key(_FRAMES, piece))
+                for frame in record["frames"]:
+                    measured = frame["measured"]
+                    if measured is not None:
+                        waiting[frame["index"]] = measured
+                    yield FrameResult(
+                        index=frame["index"],
+                        readable=frame["readable"],
+                        reason=frame["reason"],
+                        measures=None if measured is None else measured["columns"],
+                        flags=() if measured is None else tuple(measured["flags"]),
+                    )
+
+        for result in place_in_time(results(), np.empty(0), clock=self.clock, force=self.force):
+            yield result, waiting.pop(result.index, None)
+
+    def _row(self, result: FrameResult, measured: Record | None) -> Measurement | None:
         place = {
             "sequence": self.sequence.name,
             "frame": result.index,
@@ -189,19 +230,22 @@ class _Film:
         }
         name = f"{self.sequence.name}#{result.index}"
         if not result.readable:
-            reason = in_study(result.reason, self.folder)
-            self.measurements.append(
-                Measurement(name=name, load=result.load, reason=reason, columns=place, counts=False)
-            )
-        elif measured is not None and result.phase in IN_CONTACT:
-            measured["columns"] |= place
-            measured["flags"] = (*result.flags, *self.found.flags)
-            self.measurements.append(
-                Measurement(name=name, load=result.load, counts=self._counts(result, measured), **measured)
-            )
-            self._choose(result)
+            return Measurement(name=name, load=result.load, reason=result.reason, columns=place, counts=False)
+        if measured is None or result.phase not in IN_CONTACT:
+            return None
+        return Measurement(
+            name=name,
+            load=result.load,
+            counts=self._counts(result, measured),
+            **{
+                **measured,
+                "covariance": np.array(measured["covariance"]),
+                "columns": measured["columns"] | place,
+                "flags": result.flags,
+            },
+        )
 
-    def _counts(self, result: FrameResult, measured: Mapping[str, Any]) -> bool:
+    def _counts(self, result: FrameResult, measured: Record) -> bool:
         """Tell whether a frame may be pooled: loading, and its ellipse more than a few ridges."""
         if result.phase != "loading":
             return False
@@ -209,30 +253,103 @@ class _Film:
             return result.load >= self.sequence.pool_from_N
         return bool(measured["semi_minor"] >= LEAST_RIDGES * measured["columns"]["ridge_period_mm"])
 
-    def _choose(self, result: FrameResult) -> None:
-        """Keep a frame's picture if it is to be drawn, as far as is known now."""
-        seen = next((seen for seen in self._latest if seen.frame == result.index), None)
-        if seen is None:
-            return
-        self._drawn.setdefault("first contact", seen)
-        self._drawn["last contact"] = seen
-        if result.load > self._largest_load:
-            self._largest_load = result.load
-            self._drawn["largest load"] = seen
 
-    def write_overlays(self) -> tuple[FrameOverlay, ...]:
-        """Draw the chosen frames, each once."""
-        written: dict[int, FrameOverlay] = {}
-        roles = {"first contact": 0, "largest load": 1, "last contact": 2}
-        for role, seen in sorted(self._drawn.items(), key=lambda entry: roles[entry[0]]):
-            if seen.frame in written:
-                continue
-            file = Path("overlays") / "sequences" / f"{self.sequence.name}_frame_{seen.frame:06d}.png"
-            make_folder((self.out / file).parent)
-            label = f"{'synthetic, ' if self.sequence.synthetic else ''}frame {seen.frame}, {role}"
-            write_overlay(self.out / file, seen.pixels, seen.imprint, label=label)
-            written[seen.frame] = FrameOverlay(role, seen.frame, str(file))
-        return tuple(written.values())
+def film_key(sequence: ContactSequence, keys: Keys) -> str:
+    """Return the key of all that is known of a film."""
+    frames = frames_of(keys.rulings, sequence.name)
+    return keys.of(sequence, {frame: edits for frame, one in frames.items() if (edits := one.change.edits)})
+
+
+def frames_in(sequence: ContactSequence, folder: Path) -> int:
+    """Return the number of frames of a film; one that cannot be opened counts as one picture."""
+    try:
+        return open_frames(folder / sequence.path).count
+    except FingerpadError:
+        return 1
+
+
+def film_plan(sequence: ContactSequence, keys: Keys, scales: Scales, store: Store) -> Iterator[list[Task]]:
+    """Yield the tasks of a film, stage by stage; whatever goes wrong costs this film only.
+
+    Parameters
+    ----------
+    sequence : ContactSequence
+        A film of the manifest.
+    keys : Keys
+        Keys of the study's tasks.
+    scales : mapping
+        The study's named scales.
+    store : Store
+        Where results are: those of a stage must be there before the next is asked for.
+    """
+    key = film_key(sequence, keys)
+    try:
+        yield from Film.open(sequence, keys, scales).stages(store)
+    except ChangedError:
+        key, reason = "", CHANGED.format(sequence.path)  # never up to date: the next run measures it anew
+    except FingerpadError as error:
+        reason = in_study(error, keys.folder)
+    except ODDITIES as error:
+        reason = f"{sequence.path}: cannot be measured ({type(error).__name__}: {error})"
+    else:
+        return
+    store.put(sequence.name, key, {"reason": reason}, seconds=0.0, count=0)
+
+
+def film_result(sequence: ContactSequence, record: Record) -> SequenceResult:
+    """Return what a film came to, from its record in the store."""
+    summary = record.get("summary")
+    return SequenceResult(
+        manifest=sequence,
+        summary=summary and SequenceSummary(**{**summary, "notes": tuple(summary["notes"])}),
+        overlays=tuple(FrameOverlay(*overlay) for overlay in record.get("overlays", ())),
+        reason=record.get("reason"),
+    )
+
+
+def film_measurements(
+    result: SequenceResult, keys: Keys, scales: Scales, store: Store
+) -> Iterator[Measurement]:
+    """Yield the measurements of a film that is in the store, or the one that says why it has none."""
+    name = result.manifest.name
+    if result.reason is not None:
+        yield Measurement(name=name, load=math.nan, reason=result.reason, columns={"sequence": name})
+        return
+    yield from Film.open(result.manifest, keys, scales).measurements(store)
+
+
+def _good(store: Store, task: str, key: str) -> Record:
+    """Return the record of a task.
+
+    Raises
+    ------
+    FingerpadError
+        With the task's reason, if it failed; `ChangedError` if there is none with this key.
+    """
+    record = store.record(task, key)
+    if record is None:
+        raise ChangedError
+    if record.get("reason") is not None:
+        raise FingerpadError(record["reason"])
+    return record
+
+
+def _told(placed: Iterator[tuple[FrameResult, Record | None]], force: ForceSignal) -> Told:
+    """Return what the frames come to, and the few that are worth drawing."""
+    chosen: dict[str, int] = {}
+    largest_load = -math.inf
+
+    def followed() -> Iterator[FrameResult]:
+        nonlocal largest_load
+        for result, measured in placed:
+            if measured is not None and result.phase in IN_CONTACT:
+                chosen.setdefault("first contact", result.index)
+                if result.load > largest_load:
+                    largest_load, chosen["largest load"] = result.load, result.index
+                chosen["last contact"] = result.index
+            yield result
+
+    return Told(sequence_summary(followed(), force), chosen)
 
 
 def _clock(sequence: ContactSequence, frames: Frames, force: ForceSignal, folder: Path) -> FrameClock:

@@ -1,17 +1,20 @@
 """How far a study is: what is measured, what has changed since, and what is left."""
 
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
-from fingerpad.study.manifest import Contact, read_study
-from fingerpad.study.scales import named_scales
+from fingerpad.study.corrections import CorrectionLog
+from fingerpad.study.manifest import manifest_in, read_study
+from fingerpad.study.measuring import item_keys
+from fingerpad.study.sequences import frames_in
 from fingerpad.study.store import STORE_NAME, Store
-from fingerpad.study.tasks import tasks_of
+from fingerpad.study.tasks import Keys
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Status:
-    """Numbers of observations and sequences of a study.
+    """Numbers of photographs, observations and sequences of a study.
 
     Attributes
     ----------
@@ -47,20 +50,26 @@ def study_status(manifest: Path, out: Path) -> Status:
     StoreError
         If the store cannot be used.
     """
-    if manifest.is_dir():
-        manifest = manifest / "study.toml"
-    study = read_study(manifest)
-    folder = manifest.absolute().parent
-    contacts: list[Contact] = [*study.observations, *study.sequences]
+    manifest = manifest_in(manifest)
+    study, folder = read_study(manifest), manifest.absolute().parent
+    rulings = CorrectionLog(folder).rulings()
     if not (out / STORE_NAME).is_file():
-        return Status(done=0, failed=0, stale=0, left=len(contacts), seconds_left=None)
+        keys = Keys(study=study, folder=folder, digest=str, rulings=rulings)
+        return Status(done=0, failed=0, stale=0, left=len(list(item_keys(keys))), seconds_left=None)
     counts = dict.fromkeys(("done", "failed", "stale", "left"), 0)
+    pictures = 0
+    films = {sequence.name: sequence for sequence in study.sequences}
     with Store.open(out / STORE_NAME) as store:
-        stored = store.results()
-        for task in tasks_of(contacts, named_scales(study, folder), folder, store.digest):
-            found = stored.get(task.contact.name)
-            counts["left" if found is None else found.status if found.key == task.key else "stale"] += 1
-    usual = sum(each.seconds for each in stored.values()) / len(stored) if stored else None
-    return Status(
-        **counts, seconds_left=None if usual is None else usual * (counts["stale"] + counts["left"])
-    )
+        marks = store.marks()
+        keys = Keys(study=study, folder=folder, digest=cache(store.digest), rulings=rulings)
+        for name, key in item_keys(keys):
+            mark = marks.get(name)
+            state = "left" if mark is None else mark.status if mark.key == key else "stale"
+            counts[state] += 1
+            if state in {"left", "stale"}:
+                pictures += frames_in(films[name], folder) if name in films else 1
+            if state == "left" and name in films:
+                pictures -= sum(mark.count for task, mark in marks.items() if task.startswith(f"{name} "))
+    seen = sum(mark.count for mark in marks.values())
+    usual = sum(mark.seconds for mark in marks.values()) / seen if seen else None
+    return Status(**counts, seconds_left=None if usual is None else usual * max(0, pictures))

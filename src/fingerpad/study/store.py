@@ -8,7 +8,7 @@ by one process, result by result, and can be read while that happens.
 import hashlib
 import json
 import sqlite3
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -19,19 +19,21 @@ from filelock import FileLock, Timeout
 
 from fingerpad.exceptions import StoreError
 
-FORMAT: Final = 1
+FORMAT: Final = 2
 STORE_NAME: Final = "store.sqlite"
 
 _SCHEMA: Final = """
-CREATE TABLE IF NOT EXISTS result (
+CREATE TABLE result (
     task TEXT PRIMARY KEY,
     key TEXT NOT NULL,
     status TEXT NOT NULL,
-    record TEXT NOT NULL,
     seconds REAL NOT NULL,
-    finished TEXT NOT NULL
-) WITHOUT ROWID;
-CREATE TABLE IF NOT EXISTS input (
+    count INTEGER NOT NULL,
+    drawn TEXT NOT NULL,
+    finished TEXT NOT NULL,
+    record TEXT NOT NULL
+);
+CREATE TABLE input (
     path TEXT PRIMARY KEY,
     stamp TEXT NOT NULL,
     digest TEXT NOT NULL
@@ -39,9 +41,9 @@ CREATE TABLE IF NOT EXISTS input (
 """
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Stored:
-    """One task's result.
+@dataclass(frozen=True, slots=True)
+class Mark:
+    """What is known of a task without its result.
 
     Attributes
     ----------
@@ -49,16 +51,19 @@ class Stored:
         What the result depends on, hashed.
     status : {"done", "failed"}
         Whether anything was measured.
-    record : dict
-        The result, or the reason why there is none.
     seconds : float
         What it cost.
+    count : int
+        Number of pictures or frames that it dealt with.
+    drawn : str
+        Files drawn for it, relative to the output folder, a line each.
     """
 
     key: str
     status: Literal["done", "failed"]
-    record: dict[str, Any]
     seconds: float
+    count: int
+    drawn: str
 
 
 class Store:
@@ -80,8 +85,7 @@ class Store:
         """
         lock = FileLock(path.with_suffix(".lock"), timeout=0)
         try:
-            with _plain_errors(path):
-                lock.acquire()
+            lock.acquire()
         except Timeout:
             raise StoreError(
                 f"{path.parent}: another run writes here: wait for it to end, or choose --out"
@@ -130,57 +134,122 @@ class Store:
             raise sqlite3.DatabaseError("damaged")
         execute("PRAGMA journal_mode=WAL")
         execute("PRAGMA synchronous=NORMAL")  # a killed process loses nothing, a power cut the last results
-        if found == 0:
-            self._connection.executescript(f"BEGIN; {_SCHEMA} PRAGMA user_version={FORMAT}; COMMIT;")
+        if found < FORMAT:  # what an older one measured would be stale in any case
+            drop = "DROP TABLE IF EXISTS result; DROP TABLE IF EXISTS input;"
+            self._connection.executescript(f"BEGIN; {drop} {_SCHEMA} PRAGMA user_version={FORMAT}; COMMIT;")
 
-    def results(self) -> dict[str, Stored]:
-        """Return every result by the name of its task."""
+    def marks(self) -> dict[str, Mark]:
+        """Return what is known of every task by its name, without the results themselves."""
         with _plain_errors(self.path):
-            rows = self._connection.execute("SELECT task, key, status, record, seconds FROM result")
-            return {
-                task: Stored(key=key, status=status, record=json.loads(record), seconds=seconds)
-                for task, key, status, record, seconds in rows
-            }
+            rows = self._connection.execute("SELECT task, key, status, seconds, count, drawn FROM result")
+            return {task: Mark(*rest) for task, *rest in rows}
 
-    def put(self, task: str, stored: Stored) -> None:
-        """Keep a result, in place of what the task had before."""
+    def record(self, task: str, key: str) -> dict[str, Any] | None:
+        """Return the result of a task; None where there is none with this key."""
         with _plain_errors(self.path):
-            self._connection.execute(
-                "INSERT OR REPLACE INTO result VALUES (?, ?, ?, ?, ?, ?)",
-                (
-                    task,
-                    stored.key,
-                    stored.status,
-                    json.dumps(stored.record),
-                    stored.seconds,
-                    datetime.now(UTC).isoformat(timespec="seconds"),
-                ),
-            )
+            row = self._connection.execute(
+                "SELECT record FROM result WHERE task = ? AND key = ?", (task, key)
+            ).fetchone()
+        return None if row is None else json.loads(row[0])
+
+    def put(
+        self,
+        task: str,
+        key: str,
+        record: Mapping[str, Any],
+        *,
+        seconds: float,
+        count: int,
+        drawn: Iterable[str] = (),
+    ) -> None:
+        """Keep a result, in place of what the task had before; one with a ``reason`` counts as failed.
+
+        Parameters
+        ----------
+        task : str
+            Its name.
+        key : str
+            What the result depends on, hashed.
+        record : mapping
+            The result.
+        seconds : float
+            What it cost.
+        count : int
+            Number of pictures or frames that it dealt with.
+        drawn : iterable of str
+            Files drawn for it, relative to the output folder.
+        """
+        row = (
+            task,
+            key,
+            "done" if record.get("reason") is None else "failed",
+            seconds,
+            count,
+            "\n".join(drawn),
+            datetime.now(UTC).isoformat(timespec="seconds"),
+            json.dumps(record),
+        )
+        with _plain_errors(self.path):
+            self._connection.execute("INSERT OR REPLACE INTO result VALUES (?, ?, ?, ?, ?, ?, ?, ?)", row)
+
+    def forget(self) -> None:
+        """Remove all results."""
+        with _plain_errors(self.path):
+            self._connection.execute("DELETE FROM result")
 
     def digest(self, path: Path) -> str:
-        """Return the SHA-256 of a file, or of the names and digests of a folder's files.
+        """Return the SHA-256 of a file, or of the names and bytes of a folder's files; empty without any.
 
-        A file's bytes are read again only when its size, time or inode have changed.
+        The bytes are read again only when size, times or inode have changed.
         """
-        if path.is_dir():
-            whole = hashlib.sha256()
-            for item in sorted(item for item in path.iterdir() if item.is_file()):
-                whole.update(f"{item.name}\0{self.digest(item)}\n".encode())
-            return whole.hexdigest()
-        status = path.stat()
-        stamp = f"{status.st_size} {status.st_mtime_ns} {status.st_ino}"
+        stamp = _stamp(path)
         with _plain_errors(self.path):
             row = self._connection.execute(
                 "SELECT digest FROM input WHERE path = ? AND stamp = ?", (str(path), stamp)
             ).fetchone()
             if row is not None:
                 return str(row[0])
-            with path.open("rb") as file:
-                digest = hashlib.file_digest(file, "sha256").hexdigest()
+            digest = _digest(path) if stamp else ""
             self._connection.execute(
                 "INSERT OR REPLACE INTO input VALUES (?, ?, ?)", (str(path), stamp, digest)
             )
         return digest
+
+    def unchanged(self, path: Path) -> bool:
+        """Tell whether a file or folder is still what `digest` last read."""
+        with _plain_errors(self.path):
+            row = self._connection.execute("SELECT stamp FROM input WHERE path = ?", (str(path),)).fetchone()
+        return row is not None and row[0] == _stamp(path)
+
+
+def _files(path: Path) -> list[Path]:
+    return sorted(item for item in path.iterdir() if item.is_file()) if path.is_dir() else [path]
+
+
+def _stamp(path: Path) -> str:
+    """Return what changes with the content: the time of the last change of any kind cannot be set back."""
+    try:
+        stats = [(item.name, item.stat()) for item in _files(path)]
+    except OSError:
+        return ""
+    parts = [(name, s.st_size, s.st_mtime_ns, s.st_ctime_ns, s.st_ino) for name, s in stats]
+    return hashlib.sha256(repr(parts).encode()).hexdigest()
+
+
+def _digest(path: Path) -> str:
+    """Return the digest of a file, or that of a folder's names and digests; empty where that cannot be."""
+    try:
+        digests = [(item.name, _sha256(item)) for item in _files(path)]
+    except OSError:
+        return ""
+    if not path.is_dir():
+        return digests[0][1]
+    return hashlib.sha256("".join(f"{name}\0{digest}\n" for name, digest in digests).encode()).hexdigest()
+
+
+def _sha256(path: Path) -> str:
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 @contextmanager

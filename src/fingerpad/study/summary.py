@@ -1,7 +1,6 @@
 """One summary per finger and placement: its rows, and radii pooled from them."""
 
 import math
-from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -10,10 +9,11 @@ from scipy import stats
 
 from fingerpad.study.model import POOLED_OUTPUTS
 from fingerpad.study.pooling import PooledRadius
-from fingerpad.study.rows import Row, Rows
+from fingerpad.study.rows import PLACEMENT, PlacementKey, Rows
+from fingerpad.study.table import Table, numbered
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Summary:
     """All good rows of one finger at one placement.
 
@@ -21,7 +21,7 @@ class Summary:
     ----------
     finger, wedge_angle_deg, roll_angle_deg, synthetic
         What the rows have in common.
-    rows : tuple of Row
+    rows : Table
         The rows, by load: single contacts and frames of sequences.
     corrected_radius : PooledRadius or None
         Pooled ``radius_from_indentation_mm``, the source's combined R_g^corr; None without a sound row.
@@ -33,24 +33,30 @@ class Summary:
     wedge_angle_deg: float
     roll_angle_deg: float
     synthetic: bool
-    rows: tuple[Row, ...]
+    rows: Table
     corrected_radius: PooledRadius | None
     compliance_radius: PooledRadius | None
 
     @property
-    def contacts(self) -> tuple[Row, ...]:
+    def key(self) -> PlacementKey:
+        """The values of `PLACEMENT`, which no other summary has."""
+        return self.finger, self.wedge_angle_deg, self.roll_angle_deg, self.synthetic
+
+    @property
+    def contacts(self) -> Table:
         """Rows of single contacts, without frames."""
-        return tuple(row for row in self.rows if row["frame"] is None)
+        return self.rows.at(~self.rows.known("frame"))
 
     @property
     def pooled_from(self) -> str:
         """What the pooled radii come from, in words."""
-        pooled = [row for row in self.rows if row["pooled"]]
-        contacts = sum(row["frame"] is None for row in pooled)
-        films = len({row["sequence"] for row in pooled} - {None})
+        pooled = self.rows.at(self.rows.column("pooled"))
+        frames = int(pooled.known("frame").sum())
+        films = len(set(pooled.column("sequence")) - {None})
+        contacts = len(pooled) - frames
         parts = [_counted(contacts, "observation")] if contacts or not films else []
         if films:
-            parts.append(f"{_counted(len(pooled) - contacts, 'frame')} of {_counted(films, 'sequence')}")
+            parts.append(f"{_counted(frames, 'frame')} of {_counted(films, 'sequence')}")
         return " and ".join(parts)
 
 
@@ -60,29 +66,24 @@ def _counted(count: int, noun: str) -> str:
 
 def summaries(rows: Rows) -> list[Summary]:
     """Pool the good rows of each finger at each placement; synthetic and real rows never mix."""
-    groups: dict[tuple[str, float, float, bool], list[int]] = {}
-    for place, index in enumerate(rows.good):
-        row = rows.rows[index]
-        key = (row["finger"], row["wedge_angle_deg"], row["roll_angle_deg"], row["synthetic"])
-        groups.setdefault(key, []).append(place)
-    return [_summary(key, rows, places) for key, places in groups.items()]
+    good = rows.table.at(rows.table.column("status") == "measured")
+    return [_summary(key, rows, group) for key, group in good.by(*PLACEMENT).items()]
 
 
-def _summary(key: tuple[str, float, float, bool], rows: Rows, places: list[int]) -> Summary:
-    estimates: dict[str, list[int]] = {}
-    for place in places:
-        row = rows.rows[rows.good[place]]
-        if row["pooled"]:
-            estimates.setdefault(row["sequence"] or row["observation"], []).append(place)
-    sound = list(estimates.values())
-    members = sorted((rows.rows[rows.good[place]] for place in places), key=lambda row: float(row["load_N"]))
-    corrected, compliance = (PooledRadius.of(rows, sound, name) if sound else None for name in POOLED_OUTPUTS)
+def _summary(key: PlacementKey, rows: Rows, group: Table) -> Summary:
+    pooled = group.at(group.column("pooled"))
+    films = pooled.known("sequence")
+    estimate = numbered(np.where(films, pooled.column("sequence"), pooled.column("observation")))
+    corrected, compliance = (
+        PooledRadius.of(rows, pooled, estimate, name) if len(pooled) else None for name in POOLED_OUTPUTS
+    )
+    finger, wedge, roll, synthetic = key
     return Summary(
-        finger=key[0],
-        wedge_angle_deg=key[1],
-        roll_angle_deg=key[2],
-        synthetic=key[3],
-        rows=tuple(members),
+        finger=finger,
+        wedge_angle_deg=wedge,
+        roll_angle_deg=roll,
+        synthetic=synthetic,
+        rows=group.at(np.argsort(group.column("load_N"), kind="stable")),
         corrected_radius=corrected,
         compliance_radius=compliance,
     )
@@ -95,11 +96,11 @@ class Exponent(NamedTuple):
     std: float
 
 
-def area_exponent(rows: Iterable[Row]) -> Exponent:
+def area_exponent(rows: Table) -> Exponent:
     """Return the exponent of A ∝ W^n over the pooled of some rows: two loads give a slope, three its std."""
-    sound = [row for row in rows if row["pooled"] and row["load_N"] > 0]
-    load = np.array([row["load_N"] for row in sound])
-    area = np.pi * np.array([row["semi_major_mm"] * row["semi_minor_mm"] for row in sound])
+    sound = rows.at(rows.column("pooled") & (rows.column("load_N") > 0))
+    load = sound.column("load_N")
+    area = np.pi * sound.column("semi_major_mm") * sound.column("semi_minor_mm")
     if np.unique(load).size < 2:
         return Exponent(math.nan, math.nan)
     line = stats.linregress(np.log(load), np.log(area))

@@ -6,7 +6,16 @@ from fingerpad.uncertainty.covariance import covariance_of, factor_of
 from fingerpad.uncertainty.monte_carlo import Simulated, Validation, simulate, validate_first_order
 from fingerpad.uncertainty.pad import PAD_INPUTS, PAD_OUTPUTS, PAD_SOURCES, pad_model
 from fingerpad.uncertainty.placement import PLACEMENT_INPUTS, PLACEMENT_OUTPUTS, placement_model
-from fingerpad.uncertainty.pool import Pooled, RandomEffects, Scatter, pool, pool_random_effects, scatter_of
+from fingerpad.uncertainty.pool import (
+    Pooled,
+    RandomEffects,
+    Scatter,
+    SharedParts,
+    inverse_variance_weights,
+    pool,
+    pool_random_effects,
+    scatter_of,
+)
 from fingerpad.uncertainty.propagate import Model, Propagated, propagate
 
 __all__ = [
@@ -20,12 +29,14 @@ __all__ = [
     "Propagated",
     "RandomEffects",
     "Scatter",
+    "SharedParts",
     "Simulated",
     "SobolIndices",
     "Validation",
     "correlated_values",
     "covariance_of",
     "factor_of",
+    "inverse_variance_weights",
     "mean_and_covariance",
     "pad_model",
     "placement_model",

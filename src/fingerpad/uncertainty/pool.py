@@ -1,8 +1,10 @@
 """One value from several estimates of the same quantity."""
 
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
+import numpy.typing as npt
 from scipy import optimize, stats
 
 from fingerpad._arrays import ArrayLike, FloatArray, floats, require
@@ -37,7 +39,67 @@ class Pooled:
     count: int
 
 
-def pool(values: ArrayLike, stds: ArrayLike, shared_covariance: ArrayLike = 0.0) -> Pooled:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class SharedParts:
+    """What estimates share, as signed parts of their uncertainty: C = Σ p pᵀ without the matrix.
+
+    Attributes
+    ----------
+    parts : ndarray, shape (n, m)
+        What each of m independent errors, one standard uncertainty off, does to each estimate.
+    groups : ndarray of int, broadcasting to (n, m)
+        Estimates share an error where their groups in its column, counted from 0, are the same.
+
+    Examples
+    --------
+    Three estimates on two scales:
+
+    >>> import numpy as np
+    >>> shared = SharedParts(parts=np.full((3, 1), 0.2), groups=np.array([[0], [0], [1]]))
+    >>> shared.variances(np.full(3, 1 / 3)).round(6)
+    array([0.022222])
+    """
+
+    parts: FloatArray
+    groups: npt.NDArray[np.intp]
+
+    def variances(self, weights: FloatArray) -> FloatArray:
+        """Return the variance that each error brings to the weighted sum of the estimates, shape (m,)."""
+        groups = np.broadcast_to(self.groups, self.parts.shape)
+        sums = (
+            np.bincount(group, weights * part) for group, part in zip(groups.T, self.parts.T, strict=True)
+        )
+        return np.array([total @ total for total in sums])
+
+
+Shared: TypeAlias = ArrayLike | SharedParts | None
+
+
+def inverse_variance_weights(values: ArrayLike, stds: ArrayLike) -> FloatArray:
+    """Return weights that go with 1/u² and add up to one.
+
+    Parameters
+    ----------
+    values, stds : array_like, shape (n,)
+        Estimates and their own standard uncertainties, of which none counts as less than a double's spacing
+        at its value.
+
+    Examples
+    --------
+    >>> inverse_variance_weights([1.0, 2.0], [0.1, 0.2])
+    array([0.8, 0.2])
+    """
+    own = _own_stds(values, stds)
+    weights = (own.min() / own) ** 2
+    return floats(weights / weights.sum())
+
+
+def _own_stds(values: ArrayLike, stds: ArrayLike) -> FloatArray:
+    """Return standard uncertainties, no value being known better than a double holds it."""
+    return np.maximum(floats(stds), np.spacing(np.abs(floats(values))))
+
+
+def pool(values: ArrayLike, stds: ArrayLike, shared: Shared = None) -> Pooled:
     """Pool estimates by inverse variance.
 
     Parameters
@@ -46,14 +108,14 @@ def pool(values: ArrayLike, stds: ArrayLike, shared_covariance: ArrayLike = 0.0)
         Estimates of one quantity.
     stds : array_like, shape (n,)
         Standard uncertainty of each from what it does not share with the others.
-    shared_covariance : array_like, shape (n, n)
-        Covariance from the inputs that they share.
+    shared : array_like, shape (n, n), or SharedParts, optional
+        Covariance from the inputs that they share; as parts where n is large.
 
     Raises
     ------
     UncertaintyError
         If there is no estimate, a value or standard uncertainty is not finite, one is negative, or
-        `shared_covariance` is no covariance.
+        `shared` is no covariance of theirs.
 
     Examples
     --------
@@ -61,18 +123,16 @@ def pool(values: ArrayLike, stds: ArrayLike, shared_covariance: ArrayLike = 0.0)
     >>> print(f"{pooled.value:.1f} ± {pooled.std:.2f}, Birge ratio {pooled.birge_ratio:.2f}")
     20.0 ± 0.50, Birge ratio 1.41
     """
-    values, stds, shared = _estimates(values, stds, shared_covariance)
-    own = np.maximum(stds, np.spacing(np.abs(values)))  # no value is known better than a double holds it
-    least = own.min()
-    weights = (least / own) ** 2 / np.sum((least / own) ** 2)
+    values, stds = _estimates(values, stds)
+    own, weights = _own_stds(values, stds), inverse_variance_weights(values, stds)
     mean = float(weights @ values)
     count = values.size
     birge = float(np.sqrt(np.sum(((values - mean) / own) ** 2) / (count - 1))) if count > 1 else np.nan
-    variance = least**2 / np.sum((least / own) ** 2) * max(1.0, birge if count > 1 else 1.0) ** 2
+    variance = np.sum((weights * own) ** 2) * max(1.0, birge if count > 1 else 1.0) ** 2
     return Pooled(
         value=mean,
         std=float(np.sqrt(variance)),
-        total_std=float(np.sqrt(variance + weights @ shared @ weights)),
+        total_std=float(np.sqrt(variance + _shared_variance(shared, weights))),
         birge_ratio=birge,
         count=count,
     )
@@ -107,9 +167,7 @@ class RandomEffects:
     count: int
 
 
-def pool_random_effects(
-    values: ArrayLike, stds: ArrayLike, shared_covariance: ArrayLike = 0.0
-) -> RandomEffects:
+def pool_random_effects(values: ArrayLike, stds: ArrayLike, shared: Shared = None) -> RandomEffects:
     r"""Pool estimates of a quantity that itself varies from one to the other.
 
     τ² solves Paule and Mandel's :math:`\sum w_i (y_i - \bar y)^2 = n - 1`, :math:`w_i = 1/(u_i^2 + \tau^2)`,
@@ -118,7 +176,7 @@ def pool_random_effects(
 
     Parameters
     ----------
-    values, stds, shared_covariance
+    values, stds, shared
         As for `pool`; the standard uncertainties must be positive.
 
     Raises
@@ -132,7 +190,7 @@ def pool_random_effects(
     >>> print(f"{pooled.value:.1f} ± {pooled.std:.2f}, between {pooled.between_std:.1f}")
     20.5 ± 0.87, between 1.5
     """
-    values, stds, shared = _estimates(values, stds, shared_covariance)
+    values, stds = _estimates(values, stds)
     require(stds > 0, "standard uncertainty", stds, "positive", UncertaintyError)
     count = values.size
 
@@ -147,7 +205,7 @@ def pool_random_effects(
     weights = 1 / (stds**2 + between_variance)
     variance = 1 / weights.sum()
     weights /= weights.sum()
-    shared_variance = float(weights @ shared @ weights)
+    shared_variance = _shared_variance(shared, weights)
     value = float(weights @ values)
     half = np.inf
     if count > 1:
@@ -215,10 +273,20 @@ def scatter_of(values: ArrayLike, groups: ArrayLike) -> Scatter:
     return Scatter(within_std=float(np.sqrt(within)), between_std=float(between))
 
 
-def _estimates(
-    values: ArrayLike, stds: ArrayLike, shared_covariance: ArrayLike
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return estimates, their standard uncertainties and shared covariance, once they are sound."""
+def _shared_variance(shared: Shared, weights: FloatArray) -> float:
+    """Return what estimates share of the variance of their weighted sum."""
+    if shared is None:
+        return 0.0
+    if not isinstance(shared, SharedParts):
+        matrix = covariance_of(np.broadcast_to(floats(shared), (weights.size, weights.size)))
+        return float(weights @ matrix @ weights)
+    if len(shared.parts) != weights.size:
+        raise UncertaintyError(f"each estimate needs its parts, found {weights.size} and {len(shared.parts)}")
+    return float(shared.variances(weights).sum())
+
+
+def _estimates(values: ArrayLike, stds: ArrayLike) -> tuple[FloatArray, FloatArray]:
+    """Return estimates and their standard uncertainties, once they are sound."""
     values, stds = floats(values).reshape(-1), floats(stds).reshape(-1)
     if values.size == 0:
         raise UncertaintyError("no estimates to pool; at least one row must have been measured")
@@ -234,5 +302,4 @@ def _estimates(
         "finite and not negative",
         UncertaintyError,
     )
-    shared = np.broadcast_to(floats(shared_covariance), (values.size, values.size))
-    return values, stds, covariance_of(shared)
+    return values, stds

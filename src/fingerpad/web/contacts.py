@@ -14,6 +14,7 @@ from fingerpad.image import (
     Reading,
     learn_reading,
     open_frames,
+    survey_frames,
 )
 from fingerpad.study.changes import ContactCorrection
 from fingerpad.study.corrected import place_of, prepared_contact
@@ -132,13 +133,15 @@ def reading_of(opened: OpenStudy, sequence: ContactSequence, found: FoundScale) 
         some = np.unique(
             np.linspace(0, frames.count - 1, min(frames.count, _TEACHING_FRAMES)).round().astype(int)
         )
+        where = place_of(sequence, opened.folder)
         try:
             return learn_reading(
-                map(frames.at, map(int, some)),
+                frames,
                 found.scale,
+                survey=survey_frames(map(frames.at, map(int, some)), found.scale, **where),
                 dark_on_light=sequence.dark_on_light,
                 threshold=sequence.threshold,
-                **place_of(sequence, opened.folder),
+                **where,
             )
         except ImageError:
             return None
@@ -205,7 +208,7 @@ def _model(
     if load is None:
         return None
     measured = Measurement(name=item, load=load, **from_imprint(imprint, contact, found))
-    row = make_rows(opened.study(), {finger.name: finger}, [(contact, measured)]).rows[0]
+    row = make_rows(opened.study(), {finger.name: finger}, [(contact, measured)]).table[0]
     return {**row, "range_notes": (row["range_notes"] or "").split(), "flags": row["flags"].split()}
 
 

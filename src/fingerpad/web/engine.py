@@ -1,31 +1,77 @@
 """The seam to the engine: how far each item is, without measuring and without reading pictures anew."""
 
-from typing import Final
+import hashlib
+from collections.abc import Iterator, Mapping
+from functools import cache, partial
+from typing import Any, Final
 
 from fingerpad.exceptions import StoreError
-from fingerpad.study.manifest import Contact, Study
+from fingerpad.study.corrections import CORRECTIONS_NAME, Ruling
+from fingerpad.study.edit import STUDY_NAME
+from fingerpad.study.fingers import is_rejected, photograph_item
+from fingerpad.study.manifest import Study
+from fingerpad.study.sequences import film_key
 from fingerpad.study.store import STORE_NAME, Store
-from fingerpad.study.tasks import tasks_of
+from fingerpad.study.tasks import Keys, item_key, photographs_of
 from fingerpad.web.open_study import OpenStudy
-from fingerpad.web.scales import scales_of
 
 _UNREADABLE: Final = (OSError, StoreError)
 
 
-def item_states(study: Study, opened: OpenStudy) -> dict[str, str]:
-    """Return for each observation and sequence whether it is done, failed, stale or left."""
-    contacts: list[Contact] = [*study.observations, *study.sequences]
-    states = dict.fromkeys((contact.name for contact in contacts), "left")
+def item_states(study: Study, opened: OpenStudy, rulings: Mapping[str, Ruling]) -> dict[str, str]:
+    """Return for each item whether it is done, failed, stale or left.
+
+    An item that is not in the store is left, whatever its file holds: 2,000 pictures are not read to say so.
+    """
+    keys = Keys(study=study, folder=opened.folder, digest=str, rulings=rulings)
+    states = {name: "left" for name, _ in _items(keys)}
     path = opened.out / STORE_NAME
     if not path.is_file():
         return states
     try:
         with Store.open(path) as store:
-            stored = store.results()
-            known = [contact for contact in contacts if contact.name in stored]
-            for task in tasks_of(known, scales_of(opened), opened.folder, store.digest):
-                found = stored[task.contact.name]
-                states[task.contact.name] = found.status if found.key == task.key else "stale"
+            marks = store.marks()
+            keys = Keys(study=study, folder=opened.folder, digest=cache(store.digest), rulings=rulings)
+            for name, key in _items(keys):
+                if (mark := marks.get(name)) is not None:
+                    states[name] = mark.status if mark.key == key() else "stale"
     except _UNREADABLE:
         return states  # the run says what is wrong with it
     return states
+
+
+def _items(keys: Keys) -> Iterator[tuple[str, partial[str]]]:
+    """Yield the name of each item, and what makes its key when that is needed."""
+    for finger, photograph in photographs_of(keys.study):
+        item = photograph_item(finger, photograph)
+        if not is_rejected(keys.rulings.get(item)):
+            yield item, partial(item_key, keys, item, photograph)
+    for observation in keys.study.observations:
+        yield observation.name, partial(item_key, keys, observation.name, observation)
+    for sequence in keys.study.sequences:
+        yield sequence.name, partial(film_key, sequence, keys)
+
+
+def overlay_of(opened: OpenStudy, item: str) -> str | None:
+    """Return the picture that was drawn of an item, relative to the output folder."""
+    path = opened.out / STORE_NAME
+    if not path.is_file():
+        return None
+    with Store.open(path) as store:
+        mark = store.marks().get(item)
+    drawn = mark.drawn.splitlines() if mark is not None else []
+    return drawn[0] if drawn else None
+
+
+def said_the_same(opened: OpenStudy, study: Study, provenance: Mapping[str, Any]) -> bool:
+    """Tell whether manifest, spreadsheet and corrections are those of a run, by its provenance."""
+    names = [STUDY_NAME, *([study.observations_csv] if study.observations_csv else []), CORRECTIONS_NAME]
+    known = provenance["inputs_sha256"]
+    return all(_sha256(opened, name) == known.get(name) for name in names)
+
+
+def _sha256(opened: OpenStudy, name: str) -> str | None:
+    try:
+        return hashlib.sha256((opened.folder / name).read_bytes()).hexdigest()
+    except OSError:
+        return None

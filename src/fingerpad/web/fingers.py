@@ -14,7 +14,7 @@ def known_finger(opened: OpenStudy, name: str) -> FingerResult | None:
     if finger is None:
         return None
     if finger.semi_axes_mm is not None:
-        return finger_result(finger, {}, opened.folder, opened.out)  # nothing to measure
+        return finger_result(finger, {}, opened.folder, {})  # nothing to measure
     found = last_results(opened)
     record = found and next((one for one in found.summary["fingers"] if one["finger"] == name), None)
     if not record or record["palmar_mm"] is None:

@@ -11,6 +11,7 @@ from fingerpad.exceptions import FingerpadError
 from fingerpad.report import write_report
 from fingerpad.study.output import write_tables
 from fingerpad.study.pipeline import run_study
+from fingerpad.study.progress import Progress
 from fingerpad.web.drawing import DRAWING
 from fingerpad.web.events import Events
 from fingerpad.web.refusal import Refusal
@@ -23,7 +24,6 @@ _NOTHING: Final[dict[str, Any]] = {
     "total": 0,
     "done": 0,
     "failed": 0,
-    "frames": 0,
     "current": "",
     "file": "",
     "seconds": 0.0,
@@ -40,6 +40,7 @@ class Running:
         self._events = events
         self._now = dict(_NOTHING)
         self._started = self._told = 0.0
+        self._before = 0
         self._stop = Event()
         self._lock = Lock()
         self._thread: Thread | None = None
@@ -87,15 +88,7 @@ class Running:
     ) -> None:
         end: dict[str, Any] = {"state": "failed"}
         try:
-            result = run_study(
-                manifest,
-                out,
-                workers=workers,
-                fresh=fresh,
-                on_start=lambda total: self._set(total=total),
-                on_measured=lambda done: self._measured(done.contact, done.failed),
-                on_frame=self._frame,
-            )
+            result = run_study(manifest, out, workers=workers, fresh=fresh, on_progress=self._progress)
             self._go_on()
             self._set(phase="tables", current="", file="")
             write_tables(result, out)
@@ -119,16 +112,19 @@ class Running:
         if self._stop.is_set():
             raise KeyboardInterrupt
 
-    def _measured(self, name: str, failed: bool) -> None:
-        with self._lock:
-            done, bad = self._now["done"] + 1, self._now["failed"] + failed
-            gone = time.monotonic() - self._started
-            left = gone / done * (self._now["total"] - done)
-        self._set(done=done, failed=bad, current=name, seconds_left=left)
-        self._go_on()
-
-    def _frame(self) -> None:
-        self._set(frames=self._now["frames"] + 1)
+    def _progress(self, now: Progress) -> None:
+        """Take note of how far the run is, and stop it where that was asked for."""
+        if now.status == "started":
+            self._before = now.pictures
+        gone, new = time.monotonic() - self._started, now.pictures - self._before
+        self._set(
+            total=now.total,
+            done=now.pictures,
+            failed=now.failed,
+            current=now.item,
+            file=now.file,
+            seconds_left=gone / new * (now.total - now.pictures) if new else None,
+        )
         self._go_on()
 
     def _set(self, *, told: bool = False, **changes: Any) -> None:

@@ -9,11 +9,10 @@ from starlette.responses import FileResponse, Response
 
 from fingerpad.web.asked import Item
 from fingerpad.web.bench import Bench
-from fingerpad.web.open_study import OpenStudy
+from fingerpad.web.engine import overlay_of
 from fingerpad.web.operations import Operation, Question
 from fingerpad.web.pictures import PREVIEW_PX, Place, is_film
 from fingerpad.web.refusal import Refusal
-from fingerpad.web.results import last_results
 
 # Its address changes with the picture.
 _FOR_EVER: Final = {"cache-control": "private, max-age=31536000, immutable"}
@@ -73,24 +72,11 @@ def thumbnail(bench: Bench, asked: PictureQuestion, _: Any) -> Response:
 def overlay(bench: Bench, asked: PictureQuestion, _: Any) -> Response:
     """Return the measurement drawn on the picture, as the last run wrote it."""
     opened = bench.study
-    name = _overlay_of(opened, asked.item)
+    name = overlay_of(opened, asked.item)
     path = None if name is None else opened.out / name
     if path is None or not path.resolve().is_relative_to(opened.out.resolve()) or not path.is_file():
         raise Refusal.not_there(f"{asked.item}: no overlay is drawn: run the study")
     return FileResponse(path, media_type="image/png", headers=_NOW)
-
-
-def _overlay_of(opened: OpenStudy, item: str) -> str | None:
-    found = last_results(opened)
-    row = found and found.row(item)
-    if row:
-        return row["overlay"] and str(row["overlay"])
-    finger, _, file = item.partition("/")
-    for known in opened.study().fingers:
-        for number, photograph in enumerate(known.photographs, start=1):
-            if known.name == finger and photograph.image == file:
-                return f"overlays/finger_{finger}_{number}_{photograph.face}.png"
-    return None
 
 
 OPERATIONS: Final = (

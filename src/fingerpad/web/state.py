@@ -12,16 +12,16 @@ from fingerpad.image import PHOTOGRAPH_FLAGS
 from fingerpad.report.text import FLAG_WORDS
 from fingerpad.study.columns import COLUMNS
 from fingerpad.study.corrections import Ruling, frames_of
-from fingerpad.study.manifest import Contact, Finger
+from fingerpad.study.manifest import Contact, Finger, Study
 from fingerpad.study.rows import RANGE_NOTES
 from fingerpad.web.bench import Bench
-from fingerpad.web.engine import item_states
+from fingerpad.web.engine import item_states, said_the_same
 from fingerpad.web.fingers import known_finger
 from fingerpad.web.open_study import Manifest, OpenStudy
 from fingerpad.web.operations import Operation, Question
 from fingerpad.web.pictures import kind_of_file
 from fingerpad.web.refusal import Refusal
-from fingerpad.web.results import last_results
+from fingerpad.web.results import Results, last_results
 
 _WORDS: Final[Mapping[str, Any]] = {
     "flags": dict(FLAG_WORDS),
@@ -36,7 +36,7 @@ def document(opened: OpenStudy) -> dict[str, Any]:
     manifest = opened.read()
     study = manifest.study
     rulings = opened.corrections.rulings()
-    states: dict[str, str] = {} if study is None else item_states(study, opened)
+    states: dict[str, str] = {} if study is None else item_states(study, opened, rulings)
     found = last_results(opened)
     seen = found.contacts if found else {}
     counts = Counter(states.values())
@@ -69,9 +69,18 @@ def document(opened: OpenStudy) -> dict[str, Any]:
         "results": {
             "there": found is not None,
             "finished": found and found.finished,
-            "fresh": found is not None and not (counts["stale"] + counts["left"]),
+            "fresh": _is_fresh(opened, study, found, counts),
         },
     }
+
+
+def _is_fresh(
+    opened: OpenStudy, study: Study | None, found: Results | None, counts: Mapping[str, int]
+) -> bool:
+    """Tell whether a run would give the same results again."""
+    if study is None or found is None or counts["stale"] + counts["left"]:
+        return False
+    return said_the_same(opened, study, found.summary["provenance"])
 
 
 def judged(ruling: Ruling | None) -> dict[str, Any]:

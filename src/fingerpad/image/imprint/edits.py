@@ -206,12 +206,13 @@ def _require_inside(what: str, points: Points, reach: float, shape: tuple[int, i
 
 
 def _draw(canvas: UInt8, points: Points, radius: float, level: int) -> None:
-    """Paint a stroke: disks at its points, and the bands between them."""
-    fixed, width = _fixed(points), max(1, round(2 * radius))
+    """Paint a stroke; OpenCV rounds the ends and joints of a thick line."""
+    fixed = _fixed(points)
     if len(points) > 1:
-        cv2.polylines(canvas, [fixed], False, level, width, cv2.LINE_8, _BITS)
-    for x, y in fixed:
-        cv2.circle(canvas, (int(x), int(y)), round(radius * 2**_BITS), level, cv2.FILLED, cv2.LINE_8, _BITS)
+        cv2.polylines(canvas, [fixed], False, level, max(1, round(2 * radius)), cv2.LINE_8, _BITS)
+    else:
+        x, y = map(int, fixed[0])
+        cv2.circle(canvas, (x, y), round(radius * 2**_BITS), level, cv2.FILLED, cv2.LINE_8, _BITS)
 
 
 def _finer(points: Points) -> Points:

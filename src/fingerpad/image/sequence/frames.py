@@ -5,8 +5,7 @@ import re
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
-from itertools import islice
+from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
 from typing import Any, Final, Literal, TypeAlias
@@ -75,9 +74,16 @@ class Frames:
         return self.count
 
     def __iter__(self) -> Iterator[Frame]:
-        """Go through the frames; one that is damaged, or of another size than the first, has a reason."""
-        shape = None
-        for frame in self._decoded():
+        """Go through all frames; one that is damaged, or of another size than the first, has a reason."""
+        return self.between(0, self.count)
+
+    def between(self, start: int, stop: int) -> Iterator[Frame]:
+        """Go through the frames from `start` up to `stop`, as all of them would come.
+
+        A folder or a TIFF is entered where `start` lies; a video must be decoded up to there.
+        """
+        shape = None if start == 0 else self._first_shape()
+        for frame in self._decoded(start, min(stop, self.count)):
             if frame.pixels is not None and shape is None:
                 shape = frame.pixels.shape
             if frame.pixels is not None and frame.pixels.shape != shape:
@@ -87,12 +93,7 @@ class Frames:
                 yield frame
 
     def at(self, index: int) -> Frame:
-        """Decode one frame alone, without those before it where the file allows.
-
-        Parameters
-        ----------
-        index : int
-            Its number, from zero.
+        """Decode one frame alone.
 
         Raises
         ------
@@ -101,20 +102,18 @@ class Frames:
         """
         if not 0 <= index < self.count:
             raise ImageError(f"{self.path}: has no frame {index}: there are {self.count}, counted from 0")
-        if self.kind == "folder":
-            alone = _folder_frames(_pictures_in(self.path)[index : index + 1], self.pixel_limit)
-            return replace(next(alone), index=index)
-        if self.kind == "tiff":
-            return _tiff_frame(self.path, index, self.pixel_limit)
-        lost = Frame(index=index, pixels=None, reason=f"{self.path}: the film ends before frame {index}")
-        return next(islice(self._decoded(), index, None), lost)
+        return next(self._decoded(index, index + 1))
 
-    def _decoded(self) -> Iterator[Frame]:
+    def _first_shape(self) -> tuple[int, ...] | None:
+        readable = (frame.pixels for frame in self._decoded(0, self.count) if frame.pixels is not None)
+        return next((pixels.shape for pixels in readable), None)
+
+    def _decoded(self, start: int, stop: int) -> Iterator[Frame]:
         if self.kind == "folder":
-            return _folder_frames(_pictures_in(self.path), self.pixel_limit)
+            return _folder_frames(_pictures_in(self.path), start, stop, self.pixel_limit)
         if self.kind == "tiff":
-            return _tiff_frames(self.path, self.pixel_limit)
-        return _video_frames(self.path, self.count, self.pixel_limit)
+            return _tiff_frames(self.path, start, stop, self.pixel_limit)
+        return _video_frames(self.path, start, stop, self.count, self.pixel_limit)
 
 
 def open_frames(path: str | PathLike[str], *, pixel_limit: int = PIXEL_LIMIT) -> Frames:
@@ -172,8 +171,8 @@ def _natural(path: Path) -> list[tuple[int, int, str]]:
     return [(0, int(part), part) if part.isdecimal() else (1, 0, part) for part in parts]
 
 
-def _folder_frames(pictures: list[Path], pixel_limit: int) -> Iterator[Frame]:
-    for index, picture in enumerate(pictures):
+def _folder_frames(pictures: list[Path], start: int, stop: int, pixel_limit: int) -> Iterator[Frame]:
+    for index, picture in enumerate(pictures[start:stop], start):
         try:
             pixels = read_image(picture, pixel_limit=pixel_limit).pixels
         except ImageError as error:
@@ -207,39 +206,40 @@ def _complaints() -> Iterator[list[str]]:
         logger.propagate = before
 
 
+def _walked(tiff: tifffile.TiffFile) -> tuple[int, str | None]:
+    """Return the number of pages that can be reached, and what breaks their chain, if anything does."""
+    with _complaints() as heard:
+        return len(tiff.pages), heard[0] if heard else None
+
+
 def _count_pages(path: Path) -> int:
     """Return the number of frames; where the chain of pages is broken, one more stands for what is lost."""
     try:
-        with _complaints() as heard, tifffile.TiffFile(path) as tiff:
-            return len(tiff.pages) + bool(heard)
+        with tifffile.TiffFile(path) as tiff:
+            count, broken = _walked(tiff)
     # tifffile lets errors of any kind out of a damaged file.
     except Exception as error:
         raise ImageError(f"{path}: cannot be read as TIFF ({error}): copy it again") from error
+    return count + (broken is not None)
 
 
-def _tiff_frames(path: Path, pixel_limit: int) -> Iterator[Frame]:
+def _tiff_frames(path: Path, start: int, stop: int, pixel_limit: int) -> Iterator[Frame]:
     # Reading one IFD at a time: a list of all pages would grow with the film.
-    with _complaints() as heard, tifffile.TiffFile(path) as tiff:
-        count = len(tiff.pages)
-        broken = heard[0] if heard else None
-        for index in range(count):
-            yield _frame_of_page(path, tiff, index, pixel_limit)
-        if broken is not None:
+    with tifffile.TiffFile(path) as tiff:
+        count, broken = _walked(tiff)
+        for index in range(start, min(stop, count)):
+            try:
+                with _complaints():
+                    pixels = _page(path, tiff, index, pixel_limit)
+            # tifffile lets errors of any kind out of a damaged page.
+            except Exception as error:
+                reason = f"{path}: page {index} cannot be decoded ({error})"
+                yield Frame(index=index, pixels=None, reason=reason)
+            else:
+                yield Frame(index=index, pixels=pixels)
+        if broken is not None and stop > count:
             reason = f"{path}: damaged after {count} pages, those that follow are lost ({broken})"
             yield Frame(index=count, pixels=None, reason=reason)
-
-
-def _tiff_frame(path: Path, index: int, pixel_limit: int) -> Frame:
-    with _complaints(), tifffile.TiffFile(path) as tiff:
-        return _frame_of_page(path, tiff, index, pixel_limit)
-
-
-def _frame_of_page(path: Path, tiff: tifffile.TiffFile, index: int, pixel_limit: int) -> Frame:
-    try:
-        return Frame(index=index, pixels=_page(path, tiff, index, pixel_limit))
-    # tifffile lets errors of any kind out of a damaged page.
-    except Exception as error:
-        return Frame(index=index, pixels=None, reason=f"{path}: page {index} cannot be decoded ({error})")
 
 
 def _page(path: Path, tiff: tifffile.TiffFile, index: int, pixel_limit: int) -> Pixels:
@@ -280,7 +280,7 @@ def _capture(path: Path) -> Any:
     return capture
 
 
-def _video_frames(path: Path, count: int, pixel_limit: int) -> Iterator[Frame]:
+def _video_frames(path: Path, start: int, stop: int, count: int, pixel_limit: int) -> Iterator[Frame]:
     capture = _capture(path)
     index = 0
     try:
@@ -288,7 +288,10 @@ def _video_frames(path: Path, count: int, pixel_limit: int) -> Iterator[Frame]:
             int(capture.get(key)) for key in (cv2.CAP_PROP_FRAME_WIDTH, cv2.CAP_PROP_FRAME_HEIGHT)
         )
         check_size(path, columns, rows, pixel_limit)
-        while True:
+        # Seeking lands on the wrong frame in some codecs; going through all of them never does.
+        while index < start and capture.grab():
+            index += 1
+        while index < stop or stop == count:  # headers may count too few
             good, colour = capture.read()
             if not good:
                 break
@@ -296,7 +299,7 @@ def _video_frames(path: Path, count: int, pixel_limit: int) -> Iterator[Frame]:
             index += 1
     finally:
         capture.release()
-    for missing in range(index, count):
+    for missing in range(max(index, start), stop):
         yield Frame(
             index=missing, pixels=None, reason=f"{path}: the video ends after {index} of {count} frames"
         )

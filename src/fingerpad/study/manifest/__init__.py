@@ -10,7 +10,7 @@ from fingerpad.study.manifest.contacts import (
 )
 from fingerpad.study.manifest.curves import Curve
 from fingerpad.study.manifest.fingers import Finger, Photograph
-from fingerpad.study.manifest.read import read_study
+from fingerpad.study.manifest.read import manifest_in, read_study
 from fingerpad.study.manifest.scales import (
     CoinScale,
     LineScale,
@@ -39,5 +39,6 @@ __all__ = [
     "ScaleTable",
     "Study",
     "Uncertainty",
+    "manifest_in",
     "read_study",
 ]

@@ -59,6 +59,7 @@ class Finger(Table):
     """A finger, with its semi-axes given or to be fitted to the outlines of its photographs."""
 
     name: Name
+    person: Name | None = None
     semi_axes_mm: SemiAxes | None = None
     semi_axes_std_mm: SemiAxesStd | None = None
     photographs: list[Photograph] = Field(default=[])

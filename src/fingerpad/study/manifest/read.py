@@ -10,6 +10,11 @@ from fingerpad.study.manifest.spreadsheet import read_rows
 from fingerpad.study.manifest.study import Study
 
 
+def manifest_in(path: Path) -> Path:
+    """Return the manifest that a path means: itself, or ``study.toml`` in the folder that it is."""
+    return path / "study.toml" if path.is_dir() else path
+
+
 def read_study(path: Path) -> Study:
     """Read and check a manifest; rows of ``observations_csv`` are appended to its observations.
 

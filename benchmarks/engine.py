@@ -1,0 +1,182 @@
+"""Measuring on several processes, resuming, and long films: ``python -m benchmarks.engine``."""
+
+import json
+import multiprocessing
+import resource
+import tempfile
+import time
+from concurrent.futures import ProcessPoolExecutor
+from functools import cache
+from itertools import chain
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import tifffile
+
+from fingerpad.image import synthetic_press
+from fingerpad.report import write_report
+from fingerpad.study.manifest import read_study
+from fingerpad.study.output import write_tables
+from fingerpad.study.pipeline import run_study
+from fingerpad.study.progress import Progress
+from fingerpad.study.scales import named_scales
+from fingerpad.study.sequences import Film
+from fingerpad.study.status import study_status
+from fingerpad.study.store import STORE_NAME, Store
+from fingerpad.study.tasks import Keys, perform
+
+FPS = 500
+_FINGER = """
+[[fingers]]
+name = "finger_{number}"
+semi_axes_mm = {{ palmar = 7.9, distal = 13.8, radial_ulnar = 11.8 }}
+semi_axes_std_mm = {{ palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }}
+synthetic = true
+"""
+_FILM = """
+[[sequences]]
+name = "film_{number}"
+finger = "finger_{finger}"
+wedge_angle_deg = {wedge}
+path = "film_{number}.tif"
+force = "force_{number}.csv"
+scale = {{ ppi = {ppi} }}
+frames_per_second = 500
+synthetic = true
+"""
+
+
+def make_study(folder: Path, *, films: int, frames: int, ppi: float, size: float = 1.0) -> Path:
+    """Write a study of synthetic films, each of a rendered press, and return its manifest."""
+    rendered = min(frames, 40)
+    loads = np.interp(np.arange(rendered), [0, rendered // 2, rendered - 1], [0.05, 2 * size, 0.05])
+    press = synthetic_press(loads, radii=(14.3 * size, 13.0 * size), reduced_modulus=0.09, ppi=ppi, seed=1)
+    pages = [press.pixels(k) for k in range(rendered)]
+    stretched = np.arange(frames) * rendered // frames
+    for number in range(films):
+        with tifffile.TiffWriter(folder / f"film_{number}.tif") as writer:
+            for page in stretched:
+                writer.write(pages[page], contiguous=False)
+        rows = "\n".join(f"{k / FPS},{loads[page]}" for k, page in enumerate(stretched))
+        (folder / f"force_{number}.csv").write_text(f"time_s,force_N\n{rows}\n", encoding="ascii")
+    fingers = "".join(_FINGER.format(number=number) for number in range(5))
+    tables = "".join(
+        _FILM.format(number=number, finger=number % 5, wedge=(15, 45)[number // 5 % 2], ppi=ppi)
+        for number in range(films)
+    )
+    manifest = folder / "study.toml"
+    manifest.write_text(f'title = "Synthetic films"\n{fingers}{tables}', encoding="utf-8")
+    return manifest
+
+
+def engines(films: int = 4, frames: int = 250) -> None:
+    """Print frames a second of one process, of two, and of two workers of Dask, and what keeping costs."""
+    print(
+        f"\nMeasuring {films * frames} frames of {films} films of 450 x 400 px, start of processes included"
+    )
+    with tempfile.TemporaryDirectory() as folder:
+        manifest = make_study(Path(folder), films=films, frames=frames, ppi=500)
+        rates: dict[str, float] = {}
+        for name, options in (
+            ("one process", {}),
+            ("two processes", {"workers": 2}),
+            ("Dask, two workers", {"workers": 2, "scheduler": "local"}),
+        ):
+            seconds, spent = _timed(manifest, Path(folder) / name, **options)
+            rates[name] = films * frames / seconds
+            aside = f", {100 * (seconds / spent - 1):.1f} % of it beside measuring (asked: 5)"
+            print(f"    {name:<18} {rates[name]:6.1f} frames/s{aside if not options else ''}")
+        pool = rates["two processes"]
+        print(f"    two processes over one: {pool / rates['one process']:.2f} (asked: 1.85)")
+        print(f"    Dask over two processes: {rates['Dask, two workers'] / pool:.2f} (asked: 0.85)")
+
+
+def _timed(manifest: Path, out: Path, **options: Any) -> tuple[float, float]:
+    """Return the seconds of a run's measuring, and those that its tasks took."""
+    told: list[tuple[float, Progress]] = []
+    run_study(manifest, out, on_progress=lambda one: told.append((time.perf_counter(), one)), **options)
+    return told[-1][0] - told[0][0], sum(one.seconds for _, one in told)
+
+
+def long_film(short: int = 200, long: int = 20_000) -> None:
+    """Print the peak memory of measuring a short and a long TIFF, parent and workers."""
+    print("\nPeak memory of measuring a TIFF of small frames with two processes")
+    peaks = {frames: _in_child(_film_memory, frames) for frames in (short, long)}
+    for frames, (seconds, own, worker) in peaks.items():
+        print(
+            f"    {frames:6,} frames: this process {own:.0f} MB, the larger worker {worker:.0f} MB, "
+            f"{frames / seconds:.0f} frames/s"
+        )
+    more = [peaks[long][k] - peaks[short][k] for k in (1, 2)]
+    print(f"    the long one needs {more[0]:.0f} and {more[1]:.0f} MB more (asked: 100)")
+
+
+def _film_memory(frames: int) -> tuple[float, float, float]:
+    with tempfile.TemporaryDirectory() as folder:
+        manifest = make_study(Path(folder), films=1, frames=frames, ppi=240, size=0.4)
+        seconds, _ = _timed(manifest, Path(folder) / "out", workers=2)
+        worker = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024
+        return seconds, peak_mb(), worker
+
+
+def peak_mb() -> float:
+    """Return the largest memory that this process has held, imports included."""
+    status = Path("/proc/self/status").read_text(encoding="ascii")
+    return int(status.split("VmHWM:")[1].split()[0]) / 1024
+
+
+def stored_study(films: int = 50, frames: int = 2000) -> None:
+    """Print what a finished study of many frames costs: its status, and a run that measures nothing."""
+    print(f"\nA finished study of {films} films, {films * frames:,} frames")
+    with tempfile.TemporaryDirectory() as folder:
+        manifest = make_study(Path(folder), films=films, frames=frames, ppi=240, size=0.4)
+        out = Path(folder) / "out"
+        _fill(manifest, out)
+        start = time.perf_counter()
+        status = study_status(manifest, out)
+        seconds = time.perf_counter() - start
+        print(f"    status: {seconds:.2f} s (asked: 1), done {status.done} of {status.total}")
+        rows, spent, peak = _in_child(_again, manifest, out)
+        print(
+            f"    run again: {rows:,} rows, tables and report in {spent:.0f} s, {peak:.0f} MB at most "
+            f"(asked: 300); store {(out / STORE_NAME).stat().st_size / 1e6:.0f} MB"
+        )
+
+
+def _again(manifest: Path, out: Path) -> tuple[int, float, float]:
+    start = time.perf_counter()
+    result = run_study(manifest, out)
+    write_tables(result, out)
+    write_report(result, out)
+    return len(result.rows), time.perf_counter() - start, peak_mb()
+
+
+def _fill(manifest: Path, out: Path) -> None:
+    """Measure the first film, and store its results for the others, which show the same."""
+    out.mkdir()
+    study, folder = read_study(manifest), manifest.parent
+    first = study.sequences[0].name
+    with Store.writing(out / STORE_NAME) as store:
+        keys = Keys(study=study, folder=folder, digest=cache(store.digest))
+        records: dict[str, str] = {}
+        for sequence in study.sequences:
+            film = Film.open(sequence, keys, named_scales(study, folder))
+            for task in chain.from_iterable(film.stages(store)):
+                like = task.name.replace(sequence.name, first, 1)
+                if like not in records:
+                    record = perform(task.work, task.file, folder).record
+                    records[like] = json.dumps(record | ({"overlays": []} if "overlays" in record else {}))
+                record = json.loads(records[like].replace(first, sequence.name))
+                store.put(task.name, task.key, record, seconds=1.0, count=task.pictures)
+
+
+def _in_child(work: Any, *args: Any) -> Any:
+    with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as pool:
+        return pool.submit(work, *args).result()
+
+
+if __name__ == "__main__":
+    engines()
+    long_film()
+    stored_study()

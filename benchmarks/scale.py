@@ -1,0 +1,225 @@
+"""Time and memory of everything after measuring, from 10² to 10⁵ rows: ``python -m benchmarks.scale``.
+
+The measurements are synthetic: ellipses drawn about elliptical Hertz theory, without pictures.
+"""
+
+import math
+import multiprocessing
+import tempfile
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from fingerpad.image import SequenceSummary
+from fingerpad.report import write_report
+from fingerpad.study.fingers import FingerResult
+from fingerpad.study.manifest import Contact, ContactSequence, Study
+from fingerpad.study.measure import Measurement
+from fingerpad.study.output import write_tables
+from fingerpad.study.pipeline import StudyResult, result_of
+from fingerpad.study.provenance import provenance
+from fingerpad.study.sequences import SequenceResult
+
+FRAMES, FINGERS, WEDGES = 2000, 5, (15.0, 45.0)
+AXES, AXES_STD = (7.9, 13.8, 11.8), 0.1
+EDGE_STD, SCALE_STD = 0.05, 0.01
+
+
+class Cost(NamedTuple):
+    """What the rows of a study cost the process that makes them, by the processor's clock."""
+
+    rows: int
+    model_s: float
+    tables_s: float
+    report_s: float
+    peak_mb: float
+    report_mb: float
+
+    @property
+    def total_s(self) -> float:
+        """Everything after measuring."""
+        return self.model_s + self.tables_s + self.report_s
+
+
+def films_of(rows: int) -> list[ContactSequence]:
+    """Return the films of a study of so many rows: up to 2,000 frames each, over fingers and angles."""
+    count = math.ceil(rows / FRAMES)
+    return [
+        ContactSequence.model_validate(
+            {
+                "name": f"film_{number}",
+                "finger": f"finger_{number % FINGERS}",
+                "wedge_angle_deg": WEDGES[number // FINGERS % len(WEDGES)],
+                "path": f"film_{number}.tif",
+                "force": f"film_{number}.csv",
+                "scale": {"ppi": 500},
+                "synthetic": True,
+            }
+        )
+        for number in range(count)
+    ]
+
+
+def measurements_of(film: ContactSequence, count: int) -> Iterator[Measurement]:
+    """Yield the frames of a press to 2 N and back; one of a hundred cannot be read, one is cut."""
+    rng = np.random.default_rng(int(film.name.removeprefix("film_")))
+    for frame in range(count):
+        load = 0.1 + 1.9 * (1 - abs(2 * frame / max(count - 1, 1) - 1))
+        phase = "loading" if 2 * frame < count else "unloading"
+        place = {"sequence": film.name, "frame": frame, "time_s": frame / 500, "phase": phase}
+        name = f"{film.name}#{frame}"
+        if frame % 100 == 7:
+            yield Measurement(name=name, load=load, reason="the page is damaged", columns=place, counts=False)
+            continue
+        axes = np.array([5.6, 4.7]) * load**0.3 * np.exp(rng.normal(0, 0.01, 2))
+        area = np.pi * axes.prod()
+        yield Measurement(
+            name=name,
+            load=load,
+            semi_major=float(axes[0]),
+            semi_minor=float(axes[1]),
+            covariance=EDGE_STD**2 * np.eye(2) + SCALE_STD**2 * np.outer(axes, axes),
+            scale=f"sequence:{film.name}",
+            relative_scale_std=SCALE_STD,
+            long_axis="along",
+            columns={
+                "gross_area_mm2": area,
+                "gross_area_mm2_std": 0.02 * area,
+                "ridge_area_mm2": 0.5 * area,
+                "ridge_area_mm2_std": 0.03 * area,
+                "ridge_period_mm": 0.45,
+                "ellipse_iou": 0.95,
+                "orientation_deg": float(rng.normal(0, 3)),
+                "centroid_row_px": 200.0,
+                "centroid_column_px": 300.0,
+                "scale": f"sequence:{film.name}",
+                "mm_per_px": 0.0508,
+                "mm_per_px_std": 0.0508 * SCALE_STD,
+                **place,
+            },
+            flags=("touches_border",) if frame % 100 == 11 else (),
+            counts=phase == "loading",
+        )
+
+
+def study_result(rows: int, folder: Path) -> StudyResult:
+    """Return the result of a synthetic study of so many rows, its measurements streamed."""
+    films = films_of(rows)
+    counts = [min(FRAMES, rows - FRAMES * number) for number in range(len(films))]
+    names = dict.fromkeys(film.finger for film in films)
+    study = Study.model_validate(
+        {
+            "title": f"Synthetic study of {rows:,} rows",
+            "fingers": [{"name": name, **_given()} for name in names],
+            "sequences": [film.model_dump(exclude_defaults=True) for film in films],
+            "uncertainty": {"wedge_angle_std_deg": 0.5, "load_relative_std": 0.02},
+        }
+    )
+    fingers = {
+        name: FingerResult(
+            name=name,
+            semi_axes=np.array(AXES) * (1 + 0.02 * number),
+            covariance=AXES_STD**2 * np.eye(3),
+            source="given",
+            synthetic=True,
+        )
+        for number, name in enumerate(names)
+    }
+
+    def seen() -> Iterator[tuple[Contact, Measurement]]:
+        for film, count in zip(films, counts, strict=True):
+            for measured in measurements_of(film, count):
+                yield film, measured
+
+    return result_of(
+        study,
+        folder,
+        fingers=fingers,
+        scales={},
+        seen=seen(),
+        sequences=[_sequence(film, count) for film, count in zip(films, counts, strict=True)],
+        origin=provenance([], str),
+    )
+
+
+def _given() -> dict[str, dict[str, float]]:
+    names = ("palmar", "distal", "radial_ulnar")
+    return {
+        "semi_axes_mm": dict(zip(names, AXES, strict=True)),
+        "semi_axes_std_mm": dict.fromkeys(names, AXES_STD),
+    }
+
+
+def _sequence(film: ContactSequence, count: int) -> SequenceResult:
+    failed = sum(frame % 100 == 7 for frame in range(count))
+    return SequenceResult(
+        manifest=film,
+        summary=SequenceSummary(
+            count=count,
+            measured=count - failed,
+            without_contact=0,
+            failed=failed,
+            first_contact=0,
+            largest=count // 2,
+            phases={"loading": count // 2, "unloading": count - count // 2},
+            without_force=0,
+            notes=(),
+        ),
+    )
+
+
+def cost(rows: int) -> Cost:
+    """Make the rows, tables and report of a study in this process, and return what they cost."""
+    with tempfile.TemporaryDirectory() as folder:
+        out = Path(folder)
+        start = time.process_time()
+        result = study_result(rows, out)
+        modelled = time.process_time()
+        write_tables(result, out)
+        tabled = time.process_time()
+        report = write_report(result, out)
+        done = time.process_time()
+        return Cost(
+            rows=rows,
+            model_s=modelled - start,
+            tables_s=tabled - modelled,
+            report_s=done - tabled,
+            peak_mb=_peak_mb(),
+            report_mb=report.stat().st_size / 1e6,
+        )
+
+
+def _peak_mb() -> float:
+    """Return the largest memory that this process has held, imports included."""
+    status = Path("/proc/self/status").read_text(encoding="ascii")
+    return int(status.split("VmHWM:")[1].split()[0]) / 1024
+
+
+def cost_apart(rows: int) -> Cost:
+    """Return the cost of a study in a process of its own."""
+    with multiprocessing.get_context("spawn").Pool(1) as pool:
+        return pool.apply(cost, (rows,))
+
+
+def rows_at_scale(largest: int = 5) -> list[Cost]:
+    """Print and return seconds and memory from 10² rows to 10^`largest`, with the exponent of the cost."""
+    print("\nAfter measuring: model, tables and report of synthetic films; processor time, a process each")
+    print("       rows    model   tables   report    total  exponent  peak memory  report.html")
+    found: list[Cost] = []
+    for power in range(2, largest + 1):
+        one = cost_apart(10**power)
+        exponent = f"{math.log10(one.total_s / found[-1].total_s):8.2f}" if found else " " * 8
+        print(
+            f"    {one.rows:7,d} {one.model_s:6.1f} s {one.tables_s:6.1f} s {one.report_s:6.1f} s "
+            f"{one.total_s:6.1f} s  {exponent}  {one.peak_mb:8.0f} MB  {one.report_mb:8.2f} MB",
+            flush=True,
+        )
+        found.append(one)
+    return found
+
+
+if __name__ == "__main__":
+    rows_at_scale()

@@ -1,0 +1,131 @@
+"""Bring in what was measured elsewhere."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Final
+
+import typer
+
+from fingerpad.cli.measure.scale import WAYS, takes_scale
+from fingerpad.cli.shared import AsJson, plain_errors, print_json
+from fingerpad.exceptions import CalibrationError
+
+if TYPE_CHECKING:
+    from fingerpad.image import Scale
+    from fingerpad.study.fiji import HandEllipse, HandObservation
+
+app = typer.Typer(help="Bring in what was measured elsewhere.", no_args_is_help=True)
+
+_MM_PER_UNIT: Final = {"mm": 1.0, "um": 1e-3, "µm": 1e-3, "cm": 10.0, "inch": 25.4}
+_SHOWN = 5
+
+
+@app.command("fiji")
+@takes_scale
+def import_fiji(
+    files: Annotated[
+        list[Path],
+        typer.Argument(
+            metavar="FILE...", help="Results.csv, .txt or .xls; .roi or RoiSet.zip.", show_default=False
+        ),
+    ],
+    *,
+    std_mm: Annotated[
+        float, typer.Option(help="Standard uncertainty of either semi-axis, mm.", show_default=False)
+    ],
+    unit: Annotated[
+        str | None,
+        typer.Option(help="Unit of a table whose pictures had a scale in Fiji: mm, um, cm or inch."),
+    ] = None,
+    finger: Annotated[str | None, typer.Option(help="The finger, if one for all.")] = None,
+    wedge_angle_deg: Annotated[float | None, typer.Option(help="The wedge angle, if one for all.")] = None,
+    roll_angle_deg: Annotated[float | None, typer.Option(help="The roll angle, if one for all.")] = None,
+    load_n: Annotated[float | None, typer.Option("--load-N", help="The load, if one for all.")] = None,
+    label_pattern: Annotated[
+        str | None,
+        typer.Option(help='What labels tell, as in "{finger}_{wedge_angle_deg}deg_{load_N}N".'),
+    ] = None,
+    finger_axis_deg: Annotated[
+        float,
+        typer.Option(help="The finger's direction in the pictures, from straight up, counter-clockwise."),
+    ] = 0.0,
+    synthetic: Annotated[bool, typer.Option("--synthetic", help="The pictures were rendered.")] = False,
+    out: Annotated[Path, typer.Option(help="CSV to write; never one that is there.")] = Path(
+        "observations.csv"
+    ),
+    as_json: AsJson = False,
+    scale: "Scale | None" = None,
+) -> None:
+    """Turn ellipses measured by hand in Fiji or ImageJ into observations of a study.
+
+    A table gives Major and Minor of "Fit ellipse"; ROIs are ovals, ellipses, or traced outlines. What
+    neither flags nor labels tell is left empty, to be filled in.
+    """
+    from fingerpad.study.fiji import LabelPattern, hand_observations, write_observations
+
+    given = {
+        "finger": finger,
+        "wedge_angle_deg": wedge_angle_deg,
+        "roll_angle_deg": roll_angle_deg,
+        "load_N": load_n,
+    }
+    with plain_errors():
+        pattern = LabelPattern.of(label_pattern) if label_pattern is not None else None
+        mm_per_unit = _mm_per_unit(files, unit, scale)
+        ellipses = _read(files)
+        rows = hand_observations(
+            ellipses,
+            mm_per_unit=mm_per_unit,
+            semi_axis_std_mm=std_mm,
+            relative_scale_std=scale.relative_std if scale else 0.0,
+            known={name: value for name, value in given.items() if value is not None},
+            pattern=pattern,
+            finger_axis_deg=finger_axis_deg,
+            synthetic=synthetic,
+        )
+        write_observations(out, rows)
+    for ellipse in ellipses:
+        for doubt in ellipse.doubts:
+            typer.echo(f"doubtful: {ellipse.place}: {doubt}", err=True)
+    if as_json:
+        print_json([row.as_record() for row in rows])
+    else:
+        _print_outcome(out, rows)
+
+
+def _mm_per_unit(files: list[Path], unit: str | None, scale: "Scale | None") -> float:
+    from fingerpad.study.fiji import is_roi_file
+
+    rois = [path for path in files if is_roi_file(path)]
+    if unit is not None and (scale is not None or rois):
+        found = "a scale beside it" if scale else f"{rois[0]}, which is in px"
+        raise CalibrationError(f"--unit is for tables whose pictures had a scale in Fiji; found {found}")
+    if scale is not None:
+        return scale.mm_per_px
+    if unit is None:
+        raise CalibrationError(
+            f"Fiji's files name no unit: for lengths in px give {WAYS}"
+            + ("" if rois else "; for a table whose pictures had a scale, --unit mm")
+        )
+    if unit not in _MM_PER_UNIT:
+        raise CalibrationError(f"--unit takes {', '.join(_MM_PER_UNIT)}, found {unit!r}")
+    return _MM_PER_UNIT[unit]
+
+
+def _read(files: list[Path]) -> list["HandEllipse"]:
+    from fingerpad.study.fiji import is_roi_file, read_results_table, read_rois
+
+    return [
+        found for path in files for found in (read_rois if is_roi_file(path) else read_results_table)(path)
+    ]
+
+
+def _print_outcome(out: Path, rows: list["HandObservation"]) -> None:
+    typer.echo(f"Wrote {out}: {len(rows)} contact{'s' if len(rows) != 1 else ''} measured by hand.")
+    lacking = [row for row in rows if row.missing]
+    if lacking:
+        columns = dict.fromkeys(name for row in lacking for name in row.missing)
+        names = ", ".join(row.name for row in lacking[:_SHOWN]) + (", …" if len(lacking) > _SHOWN else "")
+        typer.echo(f"Fill in {', '.join(columns)} for {len(lacking)} of them: {names}")
+    if any(row.long_axis is None for row in rows):
+        typer.echo("No column Angle, or circles: long_axis is left empty, and need not be filled in.")
+    typer.echo(f'Then name it in the study, above the first table: observations_csv = "{out.name}"')

@@ -1,0 +1,80 @@
+"""Progress of a run, for people and for logs."""
+
+import json
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import asdict
+from datetime import UTC, datetime
+from pathlib import Path
+from time import monotonic
+from typing import TYPE_CHECKING, TextIO
+
+from fingerpad.exceptions import FingerpadError
+
+if TYPE_CHECKING:
+    from rich.progress import Progress as Bar
+
+    from fingerpad.study.progress import Progress
+
+
+class Told:
+    """A bar on the screen, and lines of JSON in a file."""
+
+    def __init__(self, bar: "Bar", log: TextIO | None) -> None:
+        self._bar, self._log = bar, log
+        self._task = bar.add_task("Looking for what is to be measured", total=None, rate="", failed="")
+        self._start, self._before = monotonic(), 0
+
+    def tell(self, progress: "Progress") -> None:
+        """Show how far a run is."""
+        if progress.status == "started":
+            self._start, self._before = monotonic(), progress.pictures
+        if self._log is not None:
+            time = datetime.now(UTC).isoformat(timespec="milliseconds")
+            print(json.dumps({"time": time, **asdict(progress)}), file=self._log, flush=True)
+        seconds = monotonic() - self._start
+        rate = (progress.pictures - self._before) / seconds if seconds > 0 else 0.0
+        self._bar.update(
+            self._task,
+            total=progress.total,
+            completed=progress.pictures,
+            description=f"Measured {progress.item}" if progress.item else "Measuring",
+            rate=f"{rate:.1f} pictures/s" if rate > 0 else "",
+            failed=f"{progress.failed} failed" if progress.failed else "",
+        )
+
+    def say(self, words: str) -> None:
+        """Show what is done now."""
+        self._bar.update(self._task, description=words)
+
+
+@contextmanager
+def shown_progress(log: Path | None) -> Iterator[Told]:
+    """Show progress on stderr, and add it to a file if one is given.
+
+    Raises
+    ------
+    FingerpadError
+        If the file cannot be written.
+    """
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+    try:
+        file = None if log is None else log.open("a", encoding="utf-8")
+    except OSError as error:
+        raise FingerpadError(f"{log}: cannot be written ({error.strerror})") from error
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TextColumn("{task.fields[rate]}"),
+        TimeRemainingColumn(elapsed_when_finished=True),
+        TextColumn("[red]{task.fields[failed]}"),
+    )
+    try:
+        with Progress(*columns, console=Console(stderr=True)) as bar:
+            yield Told(bar, file)
+    finally:
+        if file is not None:
+            file.close()

@@ -1,0 +1,214 @@
+"""Figures that put fingers and people side by side."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import cycle
+from typing import Final
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from fingerpad._arrays import ArrayLike, FloatArray, floats
+from fingerpad.figures.style import (
+    BLACK,
+    BLUE,
+    GREEN,
+    GREY,
+    ORANGE,
+    SKY,
+    VERMILLION,
+    draw_points,
+    in_style,
+    legend_above,
+)
+
+_COLOURS: Final = (BLUE, ORANGE, GREEN, VERMILLION, SKY, "#CC79A7", GREY)
+_MOST_NAMES: Final = 8
+_WIDEST_SHIFT_DEG: Final = 1.4
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MeanMark:
+    """A mean as a figure shows it.
+
+    Attributes
+    ----------
+    value, std : float
+        Mean and standard uncertainty.
+    interval : (float, float) or None
+        Its 95 % interval.
+    between_std : float
+        Scatter between people, drawn as a bar; NaN for none.
+    synthetic : bool
+        Whether it is over synthetic fingers.
+    """
+
+    value: float
+    std: float
+    interval: tuple[float, float] | None
+    between_std: float
+    synthetic: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class FingerLine:
+    """A finger's values against the wedge angle, degrees.
+
+    Attributes
+    ----------
+    person, colour : str
+        Whose finger it is, and the colour of that person.
+    wedge_angle_deg, value, std : array_like
+        The values, by angle.
+    synthetic : bool
+        Whether they were rendered or simulated.
+    """
+
+    person: str
+    colour: str
+    wedge_angle_deg: ArrayLike
+    value: ArrayLike
+    std: ArrayLike
+    synthetic: bool = False
+
+
+def colours_of(people: Sequence[str]) -> dict[str, str]:
+    """Return one colour for each person, again from the first where there are more than seven."""
+    return dict(zip(dict.fromkeys(people), cycle(_COLOURS)))
+
+
+@in_style
+def plot_forest(
+    axes: Axes,
+    place: ArrayLike,
+    value: ArrayLike,
+    std: ArrayLike,
+    *,
+    colours: Sequence[str],
+    synthetic: ArrayLike,
+    means: Sequence[tuple[float, MeanMark]] = (),
+    title: str = "",
+) -> Axes:
+    """Draw values in rows, each with its standard uncertainty, and means below them.
+
+    A mean is a diamond on its 95 % interval; the bar round it is one standard deviation between people.
+
+    Parameters
+    ----------
+    axes : Axes
+        Where to draw. Rows count downwards.
+    place : array_like, shape (n,)
+        Row of each value.
+    value, std : array_like, shape (n,)
+        Values and standard uncertainties, NaN where not known.
+    colours : sequence of str
+        One for each value.
+    synthetic : array_like of bool, shape (n,)
+        Which were rendered or simulated: hollow.
+    means : sequence of (row, MeanMark)
+        The means, at their rows.
+    title : str
+        What the values have in common.
+    """
+    y, x, spread = floats(place), floats(value), floats(std)
+    for colour in dict.fromkeys(colours):
+        same = np.array([each == colour for each in colours])
+        for known in (True, False):
+            chosen = same & (np.isfinite(spread) == known)
+            if chosen.any():
+                draw_points(
+                    axes,
+                    x[chosen],
+                    y[chosen],
+                    x_std=spread[chosen] if known else None,
+                    synthetic=np.broadcast_to(synthetic, x.shape)[chosen],
+                    colour=colour,
+                )
+    for mark in [text for text in axes.texts if text.get_gid() == "synthetic"]:
+        mark.remove()  # the rows' own names say it
+    ends = [x - np.nan_to_num(spread), x + np.nan_to_num(spread)]
+    for line, mean in means:
+        if np.isfinite(mean.between_std):
+            band = mean.value - mean.between_std, mean.value + mean.between_std
+            axes.fill_betweenx((line - 0.4, line + 0.4), *band, color=BLACK, alpha=0.15, linewidth=0)
+            ends.append(floats(band))
+        if mean.interval is not None:
+            axes.plot(mean.interval, (line, line), color=BLACK, linewidth=1.2, solid_capstyle="butt")
+        face = "white" if mean.synthetic else BLACK
+        axes.plot(mean.value, line, "D", color=BLACK, markerfacecolor=face, markersize=5, zorder=4)
+    every = np.concatenate([np.ravel(end) for end in ends])
+    if every.size:
+        room = 0.08 * (np.ptp(every) or abs(every[0]) or 1.0)
+        axes.set_xlim(every.min() - room, every.max() + room)
+    axes.set_title(title)
+    axes.grid(visible=False, axis="y")
+    axes.tick_params(axis="y", length=0)
+    return axes
+
+
+@in_style
+def plot_by_wedge(
+    axes: Axes,
+    lines: Sequence[FingerLine],
+    means: Sequence[tuple[float, MeanMark]] = (),
+    *,
+    label: str,
+) -> Axes:
+    """Draw each finger's values against the wedge angle, people by colour, and the means over people.
+
+    More than eight people have thin grey lines without names or bars.
+
+    Parameters
+    ----------
+    axes : Axes
+        Where to draw.
+    lines : sequence of FingerLine
+        The fingers.
+    means : sequence of (wedge angle in degrees, MeanMark)
+        Means over people, joined by a line, in a band of one standard deviation between people.
+    label : str
+        Name of the values with their unit.
+    """
+    crowded = len({line.person for line in lines}) > _MOST_NAMES
+    named: set[str] = set()
+    for place, line in enumerate(lines):
+        name = f"{'a finger' if crowded else line.person}{' (synthetic)' if line.synthetic else ''}"
+        new = None if name in named else name
+        named.add(name)
+        if crowded:
+            style = ":" if line.synthetic else "-"
+            axes.plot(line.wedge_angle_deg, line.value, style, color=GREY, linewidth=0.5, zorder=1, label=new)
+            continue
+        # Beside one another where fingers share an angle.
+        shift = _WIDEST_SHIFT_DEG * (2 * (place + 0.5) / len(lines) - 1)
+        axes.errorbar(
+            floats(line.wedge_angle_deg) + shift,
+            floats(line.value),
+            yerr=floats(line.std),
+            fmt="o-",
+            color=line.colour,
+            linewidth=0.7,
+            markersize=3.6,
+            elinewidth=0.7,
+            markerfacecolor="white" if line.synthetic else line.colour,
+            label=new,
+        )
+    for synthetic in (False, True):
+        chosen = [(angle, mean) for angle, mean in means if mean.synthetic is synthetic]
+        if chosen:
+            _draw_means(axes, *zip(*sorted(chosen, key=lambda one: one[0]), strict=True), synthetic=synthetic)
+    axes.set_xticks(sorted({float(angle) for line in lines for angle in floats(line.wedge_angle_deg)}))
+    axes.set_xlabel("wedge angle (°)")
+    axes.set_ylabel(label)
+    axes.margins(y=0.12)
+    legend_above(axes)
+    return axes
+
+
+def _draw_means(axes: Axes, angles: Sequence[float], means: Sequence[MeanMark], *, synthetic: bool) -> None:
+    value: FloatArray = floats([mean.value for mean in means])
+    spread = np.nan_to_num(floats([mean.between_std for mean in means]))
+    label = f"mean over people{' (synthetic)' if synthetic else ''}, band: between people"
+    face = "white" if synthetic else BLACK
+    axes.plot(angles, value, "D--", color=BLACK, markersize=4.5, markerfacecolor=face, zorder=4, label=label)
+    axes.fill_between(floats(angles), value - spread, value + spread, color=BLACK, alpha=0.13, linewidth=0)

@@ -1,0 +1,241 @@
+"""Studies side by side as one page and its figures."""
+
+from collections.abc import Iterator, Sequence
+from importlib.resources import files
+from pathlib import Path
+from typing import Final
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup
+
+import fingerpad
+from fingerpad._files import make_folder
+from fingerpad.exceptions import FingerpadError
+from fingerpad.figures import new_figure, save_figure
+from fingerpad.figures.compare import FingerLine, MeanMark, colours_of, plot_by_wedge, plot_forest
+from fingerpad.report.plot import Plot
+from fingerpad.study.compare import QUANTITIES, Comparison, Mean, Value
+from fingerpad.units import two_digits, value_with_uncertainty
+
+_LONGEST_LABEL: Final = 38
+# More fingers than these make no readable figure: their people are drawn in their place.
+_MOST_ROWS: Final = 100
+_PX_PER_INCH: Final = 140
+_SYMBOLS: Final = {
+    "palmar_mm": "ℓ<sub>a</sub>",
+    "distal_mm": "ℓ<sub>b</sub>",
+    "radial_ulnar_mm": "ℓ<sub>c</sub>",
+    "mean_curvature_radius_mm": "R<sub>0g</sub>",
+    "radius_from_indentation_mm": "R<sub>g</sub><sup>corr</sup>",
+    "initial_modulus_kpa": "E<sub>0g</sub>",
+    "load_exponent": "m",
+    "curve_area_exponent": "n",
+    "area_exponent": "n",
+}
+
+
+def write_comparison_page(comparison: Comparison, out: Path) -> Path:
+    """Write ``compare.html`` and ``figures/compare_*`` into `out`, and return the page's path.
+
+    Raises
+    ------
+    FingerpadError
+        If a file cannot be written.
+    """
+    make_folder(out / "figures")
+    environment = Environment(
+        loader=PackageLoader("fingerpad.report", "."),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+    )
+    environment.globals |= {"pm": value_with_uncertainty, "interval": _interval, "two": _two_digits}
+    path = out / "compare.html"
+    try:
+        page = environment.get_template("compare.html.jinja").render(
+            comparison=comparison,
+            version=fingerpad.__version__,
+            style=Markup(files("fingerpad.report").joinpath("report.css").read_text(encoding="utf-8")),  # noqa: S704
+            quantities=[
+                {
+                    "name": name,
+                    "symbol": Markup(_SYMBOLS[name]),  # noqa: S704 (written here)
+                    "unit": kind.unit,
+                    "words": kind.words,
+                    "values": comparison.of(name)[0],
+                    "means": comparison.of(name)[1],
+                    "figures": _drawn(forest_plot(comparison, name), out),
+                }
+                for name, kind in QUANTITIES.items()
+                if comparison.of(name)[0]
+            ],
+            by_wedge=_drawn(wedge_plot(comparison), out),
+            synthetic=any(value.synthetic for value in comparison.values),
+        )
+        path.write_text(page, encoding="utf-8")
+    except OSError as error:
+        raise FingerpadError(f"{error.filename}: cannot be written ({error.strerror})") from error
+    return path
+
+
+def forest_plot(comparison: Comparison, quantity: str) -> Iterator[Plot]:
+    """Yield the forest plot of one quantity: a panel for each placement, a row for each finger."""
+    every_value, means = comparison.of(quantity)
+    if not every_value:
+        return
+    kind = QUANTITIES[quantity]
+    values = _shown(every_value, means)
+    rows, labels, places = _rows(values, means)
+    panels = list(dict.fromkeys((value.wedge_angle_deg, value.roll_angle_deg) for value in values))
+    figure, every = new_figure(
+        width_mm=48 + 52 * len(panels), height_mm=16 + 4.6 * len(labels), columns=len(panels)
+    )
+    colours = colours_of([value.person.name for value in comparison.values])
+    for axes, (wedge, roll) in zip(every, panels, strict=True):
+        here = [row for row in rows if (row[1].wedge_angle_deg, row[1].roll_angle_deg) == (wedge, roll)]
+        plot_forest(
+            axes,
+            [place for place, _ in here],
+            [value.value for _, value in here],
+            [value.std for _, value in here],
+            colours=[colours[value.person.name] for _, value in here],
+            synthetic=[value.synthetic for _, value in here],
+            means=[
+                (places[mean.synthetic], _mark(mean))
+                for mean in means
+                if (mean.wedge_angle_deg, mean.roll_angle_deg) == (wedge, roll) and len(mean.people) > 1
+            ],
+            title="" if wedge is None else f"wedge {wedge:g}°" + (f", roll {roll:g}°" if roll else ""),
+        )
+        axes.set_ylim(len(labels) - 0.4, -0.6)
+        axes.set_yticks(range(len(labels)), labels if axes is every[0] else [""] * len(labels))
+        axes.set_xlabel(f"{kind.symbol} ({kind.unit})" if kind.unit else kind.symbol)
+    yield Plot(
+        name=f"compare_{quantity}",
+        figure=figure,
+        caption=f"{kind.words[0].upper()}{kind.words[1:]}, with one standard uncertainty"
+        + ("; diamonds: means over people with their 95 % interval, which may leave the frame; bar: one "
+           "standard deviation between people" if any(len(mean.people) > 1 for mean in means) else "")
+        + (". Hollow: synthetic." if any(value.synthetic for value in values) else "."),
+    )  # fmt: skip
+
+
+def _rows(
+    values: Sequence[Value], means: Sequence[Mean]
+) -> tuple[list[tuple[int, Value]], list[str], dict[bool, int]]:
+    """Return the row of each value, the names of rows, and the rows of the means, real and synthetic."""
+
+    def key(value: Value) -> tuple[bool, str, str, str]:
+        return value.synthetic, value.person.name, value.finger, value.study
+
+    order = {each: place for place, each in enumerate(sorted({key(value) for value in values}))}
+    fingers = [each[:3] for each in order]
+    labels = [_label(*each[:3], each[3] if fingers.count(each[:3]) > 1 else "") for each in order]
+    places = {}
+    for synthetic in (False, True):
+        if any(mean.synthetic is synthetic and len(mean.people) > 1 for mean in means):
+            places[synthetic] = len(labels)
+            labels.append(f"mean over people{' (synthetic)' if synthetic else ''}")
+    return [(order[key(value)], value) for value in values], labels, places
+
+
+def _shown(values: Sequence[Value], means: Sequence[Mean]) -> Sequence[Value]:
+    """Return the values, or the means of people where there are too many fingers for a figure."""
+    if len({(value.study, value.finger) for value in values}) <= _MOST_ROWS:
+        return values
+    return [
+        Value(
+            quantity=mean.quantity,
+            study="",
+            person=each.person,
+            finger=f"{each.fingers} finger{'s' if each.fingers > 1 else ''}",
+            synthetic=mean.synthetic,
+            value=each.value,
+            std=each.std,
+            wedge_angle_deg=mean.wedge_angle_deg,
+            roll_angle_deg=mean.roll_angle_deg,
+        )
+        for mean in means
+        for each in mean.people
+    ]
+
+
+def _label(synthetic: bool, person: str, finger: str, study: str) -> str:
+    name = finger if finger.startswith(person) else f"{person}, {finger}"
+    name = f"{name}, {study}" if study else name
+    short = name if len(name) <= _LONGEST_LABEL else f"…{name[1 - _LONGEST_LABEL :]}"
+    return f"{short} (synthetic)" if synthetic else short
+
+
+def wedge_plot(comparison: Comparison) -> Iterator[Plot]:
+    """Yield the corrected radius against the wedge angle, a line for each finger, where angles differ."""
+    values, means = comparison.of("radius_from_indentation_mm")
+    values = [value for value in values if not value.roll_angle_deg]
+    if len({value.wedge_angle_deg for value in values}) < 2:
+        return
+    lines: dict[tuple[str, str, str, bool], list[Value]] = {}
+    for value in values:
+        lines.setdefault((value.person.name, value.study, value.finger, value.synthetic), []).append(value)
+    figure, (axes,) = new_figure(width_mm=140, height_mm=95)
+    colours = colours_of([value.person.name for value in comparison.values])
+    kind = QUANTITIES["radius_from_indentation_mm"]
+    plot_by_wedge(
+        axes,
+        [
+            FingerLine(
+                person=person,
+                colour=colours[person],
+                wedge_angle_deg=[value.wedge_angle_deg or 0.0 for value in points],
+                value=[value.value for value in points],
+                std=[value.std for value in points],
+                synthetic=synthetic,
+            )
+            for (person, _, _, synthetic), points in lines.items()
+        ],
+        [
+            (mean.wedge_angle_deg or 0.0, _mark(mean))
+            for mean in means
+            if not mean.roll_angle_deg and len(mean.people) > 1
+        ],
+        label=f"corrected radius {kind.symbol} ({kind.unit})",
+    )
+    yield Plot(
+        name="compare_radius_by_wedge",
+        figure=figure,
+        caption="Corrected radius against wedge angle, a line for each finger. Where bars are drawn they are "
+        "one standard uncertainty, and fingers of one angle stand beside one another. Hollow or dotted: "
+        "synthetic.",
+    )
+
+
+def _interval(mean: Mean) -> str:
+    """Return the 95 % interval with the digits of the mean."""
+    if mean.interval is None:
+        return "–"
+    low, high = (value_with_uncertainty(end, mean.std).partition(" ±")[0] for end in mean.interval)
+    return f"{low} to {high}"
+
+
+def _two_digits(std: float) -> str:
+    return two_digits(std) if std > 0 else "0" if std == 0 else "–"
+
+
+def _mark(mean: Mean) -> MeanMark:
+    return MeanMark(
+        value=mean.value,
+        std=mean.std,
+        interval=mean.interval,
+        between_std=mean.between_people_std,
+        synthetic=mean.synthetic,
+    )
+
+
+def _drawn(plots: Iterator[Plot], out: Path) -> list[dict[str, str]]:
+    """Save each plot as files, and return it as SVG for the page."""
+    drawn = []
+    for plot in plots:
+        file, _ = save_figure(plot.figure, out / "figures" / plot.name, description=plot.caption)
+        _, _, drawing = file.read_text(encoding="utf-8").partition("\n")  # without the XML declaration
+        width_px = round(_PX_PER_INCH * plot.figure.get_figwidth())
+        drawn.append({"svg": Markup(drawing), "caption": plot.caption, "width_px": str(width_px)})  # noqa: S704 (drawn here)
+    return drawn

@@ -1,0 +1,203 @@
+"""Measuring on many machines: the workers of a Dask scheduler.
+
+Workers that see the study folder under the path that it has here read it themselves; to others, the files of
+each task are sent. A worker must run the very code that this process runs.
+"""
+
+import logging
+import math
+from collections import OrderedDict
+from collections.abc import Iterator
+from concurrent.futures import CancelledError, Future
+from contextlib import ExitStack, contextmanager, suppress
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from time import monotonic
+from typing import Any, Final
+
+import cv2
+
+import fingerpad
+from fingerpad.exceptions import ClusterError
+from fingerpad.study.tasks import Done, Task, Work, measuring_code, perform
+
+_WAIT_S: Final = 30
+_COUNT_AGAIN_S: Final = 5
+# Files of so many tasks stay with the workers: the pieces of a film follow one another.
+_KEPT: Final = 4
+
+
+class ClusterHands:
+    """The workers of a Dask scheduler."""
+
+    def __init__(self, client: Any, folder: Path, *, sends: bool) -> None:
+        self._client, self._folder, self._sends = client, folder, sends
+        self._sent: OrderedDict[tuple[str, ...], Any] = OrderedDict()
+        self._counted, self._threads = -math.inf, 1
+
+    @property
+    def capacity(self) -> int:
+        """Twice the number of threads that the workers have at present."""
+        if monotonic() > self._counted + _COUNT_AGAIN_S:
+            self._counted = monotonic()
+            with suppress(OSError):  # a scheduler that is gone is told by the tasks in hand
+                self._threads = sum(self._client.nthreads().values())
+        return 2 * max(1, self._threads)
+
+    def submit(self, task: Task) -> Future[Done]:
+        """Hand a task to the scheduler."""
+        files = self._files(task) if self._sends else None
+        remote = self._client.submit(
+            _perform_there, task.work, task.file, str(self._folder), measuring_code(), files, pure=False
+        )
+        future: Future[Done] = Future()
+        future.set_running_or_notify_cancel()  # an interrupt waits for what is in hand
+        remote.add_done_callback(lambda done: _hand_on(done, future, task.file))
+        return future
+
+    def _files(self, task: Task) -> Any:
+        """Return the files of a task, sent to the workers once for all tasks that share them."""
+        if task.inputs not in self._sent:
+            content = {name: _read(self._folder / name) for name in task.inputs}
+            self._sent[task.inputs] = self._client.scatter(content, hash=False)
+            while len(self._sent) > _KEPT:
+                self._sent.popitem(last=False)
+        self._sent.move_to_end(task.inputs)
+        return self._sent[task.inputs]
+
+
+@contextmanager
+def cluster_hands(manifest: Path, workers: int, scheduler: str) -> Iterator[ClusterHands]:
+    """Give the workers of a scheduler as hands.
+
+    Parameters
+    ----------
+    manifest : Path
+        The study's manifest; workers that can read it here are taken to see the whole study folder.
+    workers : int
+        Number of worker processes of a scheduler that is started here.
+    scheduler : str
+        Its address, as ``tcp://host:8786`` or ``tls://host:8786``, or ``local`` to start one here.
+
+    Raises
+    ------
+    ClusterError
+        If Dask is not installed, the scheduler does not answer, it has no worker, or a worker lacks this
+        version of fingerpad.
+    """
+    try:
+        import distributed
+    except ModuleNotFoundError:
+        raise ClusterError("--scheduler needs Dask: pip install 'fingerpad[cluster]'") from None
+    with ExitStack() as stack:
+        stack.enter_context(_quiet())
+        if scheduler == "local":
+            start: Any = distributed.LocalCluster
+            started = start(
+                n_workers=workers, threads_per_worker=1, dashboard_address=None, protocol="tcp://"
+            )
+            scheduler = stack.enter_context(started).scheduler_address
+        try:
+            connect: Any = distributed.Client
+            client = stack.enter_context(connect(scheduler, timeout=_WAIT_S, set_as_default=False))
+        except (OSError, ValueError, TypeError) as error:
+            raise ClusterError(
+                f"{scheduler}: no scheduler answers ({error}): start one with `dask scheduler`, or check the "
+                "address, as in tcp://host:8786"
+            ) from error
+        try:
+            client.wait_for_workers(1, timeout=_WAIT_S)
+        except TimeoutError as error:
+            raise ClusterError(
+                f"{scheduler}: has no worker: start some with `dask worker {scheduler} --nthreads 1`"
+            ) from error
+        folder = manifest.absolute().parent
+        yield ClusterHands(client, folder, sends=not _all_see(client, manifest.absolute()))
+
+
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """Keep Dask from printing tracebacks of what is said here in words."""
+    logger = logging.getLogger("distributed")
+    before = logger.level
+    logger.setLevel(logging.CRITICAL + 1)
+    try:
+        yield
+    finally:
+        logger.setLevel(before)
+
+
+def _hand_on(remote: Any, future: Future[Done], file: str) -> None:
+    """Pass on what became of a task on the cluster."""
+    gone = ClusterError(
+        "the scheduler is gone: what was measured is kept; start it again and run again to go on"
+    )
+    try:
+        future.set_result(remote.result())
+    except (OSError, CancelledError):  # of the connection, and of all that hung on it
+        future.set_exception(gone)
+    except Exception as error:  # whatever went wrong with the task goes to whoever asked for it
+        killed = ClusterError(f"{file}: workers died over it, perhaps for want of memory: run again to go on")
+        future.set_exception(killed if type(error).__name__ == "KilledWorker" else error)
+
+
+def _all_see(client: Any, manifest: Path) -> bool:
+    """Tell whether all workers see the study folder, once all are known to run this code."""
+    ours = fingerpad.__version__
+
+    # Defined here so that it travels as it stands, to workers that may not have fingerpad at all.
+    def look(path: str) -> tuple[str | None, bool]:
+        from importlib import metadata
+        from pathlib import Path
+
+        try:
+            version = metadata.version("fingerpad")
+        except metadata.PackageNotFoundError:
+            return None, False
+        return version, Path(path).is_file()
+
+    found = client.run(look, str(manifest))
+    wrong = {address: version for address, (version, _) in found.items() if version != ours}
+    if wrong:
+        address, version = next(iter(wrong.items()))
+        what = "no fingerpad" if version is None else f"fingerpad {version}"
+        raise ClusterError(f"worker {address} has {what}, this is {ours}: install {ours} there")
+    return all(sees for _, sees in found.values())
+
+
+def _perform_there(work: Work, file: str, folder: str, code: str, files: dict[str, Any] | None) -> Done:
+    """Do a task's work on a worker."""
+    from distributed import get_worker
+
+    cv2.setNumThreads(1)
+    worker = get_worker()
+    if measuring_code() != code:
+        raise ClusterError(
+            f"worker {worker.address} has another fingerpad than this ({fingerpad.__version__} there, with "
+            "other code): install the same there"
+        )
+    if files is None:
+        if not Path(folder).is_dir():
+            raise ClusterError(f"worker {worker.address} does not see {folder}: share it, or stop the worker")
+        return perform(work, file, Path(folder))
+    with TemporaryDirectory(prefix="study-", dir=worker.local_directory) as here:
+        for name, content in files.items():
+            _write(Path(here) / name, content)
+        return perform(work, file, Path(here))
+
+
+def _read(path: Path) -> Any:
+    """Return the bytes of a file, or those of a folder's files by their names."""
+    if path.is_dir():
+        return {item.name: item.read_bytes() for item in path.iterdir() if item.is_file()}
+    return path.read_bytes()
+
+
+def _write(path: Path, content: Any) -> None:
+    if isinstance(content, dict):
+        path.mkdir(parents=True, exist_ok=True)
+        for name, inner in content.items():
+            (path / name).write_bytes(inner)
+    else:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(content)

@@ -1,0 +1,20 @@
+"""Finished studies side by side: each finger's values, and means with the scatter between people."""
+
+from fingerpad.study.compare.comparison import Comparison, compare_studies, write_comparison
+from fingerpad.study.compare.finished import FinishedStudy, read_finished
+from fingerpad.study.compare.means import Mean, PersonMean
+from fingerpad.study.compare.values import QUANTITIES, Kind, Owner, Value
+
+__all__ = [
+    "QUANTITIES",
+    "Comparison",
+    "FinishedStudy",
+    "Kind",
+    "Mean",
+    "Owner",
+    "PersonMean",
+    "Value",
+    "compare_studies",
+    "read_finished",
+    "write_comparison",
+]

@@ -1,0 +1,222 @@
+"""What is compared, and every finger's values of it."""
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any, Final, NamedTuple
+
+from fingerpad.study.compare.finished import FinishedStudy, not_understood
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Kind:
+    """A quantity that fingers are compared by.
+
+    Attributes
+    ----------
+    symbol : str
+        As Matplotlib's mathtext.
+    unit : str
+        Its unit, empty for a pure number.
+    words : str
+        What it is.
+    by_angle : bool
+        Whether it belongs to a finger on its wedge, or to the finger alone.
+    """
+
+    symbol: str
+    unit: str
+    words: str
+    by_angle: bool = True
+
+
+QUANTITIES: Final[Mapping[str, Kind]] = {
+    "palmar_mm": Kind(
+        symbol=r"$\ell_\mathrm{a}$", unit="mm", words="palmar semi-axis", by_angle=False
+    ),
+    "distal_mm": Kind(
+        symbol=r"$\ell_\mathrm{b}$", unit="mm", words="distal semi-axis", by_angle=False
+    ),
+    "radial_ulnar_mm": Kind(
+        symbol=r"$\ell_\mathrm{c}$", unit="mm", words="radial–ulnar semi-axis", by_angle=False
+    ),
+    "mean_curvature_radius_mm": Kind(
+        symbol=r"$R_\mathrm{0g}$", unit="mm", words="radius of the undeformed pad, 1/H"
+    ),
+    "radius_from_indentation_mm": Kind(
+        symbol=r"$R_\mathrm{g}^\mathrm{corr}$", unit="mm", words="corrected radius, pooled over contacts"
+    ),
+    "initial_modulus_kpa": Kind(
+        symbol=r"$E_\mathrm{0g}$", unit="kPa", words="Young's modulus at small load, from loading curves"
+    ),
+    "load_exponent": Kind(symbol="$m$", unit="", words="exponent of W ∝ ξᵐ, from loading curves"),
+    "curve_area_exponent": Kind(symbol="$n$", unit="", words="exponent of A ∝ Wⁿ, from loading curves"),
+    "area_exponent": Kind(symbol="$n$", unit="", words="exponent of A ∝ Wⁿ, from contacts"),
+}  # fmt: skip
+_FROM_CURVES: Final = {
+    "initial_modulus_kpa": "initial_modulus_kpa",
+    "load_exponent": "load_exponent",
+    "curve_area_exponent": "area_exponent",
+}
+
+
+class Owner(NamedTuple):
+    """Whose a finger is.
+
+    Attributes
+    ----------
+    name : str
+        The person, or the study's title where the manifest names none.
+    named : bool
+        Whether the manifest names the person, who is then the same in all studies.
+    """
+
+    name: str
+    named: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Value:
+    """One value of one quantity of one finger.
+
+    Attributes
+    ----------
+    quantity : str
+        One of `QUANTITIES`.
+    study, finger : str
+        Title of the study, and the finger's name there.
+    person : Owner
+        Whose finger it is.
+    wedge_angle_deg, roll_angle_deg : float or None
+        Its placement; None for what belongs to the finger alone.
+    synthetic : bool
+        Whether anything of it was rendered or simulated.
+    value, std : float
+        Value and standard uncertainty, in the unit that the quantity's name says; the latter NaN where not
+        known.
+    shared_std : float
+        What the wedge's angle, which fingers of a study share, does to it.
+    source : str
+        Loading curve that it comes from, if one.
+    velocity_mm_per_s : float
+        How fast that was; NaN where not known.
+    """
+
+    quantity: str
+    study: str
+    finger: str
+    person: Owner
+    synthetic: bool
+    value: float
+    std: float
+    wedge_angle_deg: float | None = None
+    roll_angle_deg: float | None = None
+    shared_std: float = 0.0
+    source: str = ""
+    velocity_mm_per_s: float = math.nan
+
+    @property
+    def place(self) -> tuple[str, float | None, float | None, bool]:
+        """What values of one mean have in common: quantity, wedge, roll, and whether synthetic."""
+        return self.quantity, self.wedge_angle_deg, self.roll_angle_deg, self.synthetic
+
+    def as_record(self) -> dict[str, Any]:
+        """Return the value as one row of a table."""
+        return {
+            "quantity": self.quantity,
+            "unit": QUANTITIES[self.quantity].unit or "1",
+            "study": self.study,
+            "person": self.person.name if self.person.named else None,
+            "finger": self.finger,
+            "wedge_angle_deg": self.wedge_angle_deg,
+            "roll_angle_deg": self.roll_angle_deg,
+            "synthetic": self.synthetic,
+            "value": self.value,
+            "std": self.std,
+            "curve": self.source or None,
+            "velocity_mm_per_s": self.velocity_mm_per_s,
+        }
+
+
+def values_of(study: FinishedStudy) -> list[Value]:
+    """Return all values that a study tells, in its own order; what it does not know is left out.
+
+    Raises
+    ------
+    FingerpadError
+        If its summary is not as a run writes it.
+    """
+    try:
+        owners = {
+            finger["finger"]: Owner(finger.get("person") or study.title, bool(finger.get("person")))
+            for finger in study.summary["fingers"]
+        }
+        found = [
+            *_of_fingers(study, owners), *_of_placements(study, owners), *_of_curves(study, owners)
+        ]  # fmt: skip
+    except (KeyError, TypeError, ValueError, IndexError, AttributeError) as error:
+        raise not_understood(study.folder, error) from error
+    return [value for value in found if math.isfinite(value.value)]
+
+
+def _of_fingers(study: FinishedStudy, owners: Mapping[str, Owner]) -> Iterator[Value]:
+    for finger in study.summary["fingers"]:
+        for place, quantity in enumerate(("palmar_mm", "distal_mm", "radial_ulnar_mm")):
+            yield Value(
+                quantity=quantity,
+                study=study.title,
+                finger=finger["finger"],
+                person=owners[finger["finger"]],
+                synthetic=finger["synthetic"],
+                value=_number(finger[quantity]),
+                std=math.sqrt(_number(finger["covariance_mm2"][place][place])),
+            )
+
+
+def _of_placements(study: FinishedStudy, owners: Mapping[str, Owner]) -> Iterator[Value]:
+    for summary in study.summary["summaries"]:
+        shares = summary.get("radius_from_indentation_variance_shares") or {}
+        angles = shares.get("wedge angle", 0.0) + shares.get("roll angle", 0.0)
+        pad = shares.get("semi-axes", 0.0) + angles
+        # Of what is uncertain in the place of contact the angles have one share in both radii: they reach
+        # the corrected radius through R_0g alone.
+        shared = {
+            "mean_curvature_radius_mm": angles / pad if pad > 0 else 0.0,
+            "radius_from_indentation_mm": angles,
+        }
+        for quantity in (*shared, "area_exponent"):
+            std = _number(summary.get(f"{quantity}_std"))
+            yield Value(
+                quantity=quantity,
+                study=study.title,
+                finger=summary["finger"],
+                person=owners[summary["finger"]],
+                synthetic=summary["synthetic"],
+                wedge_angle_deg=summary["wedge_angle_deg"],
+                roll_angle_deg=summary["roll_angle_deg"],
+                value=_number(summary[quantity]),
+                std=std,
+                shared_std=std * math.sqrt(shared.get(quantity, 0.0)),
+            )
+
+
+def _of_curves(study: FinishedStudy, owners: Mapping[str, Owner]) -> Iterator[Value]:
+    for curve in study.summary["curves"]:
+        for quantity, key in _FROM_CURVES.items() if curve["fit"] else ():
+            yield Value(
+                quantity=quantity,
+                study=study.title,
+                finger=curve["finger"],
+                person=owners[curve["finger"]],
+                synthetic=curve["synthetic"],
+                wedge_angle_deg=curve["wedge_angle_deg"],
+                roll_angle_deg=0.0,
+                value=_number(curve["fit"][key]),
+                std=_number(curve["fit"][f"{key}_std"]),
+                source=curve["file"] or "",
+                velocity_mm_per_s=_number(curve["velocity_mm_per_s"]),
+            )
+
+
+def _number(found: float | None) -> float:
+    return math.nan if found is None else float(found)

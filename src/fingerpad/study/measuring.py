@@ -1,0 +1,218 @@
+"""Measuring all that a study shows, and finding it again in the store."""
+
+import os
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from itertools import chain
+from pathlib import Path
+
+from fingerpad._files import make_folder
+from fingerpad.exceptions import StoreError
+from fingerpad.study.fingers import is_rejected, photograph_item
+from fingerpad.study.hands import Hands
+from fingerpad.study.manifest import Contact, Finger, Observation
+from fingerpad.study.measure import Measurement, reviewed
+from fingerpad.study.progress import Progress
+from fingerpad.study.records import measurement_from
+from fingerpad.study.runner import run_plans
+from fingerpad.study.sequences import (
+    SequenceResult,
+    film_key,
+    film_measurements,
+    film_plan,
+    film_result,
+    frames_in,
+)
+from fingerpad.study.store import Mark, Store
+from fingerpad.study.tasks import (
+    CHANGED,
+    Done,
+    Keys,
+    Record,
+    Scales,
+    Task,
+    item_key,
+    observation_tasks,
+    photograph_tasks,
+    photographs_of,
+)
+
+
+def measure_study(
+    keys: Keys,
+    scales: Scales,
+    store: Store,
+    out: Path,
+    *,
+    hands: Hands,
+    on_progress: Callable[[Progress], None],
+) -> None:
+    """Measure what the store lacks, and keep each result as it comes.
+
+    Parameters
+    ----------
+    keys : Keys
+        The study and the keys of its tasks.
+    scales : mapping
+        Its named scales.
+    store : Store
+        Where results are kept.
+    out : Path
+        Where overlays are kept.
+    hands : Hands
+        Who measures.
+    on_progress : callable
+        Told at the start and after each task.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        After an interrupt, with what was in hand kept.
+    StoreError
+        If results cannot be kept.
+    """
+    marks = {name: mark for name, mark in store.marks().items() if _drawn(mark, out)}
+    told = _Told(keys, marks, on_progress)
+
+    def is_done(task: Task) -> bool:
+        mark = marks.get(task.name)
+        if mark is None or mark.key != task.key:
+            return False
+        if task.name != task.item:  # a piece of a film that is not done as a whole
+            told.pictures += task.pictures
+        return True
+
+    def keep(task: Task, done: Done) -> None:
+        record, key = done.record, task.key
+        if not all(store.unchanged(keys.folder / name) for name in task.inputs):
+            record, key = {"reason": CHANGED.format(task.file)}, ""
+        else:
+            _keep_pictures(out, done.pictures)
+        store.put(task.name, key, record, seconds=done.seconds, count=task.pictures, drawn=done.pictures)
+        told.tell(task, failed=record.get("reason") is not None, seconds=done.seconds)
+
+    films = (
+        film_plan(sequence, keys, scales, store)
+        for sequence in keys.study.sequences
+        if (mark := marks.get(sequence.name)) is None or mark.key != film_key(sequence, keys)
+    )
+    single = (
+        iter(([task],)) for task in chain(photograph_tasks(keys, scales), observation_tasks(keys, scales))
+    )
+    told.tell()
+    run_plans(chain(films, single), hands, keep, is_done)
+
+
+def faces_of(finger: Finger, keys: Keys, store: Store) -> dict[str, Record]:
+    """Return what the store holds of a finger's photographs, by item."""
+    items = {photograph_item(finger, one): one for one in finger.photographs if one.image is not None}
+    return {
+        item: _found(store, item, item_key(keys, item, photograph), photograph.image)
+        for item, photograph in items.items()
+        if not is_rejected(keys.rulings.get(item))
+    }
+
+
+def film_results(keys: Keys, store: Store) -> list[SequenceResult]:
+    """Return what the store holds of each film as a whole."""
+    return [
+        film_result(sequence, _found(store, sequence.name, film_key(sequence, keys), sequence.path))
+        for sequence in keys.study.sequences
+    ]
+
+
+def measurements(
+    keys: Keys, scales: Scales, store: Store, films: Iterable[SequenceResult]
+) -> Iterator[tuple[Contact, Measurement]]:
+    """Yield what was measured of each observation and frame, in the manifest's order, one at a time."""
+    for observation in keys.study.observations:
+        seen = _observed(observation, keys, store)
+        yield observation, reviewed(seen, keys.rulings.get(observation.name))
+    for film in films:
+        for measured in film_measurements(film, keys, scales, store):
+            yield film.manifest, measured
+
+
+def _observed(observation: Observation, keys: Keys, store: Store) -> Measurement:
+    record = _found(store, observation.name, item_key(keys, observation.name, observation), observation.image)
+    if record.keys() == {"reason"}:
+        return Measurement(name=observation.name, load=observation.load_N, reason=record["reason"])
+    return measurement_from(record, observation.load_N)
+
+
+def _found(store: Store, name: str, key: str, file: str | None) -> Record:
+    return store.record(name, key) or {"reason": CHANGED.format(file)}
+
+
+def item_keys(keys: Keys) -> Iterator[tuple[str, str]]:
+    """Yield the name and the key of everything that is measured: photographs, observations and films."""
+    for finger, photograph in photographs_of(keys.study):
+        item = photograph_item(finger, photograph)
+        if not is_rejected(keys.rulings.get(item)):
+            yield item, item_key(keys, item, photograph)
+    for observation in keys.study.observations:
+        yield observation.name, item_key(keys, observation.name, observation)
+    for sequence in keys.study.sequences:
+        yield sequence.name, film_key(sequence, keys)
+
+
+def drawn_for(keys: Keys, store: Store) -> set[str]:
+    """Return the overlays that belong to the study as it is, relative to the output folder."""
+    marks = store.marks()
+    found = (marks.get(name) for name, _ in item_keys(keys))
+    return {file for mark in found if mark is not None for file in mark.drawn.splitlines()}
+
+
+def _drawn(mark: Mark, out: Path) -> bool:
+    """Tell whether all overlays of a result are where they belong."""
+    return all((out / file).is_file() for file in mark.drawn.splitlines())
+
+
+def _keep_pictures(out: Path, pictures: Mapping[str, bytes]) -> None:
+    """Write overlays; each is there as a whole or not at all."""
+    for name, content in pictures.items():
+        path = out / name
+        make_folder(path.parent)
+        half = path.with_suffix(".part")
+        try:
+            half.write_bytes(content)
+            os.replace(half, path)
+        except OSError as error:
+            half.unlink(missing_ok=True)
+            raise StoreError(
+                f"{path}: cannot be written ({error.strerror}): what was measured before is kept; make room, "
+                "or choose another --out, and run again to go on"
+            ) from error
+
+
+class _Told:
+    """Progress so far."""
+
+    def __init__(
+        self, keys: Keys, marks: Mapping[str, Mark], on_progress: Callable[[Progress], None]
+    ) -> None:
+        self._on_progress = on_progress
+        self.pictures = self.failed = self._total = 0
+        films = {sequence.name: sequence for sequence in keys.study.sequences}
+        for name, key in item_keys(keys):
+            count = frames_in(films[name], keys.folder) if name in films else 1
+            self._total += count
+            mark = marks.get(name)
+            if mark is not None and mark.key == key:
+                self.pictures += count
+                self.failed += mark.status == "failed"
+
+    def tell(self, task: Task | None = None, *, failed: bool = False, seconds: float = 0.0) -> None:
+        if task is not None:
+            self.pictures += task.pictures
+            self.failed += failed
+        self._on_progress(
+            Progress(
+                item=task.item if task else "",
+                file=task.file if task else "",
+                status="started" if task is None else "failed" if failed else "done",
+                pictures=self.pictures,
+                failed=self.failed,
+                total=self._total,
+                seconds=seconds,
+            )
+        )

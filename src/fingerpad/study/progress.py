@@ -1,0 +1,35 @@
+"""How far a run is, told as it goes."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Progress:
+    """Where a run stands.
+
+    Attributes
+    ----------
+    item : str
+        Observation, photograph or sequence that has just been dealt with; empty at the start.
+    file : str
+        Its file, relative to the study folder; empty at the start.
+    status : {"started", "done", "failed"}
+        What has happened.
+    pictures : int
+        Pictures and frames dealt with so far, those of earlier runs included.
+    failed : int
+        Items that failed so far.
+    total : int
+        Pictures and frames in all.
+    seconds : float
+        What this one cost.
+    """
+
+    item: str = ""
+    file: str = ""
+    status: Literal["started", "done", "failed"] = "started"
+    pictures: int
+    failed: int
+    total: int
+    seconds: float = 0.0

@@ -1,0 +1,83 @@
+"""A small study of pictures, a photograph and a film, quick to measure, for what can happen to a run."""
+
+import shutil
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+
+from fingerpad.image import render_finger, render_imprint, synthetic_press
+from fingerpad.study import sequences
+from fingerpad.study.pipeline import run_study
+
+PPI = 240
+PICTURES = 5
+FRAMES = 24
+# Loading to frame 9, hold to 13, unloading; empty at either end.
+LOAD = np.interp(np.arange(FRAMES), [2, 9, 13, 21], [0, 2, 2, 0])
+HEAD = """title = "T"
+[[fingers]]
+name = "f"
+semi_axes_mm = { palmar = 7.9, distal = 13.8, radial_ulnar = 11.8 }
+semi_axes_std_mm = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }
+[[fingers]]
+name = "g"
+photographs = [
+    { face = "palmar", image = "palmar.jpg", scale = { mm_per_px = 0.1 }, synthetic = true },
+    { face = "distal", image = "distal.jpg", scale = { mm_per_px = 0.1 }, synthetic = true },
+]
+"""
+PICTURE = """[[observations]]
+name = "o{number}"
+finger = "f"
+wedge_angle_deg = 30
+load_N = {load}
+image = "o{number}.png"
+scale = {{ ppi = 240 }}
+synthetic = true
+"""
+FILM = """[[sequences]]
+name = "p"
+finger = "f"
+wedge_angle_deg = 30
+path = "{path}"
+scale = {{ ppi = 240 }}
+force = "force.csv"
+frames_per_second = 20
+synthetic = true
+"""
+
+
+def make(folder: Path, *, film: str = "film") -> Path:
+    """Render the study's inputs, write its manifest, and return the manifest."""
+    folder.mkdir(exist_ok=True)
+    for number in range(PICTURES):
+        truth = render_imprint(semi_major=4.0 + 0.2 * number, semi_minor=3.2, ppi=PPI, seed=number)
+        Image.fromarray(truth.pixels).save(folder / f"o{number}.png")
+    press = synthetic_press(LOAD, radii=(14.3, 13.0), reduced_modulus=0.09, ppi=PPI, seed=5)
+    pages = [Image.fromarray(press.pixels(k)) for k in range(FRAMES)]
+    if film.endswith(".tif"):
+        pages[0].save(folder / film, save_all=True, append_images=pages[1:])
+    else:
+        (folder / film).mkdir()
+        for k, page in enumerate(pages):
+            page.save(folder / film / f"f{k}.png")
+    for face in ("palmar", "distal"):
+        finger = render_finger(face, mm_per_px=0.1, seed=3)
+        Image.fromarray(finger.pixels).save(folder / f"{face}.jpg", quality=92)
+    rows = "\n".join(f"{k / 20},{load}" for k, load in enumerate(LOAD))
+    (folder / "force.csv").write_text(f"time_s,force_N\n{rows}\n")
+    pictures = "".join(PICTURE.format(number=k, load=1.0 + k) for k in range(PICTURES))
+    (folder / "study.toml").write_text(HEAD + pictures + FILM.format(path=film))
+    return folder / "study.toml"
+
+
+def copy(made: Path, folder: Path) -> Path:
+    """Copy a study, and return the copy's manifest."""
+    return Path(shutil.copytree(made.parent, folder)) / "study.toml"
+
+
+def run_here(manifest: Path, out: Path, workers: int = 1) -> None:
+    """Run a study: what a process that is going to be killed does."""
+    sequences._LEAST_PIECE = 5
+    run_study(manifest, out, workers=workers)

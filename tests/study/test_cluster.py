@@ -1,0 +1,184 @@
+"""Measuring by the workers of a Dask scheduler: a real one, and worker processes that it reaches over TCP."""
+
+import os
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
+from pathlib import Path
+
+import pytest
+from distributed import Client
+from tests.study.small_study import FRAMES, PICTURES, copy, make
+from typer.testing import CliRunner
+
+import fingerpad
+from fingerpad.cli import app
+from fingerpad.exceptions import ClusterError
+from fingerpad.study import cluster, sequences
+from fingerpad.study.pipeline import run_study
+from fingerpad.study.progress import Progress
+
+TOTAL = PICTURES + 2 + FRAMES
+_BLIND = 'mount -t tmpfs none "$0" && exec "$@"'
+
+
+@pytest.fixture(autouse=True)
+def small_pieces(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sequences, "_LEAST_PIECE", 5)
+    monkeypatch.setattr(cluster, "_WAIT_S", 15)
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return make(tmp_path_factory.mktemp("made") / "study", film="film.tif")
+
+
+@pytest.fixture(scope="module")
+def undisturbed(made: Path, tmp_path_factory: pytest.TempPathFactory) -> list[dict]:
+    return list(run_study(made, tmp_path_factory.mktemp("undisturbed")).rows)
+
+
+class Processes:
+    """A scheduler and its workers, started by the lines of the README."""
+
+    def __init__(self, folder: Path) -> None:
+        with socket.socket() as free:
+            free.bind(("127.0.0.1", 0))
+            port = free.getsockname()[1]
+        self.address, self._folder = f"tcp://127.0.0.1:{port}", folder
+        self._environment = os.environ | {"DASK_LOGGING__DISTRIBUTED": "critical", "PYTHONWARNINGS": "ignore"}
+        self.started: list[subprocess.Popen] = []
+        self.scheduler = self._start("scheduler", "--host", "127.0.0.1", "--port", str(port))
+
+    def worker(self, *, path: str | None = None, blind_to: Path | None = None) -> None:
+        """Start a worker, with its own path of packages, or in a world in which a folder is empty."""
+        words = ["worker", self.address, "--nthreads", "1", "--local-directory", str(self._folder)]
+        hidden = [] if blind_to is None else ["unshare", "-m", "sh", "-c", _BLIND, str(blind_to)]
+        self._start(*words, before=hidden, **({} if path is None else {"PYTHONPATH": path}))
+
+    def _start(self, *words: str, before: Sequence[str] = (), **environment: str) -> subprocess.Popen:
+        process = subprocess.Popen(
+            [*before, sys.executable, "-m", "dask", *words, "--no-dashboard"],
+            env=self._environment | environment,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            start_new_session=True,
+        )
+        self.started.append(process)
+        return process
+
+    def end(self) -> None:
+        for process in self.started:
+            with suppress(ProcessLookupError):
+                os.killpg(process.pid, signal.SIGKILL)
+            process.wait()
+
+
+@pytest.fixture
+def processes(tmp_path: Path) -> Iterator[Processes]:
+    started = Processes(tmp_path / "dask")
+    yield started
+    started.end()
+
+
+def run(manifest: Path, out: Path, scheduler: str, told: Callable[[Progress], None] = lambda _: None) -> list:
+    return list(run_study(manifest, out, scheduler=scheduler, on_progress=told).rows)
+
+
+def test_two_workers_give_the_rows_of_one_process_though_one_is_killed(
+    made: Path, undisturbed: list[dict], tmp_path: Path, processes: Processes
+) -> None:
+    processes.worker()
+    processes.worker()
+    told: list[Progress] = []
+
+    def kill_one(progress: Progress) -> None:
+        told.append(progress)
+        if len(told) == 4:
+            with Client(processes.address, set_as_default=False) as client:
+                workers = client.run(os.getpid)
+                assert len(workers) == 2
+                os.kill(next(iter(workers.values())), signal.SIGKILL)
+
+    assert run(made, tmp_path / "out", processes.address, kill_one) == undisturbed
+    assert told[-1].pictures == told[-1].total == TOTAL
+
+
+def test_a_killed_scheduler_costs_only_what_was_in_hand(
+    made: Path, undisturbed: list[dict], tmp_path: Path, processes: Processes
+) -> None:
+    processes.worker()
+    told: list[Progress] = []
+
+    def kill_it(progress: Progress) -> None:
+        told.append(progress)
+        if progress.pictures:
+            processes.scheduler.kill()
+
+    with pytest.raises(ClusterError, match="the scheduler is gone.*run again"):
+        run(made, tmp_path / "out", processes.address, kill_it)
+    again: list[Progress] = []
+    assert list(run_study(made, tmp_path / "out", on_progress=again.append).rows) == undisturbed
+    assert again[0].pictures >= told[-1].pictures > 0
+
+
+def test_workers_that_do_not_see_the_study_are_sent_its_bytes(
+    made: Path, undisturbed: list[dict], tmp_path: Path, processes: Processes
+) -> None:
+    manifest = copy(made, tmp_path / "study")
+    processes.worker(blind_to=manifest.parent)
+    assert run(manifest, tmp_path / "out", processes.address) == undisturbed
+
+
+def test_a_worker_of_another_version_is_refused_by_its_name(
+    made: Path, tmp_path: Path, processes: Processes
+) -> None:
+    other = tmp_path / "other" / "fingerpad-0.0.7.dist-info"
+    other.mkdir(parents=True)
+    (other / "METADATA").write_text("Metadata-Version: 2.1\nName: fingerpad\nVersion: 0.0.7\n")
+    processes.worker(path=str(other.parent))
+    with pytest.raises(ClusterError, match=r"worker tcp://\S+ has fingerpad 0\.0\.7, this is .*: install"):
+        run(made, tmp_path / "out", processes.address)
+
+
+def test_a_worker_of_other_code_is_refused_by_its_name(
+    made: Path, tmp_path: Path, processes: Processes
+) -> None:
+    package = Path(shutil.copytree(Path(fingerpad.__file__).parent, tmp_path / "src" / "fingerpad"))
+    with (package / "image" / "scale.py").open("a") as file:
+        file.write("\n# changed\n")
+    processes.worker(path=str(package.parent))
+    with pytest.raises(ClusterError, match=r"worker tcp://\S+ has another fingerpad than this"):
+        run(made, tmp_path / "out", processes.address)
+
+
+@pytest.mark.parametrize(
+    ("address", "words"),
+    [
+        ("tcp://127.0.0.1:9", "no scheduler answers"),
+        ("nonsense", "no scheduler answers"),
+        ("none yet", "has no worker: start some with `dask worker tcp://127.0.0.1"),
+    ],
+)
+def test_nobody_to_measure(
+    made: Path,
+    tmp_path: Path,
+    processes: Processes,
+    monkeypatch: pytest.MonkeyPatch,
+    address: str,
+    words: str,
+) -> None:
+    monkeypatch.setattr(cluster, "_WAIT_S", 3)
+    scheduler = processes.address if address == "none yet" else address
+    command = ["run", str(made), "--out", str(tmp_path / "out"), "--scheduler", scheduler]
+    result = CliRunner().invoke(app, command)
+    assert (result.exit_code, result.exception.__class__) == (2, SystemExit)
+    assert words in " ".join(result.stderr.split())
+
+
+def test_a_scheduler_of_ones_own(made: Path, undisturbed: list[dict], tmp_path: Path) -> None:
+    assert list(run_study(made, tmp_path / "out", workers=2, scheduler="local").rows) == undisturbed

@@ -1,0 +1,316 @@
+"""Studies side by side: what is read is what was run, and means over people are what they say."""
+
+import csv
+import json
+import math
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from typer.testing import CliRunner
+
+from fingerpad.cli import app
+from fingerpad.exceptions import FingerpadError
+from fingerpad.report.compare import forest_plot, write_comparison_page
+from fingerpad.study.compare import Owner, Value, compare_studies, write_comparison
+from fingerpad.study.compare.means import means_of
+from fingerpad.study.output import write_tables
+from fingerpad.study.pipeline import run_study
+
+
+def value(
+    value: float, std: float, *, person: str = "P01", finger: str = "index", named: bool = True, **more: Any
+):
+    given = {
+        "quantity": "radius_from_indentation_mm",
+        "study": "A",
+        "wedge_angle_deg": 30.0,
+        "roll_angle_deg": 0.0,
+    }
+    return Value(
+        value=value,
+        std=std,
+        person=Owner(person, named),
+        finger=finger,
+        **{**given, "synthetic": False, **more},
+    )
+
+
+def test_the_interval_of_a_mean_holds_the_truth_as_often_as_it_says() -> None:
+    # Eight people, three fingers each; people differ more than fingers do, fingers more than is measured.
+    random = np.random.default_rng(11)
+    truth, between, within, std = 14.0, 1.0, 0.5, 0.2
+    held, naive, scatter, fingers_scatter, count = 0, 0, [], [], 400
+    for _ in range(count):
+        people = truth + between * random.normal(size=8)
+        seen = people[:, None] + within * random.normal(size=(8, 3)) + std * random.normal(size=(8, 3))
+        values = [value(seen[p, f], std, person=f"P{p}", finger=f"f{f}") for p in range(8) for f in range(3)]
+        (mean,) = means_of(values)
+        assert (len(mean.people), mean.fingers) == (8, 24)
+        held += mean.interval[0] <= truth <= mean.interval[1]
+        half = 2.07 * seen.std(ddof=1) / math.sqrt(24)  # as if fingers were people
+        naive += abs(seen.mean() - truth) < half
+        scatter.append(mean.between_people_std**2)
+        fingers_scatter.append(mean.between_fingers_std**2)
+    assert 0.92 <= held / count <= 0.98
+    assert naive / count < 0.88  # what this is for
+    assert_allclose(np.mean(scatter), between**2, rtol=0.15)
+    assert_allclose(np.mean(fingers_scatter), within**2, rtol=0.15)
+
+
+def test_more_fingers_of_a_person_are_not_more_people() -> None:
+    people = [value(13.0, 0.1, person="P01"), value(15.0, 0.1, person="P02"), value(14.2, 0.1, person="P03")]
+    (alone,) = means_of(people)
+    copies = [value(13.0, 0.1, person="P01", finger=f"finger{n}") for n in range(40)]
+    (crowded,) = means_of([*people, *copies])
+    assert (len(crowded.people), crowded.fingers) == (3, 43)
+    assert_allclose(crowded.value, alone.value, atol=0.01)
+    assert_allclose(crowded.interval, alone.interval, atol=0.05)
+
+
+def test_one_person_tells_nothing_of_people() -> None:
+    (mean,) = means_of([value(13.0, 0.1), value(14.0, 0.1, finger="ring")])
+    assert mean.interval is None
+    assert math.isnan(mean.between_people_std)
+    assert mean.between_fingers_std == pytest.approx(0.7, abs=0.01)  # √(1/2 − 0.1²)
+    (single,) = means_of([value(13.0, 0.1)])
+    assert (single.value, single.std) == pytest.approx((13.0, 0.1))
+    assert math.isnan(single.between_fingers_std)
+
+
+def test_what_a_wedge_adds_does_not_average_away_within_a_study() -> None:
+    def mean_std(studies: list[str]) -> float:
+        values = [
+            value(14.0, 0.2, person=f"P{n}", study=study, shared_std=0.199) for n, study in enumerate(studies)
+        ]
+        return means_of(values)[0].std
+
+    assert mean_std(["A"] * 16) == pytest.approx(0.2, rel=0.01)
+    assert mean_std(["A", "B"] * 8) == pytest.approx(0.2 / math.sqrt(2), rel=0.01)
+
+
+def test_real_and_synthetic_angles_and_rolls_never_mix() -> None:
+    values = [
+        value(10.0 + n, 0.1, synthetic=synthetic, wedge_angle_deg=wedge, roll_angle_deg=roll)
+        for n, (synthetic, wedge, roll) in enumerate(
+            [(False, 30.0, 0.0), (True, 30.0, 0.0), (False, 45.0, 0.0), (False, 30.0, 10.0)]
+        )
+    ]
+    assert [mean.value for mean in means_of(values)] == pytest.approx([10, 11, 12, 13])
+
+
+def test_a_named_person_s_finger_is_one_in_all_studies() -> None:
+    twice = [value(13.0, 0.1, study="A"), value(13.4, 0.1, study="B")]
+    assert (means_of(twice)[0].fingers, len(means_of(twice)[0].people)) == (1, 1)
+    unnamed = [value(13.0, 0.1, study=s, person=s, named=False) for s in ("A", "B")]
+    assert (means_of(unnamed)[0].fingers, len(means_of(unnamed)[0].people)) == (2, 2)
+    # Whoever is called like a study is not the one whom that study does not name.
+    mixed = [value(13.0, 0.1, person="A"), value(13.0, 0.1, person="A", named=False)]
+    assert len(means_of(mixed)[0].people) == 2
+
+
+def test_values_without_uncertainty_have_no_weight() -> None:
+    (mean,) = means_of(
+        [value(13.0, 0.1), value(99.0, math.nan, person="P02"), value(98.0, 0.0, person="P03")]
+    )
+    assert (len(mean.people), mean.value) == (1, pytest.approx(13.0))
+
+
+# Runs
+
+
+def finger(name: str, palmar: float, more: str = "") -> str:
+    return f"""
+[[fingers]]
+name = "{name}"
+{more}
+semi_axes_mm = {{ palmar = {palmar}, distal = 13.8, radial_ulnar = 11.8 }}
+semi_axes_std_mm = {{ palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }}
+""" + "".join(
+        f"""
+[[observations]]
+name = "{name}_{wedge}_{load}"
+finger = "{name}"
+wedge_angle_deg = {wedge}
+load_N = {load}
+ellipse_mm = {{ semi_major = {major}, semi_minor = {0.7 * major}, std = 0.1 }}
+"""
+        for wedge, load, major in ((30, 2, 7.4), (45, 2, 5.3), (30, 1, 5.9))
+    )
+
+
+def ran(folder: Path, title: str, *tables: str) -> Path:
+    folder.mkdir()
+    head = f"title = '{title}'\n[uncertainty]\nwedge_angle_std_deg = 0.5\nload_relative_std = 0.01\n"
+    (folder / "study.toml").write_text(head + "".join(tables), encoding="utf-8")
+    write_tables(run_study(folder / "study.toml", folder / "out"), folder / "out")
+    return folder / "out"
+
+
+@pytest.fixture(scope="module")
+def runs(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
+    root = tmp_path_factory.mktemp("runs")
+    first = ran(
+        root / "a",
+        "Lab <b>A</b>",
+        finger("l_index", 7.9, 'person = "P01"'),
+        finger("l_ring", 7.7, 'person = "P01"'),
+    )
+    second = ran(
+        root / "b", "Lab B", finger("index", 7.2, 'person = "P02"'), finger("pad", 8.2, "synthetic = true")
+    )
+    third = ran(root / "c", "Lab C", finger("index", 8.3))
+    return [first, second, third]
+
+
+def test_every_value_is_that_of_its_run(runs: list[Path]) -> None:
+    found = compare_studies([runs[0], runs[1] / "results.csv", runs[2] / "summary.json"])
+    assert {(v.study, v.finger, v.person) for v in found.values} == {
+        ("Lab <b>A</b>", "l_index", Owner("P01", True)),
+        ("Lab <b>A</b>", "l_ring", Owner("P01", True)),
+        ("Lab B", "index", Owner("P02", True)),
+        ("Lab B", "pad", Owner("Lab B", False)),
+        ("Lab C", "index", Owner("Lab C", False)),
+    }
+    summary = json.loads((runs[0] / "summary.json").read_text())
+    for row in summary["summaries"]:
+        for quantity in ("radius_from_indentation_mm", "mean_curvature_radius_mm"):
+            (one,) = [
+                v for v in found.values
+                if (v.quantity, v.study, v.finger, v.wedge_angle_deg)
+                == (quantity, "Lab <b>A</b>", row["finger"], row["wedge_angle_deg"])
+            ]  # fmt: skip
+            assert (one.value, one.std) == (row[quantity], row[f"{quantity}_std"])
+    axes = {v.finger: v.value for v in found.of("palmar_mm")[0] if v.study == "Lab <b>A</b>"}
+    assert axes == {"l_index": 7.9, "l_ring": 7.7}
+
+
+def test_the_share_of_the_wedge_is_that_of_a_run_without_the_rest(tmp_path: Path, runs: list[Path]) -> None:
+    exact = finger("l_index", 7.9).replace(
+        "palmar = 0.1, distal = 0.1, radial_ulnar = 0.1", "palmar = 1e-9, distal = 1e-9, radial_ulnar = 1e-9"
+    )
+    alone = json.loads((ran(tmp_path / "exact", "Exact", exact) / "summary.json").read_text())["summaries"]
+    for row in alone:
+        for value in compare_studies(runs).values:
+            if (value.quantity, value.finger, value.wedge_angle_deg) == (
+                "mean_curvature_radius_mm",
+                "l_index",
+                row["wedge_angle_deg"],
+            ):
+                assert value.shared_std == pytest.approx(row["mean_curvature_radius_mm_std"], rel=0.01)
+
+
+def test_means_are_over_people_and_say_of_whom(runs: list[Path]) -> None:
+    found = compare_studies(runs)
+    counts = {mean.synthetic: (len(mean.people), mean.fingers) for mean in found.of("palmar_mm")[1]}
+    assert counts == {False: (3, 4), True: (1, 1)}
+    notes = " | ".join(found.notes)
+    assert "Lab C: the manifest names no person for index" in notes
+    assert "Lab B: the manifest names no person for pad" in notes
+    assert "synthetic fingers were rendered or simulated" in notes
+    assert "area_exponent: 5 of 5 values have no uncertainty and stand in no mean" in notes  # two loads each
+    assert "versions" not in notes
+
+
+def test_tables_hold_all_values_and_means(runs: list[Path], tmp_path: Path) -> None:
+    found = compare_studies(runs)
+    write_comparison(found, tmp_path)
+    with (tmp_path / "compare.csv").open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert [float(row["value"]) for row in rows] == [v.value for v in found.values]
+    assert {row["person"] for row in rows} == {"P01", "P02", ""}
+    assert {row["unit"] for row in rows} == {"mm", "1"}
+    record = json.loads((tmp_path / "compare.json").read_text())
+    assert len(record["values"]) == len(rows)
+    assert [mean["people"] for mean in record["means"]] == [len(mean.people) for mean in found.means]
+    assert sum(mean["synthetic"] for mean in record["means"]) == 7  # three axes, two radii at two angles
+
+
+def test_the_page_stands_alone_and_labels_what_is_synthetic(runs: list[Path], tmp_path: Path) -> None:
+    page = write_comparison_page(compare_studies(runs), tmp_path).read_text(encoding="utf-8")
+    assert "Lab <b>A</b>" not in page
+    assert "Lab &lt;b&gt;A&lt;/b&gt;" in page
+    assert "<script" not in page
+    assert not re.search(r'(?:src|href)="(?!#|data:)', page)
+    rows = re.findall(r"<tr>.*?</tr>", page, re.DOTALL)
+    of_pad = [row for row in rows if "<td>pad" in row]
+    assert len(of_pad) == 8
+    assert all('<span class="synthetic">' in row for row in of_pad)
+    drawn = (tmp_path / "figures" / "compare_radius_from_indentation_mm.svg").read_text(encoding="utf-8")
+    assert "Lab B, pad (synthetic)" in drawn
+    assert (tmp_path / "figures" / "compare_radius_by_wedge.png").stat().st_size > 10_000
+
+
+def test_a_figure_of_very_many_fingers_shows_people(runs: list[Path]) -> None:
+    found = compare_studies(runs)
+    many = [
+        value(13.0 + n % 7 / 10, 0.1, person=f"P{n // 30}", finger=f"f{n}", quantity="palmar_mm")
+        for n in range(120)
+    ]
+    crowd = type(found)(studies=found.studies, values=tuple(many), means=tuple(means_of(many)), notes=())
+    (plot,) = forest_plot(crowd, "palmar_mm")
+    labels = [text.get_text() for text in plot.figure.axes[0].get_yticklabels()]
+    assert labels == [*(f"P{n}, 30 fingers" for n in range(4)), "mean over people"]
+
+
+def changed(run: Path, folder: Path, **keys: Any) -> Path:
+    summary = json.loads((run / "summary.json").read_text())
+    folder.mkdir()
+    (folder / "summary.json").write_text(json.dumps({**summary, **keys}))
+    return folder
+
+
+def test_different_versions_and_failures_are_told(runs: list[Path], tmp_path: Path) -> None:
+    provenance = json.loads((runs[2] / "summary.json").read_text())["provenance"]
+    older = changed(
+        runs[2], tmp_path / "older", provenance={**provenance, "fingerpad": "0.0.9"}, failures=["x"]
+    )
+    notes = " | ".join(compare_studies([runs[0], older]).notes)
+    assert "Lab C by 0.0.9" in notes
+    assert "Lab C: 1 could not be measured" in notes
+
+
+def test_what_is_no_study_or_twice_the_same_is_refused(runs: list[Path], tmp_path: Path) -> None:
+    copy = changed(runs[0], tmp_path / "copy", title="Renamed")
+    provenance = json.loads((runs[2] / "summary.json").read_text())["provenance"]
+    other = changed(runs[2], tmp_path / "other", provenance={**provenance, "inputs_sha256": {"x": "y"}})
+    broken = changed(runs[2], tmp_path / "broken", summaries=[{"finger": "index"}], title="Broken")
+    odd = changed(runs[2], tmp_path / "odd", fingers="none", title="Odd")
+    failed = changed(runs[2], tmp_path / "failed", summaries=[], fingers=[], title="Failed")
+    (tmp_path / "empty").mkdir()
+    for paths, message in [
+        ([runs[0], runs[0] / "results.csv"], "is the same study as"),
+        ([runs[0], copy], "is the same study as"),
+        ([runs[2], other], "are both titled 'Lab C'"),
+        ([tmp_path / "empty"], "no summary.json there, so no finished run; `fingerpad run"),
+        ([tmp_path / "nowhere"], "no finished run"),
+        ([broken], "broken/summary.json: is not understood"),
+        ([odd], "odd/summary.json: is not understood"),
+        ([failed], "there is nothing to compare"),
+        ([], "no study is named"),
+    ]:
+        with pytest.raises(FingerpadError, match=message):
+            compare_studies(paths)
+
+
+def test_from_the_command_line(runs: list[Path], tmp_path: Path) -> None:
+    def cli(*arguments: object) -> tuple[int, str, str]:
+        result = CliRunner().invoke(app, ["compare", *map(str, arguments)])
+        assert result.exception is None or isinstance(result.exception, SystemExit), result.exception
+        return result.exit_code, result.stdout, result.stderr
+
+    code, said, error = cli(*runs, "--out", tmp_path / "out")
+    assert (code, error) == (0, "")
+    assert "P01, l_index" in said
+    assert "Lab B, pad  (synthetic)" in said
+    assert "mean of 3 people" in said
+    assert f"Page: {tmp_path / 'out' / 'compare.html'}" in said
+    code, said, _ = cli(*runs, "--json")
+    assert code == 0
+    assert {study["study"] for study in json.loads(said)["studies"]} == {"Lab <b>A</b>", "Lab B", "Lab C"}
+    code, _, error = cli(runs[0], runs[0])
+    assert code == 2
+    assert error.startswith("fingerpad: ")

@@ -1,0 +1,118 @@
+"""Runs of a study that people corrected: results follow the decisions, and nothing else is measured anew."""
+
+from pathlib import Path
+
+import pytest
+from tests.study.small_study import copy, make
+
+from fingerpad.study import sequences
+from fingerpad.study.corrections import CorrectionLog
+from fingerpad.study.manifest import read_study
+from fingerpad.study.pipeline import StudyResult, run_study
+from fingerpad.study.progress import Progress
+from fingerpad.study.status import study_status
+
+ELLIPSE = {"ellipse_px": {"centre": [60, 60], "semi_axes": [40, 30], "orientation_deg": 10}}
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return make(tmp_path_factory.mktemp("made") / "study")
+
+
+@pytest.fixture
+def manifest(made: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.setattr(sequences, "_LEAST_PIECE", 5)
+    return copy(made, tmp_path / "study")
+
+
+def decide(manifest: Path, item: str, change: dict) -> None:
+    log = CorrectionLog(manifest.parent)
+    expected = log.history(item).last_id
+    log.append(item, change, who="anna", expected=expected, study=read_study(manifest))
+
+
+def run(manifest: Path) -> tuple[StudyResult, list[str]]:
+    told: list[Progress] = []
+    result = run_study(manifest, manifest.parent / "out", on_progress=told.append)
+    return result, [one.item for one in told[1:]]
+
+
+def row_of(result: StudyResult, name: str) -> dict:
+    return next(row for row in result.rows if row["observation"] == name)
+
+
+def test_a_corrected_observation_alone_is_measured_anew(manifest: Path) -> None:
+    before, _ = run(manifest)
+    decide(manifest, "o1", ELLIPSE)
+    assert study_status(manifest, manifest.parent / "out").stale == 1
+    after, measured = run(manifest)
+    assert measured == ["o1"]
+    row = row_of(after, "o1")
+    assert (row["measured_by"], row["reviewed"], row["reviewed_by"]) == ("person", "corrected", "anna")
+    assert row["semi_major_mm"] == pytest.approx(40 * 25.4 / 240, rel=1e-3)
+    assert row["program_semi_major_mm"] == row_of(before, "o1")["semi_major_mm"]
+    decide(manifest, "o1", {})
+    again, measured = run(manifest)
+    assert measured == ["o1"]
+    assert list(again.rows) == list(before.rows)
+
+
+@pytest.mark.parametrize(
+    ("item", "change", "status"),
+    [
+        ("o2", {"accepted": True}, "measured"),
+        ("o2", {"rejected": "it slipped"}, "rejected"),
+        ("p#12", {"accepted": True}, "measured"),
+        ("p#12", {"rejected": "smeared"}, "rejected"),
+    ],
+)
+def test_a_verdict_measures_nothing(manifest: Path, item: str, change: dict, status: str) -> None:
+    before, _ = run(manifest)
+    decide(manifest, item, change)
+    after, measured = run(manifest)
+    assert measured == []
+    row = row_of(after, item)
+    assert (row["status"], row["reviewed_by"]) == (status, "anna")
+    assert row["reason"] == change.get("rejected")
+    assert not (row["pooled"] and status == "rejected")
+    assert after.failures == []
+    others = [[one for one in found.rows if one["observation"] != item] for found in (before, after)]
+    assert others[0] == others[1]
+
+
+def test_a_corrected_frame_has_its_piece_measured_anew(manifest: Path) -> None:
+    before, _ = run(manifest)
+    decide(manifest, "p#8", ELLIPSE)
+    after, measured = run(manifest)
+    assert measured == ["p", "p"]  # the piece, and the drawings
+    row = row_of(after, "p#8")
+    assert (row["measured_by"], row["load_N"]) == ("person", row_of(before, "p#8")["load_N"])
+    assert row["semi_minor_mm"] == pytest.approx(30 * 25.4 / 240, rel=1e-3)
+    others = [[one for one in found.rows if one["observation"] != "p#8"] for found in (before, after)]
+    assert others[0] == others[1]
+    # A frame in which the program saw nothing can be measured by a person.
+    seen = {row["frame"] for row in before.rows}
+    empty = min(frame for frame in range(24) if frame not in seen and frame > 1)
+    decide(manifest, f"p#{empty}", ELLIPSE)
+    frames = {row["frame"]: row for row in run(manifest)[0].rows}
+    assert empty not in frames or frames[empty]["measured_by"] == "person"
+
+
+def test_a_rejected_photograph_is_left_out(manifest: Path) -> None:
+    decide(manifest, "g/distal.jpg", {"rejected": "nail in view"})
+    result, measured = run(manifest)
+    assert "g/distal.jpg" not in measured
+    assert "palmar" in (result.fingers["g"].reason or "")
+
+
+def test_what_is_odd_about_corrections_is_told(manifest: Path) -> None:
+    decide(manifest, "o1", ELLIPSE)
+    text = manifest.read_text()
+    manifest.write_text(text.replace('name = "o1"', 'name = "other"'))
+    with (manifest.parent / "corrections.jsonl").open("a") as file:
+        file.write('{"id": 2, "item": "o')
+    result, _ = run(manifest)
+    assert any("o1 is not in the study" in note for note in result.notes)
+    assert any("torn" in note for note in result.notes)
+    assert "corrections.jsonl" in result.provenance["inputs_sha256"]

@@ -1,0 +1,207 @@
+"""Tables out: what is read back from Parquet and MATLAB files is what the run wrote."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from pyarrow import parquet
+from scipy import io
+
+from fingerpad.exceptions import FingerpadError
+from fingerpad.study.columns import COLUMNS, TRUTHS, WORDS
+from fingerpad.study.export import export_results
+from fingerpad.study.output import write_tables
+from fingerpad.study.pipeline import run_study
+from fingerpad.study.results import Column
+
+STUDY = """
+title = "Two presses, é"
+[uncertainty]
+wedge_angle_std_deg = 0.5
+[[fingers]]
+name = "index"
+semi_axes_mm = { palmar = 7.9, distal = 13.8, radial_ulnar = 11.8 }
+semi_axes_std_mm = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }
+[[observations]]
+name = "heavy"
+finger = "index"
+wedge_angle_deg = 30
+load_N = 2
+ellipse_mm = { semi_major = 7.4, semi_minor = 5.0, std = 0.1, long_axis = "along" }
+[[observations]]
+name = "light"
+finger = "index"
+wedge_angle_deg = 45
+load_N = 0.5
+synthetic = true
+ellipse_mm = { semi_major = 5.3, semi_minor = 4.2, std = 0.1 }
+[[observations]]
+name = "lost"
+finger = "index"
+wedge_angle_deg = 45
+load_N = 0.5
+image = "broken.png"
+scale = { ppi = 500 }
+"""
+
+
+@pytest.fixture(scope="module")
+def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("study")
+    (folder / "study.toml").write_text(STUDY, encoding="utf-8")
+    (folder / "broken.png").write_bytes(b"no picture")
+    out = folder / "out"
+    write_tables(run_study(folder / "study.toml", out), out)
+    return out
+
+
+def copied(results: Path, folder: Path, **changed: str) -> Path:
+    """Copy a run's tables, with the content of some replaced."""
+    folder.mkdir()
+    for name in ("results.csv", "results_columns.csv", "summary.json"):
+        (folder / name).write_bytes((results / name).read_bytes())
+    for name, content in changed.items():
+        (folder / name.replace("__", ".")).write_text(content, encoding="utf-8")
+    return folder
+
+
+def test_parquet_keeps_values_types_units_and_meanings(results: Path, tmp_path: Path) -> None:
+    export_results(results, tmp_path / "r.parquet")
+    rows = json.loads((results / "results.json").read_text())
+    table = parquet.read_table(tmp_path / "r.parquet")
+    assert table.to_pylist() == [
+        {name: row[name] or None if name in WORDS else row[name] for name in row} for row in rows
+    ]
+    types = {field.name: str(field.type) for field in table.schema}
+    assert types["synthetic"] == types["pooled"] == "bool"
+    assert types["frame"] == "int64"
+    assert types["scale"] == types["reason"] == "string"
+    assert types["load_N"] == types["time_s"] == types["ridge_area_mm2_std"] == "double"
+    kept = table.schema.field("semi_minor_mm_std").metadata
+    assert kept == {b"unit": b"mm", b"meaning": b"standard uncertainty of semi_minor_mm"}
+    assert table.schema.metadata[b"title"].decode() == "Two presses, é"
+    frame = pd.read_parquet(tmp_path / "r.parquet")
+    assert frame["semi_major_mm"].tolist()[:2] == [7.4, 5.3]
+    assert np.isnan(frame["semi_major_mm"][2])
+
+
+def test_matlab_keeps_values_units_and_meanings(results: Path, tmp_path: Path) -> None:
+    export_results(results, tmp_path / "r.mat")
+    rows = json.loads((results / "results.json").read_text())
+    content = io.loadmat(tmp_path / "r.mat")
+    struct = content["results"][0, 0]
+    assert set(struct.dtype.names) == set(COLUMNS)
+    for name in COLUMNS:
+        assert len(struct[name]) == len(rows), name  # one line each, as MATLAB's struct2table asks for
+        values = [row[name] for row in rows]
+        if name in WORDS:
+            assert [str(word).rstrip() for word in struct[name]] == [value or "" for value in values]
+        else:
+            assert struct[name].shape == (3, 1)
+            np.testing.assert_array_equal(struct[name][:, 0], np.array(values, dtype=float))
+    simple = io.loadmat(tmp_path / "r.mat", simplify_cells=True)
+    assert simple["units"]["youngs_modulus_kpa"] == "kPa"
+    assert simple["meanings"]["load_N"] == "normal force W"
+    assert simple["study"]["title"] == "Two presses, é"
+    assert all(len(name) <= 63 for name in COLUMNS)
+
+
+def test_every_column_has_the_unit_that_its_name_says() -> None:
+    expected = {
+        "load_N": "N", "time_s": "s", "frame": "1", "u_deg": "deg", "mm_per_px": "mm/px",
+        "mm_per_px_std": "mm/px",
+        "gross_area_mm2": "mm2", "gross_area_mm2_std": "mm2", "centroid_row_px": "px", "ellipse_iou": "1",
+        "youngs_modulus_kpa_std": "kPa", "radius_from_indentation_mm_std_given_geometry": "mm",
+        "aspect_ratio": "1", "contact_size": "1", "finger": "", "pooled": "",
+    }  # fmt: skip
+    assert {name: Column(name=name, meaning="").unit for name in expected} == expected
+    pure = {
+        "aspect_ratio",
+        "predicted_aspect_ratio",
+        "ellipse_iou",
+        "contact_size",
+        "indentation_over_thickness",
+    }
+    without = {name for name in COLUMNS if Column(name=name, meaning="").unit in {"", "1"}}
+    assert without == {name for name in COLUMNS if name in WORDS | TRUTHS} | pure | {"frame"}
+
+
+def test_many_rows_come_in_batches_and_none_is_lost(results: Path, tmp_path: Path) -> None:
+    header, row, *_ = (results / "results.csv").read_text(encoding="utf-8").splitlines()
+    many = "\n".join([header, *(row.replace("heavy,", f"press#{number},", 1) for number in range(12_345))])
+    folder = copied(results, tmp_path / "many", results__csv=many + "\n")
+    export_results(folder, tmp_path / "many.parquet")
+    export_results(folder, tmp_path / "many.mat")
+    file = parquet.ParquetFile(tmp_path / "many.parquet")
+    assert file.num_row_groups == 3
+    names = file.read(columns=["observation"])["observation"].to_pylist()
+    assert names == [f"press#{number}" for number in range(12_345)]
+    assert len(io.loadmat(tmp_path / "many.mat")["results"][0, 0]["load_N"]) == 12_345
+
+
+def test_a_run_without_rows_keeps_its_columns(results: Path, tmp_path: Path) -> None:
+    header = (results / "results.csv").read_text(encoding="utf-8").splitlines()[0]
+    folder = copied(results, tmp_path / "none", results__csv=header + "\n")
+    for suffix in ("parquet", "mat"):
+        export_results(folder, tmp_path / f"none.{suffix}")
+    assert parquet.read_table(tmp_path / "none.parquet").column_names == list(COLUMNS)
+    assert io.loadmat(tmp_path / "none.mat")["results"][0, 0]["load_N"].size == 0
+
+
+@pytest.mark.parametrize(
+    ("changed", "message"),
+    [
+        ({"results__csv": "a,b\n1,2\n"}, "its columns are not those of results_columns.csv"),
+        ({"results__csv": ""}, "its columns are not those"),
+        ({"results__csv": "load_N,frame\n1,2\n3\n"}, "before line 3: a row has more or fewer cells"),
+        ({"results__csv": "load_N,frame\n1,two\n"}, "no number .*two.*run the study again"),
+        ({"results__csv": "pooled\nmaybe\n"}, "no truth .*maybe"),
+        ({"summary__json": "{"}, "summary.json: cannot be read as JSON"),
+        ({"summary__json": "[]"}, "is no summary of a study that was run"),
+    ],
+)
+def test_tables_that_are_not_whole_are_refused(
+    results: Path, tmp_path: Path, changed: dict[str, str], message: str
+) -> None:
+    folder = copied(results, tmp_path / "bad", **changed)
+    for suffix in ("parquet", "mat"):
+        with pytest.raises(FingerpadError, match=message):
+            export_results(folder, tmp_path / f"r.{suffix}")
+    assert [path.name for path in tmp_path.iterdir()] == ["bad"]  # nothing half written is left
+
+
+def test_other_formats_and_folders_are_refused(results: Path, tmp_path: Path) -> None:
+    with pytest.raises(FingerpadError, match=r"no format is known by .xlsx.*\.parquet or \.mat"):
+        export_results(results, tmp_path / "r.xlsx")
+    with pytest.raises(FingerpadError, match="a name without suffix"):
+        export_results(results, tmp_path / "r")
+    with pytest.raises(FingerpadError, match="no finished run; `fingerpad run"):
+        export_results(tmp_path, tmp_path / "r.mat")
+    with pytest.raises(FingerpadError, match="nowhere/r.mat: cannot be written"):
+        export_results(results, tmp_path / "nowhere" / "r.mat")
+
+
+def test_without_pyarrow_the_way_out_is_said(results: Path, tmp_path: Path) -> None:
+    (tmp_path / "pyarrow.py").write_text("raise ImportError")  # found first: as if it were not installed
+    script = (
+        f"import sys; sys.path.insert(0, {str(tmp_path)!r})\n"
+        "from fingerpad.cli import app\n"
+        f"app(['export', {str(results)!r}, {str(tmp_path / 'r.parquet')!r}])"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
+    assert done.returncode == 2
+    assert done.stderr == "fingerpad: Parquet needs the package pyarrow: pip install 'fingerpad[parquet]'\n"
+    assert not (tmp_path / "r.parquet").exists()
+
+
+def test_an_older_export_stays_where_a_new_one_fails(results: Path, tmp_path: Path) -> None:
+    export_results(results, tmp_path / "r.mat")
+    before = (tmp_path / "r.mat").read_bytes()
+    cut = f"{(results / 'results.csv').read_text(encoding='utf-8').splitlines()[0]}\ncut,short"
+    with pytest.raises(FingerpadError, match="fewer cells"):
+        export_results(copied(results, tmp_path / "cut", results__csv=cut), tmp_path / "r.mat")
+    assert (tmp_path / "r.mat").read_bytes() == before

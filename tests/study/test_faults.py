@@ -1,0 +1,275 @@
+"""Whatever happens to a run: no row is lost, none doubled, and the next run ends as an undisturbed one."""
+
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from multiprocessing import get_context
+from pathlib import Path
+
+import numpy as np
+import pytest
+from tests.study.small_study import FRAMES, PICTURES, copy, make, run_here
+
+from fingerpad.exceptions import FingerpadError, StoreError
+from fingerpad.study import sequences
+from fingerpad.study.pipeline import run_study
+from fingerpad.study.progress import Progress
+from fingerpad.study.status import study_status
+from fingerpad.study.store import STORE_NAME, Store
+
+pytestmark = pytest.mark.usefixtures("small_pieces")
+ITEMS = PICTURES + 3  # two photographs and a film
+
+
+@pytest.fixture
+def small_pieces(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sequences, "_LEAST_PIECE", 5)
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return make(tmp_path_factory.mktemp("made") / "study")
+
+
+@pytest.fixture(scope="module")
+def undisturbed(made: Path, tmp_path_factory: pytest.TempPathFactory) -> list[dict]:
+    """Rows of a run that measures the film in one piece."""
+    return list(run_study(made, tmp_path_factory.mktemp("undisturbed")).rows)
+
+
+@pytest.fixture
+def manifest(made: Path, tmp_path: Path) -> Path:
+    return copy(made, tmp_path / "study")
+
+
+def rows(manifest: Path, out: Path, **options: object) -> list[dict]:
+    return list(run_study(manifest, out, **options).rows)
+
+
+def test_a_film_in_pieces_gives_the_rows_of_the_whole(
+    manifest: Path, undisturbed: list[dict], tmp_path: Path
+) -> None:
+    assert rows(manifest, tmp_path / "out") == undisturbed
+    with Store.open(tmp_path / "out" / STORE_NAME) as store:
+        pieces = [name for name in store.marks() if name.startswith("p frames")]
+    assert len(pieces) == -(-FRAMES // 5)
+
+
+def test_two_processes_and_a_tiff_give_the_rows_of_one(undisturbed: list[dict], tmp_path: Path) -> None:
+    manifest = make(tmp_path / "study", film="film.tif")
+    found = rows(manifest, tmp_path / "out", workers=2)
+    assert [row | {"image": None} for row in found] == [row | {"image": None} for row in undisturbed]
+
+
+def test_killed_at_twenty_moments(made: Path, undisturbed: list[dict], tmp_path: Path) -> None:
+    context, out, kills = get_context("forkserver"), tmp_path / "out", 0
+    context.set_forkserver_preload(["tests.study.small_study"])
+    moments = np.random.default_rng(20).uniform(0.0, 3.0, 20)
+    while kills < moments.size:
+        process = context.Process(target=run_here, args=(made, out, 1 + kills % 2))
+        process.start()
+        process.join(moments[kills])
+        if process.is_alive():
+            process.kill()
+            kills += 1
+        process.join()
+        if process.exitcode == 0:
+            assert rows(made, out) == undisturbed
+            shutil.rmtree(out)
+        else:
+            assert process.exitcode == -signal.SIGKILL
+    assert rows(made, out) == undisturbed
+    assert not list(out.rglob("*.part"))
+
+
+def test_workers_end_with_a_killed_run(manifest: Path, tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "fingerpad", "run", str(manifest), "--workers", "2"]
+    process = subprocess.Popen([*command, "--out", str(tmp_path / "out")], stderr=subprocess.DEVNULL)
+    assert soon(lambda: len(workers_of(process.pid)) == 2)
+    children = workers_of(process.pid)
+    process.kill()
+    process.wait()
+    assert soon(lambda: not any(Path("/proc", child).exists() for child in children))
+
+
+def workers_of(parent: int) -> list[str]:
+    found = subprocess.run(["pgrep", "-P", str(parent), "-f", "spawn_main"], capture_output=True, text=True)
+    return found.stdout.split()
+
+
+def soon(true: Callable[[], bool]) -> bool:
+    deadline = time.monotonic() + 60
+    while time.monotonic() < deadline:
+        if true():
+            return True
+        time.sleep(0.05)
+    return False
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_an_interrupt_keeps_what_is_in_hand(
+    manifest: Path, undisturbed: list[dict], tmp_path: Path, workers: int
+) -> None:
+    told: list[Progress] = []
+
+    def interrupt(progress: Progress) -> None:
+        told.append(progress)
+        if len(told) == 3:
+            os.kill(os.getpid(), signal.SIGINT)
+
+    with pytest.raises(KeyboardInterrupt):
+        rows(manifest, tmp_path / "out", workers=workers, on_progress=interrupt)
+    with Store.open(tmp_path / "out" / STORE_NAME) as store:
+        kept = len(store.marks())
+    assert kept == len(told) - 1
+    assert 2 <= kept <= 2 + 2 * workers
+    again: list[Progress] = []
+    assert rows(manifest, tmp_path / "out", on_progress=again.append) == undisturbed
+    assert again[-1].pictures == again[-1].total == PICTURES + 2 + FRAMES
+
+
+def test_a_run_can_be_cancelled_from_another_thread(
+    manifest: Path, undisturbed: list[dict], tmp_path: Path
+) -> None:
+    outcome: list[type[BaseException]] = []
+
+    def cancel(progress: Progress) -> None:
+        if progress.status != "started":
+            raise KeyboardInterrupt
+
+    def work() -> None:
+        try:
+            rows(manifest, tmp_path / "out", on_progress=cancel)
+        except KeyboardInterrupt as error:
+            outcome.append(type(error))
+
+    thread = threading.Thread(target=work)
+    thread.start()
+    thread.join()
+    assert outcome == [KeyboardInterrupt]
+    assert rows(manifest, tmp_path / "out") == undisturbed
+
+
+def replaced(path: Path, other: bytes) -> None:
+    """Put other bytes in place of a file's, with the time that it had: only the change itself tells."""
+    stamp = path.stat()
+    path.write_bytes(other)
+    os.utime(path, ns=(stamp.st_atime_ns, stamp.st_mtime_ns))
+
+
+CHANGES: dict[str, tuple[int, str, Callable[[Path], object]]] = {
+    "replaced": (1, "o4.png", lambda path: replaced(path, (path.parent / "o1.png").read_bytes())),
+    "truncated": (2, "o3.png", lambda path: path.write_bytes(path.read_bytes()[:500])),
+    "deleted": (1, "o2.png", lambda path: path.unlink()),
+    "a frame replaced": (
+        2,
+        "film/f12.png",
+        lambda path: replaced(path, (path.parent / "f2.png").read_bytes()),
+    ),
+    "a frame deleted": (1, "film/f12.png", lambda path: path.unlink()),
+    "a photograph replaced": (2, "palmar.jpg", lambda path: replaced(path, b"no picture")),
+}
+
+
+@pytest.mark.parametrize(("workers", "name", "change"), CHANGES.values(), ids=CHANGES)
+def test_an_input_that_changes_while_the_run_goes_on(
+    manifest: Path, undisturbed: list[dict], tmp_path: Path, workers: int, name: str, change: Callable
+) -> None:
+    path = manifest.parent / name
+    before = path.read_bytes()
+
+    def disturb(progress: Progress) -> None:
+        if progress.status == "started":
+            change(path)
+
+    result = run_study(manifest, tmp_path / "out", workers=workers, on_progress=disturb)
+    item = name.partition("/")[0]
+    assert any(item in failure and "run again" in failure for failure in result.failures)
+    assert study_status(manifest, tmp_path / "out").done < ITEMS if path.exists() else True
+    # The very bytes of before, so that a result of the others under the old key would be found again.
+    path.write_bytes(before)
+    assert rows(manifest, tmp_path / "out") == undisturbed
+
+
+def test_a_picture_of_the_same_size_and_time(manifest: Path, undisturbed: list[dict], tmp_path: Path) -> None:
+    """A clock that was set back gives a file a time that it had before."""
+    assert rows(manifest, tmp_path / "out") == undisturbed
+    path = manifest.parent / "o1.png"
+    content = path.read_bytes()
+    replaced(path, content[:-40] + bytes(40))
+    assert study_status(manifest, tmp_path / "out").stale == 1
+    os.utime(path, (1, 1))
+    assert study_status(manifest, tmp_path / "out").stale == 1
+
+
+def test_results_do_not_depend_on_the_clock(manifest: Path, undisturbed: list[dict], tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    rows(manifest, out)
+    with Store.open(out / STORE_NAME) as store:
+        store._connection.execute("UPDATE result SET finished = '2099-01-01T00:00:00+00:00'")
+    told: list[Progress] = []
+    assert rows(manifest, out, on_progress=told.append) == undisturbed
+    assert len(told) == 1
+
+
+@pytest.fixture
+def small_disk(tmp_path: Path) -> Iterator[Path]:
+    """Give a file system of its own, too small for all that a run writes."""
+    disk = tmp_path / "disk"
+    disk.mkdir()
+    made = subprocess.run(
+        ["mount", "-t", "tmpfs", "-o", "size=300k", "tmpfs", str(disk)], capture_output=True
+    )
+    if made.returncode:
+        pytest.skip("mounting a small tmpfs needs rights that this machine does not give")
+    try:
+        yield disk
+    finally:
+        subprocess.run(["umount", "-l", str(disk)], check=True)
+
+
+def test_a_full_disk(manifest: Path, undisturbed: list[dict], small_disk: Path) -> None:
+    out = small_disk / "out"
+    with pytest.raises(StoreError, match=r"(?s)make room.*run again"):
+        rows(manifest, out)
+    kept = study_status(manifest, out)
+    assert kept.failed == kept.stale == 0
+    subprocess.run(["mount", "-o", "remount,size=50m", str(small_disk)], check=True)
+    assert rows(manifest, out) == undisturbed
+
+
+def test_a_folder_that_cannot_be_written(manifest: Path, undisturbed: list[dict], small_disk: Path) -> None:
+    subprocess.run(["mount", "-o", "remount,ro", str(small_disk)], check=True)
+    with pytest.raises(FingerpadError, match=r"cannot (be written|make this folder).*choose another"):
+        rows(manifest, small_disk / "out")
+    subprocess.run(["mount", "-o", "remount,rw,size=50m", str(small_disk)], check=True)
+    assert rows(manifest, small_disk / "out") == undisturbed
+    subprocess.run(["mount", "-o", "remount,ro", str(small_disk)], check=True)
+    with pytest.raises(FingerpadError, match=r"cannot be written.*choose another"):
+        rows(manifest, small_disk / "out")
+
+
+def test_the_store_is_damaged_while_the_run_goes_on(
+    manifest: Path, undisturbed: list[dict], tmp_path: Path
+) -> None:
+    store = tmp_path / "out" / STORE_NAME
+
+    def damage(progress: Progress) -> None:
+        if progress.pictures > FRAMES:
+            for path in (store, store.with_name(STORE_NAME + "-wal")):
+                if path.exists():
+                    path.write_bytes(b"damage" * 5000)
+
+    # Whether a run sees it or not, a result is right or there is none.
+    for options in ({"on_progress": damage}, {}):
+        with suppress(StoreError):
+            assert rows(manifest, tmp_path / "out", **options) == undisturbed
+    for path in store.parent.glob(f"{STORE_NAME}*"):
+        path.unlink()
+    assert rows(manifest, tmp_path / "out") == undisturbed

@@ -1,0 +1,121 @@
+"""Everything after measuring: linear in the rows, flat in memory, and the same however it is streamed."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from benchmarks.scale import cost_apart, films_of, measurements_of, study_result
+from numpy.testing import assert_allclose
+
+from fingerpad.report import write_report
+from fingerpad.study import rows as rows_module
+from fingerpad.study.columns import COLUMNS, WORDS
+from fingerpad.study.fingers import FingerResult
+from fingerpad.study.manifest import Contact, Observation, Study
+from fingerpad.study.measure import Measurement
+from fingerpad.study.rows import make_rows
+from fingerpad.study.summary import summaries
+
+
+def test_cost_grows_with_the_rows() -> None:
+    small, large = cost_apart(1_000), cost_apart(10_000)
+    assert large.model_s + large.tables_s < 14 * (small.model_s + small.tables_s)
+    assert large.total_s < 14 * small.total_s
+    assert large.peak_mb - small.peak_mb < 60  # the rows take 8 MB, figures of more films the rest
+
+
+def test_batches_change_nothing(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    whole = study_result(2_300, tmp_path)
+    monkeypatch.setattr(rows_module, "_AT_ONCE", 7)
+    parted = study_result(2_300, tmp_path)
+    for name in COLUMNS:
+        one, other = whole.rows.column(name), parted.rows.column(name)
+        if name in WORDS:
+            assert one.tolist() == other.tolist()
+        else:
+            assert_allclose(one, other, rtol=1e-9)
+    for one, other in zip(whole.summaries, parted.summaries, strict=True):
+        assert one.pooled_from == other.pooled_from
+        assert_allclose(one.corrected_radius.std, other.corrected_radius.std, rtol=1e-9)
+    assert [check.observation for check in whole.checks] == [check.observation for check in parted.checks]
+
+
+def test_no_more_than_a_batch_is_held() -> None:
+    (film,) = films_of(1_900)
+    alive: set[int] = set()
+    most = 0
+
+    class Counted(Measurement):
+        def __del__(self) -> None:
+            alive.discard(id(self))
+
+    def seen() -> Iterator[tuple[Contact, Measurement]]:
+        nonlocal most
+        for one in measurements_of(film, 1_900):
+            counted = Counted(**{name: getattr(one, name) for name in Measurement.__slots__})
+            alive.add(id(counted))
+            most = max(most, len(alive))
+            yield film, counted
+            del counted
+
+    assert len(make_rows(_study(), {"finger_0": _finger("finger_0")}, seen()).table) == 1_900
+    assert most <= 2 * rows_module._AT_ONCE
+
+
+def _study() -> Study:
+    names = ("palmar", "distal", "radial_ulnar")
+    axes = {"semi_axes_mm": dict.fromkeys(names, 8), "semi_axes_std_mm": dict.fromkeys(names, 0.1)}
+    uncertainty = {"wedge_angle_std_deg": 0.5}
+    return Study.model_validate(
+        {"title": "T", "fingers": [{"name": "f", **axes}], "uncertainty": uncertainty}
+    )
+
+
+def _finger(name: str) -> FingerResult:
+    axes, covariance = np.array([7.9, 13.8, 11.8]), 0.01 * np.eye(3)
+    return FingerResult(name=name, semi_axes=axes, covariance=covariance, source="given", synthetic=True)
+
+
+def test_very_many_single_contacts_are_pooled_without_a_matrix() -> None:
+    count = 20_000  # whose matrix would take 3 GB
+    rng = np.random.default_rng(4)
+    noise = rng.normal(0, 0.1, (count, 2))
+
+    def seen() -> Iterator[tuple[Contact, Measurement]]:
+        ellipse = {"semi_major": 7.0, "semi_minor": 5.0, "std": 0.1, "long_axis": "along"}
+        observation = Observation.model_validate(
+            {"name": "c", "finger": "f", "wedge_angle_deg": 30, "load_N": 1, "ellipse_mm": ellipse}
+        )
+        for number, (major, minor) in enumerate(noise):
+            yield (
+                observation,
+                Measurement(
+                    name=f"c{number}",
+                    load=1.0,
+                    semi_major=7.0 + major,
+                    semi_minor=5.0 + minor,
+                    covariance=0.01 * np.eye(2),
+                    scale=f"s{number % 3}",
+                    relative_scale_std=0.02,
+                ),
+            )
+
+    rows = make_rows(_study(), {"f": _finger("f")}, seen())
+    (summary,) = summaries(rows)
+    pooled = summary.corrected_radius
+    assert pooled is not None
+    assert pooled.count == count
+    assert pooled.fixed.birge_ratio == pytest.approx(1, abs=0.03)
+    # What is left of so many contacts is the pad's own uncertainty.
+    assert pooled.std == pytest.approx(rows.table[0]["mean_curvature_radius_mm_std"], rel=0.02)
+    assert pooled.given_geometry < 0.01 * pooled.std
+
+
+def test_a_report_of_many_rows_stays_small_and_says_what_is_left_out(tmp_path: Path) -> None:
+    report = write_report(study_result(6_000, tmp_path), tmp_path)
+    text = report.read_text(encoding="utf-8")
+    assert report.stat().st_size < 2_500_000
+    assert "150 of 1980 frames are drawn" in text
+    assert "In 20 of its frames the contact is cut by the edge of the picture" in text
+    assert "film_2</td><td>20 frames; the first: 7: the page is damaged" in text
