@@ -144,7 +144,7 @@ export class PadScene {
     this.edges = sharp(scene.wedge);
     this.far = Math.max(...all.map((point) => Math.hypot(...point)));
     if (this.painter) for (const [name, mesh] of Object.entries(this.meshes)) this.painter.keep(name, ...mesh);
-    this.reach = 0.86 * this.far;
+    this.reach = 0.93 * this.far;
     this.draw();
   }
 

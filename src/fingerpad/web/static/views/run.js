@@ -79,7 +79,7 @@ class Run {
             h(
               "div.run-options",
               null,
-              field("Processes", choose({ value: String(this.workers), options: ["1", "2", "4", "8"].map((count) => [count, count === "1" ? "1, steady" : count]), onset: (value) => (this.workers = Number(value)) })),
+              field("Processes", choose({ value: String(this.workers), options: ["1", "2", "4", "8"], onset: (value) => (this.workers = Number(value)) })),
               check("Measure everything anew", { checked: this.fresh, onset: (on) => (this.fresh = on) }),
             ),
             h("div.actions", null, (this.main = button("Run", () => this.#start(), { kind: "primary", key: "Enter", disabled: !ready })), ["done", "cancelled"].includes(run.state) && bench.study.results?.there && h("a.button", { href: "#/results" }, "See the results")),
