@@ -67,6 +67,7 @@ class Contacts {
   #nothing() {
     place(
       this.root,
+      h("header.head", null, h("h1", null, "Contacts")),
       empty(
         "No contact images yet",
         "Drop pictures of the contact, or the frames of a film, on the Study page and say finger, angle and load.",

@@ -43,6 +43,7 @@ class Photographs {
   #nothing() {
     place(
       this.root,
+      h("header.head", null, h("h1", null, "Photographs")),
       empty(
         "No photographs yet",
         "Photograph two or three faces of the finger (palmar, distal, radial or ulnar) before a plain backdrop, with a ruler or a coin beside it, and drop the pictures on the Study page. A finger may also have its semi-axes typed in.",

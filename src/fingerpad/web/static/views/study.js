@@ -74,7 +74,7 @@ class StudyView {
   #uncertainty() {
     const now = bench.study.uncertainty;
     const problem = h("div");
-    const of = (key, max) => number({ value: now[key], min: 0, max, onset: (value) => this.#change("uncertainty", { [key]: value ?? 0 }, problem) });
+    const of = (key, max) => number({ value: now[key], min: 0, max, placeholder: "0", onset: (value) => this.#change("uncertainty", { [key]: value ?? 0 }, problem) });
     return h(
       "section.card",
       { "aria-label": "Uncertainty common to all" },
@@ -89,7 +89,7 @@ class StudyView {
         field(
           "Each row's uncertainty by",
           choose({
-            value: now.method,
+            value: now.method ?? "first_order",
             options: [
               ["first_order", "first order"],
               ["monte_carlo", "Monte Carlo"],
@@ -114,7 +114,7 @@ class StudyView {
         "div.fields.two",
         null,
         field("Title", text({ value: study.title, onset: (title) => title && this.#change("study", { title }, problem) }), { wide: true }),
-        field("Poisson's ratio", number({ value: study.poisson_ratio, min: 0, max: 0.5, onset: (value) => value !== null && this.#change("study", { poisson_ratio: value }, problem) })),
+        field("Poisson's ratio", number({ value: study.poisson_ratio, placeholder: "0.5", min: 0, max: 0.5, onset: (value) => value !== null && this.#change("study", { poisson_ratio: value }, problem) })),
       ),
       study.description && h("details", null, h("summary", null, "Description"), h("p.soft", null, study.description)),
       problem,
