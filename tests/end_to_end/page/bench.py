@@ -1,7 +1,7 @@
 """The bench as people meet it: `fingerpad app` in a process of its own, and its page in a real Chromium.
 
-Every tab writes down what it asks for and what its console says; a test ends by proving that nothing was asked of
-another machine and that the console stayed silent.
+Every tab writes down what it asks for and what its console says; a test ends by proving that nothing was
+asked of another machine and that the console stayed silent.
 """
 
 import os

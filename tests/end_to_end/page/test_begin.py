@@ -8,6 +8,8 @@ from tests.end_to_end.page.bench import DEMO, PRINTS, Tab, drag, focus, middle
 
 FACES = [DEMO / "synthetic" / f"photograph_{face}.jpg" for face in ("palmar", "distal", "radial")]
 CONTACTS = [DEMO / "synthetic" / f"synthetic_30deg_{load}N.png" for load in (1, 2, 4)]
+PICTURE_THERE = """() => document.querySelector('.stage .picture').naturalWidth
+  && !document.querySelector('.stage.waiting')"""
 
 
 def begin(page, title: str = "Index finger") -> None:
@@ -68,7 +70,8 @@ def test_files_dropped_on_the_page(empty_tab: Tab) -> None:
     begin(page)
     data = page.evaluate_handle(
         "() => { const data = new DataTransfer();"
-        " data.items.add(new File(['force_N,displacement_mm\\n0,0\\n1,1\\n'], '../../curve <b>30deg</b>.csv')); return data }"
+        " const name = '../../curve <b>30deg</b>.csv';"
+        " data.items.add(new File(['force_N,displacement_mm\\n0,0\\n1,1\\n'], name)); return data }"
     )
     page.dispatch_event("#work", "drop", {"dataTransfer": data})
     page.get_by_role("heading", name="1 new file").wait_for()
@@ -97,9 +100,7 @@ def test_line_on_a_ruler_by_pointer_then_by_keyboard(tab: Tab, demo) -> None:
     page.get_by_role("button", name="+ New scale").click()
     page.get_by_role("radio", name="Ruler").click()
     page.get_by_label("Picture", exact=True).select_option("synthetic/photograph_palmar.jpg")
-    page.wait_for_function(
-        "() => document.querySelector('.stage .picture').naturalWidth && !document.querySelector('.stage.waiting')"
-    )
+    page.wait_for_function(PICTURE_THERE)
     x, y = middle(page.locator(".stage"))
     page.mouse.move(x - 150, y)
     page.mouse.down()
@@ -131,9 +132,7 @@ def test_line_on_a_ruler_by_pointer_then_by_keyboard(tab: Tab, demo) -> None:
 def test_line_drawn_with_keys_alone(tab: Tab) -> None:
     page = tab.open("scale")
     page.get_by_role("button", name="+ New scale").press("Enter")
-    page.wait_for_function(
-        "() => document.querySelector('.stage .picture').naturalWidth && !document.querySelector('.stage.waiting')"
-    )
+    page.wait_for_function(PICTURE_THERE)
     page.locator(".stage").focus()
     page.keyboard.press("Space")
     for _ in range(6):
@@ -146,14 +145,17 @@ def test_line_drawn_with_keys_alone(tab: Tab) -> None:
 
 def test_run_names_its_file_and_can_be_stopped(tab: Tab) -> None:
     page = tab.open("run")
+    run = page.locator(".run-status button.primary")
     page.get_by_label("Measure everything anew").check()
-    page.get_by_role("button", name="Run", exact=False).first.click()
+    run.click()
     page.get_by_role("progressbar").wait_for()
+    page.keyboard.press("c")
+    page.get_by_role("heading", name="Stopped. What was measured is kept").wait_for()
+    page.get_by_label("Measure everything anew").check()
+    run.press("Enter")
     page.wait_for_function(
         "() => /[.](png|jpg|tif)/.test(document.querySelector('[data-live=file]')?.innerText ?? '')"
     )
-    page.keyboard.press("c")
-    page.get_by_role("heading", name="Stopped. What was measured is kept").wait_for()
 
 
 def test_report_and_folder_are_taken_away(tab: Tab, run_demo, tmp_path) -> None:

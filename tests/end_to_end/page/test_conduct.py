@@ -111,11 +111,10 @@ def test_numbers_follow_a_dragged_handle_at_1024(browser, tmp_path) -> None:
         waits = page.evaluate("() => window.waits")
         page.mouse.up()
         tab.close()
-    print(
-        f"pointer to numbers: median {np.median(waits):.0f} ms, 90th percentile {np.percentile(waits, 90):.0f} ms"
-    )
+    median, slow = np.percentile(waits, [50, 90])
+    print(f"pointer to numbers: median {median:.0f} ms, 90th percentile {slow:.0f} ms")
     assert len(waits) >= 10
-    assert np.median(waits) < 100  # 50 ms is the aim; test machines are shared
+    assert median < 100  # 50 ms is the aim; test machines are shared
 
 
 def test_two_windows_do_not_lose_each_others_corrections(tab: Tab, browser, demo) -> None:
@@ -168,8 +167,9 @@ def test_killed_in_the_middle_of_an_edit_loses_nothing_confirmed(browser, demo) 
         page = tab.open(f"contacts/images/{PRINT}")
         before = numbers(page)
         drag(page, page.get_by_role("button", name="End of the semi-major axis", exact=True), -25, 0)
-        confirmed = changed(page, before)
+        changed(page, before)
         page.wait_for_function("() => document.querySelector('.history li')")
+        confirmed = numbers(page)
         x, y = middle(page.get_by_role("button", name="End of the semi-minor axis", exact=True))
         page.mouse.move(x, y)
         page.mouse.down()

@@ -165,7 +165,8 @@ def test_sixteen_bit_tiff_is_shown_and_measured(empty_tab: Tab) -> None:
     assert "16 bit" in page.locator("[data-part=head]").inner_text()
     assert value(numbers(page), "mm²") == pytest.approx(116.3, rel=0.02)
     shades = page.evaluate(
-        "() => { const image = document.querySelector('.stage .picture'); const canvas = new OffscreenCanvas(40, 40);"
+        "() => { const image = document.querySelector('.stage .picture');"
+        " const canvas = new OffscreenCanvas(40, 40);"
         " const draw = canvas.getContext('2d'); draw.drawImage(image, 0, 0, 40, 40);"
         " const all = draw.getImageData(0, 0, 40, 40).data.filter((_, i) => i % 4 === 0);"
         " return [Math.min(...all), Math.max(...all)] }"

@@ -35,7 +35,9 @@ def test_dragged_axis_moves_the_joint_result(tab: Tab, demo) -> None:
     kept(page)
     assert list(last_change(demo)) == ["ellipse_px"]
     page.get_by_text("by a person", exact=True).wait_for()
+    held = numbers(page, "finger")
     page.keyboard.press("u")
+    page.get_by_text("by the program", exact=True).wait_for()
     assert changed(page, held, "finger") == pad
     assert numbers(page, "face") == face
 

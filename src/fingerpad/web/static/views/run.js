@@ -32,7 +32,7 @@ class Run {
       ["Enter", "Run", () => this.#start()],
       ["c", "Stop the run", () => this.#cancel()],
     ]);
-    get("/api/run").then((run) => bench.takeRun(run), () => {});
+    this.#look().catch(() => {});
     this.#draw();
     this.#drawExports();
   }
@@ -45,14 +45,24 @@ class Run {
     if (this.busy || !bench.study.ready) return;
     place(this.problem);
     try {
-      bench.takeRun(await post("/api/run", { workers: this.workers, fresh: this.fresh }));
+      await post("/api/run", { workers: this.workers, fresh: this.fresh });
+      await this.#look();
     } catch (error) {
       place(this.problem, faultList(error));
     }
   }
 
   async #cancel() {
-    if (bench.run?.state === "running") bench.takeRun(await post("/api/run/cancel"));
+    if (bench.run?.state !== "running") return;
+    await post("/api/run/cancel");
+    await this.#look();
+  }
+
+  /** Events may overtake an answer, or be cut off: ask how the run stands until it has ended. */
+  async #look() {
+    clearTimeout(this.again);
+    bench.takeRun(await get("/api/run"));
+    if (this.busy) this.again = setTimeout(() => this.#look().catch(() => {}), 1000);
   }
 
   #draw() {
@@ -140,6 +150,7 @@ class Run {
   }
 
   close() {
+    clearTimeout(this.again);
     bench.removeEventListener("run", this.heard);
   }
 }
