@@ -161,6 +161,7 @@ def test_a_worker_of_other_code_is_refused_by_its_name(
     [
         ("tcp://127.0.0.1:9", "no scheduler answers"),
         ("nonsense", "no scheduler answers"),
+        ("tls://127.0.0.1:9", "no certificate is configured"),
         ("none yet", "has no worker: start some with `dask worker tcp://127.0.0.1"),
     ],
 )

@@ -37,7 +37,10 @@ def test_the_state_tells_each_item_once(standing):
         == items[PRINT]
     )
     assert items["table3_30deg_ellipse"]["status"] == "given"
-    assert state["counts"]["total"] == len(state["observations"]) + len(state["sequences"])
+    photographs = [one for finger in state["fingers"] for one in finger["photographs"]]
+    assert {one["status"] for one in photographs} == {"left"}
+    measured = len(state["observations"]) + len(state["sequences"]) + len(photographs)
+    assert state["counts"]["total"] == measured
     assert state["sequences"][0]["frames"] == 24
     given, _, photographed = state["fingers"]
     assert given["semi_axes_mm"] == {"palmar": 7.9, "distal": 13.8, "radial_ulnar": 11.8}

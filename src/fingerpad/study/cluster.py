@@ -97,6 +97,12 @@ def cluster_hands(manifest: Path, workers: int, scheduler: str) -> Iterator[Clus
                 n_workers=workers, threads_per_worker=1, dashboard_address=None, protocol="tcp://"
             )
             scheduler = stack.enter_context(started).scheduler_address
+        security: Any = distributed.Security
+        if scheduler.startswith("tls://") and security().tls_ca_file is None:
+            raise ClusterError(
+                f"{scheduler}: no certificate is configured: name yours in "
+                "DASK_DISTRIBUTED__COMM__TLS__CA_FILE, …__CLIENT__CERT and …__CLIENT__KEY"
+            )
         try:
             connect: Any = distributed.Client
             client = stack.enter_context(connect(scheduler, timeout=_WAIT_S, set_as_default=False))

@@ -12,6 +12,7 @@ from fingerpad.image import PHOTOGRAPH_FLAGS
 from fingerpad.report.text import FLAG_WORDS
 from fingerpad.study.columns import COLUMNS
 from fingerpad.study.corrections import Ruling, frames_of
+from fingerpad.study.fingers import is_rejected
 from fingerpad.study.manifest import Contact, Finger, Study
 from fingerpad.study.rows import RANGE_NOTES
 from fingerpad.web.bench import Bench
@@ -50,7 +51,9 @@ def document(opened: OpenStudy) -> dict[str, Any]:
         "ready": study is not None,
         "missing": [asdict(one) for one in manifest.missing],
         "scales": _scales(manifest),
-        "fingers": [_finger(opened, *one, rulings) for one in _tables(manifest, "finger")],
+        "fingers": [
+            _finger(opened, *one, states=states, rulings=rulings) for one in _tables(manifest, "finger")
+        ],
         "observations": [
             _observation(*one, states=states, seen=seen, rulings=rulings)
             for one in _tables(manifest, "observation")
@@ -121,7 +124,13 @@ def _scales(manifest: Manifest) -> list[dict[str, Any]]:
 
 
 def _finger(
-    opened: OpenStudy, name: str, table: dict[str, Any], complete: bool, rulings: Mapping[str, Ruling]
+    opened: OpenStudy,
+    name: str,
+    table: dict[str, Any],
+    complete: bool,
+    *,
+    states: Mapping[str, str],
+    rulings: Mapping[str, Ruling],
 ) -> dict[str, Any]:
     known = known_finger(opened, name) if complete else None
     axes = ("palmar", "distal", "radial_ulnar")
@@ -133,16 +142,19 @@ def _finger(
         "semi_axes_mm": known and dict(zip(axes, known.semi_axes.tolist(), strict=True)),
         "semi_axes_mm_std": known
         and dict(zip(axes, np.sqrt(known.covariance.diagonal()).tolist(), strict=True)),
-        "photographs": [_photograph(name, one, rulings) for one in table.get("photographs", [])],
+        "photographs": [_photograph(name, one, states, rulings) for one in table.get("photographs", [])],
     }
 
 
-def _photograph(finger: str, table: Mapping[str, Any], rulings: Mapping[str, Ruling]) -> dict[str, Any]:
+def _photograph(
+    finger: str, table: Mapping[str, Any], states: Mapping[str, str], rulings: Mapping[str, Ruling]
+) -> dict[str, Any]:
     file = table.get("image") or table.get("outline")
     return {
         "item": f"{finger}/{file}",
         "file": file,
         "outline": "outline" in table,
+        "status": "given" if "outline" in table else _status(f"{finger}/{file}", states, rulings),
         **{key: table.get(key) for key in ("face", "scale", "tip", "palmar_side")},
         "synthetic": table.get("synthetic", False),
         **judged(rulings.get(f"{finger}/{file}")),
@@ -159,8 +171,6 @@ def _observation(
     rulings: Mapping[str, Ruling],
 ) -> dict[str, Any]:
     row = seen.get(name, {})
-    ruling = rulings.get(name)
-    status = "given" if "ellipse_mm" in table else states.get(name, "left")
     return {
         "item": name,
         **{key: table.get(key) for key in ("finger", "wedge_angle_deg", "load_N", "scale")},
@@ -168,12 +178,17 @@ def _observation(
         "file": table.get("image"),
         "notes": table.get("notes", ""),
         "synthetic": table.get("synthetic", False),
-        "status": "rejected" if ruling is not None and ruling.change.rejected else status,
+        "status": "given" if "ellipse_mm" in table else _status(name, states, rulings),
         "flags": (row.get("flags") or "").split(),
         "reason": row.get("reason"),
-        **judged(ruling),
+        **judged(rulings.get(name)),
         "complete": complete,
     }
+
+
+def _status(item: str, states: Mapping[str, str], rulings: Mapping[str, Ruling]) -> str:
+    """Return how far an item is; what a person rejected is nothing else."""
+    return "rejected" if is_rejected(rulings.get(item)) else states.get(item, "left")
 
 
 def _sequence(

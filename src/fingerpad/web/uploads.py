@@ -132,7 +132,7 @@ def described(opened: OpenStudy, path: Path) -> dict[str, Any]:
         if record["kind"] == "table":
             with path.open(encoding="utf-8-sig", errors="replace") as file:
                 record["columns"] = [cell.strip() for cell in file.readline(4000).split(",")]
-        elif is_film(path) and (count := open_frames(path, pixel_limit=opened.pixel_limit).count) != 1:
+        elif is_film(path) and (count := open_frames(path, pixel_limit=opened.pixel_limit).count) > 1:
             record |= {"kind": "film", "frames": count}
         else:
             picture = read_image(path, pixel_limit=opened.pixel_limit)

@@ -1,0 +1,49 @@
+"""A frame decoded alone is the one that comes in its turn."""
+
+import cv2
+import numpy as np
+import pytest
+import tifffile
+
+from fingerpad.exceptions import ImageError
+from fingerpad.image import Scale, open_frames
+
+
+@pytest.fixture(params=["folder", "tiff", "video"])
+def film(request, tmp_path):
+    levels = np.arange(12)[:, None, None] * 15 + np.zeros((12, 32, 48))
+    pictures = levels.astype(np.uint8)
+    if request.param == "tiff":
+        tifffile.imwrite(tmp_path / "film.tif", pictures, photometric="minisblack")
+        return open_frames(tmp_path / "film.tif")
+    if request.param == "folder":
+        (tmp_path / "film").mkdir()
+        for k, picture in enumerate(pictures):
+            cv2.imwrite(str(tmp_path / "film" / f"{k}.png"), picture)
+        return open_frames(tmp_path / "film")
+    writer = cv2.VideoWriter(str(tmp_path / "film.avi"), cv2.VideoWriter_fourcc(*"MJPG"), 20, (48, 32))
+    for picture in pictures:
+        writer.write(cv2.cvtColor(picture, cv2.COLOR_GRAY2BGR))
+    writer.release()
+    return open_frames(tmp_path / "film.avi")
+
+
+def test_each_frame_alone_is_the_one_in_its_turn(film):
+    for frame in list(film):
+        alone = film.at(frame.index)
+        assert alone.index == frame.index
+        np.testing.assert_array_equal(alone.pixels, frame.pixels)
+
+
+@pytest.mark.parametrize("index", [-1, 12, 10**9])
+def test_a_frame_that_is_not_there_is_refused(film, index):
+    with pytest.raises(ImageError, match="there are 12"):
+        film.at(index)
+
+
+def test_a_length_is_known_no_better_than_its_scale_and_its_ends():
+    scale = Scale.of_line(50.0, (0, 0), (300, 400), length_mm_std=0.5)
+    length, std = scale.length((0, 0), (300, 400))
+    assert (length, std) == (pytest.approx(50.0), pytest.approx(0.5))  # the line itself, to what it was given
+    assert scale.length((7, 7), (7, 7), point_px_std=1.0) == (0.0, pytest.approx(np.sqrt(2) * 0.1))
+    assert scale.ppi == pytest.approx(254.0)
