@@ -100,3 +100,8 @@ export function wordsOf({ action, change }) {
   const parts = Object.keys(change).filter((key) => change[key] !== null && change[key] !== false);
   return parts.length ? parts.map((key) => WORDS[key] ?? key).join(", ") : "back to the program";
 }
+
+/** A correction without what says nothing. */
+export function plainChange(change) {
+  return Object.fromEntries(Object.entries(change).filter(([, value]) => value !== null && value !== undefined && value !== false && !(Array.isArray(value) && !value.length)).concat(change.dark_on_light === false ? [["dark_on_light", false]] : []));
+}

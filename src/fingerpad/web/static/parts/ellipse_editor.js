@@ -1,7 +1,7 @@
 // An ellipse with handles: centre, ends of both semi-axes, rotation. It draws and moves; the library fits.
 
 import { attributes, s } from "../core/dom.js";
-import { handle } from "./stage.js";
+import { handle } from "./handle.js";
 
 const TURN_PX = 30;
 

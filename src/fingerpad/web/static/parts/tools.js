@@ -1,7 +1,7 @@
 // What a hand does on a picture: brush, line, box, single points. Each is a tool for a Stage.
 
 import { attributes, pathOf, s } from "../core/dom.js";
-import { handle } from "./stage.js";
+import { handle } from "./handle.js";
 
 /** Paint a stroke; `done({action, points_px, radius_px})` hears it when the hand is lifted. */
 export class Brush {

@@ -1,9 +1,9 @@
 // Contact images and frames: what the program found, what a person says of it, and on to the next.
 
 import { get, Newest, picture, post } from "../core/api.js";
-import { bench, wordsFor } from "../core/bench.js";
-import { Corrections } from "../core/corrections.js";
-import { h, pathOf, place, s } from "../core/dom.js";
+import { bench } from "../core/bench.js";
+import { Corrections, plainChange } from "../core/corrections.js";
+import { h, place } from "../core/dom.js";
 import { bindHere } from "../core/keys.js";
 import { complain, say } from "../core/messages.js";
 import { plain } from "../core/quantity.js";
@@ -15,7 +15,9 @@ import { Stage } from "../parts/stage.js";
 import { Box, Brush, Click } from "../parts/tools.js";
 import { whoButton } from "../parts/who.js";
 import { scaleWords } from "../parts/scale_choice.js";
+import { describe, FILTERS, WANTED } from "./contact_entries.js";
 import { ContactInspector } from "./contact_inspector.js";
+import { ContactOverlay } from "./contact_overlay.js";
 
 const TOOLS = [
   ["ellipse", "Look and drag the ellipse", { icon: icons.ellipse, shortcut: "v" }],
@@ -24,22 +26,6 @@ const TOOLS = [
   ["seed", "Seed point inside the right patch", { icon: icons.seed, shortcut: "s" }],
   ["box", "Region of interest", { icon: icons.box, shortcut: "o" }],
 ];
-
-const FILTERS = [
-  ["", "all"],
-  ["todo", "not looked at"],
-  ["flagged", "flagged"],
-  ["corrected", "corrected"],
-  ["rejected", "rejected"],
-];
-
-const WANTED = {
-  "": () => true,
-  todo: (entry) => !entry.accepted && !entry.rejected && entry.status !== "none",
-  flagged: (entry) => entry.flags?.length > 0,
-  corrected: (entry) => entry.corrected,
-  rejected: (entry) => Boolean(entry.rejected),
-};
 
 class Contacts {
   constructor(root, rest) {
@@ -78,14 +64,7 @@ class Contacts {
 
   #build() {
     this.stage = new Stage("Contact image. Arrow keys move the cross-hair of a brush, space presses it.");
-    this.layers = {
-      own: s("path.own"),
-      strokes: s("g.kept-strokes"),
-      region: s("path.region"),
-      seed: s("g.seed", { visibility: "hidden" }, s("circle", { r: 7, class: "seed" }), s("path.seed", { d: "M-12 0H-4M4 0H12M0-12V-4M0 4V12" })),
-    };
-    this.stage.world.append(this.layers.region, this.layers.strokes, this.layers.own, this.layers.seed);
-    this.stage.keepSize(() => this.#drawSeed());
+    this.overlay = new ContactOverlay(this.stage);
     this.mark = h("span.synthetic.stage-synthetic", { hidden: true }, "synthetic");
     this.stage.root.append(this.mark);
     this.editor = new EllipseEditor(this.stage, ["semi-major axis", "semi-minor axis"], (shape, final) => this.#dragged(final));
@@ -229,9 +208,7 @@ class Contacts {
   }
 
   #blank() {
-    this.layers.region.setAttribute("d", "");
-    this.layers.own.setAttribute("d", "");
-    place(this.layers.strokes);
+    this.overlay.clear();
     this.editor.hide();
     this.box.set(null);
   }
@@ -265,8 +242,7 @@ class Contacts {
     this.measured = answer;
     if (!live) this.stage.say("");
     this.stage.setScale(answer.mm_per_px);
-    const rings = [pathOf(answer.outline_px), ...(answer.holes_px ?? []).map((ring) => pathOf(ring))];
-    this.layers.region.setAttribute("d", rings.join(""));
+    this.overlay.region(answer.outline_px);
     if (!live) {
       const { centre_px: centre, major_ends_px: major, minor_ends_px: minor } = answer.handles;
       this.editor.show(centre, major[0], minor[0]);
@@ -286,21 +262,10 @@ class Contacts {
       this.strip.refresh();
     }
     this.stage.root.classList.toggle("rejected", Boolean(change.rejected));
-    this.seed = change.seed_px ?? null;
-    place(
-      this.layers.strokes,
-      (change.strokes ?? []).map(({ action, points_px: points, radius_px: radius }) => s(`path.stroke.${action}`, { d: pathOf(points.length > 1 ? points : [points[0], points[0]], false), "stroke-width": 2 * radius })),
-    );
-    this.#drawSeed();
+    this.overlay.correction(change);
     this.box.set(change.region_of_interest_px ?? null);
     this.#showTool();
     if (records) this.inspector.corrected();
-  }
-
-  #drawSeed() {
-    const seed = this.seed;
-    this.layers.seed.setAttribute("visibility", seed ? "visible" : "hidden");
-    if (seed) this.layers.seed.setAttribute("transform", `translate(${seed[1]} ${seed[0]}) scale(${1 / this.stage.zoom})`);
   }
 
   #use(tool) {
@@ -422,7 +387,7 @@ class Contacts {
 
   #showOwn(show) {
     const own = this.measured?.program;
-    this.layers.own.setAttribute("d", show && own ? pathOf(own.outline_px) : "");
+    this.overlay.own(show && own ? own.outline_px : null);
     this.stage.root.classList.toggle("comparing", show);
     if (show && !own) this.stage.say(this.measured?.program_error ?? "The program found no contact here.");
     else if (!show) this.stage.say("");
@@ -471,29 +436,6 @@ class Contacts {
     this.stage?.close();
     this.strip?.close();
   }
-}
-
-/** A correction without what says nothing. */
-export function plainChange(change) {
-  return Object.fromEntries(Object.entries(change).filter(([, value]) => value !== null && value !== undefined && value !== false && !(Array.isArray(value) && !value.length)).concat(change.dark_on_light === false ? [["dark_on_light", false]] : []));
-}
-
-function describe(entry) {
-  const film = entry.frame !== undefined;
-  const state = entry.rejected ? "rejected" : entry.status;
-  const marks = [];
-  if (entry.flags?.length) marks.push(["flag", entry.flags.map(wordsFor).join("; ")]);
-  if (entry.status === "failed") marks.push(["failed", entry.reason ?? "failed"]);
-  if (entry.corrected) marks.push(["corrected", "corrected by a person"]);
-  if (entry.accepted) marks.push(["accepted", "accepted"]);
-  if (entry.rejected) marks.push(["rejected", `rejected: ${entry.rejected}`]);
-  const load = entry.load_N === null || entry.load_N === undefined ? "" : `${plain(entry.load_N)} N`;
-  return {
-    label: film ? `${entry.frame}${load ? ` · ${load}` : ""}` : load ? `${load} · ${plain(entry.wedge_angle_deg)}°` : entry.item,
-    name: [film ? `Frame ${entry.frame}` : entry.item, load, ...marks.map(([, title]) => title), state === "none" ? "no contact seen, or not run yet" : ""].filter(Boolean).join(", "),
-    state,
-    marks,
-  };
 }
 
 export const open = (root, rest) => new Contacts(root, rest);

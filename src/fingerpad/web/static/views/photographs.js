@@ -2,7 +2,7 @@
 
 import { get, Newest, picture, post } from "../core/api.js";
 import { bench } from "../core/bench.js";
-import { Corrections } from "../core/corrections.js";
+import { Corrections, plainChange } from "../core/corrections.js";
 import { h, place, s } from "../core/dom.js";
 import { bindHere } from "../core/keys.js";
 import { complain, say } from "../core/messages.js";
@@ -11,10 +11,10 @@ import { EllipseEditor } from "../parts/ellipse_editor.js";
 import { Filmstrip } from "../parts/filmstrip.js";
 import { empty, segments } from "../parts/forms.js";
 import { icons } from "../parts/icons.js";
-import { handle, Stage } from "../parts/stage.js";
+import { handle } from "../parts/handle.js";
+import { Stage } from "../parts/stage.js";
 import { Box, Brush, Click, Line } from "../parts/tools.js";
 import { whoButton } from "../parts/who.js";
-import { plainChange } from "./contacts.js";
 import { PhotographInspector } from "./photograph_inspector.js";
 
 const TOOLS = [

@@ -75,9 +75,9 @@ class Run {
     const hadFocus = this.status.contains(document.activeElement);
     place(
       this.status,
-      h("header", null, h("h2", null, h("span", { role: "status" }, STATES[run.state] ?? run.state)), run.state === "done" && chip("up to date", "good"), run.state === "failed" && chip("failed", "bad")),
+      h("header", null, h("h2", null, STATES[run.state] ?? run.state), h("span.sr", { role: "status" }, STATES[run.state] ?? run.state), run.state === "done" && chip("up to date", "good"), run.state === "failed" && chip("failed", "bad")),
       this.busy
-        ? [(this.bar = h("progress", { "aria-label": "Progress of the run" })), (this.line = h("p.run-line.number")), h("div.actions", null, (this.main = button("Stop", () => this.#cancel(), { kind: "bad", key: "c", disabled: run.state === "cancelling" })))]
+        ? [(this.bar = h("progress", { "aria-label": "Progress of the run" })), (this.line = h("p.run-line.number")), h("div.actions", null, (this.main = button("Stop", () => this.#cancel(), { kind: "bad", key: "c" })))]
         : [
             run.error && h("div.note.bad", { role: "alert" }, run.error),
             h(
