@@ -9,6 +9,7 @@ class Bench extends EventTarget {
   run = null;
   #stream = null;
   #reloading = null;
+  #rest = null;
 
   tell(kind, detail) {
     this.dispatchEvent(new CustomEvent(kind, { detail }));
@@ -44,7 +45,12 @@ class Bench extends EventTarget {
     const on = (kind, then) => this.#stream.addEventListener(kind, (event) => then(JSON.parse(event.data)));
     on("study", ({ digest }) => digest !== this.study?.digest && this.reload().catch(() => {}));
     on("run", (run) => this.takeRun(run));
-    on("corrections", (detail) => this.tell("corrections", detail));
+    on("corrections", (detail) => {
+      this.tell("corrections", detail);
+      // What a correction means for the whole study is asked for once the hand rests.
+      clearTimeout(this.#rest);
+      this.#rest = setTimeout(() => this.reload().catch(() => {}), 1500);
+    });
     this.#stream.onerror = () => this.tell("link", { there: false });
     this.#stream.onopen = () => this.tell("link", { there: true });
   }
@@ -66,6 +72,7 @@ class Bench extends EventTarget {
 
   async close() {
     this.#stream?.close();
+    clearTimeout(this.#rest);
     this.session = await post("/api/session/close");
     this.study = this.run = null;
     location.hash = "#/study";
