@@ -1,0 +1,125 @@
+// The study on the bench: one state document, kept fresh, and edits of its manifest.
+
+import { ApiError, get, post } from "./api.js";
+import { say } from "./messages.js";
+
+class Bench extends EventTarget {
+  session = null;
+  study = null;
+  run = null;
+  #stream = null;
+  #reloading = null;
+  #rest = null;
+
+  tell(kind, detail) {
+    this.dispatchEvent(new CustomEvent(kind, { detail }));
+  }
+
+  async start() {
+    this.session = await get("/api/session");
+    if (this.session.study) await this.reload();
+  }
+
+  async reload() {
+    this.#reloading ??= get("/api/study")
+      .then((document) => this.#take(document))
+      .finally(() => (this.#reloading = null));
+    return this.#reloading;
+  }
+
+  #take(document) {
+    const first = this.study?.name !== document.name;
+    // Files that nothing names are shown where files are; nothing is missing for their sake.
+    const missing = document.missing.filter(({ kind }) => kind !== "file");
+    this.study = { ...document, missing, uncertainty: document.uncertainty ?? {} };
+    this.run = document.run ?? this.run;
+    if (first) this.#listen();
+    this.tell("study", { first });
+    return document;
+  }
+
+  /** Follow what other windows and the run do. */
+  #listen() {
+    this.#stream?.close();
+    this.#stream = new EventSource("/api/events");
+    const on = (kind, then) => this.#stream.addEventListener(kind, (event) => then(JSON.parse(event.data)));
+    on("study", ({ digest }) => digest !== this.study?.digest && this.reload().catch(() => {}));
+    on("run", (run) => this.takeRun(run));
+    on("corrections", (detail) => {
+      this.tell("corrections", detail);
+      // What a correction means for the whole study is asked for once the hand rests.
+      clearTimeout(this.#rest);
+      this.#rest = setTimeout(() => this.reload().catch(() => {}), 1500);
+    });
+    this.#stream.onerror = () => this.tell("link", { there: false });
+    this.#stream.onopen = () => this.tell("link", { there: true });
+  }
+
+  takeRun(run) {
+    const ended = this.run?.state === "running" && run.state !== "running";
+    this.run = run;
+    this.tell("run", run);
+    if (ended || (run.state === "done" && !this.study.results?.fresh)) this.reload().catch(() => {});
+  }
+
+  async open(name) {
+    this.#take(await post("/api/session/open", { name }));
+  }
+
+  async create(name, title) {
+    this.#take(await post("/api/session/new", { name, title }));
+  }
+
+  async close() {
+    this.#stream?.close();
+    clearTimeout(this.#rest);
+    this.session = await post("/api/session/close");
+    this.study = this.run = null;
+    location.hash = "#/study";
+    this.tell("study", { first: true });
+  }
+
+  take(document) {
+    return this.#take(document);
+  }
+
+  /**
+   * Change the manifest: edits are {kind, key, set}, all of them or none. Another window may have changed the study
+   * just before: then its state is taken, and ours asked again, if it is about other tables than those that changed.
+   */
+  async edit(...edits) {
+    const send = async () => this.#take(await post("/api/study/edits", { expected: this.study.digest, edits }));
+    const before = edits.map((edit) => tableOf(this.study, edit));
+    try {
+      return await send();
+    } catch (error) {
+      if (!(error instanceof ApiError) || error.status !== 409 || !error.body.digest) throw error;
+      await this.reload();
+      if (edits.some((edit, index) => tableOf(this.study, edit) !== before[index])) {
+        say("Another window changed this entry just now. Its values are shown; enter yours again if they should stand.", { kind: "error" });
+        return this.study;
+      }
+      return send();
+    }
+  }
+}
+
+/** What the state says of an edit's table, as text to compare. */
+function tableOf(study, { kind, key }) {
+  if (kind === "study") return JSON.stringify([study.title, study.description, study.poisson_ratio]);
+  if (kind === "uncertainty") return JSON.stringify(study.uncertainty);
+  if (kind === "photograph") return JSON.stringify(study.fingers.flatMap(({ photographs }) => photographs).find(({ item }) => item === key) ?? null);
+  const found = study[`${kind}s`].find((entry) => (entry.item ?? entry.key ?? entry.name) === key);
+  return JSON.stringify(found ?? null);
+}
+
+export const bench = new Bench();
+
+export const who = () => localStorage.getItem("fingerpad.who") || bench.session?.who || "";
+export const setWho = (name) => localStorage.setItem("fingerpad.who", name.trim());
+
+/** Words for a flag or note, from the library. */
+export function wordsFor(code) {
+  const words = bench.study?.words ?? {};
+  return words.flags?.[code] ?? words.photograph_flags?.[code] ?? words.range_notes?.[code] ?? code.replaceAll("_", " ");
+}

@@ -1,0 +1,107 @@
+// Corrections of one picture: each is on the disk before it is shown as kept.
+
+import { ApiError, get, post } from "./api.js";
+import { bench, who } from "./bench.js";
+import { question } from "./messages.js";
+import { h } from "./dom.js";
+
+export class Corrections {
+  /** `changed(document)` hears every new state of the picture's corrections. */
+  constructor(item, changed) {
+    this.item = item;
+    this.changed = changed;
+    this.document = { last_id: 0, change: {}, ruling: null, history: [], can_undo: false, can_redo: false };
+    this.queue = Promise.resolve();
+    this.heard = ({ detail }) => detail.item === item && this.queue.then(() => detail.last_id !== this.document.last_id && this.load());
+    bench.addEventListener("corrections", this.heard);
+  }
+
+  close() {
+    bench.removeEventListener("corrections", this.heard);
+    this.changed = () => {};
+  }
+
+  async load() {
+    return this.#take(await get("/api/corrections", { item: this.item }));
+  }
+
+  get change() {
+    return this.document.change;
+  }
+
+  #take(document) {
+    this.document = document;
+    this.changed(document);
+    return document;
+  }
+
+  /**
+   * Keep a correction: `edit(change)` returns the whole wanted correction from the one that rules. One after the
+   * other, so that quick work does not overtake itself; asked again upon what another window kept meanwhile.
+   */
+  keep(edit) {
+    return this.#next("/api/corrections", () => ({ change: edit(structuredClone(this.change)) }));
+  }
+
+  undo() {
+    return this.#next("/api/corrections/undo", () => ({}));
+  }
+
+  redo() {
+    return this.#next("/api/corrections/redo", () => ({}));
+  }
+
+  #next(path, body) {
+    const done = this.queue.then(() => this.#send(path, body));
+    this.queue = done.catch(() => {});
+    return done;
+  }
+
+  async #send(path, body) {
+    const send = () => post(path, { item: this.item, expected: this.document.last_id, who: who(), ...body() });
+    try {
+      return this.#take(await send());
+    } catch (error) {
+      if (!(error instanceof ApiError) || error.status !== 409) throw error;
+      await this.load();
+      const theirs = this.document.history.at(-1);
+      const answer = await question(
+        "Another window corrected this picture",
+        h("p", null, theirs ? `${theirs.who || "Someone"} kept ${wordsOf(theirs)} just now. It is shown behind this question; yours is not kept yet.` : "It was changed just now."),
+        [
+          ["theirs", "Leave theirs"],
+          ["both", "Keep mine on top", "primary"],
+        ],
+      );
+      return answer === "both" ? this.#take(await send()) : this.document;
+    }
+  }
+}
+
+const WORDS = {
+  dark_on_light: "polarity",
+  threshold: "threshold",
+  seed_px: "seed point",
+  region_of_interest_px: "region of interest",
+  mask_px: "mask",
+  strokes: "brush",
+  ellipse_px: "ellipse",
+  added_points_px: "points added",
+  erased: "points erased",
+  tip: "fingertip's side",
+  palmar_side: "palmar side",
+  accepted: "accepted",
+  rejected: "rejected",
+};
+
+/** What a record holds, in words. */
+export function wordsOf({ action, change }) {
+  if (action !== "change") return action;
+  const parts = Object.keys(change).filter((key) => change[key] !== null && change[key] !== false);
+  return parts.length ? parts.map((key) => WORDS[key] ?? key).join(", ") : "back to the program";
+}
+
+/** A correction without what says nothing. */
+export function plainChange(change) {
+  return Object.fromEntries(Object.entries(change).filter(([, value]) => value !== null && value !== undefined && value !== false && !(Array.isArray(value) && !value.length)).concat(change.dark_on_light === false ? [["dark_on_light", false]] : []));
+}

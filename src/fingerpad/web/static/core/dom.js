@@ -1,0 +1,57 @@
+// Elements made by hand: whatever a person typed becomes text, never markup.
+
+const SVG = "http://www.w3.org/2000/svg";
+
+function fill(node, properties, children) {
+  for (const [key, value] of Object.entries(properties ?? {})) {
+    if (value === undefined || value === null || value === false) continue;
+    if (key.startsWith("on")) node.addEventListener(key.slice(2), value);
+    else if (key === "style") Object.assign(node.style, value);
+    else if (key === "value" || key === "checked" || key === "selected" || key === "disabled") node[key] = value;
+    else node.setAttribute(key, value === true ? "" : value);
+  }
+  node.append(...children.flat(Infinity).filter((child) => child !== null && child !== undefined && child !== false));
+  return node;
+}
+
+/** Make an HTML element: h("p.soft", {title: "…"}, "text", child). */
+export function h(name, properties, ...children) {
+  const [tag, ...classes] = name.split(".");
+  const node = document.createElement(tag || "div");
+  if (classes.length) node.className = classes.join(" ");
+  return fill(node, properties, children);
+}
+
+/** Make an SVG element. */
+export function s(name, properties, ...children) {
+  const [tag, ...classes] = name.split(".");
+  const node = document.createElementNS(SVG, tag);
+  if (classes.length) node.setAttribute("class", classes.join(" "));
+  return fill(node, properties, children);
+}
+
+export function place(node, ...children) {
+  node.replaceChildren(...children.flat(Infinity).filter((child) => child !== null && child !== undefined && child !== false));
+  return node;
+}
+
+/** Set attributes of an SVG element that change many times a second. */
+export function attributes(node, values) {
+  for (const [key, value] of Object.entries(values)) node.setAttribute(key, value);
+}
+
+/** A symbol with subscript and superscript: symbol("R", "0g"), symbol("R", "g", "corr"). */
+export function symbol(letter, sub, sup) {
+  return h("span.symbol", null, h("i", null, letter), sub && h("sub", null, sub), sup && h("sup", null, sup));
+}
+
+/** Points [row, column] as an SVG path. */
+export function pathOf(points, closed = true) {
+  if (!points?.length) return "";
+  let text = "M";
+  for (const [row, column] of points) text += `${column} ${row} `;
+  return closed ? `${text}Z` : text;
+}
+
+let count = 0;
+export const newId = (stem = "f") => `${stem}${(count += 1)}`;

@@ -1,0 +1,42 @@
+// Short messages in the corner, and questions that must be answered.
+
+import { h, place } from "./dom.js";
+
+/** Say something for a while; errors stay until they are put away. */
+export function say(words, { kind = "info", action } = {}) {
+  const box = document.getElementById("messages");
+  const message = h(
+    `div.message.${kind}`,
+    null,
+    h("p", null, words),
+    action && h("button.link", { type: "button", onclick: () => (action.do(), message.remove()) }, action.words),
+    h("button.icon", { type: "button", "aria-label": "Close this message", onclick: () => message.remove() }, "×"),
+  );
+  box.append(message);
+  while (box.children.length > 4) box.firstElementChild.remove();
+  if (kind !== "error") setTimeout(() => message.remove(), 4500);
+  return message;
+}
+
+export const complain = (error) => error.name === "AbortError" || say(error.message, { kind: "error" });
+
+/** Ask one thing; resolves to the value of the button, or null. */
+export function question(title, body, buttons) {
+  return new Promise((resolve) => {
+    const dialog = h("dialog.question", { "aria-label": title, onclose: () => (dialog.remove(), resolve(dialog.returnValue || null)) });
+    place(
+      dialog,
+      h("h2", null, title),
+      h("div.body", null, body),
+      h(
+        "div.actions",
+        null,
+        buttons.map(([value, words, kind = ""]) =>
+          h("button", { class: kind, type: "button", autofocus: kind === "primary", onclick: () => dialog.close(value) }, words),
+        ),
+      ),
+    );
+    document.body.append(dialog);
+    dialog.showModal();
+  });
+}

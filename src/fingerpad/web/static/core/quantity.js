@@ -1,0 +1,84 @@
+// Numbers as people read them: value ± one standard uncertainty with two digits (GUM 7.2.6), and the unit.
+// The same rule as fingerpad.units.value_with_uncertainty.
+
+import { h } from "./dom.js";
+
+const EN = "–";
+const SPACE = "\u00a0";
+
+function decimalsOf(std) {
+  const decimals = 1 - Math.floor(Math.log10(std));
+  return round(std, decimals) >= 10 ** (2 - decimals) ? decimals - 1 : decimals;
+}
+
+const round = (value, decimals) => Math.round(value * 10 ** decimals) / 10 ** decimals;
+const fixed = (value, decimals) => round(value, decimals).toFixed(Math.max(decimals, 0)).replace("-", "−");
+
+/** Four significant digits, or three decimals below one. */
+export function plain(value) {
+  if (value === null || value === undefined || !Number.isFinite(value)) return EN;
+  if (value !== 0 && Math.abs(value) < 1) return value.toFixed(3).replace("-", "−");
+  return String(Number(value.toPrecision(4))).replace("-", "−");
+}
+
+export function withStd(value, std) {
+  if (value === null || value === undefined || !Number.isFinite(value)) return EN;
+  if (!(std > 0) || !Number.isFinite(std)) return plain(value);
+  const decimals = decimalsOf(std);
+  return `${fixed(value, decimals)}${SPACE}±${SPACE}${fixed(std, decimals)}`;
+}
+
+const UNITS = [
+  ["_per_mm", "mm⁻¹"],
+  ["_mm2", "mm²"],
+  ["_mm", "mm"],
+  ["_kpa", "kPa"],
+  ["_deg", "°"],
+  ["_px", "px"],
+  ["_ppi", "ppi"],
+  ["_N", "N"],
+  ["_s", "s"],
+];
+
+export function unitOf(key) {
+  if (key.endsWith("mm_per_px")) return "mm/px";
+  return UNITS.find(([ending]) => key.endsWith(ending))?.[1] ?? "";
+}
+
+export const withUnit = (text, unit) => (unit ? (unit === "°" ? `${text}°` : `${text} ${unit}`) : text);
+
+/** A number of a result, found by its key with the `_std` beside it. */
+export function quantityText(numbers, key) {
+  return withUnit(withStd(numbers?.[key], numbers?.[`${key}_std`]), unitOf(key));
+}
+
+/** One line of an inspector: label left, number right; `was` shows what the program found. */
+export function reading(label, text, { was, mark, title } = {}) {
+  return h(
+    "div.reading",
+    { title },
+    h("dt", null, mark && h("span.swatch", { "data-of": mark }), label),
+    h("dd", null, h("span.number", null, text), was && was !== text && h("span.was", null, h("span.sr", null, "program: "), was)),
+  );
+}
+
+/** Who measured, in words. */
+export const BY = { program: "by the program", "program with corrections": "corrected", person: "by a person" };
+
+export const probability = (p) => (p < 0.001 ? "p < 0.001" : `p = ${p.toPrecision(2)}`);
+
+export function ago(when) {
+  const seconds = (Date.now() - Date.parse(when)) / 1000;
+  if (!Number.isFinite(seconds)) return "";
+  if (seconds < 90) return "just now";
+  if (seconds < 5400) return `${Math.round(seconds / 60)} min ago`;
+  if (seconds < 129600) return `${Math.round(seconds / 3600)} h ago`;
+  return new Date(when).toISOString().slice(0, 10);
+}
+
+export function bytes(count) {
+  if (count < 1e3) return `${count} B`;
+  if (count < 1e6) return `${(count / 1e3).toFixed(0)} kB`;
+  if (count < 1e9) return `${(count / 1e6).toFixed(1)} MB`;
+  return `${(count / 1e9).toFixed(2)} GB`;
+}

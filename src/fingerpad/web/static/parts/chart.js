@@ -1,0 +1,51 @@
+// Plotly, in the page's colours, fetched from this machine when the first chart is drawn.
+
+import { h } from "../core/dom.js";
+
+let loading = null;
+
+function load() {
+  loading ??= new Promise((resolve, reject) => {
+    const script = h("script", { src: "/static/vendor/plotly.min.js" });
+    script.onload = () => resolve(window.Plotly);
+    script.onerror = () => reject(new Error("The charts' script could not be read from this machine; the report's figures are below."));
+    document.head.append(script);
+  });
+  return loading;
+}
+
+/** A colour of the style sheet, as the theme has it now. */
+export function colour(name) {
+  const probe = h("span", { style: { color: `var(--${name})`, display: "none" } });
+  document.body.append(probe);
+  const value = getComputedStyle(probe).color;
+  probe.remove();
+  return value;
+}
+
+export async function chart(root, traces, { x, y, shapes = [], annotations = [], chosen, ranges = {} }) {
+  const plotly = await load();
+  const [ink, soft, line, panel] = ["ink", "soft", "line", "panel"].map(colour);
+  const axis = (title, range) => ({ title: { text: title, standoff: 8, font: { size: 12.5 } }, color: ink, gridcolor: line, linecolor: soft, zeroline: false, ticks: "outside", tickcolor: soft, automargin: true, rangemode: "tozero", ...(range ?? {}) });
+  const layout = {
+    font: { family: getComputedStyle(document.body).fontFamily, size: 12.5, color: ink },
+    paper_bgcolor: panel,
+    plot_bgcolor: panel,
+    margin: { l: 56, r: 74, t: 8, b: 44 },
+    showlegend: false,
+    hovermode: "closest",
+    dragmode: "zoom",
+    hoverlabel: { bgcolor: colour("raised"), bordercolor: soft, font: { color: ink } },
+    xaxis: axis(x, ranges.x),
+    yaxis: axis(y, { rangemode: "normal", ...ranges.y }),
+    shapes,
+    annotations: annotations.map((each) => ({ font: { color: ink, size: 12 }, showarrow: false, ...each })),
+  };
+  await plotly.react(root, traces, layout, { displaylogo: false, responsive: true, displayModeBar: false, showSendToCloud: false, plotlyServerURL: "" });
+  if (chosen && !root.dataset.heard) {
+    root.dataset.heard = "1";
+    root.on("plotly_click", ({ points }) => chosen(points[0]));
+  }
+}
+
+export const forget = (root) => window.Plotly?.purge(root);

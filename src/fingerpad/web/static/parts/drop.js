@@ -1,0 +1,78 @@
+// Files dropped on the page, or chosen: sent one after the other, each with its progress.
+
+import { upload } from "../core/api.js";
+import { bench } from "../core/bench.js";
+import { h, place } from "../core/dom.js";
+import { complain, say } from "../core/messages.js";
+import { button } from "./forms.js";
+
+/** Files of a drop, with the folder that holds each (the frames of a film are dropped as one folder). */
+async function filesOf(transfer) {
+  const entries = [...transfer.items].map((item) => item.webkitGetAsEntry?.()).filter(Boolean);
+  if (!entries.some((entry) => entry.isDirectory)) return [...transfer.files].map((file) => ({ file }));
+  const found = [];
+  for (const entry of entries) {
+    if (entry.isFile) found.push({ file: await new Promise((done, failed) => entry.file(done, failed)) });
+    else {
+      const reader = entry.createReader();
+      for (;;) {
+        const some = await new Promise((done, failed) => reader.readEntries(done, failed));
+        if (!some.length) break;
+        for (const each of some) {
+          if (each.isFile) found.push({ folder: entry.name, file: await new Promise((done, failed) => each.file(done, failed)) });
+        }
+      }
+    }
+  }
+  return found.sort((a, b) => a.file.name.localeCompare(b.file.name, "en", { numeric: true }));
+}
+
+export class Drop {
+  constructor({ sent }) {
+    this.sent = sent;
+    this.chooser = h("input", { type: "file", multiple: true, hidden: true, tabindex: -1, "aria-label": "Files to add", onchange: () => this.send([...this.chooser.files].map((file) => ({ file }))) });
+    this.progress = h("div.sending", { role: "status", "aria-live": "polite" });
+    this.root = h(
+      "div.drop",
+      null,
+      h("div", null, h("strong", null, "Drop photographs, contact images, films and curves here"), h("p.soft", null, "PNG, JPEG, TIFF (8 or 16 bit), a folder of frames, CSV. They stay on this machine.")),
+      button("Choose files", () => this.chooser.click(), { kind: "primary" }),
+      this.chooser,
+      this.progress,
+    );
+  }
+
+  /** Let the whole of `area` take drops. */
+  watch(area) {
+    let depth = 0;
+    const over = (on) => this.root.classList.toggle("over", on);
+    area.addEventListener("dragenter", (event) => (event.preventDefault(), over((depth += 1) > 0)));
+    area.addEventListener("dragleave", () => over((depth -= 1) > 0));
+    area.addEventListener("dragover", (event) => event.preventDefault());
+    area.addEventListener("drop", async (event) => {
+      event.preventDefault();
+      depth = 0;
+      over(false);
+      this.send(await filesOf(event.dataTransfer).catch((error) => (complain(error), [])));
+    });
+  }
+
+  async send(files) {
+    const kept = [];
+    const refused = [];
+    for (const [index, { file, folder }] of files.entries()) {
+      const bar = h("progress", { max: 1, value: 0, "aria-label": `Sending ${file.name}` });
+      place(this.progress, h("span", null, `${index + 1} of ${files.length}: ${file.name}`), bar);
+      try {
+        kept.push(await upload(file, { folder, progress: (share) => (bar.value = share) }));
+      } catch (error) {
+        refused.push(`${file.name}: ${error.message}`);
+      }
+    }
+    this.chooser.value = "";
+    place(this.progress);
+    if (refused.length) say(refused.slice(0, 5).join("\n"), { kind: "error" });
+    await bench.reload().catch(complain);
+    if (kept.length) this.sent(kept);
+  }
+}

@@ -1,0 +1,115 @@
+// Fields: every one has its label, its unit, and room for what is wrong with it.
+
+import { h, newId } from "../core/dom.js";
+
+/** A labelled field around a control; `unit` stands behind it, `hint` below. */
+export function field(label, control, { unit, hint, wide } = {}) {
+  const id = control.id || newId();
+  control.id = id;
+  const hintId = hint && newId("hint");
+  if (hint) control.setAttribute("aria-describedby", hintId);
+  return h(
+    wide ? "div.field.wide" : "div.field",
+    null,
+    h("label", { for: id }, label),
+    h("div.control", null, control, unit && h("span.unit", null, unit)),
+    hint && h("p.hint", { id: hintId }, hint),
+  );
+}
+
+/** Hears a number once it is confirmed (Enter or leaving the field); null when it was emptied. */
+export function number({ value, onset, min, max, step = "any", placeholder, disabled, label }) {
+  const input = h("input.number", { type: "number", inputmode: "decimal", min, max, step, placeholder, disabled, value: value ?? "", "aria-label": label });
+  let last = input.value;
+  const set = () => {
+    if (input.value === last || !input.validity.valid) return;
+    last = input.value;
+    onset?.(input.value === "" ? null : Number(input.value));
+  };
+  input.addEventListener("change", set);
+  input.addEventListener("keydown", (event) => event.key === "Enter" && set());
+  return input;
+}
+
+export function text({ value, onset, placeholder, list, disabled, required, label }) {
+  const input = h("input", { type: "text", placeholder, list, disabled, required, value: value ?? "", spellcheck: "false", autocomplete: "off", "aria-label": label });
+  if (onset) input.addEventListener("change", () => onset(input.value.trim()));
+  return input;
+}
+
+/** `options`: [value, words] pairs or plain values. */
+export function choose({ value, options, onset, disabled, label }) {
+  const select = h(
+    "select",
+    { disabled, "aria-label": label, onchange: () => onset?.(select.value) },
+    options.map((option) => {
+      const [key, words] = Array.isArray(option) ? option : [option, option];
+      return h("option", { value: key ?? "", selected: (key ?? "") === (value ?? "") }, words);
+    }),
+  );
+  select.value = value ?? "";
+  return select;
+}
+
+export function check(label, { checked, onset, disabled } = {}) {
+  const box = h("input", { type: "checkbox", checked, disabled, onchange: () => onset?.(box.checked) });
+  return h("label.check", null, box, h("span", null, label));
+}
+
+export function button(words, onclick, { kind = "", key, disabled, title, label } = {}) {
+  return h("button", { type: "button", class: kind, onclick, disabled, title, "aria-label": label, "aria-keyshortcuts": key }, words, key && h("kbd", { "aria-hidden": "true" }, key));
+}
+
+/** A row of buttons of which one is on: tools, ways, filters. Arrow keys move along it. */
+export function segments(label, options, value, onset, { vertical = false } = {}) {
+  const row = h(vertical ? "div.tools" : "div.segments", { role: "radiogroup", "aria-label": label, "aria-orientation": vertical ? "vertical" : "horizontal" });
+  const buttons = options.map(([key, words, { icon, shortcut, title } = {}]) =>
+    h(
+      "button",
+      {
+        type: "button",
+        role: "radio",
+        "data-key": key,
+        title: title ?? (shortcut ? `${words} (${shortcut})` : words),
+        "aria-label": icon ? words : undefined,
+        "aria-keyshortcuts": shortcut,
+        onclick: () => (show(key), onset(key)),
+      },
+      icon ?? words,
+    ),
+  );
+  function show(now) {
+    for (const each of buttons) {
+      const on = each.dataset.key === now;
+      each.setAttribute("aria-checked", String(on));
+      each.tabIndex = on ? 0 : -1;
+    }
+    if (!buttons.some((each) => each.tabIndex === 0)) buttons[0].tabIndex = 0;
+  }
+  row.addEventListener("keydown", (event) => {
+    const step = { ArrowRight: 1, ArrowDown: 1, ArrowLeft: -1, ArrowUp: -1 }[event.key];
+    if (!step) return;
+    event.preventDefault();
+    const at = buttons.indexOf(document.activeElement);
+    const next = buttons[(at + step + buttons.length) % buttons.length];
+    next.focus();
+    next.click();
+  });
+  row.append(...buttons);
+  show(value);
+  row.show = show;
+  return row;
+}
+
+/** What an empty place says: a heading, words, and a way on. */
+export function empty(title, words, ...actions) {
+  return h("div.empty", null, h("h2", null, title), h("p", null, words), actions.length > 0 && h("div.actions", null, actions));
+}
+
+export const chip = (words, kind = "", title) => h("span", { class: `chip ${kind}`, title }, words);
+export const synthetic = (yes) => yes && h("span.synthetic", null, "synthetic");
+
+/** Faults of a refused edit, at the field if it can be found. */
+export function faultList(error) {
+  return h("div.faults", { role: "alert" }, h("p", null, error.message), error.faults?.length > 0 && h("ul", null, error.faults.map(({ place, words }) => h("li", null, h("code", null, place), ` ${words}`))));
+}

@@ -1,0 +1,80 @@
+// A mark on a picture that a hand moves, by pointer or by arrow keys.
+
+import { s } from "../core/dom.js";
+
+/**
+ * A point that can be dragged, or moved by arrow keys when it has the focus (Shift: ten times as far, Alt: a
+ * fifth). `step` may turn an arrow into a move of its own; `commit` is called when the hand is off.
+ */
+export function handle(stage, { label, kind = "", move, commit, step, remove }) {
+  const node = s(`g.handle.${kind || "point"}`, { tabindex: 0, role: "button", "aria-label": label, "aria-roledescription": "handle" }, s("circle.reach", { r: 13 }), shapeOf(kind), s("title", null, label));
+  let at = [0, 0];
+  const draw = (scale) => node.setAttribute("transform", `translate(${at[1]} ${at[0]}) scale(${scale})`);
+  const forget = stage.keepSize(draw);
+  let offset = null;
+  let timer = null;
+  const confirm = () => {
+    if (timer === null) return;
+    clearTimeout(timer);
+    timer = null;
+    commit?.();
+  };
+  node.addEventListener("pointerdown", (event) => {
+    if (event.button) return;
+    event.preventDefault();
+    event.stopPropagation();
+    node.focus({ preventScroll: true });
+    node.setPointerCapture(event.pointerId);
+    const place = stage.placeOf(event);
+    offset = [at[0] - place[0], at[1] - place[1]];
+    node.classList.add("held");
+  });
+  node.addEventListener("pointermove", (event) => {
+    if (!offset) return;
+    const place = stage.placeOf(event);
+    move([place[0] + offset[0], place[1] + offset[1]]);
+  });
+  const release = () => {
+    if (!offset) return;
+    offset = null;
+    node.classList.remove("held");
+    commit?.();
+  };
+  node.addEventListener("pointerup", release);
+  node.addEventListener("pointercancel", release);
+  node.addEventListener("keydown", (event) => {
+    const arrow = { ArrowLeft: [0, -1], ArrowRight: [0, 1], ArrowUp: [-1, 0], ArrowDown: [1, 0] }[event.key];
+    if (arrow && !event.ctrlKey) {
+      const size = event.shiftKey ? 10 : event.altKey ? 0.2 : 1;
+      if (step) step(arrow, size);
+      else move([at[0] + arrow[0] * size, at[1] + arrow[1] * size]);
+      clearTimeout(timer);
+      timer = setTimeout(confirm, 450);
+    } else if ((event.key === "Delete" || event.key === "Backspace") && remove) remove();
+    else {
+      if (event.key === "Enter") confirm();
+      return;
+    }
+    event.preventDefault();
+    event.stopPropagation();
+  });
+  node.addEventListener("blur", confirm);
+  return {
+    node,
+    put(place) {
+      at = place;
+      draw(1 / stage.zoom);
+    },
+    remove() {
+      forget();
+      node.remove();
+    },
+  };
+}
+
+function shapeOf(kind) {
+  if (kind === "axis") return s("rect.knob", { x: -5, y: -5, width: 10, height: 10, rx: 1.5 });
+  if (kind === "turn") return s("g", null, s("circle.knob", { r: 6.5 }), s("path.sign", { d: "M-3 1.2A3.1 3.1 0 1 1 1 3M-3.9-1.6-3 1.3-.2.4" }));
+  if (kind === "centre") return s("g", null, s("circle.knob", { r: 5.5 }), s("path.sign", { d: "M-3 0H3M0-3V3" }));
+  return s("circle.knob", { r: 5 });
+}

@@ -1,0 +1,268 @@
+// A picture under an overlay: zoom, pan, tools by pointer and by keyboard. Places are [row, column] in pixels of
+// the full picture, pixel centres at whole numbers.
+
+import { attributes, h, place, s } from "../core/dom.js";
+
+const BAR_MM = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100];
+const MARGIN = 28;
+
+export class Stage {
+  constructor(label) {
+    this.zoom = 1;
+    this.x = this.y = 0;
+    this.size = null; // [rows, columns]
+    this.tool = null;
+    this.pen = null; // where the keyboard's cursor is
+    this.penDown = false;
+    this.fixed = new Set();
+    this.picture = h("img.picture", { alt: "", draggable: "false" });
+    this.world = s("g.world");
+    this.crosshair = s("g.crosshair", { visibility: "hidden" }, s("path.casing", { d: "M-14 0H14M0-14V14" }), s("path", { d: "M-14 0H14M0-14V14" }));
+    this.overlay = s("svg.overlay", { "aria-hidden": "false", role: "group", "aria-label": "Marks on the picture" }, this.world, this.crosshair);
+    this.bar = h("div.scale-bar", { hidden: true }, h("i"), h("span.number"));
+    this.where = h("span.number.where");
+    this.note = h("div.stage-note", { role: "status" });
+    this.root = h(
+      "div.stage",
+      { tabindex: 0, role: "application", "aria-roledescription": "picture", "aria-label": label },
+      this.picture,
+      this.overlay,
+      this.bar,
+      h("div.hud", null, this.where, this.#zoomButtons()),
+      this.note,
+    );
+    this.#pointer();
+    this.root.addEventListener("keydown", (event) => this.#key(event));
+    this.root.addEventListener("blur", () => this.#hidePen());
+    this.observer = new ResizeObserver(() => (this.fitted ? this.fit() : this.#draw()));
+    this.observer.observe(this.root);
+  }
+
+  #zoomButtons() {
+    const make = (words, label, act) => h("button", { type: "button", "aria-label": label, title: label, onclick: act, tabindex: -1 }, words);
+    return h(
+      "div.zoom",
+      null,
+      make("−", "Zoom out (−)", () => this.zoomBy(1 / 1.4)),
+      (this.percent = h("button.number", { type: "button", title: "Fit the picture (0)", "aria-label": "Fit the picture", tabindex: -1, onclick: () => this.fit() }, "100 %")),
+      make("+", "Zoom in (+)", () => this.zoomBy(1.4)),
+    );
+  }
+
+  /** Show a picture of `rows` × `columns`; the zoom stays if the size does. */
+  show(address, rows, columns, alt = "") {
+    const same = this.size && this.size[0] === rows && this.size[1] === columns;
+    this.size = [rows, columns];
+    this.picture.style.width = `${columns}px`;
+    this.picture.style.height = `${rows}px`;
+    this.picture.alt = alt;
+    this.say("");
+    this.root.classList.add("waiting");
+    const ready = new Promise((resolve) => {
+      this.picture.onload = () => (this.root.classList.remove("waiting"), resolve());
+      this.picture.onerror = () => (this.root.classList.remove("waiting"), this.say("This picture cannot be shown.", "bad"), resolve());
+    });
+    this.picture.src = address;
+    if (!same || this.fitted !== false) this.fit();
+    return ready;
+  }
+
+  say(words, kind = "") {
+    this.note.className = `stage-note ${kind}`;
+    this.note.textContent = words;
+  }
+
+  /** Draw a scale bar from the library's mm per pixel. */
+  setScale(mmPerPx) {
+    this.mmPerPx = mmPerPx;
+    this.#draw();
+  }
+
+  fit() {
+    if (!this.size) return;
+    const { clientWidth: width, clientHeight: height } = this.root;
+    if (!width || !height) return;
+    const [rows, columns] = this.size;
+    this.zoom = Math.min((width - 2 * MARGIN) / columns, (height - 2 * MARGIN) / rows);
+    this.x = (width - (columns - 1) * this.zoom) / 2;
+    this.y = (height - (rows - 1) * this.zoom) / 2;
+    this.fitted = true;
+    this.#draw();
+  }
+
+  zoomBy(factor, at = [this.root.clientWidth / 2, this.root.clientHeight / 2]) {
+    const zoom = Math.min(60, Math.max(0.02, this.zoom * factor));
+    this.x = at[0] - ((at[0] - this.x) * zoom) / this.zoom;
+    this.y = at[1] - ((at[1] - this.y) * zoom) / this.zoom;
+    this.zoom = zoom;
+    this.fitted = false;
+    this.#draw();
+  }
+
+  pan(dx, dy) {
+    this.x += dx;
+    this.y += dy;
+    this.fitted = false;
+    this.#draw();
+  }
+
+  #draw() {
+    const { zoom, x, y } = this;
+    this.picture.style.transform = `matrix(${zoom},0,0,${zoom},${x - zoom / 2},${y - zoom / 2})`;
+    this.picture.style.imageRendering = zoom > 3 ? "pixelated" : "auto";
+    this.world.setAttribute("transform", `matrix(${zoom} 0 0 ${zoom} ${x} ${y})`);
+    for (const draw of this.fixed) draw(1 / zoom);
+    this.percent.textContent = `${Math.round(zoom * 100)} %`;
+    this.#drawBar();
+    if (this.pen) this.#showPen();
+  }
+
+  #drawBar() {
+    const show = this.mmPerPx > 0 && this.size;
+    this.bar.hidden = !show;
+    if (!show) return;
+    const length = BAR_MM.findLast((mm) => (mm / this.mmPerPx) * this.zoom <= 150) ?? BAR_MM[0];
+    this.bar.firstChild.style.width = `${(length / this.mmPerPx) * this.zoom}px`;
+    this.bar.lastChild.textContent = `${length} mm`;
+  }
+
+  /** The place under a pointer event. */
+  placeOf(event) {
+    const box = this.root.getBoundingClientRect();
+    return [(event.clientY - box.top - this.y) / this.zoom, (event.clientX - box.left - this.x) / this.zoom];
+  }
+
+  /** Keep something the same size on the screen whatever the zoom: `draw` hears 1/zoom. */
+  keepSize(draw) {
+    this.fixed.add(draw);
+    draw(1 / this.zoom);
+    return () => this.fixed.delete(draw);
+  }
+
+  /** A tool is {cursor, down(place, event), move(place, down), up(place), leave()}; null pans. */
+  use(tool) {
+    this.tool?.leave?.();
+    this.tool = tool;
+    this.penDown = false;
+    this.pen = null;
+    this.#hidePen();
+    this.root.dataset.cursor = tool?.cursor ?? "grab";
+  }
+
+  #pointer() {
+    let mode = null;
+    let last = null;
+    this.root.addEventListener("pointerdown", (event) => {
+      if (event.target.closest(".hud, .handle, button") || !this.size) return;
+      const panning = event.button === 1 || event.ctrlKey || !this.tool?.down;
+      if (event.button > 1) return;
+      event.preventDefault();
+      this.root.focus({ preventScroll: true });
+      this.root.setPointerCapture(event.pointerId);
+      mode = panning ? "pan" : "tool";
+      last = [event.clientX, event.clientY];
+      this.root.classList.toggle("panning", panning);
+      if (!panning) this.tool.down(this.placeOf(event), event);
+    });
+    this.root.addEventListener("pointermove", (event) => {
+      if (!this.size) return;
+      const at = this.placeOf(event);
+      this.#say(at);
+      if (mode === "pan") {
+        this.pan(event.clientX - last[0], event.clientY - last[1]);
+        last = [event.clientX, event.clientY];
+      } else if (mode === "tool") {
+        for (const each of event.getCoalescedEvents?.() ?? [event]) this.tool?.move?.(this.placeOf(each), true);
+        if (!event.getCoalescedEvents?.().length) this.tool?.move?.(at, true);
+      } else this.tool?.move?.(at, false);
+    });
+    const end = (event) => {
+      if (mode === "tool") this.tool?.up?.(this.placeOf(event));
+      mode = null;
+      this.root.classList.remove("panning");
+    };
+    this.root.addEventListener("pointerup", end);
+    this.root.addEventListener("pointercancel", end);
+    this.root.addEventListener("pointerleave", () => {
+      this.where.textContent = "";
+      if (mode === null) this.tool?.out?.();
+    });
+    this.root.addEventListener(
+      "wheel",
+      (event) => {
+        event.preventDefault();
+        const box = this.root.getBoundingClientRect();
+        this.zoomBy(Math.exp(-event.deltaY * 0.0016), [event.clientX - box.left, event.clientY - box.top]);
+      },
+      { passive: false },
+    );
+  }
+
+  #say([row, column]) {
+    const [rows, columns] = this.size;
+    const inside = row > -0.5 && column > -0.5 && row < rows - 0.5 && column < columns - 0.5;
+    this.where.textContent = inside ? `row ${row.toFixed(1)} · column ${column.toFixed(1)} px` : "";
+  }
+
+  #key(event) {
+    if (event.target !== this.root && !event.target.closest(".handle")) return;
+    const arrow = { ArrowLeft: [0, -1], ArrowRight: [0, 1], ArrowUp: [-1, 0], ArrowDown: [1, 0] }[event.key];
+    let done = true;
+    if (event.key === "+" || event.key === "=") this.zoomBy(1.25);
+    else if (event.key === "-") this.zoomBy(0.8);
+    else if (event.key === "0") this.fit();
+    else if (event.target !== this.root) done = false;
+    else if (arrow && this.tool?.down) this.#movePen(arrow, event.shiftKey);
+    else if (arrow && event.shiftKey) this.pan(-60 * arrow[1], -60 * arrow[0]);
+    else if (event.key === " " && this.tool?.down) this.#press();
+    else done = false;
+    if (done) {
+      event.preventDefault();
+      event.stopPropagation();
+    }
+  }
+
+  #movePen([row, column], far) {
+    const step = (far ? 24 : 4) / this.zoom;
+    this.pen ??= [this.size[0] / 2, this.size[1] / 2];
+    this.pen = [
+      Math.min(this.size[0] - 0.5, Math.max(-0.5, this.pen[0] + row * step)),
+      Math.min(this.size[1] - 0.5, Math.max(-0.5, this.pen[1] + column * step)),
+    ];
+    this.tool.move?.(this.pen, this.penDown);
+    this.#say(this.pen);
+    this.#showPen();
+  }
+
+  #press() {
+    this.pen ??= [this.size[0] / 2, this.size[1] / 2];
+    this.#showPen();
+    if (this.penDown) this.tool.up?.(this.pen);
+    else this.tool.down(this.pen, null);
+    this.penDown = !this.penDown && !this.tool.once;
+    if (this.tool?.once) this.tool.up?.(this.pen);
+    this.crosshair.classList.toggle("down", this.penDown);
+  }
+
+  #showPen() {
+    const [row, column] = this.pen;
+    attributes(this.crosshair, { visibility: "visible", transform: `translate(${this.x + column * this.zoom} ${this.y + row * this.zoom})` });
+  }
+
+  #hidePen() {
+    this.crosshair.setAttribute("visibility", "hidden");
+    if (this.penDown && this.pen) this.tool?.up?.(this.pen);
+    this.penDown = false;
+    this.crosshair.classList.remove("down");
+  }
+
+  clear() {
+    place(this.world);
+    this.fixed.clear();
+  }
+
+  close() {
+    this.observer.disconnect();
+    this.tool?.leave?.();
+  }
+}

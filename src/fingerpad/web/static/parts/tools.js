@@ -1,0 +1,254 @@
+// What a hand does on a picture: brush, line, box, single points. Each is a tool for a Stage.
+
+import { attributes, pathOf, s } from "../core/dom.js";
+import { handle } from "./handle.js";
+
+/** Paint a stroke; `done({action, points_px, radius_px})` hears it when the hand is lifted. */
+export class Brush {
+  cursor = "none";
+
+  constructor(stage, { action, radius, done }) {
+    this.stage = stage;
+    this.action = action;
+    this.radius = radius;
+    this.done = done;
+    this.points = null;
+    this.trace = s(`path.stroke.${action}`, { d: "" });
+    this.tip = s(`circle.tip.${action}`, { visibility: "hidden" });
+    stage.world.append(this.trace, this.tip);
+    this.setRadius(radius);
+  }
+
+  setRadius(radius) {
+    this.radius = radius;
+    this.trace.setAttribute("stroke-width", 2 * radius);
+    this.tip.setAttribute("r", radius);
+  }
+
+  down(place, event) {
+    this.points = [place];
+    this.now = event?.altKey ? { add: "remove", remove: "add" }[this.action] : this.action;
+    this.trace.setAttribute("class", `stroke ${this.now}`);
+    this.#draw();
+  }
+
+  move(place, down) {
+    attributes(this.tip, { cx: place[1], cy: place[0], visibility: "visible" });
+    if (!down || !this.points) return;
+    const last = this.points.at(-1);
+    if (Math.hypot(place[0] - last[0], place[1] - last[1]) < Math.max(0.5, this.radius / 8)) return;
+    this.points.push(place);
+    this.#draw();
+  }
+
+  up(place) {
+    if (!this.points) return;
+    if (place && Math.hypot(place[0] - this.points.at(-1)[0], place[1] - this.points.at(-1)[1]) > 0.5) this.points.push(place);
+    const points = this.points.map((place) => place.map((value) => Math.round(value * 100) / 100));
+    this.points = null;
+    this.done({ action: this.now, points_px: points, radius_px: this.radius });
+  }
+
+  out() {
+    this.tip.setAttribute("visibility", "hidden");
+  }
+
+  /** Called when the new region is drawn: the paint has become region. */
+  dry() {
+    if (!this.points) this.trace.setAttribute("d", "");
+  }
+
+  #draw() {
+    const points = this.points.length > 1 ? this.points : [this.points[0], this.points[0]];
+    this.trace.setAttribute("d", pathOf(points, false));
+  }
+
+  leave() {
+    this.trace.remove();
+    this.tip.remove();
+  }
+}
+
+/** A straight line with two ends; `changed([from, to], final)`. */
+export class Line {
+  cursor = "crosshair";
+
+  constructor(stage, changed) {
+    this.stage = stage;
+    this.changed = changed;
+    this.ends = null;
+    this.layer = s("g.line", { visibility: "hidden" }, (this.casing = s("path.casing")), (this.stroke = s("path.measure")));
+    this.label = s("text.measure-label", { "text-anchor": "middle" });
+    this.handles = [0, 1].map((index) =>
+      handle(stage, {
+        label: index ? "End of the line" : "Start of the line",
+        move: (place) => {
+          this.ends[index] = place;
+          this.#tell(false);
+        },
+        commit: () => this.#tell(true),
+      }),
+    );
+    this.layer.append(this.label, ...this.handles.map(({ node }) => node));
+    stage.world.append(this.layer);
+    this.forget = stage.keepSize(() => this.ends && this.#draw());
+  }
+
+  set(ends) {
+    this.ends = ends && ends.map((place) => [...place]);
+    this.layer.setAttribute("visibility", ends ? "visible" : "hidden");
+    if (ends) this.#draw();
+  }
+
+  write(words) {
+    this.label.textContent = words;
+  }
+
+  down(place) {
+    this.drawing = true;
+    this.set([place, place]);
+  }
+
+  move(place, down) {
+    if (!down || !this.drawing) return;
+    this.ends[1] = place;
+    this.#tell(false);
+  }
+
+  up(place) {
+    if (!this.drawing) return;
+    this.drawing = false;
+    this.ends[1] = place;
+    const [from, to] = this.ends;
+    if (Math.hypot(to[0] - from[0], to[1] - from[1]) * this.stage.zoom < 4) {
+      this.set(this.kept ?? null);
+      return;
+    }
+    this.#tell(true);
+  }
+
+  #tell(final) {
+    this.#draw();
+    if (final) this.kept = this.ends.map((place) => [...place]);
+    this.changed(this.ends, final);
+  }
+
+  #draw() {
+    const [from, to] = this.ends;
+    for (const path of [this.casing, this.stroke]) path.setAttribute("d", `M${from[1]} ${from[0]}L${to[1]} ${to[0]}`);
+    this.handles.forEach((each, index) => each.put(this.ends[index]));
+    const [row, column] = [(from[0] + to[0]) / 2, (from[1] + to[1]) / 2];
+    this.label.setAttribute("transform", `translate(${column} ${row}) scale(${1 / this.stage.zoom}) translate(0 -12)`);
+  }
+
+  remove() {
+    this.forget();
+    for (const each of this.handles) each.remove();
+    this.layer.remove();
+  }
+}
+
+/** A box [row0, column0, row1, column1]; `changed(box, final)`. */
+export class Box {
+  cursor = "crosshair";
+
+  constructor(stage, changed) {
+    this.stage = stage;
+    this.changed = changed;
+    this.box = null;
+    this.layer = s("g.box", { visibility: "hidden" }, (this.casing = s("path.casing")), (this.stroke = s("path.roi")));
+    this.handles = [
+      [0, 1],
+      [0, 3],
+      [2, 1],
+      [2, 3],
+    ].map(([row, column]) =>
+      handle(stage, {
+        label: `${row ? "Lower" : "Upper"} ${column === 3 ? "right" : "left"} corner of the region of interest`,
+        kind: "axis",
+        move: (place) => {
+          [this.box[row], this.box[column]] = this.#inside(place);
+          this.#tell(false);
+        },
+        commit: () => this.#tell(true),
+      }),
+    );
+    this.layer.append(...this.handles.map(({ node }) => node));
+    stage.world.append(this.layer);
+    this.forget = stage.keepSize(() => this.box && this.#draw());
+  }
+
+  #inside([row, column]) {
+    const [rows, columns] = this.stage.size;
+    return [Math.round(Math.min(rows, Math.max(0, row))), Math.round(Math.min(columns, Math.max(0, column)))];
+  }
+
+  set(box) {
+    this.box = box && [...box];
+    this.layer.setAttribute("visibility", box ? "visible" : "hidden");
+    if (box) this.#draw();
+  }
+
+  down(place) {
+    this.from = this.#inside(place);
+  }
+
+  move(place, down) {
+    if (!down || !this.from) return;
+    this.set([...this.from, ...this.#inside(place)]);
+  }
+
+  up(place) {
+    if (!this.from) return;
+    const to = this.#inside(place);
+    const far = Math.abs(to[0] - this.from[0]) > 4 && Math.abs(to[1] - this.from[1]) > 4;
+    if (far) {
+      this.box = [...this.from, ...to];
+      this.#tell(true);
+    } else this.set(this.kept ?? null);
+    this.from = null;
+  }
+
+  #tell(final) {
+    const [row0, column0, row1, column1] = this.box;
+    this.#draw();
+    if (!final) return;
+    this.box = [Math.min(row0, row1), Math.min(column0, column1), Math.max(row0, row1), Math.max(column0, column1)];
+    this.kept = [...this.box];
+    this.#draw();
+    this.layer.setAttribute("visibility", "visible");
+    this.changed(this.box);
+  }
+
+  #draw() {
+    const [row0, column0, row1, column1] = this.box;
+    for (const path of [this.casing, this.stroke]) path.setAttribute("d", `M${column0} ${row0}H${column1}V${row1}H${column0}Z`);
+    const corners = [
+      [row0, column0],
+      [row0, column1],
+      [row1, column0],
+      [row1, column1],
+    ];
+    this.handles.forEach((each, index) => each.put(corners[index]));
+  }
+
+  remove() {
+    this.forget();
+    for (const each of this.handles) each.remove();
+    this.layer.remove();
+  }
+}
+
+/** One click, one place. */
+export class Click {
+  cursor = "crosshair";
+  once = true;
+
+  constructor(done) {
+    this.done = done;
+  }
+
+  down(place) {
+    this.done(place.map((value) => Math.round(value * 10) / 10));
+  }
+}

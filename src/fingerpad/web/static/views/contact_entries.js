@@ -1,0 +1,38 @@
+// What the filmstrip shows of contact images and frames, and which of them.
+
+import { wordsFor } from "../core/bench.js";
+import { plain } from "../core/quantity.js";
+
+export const FILTERS = [
+  ["", "all"],
+  ["todo", "not looked at"],
+  ["flagged", "flagged"],
+  ["corrected", "corrected"],
+  ["rejected", "rejected"],
+];
+
+export const WANTED = {
+  "": () => true,
+  todo: (entry) => !entry.accepted && !entry.rejected && entry.status !== "none",
+  flagged: (entry) => entry.flags?.length > 0,
+  corrected: (entry) => entry.corrected,
+  rejected: (entry) => Boolean(entry.rejected),
+};
+
+export function describe(entry) {
+  const film = entry.frame !== undefined;
+  const state = entry.rejected ? "rejected" : entry.status;
+  const marks = [];
+  if (entry.flags?.length) marks.push(["flag", entry.flags.map(wordsFor).join("; ")]);
+  if (entry.status === "failed") marks.push(["failed", entry.reason ?? "failed"]);
+  if (entry.corrected) marks.push(["corrected", "corrected by a person"]);
+  if (entry.accepted) marks.push(["accepted", "accepted"]);
+  if (entry.rejected) marks.push(["rejected", `rejected: ${entry.rejected}`]);
+  const load = entry.load_N === null || entry.load_N === undefined ? "" : `${plain(entry.load_N)} N`;
+  return {
+    label: film ? `${entry.frame}${load ? ` · ${load}` : ""}` : load ? `${load} · ${plain(entry.wedge_angle_deg)}°` : entry.item,
+    name: [film ? `Frame ${entry.frame}` : entry.item, load, ...marks.map(([, title]) => title), state === "none" ? "no contact seen, or not run yet" : ""].filter(Boolean).join(", "),
+    state,
+    marks,
+  };
+}

@@ -1,0 +1,222 @@
+// Files that no table names yet: say what each is, all at once if they are alike.
+
+import { get, remove } from "../core/api.js";
+import { bench } from "../core/bench.js";
+import { h, place } from "../core/dom.js";
+import { complain, say } from "../core/messages.js";
+import { bytes } from "../core/quantity.js";
+import { button, choose, faultList, number, text } from "../parts/forms.js";
+import { scaleNames } from "../parts/scale_choice.js";
+
+const KINDS = {
+  picture: [
+    ["observation", "contact image"],
+    ["photograph", "photograph"],
+    ["", "ruler or coin, later"],
+  ],
+  film: [["sequence", "film of a press"]],
+  table: [
+    ["curve", "loading curve"],
+    ["outline", "outline of a face"],
+    ["", "force of a film, later"],
+  ],
+  other: [["", "not known"]],
+};
+const FACES = ["palmar", "distal", "radial", "ulnar"];
+
+/** What a file's name says of itself: a proposal, to be seen and changed. */
+export function readName(file, kind) {
+  const name = file.split("/").at(-1).replace(/\.[^.]+$/, "");
+  const face = FACES.find((each) => name.toLowerCase().includes(each));
+  const found = (pattern) => (name.match(pattern) ? Number(name.match(pattern)[1]) : undefined);
+  const fingers = bench.study.fingers.map((finger) => finger.name);
+  const said = name.match(/(left|right)[ _-]?(thumb|index|middle|ring|little)/i);
+  return {
+    name,
+    face,
+    as: /ruler|scale|coin|euro|cent|force/i.test(name) ? "" : face && kind === "picture" ? "photograph" : KINDS[kind][0][0],
+    finger: fingers.find((finger) => name.includes(finger)) ?? (said ? `${said[1]}_${said[2]}`.toLowerCase() : fingers.length === 1 ? fingers[0] : ""),
+    wedge_angle_deg: found(/(\d+(?:\.\d+)?)[ _-]?(?:deg|°)/i),
+    load_N: found(/(?:^|[_ -])(\d+(?:\.\d+)?)[ _-]?N(?![a-z])/),
+  };
+}
+
+export class NewFiles {
+  constructor() {
+    this.drafts = new Map();
+    this.info = new Map();
+    this.shared = {};
+    this.root = h("section.card.new-files", { hidden: true, "aria-label": "New files" });
+    this.rest = h("details.card", { hidden: true });
+  }
+
+  /** Column names and resolution that the library read while the file was sent. */
+  learn(files) {
+    for (const each of files) this.info.set(each.file, each);
+  }
+
+  draw() {
+    const unused = bench.study.files.filter(({ used, kind }) => !used && kind !== "other");
+    const files = unused.filter(({ file }) => file.startsWith("uploads/"));
+    this.#drawRest(unused.filter(({ file }) => !file.startsWith("uploads/")));
+    this.root.hidden = !files.length;
+    if (!files.length) return;
+    for (const { file, kind } of files) {
+      if (!this.drafts.has(file)) {
+        this.drafts.set(file, { kind, ...readName(file, kind) });
+        if (kind === "picture" && !this.info.has(file)) this.#learn(file);
+      }
+    }
+    this.files = files.map(({ file }) => file);
+    for (const file of this.drafts.keys()) if (!this.files.includes(file)) this.drafts.delete(file);
+    const shown = files.slice(0, 60);
+    this.problem ??= h("div");
+    place(
+      this.root,
+      h(
+        "header",
+        null,
+        h("h2", null, `${files.length} new file${files.length > 1 ? "s" : ""}`),
+        h("span.soft", null, "Say what each is. What stands here was read from the names; change what is wrong."),
+        h("div.actions", null, button("Use them", () => this.#use(), { kind: "primary" })),
+      ),
+      this.#common(),
+      h(
+        "div.table-wrap",
+        { tabindex: 0, role: "group", "aria-label": "New files" },
+        h(
+          "table",
+          null,
+          h("thead", null, h("tr", null, ["", "File", "It is a", "Finger", "Face", "Wedge, °", "Load, N", "Scale", ""].map((words) => h("th", { scope: "col" }, words)))),
+          h("tbody", null, shown.map((file) => this.#row(file))),
+        ),
+      ),
+      files.length > shown.length && h("p.soft", null, `${files.length - shown.length} more follow once these are in use; "Use them" takes all.`),
+      h("datalist", { id: "fingers" }, bench.study.fingers.map(({ name }) => h("option", { value: name }))),
+      this.problem,
+    );
+  }
+
+  /** Files that lie in the study's folder, and that nobody sent from this page. */
+  #drawRest(files) {
+    this.rest.hidden = !files.length;
+    place(this.rest, h("summary", null, `${files.length} more file${files.length > 1 ? "s" : ""} in the study's folder, not in use`), h("ul.rest", null, files.slice(0, 200).map(({ file, bytes: size }) => h("li", null, h("code", null, file), " ", h("span.soft.number", null, bytes(size))))));
+  }
+
+  async #learn(file) {
+    this.info.set(file, {});
+    const info = await get("/api/picture/info", { item: `file:${file}` }).catch(() => ({}));
+    this.info.set(file, info);
+    const select = this.root.querySelector(`[data-scale="${CSS.escape(file)}"]`);
+    if (select && info.resolution_ppi) select.replaceWith(this.#scale(file));
+  }
+
+  #common() {
+    const every = (key, value) => {
+      this.shared[key] = value;
+      for (const draft of this.drafts.values()) draft[key] = value;
+      this.draw();
+    };
+    const finger = text({ value: this.shared.finger, placeholder: "left_index", list: "fingers", label: "Finger of all new files", onset: (value) => value && every("finger", value) });
+    const scale = choose({ value: this.shared.scale ?? "", options: [["", "–"], ...scaleNames()], label: "Scale of all new pictures", onset: (value) => value && every("scale", value) });
+    const wedge = number({ value: this.shared.wedge_angle_deg, min: 0, max: 90, label: "Wedge angle of all new files, degrees", onset: (value) => every("wedge_angle_deg", value ?? undefined) });
+    for (const [control, key] of [[finger, "finger"], [scale, "scale"], [wedge, "wedge"]]) control.dataset.field = `new:*:${key}`;
+    return this.drafts.size > 1 && h("div.common", null, h("span.soft", null, "For all:"), h("label", null, "finger", finger), h("label", null, "wedge °", wedge), h("label", null, "scale", scale));
+  }
+
+  #row({ file, kind, bytes: size }) {
+    const draft = this.drafts.get(file);
+    const field = (key) => `new:${file}:${key}`;
+    const put = (key) => (value) => (draft[key] = value ?? undefined);
+    const name = file.split("/").at(-1);
+    const as = choose({ value: draft.as, options: KINDS[kind], label: `What ${name} is`, onset: (value) => ((draft.as = value), this.draw()) });
+    const finger = text({ value: draft.finger, placeholder: "left_index", list: "fingers", label: `Finger on ${name}`, onset: put("finger") });
+    finger.addEventListener("input", () => (draft.finger = finger.value.trim()));
+    const face = choose({ value: draft.face ?? "", options: [["", "–"], ...FACES], label: `Face on ${name}`, onset: (value) => (draft.face = value || undefined) });
+    const wedge = number({ value: draft.wedge_angle_deg, min: 0, max: 90, label: `Wedge angle of ${name}, degrees`, onset: put("wedge_angle_deg") });
+    const load = number({ value: draft.load_N, min: 0, label: `Load of ${name}, newtons`, onset: put("load_N") });
+    for (const [control, key] of [[as, "as"], [finger, "finger"], [face, "face"], [wedge, "wedge"], [load, "load"]]) control.dataset.field = field(key);
+    const placed = ["observation", "sequence", "curve"].includes(draft.as);
+    return h(
+      "tr",
+      null,
+      h("td", null, kind === "picture" ? h("img.small-thumb", { src: `/api/picture/thumbnail?${new URLSearchParams({ item: `file:${file}` })}`, alt: "", loading: "lazy" }) : h("span.chip", null, kind)),
+      h("td", null, h("strong", null, name), h("div.soft", null, this.#about(file, size))),
+      h("td", null, as),
+      h("td", null, draft.as && finger),
+      h("td", null, ["photograph", "outline"].includes(draft.as) && face),
+      h("td", null, placed && wedge),
+      h("td", null, draft.as === "observation" && load),
+      h("td", null, ["observation", "photograph", "sequence"].includes(draft.as) && this.#scale(file)),
+      h("td", null, button("×", () => this.#forget(file), { kind: "icon", label: `Take ${name} away` })),
+    );
+  }
+
+  #about(file, size) {
+    const info = this.info.get(file) ?? {};
+    const parts = [bytes(size)];
+    if (info.rows_px) parts.push(`${info.columns_px} × ${info.rows_px} px`);
+    if (info.columns) parts.push(info.columns.join(", "));
+    return parts.join(" · ");
+  }
+
+  #scale(file) {
+    const draft = this.drafts.get(file);
+    const ppi = this.info.get(file)?.resolution_ppi;
+    const names = scaleNames();
+    draft.scale ??= names.length === 1 ? names[0] : "";
+    const options = [["", "– later –"], ...names.map((name) => [name, name])];
+    if (ppi) options.push([`ppi:${ppi}`, `${Number(ppi.toFixed(1))} ppi, says the file`]);
+    const select = choose({ value: draft.scale, options, label: `Scale of ${file}`, onset: (value) => (draft.scale = value) });
+    select.dataset.scale = file;
+    select.dataset.field = `new:${file}:scale`;
+    return select;
+  }
+
+  async #forget(file) {
+    await remove("/api/files", { file }).catch(complain);
+    await bench.reload().catch(complain);
+  }
+
+  async #use() {
+    const edits = [];
+    const taken = new Set([...bench.study.observations.map(({ item }) => item), ...bench.study.sequences.map(({ name }) => name)]);
+    const fingers = new Set(bench.study.fingers.map(({ name }) => name));
+    let curves = bench.study.curves.length;
+    for (const file of this.files) {
+      const draft = this.drafts.get(file);
+      if (!draft.as || !draft.finger) continue;
+      const scale = draft.scale?.startsWith("ppi:") ? { ppi: Number(draft.scale.slice(4)) } : draft.scale || undefined;
+      const said = (set) => Object.fromEntries(Object.entries(set).filter(([, value]) => value !== undefined && value !== ""));
+      if (!fingers.has(draft.finger) && ["photograph", "outline"].includes(draft.as)) {
+        edits.push({ kind: "finger", key: draft.finger, set: {} });
+        fingers.add(draft.finger);
+      }
+      let name = draft.name;
+      for (let number = 2; taken.has(name); number += 1) name = `${draft.name}_${number}`;
+      if (draft.as === "observation") {
+        edits.push({ kind: "observation", key: name, set: said({ finger: draft.finger, image: file, wedge_angle_deg: draft.wedge_angle_deg, load_N: draft.load_N, scale }) });
+        taken.add(name);
+      } else if (draft.as === "photograph") edits.push({ kind: "photograph", key: `${draft.finger}/${file}`, set: said({ face: draft.face, scale }) });
+      else if (draft.as === "outline") edits.push({ kind: "photograph", key: `${draft.finger}/${file}`, set: said({ face: draft.face, outline: file }) });
+      else if (draft.as === "sequence") {
+        const force = bench.study.files.find((other) => !other.used && other.kind === "table" && /force/i.test(other.file))?.file;
+        edits.push({ kind: "sequence", key: name, set: said({ finger: draft.finger, path: file, wedge_angle_deg: draft.wedge_angle_deg, scale, force }) });
+        taken.add(name);
+      } else if (draft.as === "curve") edits.push({ kind: "curve", key: String(curves++), set: said({ finger: draft.finger, wedge_angle_deg: draft.wedge_angle_deg, file }) });
+    }
+    place(this.problem);
+    if (!edits.length) {
+      place(this.problem, h("div.faults", { role: "alert" }, h("p", null, "Say at least which finger the files show.")));
+      return;
+    }
+    try {
+      await bench.edit(...edits);
+      say(inUse(edits.filter(({ kind }) => kind !== "finger").length), { kind: "good" });
+    } catch (error) {
+      place(this.problem, faultList(error));
+    }
+  }
+}
+
+const inUse = (count) => `${count} file${count === 1 ? " is" : "s are"} in use.`;

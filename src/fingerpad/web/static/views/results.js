@@ -1,0 +1,82 @@
+// What follows: the corrected radius against load, and everything behind it.
+
+import { bench } from "../core/bench.js";
+import { h, place } from "../core/dom.js";
+import { bindHere } from "../core/keys.js";
+import { empty, segments } from "../parts/forms.js";
+import { Audit } from "./results_audit.js";
+import { Budget } from "./results_budget.js";
+import { Figures } from "./results_figures.js";
+import { Plots } from "./results_plots.js";
+import { Table } from "./results_table.js";
+
+const PARTS = [
+  ["plot", "Corrected radius", Plots],
+  ["table", "Table", Table],
+  ["figures", "Figures", Figures],
+  ["budget", "Uncertainty", Budget],
+  ["audit", "Audit", Audit],
+];
+
+class Results {
+  constructor(root, rest) {
+    this.body = h("div.scroll.results", { tabindex: 0, role: "region", "aria-label": "Results" });
+    this.banner = h("div");
+    this.tabs = segments("Parts of the results", PARTS.map(([key, words]) => [key, words]), "plot", (key) => (location.hash = `#/results/${key}`));
+    place(root, h("header.head", null, h("div", null, h("h1", null, "Results"), h("p", null, "Values ± one standard uncertainty.")), h("div.actions", null, this.tabs)), this.banner, this.body);
+    bindHere([
+      ["p", "Corrected radius against load", () => (location.hash = "#/results/plot")],
+      ["t", "Table", () => (location.hash = "#/results/table")],
+      ["f", "All figures of the report", () => (location.hash = "#/results/figures")],
+      ["b", "Uncertainty budget", () => (location.hash = "#/results/budget")],
+      ["a", "Audit of the printed tables", () => (location.hash = "#/results/audit")],
+      ["/", "Search the table", () => this.part?.search?.()],
+    ]);
+    this.theme = () => this.part?.theme?.();
+    bench.addEventListener("theme", this.theme);
+    this.turn(rest);
+  }
+
+  turn(rest) {
+    this.finished = bench.study.results?.finished;
+    const [key, , Part] = PARTS.find(([name]) => name === rest[0]) ?? PARTS[0];
+    this.key = key;
+    this.tabs.show(key);
+    this.part?.close?.();
+    this.part = null;
+    this.#sayFresh();
+    const { results } = bench.study;
+    if (!results?.there && key !== "audit") {
+      place(
+        this.body,
+        empty(
+          "No results yet",
+          bench.study.ready ? "The study is complete and can run. What is measured is kept, so that a second run only does what changed." : "Something is still missing in the study; the Study page says what.",
+          h("a.button.primary", { href: bench.study.ready ? "#/run" : "#/study" }, bench.study.ready ? "Run the study" : "To the study"),
+          h("a.button", { href: "#/results/audit" }, "See the audit of the printed tables"),
+        ),
+      );
+      return;
+    }
+    place(this.body, h("div.loading", { role: "status" }, "Reading the results …"));
+    this.part = new Part(this.body);
+    this.part.ready = this.part.load().catch((error) => place(this.body, h("div.empty", { role: "alert" }, h("h2", null, "This could not be shown"), h("p", null, error.message))));
+  }
+
+  #sayFresh() {
+    const { results } = bench.study;
+    place(this.banner, results?.there && !results.fresh && h("div.banner.note", null, "The study has changed since these results were made. ", h("a", { href: "#/run" }, "Run again"), " to bring them up to date; only what changed is measured."));
+  }
+
+  update() {
+    this.#sayFresh();
+    if (bench.study.results?.finished !== this.finished) this.turn([this.key]);
+  }
+
+  close() {
+    bench.removeEventListener("theme", this.theme);
+    this.part?.close?.();
+  }
+}
+
+export const open = (root, rest) => new Results(root, rest);

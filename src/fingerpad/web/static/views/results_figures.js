@@ -1,0 +1,43 @@
+// Every figure of the report, as it stands there.
+
+import { get } from "../core/api.js";
+import { h, place } from "../core/dom.js";
+import { choose, field } from "../parts/forms.js";
+
+export class Figures {
+  constructor(root) {
+    this.root = root;
+  }
+
+  async load() {
+    const { figures } = await get("/api/results/figures");
+    const kinds = [
+      ["", "all figures"],
+      ["corrected_radius", "corrected radius"],
+      ["pad", "pad and contact"],
+      ["area", "area against load"],
+      ["aspect_ratio", "aspect ratio"],
+      ["budget", "uncertainty budget"],
+      ["curve", "loading curves"],
+      ["sequence", "films"],
+    ];
+    this.grid = h("div.figure-grid");
+    const draw = (kind) => {
+      const shown = figures.filter(({ name }) => !kind || (["curve", "sequence"].includes(kind) ? name.startsWith(kind) : name.endsWith(kind)));
+      place(
+        this.grid,
+        shown.map(({ name, caption, svg, png }) =>
+          h(
+            "figure.card",
+            null,
+            h("img", { src: svg, alt: caption || name.replaceAll("_", " "), loading: "lazy" }),
+            h("figcaption", null, h("p", null, caption || name.replaceAll("_", " ")), h("p", null, h("a", { href: `${svg}?attachment=1`, "aria-label": `SVG of ${name}` }, "SVG"), " · ", h("a", { href: `${png}?attachment=1`, "aria-label": `PNG of ${name}` }, "PNG"))),
+          ),
+        ),
+        !shown.length && h("p.soft", null, "There is no such figure in this study."),
+      );
+    };
+    place(this.root, h("div.plot-bar", null, field("Show", choose({ options: kinds, onset: draw }))), this.grid);
+    draw("");
+  }
+}

@@ -1,0 +1,160 @@
+// The corrected radius against load, one chart for each finger and placement, with R_0g and R_g as lines.
+
+import { get } from "../core/api.js";
+import { h, place, symbol } from "../core/dom.js";
+import { plain, unitOf, withStd, withUnit } from "../core/quantity.js";
+import { chart, colour, forget } from "../parts/chart.js";
+import { choose, field, synthetic } from "../parts/forms.js";
+
+// What is drawn against load: key, words, axis, and whether both axes are logarithmic.
+const QUANTITIES = [
+  ["radius_from_indentation_mm", "corrected radius", "corrected radius of curvature (mm)"],
+  ["gross_area_mm2", "contact area", "gross area (mm²)", true],
+  ["aspect_ratio", "aspect ratio", "aspect ratio ℓd/ℓe"],
+  ["indentation_mm", "indentation", "indentation ξ (mm)"],
+  ["youngs_modulus_kpa", "Young's modulus", "Young's modulus E (kPa)"],
+];
+
+const BARS = [
+  ["given", "with the pad's geometry held exact, as the source does"],
+  ["all", "everything that is uncertain"],
+];
+
+export class Plots {
+  constructor(root) {
+    this.root = root;
+    this.finger = "";
+    this.bars = "given";
+    this.quantity = QUANTITIES[0][0];
+    this.drawn = new Set();
+  }
+
+  async load() {
+    this.groups = (await get("/api/results/plot")).groups;
+    const fingers = [...new Set(this.groups.map(({ finger }) => finger))];
+    this.grid = h("div.plot-grid");
+    place(
+      this.root,
+      h(
+        "div.plot-bar",
+        null,
+        field("Against load", choose({ value: this.quantity, options: QUANTITIES, onset: (value) => ((this.quantity = value), this.#draw()) })),
+        field("Finger", choose({ value: "", options: [["", "all fingers"], ...fingers], onset: (value) => ((this.finger = value), this.#draw()) })),
+        field("Bars: one standard uncertainty", choose({ value: this.bars, options: BARS, onset: (value) => ((this.bars = value), this.#draw()) })),
+        h(
+          "div.legend",
+          { "aria-label": "What the marks mean" },
+          h("span", null, h("i.dot-mark"), symbol("R", "g", "corr")),
+          h("span", null, h("i.square-mark"), symbol("R", "Aξ"), ", to compare with ", symbol("R", "g")),
+          h("span", null, h("i.line-mark.dotted"), symbol("R", "0g"), ", undeformed pad"),
+          h("span", null, h("i.line-mark.dashed"), symbol("R", "g"), ", from loading data"),
+          h("span", null, "hollow: synthetic"),
+        ),
+      ),
+      this.grid,
+    );
+    this.watcher = new IntersectionObserver((seen) => seen.forEach(({ isIntersecting, target }) => isIntersecting && this.#plot(target)), { rootMargin: "400px" });
+    this.#draw();
+  }
+
+  #draw() {
+    for (const node of this.drawn) forget(node);
+    this.drawn.clear();
+    const groups = this.groups.filter(({ finger }) => !this.finger || finger === this.finger);
+    place(
+      this.grid,
+      groups.map((group) => this.#card(group)),
+    );
+    for (const node of this.grid.querySelectorAll(".chart")) this.watcher.observe(node);
+  }
+
+  #card(group) {
+    const node = h("div.chart", { role: "img", "aria-label": this.#words(group) });
+    node.group = group;
+    const fact = (label, value, std, mark) => value !== null && value !== undefined && h("div", null, h("dt", null, label), h("dd.number", null, withStd(value, std), " mm", mark));
+    return h(
+      "section.card.plot-card",
+      { "aria-label": `${group.finger}, wedge ${group.wedge_angle_deg}°` },
+      h("header", null, h("h2", null, group.finger, `, θ = ${plain(group.wedge_angle_deg)}°`, group.roll_angle_deg ? `, φ = ${plain(group.roll_angle_deg)}°` : ""), synthetic(group.synthetic)),
+      h(
+        "dl.facts",
+        null,
+        group.radius_from_indentation_mm !== null && h("div.main-fact", null, h("dt", null, symbol("R", "g", "corr"), ", pooled"), h("dd.number", null, withStd(group.radius_from_indentation_mm, group.radius_from_indentation_mm_std), " mm")),
+        fact(symbol("R", "0g"), group.mean_curvature_radius_mm, group.mean_curvature_radius_mm_std),
+        fact(symbol("R", "g"), group.loading_radius_mm, group.loading_radius_mm_std),
+      ),
+      node,
+      group.range_notes?.length > 0 && h("details.range", null, h("summary", null, `Where the model ends (${group.range_notes.length})`), h("ul.note", null, group.range_notes.map(({ words, rows }) => h("li", null, `In ${rows} of ${group.rows.item.length} contacts and frames ${words}.`)))),
+    );
+  }
+
+  #words(group) {
+    const radii = group.rows.radius_from_indentation_mm.filter((value) => value !== null);
+    return `Corrected radius against load: ${radii.length} contacts from ${plain(Math.min(...radii))} to ${plain(Math.max(...radii))} mm`;
+  }
+
+  async #plot(node) {
+    if (this.drawn.has(node)) return;
+    this.drawn.add(node);
+    const { group } = node;
+    const { rows } = group;
+    const [measured, compliance, panel, ink] = ["measured", "compliance", "panel", "undeformed"].map(colour);
+    const radius = this.quantity === QUANTITIES[0][0];
+    const [key, words, title, logarithmic] = QUANTITIES.find(([each]) => each === this.quantity);
+    const std = rows[radius && this.bars === "given" ? `${key}_std_given_geometry` : `${key}_std`];
+    const crowded = rows.item.length > 80;
+    const name = (index) => rows.item[index];
+    const traces = [
+      radius && {
+        x: rows.load_N,
+        y: rows.radius_from_compliance_mm,
+        mode: "markers",
+        type: "scatter",
+        marker: { symbol: "square", color: group.synthetic ? panel : compliance, size: crowded ? 3 : 6, line: { color: compliance, width: 1.2 } },
+        hovertemplate: "%{text}<br>W = %{x:.3g} N<br>R_Aξ = %{y:.2f} mm<extra></extra>",
+        text: rows.item,
+      },
+      {
+        x: rows.load_N,
+        y: rows[key],
+        error_y: std && { type: "data", array: std, color: measured, thickness: 1.4, width: crowded ? 0 : 4 },
+        mode: "markers",
+        type: "scatter",
+        marker: { color: group.synthetic ? panel : measured, size: crowded ? 4 : 8.5, line: { color: measured, width: 1.6 }, opacity: rows.pooled ? rows.pooled.map((pooled) => (pooled ? 1 : 0.45)) : 1 },
+        hovertemplate: rows.item.map((_, index) => `${"%{text}"}<br>W = %{x:.3g} N<br>${words}: ${withUnit(withStd(rows[key][index], std?.[index]), unitOf(key))}<extra></extra>`),
+        text: rows.item,
+      },
+    ].filter(Boolean);
+    const lines = !radius ? [] : [
+      ["<i>R</i><sub>0g</sub>", group.mean_curvature_radius_mm, "dot"],
+      ["<i>R</i><sub>g</sub>", group.loading_radius_mm, "dash"],
+    ].filter(([, value]) => value !== null && value !== undefined);
+    try {
+      await chart(node, traces, {
+        x: "normal load W (N)",
+        y: title,
+        ranges: logarithmic ? { x: { type: "log" }, y: { type: "log" } } : {},
+        shapes: lines.map(([, value, dash]) => ({ type: "line", xref: "paper", x0: 0, x1: 1, y0: value, y1: value, line: { color: ink, width: 1.3, dash } })),
+        annotations: lines.map(([label, value]) => ({ xref: "paper", x: 1.01, xanchor: "left", y: value, text: `${label} ${plain(value)}` })),
+        chosen: ({ pointIndex }) => {
+          const item = name(pointIndex);
+          const source = item.includes("#") ? `film:${item.split("#")[0]}` : "images";
+          location.hash = `#/contacts/${encodeURIComponent(source)}/${encodeURIComponent(item)}`;
+        },
+      });
+    } catch (error) {
+      place(node, h("p.note.bad", null, error.message));
+    }
+  }
+
+  theme() {
+    const drawn = [...this.drawn];
+    this.drawn.clear();
+    for (const node of drawn) this.#plot(node);
+  }
+
+  close() {
+    this.watcher?.disconnect();
+    for (const node of this.drawn) forget(node);
+  }
+}

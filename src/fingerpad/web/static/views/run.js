@@ -1,0 +1,170 @@
+// Run everything that is missing or changed, watch it, stop it, and take the results away.
+
+import { get, post } from "../core/api.js";
+import { bench } from "../core/bench.js";
+import { h, place } from "../core/dom.js";
+import { bindHere } from "../core/keys.js";
+import { button, check, chip, choose, faultList, field } from "../parts/forms.js";
+
+const STATES = { idle: "Nothing is running", running: "Running", cancelling: "Stopping: the pictures in hand are finished first", done: "Finished", cancelled: "Stopped. What was measured is kept", failed: "The run failed" };
+const PHASES = { measuring: "measuring", tables: "writing tables", report: "writing the report" };
+
+const FILES = [
+  ["report.html", "Report", "One page that needs nothing else: figures, overlays, tables, provenance. Open it, or send it to a colleague."],
+  ["study.zip", "Study folder", "Pictures, manifest, corrections and results as one ZIP that opens on another machine with the same results."],
+  ["results.csv", "Results as CSV", "One row for each contact and frame; units and _std in the headers."],
+  ["results_columns.csv", "What the columns mean", "The data dictionary beside the CSV."],
+  ["results.json", "Results for scripts", "The same rows as JSON."],
+  ["summary.json", "Summary for scripts", "Pooled radii, versions, hashes of every input, formulas."],
+];
+
+class Run {
+  constructor(root) {
+    this.workers = 1;
+    this.fresh = false;
+    this.problem = h("div");
+    this.status = h("section.card.run-status", { "aria-label": "The run" });
+    this.exports = h("div.exports");
+    place(root, h("header.head", null, h("div", null, h("h1", null, "Run & export"), h("p", null, "A run measures only what is missing or changed."))), h("div.scroll.stack", null, this.status, this.exports));
+    this.heard = () => this.#draw();
+    bench.addEventListener("run", this.heard);
+    bindHere([
+      ["Enter", "Run", () => this.#start()],
+      ["c", "Stop the run", () => this.#cancel()],
+    ]);
+    this.#look().catch(() => {});
+    this.#draw();
+    this.#drawExports();
+  }
+
+  get busy() {
+    return ["running", "cancelling"].includes(bench.run?.state);
+  }
+
+  async #start() {
+    if (this.busy || !bench.study.ready) return;
+    place(this.problem);
+    try {
+      await post("/api/run", { workers: this.workers, fresh: this.fresh });
+      await this.#look();
+    } catch (error) {
+      place(this.problem, faultList(error));
+    }
+  }
+
+  async #cancel() {
+    if (bench.run?.state !== "running") return;
+    await post("/api/run/cancel");
+    await this.#look();
+  }
+
+  /** Events may overtake an answer, or be cut off: ask how the run stands until it has ended. */
+  async #look() {
+    clearTimeout(this.again);
+    bench.takeRun(await get("/api/run"));
+    if (this.busy) this.again = setTimeout(() => this.#look().catch(() => {}), 1000);
+  }
+
+  #draw() {
+    const run = bench.run ?? { state: "idle" };
+    const { ready, counts } = bench.study;
+    // Drawn anew only when something else is to be seen: a bar that is moved keeps the focus where it is.
+    const shape = `${run.state}|${ready}|${run.failures?.length}`;
+    if (shape === this.shape && this.busy) return this.#progress(run);
+    this.shape = shape;
+    const hadFocus = this.status.contains(document.activeElement);
+    place(
+      this.status,
+      h("header", null, h("h2", null, STATES[run.state] ?? run.state), h("span.sr", { role: "status" }, STATES[run.state] ?? run.state), run.state === "done" && chip("up to date", "good"), run.state === "failed" && chip("failed", "bad")),
+      this.busy
+        ? [(this.bar = h("progress", { "aria-label": "Progress of the run" })), (this.line = h("p.run-line.number")), h("div.actions", null, (this.main = button("Stop", () => this.#cancel(), { kind: "bad", key: "c" })))]
+        : [
+            run.error && h("div.note.bad", { role: "alert" }, run.error),
+            h(
+              "p",
+              null,
+              counts ? [h("strong.number", null, counts.done), " measured, ", h("strong.number", null, counts.left + counts.stale), " to do", counts.failed > 0 && [", ", h("strong.number", null, counts.failed), " failed"], "."] : "",
+            ),
+            !ready && h("div.note", null, "Something is still missing. ", h("a", { href: "#/study" }, "The study says what.")),
+            h(
+              "div.run-options",
+              null,
+              field("Processes", choose({ value: String(this.workers), options: ["1", "2", "4", "8"], onset: (value) => (this.workers = Number(value)) })),
+              check("Measure everything anew", { checked: this.fresh, onset: (on) => (this.fresh = on) }),
+            ),
+            h("div.actions", null, (this.main = button("Run", () => this.#start(), { kind: "primary", key: "Enter", disabled: !ready })), ["done", "cancelled"].includes(run.state) && bench.study.results?.there && h("a.button", { href: "#/results" }, "See the results")),
+          ],
+      run.failures?.length > 0 && h("div.note.bad.failures", { tabindex: 0, role: "region", "aria-label": "What failed" }, h("strong", null, `${run.failures.length} failed`), h("ul", null, run.failures.slice(0, 50).map((words) => h("li", null, words)))),
+      this.problem,
+    );
+    if (this.busy) this.#progress(run);
+    if (hadFocus) this.main.focus();
+    return undefined;
+  }
+
+  #progress(run) {
+    this.bar.max = Math.max(1, run.total || 1);
+    if (run.phase && run.phase !== "measuring") this.bar.removeAttribute("value");
+    else this.bar.value = run.done ?? 0;
+    const left = run.seconds_left ? `, about ${duration(run.seconds_left)} left` : "";
+    place(
+      this.line,
+      h("span", null, `${run.done ?? 0} of ${run.total ?? 0}${run.frames ? `, ${run.frames} frames` : ""} · ${duration(run.seconds ?? 0)}${left}`),
+      h("span", null, `${PHASES[run.phase] ?? run.phase ?? ""} `, h("strong", { "data-live": "file" }, run.file || fileOf(run.current) || (run.phase === "measuring" ? "photographs and scales" : ""))),
+    );
+  }
+
+  #drawExports() {
+    const { results } = bench.study;
+    const there = results?.there;
+    place(
+      this.exports,
+      h("div.headline", null, h("h2", null, "Take away"), there && h("span.soft", null, results.fresh ? "up to date" : "as of the last run; the study has changed since")),
+      h(
+        "div.export-grid",
+        null,
+        FILES.map(([file, title, words]) => {
+          const can = there || file === "study.zip";
+          return h(
+            "section.card.export",
+            { "aria-label": title },
+            h("h3", null, title),
+            h("p.soft", null, words),
+            h(
+              "div.actions",
+              null,
+              can ? h("a.button", { href: `/api/download/${file}?attachment=1`, download: "", "aria-label": `Download ${title}` }, "Download") : h("span.soft", null, "after the first run"),
+              can && file === "report.html" && h("a.button", { href: `/api/download/${file}`, target: "_blank", rel: "noopener" }, "Open"),
+            ),
+          );
+        }),
+        h("section.card.export", { "aria-label": "Figures" }, h("h3", null, "Figures"), h("p.soft", null, "Each figure of the report as SVG and PNG."), h("div.actions", null, there ? h("a.button", { href: "#/results/figures" }, "Choose figures") : h("span.soft", null, "after the first run"))),
+      ),
+    );
+  }
+
+  update() {
+    this.shape = null;
+    this.#draw();
+    this.#drawExports();
+  }
+
+  close() {
+    clearTimeout(this.again);
+    bench.removeEventListener("run", this.heard);
+  }
+}
+
+/** The file of the contact at work. */
+function fileOf(name) {
+  const { observations, sequences } = bench.study;
+  return observations.find(({ item }) => item === name)?.file ?? sequences.find((film) => film.name === name)?.file ?? name;
+}
+
+function duration(seconds) {
+  if (seconds < 60) return `${Math.round(seconds)} s`;
+  if (seconds < 3600) return `${Math.floor(seconds / 60)} min ${Math.round(seconds % 60)} s`;
+  return `${Math.floor(seconds / 3600)} h ${Math.round((seconds % 3600) / 60)} min`;
+}
+
+export const open = (root) => new Run(root);

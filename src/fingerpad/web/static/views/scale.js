@@ -1,0 +1,313 @@
+// Scales: a line on a ruler, a coin, or a resolution; one scale for many pictures.
+
+import { get, Newest, post } from "../core/api.js";
+import { bench, wordsFor } from "../core/bench.js";
+import { h, pathOf, place, s } from "../core/dom.js";
+import { bindHere } from "../core/keys.js";
+import { complain, say } from "../core/messages.js";
+import { plain, withStd } from "../core/quantity.js";
+import { button, chip, choose, faultList, field, number, segments, text } from "../parts/forms.js";
+import { Stage } from "../parts/stage.js";
+import { Line } from "../parts/tools.js";
+
+const WAYS = [
+  ["line", "Ruler"],
+  ["coin", "Coin"],
+  ["ppi", "Resolution"],
+  ["mm_per_px", "mm/px"],
+];
+
+// What a new scale begins with, to be seen and changed: a hand marks a line's end to about a pixel.
+const FRESH = { line: { ends_std_px: 1 } };
+
+const COINS = [
+  ["", "– type or choose –"],
+  ["16.25", "1 euro cent, 16.25 mm"],
+  ["18.75", "2 euro cent, 18.75 mm"],
+  ["21.25", "5 euro cent, 21.25 mm"],
+  ["19.75", "10 euro cent, 19.75 mm"],
+  ["22.25", "20 euro cent, 22.25 mm"],
+  ["24.25", "50 euro cent, 24.25 mm"],
+  ["23.25", "1 euro, 23.25 mm"],
+  ["25.75", "2 euro, 25.75 mm"],
+  ["24.26", "US quarter, 24.26 mm"],
+  ["20.3", "UK penny, 20.3 mm"],
+];
+
+class Scales {
+  constructor(root, rest) {
+    this.root = root;
+    this.stage = new Stage("Picture of a ruler or coin. Arrow keys move the cross-hair, space starts and ends the line.");
+    this.line = new Line(this.stage, (ends) => this.#drawn(ends));
+    this.coin = s("path.coin");
+    this.stage.world.append(this.coin);
+    this.stage.use(this.line);
+    this.result = h("div.result", { "aria-live": "polite" });
+    this.form = h("div.stack");
+    this.list = h("div.scale-list");
+    this.live = new Newest((table) => post("/api/measure/scale", { table }), (answer) => this.#found(answer), (error) => this.#refused(error));
+    place(
+      root,
+      h("header.head", null, h("div", null, h("h1", null, "Scale"), h("p", null, "Every picture needs one. Pictures that share a scale by its name share its uncertainty too.")), h("div.actions", null, button("New scale", () => this.#start(null), { key: "n" }))),
+      h("div.bench.no-tools.scale-bench", null, h("div.scale-main", null, this.list, this.stage.root, (this.plainWords = h("div.empty", { hidden: true }, h("h2", null, "This scale is a number"), h("p", null, "No picture is needed. The scanner or the camera's data sheet says it; give its uncertainty too, it goes into every result.")))), h("aside.inspector", { "aria-label": "The scale that is open", tabindex: 0 }, this.form)),
+    );
+    bindHere([
+      ["n", "New scale", () => this.#start(null)],
+      ["Ctrl+Enter", "Keep the scale", () => this.#keep()],
+      ["+ - 0", "Zoom in, zoom out, fit the picture", null],
+      ["Space", "Start and end the line at the cross-hair", null],
+    ]);
+    const first = bench.study.scales.find(({ name }) => name === rest[0]) ?? bench.study.scales[0];
+    this.#start(first ?? null);
+  }
+
+  #start(scale) {
+    this.old = scale;
+    this.name = scale?.name ?? "";
+    this.table = structuredClone(scale?.table ?? FRESH.line);
+    this.way = this.#wayOf(this.table) ?? "line";
+    this.answer = null;
+    this.file = this.table.coin ?? this.#guess();
+    this.#drawList();
+    this.#drawForm();
+    this.#show(this.file);
+    this.line.set(this.table.line ?? null);
+    this.line.kept = this.table.line;
+    this.#ask();
+  }
+
+  #pictures() {
+    const study = bench.study;
+    const used = [
+      ...study.fingers.flatMap(({ photographs }) => (photographs ?? []).filter(({ outline }) => !outline).map(({ file }) => file)),
+      ...study.observations.map(({ file }) => file),
+      ...study.scales.map(({ table }) => table.coin),
+      ...study.files.filter(({ kind }) => kind === "picture").map(({ file }) => file),
+    ];
+    return [...new Set(used.filter(Boolean))];
+  }
+
+  #guess() {
+    const pictures = this.#pictures();
+    return pictures.find((file) => /ruler|scale|coin|euro|cent/i.test(file)) ?? pictures[0] ?? "";
+  }
+
+  #drawList() {
+    place(
+      this.list,
+      bench.study.scales.map(({ name, table, used_by: uses }) =>
+        h(
+          "button.scale-item",
+          { type: "button", "aria-pressed": String(this.old?.name === name), onclick: () => this.#start(bench.study.scales.find((scale) => scale.name === name)) },
+          h("strong", null, name),
+          h("span.soft", null, words(table)),
+          chip(`${uses} picture${uses === 1 ? "" : "s"}`),
+        ),
+      ),
+      h("button.scale-item.new", { type: "button", "aria-pressed": String(!this.old), onclick: () => this.#start(null) }, h("strong", null, "+ New scale"), h("span.soft", null, "ruler, coin or resolution")),
+    );
+  }
+
+  #drawForm() {
+    const pictures = this.#pictures();
+    this.fields = h("div.fields");
+    this.nameField = text({ value: this.name, onset: (value) => (this.name = value), placeholder: "reader, camera …" });
+    this.nameField.addEventListener("input", () => (this.name = this.nameField.value.trim()));
+    place(
+      this.form,
+      h("section", null, h("h2", null, this.old ? `Scale ${this.old.name}` : "New scale"), field("Name", this.nameField, { hint: this.old ? "Another name makes another scale." : undefined })),
+      h("section", null, h("h3", null, "How it is known"), segments("How the scale is known", WAYS, this.way, (way) => this.#choose(way))),
+      ["line", "coin"].includes(this.way) &&
+        h("section", null, field("Picture", choose({ value: this.file, options: pictures.length ? pictures : [["", "no picture yet"]], onset: (file) => this.#take(file) }), { hint: this.way === "line" ? "Draw a line between two marks of the ruler." : "A coin seen whole and flat, on a plain ground." })),
+      h("section", null, this.fields),
+      h("section", null, this.result),
+      h("section", null, this.#uses()),
+      h("section", null, h("div.actions", null, (this.keepButton = button("Keep this scale", () => this.#keep(), { kind: "primary", key: "Ctrl+Enter" })), this.old && button("Delete", () => this.#delete(), { kind: "bad" })), (this.problem = h("div"))),
+    );
+    this.#drawFields();
+    this.stage.root.hidden = !["line", "coin"].includes(this.way);
+    this.plainWords.hidden = !this.stage.root.hidden;
+  }
+
+  #drawFields() {
+    const set = (key) => (value) => {
+      if (value === null) delete this.table[key];
+      else this.table[key] = value;
+      this.#ask();
+    };
+    const of = (key, more) => number({ value: this.table[key], min: 0, onset: set(key), ...more });
+    const ways = {
+      line: () => [
+        field("Length of the line", of("length_mm"), { unit: "mm" }),
+        field("Its uncertainty", of("length_std_mm", { placeholder: "not said" }), { unit: "mm" }),
+        field("Each end is sure to", of("ends_std_px", { placeholder: "not said" }), { unit: "px" }),
+      ],
+      coin: () => [
+        field("Which coin", choose({ value: String(this.table.diameter_mm ?? ""), options: COINS, onset: (value) => value && (set("diameter_mm")(Number(value)), this.#drawFields()) }), { wide: true }),
+        field("Diameter", of("diameter_mm"), { unit: "mm" }),
+        field("Its uncertainty", of("diameter_std_mm", { placeholder: "not said" }), { unit: "mm" }),
+      ],
+      ppi: () => [field("Pixels per inch", of("ppi"), { unit: "ppi" }), field("Relative uncertainty", of("relative_std", { placeholder: "not said", max: 1 }), { hint: "0.01 is one per cent" })],
+      mm_per_px: () => [field("Millimetres per pixel", of("mm_per_px"), { unit: "mm/px" }), field("Relative uncertainty", of("relative_std", { placeholder: "not said", max: 1 }), { hint: "0.01 is one per cent" })],
+    };
+    place(this.fields, ways[this.way]());
+  }
+
+  #choose(way) {
+    this.way = way;
+    this.table = way === this.#wayOf(this.old?.table) ? structuredClone(this.old.table) : { ...FRESH[way] };
+    if (way === "coin") this.table.coin = this.file;
+    this.answer = null;
+    this.#drawForm();
+    this.form.querySelector("[role=radio][aria-checked=true]")?.focus();
+    this.coin.setAttribute("d", "");
+    this.line.set(way === "line" ? (this.table.line ?? null) : null);
+    this.stage.use(way === "line" ? this.line : null);
+    if (!this.stage.root.hidden) this.#show(this.file);
+    this.#ask();
+  }
+
+  #wayOf(table) {
+    return WAYS.map(([key]) => key).find((key) => table?.[key] !== undefined);
+  }
+
+  #take(file) {
+    this.file = file;
+    if (this.way === "coin") this.table.coin = file;
+    this.line.set(null);
+    delete this.table.line;
+    this.#show(file);
+    this.#ask();
+  }
+
+  async #show(file) {
+    if (!file) return this.stage.say("Drop a picture of a ruler or a coin on the Study page, or give the resolution.");
+    try {
+      const info = await get("/api/picture/info", { item: `file:${file}` });
+      if (file === this.file) this.stage.show(info.preview, info.rows_px, info.columns_px, file);
+    } catch (error) {
+      this.stage.say(error.message, "bad");
+    }
+  }
+
+  #drawn(ends) {
+    this.table.line = ends.map((place) => place.map((value) => Math.round(value * 100) / 100));
+    if (this.table.length_mm === undefined) this.fields.querySelector("input")?.focus();
+    this.#ask();
+  }
+
+  /** What the library would take: the keys of this way that are filled in. */
+  #asked() {
+    const keys = { line: ["line", "length_mm", "length_std_mm", "ends_std_px"], coin: ["coin", "diameter_mm", "diameter_std_mm"], ppi: ["ppi", "relative_std"], mm_per_px: ["mm_per_px", "relative_std"] }[this.way];
+    return Object.fromEntries(keys.filter((key) => this.table[key] !== undefined).map((key) => [key, this.table[key]]));
+  }
+
+  #ready() {
+    const needs = { line: ["line", "length_mm"], coin: ["coin", "diameter_mm"], ppi: ["ppi"], mm_per_px: ["mm_per_px"] }[this.way];
+    return needs.every((key) => this.table[key] !== undefined && this.table[key] !== "");
+  }
+
+  #ask() {
+    if (this.#ready()) this.live.ask(this.#asked());
+    else {
+      const next = { line: this.table.line ? "Now type how long the line is." : "Draw a line on the ruler.", coin: "Say which coin it is.", ppi: "Type the resolution.", mm_per_px: "Type the size of a pixel." }[this.way];
+      place(this.result, h("p.soft", null, next));
+      this.line.write("");
+    }
+  }
+
+  #found(answer) {
+    this.answer = answer;
+    this.stage.setScale(answer.mm_per_px);
+    this.coin.setAttribute("d", pathOf(answer.coin?.outline_px));
+    if (this.way === "line") this.line.write(`${plain(this.table.length_mm)} mm`);
+    place(
+      this.result,
+      h("h3", null, "Scale"),
+      h("p.figure-big.number", { "data-live": "scale" }, withStd(answer.mm_per_px, answer.mm_per_px_std), h("span.unit", null, " mm/px")),
+      h("p.soft.number", null, `${plain(answer.resolution_ppi)} ppi`, answer.relative_std > 0 ? `, known to ${plain(answer.relative_std * 100)} %` : ", its uncertainty not said"),
+      answer.coin && h("p.soft.number", null, `coin: radius ${withStd(answer.coin.radius_px, answer.coin.radius_px_std)} px`),
+      answer.flags?.length > 0 && h("div.note", null, answer.flags.map((flag) => h("p", null, wordsFor(flag)))),
+    );
+  }
+
+  #refused(error) {
+    this.answer = null;
+    place(this.result, faultList(error));
+  }
+
+  /** Which pictures take this scale. */
+  #uses() {
+    const study = bench.study;
+    const rows = [
+      ...study.fingers.flatMap((finger) => (finger.photographs ?? []).filter(({ outline }) => !outline).map((each) => ["photograph", each.item, `${finger.name}, ${each.face ?? "?"} face`, each.scale])),
+      ...study.observations.filter(({ file, from_csv: csv }) => file && !csv).map((each) => ["observation", each.item, each.item, each.scale]),
+      ...study.sequences.map((each) => ["sequence", each.name, `film ${each.name}`, each.scale]),
+    ];
+    this.takers = new Map();
+    const boxes = rows.map(([kind, key, label, scale]) => {
+      const mine = this.old && scale === this.old.name;
+      const box = h("input", { type: "checkbox", checked: mine || (!this.old && !scale) });
+      this.takers.set(box, { kind, key, scale });
+      return h("label.check", { "data-kind": kind }, box, h("span", null, label), h("span.soft", null, scale ? (mine ? "" : typeof scale === "string" ? scale : "its own") : "none yet"));
+    });
+    const all = (kind) => {
+      const of = [...this.takers].filter(([, taker]) => taker.kind === kind);
+      const on = of.some(([box]) => !box.checked);
+      for (const [box] of of) box.checked = on;
+    };
+    const has = (kind) => rows.some(([other]) => other === kind);
+    return [
+      h("h3", null, "Pictures with this scale"),
+      rows.length ? h("div.takers", { tabindex: 0, role: "group", "aria-label": "Pictures with this scale" }, boxes) : h("p.soft", null, "No picture is in use yet; choose this scale where you say what a picture is."),
+      h("div.actions", null, has("photograph") && button("All photographs", () => all("photograph"), { kind: "small" }), has("observation") && button("All contact images", () => all("observation"), { kind: "small" })),
+    ];
+  }
+
+  async #keep() {
+    place(this.problem);
+    if (!this.name) return this.#wrong("Give the scale a name, as in reader or camera.", this.nameField);
+    if (!this.#ready()) return this.#wrong("The scale is not complete yet.");
+    const edits = [{ kind: "scale", key: this.name, set: this.#asked() }];
+    for (const [box, { kind, key, scale }] of this.takers) {
+      if (box.checked && scale !== this.name) edits.push({ kind, key, set: { scale: this.name } });
+    }
+    try {
+      await bench.edit(...edits);
+      say(`Scale ${this.name} is kept${edits.length > 1 ? ` and used by ${edits.length - 1} more picture${edits.length > 2 ? "s" : ""}` : ""}.`, { kind: "good" });
+      this.#start(bench.study.scales.find(({ name }) => name === this.name) ?? null);
+    } catch (error) {
+      place(this.problem, faultList(error));
+    }
+  }
+
+  #wrong(words, control) {
+    place(this.problem, h("div.faults", { role: "alert" }, h("p", null, words)));
+    control?.focus();
+  }
+
+  async #delete() {
+    if (this.old.used_by) return this.#wrong(`${this.old.used_by} pictures still use this scale. Give them another one first.`);
+    await bench.edit({ kind: "scale", key: this.old.name, set: null }).catch(complain);
+    this.#start(bench.study.scales[0] ?? null);
+  }
+
+  update() {
+    this.#drawList();
+  }
+
+  close() {
+    this.live.drop();
+    this.stage.close();
+  }
+}
+
+function words(table) {
+  if (table.ppi !== undefined) return `${table.ppi} ppi`;
+  if (table.mm_per_px !== undefined) return `${table.mm_per_px} mm/px`;
+  if (table.line) return `line of ${table.length_mm} mm`;
+  if (table.coin) return `coin of ${table.diameter_mm} mm`;
+  return "not complete";
+}
+
+export const open = (root, rest) => new Scales(root, rest);

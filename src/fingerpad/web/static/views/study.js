@@ -1,0 +1,128 @@
+// The study: what goes into it, what is missing, and what holds for all of it.
+
+import { bench } from "../core/bench.js";
+import { h, place } from "../core/dom.js";
+import { bindHere } from "../core/keys.js";
+import { Drop } from "../parts/drop.js";
+import { choose, faultList, field, number, text } from "../parts/forms.js";
+import { NewFiles } from "./new_files.js";
+import { StudyTables } from "./study_tables.js";
+
+class StudyView {
+  constructor(root) {
+    this.files = new NewFiles();
+    this.tables = new StudyTables();
+    this.drop = new Drop({
+      sent: (files) => {
+        this.files.learn(files);
+        this.files.draw();
+        this.files.root.scrollIntoView({ block: "nearest" });
+        this.files.root.querySelector("select, input")?.focus();
+      },
+    });
+    this.side = h("aside.stack.study-side", { "aria-label": "What is missing, and what holds for the whole study" });
+    this.heading = h("div");
+    this.ready = h("div.actions");
+    place(root, h("header.head", null, this.heading, this.ready), h("div.scroll.study-grid", null, h("div.stack.across", null, this.drop.root, this.files.root), h("div.stack", null, this.tables.root, this.files.rest), this.side));
+    this.drop.watch(root);
+    bindHere([
+      ["a", "Add files", () => this.drop.chooser.click()],
+      ["g", "To what is missing", () => this.side.querySelector("a, button, input")?.focus()],
+    ]);
+    this.update();
+  }
+
+  update() {
+    const { study } = bench;
+    const focus = document.activeElement?.dataset?.field;
+    const all = study.observations.length + study.sequences.length;
+    this.drop.root.classList.toggle("slim", study.fingers.length + all > 0);
+    place(
+      this.heading,
+      h("h1", null, study.title || study.name),
+      h("p", null, `${count(study.fingers.length, "finger")}, ${count(study.observations.length, "contact")}${study.sequences.length ? `, ${count(study.sequences.length, "film")}` : ""}${study.curves.length ? `, ${count(study.curves.length, "loading entry", "loading entries")}` : ""}`),
+    );
+    place(this.ready, study.ready ? h("a.button.primary", { href: "#/run" }, "Run the study") : h("span.soft", null, "Not ready to run yet"));
+    this.files.draw();
+    this.tables.draw();
+    place(this.side, this.#missing(), this.#uncertainty(), this.#settings());
+    if (focus) document.querySelector(`[data-field="${CSS.escape(focus)}"]`)?.focus({ preventScroll: true });
+  }
+
+  #missing() {
+    const { missing, ready } = bench.study;
+    if (ready) return h("section.card", null, h("div.note.good", null, h("strong", null, "Nothing is missing."), " The study can run."));
+    return h(
+      "section.card",
+      { "aria-label": "What is missing" },
+      h("header", null, h("h2", null, "Still missing"), h("span.soft", null, missing.length)),
+      missing.length
+        ? h("ul.missing", { tabindex: 0 }, missing.slice(0, 40).map(({ kind, key, words }) => h("li", null, h("strong", null, key || kind), h("span", null, words), /scale/.test(words) && kind !== "scale" && h("a", { href: "#/scale" }, "Set the scale"))), missing.length > 40 && h("li.soft", null, `and ${missing.length - 40} more`))
+        : h("p.soft", null, "Drop the files of the study to begin: photographs of the finger and images of its contact."),
+    );
+  }
+
+  async #change(kind, set, problem) {
+    place(problem);
+    try {
+      await bench.edit({ kind, key: "", set });
+    } catch (error) {
+      place(problem, faultList(error));
+    }
+  }
+
+  #uncertainty() {
+    const now = bench.study.uncertainty;
+    const problem = h("div");
+    const of = (key, max) => number({ value: now[key], min: 0, max, placeholder: "0", onset: (value) => this.#change("uncertainty", { [key]: value ?? 0 }, problem) });
+    return h(
+      "section.card",
+      { "aria-label": "Uncertainty common to all" },
+      h("header", null, h("h2", null, "Uncertainty common to all")),
+      h(
+        "div.fields.two",
+        null,
+        field("Wedge angle ±", of("wedge_angle_std_deg"), { unit: "°" }),
+        field("Roll angle ±", of("roll_angle_std_deg"), { unit: "°" }),
+        field("Load, relative ±", of("load_relative_std", 1), { hint: "0.01 is one per cent" }),
+        field("Poisson's ratio ±", of("poisson_ratio_std", 0.5)),
+        field(
+          "Each row's uncertainty by",
+          choose({
+            value: now.method ?? "first_order",
+            options: [
+              ["first_order", "first order"],
+              ["monte_carlo", "Monte Carlo"],
+            ],
+            onset: (value) => this.#change("uncertainty", { method: value }, problem),
+          }),
+          { wide: true },
+        ),
+      ),
+      problem,
+    );
+  }
+
+  #settings() {
+    const { study } = bench;
+    const problem = h("div");
+    return h(
+      "section.card",
+      { "aria-label": "About this study" },
+      h("header", null, h("h2", null, "About")),
+      h(
+        "div.fields.two",
+        null,
+        field("Title", text({ value: study.title, onset: (title) => title && this.#change("study", { title }, problem) }), { wide: true }),
+        field("Poisson's ratio", number({ value: study.poisson_ratio, placeholder: "0.5", min: 0, max: 0.5, onset: (value) => value !== null && this.#change("study", { poisson_ratio: value }, problem) })),
+      ),
+      study.description && h("details", null, h("summary", null, "Description"), h("p.soft", null, study.description)),
+      problem,
+      h("p.soft.folder", null, "Folder: ", h("code", null, study.name)),
+    );
+  }
+}
+
+const count = (number, one, many = `${one}s`) => `${number} ${number === 1 ? one : many}`;
+
+export const open = (root) => new StudyView(root);

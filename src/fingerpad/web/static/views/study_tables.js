@@ -1,0 +1,287 @@
+// What the study consists of, to be seen and changed in place: fingers, contacts, films, curves.
+
+import { bench, wordsFor } from "../core/bench.js";
+import { h, place } from "../core/dom.js";
+import { question } from "../core/messages.js";
+import { plain, withStd } from "../core/quantity.js";
+import { button, chip, choose, faultList, field, number, synthetic, text } from "../parts/forms.js";
+import { scaleChoice, scaleWords } from "../parts/scale_choice.js";
+
+const PAGE = 50;
+const AXES = [
+  ["palmar", "Palmar"],
+  ["distal", "Distal"],
+  ["radial_ulnar", "Radial–ulnar"],
+];
+const STATUS = { done: ["measured", "good"], left: ["to do", ""], stale: ["changed", "warn"], failed: ["failed", "bad"], given: ["given", ""], rejected: ["rejected", "bad"] };
+
+const statusChip = ({ status, reason }) => chip(...(STATUS[status] ?? [status ?? "", ""]), reason ?? undefined);
+const incomplete = ({ complete }) => complete === false && chip("not complete", "warn");
+
+/** A cell that can be changed: what is refused is said below the table. */
+function cell(kind, key, name, control) {
+  control.dataset.field = `${kind}:${key}:${name}`;
+  return h("td", null, control);
+}
+
+export class StudyTables {
+  constructor() {
+    this.page = 0;
+    this.problem = h("div");
+    this.root = h("div.stack");
+  }
+
+  draw() {
+    const { fingers, observations, sequences, curves } = bench.study;
+    place(this.root, this.problem, this.#fingers(fingers), this.#observations(observations), (sequences.length > 0 || null) && this.#sequences(sequences), this.#curves(curves));
+  }
+
+  async change(kind, key, set) {
+    place(this.problem);
+    try {
+      await bench.edit({ kind, key, set });
+    } catch (error) {
+      place(this.problem, faultList(error));
+      this.problem.scrollIntoView({ block: "nearest" });
+    }
+  }
+
+  async #remove(kind, key, words) {
+    const answer = await question(`Take ${words} out of the study?`, h("p", null, "Its file stays in the study's folder."), [
+      ["", "Keep it"],
+      ["yes", "Take it out", "bad"],
+    ]);
+    if (answer === "yes") this.change(kind, key, null);
+  }
+
+  #fingers(fingers) {
+    return h(
+      "section.card",
+      { "aria-label": "Fingers" },
+      h("header", null, h("h2", null, "Fingers"), h("span.soft", null, "semi-axes from photographs, or typed in"), h("div.actions", null, button("Add a finger", () => this.#addFinger(), { kind: "small" }))),
+      fingers.length
+        ? h(
+            "div.table-wrap",
+            { tabindex: 0, role: "group", "aria-label": "Fingers" },
+            h(
+              "table",
+              null,
+              h("thead", null, h("tr", null, h("th", { scope: "col" }, "Finger"), AXES.map(([, words]) => h("th.number", { scope: "col" }, `${words}, mm`)), h("th", { scope: "col" }, "Photographs"), h("th", { scope: "col" }, h("span.sr", null, "Actions")))),
+              h("tbody", null, fingers.map((finger) => this.#finger(finger))),
+            ),
+          )
+        : h("p.soft", null, "None yet. A finger comes into being with its first photograph, or by typing its semi-axes."),
+    );
+  }
+
+  #finger(finger) {
+    const typed = finger.table?.semi_axes_mm;
+    return h(
+      "tr",
+      null,
+      h("td", null, h("strong", null, finger.name), " ", synthetic(finger.synthetic), " ", incomplete(finger)),
+      AXES.map(([axis]) => h("td.number", null, withStd(finger.semi_axes_mm?.[axis], finger.semi_axes_mm_std?.[axis]))),
+      h(
+        "td",
+        null,
+        finger.photographs?.length
+          ? h("div.faces", null, finger.photographs.map((photograph) => this.#face(photograph)))
+          : typed
+            ? h("span.soft", null, "typed in")
+            : h("span.soft", null, "none"),
+      ),
+      h(
+        "td",
+        null,
+        h("div.actions", null, !finger.photographs?.length && button("Semi-axes", () => this.#semiAxes(finger), { kind: "small", label: `Semi-axes of ${finger.name}` }), button("×", () => this.#remove("finger", finger.name, finger.name), { kind: "icon", label: `Take ${finger.name} out` })),
+      ),
+    );
+  }
+
+  #face(photograph) {
+    const words = `${photograph.face ?? "which face?"}${photograph.scale ? "" : ", no scale"}`;
+    const kind = photograph.complete === false || photograph.rejected ? "warn" : photograph.accepted ? "good" : "";
+    if (photograph.outline) return chip(`${words}, outline`, kind);
+    return h("a.face-link", { href: `#/photographs/${encodeURIComponent(photograph.item)}`, title: photograph.file }, h("img.small-thumb", { src: `/api/picture/thumbnail?${new URLSearchParams({ item: photograph.item })}`, alt: "", loading: "lazy" }), chip(words, kind));
+  }
+
+  async #addFinger() {
+    const name = text({ placeholder: "left_index" });
+    const body = h("div", null, field("Name of the finger", name, { hint: "Letters, digits, - and _." }));
+    const answer = await question("Add a finger", body, [
+      ["", "Cancel"],
+      ["yes", "Add", "primary"],
+    ]);
+    if (answer !== "yes" || !name.value.trim()) return;
+    await this.change("finger", name.value.trim(), {});
+    const made = bench.study.fingers.find((finger) => finger.name === name.value.trim());
+    if (made && !made.photographs?.length) this.#semiAxes(made);
+  }
+
+  async #semiAxes(finger) {
+    const { semi_axes_mm: now = {}, semi_axes_std_mm: std = {} } = finger.table ?? {};
+    const inputs = AXES.map(([axis, words]) => [axis, words, number({ value: now[axis], min: 0 }), number({ value: std[axis], min: 0 })]);
+    const body = h(
+      "div",
+      null,
+      h("p", null, "Half-lengths of the pad, and one standard uncertainty each. Leave them empty if photographs will follow."),
+      h("div.fields", null, inputs.map(([, words, value, its]) => [field(words, value, { unit: "mm" }), field("± (standard uncertainty)", its, { unit: "mm" })])),
+    );
+    const answer = await question(`Semi-axes of ${finger.name}`, body, [
+      ["", "Cancel"],
+      ["yes", "Keep", "primary"],
+    ]);
+    const value = (input) => (input.value === "" ? undefined : Number(input.value));
+    if (answer !== "yes" || inputs.every(([, , input]) => input.value === "")) return;
+    this.change("finger", finger.name, {
+      semi_axes_mm: Object.fromEntries(inputs.map(([axis, , input]) => [axis, value(input)])),
+      semi_axes_std_mm: Object.fromEntries(inputs.map(([axis, , , input]) => [axis, value(input) ?? 0])),
+    });
+  }
+
+  #observations(observations) {
+    const rolled = observations.some(({ roll_angle_deg: roll }) => roll) || bench.study.uncertainty.roll_angle_std_deg > 0;
+    const pages = Math.max(1, Math.ceil(observations.length / PAGE));
+    this.page = Math.min(this.page, pages - 1);
+    const shown = observations.slice(this.page * PAGE, (this.page + 1) * PAGE);
+    return h(
+      "section.card",
+      { "aria-label": "Contacts" },
+      h("header", null, h("h2", null, "Contacts"), h("span.soft", null, `${observations.length} in all`), pages > 1 && this.#pager(pages)),
+      observations.length
+        ? h(
+            "div.table-wrap",
+            { tabindex: 0, role: "group", "aria-label": "Contacts" },
+            h(
+              "table.tight",
+              null,
+              h("thead", null, h("tr", null, ["Contact", "Finger", "Wedge, °", ...(rolled ? ["Roll, °"] : []), "Load, N", "Scale", "Status", ""].map((words) => h("th", { scope: "col" }, words || h("span.sr", null, "Actions"))))),
+              h("tbody", null, shown.map((observation) => this.#observation(observation, rolled))),
+            ),
+          )
+        : h("p.soft", null, "None yet. Drop contact images above; each is one contact at one load."),
+    );
+  }
+
+  #pager(pages) {
+    const go = (by) => () => {
+      this.page += by;
+      this.draw();
+    };
+    return h("div.actions", null, button("‹", go(-1), { kind: "small", disabled: this.page === 0, label: "Page before" }), h("span.number", null, `${this.page + 1} of ${pages}`), button("›", go(1), { kind: "small", disabled: this.page === pages - 1, label: "Next page" }));
+  }
+
+  #observation(one, rolled) {
+    const fixed = one.from_csv;
+    const set = (key) => (value) => this.change("observation", one.item, { [key]: value });
+    const num = (key, words, more) => cell("observation", one.item, key, number({ value: one[key], min: 0, label: `${words} of ${one.item}`, onset: set(key), disabled: fixed, ...more }));
+    return h(
+      "tr",
+      null,
+      h("td", null, one.file ? h("a", { href: `#/contacts/images/${encodeURIComponent(one.item)}` }, one.item) : one.item, " ", synthetic(one.synthetic), one.flags?.length > 0 && [" ", chip("flagged", "warn", one.flags.map(wordsFor).join("; "))]),
+      fixed
+        ? h("td", null, one.finger)
+        : cell("observation", one.item, "finger", choose({ value: one.finger ?? "", options: [...(one.finger ? [] : [["", "– which? –"]]), ...bench.study.fingers.map(({ name }) => name)], label: `Finger of ${one.item}`, onset: set("finger") })),
+      num("wedge_angle_deg", "Wedge angle", { max: 90 }),
+      rolled && num("roll_angle_deg", "Roll angle", { min: undefined }),
+      num("load_N", "Load"),
+      fixed || !one.file ? h("td.soft", null, one.file ? scaleWords(one.scale) : "ellipse given") : cell("observation", one.item, "scale", scaleChoice({ value: one.scale, label: `Scale of ${one.item}`, onset: set("scale") })),
+      h("td", null, incomplete(one) || statusChip(one)),
+      h("td", null, fixed ? h("span.soft", { title: "This row stands in the study's spreadsheet" }, "CSV") : button("×", () => this.#remove("observation", one.item, one.item), { kind: "icon", label: `Take ${one.item} out` })),
+    );
+  }
+
+  #sequences(sequences) {
+    const tables = bench.study.files.filter(({ kind }) => kind === "table").map(({ file }) => file);
+    return h(
+      "section.card",
+      { "aria-label": "Films" },
+      h("header", null, h("h2", null, "Films"), h("span.soft", null, "of one press, with its force")),
+      h(
+        "div.table-wrap",
+        { tabindex: 0, role: "group", "aria-label": "Films" },
+        h(
+          "table.tight",
+          null,
+          h("thead", null, h("tr", null, ["Film", "Finger", "Wedge, °", "Force", "Frames per s", "Scale", "Frames", "Status", ""].map((words) => h("th", { scope: "col" }, words || h("span.sr", null, "Actions"))))),
+          h(
+            "tbody",
+            null,
+            sequences.map((one) => {
+              const set = (key) => (value) => this.change("sequence", one.name, { [key]: value });
+              const force = [...new Set([one.force, ...tables].filter(Boolean))];
+              return h(
+                "tr",
+                null,
+                h("td", null, h("a", { href: `#/contacts/${encodeURIComponent(`film:${one.name}`)}` }, one.name), " ", synthetic(one.synthetic)),
+                cell("sequence", one.name, "finger", choose({ value: one.finger ?? "", options: bench.study.fingers.map(({ name }) => name), label: `Finger of ${one.name}`, onset: set("finger") })),
+                cell("sequence", one.name, "wedge", number({ value: one.wedge_angle_deg, min: 0, max: 90, label: `Wedge angle of ${one.name}`, onset: set("wedge_angle_deg") })),
+                cell("sequence", one.name, "force", choose({ value: one.force ?? "", options: [["", "– which CSV? –"], ...force.map((file) => [file, file.split("/").at(-1)])], label: `Force of ${one.name}`, onset: set("force") })),
+                cell("sequence", one.name, "fps", number({ value: one.table?.frames_per_second, min: 0, label: `Frames per second of ${one.name}`, onset: set("frames_per_second") })),
+                cell("sequence", one.name, "scale", scaleChoice({ value: one.scale, label: `Scale of ${one.name}`, onset: set("scale") })),
+                h("td.number", null, one.frames ?? "–"),
+                h("td", null, incomplete(one) || statusChip(one)),
+                h("td", null, button("×", () => this.#remove("sequence", one.name, one.name), { kind: "icon", label: `Take ${one.name} out` })),
+              );
+            }),
+          ),
+        ),
+      ),
+    );
+  }
+
+  #curves(curves) {
+    return h(
+      "section.card",
+      { "aria-label": "Loading data" },
+      h("header", null, h("h2", null, "Loading data"), h("span.soft", null, "curves of force against displacement, or R_g as found elsewhere"), h("div.actions", null, button("Add R_g from elsewhere", () => this.#addRadius(), { kind: "small", disabled: !bench.study.fingers.length }))),
+      curves.length
+        ? h(
+            "div.table-wrap",
+            { tabindex: 0, role: "group", "aria-label": "Loading data" },
+            h(
+              "table.tight",
+              null,
+              h("thead", null, h("tr", null, ["Source", "Finger", "Wedge, °", "R_g, mm", ""].map((words) => h("th", { scope: "col", class: words.startsWith("R") ? "number" : undefined }, words || h("span.sr", null, "Actions"))))),
+              h(
+                "tbody",
+                null,
+                curves.map((one) =>
+                  h(
+                    "tr",
+                    null,
+                    h("td", null, one.file ?? "found elsewhere", " ", synthetic(one.table?.synthetic), " ", incomplete(one)),
+                    h("td", null, one.finger ?? "–"),
+                    cell("curve", one.key, "wedge", number({ value: one.wedge_angle_deg, min: 0, max: 90, label: `Wedge angle of curve ${one.key}`, onset: (value) => this.change("curve", one.key, { wedge_angle_deg: value }) })),
+                    h("td.number", null, one.effective_radius_mm ? withStd(one.effective_radius_mm, one.table?.effective_radius_std_mm) : one.file ? "from the curve" : plain(null)),
+                    h("td", null, button("×", () => this.#remove("curve", one.key, one.file ?? "this radius"), { kind: "icon", label: `Take curve ${one.key} out` })),
+                  ),
+                ),
+              ),
+            ),
+          )
+        : h("p.soft", null, "None. The study runs without; R_g is then not drawn beside the corrected radius."),
+    );
+  }
+
+  async #addRadius() {
+    const finger = choose({ value: bench.study.fingers[0].name, options: bench.study.fingers.map(({ name }) => name) });
+    const wedge = number({ min: 0, max: 90 });
+    const radius = number({ min: 0 });
+    const std = number({ min: 0 });
+    const answer = await question(
+      "R_g from loading data",
+      h("div.fields", null, field("Finger", finger), field("Wedge angle", wedge, { unit: "°" }), field("R_g", radius, { unit: "mm" }), field("± (standard uncertainty)", std, { unit: "mm" })),
+      [
+        ["", "Cancel"],
+        ["yes", "Add", "primary"],
+      ],
+    );
+    if (answer !== "yes" || radius.value === "") return;
+    const set = { finger: finger.value, effective_radius_mm: Number(radius.value) };
+    if (wedge.value !== "") set.wedge_angle_deg = Number(wedge.value);
+    if (std.value !== "") set.effective_radius_std_mm = Number(std.value);
+    this.change("curve", String(bench.study.curves.length), set);
+  }
+}
+

@@ -1,0 +1,132 @@
+"""The bench as people meet it: `fingerpad app` in a process of its own, and its page in a real Chromium.
+
+Every tab writes down what it asks for and what its console says; a test ends by proving that nothing was
+asked of another machine and that the console stayed silent.
+"""
+
+import os
+import re
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from playwright.sync_api import Browser, Locator, Page
+
+ROOT = Path(__file__).resolve().parents[3]
+DEMO = ROOT / "examples" / "dzidek2017"
+REAL = ROOT.parent / "shared" / "data"
+PRINTS = REAL / "nist_nbis_livescan_slaps"
+PATIENCE_MS = 30_000  # machines that test are busy
+
+
+class Served:
+    """One `fingerpad app`: its address, and a way to kill it."""
+
+    def __init__(self, folder: Path, *arguments: str) -> None:
+        self.process = subprocess.Popen(
+            [sys.executable, "-m", "fingerpad", "app", *arguments, "--no-browser"],
+            cwd=folder,
+            stdout=subprocess.PIPE,
+            text=True,
+            env={**os.environ, "OMP_NUM_THREADS": "1"},
+        )
+        found = re.search(r"http\S+", self.process.stdout.readline())
+        assert found, "the program printed no address"
+        self.address = found.group(0)
+        self.host = re.match(r"(http://[^/]+)", self.address).group(1)
+
+    def kill(self, how: signal.Signals = signal.SIGTERM) -> None:
+        self.process.send_signal(how)
+        self.process.wait(20)
+        self.process.stdout.close()
+
+
+@contextmanager
+def served(folder: Path, *arguments: str) -> Iterator[Served]:
+    server = Served(folder, *arguments)
+    try:
+        yield server
+    finally:
+        if server.process.poll() is None:
+            server.kill()
+
+
+class Tab:
+    """A tab of the browser, and what it heard."""
+
+    def __init__(self, browser: Browser, server: Served, **options) -> None:
+        self.server = server
+        self.context = browser.new_context(
+            viewport={"width": 1280, "height": 800}, reduced_motion="reduce", **options
+        )
+        self.page: Page = self.context.new_page()
+        self.page.set_default_timeout(PATIENCE_MS)
+        self.said: list[str] = []
+        self.asked: list[str] = []
+        self.expected: list[str] = []
+        self.page.on(
+            "console", lambda m: self.said.append(m.text) if m.type in ("error", "warning") else None
+        )
+        self.page.on("pageerror", lambda error: self.said.append(str(error)))
+        self.page.on("request", lambda request: self.asked.append(request.url))
+
+    def open(self, step: str = "study") -> Page:
+        self.page.goto(self.server.address)
+        self.page.locator("#rail .brand").wait_for()
+        if step != "study":
+            self.go(step)
+        return self.page
+
+    def go(self, step: str) -> None:
+        self.page.evaluate("step => { location.hash = `#/${step}` }", step)
+
+    def off_host(self) -> list[str]:
+        return [url for url in self.asked if not url.startswith((self.server.host, "data:", "blob:"))]
+
+    def close(self) -> None:
+        self.context.close()
+        unexpected = [
+            words for words in self.said if not any(re.search(each, words) for each in self.expected)
+        ]
+        assert not unexpected, unexpected
+        assert not self.off_host(), self.off_host()
+
+
+def numbers(page: Page, part: str = "numbers") -> str:
+    """The numbers of an inspector once they stand there."""
+    place = page.locator(f"[data-live={part}]")
+    place.wait_for()
+    return place.inner_text().replace("\N{NO-BREAK SPACE}", " ")
+
+
+def changed(page: Page, before: str, part: str = "numbers") -> str:
+    """The numbers once they are others than before."""
+    page.wait_for_function(
+        "([part, before]) => { const at = document.querySelector(`[data-live=${part}]`);"
+        " return at && at.innerText.replaceAll('\\u00a0', ' ') !== before }",
+        arg=[part, before],
+    )
+    return numbers(page, part)
+
+
+def middle(place: Locator) -> tuple[float, float]:
+    box = place.bounding_box()
+    return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+
+
+def drag(page: Page, place: Locator, dx: float, dy: float) -> None:
+    x, y = middle(place)
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x + dx, y + dy, steps=6)
+    page.mouse.up()
+
+
+def focus(page: Page, name: str, role: str = "button") -> Locator:
+    """Put the focus on a mark by its name, as the tabulator would."""
+    place = page.get_by_role(role, name=name, exact=True)
+    place.focus()
+    return place

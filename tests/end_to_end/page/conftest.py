@@ -1,0 +1,71 @@
+"""A browser, a study that has been run, and tabs on it."""
+
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from filelock import FileLock
+from playwright.sync_api import Browser, sync_playwright
+from tests.end_to_end.page.bench import DEMO, Tab, served
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Browser]:
+    chromium = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+    assert chromium, "no chromium on this machine; install Debian's package chromium"
+    options = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+    with sync_playwright() as play:
+        browser = play.chromium.launch(executable_path=chromium, args=options)
+        yield browser
+        browser.close()
+
+
+@pytest.fixture(scope="session")
+def run_demo(tmp_path_factory) -> Path:
+    """The demo study after one run, made once for all processes that test."""
+    shared = tmp_path_factory.getbasetemp().parent / "page-demo"
+    with FileLock(f"{shared}.lock"):
+        if not (shared / "results" / "report.html").exists():
+            shutil.rmtree(shared, ignore_errors=True)
+            shutil.copytree(DEMO, shared)
+            command = [
+                sys.executable,
+                "-m",
+                "fingerpad",
+                "run",
+                shared / "study.toml",
+                "--out",
+                shared / "results",
+            ]
+            subprocess.run(command, check=True, capture_output=True, timeout=300)
+    return shared
+
+
+@pytest.fixture
+def demo(run_demo, tmp_path) -> Path:
+    """A copy of the run study that a test may change."""
+    shutil.copytree(run_demo, tmp_path / "demo")
+    return tmp_path / "demo"
+
+
+@pytest.fixture
+def tab(browser, demo) -> Iterator[Tab]:
+    with served(demo.parent, str(demo / "study.toml")) as server:
+        tab = Tab(browser, server)
+        yield tab
+        tab.close()
+
+
+@pytest.fixture
+def empty_tab(browser, tmp_path) -> Iterator[Tab]:
+    """A bench without a study."""
+    folder = tmp_path / "workspace"
+    folder.mkdir()
+    with served(folder) as server:
+        tab = Tab(browser, server)
+        tab.folder = folder
+        yield tab
+        tab.close()

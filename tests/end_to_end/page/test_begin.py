@@ -1,0 +1,183 @@
+"""Beginning: a study from loose files, its scale, its run, and what is taken away."""
+
+import re
+import zipfile
+
+import pytest
+from tests.end_to_end.page.bench import DEMO, PRINTS, Tab, drag, focus, middle
+
+FACES = [DEMO / "synthetic" / f"photograph_{face}.jpg" for face in ("palmar", "distal", "radial")]
+CONTACTS = [DEMO / "synthetic" / f"synthetic_30deg_{load}N.png" for load in (1, 2, 4)]
+PICTURE_THERE = """() => document.querySelector('.stage .picture').naturalWidth
+  && !document.querySelector('.stage.waiting')"""
+
+
+def begin(page, title: str = "Index finger") -> None:
+    page.get_by_label("What it is about").fill(title)
+    page.keyboard.press("Enter")
+    page.get_by_role("heading", name=title).wait_for()
+
+
+def say_scale(page, name: str, way: str, field: str, value: str, takes: str) -> None:
+    page.locator("h1").click()
+    page.keyboard.press("n")
+    page.get_by_role("radio", name=way, exact=True).click()
+    page.get_by_label(field).fill(value)
+    page.get_by_label(field).press("Enter")
+    page.get_by_label("Name", exact=True).fill(name)
+    for box in page.locator(".takers label").all():
+        box.locator("input").set_checked(box.get_attribute("data-kind") == takes)
+    page.get_by_role("button", name="Keep this scale").click()
+    page.get_by_role("heading", name=f"Scale {name}").wait_for()
+
+
+def test_six_files_become_a_plot(empty_tab: Tab) -> None:
+    page = empty_tab.open()
+    begin(page)
+    page.get_by_role("heading", name="Still missing").wait_for()
+    page.set_input_files("input[type=file][multiple]", FACES + CONTACTS)
+    page.get_by_role("heading", name="6 new files").wait_for()
+    assert page.get_by_label("Face on photograph_distal.jpg").input_value() == "distal"
+    assert page.get_by_label("Load of synthetic_30deg_4N.png, newtons").input_value() == "4"
+    page.get_by_label("Finger of all new files").fill("left_index")
+    page.keyboard.press("Tab")
+    page.get_by_role("button", name="Use them").click()
+    page.get_by_role("heading", name="Still missing").wait_for()
+    page.locator("h1").click()
+    page.keyboard.press("2")
+    say_scale(page, "camera", "mm/px", "Millimetres per pixel", "0.05", takes="photograph")
+    say_scale(page, "reader", "Resolution", "Pixels per inch", "500", takes="observation")
+    page.locator("h1").click()
+    page.keyboard.press("1")
+    page.get_by_text("Nothing is missing.").wait_for()
+    page.get_by_label("Wedge angle ±").fill("0.5")
+    page.get_by_label("Wedge angle ±").press("Enter")
+    page.locator("h1").click()
+    page.keyboard.press("7")
+    page.get_by_role("heading", name="Run & export").wait_for()
+    page.keyboard.press("Enter")
+    page.get_by_role("link", name="See the results").click()
+    page.locator(".chart .scatterlayer .point").first.wait_for()
+    radius = float(page.locator(".main-fact dd").inner_text().split()[0])
+    assert radius == pytest.approx(13.61, abs=0.15)
+    manifest = (empty_tab.folder / "index-finger" / "study.toml").read_text()
+    assert manifest.count("[[observations]]") == 3
+    assert "wedge_angle_std_deg = 0.5" in manifest
+
+
+def test_files_dropped_on_the_page(empty_tab: Tab) -> None:
+    page = empty_tab.open()
+    begin(page)
+    data = page.evaluate_handle(
+        "() => { const data = new DataTransfer();"
+        " const name = '../../curve <b>30deg</b>.csv';"
+        " data.items.add(new File(['force_N,displacement_mm\\n0,0\\n1,1\\n'], name)); return data }"
+    )
+    page.dispatch_event("#work", "drop", {"dataTransfer": data})
+    page.get_by_role("heading", name="1 new file").wait_for()
+    assert page.locator(".new-files tbody b").count() == 0
+    files = sorted(p.name for p in empty_tab.folder.rglob("*.csv"))
+    assert len(files) == 1
+    assert all(
+        p.is_relative_to(empty_tab.folder / "index-finger" / "uploads")
+        for p in empty_tab.folder.rglob("*.csv")
+    )
+
+
+def test_wrong_value_is_refused_in_words_and_nothing_is_lost(tab: Tab, demo) -> None:
+    tab.expected.append("422")
+    before = (demo / "study.toml").read_text()
+    page = tab.open()
+    page.get_by_label("Poisson's ratio", exact=True).evaluate("field => field.removeAttribute('max')")
+    page.get_by_label("Poisson's ratio", exact=True).fill("0.9")
+    page.get_by_label("Poisson's ratio", exact=True).press("Enter")
+    page.get_by_role("alert").get_by_text("poisson_ratio").first.wait_for()
+    assert (demo / "study.toml").read_text() == before
+
+
+def test_line_on_a_ruler_by_pointer_then_by_keyboard(tab: Tab, demo) -> None:
+    page = tab.open("scale")
+    page.get_by_role("button", name="+ New scale").click()
+    page.get_by_role("radio", name="Ruler").click()
+    page.get_by_label("Picture", exact=True).select_option("synthetic/photograph_palmar.jpg")
+    page.wait_for_function(PICTURE_THERE)
+    x, y = middle(page.locator(".stage"))
+    page.mouse.move(x - 150, y)
+    page.mouse.down()
+    page.mouse.move(x + 150, y, steps=5)
+    page.mouse.up()
+    page.get_by_text("Now type how long the line is.").wait_for()
+    page.get_by_label("Length of the line").fill("20")
+    page.get_by_label("Length of the line").press("Enter")
+    scale = page.locator("[data-live=scale]")
+    scale.wait_for()
+    first = scale.inner_text()
+    assert "±" in first
+    focus(page, "End of the line").press("Shift+ArrowRight")
+    page.wait_for_function(
+        "before => document.querySelector('[data-live=scale]').innerText !== before", arg=first
+    )
+    drag(page, page.get_by_role("button", name="End of the line"), -40, 0)
+    page.get_by_label("Name", exact=True).fill("ruler")
+    page.keyboard.press("Tab")
+    page.locator("h1").click()
+    page.keyboard.press("Control+Enter")
+    page.get_by_role("heading", name="Scale ruler").wait_for()
+    manifest = (demo / "study.toml").read_text()
+    assert re.search(r"\[scales\.ruler\][^[]*line = ", manifest)
+    assert "length_mm = 20" in manifest
+    assert "# Scales that several pictures share" in manifest
+
+
+def test_line_drawn_with_keys_alone(tab: Tab) -> None:
+    page = tab.open("scale")
+    page.get_by_role("button", name="+ New scale").press("Enter")
+    page.wait_for_function(PICTURE_THERE)
+    page.locator(".stage").focus()
+    page.keyboard.press("Space")
+    for _ in range(6):
+        page.keyboard.press("Shift+ArrowRight")
+    page.keyboard.press("Space")
+    page.get_by_label("Length of the line").fill("10")
+    page.keyboard.press("Enter")
+    page.locator("[data-live=scale]").wait_for()
+
+
+def test_run_names_its_file_and_can_be_stopped(tab: Tab) -> None:
+    page = tab.open("run")
+    run = page.locator(".run-status button.primary")
+    page.get_by_label("Measure everything anew").check()
+    run.click()
+    page.get_by_role("progressbar").wait_for()
+    page.keyboard.press("c")
+    page.get_by_role("heading", name="Stopped. What was measured is kept").wait_for()
+    page.get_by_label("Measure everything anew").check()
+    run.press("Enter")
+    page.wait_for_function(
+        "() => /[.](png|jpg|tif)/.test(document.querySelector('[data-live=file]')?.innerText ?? '')"
+    )
+
+
+def test_report_and_folder_are_taken_away(tab: Tab, run_demo, tmp_path) -> None:
+    page = tab.open("run")
+    with page.expect_download() as report:
+        page.get_by_role("link", name="Download Report").click()
+    assert report.value.path().read_bytes() == (run_demo / "results" / "report.html").read_bytes()
+    with page.expect_download() as folder:
+        page.get_by_role("link", name="Download Study folder").click()
+    names = zipfile.ZipFile(folder.value.path()).namelist()
+    assert any(name.endswith("study.toml") for name in names)
+    assert any(name.endswith("synthetic_30deg_2N.png") for name in names)
+    page.get_by_role("button", name="Other studies").click()
+    page.get_by_label("ZIP of a study").set_input_files(folder.value.path())
+    page.get_by_role("heading", name="Left index finger pad of Dzidek et al. 2017").wait_for()
+    assert tab.page.locator("#rail .step-state.good").first.inner_text() == "complete"
+
+
+@pytest.mark.skipif(not PRINTS.exists(), reason="the real prints are not on this machine")
+def test_real_slap_of_four_fingers_can_be_sent(empty_tab: Tab) -> None:
+    page = empty_tab.open()
+    begin(page, "Slaps")
+    page.set_input_files("input[type=file][multiple]", PRINTS / "slap_left_four_500ppi.png")
+    page.get_by_text("px").first.wait_for()
+    page.locator(".new-files .small-thumb").wait_for()

@@ -1,0 +1,219 @@
+"""How the page behaves: for everyone, at speed, with two windows, and when the program is killed."""
+
+import json
+import shutil
+import signal
+from importlib import resources
+
+import numpy as np
+import pytest
+from PIL import Image
+from tests.end_to_end.page.bench import DEMO, Tab, changed, drag, focus, middle, numbers, served
+
+# Each step, and what stands there once it is drawn.
+STEPS = {
+    "study": "#work table",
+    "scale": ".scale-item",
+    "photographs": "[data-live=finger]",
+    "contacts": "[data-live=numbers]",
+    "pad": "[data-live=u]",
+    "results": ".chart .point",
+    "results/table": "tbody tr",
+    "results/figures": "figure img",
+    "results/budget": ".budget",
+    "results/audit": ".audit",
+    "run": ".export",
+}
+AXE = resources.files("axe_playwright_python").joinpath("axe.min.js").read_text()
+PRINT = "synthetic_30deg_2N"
+
+# Scroll the filmstrip by ninety times eighteen pictures, and say how long each picture of the screen took.
+SCROLL = """async () => {
+  const strip = document.querySelector('.filmstrip');
+  const waits = [];
+  let last = performance.now();
+  for (let step = 0; step < 90; step += 1) {
+    strip.scrollLeft += 1800;
+    await new Promise(requestAnimationFrame);
+    const now = performance.now();
+    waits.push(now - last);
+    last = now;
+  }
+  waits.sort((a, b) => a - b);
+  return { median: waits[45], p95: waits[85], cells: document.querySelectorAll('.cell').length };
+}"""
+
+# From the first move of the pointer that has no answer yet to the next numbers on the page.
+WATCH = """() => {
+  window.waits = [];
+  let moved = null;
+  document.addEventListener('pointermove', () => { moved ??= performance.now(); }, true);
+  new MutationObserver(() => {
+    if (moved !== null) window.waits.push(performance.now() - moved);
+    moved = null;
+  }).observe(document.querySelector('[data-part=numbers]'), { childList: true, subtree: true });
+}"""
+
+LONG = """
+title = "Long"
+[[fingers]]
+name = "f"
+semi_axes_mm = { palmar = 7.9, distal = 13.8, radial_ulnar = 11.8 }
+semi_axes_std_mm = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }
+[[sequences]]
+name = "long"
+finger = "f"
+wedge_angle_deg = 30
+path = "film"
+scale = { ppi = 500 }
+force = "force.csv"
+frames_per_second = 500
+"""
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+def test_nothing_serious_stands_in_anyones_way(browser, run_demo, theme: str) -> None:
+    with served(run_demo.parent, str(run_demo / "study.toml")) as server:
+        tab = Tab(browser, server, color_scheme=theme, bypass_csp=True)
+        page = tab.open()
+        page.evaluate(AXE)
+        found = {}
+        for step, there in STEPS.items():
+            tab.go(step)
+            page.locator(there).first.wait_for()
+            result = page.evaluate("() => axe.run(document, { resultTypes: ['violations'] })")
+            serious = [each for each in result["violations"] if each["impact"] in ("serious", "critical")]
+            found[step] = [
+                (each["id"], each["nodes"][0]["target"], each["nodes"][0]["any"][:1]) for each in serious
+            ]
+        page.keyboard.press("?")
+        page.get_by_role("dialog", name="Keys").wait_for()
+        tab.close()
+    assert {step: what for step, what in found.items() if what} == {}
+
+
+def test_numbers_follow_a_dragged_handle_at_1024(browser, tmp_path) -> None:
+    shutil.copytree(DEMO, tmp_path / "demo")
+    picture = tmp_path / "demo" / "synthetic" / "synthetic_30deg_2N.png"
+    big = Image.open(picture).convert("L").resize((1024, 1024), Image.Resampling.BICUBIC)
+    big.save(picture)
+    with served(tmp_path, str(tmp_path / "demo" / "study.toml")) as server:
+        tab = Tab(browser, server)
+        page = tab.open(f"contacts/images/{PRINT}")
+        numbers(page)
+        page.evaluate(WATCH)
+        x, y = middle(page.get_by_role("button", name="End of the semi-major axis", exact=True))
+        page.mouse.move(x, y)
+        page.mouse.down()
+        for step in range(40):
+            page.mouse.move(x + 20 * np.sin(step / 4), y + step / 4)
+            page.wait_for_timeout(30)
+        waits = page.evaluate("() => window.waits")
+        page.mouse.up()
+        tab.close()
+    median, slow = np.percentile(waits, [50, 90])
+    print(f"pointer to numbers: median {median:.0f} ms, 90th percentile {slow:.0f} ms")
+    assert len(waits) >= 10
+    assert median < 100  # 50 ms is the aim; test machines are shared
+
+
+def test_two_windows_do_not_lose_each_others_corrections(tab: Tab, browser, demo) -> None:
+    tab.expected.append("409")
+    one = tab.open(f"contacts/images/{PRINT}")
+    two = tab.context.new_page()
+    two.goto(f"{tab.server.host}/#/contacts/images/{PRINT}")
+    numbers(one)
+    before = numbers(two)
+    drag(two, two.get_by_role("button", name="End of the semi-major axis", exact=True), -20, 0)
+    changed(two, before)
+    one.wait_for_function("() => document.querySelectorAll('.history li').length === 1")
+    one.get_by_label("Threshold").fill("70")
+    one.get_by_label("Threshold").press("Enter")
+    two.wait_for_function("() => document.querySelectorAll('.history li').length === 2")
+    last = json.loads((demo / "corrections.jsonl").read_text().splitlines()[-1])
+    assert set(last["change"]) == {"ellipse_px", "threshold"}
+
+
+def test_a_window_that_did_not_hear_of_it_is_asked(tab: Tab, demo) -> None:
+    tab.expected.append("409")
+    tab.context.route("**/api/events", lambda route: route.abort())
+    tab.expected.append("ERR_FAILED")
+    one = tab.open(f"contacts/images/{PRINT}")
+    two = tab.context.new_page()
+    two.goto(f"{tab.server.host}/#/contacts/images/{PRINT}")
+    numbers(one)
+    before = numbers(two)
+    focus(two, "End of the semi-major axis").press("Shift+ArrowRight")
+    changed(two, before)
+    two.wait_for_function("() => document.querySelector('.history li')")
+    one.get_by_label("Threshold").fill("70")
+    one.get_by_label("Threshold").press("Enter")
+    one.get_by_role("dialog", name="Another window corrected this picture").wait_for()
+    one.get_by_role("button", name="Keep mine on top").click()
+    one.wait_for_function("() => document.querySelectorAll('.history li').length === 2")
+    last = json.loads((demo / "corrections.jsonl").read_text().splitlines()[-1])
+    assert set(last["change"]) == {"ellipse_px", "threshold"}
+
+
+def test_killed_in_the_middle_of_an_edit_loses_nothing_confirmed(browser, demo) -> None:
+    with served(demo.parent, str(demo / "study.toml")) as server:
+        tab = Tab(browser, server)
+        tab.expected += [
+            "ERR_CONNECTION_REFUSED",
+            "ERR_CONNECTION_RESET",
+            "ERR_EMPTY_RESPONSE",
+            "ERR_INCOMPLETE_CHUNKED",
+        ]
+        page = tab.open(f"contacts/images/{PRINT}")
+        before = numbers(page)
+        drag(page, page.get_by_role("button", name="End of the semi-major axis", exact=True), -25, 0)
+        changed(page, before)
+        page.wait_for_function("() => document.querySelector('.history li')")
+        confirmed = numbers(page)
+        x, y = middle(page.get_by_role("button", name="End of the semi-minor axis", exact=True))
+        page.mouse.move(x, y)
+        page.mouse.down()
+        page.mouse.move(x, y + 30, steps=3)
+        server.kill(signal.SIGKILL)
+        page.mouse.up()
+        page.get_by_text("The program does not answer.").first.wait_for()
+        tab.close()
+    with served(demo.parent, str(demo / "study.toml")) as server:
+        tab = Tab(browser, server)
+        page = tab.open(f"contacts/images/{PRINT}")
+        page.get_by_text("by a person", exact=True).wait_for()
+        assert numbers(page) == confirmed
+        tab.close()
+
+
+def test_two_thousand_frames_open_at_once_and_scroll(browser, tmp_path) -> None:
+    study = tmp_path / "long"
+    (study / "film").mkdir(parents=True)
+    frame = Image.open(DEMO / "synthetic" / "synthetic_30deg_1N.png").convert("L")
+    frame.save(study / "film" / "f0000.png")
+    for number in range(1, 2000):
+        (study / "film" / f"f{number:04d}.png").hardlink_to(study / "film" / "f0000.png")
+    times = "\n".join(f"{number / 500},1" for number in range(2000))
+    (study / "force.csv").write_text(f"time_s,force_N\n{times}\n")
+    (study / "study.toml").write_text(LONG)
+    with served(tmp_path, str(study / "study.toml")) as server:
+        tab = Tab(browser, server)
+        page = tab.open()
+        start = page.evaluate("() => performance.now()")
+        tab.go("contacts/film:long")
+        page.locator(".filmstrip .cell").first.wait_for()
+        opened = page.evaluate("() => performance.now()") - start
+        assert page.locator(".track").evaluate("track => track.style.width") == "200000px"
+        worst = page.evaluate(SCROLL)
+        loaded = page.evaluate("() => document.querySelectorAll('.cell img').length")
+        page.locator(".cell.there").first.wait_for()
+        thumbnails = sum("/thumbnail" in url for url in tab.asked)
+        tab.close()
+    print(
+        f"2,000 frames: open in {opened:.0f} ms; scrolling {worst['median']:.0f} ms a picture, "
+        f"95 % under {worst['p95']:.0f} ms; {loaded} thumbnails in sight"
+    )
+    assert opened < 4000  # 2 s is the aim; test machines are shared
+    assert worst["cells"] < 40
+    assert worst["median"] < 50
+    assert thumbnails < 120

@@ -1,0 +1,229 @@
+"""Contact images and frames: looked at, corrected, accepted, by pointer and by keyboard."""
+
+import json
+import re
+
+import numpy as np
+import pytest
+import tifffile
+from PIL import Image
+from tests.end_to_end.page.bench import DEMO, PRINTS, Tab, changed, drag, focus, middle, numbers
+
+PRINT = "synthetic_30deg_2N"
+
+
+def corrections(folder) -> list[dict]:
+    log = folder / "corrections.jsonl"
+    return [json.loads(line) for line in log.read_text().splitlines()] if log.exists() else []
+
+
+def value(text: str, unit: str) -> float:
+    return float(re.search(rf"([\d.]+) ± [\d.]+ {unit}", text).group(1))
+
+
+def test_dragged_handle_gives_new_numbers_beside_the_programs_own(tab: Tab, demo) -> None:
+    page = tab.open(f"contacts/images/{PRINT}")
+    before = numbers(page)
+    drag(page, page.get_by_role("button", name="End of the semi-major axis", exact=True), -30, 0)
+    changed(page, before)
+    page.wait_for_function("() => document.querySelector('.history li')")
+    after = numbers(page)
+    assert value(after, "mm²") > value(before, "mm²") * 1.03
+    program = re.search(r"ℓd\s+[\d.]+ ± [\d.]+ mm\s+.*?([\d.]+) ± ", after, re.DOTALL).group(1)
+    assert float(program) == value(before, "mm")
+    page.get_by_text("by a person", exact=True).wait_for()
+    (record,) = corrections(demo)
+    assert (record["item"], list(record["change"])) == (PRINT, ["ellipse_px"])
+    assert record["who"] in page.locator(".history").inner_text()
+    page.keyboard.press("u")
+    assert changed(page, after) == before
+    page.keyboard.press("r")
+    assert changed(page, before) == after
+
+
+def test_keyboard_alone_moves_a_handle_accepts_and_goes_on(tab: Tab, demo) -> None:
+    page = tab.open(f"contacts/images/{PRINT}")
+    before = numbers(page)
+    handle = focus(page, "End of the semi-minor axis")
+    for _ in range(3):
+        handle.press("Shift+ArrowRight")
+    after = changed(page, before)
+    page.wait_for_function("() => document.querySelector('.history li')")
+    page.keyboard.press("Enter")
+    page.wait_for_url(re.compile("synthetic_30deg_4N"))
+    assert after != before
+    assert corrections(demo)[-1]["change"]["accepted"] is True
+    assert corrections(demo)[-1]["item"] == PRINT
+    page.keyboard.press("ArrowLeft")
+    page.get_by_text("accepted", exact=True).wait_for()
+
+
+def test_brush_by_pointer_takes_and_gives_region(tab: Tab, demo) -> None:
+    page = tab.open(f"contacts/images/{PRINT}")
+    before = numbers(page)
+    page.keyboard.press("e")
+    page.keyboard.press("]")
+    x, y = middle(page.get_by_role("button", name="Centre of the ellipse").or_(page.locator(".stage")).first)
+    page.mouse.move(x + 180, y - 150)
+    page.mouse.down()
+    page.mouse.move(x + 180, y + 150, steps=8)
+    page.mouse.up()
+    less = changed(page, before)
+    assert value(less, "mm²") < value(before, "mm²") * 0.99
+    page.keyboard.press("b")
+    page.mouse.move(x + 180, y - 150)
+    page.mouse.down()
+    page.mouse.move(x + 180, y + 150, steps=8)
+    page.mouse.up()
+    assert value(changed(page, less), "mm²") > value(less, "mm²")
+    assert [stroke["action"] for stroke in corrections(demo)[-1]["change"]["strokes"]] == ["remove", "add"]
+
+
+def test_brush_by_keyboard(tab: Tab, demo) -> None:
+    page = tab.open(f"contacts/images/{PRINT}")
+    before = numbers(page)
+    page.keyboard.press("b")
+    for _ in range(6):
+        page.keyboard.press("]")
+    for _ in range(8):
+        page.keyboard.press("Shift+ArrowRight")
+    page.keyboard.press("Space")
+    for _ in range(3):
+        page.keyboard.press("ArrowDown")
+    page.keyboard.press("Space")
+    changed(page, before)
+    (stroke,) = corrections(demo)[-1]["change"]["strokes"]
+    rows = [row for row, _ in stroke["points_px"]]
+    assert stroke["action"] == "add"
+    assert rows == sorted(rows)
+    assert rows[-1] > rows[0]
+
+
+def test_threshold_polarity_seed_and_region_of_interest(tab: Tab, demo) -> None:
+    page = tab.open(f"contacts/images/{PRINT}")
+    before = numbers(page)
+    page.get_by_label("Threshold").fill("60")
+    page.get_by_label("Threshold").press("Enter")
+    thinner = changed(page, before)
+    page.locator("h1").click()
+    page.keyboard.press("s")
+    x, y = middle(page.locator(".stage"))
+    page.mouse.click(x + 10, y)
+    page.get_by_role("button", name="Forget seed point").wait_for()
+    page.keyboard.press("o")
+    page.mouse.move(x - 120, y - 120)
+    page.mouse.down()
+    page.mouse.move(x + 120, y + 120, steps=4)
+    page.mouse.up()
+    page.get_by_text("the contact is cut by the mask or region of interest").wait_for()
+    assert value(numbers(page), "mm²") < value(thinner, "mm²")
+    assert {"threshold", "seed_px", "region_of_interest_px"} <= set(corrections(demo)[-1]["change"])
+    page.get_by_label("Polarity").select_option("false")
+    page.locator("[data-part=numbers] [role=alert]").or_(page.locator("[data-live=numbers]")).wait_for()
+    page.wait_for_function("() => document.querySelectorAll('.history li').length === 4")
+    assert corrections(demo)[-1]["change"]["dark_on_light"] is False
+    page.get_by_role("button", name="Back to the program").click()
+    page.get_by_text("by the program", exact=True).wait_for()
+    assert numbers(page) == before
+
+
+def test_reject_with_a_reason_and_take_it_back(tab: Tab, demo) -> None:
+    page = tab.open(f"contacts/images/{PRINT}")
+    numbers(page)
+    page.get_by_label("Reason to reject").fill("smeared")
+    page.locator("h1").click()
+    page.keyboard.press("x")
+    page.wait_for_url(re.compile("synthetic_30deg_4N"))
+    assert corrections(demo)[-1]["change"] == {"rejected": "smeared"}
+    page.get_by_label("Show", exact=True).select_option("rejected")
+    page.locator(".stage.rejected").wait_for()
+    assert page.locator(".filmstrip .cell").count() == 1
+    page.locator("h1").click()
+    page.keyboard.press("x")
+    page.wait_for_function("() => !document.querySelector('.stage.rejected')")
+    assert corrections(demo)[-1]["change"] == {}
+
+
+def test_frames_of_a_film(tab: Tab, demo) -> None:
+    page = tab.open("contacts/film:synthetic_press_30deg")
+    numbers(page)
+    page.keyboard.press(".")
+    page.wait_for_url(re.compile("%233"))
+    before = numbers(page)
+    focus(page, "End of the semi-major axis").press("Shift+ArrowUp")
+    changed(page, before)
+    page.wait_for_function("() => document.querySelector('.history li')")
+    assert corrections(demo)[-1]["item"] == "synthetic_press_30deg#3"
+
+
+def test_sixteen_bit_tiff_is_shown_and_measured(empty_tab: Tab) -> None:
+    page = empty_tab.open()
+    deep = empty_tab.folder / "deep.tif"
+    shallow = np.asarray(Image.open(DEMO / "synthetic/synthetic_30deg_2N.png"), dtype=np.uint16)
+    tifffile.imwrite(deep, shallow * 100 + 7000)
+    begin_with_print(page, deep, "0.0508", way="mm/px")
+    assert "16 bit" in page.locator("[data-part=head]").inner_text()
+    assert value(numbers(page), "mm²") == pytest.approx(116.3, rel=0.02)
+    shades = page.evaluate(
+        "() => { const image = document.querySelector('.stage .picture');"
+        " const canvas = new OffscreenCanvas(40, 40);"
+        " const draw = canvas.getContext('2d'); draw.drawImage(image, 0, 0, 40, 40);"
+        " const all = draw.getImageData(0, 0, 40, 40).data.filter((_, i) => i % 4 === 0);"
+        " return [Math.min(...all), Math.max(...all)] }"
+    )
+    assert shades[0] < 60
+    assert shades[1] > 200
+
+
+def begin_with_print(page, picture, scale: str, way: str) -> None:
+    """Begin a study of one print whose finger has typed semi-axes, and open it among the contacts."""
+    page.get_by_label("What it is about").fill("One print")
+    page.keyboard.press("Enter")
+    page.set_input_files("input[type=file][multiple]", picture)
+    page.get_by_role("button", name="Use them").wait_for()
+    stem = picture.stem
+    page.get_by_label(f"Finger on {picture.name}").fill("right_index")
+    page.get_by_label(f"Wedge angle of {picture.name}, degrees").fill("0")
+    page.get_by_label(f"Load of {picture.name}, newtons").fill("1")
+    page.keyboard.press("Tab")
+    page.get_by_role("button", name="Use them").click()
+    page.get_by_text("1 files are in use").or_(page.get_by_text("1 file is in use")).wait_for()
+    page.get_by_role("button", name="Add a finger").click()
+    page.get_by_label("Name of the finger").fill("right_index")
+    page.get_by_role("button", name="Add", exact=True).click()
+    page.get_by_role("heading", name="Semi-axes of right_index").wait_for()
+    boxes = page.locator("dialog input")
+    for index, words in enumerate(["7.9", "0.2", "13.8", "0.2", "11.8", "0.2"]):
+        boxes.nth(index).fill(words)
+    page.get_by_role("button", name="Keep", exact=True).click()
+    page.get_by_text("13.80 ± 0.20").wait_for()
+    page.locator("h1").click()
+    page.keyboard.press("2")
+    page.get_by_role("radio", name=way).click()
+    page.get_by_label("Millimetres per pixel" if way == "mm/px" else "Pixels per inch").fill(scale)
+    page.keyboard.press("Enter")
+    page.get_by_label("Name", exact=True).fill("reader")
+    page.keyboard.press("Control+Enter")
+    page.get_by_role("button", name="Keep this scale").click()
+    page.get_by_role("heading", name="Scale reader").wait_for()
+    page.locator("h1").click()
+    page.keyboard.press("4")
+    page.get_by_role("heading", name=stem).wait_for()
+    numbers(page)
+
+
+@pytest.mark.skipif(not PRINTS.exists(), reason="the real prints are not on this machine")
+@pytest.mark.parametrize("name", ["right_index_500ppi.png", "left_ring_500ppi.png"])
+def test_real_print_is_corrected_and_accepted(empty_tab: Tab, name: str) -> None:
+    page = empty_tab.open()
+    begin_with_print(page, PRINTS / name, "500", way="Resolution")
+    before = numbers(page)
+    assert 120 < value(before, "mm²") < 300
+    focus(page, "End of the semi-major axis").press("Shift+ArrowDown")
+    after = changed(page, before)
+    assert value(after, "mm²") < value(before, "mm²")
+    page.wait_for_function("() => document.querySelector('.history li')")
+    page.keyboard.press("Enter")
+    page.get_by_text("That was the last picture").wait_for()
+    (study,) = (empty_tab.folder / "one-print").glob("corrections.jsonl")
+    assert json.loads(study.read_text().splitlines()[-1])["change"]["accepted"] is True

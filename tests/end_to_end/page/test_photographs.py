@@ -1,0 +1,129 @@
+"""Photographs of a finger's faces: outline, axes, points, region, lengths, and the pad they give together."""
+
+import json
+import re
+
+from tests.end_to_end.page.bench import Tab, changed, drag, focus, middle, numbers
+
+ITEM = "synthetic_pad/synthetic/photograph_palmar.jpg"
+
+
+def last_change(demo) -> dict:
+    return json.loads((demo / "corrections.jsonl").read_text().splitlines()[-1])["change"]
+
+
+def kept(page, count: int = 1) -> None:
+    page.wait_for_function("count => document.querySelectorAll('.history li').length >= count", arg=count)
+
+
+def distal(text: str) -> float:
+    return float(re.search(r"Distal semi-axis\s+([\d.]+) ±", text).group(1))
+
+
+def test_dragged_axis_moves_the_joint_result(tab: Tab, demo) -> None:
+    page = tab.open("photographs")
+    pad, face = numbers(page, "finger"), numbers(page, "face")
+    place = page.get_by_role("button", name="End of the semi-axis along", exact=True)
+    x, y = middle(place)
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x, y + 25, steps=5)
+    held = changed(page, pad, "finger")
+    assert not (demo / "corrections.jsonl").exists()
+    assert distal(held) < distal(pad) - 0.02
+    page.mouse.up()
+    kept(page)
+    assert list(last_change(demo)) == ["ellipse_px"]
+    page.get_by_text("by a person", exact=True).wait_for()
+    held = numbers(page, "finger")
+    page.keyboard.press("u")
+    page.get_by_text("by the program", exact=True).wait_for()
+    assert changed(page, held, "finger") == pad
+    assert numbers(page, "face") == face
+
+
+def test_axes_and_rotation_by_keyboard(tab: Tab, demo) -> None:
+    page = tab.open("photographs")
+    before = numbers(page, "face")
+    focus(page, "End of the semi-axis across").press("Shift+ArrowRight")
+    wider = changed(page, before, "face")
+    kept(page)
+    turn = page.get_by_role("button", name=re.compile("^Rotation of the ellipse"))
+    turn.press("ArrowRight")
+    turn.press("ArrowRight")
+    assert "Lean" in changed(page, wider, "face")
+    kept(page, 2)
+    page.keyboard.press("Enter")
+    page.wait_for_url(re.compile("photograph_distal"))
+    assert last_change(demo)["accepted"] is True
+
+
+def test_points_are_added_moved_and_rubbed_out(tab: Tab, demo) -> None:
+    page = tab.open("photographs")
+    before = numbers(page, "face")
+    page.keyboard.press("e")
+    for _ in range(6):
+        page.keyboard.press("]")
+    x, y = middle(page.locator(".stage"))
+    page.mouse.move(x - 60, y - 170)
+    page.mouse.down()
+    page.mouse.move(x + 60, y - 170, steps=6)
+    page.mouse.up()
+    fewer = changed(page, before, "face")
+    assert set(last_change(demo)) == {"erased"}
+    page.keyboard.press("b")
+    page.mouse.click(x, y - 178)
+    changed(page, fewer, "face")
+    assert len(last_change(demo)["added_points_px"]) == 1
+    point = page.get_by_role("button", name=re.compile("^Point 1 added"))
+    point.press("Delete")
+    page.wait_for_function("() => document.querySelectorAll('.history li').length === 3")
+    assert set(last_change(demo)) == {"erased"}
+
+
+def test_region_of_interest_by_keyboard(tab: Tab, demo) -> None:
+    page = tab.open("photographs")
+    before = numbers(page, "face")
+    page.keyboard.press("o")
+    for _ in range(10):
+        page.keyboard.press("Shift+ArrowLeft")
+    for _ in range(10):
+        page.keyboard.press("Shift+ArrowUp")
+    page.keyboard.press("Space")
+    for _ in range(20):
+        page.keyboard.press("Shift+ArrowRight")
+    for _ in range(18):
+        page.keyboard.press("Shift+ArrowDown")
+    page.keyboard.press("Space")
+    page.wait_for_function("() => document.querySelector('.history li')")
+    row0, column0, row1, column1 = last_change(demo)["region_of_interest_px"]
+    assert row1 > row0 >= 0
+    assert column1 > column0 >= 0
+    page.get_by_role("button", name="Forget region of interest").click()
+    kept(page, 2)
+    assert numbers(page, "face") == before
+
+
+def test_length_by_pointer_and_by_keys(tab: Tab) -> None:
+    page = tab.open("photographs")
+    numbers(page, "face")
+    page.keyboard.press("l")
+    x, y = middle(page.locator(".stage"))
+    page.mouse.move(x - 100, y)
+    page.mouse.down()
+    page.mouse.move(x + 100, y, steps=4)
+    page.mouse.up()
+    length = page.locator("[data-live=length] .figure-big")
+    length.wait_for()
+    first = length.inner_text()
+    assert re.fullmatch(r"[\d.]+\s±\s[\d.]+ mm", first)
+    drag(page, page.get_by_role("button", name="End of the line"), 30, 0)
+    page.wait_for_function(
+        "was => document.querySelector('[data-live=length] .figure-big').innerText !== was", arg=first
+    )
+    second = length.inner_text()
+    page.get_by_role("button", name="Start of the line").press("Shift+ArrowLeft")
+    page.wait_for_function(
+        "was => document.querySelector('[data-live=length] .figure-big').innerText !== was", arg=second
+    )
+    assert float(length.inner_text().split()[0]) > float(first.split()[0])

@@ -1,0 +1,114 @@
+"""Reading a study: the pad in three dimensions, and what follows from it."""
+
+import re
+
+import pytest
+from tests.end_to_end.page.bench import Tab, changed, numbers, served
+
+
+@pytest.fixture(scope="module")
+def reading(run_demo, tmp_path_factory):
+    """One bench for all that only looks."""
+    with served(run_demo.parent, str(run_demo / "study.toml")) as server:
+        yield server
+
+
+@pytest.fixture
+def tab(browser, reading):
+    tab = Tab(browser, reading)
+    yield tab
+    tab.close()
+
+
+def test_pad_turns_with_its_angles_by_slider_and_by_key(tab: Tab) -> None:
+    page = tab.open("pad")
+    assert numbers(page, "u").startswith("45.24 ± 0.71")
+    assert page.locator(".pad-scene").get_attribute("data-drawn") == "webgl"
+    was = numbers(page, "u")
+    page.get_by_label("Wedge angle θ", exact=True).fill("45")
+    assert changed(page, was, "u").startswith("60.2")
+    place = page.locator(".marks .contact")
+    before = place.get_attribute("cy"), place.get_attribute("cx")
+    page.locator(".pad-scene").press("ArrowRight")
+    assert (place.get_attribute("cy"), place.get_attribute("cx")) != before
+    page.locator("h1").click()
+    was = numbers(page, "u")
+    page.keyboard.press("w")
+    changed(page, was, "u")
+    assert page.get_by_label("Wedge angle θ, degrees").input_value() == "46"
+    page.get_by_label("Finger", exact=True).select_option("")
+    page.get_by_label("Palmar", exact=True).fill("10")
+    page.get_by_label("Palmar", exact=True).press("Enter")
+    page.get_by_text("belong to no finger").wait_for()
+
+
+def test_pad_is_drawn_in_svg_where_webgl_is_missing(tab: Tab) -> None:
+    tab.context.add_init_script(
+        "const get = HTMLCanvasElement.prototype.getContext;"
+        "HTMLCanvasElement.prototype.getContext = function (kind, ...more) {"
+        " return /webgl/.test(kind) ? null : get.call(this, kind, ...more) }"
+    )
+    page = tab.open("pad")
+    numbers(page, "u")
+    assert page.locator(".pad-scene").get_attribute("data-drawn") == "svg"
+    assert page.locator(".pad-scene .surface path").count() > 500
+    assert page.locator(".pad-scene .direction").count() == 2
+
+
+def test_corrected_radius_with_its_lines_and_bars(tab: Tab) -> None:
+    page = tab.open("results")
+    page.locator(".chart .scatterlayer .point").first.wait_for()
+    cards = page.locator(".plot-card")
+    assert cards.count() == 6
+    first = cards.first.inner_text().replace("\N{NO-BREAK SPACE}", " ")
+    assert "13.80 ± 0.18 mm" in first
+    assert "20.5 mm" in first
+    assert cards.first.locator(".shapelayer path").count() == 2
+    assert cards.first.locator(".errorbar").count() == 1
+    page.get_by_label("Finger", exact=True).select_option("synthetic_pad")
+    page.locator(".plot-card .synthetic").first.wait_for()
+    assert cards.count() == 2
+    cards.first.get_by_text("Where the model ends").click()
+    cards.first.get_by_text("the contact radius exceeds 0.3 of the radius of curvature").wait_for()
+    page.get_by_label("Against load", exact=True).select_option("gross_area_mm2")
+    page.get_by_text("gross area (mm²)").first.wait_for()
+
+
+def test_table_is_filtered_sorted_and_leads_to_the_picture(tab: Tab) -> None:
+    page = tab.open("results")
+    page.locator("h1").click()
+    page.keyboard.press("t")
+    page.get_by_text("34 of 34 rows").wait_for()
+    page.get_by_label("Finger", exact=True).select_option("synthetic_pad")
+    page.get_by_label("Wedge", exact=True).select_option("45")
+    page.get_by_text("4 of 34 rows").wait_for()
+    page.get_by_role("button", name="Sort by W, N").click()
+    page.get_by_role("columnheader", name="Sort by W, N").and_(
+        page.locator("[aria-sort=ascending]")
+    ).wait_for()
+    page.get_by_role("button", name="Sort by W, N").click()
+    page.locator("th[aria-sort=descending]").wait_for()
+    assert page.locator("tbody tr").first.inner_text().startswith("synthetic_45deg_4N")
+    page.locator("h1").click()
+    page.keyboard.press("/")
+    page.keyboard.type("0.5N")
+    page.get_by_text("1 of 34 rows").wait_for()
+    page.locator("tbody a").press("Enter")
+    page.wait_for_url(re.compile("contacts/images/synthetic_45deg_0.5N"))
+
+
+def test_figures_budget_and_audit(tab: Tab) -> None:
+    page = tab.open("results/figures")
+    page.get_by_label("Show", exact=True).select_option("corrected_radius")
+    figure = page.locator("figure img").first
+    figure.wait_for()
+    page.wait_for_function("() => document.querySelector('figure img').naturalWidth > 100")
+    page.locator("h1").click()
+    page.keyboard.press("b")
+    card = page.locator("section.card").first
+    card.get_by_text("the first order holds").wait_for()
+    assert "61.8 %" in card.inner_text()
+    page.keyboard.press("a")
+    page.get_by_role("heading", name="Results").wait_for()
+    page.get_by_text("reproduced with the known slip").first.wait_for()
+    assert page.locator("table.audit tbody tr").count() == 36
