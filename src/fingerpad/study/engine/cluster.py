@@ -15,11 +15,9 @@ from tempfile import TemporaryDirectory
 from time import monotonic
 from typing import Any, Final
 
-import cv2
-
 import fingerpad
 from fingerpad.exceptions import ClusterError
-from fingerpad.study.engine.task import Done, Task, Work, measuring_code, perform
+from fingerpad.study.engine.task import Done, Task, Work, measuring_code, perform, settle_worker
 
 _WAIT_S: Final = 30
 _COUNT_AGAIN_S: Final = 5
@@ -175,7 +173,7 @@ def _perform_there(work: Work, file: str, folder: str, code: str, files: dict[st
     """Do a task's work on a worker."""
     from distributed import get_worker
 
-    cv2.setNumThreads(1)
+    settle_worker()
     worker = get_worker()
     if measuring_code() != code:
         raise ClusterError(

@@ -10,10 +10,8 @@ from multiprocessing import get_context, parent_process
 from pathlib import Path
 from typing import Protocol
 
-import cv2
-
 from fingerpad.study.engine.cluster import cluster_hands
-from fingerpad.study.engine.task import Done, Task, perform
+from fingerpad.study.engine.task import Done, Task, perform, settle_worker
 
 
 class Hands(Protocol):
@@ -90,7 +88,7 @@ def hands_for(manifest: Path, workers: int, scheduler: str | None) -> Iterator[H
 def _start_worker() -> None:
     """Leave interrupts to the parent, the other cores to the other workers, and end with the parent."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    cv2.setNumThreads(1)
+    settle_worker()
     threading.Thread(target=_end_with_parent, daemon=True).start()
 
 

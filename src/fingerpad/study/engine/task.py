@@ -1,8 +1,10 @@
 """One task: what it measures, the key of all that it depends on, and the doing of it."""
 
+import ctypes
 import errno
 import hashlib
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
 from importlib import resources
@@ -11,6 +13,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory, gettempdir
 from time import perf_counter
 from typing import Any, Final, NamedTuple, TypeAlias
+
+import cv2
 
 from fingerpad.exceptions import FingerpadError, StoreError
 from fingerpad.study.words import ODDITIES, in_study
@@ -21,6 +25,9 @@ Work: TypeAlias = Callable[[Path, Path], Record]
 
 # Said of what is not what it was when the run began.
 CHANGED: Final = "{}: changed while it was being measured: run again"
+
+# Of glibc's malloc.h.
+_M_TRIM_THRESHOLD, _M_MMAP_THRESHOLD = -1, -3
 
 
 class ChangedError(Exception):
@@ -92,6 +99,18 @@ def perform(work: Work, file: str, folder: Path) -> Done:
             if path.is_file()
         }
     return Done(record, drawn, perf_counter() - start)
+
+
+def settle_worker() -> None:
+    """Settle a process that does nothing but tasks: one core, and the memory of one frame serves the next.
+
+    By default glibc gives freed memory back and asks for it anew, page by page, a thousand times a frame.
+    """
+    cv2.setNumThreads(1)
+    with suppress(OSError, AttributeError):  # another C library has no such settings
+        settings = ctypes.CDLL("libc.so.6").mallopt
+        settings(_M_TRIM_THRESHOLD, 256 << 20)
+        settings(_M_MMAP_THRESHOLD, 32 << 20)
 
 
 def _raise_if_full(error: BaseException | None) -> None:
