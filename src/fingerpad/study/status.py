@@ -7,7 +7,7 @@ from pathlib import Path
 from fingerpad.study.corrections.log import CorrectionLog
 from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.manifest import manifest_in, read_study
-from fingerpad.study.measuring.run import item_keys
+from fingerpad.study.measuring.run import items_of
 from fingerpad.study.measuring.sequences import frames_in
 from fingerpad.study.measuring.tasks import Keys
 
@@ -55,16 +55,16 @@ def study_status(manifest: Path, out: Path) -> Status:
     rulings = CorrectionLog(folder).rulings()
     if not (out / STORE_NAME).is_file():
         keys = Keys(study=study, folder=folder, digest=str, rulings=rulings)
-        return Status(done=0, failed=0, stale=0, left=len(list(item_keys(keys))), seconds_left=None)
+        return Status(done=0, failed=0, stale=0, left=len(list(items_of(keys))), seconds_left=None)
     counts = dict.fromkeys(("done", "failed", "stale", "left"), 0)
     pictures = 0
     films = {sequence.name: sequence for sequence in study.sequences}
     with Store.open(out / STORE_NAME) as store:
         marks = store.marks()
         keys = Keys(study=study, folder=folder, digest=cache(store.digest), rulings=rulings)
-        for name, key in item_keys(keys):
+        for name, key in items_of(keys):
             mark = marks.get(name)
-            state = "left" if mark is None else mark.status if mark.key == key else "stale"
+            state = "left" if mark is None else mark.status if mark.key == key() else "stale"
             counts[state] += 1
             if state in {"left", "stale"}:
                 pictures += frames_in(films[name], folder) if name in films else 1

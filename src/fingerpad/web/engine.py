@@ -1,8 +1,8 @@
 """The seam to the engine: how far each item is, without measuring and without reading pictures anew."""
 
 import hashlib
-from collections.abc import Iterator, Mapping
-from functools import cache, partial
+from collections.abc import Mapping
+from functools import cache
 from typing import Any, Final
 
 from fingerpad.exceptions import StoreError
@@ -10,9 +10,8 @@ from fingerpad.study.corrections.log import CORRECTIONS_NAME, Ruling
 from fingerpad.study.editing.edit import STUDY_NAME
 from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.manifest import Study
-from fingerpad.study.measuring.fingers import is_rejected, photograph_item
-from fingerpad.study.measuring.sequences import film_key
-from fingerpad.study.measuring.tasks import Keys, item_key, photographs_of
+from fingerpad.study.measuring.run import items_of
+from fingerpad.study.measuring.tasks import Keys
 from fingerpad.web.open_study import OpenStudy
 
 _UNREADABLE: Final = (OSError, StoreError)
@@ -24,7 +23,7 @@ def item_states(study: Study, opened: OpenStudy, rulings: Mapping[str, Ruling]) 
     An item that is not in the store is left, whatever its file holds: 2,000 pictures are not read to say so.
     """
     keys = Keys(study=study, folder=opened.folder, digest=str, rulings=rulings)
-    states = {name: "left" for name, _ in _items(keys)}
+    states = {name: "left" for name, _ in items_of(keys)}
     path = opened.out / STORE_NAME
     if not path.is_file():
         return states
@@ -32,24 +31,12 @@ def item_states(study: Study, opened: OpenStudy, rulings: Mapping[str, Ruling]) 
         with Store.open(path) as store:
             marks = store.marks()
             keys = Keys(study=study, folder=opened.folder, digest=cache(store.digest), rulings=rulings)
-            for name, key in _items(keys):
+            for name, key in items_of(keys):
                 if (mark := marks.get(name)) is not None:
                     states[name] = mark.status if mark.key == key() else "stale"
     except _UNREADABLE:
         return states  # the run says what is wrong with it
     return states
-
-
-def _items(keys: Keys) -> Iterator[tuple[str, partial[str]]]:
-    """Yield the name of each item, and what makes its key when that is needed."""
-    for finger, photograph in photographs_of(keys.study):
-        item = photograph_item(finger, photograph)
-        if not is_rejected(keys.rulings.get(item)):
-            yield item, partial(item_key, keys, item, photograph)
-    for observation in keys.study.observations:
-        yield observation.name, partial(item_key, keys, observation.name, observation)
-    for sequence in keys.study.sequences:
-        yield sequence.name, partial(film_key, sequence, keys)
 
 
 def overlay_of(opened: OpenStudy, item: str) -> str | None:

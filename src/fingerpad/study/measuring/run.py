@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from functools import partial
 from itertools import chain
 from pathlib import Path
 
@@ -140,22 +141,22 @@ def _found(store: Store, name: str, key: str, file: str | None) -> Record:
     return store.record(name, key) or {"reason": CHANGED.format(file)}
 
 
-def item_keys(keys: Keys) -> Iterator[tuple[str, str]]:
-    """Yield the name and the key of everything that is measured: photographs, observations and films."""
+def items_of(keys: Keys) -> Iterator[tuple[str, Callable[[], str]]]:
+    """Yield the name of each photograph, observation and film, with what makes its key."""
     for finger, photograph in photographs_of(keys.study):
         item = photograph_item(finger, photograph)
         if not is_rejected(keys.rulings.get(item)):
-            yield item, item_key(keys, item, photograph)
+            yield item, partial(item_key, keys, item, photograph)
     for observation in keys.study.observations:
-        yield observation.name, item_key(keys, observation.name, observation)
+        yield observation.name, partial(item_key, keys, observation.name, observation)
     for sequence in keys.study.sequences:
-        yield sequence.name, film_key(sequence, keys)
+        yield sequence.name, partial(film_key, sequence, keys)
 
 
 def drawn_for(keys: Keys, store: Store) -> set[str]:
     """Return the overlays that belong to the study as it is, relative to the output folder."""
     marks = store.marks()
-    found = (marks.get(name) for name, _ in item_keys(keys))
+    found = (marks.get(name) for name, _ in items_of(keys))
     return {file for mark in found if mark is not None for file in mark.drawn.splitlines()}
 
 
@@ -190,11 +191,11 @@ class _Told:
         self._on_progress = on_progress
         self.pictures = self.failed = self._total = 0
         films = {sequence.name: sequence for sequence in keys.study.sequences}
-        for name, key in item_keys(keys):
+        for name, key in items_of(keys):
             count = frames_in(films[name], keys.folder) if name in films else 1
             self._total += count
             mark = marks.get(name)
-            if mark is not None and mark.key == key:
+            if mark is not None and mark.key == key():
                 self.pictures += count
                 self.failed += mark.status == "failed"
 
