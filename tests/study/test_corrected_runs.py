@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 from tests.study.small_study import copy, make
 
+from fingerpad.report import write_report
 from fingerpad.study.corrections.log import CorrectionLog
 from fingerpad.study.engine.progress import Progress
 from fingerpad.study.manifest import read_study
@@ -80,6 +81,17 @@ def test_a_verdict_measures_nothing(manifest: Path, item: str, change: dict, sta
     assert after.failures == []
     others = [[one for one in found.rows if one["observation"] != item] for found in (before, after)]
     assert others[0] == others[1]
+
+
+def test_the_report_says_what_people_decided(manifest: Path) -> None:
+    decide(manifest, "o1", ELLIPSE)
+    decide(manifest, "o2", {"rejected": "it <slipped>"})
+    result, _ = run(manifest)
+    page = write_report(result, manifest.parent / "out").read_text()
+    section = page[page.index("What people decided") : page.index('id="fingers"')]
+    assert ("corrected" in section, "it &lt;slipped&gt;" in section, "anna" in section) == (True,) * 3
+    own = row_of(result, "o1")["program_semi_major_mm"]
+    assert f"{own:.3f}" in section
 
 
 def test_a_corrected_frame_has_its_piece_measured_anew(manifest: Path) -> None:

@@ -78,6 +78,7 @@ def write_report(result: StudyResult, out: Path) -> Path:
             result=result,
             failed=result.failed_contacts,
             most_failed=_MOST_FAILED,
+            decided=result.decided,
             style=Markup(files("fingerpad.report").joinpath("report.css").read_text(encoding="utf-8")),  # noqa: S704
             groups=[
                 _group(result, summary, check, out)

@@ -81,6 +81,11 @@ class StudyResult:
             lines.append((name, f"{many} {first['frame']}: {first['reason']}"))
         return lines
 
+    @property
+    def decided(self) -> Table:
+        """Rows about which a person decided."""
+        return self.rows.at(self.rows.known("reviewed"))
+
     def frames(self) -> list[Table]:
         """Return the rows of frames of each of `sequences`."""
         films = self.rows.at(self.rows.known("frame")).by("sequence")
