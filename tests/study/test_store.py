@@ -220,7 +220,8 @@ def test_status_for_scripts(folder: Path) -> None:
         "left": 0,
         "total": COUNT,
     }
-    assert after["seconds_left"] > 0
+    assert after["seconds"]["done"] > after["seconds"]["stale"] > after["seconds"]["left"] == 0
+    assert after["seconds_left"] == after["seconds"]["stale"]
 
 
 def test_the_store_keeps_numbers_to_the_last_digit(tmp_path: Path) -> None:

@@ -38,7 +38,7 @@ class Told:
             self._task,
             total=progress.total,
             completed=progress.pictures,
-            description=f"Measured {progress.item}" if progress.item else "Measuring",
+            description=f"Measured {progress.file or progress.item}" if progress.item else "Measuring",
             rate=f"{rate:.1f} pictures/s" if rate > 0 else "",
             failed=f"{progress.failed} failed" if progress.failed else "",
         )

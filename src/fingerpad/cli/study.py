@@ -74,14 +74,14 @@ def status(
 
     with plain_errors():
         found = study_status(study, out)
-    record = {**asdict(found), "total": found.total}
+    record = {**asdict(found), "total": found.total, "seconds_left": found.seconds_left}
     if as_json:
         print_json(record)
         return
-    for name in ("done", "failed", "stale", "left", "total"):
-        typer.echo(f"{name:<7} {record[name]}")
-    if found.seconds_left is not None and found.stale + found.left:
-        typer.echo(f"about {found.seconds_left:.0f} s of measuring on one process")
+    for name in ("done", "failed", "stale", "left"):
+        cost = found.seconds[name]
+        typer.echo(f"{name:<7} {record[name]:>6}" + (f"  {cost:8.0f} s" if cost else ""))
+    typer.echo(f"{'total':<7} {record['total']:>6}")
 
 
 def _print_outcome(result: "StudyResult", report: Path) -> None:
@@ -96,8 +96,8 @@ def _print_outcome(result: "StudyResult", report: Path) -> None:
             f"{summary.finger}, wedge {summary.wedge_angle_deg:g}°: corrected radius "
             f"{value_with_uncertainty(pooled.value, pooled.std)} mm from {summary.pooled_from}{label}"
         )
-    for row in result.rows:
-        if row["flags"] and row["frame"] is None:
+    for row in result.rows.at(~result.rows.known("frame")):
+        if row["flags"]:
             typer.echo(f"doubtful: {row['observation']}: {', '.join(in_words(row['flags'], FLAG_WORDS))}")
     for name, count, words in doubtful_frames(result):
         typer.echo(f"doubtful: {name}: {words} in {count} of its frames")
