@@ -4,7 +4,10 @@ import re
 import zipfile
 
 import pytest
+from PIL import Image
 from tests.end_to_end.page.bench import DEMO, PRINTS, Tab, drag, focus, middle
+
+from fingerpad.image import render_coin
 
 FACES = [DEMO / "synthetic" / f"photograph_{face}.jpg" for face in ("palmar", "distal", "radial")]
 CONTACTS = [DEMO / "synthetic" / f"synthetic_30deg_{load}N.png" for load in (1, 2, 4)]
@@ -127,6 +130,24 @@ def test_line_on_a_ruler_by_pointer_then_by_keyboard(tab: Tab, demo) -> None:
     assert re.search(r"\[scales\.ruler\][^[]*line = ", manifest)
     assert "length_mm = 20" in manifest
     assert "# Scales that several pictures share" in manifest
+
+
+def test_coin_gives_the_scale(tab: Tab, demo) -> None:
+    Image.fromarray(render_coin(radius=120, seed=3).pixels).save(demo / "coin.png")
+    page = tab.open("scale")
+    page.get_by_role("button", name="+ New scale").click()
+    page.get_by_role("radio", name="Coin").click()
+    page.get_by_label("Picture", exact=True).select_option("coin.png")
+    page.wait_for_function(PICTURE_THERE)
+    page.get_by_label("Diameter").fill("24")
+    page.get_by_label("Diameter").press("Enter")
+    found = page.locator("[data-live=scale]")
+    found.wait_for()
+    assert float(found.inner_text().split()[0]) == pytest.approx(24 / 240, rel=0.01)
+    page.get_by_label("Name", exact=True).fill("camera_2")
+    page.get_by_role("button", name="Keep this scale").click()
+    page.get_by_role("heading", name="Scale camera_2").wait_for()
+    assert 'coin = "coin.png"' in (demo / "study.toml").read_text()
 
 
 def test_line_drawn_with_keys_alone(tab: Tab) -> None:
