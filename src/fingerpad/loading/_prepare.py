@@ -1,6 +1,5 @@
 """One press of a record made ready to fit: its rows, its doubts, and where a search may begin."""
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,6 +7,7 @@ import numpy as np
 from fingerpad.exceptions import FitError, LoadingError
 from fingerpad.loading.curve import LoadingCurve
 from fingerpad.loading.joint import Record
+from fingerpad.loading.models import hertz_stiffness
 from fingerpad.loading.segments import (
     BOTH_REVERSED,
     Cycle,
@@ -95,7 +95,7 @@ def start_values(press: Press, radius: float | None) -> dict[str, float]:
         radius = float(record.area @ depth) / float(np.pi * depth @ depth)
         if not radius > 0:
             raise LoadingError("contact area falls as the pad is pressed: is the sign of a column reversed?")
-    stiffness = 4 / 3 * math.sqrt(radius) / (1 - record.poisson_ratio**2)
+    stiffness = hertz_stiffness(radius, record.poisson_ratio)
     start = {
         "contact_offset": place,
         "initial_modulus": float(linear) / stiffness,

@@ -15,7 +15,7 @@ import numpy as np
 from fingerpad._arrays import BoolArray, FloatArray, floats
 from fingerpad.loading.estimate import Estimate
 from fingerpad.loading.least_squares import LeastSquaresFit, fit_least_squares
-from fingerpad.loading.models import load_slope, searched_load
+from fingerpad.loading.models import hertz_stiffness, load_slope, searched_load
 from fingerpad.loading.noise import Noise, NoiseUncertainty, likely_noise, noise_uncertainty
 
 Values = Mapping[str, float]
@@ -193,7 +193,7 @@ def fit_joint(
 
 def _law_load(values: Values, law: Law, displacement: FloatArray, poisson_ratio: float) -> FloatArray:
     xi = np.maximum(displacement - values["contact_offset"], 0.0)
-    stiffness = 4 / 3 * math.sqrt(max(values["effective_radius"], 1e-9)) / (1 - poisson_ratio**2)
+    stiffness = hertz_stiffness(max(values["effective_radius"], 1e-9), poisson_ratio)
     return law.load(values, xi, stiffness)
 
 
@@ -243,7 +243,7 @@ def _fitted(record: Record, law: str, start: Values, held: Mapping[str, Estimate
 def _slope(record: Record, values: Values) -> FloatArray:
     """Return dW/dξ, of the law whose modulus grows with load or of Hertz's."""
     xi = np.maximum(record.smooth_displacement - values["contact_offset"], 0.0)
-    h = 4 / 3 * math.sqrt(max(values["effective_radius"], 1e-9)) / (1 - record.poisson_ratio**2) * xi**1.5
+    h = hertz_stiffness(max(values["effective_radius"], 1e-9), record.poisson_ratio) * xi**1.5
     modulus = values.get("initial_modulus", values.get("youngs_modulus", 0.0))
     return load_slope(xi, h, modulus, values.get("load_coefficient", 0.0))
 

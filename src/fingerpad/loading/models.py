@@ -6,12 +6,22 @@ modulus :math:`E_g = E_{0g} + \beta W` in place of E, the load is explicit in
 Lengths in mm, forces in N, moduli in MPa; arrays broadcast, and what has no answer is NaN.
 """
 
+from typing import TypeVar
+
 import numpy as np
 
 from fingerpad._arrays import ArrayLike, FloatArray, broadcast, floats
 
+Real = TypeVar("Real", float, FloatArray)
+
 # Where β h comes this near to one, the load grows beyond all bounds, and a search must be turned back.
 _POLE = 0.02
+
+
+def hertz_stiffness(radius: Real, poisson_ratio: Real) -> Real:
+    """Return k = 4/3 √R/(1 − ν²) of Hertz's W = k E ξ^(3/2), Johnson (4.23)."""
+    stiffness: Real = 4 / 3 * radius**0.5 / (1 - poisson_ratio**2)
+    return stiffness
 
 
 @np.errstate(all="ignore")
@@ -35,7 +45,7 @@ def load_from_indentation(
     xi, radius, modulus, coefficient, ratio = broadcast(
         indentation, effective_radius, initial_modulus, load_coefficient, poisson_ratio
     )
-    h = 4 / 3 * np.sqrt(radius) * np.maximum(xi, 0) ** 1.5 / (1 - ratio**2)
+    h = hertz_stiffness(radius, ratio) * np.maximum(xi, 0) ** 1.5
     rest = 1 - coefficient * h
     return np.where(rest > 0, modulus * h / rest, np.nan)
 
