@@ -6,6 +6,7 @@ import signal
 import socket
 import subprocess
 import sys
+import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from pathlib import Path
@@ -184,3 +185,27 @@ def test_nobody_to_measure(
 
 def test_a_scheduler_of_ones_own(made: Path, undisturbed: list[dict], tmp_path: Path) -> None:
     assert list(run_study(made, tmp_path / "out", workers=2, scheduler="local").rows) == undisturbed
+
+
+def test_an_interrupt_of_the_whole_terminal_ends_a_run_on_workers_of_its_own(
+    made: Path, tmp_path: Path
+) -> None:
+    log = tmp_path / "log.jsonl"
+    words = ["--out", str(tmp_path / "out"), "--scheduler", "local", "--workers", "2", "--log", str(log)]
+    run = subprocess.Popen(
+        [sys.executable, "-m", "fingerpad", "run", str(made), *words],
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    try:
+        while run.poll() is None and not (log.is_file() and log.read_text().count("\n") > 1):
+            time.sleep(0.02)
+        os.killpg(run.pid, signal.SIGINT)
+        said = run.communicate(timeout=45)[1]
+    finally:
+        with suppress(ProcessLookupError):
+            os.killpg(run.pid, signal.SIGKILL)
+        run.wait()
+    assert run.returncode == 130
+    assert "Traceback" not in said

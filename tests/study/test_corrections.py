@@ -105,6 +105,16 @@ def test_items_of_all_kinds(tmp_path):
     assert log.ruling("f/a/p.jpg").change.tip == "left"
 
 
+@pytest.mark.parametrize("number", ["abc", "-1", "07", "", "1.5"])
+def test_a_frame_without_a_number_waits_too(tmp_path, number):
+    record = {"id": 1, "item": f"press#{number}", "when": "2026", "who": "A", "action": "change"}
+    line = json.dumps({**record, "change": {"threshold": 0.4}})
+    (tmp_path / CORRECTIONS_NAME).write_text(line + "\n")
+    log = CorrectionLog(tmp_path)
+    assert frames_of(log.rulings(), "press") == {}
+    assert log.unknown_items(STUDY) == [f"press#{number}"]
+
+
 def test_items_that_the_manifest_lost_wait(tmp_path):
     log = CorrectionLog(tmp_path)
     said(log, "print_1", {"accepted": True})

@@ -338,6 +338,8 @@ def test_a_scale_s_uncertainty_widens_the_axes() -> None:
     [
         ({"semi_axis_std_mm": 0}, ManifestError, "must be positive, found 0 mm"),
         ({"semi_axis_std_mm": math.nan}, ManifestError, "must be positive, found nan"),
+        ({"finger_axis_deg": math.nan}, ManifestError, "finger_axis_deg must be a finite number"),
+        ({"known": {"load_N": math.inf}}, ManifestError, "load_N must be a finite number, found inf"),
         ({"mm_per_unit": 25.4}, CalibrationError, "line 2: a semi-major axis of 188 mm is none .* px until"),
         ({"mm_per_unit": 0.05}, CalibrationError, "a semi-major axis of 0.37 mm is none"),
         (
@@ -452,6 +454,7 @@ def test_units_are_asked_for_and_agree(tmp_path: Path) -> None:
         ((in_um, "--unit", "um", "--ppi", 500), "found a scale beside it"),
         ((rois, "--unit", "mm"), "RoiSet.zip, which is in px"),
         ((rois,), "Fiji's files name no unit"),
+        ((in_px, in_px, "--ppi", 500), "px.csv: is named twice"),
         ((tmp_path / "lost.csv", "--unit", "mm"), "lost.csv: cannot be read"),
     ]:
         code, _, error = cli(*arguments, *common, bad)

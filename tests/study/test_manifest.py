@@ -285,6 +285,17 @@ def test_spreadsheets_may_be_untidy(tmp_path: Path) -> None:
     assert study.observations[1].scale == ResolutionScale(ppi=500)
 
 
+def test_a_photograph_shows_one_face(tmp_path: Path) -> None:
+    (tmp_path / "a.jpg").touch()
+    faces = "\n".join(
+        f'[[fingers.photographs]]\nface = "{face}"\nimage = "a.jpg"\nscale = {{ mm_per_px = 0.1 }}'
+        for face in ("palmar", "distal")
+    )
+    path = write(tmp_path, f'title = "T"\n[[fingers]]\nname = "g"\n{faces}\n')
+    with pytest.raises(ManifestError, match=r"fingers\[0\]: the photograph a.jpg is named 2 times: copy"):
+        read_study(path)
+
+
 @pytest.mark.parametrize("make", [lambda p: None, lambda p: p.write_bytes(b"\xff\xff")])
 def test_manifests_that_cannot_be_read(tmp_path: Path, make: Any) -> None:
     path = tmp_path / "study.toml"

@@ -214,6 +214,14 @@ def test_results_are_never_written_over_inputs(tmp_path: Path, out: str) -> None
     assert picture.read_bytes() == before
 
 
+@pytest.mark.parametrize("out", ["study.toml", "a.png"])
+def test_an_input_is_no_output_folder(tmp_path: Path, out: str) -> None:
+    shutil.copy(EXAMPLE / "synthetic" / "synthetic_30deg_1N.png", tmp_path / "a.png")
+    manifest = single_row(tmp_path, row("a", 'image = "a.png"\nscale = { ppi = 500 }'))
+    with pytest.raises(ManifestError, match=f"results would be written over {out}; choose another"):
+        run_study(manifest, tmp_path / out)
+
+
 def test_a_folder_stands_for_its_manifest(tmp_path: Path) -> None:
     single_row(tmp_path, row("x", "ellipse_mm = { semi_major = 7.4, semi_minor = 5.0, std = 0.1 }"))
     assert len(run_study(tmp_path, tmp_path / "out").rows) == 1

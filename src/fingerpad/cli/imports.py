@@ -7,7 +7,7 @@ import typer
 
 from fingerpad.cli.measure.scale import WAYS, takes_scale
 from fingerpad.cli.shared import AsJson, plain_errors, print_json
-from fingerpad.exceptions import CalibrationError
+from fingerpad.exceptions import CalibrationError, ManifestError
 
 if TYPE_CHECKING:
     from fingerpad.image import Scale
@@ -114,6 +114,10 @@ def _mm_per_unit(files: list[Path], unit: str | None, scale: "Scale | None") -> 
 def _read(files: list[Path]) -> list["HandEllipse"]:
     from fingerpad.study.fiji import is_roi_file, read_results_table, read_rois
 
+    places = [path.resolve() for path in files]
+    for path, place in zip(files, places, strict=True):
+        if places.count(place) > 1:
+            raise ManifestError(f"{path}: is named twice, and would count each contact twice; name it once")
     return [
         found for path in files for found in (read_rois if is_roi_file(path) else read_results_table)(path)
     ]

@@ -112,10 +112,13 @@ def run_study(
 
 
 def _refuse_to_overwrite(inputs: list[str], folder: Path, out: Path) -> None:
-    """Raise if a file of the study lies where results are written."""
+    """Raise if a file of the study lies where results are written, or the output folder is a film's."""
     for name in inputs:
         path = (folder / name).resolve()
-        if path.is_relative_to(out.resolve()) and path.relative_to(out.resolve()).parts[0] in OUTPUT_NAMES:
+        if not path.is_relative_to(out.resolve()):
+            continue
+        inside = path.relative_to(out.resolve()).parts
+        if not inside or inside[0] in OUTPUT_NAMES:
             raise ManifestError(f"{out}: results would be written over {name}; choose another output folder")
 
 

@@ -254,16 +254,20 @@ def _kind_of(item: str, study: Study) -> Kind | None:
     name, mark, number = item.partition("#")
     if mark:
         film = any(sequence.name == name for sequence in study.sequences)
-        return "frame" if film and number.isdecimal() and str(int(number)) == number else None
+        return "frame" if film and _is_frame(number) else None
     return "observation" if any(each.name == item for each in study.observations) else None
 
 
 def frames_of(rulings: Mapping[str, Ruling], sequence: str) -> dict[int, Ruling]:
     """Return what rules for the frames of a sequence, by the frame's number."""
     start = f"{sequence}#"
-    return {
-        int(item.removeprefix(start)): ruling for item, ruling in rulings.items() if item.startswith(start)
-    }
+    named = {item.removeprefix(start): one for item, one in rulings.items() if item.startswith(start)}
+    return {int(number): ruling for number, ruling in named.items() if _is_frame(number)}
+
+
+def _is_frame(number: str) -> bool:
+    """Tell whether a frame is numbered as the rows name it."""
+    return number.isdecimal() and str(int(number)) == number
 
 
 def _require_picture(item: str, change: Change, study: Study) -> None:

@@ -64,6 +64,10 @@ class ClusterHands:
         return self._sent[task.inputs]
 
 
+# A terminal interrupts workers that are started here too: what they have in hand would never be done.
+_LEAVE_INTERRUPTS: Final = "import signal\nsignal.signal(signal.SIGINT, signal.SIG_IGN)\n"
+
+
 @contextmanager
 def cluster_hands(manifest: Path, workers: int, scheduler: str) -> Iterator[ClusterHands]:
     """Give the workers of a scheduler as hands.
@@ -92,7 +96,11 @@ def cluster_hands(manifest: Path, workers: int, scheduler: str) -> Iterator[Clus
         if scheduler == "local":
             start: Any = distributed.LocalCluster
             started = start(
-                n_workers=workers, threads_per_worker=1, dashboard_address=None, protocol="tcp://"
+                n_workers=workers,
+                threads_per_worker=1,
+                dashboard_address=None,
+                protocol="tcp://",
+                preload=[_LEAVE_INTERRUPTS],
             )
             scheduler = stack.enter_context(started).scheduler_address
         security: Any = distributed.Security

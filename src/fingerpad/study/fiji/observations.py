@@ -172,11 +172,14 @@ def hand_observations(
     CalibrationError
         If a semi-axis is none that a contact of a finger has.
     ManifestError
-        If no uncertainty is given, or something is told twice.
+        If no uncertainty is given, something is told twice, or a number is not finite.
     """
     if not (semi_axis_std_mm > 0 and math.isfinite(semi_axis_std_mm)):
         raise ManifestError(f"the standard uncertainty must be positive, found {semi_axis_std_mm:g} mm")
     known = known or {}
+    for name, value in {**known, "finger_axis_deg": finger_axis_deg}.items():
+        if not isinstance(value, str) and not math.isfinite(value):
+            raise ManifestError(f"{name} must be a finite number, found {value:g}")
     twice = sorted(set(known) & set(pattern.fields if pattern else ()))
     if twice:
         raise ManifestError(

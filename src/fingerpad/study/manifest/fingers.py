@@ -72,4 +72,11 @@ class Finger(Table):
             raise ValueError("give either semi_axes_mm or photographs, one of the two")
         if (self.semi_axes_mm is None) != (self.semi_axes_std_mm is None):
             raise ValueError("semi_axes_mm and semi_axes_std_mm belong together")
+        images = [one.image for one in self.photographs if one.image is not None]
+        for image in dict.fromkeys(images):
+            if images.count(image) > 1:  # results and corrections know a photograph by its file
+                raise ValueError(
+                    f"the photograph {image} is named {images.count(image)} times: copy the picture under "
+                    "another name for each face that it shows"
+                )
         return self
