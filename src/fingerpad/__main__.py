@@ -28,6 +28,9 @@ def main() -> None:
         if error.name is None or error.name.partition(".")[0] not in _OPTIONAL:
             raise
         _refuse(f"this needs the package {error.name}: pip install 'fingerpad[study]'")
+    except KeyboardInterrupt:
+        print("fingerpad: interrupted", file=sys.stderr)
+        sys.exit(130)
     except OSError as error:
         _refuse(f"cannot write what was asked for ({error.strerror})")
 

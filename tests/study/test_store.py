@@ -234,3 +234,27 @@ def test_the_store_keeps_numbers_to_the_last_digit(tmp_path: Path) -> None:
     assert found["x"] == record["x"]
     assert np.isnan(found["nan"])
     assert (found["words"], found["none"]) == (record["words"], None)
+
+
+def test_the_log_of_runs(folder: Path) -> None:
+    log = folder / "run.jsonl"
+    command = ["run", str(folder / "study.toml"), "--out", str(folder / "out"), "--log"]
+    for _ in range(2):
+        assert CliRunner().invoke(app, [*command, str(log)]).exit_code == 0
+    lines = [json.loads(line) for line in log.read_text().splitlines()]
+    assert [line["status"] for line in lines] == ["started", *["done"] * COUNT, "started"]
+    assert [line["pictures"] for line in lines] == [0, *range(1, COUNT + 1), COUNT]
+    assert {line["file"] for line in lines[1:-1]} == {f"o{k}.png" for k in range(COUNT)}
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [("study.toml", "is no log"), ("o1.png", "is no log"), (".", "cannot be written"), ("a/b", "cannot be")],
+)
+def test_a_log_that_would_spoil_something(folder: Path, name: str, words: str) -> None:
+    before = (folder / "study.toml").read_bytes(), (folder / "o1.png").read_bytes()
+    command = ["run", str(folder / "study.toml"), "--out", str(folder / "out"), "--log", str(folder / name)]
+    result = CliRunner().invoke(app, command)
+    assert result.exit_code == 2
+    assert words in " ".join(result.stderr.split())
+    assert ((folder / "study.toml").read_bytes(), (folder / "o1.png").read_bytes()) == before

@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import asdict
 from datetime import UTC, datetime
 from pathlib import Path
@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from rich.progress import Progress as Bar
 
     from fingerpad.study.engine.progress import Progress
+
+_BEGINNING = '{"time": '
 
 
 class Told:
@@ -31,7 +33,13 @@ class Told:
             self._start, self._before = monotonic(), progress.pictures
         if self._log is not None:
             time = datetime.now(UTC).isoformat(timespec="milliseconds")
-            print(json.dumps({"time": time, **asdict(progress)}), file=self._log, flush=True)
+            try:
+                print(json.dumps({"time": time, **asdict(progress)}), file=self._log, flush=True)
+            except OSError as error:
+                raise FingerpadError(
+                    f"{self._log.name}: cannot be written ({error.strerror}): what was measured is kept; "
+                    "choose another --log and run again to go on"
+                ) from error
         seconds = monotonic() - self._start
         rate = (progress.pictures - self._before) / seconds if seconds > 0 else 0.0
         self._bar.update(
@@ -60,10 +68,7 @@ def shown_progress(log: Path | None) -> Iterator[Told]:
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-    try:
-        file = None if log is None else log.open("a", encoding="utf-8")
-    except OSError as error:
-        raise FingerpadError(f"{log}: cannot be written ({error.strerror})") from error
+    file = None if log is None else _opened(log)
     columns = (
         TextColumn("{task.description}"),
         BarColumn(),
@@ -77,4 +82,19 @@ def shown_progress(log: Path | None) -> Iterator[Told]:
             yield Told(bar, file)
     finally:
         if file is not None:
-            file.close()
+            with suppress(OSError):  # what could not be written was told
+                file.close()
+
+
+def _opened(log: Path) -> TextIO:
+    """Open a log to add to, a new one or that of an earlier run: never a file of the study."""
+    try:
+        file = log.open("a+", encoding="utf-8", errors="replace")
+        file.seek(0)
+        beginning = file.read(len(_BEGINNING))
+    except OSError as error:
+        raise FingerpadError(f"{log}: cannot be written ({error.strerror}): choose another --log") from error
+    if beginning not in {"", _BEGINNING}:
+        file.close()
+        raise FingerpadError(f"{log}: is no log of fingerpad's: choose another --log")
+    return file
