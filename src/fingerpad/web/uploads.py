@@ -27,12 +27,14 @@ _SUFFIXES: Final = frozenset(
 
 
 def plain_name(name: str) -> str:
-    """Return a file's name with letters, digits and . _ + - only, whatever was in it.
+    """Return a file's name with letters, digits and _ + - only, and . in decimal fractions.
+
+    The fraction must stay: the page reads the load from the name, and 0.5N is not 5N.
 
     Examples
     --------
-    >>> plain_name("../../Finger (1).PNG"), plain_name("ü b.tif")
-    ('Finger-1.PNG', 'ü-b.tif')
+    >>> plain_name("../../Finger (1).PNG"), plain_name("ü b.tif"), plain_name("30deg_0.5N.png")
+    ('Finger-1.PNG', 'ü-b.tif', '30deg_0.5N.png')
     """
     last = unicodedata.normalize("NFC", re.split(r"[/\\]", name)[-1])
     stem, dot, suffix = last.rpartition(".")
@@ -42,7 +44,7 @@ def plain_name(name: str) -> str:
             f"{name[-80:]!r}: only pictures (PNG, TIFF, JPEG, BMP, PGM), films (TIFF, AVI, MP4) and tables "
             "(CSV) can be used",
         )
-    plain = re.sub(r"[^\w+-]+", "-", stem).strip("-.+_")[:_LONGEST] or "file"
+    plain = re.sub(r"(?:(?!(?<=\d)\.(?=\d))[^\w+-])+", "-", stem).strip("-.+_")[:_LONGEST] or "file"
     return f"{plain}.{suffix}"
 
 

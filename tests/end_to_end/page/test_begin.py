@@ -10,7 +10,7 @@ from tests.end_to_end.page.bench import DEMO, PRINTS, Tab, drag, focus, middle
 from fingerpad.image import render_coin
 
 FACES = [DEMO / "synthetic" / f"photograph_{face}.jpg" for face in ("palmar", "distal", "radial")]
-CONTACTS = [DEMO / "synthetic" / f"synthetic_30deg_{load}N.png" for load in (1, 2, 4)]
+CONTACTS = [DEMO / "synthetic" / f"synthetic_30deg_{load}N.png" for load in (0.5, 2, 4)]
 PICTURE_THERE = """() => document.querySelector('.stage .picture').naturalWidth
   && !document.querySelector('.stage.waiting')"""
 
@@ -28,8 +28,7 @@ def say_scale(page, name: str, way: str, field: str, value: str, takes: str) -> 
     page.get_by_label(field).fill(value)
     page.get_by_label(field).press("Enter")
     page.get_by_label("Name", exact=True).fill(name)
-    for box in page.locator(".takers label").all():
-        box.locator("input").set_checked(box.get_attribute("data-kind") == takes)
+    page.get_by_role("button", name=f"Only {takes}").click()
     page.get_by_role("button", name="Keep this scale").click()
     page.get_by_role("heading", name=f"Scale {name}").wait_for()
 
@@ -42,14 +41,20 @@ def test_six_files_become_a_plot(empty_tab: Tab) -> None:
     page.get_by_role("heading", name="6 new files").wait_for()
     assert page.get_by_label("Face on photograph_distal.jpg").input_value() == "distal"
     assert page.get_by_label("Load of synthetic_30deg_4N.png, newtons").input_value() == "4"
+    assert page.get_by_label("Load of synthetic_30deg_0.5N.png, newtons").input_value() == "0.5"
     page.get_by_label("Finger of all new files").fill("left_index")
-    page.keyboard.press("Tab")
+    x, y = middle(page.get_by_label("Load of synthetic_30deg_4N.png, newtons"))
+    page.mouse.click(x, y)
+    page.keyboard.press("End")
+    page.keyboard.type("0")  # into the field that was clicked
+    assert page.get_by_label("Load of synthetic_30deg_4N.png, newtons").input_value() == "40"
+    page.keyboard.press("Backspace")
     page.get_by_role("button", name="Use them").click()
     page.get_by_role("heading", name="Still missing").wait_for()
     page.locator("h1").click()
     page.keyboard.press("2")
-    say_scale(page, "camera", "mm/px", "Millimetres per pixel", "0.05", takes="photograph")
-    say_scale(page, "reader", "Resolution", "Pixels per inch", "500", takes="observation")
+    say_scale(page, "camera", "mm/px", "Millimetres per pixel", "0.05", takes="photographs")
+    say_scale(page, "reader", "Resolution", "Pixels per inch", "500", takes="contact images")
     page.locator("h1").click()
     page.keyboard.press("1")
     page.get_by_text("Nothing is missing.").wait_for()

@@ -20,7 +20,7 @@ export function say(words, { kind = "info", action } = {}) {
 
 export const complain = (error) => error.name === "AbortError" || say(error.message, { kind: "error" });
 
-/** Ask one thing; resolves to the value of the button, or null. */
+/** Ask one thing; resolves to the value of the button, or null. Enter in a field presses the primary button. */
 export function question(title, body, buttons) {
   return new Promise((resolve) => {
     const dialog = h("dialog.question", { "aria-label": title, onclose: () => (dialog.remove(), resolve(dialog.returnValue || null)) });
@@ -36,7 +36,14 @@ export function question(title, body, buttons) {
         ),
       ),
     );
+    const primary = buttons.find(([, , kind]) => kind === "primary");
+    dialog.addEventListener("keydown", (event) => {
+      if (event.key !== "Enter" || !primary || !event.target.matches("input")) return;
+      event.preventDefault();
+      dialog.close(primary[0]);
+    });
     document.body.append(dialog);
     dialog.showModal();
+    dialog.querySelector(".body input, .body select")?.focus(); // what is asked is typed at once
   });
 }

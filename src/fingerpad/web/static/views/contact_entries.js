@@ -28,7 +28,7 @@ export function describe(entry) {
   if (entry.corrected) marks.push(["corrected", "corrected by a person"]);
   if (entry.accepted) marks.push(["accepted", "accepted"]);
   if (entry.rejected) marks.push(["rejected", `rejected: ${entry.rejected}`]);
-  const load = entry.load_N === null || entry.load_N === undefined ? "" : `${plain(entry.load_N)} N`;
+  const load = entry.load_N === null || entry.load_N === undefined ? "" : `${Number(entry.load_N.toPrecision(3))} N`;
   return {
     label: film ? `${entry.frame}${load ? ` · ${load}` : ""}` : load ? `${load} · ${plain(entry.wedge_angle_deg)}°` : entry.item,
     name: [film ? `Frame ${entry.frame}` : entry.item, load, ...marks.map(([, title]) => title), state === "none" ? "no contact seen, or not run yet" : ""].filter(Boolean).join(", "),

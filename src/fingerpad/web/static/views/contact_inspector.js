@@ -7,17 +7,17 @@ import { ago, BY, plain, quantityText, reading } from "../core/quantity.js";
 import { button, check, chip, choose, field, number, synthetic, text } from "../parts/forms.js";
 
 const READINGS = [
-  ["semi_major_mm", () => symbol("ℓ", "d"), "semi-major axis", "ellipse"],
-  ["semi_minor_mm", () => symbol("ℓ", "e"), "semi-minor axis", "ellipse"],
+  ["semi_major_mm", () => ["Semi-major ", symbol("ℓ", "d")], "semi-major axis of the ellipse", "ellipse"],
+  ["semi_minor_mm", () => ["Semi-minor ", symbol("ℓ", "e")], "semi-minor axis of the ellipse", "ellipse"],
   ["gross_area_mm2", () => "Gross area", "inside the outline of the contact", "region"],
   ["ridge_area_mm2", () => "Ridge area", "area of the ridges in contact", "ridges"],
 ];
 
 const MODEL = [
-  ["mean_curvature_radius_mm", () => symbol("R", "0g"), "1/H of the undeformed pad where it touches"],
-  ["radius_from_compliance_mm", () => symbol("R", "Aξ"), "sphere of the same area at the same indentation: to compare with R_g"],
-  ["indentation_mm", () => symbol("ξ"), "indentation that Hertz theory gives for load and ellipse"],
-  ["youngs_modulus_kpa", () => symbol("E"), "Young's modulus that Hertz theory gives"],
+  ["mean_curvature_radius_mm", () => ["Undeformed pad ", symbol("R", "0g")], "1/H of the undeformed pad where it touches"],
+  ["radius_from_compliance_mm", () => ["Same area and depth ", symbol("R", "Aξ")], "sphere of the same area at the same indentation: to compare with the radius from loading data"],
+  ["indentation_mm", () => ["Indentation ", symbol("ξ")], "indentation that Hertz theory gives for load and ellipse"],
+  ["youngs_modulus_kpa", () => ["Young's modulus ", symbol("E")], "Young's modulus that Hertz theory gives"],
 ];
 
 const REASONS = ["smeared", "slipped", "cut off", "wrong finger", "no contact"];
@@ -74,7 +74,7 @@ export class ContactInspector {
         { "data-live": "numbers" },
         READINGS.map(line),
         reading("Ridge period", quantityText(numbers, "ridge_period_mm")),
-        reading("Ellipse over region", numbers.ellipse_iou === null || numbers.ellipse_iou === undefined ? "–" : plain(numbers.ellipse_iou), { title: "intersection over union" }),
+        reading("Ellipse over region", numbers.ellipse_iou === null || numbers.ellipse_iou === undefined ? "–" : plain(numbers.ellipse_iou), { title: "area common to both over the area that either covers: 1 is perfect" }),
       ),
       model && [h("h3", null, "Model"), h("dl.readings", null, MODEL.map(([key, label, words]) => reading(label(), quantityText(model, key), { title: words })))],
       !model && h("p.soft", null, "The corrected radius appears once the finger's semi-axes are known: run the study."),
@@ -98,7 +98,7 @@ export class ContactInspector {
           choose({
             value: change.dark_on_light === undefined || change.dark_on_light === null ? "" : String(change.dark_on_light),
             options: [
-              ["", used.dark_on_light === undefined ? "program's choice" : `program: ${used.dark_on_light ? "dark" : "light"} ridges`],
+              ["", used.dark_on_light === undefined ? "program's choice" : `program: ${used.dark_on_light ? "dark" : "light"}`],
               ["true", "dark ridges on light"],
               ["false", "light ridges on dark"],
             ],

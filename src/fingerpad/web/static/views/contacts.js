@@ -1,7 +1,7 @@
 // Contact images and frames: what the program found, what a person says of it, and on to the next.
 
 import { get, Newest, picture, post } from "../core/api.js";
-import { bench } from "../core/bench.js";
+import { bench, doubts } from "../core/bench.js";
 import { Corrections, plainChange } from "../core/corrections.js";
 import { h, place } from "../core/dom.js";
 import { bindHere } from "../core/keys.js";
@@ -133,7 +133,7 @@ class Contacts {
   async load() {
     this.count.textContent = "loading …";
     if (this.source === "images") {
-      this.all = bench.study.observations.filter(({ file }) => file).map((entry) => ({ ...entry, flags: entry.flags ?? [] }));
+      this.all = bench.study.observations.filter(({ file }) => file).map((entry) => ({ ...entry, flags: doubts(entry) }));
     } else {
       const name = this.source.slice(5);
       this.film = bench.study.sequences.find((entry) => entry.name === name);
@@ -141,7 +141,7 @@ class Contacts {
       for (let total = 1; this.all.length < total; ) {
         const page = await get("/api/study/frames", { sequence: name, offset: this.all.length, limit: 2000 });
         total = page.total;
-        this.all.push(...page.frames);
+        this.all.push(...page.frames.map((entry) => ({ ...entry, flags: doubts(entry) })));
         if (!page.frames.length) break;
       }
     }

@@ -36,8 +36,9 @@ export function readName(file, kind) {
     face,
     as: /ruler|scale|coin|euro|cent|force/i.test(name) ? "" : face && kind === "picture" ? "photograph" : KINDS[kind][0][0],
     finger: fingers.find((finger) => name.includes(finger)) ?? (said ? `${said[1]}_${said[2]}`.toLowerCase() : fingers.length === 1 ? fingers[0] : ""),
-    wedge_angle_deg: found(/(\d+(?:\.\d+)?)[ _-]?(?:deg|°)/i),
-    load_N: found(/(?:^|[_ -])(\d+(?:\.\d+)?)[ _-]?N(?![a-z])/),
+    // "0-5N" may have been "0,5N": what is not sure is left to be typed
+    wedge_angle_deg: found(/(?<!\d[.-]?)(\d+(?:\.\d+)?)[ _-]?(?:deg|°)/i),
+    load_N: found(/(?:^|[_ ]|(?<!\d)-)(\d+(?:\.\d+)?)[ _-]?N(?![a-z])/),
   };
 }
 
@@ -112,10 +113,14 @@ export class NewFiles {
   }
 
   #common() {
+    // in place: a table drawn anew would take away the field that was just clicked
     const every = (key, value) => {
       this.shared[key] = value;
-      for (const draft of this.drafts.values()) draft[key] = value;
-      this.draw();
+      for (const [file, draft] of this.drafts) {
+        draft[key] = value;
+        const control = this.root.querySelector(`[data-field="${CSS.escape(`new:${file}:${key.replace("_angle_deg", "")}`)}"]`);
+        if (control) control.value = value ?? "";
+      }
     };
     const finger = text({ value: this.shared.finger, placeholder: "left_index", list: "fingers", label: "Finger of all new files", onset: (value) => value && every("finger", value) });
     const scale = choose({ value: this.shared.scale ?? "", options: [["", "–"], ...scaleNames()], label: "Scale of all new pictures", onset: (value) => value && every("scale", value) });

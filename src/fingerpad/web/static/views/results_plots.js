@@ -16,7 +16,7 @@ const QUANTITIES = [
 ];
 
 const BARS = [
-  ["given", "with the pad's geometry held exact, as the source does"],
+  ["given", "pad's geometry held exact, as in the source"],
   ["all", "everything that is uncertain"],
 ];
 
@@ -47,8 +47,8 @@ export class Plots {
           h("span", null, h("i.dot-mark"), symbol("R", "g", "corr")),
           h("span", null, h("i.square-mark"), symbol("R", "Aξ"), ", to compare with ", symbol("R", "g")),
           h("span", null, h("i.line-mark.dotted"), symbol("R", "0g"), ", undeformed pad"),
-          h("span", null, h("i.line-mark.dashed"), symbol("R", "g"), ", from loading data"),
-          h("span", null, "hollow: synthetic"),
+          this.groups.some((group) => group.loading_radius_mm != null) && h("span", null, h("i.line-mark.dashed"), symbol("R", "g"), ", from loading data"),
+          this.groups.some((group) => group.synthetic) && h("span", null, "hollow: synthetic"),
         ),
       ),
       this.grid,

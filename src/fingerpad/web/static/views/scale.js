@@ -251,16 +251,14 @@ class Scales {
       this.takers.set(box, { kind, key, scale });
       return h("label.check", { "data-kind": kind }, box, h("span", null, label), h("span.soft", null, scale ? (mine ? "" : typeof scale === "string" ? scale : "its own") : "none yet"));
     });
-    const all = (kind) => {
-      const of = [...this.takers].filter(([, taker]) => taker.kind === kind);
-      const on = of.some(([box]) => !box.checked);
-      for (const [box] of of) box.checked = on;
+    const only = (kind) => {
+      for (const [box, taker] of this.takers) box.checked = taker.kind === kind;
     };
     const has = (kind) => rows.some(([other]) => other === kind);
     return [
       h("h3", null, "Pictures with this scale"),
       rows.length ? h("div.takers", { tabindex: 0, role: "group", "aria-label": "Pictures with this scale" }, boxes) : h("p.soft", null, "No picture is in use yet; choose this scale where you say what a picture is."),
-      h("div.actions", null, has("photograph") && button("All photographs", () => all("photograph"), { kind: "small" }), has("observation") && button("All contact images", () => all("observation"), { kind: "small" })),
+      h("div.actions", null, has("photograph") && button("Only photographs", () => only("photograph"), { kind: "small" }), has("observation") && button("Only contact images", () => only("observation"), { kind: "small" })),
     ];
   }
 

@@ -79,6 +79,7 @@ class StudyView {
       "section.card",
       { "aria-label": "Uncertainty common to all" },
       h("header", null, h("h2", null, "Uncertainty common to all")),
+      h("p.soft", null, "One standard uncertainty each. What is left at 0 makes every ± of the results too small."),
       h(
         "div.fields.two",
         null,

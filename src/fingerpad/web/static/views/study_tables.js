@@ -1,7 +1,7 @@
 // What the study consists of, to be seen and changed in place: fingers, contacts, films, curves.
 
-import { bench, wordsFor } from "../core/bench.js";
-import { h, place } from "../core/dom.js";
+import { bench, doubts, wordsFor } from "../core/bench.js";
+import { h, place, symbol } from "../core/dom.js";
 import { question } from "../core/messages.js";
 import { plain, withStd } from "../core/quantity.js";
 import { button, chip, choose, faultList, field, number, synthetic, text } from "../parts/forms.js";
@@ -122,10 +122,10 @@ export class StudyTables {
     const { semi_axes_mm: now = {}, semi_axes_std_mm: std = {} } = finger.table ?? {};
     const inputs = AXES.map(([axis, words]) => [axis, words, number({ value: now[axis], min: 0 }), number({ value: std[axis], min: 0 })]);
     const body = h(
-      "div",
+      "div.stack",
       null,
       h("p", null, "Half-lengths of the pad, and one standard uncertainty each. Leave them empty if photographs will follow."),
-      h("div.fields", null, inputs.map(([, words, value, its]) => [field(words, value, { unit: "mm" }), field("± (standard uncertainty)", its, { unit: "mm" })])),
+      h("div.fields.two", null, inputs.map(([, words, value, its]) => [field(words, value, { unit: "mm" }), field("± (standard uncertainty)", its, { unit: "mm" })])),
     );
     const answer = await question(`Semi-axes of ${finger.name}`, body, [
       ["", "Cancel"],
@@ -178,7 +178,7 @@ export class StudyTables {
     return h(
       "tr",
       null,
-      h("td", null, one.file ? h("a", { href: `#/contacts/images/${encodeURIComponent(one.item)}` }, one.item) : one.item, " ", synthetic(one.synthetic), one.flags?.length > 0 && [" ", chip("flagged", "warn", one.flags.map(wordsFor).join("; "))]),
+      h("td", null, one.file ? h("a", { href: `#/contacts/images/${encodeURIComponent(one.item)}` }, one.item) : one.item, " ", synthetic(one.synthetic), doubts(one).length > 0 && [" ", chip("flagged", "warn", doubts(one).map(wordsFor).join("; "))]),
       fixed
         ? h("td", null, one.finger)
         : cell("observation", one.item, "finger", choose({ value: one.finger ?? "", options: [...(one.finger ? [] : [["", "– which? –"]]), ...bench.study.fingers.map(({ name }) => name)], label: `Finger of ${one.item}`, onset: set("finger") })),
@@ -234,7 +234,7 @@ export class StudyTables {
     return h(
       "section.card",
       { "aria-label": "Loading data" },
-      h("header", null, h("h2", null, "Loading data"), h("span.soft", null, "curves of force against displacement, or R_g as found elsewhere"), h("div.actions", null, button("Add R_g from elsewhere", () => this.#addRadius(), { kind: "small", disabled: !bench.study.fingers.length }))),
+      h("header", null, h("h2", null, "Loading data"), h("span.soft", null, "curves of force against displacement, or ", symbol("R", "g"), " as found elsewhere"), h("div.actions", null, button(h("span", null, "Add ", symbol("R", "g"), " from elsewhere"), () => this.#addRadius(), { kind: "small", disabled: !bench.study.fingers.length }))),
       curves.length
         ? h(
             "div.table-wrap",
@@ -260,7 +260,7 @@ export class StudyTables {
               ),
             ),
           )
-        : h("p.soft", null, "None. The study runs without; R_g is then not drawn beside the corrected radius."),
+        : h("p.soft", null, "None. The study runs without; ", symbol("R", "g"), " is then not drawn beside the corrected radius."),
     );
   }
 

@@ -28,12 +28,12 @@ class Welcome {
             null,
             h("h2", null, "Open a study"),
             studies.length
-              ? h("ul.studies", null, studies.map(({ name, title }) => h("li", null, h("button", { type: "button", onclick: () => bench.open(name).catch(complain) }, h("strong", null, title || name), h("code", null, name)))))
+              ? h("ul.studies", null, studies.map(({ name, title }) => h("li", null, h("button", { type: "button", onclick: () => bench.open(name).catch(complain) }, h("strong", null, title || name), title && h("code", null, name)))))
               : h("p.soft", null, `There is none in ${workspace} yet.`),
           ),
           h("section.card.stack", null, h("h2", null, "Bring a study"), h("p.soft", null, "The ZIP that another bench exported: pictures, corrections and results."), h("div.actions", null, button("Choose a ZIP", () => this.chooser.click()), this.chooser)),
         ),
-        h("ol.how", null, ["Drop photographs and contact images", "Set the scale", "Check outlines and contacts", "Run, and read R against W"].map((words) => h("li", null, words))),
+        h("ol.how", null, ["Drop photographs and contact images", "Set the scale", "Check outlines and contacts", "Run, and read the corrected radius against load"].map((words) => h("li", null, words))),
       ),
     );
     this.title.focus();
