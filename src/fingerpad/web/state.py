@@ -115,6 +115,11 @@ def _tables(manifest: Manifest, kind: str) -> Iterator[tuple[str, dict[str, Any]
 def _scales(manifest: Manifest) -> list[dict[str, Any]]:
     study = manifest.study
     uses = Counter(name for _, name in study.named_scales()) if study is not None else Counter[str]()
+    for one in manifest.incomplete:
+        photographs = one.content.get("photographs")
+        tables = [one.content, *(photographs if isinstance(photographs, list) else ())]
+        names = (table.get("scale") for table in tables if isinstance(table, dict))
+        uses.update(name for name in names if isinstance(name, str))
     complete = {name: said(table) for name, table in study.scales.items()} if study is not None else {}
     waiting = {one.key: one.content for one in manifest.incomplete if one.kind == "scale"}
     return [

@@ -16,15 +16,15 @@ const QUANTITIES = [
 ];
 
 const BARS = [
-  ["given", "pad's geometry held exact, as in the source"],
   ["all", "everything that is uncertain"],
+  ["given", "pad's geometry held exact, as in the source"],
 ];
 
 export class Plots {
   constructor(root) {
     this.root = root;
     this.finger = "";
-    this.bars = "given";
+    this.bars = "all";
     this.quantity = QUANTITIES[0][0];
     this.drawn = new Set();
   }

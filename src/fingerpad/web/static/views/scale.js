@@ -245,9 +245,11 @@ class Scales {
       ...study.sequences.map((each) => ["sequence", each.name, `film ${each.name}`, each.scale]),
     ];
     this.takers = new Map();
+    // Photographs and contact images seldom come from one camera: only pictures of one kind are taken unasked.
+    const oneKind = new Set(rows.filter((row) => !row[3]).map(([kind]) => kind)).size === 1;
     const boxes = rows.map(([kind, key, label, scale]) => {
       const mine = this.old && scale === this.old.name;
-      const box = h("input", { type: "checkbox", checked: mine || (!this.old && !scale) });
+      const box = h("input", { type: "checkbox", checked: mine || (!this.old && !scale && oneKind) });
       this.takers.set(box, { kind, key, scale });
       return h("label.check", { "data-kind": kind }, box, h("span", null, label), h("span.soft", null, scale ? (mine ? "" : typeof scale === "string" ? scale : "its own") : "none yet"));
     });
