@@ -198,5 +198,6 @@ def from_imprint(imprint: Imprint, contact: Contact, found: FoundScale) -> dict[
             "mm_per_px": found.scale.mm_per_px,
             "mm_per_px_std": found.scale.mm_per_px_std,
         },
-        "flags": (*imprint.flags, *found.flags),
+        # What a person drew is told by the row's own columns: it is no doubt about the picture.
+        "flags": (*(flag for flag in imprint.flags if flag != "edited_by_person"), *found.flags),
     }
