@@ -112,6 +112,15 @@ def changed(page: Page, before: str, part: str = "numbers") -> str:
     return numbers(page, part)
 
 
+def becomes(page: Page, expected: str, part: str = "numbers") -> None:
+    """Wait until the numbers are these: on a busy machine others may show on the way."""
+    page.wait_for_function(
+        "([part, expected]) => document.querySelector(`[data-live=${part}]`)"
+        "?.innerText.replaceAll('\\u00a0', ' ') === expected",
+        arg=[part, expected],
+    )
+
+
 def middle(place: Locator) -> tuple[float, float]:
     box = place.bounding_box()
     return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
