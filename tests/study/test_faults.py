@@ -5,6 +5,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import tempfile
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -242,6 +243,26 @@ def test_a_full_disk(manifest: Path, undisturbed: list[dict], small_disk: Path) 
     assert kept.failed == kept.stale == 0
     subprocess.run(["mount", "-o", "remount,size=50m", str(small_disk)], check=True)
     assert rows(manifest, out) == undisturbed
+
+
+def test_a_full_disk_where_pictures_are_drawn(
+    manifest: Path, undisturbed: list[dict], small_disk: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    subprocess.run(["mount", "-o", "remount,size=10m", str(small_disk)], check=True)
+    monkeypatch.setattr(tempfile, "tempdir", str(small_disk))
+
+    def fill(progress: Progress) -> None:
+        if progress.item == "o0":
+            with suppress(OSError):
+                (small_disk / "full").write_bytes(bytes(20_000_000))
+
+    with pytest.raises(StoreError, match=rf"{small_disk}: the disk is full: make room and run again"):
+        rows(manifest, tmp_path / "out", on_progress=fill)
+    kept = study_status(manifest, tmp_path / "out")
+    assert kept.failed == 0
+    assert 0 < kept.done < kept.total
+    (small_disk / "full").unlink()
+    assert rows(manifest, tmp_path / "out") == undisturbed
 
 
 def test_a_folder_that_cannot_be_written(manifest: Path, undisturbed: list[dict], small_disk: Path) -> None:

@@ -19,7 +19,7 @@ from fingerpad.image import (
 from fingerpad.study.corrections.changes import ContactCorrection
 from fingerpad.study.corrections.corrected import place_of, prepared_contact
 from fingerpad.study.manifest import Contact, ContactSequence, Observation, ScaleKey
-from fingerpad.study.measuring.measure import Measurement, from_imprint
+from fingerpad.study.measuring.measure import Measurement, doubts_of, from_imprint
 from fingerpad.study.measuring.scales import FoundScale
 from fingerpad.study.results.rows import make_rows
 from fingerpad.web.asked import Item
@@ -71,7 +71,7 @@ def measure(bench: Bench, _: Any, asked: ContactQuestion) -> dict[str, Any]:
             "threshold": imprint.threshold,
             "contrast": imprint.contrast,
         },
-        "flags": list(imprint.flags),
+        "flags": [*doubts_of(imprint), *found.flags],
         "mm_per_px": found.scale.mm_per_px,
         "mm_per_px_std": found.scale.mm_per_px_std,
         "milliseconds": 1000 * (time.perf_counter() - began),

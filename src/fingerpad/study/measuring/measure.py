@@ -9,14 +9,13 @@ import numpy as np
 
 from fingerpad._arrays import FloatArray
 from fingerpad._files import make_folder
-from fingerpad.exceptions import FingerpadError
 from fingerpad.image import Imprint, read_image, write_overlay
 from fingerpad.study.corrections.changes import ContactCorrection
 from fingerpad.study.corrections.corrected import NOTHING, CorrectedImprint, corrected_imprint
 from fingerpad.study.corrections.log import Ruling
 from fingerpad.study.manifest import Contact, Direction, Observation
 from fingerpad.study.measuring.scales import FoundScale, find_scale
-from fingerpad.study.words import ODDITIES, in_study
+from fingerpad.study.words import in_study
 
 _FROM_RECORD = (
     "gross_area_mm2",
@@ -85,7 +84,7 @@ def measure_observation(
     out: Path,
     correction: ContactCorrection = NOTHING,
 ) -> Measurement:
-    """Measure one observation and write its overlay; whatever goes wrong costs this row only.
+    """Measure one observation and write its overlay.
 
     Parameters
     ----------
@@ -97,6 +96,12 @@ def measure_observation(
         The study folder, and the folder of results.
     correction : ContactCorrection
         What a person wants of it; what they think of it is told by `reviewed`.
+
+    Raises
+    ------
+    FingerpadError
+        If its scale or its picture cannot be had, or the overlay not be written. Where the picture shows no
+        contact, the measurement says so itself.
     """
     if observation.ellipse_mm is not None:
         ellipse = observation.ellipse_mm
@@ -108,22 +113,6 @@ def measure_observation(
             covariance=ellipse.std**2 * np.eye(2),
             long_axis=ellipse.long_axis,
         )
-    try:
-        return _measure_image(observation, scales, folder, out, correction)
-    except FingerpadError as error:
-        reason = in_study(error, folder)
-    except ODDITIES as error:
-        reason = f"{observation.image}: cannot be measured ({type(error).__name__}: {error})"
-    return Measurement(name=observation.name, load=observation.load_N, reason=reason)
-
-
-def _measure_image(
-    observation: Observation,
-    scales: Mapping[str, FoundScale | str],
-    folder: Path,
-    out: Path,
-    correction: ContactCorrection,
-) -> Measurement:
     assert observation.image is not None  # the manifest's own rule
     assert observation.scale is not None
     found = find_scale(observation.scale, scales, folder)
@@ -198,6 +187,10 @@ def from_imprint(imprint: Imprint, contact: Contact, found: FoundScale) -> dict[
             "mm_per_px": found.scale.mm_per_px,
             "mm_per_px_std": found.scale.mm_per_px_std,
         },
-        # What a person drew is told by the row's own columns: it is no doubt about the picture.
-        "flags": (*(flag for flag in imprint.flags if flag != "edited_by_person"), *found.flags),
+        "flags": (*doubts_of(imprint), *found.flags),
     }
+
+
+def doubts_of(imprint: Imprint) -> tuple[str, ...]:
+    """Return what is doubtful about an imprint; that a person drew in it is not, and is told apart."""
+    return tuple(flag for flag in imprint.flags if flag != "edited_by_person")
