@@ -28,6 +28,7 @@ from fingerpad.web.refusal import Refusal
 from fingerpad.web.scales import scale_of, scales_of
 
 _FITS: Final[Cache[PhotographFit]] = Cache(60, lambda _: 1)
+_PROGRAM: Final[Cache[PhotographFit | None]] = Cache(60, lambda _: 1)
 _CURVE_POINTS: Final = 181
 # An ellipse placed by hand needs none.
 _NO_PICTURE: Final = np.zeros((1, 1), dtype=np.uint8)
@@ -67,10 +68,13 @@ def measure(bench: Bench, _: Any, asked: PhotographQuestion) -> dict[str, Any]:
         except FingerpadError as refused:
             error = str(refused)
     by_hand = asked.handles is not None or change.ellipse_px is not None
+    edited = by_hand or bool(change.edits)
+    own = _program(opened, asked.item, photograph) if edited else None
     return {
         "item": asked.item,
-        "by": "person" if by_hand else "program with corrections" if change.edits else "program",
+        "by": "person" if by_hand else "program with corrections" if edited else "program",
         **described(fit),
+        "program": own and _semi_axes(own),
         "finger": together,
         "finger_error": error,
         "milliseconds": 1000 * (time.perf_counter() - began),
@@ -102,8 +106,7 @@ def described(fit: PhotographFit) -> dict[str, Any]:
     return {
         "face": fit.face,
         "axes": list(FACE_AXES[fit.face]),
-        "semi_axes_mm": fit.semi_axes_mm,
-        "semi_axes_mm_std": fit.semi_axes_mm_std,
+        **_semi_axes(fit),
         "ellipse_px": {
             "centre": fit.centre,
             "semi_axes": fit.semi_axes / fit.scale.mm_per_px,
@@ -119,6 +122,24 @@ def described(fit: PhotographFit) -> dict[str, Any]:
         "mm_per_px": fit.scale.mm_per_px,
         "mm_per_px_std": fit.scale.mm_per_px_std,
     }
+
+
+def _semi_axes(fit: PhotographFit) -> dict[str, Any]:
+    return {"semi_axes_mm": fit.semi_axes_mm, "semi_axes_mm_std": fit.semi_axes_mm_std}
+
+
+def _program(opened: OpenStudy, item: str, photograph: Photograph) -> PhotographFit | None:
+    """Return what the program finds by itself; None where it finds no finger."""
+    assert photograph.scale is not None  # the manifest's own rule
+    scale = scale_of(opened, photograph.scale).scale
+
+    def find() -> PhotographFit | None:
+        try:
+            return _fit(opened, item, photograph, PhotographCorrection())
+        except FingerpadError:
+            return None
+
+    return _PROGRAM.get((opened.place_of(item).stamp, scale, photograph.model_dump_json()), find)
 
 
 def _fit(

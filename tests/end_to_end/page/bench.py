@@ -96,29 +96,29 @@ class Tab:
 
 
 def numbers(page: Page, part: str = "numbers") -> str:
-    """The numbers of an inspector once they stand there."""
-    place = page.locator(f"[data-live={part}]")
-    place.wait_for()
-    return place.inner_text().replace("\N{NO-BREAK SPACE}", " ")
+    """The numbers of an inspector once they are those of the newest state."""
+    page.wait_for_function(
+        "part => document.querySelector(`[data-live=${part}]`) && !document.querySelector('[aria-busy=true]')",
+        arg=part,
+    )
+    return page.locator(f"[data-live={part}]").inner_text().replace("\N{NO-BREAK SPACE}", " ")
 
 
 def changed(page: Page, before: str, part: str = "numbers") -> str:
-    """The numbers once they are others than before."""
+    """The numbers of the newest state, which are others than before."""
+    now = numbers(page, part)
+    assert now != before
+    return now
+
+
+def moving(page: Page, before: str, part: str = "numbers") -> str:
+    """The numbers while a hand holds a handle, once they are others than before."""
     page.wait_for_function(
-        "([part, before]) => { const at = document.querySelector(`[data-live=${part}]`);"
-        " return at && at.innerText.replaceAll('\\u00a0', ' ') !== before }",
+        "([part, before]) => document.querySelector(`[data-live=${part}]`)"
+        ".innerText.replaceAll('\\u00a0', ' ') !== before",
         arg=[part, before],
     )
-    return numbers(page, part)
-
-
-def becomes(page: Page, expected: str, part: str = "numbers") -> None:
-    """Wait until the numbers are these: on a busy machine others may show on the way."""
-    page.wait_for_function(
-        "([part, expected]) => document.querySelector(`[data-live=${part}]`)"
-        "?.innerText.replaceAll('\\u00a0', ' ') === expected",
-        arg=[part, expected],
-    )
+    return page.locator(f"[data-live={part}]").inner_text().replace("\N{NO-BREAK SPACE}", " ")
 
 
 def middle(place: Locator) -> tuple[float, float]:

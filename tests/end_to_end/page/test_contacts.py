@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import tifffile
 from PIL import Image
-from tests.end_to_end.page.bench import DEMO, PRINTS, Tab, becomes, changed, drag, focus, middle, numbers
+from tests.end_to_end.page.bench import DEMO, PRINTS, Tab, changed, drag, focus, middle, numbers
 
 PRINT = "synthetic_30deg_2N"
 
@@ -25,20 +25,18 @@ def test_dragged_handle_gives_new_numbers_beside_the_programs_own(tab: Tab, demo
     page = tab.open(f"contacts/images/{PRINT}")
     before = numbers(page)
     drag(page, page.get_by_role("button", name="End of the semi-major axis", exact=True), -30, 0)
-    changed(page, before)
-    page.wait_for_function("() => document.querySelector('.history li')")
-    after = numbers(page)
+    after = changed(page, before)
     assert value(after, "mm²") > value(before, "mm²") * 1.03
     program = re.search(r"ℓd\s+[\d.]+ ± [\d.]+ mm\s+.*?([\d.]+) ± ", after, re.DOTALL).group(1)
     assert float(program) == value(before, "mm")
-    page.get_by_text("by a person", exact=True).wait_for()
+    assert page.get_by_text("by a person", exact=True).is_visible()
     (record,) = corrections(demo)
     assert (record["item"], list(record["change"])) == (PRINT, ["ellipse_px"])
     assert record["who"] in page.locator(".history").inner_text()
     page.keyboard.press("u")
-    becomes(page, before)
+    assert numbers(page) == before
     page.keyboard.press("r")
-    becomes(page, after)
+    assert numbers(page) == after
 
 
 def test_keyboard_alone_moves_a_handle_accepts_and_goes_on(tab: Tab, demo) -> None:
@@ -47,11 +45,9 @@ def test_keyboard_alone_moves_a_handle_accepts_and_goes_on(tab: Tab, demo) -> No
     handle = focus(page, "End of the semi-minor axis")
     for _ in range(3):
         handle.press("Shift+ArrowRight")
-    after = changed(page, before)
-    page.wait_for_function("() => document.querySelector('.history li')")
+    changed(page, before)
     page.keyboard.press("Enter")
     page.wait_for_url(re.compile("synthetic_30deg_4N"))
-    assert after != before
     assert corrections(demo)[-1]["change"]["accepted"] is True
     assert corrections(demo)[-1]["item"] == PRINT
     page.keyboard.press("ArrowLeft")
@@ -119,12 +115,11 @@ def test_threshold_polarity_seed_and_region_of_interest(tab: Tab, demo) -> None:
     assert value(numbers(page), "mm²") < value(thinner, "mm²")
     assert {"threshold", "seed_px", "region_of_interest_px"} <= set(corrections(demo)[-1]["change"])
     page.get_by_label("Polarity").select_option("false")
-    page.locator("[data-part=numbers] [role=alert]").or_(page.locator("[data-live=numbers]")).wait_for()
-    page.wait_for_function("() => document.querySelectorAll('.history li').length === 4")
+    page.wait_for_selector(".stack[aria-busy=false]")
     assert corrections(demo)[-1]["change"]["dark_on_light"] is False
     page.get_by_role("button", name="Back to the program").click()
-    page.get_by_text("by the program", exact=True).wait_for()
     assert numbers(page) == before
+    assert page.get_by_text("by the program", exact=True).is_visible()
 
 
 def test_reject_with_a_reason_and_take_it_back(tab: Tab, demo) -> None:
@@ -152,7 +147,6 @@ def test_frames_of_a_film(tab: Tab, demo) -> None:
     before = numbers(page)
     focus(page, "End of the semi-major axis").press("Shift+ArrowUp")
     changed(page, before)
-    page.wait_for_function("() => document.querySelector('.history li')")
     assert corrections(demo)[-1]["item"] == "synthetic_press_30deg#3"
 
 
@@ -222,7 +216,6 @@ def test_real_print_is_corrected_and_accepted(empty_tab: Tab, name: str) -> None
     focus(page, "End of the semi-major axis").press("Shift+ArrowDown")
     after = changed(page, before)
     assert value(after, "mm²") < value(before, "mm²")
-    page.wait_for_function("() => document.querySelector('.history li')")
     page.keyboard.press("Enter")
     page.get_by_text("That was the last picture").wait_for()
     (study,) = (empty_tab.folder / "one-print").glob("corrections.jsonl")

@@ -55,18 +55,24 @@ export function upload(file, { folder, progress } = {}) {
   });
 }
 
-/** One request at a time, then the newest: what a dragged handle needs. */
+/** One request at a time, then the newest: what a dragged handle needs. After `drop` nothing asked before is heard. */
 export class Newest {
   #send;
   #done;
   #failed;
   #waiting = null;
   #busy = false;
+  #dropped = 0;
 
   constructor(send, done, failed) {
     this.#send = send;
     this.#done = done;
     this.#failed = failed;
+  }
+
+  /** Whether a state is waiting that is newer than the one last answered. */
+  get behind() {
+    return this.#waiting !== null;
   }
 
   ask(state) {
@@ -76,20 +82,19 @@ export class Newest {
 
   drop() {
     this.#waiting = null;
-    this.#done = () => {};
-    this.#failed = () => {};
+    this.#dropped += 1;
   }
 
   async #run() {
     this.#busy = true;
     while (this.#waiting !== null) {
-      const state = this.#waiting;
+      const [state, dropped] = [this.#waiting, this.#dropped];
       this.#waiting = null;
       try {
         const answer = await this.#send(state);
-        this.#done(answer, state, this.#waiting === null);
+        if (dropped === this.#dropped) this.#done(answer, state);
       } catch (error) {
-        this.#failed?.(error, state);
+        if (dropped === this.#dropped) this.#failed(error, state);
       }
     }
     this.#busy = false;

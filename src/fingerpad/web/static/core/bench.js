@@ -118,9 +118,6 @@ export const bench = new Bench();
 export const who = () => localStorage.getItem("fingerpad.who") || bench.session?.who || "";
 export const setWho = (name) => localStorage.setItem("fingerpad.who", name.trim());
 
-/** What is doubtful about a contact; that a person corrected it is not. */
-export const doubts = ({ flags }) => (flags ?? []).filter((flag) => flag !== "edited_by_person");
-
 /** Words for a flag or note, from the library. */
 export function wordsFor(code) {
   const words = bench.study?.words ?? {};

@@ -6,19 +6,26 @@ import { question } from "./messages.js";
 import { h } from "./dom.js";
 
 export class Corrections {
-  /** `changed(document)` hears every new state of the picture's corrections. */
-  constructor(item, changed) {
+  /** `changed()` hears of every new state of the picture's corrections, `overtaken()` of those of another window. */
+  constructor(item, { changed, overtaken }) {
     this.item = item;
     this.changed = changed;
+    this.overtaken = overtaken;
     this.document = { last_id: 0, change: {}, ruling: null, history: [], can_undo: false, can_redo: false };
     this.queue = Promise.resolve();
-    this.heard = ({ detail }) => detail.item === item && this.queue.then(() => detail.last_id !== this.document.last_id && this.load());
+    this.heard = ({ detail }) => detail.item === item && this.queue.then(() => this.#follow(detail.last_id));
     bench.addEventListener("corrections", this.heard);
   }
 
   close() {
     bench.removeEventListener("corrections", this.heard);
-    this.changed = () => {};
+    this.changed = this.overtaken = () => {};
+  }
+
+  async #follow(id) {
+    if (id === this.document.last_id) return;
+    await this.load();
+    this.overtaken();
   }
 
   async load() {
@@ -31,34 +38,34 @@ export class Corrections {
 
   #take(document) {
     this.document = document;
-    this.changed(document);
+    this.changed();
     return document;
   }
 
   /**
-   * Keep a correction: `edit(change)` returns the whole wanted correction from the one that rules. One after the
+   * Keep a correction: `edit(change)` gives the whole wanted correction from the one that rules. One after the
    * other, so that quick work does not overtake itself; asked again upon what another window kept meanwhile.
    */
   keep(edit) {
-    return this.#next("/api/corrections", () => ({ change: edit(structuredClone(this.change)) }));
+    return this.#next(() => this.#send("/api/corrections", async () => ({ change: await edit(structuredClone(this.change)) })));
   }
 
   undo() {
-    return this.#next("/api/corrections/undo", () => ({}));
+    return this.#next(() => this.document.can_undo && this.#send("/api/corrections/undo", () => ({})));
   }
 
   redo() {
-    return this.#next("/api/corrections/redo", () => ({}));
+    return this.#next(() => this.document.can_redo && this.#send("/api/corrections/redo", () => ({})));
   }
 
-  #next(path, body) {
-    const done = this.queue.then(() => this.#send(path, body));
+  #next(send) {
+    const done = this.queue.then(send);
     this.queue = done.catch(() => {});
     return done;
   }
 
   async #send(path, body) {
-    const send = () => post(path, { item: this.item, expected: this.document.last_id, who: who(), ...body() });
+    const send = async () => post(path, { item: this.item, expected: this.document.last_id, who: who(), ...(await body()) });
     try {
       return this.#take(await send());
     } catch (error) {

@@ -1,6 +1,6 @@
 // The steps of the work with what each still wants, and the switches that hold for the whole page.
 
-import { bench, doubts } from "./bench.js";
+import { bench } from "./bench.js";
 import { h, place, s } from "./dom.js";
 import { showHelp } from "./keys.js";
 
@@ -12,7 +12,7 @@ function wants(step) {
   if (!study) return ["", ""];
   const missing = study.missing.length;
   const contacts = study.observations.filter(({ file }) => file);
-  const doubtful = contacts.filter((entry) => doubts(entry).length && !entry.accepted && !entry.rejected).length;
+  const doubtful = contacts.filter((entry) => entry.flags.length && !entry.accepted && !entry.rejected).length;
   const photographs = study.fingers.flatMap((finger) => finger.photographs ?? []);
   const run = bench.run;
   const busy = run && ["running", "cancelling"].includes(run.state);

@@ -51,6 +51,17 @@ export function choose({ value, options, onset, disabled, label }) {
   return select;
 }
 
+/** A slider with its value written behind it; `show` follows a value set elsewhere. */
+export function slider(label, { value, min, max, unit, hint, onset }) {
+  const input = h("input", { type: "range", min, max, value, oninput: () => onset(Number(input.value)) });
+  const root = field(label, input, { unit: `${value} ${unit}`, hint });
+  root.show = (now) => {
+    input.value = now;
+    root.querySelector(".unit").textContent = `${now} ${unit}`;
+  };
+  return root;
+}
+
 export function check(label, { checked, onset, disabled } = {}) {
   const box = h("input", { type: "checkbox", checked, disabled, onchange: () => onset?.(box.checked) });
   return h("label.check", null, box, h("span", null, label));

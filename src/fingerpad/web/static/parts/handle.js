@@ -4,7 +4,7 @@ import { s } from "../core/dom.js";
 
 /**
  * A point that can be dragged, or moved by arrow keys when it has the focus (Shift: ten times as far, Alt: a
- * fifth). `step` may turn an arrow into a move of its own; `commit` is called when the hand is off.
+ * fifth). `step` may turn an arrow into a move of its own; `commit` is called when the hand that moved it is off.
  */
 export function handle(stage, { label, kind = "", move, commit, step, remove }) {
   const node = s(`g.handle.${kind || "point"}`, { tabindex: 0, role: "button", "aria-label": label, "aria-roledescription": "handle" }, s("circle.reach", { r: 13 }), shapeOf(kind), s("title", null, label));
@@ -12,6 +12,7 @@ export function handle(stage, { label, kind = "", move, commit, step, remove }) 
   const draw = (scale) => node.setAttribute("transform", `translate(${at[1]} ${at[0]}) scale(${scale})`);
   const forget = stage.keepSize(draw);
   let offset = null;
+  let moved = false;
   let timer = null;
   const confirm = () => {
     if (timer === null) return;
@@ -27,18 +28,20 @@ export function handle(stage, { label, kind = "", move, commit, step, remove }) 
     node.setPointerCapture(event.pointerId);
     const place = stage.placeOf(event);
     offset = [at[0] - place[0], at[1] - place[1]];
+    moved = false;
     node.classList.add("held");
   });
   node.addEventListener("pointermove", (event) => {
     if (!offset) return;
     const place = stage.placeOf(event);
+    moved = true;
     move([place[0] + offset[0], place[1] + offset[1]]);
   });
   const release = () => {
     if (!offset) return;
     offset = null;
     node.classList.remove("held");
-    commit?.();
+    if (moved) commit?.();
   };
   node.addEventListener("pointerup", release);
   node.addEventListener("pointercancel", release);
@@ -52,7 +55,8 @@ export function handle(stage, { label, kind = "", move, commit, step, remove }) 
       timer = setTimeout(confirm, 450);
     } else if ((event.key === "Delete" || event.key === "Backspace") && remove) remove();
     else {
-      if (event.key === "Enter") confirm();
+      // Another key asks for something else: what was moved comes first.
+      if (!["Shift", "Alt"].includes(event.key)) confirm();
       return;
     }
     event.preventDefault();

@@ -1,10 +1,10 @@
 // The numbers of one contact beside the program's own, its settings, its decision and its history.
 
 import { wordsFor } from "../core/bench.js";
-import { wordsOf } from "../core/corrections.js";
 import { h, place, symbol } from "../core/dom.js";
-import { ago, BY, plain, quantityText, reading } from "../core/quantity.js";
-import { button, check, chip, choose, field, number, synthetic, text } from "../parts/forms.js";
+import { BY, plain, quantityText, reading } from "../core/quantity.js";
+import { check, chip, choose, field, number, synthetic } from "../parts/forms.js";
+import { Inspector } from "./inspector.js";
 
 const READINGS = [
   ["semi_major_mm", () => ["Semi-major ", symbol("ℓ", "d")], "semi-major axis of the ellipse", "ellipse"],
@@ -22,17 +22,23 @@ const MODEL = [
 
 const REASONS = ["smeared", "slipped", "cut off", "wrong finger", "no contact"];
 
-export class ContactInspector {
-  constructor(view) {
-    this.view = view;
-    this.parts = Object.fromEntries(["head", "tool", "numbers", "settings", "history"].map((name) => [name, h("section", { "data-part": name })]));
-    this.why = text({ value: "", placeholder: "why it is no good", list: "reasons" });
-    this.root = h("div.stack", null, Object.values(this.parts), h("datalist", { id: "reasons" }, REASONS.map((value) => h("option", { value }))));
-    this.footer = h("div.footer", null, this.#decision());
-  }
+const FORGET = [
+  ["seed_px", "Forget seed point"],
+  ["region_of_interest_px", "Forget region of interest"],
+  ["ellipse_px", "Ellipse from region"],
+  ["strokes", "Forget brush"],
+];
 
-  reason() {
-    return this.why.value.trim() || "rejected by eye";
+export class ContactInspector extends Inspector {
+  tools = {
+    add: { brush: "Brush that adds: radius", hint: "[ and ] change it. Hold Alt for the other brush." },
+    remove: { brush: "Brush that takes away: radius", hint: "[ and ] change it. Hold Alt for the other brush." },
+    seed: { words: h("p.soft", null, "Click a point inside the right patch.") },
+    box: { words: h("p.soft", null, "Draw a box round what should be measured.") },
+  };
+
+  constructor(view) {
+    super(view, ["numbers"], REASONS);
   }
 
   head() {
@@ -78,7 +84,7 @@ export class ContactInspector {
       ),
       model && [h("h3", null, "Model"), h("dl.readings", null, MODEL.map(([key, label, words]) => reading(label(), quantityText(model, key), { title: words })))],
       !model && h("p.soft", null, "The corrected radius appears once the finger's semi-axes are known: run the study."),
-      answer.flags.filter((flag) => flag !== "edited_by_person").length > 0 && h("div.note", null, h("ul", null, answer.flags.filter((flag) => flag !== "edited_by_person").map((flag) => h("li", null, wordsFor(flag))))),
+      answer.flags.length > 0 && h("div.note", null, h("ul", null, answer.flags.map((flag) => h("li", null, wordsFor(flag))))),
       notesOf(model).length > 0 && h("details", null, h("summary", null, `Where the model ends (${notesOf(model).length})`), h("ul.note", null, notesOf(model).map((code) => h("li", null, wordsFor(code))))),
     );
     this.settings(answer);
@@ -110,67 +116,8 @@ export class ContactInspector {
           number({ value: change.threshold ?? null, min: 0, placeholder: used.threshold === undefined || used.threshold === null ? "program's" : `program: ${plain(used.threshold)}`, onset: (value) => this.view.set("threshold", value) }),
         ),
       ),
-      h(
-        "div.actions",
-        null,
-        change.seed_px && button("Forget seed point", () => this.view.set("seed_px", null), { kind: "small" }),
-        change.region_of_interest_px && button("Forget region of interest", () => this.view.set("region_of_interest_px", null), { kind: "small" }),
-        change.ellipse_px && button("Ellipse from region", () => this.view.set("ellipse_px", null), { kind: "small" }),
-        change.strokes?.length > 0 && button("Forget brush", () => this.view.set("strokes", null), { kind: "small" }),
-      ),
+      this.forgetting(FORGET),
       check("Show the program's own outline", { onset: (on) => this.view.showOwn(on) }),
-    );
-  }
-
-  tool() {
-    const { tool, radius } = this.view;
-    const brushing = tool === "add" || tool === "remove";
-    this.parts.tool.hidden = !brushing && tool === "ellipse";
-    if (brushing) {
-      const slider = h("input", { type: "range", min: 1, max: 100, value: radius, oninput: () => this.view.setRadius(Number(slider.value)) });
-      if (this.slider && this.parts.tool.contains(this.slider)) {
-        this.slider.value = radius;
-        this.unit.textContent = `${radius} px`;
-        if (this.parts.tool.dataset.tool === tool) return;
-      }
-      this.slider = slider;
-      const control = field(tool === "add" ? "Brush that adds: radius" : "Brush that takes away: radius", slider, { unit: `${radius} px`, hint: "[ and ] change it. Hold Alt for the other brush." });
-      this.unit = control.querySelector(".unit");
-      place(this.parts.tool, control);
-      this.parts.tool.dataset.tool = tool;
-    } else {
-      place(this.parts.tool, h("p.soft", null, tool === "seed" ? "Click a point inside the right patch." : "Draw a box round what should be measured."));
-      this.parts.tool.dataset.tool = tool;
-    }
-  }
-
-  #decision() {
-    this.buttons = {
-      accept: button("Accept and next", () => this.view.accept(), { kind: "primary", key: "Enter" }),
-      undo: button("Undo", () => this.view.undo(), { key: "u" }),
-      redo: button("Redo", () => this.view.redo(), { key: "r" }),
-      reject: button("Reject", () => this.view.reject(), { kind: "bad", key: "x" }),
-      revert: button("Back to the program", () => this.view.revert(), { kind: "small", title: "Take back all corrections of this picture; they stay in its history" }),
-    };
-    const { accept, undo, redo, reject } = this.buttons;
-    return [h("div.decision", null, accept, undo, redo, reject), h("label.why", null, h("span", null, "Reason to reject"), this.why)];
-  }
-
-  corrected() {
-    const { document, change } = this.view.corrections;
-    this.buttons.undo.disabled = !document.can_undo;
-    this.buttons.redo.disabled = !document.can_redo;
-    this.buttons.revert.disabled = !Object.keys(change).length;
-    place(this.buttons.reject, change.rejected ? "Take back" : "Reject", h("kbd", { "aria-hidden": "true" }, "x"));
-    this.buttons.accept.classList.toggle("accepted", Boolean(change.accepted));
-    const records = [...document.history].reverse();
-    place(
-      this.parts.history,
-      h("div.headline", null, h("h3", null, "History"), this.buttons.revert),
-      h("div.chips", null, change.accepted && chip("accepted", "good"), change.rejected && chip(`rejected: ${change.rejected}`, "bad")),
-      records.length
-        ? h("ol.history", { tabindex: 0, "aria-label": "History of corrections" }, records.map((record) => h("li", null, h("span", null, wordsOf(record)), h("time", { datetime: record.when, title: record.when }, `${record.who || "unknown"}, ${ago(record.when)}`))))
-        : h("p.soft", null, "As the program measured it."),
     );
   }
 }

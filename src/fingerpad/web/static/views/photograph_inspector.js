@@ -1,11 +1,11 @@
 // The numbers of one face, and of the pad that all faces of the finger give together.
 
 import { wordsFor } from "../core/bench.js";
-import { wordsOf } from "../core/corrections.js";
 import { h, place, s } from "../core/dom.js";
-import { ago, BY, plain, probability, quantityText, reading, withStd } from "../core/quantity.js";
-import { button, chip, choose, field, synthetic, text } from "../parts/forms.js";
+import { BY, plain, probability, quantityText, reading, withStd } from "../core/quantity.js";
+import { chip, choose, field, synthetic } from "../parts/forms.js";
 import { scaleWords } from "../parts/scale_choice.js";
+import { Inspector } from "./inspector.js";
 
 const NAMES = { palmar: "Palmar", distal: "Distal", radial_ulnar: "Radial–ulnar" };
 const SIDES = [
@@ -16,18 +16,24 @@ const SIDES = [
   ["right", "right"],
 ];
 
-export class PhotographInspector {
-  constructor(view) {
-    this.view = view;
-    this.parts = Object.fromEntries(["head", "tool", "pad", "face", "settings", "history"].map((name) => [name, h("section", { "data-part": name })]));
-    this.why = text({ value: "", placeholder: "why it is no good" });
-    this.root = h("div.stack", null, Object.values(this.parts));
-    this.parts.tool.hidden = true;
-    this.footer = h("div.footer", null, this.#decision());
-  }
+const REASONS = ["blurred", "wrong finger", "not square to the camera"];
+const FORGET = [
+  ["ellipse_px", "Ellipse from outline"],
+  ["added_points_px", "Forget points added"],
+  ["erased", "Forget rubbing out"],
+  ["region_of_interest_px", "Forget region of interest"],
+];
 
-  reason() {
-    return this.why.value.trim() || "rejected by eye";
+export class PhotographInspector extends Inspector {
+  tools = {
+    points: { words: h("p.soft", null, "Click on the pad's outline. A point added can be dragged; Delete takes it away.") },
+    erase: { brush: "Rubber: radius", hint: "[ and ] change it." },
+    box: { words: h("p.soft", null, "Draw a box round the fingertip.") },
+    length: { words: [h("h3", null, "Length"), h("p.soft", { "data-live": "length" }, "Draw a line on the picture.")] },
+  };
+
+  constructor(view) {
+    super(view, ["pad", "face"], REASONS);
   }
 
   wait() {
@@ -38,24 +44,24 @@ export class PhotographInspector {
     this.tool();
   }
 
-  show(answer, problem, own) {
+  show(answer, problem) {
     if (!answer) {
       place(this.parts.face, h("p.note.bad", { role: "alert" }, problem), h("p.soft", null, "Draw a region of interest round the fingertip, or add points on its outline."));
       place(this.parts.pad);
       this.settings();
       return;
     }
-    const corrected = answer.by !== "program";
+    const { program } = answer;
     place(
       this.parts.face,
-      h("div.headline", null, h("h3", null, "This face"), chip(BY[answer.by] ?? answer.by, corrected ? "accent" : "")),
+      h("div.headline", null, h("h3", null, "This face"), chip(BY[answer.by] ?? answer.by, program ? "accent" : "")),
       h(
         "dl.readings",
         { "data-live": "face" },
         answer.axes.map((axis) =>
           reading(`${NAMES[axis]} semi-axis`, `${withStd(answer.semi_axes_mm[axis], answer.semi_axes_mm_std?.[axis])} mm`, {
             mark: "face",
-            was: corrected && own ? `${withStd(own.semi_axes_mm[axis], own.semi_axes_mm_std?.[axis])} mm` : undefined,
+            was: program ? `${withStd(program.semi_axes_mm[axis], program.semi_axes_mm_std?.[axis])} mm` : undefined,
           }),
         ),
         reading("Arc that is pad", answer.arc_deg === null ? "–" : `${plain(answer.arc_deg)}°`),
@@ -97,60 +103,13 @@ export class PhotographInspector {
       this.parts.settings,
       h("h3", null, "How it is read"),
       h("div.fields", null, side("tip", "Fingertip points"), ["distal", "radial", "ulnar"].includes(this.view.entry.face) && side("palmar_side", "Palmar side lies")),
-      h(
-        "div.actions",
-        null,
-        change.ellipse_px && button("Ellipse from outline", () => this.view.set("ellipse_px", null), { kind: "small" }),
-        change.added_points_px?.length > 0 && button("Forget points added", () => this.view.set("added_points_px", null), { kind: "small" }),
-        change.erased?.length > 0 && button("Forget rubbing out", () => this.view.set("erased", null), { kind: "small" }),
-        change.region_of_interest_px && button("Forget region of interest", () => this.view.set("region_of_interest_px", null), { kind: "small" }),
-      ),
+      this.forgetting(FORGET),
     );
-  }
-
-  tool() {
-    const { tool, radius } = this.view;
-    this.parts.tool.hidden = tool === "ellipse";
-    if (tool === "erase") {
-      const slider = h("input", { type: "range", min: 2, max: 100, value: radius, onchange: () => this.view.setRadius(Number(slider.value)) });
-      place(this.parts.tool, field("Rubber: radius", slider, { unit: `${radius} px` }));
-    } else if (tool === "points") place(this.parts.tool, h("p.soft", null, "Click on the pad's outline. A point added can be dragged; Delete takes it away."));
-    else if (tool === "box") place(this.parts.tool, h("p.soft", null, "Draw a box round the fingertip."));
-    else if (tool === "length") place(this.parts.tool, h("h3", null, "Length"), h("p.soft", { "data-live": "length" }, "Draw a line on the picture."));
   }
 
   length(answer) {
     const line = this.parts.tool.querySelector("[data-live=length]");
     if (line) place(line, h("span.figure-big.number", null, quantityText(answer, "length_mm")), h("br"), `${plain(answer.length_px)} px, ends ± 1 px each`);
-  }
-
-  #decision() {
-    this.buttons = {
-      accept: button("Accept and next", () => this.view.accept(), { kind: "primary", key: "Enter" }),
-      undo: button("Undo", () => this.view.undo(), { key: "u" }),
-      redo: button("Redo", () => this.view.redo(), { key: "r" }),
-      reject: button("Reject", () => this.view.reject(), { kind: "bad", key: "x" }),
-      revert: button("Back to the program", () => this.view.revert(), { kind: "small", title: "Take back all corrections of this photograph; they stay in its history" }),
-    };
-    const { accept, undo, redo, reject } = this.buttons;
-    return [h("div.decision", null, accept, undo, redo, reject), h("label.why", null, h("span", null, "Reason to reject"), this.why)];
-  }
-
-  corrected() {
-    const { document, change } = this.view.corrections;
-    this.buttons.undo.disabled = !document.can_undo;
-    this.buttons.redo.disabled = !document.can_redo;
-    this.buttons.revert.disabled = !Object.keys(change).length;
-    place(this.buttons.reject, change.rejected ? "Take back" : "Reject", h("kbd", { "aria-hidden": "true" }, "x"));
-    const records = [...document.history].reverse();
-    place(
-      this.parts.history,
-      h("div.headline", null, h("h3", null, "History"), this.buttons.revert),
-      h("div.chips", null, change.accepted && chip("accepted", "good"), change.rejected && chip(`rejected: ${change.rejected}`, "bad")),
-      records.length
-        ? h("ol.history", { tabindex: 0, "aria-label": "History of corrections" }, records.map((record) => h("li", null, h("span", null, wordsOf(record)), h("time", { datetime: record.when, title: record.when }, `${record.who || "unknown"}, ${ago(record.when)}`))))
-        : h("p.soft", null, "As the program measured it."),
-    );
   }
 }
 

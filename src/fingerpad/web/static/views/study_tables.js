@@ -1,6 +1,6 @@
 // What the study consists of, to be seen and changed in place: fingers, contacts, films, curves.
 
-import { bench, doubts, wordsFor } from "../core/bench.js";
+import { bench, wordsFor } from "../core/bench.js";
 import { h, place, symbol } from "../core/dom.js";
 import { question } from "../core/messages.js";
 import { plain, withStd } from "../core/quantity.js";
@@ -178,7 +178,7 @@ export class StudyTables {
     return h(
       "tr",
       null,
-      h("td", null, one.file ? h("a", { href: `#/contacts/images/${encodeURIComponent(one.item)}` }, one.item) : one.item, " ", synthetic(one.synthetic), doubts(one).length > 0 && [" ", chip("flagged", "warn", doubts(one).map(wordsFor).join("; "))]),
+      h("td", null, one.file ? h("a", { href: `#/contacts/images/${encodeURIComponent(one.item)}` }, one.item) : one.item, " ", synthetic(one.synthetic), one.flags.length > 0 && [" ", chip("flagged", "warn", one.flags.map(wordsFor).join("; "))]),
       fixed
         ? h("td", null, one.finger)
         : cell("observation", one.item, "finger", choose({ value: one.finger ?? "", options: [...(one.finger ? [] : [["", "– which? –"]]), ...bench.study.fingers.map(({ name }) => name)], label: `Finger of ${one.item}`, onset: set("finger") })),

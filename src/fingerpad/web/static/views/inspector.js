@@ -1,0 +1,71 @@
+// What stands beside a picture: parts of its own, the decision about it, and the history of its corrections.
+
+import { wordsOf } from "../core/corrections.js";
+import { h, place } from "../core/dom.js";
+import { ago } from "../core/quantity.js";
+import { button, chip, slider, text } from "../parts/forms.js";
+
+export class Inspector {
+  constructor(view, parts, reasons) {
+    this.view = view;
+    this.parts = Object.fromEntries(["head", "tool", ...parts, "settings", "history"].map((name) => [name, h("section", { "data-part": name })]));
+    this.parts.tool.hidden = true;
+    this.why = text({ value: "", placeholder: "why it is no good", list: "reasons" });
+    this.root = h("div.stack", { "aria-busy": "true" }, Object.values(this.parts), h("datalist", { id: "reasons" }, reasons.map((value) => h("option", { value }))));
+    this.footer = h("div.footer", null, this.#decision());
+  }
+
+  #decision() {
+    this.buttons = {
+      accept: button("Accept and next", () => this.view.accept(), { kind: "primary", key: "Enter" }),
+      undo: button("Undo", () => this.view.undo(), { key: "u" }),
+      redo: button("Redo", () => this.view.redo(), { key: "r" }),
+      reject: button("Reject", () => this.view.reject(), { kind: "bad", key: "x" }),
+      revert: button("Back to the program", () => this.view.revert(), { kind: "small", title: "Take back all corrections of this picture; they stay in its history" }),
+    };
+    const { accept, undo, redo, reject } = this.buttons;
+    return [h("div.decision", null, accept, undo, redo, reject), h("label.why", null, h("span", null, "Reason to reject"), this.why)];
+  }
+
+  reason() {
+    return this.why.value.trim() || "rejected by eye";
+  }
+
+  /** What a tool needs: a slider for the radius of a brush, or words. */
+  tool() {
+    const { tool, radius } = this.view;
+    const { words, brush, hint } = this.tools[tool] ?? {};
+    this.radius = brush && slider(brush, { value: radius, min: 1, max: 100, unit: "px", hint, onset: (value) => this.view.setRadius(value) });
+    this.parts.tool.hidden = !brush && !words;
+    place(this.parts.tool, brush ? this.radius : words);
+  }
+
+  /** Buttons that take back one part of a correction each. */
+  forgetting(parts) {
+    const { change } = this.view.corrections;
+    const made = (value) => (Array.isArray(value) ? value.length > 0 : Boolean(value));
+    return h(
+      "div.actions",
+      null,
+      parts.map(([key, words]) => made(change[key]) && button(words, () => this.view.set(key, null), { kind: "small" })),
+    );
+  }
+
+  corrected() {
+    const { document, change } = this.view.corrections;
+    this.buttons.undo.disabled = !document.can_undo;
+    this.buttons.redo.disabled = !document.can_redo;
+    this.buttons.revert.disabled = !Object.keys(change).length;
+    place(this.buttons.reject, change.rejected ? "Take back" : "Reject", h("kbd", { "aria-hidden": "true" }, "x"));
+    this.buttons.accept.classList.toggle("accepted", Boolean(change.accepted));
+    const records = [...document.history].reverse();
+    place(
+      this.parts.history,
+      h("div.headline", null, h("h3", null, "History"), this.buttons.revert),
+      h("div.chips", null, change.accepted && chip("accepted", "good"), change.rejected && chip(`rejected: ${change.rejected}`, "bad")),
+      records.length
+        ? h("ol.history", { tabindex: 0, "aria-label": "History of corrections" }, records.map((record) => h("li", null, h("span", null, wordsOf(record)), h("time", { datetime: record.when, title: record.when }, `${record.who || "unknown"}, ${ago(record.when)}`))))
+        : h("p.soft", null, "As the program measured it."),
+    );
+  }
+}

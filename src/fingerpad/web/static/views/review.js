@@ -1,0 +1,247 @@
+// A picture under review: what the program found, what a person makes of it, and on to the next one.
+
+import { get, Newest, picture } from "../core/api.js";
+import { Corrections, plainChange } from "../core/corrections.js";
+import { h, place } from "../core/dom.js";
+import { bindHere } from "../core/keys.js";
+import { complain, say } from "../core/messages.js";
+import { EllipseEditor } from "../parts/ellipse_editor.js";
+import { Filmstrip } from "../parts/filmstrip.js";
+import { segments } from "../parts/forms.js";
+import { Stage } from "../parts/stage.js";
+import { Box, Brush } from "../parts/tools.js";
+import { whoButton } from "../parts/who.js";
+
+const VERDICTS = ["accepted", "rejected"];
+
+/**
+ * What contact images and photographs have in common. A view of its own says how one is measured (`measure`), shown
+ * (`show`, `blank`), drawn over (`draw`), what its tools do (`instrument`), and where it is found (`address`, `title`).
+ *
+ * Numbers on the page belong to the newest state: whatever a person does takes a new turn, and an answer to an older
+ * one is dropped. Until the newest is shown the inspector is `aria-busy`.
+ */
+export class Review {
+  entries = [];
+  at = -1;
+  tool = "ellipse";
+  measured = null;
+  #turn = 0;
+
+  /** Lay the bench out; `ask(state)` is sent while a handle is dragged, `bar` stands over the filmstrip. */
+  lay({ title, words, label, axes, tools, radius, ask, describe, inspector, bar }) {
+    this.radius = radius;
+    this.stage = new Stage(label);
+    this.mark = h("span.synthetic.stage-synthetic", { hidden: true }, "synthetic");
+    this.stage.root.append(this.mark);
+    this.underlay();
+    this.editor = new EllipseEditor(this.stage, axes, (_, final) => this.#dragged(final));
+    this.box = new Box(this.stage, (box) => this.set("region_of_interest_px", box));
+    this.toolbar = segments("Tools", tools, this.tool, (tool) => this.use(tool), { vertical: true });
+    this.strip = new Filmstrip({ label: "Pictures", chosen: (index) => this.choose(index), describe });
+    this.live = new Newest(ask, (answer) => this.show(answer, { live: true }), (error) => this.stage.say(error.message, "bad"));
+    this.inspector = inspector;
+    place(
+      this.root,
+      h("header.head", null, h("div", null, h("h1", null, title), h("p", null, words)), h("div.actions", null, whoButton())),
+      h(
+        "div.bench",
+        null,
+        this.toolbar,
+        this.stage.root,
+        h("aside.inspector", { "aria-label": "The picture that is open", tabindex: 0 }, inspector.root, inspector.footer),
+        h("section.film", { "aria-label": "All pictures" }, bar, this.strip.root),
+      ),
+    );
+  }
+
+  /** Keys that every review has, around those of its own. */
+  bind(own) {
+    bindHere([
+      ["Enter", "Accept and go to the next", () => this.accept()],
+      ["ArrowRight .", "Next picture", () => this.step(1)],
+      ["ArrowLeft ,", "Picture before", () => this.step(-1)],
+      ["x", "Reject, or take back", () => this.reject()],
+      ["u Ctrl+z", "Undo", () => this.undo()],
+      ["r Ctrl+y Ctrl+Z", "Redo", () => this.redo()],
+      ["v", "Look and drag the ellipse", () => this.use("ellipse")],
+      ["o", "Region of interest", () => this.use("box")],
+      ...own,
+      ["[ ]", "Smaller or larger brush", ({ key }) => this.setRadius(key === "]" ? this.radius * 1.25 + 0.5 : this.radius * 0.8 - 0.5)],
+      ["+ - 0", "Zoom in, zoom out, fit the picture", null],
+      ["Tab", "To the handles; arrow keys move one, Shift ×10, Alt ×⅕", null],
+      ["Space", "Press or lift the tool at the cross-hair", null],
+    ]);
+  }
+
+  get entry() {
+    return this.entries[this.at];
+  }
+
+  async choose(index) {
+    if (index === this.at || !this.entries[index]) return;
+    // A handle that keys have moved keeps what it has when it loses the focus.
+    if (document.activeElement?.closest(".handle")) this.stage.root.focus({ preventScroll: true });
+    this.at = index;
+    const { item } = this.entry;
+    this.strip.choose(index);
+    history.replaceState(null, "", this.address(item));
+    this.corrections?.close();
+    this.corrections = new Corrections(item, { changed: () => this.#corrected(), overtaken: () => this.remeasure() });
+    this.#turned();
+    this.measured = null;
+    this.editor.hide();
+    this.box.set(null);
+    this.blank();
+    this.inspector.wait();
+    const mine = this.corrections;
+    try {
+      const [info] = await Promise.all([get("/api/picture/info", { item }), mine.load()]);
+      if (this.corrections !== mine) return;
+      this.arrived(info);
+      this.stage.show(info.preview ?? picture("preview", item), info.rows_px, info.columns_px, this.title());
+      await this.remeasure();
+    } catch (error) {
+      if (this.corrections === mine) this.#failed(error);
+    }
+  }
+
+  step(by) {
+    this.choose(this.at + by);
+  }
+
+  /** From now on answers to what was asked before are dropped. */
+  #turned() {
+    this.live.drop();
+    this.#busy(true);
+    return (this.#turn += 1);
+  }
+
+  #busy(yes) {
+    this.inspector.root.setAttribute("aria-busy", String(yes));
+  }
+
+  /** Measure under the correction that rules. */
+  async remeasure(turn = this.#turned()) {
+    const newest = () => this.#turn === turn;
+    try {
+      await this.measure(this.corrections.item, newest);
+    } catch (error) {
+      if (newest()) this.#failed(error);
+    }
+    if (newest()) this.#busy(false);
+  }
+
+  #failed(error) {
+    this.measured = null;
+    this.editor.hide();
+    this.blank();
+    this.stage.say(error.message, "bad");
+    this.inspector.show(null, error.message);
+    this.#busy(false);
+  }
+
+  #corrected() {
+    const { change } = this.corrections.document;
+    const entry = this.entries.find(({ item }) => item === this.corrections.item);
+    if (entry) {
+      entry.accepted = Boolean(change.accepted);
+      entry.rejected = change.rejected ?? null;
+      entry.corrected = Object.keys(plainChange(change)).some((key) => !VERDICTS.includes(key));
+      this.strip.refresh();
+    }
+    this.stage.root.classList.toggle("rejected", Boolean(change.rejected));
+    this.box.set(change.region_of_interest_px ?? null);
+    this.draw(change);
+    this.showTool();
+    this.inspector.corrected();
+  }
+
+  use(tool) {
+    this.tool = tool;
+    this.toolbar.show(tool);
+    this.brush = null;
+    this.stage.use(tool === "box" ? this.box : this.instrument(tool));
+    this.showTool();
+    this.inspector.tool();
+    this.stage.root.focus({ preventScroll: true });
+  }
+
+  /** A brush as the stage's tool; `done(stroke)` hears what it painted. */
+  paint(action, done) {
+    this.brush = new Brush(this.stage, { action, radius: this.radius, done });
+    return this.brush;
+  }
+
+  showTool() {
+    const editing = this.tool === "ellipse" && this.measured && !this.corrections?.change.rejected;
+    const shown = (yes) => (yes ? "" : "none");
+    for (const { node } of Object.values(this.editor.handles)) node.style.display = shown(editing);
+    this.editor.stalk.style.display = shown(editing);
+    this.box.layer.style.display = shown(this.tool === "box" || this.box.box);
+    for (const { node } of this.box.handles) node.style.display = shown(this.tool === "box");
+  }
+
+  setRadius(radius) {
+    this.radius = Math.round(Math.min(200, Math.max(1, radius)));
+    this.brush?.setRadius(this.radius);
+    this.inspector.radius?.show(this.radius);
+  }
+
+  #dragged(final) {
+    if (final) return this.dropped();
+    this.#turn += 1;
+    this.#busy(true);
+    this.live.ask(this.dragged());
+  }
+
+  set(key, value) {
+    return this.keep((change) => ({ ...change, [key]: value }));
+  }
+
+  /** Keep a change of what is measured: it takes back an earlier accept or reject. */
+  keep(edit) {
+    return this.#change((mine) => mine.keep(async (change) => plainChange({ ...(await edit(change)), accepted: false, rejected: null })));
+  }
+
+  undo() {
+    return this.#change((mine) => mine.undo());
+  }
+
+  redo() {
+    return this.#change((mine) => mine.redo());
+  }
+
+  revert() {
+    return this.keep(() => ({}));
+  }
+
+  async #change(send) {
+    const turn = this.#turned();
+    await send(this.corrections).catch(complain);
+    if (turn === this.#turn) await this.remeasure(turn);
+  }
+
+  async accept() {
+    const mine = this.corrections;
+    if (!this.measured) return say(this.nothing, { kind: "error" });
+    if (!mine.change.accepted) await mine.keep((change) => plainChange({ ...change, accepted: true, rejected: null })).catch(complain);
+    if (this.corrections !== mine) return;
+    if (this.entries[this.at + 1]) this.step(1);
+    else say(...this.last);
+  }
+
+  async reject() {
+    const mine = this.corrections;
+    const rejected = mine.change.rejected ? null : this.inspector.reason();
+    await mine.keep((change) => plainChange({ ...change, accepted: false, rejected })).catch(complain);
+    if (rejected && this.corrections === mine) this.step(1);
+  }
+
+  close() {
+    this.corrections?.close();
+    this.live?.drop();
+    this.stage?.close();
+    this.strip?.close();
+  }
+}
