@@ -98,7 +98,8 @@ class Tab:
 def numbers(page: Page, part: str = "numbers") -> str:
     """The numbers of an inspector once they are those of the newest state."""
     page.wait_for_function(
-        "part => document.querySelector(`[data-live=${part}]`) && !document.querySelector('[aria-busy=true]')",
+        "part => document.querySelector(`[data-live=${part}]`)"
+        " && !document.querySelector('[aria-busy=true]')",
         arg=part,
     )
     return page.locator(f"[data-live={part}]").inner_text().replace("\N{NO-BREAK SPACE}", " ")
