@@ -119,18 +119,13 @@ def measure_frames(
             yield FrameResult(index=frame.index, reason=reason)
             continue
         try:
-            imprint = _imprint(frame.pixels, scale, reading, place)
+            imprint = measure_imprint(frame.pixels, scale, **reading.settings, **place)
         except ImageError as error:
             yield FrameResult(index=frame.index, reason=str(error))
             continue
         if watch is not None:
             watch(frame.index, frame.pixels, imprint)
         yield FrameResult(index=frame.index, measures=imprint.as_record(), flags=imprint.flags)
-
-
-def _imprint(pixels: Pixels, scale: Scale, reading: Reading, place: Place) -> Imprint:
-    """Measure one frame as the whole sequence is read: the only place that hands a reading on."""
-    return measure_imprint(pixels, scale, **reading.settings, **place)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -182,8 +182,8 @@ def learn_reading(
 
 def _chosen(frames: Iterable[Frame], indices: Collection[int]) -> Iterator[Frame]:
     """Return some of the frames, in the sequence's order."""
-    if isinstance(frames, Frames):
-        return (frame for index in indices for frame in frames.between(index, index + 1))
+    if isinstance(frames, Frames) and frames.kind != "video":  # a video is decoded up to each frame
+        return map(frames.at, indices)
     return (frame for frame in frames if frame.index in indices)
 
 

@@ -47,7 +47,7 @@ class FrameOverlay(NamedTuple):
     file: str
 
 
-class Told(NamedTuple):
+class Gist(NamedTuple):
     """What the frames of a film come to.
 
     Attributes
@@ -154,24 +154,24 @@ class Footage:
         record = from_imprint(imprint, self.sequence, self.found)
         return {**record, "covariance": record["covariance"].tolist()}
 
-    def draw(self, reading: Reading, told: Told, folder: Path, out: Path) -> Record:
+    def draw(self, reading: Reading, gist: Gist, folder: Path, out: Path) -> Record:
         """Draw the chosen frames, each once, and return what there is to be said of the film."""
         frames = open_frames(folder / self.sequence.path)
         overlays: dict[int, FrameOverlay] = {}
-        for role, index in told.chosen.items():
+        for role, index in gist.chosen.items():
             if index in overlays:
                 continue
             file = f"overlays/sequences/{self.sequence.name}_frame_{index:06d}.png"
             overlays[index] = FrameOverlay(role, index, file)
             label = f"{'synthetic, ' if self.sequence.synthetic else ''}frame {index}, {role}"
-            (frame,) = frames.between(index, index + 1)
+            frame = frames.at(index)
             imprint = self._corrected(frame, reading, folder).imprint
             assert frame.pixels is not None  # it was measured
             assert imprint is not None
             make_folder((out / file).parent)
             write_overlay(out / file, frame.pixels, imprint, label=label)
         return {
-            "summary": asdict(told.summary),
+            "summary": asdict(gist.summary),
             "overlays": [list(overlay) for overlay in overlays.values()],
         }
 

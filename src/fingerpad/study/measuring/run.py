@@ -69,14 +69,14 @@ def measure_study(
         If results cannot be kept.
     """
     marks = {name: mark for name, mark in store.marks().items() if _drawn(mark, out)}
-    told = _Told(keys, marks, on_progress)
+    tally = _Tally(keys, marks, on_progress)
 
     def is_done(task: Task) -> bool:
         mark = marks.get(task.name)
         if mark is None or mark.key != task.key:
             return False
         if task.name != task.item:  # a piece of a film that is not done as a whole
-            told.pictures += task.pictures
+            tally.pictures += task.pictures
         return True
 
     def keep(task: Task, done: Done) -> None:
@@ -86,7 +86,7 @@ def measure_study(
         else:
             _keep_pictures(out, done.pictures)
         store.put(task.name, key, record, seconds=done.seconds, count=task.pictures, drawn=done.pictures)
-        told.tell(task, failed=record.get("reason") is not None, seconds=done.seconds)
+        tally.tell(task, failed=record.get("reason") is not None, seconds=done.seconds)
 
     films = (
         film_plan(sequence, keys, scales, store)
@@ -96,7 +96,7 @@ def measure_study(
     single = (
         iter(([task],)) for task in chain(photograph_tasks(keys, scales), observation_tasks(keys, scales))
     )
-    told.tell()
+    tally.tell()
     run_plans(chain(films, single), hands, keep, is_done)
 
 
@@ -182,7 +182,7 @@ def _keep_pictures(out: Path, pictures: Mapping[str, bytes]) -> None:
             ) from error
 
 
-class _Told:
+class _Tally:
     """Progress so far."""
 
     def __init__(

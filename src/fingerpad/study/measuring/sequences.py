@@ -33,7 +33,7 @@ from fingerpad.study.corrections.log import frames_of
 from fingerpad.study.engine.store import Store
 from fingerpad.study.engine.task import CHANGED, ChangedError, Record, Task, Work
 from fingerpad.study.manifest import ContactSequence
-from fingerpad.study.measuring.footage import Footage, FrameOverlay, Told, survey_from
+from fingerpad.study.measuring.footage import Footage, FrameOverlay, Gist, survey_from
 from fingerpad.study.measuring.measure import Measurement, contact_correction, reviewed
 from fingerpad.study.measuring.scales import find_scale
 from fingerpad.study.measuring.tasks import Keys, Scales, chained
@@ -165,7 +165,7 @@ class Film:
             replace(self._task(_FRAMES, partial(measure, piece), piece), pictures=piece[1] - piece[0])
             for piece in self.pieces
         ]
-        draw = partial(self.footage.draw, reading, _told(self.placed(store), self.force))
+        draw = partial(self.footage.draw, reading, _gist_of(self.placed(store), self.force))
         yield [replace(self._task("", draw), name=self.sequence.name, key=film_key(self.sequence, self.keys))]
 
     def _task(self, stage: str, work: Work, piece: tuple[int, int] | None = None) -> Task:
@@ -335,7 +335,7 @@ def _good(store: Store, task: str, key: str) -> Record:
     return record
 
 
-def _told(placed: Iterator[tuple[FrameResult, Record | None]], force: ForceSignal) -> Told:
+def _gist_of(placed: Iterator[tuple[FrameResult, Record | None]], force: ForceSignal) -> Gist:
     """Return what the frames come to, and the few that are worth drawing."""
     chosen: dict[str, int] = {}
     largest_load = -math.inf
@@ -350,7 +350,7 @@ def _told(placed: Iterator[tuple[FrameResult, Record | None]], force: ForceSigna
                 chosen["last contact"] = result.index
             yield result
 
-    return Told(sequence_summary(followed(), force), chosen)
+    return Gist(sequence_summary(followed(), force), chosen)
 
 
 def _clock(sequence: ContactSequence, frames: Frames, force: ForceSignal, folder: Path) -> FrameClock:
