@@ -11,14 +11,10 @@ from fingerpad.image.ellipse_fit import (
     fit_ellipse,
 )
 from fingerpad.image.imprint.edits import BrushStroke, HandEllipse
-from fingerpad.image.imprint.measure import (
-    PLAUSIBLE_RIDGE_PERIOD_MM,
-    PreparedImprint,
-    measure_imprint,
-    prepare_imprint,
-)
+from fingerpad.image.imprint.measure import measure_imprint
 from fingerpad.image.imprint.overlay import draw_overlay, write_overlay
-from fingerpad.image.imprint.result import FLAGS, Imprint, ImprintSettings
+from fingerpad.image.imprint.prepare import PreparedImprint, prepare_imprint
+from fingerpad.image.imprint.result import FLAGS, PLAUSIBLE_RIDGE_PERIOD_MM, Imprint, ImprintSettings
 from fingerpad.image.photograph._face_frame import Direction
 from fingerpad.image.photograph.by_hand import (
     photograph_from_ellipse,

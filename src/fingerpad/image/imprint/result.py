@@ -21,6 +21,8 @@ FLAGS = (
     "scale_doubtful",
     "edited_by_person",
 )
+# Beyond it a ridge period is doubtful, and with it the scale.
+PLAUSIBLE_RIDGE_PERIOD_MM = (0.25, 0.9)
 
 
 class ImprintSettings(TypedDict):
