@@ -1,11 +1,9 @@
 """Studies side by side as one page and its figures."""
 
 from collections.abc import Iterator, Sequence
-from importlib.resources import files
 from pathlib import Path
 from typing import Final
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 import fingerpad
@@ -14,6 +12,7 @@ from fingerpad.exceptions import FingerpadError
 from fingerpad.figures import new_figure, save_figure
 from fingerpad.figures.compare import FingerLine, MeanMark, colours_of, plot_by_wedge, plot_forest
 from fingerpad.report.plot import Plot
+from fingerpad.report.templates import templates
 from fingerpad.study.compare import QUANTITIES, Comparison, Mean, Value
 from fingerpad.units import two_digits, value_with_uncertainty
 
@@ -43,19 +42,13 @@ def write_comparison_page(comparison: Comparison, out: Path) -> Path:
         If a file cannot be written.
     """
     make_folder(out / "figures")
-    environment = Environment(
-        loader=PackageLoader("fingerpad.report", "."),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-    )
-    environment.globals |= {"pm": value_with_uncertainty, "interval": _interval, "two": _two_digits}
+    environment = templates()
+    environment.globals |= {"interval": _interval, "two": _two_digits}
     path = out / "compare.html"
     try:
         page = environment.get_template("compare.html.jinja").render(
             comparison=comparison,
             version=fingerpad.__version__,
-            style=Markup(files("fingerpad.report").joinpath("report.css").read_text(encoding="utf-8")),  # noqa: S704
             quantities=[
                 {
                     "name": name,

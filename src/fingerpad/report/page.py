@@ -5,12 +5,10 @@ import gc
 import io
 from collections import Counter
 from collections.abc import Callable, Iterable
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 from PIL import Image
 
@@ -30,6 +28,7 @@ from fingerpad.report.plots import (
     thinned,
     velocity_plots,
 )
+from fingerpad.report.templates import templates
 from fingerpad.report.text import FLAG_WORDS, doubtful_frames, in_words
 from fingerpad.study.results.check import UncertaintyCheck
 from fingerpad.study.results.rows import RANGE_NOTES
@@ -53,12 +52,7 @@ def write_report(result: StudyResult, out: Path) -> Path:
     FingerpadError
         If a file cannot be written.
     """
-    environment = Environment(
-        loader=PackageLoader("fingerpad.report", "."),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-    )
+    environment = templates()
     filters: dict[str, Callable[..., Any]] = {
         "flags": lambda codes: in_words(codes, FLAG_WORDS),
         # Read as the page is written: all together they would take more memory than all rows.
@@ -68,7 +62,6 @@ def write_report(result: StudyResult, out: Path) -> Path:
     }
     environment.filters |= filters
     environment.globals |= {
-        "pm": value_with_uncertainty,
         "two": two_digits,
         "quantity": _quantity,
     }
@@ -79,7 +72,6 @@ def write_report(result: StudyResult, out: Path) -> Path:
             failed=result.failed_contacts,
             most_failed=_MOST_FAILED,
             decided=result.decided,
-            style=Markup(files("fingerpad.report").joinpath("report.css").read_text(encoding="utf-8")),  # noqa: S704
             groups=[
                 _group(result, summary, check, out)
                 for summary, check in zip(result.summaries, result.checks, strict=True)
