@@ -14,7 +14,8 @@ from hypothesis import strategies as st
 
 from fingerpad.exceptions import CorrectionConflict, StoreError
 from fingerpad.study.corrections.changes import ContactCorrection
-from fingerpad.study.corrections.log import CORRECTIONS_NAME, CorrectionLog, frames_of, kind_of
+from fingerpad.study.corrections.decisions import CORRECTIONS_NAME
+from fingerpad.study.corrections.log import CorrectionLog, frames_of, kind_of
 from fingerpad.study.manifest import Study
 
 STUDY = Study.model_validate(

@@ -7,8 +7,10 @@ import pytest
 
 from fingerpad.exceptions import EditConflict, ManifestError, StoreError
 from fingerpad.study.corrections.log import CorrectionLog
-from fingerpad.study.editing.edit import DRAFT_NAME, STUDY_NAME, Edit, change_study, create_study, study_state
+from fingerpad.study.editing.documents import DRAFT_NAME, STUDY_NAME
+from fingerpad.study.editing.edit import change_study, create_study, study_state
 from fingerpad.study.editing.missing import missing
+from fingerpad.study.editing.state import Edit
 from fingerpad.study.manifest import read_study
 
 MANIFEST = """\

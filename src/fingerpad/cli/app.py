@@ -46,7 +46,7 @@ def app(
 
 
 def _folder_of(study: Path) -> Path:
-    from fingerpad.study.editing.edit import STUDY_NAME
+    from fingerpad.study.editing.documents import STUDY_NAME
 
     if study.is_dir():
         return study.absolute()

@@ -1,9 +1,28 @@
-"""Files that are there whole, old or new, whatever happens while they are written."""
+"""Files that are there whole, old or new, whatever happens while they are written; one writer at a time."""
 
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from typing import Final
 
-from fingerpad.exceptions import ManifestError
+from filelock import FileLock, Timeout
+
+from fingerpad.exceptions import ManifestError, StoreError
+
+_WAIT_S: Final = 30.0
+
+
+@contextmanager
+def locked(path: Path, lock: Path) -> Iterator[None]:
+    """Hold the lock of a file or folder, and say plainly where it cannot be written."""
+    try:
+        with FileLock(lock, timeout=_WAIT_S):
+            yield
+    except Timeout:
+        raise StoreError(f"{path}: another process has been writing for {_WAIT_S:g} s: try again") from None
+    except OSError as error:
+        raise StoreError(f"{path}: cannot be written ({error.strerror})") from error
 
 
 def text_of(path: Path) -> str | None:

@@ -9,7 +9,7 @@ from pathlib import Path, PurePosixPath
 from typing import Final
 from uuid import uuid4
 
-from fingerpad.study.editing.edit import DRAFT_NAME, STUDY_NAME
+from fingerpad.study.editing.documents import DRAFT_NAME, STUDY_NAME
 from fingerpad.web.refusal import Refusal
 
 MOST_FILES: Final = 200_000

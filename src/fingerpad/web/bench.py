@@ -10,7 +10,7 @@ from typing import Any, Final
 
 import fingerpad
 from fingerpad.image.read import PIXEL_LIMIT
-from fingerpad.study.editing.edit import DRAFT_NAME, STUDY_NAME
+from fingerpad.study.editing.documents import DRAFT_NAME, STUDY_NAME
 from fingerpad.web.events import Events
 from fingerpad.web.open_study import OpenStudy
 from fingerpad.web.refusal import Refusal

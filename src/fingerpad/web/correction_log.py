@@ -5,7 +5,8 @@ from pathlib import Path
 from threading import Lock
 from typing import Any
 
-from fingerpad.study.corrections.log import CorrectionLog, History, Record, Ruling
+from fingerpad.study.corrections.decisions import History, Record, Ruling
+from fingerpad.study.corrections.log import CorrectionLog
 from fingerpad.study.manifest import Study
 
 

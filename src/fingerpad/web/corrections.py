@@ -7,7 +7,8 @@ from typing import Annotated, Any, Final
 from pydantic import Field
 
 from fingerpad.exceptions import CorrectionConflict
-from fingerpad.study.corrections.log import Record, kind_of
+from fingerpad.study.corrections.decisions import Record
+from fingerpad.study.corrections.log import kind_of
 from fingerpad.web.asked import Item, Person
 from fingerpad.web.bench import Bench
 from fingerpad.web.open_study import OpenStudy

@@ -6,8 +6,8 @@ from functools import cache
 from typing import Any, Final
 
 from fingerpad.exceptions import StoreError
-from fingerpad.study.corrections.log import CORRECTIONS_NAME, Ruling
-from fingerpad.study.editing.edit import STUDY_NAME
+from fingerpad.study.corrections.decisions import CORRECTIONS_NAME, Ruling
+from fingerpad.study.editing.documents import STUDY_NAME
 from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.manifest import Study
 from fingerpad.study.measuring.run import items_of

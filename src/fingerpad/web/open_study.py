@@ -11,8 +11,10 @@ from pydantic import BaseModel
 
 from fingerpad.exceptions import ImageError, ManifestError
 from fingerpad.image import open_frames
-from fingerpad.study.editing.edit import DRAFT_NAME, STUDY_NAME, Edit, Incomplete, change_study, study_state
+from fingerpad.study.editing.documents import DRAFT_NAME, STUDY_NAME
+from fingerpad.study.editing.edit import change_study, study_state
 from fingerpad.study.editing.missing import Missing, missing_of
+from fingerpad.study.editing.state import Edit, Incomplete
 from fingerpad.study.engine.store import STORE_NAME
 from fingerpad.study.manifest import (
     Contact,

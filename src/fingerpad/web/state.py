@@ -10,7 +10,8 @@ from pydantic import BaseModel, Field
 
 from fingerpad.image import PHOTOGRAPH_FLAGS
 from fingerpad.report.text import FLAG_WORDS
-from fingerpad.study.corrections.log import Ruling, frames_of
+from fingerpad.study.corrections.decisions import Ruling
+from fingerpad.study.corrections.log import frames_of
 from fingerpad.study.manifest import Contact, Finger, Study
 from fingerpad.study.measuring.fingers import is_rejected
 from fingerpad.study.results.columns import COLUMNS

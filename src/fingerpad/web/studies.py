@@ -7,7 +7,10 @@ from typing import Annotated, Any, Final
 from pydantic import Field
 
 from fingerpad.exceptions import EditConflict
-from fingerpad.study.editing.edit import STUDY_NAME, Edit, Kind, create_study
+from fingerpad.study.editing.documents import STUDY_NAME
+from fingerpad.study.editing.edit import create_study
+from fingerpad.study.editing.incomplete import Kind
+from fingerpad.study.editing.state import Edit
 from fingerpad.web.bench import NAME, Bench
 from fingerpad.web.operations import Operation, Question
 from fingerpad.web.refusal import Refusal

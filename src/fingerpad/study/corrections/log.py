@@ -7,13 +7,10 @@ Nothing that the program measured is kept here, and nothing that it measured is 
 
 import json
 import os
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, Final, Literal, TypeAlias
-
-from filelock import FileLock, Timeout
 
 from fingerpad.exceptions import CorrectionConflict, StoreError
 from fingerpad.study.corrections.changes import Change, ContactCorrection, PhotographCorrection
@@ -26,14 +23,13 @@ from fingerpad.study.corrections.decisions import (
     checked_change,
     record_of,
 )
-from fingerpad.study.durable import sync_folder
+from fingerpad.study.durable import locked, sync_folder
 from fingerpad.study.manifest import Study
 
-LOCK_NAME: Final = ".corrections.lock"
+_LOCK: Final = ".corrections.lock"
 
 Kind: TypeAlias = Literal["observation", "frame", "photograph"]
 
-_WAIT_S: Final = 30.0
 _MOST_NAME: Final = 200
 
 
@@ -193,7 +189,7 @@ class CorrectionLog:
         who = " ".join(who.split())
         if not 0 < len(who) <= _MOST_NAME:
             raise StoreError(f"{item}: a correction needs the name of who makes it, found {who[:40]!r}")
-        with _locked(self._path):
+        with locked(self._path, self._path.with_name(_LOCK)):
             history = self.history(item)
             if history.last_id != expected:
                 latest = history.records[-1] if history.records else None
@@ -278,30 +274,3 @@ def _require_picture(item: str, change: Change, study: Study) -> None:
             f"{item}: its ellipse was given, there is no picture to correct: accept or reject it, or change "
             "ellipse_mm in the manifest"
         )
-
-
-@contextmanager
-def _locked(path: Path) -> Iterator[None]:
-    """Hold the lock of the corrections, and say plainly where they cannot be written."""
-    try:
-        with FileLock(path.with_name(LOCK_NAME), timeout=_WAIT_S):
-            yield
-    except Timeout:
-        raise StoreError(f"{path}: another process has been writing for {_WAIT_S:g} s: try again") from None
-    except OSError as error:
-        raise StoreError(f"{path}: cannot be written ({error.strerror})") from error
-
-
-__all__: Sequence[str] = (
-    "CORRECTIONS_NAME",
-    "LOCK_NAME",
-    "Change",
-    "ContactCorrection",
-    "CorrectionLog",
-    "History",
-    "PhotographCorrection",
-    "Record",
-    "Ruling",
-    "frames_of",
-    "kind_of",
-)

@@ -4,22 +4,19 @@ What is not complete yet cannot stand in ``study.toml``. It waits in ``draft.tom
 layout, and moves over by itself as soon as the manifest takes it.
 """
 
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
 import tomlkit
-from filelock import FileLock, Timeout
 
 from fingerpad.exceptions import EditConflict, ManifestError, StoreError
-from fingerpad.study.durable import replace_file
+from fingerpad.study.durable import locked, replace_file
 from fingerpad.study.editing.documents import DRAFT_NAME, STUDY_NAME, StudyFiles
-from fingerpad.study.editing.incomplete import Kind
-from fingerpad.study.editing.state import Edit, Incomplete, StudyState
+from fingerpad.study.editing.make_edit import make_edit
+from fingerpad.study.editing.state import Edit, StudyState
 
-LOCK_NAME: Final = ".study.lock"
-_WAIT_S: Final = 30.0
+_LOCK: Final = ".study.lock"
 
 
 def create_study(folder: Path, title: str) -> StudyState:
@@ -38,7 +35,7 @@ def create_study(folder: Path, title: str) -> StudyState:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise StoreError(f"{folder}: cannot make this folder ({error.strerror})") from error
-    with _locked(folder):
+    with locked(folder, folder / _LOCK):
         if any((folder / name).exists() for name in (STUDY_NAME, DRAFT_NAME)):
             raise ManifestError(f"{folder}: there is a study already: open it, or name another folder")
         replace_file(folder / DRAFT_NAME, tomlkit.dumps({"title": title.strip()}))
@@ -82,40 +79,14 @@ def change_study(folder: Path, edits: Sequence[Edit], *, expected: str) -> Study
     StoreError
         If the folder cannot be written.
     """
-    with _locked(folder):
+    with locked(folder, folder / _LOCK):
         files = StudyFiles.to_edit(folder)
         if files.digest != expected:
             raise EditConflict(
                 f"{files.title}: someone has changed the study since: look at it again before you do"
             )
         for edit in edits:
-            files.apply(edit)
+            make_edit(files, edit)
         files.settle()
         files.write()
         return files.state()
-
-
-@contextmanager
-def _locked(folder: Path) -> Iterator[None]:
-    """Hold the lock of the manifest, and say plainly where it cannot be written."""
-    try:
-        with FileLock(folder / LOCK_NAME, timeout=_WAIT_S):
-            yield
-    except Timeout:
-        raise StoreError(f"{folder}: another process has been writing for {_WAIT_S:g} s: try again") from None
-    except OSError as error:
-        raise StoreError(f"{folder}: the study cannot be written ({error.strerror})") from error
-
-
-__all__: Sequence[str] = (
-    "DRAFT_NAME",
-    "LOCK_NAME",
-    "STUDY_NAME",
-    "Edit",
-    "Incomplete",
-    "Kind",
-    "StudyState",
-    "change_study",
-    "create_study",
-    "study_state",
-)

@@ -6,7 +6,9 @@ from pathlib import Path
 from typing import Final
 
 from fingerpad.image import FACE_AXES
-from fingerpad.study.editing.edit import DRAFT_NAME, STUDY_NAME, StudyState, study_state
+from fingerpad.study.editing.documents import DRAFT_NAME, STUDY_NAME
+from fingerpad.study.editing.edit import study_state
+from fingerpad.study.editing.state import StudyState
 from fingerpad.study.manifest import Finger, Study
 
 # What can be a picture, a film, a curve or an outline.

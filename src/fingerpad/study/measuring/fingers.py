@@ -22,7 +22,7 @@ from fingerpad.image import (
 )
 from fingerpad.study.corrections.changes import PhotographCorrection
 from fingerpad.study.corrections.corrected import corrected_photograph
-from fingerpad.study.corrections.log import Ruling
+from fingerpad.study.corrections.decisions import Ruling
 from fingerpad.study.manifest import Finger, Photograph
 from fingerpad.study.measuring.scales import FoundScale, find_scale
 from fingerpad.study.words import in_study

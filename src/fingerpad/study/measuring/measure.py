@@ -12,7 +12,7 @@ from fingerpad._files import make_folder
 from fingerpad.image import Imprint, read_image, write_overlay
 from fingerpad.study.corrections.changes import ContactCorrection
 from fingerpad.study.corrections.corrected import NOTHING, CorrectedImprint, corrected_imprint
-from fingerpad.study.corrections.log import Ruling
+from fingerpad.study.corrections.decisions import Ruling
 from fingerpad.study.manifest import Contact, Direction, Observation
 from fingerpad.study.measuring.scales import FoundScale, find_scale
 from fingerpad.study.words import in_study
