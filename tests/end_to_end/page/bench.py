@@ -19,7 +19,7 @@ ROOT = Path(__file__).resolve().parents[3]
 DEMO = ROOT / "examples" / "dzidek2017"
 REAL = ROOT.parent / "shared" / "data"
 PRINTS = REAL / "nist_nbis_livescan_slaps"
-PATIENCE_MS = 30_000  # machines that test are busy
+PATIENCE_MS = 60_000  # machines that test are busy
 
 
 class Served:
@@ -127,12 +127,23 @@ def middle(place: Locator) -> tuple[float, float]:
     return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
 
 
+def stroke(page: Page, start: tuple[float, float], end: tuple[float, float]) -> None:
+    """Press the button at one place and let it go at another."""
+    page.mouse.move(*start)
+    page.mouse.down()
+    page.mouse.move(*end, steps=6)
+    lift(page)
+
+
+def lift(page: Page) -> None:
+    """Let the button go, and wait until the page has taken in what the hand did: a busy one lags behind."""
+    page.mouse.up()
+    page.evaluate("() => new Promise((seen) => requestAnimationFrame(() => requestAnimationFrame(seen)))")
+
+
 def drag(page: Page, place: Locator, dx: float, dy: float) -> None:
     x, y = middle(place)
-    page.mouse.move(x, y)
-    page.mouse.down()
-    page.mouse.move(x + dx, y + dy, steps=6)
-    page.mouse.up()
+    stroke(page, (x, y), (x + dx, y + dy))
 
 
 def focus(page: Page, name: str, role: str = "button") -> Locator:

@@ -5,7 +5,7 @@ import zipfile
 
 import pytest
 from PIL import Image
-from tests.end_to_end.page.bench import DEMO, PRINTS, Tab, drag, focus, middle
+from tests.end_to_end.page.bench import DEMO, PRINTS, Tab, drag, focus, middle, stroke
 
 from fingerpad.image import render_coin
 
@@ -110,10 +110,7 @@ def test_line_on_a_ruler_by_pointer_then_by_keyboard(tab: Tab, demo) -> None:
     page.get_by_label("Picture", exact=True).select_option("synthetic/photograph_palmar.jpg")
     page.wait_for_function(PICTURE_THERE)
     x, y = middle(page.locator(".stage"))
-    page.mouse.move(x - 150, y)
-    page.mouse.down()
-    page.mouse.move(x + 150, y, steps=5)
-    page.mouse.up()
+    stroke(page, (x - 150, y), (x + 150, y))
     page.get_by_text("Now type how long the line is.").wait_for()
     page.get_by_label("Length of the line").fill("20")
     page.get_by_label("Length of the line").press("Enter")

@@ -8,7 +8,7 @@ from importlib import resources
 import numpy as np
 import pytest
 from PIL import Image
-from tests.end_to_end.page.bench import DEMO, Tab, changed, drag, focus, middle, numbers, served
+from tests.end_to_end.page.bench import DEMO, Tab, changed, drag, focus, lift, middle, numbers, served
 
 # Each step, and what stands there once it is drawn.
 STEPS = {
@@ -25,6 +25,12 @@ STEPS = {
     "run": ".export",
 }
 AXE = resources.files("axe_playwright_python").joinpath("axe.min.js").read_text()
+# Judge the page once its colours have stopped changing.
+JUDGE = """async () => {
+  const ending = document.getAnimations().filter((one) => one.effect.getComputedTiming().endTime < Infinity);
+  await Promise.allSettled(ending.map((one) => one.finished));
+  return axe.run(document, { resultTypes: ['violations'] });
+}"""
 PRINT = "synthetic_30deg_2N"
 
 # Scroll the filmstrip by ninety times eighteen pictures, and say how long each picture of the screen took.
@@ -81,7 +87,7 @@ def test_nothing_serious_stands_in_anyones_way(browser, run_demo, theme: str) ->
         for step, there in STEPS.items():
             tab.go(step)
             page.locator(there).first.wait_for()
-            result = page.evaluate("() => axe.run(document, { resultTypes: ['violations'] })")
+            result = page.evaluate(JUDGE)
             serious = [each for each in result["violations"] if each["impact"] in ("serious", "critical")]
             found[step] = [
                 (each["id"], each["nodes"][0]["target"], each["nodes"][0]["any"][:1]) for each in serious
@@ -109,7 +115,7 @@ def test_numbers_follow_a_dragged_handle_at_1024(browser, tmp_path) -> None:
             page.mouse.move(x + 20 * np.sin(step / 4), y + step / 4)
             page.wait_for_timeout(30)
         waits = page.evaluate("() => window.waits")
-        page.mouse.up()
+        lift(page)
         tab.close()
     median, slow = np.percentile(waits, [50, 90])
     print(f"pointer to numbers: median {median:.0f} ms, 90th percentile {slow:.0f} ms")
@@ -172,7 +178,7 @@ def test_killed_in_the_middle_of_an_edit_loses_nothing_confirmed(browser, demo) 
         page.mouse.down()
         page.mouse.move(x, y + 30, steps=3)
         server.kill(signal.SIGKILL)
-        page.mouse.up()
+        lift(page)
         page.get_by_text("The program does not answer.").first.wait_for()
         tab.close()
     with served(demo.parent, str(demo / "study.toml")) as server:

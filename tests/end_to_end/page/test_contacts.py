@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import tifffile
 from PIL import Image
-from tests.end_to_end.page.bench import DEMO, PRINTS, Tab, changed, drag, focus, middle, numbers
+from tests.end_to_end.page.bench import DEMO, PRINTS, Tab, changed, drag, focus, middle, numbers, stroke
 
 PRINT = "synthetic_30deg_2N"
 
@@ -60,17 +60,11 @@ def test_brush_by_pointer_takes_and_gives_region(tab: Tab, demo) -> None:
     page.keyboard.press("e")
     page.keyboard.press("]")
     x, y = middle(page.get_by_role("button", name="Centre of the ellipse").or_(page.locator(".stage")).first)
-    page.mouse.move(x + 180, y - 150)
-    page.mouse.down()
-    page.mouse.move(x + 180, y + 150, steps=8)
-    page.mouse.up()
+    stroke(page, (x + 180, y - 150), (x + 180, y + 150))
     less = changed(page, before)
     assert value(less, "mm²") < value(before, "mm²") * 0.99
     page.keyboard.press("b")
-    page.mouse.move(x + 180, y - 150)
-    page.mouse.down()
-    page.mouse.move(x + 180, y + 150, steps=8)
-    page.mouse.up()
+    stroke(page, (x + 180, y - 150), (x + 180, y + 150))
     assert value(changed(page, less), "mm²") > value(less, "mm²")
     assert [stroke["action"] for stroke in corrections(demo)[-1]["change"]["strokes"]] == ["remove", "add"]
 
@@ -107,10 +101,7 @@ def test_threshold_polarity_seed_and_region_of_interest(tab: Tab, demo) -> None:
     page.mouse.click(x + 10, y)
     page.get_by_role("button", name="Forget seed point").wait_for()
     page.keyboard.press("o")
-    page.mouse.move(x - 120, y - 120)
-    page.mouse.down()
-    page.mouse.move(x + 120, y + 120, steps=4)
-    page.mouse.up()
+    stroke(page, (x - 120, y - 120), (x + 120, y + 120))
     page.get_by_text("the contact is cut by the mask or region of interest").wait_for()
     assert value(numbers(page), "mm²") < value(thinner, "mm²")
     assert {"threshold", "seed_px", "region_of_interest_px"} <= set(corrections(demo)[-1]["change"])

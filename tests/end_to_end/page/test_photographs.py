@@ -3,7 +3,7 @@
 import json
 import re
 
-from tests.end_to_end.page.bench import Tab, changed, drag, focus, middle, moving, numbers
+from tests.end_to_end.page.bench import Tab, changed, drag, focus, lift, middle, moving, numbers, stroke
 
 ITEM = "synthetic_pad/synthetic/photograph_palmar.jpg"
 
@@ -47,7 +47,7 @@ def test_dragged_axis_moves_the_joint_result(tab: Tab, demo) -> None:
     held = moving(page, pad, "finger")
     assert not (demo / "corrections.jsonl").exists()
     assert distal(held) < distal(pad) - 0.02
-    page.mouse.up()
+    lift(page)
     assert distal(numbers(page, "finger")) < distal(pad) - 0.02
     assert page.get_by_text("by a person", exact=True).is_visible()
     assert list(last_change(demo)) == ["ellipse_px"]
@@ -78,10 +78,7 @@ def test_points_are_added_moved_and_rubbed_out(tab: Tab, demo) -> None:
     for _ in range(6):
         page.keyboard.press("]")
     x, y = middle(page.locator(".stage"))
-    page.mouse.move(x - 60, y - 170)
-    page.mouse.down()
-    page.mouse.move(x + 60, y - 170, steps=6)
-    page.mouse.up()
+    stroke(page, (x - 60, y - 170), (x + 60, y - 170))
     fewer = changed(page, before, "face")
     assert set(last_change(demo)) == {"erased"}
     page.keyboard.press("b")
@@ -134,21 +131,11 @@ def test_length_by_pointer_and_by_keys(tab: Tab) -> None:
     numbers(page, "face")
     page.keyboard.press("l")
     x, y = middle(page.locator(".stage"))
-    page.mouse.move(x - 100, y)
-    page.mouse.down()
-    page.mouse.move(x + 100, y, steps=4)
-    page.mouse.up()
-    length = page.locator("[data-live=length] .figure-big")
-    length.wait_for()
-    first = length.inner_text()
-    assert re.fullmatch(r"[\d.]+\s±\s[\d.]+ mm", first)
+    stroke(page, (x - 100, y), (x + 100, y))
+    first = numbers(page, "length")
+    assert re.match(r"[\d.]+ ± [\d.]+ mm", first)
     drag(page, page.get_by_role("button", name="End of the line"), 30, 0)
-    page.wait_for_function(
-        "was => document.querySelector('[data-live=length] .figure-big').innerText !== was", arg=first
-    )
-    second = length.inner_text()
+    second = numbers(page, "length")
     page.get_by_role("button", name="Start of the line").press("Shift+ArrowLeft")
-    page.wait_for_function(
-        "was => document.querySelector('[data-live=length] .figure-big').innerText !== was", arg=second
-    )
-    assert float(length.inner_text().split()[0]) > float(first.split()[0])
+    third = numbers(page, "length")
+    assert float(first.split()[0]) < float(second.split()[0]) < float(third.split()[0])

@@ -61,11 +61,11 @@ class Photographs extends Review {
       inspector: new PhotographInspector(this),
     });
     this.stage.root.classList.add("face");
-    this.line = new Line(this.stage, (ends) => this.lengths.ask(ends));
+    this.line = new Line(this.stage, (ends) => this.#measureLine(ends));
     this.lengths = new Newest(
       (ends) => post("/api/measure/length", { scale: this.entry.scale, line_px: ends, ends_std_px: 1 }),
       (answer) => this.#length(answer),
-      (error) => this.stage.say(error.message, "bad"),
+      (error) => this.#length(null, error),
     );
     this.bind([
       ["b", "Add points on the outline", () => this.use("points")],
@@ -124,9 +124,18 @@ class Photographs extends Review {
     this.inspector.show(answer);
   }
 
-  #length(answer) {
-    this.line.write(quantityText(answer, "length_mm"));
-    this.inspector.length(answer);
+  #measureLine(ends) {
+    this.inspector.parts.tool.setAttribute("aria-busy", "true");
+    this.lengths.ask(ends);
+  }
+
+  #length(answer, error) {
+    if (error) this.stage.say(error.message, "bad");
+    else {
+      this.line.write(quantityText(answer, "length_mm"));
+      this.inspector.length(answer);
+    }
+    this.inspector.parts.tool.setAttribute("aria-busy", String(this.lengths.behind));
   }
 
   draw(change) {
