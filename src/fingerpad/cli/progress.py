@@ -55,6 +55,10 @@ class Told:
         """Show what is done now."""
         self._bar.update(self._task, description=words)
 
+    def tell_page(self, done: int, total: int) -> None:
+        """Show how many pages of the report are drawn."""
+        self.say(f"Drawing the report: {done} of {total} fingers")
+
 
 @contextmanager
 def shown_progress(log: Path | None) -> Iterator[Told]:

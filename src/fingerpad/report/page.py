@@ -1,11 +1,12 @@
-"""Writing the report and its figures."""
+"""Writing one page of the report, and its figures."""
 
 import base64
 import gc
 import io
 from collections import Counter
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -27,6 +28,7 @@ from fingerpad.report.plots import (
     summary_plots,
     thinned,
     velocity_plots,
+    wedge_plot,
 )
 from fingerpad.report.templates import templates
 from fingerpad.report.text import FLAG_WORDS, doubtful_frames, in_words
@@ -44,20 +46,38 @@ _FIGURES_HELD = 2
 _MOST_PICTURES = 240
 
 
-def write_report(result: StudyResult, out: Path) -> Path:
-    """Write ``report.html`` and ``figures/*.svg, *.png`` into `out`, and return the report's path.
+def write_page(
+    result: StudyResult,
+    out: Path,
+    name: str,
+    *,
+    overlays: Path,
+    home: str | None = None,
+    pages: Mapping[str, str] = MappingProxyType({}),
+) -> None:
+    """Write a page and its figures, ``figures/*.svg, *.png``.
 
-    Raises
-    ------
-    FingerpadError
-        If a file cannot be written.
+    Parameters
+    ----------
+    result : StudyResult
+        What it shows.
+    out : Path
+        Folder for the page and the figures.
+    name : str
+        File of the page.
+    overlays : Path
+        The output folder of the run, in which the overlays are.
+    home : str, optional
+        Address of the page over this one, for the page of one finger.
+    pages : mapping of str to str
+        Addresses of the pages of fingers, for the page over them: it tables all and draws none.
     """
     environment = templates()
     filters: dict[str, Callable[..., Any]] = {
         "flags": lambda codes: in_words(codes, FLAG_WORDS),
         # Read as the page is written: all together they would take more memory than all rows.
         "drawing": _drawing,
-        "picture": lambda overlay: _picture(out / overlay),
+        "picture": lambda overlay: _picture(overlays / overlay),
         "photograph_flags": lambda codes: in_words(codes, {**FLAG_WORDS, **PHOTOGRAPH_FLAGS}),
     }
     environment.filters |= filters
@@ -65,45 +85,62 @@ def write_report(result: StudyResult, out: Path) -> Path:
         "two": two_digits,
         "quantity": _quantity,
     }
+    path = out / name
     try:
-        (out / "figures").mkdir(parents=True, exist_ok=True)
+        for folder in (out / "figures", path.parent):
+            folder.mkdir(parents=True, exist_ok=True)
         page = environment.get_template("report.html.jinja").stream(
             result=result,
+            home=home,
+            pages=pages,
+            overview=_drawn(wedge_plot(result), out) if pages else [],
             failed=result.failed_contacts,
             most_failed=_MOST_FAILED,
             decided=result.decided,
             groups=[
-                _group(result, summary, check, out)
+                _line(result, summary) | ({} if pages else _details(result, summary, check, out))
                 for summary, check in zip(result.summaries, result.checks, strict=True)
             ],
             curves=[
-                {"curve": curve, "figures": _drawn(curve_plots(curve, number), out)}
+                {"curve": curve, "figures": [] if pages else _drawn(curve_plots(curve, number), out)}
                 for number, curve in enumerate(result.curves, start=1)
             ],
-            velocities=_drawn(velocity_plots(result.curves), out),
-            photographs=[
+            velocities=[] if pages else _drawn(velocity_plots(result.curves), out),
+            photographs=[]
+            if pages
+            else [
                 (finger.name, photograph)
                 for finger in result.fingers.values()
                 for photograph in finger.photographs
             ],
-            sequences=_sequences(result, out),
+            sequences=[] if pages else _sequences(result, out),
             most_presses=_MOST_PRESSES,
             synthetic=bool(result.rows.column("synthetic").any()),
             certain=bool(result.study.uncertainty.model_fields_set),
         )
         page.enable_buffering()
-        with (out / "report.html.part").open("w", encoding="utf-8") as file:
+        with path.with_suffix(".part").open("w", encoding="utf-8") as file:
             file.writelines(page)
-        path = (out / "report.html.part").replace(out / "report.html")
+        path.with_suffix(".part").replace(path)
     except OSError as error:
         raise FingerpadError(f"{error.filename}: cannot be written ({error.strerror})") from error
-    return path
 
 
-def _group(
+def _line(result: StudyResult, summary: Summary) -> dict[str, Any]:
+    """Return what a table shows of one finger at one placement."""
+    contacts = summary.contacts
+    return {
+        "summary": summary,
+        "contacts": len(contacts),
+        "doubtful": int(np.count_nonzero(contacts.column("flags") != "")),
+        "loading": loading_radius_of(result, summary),
+    }
+
+
+def _details(
     result: StudyResult, summary: Summary, check: UncertaintyCheck | None, out: Path
 ) -> dict[str, Any]:
-    """Return what the template shows of one finger at one placement."""
+    """Return what a section shows of one finger at one placement."""
     rows, contacts, shown = summary.rows, summary.contacts, shown_rows(summary)
     notes: Counter[str] = Counter()
     for codes, count in Counter(rows.column("range_notes")).items():
@@ -113,14 +150,10 @@ def _group(
     deepest = rows.column("indentation_over_thickness")
     gc.collect()  # as in _sequences
     return {
-        "summary": summary,
-        "contacts": len(contacts),
         "shown": shown if contacts else (),
-        "loading": loading_radius_of(result, summary),
         "check": check,
         "budget": _drawn(budget_plot(summary, check), out),
         "figures": _drawn(summary_plots(result, summary), out),
-        "doubtful": len(doubtful),
         "doubts": doubtful[:MOST_POINTS],
         "largest_size": float(rows.column("contact_size").max()),
         "deepest": float(np.nanmax(deepest, initial=0.0)),

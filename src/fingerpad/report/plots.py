@@ -17,6 +17,7 @@ from fingerpad.figures import (
     plot_press,
     plot_uncertainty_budget,
 )
+from fingerpad.figures.compare import FingerLine, colours_of, plot_by_wedge
 from fingerpad.geometry import Ellipse, Ellipsoid, Placement
 from fingerpad.loading import Estimate
 from fingerpad.report.loading import loading_plots
@@ -83,6 +84,40 @@ def summary_plots(result: StudyResult, summary: Summary) -> Iterator[Plot]:
             figure=_aspect_ratio(rows),
             caption=f"Aspect ratio and direction of the long axis, measured and predicted ({where}).",
         )
+
+
+def wedge_plot(result: StudyResult) -> Iterator[Plot]:
+    """Draw the corrected radius of every finger against the wedge angle, where angles differ."""
+    found = [one for one in result.summaries if one.corrected_radius and not one.roll_angle_deg]
+    if len({one.wedge_angle_deg for one in found}) < 2:
+        return
+    lines: dict[tuple[str, bool], list[Summary]] = {}
+    for one in sorted(found, key=lambda one: one.wedge_angle_deg):
+        lines.setdefault((one.finger, one.synthetic), []).append(one)
+    colours = colours_of(list(result.fingers))
+    figure, (axes,) = new_figure(width_mm=140, height_mm=95)
+    plot_by_wedge(
+        axes,
+        [
+            FingerLine(
+                person=finger,
+                colour=colours[finger],
+                wedge_angle_deg=[one.wedge_angle_deg for one in points],
+                value=[one.corrected_radius.value for one in points if one.corrected_radius],
+                std=[one.corrected_radius.std for one in points if one.corrected_radius],
+                synthetic=synthetic,
+            )
+            for (finger, synthetic), points in lines.items()
+        ],
+        label="corrected radius (mm)",
+    )
+    yield Plot(
+        name="corrected_radius_by_wedge",
+        figure=figure,
+        caption="Corrected radius against wedge angle, a line for each finger. Where bars are drawn they are "
+        "one standard uncertainty, and fingers of one angle stand beside one another. Hollow or dotted: "
+        "synthetic.",
+    )
 
 
 def curve_plots(curve: CurveResult, number: int) -> Iterator[Plot]:

@@ -1,13 +1,14 @@
 """Files that are there whole, old or new, whatever happens while they are written; one writer at a time."""
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Final
 
 from filelock import FileLock, Timeout
 
+from fingerpad._files import make_folder
 from fingerpad.exceptions import ManifestError, StoreError
 
 _WAIT_S: Final = 30.0
@@ -45,6 +46,29 @@ def replace_file(path: Path, text: str) -> None:
         os.fsync(file.fileno())
     new.replace(path)
     sync_folder(path.parent)
+
+
+def keep_files(out: Path, files: Mapping[str, bytes]) -> None:
+    """Write results into the output folder; each is there as a whole or not at all.
+
+    Raises
+    ------
+    StoreError
+        If one cannot be written.
+    """
+    for name, content in files.items():
+        path = out / name
+        make_folder(path.parent)
+        half = path.with_suffix(".part")
+        try:
+            half.write_bytes(content)
+            half.replace(path)
+        except OSError as error:
+            half.unlink(missing_ok=True)
+            raise StoreError(
+                f"{path}: cannot be written ({error.strerror}): what was measured before is kept; make room, "
+                "or choose another --out, and run again to go on"
+            ) from error
 
 
 def sync_folder(folder: Path) -> None:

@@ -95,7 +95,7 @@ class Running:
             self._go_on()
             self._set(phase="report")
             with DRAWING:
-                write_report(result, out)
+                write_report(result, out, workers=workers, on_page=self._page)
             end = {"state": "done", "failures": result.failures}
         except KeyboardInterrupt:
             end = {"state": "cancelled"}
@@ -111,6 +111,11 @@ class Running:
     def _go_on(self) -> None:
         if self._stop.is_set():
             raise KeyboardInterrupt
+
+    def _page(self, done: int, total: int) -> None:
+        """Take note of how many pages are drawn, and stop where that was asked for."""
+        self._set(current=f"{done} of {total} fingers")
+        self._go_on()
 
     def _progress(self, now: Progress) -> None:
         """Take note of how far the run is, and stop it where that was asked for."""

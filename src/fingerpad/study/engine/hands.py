@@ -70,11 +70,17 @@ def hands_for(manifest: Path, workers: int, scheduler: str | None) -> Iterator[H
     ClusterError
         If the scheduler or its workers cannot be used.
     """
-    folder = manifest.absolute().parent
-    if scheduler is not None:
-        with cluster_hands(manifest, workers, scheduler) as hands:
-            yield hands
-        return
+    if scheduler is None:
+        given = local_hands(manifest.absolute().parent, workers)
+    else:
+        given = cluster_hands(manifest, workers, scheduler)
+    with given as hands:
+        yield hands
+
+
+@contextmanager
+def local_hands(folder: Path, workers: int) -> Iterator[Hands]:
+    """Give so many processes of this machine, or this one alone, and let them go in the end."""
     if workers == 1:
         yield OwnHands(folder)
         return

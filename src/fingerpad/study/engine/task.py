@@ -118,20 +118,23 @@ def _raise_if_full(error: BaseException | None) -> None:
         raise StoreError(f"{gettempdir()}: the disk is full: make room and run again to go on") from error
 
 
-@cache
 def measuring_code() -> str:
     """Return the digest of all code that measures pictures: a change of it makes every result stale."""
+    return code_digest("image", "study/corrections", "study/measuring")
+
+
+@cache
+def code_digest(*rooms: str) -> str:
+    """Return the digest of some of the package's folders and files, of what it is made of alone."""
     digest = hashlib.sha256()
 
     def add(item: Traversable) -> None:
         if item.is_dir():
             for inner in sorted(item.iterdir(), key=lambda inner: inner.name):
                 add(inner)
-        elif item.name.endswith(".py"):
+        elif item.name.endswith((".py", ".jinja", ".css")):
             digest.update(item.name.encode() + b"\0" + item.read_bytes())
 
-    package = resources.files("fingerpad")
-    add(package / "image")
-    add(package / "study" / "corrections")
-    add(package / "study" / "measuring")
+    for room in rooms:
+        add(resources.files("fingerpad") / room)
     return digest.hexdigest()

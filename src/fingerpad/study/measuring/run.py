@@ -1,13 +1,11 @@
 """Measuring all that a study shows, and finding it again in the store."""
 
-import os
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import partial
 from itertools import chain
 from pathlib import Path
 
-from fingerpad._files import make_folder
-from fingerpad.exceptions import StoreError
+from fingerpad.study.durable import keep_files
 from fingerpad.study.engine.hands import Hands
 from fingerpad.study.engine.progress import Progress
 from fingerpad.study.engine.runner import run_plans
@@ -84,7 +82,7 @@ def measure_study(
         if not all(store.unchanged(keys.folder / name) for name in task.inputs):
             record, key = {"reason": CHANGED.format(task.file)}, ""
         else:
-            _keep_pictures(out, done.pictures)
+            keep_files(out, done.pictures)
         store.put(task.name, key, record, seconds=done.seconds, count=task.pictures, drawn=done.pictures)
         tally.tell(task, failed=record.get("reason") is not None, seconds=done.seconds)
 
@@ -163,23 +161,6 @@ def drawn_for(keys: Keys, store: Store) -> set[str]:
 def _drawn(mark: Mark, out: Path) -> bool:
     """Tell whether all overlays of a result are where they belong."""
     return all((out / file).is_file() for file in mark.drawn.splitlines())
-
-
-def _keep_pictures(out: Path, pictures: Mapping[str, bytes]) -> None:
-    """Write overlays; each is there as a whole or not at all."""
-    for name, content in pictures.items():
-        path = out / name
-        make_folder(path.parent)
-        half = path.with_suffix(".part")
-        try:
-            half.write_bytes(content)
-            os.replace(half, path)
-        except OSError as error:
-            half.unlink(missing_ok=True)
-            raise StoreError(
-                f"{path}: cannot be written ({error.strerror}): what was measured before is kept; make room, "
-                "or choose another --out, and run again to go on"
-            ) from error
 
 
 class _Tally:

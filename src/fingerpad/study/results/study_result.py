@@ -1,7 +1,8 @@
 """Everything that a run found, once all is measured."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import compress
 from pathlib import Path
 from typing import Any
 
@@ -90,6 +91,40 @@ class StudyResult:
         """Return the rows of frames of each of `sequences`."""
         films = self.rows.at(self.rows.known("frame")).by("sequence")
         return [films.get((film.manifest.name,), self.rows[:0]) for film in self.sequences]
+
+    def of_finger(self, name: str) -> "StudyResult":
+        """Return what was found of one finger, as a study of its own."""
+        study = self.study.model_copy(
+            update={
+                "fingers": [finger for finger in self.study.fingers if finger.name == name],
+                "observations": [one for one in self.study.observations if one.finger == name],
+                "sequences": [one for one in self.study.sequences if one.finger == name],
+                "curves": [one for one in self.study.curves if one.finger == name],
+            }
+        )
+        scales = {scale for _, scale in study.named_scales()}
+        study = study.model_copy(
+            update={"scales": {key: scale for key, scale in study.scales.items() if key in scales}}
+        )
+        files = {file for _, file in study.named_files()}
+        hashes = self.provenance["inputs_sha256"]
+        own = [summary.finger == name for summary in self.summaries]
+        return replace(
+            self,
+            study=study,
+            fingers={name: self.fingers[name]},
+            rows=self.rows.at(self.rows.column("finger") == name),
+            sequences=[film for film in self.sequences if film.manifest.finger == name],
+            scales={key: found for key, found in self.scales.items() if key in scales},
+            summaries=list(compress(self.summaries, own)),
+            checks=list(compress(self.checks, own)),
+            curves=[curve for curve in self.curves if curve.manifest.finger == name],
+            provenance={
+                **self.provenance,
+                "inputs_sha256": {file: digest for file, digest in hashes.items() if file in files},
+            },
+            notes=(),
+        )
 
 
 def result_of(

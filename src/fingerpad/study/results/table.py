@@ -71,6 +71,10 @@ class Table(Sequence[Row]):
 
     __hash__ = None  # type: ignore[assignment]
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Let some rows travel to another process without the others whose columns they share."""
+        return Table, ({name: self.column(name) for name in self._columns}, np.arange(len(self)))
+
     def __repr__(self) -> str:
         return f"<Table of {len(self)} rows>"
 
