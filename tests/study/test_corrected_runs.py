@@ -121,11 +121,13 @@ def test_a_rejected_photograph_is_left_out(manifest: Path) -> None:
 
 def test_what_is_odd_about_corrections_is_told(manifest: Path) -> None:
     decide(manifest, "o1", ELLIPSE)
+    decide(manifest, "p#900", {"rejected": "smeared"})
     text = manifest.read_text()
     manifest.write_text(text.replace('name = "o1"', 'name = "other"'))
     with (manifest.parent / "corrections.jsonl").open("a") as file:
-        file.write('{"id": 2, "item": "o')
+        file.write('{"id": 3, "item": "o')
     result, _ = run(manifest)
     assert any("o1 is not in the study" in note for note in result.notes)
+    assert any("p#900 is not in the study" in note for note in result.notes)
     assert any("torn" in note for note in result.notes)
     assert "corrections.jsonl" in result.provenance["inputs_sha256"]

@@ -7,7 +7,7 @@ import pytest
 
 from fingerpad.exceptions import EditConflict, ManifestError, StoreError
 from fingerpad.study.corrections.log import CorrectionLog
-from fingerpad.study.editing.documents import DRAFT_NAME, STUDY_NAME
+from fingerpad.study.editing.documents import DRAFT_NAME, STUDY_NAME, title_of
 from fingerpad.study.editing.edit import change_study, create_study, study_state
 from fingerpad.study.editing.missing import missing
 from fingerpad.study.editing.state import Edit
@@ -340,3 +340,19 @@ def test_films_and_results_are_no_loose_pictures(folder):
     words = said(folder)
     assert words.pop(("folder", "press")).startswith("30 pictures")
     assert set(words) == {("file", "c.png")}
+
+
+@pytest.mark.parametrize(
+    ("text", "title"),
+    [
+        ('title = "Left index"\n[[fingers]]\nname = "f"', "Left index"),
+        ('# a comment\ntitle = "[1] of two"\n', "[1] of two"),
+        ('description = """\n[note] of old\n"""\ntitle = "Hidden"', None),
+        ("title = 3", None),
+        ("[scales]", None),
+        ("title = ", None),
+    ],
+)
+def test_a_title_is_read_at_a_glance_or_left_alone(tmp_path, text, title):
+    (tmp_path / "study.toml").write_text(text)
+    assert title_of(tmp_path) == title

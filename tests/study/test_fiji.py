@@ -340,6 +340,10 @@ def test_a_scale_s_uncertainty_widens_the_axes() -> None:
         ({"semi_axis_std_mm": math.nan}, ManifestError, "must be positive, found nan"),
         ({"finger_axis_deg": math.nan}, ManifestError, "finger_axis_deg must be a finite number"),
         ({"known": {"load_N": math.inf}}, ManifestError, "load_N must be a finite number, found inf"),
+        ({"known": {"load_N": -1}}, ManifestError, "line 2: load_N: expected greater than 0, found -1"),
+        ({"known": {"wedge_angle_deg": 100}}, ManifestError, "line 2: wedge_angle_deg: .* 90, found 100"),
+        ({"known": {"finger": "left index"}}, ManifestError, "finger: write it with letters"),
+        ({"pattern": LabelPattern.of("w{load_N}N")}, ManifestError, "'w{load_N}N' fits no label, such as"),
         ({"mm_per_unit": 25.4}, CalibrationError, "line 2: a semi-major axis of 188 mm is none .* px until"),
         ({"mm_per_unit": 0.05}, CalibrationError, "a semi-major axis of 0.37 mm is none"),
         (

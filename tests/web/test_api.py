@@ -24,7 +24,7 @@ def measured(client, item=PRINT, kind="contact", **asked):
 def test_the_session_names_what_is_open(standing):
     session = standing.get("/api/session").json()
     assert session["study"]["name"] == "demo"
-    assert session["studies"] == [{"name": "demo"}]
+    assert session["studies"] == [{"name": "demo", "title": session["study"]["title"]}]
     assert session["limits"]["picture_px"] > 0
 
 

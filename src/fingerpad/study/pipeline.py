@@ -16,6 +16,7 @@ from fingerpad.study.manifest import manifest_in, read_study
 from fingerpad.study.measuring.fingers import finger_result
 from fingerpad.study.measuring.run import drawn_for, faces_of, film_results, measure_study, measurements
 from fingerpad.study.measuring.scales import named_scales
+from fingerpad.study.measuring.sequences import frames_beyond
 from fingerpad.study.measuring.tasks import Keys
 from fingerpad.study.results.provenance import provenance
 from fingerpad.study.results.study_result import StudyResult, result_of
@@ -25,6 +26,7 @@ OUTPUT_NAMES: Final = frozenset(
     (
         "figures",
         "overlays",
+        "report",
         "report.html",
         "results.csv",
         "results.json",
@@ -106,7 +108,7 @@ def run_study(
             origin=origin,
             notes=(
                 *log.notes,
-                *(f"{CORRECTIONS_NAME}: {item} is not in the study" for item in log.unknown_items(study)),
+                *map(_NOT_THERE.format, (*log.unknown_items(study), *frames_beyond(films, rulings))),
             ),
         )
 
@@ -123,8 +125,8 @@ def _refuse_to_overwrite(inputs: list[str], folder: Path, out: Path) -> None:
 
 
 def _remove_other_pictures(out: Path, kept: Container[str]) -> None:
-    """Remove overlays and figures of earlier runs, lest they mix with this one's."""
-    for pattern in ("overlays/*.png", "overlays/sequences/*.png", "figures/*.png", "figures/*.svg"):
+    """Remove overlays of earlier runs, lest they mix with this one's."""
+    for pattern in ("overlays/*.png", "overlays/sequences/*.png"):
         for path in out.glob(pattern):
             if path.relative_to(out).as_posix() not in kept:
                 path.unlink()

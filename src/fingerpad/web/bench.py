@@ -10,7 +10,7 @@ from typing import Any, Final
 
 import fingerpad
 from fingerpad.image.read import PIXEL_LIMIT
-from fingerpad.study.editing.documents import DRAFT_NAME, STUDY_NAME
+from fingerpad.study.editing.documents import DRAFT_NAME, STUDY_NAME, title_of
 from fingerpad.web.events import Events
 from fingerpad.web.open_study import OpenStudy
 from fingerpad.web.refusal import Refusal
@@ -57,7 +57,7 @@ class Bench:
             "version": fingerpad.__version__,
             "study": None if study is None else {"name": study.name, "title": study.read().title},
             "workspace": self.workspace.name,
-            "studies": [{"name": name} for name in self.studies()],
+            "studies": [{"name": name, "title": title_of(self.workspace / name)} for name in self.studies()],
             "who": _login(),
             "limits": {"upload_bytes": self.upload_limit, "picture_px": self.pixel_limit},
         }

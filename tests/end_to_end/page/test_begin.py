@@ -49,6 +49,7 @@ def test_six_files_become_a_plot(empty_tab: Tab) -> None:
     page.keyboard.type("0")  # into the field that was clicked
     assert page.get_by_label("Load of synthetic_30deg_4N.png, newtons").input_value() == "40"
     page.keyboard.press("Backspace")
+    page.get_by_label("They were rendered or simulated").check()
     page.get_by_role("button", name="Use them").click()
     page.get_by_role("heading", name="Still missing").wait_for()
     page.locator("h1").click()
@@ -70,6 +71,7 @@ def test_six_files_become_a_plot(empty_tab: Tab) -> None:
     assert radius == pytest.approx(13.61, abs=0.15)
     manifest = (empty_tab.folder / "index-finger" / "study.toml").read_text()
     assert manifest.count("[[observations]]") == 3
+    assert manifest.count("synthetic = true") == 6
     assert "wedge_angle_std_deg = 0.5" in manifest
 
 

@@ -1,6 +1,7 @@
 """The documents of a study while they are changed: the manifest, its draft and its spreadsheet."""
 
 import hashlib
+import re
 import tomllib
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -34,6 +35,7 @@ LISTS: Final = {
     "sequence": "sequences",
     "curve": "curves",
 }
+_FIRST_TABLE: Final = re.compile(r"^\s*\[", re.MULTILINE)
 TABLES: Final = frozenset((*LISTS.values(), "scales", "uncertainty"))
 
 
@@ -260,6 +262,16 @@ class StudyFiles:
             there = [plain(table) for table in self.study.get(name, [])] if waiting else []
             for table in [one for one in waiting if plain(one) in there]:
                 remove(self.draft, name, table)
+
+
+def title_of(folder: Path) -> str | None:
+    """Return a study's title at a glance, without reading its tables; None where that does not tell it."""
+    try:
+        text = next(text for text in _texts_of(folder).values() if text is not None)
+        title = tomllib.loads(_FIRST_TABLE.split(text, maxsplit=1)[0]).get("title")
+    except (ManifestError, tomllib.TOMLDecodeError):
+        return None
+    return title if isinstance(title, str) else None
 
 
 def require_tables(document: Any, name: str) -> None:

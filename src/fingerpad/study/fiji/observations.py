@@ -10,6 +10,8 @@ from typing import Any, Final, Self
 
 from fingerpad.exceptions import CalibrationError, FingerpadError, ManifestError
 from fingerpad.study.fiji.ellipse import HandEllipse
+from fingerpad.study.manifest.faults import validated
+from fingerpad.study.manifest.tables import Finite, Load, Name, Table, WedgeAngle
 
 # What an ellipse does not tell of its contact.
 FIELDS: Final = ("finger", "wedge_angle_deg", "load_N", "roll_angle_deg")
@@ -21,6 +23,15 @@ _HEADER: Final = (
 )  # fmt: skip
 _NUMBER: Final = r"-?\d+(?:[.,p]\d+)?"
 _LONGEST_NAME: Final = 50
+
+
+class _Told(Table):
+    """What a manifest takes of it."""
+
+    finger: Name | None = None
+    wedge_angle_deg: WedgeAngle | None = None
+    load_N: Load | None = None  # noqa: N815 (the unit's own letter)
+    roll_angle_deg: Finite | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -172,7 +183,8 @@ def hand_observations(
     CalibrationError
         If a semi-axis is none that a contact of a finger has.
     ManifestError
-        If no uncertainty is given, something is told twice, or a number is not finite.
+        If no uncertainty is given, something is told twice, a number is none that a manifest takes, or the
+        pattern fits no label.
     """
     if not (semi_axis_std_mm > 0 and math.isfinite(semi_axis_std_mm)):
         raise ManifestError(f"the standard uncertainty must be positive, found {semi_axis_std_mm:g} mm")
@@ -194,10 +206,12 @@ def hand_observations(
                 f"{ellipse.place}: a semi-major axis of {major:.3g} mm is none of a finger's contact; "
                 "check the unit or the scale (Fiji measures in px until a scale is set)"
             )
+        told = {**known, **(pattern.told_by(ellipse.label) if pattern else {})}
+        validated(_Told, told, ellipse.place, strict=True)
         rows.append(
             HandObservation(
                 name=_name(ellipse.label, names),
-                told={**known, **(pattern.told_by(ellipse.label) if pattern else {})},
+                told=told,
                 semi_major_mm=major,
                 semi_minor_mm=minor,
                 ellipse_std_mm=math.hypot(semi_axis_std_mm, relative_scale_std * math.sqrt(major * minor)),
@@ -205,6 +219,10 @@ def hand_observations(
                 synthetic=synthetic,
                 notes="; ".join((f"measured by hand: {ellipse.place}", *ellipse.doubts)),
             )
+        )
+    if pattern and rows and not any(pattern.told_by(ellipse.label) for ellipse in ellipses):
+        raise ManifestError(
+            f"the label pattern {pattern.text!r} fits no label, such as {ellipses[0].label!r}"
         )
     return rows
 

@@ -5,7 +5,7 @@ stages follow one another: all frames are surveyed, one reading is learnt, and t
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -29,6 +29,7 @@ from fingerpad.image import (
     read_frame_stamps,
     sequence_summary,
 )
+from fingerpad.study.corrections.decisions import Ruling
 from fingerpad.study.corrections.log import frames_of
 from fingerpad.study.engine.store import Store
 from fingerpad.study.engine.task import CHANGED, ChangedError, Record, Task, Work
@@ -259,6 +260,15 @@ def film_key(sequence: ContactSequence, keys: Keys) -> str:
     """Return the key of all that is known of a film."""
     frames = frames_of(keys.rulings, sequence.name)
     return keys.of(sequence, {frame: edits for frame, one in frames.items() if (edits := one.change.edits)})
+
+
+def frames_beyond(films: Iterable[SequenceResult], rulings: Mapping[str, Ruling]) -> Iterator[str]:
+    """Yield the corrected frames that lie beyond the end of their film."""
+    for film in films:
+        if film.summary is not None:
+            for frame in frames_of(rulings, film.manifest.name):
+                if frame >= film.summary.count:
+                    yield f"{film.manifest.name}#{frame}"
 
 
 def frames_in(sequence: ContactSequence, folder: Path) -> int:

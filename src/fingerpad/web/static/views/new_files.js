@@ -5,7 +5,7 @@ import { bench } from "../core/bench.js";
 import { h, place } from "../core/dom.js";
 import { complain, say } from "../core/messages.js";
 import { bytes } from "../core/quantity.js";
-import { button, choose, faultList, number, text } from "../parts/forms.js";
+import { button, check, choose, faultList, number, text } from "../parts/forms.js";
 import { scaleNames } from "../parts/scale_choice.js";
 
 const KINDS = {
@@ -79,6 +79,7 @@ export class NewFiles {
         null,
         h("h2", null, `${files.length} new file${files.length > 1 ? "s" : ""}`),
         h("span.soft", null, "Say what each is. What stands here was read from the names; change what is wrong."),
+        check("They were rendered or simulated", { checked: this.shared.synthetic, onset: (on) => (this.shared.synthetic = on) }),
         h("div.actions", null, button("Use them", () => this.#use(), { kind: "primary" })),
       ),
       this.#common(),
@@ -192,6 +193,7 @@ export class NewFiles {
       const draft = this.drafts.get(file);
       if (!draft.as || !draft.finger) continue;
       const scale = draft.scale?.startsWith("ppi:") ? { ppi: Number(draft.scale.slice(4)) } : draft.scale || undefined;
+      const synthetic = this.shared.synthetic || undefined;
       const said = (set) => Object.fromEntries(Object.entries(set).filter(([, value]) => value !== undefined && value !== ""));
       if (!fingers.has(draft.finger) && ["photograph", "outline"].includes(draft.as)) {
         edits.push({ kind: "finger", key: draft.finger, set: {} });
@@ -200,15 +202,15 @@ export class NewFiles {
       let name = draft.name;
       for (let number = 2; taken.has(name); number += 1) name = `${draft.name}_${number}`;
       if (draft.as === "observation") {
-        edits.push({ kind: "observation", key: name, set: said({ finger: draft.finger, image: file, wedge_angle_deg: draft.wedge_angle_deg, load_N: draft.load_N, scale }) });
+        edits.push({ kind: "observation", key: name, set: said({ finger: draft.finger, image: file, wedge_angle_deg: draft.wedge_angle_deg, load_N: draft.load_N, scale, synthetic }) });
         taken.add(name);
-      } else if (draft.as === "photograph") edits.push({ kind: "photograph", key: `${draft.finger}/${file}`, set: said({ face: draft.face, scale }) });
-      else if (draft.as === "outline") edits.push({ kind: "photograph", key: `${draft.finger}/${file}`, set: said({ face: draft.face, outline: file }) });
+      } else if (draft.as === "photograph") edits.push({ kind: "photograph", key: `${draft.finger}/${file}`, set: said({ face: draft.face, scale, synthetic }) });
+      else if (draft.as === "outline") edits.push({ kind: "photograph", key: `${draft.finger}/${file}`, set: said({ face: draft.face, outline: file, synthetic }) });
       else if (draft.as === "sequence") {
         const force = bench.study.files.find((other) => !other.used && other.kind === "table" && /force/i.test(other.file))?.file;
-        edits.push({ kind: "sequence", key: name, set: said({ finger: draft.finger, path: file, wedge_angle_deg: draft.wedge_angle_deg, scale, force }) });
+        edits.push({ kind: "sequence", key: name, set: said({ finger: draft.finger, path: file, wedge_angle_deg: draft.wedge_angle_deg, scale, force, synthetic }) });
         taken.add(name);
-      } else if (draft.as === "curve") edits.push({ kind: "curve", key: String(curves++), set: said({ finger: draft.finger, wedge_angle_deg: draft.wedge_angle_deg, file }) });
+      } else if (draft.as === "curve") edits.push({ kind: "curve", key: String(curves++), set: said({ finger: draft.finger, wedge_angle_deg: draft.wedge_angle_deg, file, synthetic }) });
     }
     place(this.problem);
     if (!edits.length) {
