@@ -83,4 +83,5 @@ if __name__ == "__main__":
     engine.stored_study()
     loading.loading_coverage(repeats=100)
     scale.rows_at_scale()
+    scale.report_of_many_fingers()
     page.report()

@@ -24,6 +24,7 @@ from fingerpad.study.results.provenance import provenance
 from fingerpad.study.results.study_result import StudyResult, result_of
 
 FRAMES, FINGERS, WEDGES = 2000, 5, (15.0, 45.0)
+THESIS_FRAMES, THESIS_FINGERS, THESIS_WEDGES = 333, 60, (0.0, 15.0, 30.0, 45.0, 60.0)
 AXES, AXES_STD = (7.9, 13.8, 11.8), 0.1
 EDGE_STD, SCALE_STD = 0.05, 0.01
 
@@ -44,15 +45,17 @@ class Cost(NamedTuple):
         return self.model_s + self.tables_s + self.report_s
 
 
-def films_of(rows: int) -> list[ContactSequence]:
-    """Return the films of a study of so many rows: up to 2,000 frames each, over fingers and angles."""
-    count = math.ceil(rows / FRAMES)
+def films_of(
+    rows: int, frames: int = FRAMES, fingers: int = FINGERS, wedges: tuple[float, ...] = WEDGES
+) -> list[ContactSequence]:
+    """Return the films of a study of so many rows: so many frames each at most, over fingers and angles."""
+    count = math.ceil(rows / frames)
     return [
         ContactSequence.model_validate(
             {
                 "name": f"film_{number}",
-                "finger": f"finger_{number % FINGERS}",
-                "wedge_angle_deg": WEDGES[number // FINGERS % len(WEDGES)],
+                "finger": f"finger_{number % fingers}",
+                "wedge_angle_deg": wedges[number // fingers % len(wedges)],
                 "path": f"film_{number}.tif",
                 "force": f"film_{number}.csv",
                 "scale": {"ppi": 500},
@@ -105,10 +108,17 @@ def measurements_of(film: ContactSequence, count: int) -> Iterator[Measurement]:
         )
 
 
-def study_result(rows: int, folder: Path) -> StudyResult:
+def study_result(
+    rows: int,
+    folder: Path,
+    *,
+    frames: int = FRAMES,
+    fingers: int = FINGERS,
+    wedges: tuple[float, ...] = WEDGES,
+) -> StudyResult:
     """Return the result of a synthetic study of so many rows, its measurements streamed."""
-    films = films_of(rows)
-    counts = [min(FRAMES, rows - FRAMES * number) for number in range(len(films))]
+    films = films_of(rows, frames, fingers, wedges)
+    counts = [min(frames, rows - frames * number) for number in range(len(films))]
     names = dict.fromkeys(film.finger for film in films)
     study = Study.model_validate(
         {
@@ -118,7 +128,7 @@ def study_result(rows: int, folder: Path) -> StudyResult:
             "uncertainty": {"wedge_angle_std_deg": 0.5, "load_relative_std": 0.02},
         }
     )
-    fingers = {
+    known = {
         name: FingerResult(
             name=name,
             semi_axes=np.array(AXES) * (1 + 0.02 * number),
@@ -137,7 +147,7 @@ def study_result(rows: int, folder: Path) -> StudyResult:
     return result_of(
         study,
         folder,
-        fingers=fingers,
+        fingers=known,
         scales={},
         seen=seen(),
         sequences=[_sequence(film, count) for film, count in zip(films, counts, strict=True)],
@@ -204,6 +214,27 @@ def cost_apart(rows: int) -> Cost:
         return pool.apply(cost, (rows,))
 
 
+def report_of_many_fingers(workers: int = 2) -> tuple[float, float]:
+    """Print and return seconds for the report of a thesis, the first time and again; by the clock."""
+    films = THESIS_FINGERS * len(THESIS_WEDGES)
+    with tempfile.TemporaryDirectory() as folder:
+        out = Path(folder)
+        result = study_result(
+            THESIS_FRAMES * films, out, frames=THESIS_FRAMES, fingers=THESIS_FINGERS, wedges=THESIS_WEDGES
+        )
+        seconds = []
+        for _ in range(2):
+            start = time.perf_counter()
+            write_report(result, out, workers=workers)
+            seconds.append(time.perf_counter() - start)
+    first, again = seconds
+    print(
+        f"\nThe report of {films} films of {THESIS_FINGERS} fingers, {workers} workers: {first:.0f} s the "
+        f"first time, {again:.1f} s again, {_peak_mb():.0f} MB"
+    )
+    return first, again
+
+
 def rows_at_scale(largest: int = 5) -> list[Cost]:
     """Print and return seconds and memory from 10² rows to 10^`largest`, with the exponent of the cost."""
     print("\nAfter measuring: model, tables and report of synthetic films; processor time, a process each")
@@ -223,3 +254,4 @@ def rows_at_scale(largest: int = 5) -> list[Cost]:
 
 if __name__ == "__main__":
     rows_at_scale()
+    report_of_many_fingers()

@@ -10,7 +10,7 @@ const STATES = { idle: "Nothing is running", running: "Running", cancelling: "St
 const PHASES = { measuring: "measuring", tables: "writing tables", report: "writing the report" };
 
 const FILES = [
-  ["report.html", "Report", "One page that needs nothing else: figures, overlays, tables, provenance. Open it, or send it to a colleague."],
+  ["report.html", "Report", "One page that needs nothing else: figures, overlays, tables, provenance. Open it, or send it to a colleague. Many fingers have a page each, in the ZIP of the study folder."],
   ["study.zip", "Study folder", "Pictures, manifest, corrections and results as one ZIP that opens on another machine with the same results."],
   ["results.csv", "Results as CSV", "One row for each contact and frame; units and _std in the headers."],
   ["results_columns.csv", "What the columns mean", "The data dictionary beside the CSV."],
