@@ -351,6 +351,18 @@ def test_a_download_can_be_saved_under_its_name(done):
     assert answer.headers["content-disposition"] == 'attachment; filename="results.csv"'
 
 
+def test_pages_of_fingers_stand_beside_the_report(workspace):
+    page = workspace / "demo" / "results" / "report" / "left_index.html"
+    page.parent.mkdir(parents=True)
+    page.write_text("<!doctype html>")
+    bench = Bench(workspace)
+    bench.open_folder(workspace / "demo")
+    with serving(bench) as client:
+        answer = client.get("/api/download/report/left_index.html")
+    assert answer.text == "<!doctype html>"
+    assert "default-src 'none'" in answer.headers["content-security-policy"]
+
+
 def test_the_fingers_are_known_after_a_run(done):
     finger = done.get("/api/study").json()["fingers"][2]
     assert finger["semi_axes_mm"]["palmar"] == pytest.approx(7.9, rel=0.02)

@@ -113,6 +113,25 @@ def test_threshold_polarity_seed_and_region_of_interest(tab: Tab, demo) -> None:
     assert page.get_by_text("by the program", exact=True).is_visible()
 
 
+def test_an_address_leads_to_its_picture_from_any_other(tab: Tab) -> None:
+    page = tab.open(f"contacts/images/{PRINT}")
+    numbers(page)
+    for item, source in {
+        "synthetic_30deg_4N": "images",
+        "synthetic_press_30deg#3": "film:synthetic_press_30deg",
+        PRINT: "images",
+    }.items():
+        tab.go(f"contacts/{source}/{item.replace('#', '%2523')}")
+        heading = "Frame 3" if "#" in item else item
+        page.get_by_role("heading", name=heading, exact=True).wait_for()
+        before = numbers(page)
+        focus(page, "End of the semi-major axis").press("Shift+ArrowUp")
+        changed(page, before)
+        assert page.locator(".history li").count() == 1
+        page.keyboard.press("u")
+        assert numbers(page) == before
+
+
 def test_reject_with_a_reason_and_take_it_back(tab: Tab, demo) -> None:
     page = tab.open(f"contacts/images/{PRINT}")
     numbers(page)

@@ -36,9 +36,8 @@ function route() {
 function show({ fresh = false } = {}) {
   const { name, rest } = route();
   const wanted = bench.study ? name : "welcome";
-  if (!fresh && wanted === openName && open?.turn) {
-    open.turn(rest);
-  } else {
+  // A view that can turn to what is wanted need not be opened anew.
+  if (fresh || wanted !== openName || !open?.turn?.(rest)) {
     open?.close?.();
     bindHere([]);
     openName = wanted;

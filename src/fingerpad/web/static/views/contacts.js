@@ -234,11 +234,10 @@ class Contacts extends Review {
     };
   }
 
-  turn(rest) {
-    if (rest[0] === this.source || !rest[0]) return;
-    this.close();
-    place(this.root);
-    Object.assign(this, new Contacts(this.root, rest));
+  turn([source, item]) {
+    if (source && source !== this.source) return false;
+    this.choose(this.entries.findIndex((entry) => entry.item === item));
+    return true;
   }
 
   update() {

@@ -187,9 +187,9 @@ class Photographs extends Review {
     });
   }
 
-  turn(rest) {
-    const index = this.entries.findIndex(({ item }) => item === rest[0]);
-    if (index >= 0 && this.stage) this.choose(index);
+  turn([wanted]) {
+    this.choose(this.entries.findIndex(({ item }) => item === wanted));
+    return true;
   }
 
   update() {

@@ -37,9 +37,14 @@ class Results {
     this.turn(rest);
   }
 
-  turn(rest) {
+  turn([part]) {
+    this.#show(part);
+    return true;
+  }
+
+  #show(part) {
     this.finished = bench.study.results?.finished;
-    const [key, , Part] = PARTS.find(([name]) => name === rest[0]) ?? PARTS[0];
+    const [key, , Part] = PARTS.find(([name]) => name === part) ?? PARTS[0];
     this.key = key;
     this.tabs.show(key);
     this.part?.close?.();
@@ -70,7 +75,7 @@ class Results {
 
   update() {
     this.#sayFresh();
-    if (bench.study.results?.finished !== this.finished) this.turn([this.key]);
+    if (bench.study.results?.finished !== this.finished) this.#show(this.key);
   }
 
   close() {
