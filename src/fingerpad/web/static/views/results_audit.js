@@ -2,7 +2,7 @@
 
 import { get } from "../core/api.js";
 import { h, place } from "../core/dom.js";
-import { plain, unitOf } from "../core/quantity.js";
+import { plain, unitOf, withUnit } from "../core/quantity.js";
 import { chip } from "../parts/forms.js";
 
 const KIND = { reproduced: "good", "reproduced with the known slip": "accent" };
@@ -28,22 +28,25 @@ export class Audit {
           h(
             "tbody",
             null,
-            items.map((item) =>
-              h(
-                "tr",
-                null,
-                h("th", { scope: "row" }, item.item),
-                h("td.number", null, `${item.printed} ${item.unit ?? unitOf(item.item)}`),
-                h("td.number", null, plain(item.computed)),
-                h("td.number", null, item.low === null || item.low === undefined ? "–" : `${plain(item.low)} to ${plain(item.high)}`),
-                h("td.number", null, plain(item.with_slip)),
-                h("td", null, chip(item.verdict, KIND[item.verdict] ?? "warn")),
-                h("td.formula", null, item.formula && h("code", null, item.formula), item.remark && h("p.soft", null, item.remark)),
-              ),
-            ),
+            items.map((item) => row(item)),
           ),
         ),
       ),
     );
   }
+}
+
+function row({ item, printed, computed, low, high, with_slip: slip, verdict, formula, remark, unit = unitOf(item) }) {
+  const number = (words, known) => h("td.number", null, known === null || known === undefined ? "–" : withUnit(words, unit));
+  return h(
+    "tr",
+    null,
+    h("th", { scope: "row" }, item),
+    number(String(printed), printed),
+    number(plain(computed), computed),
+    number(`${plain(low)} to ${plain(high)}`, low),
+    number(plain(slip), slip),
+    h("td", null, chip(verdict, KIND[verdict] ?? "warn")),
+    h("td.formula", null, formula && h("code", null, formula), remark && h("p.soft", null, remark)),
+  );
 }
