@@ -314,7 +314,11 @@ def test_what_is_missing_is_said(tmp_path):
     for name in ("a.png", "b.png", "c.png"):
         (tmp_path / name).write_bytes(b"a picture")
     changed(tmp_path, ("scale", "reader", {"ppi": 500}), ("finger", "left", {}))
-    assert "give either semi_axes_mm or photographs" in said(tmp_path)["finger", "left"]
+    assert said(tmp_path)["finger", "left"] == "give its semi-axes, or photographs of its faces"
+    changed(tmp_path, ("photograph", "left/a.png", {"scale": "reader"}))
+    assert said(tmp_path)["finger", "left"] == "a.png: which face it shows is still to be given"
+    changed(tmp_path, ("photograph", "left/a.png", {"face": "palmar", "scale": None}))
+    assert said(tmp_path)["finger", "left"] == "a.png: its scale is still to be given"
     changed(tmp_path, ("photograph", "left/a.png", {"face": "palmar", "scale": "reader"}))
     words = said(tmp_path)
     assert "palmar semi-axis: add one of the distal or radial or ulnar face" in words["finger", "left"]
@@ -325,7 +329,7 @@ def test_what_is_missing_is_said(tmp_path):
         ("photograph", "left/b.png", {"face": "distal", "scale": "reader"}),
         ("observation", "p", {"finger": "left", "image": "c.png", "scale": "reader", "wedge_angle_deg": 30}),
     )
-    assert said(tmp_path) == {("observation", "p"): "load_N: required, but missing"}
+    assert said(tmp_path) == {("observation", "p"): "the load is still to be given"}
     changed(tmp_path, ("observation", "p", {"load_N": 1}))
     assert said(tmp_path) == {}
 

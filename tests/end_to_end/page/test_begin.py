@@ -49,7 +49,7 @@ def test_six_files_become_a_plot(empty_tab: Tab) -> None:
     page.keyboard.type("0")  # into the field that was clicked
     assert page.get_by_label("Load of synthetic_30deg_4N.png, newtons").input_value() == "40"
     page.keyboard.press("Backspace")
-    page.get_by_label("They were rendered or simulated").check()
+    page.get_by_label("These files were rendered or simulated, not taken of a finger").check()
     page.get_by_role("button", name="Use them").click()
     page.get_by_role("heading", name="Still missing").wait_for()
     page.locator("h1").click()

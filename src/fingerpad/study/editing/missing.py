@@ -1,14 +1,15 @@
 """What a study still lacks, in plain words."""
 
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import Final
 
 from fingerpad.image import FACE_AXES
 from fingerpad.study.editing.documents import DRAFT_NAME, STUDY_NAME
 from fingerpad.study.editing.edit import study_state
-from fingerpad.study.editing.state import StudyState
+from fingerpad.study.editing.state import Incomplete, StudyState
 from fingerpad.study.manifest import Finger, Study
 
 # What can be a picture, a film, a curve or an outline.
@@ -18,6 +19,16 @@ _OTHERS: Final = frozenset((".csv", ".avi", ".mp4", ".mov", ".mkv"))
 _OF_A_RUN: Final = frozenset(("store.sqlite", "results.json", "results.csv"))
 # More pictures than these in a folder of their own are the frames of a film.
 _FILM: Final = 20
+_OF_PHOTOGRAPH: Final = re.compile(r"photographs\[(?P<number>\d+)\](\.|: )(?P<fault>.*)", re.DOTALL)
+_FIELD_WORDS: Final = {
+    "diameter_mm": "the coin's diameter",
+    "face": "which face it shows",
+    "finger": "which finger it is",
+    "force": "the file of the force",
+    "length_mm": "the line's length",
+    "load_N": "the load",
+    "wedge_angle_deg": "the wedge angle",
+}
 _AXIS_WORDS: Final = {"palmar": "palmar", "distal": "distal", "radial_ulnar": "radial-ulnar"}
 
 
@@ -54,7 +65,9 @@ def missing_of(state: StudyState) -> list[Missing]:
     """Return what a study lacks whose state is known, as `missing` does."""
     study = state.study
     found = [
-        Missing(kind=one.kind, key=one.key, words=fault) for one in state.incomplete for fault in one.faults
+        Missing(kind=one.kind, key=one.key, words=_words(one, fault))
+        for one in state.incomplete
+        for fault in one.faults
     ]
     fingers = [] if study is None else study.fingers
     waiting: set[str] = {one.kind for one in state.incomplete}
@@ -66,6 +79,24 @@ def missing_of(state: StudyState) -> list[Missing]:
         found.extend(_lacking_contacts(study, waiting))
     found.extend(_unused(state))
     return found
+
+
+def _words(one: Incomplete, fault: str) -> str:
+    """Return a fault of a table for someone who sees its fields on a page, and not the manifest."""
+    found = _OF_PHOTOGRAPH.fullmatch(fault)
+    of = ""
+    if found is not None:
+        photograph = one.content["photographs"][int(found["number"])]
+        of = f"{PurePosixPath(str(photograph.get('image') or photograph.get('outline'))).name}: "
+        fault = found["fault"]
+    field, _, said = fault.rpartition(": ")
+    if said == "required, but missing" and field in _FIELD_WORDS:
+        return f"{of}{_FIELD_WORDS[field]} is still to be given"
+    if said.startswith("give either semi_axes_mm or photographs"):
+        return "give its semi-axes, or photographs of its faces"
+    if " needs its scale" in said:
+        return f"{of}its scale is still to be given"
+    return of + fault
 
 
 def _lacking_faces(finger: Finger) -> Iterator[Missing]:

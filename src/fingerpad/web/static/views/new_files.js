@@ -79,7 +79,6 @@ export class NewFiles {
         null,
         h("h2", null, `${files.length} new file${files.length > 1 ? "s" : ""}`),
         h("span.soft", null, "Say what each is. What stands here was read from the names; change what is wrong."),
-        check("They were rendered or simulated", { checked: this.shared.synthetic, onset: (on) => (this.shared.synthetic = on) }),
         h("div.actions", null, button("Use them", () => this.#use(), { kind: "primary" })),
       ),
       this.#common(),
@@ -94,6 +93,7 @@ export class NewFiles {
         ),
       ),
       files.length > shown.length && h("p.soft", null, `${files.length - shown.length} more follow once these are in use; "Use them" takes all.`),
+      check("These files were rendered or simulated, not taken of a finger", { checked: this.shared.synthetic, onset: (on) => (this.shared.synthetic = on) }),
       h("datalist", { id: "fingers" }, bench.study.fingers.map(({ name }) => h("option", { value: name }))),
       this.problem,
     );
