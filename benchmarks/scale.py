@@ -15,6 +15,7 @@ import numpy as np
 
 from fingerpad.image import SequenceSummary
 from fingerpad.report import write_report
+from fingerpad.study.engine.hands import OwnHands
 from fingerpad.study.manifest import Contact, ContactSequence, Study
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.measuring.measure import Measurement
@@ -152,6 +153,7 @@ def study_result(
         seen=seen(),
         sequences=[_sequence(film, count) for film, count in zip(films, counts, strict=True)],
         origin=provenance([], str),
+        hands=OwnHands(folder),
     )
 
 

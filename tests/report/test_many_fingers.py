@@ -3,9 +3,11 @@
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from fingerpad.exceptions import FingerpadError
+from fingerpad.loading import simulate_loading_curve
 from fingerpad.report import write, write_report
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.study_result import StudyResult
@@ -18,7 +20,9 @@ def few_groups(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(write, "_MOST_GROUPS", 5)
 
 
-def manifest_of(folder: Path, *, fingers: tuple[str, ...] = FINGERS, thumb_mm: float = 6.0) -> Path:
+def manifest_of(
+    folder: Path, *, fingers: tuple[str, ...] = FINGERS, thumb_mm: float = 6.0, curve: bool = False
+) -> Path:
     lines = ['title = "Many fingers"']
     for name in fingers:
         lines += [
@@ -40,6 +44,12 @@ def manifest_of(folder: Path, *, fingers: tuple[str, ...] = FINGERS, thumb_mm: f
                     f"ellipse_mm = {{ semi_major = {size:.3f}, semi_minor = 5.0, std = 0.1 }}",
                 ]
     folder.mkdir(exist_ok=True)
+    if curve:
+        press = simulate_loading_curve(effective_radius=15.0, force_std=0.004)
+        columns = np.stack([press.time, press.load, press.indentation, press.area], axis=-1)
+        header = "time_s,force_N,displacement_mm,area_mm2"
+        np.savetxt(folder / "left.csv", columns, delimiter=",", header=header, comments="")
+        lines += ["[[curves]]", 'finger = "left"', "wedge_angle_deg = 30", 'file = "left.csv"']
     (folder / "study.toml").write_text("\n".join(lines))
     return folder / "study.toml"
 
@@ -117,7 +127,7 @@ def test_fingers_that_left_the_study_leave_nothing(tmp_path: Path) -> None:
 
 
 def test_two_processes_draw_what_one_draws(tmp_path: Path) -> None:
-    result = run(tmp_path)
+    result = run(tmp_path, curve=True)
     one, two = tmp_path / "one", tmp_path / "two"
     write_report(result, one)
     write_report(result, two, workers=2)
@@ -125,6 +135,8 @@ def test_two_processes_draw_what_one_draws(tmp_path: Path) -> None:
     assert files == {path.relative_to(two) for path in two.rglob("*") if path.is_file()}
     for file in files - {Path("report/pages.json")}:
         assert (one / file).read_bytes() == (two / file).read_bytes(), file
+    assert "left.csv" in pages(one)["left"].decode()
+    assert any("curve" in file.name for file in files)
 
 
 def test_an_interrupt_keeps_what_is_drawn(tmp_path: Path) -> None:

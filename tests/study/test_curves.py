@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from fingerpad._json import dumps
 from fingerpad.loading import Estimate, Unknown, simulate_loading_curve
 from fingerpad.report import write_report
 from fingerpad.study.pipeline import run_study
@@ -61,6 +62,18 @@ def test_a_curve_tells_radius_modulus_and_velocity(tmp_path: Path) -> None:
     # The true ellipsoid reads a higher modulus from the area than from the indentation, the more so loaded.
     assert (curve.shape.ratio > 1).all()
     assert curve.shape.ratio[-1] > curve.shape.ratio[0]
+
+
+def test_two_processes_fit_and_check_what_one_does(tmp_path: Path) -> None:
+    for name, rate in (("a", 1.0), ("b", 3.0)):
+        write_curve(tmp_path / f"{name}.csv", effective_radius=15.0, initial_modulus=0.04, rate=rate)
+    one = study(tmp_path, 'file = "b.csv"\n', "effective_radius_mm = 14\n", 'file = "a.csv"\n')
+    two = run_study(tmp_path / "study.toml", tmp_path / "out", workers=2)
+    assert [curve.name for curve in one.curves] == ["b.csv", "f at 30°, R_g as given", "a.csv"]
+    assert one.checks[0] is not None
+    first, second = summary_record(one), summary_record(two)
+    assert first.pop("provenance") != second.pop("provenance")  # when it was made
+    assert dumps(first) == dumps(second)
 
 
 def test_without_area_a_radius_from_elsewhere_gives_moduli(tmp_path: Path) -> None:

@@ -92,25 +92,26 @@ def run_study(
         scales = named_scales(study, folder)
         with hands_for(manifest, workers, scheduler) as hands:
             measure_study(keys, scales, store, out, hands=hands, on_progress=on_progress)
-        fingers = {
-            finger.name: finger_result(finger, scales, folder, faces_of(finger, keys, store), rulings)
-            for finger in study.fingers
-        }
-        films = film_results(keys, store)
-        _remove_other_pictures(out, drawn_for(keys, store))
-        return result_of(
-            study,
-            folder,
-            fingers=fingers,
-            scales=scales,
-            seen=measurements(keys, scales, store, films),
-            sequences=films,
-            origin=origin,
-            notes=(
-                *log.notes,
-                *map(_NOT_THERE.format, (*log.unknown_items(study), *frames_beyond(films, rulings))),
-            ),
-        )
+            fingers = {
+                finger.name: finger_result(finger, scales, folder, faces_of(finger, keys, store), rulings)
+                for finger in study.fingers
+            }
+            films = film_results(keys, store)
+            _remove_other_pictures(out, drawn_for(keys, store))
+            return result_of(
+                study,
+                folder,
+                fingers=fingers,
+                scales=scales,
+                seen=measurements(keys, scales, store, films),
+                sequences=films,
+                origin=origin,
+                hands=hands,
+                notes=(
+                    *log.notes,
+                    *map(_NOT_THERE.format, (*log.unknown_items(study), *frames_beyond(films, rulings))),
+                ),
+            )
 
 
 def _refuse_to_overwrite(inputs: list[str], folder: Path, out: Path) -> None:

@@ -17,7 +17,7 @@ from typing import Any, Final
 
 import fingerpad
 from fingerpad.exceptions import ClusterError
-from fingerpad.study.engine.task import Done, Task, Work, measuring_code, perform, settle_worker
+from fingerpad.study.engine.task import Done, Task, Work, perform, settle_worker, working_code
 
 _WAIT_S: Final = 30
 _COUNT_AGAIN_S: Final = 5
@@ -46,7 +46,7 @@ class ClusterHands:
         """Hand a task to the scheduler."""
         files = self._files(task) if self._sends else None
         remote = self._client.submit(
-            _perform_there, task.work, task.file, str(self._folder), measuring_code(), files, pure=False
+            _perform_there, task.work, task.file, str(self._folder), working_code(), files, pure=False
         )
         future: Future[Done] = Future()
         future.set_running_or_notify_cancel()  # an interrupt waits for what is in hand
@@ -55,6 +55,8 @@ class ClusterHands:
 
     def _files(self, task: Task) -> Any:
         """Return the files of a task, sent to the workers once for all tasks that share them."""
+        if not task.inputs:
+            return {}
         if task.inputs not in self._sent:
             content = {name: _read(self._folder / name) for name in task.inputs}
             self._sent[task.inputs] = self._client.scatter(content, hash=False)
@@ -183,7 +185,7 @@ def _perform_there(work: Work, file: str, folder: str, code: str, files: dict[st
 
     settle_worker()
     worker = get_worker()
-    if measuring_code() != code:
+    if working_code() != code:
         raise ClusterError(
             f"worker {worker.address} has another fingerpad than this ({fingerpad.__version__} there, with "
             "other code): install the same there"

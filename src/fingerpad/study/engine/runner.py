@@ -3,7 +3,7 @@
 import signal
 import threading
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager, suppress
@@ -12,7 +12,7 @@ from typing import TypeAlias
 
 from fingerpad.exceptions import StoreError
 from fingerpad.study.engine.hands import Hands
-from fingerpad.study.engine.task import Done, Task
+from fingerpad.study.engine.task import Done, Record, Task
 
 # Tasks stage by stage: those of one stage do not depend on one another, but on all of the stage before.
 Plan: TypeAlias = Iterator[list[Task]]
@@ -99,6 +99,25 @@ def run_plans(
                 "a process that measured has died, perhaps for want of memory: run again to go on, with "
                 "fewer --workers"
             ) from error
+
+
+def records_of(tasks: Sequence[Task], hands: Hands) -> list[Record]:
+    """Do tasks whose records are not kept in a store, and return them in the tasks' order.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        After an interrupt.
+    StoreError
+        If a process dies.
+    """
+    found: dict[str, Record] = {}
+
+    def keep(task: Task, done: Done) -> None:
+        found[task.name] = done.record
+
+    run_plans([iter([list(tasks)])], hands, keep, lambda _: False)
+    return [found[task.name] for task in tasks]
 
 
 def _raise_if(interrupted: threading.Event) -> None:

@@ -123,6 +123,11 @@ def measuring_code() -> str:
     return code_digest("image", "study/corrections", "study/measuring")
 
 
+def working_code() -> str:
+    """Return the digest of all code that a task may use: workers with other code could give other numbers."""
+    return code_digest("contact", "geometry", "image", "loading", "study", "uncertainty")
+
+
 @cache
 def code_digest(*rooms: str) -> str:
     """Return the digest of some of the package's folders and files, of what it is made of alone."""

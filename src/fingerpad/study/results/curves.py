@@ -1,8 +1,9 @@
 """Loading curves of a study, fitted, and the effective radius that they give at a placement."""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
@@ -22,7 +23,10 @@ from fingerpad.loading import (
     read_loading_curve,
     shape_check,
 )
-from fingerpad.study.manifest import Curve
+from fingerpad.study.engine.hands import Hands
+from fingerpad.study.engine.runner import records_of
+from fingerpad.study.engine.task import Record, Task
+from fingerpad.study.manifest import Curve, Study
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.words import ODDITIES, in_study
 from fingerpad.uncertainty import pool
@@ -81,6 +85,39 @@ class CurveResult:
             self.manifest.file
             or f"{self.manifest.finger} at {self.manifest.wedge_angle_deg:g}°, R_g as given"
         )
+
+
+def curve_results(study: Study, fingers: Mapping[str, FingerResult], hands: Hands) -> list[CurveResult]:
+    """Read and fit all loading curves of a study, in the manifest's order.
+
+    Parameters
+    ----------
+    study : Study
+        The manifest.
+    fingers : mapping of str to FingerResult
+        Semi-axes by finger.
+    hands : Hands
+        Who fits them.
+    """
+    tasks = [
+        Task(
+            name=str(number),
+            item=curve.finger,
+            file=curve.file or "",
+            key="",
+            work=partial(_fitted, curve, fingers[curve.finger], study.poisson_ratio),
+            inputs=() if curve.file is None else (curve.file,),
+        )
+        for number, curve in enumerate(study.curves)
+    ]
+    return [
+        record["curve"] if "curve" in record else CurveResult(manifest=curve, reason=record["reason"])
+        for curve, record in zip(study.curves, records_of(tasks, hands), strict=True)
+    ]
+
+
+def _fitted(curve: Curve, finger: FingerResult, poisson_ratio: float, folder: Path, _out: Path) -> Record:
+    return {"curve": curve_result(curve, finger, poisson_ratio, folder)}
 
 
 def curve_result(curve: Curve, finger: FingerResult, poisson_ratio: float, folder: Path) -> CurveResult:

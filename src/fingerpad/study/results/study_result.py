@@ -1,18 +1,22 @@
 """Everything that a run found, once all is measured."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import compress
 from pathlib import Path
 from typing import Any
 
+from fingerpad.study.engine.hands import Hands
+from fingerpad.study.engine.runner import records_of
+from fingerpad.study.engine.task import Record, Task
 from fingerpad.study.manifest import Contact, Study
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.measuring.measure import Measurement
 from fingerpad.study.measuring.scales import FoundScale
 from fingerpad.study.measuring.sequences import SequenceResult
 from fingerpad.study.results.check import UncertaintyCheck
-from fingerpad.study.results.curves import CurveResult, curve_result
+from fingerpad.study.results.curves import CurveResult, curve_results
 from fingerpad.study.results.rows import Heaviest, make_rows
 from fingerpad.study.results.summary import Summary, summaries
 from fingerpad.study.results.table import Table
@@ -39,7 +43,7 @@ class StudyResult:
     summaries : list of Summary
         One per finger and placement.
     checks : list of UncertaintyCheck or None
-        Of the heaviest contact that counts in each summary; None where none does.
+        Of the heaviest contact that counts in each summary; None where none does, or it cannot be checked.
     curves : list of CurveResult
         One per loading curve.
     provenance : dict
@@ -136,6 +140,7 @@ def result_of(
     seen: Iterable[tuple[Contact, Measurement]],
     sequences: list[SequenceResult],
     origin: dict[str, Any],
+    hands: Hands,
     notes: tuple[str, ...] = (),
 ) -> StudyResult:
     """Return what a study comes to, once everything is measured: rows, summaries and loading curves.
@@ -146,6 +151,8 @@ def result_of(
         As `StudyResult` has them, `origin` its provenance.
     seen : iterable of (Contact, Measurement)
         All measurements in the manifest's order; gone through once, a thousand held at a time.
+    hands : Hands
+        Who fits loading curves and checks uncertainties.
     """
     rows = make_rows(study, fingers, seen)
     found = summaries(rows)
@@ -157,14 +164,30 @@ def result_of(
         sequences=sequences,
         scales=scales,
         summaries=found,
-        checks=[_check(rows.heaviest.get(summary.key)) for summary in found],
-        curves=[
-            curve_result(curve, fingers[curve.finger], study.poisson_ratio, folder) for curve in study.curves
-        ],
+        checks=_checks([rows.heaviest.get(summary.key) for summary in found], hands),
+        curves=curve_results(study, fingers, hands),
         provenance=origin,
         notes=notes,
     )
 
 
-def _check(heaviest: Heaviest | None) -> UncertaintyCheck | None:
-    return None if heaviest is None else UncertaintyCheck.of(heaviest.observation, heaviest.inputs)
+def _checks(heaviest: Sequence[Heaviest | None], hands: Hands) -> list[UncertaintyCheck | None]:
+    """Look closely at the uncertainty of some contacts."""
+    tasks = [
+        Task(
+            name=str(number),
+            item=one.observation,
+            file=one.observation,
+            key="",
+            work=partial(_checked, one),
+            inputs=(),
+        )
+        for number, one in enumerate(heaviest)
+        if one is not None
+    ]
+    records = iter(records_of(tasks, hands))
+    return [None if one is None else next(records).get("check") for one in heaviest]
+
+
+def _checked(heaviest: Heaviest, _folder: Path, _out: Path) -> Record:
+    return {"check": UncertaintyCheck.of(heaviest.observation, heaviest.inputs)}
