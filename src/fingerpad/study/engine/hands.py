@@ -8,10 +8,13 @@ from concurrent.futures import Future, ProcessPoolExecutor
 from contextlib import contextmanager
 from multiprocessing import get_context, parent_process
 from pathlib import Path
-from typing import Protocol
+from typing import Final, Protocol
 
 from fingerpad.study.engine.cluster import cluster_hands
 from fingerpad.study.engine.task import Done, Task, perform, settle_worker
+
+# Read by NumPy's linear algebra when it is loaded.
+_THREADS: Final = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 
 
 class Hands(Protocol):
@@ -85,10 +88,26 @@ def local_hands(folder: Path, workers: int) -> Iterator[Hands]:
         yield OwnHands(folder)
         return
     pool = ProcessPoolExecutor(workers, mp_context=get_context("spawn"), initializer=_start_worker)
+    with _one_thread_each():
+        try:
+            yield PoolHands(pool, workers, folder)
+        finally:
+            pool.shutdown(cancel_futures=True)
+
+
+@contextmanager
+def _one_thread_each() -> Iterator[None]:
+    """Let linear algebra in processes that start meanwhile use one thread: all cores are at work already."""
+    before = {name: os.environ.get(name) for name in _THREADS}
+    os.environ.update(dict.fromkeys(_THREADS, "1"))
     try:
-        yield PoolHands(pool, workers, folder)
+        yield
     finally:
-        pool.shutdown(cancel_futures=True)
+        for name, value in before.items():
+            if value is None:
+                os.environ.pop(name, None)
+            else:
+                os.environ[name] = value
 
 
 def _start_worker() -> None:
