@@ -1,6 +1,9 @@
 """The report of many fingers: a page over all, and one for each finger that is drawn when it must be."""
 
+import os
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +15,16 @@ from fingerpad.report import write, write_report
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.study_result import StudyResult
 
+DRAW = """
+import sys
+from pathlib import Path
+from fingerpad.report import write, write_report
+from fingerpad.study.pipeline import run_study
+
+write._MOST_GROUPS = 5
+manifest, out = map(Path, sys.argv[1:])
+write_report(run_study(manifest, out), out, on_page=lambda done, _: print(done))
+"""
 FINGERS, WEDGES, LOADS = ("left", "right", "thumb"), (0, 30), (1, 2)
 
 
@@ -94,6 +107,18 @@ def test_only_what_changed_is_drawn_again(tmp_path: Path) -> None:
     assert {name for name in after if after[name] != before[name]} == {"thumb"}
     same = {path for path, time in figures.items() if path.stat().st_mtime_ns == time}
     assert {path.name.split("_")[0] for path in same} == {"left", "right"}
+
+
+def test_another_process_draws_nothing_again(tmp_path: Path) -> None:
+    manifest = manifest_of(tmp_path / "study", curve=True)
+    told = []
+    for seed in ("1", "2"):  # of the order that words have in sets
+        command = [sys.executable, "-c", DRAW, str(manifest), str(tmp_path / "out")]
+        done = subprocess.run(
+            command, capture_output=True, text=True, check=True, env={**os.environ, "PYTHONHASHSEED": seed}
+        )
+        told.append(done.stdout.split())
+    assert told == [["1", "2", "3"], []]
 
 
 @pytest.mark.parametrize("lost", ["report/left.html", "figures/left_30deg_area.svg"])

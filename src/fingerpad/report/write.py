@@ -1,8 +1,6 @@
 """Writing the report: one page, or where there is too much for one a page over those of the fingers."""
 
-import hashlib
 import json
-import pickle
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import replace
@@ -16,6 +14,7 @@ from fingerpad.study.durable import keep_files
 from fingerpad.study.engine.hands import local_hands
 from fingerpad.study.engine.runner import run_plans
 from fingerpad.study.engine.task import Done, Record, Task, code_digest
+from fingerpad.study.results.digest import digest_of_values
 from fingerpad.study.results.study_result import StudyResult
 
 REPORT_NAME: Final = "report.html"
@@ -80,12 +79,11 @@ def _task(part: StudyResult) -> Task:
     """Return the drawing of a finger's page, keyed by all that it shows and by the code that draws."""
     (name,) = part.fingers
     shown = replace(part, provenance={**part.provenance, "made": None})
-    content = pickle.dumps(shown) + code_digest("report", "figures", "image", "units.py").encode()
     return Task(
         name=name,
         item=name,
         file=f"{_PAGES}/{name}.html",
-        key=hashlib.sha256(content).hexdigest(),
+        key=digest_of_values(shown, code_digest("report", "figures", "image", "units.py")),
         work=partial(_draw, part),
         inputs=(),
     )
