@@ -19,7 +19,7 @@ from fingerpad.image import (
 from fingerpad.study.corrections.changes import ContactCorrection
 from fingerpad.study.corrections.corrected import place_of, prepared_contact
 from fingerpad.study.manifest import Contact, ContactSequence, Observation, ScaleKey
-from fingerpad.study.measuring.measure import Measurement, doubts_of, from_imprint
+from fingerpad.study.measuring.measure import Measurement, contact_correction, doubts_of, from_imprint
 from fingerpad.study.measuring.scales import FoundScale
 from fingerpad.study.results.rows import make_rows
 from fingerpad.web.asked import Item
@@ -54,7 +54,7 @@ def measure(bench: Bench, _: Any, asked: ContactQuestion) -> dict[str, Any]:
     contact = _contact(opened, asked)
     assert contact.scale is not None
     found = scale_of(opened, contact.scale)
-    change = asked.change or _stored(opened, asked)
+    change = asked.change or contact_correction(opened.corrections.ruling(asked.item))
     prepared = _prepared(opened, asked.item, contact, found, change)
     imprint = prepared.with_edits(change.brush_strokes, change.hand_ellipse)
     own, error = _program(opened, asked.item, contact, found) if change.edits else (imprint, None)
@@ -92,13 +92,6 @@ def _contact(opened: OpenStudy, asked: ContactQuestion) -> Contact:
     if contact is None or contact.scale is None:
         raise Refusal.not_there(f"no contact image is named {item!r}")
     return contact if asked.scale is None else contact.model_copy(update={"scale": asked.scale})
-
-
-def _stored(opened: OpenStudy, asked: ContactQuestion) -> ContactCorrection:
-    """Return the correction that rules where none is being made."""
-    ruling = opened.corrections.ruling(asked.item) if asked.change is None else None
-    change = ruling and ruling.change
-    return change if isinstance(change, ContactCorrection) else ContactCorrection()
 
 
 def _prepared(

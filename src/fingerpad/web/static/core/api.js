@@ -63,20 +63,19 @@ export class Newest {
   #waiting = null;
   #busy = false;
   #dropped = 0;
+  #shown;
 
-  constructor(send, done, failed) {
+  /** `shown`, the place of the answers, is busy until the newest stands there. */
+  constructor(send, done, failed, shown) {
     this.#send = send;
     this.#done = done;
     this.#failed = failed;
-  }
-
-  /** Whether a state is waiting that is newer than the one last answered. */
-  get behind() {
-    return this.#waiting !== null;
+    this.#shown = shown;
   }
 
   ask(state) {
     this.#waiting = state;
+    this.#shown?.setAttribute("aria-busy", "true");
     if (!this.#busy) this.#run();
   }
 
@@ -98,5 +97,6 @@ export class Newest {
       }
     }
     this.#busy = false;
+    this.#shown?.setAttribute("aria-busy", "false");
   }
 }

@@ -2,6 +2,7 @@
 
 import { wordsFor } from "../core/bench.js";
 import { plain } from "../core/quantity.js";
+import { decisions } from "./review.js";
 
 export const FILTERS = [
   ["", "all"],
@@ -25,9 +26,7 @@ export function describe(entry) {
   const marks = [];
   if (entry.flags?.length) marks.push(["flag", entry.flags.map(wordsFor).join("; ")]);
   if (entry.status === "failed") marks.push(["failed", entry.reason ?? "failed"]);
-  if (entry.corrected) marks.push(["corrected", "corrected by a person"]);
-  if (entry.accepted) marks.push(["accepted", "accepted"]);
-  if (entry.rejected) marks.push(["rejected", `rejected: ${entry.rejected}`]);
+  marks.push(...decisions(entry));
   const load = entry.load_N === null || entry.load_N === undefined ? "" : `${Number(entry.load_N.toPrecision(3))} N`;
   return {
     label: film ? `${entry.frame}${load ? ` · ${load}` : ""}` : load ? `${load} · ${plain(entry.wedge_angle_deg)}°` : entry.item,

@@ -30,8 +30,8 @@ class PadView {
     this.wedge = placed?.wedge_angle_deg ?? 30;
     this.roll = placed?.roll_angle_deg ?? 0;
     this.scene = new PadScene({ forceSvg: new URLSearchParams(location.search).has("svg") });
-    this.live = new Newest((asked) => post("/api/geometry", asked), (answer) => this.#show(answer), (error) => this.#refused(error));
-    this.numbers = h("section", { "aria-busy": "true" });
+    this.numbers = h("section");
+    this.live = new Newest((asked) => post("/api/geometry", asked), (answer) => this.#show(answer), (error) => place(this.numbers, h("p.note.bad", { role: "alert" }, error.message)), this.numbers);
     this.side = h("div.stack");
     this.caption = h("div.pad-caption");
     place(
@@ -95,13 +95,7 @@ class PadView {
 
   #ask() {
     const which = this.finger ? { finger: this.finger } : { palmar_mm: this.axes.palmar, distal_mm: this.axes.distal, radial_ulnar_mm: this.axes.radial_ulnar };
-    this.numbers.setAttribute("aria-busy", "true");
     this.live.ask({ ...which, wedge_angle_deg: this.wedge, roll_angle_deg: this.roll, detail: 40 });
-  }
-
-  #refused(error) {
-    place(this.numbers, h("p.note.bad", { role: "alert" }, error.message));
-    this.numbers.setAttribute("aria-busy", String(this.live.behind));
   }
 
   #show(answer) {
@@ -121,7 +115,6 @@ class PadView {
       h("dl.readings", { "data-live": "radii" }, READINGS.map(([key, label]) => reading(label(), quantityText(answer, key)))),
       !this.finger && h("p.soft", null, "No uncertainty: these semi-axes are typed in for a look, and belong to no finger of the study."),
     );
-    this.numbers.setAttribute("aria-busy", String(this.live.behind));
   }
 
   close() {

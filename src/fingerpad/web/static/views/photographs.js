@@ -9,7 +9,7 @@ import { handle } from "../parts/handle.js";
 import { icons } from "../parts/icons.js";
 import { Click, Line } from "../parts/tools.js";
 import { PhotographInspector } from "./photograph_inspector.js";
-import { Review } from "./review.js";
+import { decisions, Review } from "./review.js";
 
 const TOOLS = [
   ["ellipse", "Look, drag the axes and turn", { icon: icons.ellipse, shortcut: "v" }],
@@ -61,11 +61,12 @@ class Photographs extends Review {
       inspector: new PhotographInspector(this),
     });
     this.stage.root.classList.add("face");
-    this.line = new Line(this.stage, (ends) => this.#measureLine(ends));
+    this.line = new Line(this.stage, (ends) => this.lengths.ask(ends));
     this.lengths = new Newest(
       (ends) => post("/api/measure/length", { scale: this.entry.scale, line_px: ends, ends_std_px: 1 }),
       (answer) => this.#length(answer),
-      (error) => this.#length(null, error),
+      (error) => this.stage.say(error.message, "bad"),
+      this.inspector.parts.tool,
     );
     this.bind([
       ["b", "Add points on the outline", () => this.use("points")],
@@ -124,18 +125,9 @@ class Photographs extends Review {
     this.inspector.show(answer);
   }
 
-  #measureLine(ends) {
-    this.inspector.parts.tool.setAttribute("aria-busy", "true");
-    this.lengths.ask(ends);
-  }
-
-  #length(answer, error) {
-    if (error) this.stage.say(error.message, "bad");
-    else {
-      this.line.write(quantityText(answer, "length_mm"));
-      this.inspector.length(answer);
-    }
-    this.inspector.parts.tool.setAttribute("aria-busy", String(this.lengths.behind));
+  #length(answer) {
+    this.line.write(quantityText(answer, "length_mm"));
+    this.inspector.length(answer);
   }
 
   draw(change) {
@@ -210,11 +202,7 @@ class Photographs extends Review {
 const dots = (points) => (points ?? []).map(([row, column]) => `M${column} ${row}h.01`).join("");
 
 function describe(entry) {
-  const marks = [];
-  if (entry.flags?.length) marks.push(["flag", entry.flags.join(", ")]);
-  if (entry.corrected) marks.push(["corrected", "corrected by a person"]);
-  if (entry.accepted) marks.push(["accepted", "accepted"]);
-  if (entry.rejected) marks.push(["rejected", `rejected: ${entry.rejected}`]);
+  const marks = [...(entry.flags?.length ? [["flag", entry.flags.join(", ")]] : []), ...decisions(entry)];
   return { label: entry.face, name: [`${entry.finger}, ${entry.face} face`, ...marks.map(([, words]) => words)].join(", "), state: entry.rejected ? "rejected" : "done", marks };
 }
 

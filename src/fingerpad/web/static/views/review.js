@@ -14,6 +14,11 @@ import { whoButton } from "../parts/who.js";
 
 const VERDICTS = ["accepted", "rejected"];
 
+/** What a person did about a picture, as marks of its thumbnail: [kind, words]. */
+export function decisions({ corrected, accepted, rejected }) {
+  return [corrected && ["corrected", "corrected by a person"], accepted && ["accepted", "accepted"], rejected && ["rejected", `rejected: ${rejected}`]].filter(Boolean);
+}
+
 /**
  * What contact images and photographs have in common. A view of its own says how one is measured (`measure`), shown
  * (`show`, `blank`), drawn over (`draw`), what its tools do (`instrument`), and where it is found (`address`, `title`).
