@@ -10,8 +10,9 @@ import fingerpad
 from fingerpad._files import make_folder
 from fingerpad.exceptions import FingerpadError
 from fingerpad.figures import new_figure, save_figure
-from fingerpad.figures.compare import FingerLine, MeanMark, colours_of, plot_by_wedge, plot_forest
+from fingerpad.figures.compare import FingerLine, MeanMark, colours_of, plot_forest
 from fingerpad.report.plot import Plot
+from fingerpad.report.plots import by_wedge_plot
 from fingerpad.report.templates import templates
 from fingerpad.study.compare import QUANTITIES, Comparison, Mean, Value
 from fingerpad.units import two_digits, value_with_uncertainty
@@ -169,11 +170,10 @@ def wedge_plot(comparison: Comparison) -> Iterator[Plot]:
     lines: dict[tuple[str, str, str, bool], list[Value]] = {}
     for value in values:
         lines.setdefault((value.person.name, value.study, value.finger, value.synthetic), []).append(value)
-    figure, (axes,) = new_figure(width_mm=140, height_mm=95)
     colours = colours_of([value.person.name for value in comparison.values])
     kind = QUANTITIES["radius_from_indentation_mm"]
-    plot_by_wedge(
-        axes,
+    yield by_wedge_plot(
+        "compare_radius_by_wedge",
         [
             FingerLine(
                 person=person,
@@ -191,13 +191,6 @@ def wedge_plot(comparison: Comparison) -> Iterator[Plot]:
             if not mean.roll_angle_deg and len(mean.people) > 1
         ],
         label=f"corrected radius {kind.symbol} ({kind.unit})",
-    )
-    yield Plot(
-        name="compare_radius_by_wedge",
-        figure=figure,
-        caption="Corrected radius against wedge angle, a line for each finger. Where bars are drawn they are "
-        "one standard uncertainty, and fingers of one angle stand beside one another. Hollow or dotted: "
-        "synthetic.",
     )
 
 

@@ -17,7 +17,7 @@ from fingerpad.figures import (
     plot_press,
     plot_uncertainty_budget,
 )
-from fingerpad.figures.compare import FingerLine, colours_of, plot_by_wedge
+from fingerpad.figures.compare import FingerLine, MeanMark, colours_of, plot_by_wedge
 from fingerpad.geometry import Ellipse, Ellipsoid, Placement
 from fingerpad.loading import Estimate
 from fingerpad.report.loading import loading_plots
@@ -95,9 +95,8 @@ def wedge_plot(result: StudyResult) -> Iterator[Plot]:
     for one in sorted(found, key=lambda one: one.wedge_angle_deg):
         lines.setdefault((one.finger, one.synthetic), []).append(one)
     colours = colours_of(list(result.fingers))
-    figure, (axes,) = new_figure(width_mm=140, height_mm=95)
-    plot_by_wedge(
-        axes,
+    yield by_wedge_plot(
+        "corrected_radius_by_wedge",
         [
             FingerLine(
                 person=finger,
@@ -111,8 +110,16 @@ def wedge_plot(result: StudyResult) -> Iterator[Plot]:
         ],
         label="corrected radius (mm)",
     )
-    yield Plot(
-        name="corrected_radius_by_wedge",
+
+
+def by_wedge_plot(
+    name: str, lines: Sequence[FingerLine], means: Sequence[tuple[float, MeanMark]] = (), *, label: str
+) -> Plot:
+    """Return corrected radii against wedge angle as a figure of its own."""
+    figure, (axes,) = new_figure(width_mm=140, height_mm=95)
+    plot_by_wedge(axes, lines, means, label=label)
+    return Plot(
+        name=name,
         figure=figure,
         caption="Corrected radius against wedge angle, a line for each finger. Where bars are drawn they are "
         "one standard uncertainty, and fingers of one angle stand beside one another. Hollow or dotted: "

@@ -10,7 +10,7 @@ from typing import Any, Final
 
 from fingerpad.exceptions import FingerpadError
 from fingerpad.report.page import write_page
-from fingerpad.study.durable import keep_files
+from fingerpad.study.durable import keep_files, remove_others
 from fingerpad.study.engine.hands import local_hands
 from fingerpad.study.engine.runner import run_plans
 from fingerpad.study.engine.task import Done, Record, Task, code_digest
@@ -78,20 +78,20 @@ def write_report(
 def _task(part: StudyResult) -> Task:
     """Return the drawing of a finger's page, keyed by all that it shows and by the code that draws."""
     (name,) = part.fingers
+    file = f"{_PAGES}/{name}.html"
     shown = replace(part, provenance={**part.provenance, "made": None})
     return Task(
         name=name,
         item=name,
-        file=f"{_PAGES}/{name}.html",
+        file=file,
         key=digest_of_values(shown, code_digest("report", "figures", "image", "units.py")),
-        work=partial(_draw, part),
+        work=partial(_draw, part, file),
         inputs=(),
     )
 
 
-def _draw(part: StudyResult, results: Path, out: Path) -> Record:
-    (name,) = part.fingers
-    write_page(part, out, f"{_PAGES}/{name}.html", overlays=results, home=f"../{REPORT_NAME}")
+def _draw(part: StudyResult, file: str, results: Path, out: Path) -> Record:
+    write_page(part, out, file, overlays=results, home=f"../{REPORT_NAME}")
     return {}
 
 
@@ -113,14 +113,8 @@ def _is_drawn(task: Task, known: Mapping[str, Any], out: Path) -> bool:
 
 
 def _remove_other_files(out: Path, index: Mapping[str, Any]) -> None:
-    """Remove pages and figures of earlier runs, lest they mix with this one's."""
+    """Leave the pages and figures that are as they should be, and nothing of earlier runs beside them."""
     kept = {file for entry in index.values() for file in entry["files"]} | ({_INDEX} if index else set())
-    try:
-        for pattern in (f"{_PAGES}/*.html", _INDEX, "figures/*.png", "figures/*.svg"):
-            for path in out.glob(pattern):
-                if path.relative_to(out).as_posix() not in kept:
-                    path.unlink()
-    except OSError as error:
-        raise FingerpadError(f"{error.filename}: cannot be removed ({error.strerror})") from error
+    remove_others(out, (f"{_PAGES}/*.html", _INDEX, "figures/*.png", "figures/*.svg"), kept)
     with suppress(OSError):  # pages are in it, or files that someone keeps there
         (out / _PAGES).rmdir()

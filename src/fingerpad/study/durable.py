@@ -1,7 +1,7 @@
 """Files that are there whole, old or new, whatever happens while they are written; one writer at a time."""
 
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Container, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Final
@@ -69,6 +69,23 @@ def keep_files(out: Path, files: Mapping[str, bytes]) -> None:
                 f"{path}: cannot be written ({error.strerror}): what was measured before is kept; make room, "
                 "or choose another --out, and run again to go on"
             ) from error
+
+
+def remove_others(out: Path, patterns: Iterable[str], kept: Container[str]) -> None:
+    """Remove results of earlier runs, lest they mix with this one's.
+
+    Raises
+    ------
+    StoreError
+        If one cannot be removed.
+    """
+    try:
+        for pattern in patterns:
+            for path in out.glob(pattern):
+                if path.relative_to(out).as_posix() not in kept:
+                    path.unlink()
+    except OSError as error:
+        raise StoreError(f"{error.filename}: cannot be removed ({error.strerror})") from error
 
 
 def sync_folder(folder: Path) -> None:

@@ -1,6 +1,6 @@
 """The whole way of a study, from its manifest to rows and summaries."""
 
-from collections.abc import Callable, Container
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 from typing import Final
@@ -9,6 +9,7 @@ from fingerpad._files import make_folder
 from fingerpad.exceptions import ManifestError
 from fingerpad.study.corrections.decisions import CORRECTIONS_NAME
 from fingerpad.study.corrections.log import CorrectionLog
+from fingerpad.study.durable import remove_others
 from fingerpad.study.engine.hands import hands_for
 from fingerpad.study.engine.progress import Progress
 from fingerpad.study.engine.store import STORE_NAME, Store
@@ -35,6 +36,7 @@ OUTPUT_NAMES: Final = frozenset(
     )
 )
 
+_OVERLAYS: Final = ("overlays/*.png", "overlays/sequences/*.png")
 _NOT_THERE: Final = f"{CORRECTIONS_NAME}: {{}} is not in the study: what was decided about it has no effect"
 
 
@@ -97,7 +99,7 @@ def run_study(
                 for finger in study.fingers
             }
             films = film_results(keys, store)
-            _remove_other_pictures(out, drawn_for(keys, store))
+            remove_others(out, _OVERLAYS, drawn_for(keys, store))
             return result_of(
                 study,
                 folder,
@@ -123,11 +125,3 @@ def _refuse_to_overwrite(inputs: list[str], folder: Path, out: Path) -> None:
         inside = path.relative_to(out.resolve()).parts
         if not inside or inside[0] in OUTPUT_NAMES:
             raise ManifestError(f"{out}: results would be written over {name}; choose another output folder")
-
-
-def _remove_other_pictures(out: Path, kept: Container[str]) -> None:
-    """Remove overlays of earlier runs, lest they mix with this one's."""
-    for pattern in ("overlays/*.png", "overlays/sequences/*.png"):
-        for path in out.glob(pattern):
-            if path.relative_to(out).as_posix() not in kept:
-                path.unlink()
