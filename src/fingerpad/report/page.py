@@ -93,27 +93,10 @@ def write_page(
             result=result,
             home=home,
             pages=pages,
-            overview=_drawn(wedge_plot(result), out) if pages else [],
             failed=result.failed_contacts,
             most_failed=_MOST_FAILED,
             decided=result.decided,
-            groups=[
-                _line(result, summary) | ({} if pages else _details(result, summary, check, out))
-                for summary, check in zip(result.summaries, result.checks, strict=True)
-            ],
-            curves=[
-                {"curve": curve, "figures": [] if pages else _drawn(curve_plots(curve, number), out)}
-                for number, curve in enumerate(result.curves, start=1)
-            ],
-            velocities=[] if pages else _drawn(velocity_plots(result.curves), out),
-            photographs=[]
-            if pages
-            else [
-                (finger.name, photograph)
-                for finger in result.fingers.values()
-                for photograph in finger.photographs
-            ],
-            sequences=[] if pages else _sequences(result, out),
+            **(_tabled(result, out) if pages else _drawn_in_full(result, out)),
             most_presses=_MOST_PRESSES,
             synthetic=bool(result.rows.column("synthetic").any()),
             certain=bool(result.study.uncertainty.model_fields_set),
@@ -124,6 +107,40 @@ def write_page(
         path.with_suffix(".part").replace(path)
     except OSError as error:
         raise FingerpadError(f"{error.filename}: cannot be written ({error.strerror})") from error
+
+
+def _tabled(result: StudyResult, out: Path) -> dict[str, Any]:
+    """Return what the page over those of the fingers shows: a line of each, and one figure of all."""
+    return {
+        "overview": _drawn(wedge_plot(result), out),
+        "groups": [_line(result, summary) for summary in result.summaries],
+        "curves": [{"curve": curve, "figures": []} for curve in result.curves],
+        "velocities": [],
+        "photographs": [],
+        "sequences": [],
+    }
+
+
+def _drawn_in_full(result: StudyResult, out: Path) -> dict[str, Any]:
+    """Return what a page with all figures and pictures shows."""
+    return {
+        "overview": [],
+        "groups": [
+            _line(result, summary) | _details(result, summary, check, out)
+            for summary, check in zip(result.summaries, result.checks, strict=True)
+        ],
+        "curves": [
+            {"curve": curve, "figures": _drawn(curve_plots(curve, number), out)}
+            for number, curve in enumerate(result.curves, start=1)
+        ],
+        "velocities": _drawn(velocity_plots(result.curves), out),
+        "photographs": [
+            (finger.name, photograph)
+            for finger in result.fingers.values()
+            for photograph in finger.photographs
+        ],
+        "sequences": _sequences(result, out),
+    }
 
 
 def _line(result: StudyResult, summary: Summary) -> dict[str, Any]:
