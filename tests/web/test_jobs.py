@@ -219,6 +219,8 @@ def test_one_run_at_a_time_and_events_tell_of_it(client):
     runs = [json.loads(line.removeprefix("data: ")) for line in heard if line.startswith('data: {"state"')]
     assert runs[0]["state"] == "running"
     assert runs[-1]["state"] == "done"
+    versions = [run["version"] for run in runs]
+    assert versions[-1] == max(versions) == client.get("/api/run").json()["version"]
     assert {run["phase"] for run in runs} >= {"measuring", "tables", "report"}
 
 

@@ -30,6 +30,7 @@ _NOTHING: Final[dict[str, Any]] = {
     "seconds_left": None,
     "error": None,
     "failures": [],
+    "version": 0,  # counts the changes, so that a page knows an older answer from a newer one
 }
 
 
@@ -60,7 +61,8 @@ class Running:
         with self._lock:
             if self._now["state"] in _AT_WORK:
                 raise Refusal.conflict("a run is at work: wait for it to end, or cancel it")
-            self._now = {**_NOTHING, "state": "running", "phase": "measuring"}
+            begun = {"state": "running", "phase": "measuring", "version": self._now["version"] + 1}
+            self._now = {**_NOTHING, **begun}
             self._started, self._told = time.monotonic(), 0.0
             self._stop.clear()
             self._thread = Thread(
@@ -74,7 +76,7 @@ class Running:
         """Ask the run to stop; what it has measured is kept."""
         with self._lock:
             if self._now["state"] == "running":
-                self._now["state"] = "cancelling"
+                self._now |= {"state": "cancelling", "version": self._now["version"] + 1}
                 self._stop.set()
         return self.describe()
 
@@ -134,7 +136,7 @@ class Running:
 
     def _set(self, *, told: bool = False, **changes: Any) -> None:
         with self._lock:
-            self._now |= changes
+            self._now |= {**changes, "version": self._now["version"] + 1}
             now = time.monotonic()
             due = told or "phase" in changes or now - self._told > _EVERY_S
             self._told = now if due else self._told

@@ -9,11 +9,11 @@ import re
 import signal
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from playwright.sync_api import Browser, Locator, Page
+from playwright.sync_api import Browser, Locator, Page, Request, Route
 
 ROOT = Path(__file__).resolve().parents[3]
 DEMO = ROOT / "examples" / "dzidek2017"
@@ -81,7 +81,9 @@ class Tab:
         return self.page
 
     def go(self, step: str) -> None:
+        """Go to a step, and wait until it is the one that hears keys."""
         self.page.evaluate("step => { location.hash = `#/${step}` }", step)
+        self.page.locator(f"#work.view-{step.partition('/')[0]}").wait_for()
 
     def off_host(self) -> list[str]:
         return [url for url in self.asked if not url.startswith((self.server.host, "data:", "blob:"))]
@@ -93,6 +95,36 @@ class Tab:
         ]
         assert not unexpected, unexpected
         assert not self.off_host(), self.off_host()
+
+
+class Late:
+    """The next answer to what a page asks at an address, held back until it is let go."""
+
+    def __init__(
+        self, page: Page, address: str, wanted: Callable[[Request], bool] = lambda request: True
+    ) -> None:
+        self.page = page
+        self.wanted = wanted
+        self.held: Route | None = None
+        page.route(address, self._hold)
+
+    def _hold(self, route: Route) -> None:
+        if self.held or not self.wanted(route.request):
+            route.continue_()
+        else:
+            self.answer = route.fetch()
+            self.held = route
+
+    def wait(self) -> None:
+        while self.held is None:
+            self.page.wait_for_timeout(20)
+
+    def let_go(self) -> None:
+        """Let the answer come, and the page take it in."""
+        self.wait()
+        with self.page.expect_event("requestfinished", lambda done: done == self.held.request):
+            self.held.fulfill(response=self.answer)
+        settle(self.page)
 
 
 def numbers(page: Page, part: str = "numbers") -> str:
@@ -138,6 +170,11 @@ def stroke(page: Page, start: tuple[float, float], end: tuple[float, float]) -> 
 def lift(page: Page) -> None:
     """Let the button go, and wait until the page has taken in what the hand did: a busy one lags behind."""
     page.mouse.up()
+    settle(page)
+
+
+def settle(page: Page) -> None:
+    """Wait until the page has drawn what has come so far."""
     page.evaluate("() => new Promise((seen) => requestAnimationFrame(() => requestAnimationFrame(seen)))")
 
 

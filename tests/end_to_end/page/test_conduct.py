@@ -3,12 +3,25 @@
 import json
 import shutil
 import signal
+import tomllib
 from importlib import resources
 
 import numpy as np
 import pytest
 from PIL import Image
-from tests.end_to_end.page.bench import DEMO, Tab, changed, drag, focus, lift, middle, numbers, served
+from tests.end_to_end.page.bench import (
+    DEMO,
+    Late,
+    Tab,
+    changed,
+    drag,
+    focus,
+    lift,
+    middle,
+    numbers,
+    served,
+    settle,
+)
 
 # Each step, and what stands there once it is drawn.
 STEPS = {
@@ -220,3 +233,40 @@ def test_two_thousand_frames_open_at_once_and_scroll(browser, tmp_path) -> None:
     assert worst["cells"] < 40
     assert worst["median"] < 50
     assert thumbnails < 120
+
+
+def test_state_of_the_study_that_comes_late_hides_nothing_newer(tab: Tab, demo) -> None:
+    page = tab.open("study")
+    late = Late(page, "**/api/study")
+    page.locator("input[type=file]").set_input_files([demo / "observations.csv"])
+    late.wait()
+    title = page.get_by_label("Title", exact=True)
+    title.fill("Kept since")
+    title.press("Enter")
+    page.get_by_role("heading", name="Kept since").wait_for()
+    with page.expect_response("**/api/study"):
+        late.let_go()
+    settle(page)
+    assert page.get_by_role("heading", name="Kept since").is_visible()
+
+
+def test_what_is_being_typed_is_not_drawn_over(tab: Tab, demo) -> None:
+    page = tab.open("study")
+    late = Late(page, "**/api/study/edits")
+    page.get_by_label("Wedge angle ±").fill("0.6")
+    page.keyboard.press("Tab")
+    page.keyboard.type("0.")
+    late.let_go()
+    page.keyboard.type("25")
+    assert page.get_by_label("Roll angle ±").input_value() == "0.25"
+    with page.expect_response("**/api/study/edits"):
+        page.keyboard.press("Tab")
+    settle(page)
+    page.keyboard.type("0.02")
+    with page.expect_response("**/api/study/edits"):
+        page.keyboard.press("Enter")
+    settle(page)
+    assert page.get_by_label("Load, relative ±").input_value() == "0.02"
+    assert page.evaluate("() => document.activeElement.labels[0].textContent") == "Load, relative ±"
+    said = tomllib.loads((demo / "study.toml").read_text())["uncertainty"]
+    assert said == {"wedge_angle_std_deg": 0.6, "roll_angle_std_deg": 0.25, "load_relative_std": 0.02}

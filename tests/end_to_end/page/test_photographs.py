@@ -3,29 +3,20 @@
 import json
 import re
 
-from tests.end_to_end.page.bench import Tab, changed, drag, focus, lift, middle, moving, numbers, stroke
+from tests.end_to_end.page.bench import (
+    Late,
+    Tab,
+    changed,
+    drag,
+    focus,
+    lift,
+    middle,
+    moving,
+    numbers,
+    stroke,
+)
 
 ITEM = "synthetic_pad/synthetic/photograph_palmar.jpg"
-
-# Hold the next measurement of what was kept back until it is released.
-HOLD_BACK_ONE = """() => {
-  const fetch = window.fetch;
-  let held = false;
-  window.fetch = async (...asked) => {
-    const answer = await fetch(...asked);
-    if (held || !asked[0].includes('/api/measure/') || asked[1].body.includes('handles')) return answer;
-    held = true;
-    await new Promise((release) => { window.release = release; });
-    setTimeout(() => { window.heard = true; }, 100);
-    return answer;
-  };
-}"""
-RELEASE_IT = """() => {
-  window.drawn = 0;
-  const count = new MutationObserver(() => { window.drawn += 1; });
-  count.observe(document.querySelector('[data-part=face]'), { childList: true, subtree: true });
-  window.release();
-}"""
 
 
 def last_change(demo) -> dict:
@@ -116,14 +107,14 @@ def test_region_of_interest_by_keyboard(tab: Tab, demo) -> None:
 def test_a_late_answer_does_not_take_the_place_of_a_newer_one(tab: Tab) -> None:
     page = tab.open("photographs")
     before = numbers(page, "face")
-    page.evaluate(HOLD_BACK_ONE)
-    focus(page, "End of the semi-axis across").press("Shift+ArrowRight")
-    page.wait_for_function("() => window.release")
+    handle = focus(page, "End of the semi-axis across")
+    late = Late(page, "**/api/measure/photograph", lambda asked: "handles" not in asked.post_data_json)
+    handle.press("Shift+ArrowRight")
+    late.wait()
     page.keyboard.press("u")
     assert numbers(page, "face") == before
-    page.evaluate(RELEASE_IT)
-    page.wait_for_function("() => window.heard")
-    assert page.evaluate("() => window.drawn") == 0
+    late.let_go()
+    assert numbers(page, "face") == before
 
 
 def test_length_by_pointer_and_by_keys(tab: Tab) -> None:

@@ -3,7 +3,7 @@
 import re
 
 import pytest
-from tests.end_to_end.page.bench import Tab, changed, numbers, served
+from tests.end_to_end.page.bench import Late, Tab, changed, numbers, served
 
 
 @pytest.fixture(scope="module")
@@ -95,6 +95,20 @@ def test_table_is_filtered_sorted_and_leads_to_the_picture(tab: Tab) -> None:
     page.get_by_text("1 of 34 rows").wait_for()
     page.locator("tbody a").press("Enter")
     page.wait_for_url(re.compile("contacts/images/synthetic_45deg_0.5N"))
+
+
+@pytest.mark.parametrize(("left", "then"), [("plot", "table"), ("rows", "plot"), ("budget", "audit")])
+def test_part_of_the_results_that_was_left_is_drawn_nowhere(tab: Tab, left: str, then: str) -> None:
+    page = tab.open("pad")
+    late = Late(page, f"**/api/results/{left}*")
+    tab.go("results/table" if left == "rows" else f"results/{left}")
+    late.wait()
+    tab.go(f"results/{then}")
+    shown = {"table": "tbody tr", "plot": ".plot-card", "audit": "table.audit"}[then]
+    page.locator(shown).first.wait_for()
+    late.let_go()
+    assert page.locator(shown).first.is_visible()
+    assert page.locator(".results > *").count() == 1
 
 
 def test_figures_budget_and_audit(tab: Tab) -> None:

@@ -9,6 +9,7 @@ class Bench extends EventTarget {
   run = null;
   #stream = null;
   #reloading = null;
+  #news = 0;
   #rest = null;
 
   tell(kind, detail) {
@@ -20,20 +21,33 @@ class Bench extends EventTarget {
     if (this.session.study) await this.reload();
   }
 
-  async reload() {
-    this.#reloading ??= get("/api/study")
-      .then((document) => this.#take(document))
-      .finally(() => (this.#reloading = null));
-    return this.#reloading;
+  /** Take a state that is not older than this call. */
+  reload() {
+    this.#news += 1;
+    return (this.#reloading ??= this.#read().finally(() => (this.#reloading = null)));
+  }
+
+  /** An answer that was overtaken by something newer while it came is asked for again. */
+  async #read() {
+    let document, known;
+    do {
+      known = this.#news;
+      document = await get("/api/study");
+    } while (known !== this.#news);
+    return this.#take(document);
   }
 
   #take(document) {
+    this.#news += 1;
     const first = this.study?.name !== document.name;
     // Files that nothing names are shown where files are; nothing is missing for their sake.
     const missing = document.missing.filter(({ kind }) => kind !== "file");
     this.study = { ...document, missing, uncertainty: document.uncertainty ?? {} };
-    this.run = document.run ?? this.run;
-    if (first) this.#listen();
+    if (first) {
+      this.run = null;
+      this.#listen();
+    }
+    this.#hear(document.run);
     this.tell("study", { first });
     return document;
   }
@@ -55,9 +69,16 @@ class Bench extends EventTarget {
     this.#stream.onopen = () => this.tell("link", { there: true });
   }
 
+  /** How the run stands, unless a later state of it is known. */
+  #hear(run) {
+    if (run.version < this.run?.version) return false;
+    this.run = run;
+    return true;
+  }
+
   takeRun(run) {
     const ended = this.run?.state === "running" && run.state !== "running";
-    this.run = run;
+    if (!this.#hear(run)) return;
     this.tell("run", run);
     if (ended || (run.state === "done" && !this.study.results?.fresh)) this.reload().catch(() => {});
   }
@@ -73,6 +94,7 @@ class Bench extends EventTarget {
   async close() {
     this.#stream?.close();
     clearTimeout(this.#rest);
+    this.#news += 1;
     this.session = await post("/api/session/close");
     this.study = this.run = null;
     location.hash = "#/study";

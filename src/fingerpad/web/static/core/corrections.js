@@ -13,7 +13,7 @@ export class Corrections {
     this.overtaken = overtaken;
     this.document = { last_id: 0, change: {}, ruling: null, history: [], can_undo: false, can_redo: false };
     this.queue = Promise.resolve();
-    this.heard = ({ detail }) => detail.item === item && this.queue.then(() => this.#follow(detail.last_id));
+    this.heard = ({ detail }) => detail.item === item && this.#next(() => this.#follow(detail.last_id));
     bench.addEventListener("corrections", this.heard);
   }
 
@@ -24,11 +24,15 @@ export class Corrections {
 
   async #follow(id) {
     if (id === this.document.last_id) return;
-    await this.load();
+    await this.#read();
     this.overtaken();
   }
 
-  async load() {
+  load() {
+    return this.#next(() => this.#read());
+  }
+
+  async #read() {
     return this.#take(await get("/api/corrections", { item: this.item }));
   }
 
@@ -70,7 +74,7 @@ export class Corrections {
       return this.#take(await send());
     } catch (error) {
       if (!(error instanceof ApiError) || error.status !== 409) throw error;
-      await this.load();
+      await this.#read();
       const theirs = this.document.history.at(-1);
       const answer = await question(
         "Another window corrected this picture",

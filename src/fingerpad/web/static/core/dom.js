@@ -35,6 +35,21 @@ export function place(node, ...children) {
   return node;
 }
 
+const nameOf = (node) => node.getAttribute("aria-label") ?? node.labels?.[0]?.textContent ?? node.textContent;
+
+/** Draw anew, and leave the focus on what has the same name then; what stands in a field is selected, as by Tab. */
+export function redraw(draw) {
+  const before = document.activeElement;
+  const name = nameOf(before);
+  const alike = () => [...document.querySelectorAll(before.tagName)].filter((node) => nameOf(node) === name);
+  const at = alike().indexOf(before);
+  draw();
+  if (before.isConnected) return;
+  const now = alike()[at];
+  now?.focus({ preventScroll: true });
+  now?.select?.();
+}
+
 /** Set attributes of an SVG element that change many times a second. */
 export function attributes(node, values) {
   for (const [key, value] of Object.entries(values)) node.setAttribute(key, value);

@@ -99,6 +99,7 @@ class Contacts extends Review {
       this.all = [];
       for (let total = 1; this.all.length < total; ) {
         const page = await get("/api/study/frames", { sequence: name, offset: this.all.length, limit: 2000 });
+        if (this.closed) return;
         total = page.total;
         this.all.push(...page.frames);
         if (!page.frames.length) break;

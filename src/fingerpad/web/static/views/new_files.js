@@ -109,7 +109,7 @@ export class NewFiles {
     this.info.set(file, {});
     const info = await get("/api/picture/info", { item: `file:${file}` }).catch(() => ({}));
     this.info.set(file, info);
-    const select = this.root.querySelector(`[data-scale="${CSS.escape(file)}"]`);
+    const select = this.root.querySelector(`[data-field="${CSS.escape(`${file}:scale`)}"]`);
     if (select && info.resolution_ppi) select.replaceWith(this.#scale(file));
   }
 
@@ -119,20 +119,18 @@ export class NewFiles {
       this.shared[key] = value;
       for (const [file, draft] of this.drafts) {
         draft[key] = value;
-        const control = this.root.querySelector(`[data-field="${CSS.escape(`new:${file}:${key.replace("_angle_deg", "")}`)}"]`);
+        const control = this.root.querySelector(`[data-field="${CSS.escape(`${file}:${key}`)}"]`);
         if (control) control.value = value ?? "";
       }
     };
     const finger = text({ value: this.shared.finger, placeholder: "left_index", list: "fingers", label: "Finger of all new files", onset: (value) => value && every("finger", value) });
     const scale = choose({ value: this.shared.scale ?? "", options: [["", "–"], ...scaleNames()], label: "Scale of all new pictures", onset: (value) => value && every("scale", value) });
     const wedge = number({ value: this.shared.wedge_angle_deg, min: 0, max: 90, label: "Wedge angle of all new files, degrees", onset: (value) => every("wedge_angle_deg", value ?? undefined) });
-    for (const [control, key] of [[finger, "finger"], [scale, "scale"], [wedge, "wedge"]]) control.dataset.field = `new:*:${key}`;
     return this.drafts.size > 1 && h("div.common", null, h("span.soft", null, "For all:"), h("label", null, "finger", finger), h("label", null, "wedge °", wedge), h("label", null, "scale", scale));
   }
 
   #row({ file, kind, bytes: size }) {
     const draft = this.drafts.get(file);
-    const field = (key) => `new:${file}:${key}`;
     const put = (key) => (value) => (draft[key] = value ?? undefined);
     const name = file.split("/").at(-1);
     const as = choose({ value: draft.as, options: KINDS[kind], label: `What ${name} is`, onset: (value) => ((draft.as = value), this.draw()) });
@@ -141,7 +139,7 @@ export class NewFiles {
     const face = choose({ value: draft.face ?? "", options: [["", "–"], ...FACES], label: `Face on ${name}`, onset: (value) => (draft.face = value || undefined) });
     const wedge = number({ value: draft.wedge_angle_deg, min: 0, max: 90, label: `Wedge angle of ${name}, degrees`, onset: put("wedge_angle_deg") });
     const load = number({ value: draft.load_N, min: 0, label: `Load of ${name}, newtons`, onset: put("load_N") });
-    for (const [control, key] of [[as, "as"], [finger, "finger"], [face, "face"], [wedge, "wedge"], [load, "load"]]) control.dataset.field = field(key);
+    for (const [control, key] of [[finger, "finger"], [wedge, "wedge_angle_deg"]]) control.dataset.field = `${file}:${key}`;
     const placed = ["observation", "sequence", "curve"].includes(draft.as);
     return h(
       "tr",
@@ -174,8 +172,7 @@ export class NewFiles {
     const options = [["", "– later –"], ...names.map((name) => [name, name])];
     if (ppi) options.push([`ppi:${ppi}`, `${Number(ppi.toFixed(1))} ppi, says the file`]);
     const select = choose({ value: draft.scale, options, label: `Scale of ${file}`, onset: (value) => (draft.scale = value) });
-    select.dataset.scale = file;
-    select.dataset.field = `new:${file}:scale`;
+    select.dataset.field = `${file}:scale`;
     return select;
   }
 

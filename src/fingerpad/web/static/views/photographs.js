@@ -92,6 +92,7 @@ class Photographs extends Review {
   }
 
   blank() {
+    this.lengths.drop();
     this.line.set(null);
     this.used.setAttribute("d", "");
     this.out.setAttribute("d", "");

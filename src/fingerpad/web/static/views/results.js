@@ -63,9 +63,11 @@ class Results {
       );
       return;
     }
-    place(this.body, h("div.loading", { role: "status" }, "Reading the results …"));
-    this.part = new Part(this.body);
-    this.part.ready = this.part.load().catch((error) => place(this.body, h("div.empty", { role: "alert" }, h("h2", null, "This could not be shown"), h("p", null, error.message))));
+    // Each part has a home of its own: what it still draws once it is left is drawn nowhere.
+    const home = h("div", null, h("div.loading", { role: "status" }, "Reading the results …"));
+    place(this.body, home);
+    this.part = new Part(home);
+    this.part.load().catch((error) => place(home, h("div.empty", { role: "alert" }, h("h2", null, "This could not be shown"), h("p", null, error.message))));
   }
 
   #sayFresh() {

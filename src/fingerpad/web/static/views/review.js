@@ -243,8 +243,13 @@ export class Review {
     if (rejected && this.corrections === mine) this.step(1);
   }
 
+  /** What a hand still holds is kept; what is answered after that finds nobody. */
   close() {
+    if (document.activeElement?.closest(".handle")) document.activeElement.blur();
+    this.closed = true;
+    this.#turn += 1;
     this.corrections?.close();
+    this.corrections = null;
     this.live?.drop();
     this.stage?.close();
     this.strip?.close();

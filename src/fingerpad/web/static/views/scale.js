@@ -45,7 +45,7 @@ class Scales {
     this.result = h("div.result", { "aria-live": "polite" });
     this.form = h("div.stack");
     this.list = h("div.scale-list");
-    this.live = new Newest((table) => post("/api/measure/scale", { table }), (answer) => this.#found(answer), (error) => this.#refused(error));
+    this.live = new Newest((table) => post("/api/measure/scale", { table }), (answer) => this.#found(answer), (error) => this.#refused(error), this.result);
     place(
       root,
       h("header.head", null, h("div", null, h("h1", null, "Scale"), h("p", null, "Every picture needs one. Pictures that share a scale by its name share its uncertainty too.")), h("div.actions", null, button("New scale", () => this.#start(null), { key: "n" }))),
@@ -62,6 +62,7 @@ class Scales {
   }
 
   #start(scale) {
+    this.live.drop();
     this.old = scale;
     this.name = scale?.name ?? "";
     this.table = structuredClone(scale?.table ?? FRESH.line);
@@ -154,6 +155,7 @@ class Scales {
   }
 
   #choose(way) {
+    this.live.drop();
     this.way = way;
     this.table = way === this.#wayOf(this.old?.table) ? structuredClone(this.old.table) : { ...FRESH[way] };
     if (way === "coin") this.table.coin = this.file;
@@ -172,6 +174,7 @@ class Scales {
   }
 
   #take(file) {
+    this.live.drop();
     this.file = file;
     if (this.way === "coin") this.table.coin = file;
     this.line.set(null);
@@ -186,7 +189,7 @@ class Scales {
       const info = await get("/api/picture/info", { item: `file:${file}` });
       if (file === this.file) this.stage.show(info.preview, info.rows_px, info.columns_px, file);
     } catch (error) {
-      this.stage.say(error.message, "bad");
+      if (file === this.file) this.stage.say(error.message, "bad");
     }
   }
 
@@ -210,6 +213,7 @@ class Scales {
   #ask() {
     if (this.#ready()) this.live.ask(this.#asked());
     else {
+      this.live.drop();
       const next = { line: this.table.line ? "Now type how long the line is." : "Draw a line on the ruler.", coin: "Say which coin it is.", ppi: "Type the resolution.", mm_per_px: "Type the size of a pixel." }[this.way];
       place(this.result, h("p.soft", null, next));
       this.line.write("");

@@ -1,7 +1,7 @@
 // The study: what goes into it, what is missing, and what holds for all of it.
 
 import { bench } from "../core/bench.js";
-import { h, place } from "../core/dom.js";
+import { h, place, redraw } from "../core/dom.js";
 import { bindHere } from "../core/keys.js";
 import { Drop } from "../parts/drop.js";
 import { choose, faultList, field, number, text } from "../parts/forms.js";
@@ -23,7 +23,7 @@ class StudyView {
     this.side = h("aside.stack.study-side", { "aria-label": "What is missing, and what holds for the whole study" });
     this.heading = h("div");
     this.ready = h("div.actions");
-    place(root, h("header.head", null, this.heading, this.ready), h("div.scroll.study-grid", null, h("div.stack.across", null, this.drop.root, this.files.root), h("div.stack", null, this.tables.root, this.files.rest), this.side));
+    place(root, h("header.head", null, this.heading, this.ready), h("div.scroll.study-grid", this.#whileTyping(), h("div.stack.across", null, this.drop.root, this.files.root), h("div.stack", null, this.tables.root, this.files.rest), this.side));
     this.drop.watch(root);
     bindHere([
       ["a", "Add files", () => this.drop.chooser.click()],
@@ -32,9 +32,22 @@ class StudyView {
     this.update();
   }
 
+  /** What is being typed is not drawn over: what is new waits until it is confirmed or left. */
+  #whileTyping() {
+    const done = () => {
+      this.typing = null;
+      if (this.behind) setTimeout(() => this.update());
+    };
+    return { oninput: ({ target }) => (this.typing = target), onchange: done, onfocusout: done };
+  }
+
   update() {
+    this.behind = Boolean(this.typing?.isConnected);
+    if (!this.behind) redraw(() => this.#draw());
+  }
+
+  #draw() {
     const { study } = bench;
-    const focus = document.activeElement?.dataset?.field;
     const all = study.observations.length + study.sequences.length;
     this.drop.root.classList.toggle("slim", study.fingers.length + all > 0);
     place(
@@ -46,7 +59,6 @@ class StudyView {
     this.files.draw();
     this.tables.draw();
     place(this.side, this.#missing(), this.#uncertainty(), this.#settings());
-    if (focus) document.querySelector(`[data-field="${CSS.escape(focus)}"]`)?.focus({ preventScroll: true });
   }
 
   #missing() {

@@ -18,12 +18,6 @@ const STATUS = { done: ["measured", "good"], left: ["to do", ""], stale: ["chang
 const statusChip = ({ status, reason }) => chip(...(STATUS[status] ?? [status ?? "", ""]), reason ?? undefined);
 const incomplete = ({ complete }) => complete === false && chip("not complete", "warn");
 
-/** A cell that can be changed: what is refused is said below the table. */
-function cell(kind, key, name, control) {
-  control.dataset.field = `${kind}:${key}:${name}`;
-  return h("td", null, control);
-}
-
 export class StudyTables {
   constructor() {
     this.page = 0;
@@ -174,18 +168,18 @@ export class StudyTables {
   #observation(one, rolled) {
     const fixed = one.from_csv;
     const set = (key) => (value) => this.change("observation", one.item, { [key]: value });
-    const num = (key, words, more) => cell("observation", one.item, key, number({ value: one[key], min: 0, label: `${words} of ${one.item}`, onset: set(key), disabled: fixed, ...more }));
+    const num = (key, words, more) => h("td", null, number({ value: one[key], min: 0, label: `${words} of ${one.item}`, onset: set(key), disabled: fixed, ...more }));
     return h(
       "tr",
       null,
       h("td", null, one.file ? h("a", { href: `#/contacts/images/${encodeURIComponent(one.item)}` }, one.item) : one.item, " ", synthetic(one.synthetic), one.flags.length > 0 && [" ", chip("flagged", "warn", one.flags.map(wordsFor).join("; "))]),
       fixed
         ? h("td", null, one.finger)
-        : cell("observation", one.item, "finger", choose({ value: one.finger ?? "", options: [...(one.finger ? [] : [["", "– which? –"]]), ...bench.study.fingers.map(({ name }) => name)], label: `Finger of ${one.item}`, onset: set("finger") })),
+        : h("td", null, choose({ value: one.finger ?? "", options: [...(one.finger ? [] : [["", "– which? –"]]), ...bench.study.fingers.map(({ name }) => name)], label: `Finger of ${one.item}`, onset: set("finger") })),
       num("wedge_angle_deg", "Wedge angle", { max: 90 }),
       rolled && num("roll_angle_deg", "Roll angle", { min: undefined }),
       num("load_N", "Load"),
-      fixed || !one.file ? h("td.soft", null, one.file ? scaleWords(one.scale) : "ellipse given") : cell("observation", one.item, "scale", scaleChoice({ value: one.scale, label: `Scale of ${one.item}`, onset: set("scale") })),
+      fixed || !one.file ? h("td.soft", null, one.file ? scaleWords(one.scale) : "ellipse given") : h("td", null, scaleChoice({ value: one.scale, label: `Scale of ${one.item}`, onset: set("scale") })),
       h("td", null, incomplete(one) || statusChip(one)),
       h("td", null, fixed ? h("span.soft", { title: "This row stands in the study's spreadsheet" }, "CSV") : button("×", () => this.#remove("observation", one.item, one.item), { kind: "icon", label: `Take ${one.item} out` })),
     );
@@ -214,11 +208,11 @@ export class StudyTables {
                 "tr",
                 null,
                 h("td", null, h("a", { href: `#/contacts/${encodeURIComponent(`film:${one.name}`)}` }, one.name), " ", synthetic(one.synthetic)),
-                cell("sequence", one.name, "finger", choose({ value: one.finger ?? "", options: bench.study.fingers.map(({ name }) => name), label: `Finger of ${one.name}`, onset: set("finger") })),
-                cell("sequence", one.name, "wedge", number({ value: one.wedge_angle_deg, min: 0, max: 90, label: `Wedge angle of ${one.name}`, onset: set("wedge_angle_deg") })),
-                cell("sequence", one.name, "force", choose({ value: one.force ?? "", options: [["", "– which CSV? –"], ...force.map((file) => [file, file.split("/").at(-1)])], label: `Force of ${one.name}`, onset: set("force") })),
-                cell("sequence", one.name, "fps", number({ value: one.table?.frames_per_second, min: 0, label: `Frames per second of ${one.name}`, onset: set("frames_per_second") })),
-                cell("sequence", one.name, "scale", scaleChoice({ value: one.scale, label: `Scale of ${one.name}`, onset: set("scale") })),
+                h("td", null, choose({ value: one.finger ?? "", options: bench.study.fingers.map(({ name }) => name), label: `Finger of ${one.name}`, onset: set("finger") })),
+                h("td", null, number({ value: one.wedge_angle_deg, min: 0, max: 90, label: `Wedge angle of ${one.name}`, onset: set("wedge_angle_deg") })),
+                h("td", null, choose({ value: one.force ?? "", options: [["", "– which CSV? –"], ...force.map((file) => [file, file.split("/").at(-1)])], label: `Force of ${one.name}`, onset: set("force") })),
+                h("td", null, number({ value: one.table?.frames_per_second, min: 0, label: `Frames per second of ${one.name}`, onset: set("frames_per_second") })),
+                h("td", null, scaleChoice({ value: one.scale, label: `Scale of ${one.name}`, onset: set("scale") })),
                 h("td.number", null, one.frames ?? "–"),
                 h("td", null, incomplete(one) || statusChip(one)),
                 h("td", null, button("×", () => this.#remove("sequence", one.name, one.name), { kind: "icon", label: `Take ${one.name} out` })),
@@ -252,7 +246,7 @@ export class StudyTables {
                     null,
                     h("td", null, one.file ?? "found elsewhere", " ", synthetic(one.table?.synthetic), " ", incomplete(one)),
                     h("td", null, one.finger ?? "–"),
-                    cell("curve", one.key, "wedge", number({ value: one.wedge_angle_deg, min: 0, max: 90, label: `Wedge angle of curve ${one.key}`, onset: (value) => this.change("curve", one.key, { wedge_angle_deg: value }) })),
+                    h("td", null, number({ value: one.wedge_angle_deg, min: 0, max: 90, label: `Wedge angle of curve ${one.key}`, onset: (value) => this.change("curve", one.key, { wedge_angle_deg: value }) })),
                     h("td.number", null, one.effective_radius_mm ? withStd(one.effective_radius_mm, one.table?.effective_radius_std_mm) : one.file ? "from the curve" : plain(null)),
                     h("td", null, button("×", () => this.#remove("curve", one.key, one.file ?? "this radius"), { kind: "icon", label: `Take curve ${one.key} out` })),
                   ),
