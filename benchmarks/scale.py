@@ -16,6 +16,7 @@ import numpy as np
 from fingerpad.image import SequenceSummary
 from fingerpad.report import write_report
 from fingerpad.study.engine.hands import OwnHands
+from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.manifest import Contact, ContactSequence, Study
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.measuring.measure import Measurement
@@ -145,16 +146,19 @@ def study_result(
             for measured in measurements_of(film, count):
                 yield film, measured
 
-    return result_of(
-        study,
-        folder,
-        fingers=known,
-        scales={},
-        seen=seen(),
-        sequences=[_sequence(film, count) for film, count in zip(films, counts, strict=True)],
-        origin=provenance([], str),
-        hands=OwnHands(folder),
-    )
+    with Store.open(folder / STORE_NAME) as store:
+        return result_of(
+            study,
+            folder,
+            fingers=known,
+            scales={},
+            seen=seen(),
+            sequences=[_sequence(film, count) for film, count in zip(films, counts, strict=True)],
+            curves=[],
+            origin=provenance([], str),
+            hands=OwnHands(folder),
+            store=store,
+        )
 
 
 def _given() -> dict[str, dict[str, float]]:

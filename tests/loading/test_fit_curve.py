@@ -141,7 +141,7 @@ def test_area_before_contact_is_flagged(offset: float) -> None:
 
 
 def test_estimators_of_contact_state_errors_that_hold() -> None:
-    points = contact_points(fit_loading_curve(CURVE).models["load_dependent"])
+    points = contact_points(CURVE)
     assert set(points) == {"joint", *ESTIMATORS}
     for name, found in points.items():
         assert abs(found.value - 1.0) < 3 * found.std, name

@@ -88,7 +88,7 @@ def measured(folder, tmp_path, name, change=None):
 def finger_of(finger, scales, folder, out, rulings):
     """Measure a finger's photographs as a run does, and combine them."""
     keys = Keys(study=STUDY, folder=folder, digest=str, rulings=rulings)
-    records = {task.item: task.work(folder, out) for task in photograph_tasks(keys, scales)}
+    records = {task.item: task.work(folder, out) for task in photograph_tasks(finger, keys, scales)}
     return finger_result(finger, scales, folder, records, rulings)
 
 

@@ -8,10 +8,13 @@ import pytest
 from fingerpad._json import dumps
 from fingerpad.loading import Estimate, Unknown, simulate_loading_curve
 from fingerpad.report import write_report
+from fingerpad.study.engine.progress import Progress
 from fingerpad.study.pipeline import run_study
-from fingerpad.study.results.curves import loading_radius
+from fingerpad.study.results.digest import digest_of_values
+from fingerpad.study.results.loading import loading_radius
 from fingerpad.study.results.output import summary_record
 from fingerpad.study.results.study_result import StudyResult
+from fingerpad.study.status import study_status
 
 MANIFEST = """
 title = "T"
@@ -68,12 +71,53 @@ def test_two_processes_fit_and_check_what_one_does(tmp_path: Path) -> None:
     for name, rate in (("a", 1.0), ("b", 3.0)):
         write_curve(tmp_path / f"{name}.csv", effective_radius=15.0, initial_modulus=0.04, rate=rate)
     one = study(tmp_path, 'file = "b.csv"\n', "effective_radius_mm = 14\n", 'file = "a.csv"\n')
-    two = run_study(tmp_path / "study.toml", tmp_path / "out", workers=2)
+    two = run_study(tmp_path / "study.toml", tmp_path / "two", workers=2)
     assert [curve.name for curve in one.curves] == ["b.csv", "f at 30°, R_g as given", "a.csv"]
     assert one.checks[0] is not None
     first, second = summary_record(one), summary_record(two)
     assert first.pop("provenance") != second.pop("provenance")  # when it was made
     assert dumps(first) == dumps(second)
+
+
+def test_only_curves_that_changed_are_fitted_again(tmp_path: Path) -> None:
+    for name in ("a", "b"):
+        write_curve(tmp_path / f"{name}.csv", effective_radius=15.0, initial_modulus=0.04)
+    curves = ('file = "a.csv"\n', 'file = "b.csv"\n', 'file = "b.csv"\nregion_N = [0.2, 1.5]\n')
+
+    def fitted(*now: str) -> tuple[list[str], StudyResult]:
+        told: list[Progress] = []
+        (tmp_path / "study.toml").write_text(MANIFEST + "".join(CURVE + each for each in now))
+        assert study_status(tmp_path / "study.toml", tmp_path / "out").total == len(now) + 1
+        result = run_study(tmp_path / "study.toml", tmp_path / "out", on_progress=told.append)
+        return [one.item for one in told if one.item.startswith("f/")], result
+
+    first, fresh = fitted(*curves)
+    assert first == ["f/a.csv", "f/b.csv", "f/b.csv (2)"]
+    again, kept = fitted(*curves)
+    assert again == []
+    assert digest_of_values(kept.curves) == digest_of_values(fresh.curves)
+    write_curve(tmp_path / "a.csv", effective_radius=14.0, initial_modulus=0.04)
+    assert study_status(tmp_path / "study.toml", tmp_path / "out").stale == 1
+    changed, other = fitted(*curves)
+    assert changed == ["f/a.csv"]
+    assert other.curves[0].effective_radius < kept.curves[0].effective_radius
+    # the pad's shape is drawn beside the data, so that other semi-axes ask for another comparison
+    manifest = MANIFEST.replace("palmar = 7.9", "palmar = 8.1")
+    (tmp_path / "study.toml").write_text(manifest + "".join(CURVE + each for each in curves))
+    assert study_status(tmp_path / "study.toml", tmp_path / "out").stale == len(curves)
+
+
+def test_uncertainty_is_checked_again_only_where_something_bears_on_it(tmp_path: Path) -> None:
+    def checked(manifest: str) -> int:
+        told: list[Progress] = []
+        (tmp_path / "study.toml").write_text(manifest)
+        result = run_study(tmp_path / "study.toml", tmp_path / "out", on_progress=told.append)
+        assert result.checks[0].observation == "c"
+        return [one.status for one in told].count("checked")
+
+    assert [checked(MANIFEST), checked(MANIFEST)] == [1, 0]
+    assert checked(MANIFEST.replace("load_N = 2", "load_N = 3")) == 1
+    assert checked(MANIFEST.replace("load_N = 2", 'load_N = 3\nnotes = "calm"')) == 0
 
 
 def test_without_area_a_radius_from_elsewhere_gives_moduli(tmp_path: Path) -> None:

@@ -7,6 +7,7 @@ import pytest
 
 from fingerpad.study.engine.hands import local_hands
 from fingerpad.study.engine.runner import records_of
+from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.engine.task import Record, Task
 
 
@@ -30,8 +31,8 @@ def test_linear_algebra_of_a_worker_has_one_thread(
         monkeypatch.delenv("OMP_NUM_THREADS", raising=False)
     else:
         monkeypatch.setenv("OMP_NUM_THREADS", before)
-    with local_hands(tmp_path, 2) as hands:
-        records = records_of([task(number) for number in range(6)], hands)
+    with Store.open(tmp_path / STORE_NAME) as store, local_hands(tmp_path, 2) as hands:
+        records = records_of([task(number) for number in range(6)], hands, store)
     assert {record["threads"] for record in records} == {"1"}
     assert os.getpid() not in {record["process"] for record in records}
     assert os.environ.get("OMP_NUM_THREADS") == before
@@ -39,7 +40,7 @@ def test_linear_algebra_of_a_worker_has_one_thread(
 
 @pytest.mark.parametrize("workers", [1, 2])
 def test_records_come_in_the_order_of_their_tasks(tmp_path: Path, workers: int) -> None:
-    with local_hands(tmp_path, workers) as hands:
-        records = records_of([task(0), task(1, failing), task(2)], hands)
+    with Store.open(tmp_path / STORE_NAME) as store, local_hands(tmp_path, workers) as hands:
+        records = records_of([task(0), task(1, failing), task(2)], hands, store)
     assert ["reason" in record for record in records] == [False, True, False]
     assert records[1]["reason"] == "file 1: cannot be measured (ValueError: nothing to see)"

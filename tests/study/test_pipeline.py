@@ -15,7 +15,7 @@ from fingerpad.image import render_imprint
 from fingerpad.report import write_report
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.columns import COLUMNS
-from fingerpad.study.results.curves import loading_radius
+from fingerpad.study.results.loading import loading_radius
 from fingerpad.study.results.output import write_tables
 from fingerpad.study.results.study_result import StudyResult
 

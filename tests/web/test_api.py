@@ -39,7 +39,10 @@ def test_the_state_tells_each_item_once(standing):
     assert items["table3_30deg_ellipse"]["status"] == "given"
     photographs = [one for finger in state["fingers"] for one in finger["photographs"]]
     assert {one["status"] for one in photographs} == {"left"}
-    measured = len(state["observations"]) + len(state["sequences"]) + len(photographs)
+    fitted = [one for one in state["curves"] if one["file"]]
+    assert {one["status"] for one in fitted} == {"left"}
+    assert {one["status"] for one in state["curves"] if not one["file"]} == {"given"}
+    measured = len(state["observations"]) + len(state["sequences"]) + len(photographs) + len(fitted)
     assert state["counts"]["total"] == measured
     assert state["sequences"][0]["frames"] == 24
     given, _, photographed = state["fingers"]

@@ -46,7 +46,7 @@ class Told:
             self._task,
             total=progress.total,
             completed=progress.pictures,
-            description=f"Measured {progress.file or progress.item}" if progress.item else "Measuring",
+            description=_words(progress),
             rate=f"{rate:.1f} pictures/s" if rate > 0 else "",
             failed=f"{progress.failed} failed" if progress.failed else "",
         )
@@ -58,6 +58,12 @@ class Told:
     def tell_page(self, done: int, total: int) -> None:
         """Show how many pages of the report are drawn."""
         self.say(f"Drawing the report: {done} of {total} fingers")
+
+
+def _words(progress: "Progress") -> str:
+    if progress.status == "checked":
+        return f"Checked the uncertainty of {progress.item}"
+    return f"Measured {progress.file or progress.item}" if progress.item else "Measuring"
 
 
 @contextmanager

@@ -1,11 +1,11 @@
 """Loading curves: force, displacement and contact area, and what they say of the pad."""
 
 from fingerpad.loading.compliance import ContactCompliance, fit_contact_compliance
-from fingerpad.loading.contact_point import ESTIMATORS, contact_points
+from fingerpad.loading.contact_point import ESTIMATORS
 from fingerpad.loading.curve import LoadingCurve, read_loading_curve
 from fingerpad.loading.estimate import Estimate, Quantity, Unknown
-from fingerpad.loading.fit import LoadingFit, fit_loading_curve
-from fingerpad.loading.joint import JointFit
+from fingerpad.loading.fit import LoadingFit, contact_points, fit_loading_curve
+from fingerpad.loading.joint import FittedLaw
 from fingerpad.loading.least_squares import LeastSquaresFit, effective_count, fit_least_squares
 from fingerpad.loading.models import (
     area_from_load,
@@ -31,8 +31,8 @@ __all__ = [
     "ContactCompliance",
     "Cycle",
     "Estimate",
+    "FittedLaw",
     "Hysteresis",
-    "JointFit",
     "LeastSquaresFit",
     "LoadingCurve",
     "LoadingFit",

@@ -81,12 +81,8 @@ ESTIMATORS: Final[Mapping[str, Callable[[FloatArray, FloatArray], float]]] = {
 }
 
 
-def contact_points(fit: JointFit) -> dict[str, Quantity]:
-    """Return the place of contact (mm) by each estimator of `ESTIMATORS`, and by the joint fit.
-
-    How far each errs is tried out on twenty records simulated from the joint fit with its noise: the root
-    mean square error, bias included, is the standard uncertainty. The value itself is not corrected.
-    """
+def estimated_places(fit: JointFit) -> dict[str, Quantity]:
+    """Return the place of contact (mm) by each estimator and the joint fit, with errors tried out on it."""
     rng = np.random.default_rng(0)
     trials = [fit.simulated(rng) for _ in range(_TRIALS)]
     found: dict[str, Quantity] = {"joint": fit.estimate("contact_offset")}

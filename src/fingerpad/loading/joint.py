@@ -74,8 +74,38 @@ LAWS: Final = {
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class FittedLaw:
+    """A law with the values that fit a record.
+
+    Attributes
+    ----------
+    law : str
+        Key of `LAWS`.
+    values : dict of str to float
+        All parameters: mm, N, s, MPa.
+    poisson_ratio : float
+        ν of the pad.
+    aicc : float
+        Corrected Akaike criterion χ² + 2k + 2k(k+1)/(n−k−1), to compare laws under one noise.
+    """
+
+    law: str
+    values: dict[str, float]
+    poisson_ratio: float
+    aicc: float
+
+    def load(self, displacement: FloatArray) -> FloatArray:
+        """Return the fitted load W (N) at readings of the displacement."""
+        return _law_load(self.values, LAWS[self.law], displacement, self.poisson_ratio)
+
+    def corrected_load(self, clock: FloatArray, load: FloatArray) -> FloatArray:
+        """Return measured forces with zero and tilt removed, N."""
+        return load - _zero(self.values, clock)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class JointFit:
-    """A law fitted to a record.
+    """A law fitted to a record, with all that its uncertainty follows from.
 
     Attributes
     ----------
@@ -112,11 +142,17 @@ class JointFit:
 
     def load(self, displacement: FloatArray) -> FloatArray:
         """Return the fitted load W (N) at readings of the displacement."""
-        return _law_load(self.values, LAWS[self.law], displacement, self.record.poisson_ratio)
+        return self.fitted_law().load(displacement)
 
     def corrected_load(self, clock: FloatArray, load: FloatArray) -> FloatArray:
         """Return measured forces with zero and tilt removed, N."""
-        return load - _zero(self.values, clock)
+        return self.fitted_law().corrected_load(clock, load)
+
+    def fitted_law(self) -> FittedLaw:
+        """Return the law with its values alone."""
+        return FittedLaw(
+            law=self.law, values=self.values, poisson_ratio=self.record.poisson_ratio, aicc=self.aicc
+        )
 
     def simulated(self, rng: np.random.Generator) -> tuple[FloatArray, FloatArray]:
         """Return displacement and force of one more record like this, with new noise."""
@@ -132,7 +168,7 @@ class JointFit:
 
     @property
     def aicc(self) -> float:
-        """Corrected Akaike criterion χ² + 2k + 2k(k+1)/(n−k−1), to compare laws under one noise."""
+        """Corrected Akaike criterion, as `FittedLaw` has it."""
         n = self.record.load.size / self.noise.inflation + self.record.area.size
         k = self.fit.values.size
         return self.fit.sum_of_squares + 2 * k + 2 * k * (k + 1) / (n - k - 1) if n > k + 1 else math.inf

@@ -22,9 +22,10 @@ from fingerpad.geometry import Ellipse, Ellipsoid, Placement
 from fingerpad.loading import Estimate
 from fingerpad.report.loading import loading_plots
 from fingerpad.report.plot import Plot
+from fingerpad.study.measuring.curves import CurveResult
 from fingerpad.study.measuring.sequences import SequenceResult
 from fingerpad.study.results.check import UncertaintyCheck
-from fingerpad.study.results.curves import CurveResult, LoadingRadius, loading_radius
+from fingerpad.study.results.loading import LoadingRadius, loading_radius
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.summary import Exponent, Summary, area_exponent
 from fingerpad.study.results.table import Row, Table
@@ -131,15 +132,15 @@ def curve_plots(curve: CurveResult, number: int) -> Iterator[Plot]:
     """Draw one loading curve."""
     if curve.curve is None or curve.fit is None:
         return
-    of = curve.manifest
+    of, shape = curve.manifest, curve.shape
     yield from loading_plots(
         f"curve{number}_{group_name(of.finger, of.wedge_angle_deg, 0.0, synthetic=of.synthetic)}",
         curve.curve,
         curve.fit,
         where=f"{curve.name}{'; synthetic' if of.synthetic else ''}",
         cycle=of.cycle,
-        geometric_mean_radius=curve.shape and curve.shape.geometric_mean_radius,
-        expected_ratio=curve.shape and (curve.shape.load, curve.shape.ratio),
+        geometric_mean_radius=None if shape is None else shape.geometric_mean_radius,
+        expected_ratio=None if shape is None else (shape.load, shape.ratio),
         synthetic=of.synthetic,
     )
 

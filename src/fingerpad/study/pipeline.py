@@ -1,6 +1,7 @@
 """The whole way of a study, from its manifest to rows and summaries."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Final
@@ -14,8 +15,14 @@ from fingerpad.study.engine.hands import hands_for
 from fingerpad.study.engine.progress import Progress
 from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.manifest import manifest_in, read_study
-from fingerpad.study.measuring.fingers import finger_result
-from fingerpad.study.measuring.run import drawn_for, faces_of, film_results, measure_study, measurements
+from fingerpad.study.measuring.run import (
+    drawn_for,
+    film_results,
+    loading_results,
+    measure_study,
+    measurements,
+    pad_of,
+)
 from fingerpad.study.measuring.scales import named_scales
 from fingerpad.study.measuring.sequences import frames_beyond
 from fingerpad.study.measuring.tasks import Keys
@@ -93,11 +100,8 @@ def run_study(
         origin = provenance(inputs, lambda name: keys.digest(folder / name))
         scales = named_scales(study, folder)
         with hands_for(manifest, workers, scheduler) as hands:
-            measure_study(keys, scales, store, out, hands=hands, on_progress=on_progress)
-            fingers = {
-                finger.name: finger_result(finger, scales, folder, faces_of(finger, keys, store), rulings)
-                for finger in study.fingers
-            }
+            stands = measure_study(keys, scales, store, out, hands=hands, on_progress=on_progress)
+            fingers = {finger.name: pad_of(finger, keys, scales, store) for finger in study.fingers}
             films = film_results(keys, store)
             remove_others(out, _OVERLAYS, drawn_for(keys, store))
             return result_of(
@@ -107,8 +111,11 @@ def run_study(
                 scales=scales,
                 seen=measurements(keys, scales, store, films),
                 sequences=films,
+                curves=loading_results(keys, store),
                 origin=origin,
                 hands=hands,
+                store=store,
+                on_check=lambda name: on_progress(replace(stands, item=name, status="checked")),
                 notes=(
                     *log.notes,
                     *map(_NOT_THERE.format, (*log.unknown_items(study), *frames_beyond(films, rulings))),

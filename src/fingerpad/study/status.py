@@ -18,7 +18,7 @@ _STATES: Final = ("done", "failed", "stale", "left")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Status:
-    """Numbers of photographs, observations and sequences of a study.
+    """Numbers of photographs, loading curves, observations and sequences of a study.
 
     Attributes
     ----------

@@ -13,6 +13,7 @@ from fingerpad.report.text import FLAG_WORDS
 from fingerpad.study.corrections.decisions import Ruling
 from fingerpad.study.corrections.log import frames_of
 from fingerpad.study.manifest import Contact, Finger, Study
+from fingerpad.study.measuring.curves import curve_items
 from fingerpad.study.measuring.fingers import is_rejected
 from fingerpad.study.results.columns import COLUMNS
 from fingerpad.study.results.rows import RANGE_NOTES
@@ -62,7 +63,7 @@ def document(opened: OpenStudy) -> dict[str, Any]:
         "sequences": [
             _sequence(opened, *one, states=states, rulings=rulings) for one in _tables(manifest, "sequence")
         ],
-        "curves": [_curve(*one) for one in _tables(manifest, "curve")],
+        "curves": _curves(manifest, states, found),
         "files": _files(opened, manifest),
         "words": _WORDS,
         "counts": {
@@ -226,15 +227,25 @@ def _sequence(
     }
 
 
-def _curve(key: str, table: dict[str, Any], complete: bool) -> dict[str, Any]:
+def _curves(manifest: Manifest, states: Mapping[str, str], found: Results | None) -> list[dict[str, Any]]:
     shown = ("finger", "wedge_angle_deg", "file", "effective_radius_mm")
-    return {
-        "key": key,
-        **{name: table.get(name) for name in shown},
-        "synthetic": table.get("synthetic", False),
-        "table": table,
-        "complete": complete,
-    }
+    items = iter(() if manifest.study is None else curve_items(manifest.study))
+    seen = found.summary["curves"] if found else []
+    reasons = {tuple(one[name] for name in shown[:3]): one["reason"] for one in seen}
+
+    def described(key: str, table: dict[str, Any], complete: bool) -> dict[str, Any]:
+        item = next(items)[0] if complete and table.get("file") else ""
+        return {
+            "key": key,
+            **{name: table.get(name) for name in shown},
+            "synthetic": table.get("synthetic", False),
+            "table": table,
+            "complete": complete,
+            "status": states.get(item, "given"),
+            "reason": reasons.get(tuple(table.get(name) for name in shown[:3])),
+        }
+
+    return [described(*one) for one in _tables(manifest, "curve")]
 
 
 class TableQuestion(Question):

@@ -100,7 +100,7 @@ def cluster_hands(manifest: Path, workers: int, scheduler: str) -> Iterator[Clus
             started = start(
                 n_workers=workers,
                 threads_per_worker=1,
-                dashboard_address=None,
+                dashboard_address="127.0.0.1:0",  # any free port, for this machine alone
                 protocol="tcp://",
                 preload=[_LEAVE_INTERRUPTS],
             )

@@ -6,16 +6,16 @@ from typing import Literal
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Progress:
-    """Where a run stands.
+    """Where a run stands. Loading curves count as pictures do.
 
     Attributes
     ----------
     item : str
-        Observation, photograph or sequence that has just been dealt with; empty at the start.
+        Observation, photograph, curve or sequence that has just been dealt with; empty at the start.
     file : str
         Its file, relative to the study folder; empty at the start.
-    status : {"started", "done", "failed"}
-        What has happened.
+    status : {"started", "done", "failed", "checked"}
+        What has happened; once all is measured, that a contact's uncertainty was checked.
     pictures : int
         Pictures and frames dealt with so far, those of earlier runs included.
     failed : int
@@ -28,7 +28,7 @@ class Progress:
 
     item: str = ""
     file: str = ""
-    status: Literal["started", "done", "failed"] = "started"
+    status: Literal["started", "done", "failed", "checked"] = "started"
     pictures: int
     failed: int
     total: int

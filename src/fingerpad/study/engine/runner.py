@@ -12,6 +12,7 @@ from typing import TypeAlias
 
 from fingerpad.exceptions import StoreError
 from fingerpad.study.engine.hands import Hands
+from fingerpad.study.engine.store import Store
 from fingerpad.study.engine.task import Done, Record, Task
 
 # Tasks stage by stage: those of one stage do not depend on one another, but on all of the stage before.
@@ -101,22 +102,27 @@ def run_plans(
             ) from error
 
 
-def records_of(tasks: Sequence[Task], hands: Hands) -> list[Record]:
-    """Do tasks whose records are not kept in a store, and return them in the tasks' order.
+def records_of(
+    tasks: Sequence[Task], hands: Hands, store: Store, on_done: Callable[[Task], None] = lambda _: None
+) -> list[Record]:
+    """Return the records of tasks that read no files, in their order; those that the store lacks are done.
 
     Raises
     ------
     KeyboardInterrupt
         After an interrupt.
     StoreError
-        If a process dies.
+        If a process dies, or records cannot be kept.
     """
-    found: dict[str, Record] = {}
+    known = {task.name: store.record(task.name, task.key) for task in tasks}
+    found = {name: record for name, record in known.items() if record is not None}
 
     def keep(task: Task, done: Done) -> None:
+        store.put(task.name, task.key, done.record, seconds=done.seconds, count=task.pictures)
         found[task.name] = done.record
+        on_done(task)
 
-    run_plans([iter([list(tasks)])], hands, keep, lambda _: False)
+    run_plans([iter([list(tasks)])], hands, keep, lambda task: task.name in found)
     return [found[task.name] for task in tasks]
 
 

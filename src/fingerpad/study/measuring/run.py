@@ -1,18 +1,21 @@
 """Measuring all that a study shows, and finding it again in the store."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import replace
 from functools import partial
 from itertools import chain
 from pathlib import Path
+from typing import Literal
 
 from fingerpad.study.durable import keep_files
 from fingerpad.study.engine.hands import Hands
 from fingerpad.study.engine.progress import Progress
-from fingerpad.study.engine.runner import run_plans
+from fingerpad.study.engine.runner import Plan, run_plans
 from fingerpad.study.engine.store import Mark, Store
 from fingerpad.study.engine.task import CHANGED, Done, Record, Task
 from fingerpad.study.manifest import Contact, Finger, Observation
-from fingerpad.study.measuring.fingers import is_rejected, photograph_item
+from fingerpad.study.measuring.curves import CurveResult, curve_items, curve_key, curve_results, curve_tasks
+from fingerpad.study.measuring.fingers import FingerResult, finger_result, is_rejected, photograph_item
 from fingerpad.study.measuring.measure import Measurement, reviewed
 from fingerpad.study.measuring.records import measurement_from
 from fingerpad.study.measuring.sequences import (
@@ -29,7 +32,7 @@ from fingerpad.study.measuring.tasks import (
     item_key,
     observation_tasks,
     photograph_tasks,
-    photographs_of,
+    pictures_of,
 )
 
 
@@ -41,8 +44,8 @@ def measure_study(
     *,
     hands: Hands,
     on_progress: Callable[[Progress], None],
-) -> None:
-    """Measure what the store lacks, and keep each result as it comes.
+) -> Progress:
+    """Measure what the store lacks, keep each result as it comes, and return where the run stands then.
 
     Parameters
     ----------
@@ -91,21 +94,38 @@ def measure_study(
         for sequence in keys.study.sequences
         if (mark := marks.get(sequence.name)) is None or mark.key != film_key(sequence, keys)
     )
-    single = (
-        iter(([task],)) for task in chain(photograph_tasks(keys, scales), observation_tasks(keys, scales))
-    )
+    fingers = (_finger_plan(finger, keys, scales, store) for finger in keys.study.fingers)
+    contacts = (iter(([task],)) for task in observation_tasks(keys, scales))
     tally.tell()
-    run_plans(chain(films, single), hands, keep, is_done)
+    run_plans(chain(films, fingers, contacts), hands, keep, is_done)
+    return tally.now()
+
+
+def _finger_plan(finger: Finger, keys: Keys, scales: Scales, store: Store) -> Plan:
+    """Plan a finger: its photographs, then its loading curves, which are compared with the pad's shape."""
+    yield list(photograph_tasks(finger, keys, scales))
+    if any(curve.finger == finger.name and curve.file for curve in keys.study.curves):
+        yield list(curve_tasks(pad_of(finger, keys, scales, store), keys))
+
+
+def pad_of(finger: Finger, keys: Keys, scales: Scales, store: Store) -> FingerResult:
+    """Return the semi-axes of a finger from what the store holds of its photographs."""
+    return finger_result(finger, scales, keys.folder, faces_of(finger, keys, store), keys.rulings)
 
 
 def faces_of(finger: Finger, keys: Keys, store: Store) -> dict[str, Record]:
     """Return what the store holds of a finger's photographs, by item."""
-    items = {photograph_item(finger, one): one for one in finger.photographs if one.image is not None}
+    items = {photograph_item(finger, one): one for one in pictures_of(finger)}
     return {
         item: _found(store, item, item_key(keys, item, photograph), photograph.image)
         for item, photograph in items.items()
         if not is_rejected(keys.rulings.get(item))
     }
+
+
+def loading_results(keys: Keys, store: Store) -> list[CurveResult]:
+    """Return what the store holds of each loading curve, and those found elsewhere."""
+    return curve_results(keys, partial(_found, store))
 
 
 def film_results(keys: Keys, store: Store) -> list[SequenceResult]:
@@ -140,11 +160,14 @@ def _found(store: Store, name: str, key: str, file: str | None) -> Record:
 
 
 def items_of(keys: Keys) -> Iterator[tuple[str, Callable[[], str]]]:
-    """Yield the name of each photograph, observation and film, with what makes its key."""
-    for finger, photograph in photographs_of(keys.study):
-        item = photograph_item(finger, photograph)
-        if not is_rejected(keys.rulings.get(item)):
-            yield item, partial(item_key, keys, item, photograph)
+    """Yield the name of each photograph, loading curve, observation and film, with what makes its key."""
+    for finger in keys.study.fingers:
+        for photograph in pictures_of(finger):
+            item = photograph_item(finger, photograph)
+            if not is_rejected(keys.rulings.get(item)):
+                yield item, partial(item_key, keys, item, photograph)
+    for item, curve in curve_items(keys.study):
+        yield item, partial(curve_key, curve, keys)
     for observation in keys.study.observations:
         yield observation.name, partial(item_key, keys, observation.name, observation)
     for sequence in keys.study.sequences:
@@ -181,17 +204,13 @@ class _Tally:
                 self.failed += mark.status == "failed"
 
     def tell(self, task: Task | None = None, *, failed: bool = False, seconds: float = 0.0) -> None:
+        now = self.now()
         if task is not None:
             self.pictures += task.pictures
             self.failed += failed
-        self._on_progress(
-            Progress(
-                item=task.item if task else "",
-                file=task.file if task else "",
-                status="started" if task is None else "failed" if failed else "done",
-                pictures=self.pictures,
-                failed=self.failed,
-                total=self._total,
-                seconds=seconds,
-            )
-        )
+            status: Literal["done", "failed"] = "failed" if failed else "done"
+            now = replace(self.now(), item=task.item, file=task.file, status=status, seconds=seconds)
+        self._on_progress(now)
+
+    def now(self) -> Progress:
+        return Progress(pictures=self.pictures, failed=self.failed, total=self._total)

@@ -26,7 +26,7 @@ Scales: TypeAlias = Mapping[str, FoundScale | str]
 _NOT_MEASURED: Final = frozenset(
     ("finger", "wedge_angle_deg", "roll_angle_deg", "load_N", "notes", "scale", "pool_from_N")
 )
-_FILES: Final = ("image", "background", "path", "force", "times")
+_FILES: Final = ("image", "outline", "background", "path", "force", "times", "file")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -109,9 +109,9 @@ def _observed(
     return measurement_record(measure_observation(observation, scales, folder, out, correction))
 
 
-def photograph_tasks(keys: Keys, scales: Scales) -> Iterator[Task]:
+def photograph_tasks(finger: Finger, keys: Keys, scales: Scales) -> Iterator[Task]:
     """Yield a task for each photograph of a finger that nobody rejected."""
-    for finger, photograph in photographs_of(keys.study):
+    for photograph in pictures_of(finger):
         item = photograph_item(finger, photograph)
         ruling = keys.rulings.get(item)
         if photograph.image is None or is_rejected(ruling):
@@ -134,12 +134,9 @@ def photograph_tasks(keys: Keys, scales: Scales) -> Iterator[Task]:
         )
 
 
-def photographs_of(study: Study) -> Iterator[tuple[Finger, Photograph]]:
-    """Yield each photograph of each finger that is a picture."""
-    for finger in study.fingers:
-        for photograph in finger.photographs:
-            if photograph.image is not None:
-                yield finger, photograph
+def pictures_of(finger: Finger) -> list[Photograph]:
+    """Return the photographs of a finger that are pictures."""
+    return [photograph for photograph in finger.photographs if photograph.image is not None]
 
 
 def item_key(keys: Keys, item: str, table: BaseModel) -> str:

@@ -14,7 +14,7 @@ from fingerpad.study.measuring.scales import FoundScale
 from fingerpad.study.measuring.sequences import SequenceResult
 from fingerpad.study.results.check import UncertaintyCheck
 from fingerpad.study.results.columns import COLUMNS, TRUTHS, WORDS
-from fingerpad.study.results.curves import LoadingRadius, loading_radius
+from fingerpad.study.results.loading import LoadingRadius, loading_radius
 from fingerpad.study.results.pooling import PooledRadius
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.summary import Summary, area_exponent

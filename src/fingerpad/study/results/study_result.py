@@ -1,7 +1,7 @@
 """Everything that a run found, once all is measured."""
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import asdict, dataclass, replace
 from functools import partial
 from itertools import compress
 from pathlib import Path
@@ -9,14 +9,16 @@ from typing import Any
 
 from fingerpad.study.engine.hands import Hands
 from fingerpad.study.engine.runner import records_of
-from fingerpad.study.engine.task import Record, Task
+from fingerpad.study.engine.store import Store
+from fingerpad.study.engine.task import Record, Task, code_digest
 from fingerpad.study.manifest import Contact, Study
+from fingerpad.study.measuring.curves import CurveResult
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.measuring.measure import Measurement
 from fingerpad.study.measuring.scales import FoundScale
 from fingerpad.study.measuring.sequences import SequenceResult
 from fingerpad.study.results.check import UncertaintyCheck
-from fingerpad.study.results.curves import CurveResult, curve_results
+from fingerpad.study.results.digest import digest_of_values
 from fingerpad.study.results.rows import Heaviest, make_rows
 from fingerpad.study.results.summary import Summary, summaries
 from fingerpad.study.results.table import Table
@@ -139,20 +141,27 @@ def result_of(
     scales: dict[str, FoundScale | str],
     seen: Iterable[tuple[Contact, Measurement]],
     sequences: list[SequenceResult],
+    curves: list[CurveResult],
     origin: dict[str, Any],
     hands: Hands,
+    store: Store,
+    on_check: Callable[[str], None] = lambda _: None,
     notes: tuple[str, ...] = (),
 ) -> StudyResult:
     """Return what a study comes to, once everything is measured: rows, summaries and loading curves.
 
     Parameters
     ----------
-    study, folder, fingers, scales, sequences, origin, notes
+    study, folder, fingers, scales, sequences, curves, origin, notes
         As `StudyResult` has them, `origin` its provenance.
     seen : iterable of (Contact, Measurement)
         All measurements in the manifest's order; gone through once, a thousand held at a time.
     hands : Hands
-        Who fits loading curves and checks uncertainties.
+        Who checks uncertainties.
+    store : Store
+        Where the checks are kept.
+    on_check : callable
+        Told the name of each contact whose uncertainty was checked.
     """
     rows = make_rows(study, fingers, seen)
     found = summaries(rows)
@@ -164,30 +173,34 @@ def result_of(
         sequences=sequences,
         scales=scales,
         summaries=found,
-        checks=_checks([rows.heaviest.get(summary.key) for summary in found], hands),
-        curves=curve_results(study, fingers, hands),
+        checks=_checks([rows.heaviest.get(summary.key) for summary in found], hands, store, on_check),
+        curves=curves,
         provenance=origin,
         notes=notes,
     )
 
 
-def _checks(heaviest: Sequence[Heaviest | None], hands: Hands) -> list[UncertaintyCheck | None]:
+def _checks(
+    heaviest: Sequence[Heaviest | None], hands: Hands, store: Store, on_check: Callable[[str], None]
+) -> list[UncertaintyCheck | None]:
     """Look closely at the uncertainty of some contacts."""
+    code = code_digest("contact", "geometry", "uncertainty", "study/results")
     tasks = [
         Task(
-            name=str(number),
+            name=f"/check {one.observation}",  # no item's name begins like this
             item=one.observation,
             file=one.observation,
-            key="",
+            key=digest_of_values(one.observation, one.inputs, code),
             work=partial(_checked, one),
             inputs=(),
+            pictures=0,
         )
-        for number, one in enumerate(heaviest)
+        for one in heaviest
         if one is not None
     ]
-    records = iter(records_of(tasks, hands))
-    return [None if one is None else next(records).get("check") for one in heaviest]
+    records = iter(records_of(tasks, hands, store, lambda task: on_check(task.item)))
+    return [None if one is None else UncertaintyCheck.from_record(next(records)) for one in heaviest]
 
 
 def _checked(heaviest: Heaviest, _folder: Path, _out: Path) -> Record:
-    return {"check": UncertaintyCheck.of(heaviest.observation, heaviest.inputs)}
+    return asdict(UncertaintyCheck.of(heaviest.observation, heaviest.inputs))

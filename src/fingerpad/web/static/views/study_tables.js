@@ -236,7 +236,7 @@ export class StudyTables {
             h(
               "table.tight",
               null,
-              h("thead", null, h("tr", null, ["Source", "Finger", "Wedge, °", "R_g, mm", ""].map((words) => h("th", { scope: "col", class: words.startsWith("R") ? "number" : undefined }, words || h("span.sr", null, "Actions"))))),
+              h("thead", null, h("tr", null, ["Source", "Finger", "Wedge, °", "R_g, mm", "Status", ""].map((words) => h("th", { scope: "col", class: words.startsWith("R") ? "number" : undefined }, words || h("span.sr", null, "Actions"))))),
               h(
                 "tbody",
                 null,
@@ -244,10 +244,11 @@ export class StudyTables {
                   h(
                     "tr",
                     null,
-                    h("td", null, one.file ?? "found elsewhere", " ", synthetic(one.table?.synthetic), " ", incomplete(one)),
+                    h("td", null, one.file ?? "found elsewhere", " ", synthetic(one.table?.synthetic)),
                     h("td", null, one.finger ?? "–"),
                     h("td", null, number({ value: one.wedge_angle_deg, min: 0, max: 90, label: `Wedge angle of curve ${one.key}`, onset: (value) => this.change("curve", one.key, { wedge_angle_deg: value }) })),
                     h("td.number", null, one.effective_radius_mm ? withStd(one.effective_radius_mm, one.table?.effective_radius_std_mm) : one.file ? "from the curve" : plain(null)),
+                    h("td", null, incomplete(one) || statusChip(one)),
                     h("td", null, button("×", () => this.#remove("curve", one.key, one.file ?? "this radius"), { kind: "icon", label: `Take curve ${one.key} out` })),
                   ),
                 ),

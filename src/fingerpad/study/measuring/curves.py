@@ -1,11 +1,13 @@
-"""Loading curves of a study, fitted, and the effective radius that they give at a placement."""
+"""Loading curves of a study, read and fitted."""
 
 import math
-from collections.abc import Iterable, Mapping
+from collections import Counter
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
+from importlib.util import find_spec
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, Final
 
 import numpy as np
 
@@ -14,28 +16,38 @@ from fingerpad.contact import HalfSpaceContact, reduced_modulus
 from fingerpad.exceptions import FingerpadError, FitError, GeometryError
 from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.loading import (
+    Cycle,
     Estimate,
+    FittedLaw,
+    Hysteresis,
     LoadingCurve,
     LoadingFit,
+    Secant,
+    Segment,
     Unknown,
     fit_contact_compliance,
     fit_loading_curve,
     read_loading_curve,
     shape_check,
 )
-from fingerpad.study.engine.hands import Hands
-from fingerpad.study.engine.runner import records_of
-from fingerpad.study.engine.task import Record, Task
+from fingerpad.study.engine.task import Record, Task, code_digest
 from fingerpad.study.manifest import Curve, Study
-from fingerpad.study.measuring.fingers import FingerResult
+from fingerpad.study.measuring.fingers import FingerResult, is_rejected, photograph_item
+from fingerpad.study.measuring.records import from_plain, to_plain
+from fingerpad.study.measuring.tasks import Keys, chained
 from fingerpad.study.words import ODDITIES, in_study
-from fingerpad.uncertainty import pool
 
 _SHAPE_LOADS, _SHAPE_POINTS = 4, 80
+# What the store keeps of a curve.
+_FOUND: Final = ("effective_radius", "effective_radius_std", "curve", "fit", "velocity", "shape", "reason")
 
 
-class Shape(NamedTuple):
-    """E* from area over E* from indentation that the true ellipsoid makes, against load."""
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Shape:
+    """E* from area over E* from indentation that the true ellipsoid makes, against load (N).
+
+    `geometric_mean_radius`, mm, is that of the pad where it touches.
+    """
 
     geometric_mean_radius: float
     load: FloatArray
@@ -87,49 +99,107 @@ class CurveResult:
         )
 
 
-def curve_results(study: Study, fingers: Mapping[str, FingerResult], hands: Hands) -> list[CurveResult]:
-    """Read and fit all loading curves of a study, in the manifest's order.
+_KINDS: Final = {
+    kind.__name__: kind
+    for kind in (
+        Cycle,
+        Estimate,
+        FittedLaw,
+        Hysteresis,
+        LoadingCurve,
+        LoadingFit,
+        Secant,
+        Segment,
+        Shape,
+        Unknown,
+    )
+}
+
+
+def curve_items(study: Study) -> Iterator[tuple[str, Curve]]:
+    """Yield each curve that has a file with its item: finger and file, numbered from the second time on."""
+    seen: Counter[str] = Counter()
+    for curve in study.curves:
+        if curve.file is not None:
+            item = f"{curve.finger}/{curve.file}"
+            seen[item] += 1
+            yield item if seen[item] == 1 else f"{item} ({seen[item]})", curve
+
+
+def curve_key(curve: Curve, keys: Keys) -> str:
+    """Return the key of a curve: what is fitted, by what code, and the pad that it is compared with."""
+    pad = next(finger for finger in keys.study.fingers if finger.name == curve.finger)
+    faces = [
+        (photograph.face, keys.of(photograph, keys.edits(item), is_rejected(keys.rulings.get(item))))
+        for item, photograph in ((photograph_item(pad, one), one) for one in pad.photographs)
+    ]
+    axes = pad.model_dump(mode="json", include={"semi_axes_mm"})
+    solved = find_spec("tamaas") is not None
+    return chained(
+        keys.of(curve, curve.wedge_angle_deg, keys.study.poisson_ratio), axes, faces, solved, _fitting_code()
+    )
+
+
+def _fitting_code() -> str:
+    return code_digest("contact", "geometry", "loading", "uncertainty", "units.py", "_columns.py")
+
+
+def curve_tasks(finger: FingerResult, keys: Keys) -> Iterator[Task]:
+    """Yield a task for each loading curve of a finger whose photographs are measured."""
+    pad = None if finger.reason is not None else Ellipsoid.of(*finger.semi_axes)
+    for item, curve in curve_items(keys.study):
+        if curve.finger == finger.name:
+            yield Task(
+                name=item,
+                item=item,
+                file=curve.file or "",
+                key=curve_key(curve, keys),
+                work=partial(_record, curve, pad, keys.study.poisson_ratio),
+                inputs=keys.inputs_of(curve),
+            )
+
+
+def _record(curve: Curve, pad: Ellipsoid | None, poisson_ratio: float, folder: Path, _out: Path) -> Record:
+    found = curve_result(curve, pad, poisson_ratio, folder)
+    told = {name: to_plain(getattr(found, name)) for name in _FOUND}
+    return {"curve": told, "reason": found.reason if found.failed else None}
+
+
+def curve_results(keys: Keys, record_of: Callable[[str, str, str | None], Record]) -> list[CurveResult]:
+    """Return what is known of each loading curve of a study, in the manifest's order.
 
     Parameters
     ----------
-    study : Study
-        The manifest.
-    fingers : mapping of str to FingerResult
-        Semi-axes by finger.
-    hands : Hands
-        Who fits them.
+    keys : Keys
+        The study.
+    record_of : callable
+        Gives what the store holds of an item, from its name, key and file.
     """
-    tasks = [
-        Task(
-            name=str(number),
-            item=curve.finger,
-            file=curve.file or "",
-            key="",
-            work=partial(_fitted, curve, fingers[curve.finger], study.poisson_ratio),
-            inputs=() if curve.file is None else (curve.file,),
-        )
-        for number, curve in enumerate(study.curves)
-    ]
-    return [
-        record["curve"] if "curve" in record else CurveResult(manifest=curve, reason=record["reason"])
-        for curve, record in zip(study.curves, records_of(tasks, hands), strict=True)
-    ]
+    records = (record_of(item, curve_key(one, keys), one.file) for item, one in curve_items(keys.study))
+    return [_given(one) if one.file is None else _known(one, next(records)) for one in keys.study.curves]
 
 
-def _fitted(curve: Curve, finger: FingerResult, poisson_ratio: float, folder: Path, _out: Path) -> Record:
-    return {"curve": curve_result(curve, finger, poisson_ratio, folder)}
+def _given(curve: Curve) -> CurveResult:
+    radius, std = curve.effective_radius_mm, curve.effective_radius_std_mm
+    assert radius is not None  # the manifest's own rule, where there is no file
+    return CurveResult(manifest=curve, effective_radius=radius, effective_radius_std=std or math.nan)
 
 
-def curve_result(curve: Curve, finger: FingerResult, poisson_ratio: float, folder: Path) -> CurveResult:
+def _known(curve: Curve, record: Record) -> CurveResult:
+    if "curve" not in record:
+        return CurveResult(manifest=curve, reason=record["reason"])
+    told: dict[str, Any] = {name: from_plain(value, _KINDS) for name, value in record["curve"].items()}
+    return CurveResult(manifest=curve, **told)
+
+
+def curve_result(curve: Curve, pad: Ellipsoid | None, poisson_ratio: float, folder: Path) -> CurveResult:
     """Read and fit one loading curve; one that cannot be used costs itself only.
 
     Where the record does not determine the whole fit, the slope of area against indentation may still give
     R_g, with the reason beside it.
     """
     radius, std = curve.effective_radius_mm, curve.effective_radius_std_mm
-    given = math.nan if radius is None else radius
-    if curve.file is None:
-        return CurveResult(manifest=curve, effective_radius=given, effective_radius_std=std or math.nan)
+    assert curve.file is not None  # what was found elsewhere is not fitted
     data = None
     try:
         data = read_loading_curve(
@@ -158,7 +228,7 @@ def curve_result(curve: Curve, finger: FingerResult, poisson_ratio: float, folde
         curve=data,
         fit=fit,
         velocity=_velocity(data, fit, curve.cycle),
-        shape=_shape(finger, curve, fit, poisson_ratio),
+        shape=_shape(pad, curve, fit, poisson_ratio),
         reason=f"{curve.file}: {found.reason}" if isinstance(found, Unknown) else None,
     )
 
@@ -193,12 +263,12 @@ def _velocity(curve: LoadingCurve, fit: LoadingFit, cycle: int) -> float:
     return float(np.polyfit(curve.time[rows], curve.indentation[rows], 1)[0])
 
 
-def _shape(finger: FingerResult, curve: Curve, fit: LoadingFit, poisson_ratio: float) -> Shape | None:
+def _shape(pad: Ellipsoid | None, curve: Curve, fit: LoadingFit, poisson_ratio: float) -> Shape | None:
     """Return what the pad's true shape makes of the moduli; None without a pad, a modulus or the solver."""
     initial, growth = fit.initial_modulus, fit.load_coefficient
-    if finger.reason is not None or not isinstance(initial, Estimate) or not isinstance(growth, Estimate):
+    if pad is None or not isinstance(initial, Estimate) or not isinstance(growth, Estimate):
         return None
-    pad, wedge = Ellipsoid.of(*finger.semi_axes), math.radians(curve.wedge_angle_deg)
+    wedge = math.radians(curve.wedge_angle_deg)
     radius = float(Placement.of(pad, wedge_angle=wedge).curvature.geometric_mean_radius)
     loads = np.linspace(0, fit.modulus_load, _SHAPE_LOADS + 1)[1:]
     moduli = reduced_modulus(initial.value + growth.value * loads, poisson_ratio)
@@ -216,33 +286,5 @@ def _shape(finger: FingerResult, curve: Curve, fit: LoadingFit, poisson_ratio: f
     except (GeometryError, ModuleNotFoundError):
         return None
     indentation, area = np.array([(one.indentation, one.area) for one in pressed]).T
-    return Shape(radius, loads, shape_check(loads, indentation, area, effective_radius=radius).ratio)
-
-
-class LoadingRadius(NamedTuple):
-    """R_g of a finger at an angle, from all its curves there, mm."""
-
-    value: float
-    std: float
-    synthetic: bool
-
-
-def loading_radius(
-    curves: Iterable[CurveResult], finger: str, wedge_angle_deg: float, *, synthetic: bool
-) -> LoadingRadius | None:
-    """Return R_g from loading data of a finger at its angle, pooled over its curves; None without any."""
-    fitting = [
-        curve
-        for curve in curves
-        if curve.manifest.finger == finger
-        and curve.manifest.wedge_angle_deg == wedge_angle_deg
-        and curve.manifest.synthetic == synthetic
-        and math.isfinite(curve.effective_radius)
-    ]
-    if not fitting:
-        return None
-    values, stds = np.array([(each.effective_radius, each.effective_radius_std) for each in fitting]).T
-    if not np.isfinite(stds).all():
-        return LoadingRadius(float(values.mean()), math.nan, synthetic)
-    pooled = pool(values, stds)
-    return LoadingRadius(pooled.value, pooled.total_std, synthetic)
+    ratio = shape_check(loads, indentation, area, effective_radius=radius).ratio
+    return Shape(geometric_mean_radius=radius, load=loads, ratio=ratio)

@@ -1,0 +1,39 @@
+"""The effective radius that loading curves give at a placement."""
+
+import math
+from collections.abc import Iterable
+from typing import NamedTuple
+
+import numpy as np
+
+from fingerpad.study.measuring.curves import CurveResult
+from fingerpad.uncertainty import pool
+
+
+class LoadingRadius(NamedTuple):
+    """R_g of a finger at an angle, from all its curves there, mm."""
+
+    value: float
+    std: float
+    synthetic: bool
+
+
+def loading_radius(
+    curves: Iterable[CurveResult], finger: str, wedge_angle_deg: float, *, synthetic: bool
+) -> LoadingRadius | None:
+    """Return R_g from loading data of a finger at its angle, pooled over its curves; None without any."""
+    fitting = [
+        curve
+        for curve in curves
+        if curve.manifest.finger == finger
+        and curve.manifest.wedge_angle_deg == wedge_angle_deg
+        and curve.manifest.synthetic == synthetic
+        and math.isfinite(curve.effective_radius)
+    ]
+    if not fitting:
+        return None
+    values, stds = np.array([(each.effective_radius, each.effective_radius_std) for each in fitting]).T
+    if not np.isfinite(stds).all():
+        return LoadingRadius(float(values.mean()), math.nan, synthetic)
+    pooled = pool(values, stds)
+    return LoadingRadius(pooled.value, pooled.total_std, synthetic)
