@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import Final, Self
 
 import numpy as np
+import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
 
@@ -189,8 +190,8 @@ def _frame(axes: Axes, points: FloatArray) -> None:
     axes.set_ylim(low[1] - margin[1], high[1] + margin[1])
 
 
-def _shaded(pad: Ellipsoid, view: View, reach: FloatArray) -> FloatArray:
-    """Return an RGBA picture: where each line of sight meets the ellipsoid, how far it faces the light."""
+def _shaded(pad: Ellipsoid, view: View, reach: FloatArray) -> npt.NDArray[np.uint8]:
+    """Return a picture, RGBA: where each line of sight meets the ellipsoid, how far it faces the light."""
     s, t = np.meshgrid(*(np.linspace(-r, r, _PIXELS) for r in reach))
     base = s[..., None] * view.right + t[..., None] * view.up
     weight = 1 / pad.semi_axes**2
@@ -204,7 +205,8 @@ def _shaded(pad: Ellipsoid, view: View, reach: FloatArray) -> FloatArray:
     light = view.towards + 0.5 * view.up - 0.4 * view.right
     shade = 0.62 + 0.38 * np.clip(normal @ (light / np.linalg.norm(light)), 0, 1)
     colour = np.where(point[..., :1] >= 0, _SKIN, _BACK)
-    return np.concatenate([colour * shade[..., None], (discriminant >= 0)[..., None]], axis=-1)
+    picture = np.concatenate([colour * shade[..., None], (discriminant >= 0)[..., None]], axis=-1)
+    return (255 * picture).round().astype(np.uint8)  # of floats Matplotlib keeps copies at full size
 
 
 def _draw_line(
