@@ -2,7 +2,6 @@
 
 import json
 import multiprocessing
-import resource
 import tempfile
 import time
 from concurrent.futures import ProcessPoolExecutor
@@ -14,6 +13,7 @@ from typing import Any
 import numpy as np
 import tifffile
 
+from benchmarks.memory import peak_mb, peak_of_children_mb
 from fingerpad.image import synthetic_press
 from fingerpad.report import write_report
 from fingerpad.study.engine.progress import Progress
@@ -94,7 +94,12 @@ def engines(films: int = 4, frames: int = 1500) -> None:
 def _timed(manifest: Path, out: Path, **options: Any) -> tuple[float, float]:
     """Return the seconds of a run's measuring, and those that its tasks took."""
     told: list[tuple[float, Progress]] = []
-    run_study(manifest, out, on_progress=lambda one: told.append((time.perf_counter(), one)), **options)
+
+    def hear(now: Progress) -> None:
+        if now.status != "checked":
+            told.append((time.perf_counter(), now))
+
+    run_study(manifest, out, on_progress=hear, **options)
     return told[-1][0] - told[0][0], sum(one.seconds for _, one in told)
 
 
@@ -115,14 +120,7 @@ def _film_memory(frames: int) -> tuple[float, float, float]:
     with tempfile.TemporaryDirectory() as folder:
         manifest = make_study(Path(folder), films=1, frames=frames, ppi=240, size=0.4)
         seconds, _ = _timed(manifest, Path(folder) / "out", workers=2)
-        worker = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024
-        return seconds, peak_mb(), worker
-
-
-def peak_mb() -> float:
-    """Return the largest memory that this process has held, imports included."""
-    status = Path("/proc/self/status").read_text(encoding="ascii")
-    return int(status.split("VmHWM:")[1].split()[0]) / 1024
+        return seconds, peak_mb(), peak_of_children_mb()
 
 
 def stored_study(films: int = 50, frames: int = 2000) -> None:

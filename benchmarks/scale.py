@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from benchmarks.memory import peak_mb
 from fingerpad.image import SequenceSummary
 from fingerpad.report import write_report
 from fingerpad.study.engine.hands import OwnHands
@@ -203,15 +204,9 @@ def cost(rows: int) -> Cost:
             model_s=modelled - start,
             tables_s=tabled - modelled,
             report_s=done - tabled,
-            peak_mb=_peak_mb(),
+            peak_mb=peak_mb(),
             report_mb=report.stat().st_size / 1e6,
         )
-
-
-def _peak_mb() -> float:
-    """Return the largest memory that this process has held, imports included."""
-    status = Path("/proc/self/status").read_text(encoding="ascii")
-    return int(status.split("VmHWM:")[1].split()[0]) / 1024
 
 
 def cost_apart(rows: int) -> Cost:
@@ -236,7 +231,7 @@ def report_of_many_fingers(workers: int = 2) -> tuple[float, float]:
     first, again = seconds
     print(
         f"\nThe report of {films} films of {THESIS_FINGERS} fingers, {workers} workers: {first:.0f} s the "
-        f"first time, {again:.1f} s again, {_peak_mb():.0f} MB"
+        f"first time, {again:.1f} s again, {peak_mb():.0f} MB"
     )
     return first, again
 

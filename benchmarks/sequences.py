@@ -1,7 +1,6 @@
 """Coins and sequences against their truth, speed and memory: ``python -m benchmarks.sequences``."""
 
 import multiprocessing
-import resource
 import tempfile
 import time
 from pathlib import Path
@@ -9,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import tifffile
 
+from benchmarks.memory import peak_mb
 from fingerpad._arrays import FloatArray
 from fingerpad.exceptions import CalibrationError
 from fingerpad.image import (
@@ -134,7 +134,7 @@ def _measure_film(path: Path) -> tuple[float, float, int]:
     reading = learn_reading(frames, scale)
     measured = sum(r.measures is not None for r in measure_sequence(frames, scale, reading=reading))
     seconds = time.perf_counter() - start
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024, seconds, measured
+    return peak_mb(), seconds, measured
 
 
 if __name__ == "__main__":

@@ -3,13 +3,13 @@
 Run alone with ``python -m benchmarks.uncertainty``.
 """
 
-import resource
 import time
 from collections.abc import Callable
 
 import numpy as np
 from scipy.special import ellipe, ellipk
 
+from benchmarks.memory import peak_mb
 from fingerpad.uncertainty import pad_model, propagate, simulate
 
 MEAN = np.array([7.9, 13.8, 11.8, np.radians(30), 0.05, 0.5, 1.0, 2.0, 6.08, 0.39])
@@ -34,10 +34,9 @@ def monte_carlo_speed() -> None:
     m = np.random.default_rng(0).uniform(0.01, 0.9, DRAWS)
     floor = best(lambda: (ellipk(m), ellipe(m)), 9)
     whole = best(lambda: simulate(pad_model, MEAN, COVARIANCE, fewest=DRAWS, most=DRAWS), 5)
-    memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     print(f"\n{DRAWS:,} draws of all inputs through the pad's model, with means, covariance and intervals")
     print(f"    {whole / floor:.1f} x SciPy's ellipk + ellipe on as many values (asked: 40)")
-    print(f"    peak memory of the process {memory:.0f} MB (asked: 500)")
+    print(f"    peak memory of the process {peak_mb():.0f} MB (asked: 500)")
 
 
 def first_order_against_simulation() -> None:

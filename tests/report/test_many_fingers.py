@@ -23,9 +23,13 @@ from fingerpad.study.pipeline import run_study
 
 write._MOST_GROUPS = 5
 manifest, out = map(Path, sys.argv[1:])
-write_report(run_study(manifest, out), out, on_page=lambda done, _: print(done))
+write_report(run_study(manifest, out), out, on_drawn=print)
 """
 FINGERS, WEDGES, LOADS = ("left", "right", "thumb"), (0, 30), (1, 2)
+
+
+def of_fingers(told: list[str]) -> list[str]:
+    return [what for what in told if what.endswith("fingers")]
 
 
 @pytest.fixture(autouse=True)
@@ -93,16 +97,16 @@ def test_every_finger_has_a_page_and_one_leads_to_all(tmp_path: Path) -> None:
 
 def test_only_what_changed_is_drawn_again(tmp_path: Path) -> None:
     out = tmp_path / "out"
-    told: list[tuple[int, int]] = []
-    write_report(run(tmp_path), out, on_page=lambda *now: told.append(now))
-    assert told == [(1, 3), (2, 3), (3, 3)]
+    told: list[str] = []
+    write_report(run(tmp_path), out, on_drawn=told.append)
+    assert of_fingers(told) == ["1 of 3 fingers", "2 of 3 fingers", "3 of 3 fingers"]
     before, figures = pages(out), {path: path.stat().st_mtime_ns for path in out.glob("figures/*")}
     told.clear()
-    write_report(run(tmp_path), out, on_page=lambda *now: told.append(now))
-    assert told == []
+    write_report(run(tmp_path), out, on_drawn=told.append)
+    assert of_fingers(told) == []
     assert pages(out) == before
-    write_report(run(tmp_path, thumb_mm=6.2), out, on_page=lambda *now: told.append(now))
-    assert told == [(3, 3)]
+    write_report(run(tmp_path, thumb_mm=6.2), out, on_drawn=told.append)
+    assert of_fingers(told) == ["3 of 3 fingers"]
     after = pages(out)
     assert {name for name in after if after[name] != before[name]} == {"thumb"}
     same = {path for path, time in figures.items() if path.stat().st_mtime_ns == time}
@@ -117,8 +121,8 @@ def test_another_process_draws_nothing_again(tmp_path: Path) -> None:
         done = subprocess.run(
             command, capture_output=True, text=True, check=True, env={**os.environ, "PYTHONHASHSEED": seed}
         )
-        told.append(done.stdout.split())
-    assert told == [["1", "2", "3"], []]
+        told.append(of_fingers(done.stdout.splitlines()))
+    assert [len(each) for each in told] == [3, 0]
 
 
 @pytest.mark.parametrize("lost", ["report/left.html", "figures/left_30deg_area.svg"])
@@ -126,9 +130,9 @@ def test_a_page_that_lost_a_file_is_drawn_again(tmp_path: Path, lost: str) -> No
     out = tmp_path / "out"
     write_report(run(tmp_path), out)
     (out / lost).unlink()
-    told: list[tuple[int, int]] = []
-    write_report(run(tmp_path), out, on_page=lambda *now: told.append(now))
-    assert told == [(3, 3)]
+    told: list[str] = []
+    write_report(run(tmp_path), out, on_drawn=told.append)
+    assert of_fingers(told) == ["3 of 3 fingers"]
     assert (out / lost).is_file()
 
 
@@ -167,16 +171,17 @@ def test_two_processes_draw_what_one_draws(tmp_path: Path) -> None:
 def test_an_interrupt_keeps_what_is_drawn(tmp_path: Path) -> None:
     result, out = run(tmp_path), tmp_path / "out"
 
-    def stop(done: int, _: int) -> None:
-        if done == 2:
+    def stop(what: str) -> None:
+        if what == "2 of 3 fingers":
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        write_report(result, out, on_page=stop)
+        write_report(result, out, on_drawn=stop)
     assert len(pages(out)) == 2
-    told: list[tuple[int, int]] = []
-    write_report(result, out, on_page=lambda *now: told.append(now))
-    assert told == [(3, 3)]
+    assert not (out / "report.html").exists()
+    told: list[str] = []
+    write_report(result, out, on_drawn=told.append)
+    assert of_fingers(told) == ["3 of 3 fingers"]
 
 
 def test_a_folder_that_cannot_be_written(tmp_path: Path) -> None:

@@ -245,6 +245,25 @@ def test_a_run_that_is_cancelled_keeps_what_it_has_and_goes_on(workspace):
         assert (again["state"], again["done"]) == ("done", again["total"])
 
 
+def test_a_run_can_be_stopped_while_its_report_is_drawn(workspace):
+    bench = Bench(workspace)
+    bench.open_folder(workspace / "demo")
+    with serving(bench) as client:
+        client.post("/api/run", json={"workers": 2})
+        while (run := client.get("/api/run").json())["phase"] != "report" or not run["current"]:
+            assert run["state"] == "running"
+            time.sleep(0.02)
+        client.post("/api/run/cancel")
+        assert ended(client)["state"] == "cancelled"
+        results = client.get("/api/study").json()["results"]
+        assert (results["there"], results["report"], results["fresh"]) == (True, False, False)
+        assert client.get("/api/download/report.html").status_code == 404
+        client.post("/api/run", json={})
+        assert ended(client)["state"] == "done"
+        results = client.get("/api/study").json()["results"]
+        assert (results["report"], results["fresh"]) == (True, True)
+
+
 def test_closing_the_study_stops_its_run(workspace):
     bench = Bench(workspace)
     bench.open_folder(workspace / "demo")

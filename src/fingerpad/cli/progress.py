@@ -55,9 +55,9 @@ class Told:
         """Show what is done now."""
         self._bar.update(self._task, description=words)
 
-    def tell_page(self, done: int, total: int) -> None:
-        """Show how many pages of the report are drawn."""
-        self.say(f"Drawing the report: {done} of {total} fingers")
+    def tell_drawn(self, what: str) -> None:
+        """Show how far the report is."""
+        self.say(f"Drawing the report: {what}")
 
 
 def _words(progress: "Progress") -> str:

@@ -58,7 +58,7 @@ def run(
         )
         told.say("Writing tables and report")
         write_tables(result, out)
-        report = write_report(result, out, workers=workers, on_page=told.tell_page)
+        report = write_report(result, out, workers=workers, on_drawn=told.tell_drawn)
     _print_outcome(result, report)
     if result.failures:
         raise typer.Exit(Exit.SOME_FAILED)

@@ -5,9 +5,10 @@ import gc
 import io
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
+from functools import partial
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from markupsafe import Markup
@@ -38,6 +39,9 @@ from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.summary import Summary, area_exponent
 from fingerpad.units import two_digits, value_with_uncertainty
 
+# Saves plots, and returns what the page shows of them.
+_Draw: TypeAlias = Callable[[Iterable[Plot]], list[dict[str, Any]]]
+
 _OVERLAY_WIDTH_PX = 560
 _MOST_FAILED = 200
 _MOST_PRESSES = 60
@@ -54,6 +58,7 @@ def write_page(
     overlays: Path,
     home: str | None = None,
     pages: Mapping[str, str] = MappingProxyType({}),
+    on_drawn: Callable[[str], None] = lambda _: None,
 ) -> None:
     """Write a page and its figures, ``figures/*.svg, *.png``.
 
@@ -71,6 +76,8 @@ def write_page(
         Address of the page over this one, for the page of one finger.
     pages : mapping of str to str
         Addresses of the pages of fingers, for the page over them: it tables all and draws none.
+    on_drawn : callable
+        Told the name of each figure that is drawn.
     """
     environment = templates()
     filters: dict[str, Callable[..., Any]] = {
@@ -85,7 +92,7 @@ def write_page(
         "two": two_digits,
         "quantity": _quantity,
     }
-    path = out / name
+    path, draw = out / name, partial(_drawn, out, on_drawn)
     try:
         for folder in (out / "figures", path.parent):
             folder.mkdir(parents=True, exist_ok=True)
@@ -96,7 +103,7 @@ def write_page(
             failed=result.failed_contacts,
             most_failed=_MOST_FAILED,
             decided=result.decided,
-            **(_tabled(result, out) if pages else _drawn_in_full(result, out)),
+            **(_tabled(result, draw) if pages else _drawn_in_full(result, draw)),
             most_presses=_MOST_PRESSES,
             synthetic=bool(result.rows.column("synthetic").any()),
             certain=bool(result.study.uncertainty.model_fields_set),
@@ -109,10 +116,10 @@ def write_page(
         raise FingerpadError(f"{error.filename}: cannot be written ({error.strerror})") from error
 
 
-def _tabled(result: StudyResult, out: Path) -> dict[str, Any]:
+def _tabled(result: StudyResult, draw: _Draw) -> dict[str, Any]:
     """Return what the page over those of the fingers shows: a line of each, and one figure of all."""
     return {
-        "overview": _drawn(wedge_plot(result), out),
+        "overview": draw(wedge_plot(result)),
         "groups": [_line(result, summary) for summary in result.summaries],
         "curves": [{"curve": curve, "figures": []} for curve in result.curves],
         "velocities": [],
@@ -121,25 +128,25 @@ def _tabled(result: StudyResult, out: Path) -> dict[str, Any]:
     }
 
 
-def _drawn_in_full(result: StudyResult, out: Path) -> dict[str, Any]:
+def _drawn_in_full(result: StudyResult, draw: _Draw) -> dict[str, Any]:
     """Return what a page with all figures and pictures shows."""
     return {
         "overview": [],
         "groups": [
-            _line(result, summary) | _details(result, summary, check, out)
+            _line(result, summary) | _details(result, summary, check, draw)
             for summary, check in zip(result.summaries, result.checks, strict=True)
         ],
         "curves": [
-            {"curve": curve, "figures": _drawn(curve_plots(curve, number), out)}
+            {"curve": curve, "figures": draw(curve_plots(curve, number))}
             for number, curve in enumerate(result.curves, start=1)
         ],
-        "velocities": _drawn(velocity_plots(result.curves), out),
+        "velocities": draw(velocity_plots(result.curves)),
         "photographs": [
             (finger.name, photograph)
             for finger in result.fingers.values()
             for photograph in finger.photographs
         ],
-        "sequences": _sequences(result, out),
+        "sequences": _sequences(result, draw),
     }
 
 
@@ -155,7 +162,7 @@ def _line(result: StudyResult, summary: Summary) -> dict[str, Any]:
 
 
 def _details(
-    result: StudyResult, summary: Summary, check: UncertaintyCheck | None, out: Path
+    result: StudyResult, summary: Summary, check: UncertaintyCheck | None, draw: _Draw
 ) -> dict[str, Any]:
     """Return what a section shows of one finger at one placement."""
     rows, contacts, shown = summary.rows, summary.contacts, shown_rows(summary)
@@ -169,8 +176,8 @@ def _details(
     return {
         "shown": shown if contacts else (),
         "check": check,
-        "budget": _drawn(budget_plot(summary, check), out),
-        "figures": _drawn(summary_plots(result, summary), out),
+        "budget": draw(budget_plot(summary, check)),
+        "figures": draw(summary_plots(result, summary)),
         "doubts": doubtful[:MOST_POINTS],
         "largest_size": float(rows.column("contact_size").max()),
         "deepest": float(np.nanmax(deepest, initial=0.0)),
@@ -187,7 +194,7 @@ def _quantity(found: Quantity, factor: float = 1.0) -> Markup:
     return Markup("{}").format(value_with_uncertainty(factor * found.value, factor * found.std))
 
 
-def _sequences(result: StudyResult, out: Path) -> list[dict[str, Any]]:
+def _sequences(result: StudyResult, draw: _Draw) -> list[dict[str, Any]]:
     """Return what the template shows of each sequence: never its single rows, which may be thousands."""
     doubts: dict[str, list[tuple[int, str]]] = {}
     for name, count, words in doubtful_frames(result):
@@ -197,7 +204,7 @@ def _sequences(result: StudyResult, out: Path) -> list[dict[str, Any]]:
     drawn = set(np.linspace(0, len(films) - 1, min(len(films), _MOST_PRESSES)).round().astype(int).tolist())
     pictures = _share(_MOST_PICTURES, len(films))
     for number, (film, frames) in enumerate(films):
-        figures = _drawn(press_plot(film, frames), out) if number in drawn else []
+        figures = draw(press_plot(film, frames)) if number in drawn else []
         shown.append(
             {
                 "film": film,
@@ -219,15 +226,14 @@ def _share(whole: int, count: int) -> int:
     return max(1, whole // max(count, 1))
 
 
-def _drawn(plots: Iterable[Plot], out: Path) -> list[dict[str, Any]]:
+def _drawn(out: Path, on_drawn: Callable[[str], None], plots: Iterable[Plot]) -> list[dict[str, Any]]:
     """Save each plot as files, and return its SVG and caption for the page."""
-    return [
-        {
-            "file": save_figure(plot.figure, out / "figures" / plot.name, description=plot.caption)[0],
-            "caption": plot.caption,
-        }
-        for plot in plots
-    ]
+    shown = []
+    for plot in plots:
+        file, _ = save_figure(plot.figure, out / "figures" / plot.name, description=plot.caption)
+        shown.append({"file": file, "caption": plot.caption})
+        on_drawn(plot.name.replace("_", " "))
+    return shown
 
 
 def _drawing(file: Path) -> Markup:

@@ -30,7 +30,7 @@ def write_report(
     out: Path,
     *,
     workers: int = 1,
-    on_page: Callable[[int, int], None] = lambda *_: None,
+    on_drawn: Callable[[str], None] = lambda _: None,
 ) -> Path:
     """Write ``report.html`` and ``figures/*.svg, *.png`` into `out`, and return the report's path.
 
@@ -45,9 +45,9 @@ def write_report(
         The run's output folder.
     workers : int
         Number of processes that draw the pages of fingers.
-    on_page : callable
-        Told how many of the fingers' pages are drawn, and of how many. If it raises KeyboardInterrupt,
-        what is drawn is kept.
+    on_drawn : callable
+        Told what has just been drawn: a figure, or how many of the fingers' pages. It may raise
+        KeyboardInterrupt: finished pages of fingers are kept.
 
     Raises
     ------
@@ -66,12 +66,12 @@ def write_report(
         index[task.name] = {"key": task.key, "files": sorted(done.pictures)}
         keep_files(out, done.pictures)
         keep_files(out, {_INDEX: json.dumps(index, indent=1).encode()})
-        on_page(len(index), len(tasks))
+        on_drawn(f"{len(index)} of {len(tasks)} fingers")
 
     with local_hands(out, workers) as hands:
         run_plans((iter([[task]]) for task in tasks), hands, keep, lambda task: task.name in index)
     pages = {task.name: task.file for task in tasks}
-    write_page(result, out, REPORT_NAME, overlays=out, pages=pages)
+    write_page(result, out, REPORT_NAME, overlays=out, pages=pages, on_drawn=on_drawn)
     return out / REPORT_NAME
 
 
@@ -113,8 +113,11 @@ def _is_drawn(task: Task, known: Mapping[str, Any], out: Path) -> bool:
 
 
 def _remove_other_files(out: Path, index: Mapping[str, Any]) -> None:
-    """Leave the pages and figures that are as they should be, and nothing of earlier runs beside them."""
+    """Leave the pages and figures that are as they should be, and nothing of earlier runs beside them.
+
+    The report goes too: one that is cut short shall not look finished.
+    """
     kept = {file for entry in index.values() for file in entry["files"]} | ({_INDEX} if index else set())
-    remove_others(out, (f"{_PAGES}/*.html", _INDEX, "figures/*.png", "figures/*.svg"), kept)
+    remove_others(out, (REPORT_NAME, f"{_PAGES}/*.html", _INDEX, "figures/*.png", "figures/*.svg"), kept)
     with suppress(OSError):  # pages are in it, or files that someone keeps there
         (out / _PAGES).rmdir()

@@ -97,7 +97,7 @@ class Running:
             self._go_on()
             self._set(phase="report")
             with DRAWING:
-                write_report(result, out, workers=workers, on_page=self._page)
+                write_report(result, out, workers=workers, on_drawn=self._drawn)
             end = {"state": "done", "failures": result.failures}
         except KeyboardInterrupt:
             end = {"state": "cancelled"}
@@ -114,9 +114,9 @@ class Running:
         if self._stop.is_set():
             raise KeyboardInterrupt
 
-    def _page(self, done: int, total: int) -> None:
-        """Take note of how many pages are drawn, and stop where that was asked for."""
-        self._set(current=f"{done} of {total} fingers")
+    def _drawn(self, what: str) -> None:
+        """Take note of how far the report is, and stop where that was asked for."""
+        self._set(current=what)
         self._go_on()
 
     def _progress(self, now: Progress) -> None:

@@ -10,6 +10,7 @@ from pydantic import BaseModel, Field
 
 from fingerpad.image import PHOTOGRAPH_FLAGS
 from fingerpad.report.text import FLAG_WORDS
+from fingerpad.report.write import REPORT_NAME
 from fingerpad.study.corrections.decisions import Ruling
 from fingerpad.study.corrections.log import frames_of
 from fingerpad.study.manifest import Contact, Finger, Study
@@ -73,6 +74,7 @@ def document(opened: OpenStudy) -> dict[str, Any]:
         "run": opened.running.describe(),
         "results": {
             "there": found is not None,
+            "report": _has_report(opened),
             "finished": found and found.finished,
             "fresh": _is_fresh(opened, study, found, counts),
         },
@@ -82,10 +84,14 @@ def document(opened: OpenStudy) -> dict[str, Any]:
 def _is_fresh(
     opened: OpenStudy, study: Study | None, found: Results | None, counts: Mapping[str, int]
 ) -> bool:
-    """Tell whether a run would give the same results again."""
-    if study is None or found is None or counts["stale"] + counts["left"]:
+    """Tell whether a run would give the same results again, its report included."""
+    if study is None or found is None or counts["stale"] + counts["left"] or not _has_report(opened):
         return False
     return said_the_same(opened, study, found.summary["provenance"])
+
+
+def _has_report(opened: OpenStudy) -> bool:
+    return (opened.out / REPORT_NAME).is_file()
 
 
 def judged(ruling: Ruling | None) -> dict[str, Any]:

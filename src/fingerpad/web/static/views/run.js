@@ -124,7 +124,7 @@ class Run {
         "div.export-grid",
         null,
         FILES.map(([file, title, words]) => {
-          const can = there || file === "study.zip";
+          const can = file === "study.zip" || (file === "report.html" ? results?.report : there);
           return h(
             "section.card.export",
             { "aria-label": title },
