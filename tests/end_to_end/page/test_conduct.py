@@ -18,6 +18,7 @@ from tests.end_to_end.page.bench import (
     focus,
     lift,
     middle,
+    moving,
     numbers,
     served,
     settle,
@@ -149,6 +150,29 @@ def test_two_windows_do_not_lose_each_others_corrections(tab: Tab, browser, demo
     one.get_by_label("Threshold").fill("70")
     one.get_by_label("Threshold").press("Enter")
     two.wait_for_function("() => document.querySelectorAll('.history li').length === 2")
+    last = json.loads((demo / "corrections.jsonl").read_text().splitlines()[-1])
+    assert set(last["change"]) == {"ellipse_px", "threshold"}
+
+
+def test_what_a_hand_holds_stays_in_it_while_another_window_corrects(tab: Tab, demo) -> None:
+    one = tab.open(f"contacts/images/{PRINT}")
+    two = tab.context.new_page()
+    two.goto(f"{tab.server.host}/#/contacts/images/{PRINT}")
+    numbers(two)
+    before = numbers(one)
+    x, y = middle(one.get_by_role("button", name="End of the semi-major axis", exact=True))
+    one.mouse.move(x, y)
+    one.mouse.down()
+    one.mouse.move(x - 25, y, steps=5)
+    moving(one, before)
+    with one.expect_response("**/api/corrections?*"):
+        two.get_by_label("Threshold").fill("70")
+        two.get_by_label("Threshold").press("Enter")
+    one.wait_for_timeout(1000)  # in which a measurement under their correction would move it
+    held = one.get_by_role("button", name="End of the semi-major axis", exact=True)
+    assert middle(held)[0] == pytest.approx(x - 25, abs=2)
+    lift(one)
+    numbers(one)
     last = json.loads((demo / "corrections.jsonl").read_text().splitlines()[-1])
     assert set(last["change"]) == {"ellipse_px", "threshold"}
 

@@ -88,11 +88,12 @@ export class Review {
     // A handle that keys have moved keeps what it has when it loses the focus.
     if (document.activeElement?.closest(".handle")) this.stage.root.focus({ preventScroll: true });
     this.at = index;
+    this.held = false;
     const { item } = this.entry;
     this.strip.choose(index);
     history.replaceState(null, "", this.address(item));
     this.corrections?.close();
-    this.corrections = new Corrections(item, { changed: () => this.#corrected(), overtaken: () => this.remeasure() });
+    this.corrections = new Corrections(item, { changed: () => this.#corrected(), overtaken: () => this.#overtaken() });
     this.#turned();
     this.measured = null;
     this.editor.hide();
@@ -193,7 +194,13 @@ export class Review {
     this.inspector.radius?.show(this.radius);
   }
 
+  /** Another window corrected this picture: what a hand holds stays in it, and is kept on top of that. */
+  #overtaken() {
+    if (!this.held) this.remeasure();
+  }
+
   #dragged(final) {
+    this.held = !final;
     if (final) return this.dropped();
     this.#turn += 1;
     this.#busy(true);
