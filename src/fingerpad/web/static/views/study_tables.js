@@ -197,7 +197,7 @@ export class StudyTables {
         h(
           "table.tight",
           null,
-          h("thead", null, h("tr", null, ["Film", "Finger", "Wedge, °", "Force", "Frames per s", "Scale", "Frames", "Status", ""].map((words) => h("th", { scope: "col" }, words || h("span.sr", null, "Actions"))))),
+          h("thead", null, h("tr", null, ["Film", "Finger", "Wedge, °", "Force and clock", "Scale", "Status", ""].map((words) => h("th", { scope: "col" }, words || h("span.sr", null, "Actions"))))),
           h(
             "tbody",
             null,
@@ -207,13 +207,16 @@ export class StudyTables {
               return h(
                 "tr",
                 null,
-                h("td", null, h("a", { href: `#/contacts/${encodeURIComponent(`film:${one.name}`)}` }, one.name), " ", synthetic(one.synthetic)),
+                h("td", null, h("a", { href: `#/contacts/${encodeURIComponent(`film:${one.name}`)}` }, one.name), " ", synthetic(one.synthetic), one.frames && h("div.soft.number", null, `${one.frames} frames`)),
                 h("td", null, choose({ value: one.finger ?? "", options: bench.study.fingers.map(({ name }) => name), label: `Finger of ${one.name}`, onset: set("finger") })),
                 h("td", null, number({ value: one.wedge_angle_deg, min: 0, max: 90, label: `Wedge angle of ${one.name}`, onset: set("wedge_angle_deg") })),
-                h("td", null, choose({ value: one.force ?? "", options: [["", "– which CSV? –"], ...force.map((file) => [file, file.split("/").at(-1)])], label: `Force of ${one.name}`, onset: set("force") })),
-                h("td", null, number({ value: one.table?.frames_per_second, min: 0, label: `Frames per second of ${one.name}`, onset: set("frames_per_second") })),
+                h(
+                  "td",
+                  null,
+                  choose({ value: one.force ?? "", options: [["", "– which CSV? –"], ...force.map((file) => [file, file.split("/").at(-1)])], label: `Force of ${one.name}`, onset: set("force") }),
+                  h("div.control.below", null, number({ value: one.table?.frames_per_second, min: 0, label: `Frames per second of ${one.name}`, onset: set("frames_per_second") }), h("span.unit", null, "frames/s")),
+                ),
                 h("td", null, scaleChoice({ value: one.scale, label: `Scale of ${one.name}`, onset: set("scale") })),
-                h("td.number", null, one.frames ?? "–"),
                 h("td", null, incomplete(one) || statusChip(one)),
                 h("td", null, button("×", () => this.#remove("sequence", one.name, one.name), { kind: "icon", label: `Take ${one.name} out` })),
               );
