@@ -360,3 +360,13 @@ def test_films_and_results_are_no_loose_pictures(folder):
 def test_a_title_is_read_at_a_glance_or_left_alone(tmp_path, text, title):
     (tmp_path / "study.toml").write_text(text)
     assert title_of(tmp_path) == title
+
+
+@pytest.mark.parametrize("kind", ["finger", "observation", "sequence", "scale"])
+@pytest.mark.parametrize("name", ["left index", "a/b", "", "x" * 61])
+def test_a_name_that_no_study_may_have_is_refused_at_once(folder, kind, name):
+    before = (folder / STUDY_NAME).read_bytes()
+    with pytest.raises(ManifestError, match="letters, digits and"):
+        changed(folder, (kind, name, {}))
+    assert (folder / STUDY_NAME).read_bytes() == before
+    assert not (folder / DRAFT_NAME).exists()

@@ -309,3 +309,39 @@ def test_says_every_fault_at_once(tmp_path: Path) -> None:
     with pytest.raises(ManifestError) as caught:
         read_study(write(tmp_path, text))
     assert len(str(caught.value).splitlines()) == 2
+
+
+@pytest.mark.parametrize(
+    ("uncertainty", "scale", "exact"),
+    [
+        ("", 'scale = "reader"', ["the wedge angle", "the load", "the scale reader"]),
+        ("wedge_angle_std_deg = 1", "scale = { ppi = 500 }", ["the load", "scales of single pictures"]),
+        ("load_relative_std = 0.1", "scale = { ppi = 500, relative_std = 0.01 }", ["the wedge angle"]),
+        (
+            "load_relative_std = 0.1\nwedge_angle_std_deg = 1",
+            "scale = { line = [[0, 0], [0, 9]], length_mm = 1, ends_std_px = 1 }",
+            [],
+        ),
+    ],
+)
+def test_says_what_is_taken_as_exact(tmp_path: Path, uncertainty: str, scale: str, exact: list) -> None:
+    (tmp_path / "a.png").write_bytes(b"a picture")
+    text = f"""
+title = "T"
+[uncertainty]
+{uncertainty}
+[scales.reader]
+ppi = 500
+[[fingers]]
+name = "f"
+semi_axes_mm = {{ palmar = 7.9, distal = 13.8, radial_ulnar = 11.8 }}
+semi_axes_std_mm = {{ palmar = 0.2, distal = 0.2, radial_ulnar = 0.2 }}
+[[observations]]
+name = "o"
+finger = "f"
+wedge_angle_deg = 30
+load_N = 1
+image = "a.png"
+{scale}
+"""
+    assert read_study(write(tmp_path, text)).taken_as_exact() == exact

@@ -106,7 +106,7 @@ def write_page(
             **(_tabled(result, draw) if pages else _drawn_in_full(result, draw)),
             most_presses=_MOST_PRESSES,
             synthetic=bool(result.rows.column("synthetic").any()),
-            certain=bool(result.study.uncertainty.model_fields_set),
+            exact=result.study.taken_as_exact(),
         )
         page.enable_buffering()
         with path.with_suffix(".part").open("w", encoding="utf-8") as file:

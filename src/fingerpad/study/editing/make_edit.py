@@ -3,6 +3,7 @@
 from typing import Any, Final
 
 import tomlkit
+from pydantic import TypeAdapter, ValidationError
 from tomlkit.exceptions import TOMLKitError
 from tomlkit.items import AoT
 
@@ -12,7 +13,9 @@ from fingerpad.study.editing.documents import LISTS, TABLES, StudyFiles
 from fingerpad.study.editing.incomplete import Kind
 from fingerpad.study.editing.state import Edit
 from fingerpad.study.editing.toml_tables import added, remove, remove_scale, spaced, update
+from fingerpad.study.manifest.tables import Name
 
+_NAME: Final = TypeAdapter(Name)
 _WAYS: Final = frozenset(("ppi", "mm_per_px", "line", "coin"))
 
 
@@ -45,6 +48,16 @@ def _apply(files: StudyFiles, edit: Edit) -> None:
         raise ManifestError(f"{edit.kind!r} is no part of a study that can be edited")
 
 
+def _require_name(kind: Kind, name: str) -> None:
+    """Refuse a name that no study may have, before anything goes by it."""
+    try:
+        _NAME.validate_python(name)
+    except ValidationError:
+        raise ManifestError(
+            f"{kind} {name!r}: write the name with letters, digits and . _ + - only, as in left_index"
+        ) from None
+
+
 def _set_top(files: StudyFiles, edit: Edit) -> None:
     home = files.draft if files.study is None else files.study
     if edit.set is None:
@@ -68,6 +81,7 @@ def _set_scale(files: StudyFiles, edit: Edit) -> None:
         return
     values = dict(edit.set)
     renamed = str(values.pop("name", edit.key))
+    _require_name("scale", renamed)
     home = files.draft if home is None else home
     if "scales" not in home:
         home["scales"] = tomlkit.table(True)
@@ -92,6 +106,8 @@ def _set_listed(files: StudyFiles, edit: Edit) -> None:
         remove(home, LISTS[edit.kind], table)
         return
     values = dict(edit.set)
+    if edit.kind != "curve":
+        _require_name(edit.kind, str(values.get("name", edit.key)))
     if table is None:
         table = added(files.draft, LISTS[edit.kind])
         if edit.kind != "curve":

@@ -93,3 +93,10 @@ ScaleKey: TypeAlias = Annotated[
 OwnScale: TypeAlias = Annotated[
     _Tagged, Discriminator(_tag), BeforeValidator(_one_way), BeforeValidator(_no_name)
 ]
+
+
+def is_exact(scale: Table) -> bool:
+    """Tell whether a scale has no uncertainty; that of a coin follows from its picture."""
+    if isinstance(scale, LineScale):
+        return not (scale.length_std_mm or scale.ends_std_px)
+    return isinstance(scale, ResolutionScale | PitchScale) and not scale.relative_std

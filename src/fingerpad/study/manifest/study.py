@@ -8,7 +8,7 @@ from pydantic import Field
 from fingerpad.study.manifest.contacts import ContactSequence, Observation
 from fingerpad.study.manifest.curves import Curve
 from fingerpad.study.manifest.fingers import Finger
-from fingerpad.study.manifest.scales import CoinScale, OwnScale, ScaleKey
+from fingerpad.study.manifest.scales import CoinScale, OwnScale, ScaleKey, is_exact
 from fingerpad.study.manifest.tables import AngleStd, Name, RelativeStd, Table
 
 
@@ -55,6 +55,19 @@ class Study(Table):
             for index, table in enumerate(tables):
                 if isinstance(name := getattr(table, "scale", None), str):
                     yield f"{place}[{index}].scale", name
+
+    def taken_as_exact(self) -> list[str]:
+        """Name what results take as exact, since the manifest gives no uncertainty of it."""
+        common = self.uncertainty
+        stds = {"the wedge angle": common.wedge_angle_std_deg, "the load": common.load_relative_std}
+        used = dict.fromkeys(name for _, name in self.named_scales())
+        tables = [table for _, _, tables in self._tables_with_files() for table in tables]
+        own = [scale for table in tables if isinstance(scale := getattr(table, "scale", None), Table)]
+        return [
+            *(words for words, std in stds.items() if not std),
+            *(f"the scale {name}" for name in used if is_exact(self.scales[name])),
+            *(["scales of single pictures"] if any(map(is_exact, own)) else []),
+        ]
 
     def _tables_with_files(self) -> Iterator[tuple[str, tuple[str, ...], Iterable[Table]]]:
         """Yield each list of tables with its place and the keys that name files."""
