@@ -408,3 +408,20 @@ def test_a_manifest_spoilt_by_hand_opens_and_says_where(client, workspace):
     state = client.get("/api/study").json()
     assert not state["ready"]
     assert any("poisson_ratio" in one["words"] for one in state["missing"])
+
+
+@pytest.mark.parametrize("meant", ["another", "%C3%BCbung"])
+def test_what_is_meant_for_another_study_changes_nothing(client, workspace, meant: str):
+    before = (workspace / "demo" / "study.toml").read_bytes()
+    body = {
+        "expected": client.get("/api/study").json()["digest"],
+        "edits": [{"kind": "study", "key": "", "set": {"title": "x"}}],
+    }
+    refused = client.post("/api/study/edits", json=body, headers={"fingerpad-study": meant})
+    assert (refused.status_code, refused.json()["study"]) == (409, "demo")
+    assert "another window opened the study 'demo'" in refused.json()["error"]
+    assert (workspace / "demo" / "study.toml").read_bytes() == before
+    assert client.get("/api/study", headers={"fingerpad-study": "demo"}).status_code == 200
+    client.post("/api/session/close")
+    closed = client.get("/api/study", headers={"fingerpad-study": "demo"})
+    assert (closed.status_code, closed.json()["study"]) == (409, None)

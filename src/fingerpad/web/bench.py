@@ -50,6 +50,11 @@ class Bench:
             raise Refusal.not_there("no study is open: start one, or open one")
         return self._study
 
+    @property
+    def name(self) -> str | None:
+        """Name of the study that is open."""
+        return None if self._study is None else self._study.name
+
     def describe(self) -> dict[str, Any]:
         """Return what there is to open, and what is open."""
         study = self._study
@@ -88,6 +93,7 @@ class Bench:
                 events=self.events,
                 pixel_limit=self.pixel_limit,
             )
+            self.events.tell("session", {"study": self._study.name})
             return self._study
 
     def close(self) -> None:
@@ -96,6 +102,7 @@ class Bench:
             if self._study is not None:
                 self._study.close()
             self._study = None
+            self.events.tell("session", {"study": None})
 
     def new_folder(self, name: str) -> Path:
         """Return the path of a sub-folder of the workspace that is not there yet."""

@@ -5,6 +5,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from http import HTTPStatus
 from typing import Any, Final, Literal
+from urllib.parse import unquote
 
 import cv2
 from pydantic import BaseModel, ConfigDict, ValidationError
@@ -19,6 +20,8 @@ from fingerpad.web.bench import Bench
 from fingerpad.web.refusal import Refusal
 
 BODY_LIMIT: Final = 8_000_000
+# Says of which study a request is, percent-encoded.
+STUDY_HEADER: Final = "fingerpad-study"
 # A picture or a number can be odd in ways that nobody has thought of: it costs its answer, never the page.
 _ODDITIES: Final = (ArithmeticError, MemoryError, ValueError, cv2.error)
 
@@ -77,6 +80,7 @@ class Operation:
 
         async def respond(request: Request) -> Response:
             try:
+                _same_study(bench, request)
                 query = checked(self.query, {**request.query_params, **request.path_params})
                 if self.streamed:
                     return await self._answered_in_parts(bench, query, request)
@@ -97,6 +101,14 @@ class Operation:
         with plain_refusals():
             found = self.answer(bench, query, body)
         return found if isinstance(found, Response) else json_response(found, self.status)
+
+
+def _same_study(bench: Bench, request: Request) -> None:
+    """Refuse what is asked of another study than the one that is open: another window has opened that."""
+    meant, name = request.headers.get(STUDY_HEADER), bench.name
+    if meant is not None and unquote(meant) != name:
+        words = "closed the study" if name is None else f"opened the study {name!r}"
+        raise Refusal.conflict(f"another window {words}: nothing was changed", study=name)
 
 
 class plain_refusals:  # noqa: N801 (used as a statement)

@@ -51,6 +51,7 @@ def document(opened: OpenStudy) -> dict[str, Any]:
         "digest": manifest.digest,
         "poisson_ratio": study.poisson_ratio if study else 0.5,
         "uncertainty": study.uncertainty.model_dump() if study else None,
+        "taken_as_exact": study.taken_as_exact() if study else [],
         "ready": study is not None,
         "missing": [asdict(one) for one in manifest.missing],
         "scales": _scales(manifest),

@@ -1,6 +1,7 @@
 """Beginning: a study from loose files, its scale, its run, and what is taken away."""
 
 import re
+import shutil
 import zipfile
 
 import pytest
@@ -103,6 +104,25 @@ def test_wrong_value_is_refused_in_words_and_nothing_is_lost(tab: Tab, demo) -> 
     page.get_by_label("Poisson's ratio", exact=True).press("Enter")
     page.get_by_role("alert").get_by_text("poisson_ratio").first.wait_for()
     assert (demo / "study.toml").read_text() == before
+
+
+def test_what_is_not_complete_is_named_and_left_out(tab: Tab, demo, tmp_path) -> None:
+    page = tab.open()
+    shutil.copy(demo / "synthetic" / "synthetic_30deg_1N.png", tmp_path / "print.png")
+    page.locator("input[type=file]").set_input_files([tmp_path / "print.png"])
+    page.get_by_label("Finger on print.png").fill("synthetic_pad")
+    page.get_by_label("Wedge angle of print.png, degrees").fill("200")
+    page.get_by_role("button", name="Use them").click()
+    assert page.get_by_label("Wedge angle of print.png, degrees").evaluate("field => !field.validity.valid")
+    page.get_by_role("heading", name="1 new file").wait_for()  # not used
+    page.get_by_label("Wedge angle of print.png, degrees").fill("30")
+    page.get_by_label("Scale of uploads/print.png").select_option("reader")
+    page.get_by_role("button", name="Use them").click()
+    page.get_by_role("heading", name="Still missing").wait_for()
+    page.get_by_text("The rest of the study can run").wait_for()
+    page.get_by_role("link", name="Run the study").wait_for()
+    tab.go("run")
+    page.get_by_text("1 entry is not complete and left out of runs").wait_for()
 
 
 def test_line_on_a_ruler_by_pointer_then_by_keyboard(tab: Tab, demo) -> None:

@@ -154,6 +154,32 @@ def test_two_windows_do_not_lose_each_others_corrections(tab: Tab, browser, demo
     assert set(last["change"]) == {"ellipse_px", "threshold"}
 
 
+@pytest.mark.parametrize("events", ["heard", "cut off"])
+def test_a_window_changes_no_study_that_another_one_opened(tab: Tab, demo, events: str) -> None:
+    shutil.copytree(demo, demo.parent / "other")
+    manifest = demo.parent / "other" / "study.toml"
+    manifest.write_text(manifest.read_text().replace("Left index finger pad of", "The other pad of"))
+    before = (demo / "study.toml").read_text(), manifest.read_text()
+    if events == "cut off":
+        tab.context.route("**/api/events", lambda route: route.abort())
+        tab.expected += ["ERR_FAILED", "409"]
+    one = tab.open("study")
+    two = tab.context.new_page()
+    two.goto(f"{tab.server.host}/")
+    two.get_by_role("button", name="Other studies").click()
+    if events == "heard":
+        one.get_by_text("Another window closed the study.").wait_for()
+        one.get_by_role("heading", name="Open a study").wait_for()
+    two.get_by_role("button", name="The other pad").click()
+    two.get_by_role("heading", name="The other pad").wait_for()
+    if events == "cut off":
+        one.get_by_label("Roll angle ±").fill("0.7")
+        one.get_by_label("Roll angle ±").press("Enter")
+        one.get_by_text("Another window opened the study The other pad").wait_for()
+        one.get_by_role("heading", name="The other pad").wait_for()
+    assert ((demo / "study.toml").read_text(), manifest.read_text()) == before
+
+
 def test_what_a_hand_holds_stays_in_it_while_another_window_corrects(tab: Tab, demo) -> None:
     one = tab.open(f"contacts/images/{PRINT}")
     two = tab.context.new_page()

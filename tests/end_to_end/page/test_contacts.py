@@ -136,8 +136,7 @@ def test_reject_with_a_reason_and_take_it_back(tab: Tab, demo) -> None:
     page = tab.open(f"contacts/images/{PRINT}")
     numbers(page)
     page.get_by_label("Reason to reject").fill("smeared")
-    page.locator("h1").click()
-    page.keyboard.press("x")
+    page.keyboard.press("Enter")
     page.wait_for_url(re.compile("synthetic_30deg_4N"))
     assert corrections(demo)[-1]["change"] == {"rejected": "smeared"}
     page.get_by_label("Show", exact=True).select_option("rejected")

@@ -12,9 +12,14 @@ export class ApiError extends Error {
   }
 }
 
+/** The study that requests are about, and who hears that another window has opened another one. */
+export const about = { study: null, overtaken: () => {} };
+
+const studyHeader = (path) => (about.study === null || path.startsWith("/api/session") ? {} : { "fingerpad-study": encodeURIComponent(about.study) });
+
 async function ask(method, path, { body, query, signal } = {}) {
   const address = query ? `${path}?${new URLSearchParams(clean(query))}` : path;
-  const options = { method, signal, headers: {} };
+  const options = { method, signal, headers: studyHeader(path) };
   if (body !== undefined) {
     options.headers["content-type"] = "application/json";
     options.body = JSON.stringify(body);
@@ -27,6 +32,7 @@ async function ask(method, path, { body, query, signal } = {}) {
     throw new ApiError(0);
   }
   const answer = await response.json().catch(() => null);
+  if (response.status === 409 && answer?.study !== undefined) about.overtaken();
   if (!response.ok) throw new ApiError(response.status, answer);
   return answer;
 }
@@ -47,6 +53,7 @@ export function upload(file, { folder, progress } = {}) {
   return new Promise((resolve, reject) => {
     const request = new XMLHttpRequest();
     request.open("POST", `/api/files?${new URLSearchParams(clean({ name: file.name, folder }))}`);
+    for (const [name, value] of Object.entries(studyHeader("/api/files"))) request.setRequestHeader(name, value);
     request.responseType = "json";
     request.upload.onprogress = (event) => event.lengthComputable && progress?.(event.loaded / event.total);
     request.onload = () => (request.status < 300 ? resolve(request.response) : reject(new ApiError(request.status, request.response)));

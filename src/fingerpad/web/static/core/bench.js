@@ -1,6 +1,6 @@
 // The study on the bench: one state document, kept fresh, and edits of its manifest.
 
-import { ApiError, get, post } from "./api.js";
+import { about, ApiError, get, post } from "./api.js";
 import { say } from "./messages.js";
 
 class Bench extends EventTarget {
@@ -17,6 +17,7 @@ class Bench extends EventTarget {
   }
 
   async start() {
+    about.overtaken = () => this.follow().catch(() => {});
     this.session = await get("/api/session");
     if (this.session.study) await this.reload();
   }
@@ -37,8 +38,28 @@ class Bench extends EventTarget {
     return this.#take(document);
   }
 
+  /** Another window opened another study, or closed this one: there is one at a time, and this window follows. */
+  async follow() {
+    const { study } = (this.session = await get("/api/session"));
+    if (study?.name === this.study?.name) return;
+    say(study ? `Another window opened the study ${study.title || study.name}: it is shown here too.` : "Another window closed the study.", { kind: "error" });
+    this.#leave();
+    if (study) await this.reload();
+    else this.tell("study", { first: true });
+  }
+
+  /** Forget the study, and hear no more of it. */
+  #leave() {
+    this.#stream?.close();
+    clearTimeout(this.#rest);
+    this.#news += 1;
+    this.study = this.run = about.study = null;
+    location.hash = "#/study";
+  }
+
   #take(document) {
     this.#news += 1;
+    about.study = document.name;
     const first = this.study?.name !== document.name;
     // Files that nothing names are shown where files are; nothing is missing for their sake.
     const missing = document.missing.filter(({ kind }) => kind !== "file");
@@ -58,6 +79,7 @@ class Bench extends EventTarget {
     this.#stream = new EventSource("/api/events");
     const on = (kind, then) => this.#stream.addEventListener(kind, (event) => then(JSON.parse(event.data)));
     on("study", ({ digest }) => digest !== this.study?.digest && this.reload().catch(() => {}));
+    on("session", ({ study }) => study !== this.study?.name && this.follow().catch(() => {}));
     on("run", (run) => this.takeRun(run));
     on("corrections", (detail) => {
       this.tell("corrections", detail);
@@ -92,12 +114,8 @@ class Bench extends EventTarget {
   }
 
   async close() {
-    this.#stream?.close();
-    clearTimeout(this.#rest);
-    this.#news += 1;
+    this.#leave();
     this.session = await post("/api/session/close");
-    this.study = this.run = null;
-    location.hash = "#/study";
     this.tell("study", { first: true });
   }
 

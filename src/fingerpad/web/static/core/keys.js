@@ -22,7 +22,7 @@ export function listen() {
   document.addEventListener("keydown", (event) => {
     if (event.defaultPrevented || event.altKey || document.querySelector("dialog[open]")) return;
     const name = nameOf(event);
-    if (typing(event.target) && name !== "Escape") return;
+    if (typing(event.target) && !["Escape", "Ctrl+Enter"].includes(name)) return;
     if ((name === "Enter" || name === "Space") && event.target.closest("button, a, summary, [role=tab], input")) return;
     for (const [keys, , action] of [...here, ...everywhere]) {
       if (action && keys.split(" ").includes(name)) {

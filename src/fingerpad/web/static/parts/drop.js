@@ -73,6 +73,9 @@ export class Drop {
     place(this.progress);
     if (refused.length) say(refused.slice(0, 5).join("\n"), { kind: "error" });
     await bench.reload().catch(complain);
+    const used = new Set(bench.study?.files.filter((each) => each.used).map((each) => each.file));
+    const again = kept.filter(({ file }) => used.has(file));
+    if (again.length) say(`In the study already: ${again.map(({ file }) => file.split("/").at(-1)).join(", ")}.`);
     if (kept.length) this.sent(kept);
   }
 }

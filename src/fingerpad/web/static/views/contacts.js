@@ -181,7 +181,7 @@ class Contacts extends Review {
   instrument(tool) {
     if (tool === "seed") return new Click((at) => this.set("seed_px", at));
     if (tool === "ellipse") return null;
-    return this.paint(tool, (stroke) => this.keep((change) => ({ ...change, ellipse_px: null, strokes: [...(change.strokes ?? []), stroke] })));
+    return this.paint(tool, (stroke) => this.keep((change) => ({ ...this.freed(change), strokes: [...(change.strokes ?? []), stroke] })));
   }
 
   #ellipse() {

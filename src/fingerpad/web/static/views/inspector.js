@@ -11,6 +11,7 @@ export class Inspector {
     this.parts = Object.fromEntries(["head", "tool", ...parts, "settings", "history"].map((name) => [name, h("section", { "data-part": name })]));
     this.parts.tool.hidden = true;
     this.why = text({ value: "", placeholder: "why it is no good", list: "reasons" });
+    this.why.addEventListener("keydown", (event) => event.key === "Enter" && this.view.reject());
     this.root = h("div.stack", { "aria-busy": "true" }, Object.values(this.parts), h("datalist", { id: "reasons" }, reasons.map((value) => h("option", { value }))));
     this.footer = h("div.footer", null, this.#decision());
   }

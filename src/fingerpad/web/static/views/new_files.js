@@ -2,7 +2,7 @@
 
 import { get, remove } from "../core/api.js";
 import { bench } from "../core/bench.js";
-import { h, place } from "../core/dom.js";
+import { h, place, redraw } from "../core/dom.js";
 import { complain, say } from "../core/messages.js";
 import { bytes } from "../core/quantity.js";
 import { button, check, choose, faultList, number, text } from "../parts/forms.js";
@@ -81,6 +81,7 @@ export class NewFiles {
         h("span.soft", null, "Say what each is. What stands here was read from the names; change what is wrong."),
         h("div.actions", null, button("Use them", () => this.#use(), { kind: "primary" })),
       ),
+      this.problem,
       this.#common(),
       h(
         "div.table-wrap",
@@ -95,7 +96,6 @@ export class NewFiles {
       files.length > shown.length && h("p.soft", null, `${files.length - shown.length} more follow once these are in use; "Use them" takes all.`),
       check("These files were rendered or simulated, not taken of a finger", { checked: this.shared.synthetic, onset: (on) => (this.shared.synthetic = on) }),
       h("datalist", { id: "fingers" }, bench.study.fingers.map(({ name }) => h("option", { value: name }))),
-      this.problem,
     );
   }
 
@@ -123,7 +123,7 @@ export class NewFiles {
         if (control) control.value = value ?? "";
       }
     };
-    const finger = text({ value: this.shared.finger, placeholder: "left_index", list: "fingers", label: "Finger of all new files", onset: (value) => value && every("finger", value) });
+    const finger = text({ value: this.shared.finger, placeholder: "e.g. left_index", list: "fingers", label: "Finger of all new files", onset: (value) => value && every("finger", value) });
     const scale = choose({ value: this.shared.scale ?? "", options: [["", "–"], ...scaleNames()], label: "Scale of all new pictures", onset: (value) => value && every("scale", value) });
     const wedge = number({ value: this.shared.wedge_angle_deg, min: 0, max: 90, label: "Wedge angle of all new files, degrees", onset: (value) => every("wedge_angle_deg", value ?? undefined) });
     return this.drafts.size > 1 && h("div.common", null, h("span.soft", null, "For all:"), h("label", null, "finger", finger), h("label", null, "wedge °", wedge), h("label", null, "scale", scale));
@@ -133,8 +133,8 @@ export class NewFiles {
     const draft = this.drafts.get(file);
     const put = (key) => (value) => (draft[key] = value ?? undefined);
     const name = file.split("/").at(-1);
-    const as = choose({ value: draft.as, options: KINDS[kind], label: `What ${name} is`, onset: (value) => ((draft.as = value), this.draw()) });
-    const finger = text({ value: draft.finger, placeholder: "left_index", list: "fingers", label: `Finger on ${name}`, onset: put("finger") });
+    const as = choose({ value: draft.as, options: KINDS[kind], label: `What ${name} is`, onset: (value) => ((draft.as = value), redraw(() => this.draw())) });
+    const finger = text({ value: draft.finger, placeholder: "e.g. left_index", list: "fingers", label: `Finger on ${name}`, onset: put("finger") });
     finger.addEventListener("input", () => (draft.finger = finger.value.trim()));
     const face = choose({ value: draft.face ?? "", options: [["", "–"], ...FACES], label: `Face on ${name}`, onset: (value) => (draft.face = value || undefined) });
     const wedge = number({ value: draft.wedge_angle_deg, min: 0, max: 90, label: `Wedge angle of ${name}, degrees`, onset: put("wedge_angle_deg") });
@@ -182,6 +182,8 @@ export class NewFiles {
   }
 
   async #use() {
+    const wrong = this.root.querySelector("input:invalid");
+    if (wrong) return wrong.reportValidity();
     const edits = [];
     const taken = new Set([...bench.study.observations.map(({ item }) => item), ...bench.study.sequences.map(({ name }) => name)]);
     const fingers = new Set(bench.study.fingers.map(({ name }) => name));
@@ -212,13 +214,14 @@ export class NewFiles {
     place(this.problem);
     if (!edits.length) {
       place(this.problem, h("div.faults", { role: "alert" }, h("p", null, "Say at least which finger the files show.")));
-      return;
+      return undefined;
     }
     try {
       await bench.edit(...edits);
-      say(inUse(edits.filter(({ kind }) => kind !== "finger").length), { kind: "good" });
+      return say(inUse(edits.filter(({ kind }) => kind !== "finger").length), { kind: "good" });
     } catch (error) {
       place(this.problem, faultList(error));
+      return undefined;
     }
   }
 }

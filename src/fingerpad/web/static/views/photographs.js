@@ -152,8 +152,8 @@ class Photographs extends Review {
   }
 
   instrument(tool) {
-    if (tool === "points") return new Click((at) => this.keep((change) => ({ ...change, ellipse_px: null, added_points_px: [...(change.added_points_px ?? []), at] })));
-    if (tool === "erase") return this.paint("remove", ({ points_px, radius_px }) => this.keep((change) => ({ ...change, ellipse_px: null, erased: [...(change.erased ?? []), { points_px, radius_px }] })));
+    if (tool === "points") return new Click((at) => this.keep((change) => ({ ...this.freed(change), added_points_px: [...(change.added_points_px ?? []), at] })));
+    if (tool === "erase") return this.paint("remove", ({ points_px, radius_px }) => this.keep((change) => ({ ...this.freed(change), erased: [...(change.erased ?? []), { points_px, radius_px }] })));
     return tool === "length" ? this.line : null;
   }
 

@@ -57,7 +57,7 @@ class Results {
         empty(
           "No results yet",
           bench.study.ready ? "The study is complete and can run. What is measured is kept, so that a second run only does what changed." : "Something is still missing in the study; the Study page says what.",
-          h("a.button.primary", { href: bench.study.ready ? "#/run" : "#/study" }, bench.study.ready ? "Run the study" : "To the study"),
+          h("a.button.primary", { href: bench.study.ready ? "#/run/start" : "#/study" }, bench.study.ready ? "Run the study" : "To the study"),
           h("a.button", { href: "#/results/audit" }, "See the audit of the printed tables"),
         ),
       );
@@ -72,7 +72,8 @@ class Results {
 
   #sayFresh() {
     const { results } = bench.study;
-    place(this.banner, results?.there && !results.fresh && h("div.banner.note", null, "The study has changed since these results were made. ", h("a", { href: "#/run" }, "Run again"), " to bring them up to date; only what changed is measured."));
+    const exact = bench.study.taken_as_exact;
+    place(this.banner, results?.there && this.key !== "audit" && exact.length > 0 && h("div.banner.note", null, `Taken as exact, since no uncertainty is given: ${exact.join(", ")}. Every ± is too small by what that would add. `, h("a", { href: "#/study" }, "Give it on the study's page"), "."), results?.there && !results.fresh && h("div.banner.note", null, "The study has changed since these results were made. ", h("a", { href: "#/run" }, "Run again"), " to bring them up to date; only what changed is measured."));
   }
 
   update() {

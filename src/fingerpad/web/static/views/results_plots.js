@@ -32,6 +32,10 @@ export class Plots {
   async load() {
     this.groups = (await get("/api/results/plot")).groups;
     const fingers = [...new Set(this.groups.map(({ finger }) => finger))];
+    if (!this.groups.length) {
+      place(this.root, h("p.lead", null, "No contact is in these results: a plot needs one that is measured, with its finger, angle, load and scale. ", h("a", { href: "#/study" }, "The study says what is missing.")));
+      return;
+    }
     this.grid = h("div.plot-grid");
     place(
       this.root,

@@ -100,6 +100,7 @@ export class Review {
     this.box.set(null);
     this.blank();
     this.inspector.wait();
+    this.inspector.why.value = "";
     const mine = this.corrections;
     try {
       const [info] = await Promise.all([get("/api/picture/info", { item }), mine.load()]);
@@ -216,6 +217,12 @@ export class Review {
     return this.#change((mine) => mine.keep(async (change) => plainChange({ ...(await edit(change)), accepted: false, rejected: null })));
   }
 
+  /** A correction whose ellipse follows the picture again: said where a hand had set it. */
+  freed(change) {
+    if (change.ellipse_px) say("The ellipse that was set by hand gives way to this; Undo brings it back.");
+    return { ...change, ellipse_px: null };
+  }
+
   undo() {
     return this.#change((mine) => mine.undo());
   }
@@ -245,8 +252,11 @@ export class Review {
 
   async reject() {
     const mine = this.corrections;
+    if (mine.rejecting) return;
+    mine.rejecting = true;
     const rejected = mine.change.rejected ? null : this.inspector.reason();
     await mine.keep((change) => plainChange({ ...change, accepted: false, rejected })).catch(complain);
+    mine.rejecting = false;
     if (rejected && this.corrections === mine) this.step(1);
   }
 

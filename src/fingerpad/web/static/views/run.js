@@ -19,7 +19,7 @@ const FILES = [
 ];
 
 class Run {
-  constructor(root) {
+  constructor(root, rest) {
     this.workers = 1;
     this.fresh = false;
     this.problem = h("div");
@@ -35,6 +35,10 @@ class Run {
     this.#look().catch(() => {});
     this.#draw();
     this.#drawExports();
+    if (rest[0] === "start") {
+      history.replaceState(null, "", "#/run");
+      this.#start();
+    }
   }
 
   get busy() {
@@ -67,15 +71,15 @@ class Run {
 
   #draw() {
     const run = bench.run ?? { state: "idle" };
-    const { ready, counts } = bench.study;
+    const { ready, counts, missing, results } = bench.study;
     // Drawn anew only when something else is to be seen: a bar that is moved keeps the focus where it is.
-    const shape = `${run.state}|${ready}|${run.failures?.length}`;
+    const shape = `${run.state}|${ready}|${missing.length}|${results?.fresh}|${run.failures?.length}`;
     if (shape === this.shape && this.busy) return this.#progress(run);
     this.shape = shape;
     const hadFocus = this.status.contains(document.activeElement);
     place(
       this.status,
-      h("header", null, h("h2", null, STATES[run.state] ?? run.state), h("span.sr", { role: "status" }, STATES[run.state] ?? run.state), run.state === "done" && chip("up to date", "good"), run.state === "failed" && chip("failed", "bad")),
+      h("header", null, h("h2", null, STATES[run.state] ?? run.state), h("span.sr", { role: "status" }, STATES[run.state] ?? run.state), run.state === "done" && bench.study.results?.fresh && chip("up to date", "good"), run.state === "failed" && chip("failed", "bad")),
       this.busy
         ? [(this.bar = h("progress", { "aria-label": "Progress of the run" })), (this.line = h("p.run-line.number")), h("div.actions", null, (this.main = button("Stop", () => this.#cancel(), { kind: "bad", key: "c" })))]
         : [
@@ -85,6 +89,7 @@ class Run {
               null,
               counts ? [h("strong.number", null, counts.done), " measured, ", h("strong.number", null, counts.left + counts.stale), " to do", counts.failed > 0 && [", ", h("strong.number", null, counts.failed), " failed"], "."] : "",
             ),
+            ready && missing.length > 0 && h("div.note", null, `${missing.length} ${missing.length === 1 ? "entry is" : "entries are"} not complete and left out of runs. `, h("a", { href: "#/study" }, "The study says what.")),
             !ready && h("div.note", null, "Something is still missing. ", h("a", { href: "#/study" }, "The study says what.")),
             h(
               "div.run-options",
@@ -167,4 +172,4 @@ function duration(seconds) {
   return `${Math.floor(seconds / 3600)} h ${Math.round((seconds % 3600) / 60)} min`;
 }
 
-export const open = (root) => new Run(root);
+export const open = (root, rest) => new Run(root, rest);

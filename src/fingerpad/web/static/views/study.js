@@ -55,15 +55,18 @@ class StudyView {
       h("h1", null, study.title || study.name),
       h("p", null, `${count(study.fingers.length, "finger")}, ${count(study.observations.length, "contact")}${study.sequences.length ? `, ${count(study.sequences.length, "film")}` : ""}${study.curves.length ? `, ${count(study.curves.length, "loading entry", "loading entries")}` : ""}`),
     );
-    place(this.ready, study.ready ? h("a.button.primary", { href: "#/run" }, "Run the study") : h("span.soft", null, "Not ready to run yet"));
+    place(this.ready, study.ready ? h("a.button.primary", { href: "#/run/start" }, "Run the study") : h("span.soft", null, "Not ready to run yet"));
     this.files.draw();
     this.tables.draw();
     place(this.side, this.#missing(), this.#uncertainty(), this.#settings());
   }
 
   #missing() {
-    const { missing, ready } = bench.study;
-    if (ready) return h("section.card", null, h("div.note.good", null, h("strong", null, "Nothing is missing."), " The study can run."));
+    const { missing, ready, observations, sequences } = bench.study;
+    if (ready && !missing.length) {
+      if (observations.length + sequences.length) return h("section.card", null, h("div.note.good", null, h("strong", null, "Nothing is missing."), " The study can run."));
+      return h("section.card", null, h("div.note", null, h("strong", null, "No contact yet."), " Drop images of the contact, or the film of a press, and say finger, angle and load."));
+    }
     return h(
       "section.card",
       { "aria-label": "What is missing" },
@@ -71,6 +74,7 @@ class StudyView {
       missing.length
         ? h("ul.missing", { tabindex: 0 }, missing.slice(0, 40).map(({ kind, key, words }) => h("li", null, h("strong", null, key || kind), h("span", null, words), /scale/.test(words) && kind !== "scale" && h("a", { href: "#/scale" }, "Set the scale"))), missing.length > 40 && h("li.soft", null, `and ${missing.length - 40} more`))
         : h("p.soft", null, "Drop the files of the study to begin: photographs of the finger and images of its contact."),
+      ready && h("p.soft", null, "The rest of the study can run; what is listed here is left out."),
     );
   }
 

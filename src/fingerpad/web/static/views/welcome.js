@@ -42,7 +42,7 @@ class Welcome {
   async #create() {
     const title = this.title.value.trim();
     if (!title) return this.title.focus();
-    const name = title.toLowerCase().replace(/[^a-z0-9]+/g, "-").replace(/^-+|-+$/g, "").slice(0, 60) || "study";
+    const name = title.normalize("NFKD").replace(/\p{M}/gu, "").toLowerCase().replace(/[^a-z0-9]+/g, "-").replace(/^-+|-+$/g, "").slice(0, 60) || "study";
     place(this.problem);
     try {
       await bench.create(name, title);
