@@ -37,17 +37,28 @@ export function place(node, ...children) {
 
 const nameOf = (node) => node.getAttribute("aria-label") ?? node.labels?.[0]?.textContent ?? node.textContent;
 
-/** Draw anew, and leave the focus on what has the same name then; what stands in a field is selected, as by Tab. */
-export function redraw(draw) {
+/**
+ * Remember what has the focus; the answer gives it back, to what has the same name if all was drawn anew since. What
+ * stands in a field is selected then, as by Tab.
+ */
+export function rememberFocus() {
   const before = document.activeElement;
   const name = nameOf(before);
   const alike = () => [...document.querySelectorAll(before.tagName)].filter((node) => nameOf(node) === name);
   const at = alike().indexOf(before);
+  return () => {
+    if (before.isConnected) return;
+    const now = alike()[at];
+    now?.focus({ preventScroll: true });
+    now?.select?.();
+  };
+}
+
+/** Draw anew, and leave the focus where it was. */
+export function redraw(draw) {
+  const giveBack = rememberFocus();
   draw();
-  if (before.isConnected) return;
-  const now = alike()[at];
-  now?.focus({ preventScroll: true });
-  now?.select?.();
+  giveBack();
 }
 
 /** Set attributes of an SVG element that change many times a second. */

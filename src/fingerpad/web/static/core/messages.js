@@ -1,6 +1,6 @@
 // Short messages in the corner, and questions that must be answered.
 
-import { h, place } from "./dom.js";
+import { h, place, rememberFocus } from "./dom.js";
 
 /** Say something for a while; errors stay until they are put away. */
 export function say(words, { kind = "info", action } = {}) {
@@ -22,8 +22,9 @@ export const complain = (error) => error.name === "AbortError" || say(error.mess
 
 /** Ask one thing; resolves to the value of the button, or null. Enter in a field presses the primary button. */
 export function question(title, body, buttons) {
+  const giveBack = rememberFocus();
   return new Promise((resolve) => {
-    const dialog = h("dialog.question", { "aria-label": title, onclose: () => (dialog.remove(), resolve(dialog.returnValue || null)) });
+    const dialog = h("dialog.question", { "aria-label": title, onclose: () => (dialog.remove(), giveBack(), resolve(dialog.returnValue || null)) });
     place(
       dialog,
       h("h2", null, title),

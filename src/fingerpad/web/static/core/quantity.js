@@ -14,10 +14,10 @@ function decimalsOf(std) {
 const round = (value, decimals) => Math.round(value * 10 ** decimals) / 10 ** decimals;
 const fixed = (value, decimals) => round(value, decimals).toFixed(Math.max(decimals, 0)).replace("-", "−");
 
-/** Four significant digits, or three decimals below one. */
+/** Four significant digits; below one three decimals, and three digits at least. */
 export function plain(value) {
   if (value === null || value === undefined || !Number.isFinite(value)) return EN;
-  if (value !== 0 && Math.abs(value) < 1) return value.toFixed(3).replace("-", "−");
+  if (value !== 0 && Math.abs(value) < 1) return value.toFixed(Math.min(9, Math.max(3, 2 - Math.floor(Math.log10(Math.abs(value)))))).replace("-", "−");
   return String(Number(value.toPrecision(4))).replace("-", "−");
 }
 

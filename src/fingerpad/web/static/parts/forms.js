@@ -123,5 +123,5 @@ export const synthetic = (yes) => yes && h("span.synthetic", null, "synthetic");
 
 /** Faults of a refused edit, at the field if it can be found. */
 export function faultList(error) {
-  return h("div.faults", { role: "alert" }, h("p", null, error.message), error.faults?.length > 0 && h("ul", null, error.faults.map(({ place, words }) => h("li", null, h("code", null, place), ` ${words}`))));
+  return h("div.faults", { role: "alert" }, error.faults?.length > 0 ? h("ul", null, error.faults.map(({ place, words }) => h("li", null, h("code", null, place), ` ${words}`))) : h("p", null, error.message));
 }

@@ -73,7 +73,7 @@ class Results {
   #sayFresh() {
     const { results } = bench.study;
     const exact = bench.study.taken_as_exact;
-    place(this.banner, results?.there && this.key !== "audit" && exact.length > 0 && h("div.banner.note", null, `Taken as exact, since no uncertainty is given: ${exact.join(", ")}. Every ± is too small by what that would add. `, h("a", { href: "#/study" }, "Give it on the study's page"), "."), results?.there && !results.fresh && h("div.banner.note", null, "The study has changed since these results were made. ", h("a", { href: "#/run" }, "Run again"), " to bring them up to date; only what changed is measured."));
+    place(this.banner, results?.there && this.key !== "audit" && exact.length > 0 && h("div.banner.note", null, `Taken as exact, since no uncertainty is given: ${exact.join(", ")}. Every ± is too small by what that would add. `, "Give it under ", h("a", { href: "#/study" }, "Study"), " or ", h("a", { href: "#/scale" }, "Scale"), "."), results?.there && !results.fresh && h("div.banner.note", null, "The study has changed since these results were made. ", h("a", { href: "#/run" }, "Run again"), " to bring them up to date; only what changed is measured."));
   }
 
   update() {

@@ -34,6 +34,9 @@ const COINS = [
   ["20.3", "UK penny, 20.3 mm"],
 ];
 
+// A scale that was begun and not kept, while other steps are looked at.
+let begun = null;
+
 class Scales {
   constructor(root, rest) {
     this.root = root;
@@ -58,15 +61,17 @@ class Scales {
       ["Space", "Start and end the line at the cross-hair", null],
     ]);
     const first = bench.study.scales.find(({ name }) => name === rest[0]) ?? bench.study.scales[0];
-    this.#start(first ?? null);
+    this.#start(begun?.study === bench.study.name ? null : (first ?? null));
   }
 
   #start(scale) {
     this.live.drop();
     this.old = scale;
-    this.name = scale?.name ?? "";
-    this.table = structuredClone(scale?.table ?? FRESH.line);
-    this.way = this.#wayOf(this.table) ?? "line";
+    const draft = !scale && begun?.study === bench.study.name ? begun : null;
+    begun = null;
+    this.name = scale?.name ?? draft?.name ?? "";
+    this.table = structuredClone(scale?.table ?? draft?.table ?? FRESH.line);
+    this.way = draft?.way ?? this.#wayOf(this.table) ?? "line";
     this.answer = null;
     this.file = this.table.coin ?? this.#guess();
     this.#drawList();
@@ -301,6 +306,7 @@ class Scales {
   }
 
   close() {
+    if (!this.old && (this.name || JSON.stringify(this.table) !== JSON.stringify(FRESH[this.way] ?? {}))) begun = { study: bench.study?.name, name: this.name, way: this.way, table: this.table };
     this.live.drop();
     this.stage.close();
   }

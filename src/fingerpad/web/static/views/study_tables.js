@@ -1,7 +1,7 @@
 // What the study consists of, to be seen and changed in place: fingers, contacts, films, curves.
 
 import { bench, wordsFor } from "../core/bench.js";
-import { h, place, symbol } from "../core/dom.js";
+import { h, place, redraw, symbol } from "../core/dom.js";
 import { question } from "../core/messages.js";
 import { plain, withStd } from "../core/quantity.js";
 import { button, chip, choose, faultList, field, number, synthetic, text } from "../parts/forms.js";
@@ -35,6 +35,7 @@ export class StudyTables {
     try {
       await bench.edit({ kind, key, set });
     } catch (error) {
+      redraw(() => this.draw()); // what was refused does not stay in its field
       place(this.problem, faultList(error));
       this.problem.scrollIntoView({ block: "nearest" });
     }
