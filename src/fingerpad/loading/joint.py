@@ -245,32 +245,20 @@ def _residuals(record: Record, law: str, values: Values) -> tuple[FloatArray, Fl
     return force, record.area - area
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _ScaledResiduals:
-    """Residuals of a record in units of its noise, by the free parameters; a fit takes them along."""
-
-    record: Record
-    law: str
-    noise: Noise
-    names: tuple[str, ...]
-    held: Values
-
-    def __call__(self, free: FloatArray) -> FloatArray:
-        values = {**self.held, **dict(zip(self.names, free.tolist(), strict=True))}
-        force, area = _residuals(self.record, self.law, values)
-        return self.noise.scaled(force[:, None], area[:, None])[:, 0]
-
-
 def _fitted(record: Record, law: str, start: Values, held: Mapping[str, Estimate], noise: Noise) -> JointFit:
     names = [name for name in start if name not in held]
     given = {name: estimate.value for name, estimate in held.items()}
-    residuals = _ScaledResiduals(record, law, noise, tuple(names), given)
+
+    def residuals(free: FloatArray, fixed: Values = given) -> FloatArray:
+        values = {**fixed, **dict(zip(names, free.tolist(), strict=True))}
+        force, area = _residuals(record, law, values)
+        return noise.scaled(force[:, None], area[:, None])[:, 0]
+
     fit = fit_least_squares(residuals, [start[name] for name in names], names)
     response: dict[str, FloatArray] = {}
     for name, estimate in held.items():
         step = 1e-4 * max(abs(estimate.value), estimate.std) or 1e-6
-        beside = (replace(residuals, held={**given, name: estimate.value + way * step}) for way in (1, -1))
-        moved = [scaled(fit.values) for scaled in beside]
+        moved = [residuals(fit.values, {**given, name: estimate.value + way * step}) for way in (1, -1)]
         change = (moved[0] - moved[1]) / (2 * step)
         response[name] = floats(-np.linalg.lstsq(fit.jacobian, change)[0])
     whole = {**given, **dict(zip(names, map(float, fit.values), strict=True))}

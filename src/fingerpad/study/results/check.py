@@ -1,8 +1,7 @@
 """The uncertainty of one contact looked at closely: does the first order hold, and who contributes what."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Final, Self
+from typing import Final, Self
 
 from fingerpad._arrays import FloatArray
 from fingerpad.study.results.model import Inputs
@@ -80,14 +79,6 @@ class UncertaintyCheck:
             shares=dict(zip(sources, map(float, shares[0]), strict=True)),
             total=dict(zip(sources, map(float, total[0]), strict=True)),
         )
-
-    @classmethod
-    def from_record(cls, record: Mapping[str, Any]) -> Self | None:
-        """Return a check from its plain values; None where it could not be made."""
-        if "value" not in record:
-            return None
-        pairs = {name: tuple(record[name]) for name in ("interval", "simulated_interval")}
-        return cls(**{**record, **pairs})
 
 
 def _pair(interval: FloatArray) -> tuple[float, float]:

@@ -1,7 +1,7 @@
 """Everything that a run found, once all is measured."""
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from functools import partial
 from itertools import compress
 from pathlib import Path
@@ -15,6 +15,7 @@ from fingerpad.study.manifest import Contact, Study
 from fingerpad.study.measuring.curves import CurveResult
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.measuring.measure import Measurement
+from fingerpad.study.measuring.records import from_plain, to_plain
 from fingerpad.study.measuring.scales import FoundScale
 from fingerpad.study.measuring.sequences import SequenceResult
 from fingerpad.study.results.check import UncertaintyCheck
@@ -184,7 +185,7 @@ def _checks(
     heaviest: Sequence[Heaviest | None], hands: Hands, store: Store, on_check: Callable[[str], None]
 ) -> list[UncertaintyCheck | None]:
     """Look closely at the uncertainty of some contacts."""
-    code = code_digest("contact", "geometry", "uncertainty", "study/results")
+    code = code_digest("contact", "geometry", "uncertainty", "study/results", "study/measuring/records.py")
     tasks = [
         Task(
             name=f"/check {one.observation}",  # no item's name begins like this
@@ -199,8 +200,9 @@ def _checks(
         if one is not None
     ]
     records = iter(records_of(tasks, hands, store, lambda task: on_check(task.item)))
-    return [None if one is None else UncertaintyCheck.from_record(next(records)) for one in heaviest]
+    kinds = {"UncertaintyCheck": UncertaintyCheck}
+    return [None if one is None else from_plain(next(records).get("check"), kinds) for one in heaviest]
 
 
 def _checked(heaviest: Heaviest, _folder: Path, _out: Path) -> Record:
-    return asdict(UncertaintyCheck.of(heaviest.observation, heaviest.inputs))
+    return {"check": to_plain(UncertaintyCheck.of(heaviest.observation, heaviest.inputs))}

@@ -22,8 +22,7 @@ export function number({ value, onset, min, max, step = "any", placeholder, disa
   const input = h("input.number", { type: "number", inputmode: "decimal", min, max, step, placeholder, disabled, value: value ?? "", "aria-label": label });
   let last = input.value;
   const set = () => {
-    if (!input.validity.valid) input.reportValidity();
-    if (input.value === last || !input.validity.valid) return;
+    if (!input.reportValidity() || input.value === last) return;
     last = input.value;
     onset?.(input.value === "" ? null : Number(input.value));
   };
