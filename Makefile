@@ -21,7 +21,7 @@ demo: setup ## Run the bundled study and write its report to demo-report/
 
 test: setup ## Run all tests
 	sh tools/find-chromium
-	$(BIN)/python -m pytest -n auto --dist worksteal
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n auto --dist worksteal
 
 check: setup ## Lint, type-check and check the layers
 	$(BIN)/ruff check .

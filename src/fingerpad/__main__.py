@@ -1,6 +1,9 @@
 """The command line, as ``fingerpad`` or ``python -m fingerpad``."""
 
+import os
 import sys
+
+from fingerpad._threads import SETTINGS
 
 _OPTIONAL = {
     "PIL",
@@ -18,6 +21,8 @@ _OPTIONAL = {
 
 def main() -> None:
     """Run the command line, or say what it needs."""
+    if not any(name in os.environ for name in SETTINGS):
+        os.environ.update(dict.fromkeys(SETTINGS, "1"))
     for stream in (sys.stdout, sys.stderr):
         stream.reconfigure(errors="replace")  # type: ignore[union-attr] # a console that lacks ℓ still gets the numbers
     try:

@@ -481,6 +481,23 @@ def test_module_and_version() -> None:
     assert done.stdout.startswith("fingerpad 0.")
 
 
+@pytest.mark.skipif(sys.platform != "linux", reason="threads are counted as Linux shows them")
+def test_linear_algebra_has_one_thread_unless_told_otherwise() -> None:
+    script = (
+        "import atexit, os, sys; sys.argv[1:] = ['reproduce']; "
+        "threads = lambda: os.listdir('/proc/self/task'); "
+        "much = lambda: __import__('numpy').ones((900, 900)) @ __import__('numpy').ones((900, 900)); "
+        "atexit.register(lambda: (much(), print(len(threads())))); "
+        "from fingerpad.__main__ import main; main()"
+    )
+    mine = {name: value for name, value in os.environ.items() if not name.endswith("_NUM_THREADS")}
+    for told, threads in ({}, 1), ({"OMP_NUM_THREADS": "2"}, min(2, os.cpu_count() or 1)):
+        done = subprocess.run(
+            [sys.executable, "-c", script], capture_output=True, text=True, check=True, env=mine | told
+        )
+        assert int(done.stdout.splitlines()[-1]) == threads
+
+
 def test_importing_the_package_stays_light() -> None:
     heavy = "matplotlib, cv2, PIL, pydantic, typer, rich, jinja2, tifffile"
     script = f"import sys, fingerpad.contact; print([m for m in '{heavy}'.split(', ') if m in sys.modules])"

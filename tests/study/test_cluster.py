@@ -6,13 +6,13 @@ import signal
 import socket
 import subprocess
 import sys
-import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from pathlib import Path
 
 import pytest
 from distributed import Client
+from tests.soon import soon
 from tests.study.small_study import FRAMES, PICTURES, copy, make
 from typer.testing import CliRunner
 
@@ -199,8 +199,7 @@ def test_an_interrupt_of_the_whole_terminal_ends_a_run_on_workers_of_its_own(
         start_new_session=True,
     )
     try:
-        while run.poll() is None and not (log.is_file() and log.read_text().count("\n") > 1):
-            time.sleep(0.02)
+        assert soon(lambda: log.is_file() and log.read_text().count("\n") > 1)
         os.killpg(run.pid, signal.SIGINT)
         said = run.communicate(timeout=45)[1]
     finally:

@@ -7,7 +7,6 @@ import subprocess
 import sys
 import tempfile
 import threading
-import time
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from multiprocessing import get_context
@@ -15,6 +14,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.soon import soon
 from tests.study.small_study import FRAMES, PICTURES, copy, make, run_here
 
 from fingerpad.exceptions import FingerpadError, StoreError
@@ -102,15 +102,6 @@ def test_workers_end_with_a_killed_run(manifest: Path, tmp_path: Path) -> None:
 def workers_of(parent: int) -> list[str]:
     found = subprocess.run(["pgrep", "-P", str(parent), "-f", "spawn_main"], capture_output=True, text=True)
     return found.stdout.split()
-
-
-def soon(true: Callable[[], bool]) -> bool:
-    deadline = time.monotonic() + 60
-    while time.monotonic() < deadline:
-        if true():
-            return True
-        time.sleep(0.05)
-    return False
 
 
 @pytest.mark.parametrize("workers", [1, 2])

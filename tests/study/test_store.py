@@ -7,13 +7,13 @@ import signal
 import sqlite3
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import numpy as np
 import pytest
 from filelock import FileLock
 from PIL import Image
+from tests.soon import soon
 from typer.testing import CliRunner
 
 from fingerpad.cli import app
@@ -160,11 +160,8 @@ def test_a_killed_run_loses_no_row_and_doubles_none(folder: Path, seed: int) -> 
         str(folder / "out"),
     ]
     process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    deadline, wanted = time.monotonic() + 60, np.random.default_rng(seed).integers(1, COUNT + 1)
-    while process.poll() is None and time.monotonic() < deadline:
-        if len(list((folder / "out" / "overlays").glob("*.png"))) >= wanted:
-            break
-        time.sleep(0.01)
+    wanted = np.random.default_rng(seed).integers(1, COUNT + 1)
+    assert soon(lambda: len(list((folder / "out" / "overlays").glob("*.png"))) >= wanted)
     process.send_signal(signal.SIGKILL)
     process.wait()
     measured, rows = run(folder)

@@ -6,10 +6,10 @@ import signal
 import subprocess
 import sys
 import threading
-import time
 
 import httpx
 import pytest
+from tests.soon import soon
 
 PRINT = "synthetic_30deg_2N"
 PHOTO = "synthetic_pad/synthetic/photograph_palmar.jpg"
@@ -126,8 +126,7 @@ def test_another_page_hears_of_a_correction(client):
 
     listener = threading.Thread(target=listen)
     listener.start()
-    while not heard:
-        time.sleep(0.01)
+    assert soon(lambda: heard)
     last = correct(client, PRINT, 0, {"accepted": True}).json()["last_id"]
     listener.join(10)
     assert heard[-2:] == ["event: corrections", f'data: {{"item": "{PRINT}", "last_id": {last}}}']

@@ -12,6 +12,7 @@ import zipfile
 
 import pytest
 from filelock import FileLock
+from tests.soon import soon
 from tests.web.conftest import DEMO, serving, shorten
 
 from fingerpad.web.bench import Bench
@@ -62,13 +63,8 @@ def run_of(client, **asked):
 
 
 def ended(client, timeout_s=120):
-    until = time.monotonic() + timeout_s
-    while time.monotonic() < until:
-        run = client.get("/api/run").json()
-        if run["state"] not in {"running", "cancelling"}:
-            return run
-        time.sleep(0.05)
-    raise AssertionError(run)
+    assert soon(lambda: client.get("/api/run").json()["state"] not in {"running", "cancelling"}, timeout_s)
+    return client.get("/api/run").json()
 
 
 def test_the_page_writes_what_the_command_line_writes(client, study, tmp_path):
@@ -208,8 +204,7 @@ def test_one_run_at_a_time_and_events_tell_of_it(client):
 
     listener = threading.Thread(target=listen)
     listener.start()
-    while not heard:
-        time.sleep(0.01)
+    assert soon(lambda: heard)
     assert client.post("/api/run", json={}).status_code == 202
     second = client.post("/api/run", json={})
     assert second.status_code == 409, second.text
@@ -230,8 +225,7 @@ def test_a_run_that_is_cancelled_keeps_what_it_has_and_goes_on(workspace):
     bench.open_folder(workspace / "demo")
     with serving(bench) as client:
         client.post("/api/run", json={})
-        while not client.get("/api/run").json()["done"]:
-            time.sleep(0.02)
+        assert soon(lambda: client.get("/api/run").json()["done"])
         assert client.post("/api/run/cancel").status_code == 202
         run = ended(client)
         assert run["state"] == "cancelled"
@@ -245,14 +239,18 @@ def test_a_run_that_is_cancelled_keeps_what_it_has_and_goes_on(workspace):
         assert (again["state"], again["done"]) == ("done", again["total"])
 
 
+def drawing(client):
+    run = client.get("/api/run").json()
+    assert run["state"] == "running"
+    return run["phase"] == "report" and run["current"]
+
+
 def test_a_run_can_be_stopped_while_its_report_is_drawn(workspace):
     bench = Bench(workspace)
     bench.open_folder(workspace / "demo")
     with serving(bench) as client:
         client.post("/api/run", json={"workers": 2})
-        while (run := client.get("/api/run").json())["phase"] != "report" or not run["current"]:
-            assert run["state"] == "running"
-            time.sleep(0.02)
+        assert soon(lambda: drawing(client), 120)
         client.post("/api/run/cancel")
         assert ended(client)["state"] == "cancelled"
         results = client.get("/api/study").json()["results"]

@@ -17,6 +17,7 @@ from fingerpad.web.operations import openapi
 APART = ("/api/session/", "/api/run", "/api/events")
 KNOWN = {(one.method, one.plain_path) for one in OPERATIONS}
 EXAMPLES = 12
+PATIENCE_S = 120  # machines that test are busy
 PHOTO = "synthetic_pad/synthetic/photograph_palmar.jpg"
 
 
@@ -70,7 +71,7 @@ def fuzz(client, operation, mode):
     def ask(case):
         if mode is GenerationMode.POSITIVE:
             mean_something(case)
-        answer = case.call(base_url=str(client.base_url).rstrip("/"), headers=headers)
+        answer = case.call(base_url=str(client.base_url).rstrip("/"), headers=headers, timeout=PATIENCE_S)
         assert answer.status_code < 500, f"{case.as_curl_command()}\n{answer.text}"
         if answer.status_code >= 400:
             assert answer.json()["error"]

@@ -4,7 +4,6 @@ Every tab writes down what it asks for and what its console says; a test ends by
 asked of another machine and that the console stayed silent.
 """
 
-import os
 import re
 import signal
 import subprocess
@@ -31,7 +30,6 @@ class Served:
             cwd=folder,
             stdout=subprocess.PIPE,
             text=True,
-            env={**os.environ, "OMP_NUM_THREADS": "1"},
         )
         found = re.search(r"http\S+", self.process.stdout.readline())
         assert found, "the program printed no address"
@@ -116,8 +114,11 @@ class Late:
             self.held = route
 
     def wait(self) -> None:
+        patience = PATIENCE_MS // 20
         while self.held is None:
+            assert patience, "the page did not ask for what was to be held back"
             self.page.wait_for_timeout(20)
+            patience -= 1
 
     def let_go(self) -> None:
         """Let the answer come, and the page take it in."""

@@ -8,13 +8,11 @@ from concurrent.futures import Future, ProcessPoolExecutor
 from contextlib import contextmanager
 from multiprocessing import get_context, parent_process
 from pathlib import Path
-from typing import Final, Protocol
+from typing import Protocol
 
+from fingerpad._threads import SETTINGS
 from fingerpad.study.engine.cluster import cluster_hands
 from fingerpad.study.engine.task import Done, Task, perform, settle_worker
-
-# Read by NumPy's linear algebra when it is loaded.
-_THREADS: Final = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 
 
 class Hands(Protocol):
@@ -98,8 +96,8 @@ def local_hands(folder: Path, workers: int) -> Iterator[Hands]:
 @contextmanager
 def _one_thread_each() -> Iterator[None]:
     """Let linear algebra in processes that start meanwhile use one thread: all cores are at work already."""
-    before = {name: os.environ.get(name) for name in _THREADS}
-    os.environ.update(dict.fromkeys(_THREADS, "1"))
+    before = {name: os.environ.get(name) for name in SETTINGS}
+    os.environ.update(dict.fromkeys(SETTINGS, "1"))
     try:
         yield
     finally:
