@@ -154,6 +154,8 @@ BAD = {
     "minor first": ([], HandEllipse(centre=CENTRE, semi_axes=(60, 80)), "larger first"),
     "no axis": ([], HandEllipse(centre=CENTRE, semi_axes=(60, 0)), "positive"),
     "ellipse outside": ([], HandEllipse(centre=(-5, 10), semi_axes=(60, 50)), "lies outside"),
+    "stroke from far away": ([stroke("add", (1e12, 0), CENTRE, radius=5)], None, "must not reach 1e\\+12 px"),
+    "huge ellipse": ([], HandEllipse(centre=CENTRE, semi_axes=(1e200, 50)), "must not reach 1e\\+200 px"),
     "ellipse nowhere": ([], HandEllipse(centre=(math.inf, 10), semi_axes=(60, 50)), "finite"),
 }
 

@@ -133,6 +133,12 @@ BAD = {
     "all rubbed out": (lambda: with_points(FOUND, erased=[([FOUND.centre], 1e4)]), FitError, "eight finite"),
     "marks not pairs": (lambda: with_points(FOUND, added=[1, 2, 3]), ImageError, "pairs"),
     "marks not finite": (lambda: with_points(FOUND, added=[(1, math.inf)]), ImageError, "finite"),
+    "mark far away": (lambda: with_points(FOUND, added=[(1e200, 5)]), ImageError, "within 1000000 px"),
+    "rubber far away": (
+        lambda: with_points(FOUND, erased=[([(1e200, 0), (0, 0)], 5)]),
+        ImageError,
+        "within 1000000 px",
+    ),
     "rubber of no size": (lambda: with_points(FOUND, erased=[([(1, 1)], 0)]), ImageError, "positive radius"),
     "rubber without a way": (lambda: with_points(FOUND, erased=[([], 3)]), ImageError, "needs a point"),
 }

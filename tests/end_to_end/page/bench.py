@@ -66,7 +66,10 @@ class Tab:
         self.asked: list[str] = []
         self.expected: list[str] = []
         self.page.on(
-            "console", lambda m: self.said.append(m.text) if m.type in ("error", "warning") else None
+            "console",
+            lambda m: (
+                self.said.append(f"{m.text} {m.location['url']}") if m.type in ("error", "warning") else None
+            ),
         )
         self.page.on("pageerror", lambda error: self.said.append(str(error)))
         self.page.on("request", lambda request: self.asked.append(request.url))

@@ -320,3 +320,19 @@ def test_what_is_being_typed_is_not_drawn_over(tab: Tab, demo) -> None:
     assert page.evaluate("() => document.activeElement.labels[0].textContent") == "Load, relative ±"
     said = tomllib.loads((demo / "study.toml").read_text())["uncertainty"]
     assert said == {"wedge_angle_std_deg": 0.6, "roll_angle_std_deg": 0.25, "load_relative_std": 0.02}
+
+
+def test_edits_made_faster_than_they_are_kept_follow_each_other(tab: Tab, demo) -> None:
+    page = tab.open("study")
+    late = Late(page, "**/api/study/edits")
+    page.get_by_label("Wedge angle ±").fill("0.6")
+    page.keyboard.press("Tab")
+    page.keyboard.type("0.25")
+    page.keyboard.press("Tab")
+    page.keyboard.type("0.02")
+    page.keyboard.press("Enter")
+    with page.expect_response(lambda answer: "load_relative_std" in (answer.request.post_data or "")):
+        late.let_go()
+    settle(page)
+    said = tomllib.loads((demo / "study.toml").read_text())["uncertainty"]
+    assert said == {"wedge_angle_std_deg": 0.6, "roll_angle_std_deg": 0.25, "load_relative_std": 0.02}

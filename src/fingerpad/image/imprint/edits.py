@@ -23,6 +23,8 @@ _FINE: Final = 4
 # Nearer than this, px of the copy, a point of the edited outline is one of the program's.
 _SAME: Final = 0.6
 _BITS: Final = 4
+# What reaches beyond so many pictures was drawn by no hand.
+_FARTHEST: Final = 10
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -85,6 +87,7 @@ def placed(ellipse: HandEllipse, view: View, *, noise: float) -> tuple[BoolArray
             f"at {ellipse.centre}"
         )
     _require_inside("ellipse: its centre", floats([ellipse.centre]), 0.0, view.shape)
+    _require_near("ellipse: its semi-axes", major, view.shape)
     count = max(64, math.ceil(2 * math.pi * major / min(view.steps)))
     points = view.to_copy(ellipse.points(count)[:, ::-1])
     canvas = np.zeros(view.values.shape, dtype=np.uint8)
@@ -191,7 +194,16 @@ def _checked(stroke: BrushStroke, view: View) -> tuple[Points, float]:
             f"found {stroke.radius}"
         )
     _require_inside("a stroke", points, stroke.radius, view.shape)
+    _require_near("a stroke", float(np.abs(points).max()), view.shape)
     return view.to_copy(points[:, ::-1]), stroke.radius / math.sqrt(view.steps[0] * view.steps[1])
+
+
+def _require_near(what: str, reach: float, shape: tuple[int, int]) -> None:
+    """Refuse what reaches too far beyond the picture."""
+    if reach > _FARTHEST * max(shape):
+        raise ImageError(
+            f"{what} must not reach {reach:g} px: the picture has {shape[0]} rows, {shape[1]} columns"
+        )
 
 
 def _require_inside(what: str, points: Points, reach: float, shape: tuple[int, int]) -> None:

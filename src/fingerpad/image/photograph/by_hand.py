@@ -23,6 +23,8 @@ IntArray: TypeAlias = npt.NDArray[np.int64]
 _BY_EYE, _MARK_PX = 0.01, 1.0
 # Least difference between a fitted ellipse's residuals and its points' errors that all points share, px.
 _SHARED_PX, _SHARED_REACH = 0.1, math.radians(25)
+# No picture reaches so far, px.
+_FARTHEST_PX = 1e6
 
 
 def photograph_from_ellipse(
@@ -255,8 +257,11 @@ def _about_middle(angles: FloatArray, found: PhotographFit) -> FloatArray:
 def _checked(what: str, points: ArrayLike) -> FloatArray:
     values = floats(points)
     values = values.reshape(0, 2) if values.size == 0 else values
-    if values.ndim != 2 or values.shape[1] != 2 or not np.isfinite(values).all():
-        raise ImageError(f"{what} must be finite pairs (row, column), found shape {values.shape}")
+    if values.ndim != 2 or values.shape[1] != 2 or not (np.abs(values) <= _FARTHEST_PX).all():
+        raise ImageError(
+            f"{what} must be finite pairs (row, column) within {_FARTHEST_PX:.0f} px, "
+            f"found shape {values.shape}"
+        )
     return values
 
 

@@ -7,7 +7,7 @@ from pydantic import Field, StringConstraints, model_validator
 
 from fingerpad.image import BrushStroke, HandEllipse
 from fingerpad.study.manifest.fingers import Side
-from fingerpad.study.manifest.tables import Box, Finite, Point, Table
+from fingerpad.study.manifest.tables import Box, Finite, Pixel, Point, Table
 
 Reason = Annotated[str, StringConstraints(strip_whitespace=True, min_length=1, max_length=500)]
 Size = Annotated[float, Field(gt=0, le=1e5, allow_inf_nan=False)]
@@ -127,7 +127,7 @@ class ContactCorrection(_Judged):
 class PhotographCorrection(_Judged):
     """What a person corrects in the measurement of a photograph."""
 
-    region_of_interest_px: Annotated[list[Finite], Field(min_length=4, max_length=4)] | None = None
+    region_of_interest_px: Annotated[list[Pixel], Field(min_length=4, max_length=4)] | None = None
     tip: Side | None = None
     palmar_side: Side | None = None
     ellipse_px: FaceEllipseByHand | None = None

@@ -5,7 +5,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from fingerpad.study.manifest.scales import ScaleKey
-from fingerpad.study.manifest.tables import Finite, Length, LengthStd, Name, RelativeStd, Table
+from fingerpad.study.manifest.tables import Length, LengthStd, Name, Pixel, RelativeStd, Table
 
 Side = Literal["up", "down", "left", "right"]
 
@@ -36,7 +36,7 @@ class Photograph(Table):
     scale: ScaleKey | None = None
     tip: Side = "up"
     palmar_side: Side | None = None
-    region_of_interest_px: Annotated[list[Finite], Field(min_length=4, max_length=4)] | None = None
+    region_of_interest_px: Annotated[list[Pixel], Field(min_length=4, max_length=4)] | None = None
     synthetic: bool = False
 
     @model_validator(mode="after")

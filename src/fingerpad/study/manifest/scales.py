@@ -4,10 +4,10 @@ from typing import Annotated, Final, Self, TypeAlias
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
-from fingerpad.study.manifest.tables import Finite, Length, Name, RelativeStd, Table
+from fingerpad.study.manifest.tables import Length, Name, Pixel, RelativeStd, Table
 
 MarkStd = Annotated[float, Field(ge=0, le=1000, allow_inf_nan=False)]
-Mark = Annotated[list[Annotated[Finite, Field(ge=0)]], Field(min_length=2, max_length=2)]
+Mark = Annotated[list[Annotated[Pixel, Field(ge=0)]], Field(min_length=2, max_length=2)]
 
 
 class ResolutionScale(Table):

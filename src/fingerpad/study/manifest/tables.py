@@ -12,6 +12,8 @@ RelativeStd = Annotated[float, Field(ge=0, lt=1, allow_inf_nan=False)]
 WedgeAngle = Annotated[float, Field(ge=0, le=90)]
 AngleStd = Annotated[float, Field(ge=0, le=90, allow_inf_nan=False)]
 Finite = Annotated[float, Field(allow_inf_nan=False)]
+# A place in a picture, or so far beside it that nothing of it is seen.
+Pixel = Annotated[float, Field(ge=-1e6, le=1e6)]
 # Names become file names: letters, digits and . _ + - only.
 Name = Annotated[str, Field(pattern=r"^\w[\w.+-]*$", max_length=60)]
 
@@ -27,5 +29,5 @@ def _listed(value: object) -> object:
     return [float(part) for part in value.split(",")] if isinstance(value, str) else value
 
 
-Point: TypeAlias = Annotated[list[Finite], Field(min_length=2, max_length=2), BeforeValidator(_listed)]
+Point: TypeAlias = Annotated[list[Pixel], Field(min_length=2, max_length=2), BeforeValidator(_listed)]
 Box: TypeAlias = Annotated[list[int], Field(min_length=4, max_length=4), BeforeValidator(_listed)]

@@ -11,6 +11,7 @@ class Bench extends EventTarget {
   #reloading = null;
   #news = 0;
   #rest = null;
+  #editing = Promise.resolve();
 
   tell(kind, detail) {
     this.dispatchEvent(new CustomEvent(kind, { detail }));
@@ -126,8 +127,19 @@ class Bench extends EventTarget {
   /**
    * Change the manifest: edits are {kind, key, set}, all of them or none. Another window may have changed the study
    * just before: then its state is taken, and ours asked again, if it is about other tables than those that changed.
+   * One's own follow each other: each is made on what the one before it left.
    */
-  async edit(...edits) {
+  edit(...edits) {
+    const { name } = this.study;
+    const mine = this.#editing.then(() => {
+      if (this.study?.name !== name) throw new ApiError(409, { error: `The study ${name} is not open any more: this was not kept.` });
+      return this.#edit(edits);
+    });
+    this.#editing = mine.catch(() => {});
+    return mine;
+  }
+
+  async #edit(edits) {
     const send = async () => this.#take(await post("/api/study/edits", { expected: this.study.digest, edits }));
     const before = edits.map((edit) => tableOf(this.study, edit));
     try {
