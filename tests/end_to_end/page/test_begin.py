@@ -6,7 +6,7 @@ import zipfile
 
 import pytest
 from PIL import Image
-from tests.end_to_end.page.bench import DEMO, PRINTS, Tab, drag, focus, middle, stroke
+from tests.end_to_end.page.bench import DEMO, PRINTS, Late, Tab, drag, focus, middle, stroke
 
 from fingerpad.image import render_coin
 
@@ -74,6 +74,16 @@ def test_six_files_become_a_plot(empty_tab: Tab) -> None:
     assert manifest.count("[[observations]]") == 3
     assert manifest.count("synthetic = true") == 6
     assert "wedge_angle_std_deg = 0.5" in manifest
+
+
+def test_who_presses_twice_means_it_once(empty_tab: Tab) -> None:
+    page = empty_tab.open()
+    late = Late(page, "**/api/session/new")
+    page.get_by_label("What it is about").fill("Once")
+    page.keyboard.press("Enter")
+    page.keyboard.press("Enter")
+    late.let_go()
+    page.get_by_role("heading", name="Once").wait_for()
 
 
 def test_files_dropped_on_the_page(empty_tab: Tab) -> None:

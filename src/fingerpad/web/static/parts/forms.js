@@ -71,6 +71,16 @@ export function button(words, onclick, { kind = "", key, disabled, title, label 
   return h("button", { type: "button", class: kind, onclick, disabled, title, "aria-label": label, "aria-keyshortcuts": key }, words, key && h("kbd", { "aria-hidden": "true" }, key));
 }
 
+/** Work that is not begun again while it goes on: who clicks or presses Enter twice means it once. */
+export function alone(work) {
+  let busy = false;
+  return async () => {
+    if (busy) return;
+    busy = true;
+    await work().finally(() => (busy = false));
+  };
+}
+
 /** A row of buttons of which one is on: tools, ways, filters. Arrow keys move along it. */
 export function segments(label, options, value, onset, { vertical = false } = {}) {
   const row = h(vertical ? "div.tools" : "div.segments", { role: "radiogroup", "aria-label": label, "aria-orientation": vertical ? "vertical" : "horizontal" });

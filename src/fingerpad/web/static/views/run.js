@@ -4,7 +4,7 @@ import { get, post } from "../core/api.js";
 import { bench } from "../core/bench.js";
 import { h, place } from "../core/dom.js";
 import { bindHere } from "../core/keys.js";
-import { button, check, chip, choose, faultList, field } from "../parts/forms.js";
+import { alone, button, check, chip, choose, faultList, field } from "../parts/forms.js";
 
 const STATES = { idle: "Nothing is running", running: "Running", cancelling: "Stopping: the pictures in hand are finished first", done: "Finished", cancelled: "Stopped. What was measured is kept", failed: "The run failed" };
 const PHASES = { measuring: "measuring", tables: "writing tables", report: "writing the report" };
@@ -45,7 +45,7 @@ class Run {
     return ["running", "cancelling"].includes(bench.run?.state);
   }
 
-  async #start() {
+  #start = alone(async () => {
     if (this.busy || !bench.study.ready) return;
     place(this.problem);
     try {
@@ -54,7 +54,7 @@ class Run {
     } catch (error) {
       place(this.problem, faultList(error));
     }
-  }
+  });
 
   async #cancel() {
     if (bench.run?.state !== "running") return;

@@ -4,7 +4,7 @@ import { ApiError } from "../core/api.js";
 import { bench } from "../core/bench.js";
 import { h, place } from "../core/dom.js";
 import { complain } from "../core/messages.js";
-import { button, faultList, field, text } from "../parts/forms.js";
+import { alone, button, faultList, field, text } from "../parts/forms.js";
 
 class Welcome {
   constructor(root) {
@@ -39,7 +39,7 @@ class Welcome {
     this.title.focus();
   }
 
-  async #create() {
+  #create = alone(async () => {
     const title = this.title.value.trim();
     if (!title) return this.title.focus();
     const name = title.normalize("NFKD").replace(/\p{M}/gu, "").toLowerCase().replace(/[^a-z0-9]+/g, "-").replace(/^-+|-+$/g, "").slice(0, 60) || "study";
@@ -51,7 +51,7 @@ class Welcome {
       place(this.problem, faultList(error));
     }
     return undefined;
-  }
+  });
 
   async #import(file) {
     if (!file) return;
