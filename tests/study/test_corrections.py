@@ -142,6 +142,8 @@ BAD = {
     "both verdicts": ("print_1", {"accepted": True, "rejected": "x"}, "one of the two"),
     "no reason": ("print_1", {"rejected": "  "}, "rejected"),
     "no picture": ("given", {"threshold": 4}, "no picture to correct"),
+    "box far away": ("print_1", {"region_of_interest_px": [0, 10**20, 0, 9]}, "or equal to 1000000"),
+    "threshold of nothing": ("print_1", {"threshold": 1e-300}, "1e-300 is too small to be meant"),
     "seed outside": ("print_1", {"seed_px": [100, 5]}, "seed_px: row 100, column 5 lies outside"),
     "stroke outside": ("print_1", {"strokes": [{**STROKE, "points_px": [[-9, 4]]}]}, "lies outside"),
     "mask outside": ("print_1", {"mask_px": [[1, 90], [2, 90], [3, 99]]}, "mask_px"),

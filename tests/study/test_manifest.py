@@ -146,6 +146,7 @@ def test_rows_may_come_from_a_spreadsheet(tmp_path: Path) -> None:
         ),
         (VALID.replace("deg = 30", "deg = -1"), "wedge_angle_deg: expected greater than or equal to 0"),
         (VALID.replace("deg = 30", "deg = nan"), "wedge_angle_deg: expected .*found nan"),
+        (VALID.replace("7.9", "5e-300"), "fingers.0..semi_axes_mm.palmar: 5e-300 is too small to be meant"),
         (VALID.replace("7.9", "0.0"), "fingers.0..semi_axes_mm.palmar: expected greater than 0, found 0"),
         (VALID.replace("7.9", "inf"), "semi_axes_mm.palmar: expected a finite number, found inf"),
         (VALID.replace("semi_minor = 5.0", "semi_minor = 9.0"), "ellipse_mm: semi_minor 9 must not exceed"),

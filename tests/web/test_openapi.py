@@ -42,13 +42,14 @@ def fuzzed(tmp_path_factory):
 
 
 def mean_something(case):
-    """Let a question be of what is there, which chance does not find."""
+    """Let a question be of what is there, which chance does not find, and of what this machine can bear."""
     kind = "photograph" if "photograph" in case.path else "contact"
     known = {
         "item": {"contact": "synthetic_30deg_2N", "photograph": PHOTO}[kind],
         "sequence": "synthetic_press_30deg",
         "finger": "left_index_ellipse",
         "scale": "reader",
+        "workers": 2,
     }
     for said in (case.body, case.query):
         if isinstance(said, dict):

@@ -4,12 +4,11 @@ from typing import Annotated, TypeAlias
 
 from pydantic import Field
 
-# Far beyond any picture; no arithmetic on it overflows.
-Pixel: TypeAlias = Annotated[float, Field(ge=-1e6, le=1e6)]
+from fingerpad.study.manifest.tables import Pixel
+
 Spot: TypeAlias = Annotated[list[Pixel], Field(min_length=2, max_length=2)]
 Line: TypeAlias = Annotated[list[Spot], Field(min_length=2, max_length=2)]
 Item: TypeAlias = Annotated[str, Field(min_length=1, max_length=1000)]
-Length: TypeAlias = Annotated[float, Field(gt=0, le=1000)]
 Person: TypeAlias = Annotated[str, Field(max_length=60)]
 
 

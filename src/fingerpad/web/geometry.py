@@ -9,8 +9,8 @@ from starlette.responses import Response
 from fingerpad._arrays import FloatArray
 from fingerpad.figures import figure_svg, new_figure, plot_pad_with_contact, plot_wedge
 from fingerpad.geometry import Ellipsoid, Placement
+from fingerpad.study.manifest.tables import Length
 from fingerpad.uncertainty import PLACEMENT_OUTPUTS, placement_model, propagate
-from fingerpad.web.asked import Length
 from fingerpad.web.bench import Bench
 from fingerpad.web.drawing import DRAWING
 from fingerpad.web.fingers import known_finger

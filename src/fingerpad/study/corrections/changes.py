@@ -3,14 +3,14 @@
 import math
 from typing import Annotated, Any, Literal, Self, TypeAlias
 
-from pydantic import Field, StringConstraints, model_validator
+from pydantic import AfterValidator, Field, StringConstraints, model_validator
 
 from fingerpad.image import BrushStroke, HandEllipse
 from fingerpad.study.manifest.fingers import Side
-from fingerpad.study.manifest.tables import Box, Finite, Pixel, Point, Table
+from fingerpad.study.manifest.tables import Box, Finite, Pixel, Point, Positive, Table, not_tiny
 
 Reason = Annotated[str, StringConstraints(strip_whitespace=True, min_length=1, max_length=500)]
-Size = Annotated[float, Field(gt=0, le=1e5, allow_inf_nan=False)]
+Size = Annotated[float, Field(gt=0, le=1e5, allow_inf_nan=False), AfterValidator(not_tiny)]
 Pair = Annotated[list[Size], Field(min_length=2, max_length=2)]
 Path = Annotated[list[Point], Field(min_length=1, max_length=5000)]
 
@@ -76,7 +76,7 @@ class ContactCorrection(_Judged):
     """What a person corrects in the measurement of a contact image or a frame."""
 
     dark_on_light: bool | None = None
-    threshold: Annotated[float, Field(gt=0, allow_inf_nan=False)] | None = None
+    threshold: Positive | None = None
     seed_px: Point | None = None
     mask_px: Annotated[list[Point], Field(min_length=3, max_length=5000)] | None = None
     region_of_interest_px: Box | None = None

@@ -13,6 +13,7 @@ from fingerpad.study.manifest.tables import (
     Load,
     Name,
     Point,
+    Positive,
     Table,
     WedgeAngle,
 )
@@ -38,7 +39,7 @@ class PlacedFinger(Table):
     seed_px: Point | None = None
     region_of_interest_px: Box | None = None
     mask_px: Annotated[list[Point], Field(min_length=3)] | None = None
-    threshold: Annotated[float, Field(gt=0, allow_inf_nan=False)] | None = None
+    threshold: Positive | None = None
     notes: str = ""
     synthetic: bool = False
 
@@ -87,7 +88,7 @@ class ContactSequence(PlacedFinger):
     path: str
     force: str
     force_columns: dict[Literal["time", "force", "trigger"], str] = Field(default={})
-    frames_per_second: Annotated[float, Field(gt=0, allow_inf_nan=False)] | None = None
+    frames_per_second: Positive | None = None
     start_s: Finite | None = None
     contact_load_N: Load | None = None  # noqa: N815 (the unit's own letter)
     times: str | None = None

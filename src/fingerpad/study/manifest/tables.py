@@ -2,12 +2,21 @@
 
 from typing import Annotated, TypeAlias
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field
+
+
+def not_tiny(value: float) -> float:
+    """Return a value that is more than positive by name: arithmetic on others underflows."""
+    if value < 1e-9:
+        raise ValueError(f"{value:g} is too small to be meant")
+    return value
+
 
 # Wide bounds that only a slip of units or of the keyboard crosses.
-Length = Annotated[float, Field(gt=0, le=1000, allow_inf_nan=False)]
+Positive = Annotated[float, Field(gt=0, allow_inf_nan=False), AfterValidator(not_tiny)]
+Length = Annotated[float, Field(gt=0, le=1000, allow_inf_nan=False), AfterValidator(not_tiny)]
 LengthStd = Annotated[float, Field(ge=1e-9, le=1000, allow_inf_nan=False)]
-Load = Annotated[float, Field(gt=0, le=1e4, allow_inf_nan=False)]
+Load = Annotated[float, Field(gt=0, le=1e4, allow_inf_nan=False), AfterValidator(not_tiny)]
 RelativeStd = Annotated[float, Field(ge=0, lt=1, allow_inf_nan=False)]
 WedgeAngle = Annotated[float, Field(ge=0, le=90)]
 AngleStd = Annotated[float, Field(ge=0, le=90, allow_inf_nan=False)]
@@ -30,4 +39,8 @@ def _listed(value: object) -> object:
 
 
 Point: TypeAlias = Annotated[list[Pixel], Field(min_length=2, max_length=2), BeforeValidator(_listed)]
-Box: TypeAlias = Annotated[list[int], Field(min_length=4, max_length=4), BeforeValidator(_listed)]
+Box: TypeAlias = Annotated[
+    list[Annotated[int, Field(ge=-1_000_000, le=1_000_000)]],
+    Field(min_length=4, max_length=4),
+    BeforeValidator(_listed),
+]
