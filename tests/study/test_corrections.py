@@ -144,6 +144,7 @@ BAD = {
     "no picture": ("given", {"threshold": 4}, "no picture to correct"),
     "box far away": ("print_1", {"region_of_interest_px": [0, 10**20, 0, 9]}, "or equal to 1000000"),
     "threshold of nothing": ("print_1", {"threshold": 1e-300}, "1e-300 is too small to be meant"),
+    "threshold of no picture": ("print_1", {"threshold": 1e300}, "or equal to 1000000"),
     "seed outside": ("print_1", {"seed_px": [100, 5]}, "seed_px: row 100, column 5 lies outside"),
     "stroke outside": ("print_1", {"strokes": [{**STROKE, "points_px": [[-9, 4]]}]}, "lies outside"),
     "mask outside": ("print_1", {"mask_px": [[1, 90], [2, 90], [3, 99]]}, "mask_px"),
