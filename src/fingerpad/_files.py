@@ -1,5 +1,6 @@
-"""Folders for results."""
+"""Folders for results, and what tells one file from another."""
 
+import hashlib
 from pathlib import Path
 
 from fingerpad.exceptions import FingerpadError
@@ -19,3 +20,15 @@ def make_folder(folder: Path) -> None:
         raise FingerpadError(
             f"{folder}: cannot make this folder ({error.strerror}); choose another"
         ) from error
+
+
+def sha256_of(path: Path) -> str:
+    """Return the SHA-256 of a file's bytes, which are not held in memory.
+
+    Raises
+    ------
+    OSError
+        If it cannot be read.
+    """
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()

@@ -131,3 +131,16 @@ def test_what_is_odd_about_corrections_is_told(manifest: Path) -> None:
     assert any("p#900 is not in the study" in note for note in result.notes)
     assert any("torn" in note for note in result.notes)
     assert "corrections.jsonl" in result.provenance["inputs_sha256"]
+
+
+def test_corrections_of_a_picture_that_was_replaced_are_told(manifest: Path) -> None:
+    for item in ("o1", "o2", "g/distal.jpg", "p#8"):
+        decide(manifest, item, {"accepted": True})
+    assert not run(manifest)[0].notes
+    pictures = {one.name: manifest.parent / one.image for one in read_study(manifest).observations}
+    pictures["o1"].write_bytes(pictures["o2"].read_bytes())
+    notes = run(manifest)[0].notes
+    assert [note.split()[1] for note in notes] == ["o1"]
+    assert "another picture" in notes[0]
+    decide(manifest, "o1", ELLIPSE)
+    assert not run(manifest)[0].notes

@@ -82,6 +82,16 @@ def test_two_pages_do_not_lose_each_others_corrections(client):
     ]
 
 
+def test_a_picture_that_was_replaced_is_told_until_it_is_looked_at_again(client, workspace):
+    last = correct(client, PRINT, 0, {"accepted": True}).json()["last_id"]
+    assert now(client, PRINT)["on_another_picture"] is False
+    picture = next((workspace / "demo").rglob(f"{PRINT}.png"))
+    picture.write_bytes(picture.with_name(picture.name.replace("2N", "4N")).read_bytes())
+    assert now(client, PRINT)["on_another_picture"] is True
+    correct(client, PRINT, last, {"accepted": True})
+    assert now(client, PRINT)["on_another_picture"] is False
+
+
 def test_of_many_pages_at_once_each_gets_its_turn_or_is_told(client):
     """Eight pages write ten corrections each, each on what it saw last: all that were confirmed are there."""
     confirmed, conflicts = [], []

@@ -9,7 +9,7 @@ from typing import Final
 from fingerpad._files import make_folder
 from fingerpad.exceptions import ManifestError
 from fingerpad.study.corrections.decisions import CORRECTIONS_NAME
-from fingerpad.study.corrections.log import CorrectionLog
+from fingerpad.study.corrections.log import CorrectionLog, on_another_picture
 from fingerpad.study.durable import remove_others
 from fingerpad.study.engine.hands import hands_for
 from fingerpad.study.engine.progress import Progress
@@ -44,6 +44,9 @@ OUTPUT_NAMES: Final = frozenset(
 )
 
 _OVERLAYS: Final = ("overlays/*.png", "overlays/sequences/*.png")
+_REPLACED: Final = (
+    f"{CORRECTIONS_NAME}: {{}} was corrected on another picture than is there now: look at it again"
+)
 _NOT_THERE: Final = f"{CORRECTIONS_NAME}: {{}} is not in the study: what was decided about it has no effect"
 
 
@@ -118,6 +121,7 @@ def run_study(
                 on_check=lambda name: on_progress(replace(stands, item=name, status="checked")),
                 notes=(
                     *log.notes,
+                    *map(_REPLACED.format, on_another_picture(rulings, study, folder, keys.digest)),
                     *map(_NOT_THERE.format, (*log.unknown_items(study), *frames_beyond(films, rulings))),
                 ),
             )

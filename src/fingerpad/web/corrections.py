@@ -8,7 +8,7 @@ from pydantic import Field
 
 from fingerpad.exceptions import CorrectionConflict
 from fingerpad.study.corrections.decisions import Record
-from fingerpad.study.corrections.log import kind_of
+from fingerpad.study.corrections.log import kind_of, on_another_picture, picture_digest
 from fingerpad.web.asked import Item, Person
 from fingerpad.web.bench import Bench
 from fingerpad.web.open_study import OpenStudy
@@ -42,11 +42,15 @@ def document(opened: OpenStudy, item: str) -> dict[str, Any]:
     """Return all decisions about an item."""
     history = opened.corrections.history(item)
     ruling = history.ruling
+    study = opened.read().study
+    rulings = {} if ruling is None else {item: ruling}
+    elsewhere = study and on_another_picture(rulings, study, opened.folder, picture_digest)
     return {
         "item": item,
         "last_id": history.last_id,
         "change": {} if ruling is None else ruling.change.as_json(),
         "ruling": ruling and {"who": ruling.who, "when": ruling.when},
+        "on_another_picture": bool(elsewhere),
         "can_undo": history.can_undo,
         "can_redo": history.can_redo,
         "history": [record.as_json() for record in history.records],

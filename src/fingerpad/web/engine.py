@@ -1,10 +1,10 @@
 """The seam to the engine: how far each item is, without measuring and without reading pictures anew."""
 
-import hashlib
 from collections.abc import Mapping
 from functools import cache
 from typing import Any, Final
 
+from fingerpad._files import sha256_of
 from fingerpad.exceptions import StoreError
 from fingerpad.study.corrections.decisions import CORRECTIONS_NAME, Ruling
 from fingerpad.study.editing.documents import STUDY_NAME
@@ -59,6 +59,6 @@ def said_the_same(opened: OpenStudy, study: Study, provenance: Mapping[str, Any]
 
 def _sha256(opened: OpenStudy, name: str) -> str | None:
     try:
-        return hashlib.sha256((opened.folder / name).read_bytes()).hexdigest()
+        return sha256_of(opened.folder / name)
     except OSError:
         return None

@@ -13,6 +13,7 @@ from typing import IO, Any, Final
 from starlette.concurrency import run_in_threadpool
 from starlette.requests import Request
 
+from fingerpad._files import sha256_of
 from fingerpad.exceptions import FingerpadError
 from fingerpad.image import open_frames, read_image
 from fingerpad.web.open_study import OpenStudy
@@ -103,18 +104,13 @@ def kept(opened: OpenStudy, path: Path, digest: str, name: str) -> tuple[dict[st
             os.link(path, target)  # unlike a renaming, it never puts one file in the place of another
             break
         except FileExistsError:
-            if _digest_of(target) == digest:
+            if sha256_of(target) == digest:
                 path.unlink()
                 return described(opened, target), False
             number += 1
             target = path.parent / f"{Path(name).stem}-{number}{Path(name).suffix}"
     path.unlink()
     return described(opened, target), True
-
-
-def _digest_of(path: Path) -> str:
-    with path.open("rb") as file:
-        return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 def described(opened: OpenStudy, path: Path) -> dict[str, Any]:

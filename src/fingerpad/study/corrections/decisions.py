@@ -33,6 +33,8 @@ class Record:
     change : dict
         All that is wanted of the item, as `ContactCorrection` or `PhotographCorrection` write it; empty for
         what the program found, and for an undo or redo.
+    picture : str
+        SHA-256 of the picture's file as it was then; empty for frames of films, and where there is none.
     """
 
     id: int
@@ -41,10 +43,12 @@ class Record:
     who: str
     action: Action
     change: dict[str, Any]
+    picture: str = ""
 
     def as_json(self) -> dict[str, Any]:
         """Return it as its line of the file says it."""
-        return {name: getattr(self, name) for name in ("id", "item", "when", "who", "action", "change")}
+        names = ("id", "item", "when", "who", "action", "change", "picture")
+        return {name: getattr(self, name) for name in names}
 
     @property
     def words(self) -> str:
@@ -66,12 +70,15 @@ class Ruling:
         What is wanted of it.
     who, when : str
         Who wanted it first, and when.
+    picture : str
+        SHA-256 of the picture's file as it was then, where that is known.
     """
 
     item: str
     change: Change
     who: str
     when: str
+    picture: str = ""
 
     @property
     def key(self) -> list[Any]:
@@ -119,7 +126,7 @@ class History:
         record = changes[place - 1]
         model = PhotographCorrection if "/" in self.item else ContactCorrection
         change = checked_change(model, record.change, f"{CORRECTIONS_NAME}: record {record.id}: {self.item}")
-        return Ruling(item=self.item, change=change, who=record.who, when=record.when)
+        return Ruling(item=self.item, change=change, who=record.who, when=record.when, picture=record.picture)
 
     def _place(self) -> tuple[list[Record], int]:
         """Return the changes that undo and redo walk over, and how many of them hold."""
@@ -157,7 +164,7 @@ def record_of(line: bytes) -> Record | None:
         record = Record(**content)
     except (ValueError, TypeError, RecursionError):
         return None
-    texts = (record.item, record.when, record.who)
+    texts = (record.item, record.when, record.who, record.picture)
     good = (
         all(isinstance(text, str) for text in texts)
         and type(record.id) is int

@@ -7,11 +7,12 @@ Nothing that the program measured is kept here, and nothing that it measured is 
 
 import json
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, Final, Literal, TypeAlias
 
+from fingerpad._files import sha256_of
 from fingerpad.exceptions import CorrectionConflict, StoreError
 from fingerpad.study.corrections.changes import Change, ContactCorrection, PhotographCorrection
 from fingerpad.study.corrections.decisions import (
@@ -175,17 +176,30 @@ class CorrectionLog:
         _require_picture(item, checked, study)
         if shape is not None and (fault := checked.outside(shape)):
             raise StoreError(f"{item}: {fault}")
-        return self._add(item, "change", checked.as_json(), who, expected)
+        image = image_of(item, study)
+        picture = "" if image is None else picture_digest(self._path.parent / image)
+        return self._add(
+            item, "change", who=who, expected=expected, change=checked.as_json(), picture=picture
+        )
 
     def undo(self, item: str, *, who: str, expected: int) -> Record:
         """Take the newest change of an item back; parameters and errors as for `append`."""
-        return self._add(item, "undo", {}, who, expected)
+        return self._add(item, "undo", who=who, expected=expected)
 
     def redo(self, item: str, *, who: str, expected: int) -> Record:
         """Put back the change that was taken back last; parameters and errors as for `append`."""
-        return self._add(item, "redo", {}, who, expected)
+        return self._add(item, "redo", who=who, expected=expected)
 
-    def _add(self, item: str, action: Action, change: dict[str, Any], who: str, expected: int) -> Record:
+    def _add(
+        self,
+        item: str,
+        action: Action,
+        *,
+        who: str,
+        expected: int,
+        change: dict[str, Any] | None = None,
+        picture: str = "",
+    ) -> Record:
         who = " ".join(who.split())
         if not 0 < len(who) <= _MOST_NAME:
             raise StoreError(f"{item}: a correction needs the name of who makes it, found {who[:40]!r}")
@@ -203,7 +217,8 @@ class CorrectionLog:
                 when=datetime.now(UTC).isoformat(timespec="milliseconds").replace("+00:00", "Z"),
                 who=who,
                 action=action,
-                change=change,
+                change=change or {},
+                picture=picture,
             )
             self._write(json.dumps(record.as_json(), ensure_ascii=False, allow_nan=False).encode() + b"\n")
             self.refresh()
@@ -252,6 +267,45 @@ def _kind_of(item: str, study: Study) -> Kind | None:
         film = any(sequence.name == name for sequence in study.sequences)
         return "frame" if film and _is_frame(number) else None
     return "observation" if any(each.name == item for each in study.observations) else None
+
+
+def image_of(item: str, study: Study) -> str | None:
+    """Return the file of an item's picture; None where it has none of its own, as a frame of a film."""
+    if "/" in item:
+        return item.partition("/")[2]
+    return next((each.image for each in study.observations if each.name == item), None)
+
+
+def on_another_picture(
+    rulings: Mapping[str, Ruling], study: Study, folder: Path, digest: Callable[[Path], str]
+) -> list[str]:
+    """Return the items whose picture is not the one that was corrected.
+
+    Parameters
+    ----------
+    rulings : mapping
+        What rules, by item.
+    study : Study
+        The manifest.
+    folder : Path
+        The study folder.
+    digest : callable
+        That of a file, empty where it cannot be read.
+    """
+    pictures = {item: image_of(item, study) for item, ruling in rulings.items() if ruling.picture}
+    return [
+        item
+        for item, image in pictures.items()
+        if image is not None and digest(folder / image) not in {"", rulings[item].picture}
+    ]
+
+
+def picture_digest(path: Path) -> str:
+    """Return the SHA-256 of a picture, empty where it cannot be read: measuring will say so."""
+    try:
+        return sha256_of(path)
+    except OSError:
+        return ""
 
 
 def frames_of(rulings: Mapping[str, Ruling], sequence: str) -> dict[int, Ruling]:

@@ -17,6 +17,7 @@ from typing import Any, Final, Literal, Self
 
 from filelock import FileLock, Timeout
 
+from fingerpad._files import sha256_of
 from fingerpad.exceptions import StoreError
 
 FORMAT: Final = 2
@@ -239,17 +240,12 @@ def _stamp(path: Path) -> str:
 def _digest(path: Path) -> str:
     """Return the digest of a file, or that of a folder's names and digests; empty where that cannot be."""
     try:
-        digests = [(item.name, _sha256(item)) for item in _files(path)]
+        digests = [(item.name, sha256_of(item)) for item in _files(path)]
     except OSError:
         return ""
     if not path.is_dir():
         return digests[0][1]
     return hashlib.sha256("".join(f"{name}\0{digest}\n" for name, digest in digests).encode()).hexdigest()
-
-
-def _sha256(path: Path) -> str:
-    with path.open("rb") as file:
-        return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 @contextmanager
