@@ -2,6 +2,7 @@
 
 import re
 import shutil
+import tomllib
 import zipfile
 
 import pytest
@@ -114,6 +115,22 @@ def test_wrong_value_is_refused_in_words_and_nothing_is_lost(tab: Tab, demo) -> 
     page.get_by_label("Poisson's ratio", exact=True).press("Enter")
     page.get_by_role("alert").get_by_text("poisson_ratio").first.wait_for()
     assert (demo / "study.toml").read_text() == before
+
+
+def test_finger_is_renamed_with_all_that_goes_by_it(tab: Tab, demo) -> None:
+    tab.expected.append("422")
+    page = tab.open()
+    for name in ("synthetic_pad", "right_middle"):  # the first is another finger's
+        page.get_by_role("button", name="Rename left_index_ellipse").click()
+        page.get_by_label("Name of the finger").fill(name)
+        page.keyboard.press("Enter")
+        page.get_by_role("alert").or_(page.get_by_role("button", name="Rename right_middle")).wait_for()
+    page.get_by_role("button", name="Rename right_middle").wait_for()
+    names = {finger["name"] for finger in tomllib.loads((demo / "study.toml").read_text())["fingers"]}
+    assert names == {"right_middle", "left_index_direct", "synthetic_pad"}
+    rows = (demo / "observations.csv").read_text()
+    assert "left_index_ellipse" not in rows
+    assert rows.count(",right_middle,") == 2
 
 
 def test_what_is_not_complete_is_named_and_left_out(tab: Tab, demo, tmp_path) -> None:

@@ -88,7 +88,7 @@ export class StudyTables {
       h(
         "td",
         null,
-        h("div.actions", null, !finger.photographs?.length && button("Semi-axes", () => this.#semiAxes(finger), { kind: "small", label: `Semi-axes of ${finger.name}` }), button("×", () => this.#remove("finger", finger.name, finger.name), { kind: "icon", label: `Take ${finger.name} out` })),
+        h("div.actions", null, !finger.photographs?.length && button("Semi-axes", () => this.#semiAxes(finger), { kind: "small", label: `Semi-axes of ${finger.name}` }), button("Rename", () => this.#rename(finger), { kind: "small", label: `Rename ${finger.name}` }), button("×", () => this.#remove("finger", finger.name, finger.name), { kind: "icon", label: `Take ${finger.name} out` })),
       ),
     );
   }
@@ -100,17 +100,28 @@ export class StudyTables {
     return h("a.face-link", { href: `#/photographs/${encodeURIComponent(photograph.item)}`, title: photograph.file }, h("img.small-thumb", { src: `/api/picture/thumbnail?${new URLSearchParams({ item: photograph.item })}`, alt: "", loading: "lazy" }), chip(words, kind));
   }
 
-  async #addFinger() {
-    const name = text({ placeholder: "left_index" });
+  /** Ask for the name of a finger: what was typed, empty where nothing shall be done. */
+  async #askName(words, doing, value = "") {
+    const name = text({ placeholder: "left_index", value });
     const body = h("div", null, field("Name of the finger", name, { hint: "Letters, digits, - and _." }));
-    const answer = await question("Add a finger", body, [
+    const answer = await question(words, body, [
       ["", "Cancel"],
-      ["yes", "Add", "primary"],
+      ["yes", doing, "primary"],
     ]);
-    if (answer !== "yes" || !name.value.trim()) return;
-    await this.change("finger", name.value.trim(), {});
-    const made = bench.study.fingers.find((finger) => finger.name === name.value.trim());
+    return answer === "yes" ? name.value.trim() : "";
+  }
+
+  async #addFinger() {
+    const name = await this.#askName("Add a finger", "Add");
+    if (!name) return;
+    await this.change("finger", name, {});
+    const made = bench.study.fingers.find((finger) => finger.name === name);
     if (made && !made.photographs?.length) this.#semiAxes(made);
+  }
+
+  async #rename(finger) {
+    const name = await this.#askName(`Rename ${finger.name}`, "Rename", finger.name);
+    if (name && name !== finger.name) this.change("finger", finger.name, { name });
   }
 
   async #semiAxes(finger) {
