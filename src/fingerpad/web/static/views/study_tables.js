@@ -88,7 +88,7 @@ export class StudyTables {
       h(
         "td",
         null,
-        h("div.actions", null, !finger.photographs?.length && button("Semi-axes", () => this.#semiAxes(finger), { kind: "small", label: `Semi-axes of ${finger.name}` }), button("Rename", () => this.#rename(finger), { kind: "small", label: `Rename ${finger.name}` }), button("×", () => this.#remove("finger", finger.name, finger.name), { kind: "icon", label: `Take ${finger.name} out` })),
+        h("div.actions", null, !finger.photographs?.length && button("Semi-axes", () => this.#semiAxes(finger), { kind: "small", label: `Semi-axes of ${finger.name}` }), button("✎", () => this.#rename(finger), { kind: "icon", label: `Rename ${finger.name}`, title: "Rename" }), button("×", () => this.#remove("finger", finger.name, finger.name), { kind: "icon", label: `Take ${finger.name} out` })),
       ),
     );
   }
