@@ -96,7 +96,7 @@ def test_rows_may_come_from_a_spreadsheet(tmp_path: Path) -> None:
         ('title = "T"', "study.toml: fingers: required, but missing"),
         ('title = "T"\nfingers = []', "fingers: List should have at least 1 item"),
         (VALID + "loadN = 3", "observations.0..loadN: unknown key; did you mean 'load_N'"),
-        (VALID + "zzz = 3", "observations.0..zzz: unknown key$"),
+        (VALID + "zzz = 3", "observations.0..zzz: unknown key \\(in a\\)$"),
         (VALID.replace("= 2\n", "= -2\n"), "observations.0..load_N: expected greater than 0, found -2"),
         (VALID.replace("= 2\n", "= 0\n"), "load_N: expected greater than 0, found 0"),
         (VALID.replace("= 2\n", "= nan\n"), "load_N: expected a finite number, found nan"),

@@ -41,11 +41,12 @@ def validated(model: type[Model], content: Mapping[str, Any], where: str, *, str
     try:
         return model.model_validate(content, strict=strict)
     except ValidationError as error:
-        raise ManifestError("\n".join(f"{where}: {fault}" for fault in _value_faults(error))) from None
+        faults = _value_faults(error, content)
+        raise ManifestError("\n".join(f"{where}: {fault}" for fault in faults)) from None
 
 
-def _value_faults(error: ValidationError) -> Iterator[str]:
-    """Say for each fault where it is, what is expected, and what was found."""
+def _value_faults(error: ValidationError, content: Mapping[str, Any]) -> Iterator[str]:
+    """Say for each fault where it is, what is expected, what was found, and the name of what has it."""
     unknown = [str(fault["loc"][-1]) for fault in error.errors() if fault["type"] == "extra_forbidden"]
     meant = {close for key in unknown for close in difflib.get_close_matches(key, _KEYS, n=1)}
     for fault in error.errors():
@@ -53,24 +54,37 @@ def _value_faults(error: ValidationError) -> Iterator[str]:
         message = fault["msg"].removeprefix("Value error, ").replace("Input should be", "expected")
         if fault["type"] == "missing" and key in meant:
             continue  # said with the unknown key that was meant for it
+        owner = "" if key == "name" else _owner(fault["loc"], content)
         if fault["type"] == "extra_forbidden":
-            yield f"{place}: unknown key{_hint(key)}"
+            yield f"{place}: unknown key{_hint(key)}{owner}"
         elif fault["type"] == "string_pattern_mismatch":
-            yield f"{place}: write it with letters, digits and . _ + - only, found {fault['input']!r}"
+            yield f"{place}: write it with letters, digits and . _ + - only, found {fault['input']!r}{owner}"
         elif fault["type"] == "missing":
-            yield f"{place}: required, but missing"
+            yield f"{place}: required, but missing{owner}"
         elif isinstance(fault["input"], dict) and fault["type"] == "list_type":
             yield f"{place}: expected a list of tables: write [[{place}]] in place of [{place}]"
         elif isinstance(fault["input"], str | int | float | bool):
-            yield f"{place}: {message}, found {repr(fault['input'])[:60]}"
+            yield f"{place}: {message}, found {repr(fault['input'])[:60]}{owner}"
         else:
-            yield f"{place}: {message}" if place else message
+            yield f"{place}: {message}{owner}" if place else message
 
 
 def _place(parts: Iterable[int | str]) -> str:
     """Return where a fault is, as the manifest would write it."""
     seen = (part for part in parts if part not in TAGS)
     return "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in seen).lstrip(".")
+
+
+def _owner(parts: Iterable[int | str], content: Any) -> str:
+    """Return the name of the innermost table with one, as the end of a fault: the n-th is hard to count."""
+    name = None
+    for part in parts:
+        try:
+            content = content[part]
+        except (KeyError, IndexError, TypeError):  # the tag of a choice is no place
+            continue
+        name = content.get("name", name) if isinstance(content, Mapping) else name
+    return f" (in {name})" if isinstance(name, str) else ""
 
 
 def _hint(key: str) -> str:
