@@ -59,7 +59,7 @@ export class StudyTables {
             "div.table-wrap",
             { tabindex: 0, role: "group", "aria-label": "Fingers" },
             h(
-              "table",
+              "table.tight",
               null,
               h("thead", null, h("tr", null, h("th", { scope: "col" }, "Finger"), AXES.map(([, words]) => h("th.number", { scope: "col" }, `${words}, mm`)), h("th", { scope: "col" }, "Photographs"), h("th", { scope: "col" }, h("span.sr", null, "Actions")))),
               h("tbody", null, fingers.map((finger) => this.#finger(finger))),
