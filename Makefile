@@ -19,9 +19,12 @@ setup: .venv/.ready ## Make .venv with the fingerpad command in it
 demo: setup ## Run the bundled study and write its report to demo-report/
 	$(BIN)/fingerpad run examples/dzidek2017/study.toml --out demo-report
 
+# Linear algebra takes one thread, as in the command line.
+test bench: export OMP_NUM_THREADS = 1
+
 test: setup ## Run all tests
 	sh tools/find-chromium
-	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n auto --dist worksteal
+	$(BIN)/python -m pytest -n auto --dist worksteal
 
 check: setup ## Lint, type-check and check the layers
 	$(BIN)/ruff check .
