@@ -3,7 +3,7 @@
 import os
 import sys
 
-from fingerpad._threads import SETTINGS
+from fingerpad._threads import ONE_THREAD
 
 _OPTIONAL = {
     "PIL",
@@ -21,8 +21,8 @@ _OPTIONAL = {
 
 def main() -> None:
     """Run the command line, or say what it needs."""
-    if not any(name in os.environ for name in SETTINGS):
-        os.environ.update(dict.fromkeys(SETTINGS, "1"))
+    if not ONE_THREAD.keys() & os.environ.keys():
+        os.environ.update(ONE_THREAD)
     for stream in (sys.stdout, sys.stderr):
         stream.reconfigure(errors="replace")  # type: ignore[union-attr] # a console that lacks ℓ still gets the numbers
     try:

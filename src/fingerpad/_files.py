@@ -32,3 +32,11 @@ def sha256_of(path: Path) -> str:
     """
     with path.open("rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def digest_of(path: Path) -> str:
+    """Return the SHA-256 of a file's bytes, empty where it cannot be read: who needs them will say so."""
+    try:
+        return sha256_of(path)
+    except OSError:
+        return ""

@@ -8,7 +8,7 @@ from pydantic import Field
 
 from fingerpad.exceptions import CorrectionConflict
 from fingerpad.study.corrections.decisions import Record
-from fingerpad.study.corrections.log import kind_of, on_another_picture, picture_digest
+from fingerpad.study.corrections.log import kind_of, on_another_picture
 from fingerpad.web.asked import Item, Person
 from fingerpad.web.bench import Bench
 from fingerpad.web.open_study import OpenStudy
@@ -43,8 +43,7 @@ def document(opened: OpenStudy, item: str) -> dict[str, Any]:
     history = opened.corrections.history(item)
     ruling = history.ruling
     study = opened.read().study
-    rulings = {} if ruling is None else {item: ruling}
-    elsewhere = study and on_another_picture(rulings, study, opened.folder, picture_digest)
+    elsewhere = ruling and study and on_another_picture({item: ruling}, study, opened.folder, opened.digest)
     return {
         "item": item,
         "last_id": history.last_id,

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from functools import cache
 from typing import Any, Final
 
-from fingerpad._files import sha256_of
+from fingerpad._files import digest_of
 from fingerpad.exceptions import StoreError
 from fingerpad.study.corrections.decisions import CORRECTIONS_NAME, Ruling
 from fingerpad.study.editing.documents import STUDY_NAME
@@ -54,11 +54,4 @@ def said_the_same(opened: OpenStudy, study: Study, provenance: Mapping[str, Any]
     """Tell whether manifest, spreadsheet and corrections are those of a run, by its provenance."""
     names = [STUDY_NAME, *([study.observations_csv] if study.observations_csv else []), CORRECTIONS_NAME]
     known = provenance["inputs_sha256"]
-    return all(_sha256(opened, name) == known.get(name) for name in names)
-
-
-def _sha256(opened: OpenStudy, name: str) -> str | None:
-    try:
-        return sha256_of(opened.folder / name)
-    except OSError:
-        return None
+    return all(digest_of(opened.folder / name) == known.get(name, "") for name in names)

@@ -9,6 +9,7 @@ from typing import Any, Final
 
 from pydantic import BaseModel
 
+from fingerpad._files import digest_of
 from fingerpad.exceptions import ImageError, ManifestError
 from fingerpad.image import open_frames
 from fingerpad.study.editing.documents import DRAFT_NAME, STUDY_NAME
@@ -81,6 +82,7 @@ class OpenStudy:
         self.running = Running(events)
         self.corrections = Corrections(folder)
         self._counts: Cache[int] = Cache(10_000, lambda _: 1)
+        self._digests: Cache[str] = Cache(10_000, lambda _: 1)
         self._read: tuple[object, Manifest] | None = None
         self._folders: tuple[Path, ...] = ()
         self._lock = Lock()
@@ -219,6 +221,10 @@ class OpenStudy:
         place = self.place_of(item)
         pixels = self.pictures.colour(place) if place.colour else self.pictures.grey(place).pixels
         return pixels.shape[0], pixels.shape[1]
+
+    def digest(self, path: Path) -> str:
+        """Return the SHA-256 of a file, read again only when it has changed; empty if it cannot be read."""
+        return self._digests.get((path, _stamp_of(path)), lambda: digest_of(path))
 
     def files(self) -> dict[str, os.stat_result]:
         """Return every file of the study folder by its name in the manifest's manner, results left aside."""

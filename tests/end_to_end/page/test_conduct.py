@@ -9,6 +9,7 @@ from importlib import resources
 import numpy as np
 import pytest
 from PIL import Image
+from playwright.sync_api import Page
 from tests.end_to_end.page.bench import (
     DEMO,
     Late,
@@ -300,11 +301,22 @@ def test_state_of_the_study_that_comes_late_hides_nothing_newer(tab: Tab, demo) 
     assert page.get_by_role("heading", name="Kept since").is_visible()
 
 
-def test_what_is_being_typed_is_not_drawn_over(tab: Tab, demo) -> None:
+def first_edit_on_its_way(tab: Tab) -> tuple[Page, Late]:
+    """Type an uncertainty and go to the next, while the answer to the first is held back."""
     page = tab.open("study")
     late = Late(page, "**/api/study/edits")
     page.get_by_label("Wedge angle ±").fill("0.6")
     page.keyboard.press("Tab")
+    return page, late
+
+
+def require_three_uncertainties(demo) -> None:
+    said = tomllib.loads((demo / "study.toml").read_text())["uncertainty"]
+    assert said == {"wedge_angle_std_deg": 0.6, "roll_angle_std_deg": 0.25, "load_relative_std": 0.02}
+
+
+def test_what_is_being_typed_is_not_drawn_over(tab: Tab, demo) -> None:
+    page, late = first_edit_on_its_way(tab)
     page.keyboard.type("0.")
     late.let_go()
     page.keyboard.type("25")
@@ -318,15 +330,11 @@ def test_what_is_being_typed_is_not_drawn_over(tab: Tab, demo) -> None:
     settle(page)
     assert page.get_by_label("Load, relative ±").input_value() == "0.02"
     assert page.evaluate("() => document.activeElement.labels[0].textContent") == "Load, relative ±"
-    said = tomllib.loads((demo / "study.toml").read_text())["uncertainty"]
-    assert said == {"wedge_angle_std_deg": 0.6, "roll_angle_std_deg": 0.25, "load_relative_std": 0.02}
+    require_three_uncertainties(demo)
 
 
 def test_edits_made_faster_than_they_are_kept_follow_each_other(tab: Tab, demo) -> None:
-    page = tab.open("study")
-    late = Late(page, "**/api/study/edits")
-    page.get_by_label("Wedge angle ±").fill("0.6")
-    page.keyboard.press("Tab")
+    page, late = first_edit_on_its_way(tab)
     page.keyboard.type("0.25")
     page.keyboard.press("Tab")
     page.keyboard.type("0.02")
@@ -334,5 +342,4 @@ def test_edits_made_faster_than_they_are_kept_follow_each_other(tab: Tab, demo) 
     with page.expect_response(lambda answer: "load_relative_std" in (answer.request.post_data or "")):
         late.let_go()
     settle(page)
-    said = tomllib.loads((demo / "study.toml").read_text())["uncertainty"]
-    assert said == {"wedge_angle_std_deg": 0.6, "roll_angle_std_deg": 0.25, "load_relative_std": 0.02}
+    require_three_uncertainties(demo)

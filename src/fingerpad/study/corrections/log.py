@@ -12,7 +12,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, Final, Literal, TypeAlias
 
-from fingerpad._files import sha256_of
+from fingerpad._files import digest_of
 from fingerpad.exceptions import CorrectionConflict, StoreError
 from fingerpad.study.corrections.changes import Change, ContactCorrection, PhotographCorrection
 from fingerpad.study.corrections.decisions import (
@@ -177,7 +177,7 @@ class CorrectionLog:
         if shape is not None and (fault := checked.outside(shape)):
             raise StoreError(f"{item}: {fault}")
         image = image_of(item, study)
-        picture = "" if image is None else picture_digest(self._path.parent / image)
+        picture = "" if image is None else digest_of(self._path.parent / image)
         return self._add(
             item, "change", who=who, expected=expected, change=checked.as_json(), picture=picture
         )
@@ -298,14 +298,6 @@ def on_another_picture(
         for item, image in pictures.items()
         if image is not None and digest(folder / image) not in {"", rulings[item].picture}
     ]
-
-
-def picture_digest(path: Path) -> str:
-    """Return the SHA-256 of a picture, empty where it cannot be read: measuring will say so."""
-    try:
-        return sha256_of(path)
-    except OSError:
-        return ""
 
 
 def frames_of(rulings: Mapping[str, Ruling], sequence: str) -> dict[int, Ruling]:

@@ -10,7 +10,7 @@ from multiprocessing import get_context, parent_process
 from pathlib import Path
 from typing import Protocol
 
-from fingerpad._threads import SETTINGS
+from fingerpad._threads import ONE_THREAD
 from fingerpad.study.engine.cluster import cluster_hands
 from fingerpad.study.engine.task import Done, Task, perform, settle_worker
 
@@ -96,8 +96,8 @@ def local_hands(folder: Path, workers: int) -> Iterator[Hands]:
 @contextmanager
 def _one_thread_each() -> Iterator[None]:
     """Let linear algebra in processes that start meanwhile use one thread: all cores are at work already."""
-    before = {name: os.environ.get(name) for name in SETTINGS}
-    os.environ.update(dict.fromkeys(SETTINGS, "1"))
+    before = {name: os.environ.get(name) for name in ONE_THREAD}
+    os.environ.update(ONE_THREAD)
     try:
         yield
     finally:

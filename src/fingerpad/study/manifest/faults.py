@@ -56,17 +56,18 @@ def _value_faults(error: ValidationError, content: Mapping[str, Any]) -> Iterato
             continue  # said with the unknown key that was meant for it
         owner = "" if key == "name" else _owner(fault["loc"], content)
         if fault["type"] == "extra_forbidden":
-            yield f"{place}: unknown key{_hint(key)}{owner}"
+            words = f"unknown key{_hint(key)}"
         elif fault["type"] == "string_pattern_mismatch":
-            yield f"{place}: write it with letters, digits and . _ + - only, found {fault['input']!r}{owner}"
+            words = f"write it with letters, digits and . _ + - only, found {fault['input']!r}"
         elif fault["type"] == "missing":
-            yield f"{place}: required, but missing{owner}"
+            words = "required, but missing"
         elif isinstance(fault["input"], dict) and fault["type"] == "list_type":
-            yield f"{place}: expected a list of tables: write [[{place}]] in place of [{place}]"
+            words, owner = f"expected a list of tables: write [[{place}]] in place of [{place}]", ""
         elif isinstance(fault["input"], str | int | float | bool):
-            yield f"{place}: {message}, found {repr(fault['input'])[:60]}{owner}"
+            words = f"{message}, found {repr(fault['input'])[:60]}"
         else:
-            yield f"{place}: {message}{owner}" if place else message
+            words = message
+        yield f"{place}: {words}{owner}" if place else words
 
 
 def _place(parts: Iterable[int | str]) -> str:

@@ -22,7 +22,8 @@ WedgeAngle = Annotated[float, Field(ge=0, le=90)]
 AngleStd = Annotated[float, Field(ge=0, le=90, allow_inf_nan=False)]
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 # A place in a picture, or so far beside it that nothing of it is seen.
-Pixel = Annotated[float, Field(ge=-1e6, le=1e6)]
+_NEAR = Field(ge=-1_000_000, le=1_000_000)
+Pixel = Annotated[float, _NEAR]
 # Names become file names: letters, digits and . _ + - only.
 Name = Annotated[str, Field(pattern=r"^\w[\w.+-]*$", max_length=60)]
 
@@ -40,7 +41,5 @@ def _listed(value: object) -> object:
 
 Point: TypeAlias = Annotated[list[Pixel], Field(min_length=2, max_length=2), BeforeValidator(_listed)]
 Box: TypeAlias = Annotated[
-    list[Annotated[int, Field(ge=-1_000_000, le=1_000_000)]],
-    Field(min_length=4, max_length=4),
-    BeforeValidator(_listed),
+    list[Annotated[int, _NEAR]], Field(min_length=4, max_length=4), BeforeValidator(_listed)
 ]
