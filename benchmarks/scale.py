@@ -7,7 +7,8 @@ import math
 import multiprocessing
 import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from concurrent.futures import Future
 from pathlib import Path
 from typing import NamedTuple
 
@@ -16,8 +17,11 @@ import numpy as np
 from benchmarks.memory import peak_mb
 from fingerpad.image import SequenceSummary
 from fingerpad.report import write_report
-from fingerpad.study.engine.hands import OwnHands
+from fingerpad.study.engine.executors import local_executor
+from fingerpad.study.engine.limits import DEFAULT_LIMITS, Limits
+from fingerpad.study.engine.runner import records_of
 from fingerpad.study.engine.store import STORE_NAME, Store
+from fingerpad.study.engine.task import Task, TaskResult, perform
 from fingerpad.study.manifest import Contact, ContactSequence, Study
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.measuring.measure import Measurement
@@ -147,7 +151,7 @@ def study_result(
             for measured in measurements_of(film, count):
                 yield film, measured
 
-    with Store.open(folder / STORE_NAME) as store:
+    with Store.writing(folder / STORE_NAME) as store:
         return result_of(
             study,
             folder,
@@ -157,9 +161,27 @@ def study_result(
             sequences=[_sequence(film, count) for film, count in zip(films, counts, strict=True)],
             curves=[],
             origin=provenance([], str),
-            hands=OwnHands(folder),
+            executor=_InProcess(folder),
             store=store,
         )
+
+
+class _InProcess:
+    """Performs tasks in this process, so that its clock counts them."""
+
+    capacity = 1
+
+    def __init__(self, folder: Path) -> None:
+        self.limits: Limits = DEFAULT_LIMITS
+        self._folder = folder
+
+    def submit(self, task: Task) -> Future[TaskResult]:
+        future: Future[TaskResult] = Future()
+        future.set_result(perform(task.work, task.file, self._folder, self.limits))
+        return future
+
+    def require_workers(self) -> None:
+        pass
 
 
 def _given() -> dict[str, dict[str, float]]:
@@ -217,6 +239,11 @@ def cost_apart(rows: int) -> Cost:
 
 def report_of_many_fingers(workers: int = 2) -> tuple[float, float]:
     """Print and return seconds for the report of a thesis, the first time and again; by the clock."""
+
+    def draw(tasks: list[Task], on_drawn: Callable[[Task], None]) -> None:
+        with Store.writing(out / STORE_NAME) as store, local_executor(out, workers) as executor:
+            records_of(tasks, executor, store, out, on_drawn)
+
     films = THESIS_FINGERS * len(THESIS_WEDGES)
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder)
@@ -226,7 +253,7 @@ def report_of_many_fingers(workers: int = 2) -> tuple[float, float]:
         seconds = []
         for _ in range(2):
             start = time.perf_counter()
-            write_report(result, out, workers=workers)
+            write_report(result, out, draw)
             seconds.append(time.perf_counter() - start)
     first, again = seconds
     print(

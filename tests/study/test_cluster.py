@@ -162,7 +162,7 @@ def test_a_worker_of_other_code_is_refused_by_its_name(
     ("address", "words"),
     [
         ("tcp://127.0.0.1:9", "no scheduler answers"),
-        ("nonsense", "no scheduler answers"),
+        ("nonsense", "--scheduler takes an address, as in tcp://host:8786, or local; found 'nonsense'"),
         ("tls://127.0.0.1:9", "no certificate is configured"),
         ("none yet", "has no worker: start some with `dask worker tcp://127.0.0.1"),
     ],

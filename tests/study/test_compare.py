@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from tests.sums import write_sums
 from typer.testing import CliRunner
 
 from fingerpad.cli import app
@@ -18,7 +19,6 @@ from fingerpad.report.compare import forest_plot, write_comparison_page
 from fingerpad.study.compare import Owner, Value, compare_studies, write_comparison
 from fingerpad.study.compare.means import means_of
 from fingerpad.study.pipeline import run_study
-from fingerpad.study.results.output import write_tables
 
 
 def value(
@@ -146,7 +146,7 @@ def ran(folder: Path, title: str, *tables: str) -> Path:
     folder.mkdir()
     head = f"title = '{title}'\n[uncertainty]\nwedge_angle_std_deg = 0.5\nload_relative_std = 0.01\n"
     (folder / "study.toml").write_text(head + "".join(tables), encoding="utf-8")
-    write_tables(run_study(folder / "study.toml", folder / "out"), folder / "out")
+    run_study(folder / "study.toml", folder / "out")
     return folder / "out"
 
 
@@ -260,7 +260,7 @@ def changed(run: Path, folder: Path, **keys: Any) -> Path:
     summary = json.loads((run / "summary.json").read_text())
     folder.mkdir()
     (folder / "summary.json").write_text(json.dumps({**summary, **keys}))
-    return folder
+    return write_sums(folder)
 
 
 def test_different_versions_and_failures_are_told(runs: list[Path], tmp_path: Path) -> None:
@@ -285,7 +285,7 @@ def test_what_is_no_study_or_twice_the_same_is_refused(runs: list[Path], tmp_pat
         ([runs[0], runs[0] / "results.csv"], "is the same study as"),
         ([runs[0], copy], "is the same study as"),
         ([runs[2], other], "are both titled 'Lab C'"),
-        ([tmp_path / "empty"], "no summary.json there, so no finished run; `fingerpad run"),
+        ([tmp_path / "empty"], "no SHA256SUMS there, so no finished run; `fingerpad run"),
         ([tmp_path / "nowhere"], "no finished run"),
         ([broken], "broken/summary.json: is not understood"),
         ([odd], "odd/summary.json: is not understood"),

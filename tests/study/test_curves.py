@@ -178,7 +178,7 @@ def test_the_report_shows_fits_and_reasons(tmp_path: Path) -> None:
     for rate in (1.0, 4.0):
         write_curve(tmp_path / f"{rate:g}.csv", rate=rate)
     result = study(tmp_path, 'file = "a.csv"\n', 'file = "1.csv"\n', 'file = "4.csv"\n')
-    page = write_report(result, tmp_path / "out").read_text()
+    page = write_report(result, tmp_path / "out").read_text(encoding="utf-8")
     assert "no contact area in the curve" in page
     assert "Young's modulus at no load against velocity" in page or "Young&#39;s modulus at no load" in page
     names = {path.name for path in (tmp_path / "out" / "figures").glob("curve2*.svg")}

@@ -10,13 +10,13 @@ import pandas as pd
 import pytest
 from pyarrow import parquet
 from scipy import io
+from tests.sums import write_sums
 
 from fingerpad.exceptions import FingerpadError
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.columns import COLUMNS, TRUTHS, WORDS
 from fingerpad.study.results.export import export_results
 from fingerpad.study.results.finished_table import Column
-from fingerpad.study.results.output import write_tables
 
 STUDY = """
 title = "Two presses, é"
@@ -55,7 +55,7 @@ def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (folder / "study.toml").write_text(STUDY, encoding="utf-8")
     (folder / "broken.png").write_bytes(b"no picture")
     out = folder / "out"
-    write_tables(run_study(folder / "study.toml", out), out)
+    run_study(folder / "study.toml", out)
     return out
 
 
@@ -66,7 +66,7 @@ def copied(results: Path, folder: Path, **changed: str) -> Path:
         (folder / name).write_bytes((results / name).read_bytes())
     for name, content in changed.items():
         (folder / name.replace("__", ".")).write_text(content, encoding="utf-8")
-    return folder
+    return write_sums(folder)
 
 
 def test_parquet_keeps_values_types_units_and_meanings(results: Path, tmp_path: Path) -> None:

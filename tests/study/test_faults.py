@@ -5,10 +5,10 @@ import shutil
 import signal
 import subprocess
 import sys
-import tempfile
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import suppress
+from datetime import datetime
 from multiprocessing import get_context
 from pathlib import Path
 
@@ -18,8 +18,10 @@ from tests.soon import soon
 from tests.study.small_study import FRAMES, PICTURES, copy, make, run_here
 
 from fingerpad.exceptions import FingerpadError, StoreError
+from fingerpad.study.engine import store as store_module
 from fingerpad.study.engine.progress import Progress
 from fingerpad.study.engine.store import STORE_NAME, Store
+from fingerpad.study.engine.worker import POOL
 from fingerpad.study.measuring import sequences
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.status import study_status
@@ -57,8 +59,8 @@ def test_a_film_in_pieces_gives_the_rows_of_the_whole(
     manifest: Path, undisturbed: list[dict], tmp_path: Path
 ) -> None:
     assert rows(manifest, tmp_path / "out") == undisturbed
-    with Store.open(tmp_path / "out" / STORE_NAME) as store:
-        pieces = [name for name in store.marks() if name.startswith("p frames")]
+    with Store.reading(tmp_path / "out" / STORE_NAME) as store:
+        pieces = [name for name in store.statuses() if name.startswith("p frames")]
     assert len(pieces) == -(-FRAMES // 5)
 
 
@@ -100,7 +102,9 @@ def test_workers_end_with_a_killed_run(manifest: Path, tmp_path: Path) -> None:
 
 
 def workers_of(parent: int) -> list[str]:
-    found = subprocess.run(["pgrep", "-P", str(parent), "-f", "spawn_main"], capture_output=True, text=True)
+    found = subprocess.run(
+        ["pgrep", "-P", str(parent), "-f", "engine.worker"], capture_output=True, text=True
+    )
     return found.stdout.split()
 
 
@@ -117,8 +121,8 @@ def test_an_interrupt_keeps_what_is_in_hand(
 
     with pytest.raises(KeyboardInterrupt):
         rows(manifest, tmp_path / "out", workers=workers, on_progress=interrupt)
-    with Store.open(tmp_path / "out" / STORE_NAME) as store:
-        kept = len(store.marks())
+    with Store.reading(tmp_path / "out" / STORE_NAME) as store:
+        kept = len(store.statuses().keys() - {"p header"})
     assert kept == len(told) - 1
     assert 2 <= kept <= 2 + 2 * workers
     again: list[Progress] = []
@@ -200,14 +204,19 @@ def test_a_picture_of_the_same_size_and_time(manifest: Path, undisturbed: list[d
     assert study_status(manifest, tmp_path / "out").stale == 1
 
 
-def test_results_do_not_depend_on_the_clock(manifest: Path, undisturbed: list[dict], tmp_path: Path) -> None:
+def test_results_do_not_depend_on_the_clock(
+    manifest: Path, undisturbed: list[dict], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    class Clock:
+        now = staticmethod(lambda zone: datetime(2099, 1, 1, tzinfo=zone))
+
     out = tmp_path / "out"
-    rows(manifest, out)
-    with Store.open(out / STORE_NAME) as store:
-        store._connection.execute("UPDATE result SET finished = '2099-01-01T00:00:00+00:00'")
+    with monkeypatch.context() as patched:
+        patched.setattr(store_module, "datetime", Clock)
+        rows(manifest, out)
     told: list[Progress] = []
     assert rows(manifest, out, on_progress=told.append) == undisturbed
-    assert len(told) == 1
+    assert [one.status for one in told] == ["started", "written"]
 
 
 @pytest.fixture
@@ -237,10 +246,17 @@ def test_a_full_disk(manifest: Path, undisturbed: list[dict], small_disk: Path) 
 
 
 def test_a_full_disk_where_pictures_are_drawn(
-    manifest: Path, undisturbed: list[dict], small_disk: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    manifest: Path,
+    undisturbed: list[dict],
+    small_disk: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    request: pytest.FixtureRequest,
 ) -> None:
     subprocess.run(["mount", "-o", "remount,size=10m", str(small_disk)], check=True)
-    monkeypatch.setattr(tempfile, "tempdir", str(small_disk))
+    monkeypatch.setenv("TMPDIR", str(small_disk))
+    POOL.close()  # workers that are started now draw there
+    request.addfinalizer(POOL.close)
 
     def fill(progress: Progress) -> None:
         if progress.item == "o0":

@@ -29,7 +29,6 @@ from fingerpad.study.fiji import (
 )
 from fingerpad.study.manifest.spreadsheet import read_rows
 from fingerpad.study.pipeline import run_study
-from fingerpad.study.results.output import write_tables
 
 SEMI_MAJOR, SEMI_MINOR = 146.0, 98.0  # px; 7.4 and 5.0 mm at 500 ppi
 PX_MM = 25.4 / 500
@@ -409,8 +408,7 @@ def test_from_fiji_to_results(tmp_path: Path) -> None:
     assert (code, error) == (0, "")
     assert 'observations_csv = "observations.csv"' in said
     assert "Fill in" not in said
-    result = run_study(tmp_path / "study.toml", tmp_path / "out")
-    write_tables(result, tmp_path / "out")
+    run_study(tmp_path / "study.toml", tmp_path / "out")
     with (tmp_path / "out" / "results.csv").open(encoding="utf-8") as file:
         written = list(csv.DictReader(file))
     assert [row["measured_by"] for row in written] == ["person", "person"]

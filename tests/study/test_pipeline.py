@@ -16,7 +16,6 @@ from fingerpad.report import write_report
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.columns import COLUMNS
 from fingerpad.study.results.loading import loading_radius
-from fingerpad.study.results.output import write_tables
 from fingerpad.study.results.study_result import StudyResult
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "dzidek2017"
@@ -26,7 +25,6 @@ EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "dzidek2017"
 def demo(tmp_path_factory: pytest.TempPathFactory) -> tuple[StudyResult, Path]:
     out = tmp_path_factory.mktemp("demo")
     result = run_study(EXAMPLE / "study.toml", out)
-    write_tables(result, out)
     return result, out
 
 
@@ -244,7 +242,6 @@ def test_doubtful_pictures_are_shown_but_not_pooled(tmp_path: Path) -> None:
         single_row(tmp_path, row("cut", 'image = "cut.png"\nscale = { ppi = 500 }')), tmp_path / "out"
     )
     assert only.summaries[0].corrected_radius is None
-    write_tables(only, tmp_path / "out")
     assert "is not pooled" in write_report(only, tmp_path / "out").read_text(encoding="utf-8")
 
 
@@ -264,10 +261,7 @@ def test_slips_of_units_are_noted(tmp_path: Path) -> None:
 def test_an_earlier_run_leaves_no_pictures_behind(tmp_path: Path) -> None:
     shutil.copy(EXAMPLE / "synthetic" / "synthetic_30deg_1N.png", tmp_path / "p.png")
     for name in ("first", "second"):
-        result = run_study(
-            single_row(tmp_path, row(name, 'image = "p.png"\nscale = { ppi = 500 }')), tmp_path / "out"
-        )
-        write_tables(result, tmp_path / "out")
+        run_study(single_row(tmp_path, row(name, 'image = "p.png"\nscale = { ppi = 500 }')), tmp_path / "out")
     assert [path.name for path in (tmp_path / "out" / "overlays").iterdir()] == ["second.png"]
 
 
@@ -290,6 +284,5 @@ def test_a_study_of_failures_still_reports(copy: Path, tmp_path: Path) -> None:
         'image = "study.toml"\nscale = { ppi = 500 }\n'
     )
     result = run_study(manifest, tmp_path / "out")
-    write_tables(result, tmp_path / "out")
     assert result.rows[0]["status"] == "failed"
     assert result.summaries == []

@@ -12,7 +12,7 @@ from PIL import Image
 from fingerpad.image import SyntheticPress, synthetic_press
 from fingerpad.report import write_report
 from fingerpad.study.pipeline import run_study
-from fingerpad.study.results.output import summary_record, write_tables
+from fingerpad.study.results.output import summary_record
 from fingerpad.study.results.study_result import StudyResult
 
 RATE = 20
@@ -151,7 +151,6 @@ def test_a_film_that_cannot_be_used_costs_itself_only(film: Path, keys: str, mak
     assert [row["status"] for row in result.rows] == ["measured", "failed"]
     assert reason in result.rows[1]["reason"]
     assert "#" not in result.rows[1]["observation"]
-    write_tables(result, film / "out")
     assert "It could not be measured" in write_report(result, film / "out").read_text(encoding="utf-8")
 
 
@@ -168,7 +167,6 @@ def test_corrections_reach_every_frame(film: Path, press: SyntheticPress) -> Non
 
 def test_the_report_shows_a_few_frames_and_lists_none(plain: StudyResult, untouched: Path) -> None:
     result, out = plain, untouched / "out"
-    write_tables(result, out)
     text = write_report(result, out).read_text(encoding="utf-8")
     assert "<td>p#" not in text
     assert text.count("p#") < 8  # drawn and looked at closely, not listed

@@ -11,7 +11,6 @@ import uvicorn
 
 from fingerpad.report import write_report
 from fingerpad.study.pipeline import run_study
-from fingerpad.study.results.output import write_tables
 from fingerpad.web.app import make_app
 from fingerpad.web.bench import Bench
 from fingerpad.web.server import listening
@@ -87,9 +86,7 @@ def run_once(tmp_path_factory):
     folder = tmp_path_factory.mktemp("run") / "demo"
     shutil.copytree(DEMO, folder)
     shorten(folder)
-    result = run_study(folder / "study.toml", folder / "results")
-    write_tables(result, folder / "results")
-    write_report(result, folder / "results")
+    run_study(folder / "study.toml", folder / "results", write_report=write_report)
     return folder
 
 

@@ -132,7 +132,7 @@ OUTSIDE = [
     "store.sqlite",
     "report/../../study.toml",
     "report/..%2f..%2fstudy.html",
-    "report/pages.json",
+    "report/pages.txt",
     "report/",
     "figures/",
     "figures/.svg/../x.svg",

@@ -51,18 +51,12 @@ class Told:
             failed=f"{progress.failed} failed" if progress.failed else "",
         )
 
-    def say(self, words: str) -> None:
-        """Show what is done now."""
-        self._bar.update(self._task, description=words)
-
-    def tell_drawn(self, what: str) -> None:
-        """Show how far the report is."""
-        self.say(f"Drawing the report: {what}")
-
 
 def _words(progress: "Progress") -> str:
     if progress.status == "checked":
         return f"Checked the uncertainty of {progress.item}"
+    if progress.status == "written":
+        return f"Writing results: {progress.item}"
     return f"Measured {progress.file or progress.item}" if progress.item else "Measuring"
 
 

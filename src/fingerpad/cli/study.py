@@ -6,11 +6,13 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fingerpad.cli.shared import AsJson, Exit, plain_errors, print_json
+from fingerpad.cli.shared import AsJson, Exit, plain_errors, print_json, require_positive
+from fingerpad.study.engine.limits import DEFAULT_LIMITS, Limits
 from fingerpad.units import value_with_uncertainty
 
 if TYPE_CHECKING:
     from fingerpad.study.results.study_result import StudyResult
+    from fingerpad.study.status import Status
 
 
 def init(
@@ -39,7 +41,13 @@ def run(
         Path | None,
         typer.Option(help="File to which progress is added, one JSON object a line.", show_default=False),
     ] = None,
-    fresh: Annotated[bool, typer.Option("--fresh", help="Measure everything anew.")] = False,
+    fresh: Annotated[bool, typer.Option("--fresh", help="Measure everything again.")] = False,
+    seconds: Annotated[
+        float, typer.Option(help="Time that measuring one picture may take, s.")
+    ] = DEFAULT_LIMITS.seconds,
+    memory_gb: Annotated[
+        float, typer.Option(help="Memory that measuring one picture may take, GB (enforced on Linux).")
+    ] = DEFAULT_LIMITS.memory_gb,
 ) -> None:
     """Run a study: measure, model, pool, and write tables, figures and a report.
 
@@ -49,17 +57,23 @@ def run(
     """
     from fingerpad.cli.progress import shown_progress
     from fingerpad.report import write_report
+    from fingerpad.report.write import REPORT_NAME
     from fingerpad.study.pipeline import run_study
-    from fingerpad.study.results.output import write_tables
 
-    with plain_errors(), shown_progress(log) as told:
+    with plain_errors(), shown_progress(log) as progress:
+        require_positive("--seconds", seconds)
+        require_positive("--memory-gb", memory_gb)
         result = run_study(
-            study, out, workers=workers, scheduler=scheduler, fresh=fresh, on_progress=told.tell
+            study,
+            out,
+            workers=workers,
+            scheduler=scheduler,
+            fresh=fresh,
+            limits=Limits(seconds=seconds, memory_gb=memory_gb),
+            write_report=write_report,
+            on_progress=progress.tell,
         )
-        told.say("Writing tables and report")
-        write_tables(result, out)
-        report = write_report(result, out, workers=workers, on_drawn=told.tell_drawn)
-    _print_outcome(result, report)
+    _print_outcome(result, out / REPORT_NAME)
     if result.failures:
         raise typer.Exit(Exit.SOME_FAILED)
 
@@ -77,11 +91,19 @@ def status(
     record = {**asdict(found), "total": found.total, "seconds_left": found.seconds_left}
     if as_json:
         print_json(record)
-        return
+    else:
+        _print_status(found)
+    if found.faults:
+        raise typer.Exit(Exit.SOME_FAILED)
+
+
+def _print_status(found: "Status") -> None:
     for name in ("done", "failed", "stale", "left"):
         cost = found.seconds[name]
-        typer.echo(f"{name:<7} {record[name]:>6}" + (f"  {cost:8.0f} s" if cost else ""))
-    typer.echo(f"{'total':<7} {record['total']:>6}")
+        typer.echo(f"{name:<7} {getattr(found, name):>6}" + (f"  {cost:8.0f} s" if cost else ""))
+    typer.echo(f"{'total':<7} {found.total:>6}")
+    for fault in found.faults:
+        typer.echo(f"fault: {fault}", err=True)
 
 
 def _print_outcome(result: "StudyResult", report: Path) -> None:

@@ -1,14 +1,13 @@
 """Files that are there whole, old or new, whatever happens while they are written; one writer at a time."""
 
 import os
-from collections.abc import Container, Iterable, Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Final
 
 from filelock import FileLock, Timeout
 
-from fingerpad._files import make_folder
 from fingerpad.exceptions import ManifestError, StoreError
 
 _WAIT_S: Final = 30.0
@@ -46,46 +45,6 @@ def replace_file(path: Path, text: str) -> None:
         os.fsync(file.fileno())
     new.replace(path)
     sync_folder(path.parent)
-
-
-def keep_files(out: Path, files: Mapping[str, bytes]) -> None:
-    """Write results into the output folder; each is there as a whole or not at all.
-
-    Raises
-    ------
-    StoreError
-        If one cannot be written.
-    """
-    for name, content in files.items():
-        path = out / name
-        make_folder(path.parent)
-        half = path.with_suffix(".part")
-        try:
-            half.write_bytes(content)
-            half.replace(path)
-        except OSError as error:
-            half.unlink(missing_ok=True)
-            raise StoreError(
-                f"{path}: cannot be written ({error.strerror}): what was measured before is kept; make room, "
-                "or choose another --out, and run again to go on"
-            ) from error
-
-
-def remove_others(out: Path, patterns: Iterable[str], kept: Container[str]) -> None:
-    """Remove results of earlier runs, lest they mix with this one's.
-
-    Raises
-    ------
-    StoreError
-        If one cannot be removed.
-    """
-    try:
-        for pattern in patterns:
-            for path in out.glob(pattern):
-                if path.relative_to(out).as_posix() not in kept:
-                    path.unlink()
-    except OSError as error:
-        raise StoreError(f"{error.filename}: cannot be removed ({error.strerror})") from error
 
 
 def sync_folder(folder: Path) -> None:

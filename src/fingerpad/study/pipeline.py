@@ -1,53 +1,49 @@
-"""The whole way of a study, from its manifest to rows and summaries."""
+"""The whole way of a study, from its manifest to rows, summaries and the files that hold them."""
 
-from collections.abc import Callable
-from dataclasses import replace
+import hashlib
+from collections.abc import Callable, Iterable
+from dataclasses import asdict, replace
 from functools import cache
 from pathlib import Path
-from typing import Final
+from typing import Final, TypeAlias
 
 from fingerpad._files import make_folder
-from fingerpad.exceptions import ManifestError
+from fingerpad.exceptions import FingerpadError, ManifestError, StoreError
 from fingerpad.study.corrections.decisions import CORRECTIONS_NAME
-from fingerpad.study.corrections.log import CorrectionLog, on_another_picture
-from fingerpad.study.durable import remove_others
-from fingerpad.study.engine.hands import hands_for
+from fingerpad.study.corrections.log import CorrectionLog, image_of, on_another_picture
+from fingerpad.study.engine.executors import executor_for, local_executor
+from fingerpad.study.engine.limits import DEFAULT_LIMITS, Limits
 from fingerpad.study.engine.progress import Progress
+from fingerpad.study.engine.runner import records_of
 from fingerpad.study.engine.store import STORE_NAME, Store
-from fingerpad.study.manifest import manifest_in, read_study
+from fingerpad.study.engine.task import Task
+from fingerpad.study.manifest import Study, manifest_in, read_study
 from fingerpad.study.measuring.run import (
     drawn_for,
     film_results,
     loading_results,
     measure_study,
+    measured_scales,
     measurements,
     pad_of,
 )
-from fingerpad.study.measuring.scales import named_scales
-from fingerpad.study.measuring.sequences import frames_beyond
+from fingerpad.study.measuring.sequences import corrected_frames, frames_beyond
 from fingerpad.study.measuring.tasks import Keys
+from fingerpad.study.results.output import write_tables
 from fingerpad.study.results.provenance import provenance
+from fingerpad.study.results.result_set import OUTPUT_NAMES, NewResultSet, new_result_set, put_in_place
 from fingerpad.study.results.study_result import StudyResult, result_of
 
-# What a run writes into its output folder.
-OUTPUT_NAMES: Final = frozenset(
-    (
-        "figures",
-        "overlays",
-        "report",
-        "report.html",
-        "results.csv",
-        "results.json",
-        "results_columns.csv",
-        "summary.json",
-    )
-)
+# Draws files into a folder by tasks, each of which is performed again only where its key has changed.
+Draw: TypeAlias = Callable[[list[Task], Callable[[Task], None]], None]
+# Writes a report of a result into a folder, in which its tables and overlays are.
+ReportWriter: TypeAlias = Callable[[StudyResult, Path, Draw, Callable[[str], None]], object]
 
-_OVERLAYS: Final = ("overlays/*.png", "overlays/sequences/*.png")
 _REPLACED: Final = (
     f"{CORRECTIONS_NAME}: {{}} was corrected on another picture than is there now: look at it again"
 )
 _NOT_THERE: Final = f"{CORRECTIONS_NAME}: {{}} is not in the study: what was decided about it has no effect"
+_DAMAGED: Final = f"{STORE_NAME}: the stored result of {{}} was damaged and is measured again"
 
 
 def run_study(
@@ -57,9 +53,14 @@ def run_study(
     workers: int = 1,
     scheduler: str | None = None,
     fresh: bool = False,
+    limits: Limits = DEFAULT_LIMITS,
+    write_report: ReportWriter | None = None,
     on_progress: Callable[[Progress], None] = lambda _: None,
 ) -> StudyResult:
-    """Run a study: measure every picture, place every finger, apply the model, pool.
+    """Run a study: measure every picture, place every finger, apply the model, pool, and write the results.
+
+    The files in `out` are replaced as one when all of them are written; until then, and if the run does not
+    come to its end, the results of the run before stay as they are.
 
     Parameters
     ----------
@@ -73,66 +74,127 @@ def run_study(
         Address of a Dask scheduler whose workers measure instead, as ``tcp://host:8786``; or ``local`` for
         one that is started here with so many workers.
     fresh : bool
-        Measure everything anew, whatever is stored.
+        Measure everything again, whatever is stored.
+    limits : Limits
+        Time and memory that measuring one picture may take.
+    write_report : callable, optional
+        Writes the report beside the tables, as `fingerpad.report.write_report`.
     on_progress : callable
-        Told at the start and whenever something has been measured. If it raises KeyboardInterrupt, what is
-        in hand is finished and kept, and the run ends with KeyboardInterrupt.
+        Called at the start and whenever something has been measured or written. If it raises
+        KeyboardInterrupt, what is at work is finished and stored, and the run ends with KeyboardInterrupt.
 
     Raises
     ------
     ManifestError
         Before any work, if the manifest cannot be acted upon, or results would be written over inputs.
     StoreError
-        If the store of results in `out` cannot be used, another run is writing to it, or results cannot be
-        kept.
+        If the store of results in `out` cannot be used, another run is writing to it, results cannot be
+        written, or an input has changed during the run.
     ClusterError
         If the scheduler or its workers cannot be used.
     """
     manifest = manifest_in(manifest)
-    study, folder = read_study(manifest), manifest.absolute().parent
+    folder = manifest.absolute().parent
+    parsed: dict[str, str] = {}
+    study = read_study(manifest, lambda name, text: parsed.update({name: hashlib.sha256(text).hexdigest()}))
     log = CorrectionLog(folder)
     rulings = log.rulings()
-    decided = [CORRECTIONS_NAME] if (folder / CORRECTIONS_NAME).is_file() else []
-    inputs = [manifest.name, *decided, *(name for _, name in study.named_files())]
+    if log.digest is not None:
+        parsed[CORRECTIONS_NAME] = log.digest
+    inputs = [*parsed, *(name for _, name in study.named_files())]
     _refuse_to_overwrite(inputs, folder, out)
     make_folder(out)
     with Store.writing(out / STORE_NAME) as store:
-        if fresh:
-            store.forget()
+        put_in_place(store)
+        damaged = store.damaged()
+        store.discard(None if fresh else damaged)
         keys = Keys(study=study, folder=folder, digest=cache(store.digest), rulings=rulings)
         origin = provenance(inputs, lambda name: keys.digest(folder / name))
-        scales = named_scales(study, folder)
-        with hands_for(manifest, workers, scheduler) as hands:
-            stands = measure_study(keys, scales, store, out, hands=hands, on_progress=on_progress)
-            fingers = {finger.name: pad_of(finger, keys, scales, store) for finger in study.fingers}
+        _require_as_read(parsed, origin["inputs_sha256"])
+        with executor_for(manifest, workers, scheduler, limits) as executor:
+            scales = measured_scales(keys, store, executor)
+            stands = measure_study(keys, scales, store, executor=executor, on_progress=on_progress)
             films = film_results(keys, store)
-            remove_others(out, _OVERLAYS, drawn_for(keys, store))
-            return result_of(
+            frames = corrected_frames(films, keys, scales, store)
+
+            def digest(item: str) -> str:
+                image = image_of(item, study)
+                return frames.get(item, "") if image is None else keys.digest(folder / image)
+
+            result = result_of(
                 study,
                 folder,
-                fingers=fingers,
+                fingers={finger.name: pad_of(finger, keys, scales, store) for finger in study.fingers},
                 scales=scales,
                 seen=measurements(keys, scales, store, films),
                 sequences=films,
                 curves=loading_results(keys, store),
-                origin=origin,
-                hands=hands,
+                origin={**origin, "limits_per_picture": asdict(limits)},
+                executor=executor,
                 store=store,
                 on_check=lambda name: on_progress(replace(stands, item=name, status="checked")),
                 notes=(
                     *log.notes,
-                    *map(_REPLACED.format, on_another_picture(rulings, study, folder, keys.digest)),
+                    *map(_DAMAGED.format, damaged),
+                    *map(_REPLACED.format, on_another_picture(rulings, digest)),
                     *map(_NOT_THERE.format, (*log.unknown_items(study), *frames_beyond(films, rulings))),
                 ),
+            )
+        _require_unchanged(study, folder, store)
+
+        def written(what: str) -> None:
+            on_progress(replace(stands, item=what, status="written"))
+
+        with new_result_set(store) as new:
+            _add_drawn(new, store, drawn_for(keys, store))
+            written("tables")
+            write_tables(result, new.folder)
+            if write_report is not None:
+                written("report")
+                with local_executor(new.folder, workers, limits) as executor:
+
+                    def draw(tasks: list[Task], on_drawn: Callable[[Task], None]) -> None:
+                        for record in records_of(tasks, executor, store, new.folder, on_drawn):
+                            if (reason := record.get("reason")) is not None:
+                                raise FingerpadError(reason)
+                        statuses = store.statuses()
+                        for task in tasks:
+                            _add_drawn(new, store, statuses[task.name].drawn.items())
+
+                    write_report(result, new.folder, draw, written)
+        return result
+
+
+def _add_drawn(new: NewResultSet, store: Store, drawn: Iterable[tuple[str, str]]) -> None:
+    for name, digest in drawn:
+        source = store.drawn_file(name, digest)
+        if source is None:
+            raise StoreError(f"{store.folder / name}: was changed during the run: run again to go on")
+        new.add(name, source, digest)
+
+
+def _require_as_read(parsed: dict[str, str], digests: dict[str, str]) -> None:
+    """Raise if a file is not what was read of it a moment ago."""
+    for name, digest in parsed.items():
+        if digests[name] != digest:
+            raise ManifestError(f"{name}: was changed while it was read: run again")
+
+
+def _require_unchanged(study: Study, folder: Path, store: Store) -> None:
+    """Raise if a table that was read beside the pictures is not what it was when the run began."""
+    for place, name in study.named_files():
+        if place.rpartition(".")[2] in {"outline", "force", "times"} and not store.unchanged(folder / name):
+            raise StoreError(
+                f"{name}: was changed during the run: no results were written; run again to go on"
             )
 
 
 def _refuse_to_overwrite(inputs: list[str], folder: Path, out: Path) -> None:
-    """Raise if a file of the study lies where results are written, or the output folder is a film's."""
+    """Raise if a file of the study lies where results are written, or the output folder is a sequence's."""
     for name in inputs:
         path = (folder / name).resolve()
         if not path.is_relative_to(out.resolve()):
             continue
         inside = path.relative_to(out.resolve()).parts
-        if not inside or inside[0] in OUTPUT_NAMES:
+        if not inside or inside[0] in OUTPUT_NAMES or inside[0].startswith("."):
             raise ManifestError(f"{out}: results would be written over {name}; choose another output folder")

@@ -7,11 +7,12 @@ from pathlib import Path
 from typing import Final
 
 from fingerpad.study.corrections.log import CorrectionLog
-from fingerpad.study.engine.store import STORE_NAME, Mark, Store
+from fingerpad.study.engine.store import STORE_NAME, Store, TaskStatus
 from fingerpad.study.manifest import manifest_in, read_study
 from fingerpad.study.measuring.run import items_of
-from fingerpad.study.measuring.sequences import frames_in
+from fingerpad.study.measuring.sequences import frame_count
 from fingerpad.study.measuring.tasks import Keys
+from fingerpad.study.results.result_set import result_set_faults
 
 _STATES: Final = ("done", "failed", "stale", "left")
 
@@ -31,6 +32,8 @@ class Status:
     seconds : dict of str to float or None
         What each of these four costs on one process: what the done and the failed took, and what the stale
         and the left may take; None without any measured yet.
+    faults : tuple of str
+        What is wrong with the stored and the written results, each naming its file or item.
     """
 
     done: int
@@ -38,6 +41,7 @@ class Status:
     stale: int
     left: int
     seconds: dict[str, float | None]
+    faults: tuple[str, ...] = ()
 
     @property
     def seconds_left(self) -> float | None:
@@ -52,7 +56,7 @@ class Status:
 
 
 def study_status(manifest: Path, out: Path) -> Status:
-    """Compare a study with what is stored of it; nothing is measured.
+    """Compare a study with what is stored of it; nothing is measured, and nothing is written.
 
     Raises
     ------
@@ -68,30 +72,32 @@ def study_status(manifest: Path, out: Path) -> Status:
     if not (out / STORE_NAME).is_file():
         keys = Keys(study=study, folder=folder, digest=str, rulings=rulings)
         counts["left"] = len(list(items_of(keys)))
-        return Status(**counts, seconds=dict.fromkeys(_STATES))
+        return Status(**counts, seconds=dict.fromkeys(_STATES), faults=tuple(result_set_faults(out)))
     spent, pictures = dict.fromkeys(_STATES, 0.0), dict.fromkeys(_STATES, 0)
     films = {sequence.name: sequence for sequence in study.sequences}
-    with Store.open(out / STORE_NAME) as store:
-        marks = store.marks()
-        of_item = _by_item(marks)
+    with Store.reading(out / STORE_NAME) as store:
+        statuses = store.statuses()
+        of_item = _by_item(statuses)
         keys = Keys(study=study, folder=folder, digest=cache(store.digest), rulings=rulings)
         for name, key in items_of(keys):
-            mark, parts = marks.get(name), of_item.get(name, ())
-            state = "left" if mark is None else mark.status if mark.key == key() else "stale"
+            status, parts = statuses.get(name), of_item.get(name, ())
+            state = "left" if status is None else status.status if status.key == key() else "stale"
             counts[state] += 1
             spent[state] += sum(part.seconds for part in parts)
-            pictures[state] += frames_in(films[name], folder) if name in films else 1
+            pictures[state] += frame_count(films[name], keys, store) if name in films else 1
             if state == "left":
                 pictures[state] -= sum(part.count for part in parts)
-    seen = sum(mark.count for mark in marks.values())
-    usual = sum(mark.seconds for mark in marks.values()) / seen if seen else None
+        damaged = [f"{STORE_NAME}: the stored result of {task} is damaged" for task in store.damaged()]
+        faults = (*damaged, *result_set_faults(out, store.digest))
+    seen = sum(status.count for status in statuses.values())
+    usual = sum(status.seconds for status in statuses.values()) / seen if seen else None
     coming = {name: None if usual is None else usual * pictures[name] for name in ("stale", "left")}
-    return Status(**counts, seconds={**spent, **coming})
+    return Status(**counts, seconds={**spent, **coming}, faults=faults)
 
 
-def _by_item(marks: Mapping[str, Mark]) -> dict[str, list[Mark]]:
-    """Return the marks of each item: those of a film are its own and its pieces', parted by a blank."""
-    found: dict[str, list[Mark]] = {}
-    for task, mark in marks.items():
-        found.setdefault(task if "/" in task else task.partition(" ")[0], []).append(mark)
+def _by_item(statuses: Mapping[str, TaskStatus]) -> dict[str, list[TaskStatus]]:
+    """Return the statuses of each item: those of a film are its own and its pieces', separated by a blank."""
+    found: dict[str, list[TaskStatus]] = {}
+    for task, status in statuses.items():
+        found.setdefault(task if "/" in task else task.partition(" ")[0], []).append(status)
     return found

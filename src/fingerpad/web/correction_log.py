@@ -46,10 +46,13 @@ class Corrections:
         expected: int,
         study: Study,
         shape: tuple[int, int] | None,
+        picture: str,
     ) -> Record:
         """Keep a change; once this returns, it is on the disk."""
         with self._lock:
-            return self._log.append(item, change, who=who, expected=expected, study=study, shape=shape)
+            return self._log.append(
+                item, change, who=who, expected=expected, study=study, shape=shape, picture=picture
+            )
 
     def undo(self, item: str, *, who: str, expected: int) -> Record:
         """Take the newest change back."""

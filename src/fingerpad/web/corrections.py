@@ -42,8 +42,7 @@ def document(opened: OpenStudy, item: str) -> dict[str, Any]:
     """Return all decisions about an item."""
     history = opened.corrections.history(item)
     ruling = history.ruling
-    study = opened.read().study
-    elsewhere = ruling and study and on_another_picture({item: ruling}, study, opened.folder, opened.digest)
+    elsewhere = ruling and on_another_picture({item: ruling}, opened.picture_digest)
     return {
         "item": item,
         "last_id": history.last_id,
@@ -78,6 +77,7 @@ def add(bench: Bench, _: Any, asked: ChangeQuestion) -> dict[str, Any]:
             expected=asked.expected,
             study=study,
             shape=opened.shape_of(asked.item) if asked.change else None,
+            picture=opened.picture_digest(asked.item),
         ),
     )
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from functools import cache
+from pathlib import Path
 from typing import Any, Final
 
 from fingerpad._files import digest_of
@@ -28,26 +29,26 @@ def item_states(study: Study, opened: OpenStudy, rulings: Mapping[str, Ruling]) 
     if not path.is_file():
         return states
     try:
-        with Store.open(path) as store:
-            marks = store.marks()
+        with Store.reading(path) as store:
+            statuses = store.statuses()
             keys = Keys(study=study, folder=opened.folder, digest=cache(store.digest), rulings=rulings)
             for name, key in items_of(keys):
-                if (mark := marks.get(name)) is not None:
-                    states[name] = mark.status if mark.key == key() else "stale"
+                if (status := statuses.get(name)) is not None:
+                    states[name] = status.status if status.key == key() else "stale"
     except _UNREADABLE:
         return states  # the run says what is wrong with it
     return states
 
 
-def overlay_of(opened: OpenStudy, item: str) -> str | None:
-    """Return the picture that was drawn of an item, relative to the output folder."""
+def overlay_of(opened: OpenStudy, item: str) -> Path | None:
+    """Return the picture that was drawn of an item."""
     path = opened.out / STORE_NAME
     if not path.is_file():
         return None
-    with Store.open(path) as store:
-        mark = store.marks().get(item)
-    drawn = mark.drawn.splitlines() if mark is not None else []
-    return drawn[0] if drawn else None
+    with Store.reading(path) as store:
+        status = store.statuses().get(item)
+        drawn = status.drawn.items() if status is not None else ()
+        return next((store.drawn_file(name, digest) for name, digest in drawn), None)
 
 
 def said_the_same(opened: OpenStudy, study: Study, provenance: Mapping[str, Any]) -> bool:

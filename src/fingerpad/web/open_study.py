@@ -11,7 +11,7 @@ from pydantic import BaseModel
 
 from fingerpad._files import digest_of
 from fingerpad.exceptions import ImageError, ManifestError
-from fingerpad.image import open_frames
+from fingerpad.image import Frame, open_frames
 from fingerpad.study.editing.documents import DRAFT_NAME, STUDY_NAME
 from fingerpad.study.editing.edit import change_study, study_state
 from fingerpad.study.editing.missing import Missing, missing_of
@@ -225,6 +225,17 @@ class OpenStudy:
     def digest(self, path: Path) -> str:
         """Return the SHA-256 of a file, read again only when it has changed; empty if it cannot be read."""
         return self._digests.get((path, _stamp_of(path)), lambda: digest_of(path))
+
+    def picture_digest(self, item: str) -> str:
+        """Return the SHA-256 of an item's picture file, or of a frame's pixels; empty where it has none."""
+        try:
+            place = self.place_of(item)
+            if place.frame is None:
+                return self.digest(place.path)
+            pixels = self.pictures.grey(place).pixels
+            return self._digests.get(place.stamp, lambda: Frame(index=place.frame or 0, pixels=pixels).digest)
+        except (Refusal, ImageError):
+            return ""
 
     def files(self) -> dict[str, os.stat_result]:
         """Return every file of the study folder by its name in the manifest's manner, results left aside."""

@@ -3,6 +3,7 @@
 from collections import OrderedDict
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from threading import Lock
 from typing import Any, Final, Generic, TypeVar
@@ -14,7 +15,7 @@ import numpy.typing as npt
 from fingerpad.exceptions import ImageError
 from fingerpad.image import open_frames, read_colour_image, read_image
 from fingerpad.image.read import Picture
-from fingerpad.image.sequence.frames import PICTURE_SUFFIXES
+from fingerpad.image.sequence.frames import PICTURE_SUFFIXES, frame_files
 from fingerpad.web.refusal import Refusal
 
 THUMBNAIL_PX: Final = 192
@@ -49,12 +50,22 @@ class Place:
 
     @property
     def stamp(self) -> Hashable:
-        """What changes when the file does."""
+        """What changes when the file does: of a frame in a folder, its own file."""
+        path = self.path
         try:
-            status = self.path.stat()
+            if self.frame is not None and path.is_dir():
+                files = _frame_files(path, path.stat().st_mtime_ns)
+                path = files[self.frame] if self.frame < len(files) else path
+            status = path.stat()
         except OSError as error:
             raise Refusal.not_there(f"{self.path.name}: the file is no longer there") from error
-        return str(self.path), self.frame, status.st_size, status.st_mtime_ns
+        return str(path), self.frame, status.st_size, status.st_mtime_ns, status.st_ino
+
+
+@lru_cache(maxsize=8)
+def _frame_files(folder: Path, _changed_ns: int) -> list[Path]:
+    """Return the frames of a folder, listed again only when a file came or went."""
+    return frame_files(folder)
 
 
 class Cache(Generic[Kept]):

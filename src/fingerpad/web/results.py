@@ -2,7 +2,7 @@
 
 import json
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Final, Self
@@ -11,6 +11,7 @@ from pydantic import Field
 
 from fingerpad.published import audit
 from fingerpad.study.results.columns import COLUMNS
+from fingerpad.study.results.result_set import quick_faults, result_files
 from fingerpad.study.results.rows import RANGE_NOTES
 from fingerpad.web.bench import Bench
 from fingerpad.web.open_study import OpenStudy
@@ -108,14 +109,22 @@ def last_results(opened: OpenStudy) -> Results | None:
             known = (stamp, Results.of(rows, summary))
             _READ.clear()
             _READ[opened.out] = known
-        return known[1]
     except (OSError, ValueError, KeyError, TypeError):
-        return None  # nothing there, or half written: a run is at work
+        return None  # nothing there, or not what a run writes
+    return None if results_faults(opened) else known[1]
+
+
+def results_faults(opened: OpenStudy) -> list[str]:
+    """Return what is wrong with the files of the last run; overlays are checked when they are shown."""
+    return quick_faults(opened.out, lambda name: not name.startswith("overlays/"))
 
 
 def _results(bench: Bench) -> Results:
     found = last_results(bench.study)
     if found is None:
+        faults = results_faults(bench.study)
+        if faults:
+            raise Refusal.conflict(f"{'; '.join(faults[:3])}: run the study again")
         raise Refusal.not_there("there are no results yet: run the study")
     return found
 
@@ -232,11 +241,13 @@ def budget(bench: Bench, _: Any, __: Any) -> dict[str, Any]:
 def figures(bench: Bench, _: Any, __: Any) -> dict[str, Any]:
     """Return the report's figures with their captions."""
     _results(bench)
-    return {"figures": list(_figures(bench.study.out / "figures"))}
+    out = bench.study.out
+    names = [name for name in result_files(out) if name.startswith("figures/") and name.endswith(".svg")]
+    return {"figures": list(_figures([out / name for name in names]))}
 
 
-def _figures(folder: Path) -> Iterator[dict[str, str]]:
-    for path in sorted(folder.glob("*.svg")):
+def _figures(drawings: Iterable[Path]) -> Iterator[dict[str, str]]:
+    for path in drawings:
         with path.open(encoding="utf-8") as file:
             start = file.read(4000)
         caption = _CAPTION.search(start)

@@ -7,11 +7,10 @@ from pathlib import Path
 from threading import Event, Lock, Thread
 from typing import Any, Final
 
-from fingerpad.exceptions import FingerpadError
 from fingerpad.report import write_report
 from fingerpad.study.engine.progress import Progress
-from fingerpad.study.pipeline import run_study
-from fingerpad.study.results.output import write_tables
+from fingerpad.study.pipeline import Draw, run_study
+from fingerpad.study.results.study_result import StudyResult
 from fingerpad.web.drawing import DRAWING
 from fingerpad.web.events import Events
 from fingerpad.web.refusal import Refusal
@@ -32,6 +31,11 @@ _NOTHING: Final[dict[str, Any]] = {
     "failures": [],
     "version": 0,  # counts the changes, so that a page knows an older answer from a newer one
 }
+
+
+def _write_report(result: StudyResult, folder: Path, draw: Draw, on_drawn: Callable[[str], None]) -> None:
+    with DRAWING:
+        write_report(result, folder, draw, on_drawn)
 
 
 class Running:
@@ -90,19 +94,19 @@ class Running:
     ) -> None:
         end: dict[str, Any] = {"state": "failed"}
         try:
-            result = run_study(manifest, out, workers=workers, fresh=fresh, on_progress=self._progress)
-            self._go_on()
-            self._set(phase="tables", current="", file="")
-            write_tables(result, out)
-            self._go_on()
-            self._set(phase="report")
-            with DRAWING:
-                write_report(result, out, workers=workers, on_drawn=self._drawn)
+            result = run_study(
+                manifest,
+                out,
+                workers=workers,
+                fresh=fresh,
+                write_report=_write_report,
+                on_progress=self._progress,
+            )
             end = {"state": "done", "failures": result.failures}
         except KeyboardInterrupt:
             end = {"state": "cancelled"}
-        except (FingerpadError, OSError) as error:
-            end = {"state": "failed", "error": str(error)}
+        except Exception as error:  # whatever it is, the page must learn of it
+            end = {"state": "failed", "error": str(error) or type(error).__name__}
         finally:
             with suppress(Exception):
                 when_done()
@@ -114,13 +118,14 @@ class Running:
         if self._stop.is_set():
             raise KeyboardInterrupt
 
-    def _drawn(self, what: str) -> None:
-        """Take note of how far the report is, and stop where that was asked for."""
-        self._set(current=what)
-        self._go_on()
-
     def _progress(self, now: Progress) -> None:
         """Take note of how far the run is, and stop it where that was asked for."""
+        if now.status == "written":
+            if now.item in {"tables", "report"}:
+                self._set(phase=now.item)
+            self._set(current=now.item, file="")
+            self._go_on()
+            return
         if now.status == "started":
             self._before = now.pictures
         gone, new = time.monotonic() - self._started, now.pictures - self._before

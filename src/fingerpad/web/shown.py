@@ -72,9 +72,8 @@ def thumbnail(bench: Bench, asked: PictureQuestion, _: Any) -> Response:
 def overlay(bench: Bench, asked: PictureQuestion, _: Any) -> Response:
     """Return the measurement drawn on the picture, as the last run wrote it."""
     opened = bench.study
-    name = overlay_of(opened, asked.item)
-    path = None if name is None else opened.out / name
-    if path is None or not path.resolve().is_relative_to(opened.out.resolve()) or not path.is_file():
+    path = overlay_of(opened, asked.item)
+    if path is None or not path.resolve().is_relative_to(opened.out.resolve()):
         raise Refusal.not_there(f"{asked.item}: no overlay is drawn: run the study")
     return FileResponse(path, media_type="image/png", headers=_NOW)
 

@@ -25,7 +25,7 @@ from fingerpad.web.open_study import Manifest, OpenStudy
 from fingerpad.web.operations import Operation, Question
 from fingerpad.web.pictures import kind_of_file
 from fingerpad.web.refusal import Refusal
-from fingerpad.web.results import Results, last_results
+from fingerpad.web.results import Results, last_results, results_faults
 
 _WORDS: Final[Mapping[str, Any]] = {
     "flags": dict(FLAG_WORDS),
@@ -75,6 +75,7 @@ def document(opened: OpenStudy) -> dict[str, Any]:
         "run": opened.running.describe(),
         "results": {
             "there": found is not None,
+            "faults": results_faults(opened),
             "report": _has_report(opened),
             "finished": found and found.finished,
             "fresh": _is_fresh(opened, study, found, counts),

@@ -1,5 +1,6 @@
 """Frames of a sequence, decoded one at a time: a folder of pictures, a TIFF of many pages, or a video."""
 
+import hashlib
 import logging
 import re
 import warnings
@@ -43,6 +44,15 @@ class Frame:
     index: int
     pixels: Pixels | None
     reason: str | None = None
+
+    @property
+    def digest(self) -> str:
+        """SHA-256 of its shape, type and pixels; empty where it could not be read."""
+        if self.pixels is None:
+            return ""
+        digest = hashlib.sha256(f"{self.pixels.dtype.str} {self.pixels.shape}".encode())
+        digest.update(np.ascontiguousarray(self.pixels).data)
+        return digest.hexdigest()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -110,7 +120,7 @@ class Frames:
 
     def _decoded(self, start: int, stop: int) -> Iterator[Frame]:
         if self.kind == "folder":
-            return _folder_frames(_pictures_in(self.path), start, stop, self.pixel_limit)
+            return _folder_frames(frame_files(self.path), start, stop, self.pixel_limit)
         if self.kind == "tiff":
             return _tiff_frames(self.path, start, stop, self.pixel_limit)
         return _video_frames(self.path, start, stop, self.count, self.pixel_limit)
@@ -145,7 +155,7 @@ def open_frames(path: str | PathLike[str], *, pixel_limit: int = PIXEL_LIMIT) ->
     rate = None
     if path.is_dir():
         kind: Kind = "folder"
-        count = len(_pictures_in(path))
+        count = len(frame_files(path))
         if not count:
             raise ImageError(f"{path}: holds no picture (PNG, TIFF, JPEG, BMP or PGM)")
     elif path.suffix.lower() in _TIFF_SUFFIXES:
@@ -161,7 +171,8 @@ def _size(shape: tuple[int, ...] | None) -> str:
     return " × ".join(map(str, (shape or ())[::-1]))
 
 
-def _pictures_in(folder: Path) -> list[Path]:
+def frame_files(folder: Path) -> list[Path]:
+    """Return the picture files of a folder in natural order: ``frame2.png`` before ``frame10.png``."""
     pictures = (p for p in folder.iterdir() if p.suffix.lower() in PICTURE_SUFFIXES and p.name[0] != ".")
     return sorted(pictures, key=_natural)
 

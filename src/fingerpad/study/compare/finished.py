@@ -7,6 +7,7 @@ from typing import Any
 
 from fingerpad.exceptions import FingerpadError
 from fingerpad.study.results.finished_table import read_summary
+from fingerpad.study.results.result_set import require_result_set
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -69,6 +70,7 @@ def read_finished(paths: Sequence[Path]) -> list[FinishedStudy]:
 
 
 def _read(folder: Path) -> FinishedStudy:
+    require_result_set(folder)
     summary = read_summary(folder)
     try:
         of = summary["provenance"]

@@ -1,5 +1,6 @@
 """Decisions about one item, and which of them rules."""
 
+import hashlib
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -34,7 +35,7 @@ class Record:
         All that is wanted of the item, as `ContactCorrection` or `PhotographCorrection` write it; empty for
         what the program found, and for an undo or redo.
     picture : str
-        SHA-256 of the picture's file as it was then; empty for frames of films, and where there is none.
+        SHA-256 of the picture's file, or of the frame's pixels, as it was then; empty where there is none.
     """
 
     id: int
@@ -157,12 +158,25 @@ def checked_change(model: type[Change], content: Mapping[str, Any], where: str) 
         raise StoreError(str(error)) from None
 
 
+def line_of(record: Record) -> bytes:
+    """Return the line of the file that holds a record, with its checksum."""
+    content = record.as_json()
+    return _dump({**content, "checksum": _checksum(content)}) + b"\n"
+
+
 def record_of(line: bytes) -> Record | None:
-    """Return the record that a line holds, None where it holds none."""
+    """Return the record that a line holds, None where it holds none.
+
+    Raises
+    ------
+    ValueError
+        If the line was changed after it was written. A line without a checksum was written by hand.
+    """
     try:
         content = json.loads(line)
+        checksum = content.pop("checksum", None)
         record = Record(**content)
-    except (ValueError, TypeError, RecursionError):
+    except (ValueError, TypeError, AttributeError, RecursionError):
         return None
     texts = (record.item, record.when, record.who, record.picture)
     good = (
@@ -172,4 +186,14 @@ def record_of(line: bytes) -> Record | None:
         and record.action in {"change", "undo", "redo"}
         and isinstance(record.change, dict)
     )
+    if good and checksum is not None and checksum != _checksum(record.as_json()):
+        raise ValueError("was changed after it was written")
     return record if good else None
+
+
+def _checksum(content: Mapping[str, Any]) -> str:
+    return hashlib.blake2b(_dump(content), digest_size=8).hexdigest()
+
+
+def _dump(content: Mapping[str, Any]) -> bytes:
+    return json.dumps(content, ensure_ascii=False, allow_nan=False).encode(errors="surrogatepass")

@@ -5,7 +5,7 @@ wanted of its item, so that the newest rules. An undo or redo is a record too, a
 Nothing that the program measured is kept here, and nothing that it measured is overwritten.
 """
 
-import json
+import hashlib
 import os
 from collections.abc import Callable, Mapping
 from datetime import UTC, datetime
@@ -13,7 +13,8 @@ from pathlib import Path
 from typing import Any, Final, Literal, TypeAlias
 
 from fingerpad._files import digest_of
-from fingerpad.exceptions import CorrectionConflict, StoreError
+from fingerpad.exceptions import CorrectionConflict, ImageError, StoreError
+from fingerpad.image import open_frames
 from fingerpad.study.corrections.changes import Change, ContactCorrection, PhotographCorrection
 from fingerpad.study.corrections.decisions import (
     CORRECTIONS_NAME,
@@ -22,6 +23,7 @@ from fingerpad.study.corrections.decisions import (
     Record,
     Ruling,
     checked_change,
+    line_of,
     record_of,
 )
 from fingerpad.study.durable import locked, sync_folder
@@ -56,12 +58,19 @@ class CorrectionLog:
         self.refresh()
 
     def _forget(self) -> None:
-        self._read_to = 0
+        self._stamp: object = None
+        self._read = b""
         self._lines = 0
         self._last_id = 0
-        self._inode = 0
         self._torn = b""
         self._histories: dict[str, list[Record]] = {}
+
+    @property
+    def digest(self) -> str | None:
+        """SHA-256 of the file as it was read last; None where there is none."""
+        if self._stamp is None:
+            return None
+        return hashlib.sha256(self._read + self._torn).hexdigest()
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -82,35 +91,58 @@ class CorrectionLog:
         try:
             with self._path.open("rb") as file:
                 state = os.fstat(file.fileno())
-                if state.st_size < self._read_to or state.st_ino != self._inode:
-                    self._forget()
-                    self._inode = state.st_ino
-                file.seek(self._read_to)
-                fresh = file.read()
+                stamp = (state.st_size, state.st_mtime_ns, state.st_ino)
+                if stamp == self._stamp:
+                    return
+                content = file.read()
         except FileNotFoundError:
             self._forget()
             return
         except OSError as error:
             raise StoreError(f"{self._path}: cannot be read ({error.strerror})") from error
-        whole, _, self._torn = fresh.rpartition(b"\n")
-        if self._torn and record_of(self._torn) is not None:  # its end of line was lost in an editor
-            whole, self._torn = fresh, b""
-        for line in whole.split(b"\n") if whole else ():
+        if not content.startswith(self._read):  # changed by hand
+            self._forget()
+        try:
+            self._take_all(content.removeprefix(self._read))
+        except StoreError:
+            self._forget()  # once it is mended, it is read from the start
+            raise
+        self._stamp = stamp
+
+    def _take_all(self, fresh: bytes) -> None:
+        whole, end, self._torn = fresh.rpartition(b"\n")
+        lines = whole.split(b"\n") if end else []
+        if self._torn and self._is_record(self._torn):  # its end of line was lost in an editor
+            lines.append(self._torn)
+            self._torn = b""
+        for line in lines:
             self._take(line)
-        self._read_to += len(fresh) - len(self._torn)
+        self._read += fresh.removesuffix(self._torn)
 
     def _take(self, line: bytes) -> None:
         self._lines += 1
         if not line.strip():
             return
-        record = record_of(line)
+        where = f"{self._path}: line {self._lines}"
+        try:
+            record = record_of(line)
+        except ValueError as error:
+            raise StoreError(
+                f'{where} {error}: mend or remove it; if it is meant so, remove its "checksum"'
+            ) from None
         if record is None or record.id <= self._last_id:
             raise StoreError(
-                f"{self._path}: line {self._lines} is no correction that follows those above it: "
-                "mend or remove that line"
+                f"{where} is no correction that follows those above it: mend or remove that line"
             )
         self._last_id = record.id
         self._histories.setdefault(record.item, []).append(record)
+
+    @staticmethod
+    def _is_record(line: bytes) -> bool:
+        try:
+            return record_of(line) is not None
+        except ValueError:
+            return True  # the line is named when it is taken
 
     def history(self, item: str) -> History:
         """Return all decisions about an item."""
@@ -144,6 +176,7 @@ class CorrectionLog:
         expected: int,
         study: Study,
         shape: tuple[int, int] | None = None,
+        picture: str | None = None,
     ) -> Record:
         """Keep a change; once this returns, it is on the disk.
 
@@ -161,6 +194,8 @@ class CorrectionLog:
             The manifest, which must name the item.
         shape : (int, int), optional
             Of the picture, which what is drawn must touch; not looked at if left out.
+        picture : str, optional
+            SHA-256 of what was corrected, as of `picture_digest`, which computes it if it is left out.
 
         Raises
         ------
@@ -176,8 +211,8 @@ class CorrectionLog:
         _require_picture(item, checked, study)
         if shape is not None and (fault := checked.outside(shape)):
             raise StoreError(f"{item}: {fault}")
-        image = image_of(item, study)
-        picture = "" if image is None else digest_of(self._path.parent / image)
+        if picture is None:
+            picture = picture_digest(item, study, self._path.parent)
         return self._add(
             item, "change", who=who, expected=expected, change=checked.as_json(), picture=picture
         )
@@ -220,7 +255,7 @@ class CorrectionLog:
                 change=change or {},
                 picture=picture,
             )
-            self._write(json.dumps(record.as_json(), ensure_ascii=False, allow_nan=False).encode() + b"\n")
+            self._write(line_of(record))
             self.refresh()
         return record
 
@@ -229,9 +264,9 @@ class CorrectionLog:
         new = not self._path.exists()
         with self._path.open("r+b" if not new else "xb") as file:
             # A torn line was never confirmed to anyone: it makes room.
-            file.truncate(self._read_to)
-            file.seek(self._read_to - 1 if self._read_to else 0)
-            if self._read_to and file.read(1) != b"\n":
+            file.truncate(len(self._read))
+            file.seek(len(self._read))
+            if self._read and not self._read.endswith(b"\n"):
                 line = b"\n" + line
             file.write(line)
             file.flush()
@@ -276,27 +311,49 @@ def image_of(item: str, study: Study) -> str | None:
     return next((each.image for each in study.observations if each.name == item), None)
 
 
-def on_another_picture(
-    rulings: Mapping[str, Ruling], study: Study, folder: Path, digest: Callable[[Path], str]
-) -> list[str]:
+def picture_digest(
+    item: str, study: Study, folder: Path, file_digest: Callable[[Path], str] = digest_of
+) -> str:
+    """Return the SHA-256 of an item's picture file, or of a frame's pixels; empty without any.
+
+    Parameters
+    ----------
+    item : str
+        The item.
+    study : Study
+        The manifest.
+    folder : Path
+        The study folder.
+    file_digest : callable
+        That of a file, empty where it cannot be read.
+    """
+    image = image_of(item, study)
+    if image is not None:
+        return file_digest(folder / image)
+    name, _, number = item.partition("#")
+    path = next((sequence.path for sequence in study.sequences if sequence.name == name), None)
+    if path is None or not _is_frame(number):
+        return ""
+    try:
+        return open_frames(folder / path).at(int(number)).digest
+    except ImageError:
+        return ""
+
+
+def on_another_picture(rulings: Mapping[str, Ruling], digest: Callable[[str], str]) -> list[str]:
     """Return the items whose picture is not the one that was corrected.
 
     Parameters
     ----------
     rulings : mapping
         What rules, by item.
-    study : Study
-        The manifest.
-    folder : Path
-        The study folder.
     digest : callable
-        That of a file, empty where it cannot be read.
+        That of an item's picture as it is now, as of `picture_digest`.
     """
-    pictures = {item: image_of(item, study) for item, ruling in rulings.items() if ruling.picture}
     return [
         item
-        for item, image in pictures.items()
-        if image is not None and digest(folder / image) not in {"", rulings[item].picture}
+        for item, ruling in rulings.items()
+        if ruling.picture and digest(item) not in {"", ruling.picture}
     ]
 
 

@@ -1,11 +1,13 @@
 """Measuring on many machines: the workers of a Dask scheduler.
 
-Workers that see the study folder under the path that it has here read it themselves; to others, the files of
-each task are sent. A worker must run the very code that this process runs.
+Workers that see the study folder under the path that it has here read it themselves; the files of each task
+are sent to others. A worker must run the very code that this process runs. It performs each task in a child
+process, within the same limits as on one machine.
 """
 
 import logging
 import math
+import re
 from collections import OrderedDict
 from collections.abc import Iterator
 from concurrent.futures import CancelledError, Future
@@ -17,40 +19,59 @@ from typing import Any, Final
 
 import fingerpad
 from fingerpad.exceptions import ClusterError
-from fingerpad.study.engine.task import Done, Task, Work, perform, settle_worker, working_code
+from fingerpad.study.engine.limits import Limits
+from fingerpad.study.engine.task import Task, TaskResult, working_code
+from fingerpad.study.engine.worker import IsolatedRunner
 
+_ADDRESS: Final = re.compile(r"((tcp|tls|ws|wss|ucx)://)?([\w.-]+|\[[0-9a-fA-F:.]+\]):\d{1,5}")
 _WAIT_S: Final = 30
 _COUNT_AGAIN_S: Final = 5
 # Files of so many tasks stay with the workers: the pieces of a film follow one another.
 _KEPT: Final = 4
 
 
-class ClusterHands:
+class ClusterExecutor:
     """The workers of a Dask scheduler."""
 
-    def __init__(self, client: Any, folder: Path, *, sends: bool) -> None:
+    def __init__(self, client: Any, folder: Path, limits: Limits, *, sends: bool) -> None:
+        self.limits = limits
         self._client, self._folder, self._sends = client, folder, sends
         self._sent: OrderedDict[tuple[str, ...], Any] = OrderedDict()
         self._counted, self._threads = -math.inf, 1
+        self._last_seen = monotonic()
 
     @property
     def capacity(self) -> int:
         """Twice the number of threads that the workers have at present."""
-        if monotonic() > self._counted + _COUNT_AGAIN_S:
-            self._counted = monotonic()
-            with suppress(OSError):  # a scheduler that is gone is told by the tasks in hand
-                self._threads = sum(self._client.nthreads().values())
+        self._count_threads()
         return 2 * max(1, self._threads)
 
-    def submit(self, task: Task) -> Future[Done]:
+    def require_workers(self) -> None:
+        """Raise `ClusterError` if there has been no worker for a while."""
+        self._count_threads()
+        if monotonic() > self._last_seen + _WAIT_S:
+            raise ClusterError(
+                f"the scheduler has had no worker for {_WAIT_S} s: what was measured is kept; start some "
+                "with `dask worker`, and run again to go on"
+            )
+
+    def _count_threads(self) -> None:
+        if monotonic() > self._counted + _COUNT_AGAIN_S:
+            self._counted = monotonic()
+            with suppress(OSError):  # the tasks at work report a scheduler that is gone
+                self._threads = sum(self._client.nthreads().values())
+        if self._threads:
+            self._last_seen = monotonic()
+
+    def submit(self, task: Task) -> Future[TaskResult]:
         """Hand a task to the scheduler."""
         files = self._files(task) if self._sends else None
         remote = self._client.submit(
-            _perform_there, task.work, task.file, str(self._folder), working_code(), files, pure=False
+            _perform_there, task, str(self._folder), self.limits, working_code(), files, pure=False
         )
-        future: Future[Done] = Future()
-        future.set_running_or_notify_cancel()  # an interrupt waits for what is in hand
-        remote.add_done_callback(lambda done: _hand_on(done, future, task.file))
+        future: Future[TaskResult] = Future()
+        future.set_running_or_notify_cancel()  # an interrupt waits for what is at work
+        remote.add_done_callback(lambda done: _pass_on(done, future, task.file, self.limits))
         return future
 
     def _files(self, task: Task) -> Any:
@@ -71,8 +92,10 @@ _LEAVE_INTERRUPTS: Final = "import signal\nsignal.signal(signal.SIGINT, signal.S
 
 
 @contextmanager
-def cluster_hands(manifest: Path, workers: int, scheduler: str) -> Iterator[ClusterHands]:
-    """Give the workers of a scheduler as hands.
+def cluster_executor(
+    manifest: Path, workers: int, scheduler: str, limits: Limits
+) -> Iterator[ClusterExecutor]:
+    """Provide the workers of a scheduler as an executor.
 
     Parameters
     ----------
@@ -82,13 +105,19 @@ def cluster_hands(manifest: Path, workers: int, scheduler: str) -> Iterator[Clus
         Number of worker processes of a scheduler that is started here.
     scheduler : str
         Its address, as ``tcp://host:8786`` or ``tls://host:8786``, or ``local`` to start one here.
+    limits : Limits
+        What measuring a picture may take.
 
     Raises
     ------
     ClusterError
-        If Dask is not installed, the scheduler does not answer, it has no worker, or a worker lacks this
-        version of fingerpad.
+        If Dask is not installed, the address is none, the scheduler does not answer, it has no worker, or a
+        worker lacks this version of fingerpad.
     """
+    if scheduler != "local" and not _ADDRESS.fullmatch(scheduler):
+        raise ClusterError(
+            f"--scheduler takes an address, as in tcp://host:8786, or local; found {scheduler!r}"
+        )
     try:
         import distributed
     except ModuleNotFoundError:
@@ -126,7 +155,7 @@ def cluster_hands(manifest: Path, workers: int, scheduler: str) -> Iterator[Clus
                 f"{scheduler}: has no worker: start some with `dask worker {scheduler} --nthreads 1`"
             ) from error
         folder = manifest.absolute().parent
-        yield ClusterHands(client, folder, sends=not _all_see(client, manifest.absolute()))
+        yield ClusterExecutor(client, folder, limits, sends=not _all_see(client, manifest.absolute()))
 
 
 @contextmanager
@@ -141,18 +170,19 @@ def _quiet() -> Iterator[None]:
         logger.setLevel(before)
 
 
-def _hand_on(remote: Any, future: Future[Done], file: str) -> None:
+def _pass_on(remote: Any, future: Future[TaskResult], file: str, limits: Limits) -> None:
     """Pass on what became of a task on the cluster."""
-    gone = ClusterError(
-        "the scheduler is gone: what was measured is kept; start it again and run again to go on"
-    )
     try:
         future.set_result(remote.result())
-    except (OSError, CancelledError):  # of the connection, and of all that hung on it
-        future.set_exception(gone)
+    except (OSError, CancelledError):  # of the connection, and of all that depended on it
+        gone = "the scheduler is gone: what was measured is kept; start it again and run again to go on"
+        future.set_exception(ClusterError(gone))
     except Exception as error:  # whatever went wrong with the task goes to whoever asked for it
-        killed = ClusterError(f"{file}: workers died over it, perhaps for want of memory: run again to go on")
-        future.set_exception(killed if type(error).__name__ == "KilledWorker" else error)
+        if type(error).__name__ == "KilledWorker":
+            reason = f"{file}: several workers died while they measured it, perhaps for want of memory"
+            future.set_result(TaskResult({"reason": reason}, {}, 0.0, limits))
+        else:
+            future.set_exception(error)
 
 
 def _all_see(client: Any, manifest: Path) -> bool:
@@ -179,11 +209,12 @@ def _all_see(client: Any, manifest: Path) -> bool:
     return all(sees for _, sees in found.values())
 
 
-def _perform_there(work: Work, file: str, folder: str, code: str, files: dict[str, Any] | None) -> Done:
-    """Do a task's work on a worker."""
+def _perform_there(
+    task: Task, folder: str, limits: Limits, code: str, files: dict[str, Any] | None
+) -> TaskResult:
+    """Perform a task on a worker."""
     from distributed import get_worker
 
-    settle_worker()
     worker = get_worker()
     if working_code() != code:
         raise ClusterError(
@@ -193,11 +224,11 @@ def _perform_there(work: Work, file: str, folder: str, code: str, files: dict[st
     if files is None:
         if not Path(folder).is_dir():
             raise ClusterError(f"worker {worker.address} does not see {folder}: share it, or stop the worker")
-        return perform(work, file, Path(folder))
+        return IsolatedRunner(Path(folder), limits).perform(task)
     with TemporaryDirectory(prefix="study-", dir=worker.local_directory) as here:
         for name, content in files.items():
             _write(Path(here) / name, content)
-        return perform(work, file, Path(here))
+        return IsolatedRunner(Path(here), limits).perform(task)
 
 
 def _read(path: Path) -> Any:

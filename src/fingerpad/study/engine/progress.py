@@ -14,8 +14,9 @@ class Progress:
         Observation, photograph, curve or sequence that has just been dealt with; empty at the start.
     file : str
         Its file, relative to the study folder; empty at the start.
-    status : {"started", "done", "failed", "checked"}
-        What has happened; once all is measured, that a contact's uncertainty was checked.
+    status : {"started", "done", "failed", "checked", "written"}
+        What has happened. Once all is measured: ``checked``, the uncertainty of a contact was checked;
+        ``written``, a file of the results is being written, which `item` names.
     pictures : int
         Pictures and frames dealt with so far, those of earlier runs included.
     failed : int
@@ -28,7 +29,7 @@ class Progress:
 
     item: str = ""
     file: str = ""
-    status: Literal["started", "done", "failed", "checked"] = "started"
+    status: Literal["started", "done", "failed", "checked", "written"] = "started"
     pictures: int
     failed: int
     total: int

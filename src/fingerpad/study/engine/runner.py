@@ -1,22 +1,23 @@
-"""Doing the tasks of a study: what can be done at the same time is, and what is done is kept at once."""
+"""Performing the tasks of a study: those that can are performed at the same time, and stored as they end."""
 
 import signal
 import threading
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, wait
-from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager, suppress
+from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
+from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import TypeAlias
+from pathlib import Path
+from typing import Final, TypeAlias
 
-from fingerpad.exceptions import StoreError
-from fingerpad.study.engine.hands import Hands
+from fingerpad.study.engine.executors import Executor
 from fingerpad.study.engine.store import Store
-from fingerpad.study.engine.task import Done, Record, Task
+from fingerpad.study.engine.task import CHANGED, Record, Task, TaskResult
 
 # Tasks stage by stage: those of one stage do not depend on one another, but on all of the stage before.
 Plan: TypeAlias = Iterator[list[Task]]
+
+_POLL_S: Final = 1.0
 
 
 @dataclass(slots=True)
@@ -27,38 +28,39 @@ class _Stage:
 
 def run_plans(
     plans: Iterable[Plan],
-    hands: Hands,
-    keep: Callable[[Task, Done], None],
+    executor: Executor,
+    store_result: Callable[[Task, TaskResult], None],
     is_done: Callable[[Task], bool],
 ) -> None:
-    """Do all tasks of some plans.
+    """Perform all tasks of some plans.
 
-    An interrupt, by the keyboard or raised by `keep`, lets what is in hand be finished and kept.
+    After an interrupt, by the keyboard or raised by `store_result`, no task is begun any more; those at work
+    are finished and stored. A second one by the keyboard does not wait for them.
 
     Parameters
     ----------
     plans : iterable of iterators of lists of Task
-        What there is to do. A plan is asked for its next stage when all of the one before is kept.
-    hands : Hands
-        Who does it.
-    keep : callable
-        Called in this thread with each task and its result, in the order in which they come.
+        What there is to do. A plan is asked for its next stage when all of the one before is stored.
+    executor : Executor
+        Where it is done.
+    store_result : callable
+        Called in this thread with each task and its result, in the order in which they end.
     is_done : callable
-        Whether a task need not be done again.
+        Whether a task need not be performed again.
 
     Raises
     ------
     KeyboardInterrupt
         After an interrupt.
-    StoreError
-        If a process that measures dies.
+    ClusterError
+        If nobody is left who could perform a task.
     """
     coming = iter(plans)
     ready: deque[tuple[Task, _Stage]] = deque()
-    in_hand: dict[Future[Done], tuple[Task, _Stage]] = {}
+    at_work: dict[Future[TaskResult], tuple[Task, _Stage]] = {}
 
     def advance(plan: Plan) -> None:
-        """Make the plan's next stage ready, before all others: a film ends before more begin."""
+        """Make the plan's next stage ready, before all others: a sequence ends before more begin."""
         for stage in plan:
             missing = [task for task in stage if not is_done(task)]
             if missing:
@@ -67,84 +69,135 @@ def run_plans(
                 return
 
     def fill() -> None:
-        while len(in_hand) < hands.capacity:
+        while len(at_work) < executor.capacity:
             while not ready:
                 plan = next(coming, None)
                 if plan is None:
                     return
                 advance(plan)
             task, stage = ready.popleft()
-            in_hand[hands.submit(task)] = (task, stage)
+            at_work[executor.submit(task)] = (task, stage)
 
-    with _interrupts_told() as interrupted:
+    def finished() -> Iterator[tuple[Task, TaskResult, _Stage]]:
+        """Wait for tasks to end, for a moment at most."""
+        done = wait(at_work, timeout=_POLL_S, return_when=FIRST_COMPLETED).done
+        if not done:
+            executor.require_workers()
+        for future in done:
+            task, stage = at_work.pop(future)
+            yield task, future.result(), stage
+
+    with _deferred_interrupts() as interrupts:
         try:
             while True:
                 fill()
-                if not in_hand:
+                if not at_work:
                     return
-                for future in wait(in_hand, return_when=FIRST_COMPLETED).done:
-                    task, stage = in_hand.pop(future)
-                    keep(task, future.result())
+                for task, result, stage in finished():
+                    store_result(task, result)
                     stage.left -= 1
                     if not stage.left:
                         advance(stage.plan)
-                _raise_if(interrupted)
+                interrupts.raise_if_any()
         except KeyboardInterrupt:
-            for future, (task, _) in in_hand.items():
-                if not future.cancel():
-                    with suppress(KeyboardInterrupt):
-                        keep(task, future.result())
+            for future in [future for future in at_work if future.cancel()]:
+                del at_work[future]
+            while at_work and interrupts.count < 2:
+                try:
+                    for task, result, _ in finished():
+                        store_result(task, result)
+                except (KeyboardInterrupt, CancelledError):
+                    continue  # raised by `store_result`, or of a task that was cancelled meanwhile
             raise
-        except BrokenProcessPool as error:
-            raise StoreError(
-                "a process that measured has died, perhaps for want of memory: run again to go on, with "
-                "fewer --workers"
-            ) from error
 
 
 def records_of(
-    tasks: Sequence[Task], hands: Hands, store: Store, on_done: Callable[[Task], None] = lambda _: None
+    tasks: Sequence[Task],
+    executor: Executor,
+    store: Store,
+    folder: Path,
+    on_done: Callable[[Task], None] = lambda _: None,
 ) -> list[Record]:
-    """Return the records of tasks that read no files, in their order; those that the store lacks are done.
+    """Return the records of tasks in their order; those that the store lacks are performed.
+
+    Parameters
+    ----------
+    tasks : sequence of Task
+        Tasks that do not depend on one another.
+    executor : Executor
+        Where they are performed.
+    store : Store
+        Where their results are kept.
+    folder : Path
+        The folder in which their inputs are.
+    on_done : callable
+        Called with each task that was performed.
 
     Raises
     ------
     KeyboardInterrupt
         After an interrupt.
     StoreError
-        If a process dies, or records cannot be kept.
+        If records cannot be stored.
     """
-    known = {task.name: store.record(task.name, task.key) for task in tasks}
-    found = {name: record for name, record in known.items() if record is not None}
+    statuses = store.statuses()
+    records: dict[str, Record] = {}
 
-    def keep(task: Task, done: Done) -> None:
-        store.put(task.name, task.key, done.record, seconds=done.seconds, count=task.pictures)
-        found[task.name] = done.record
+    def is_done(task: Task) -> bool:
+        done = store.is_done(task, statuses, executor.limits)
+        record = store.record(task.name, task.key) if done else None
+        if record is not None:
+            records[task.name] = record
+        return record is not None
+
+    def store_result(task: Task, result: TaskResult) -> None:
+        records[task.name] = put_unless_changed(store, folder, task, result)
         on_done(task)
 
-    run_plans([iter([list(tasks)])], hands, keep, lambda task: task.name in found)
-    return [found[task.name] for task in tasks]
+    run_plans([iter([list(tasks)])], executor, store_result, is_done)
+    return [records[task.name] for task in tasks]
 
 
-def _raise_if(interrupted: threading.Event) -> None:
-    if interrupted.is_set():
-        raise KeyboardInterrupt
+def put_unless_changed(store: Store, folder: Path, task: Task, result: TaskResult) -> Record:
+    """Store a result and return its record, or that its inputs changed while they were measured.
+
+    Raises
+    ------
+    StoreError
+        If it cannot be stored.
+    """
+    key = task.key
+    if not all(store.unchanged(folder / name) for name in task.inputs):
+        key = ""  # never up to date: the next run measures it again
+        result = TaskResult({"reason": CHANGED.format(task.file)}, {}, result.seconds)
+    store.put(task.name, key, result, count=task.pictures)
+    return result.record
+
+
+class _Interrupts:
+    """How many interrupts have come from the keyboard."""
+
+    def __init__(self) -> None:
+        self.count = 0
+
+    def raise_if_any(self) -> None:
+        if self.count:
+            raise KeyboardInterrupt
 
 
 @contextmanager
-def _interrupts_told() -> Iterator[threading.Event]:
-    """Let an interrupt by the keyboard wait until it is asked for; a second one does not wait."""
-    told = threading.Event()
+def _deferred_interrupts() -> Iterator[_Interrupts]:
+    """Count interrupts by the keyboard in place of raising them."""
+    found = _Interrupts()
     if threading.current_thread() is not threading.main_thread():
-        yield told
+        yield found
         return
 
-    def tell(*_: object) -> None:
-        told.set()
-        signal.signal(signal.SIGINT, before)
+    def count(*_: object) -> None:
+        found.count += 1
 
-    before = signal.signal(signal.SIGINT, tell)
+    before = signal.signal(signal.SIGINT, count)
     try:
-        yield told
+        yield found
     finally:
         signal.signal(signal.SIGINT, before)

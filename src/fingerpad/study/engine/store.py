@@ -1,29 +1,37 @@
-"""What a study has measured so far: one SQLite file that outlives any run.
+"""What a study has measured so far: one SQLite file that outlives any run, and the files drawn meanwhile.
 
 A task is named by what it measures, and keyed by everything that its result depends on: the bytes of its
 inputs, its parameters, and the code that measures. A task whose key has changed is stale. The file is written
-by one process, result by result, and can be read while that happens.
+by one process, result by result, and can be read while that happens. Each result carries a checksum.
+
+Files that tasks draw wait in a hidden folder, named by their digests, until results are put in place.
 """
 
 import hashlib
 import json
+import shutil
 import sqlite3
-from collections.abc import Iterable, Iterator, Mapping
-from contextlib import contextmanager
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
+from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, Final, Literal, Self
 
 from filelock import FileLock, Timeout
 
-from fingerpad._files import sha256_of
+from fingerpad._files import make_folder, sha256_of
 from fingerpad.exceptions import StoreError
+from fingerpad.study.engine.limits import Limits
+from fingerpad.study.engine.task import Task, TaskResult
 
-FORMAT: Final = 2
+FORMAT: Final = 3
 STORE_NAME: Final = "store.sqlite"
+DRAWN_NAME: Final = ".drawn"
 
-_SCHEMA: Final = """
+# Marks the file as a store of fingerpad ("fpad").
+_APPLICATION_ID: Final = 0x66706164
+_SCHEMA: Final = f"""
 CREATE TABLE result (
     task TEXT PRIMARY KEY,
     key TEXT NOT NULL,
@@ -31,58 +39,72 @@ CREATE TABLE result (
     seconds REAL NOT NULL,
     count INTEGER NOT NULL,
     drawn TEXT NOT NULL,
+    limits TEXT NOT NULL,
     finished TEXT NOT NULL,
-    record TEXT NOT NULL
+    record TEXT NOT NULL,
+    checksum TEXT NOT NULL
 );
 CREATE TABLE input (
     path TEXT PRIMARY KEY,
     stamp TEXT NOT NULL,
-    digest TEXT NOT NULL
+    digest TEXT NOT NULL,
+    checksum TEXT NOT NULL
 ) WITHOUT ROWID;
+PRAGMA application_id={_APPLICATION_ID};
+PRAGMA user_version={FORMAT};
 """
+_AWAY: Final = "move it away and run again, which measures everything again"
 
 
 @dataclass(frozen=True, slots=True)
-class Mark:
+class TaskStatus:
     """What is known of a task without its result.
 
     Attributes
     ----------
     key : str
-        What the result depends on, hashed.
+        Digest of what the result depends on.
     status : {"done", "failed"}
         Whether anything was measured.
     seconds : float
         What it cost.
     count : int
         Number of pictures or frames that it dealt with.
-    drawn : str
-        Files drawn for it, relative to the output folder, a line each.
+    drawn : dict of str to str
+        Digests of the files drawn for it, by their names in the results.
+    limits : Limits or None
+        The limits that stopped it, if any did.
     """
 
     key: str
     status: Literal["done", "failed"]
     seconds: float
     count: int
-    drawn: str
+    drawn: dict[str, str]
+    limits: Limits | None
 
 
 class Store:
     """The results of a study in one SQLite file."""
 
-    def __init__(self, path: Path, connection: sqlite3.Connection) -> None:
+    def __init__(self, path: Path, connection: sqlite3.Connection, *, read_only: bool) -> None:
         self.path = path
+        self.folder = path.parent
         self._connection = connection
+        self._read_only = read_only
+        # Damaged bytes need not be text: they are found by their checksum.
+        connection.text_factory = lambda text: text.decode(errors="surrogateescape")
 
     @classmethod
     @contextmanager
     def writing(cls, path: Path) -> Iterator[Self]:
-        """Open the store at `path` for the one run that may write to it.
+        """Open the store at `path`, created if missing, for the one run that may write to it.
 
         Raises
         ------
         StoreError
-            As `open`, and if another run is at work on it.
+            If another run is writing to it, or the file cannot be opened or written, is no store, is damaged,
+            or was written by another version.
         """
         lock = FileLock(path.with_suffix(".lock"), timeout=0)
         try:
@@ -96,131 +118,244 @@ class Store:
                 f"{path.parent}: cannot be written ({error.strerror}): choose another --out"
             ) from error
         try:
-            with cls.open(path) as store:
+            with _plain_errors(path):
+                is_new = not path.exists() or not path.stat().st_size
+                connection = sqlite3.connect(path, isolation_level=None)
+            with cls._opened(path, connection, read_only=False) as store:
+                with _plain_errors(path):
+                    if is_new:
+                        connection.executescript(f"BEGIN; {_SCHEMA} COMMIT;")
+                    store._require_own()
+                    connection.execute("PRAGMA journal_mode=WAL")
+                    # A killed process loses nothing, a power cut the last results.
+                    connection.execute("PRAGMA synchronous=NORMAL")
                 yield store
         finally:
             lock.release()
 
     @classmethod
     @contextmanager
-    def open(cls, path: Path) -> Iterator[Self]:
-        """Open the store at `path`, made if it is not there, and close it in the end.
+    def reading(cls, path: Path) -> Iterator[Self]:
+        """Open the store at `path` and write nothing, neither into it nor beside it.
 
         Raises
         ------
         StoreError
-            If the file cannot be opened or written, is no store, is damaged, or was made by a newer
-            fingerpad.
+            If the file cannot be read, is no store, is damaged, or was written by another version.
         """
-        store = None
-        try:
+        # Without a log beside it the file is complete by itself; a log's index is there while a run writes.
+        alone = not path.with_name(f"{path.name}-wal").exists()
+        uri = f"{path.absolute().as_uri()}?{'immutable=1' if alone else 'mode=ro'}"
+        with _plain_errors(path):
+            connection = sqlite3.connect(uri, uri=True, isolation_level=None)
+        with cls._opened(path, connection, read_only=True) as store:
             with _plain_errors(path):
-                connection = sqlite3.connect(path, isolation_level=None)
-                store = cls(path, connection)
-                store._prepare()
+                store._require_own()
             yield store
+
+    @classmethod
+    @contextmanager
+    def _opened(cls, path: Path, connection: sqlite3.Connection, *, read_only: bool) -> Iterator[Self]:
+        try:
+            yield cls(path, connection, read_only=read_only)
         finally:
-            if store is not None:
-                store._connection.close()
+            connection.close()
 
-    def _prepare(self) -> None:
-        execute = self._connection.execute
-        found = execute("PRAGMA user_version").fetchone()[0]
-        if found > FORMAT:
-            raise StoreError(
-                f"{self.path}: written by a newer fingerpad (format {found}, this one knows {FORMAT}): "
-                "update fingerpad, or move the file away to measure everything anew"
+    def _require_own(self) -> None:
+        application, version, tables = (
+            self._connection.execute(query).fetchone()[0]
+            for query in (
+                "PRAGMA application_id",
+                "PRAGMA user_version",
+                "SELECT count(*) FROM sqlite_master WHERE name IN ('result', 'input')",
             )
-        if execute("PRAGMA quick_check(1)").fetchone()[0] != "ok":
+        )
+        if application != _APPLICATION_ID and not (tables == 2 and 0 < version < FORMAT):
+            raise sqlite3.DatabaseError("made by another program")
+        if version != FORMAT:
+            age = "a newer" if version > FORMAT else "an older"
+            raise StoreError(
+                f"{self.path}: written by {age} fingerpad (format {version}; this one reads {FORMAT}): "
+                f"{_AWAY}"
+            )
+        if self._connection.execute("PRAGMA quick_check(1)").fetchone()[0] != "ok":
             raise sqlite3.DatabaseError("damaged")
-        execute("PRAGMA journal_mode=WAL")
-        execute("PRAGMA synchronous=NORMAL")  # a killed process loses nothing, a power cut the last results
-        if found < FORMAT:  # what an older one measured would be stale in any case
-            drop = "DROP TABLE IF EXISTS result; DROP TABLE IF EXISTS input;"
-            self._connection.executescript(f"BEGIN; {drop} {_SCHEMA} PRAGMA user_version={FORMAT}; COMMIT;")
 
-    def marks(self) -> dict[str, Mark]:
+    def statuses(self) -> dict[str, TaskStatus]:
         """Return what is known of every task by its name, without the results themselves."""
+        query = "SELECT task, key, status, seconds, count, drawn, limits FROM result"
         with _plain_errors(self.path):
-            rows = self._connection.execute("SELECT task, key, status, seconds, count, drawn FROM result")
-            return {task: Mark(*rest) for task, *rest in rows}
+            rows = self._connection.execute(query).fetchall()
+        found = {}
+        for task, *rest in rows:
+            with suppress(ValueError, TypeError):  # damaged: as good as not there
+                found[task] = _status(rest)
+        return found
 
     def record(self, task: str, key: str) -> dict[str, Any] | None:
-        """Return the result of a task; None where there is none with this key."""
+        """Return the result of a task; None where there is none with this key, or it is damaged."""
+        query = "SELECT * FROM result WHERE task = ? AND key = ?"
         with _plain_errors(self.path):
-            row = self._connection.execute(
-                "SELECT record FROM result WHERE task = ? AND key = ?", (task, key)
-            ).fetchone()
-        return None if row is None else json.loads(row[0])
+            row = self._connection.execute(query, (task, key)).fetchone()
+        if row is None or not _is_intact(row):
+            return None
+        found: dict[str, Any] = json.loads(row[-2])
+        return found
 
-    def put(
-        self,
-        task: str,
-        key: str,
-        record: Mapping[str, Any],
-        *,
-        seconds: float,
-        count: int,
-        drawn: Iterable[str] = (),
-    ) -> None:
-        """Keep a result, in place of what the task had before; one with a ``reason`` counts as failed.
+    def damaged(self) -> list[str]:
+        """Return the names of tasks whose stored result is not what was written."""
+        with _plain_errors(self.path):
+            rows = self._connection.execute("SELECT * FROM result")
+            return [str(row[0]) for row in rows if not _is_intact(row)]
+
+    def discard(self, tasks: list[str] | None = None) -> None:
+        """Remove the results of some tasks, or of all."""
+        with _plain_errors(self.path):
+            if tasks is None:
+                self._connection.execute("DELETE FROM result")
+            else:
+                self._connection.executemany("DELETE FROM result WHERE task = ?", [(task,) for task in tasks])
+
+    def put(self, task: str, key: str, result: TaskResult, *, count: int) -> None:
+        """Store a result, in place of what the task had before; one with a ``reason`` counts as failed.
 
         Parameters
         ----------
         task : str
             Its name.
         key : str
-            What the result depends on, hashed.
-        record : mapping
+            Digest of what the result depends on.
+        result : TaskResult
             The result.
-        seconds : float
-            What it cost.
         count : int
             Number of pictures or frames that it dealt with.
-        drawn : iterable of str
-            Files drawn for it, relative to the output folder.
+
+        Raises
+        ------
+        StoreError
+            If it cannot be written.
         """
+        drawn = {name: self._put_drawn(name, content) for name, content in result.drawn.items()}
         row = (
             task,
             key,
-            "done" if record.get("reason") is None else "failed",
-            seconds,
+            "done" if result.record.get("reason") is None else "failed",
+            float(result.seconds),
             count,
-            "\n".join(drawn),
+            json.dumps(drawn),
+            json.dumps(result.limits and asdict(result.limits)),
             datetime.now(UTC).isoformat(timespec="seconds"),
-            json.dumps(record),
+            json.dumps(result.record),
         )
+        query = "INSERT OR REPLACE INTO result VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)"
         with _plain_errors(self.path):
-            self._connection.execute("INSERT OR REPLACE INTO result VALUES (?, ?, ?, ?, ?, ?, ?, ?)", row)
+            self._connection.execute(query, (*row, _checksum(row)))
 
-    def forget(self) -> None:
-        """Remove all results."""
-        with _plain_errors(self.path):
-            self._connection.execute("DELETE FROM result")
+    def is_done(self, task: Task, statuses: Mapping[str, TaskStatus], limits: Limits) -> bool:
+        """Tell whether a task need not be performed again; arguments as for `is_current`."""
+        status = statuses.get(task.name)
+        return status is not None and self.is_current(status, task.key, limits)
+
+    def is_current(self, status: TaskStatus, key: str, limits: Limits) -> bool:
+        """Tell whether a result still holds.
+
+        Parameters
+        ----------
+        status : TaskStatus
+            What is known of it.
+        key : str
+            Digest of what it depends on now.
+        limits : Limits
+            Those of this run: what stricter ones stopped is tried again.
+        """
+        if status.key != key or (status.limits is not None and limits.exceed(status.limits)):
+            return False
+        return all(self.drawn_file(name, digest) is not None for name, digest in status.drawn.items())
+
+    def drawn_file(self, name: str, digest: str) -> Path | None:
+        """Return where a file is that was drawn for the results; None where it is not as it was drawn."""
+        waiting = self._waiting(name, digest)
+        if waiting.is_file():
+            return waiting
+        placed = self.folder / name
+        return placed if self.digest(placed) == digest else None
+
+    def _put_drawn(self, name: str, content: bytes) -> str:
+        digest = hashlib.sha256(content).hexdigest()
+        path = self._waiting(name, digest)
+        make_folder(path.parent)
+        part = path.with_suffix(".part")
+        try:
+            part.write_bytes(content)
+            part.replace(path)
+        except OSError as error:
+            part.unlink(missing_ok=True)
+            raise StoreError(
+                f"{self.folder / name}: cannot be written ({error.strerror}): what was measured before is "
+                "kept; make room, or choose another --out, and run again to go on"
+            ) from error
+        return digest
+
+    def _waiting(self, name: str, digest: str) -> Path:
+        return self.folder / DRAWN_NAME / f"{digest}{Path(name).suffix}"
+
+    def discard_drawn(self) -> None:
+        """Remove drawn files that wait: those that belong to the results are in place."""
+        shutil.rmtree(self.folder / DRAWN_NAME, ignore_errors=True)
 
     def digest(self, path: Path) -> str:
         """Return the SHA-256 of a file, or of the names and bytes of a folder's files; empty without any.
 
         The bytes are read again only when size, times or inode have changed.
         """
-        stamp = _stamp(path)
+        name, stamp = str(path), _stamp(path)
+        query = "SELECT path, stamp, digest, checksum FROM input WHERE path = ? AND stamp = ?"
         with _plain_errors(self.path):
-            row = self._connection.execute(
-                "SELECT digest FROM input WHERE path = ? AND stamp = ?", (str(path), stamp)
-            ).fetchone()
-            if row is not None:
-                return str(row[0])
-            digest = _digest(path) if stamp else ""
-            self._connection.execute(
-                "INSERT OR REPLACE INTO input VALUES (?, ?, ?)", (str(path), stamp, digest)
-            )
+            row = self._connection.execute(query, (name, stamp)).fetchone()
+        if row is not None and _is_intact(row):
+            return str(row[2])
+        digest = _digest(path) if stamp else ""
+        if not self._read_only:
+            self._remember(name, stamp, digest)
         return digest
+
+    def remember(self, path: Path, digest: str) -> None:
+        """Keep the SHA-256 of a file as it is now, for `digest`."""
+        self._remember(str(path), _stamp(path), digest)
+
+    def _remember(self, *values: str) -> None:
+        with _plain_errors(self.path):
+            self._connection.execute(
+                "INSERT OR REPLACE INTO input VALUES (?, ?, ?, ?)", (*values, _checksum(values))
+            )
 
     def unchanged(self, path: Path) -> bool:
         """Tell whether a file or folder is still what `digest` last read."""
         with _plain_errors(self.path):
             row = self._connection.execute("SELECT stamp FROM input WHERE path = ?", (str(path),)).fetchone()
         return row is not None and row[0] == _stamp(path)
+
+
+def _checksum(values: tuple[object, ...]) -> str:
+    return hashlib.blake2b(repr(values).encode(errors="surrogatepass"), digest_size=16).hexdigest()
+
+
+def _is_intact(row: tuple[object, ...]) -> bool:
+    """Tell whether a row, with its checksum last, is what was written."""
+    return _checksum(row[:-1]) == row[-1]
+
+
+def _status(row: list[Any]) -> TaskStatus:
+    key, status, seconds, count, drawn, limits = row
+    stopped_by = json.loads(limits)
+    return TaskStatus(
+        key=key,
+        status=status,
+        seconds=float(seconds),
+        count=int(count),
+        drawn=json.loads(drawn),
+        limits=None if stopped_by is None else Limits(**stopped_by),
+    )
 
 
 def _files(path: Path) -> list[Path]:
@@ -238,7 +373,7 @@ def _stamp(path: Path) -> str:
 
 
 def _digest(path: Path) -> str:
-    """Return the digest of a file, or that of a folder's names and digests; empty where that cannot be."""
+    """Return the digest of a file, or that of a folder's names and digests; empty where it is unavailable."""
     try:
         digests = [(item.name, sha256_of(item)) for item in _files(path)]
     except OSError:
@@ -250,7 +385,7 @@ def _digest(path: Path) -> str:
 
 @contextmanager
 def _plain_errors(path: Path) -> Iterator[None]:
-    """Say in plain words what SQLite cannot do, and the way out."""
+    """Turn errors of SQLite into plain words, with the way out."""
     try:
         yield
     except sqlite3.OperationalError as error:
@@ -262,10 +397,7 @@ def _plain_errors(path: Path) -> Iterator[None]:
         elif "readonly" in text or "unable to open" in text:
             way_out = "cannot be written: check the folder's rights, or choose another with --out"
         else:
-            way_out = f"cannot be used ({text})"
+            way_out = f"cannot be used ({text}): {_AWAY}"
         raise StoreError(f"{path}: {way_out}") from error
     except sqlite3.DatabaseError as error:
-        raise StoreError(
-            f"{path}: damaged or no store of fingerpad ({error}): move it away and run again, "
-            "which measures everything anew"
-        ) from error
+        raise StoreError(f"{path}: damaged or no store of fingerpad ({error}): {_AWAY}") from error

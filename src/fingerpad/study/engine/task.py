@@ -1,10 +1,8 @@
-"""One task: what it measures, the key of all that it depends on, and the doing of it."""
+"""One task: what it measures, the key of everything it depends on, and its result."""
 
-import ctypes
 import errno
 import hashlib
 from collections.abc import Callable
-from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
 from importlib import resources
@@ -17,35 +15,33 @@ from typing import Any, Final, NamedTuple, TypeAlias
 import cv2
 
 from fingerpad.exceptions import FingerpadError, StoreError
-from fingerpad.study.words import ODDITIES, in_study
+from fingerpad.study.engine.limits import Limits
+from fingerpad.study.words import in_study
 
 Record: TypeAlias = dict[str, Any]
 # Measures something of the study folder, draws into another, and returns what it found.
 Work: TypeAlias = Callable[[Path, Path], Record]
 
-# Said of what is not what it was when the run began.
+# The reason of an item whose input is not what it was when the run began.
 CHANGED: Final = "{}: changed while it was being measured: run again"
-
-# Of glibc's malloc.h.
-_M_TRIM_THRESHOLD, _M_MMAP_THRESHOLD = -1, -3
 
 
 class ChangedError(Exception):
-    """A result is not there, since its input changed after its key was made."""
+    """A result is missing because its input changed after its key was made."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Task:
-    """One thing to measure: a picture, or a piece of a film.
+    """One thing to measure: a picture, or a piece of a sequence.
 
     Attributes
     ----------
     name : str
         Its name in the store.
     item : str
-        Observation, photograph or sequence of which it is.
+        Observation, photograph or sequence to which it belongs.
     file : str
-        The file at work.
+        The file that it measures.
     key : str
         Digest of inputs, parameters and measuring code.
     work : Work
@@ -53,7 +49,9 @@ class Task:
     inputs : tuple of str
         Files and folders that it reads, relative to the study folder.
     pictures : int
-        Number of pictures or frames that it deals with.
+        Number of pictures or frames by which it advances the run.
+    reads : int
+        Number of pictures or frames that it reads: the time limit holds for each.
     """
 
     name: str
@@ -63,20 +61,34 @@ class Task:
     work: Work
     inputs: tuple[str, ...]
     pictures: int = 1
+    reads: int = 1
 
 
-class Done(NamedTuple):
-    """What a task gave: its record, the pictures drawn by their names, and what it cost."""
+class TaskResult(NamedTuple):
+    """What came of a task.
+
+    Attributes
+    ----------
+    record : Record
+        What was found, or the ``reason`` why nothing was.
+    drawn : dict of str to bytes
+        Files that were drawn, by name.
+    seconds : float
+        What it cost.
+    limits : Limits or None
+        The limits that stopped it, if any did.
+    """
 
     record: Record
-    pictures: dict[str, bytes]
+    drawn: dict[str, bytes]
     seconds: float
+    limits: Limits | None = None
 
 
-def perform(work: Work, file: str, folder: Path) -> Done:
-    """Do the work of a task: whatever goes wrong costs this task only, and becomes its reason.
+def perform(work: Work, file: str, folder: Path, limits: Limits) -> TaskResult:
+    """Do the work of a task. Whatever goes wrong fails this task only, and becomes its reason.
 
-    Pictures are drawn aside, for the one process that writes results to keep.
+    Files are drawn into a temporary folder; the one process that writes results stores them.
 
     Raises
     ------
@@ -84,38 +96,61 @@ def perform(work: Work, file: str, folder: Path) -> Done:
         If there is no room to draw.
     """
     start = perf_counter()
-    with TemporaryDirectory(prefix="fingerpad-") as aside:
+    stopped_by = None
+    with TemporaryDirectory(prefix="fingerpad-") as drawing:
         try:
-            record = work(folder, Path(aside))
-        except FingerpadError as error:
-            _raise_if_full(error.__cause__)
-            record = {"reason": in_study(error, folder)}
-        except ODDITIES as error:
+            record = work(folder, Path(drawing))
+        except StoreError:
+            raise
+        # Files from anywhere can be damaged in ways that nobody has thought of.
+        except Exception as error:
             _raise_if_full(error)
-            record = {"reason": f"{file}: cannot be measured ({type(error).__name__}: {error})"}
+            if _is_out_of_memory(error):
+                stopped_by = limits
+                record = {"reason": out_of_memory(file, limits)}
+            elif isinstance(error, FingerpadError):
+                record = {"reason": in_study(error, folder)}
+            else:
+                record = {"reason": in_study(f"{file}: {_UNEXPECTED} ({describe(error)})", folder)}
         drawn = {
-            path.relative_to(aside).as_posix(): path.read_bytes()
-            for path in sorted(Path(aside).rglob("*"))
+            path.relative_to(drawing).as_posix(): path.read_bytes()
+            for path in sorted(Path(drawing).rglob("*"))
             if path.is_file()
         }
-    return Done(record, drawn, perf_counter() - start)
+    return TaskResult(record, drawn, perf_counter() - start, stopped_by)
 
 
-def settle_worker() -> None:
-    """Settle a process that does nothing but tasks: one core, and the memory of one frame serves the next.
+_UNEXPECTED: Final = "cannot be measured"
 
-    By default glibc gives freed memory back and asks for it anew, page by page, a thousand times a frame.
-    """
-    cv2.setNumThreads(1)
-    with suppress(OSError, AttributeError):  # another C library has no such settings
-        settings = ctypes.CDLL("libc.so.6").mallopt
-        settings(_M_TRIM_THRESHOLD, 256 << 20)
-        settings(_M_MMAP_THRESHOLD, 32 << 20)
+
+def describe(error: BaseException) -> str:
+    """Return the kind of an unexpected error with what it says."""
+    return f"{type(error).__name__}: {error}"
+
+
+def out_of_memory(file: str, limits: Limits) -> str:
+    """Return the reason of a task that ran out of memory."""
+    return (
+        f"{file}: measuring it takes more than {limits.memory_gb:g} GB of memory: crop or shrink it, "
+        "or raise the limit (--memory-gb)"
+    )
+
+
+def _is_out_of_memory(error: BaseException | None) -> bool:
+    while error is not None:
+        if isinstance(error, MemoryError) or (
+            isinstance(error, cv2.error) and error.code == cv2.Error.StsNoMem
+        ):
+            return True
+        error = error.__cause__
+    return False
 
 
 def _raise_if_full(error: BaseException | None) -> None:
-    if isinstance(error, OSError) and error.errno == errno.ENOSPC:
-        raise StoreError(f"{gettempdir()}: the disk is full: make room and run again to go on") from error
+    while error is not None:
+        if isinstance(error, OSError) and error.errno == errno.ENOSPC:
+            raise StoreError(f"{gettempdir()}: the disk is full: make room and run again to go on") from error
+        error = error.__cause__
 
 
 def measuring_code() -> str:
@@ -129,8 +164,8 @@ def working_code() -> str:
 
 
 @cache
-def code_digest(*rooms: str) -> str:
-    """Return the digest of some of the package's folders and files, of what it is made of alone."""
+def code_digest(*parts: str) -> str:
+    """Return the digest of some of the package's folders and files, by content alone."""
     digest = hashlib.sha256()
 
     def add(item: Traversable) -> None:
@@ -140,6 +175,6 @@ def code_digest(*rooms: str) -> str:
         elif item.name.endswith((".py", ".jinja", ".css")):
             digest.update(item.name.encode() + b"\0" + item.read_bytes())
 
-    for room in rooms:
-        add(resources.files("fingerpad") / room)
+    for part in parts:
+        add(resources.files("fingerpad") / part)
     return digest.hexdigest()

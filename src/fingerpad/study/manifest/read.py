@@ -1,7 +1,7 @@
 """Reading a manifest, and everything that can be checked before any work."""
 
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from fingerpad.exceptions import ManifestError
@@ -15,7 +15,7 @@ def manifest_in(path: Path) -> Path:
     return path / "study.toml" if path.is_dir() else path
 
 
-def read_study(path: Path) -> Study:
+def read_study(path: Path, on_read: Callable[[str, bytes], None] = lambda _name, _content: None) -> Study:
     """Read and check a manifest; rows of ``observations_csv`` are appended to its observations.
 
     Everything is checked before any work: keys, values, references between tables, and that every file named
@@ -25,6 +25,8 @@ def read_study(path: Path) -> Study:
     ----------
     path : Path
         The TOML file. File names in it are relative to its folder.
+    on_read : callable
+        Called with the name and the content of each file that is read.
 
     Raises
     ------
@@ -32,7 +34,9 @@ def read_study(path: Path) -> Study:
         Naming the file, and for each fault its key, what was found and what was expected.
     """
     try:
-        content = tomllib.loads(path.read_text(encoding="utf-8-sig"))
+        text = path.read_bytes()
+        on_read(path.name, text)
+        content = tomllib.loads(text.decode("utf-8-sig"))
     except FileNotFoundError:
         raise ManifestError(
             f"{path}: no such file; `fingerpad init DIR` writes a manifest to start from"
@@ -43,7 +47,8 @@ def read_study(path: Path) -> Study:
         raise ManifestError(f"{path}: not valid TOML: {error}") from error
     study = validated(Study, content, path.name, strict=True)
     if study.observations_csv is not None:
-        rows = read_rows(file_inside(path.parent, study.observations_csv, path.name, "observations_csv"))
+        table = file_inside(path.parent, study.observations_csv, path.name, "observations_csv")
+        rows = read_rows(table, lambda text: on_read(str(study.observations_csv), text))
         study = study.model_copy(update={"observations": [*study.observations, *rows]})
     faults = [*_reference_faults(study), *_file_faults(study, path.parent)]
     if faults:

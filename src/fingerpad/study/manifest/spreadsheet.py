@@ -1,6 +1,8 @@
 """Observations kept in a spreadsheet: its headers are the keys of an observation."""
 
 import csv
+import io
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Final
 
@@ -20,8 +22,15 @@ TABLE_COLUMNS: Final = {
 }
 
 
-def read_rows(path: Path) -> list[Observation]:
+def read_rows(path: Path, on_read: Callable[[bytes], None] = lambda _: None) -> list[Observation]:
     """Read observations from a CSV file.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    on_read : callable
+        Called with its content.
 
     Raises
     ------
@@ -29,9 +38,10 @@ def read_rows(path: Path) -> list[Observation]:
         Naming the file and line, what was found and what was expected.
     """
     try:
-        with path.open(newline="", encoding="utf-8-sig") as file:
-            reader = csv.reader(file)
-            lines = [(reader.line_num, cells) for cells in reader if any(cell.strip() for cell in cells)]
+        content = path.read_bytes()
+        on_read(content)
+        reader = csv.reader(io.StringIO(content.decode("utf-8-sig"), newline=""))
+        lines = [(reader.line_num, cells) for cells in reader if any(cell.strip() for cell in cells)]
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise ManifestError(f"{path.name}: cannot be read as CSV ({error})") from error
     header = [cell.strip() for cell in lines[0][1]] if lines else []

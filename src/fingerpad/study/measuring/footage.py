@@ -109,12 +109,14 @@ class Footage:
         """Measure the frames of a piece."""
         measured: dict[int, Record] = {}
         corrected: dict[int, CorrectedImprint] = {}
+        digests: dict[int, str] = {}
 
         def keep(index: int, _: object, imprint: Imprint) -> None:
             measured[index] = self._record(imprint)
 
         def seen(frames: Iterator[Frame]) -> Iterator[Frame]:
             for frame in frames:
+                digests[frame.index] = frame.digest
                 if frame.index in self.corrections and frame.pixels is not None:
                     corrected[frame.index] = self._corrected(frame, reading, folder)
                 yield frame
@@ -136,6 +138,7 @@ class Footage:
                     "readable": result.readable,
                     "reason": (reason := reasons[result.index]) and in_study(reason, folder),
                     "measured": measured.get(result.index),
+                    "digest": digests[result.index],
                 }
                 for result in results
             ]

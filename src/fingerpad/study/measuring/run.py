@@ -4,27 +4,28 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from functools import partial
 from itertools import chain
-from pathlib import Path
 from typing import Literal
 
-from fingerpad.study.durable import keep_files
-from fingerpad.study.engine.hands import Hands
+from fingerpad.study.engine.executors import Executor
+from fingerpad.study.engine.limits import Limits
 from fingerpad.study.engine.progress import Progress
-from fingerpad.study.engine.runner import Plan, run_plans
-from fingerpad.study.engine.store import Mark, Store
-from fingerpad.study.engine.task import CHANGED, Done, Record, Task
+from fingerpad.study.engine.runner import Plan, put_unless_changed, records_of, run_plans
+from fingerpad.study.engine.store import Store, TaskStatus
+from fingerpad.study.engine.task import CHANGED, Record, Task, TaskResult
 from fingerpad.study.manifest import Contact, Finger, Observation
 from fingerpad.study.measuring.curves import CurveResult, curve_items, curve_key, curve_results, curve_tasks
 from fingerpad.study.measuring.fingers import FingerResult, finger_result, is_rejected, photograph_item
 from fingerpad.study.measuring.measure import Measurement, reviewed
 from fingerpad.study.measuring.records import measurement_from
+from fingerpad.study.measuring.scales import FoundScale, scale_from
 from fingerpad.study.measuring.sequences import (
     SequenceResult,
     film_key,
     film_measurements,
     film_plan,
     film_result,
-    frames_in,
+    frame_count,
+    header_task,
 )
 from fingerpad.study.measuring.tasks import (
     Keys,
@@ -33,19 +34,25 @@ from fingerpad.study.measuring.tasks import (
     observation_tasks,
     photograph_tasks,
     pictures_of,
+    scale_tasks,
 )
+
+
+def measured_scales(keys: Keys, store: Store, executor: Executor) -> dict[str, FoundScale | str]:
+    """Return each named scale, or why there is none; those that the store lacks are measured."""
+    records = records_of(scale_tasks(keys), executor, store, keys.folder)
+    return {name: scale_from(name, record) for name, record in zip(keys.study.scales, records, strict=True)}
 
 
 def measure_study(
     keys: Keys,
     scales: Scales,
     store: Store,
-    out: Path,
     *,
-    hands: Hands,
+    executor: Executor,
     on_progress: Callable[[Progress], None],
 ) -> Progress:
-    """Measure what the store lacks, keep each result as it comes, and return where the run stands then.
+    """Measure what the store lacks, store each result as it comes, and return where the run stands then.
 
     Parameters
     ----------
@@ -55,49 +62,45 @@ def measure_study(
         Its named scales.
     store : Store
         Where results are kept.
-    out : Path
-        Where overlays are kept.
-    hands : Hands
-        Who measures.
+    executor : Executor
+        Where tasks are performed.
     on_progress : callable
-        Told at the start and after each task.
+        Called at the start and after each task.
 
     Raises
     ------
     KeyboardInterrupt
-        After an interrupt, with what was in hand kept.
+        After an interrupt, with what was at work stored.
     StoreError
-        If results cannot be kept.
+        If results cannot be stored.
     """
-    marks = {name: mark for name, mark in store.marks().items() if _drawn(mark, out)}
-    tally = _Tally(keys, marks, on_progress)
+    statuses = store.statuses()
+    records_of(
+        [header_task(sequence, keys) for sequence in keys.study.sequences], executor, store, keys.folder
+    )
+    tally = _Tally(keys, store, executor.limits, statuses, on_progress)
 
     def is_done(task: Task) -> bool:
-        mark = marks.get(task.name)
-        if mark is None or mark.key != task.key:
+        if not store.is_done(task, statuses, executor.limits):
             return False
-        if task.name != task.item:  # a piece of a film that is not done as a whole
+        if task.name != task.item:  # a piece of a sequence that is not done as a whole
             tally.pictures += task.pictures
         return True
 
-    def keep(task: Task, done: Done) -> None:
-        record, key = done.record, task.key
-        if not all(store.unchanged(keys.folder / name) for name in task.inputs):
-            record, key = {"reason": CHANGED.format(task.file)}, ""
-        else:
-            keep_files(out, done.pictures)
-        store.put(task.name, key, record, seconds=done.seconds, count=task.pictures, drawn=done.pictures)
-        tally.tell(task, failed=record.get("reason") is not None, seconds=done.seconds)
+    def store_result(task: Task, result: TaskResult) -> None:
+        record = put_unless_changed(store, keys.folder, task, result)
+        tally.tell(task, failed=record.get("reason") is not None, seconds=result.seconds)
 
     films = (
         film_plan(sequence, keys, scales, store)
         for sequence in keys.study.sequences
-        if (mark := marks.get(sequence.name)) is None or mark.key != film_key(sequence, keys)
+        if (status := statuses.get(sequence.name)) is None
+        or not store.is_current(status, film_key(sequence, keys), executor.limits)
     )
     fingers = (_finger_plan(finger, keys, scales, store) for finger in keys.study.fingers)
     contacts = (iter(([task],)) for task in observation_tasks(keys, scales))
     tally.tell()
-    run_plans(chain(films, fingers, contacts), hands, keep, is_done)
+    run_plans(chain(films, fingers, contacts), executor, store_result, is_done)
     return tally.now()
 
 
@@ -174,34 +177,34 @@ def items_of(keys: Keys) -> Iterator[tuple[str, Callable[[], str]]]:
         yield sequence.name, partial(film_key, sequence, keys)
 
 
-def drawn_for(keys: Keys, store: Store) -> set[str]:
-    """Return the overlays that belong to the study as it is, relative to the output folder."""
-    marks = store.marks()
-    found = (marks.get(name) for name, _ in items_of(keys))
-    return {file for mark in found if mark is not None for file in mark.drawn.splitlines()}
-
-
-def _drawn(mark: Mark, out: Path) -> bool:
-    """Tell whether all overlays of a result are where they belong."""
-    return all((out / file).is_file() for file in mark.drawn.splitlines())
+def drawn_for(keys: Keys, store: Store) -> Iterator[tuple[str, str]]:
+    """Yield the overlays that belong to the study as it is, by name, each with its digest."""
+    statuses = store.statuses()
+    for name, _ in items_of(keys):
+        if (status := statuses.get(name)) is not None:
+            yield from status.drawn.items()
 
 
 class _Tally:
     """Progress so far."""
 
     def __init__(
-        self, keys: Keys, marks: Mapping[str, Mark], on_progress: Callable[[Progress], None]
+        self,
+        keys: Keys,
+        store: Store,
+        limits: Limits,
+        statuses: Mapping[str, TaskStatus],
+        on_progress: Callable[[Progress], None],
     ) -> None:
         self._on_progress = on_progress
         self.pictures = self.failed = self._total = 0
         films = {sequence.name: sequence for sequence in keys.study.sequences}
         for name, key in items_of(keys):
-            count = frames_in(films[name], keys.folder) if name in films else 1
+            count = frame_count(films[name], keys, store) if name in films else 1
             self._total += count
-            mark = marks.get(name)
-            if mark is not None and mark.key == key():
+            if (status := statuses.get(name)) and store.is_current(status, key(), limits):
                 self.pictures += count
-                self.failed += mark.status == "failed"
+                self.failed += status.status == "failed"
 
     def tell(self, task: Task | None = None, *, failed: bool = False, seconds: float = 0.0) -> None:
         now = self.now()

@@ -1,11 +1,12 @@
 """Scales of a study: from a table of the manifest, or by the name that several pictures share."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from fingerpad.exceptions import CalibrationError, FingerpadError
 from fingerpad.image import Scale, measure_coin, read_image
+from fingerpad.study.engine.task import Record
 from fingerpad.study.manifest import CoinScale, LineScale, PitchScale, ScaleKey, ScaleTable, Study
 from fingerpad.study.words import in_study
 
@@ -31,13 +32,30 @@ class FoundScale:
 
 def named_scales(study: Study, folder: Path) -> dict[str, FoundScale | str]:
     """Return each named scale of a study, or why there is none; each is measured once."""
-    found: dict[str, FoundScale | str] = {}
-    for name, table in study.scales.items():
-        try:
-            found[name] = _found(table, folder, name)
-        except FingerpadError as error:
-            found[name] = in_study(f"scale {name}: {error}", folder)
-    return found
+    return {name: _named_scale(table, folder, name) for name, table in study.scales.items()}
+
+
+def _named_scale(table: ScaleTable, folder: Path, name: str) -> FoundScale | str:
+    try:
+        return _found(table, folder, name)
+    except FingerpadError as error:
+        return in_study(f"scale {name}: {error}", folder)
+
+
+def scale_record(name: str, table: ScaleTable, folder: Path, _out: Path) -> Record:
+    """Measure a named scale, and return what was found as plain values."""
+    found = _named_scale(table, folder, name)
+    if isinstance(found, str):
+        return {"reason": found}
+    return {**asdict(found.scale), "flags": list(found.flags)}
+
+
+def scale_from(name: str, record: Record) -> FoundScale | str:
+    """Return a named scale from its record."""
+    if (reason := record.get("reason")) is not None:
+        return str(reason)
+    scale = Scale(mm_per_px=record["mm_per_px"], mm_per_px_std=record["mm_per_px_std"])
+    return FoundScale(scale=scale, name=name, flags=tuple(record["flags"]))
 
 
 def find_scale(key: ScaleKey, known: Mapping[str, FoundScale | str], folder: Path) -> FoundScale:

@@ -6,14 +6,14 @@ stages follow one another: all frames are surveyed, one reading is learnt, and t
 
 import math
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Final
 
 import numpy as np
 
-from fingerpad.exceptions import FingerpadError, LoadingError
+from fingerpad.exceptions import FingerpadError, LoadingError, StoreError
 from fingerpad.image import (
     ForceSignal,
     FrameClock,
@@ -32,13 +32,13 @@ from fingerpad.image import (
 from fingerpad.study.corrections.decisions import Ruling
 from fingerpad.study.corrections.log import frames_of
 from fingerpad.study.engine.store import Store
-from fingerpad.study.engine.task import CHANGED, ChangedError, Record, Task, Work
+from fingerpad.study.engine.task import CHANGED, ChangedError, Record, Task, TaskResult, Work, describe
 from fingerpad.study.manifest import ContactSequence
 from fingerpad.study.measuring.footage import Footage, FrameOverlay, Gist, survey_from
 from fingerpad.study.measuring.measure import Measurement, contact_correction, reviewed
 from fingerpad.study.measuring.scales import find_scale
 from fingerpad.study.measuring.tasks import Keys, Scales, chained
-from fingerpad.study.words import ODDITIES, in_study
+from fingerpad.study.words import in_study
 
 IN_CONTACT: Final = frozenset(("loading", "hold", "unloading"))
 # Below so many ridges from the centre to the nearest edge an ellipse is drawn by single ridges.
@@ -100,20 +100,21 @@ class Film:
     clock: FrameClock
 
     @classmethod
-    def open(cls, sequence: ContactSequence, keys: Keys, scales: Scales) -> "Film":
-        """Open a film of the manifest.
+    def open(cls, sequence: ContactSequence, keys: Keys, scales: Scales, store: Store) -> "Film":
+        """Open a film of the manifest, whose header is in the store.
 
         Raises
         ------
         FingerpadError
-            If its scale, its frames or its force cannot be had.
+            If its scale, its frames or its force are unavailable; `ChangedError` if the store lacks it.
         """
         assert sequence.scale is not None  # the manifest's own rule
         found = find_scale(sequence.scale, scales, keys.folder)
         if found.name is None:
             # No name holds a colon: the frames of a film share its scale, and nothing else does.
             found = replace(found, name=f"sequence:{sequence.name}")
-        frames = open_frames(keys.folder / sequence.path)
+        header = header_task(sequence, keys)
+        frames = Frames(path=keys.folder / sequence.path, **_good(store, header.name, header.key)["header"])
         columns = {str(key): value for key, value in sequence.force_columns.items()}
         force = read_force_signal(keys.folder / sequence.force, columns)
         return cls(
@@ -178,6 +179,7 @@ class Film:
             work=work,
             inputs=self.keys.inputs_of(self.sequence),
             pictures=0,
+            reads=1 if piece is None else piece[1] - piece[0],
         )
 
     def _name(self, stage: str, piece: tuple[int, int] | None) -> str:
@@ -200,6 +202,15 @@ class Film:
             row = self._row(result, measured)
             if row is not None:
                 yield reviewed(row, self.keys.rulings.get(row.name))
+
+    def digests(self, store: Store, frames: Iterable[int]) -> dict[int, str]:
+        """Return the digests of some frames as they were measured, from what the store holds."""
+        found: dict[int, str] = {}
+        for start, stop in self.pieces:
+            if any(start <= frame < stop for frame in frames):
+                piece = _good(store, self._name(_FRAMES, (start, stop)), self._key(_FRAMES, (start, stop)))
+                found |= {frame["index"]: frame["digest"] for frame in piece["frames"]}
+        return found
 
     def placed(self, store: Store) -> Iterator[tuple[FrameResult, Record | None]]:
         """Yield each frame with its time, load and phase, and what was measured of it, from the store."""
@@ -256,6 +267,32 @@ class Film:
         return bool(measured["semi_minor"] >= LEAST_RIDGES * measured["columns"]["ridge_period_mm"])
 
 
+def header_task(sequence: ContactSequence, keys: Keys) -> Task:
+    """Return the task that opens a film: it counts the frames."""
+    return Task(
+        name=f"{sequence.name} header",  # no name of the manifest holds a blank
+        item=sequence.name,
+        file=sequence.path,
+        key=chained(keys.of(sequence, leave_out=_TIMING), "header"),
+        work=partial(_header, sequence.path),
+        inputs=(sequence.path,),
+        pictures=0,
+    )
+
+
+def _header(path: str, folder: Path, _out: Path) -> Record:
+    header = asdict(open_frames(folder / path))
+    del header["path"]
+    return {"header": header}
+
+
+def frame_count(sequence: ContactSequence, keys: Keys, store: Store) -> int:
+    """Return the number of frames of a film; one that has not been opened, or cannot be, counts as one."""
+    header = header_task(sequence, keys)
+    record = store.record(header.name, header.key)
+    return 1 if record is None or "header" not in record else int(record["header"]["count"])
+
+
 def film_key(sequence: ContactSequence, keys: Keys) -> str:
     """Return the key of all that is known of a film."""
     frames = frames_of(keys.rulings, sequence.name)
@@ -269,14 +306,6 @@ def frames_beyond(films: Iterable[SequenceResult], rulings: Mapping[str, Ruling]
             for frame in frames_of(rulings, film.manifest.name):
                 if frame >= film.summary.count:
                     yield f"{film.manifest.name}#{frame}"
-
-
-def frames_in(sequence: ContactSequence, folder: Path) -> int:
-    """Return the number of frames of a film; one that cannot be opened counts as one picture."""
-    try:
-        return open_frames(folder / sequence.path).count
-    except FingerpadError:
-        return 1
 
 
 def film_plan(sequence: ContactSequence, keys: Keys, scales: Scales, store: Store) -> Iterator[list[Task]]:
@@ -295,16 +324,18 @@ def film_plan(sequence: ContactSequence, keys: Keys, scales: Scales, store: Stor
     """
     key = film_key(sequence, keys)
     try:
-        yield from Film.open(sequence, keys, scales).stages(store)
+        yield from Film.open(sequence, keys, scales, store).stages(store)
     except ChangedError:
-        key, reason = "", CHANGED.format(sequence.path)  # never up to date: the next run measures it anew
+        key, reason = "", CHANGED.format(sequence.path)  # never up to date: the next run measures it again
+    except StoreError:
+        raise
     except FingerpadError as error:
         reason = in_study(error, keys.folder)
-    except ODDITIES as error:
-        reason = f"{sequence.path}: cannot be measured ({type(error).__name__}: {error})"
+    except Exception as error:  # a force table can be odd in ways that nobody has thought of
+        reason = in_study(f"{sequence.path}: cannot be measured ({describe(error)})", keys.folder)
     else:
         return
-    store.put(sequence.name, key, {"reason": reason}, seconds=0.0, count=0)
+    store.put(sequence.name, key, TaskResult({"reason": reason}, {}, 0.0), count=0)
 
 
 def film_result(sequence: ContactSequence, record: Record) -> SequenceResult:
@@ -318,6 +349,20 @@ def film_result(sequence: ContactSequence, record: Record) -> SequenceResult:
     )
 
 
+def corrected_frames(
+    films: Iterable[SequenceResult], keys: Keys, scales: Scales, store: Store
+) -> dict[str, str]:
+    """Return the digests of all frames that people corrected, by item, as they were measured."""
+    found: dict[str, str] = {}
+    for film in films:
+        name = film.manifest.name
+        ruled = frames_of(keys.rulings, name)
+        if film.reason is None and ruled:
+            digests = Film.open(film.manifest, keys, scales, store).digests(store, ruled)
+            found |= {f"{name}#{frame}": digests.get(frame, "") for frame in ruled}
+    return found
+
+
 def film_measurements(
     result: SequenceResult, keys: Keys, scales: Scales, store: Store
 ) -> Iterator[Measurement]:
@@ -326,7 +371,7 @@ def film_measurements(
     if result.reason is not None:
         yield Measurement(name=name, load=math.nan, reason=result.reason, columns={"sequence": name})
         return
-    yield from Film.open(result.manifest, keys, scales).measurements(store)
+    yield from Film.open(result.manifest, keys, scales, store).measurements(store)
 
 
 def _good(store: Store, task: str, key: str) -> Record:

@@ -14,11 +14,11 @@ from pydantic import BaseModel
 from fingerpad.study.corrections.changes import ContactCorrection
 from fingerpad.study.corrections.decisions import Ruling
 from fingerpad.study.engine.task import Record, Task, measuring_code
-from fingerpad.study.manifest import CoinScale, Finger, Observation, Photograph, Study
+from fingerpad.study.manifest import CoinScale, Finger, Observation, Photograph, ScaleTable, Study
 from fingerpad.study.measuring.fingers import face_record, is_rejected, photograph_item
 from fingerpad.study.measuring.measure import contact_correction, measure_observation
 from fingerpad.study.measuring.records import measurement_record
-from fingerpad.study.measuring.scales import FoundScale
+from fingerpad.study.measuring.scales import FoundScale, scale_record
 
 Scales: TypeAlias = Mapping[str, FoundScale | str]
 
@@ -75,6 +75,10 @@ class Keys:
         digests = {file: self.digest(self.folder / file) for file in self.inputs_of(table, leave_out)}
         return chained(parameters, name if isinstance(name, str) else None, scale, digests, *more)
 
+    def coin_digest(self, table: ScaleTable) -> str | None:
+        """Return the digest of the picture that a scale is measured in, None where it needs none."""
+        return self.digest(self.folder / table.coin) if isinstance(table, CoinScale) else None
+
     def inputs_of(self, table: BaseModel, leave_out: frozenset[str] = frozenset()) -> tuple[str, ...]:
         """Return the files and folders that a table names, but for those of some keys."""
         scale = getattr(table, "scale", None)
@@ -87,6 +91,22 @@ class Keys:
 def chained(*parts: object) -> str:
     """Return a digest of some parameters and of the code that measures."""
     return hashlib.sha256(json.dumps([*parts, measuring_code()], sort_keys=True).encode()).hexdigest()
+
+
+def scale_tasks(keys: Keys) -> list[Task]:
+    """Return a task for each named scale."""
+    return [
+        Task(
+            name=f"/scale {name}",  # no item's name begins like this
+            item=name,
+            file=table.coin if isinstance(table, CoinScale) else "",
+            key=chained(table.model_dump(mode="json"), keys.coin_digest(table)),
+            work=partial(scale_record, name, table),
+            inputs=(table.coin,) if isinstance(table, CoinScale) else (),
+            pictures=0,
+        )
+        for name, table in keys.study.scales.items()
+    ]
 
 
 def observation_tasks(keys: Keys, scales: Scales) -> Iterator[Task]:

@@ -16,6 +16,7 @@ import numpy.typing as npt
 
 from fingerpad.exceptions import FingerpadError
 from fingerpad.study.results.columns import TRUTHS, WORDS
+from fingerpad.study.results.result_set import require_result_set
 
 _STD: Final = re.compile(r"_std(_given_geometry)?$")
 _UNITS: Final = {
@@ -23,7 +24,7 @@ _UNITS: Final = {
     "px": "px",
 }  # fmt: skip
 _ROWS_AT_ONCE: Final = 5000
-_RERUN: Final = "run the study again: nothing that was measured is measured anew"
+_RERUN: Final = "run the study again: nothing that was measured is measured again"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -92,6 +93,7 @@ class ResultsTable:
         FingerpadError
             If the folder holds no finished run, or its files do not belong together.
         """
+        require_result_set(folder)
         meanings = dict(_pairs(folder / "results_columns.csv"))
         with _opened(folder / "results.csv") as file:
             header = next(csv.reader(file), [])

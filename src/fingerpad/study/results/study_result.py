@@ -7,7 +7,7 @@ from itertools import compress
 from pathlib import Path
 from typing import Any
 
-from fingerpad.study.engine.hands import Hands
+from fingerpad.study.engine.executors import Executor
 from fingerpad.study.engine.runner import records_of
 from fingerpad.study.engine.store import Store
 from fingerpad.study.engine.task import Record, Task, code_digest
@@ -144,7 +144,7 @@ def result_of(
     sequences: list[SequenceResult],
     curves: list[CurveResult],
     origin: dict[str, Any],
-    hands: Hands,
+    executor: Executor,
     store: Store,
     on_check: Callable[[str], None] = lambda _: None,
     notes: tuple[str, ...] = (),
@@ -157,8 +157,8 @@ def result_of(
         As `StudyResult` has them, `origin` its provenance.
     seen : iterable of (Contact, Measurement)
         All measurements in the manifest's order; gone through once, a thousand held at a time.
-    hands : Hands
-        Who checks uncertainties.
+    executor : Executor
+        Where uncertainties are checked.
     store : Store
         Where the checks are kept.
     on_check : callable
@@ -174,7 +174,9 @@ def result_of(
         sequences=sequences,
         scales=scales,
         summaries=found,
-        checks=_checks([rows.heaviest.get(summary.key) for summary in found], hands, store, on_check),
+        checks=_checks(
+            [rows.heaviest.get(summary.key) for summary in found], executor, store, folder, on_check
+        ),
         curves=curves,
         provenance=origin,
         notes=notes,
@@ -182,7 +184,11 @@ def result_of(
 
 
 def _checks(
-    heaviest: Sequence[Heaviest | None], hands: Hands, store: Store, on_check: Callable[[str], None]
+    heaviest: Sequence[Heaviest | None],
+    executor: Executor,
+    store: Store,
+    folder: Path,
+    on_check: Callable[[str], None],
 ) -> list[UncertaintyCheck | None]:
     """Look closely at the uncertainty of some contacts."""
     code = code_digest("contact", "geometry", "uncertainty", "study/results", "study/measuring/records.py")
@@ -199,7 +205,7 @@ def _checks(
         for one in heaviest
         if one is not None
     ]
-    records = iter(records_of(tasks, hands, store, lambda task: on_check(task.item)))
+    records = iter(records_of(tasks, executor, store, folder, lambda task: on_check(task.item)))
     kinds = {"UncertaintyCheck": UncertaintyCheck}
     return [None if one is None else from_plain(next(records).get("check"), kinds) for one in heaviest]
 

@@ -1,0 +1,327 @@
+"""A child process that performs tasks one at a time, within limits of time and memory.
+
+A damaged picture can crash a decoder, take all memory or never end. In a process of its own it costs its own
+row, and names itself. The process is started as a plain Python program, so that neither a script without a
+``__main__`` guard nor a daemonic worker of a scheduler stands in its way.
+"""
+
+import atexit
+import ctypes
+import os
+import pickle
+import queue
+import signal
+import struct
+import subprocess
+import sys
+import threading
+from concurrent.futures import CancelledError
+from contextlib import suppress
+from pathlib import Path
+from typing import IO, Final
+
+import cv2
+
+from fingerpad._threads import ONE_THREAD
+from fingerpad.study.engine.limits import Limits
+from fingerpad.study.engine.task import Task, TaskResult, perform
+
+if sys.platform != "win32":
+    import resource
+
+_BOOTSTRAP: Final = (
+    "import sys; sys.path[:] = {path!r}; from fingerpad.study.engine.worker import serve; serve()"
+)
+_LENGTH: Final = struct.Struct("!Q")
+# Of glibc's malloc.h.
+_M_TRIM_THRESHOLD, _M_MMAP_THRESHOLD = -1, -3
+
+
+class WorkerDied(Exception):  # noqa: N818 (it reports what happened to a process)
+    """The process ended while it performed a task; `code` is its exit code."""
+
+    def __init__(self, code: int) -> None:
+        super().__init__(code)
+        self.code = code
+
+
+class Worker:
+    """A child process that performs tasks."""
+
+    def __init__(self) -> None:
+        self._process = subprocess.Popen(  # noqa: S603 (this very Python)
+            [sys.executable, "-c", _BOOTSTRAP.format(path=sys.path)],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            env=os.environ | ONE_THREAD,
+            start_new_session=True,  # an interrupt from the terminal is for the parent alone
+        )
+        self._is_ready = self._late = False
+
+    @property
+    def pid(self) -> int:
+        """Its process number."""
+        return self._process.pid
+
+    @property
+    def is_alive(self) -> bool:
+        """Whether it has not ended."""
+        return self._process.poll() is None
+
+    def perform(self, task: Task, folder: Path, limits: Limits) -> TaskResult:
+        """Perform a task and wait for its result.
+
+        Raises
+        ------
+        TimeoutError
+            If it took longer than the limit: the process is killed.
+        WorkerDied
+            If the process ended.
+        StoreError
+            If there is no room to draw.
+        """
+        timer = threading.Timer(limits.seconds * max(1, task.reads), self._end_late)
+        timer.daemon = True
+        try:
+            self._wait_until_ready()
+            timer.start()
+            answer = self._ask((task.work, task.file, folder, limits))
+        except (EOFError, OSError):
+            self.kill()
+            if self._late:
+                raise TimeoutError from None
+            raise WorkerDied(self._process.wait()) from None
+        finally:
+            timer.cancel()
+        if isinstance(answer, Exception):
+            raise answer
+        assert isinstance(answer, TaskResult)
+        return answer
+
+    def _wait_until_ready(self) -> None:
+        if not self._is_ready:
+            assert self._process.stdout is not None
+            _read(self._process.stdout)
+            self._is_ready = True
+
+    def _ask(self, question: object) -> object:
+        message = pickle.dumps(question)
+        assert self._process.stdin is not None
+        assert self._process.stdout is not None
+        _send(self._process.stdin, message)
+        return pickle.loads(_read(self._process.stdout))  # noqa: S301 (of our own child)
+
+    def _end_late(self) -> None:
+        self._late = True
+        self._process.kill()
+
+    def kill(self) -> None:
+        """End the process at once."""
+        self._process.kill()
+        self._process.wait()
+        for pipe in (self._process.stdin, self._process.stdout):
+            with suppress(OSError):  # what it was asked last may still be in the buffer
+                pipe.close()  # type: ignore[union-attr]
+
+
+class WorkerPool:
+    """Idle workers of this process, kept from one run to the next: to start one takes a second."""
+
+    def __init__(self, most_idle: int) -> None:
+        self._idle: list[Worker] = []
+        self._most_idle = most_idle
+        self._lock = threading.Lock()
+
+    def take(self) -> Worker:
+        """Return an idle worker, or start one."""
+        with self._lock:
+            return self._idle.pop() if self._idle else Worker()
+
+    def give_back(self, worker: Worker) -> None:
+        """Keep a worker for the next task, unless it has ended."""
+        if worker.is_alive:
+            with self._lock:
+                self._idle.append(worker)
+
+    def trim(self) -> None:
+        """End idle workers beyond the few that are worth keeping."""
+        with self._lock:
+            extra, self._idle = self._idle[self._most_idle :], self._idle[: self._most_idle]
+        for worker in extra:
+            worker.kill()
+
+    def forget(self) -> None:
+        """Leave the workers to the process of which this one is a copy."""
+        self._idle, self._lock = [], threading.Lock()
+
+    def close(self) -> None:
+        """End all idle workers."""
+        with self._lock:
+            extra, self._idle = self._idle, []
+        for worker in extra:
+            worker.kill()
+
+
+POOL: Final = WorkerPool(most_idle=1)
+atexit.register(POOL.close)
+if sys.platform != "win32":
+    os.register_at_fork(after_in_child=POOL.forget)
+
+
+class IsolatedRunner:
+    """Performs tasks in child processes; one that kills its process twice, or takes too long, fails by name.
+
+    Parameters
+    ----------
+    folder : Path
+        The folder in which the tasks' inputs are.
+    limits : Limits
+        What a task may take.
+    """
+
+    def __init__(self, folder: Path, limits: Limits) -> None:
+        self._folder, self.limits = folder, limits
+        self._busy: set[Worker] = set()
+        self._abandoned = False
+
+    def perform(self, task: Task) -> TaskResult:
+        """Perform a task; any number of threads may ask.
+
+        Raises
+        ------
+        CancelledError
+            If it was abandoned.
+        StoreError
+            If there is no room to draw.
+        """
+        try:
+            return self._attempt(task)
+        except WorkerDied:
+            pass  # perhaps for want of memory beside others: a second time tells
+        try:
+            return self._attempt(task)
+        except WorkerDied as death:
+            reason = _reason_of_death(task.file, death.code)
+            return TaskResult({"reason": reason}, {}, 0.0, self.limits)
+
+    def _attempt(self, task: Task) -> TaskResult:
+        worker = POOL.take()
+        self._busy.add(worker)
+        try:
+            if self._abandoned:
+                raise CancelledError
+            result = worker.perform(task, self._folder, self.limits)
+        except TimeoutError:
+            seconds = self.limits.seconds
+            reason = (
+                f"{task.file}: measuring it takes longer than {seconds:g} s: crop or shrink it, or raise "
+                "the limit (--seconds)"
+            )
+            return TaskResult({"reason": reason}, {}, seconds * max(1, task.reads), self.limits)
+        except WorkerDied:
+            if self._abandoned:
+                raise CancelledError from None
+            raise
+        finally:
+            self._busy.discard(worker)
+            POOL.give_back(worker)
+        return result
+
+    def abandon(self) -> None:
+        """End what is at work."""
+        self._abandoned = True
+        for worker in tuple(self._busy):
+            worker.kill()
+
+
+def _reason_of_death(file: str, code: int) -> str:
+    if code == -signal.SIGKILL:
+        return (
+            f"{file}: the process that measured it was killed twice, as happens where memory runs out: "
+            "crop or shrink it, or use fewer --workers"
+        )
+    how = f"signal {signal.Signals(-code).name}" if code < 0 else f"exit code {code}"
+    return (
+        f"{file}: the process that measured it crashed twice ({how}): the file may be damaged, save it again"
+    )
+
+
+def serve() -> None:
+    """Perform the tasks that come on standard input, one after another, until it closes."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    settle_worker()
+    answers = os.fdopen(os.dup(1), "wb")
+    os.dup2(2, 1)  # what libraries print must not mix with the answers
+    questions: queue.SimpleQueue[bytes] = queue.SimpleQueue()
+    threading.Thread(target=_receive, args=(sys.stdin.buffer, questions), daemon=True).start()
+    idle_bytes = _virtual_bytes()
+    _send(answers, b"ready")
+    while True:
+        _send(answers, _answer(questions.get(), idle_bytes))
+
+
+def _answer(question: bytes, idle_bytes: int) -> bytes:
+    try:
+        work, file, folder, limits = pickle.loads(question)  # noqa: S301 (of our own parent)
+        _limit_memory(idle_bytes, limits)
+        return pickle.dumps(perform(work, file, folder, limits))
+    except Exception as error:  # raised again by whoever asked
+        return pickle.dumps(error)
+
+
+def _send(pipe: IO[bytes], message: bytes) -> None:
+    pipe.write(_LENGTH.pack(len(message)) + message)
+    pipe.flush()
+
+
+def _read(pipe: IO[bytes]) -> bytes:
+    """Return the next message.
+
+    Raises
+    ------
+    EOFError
+        If the other side is gone.
+    """
+    head = pipe.read(_LENGTH.size)
+    message = pipe.read(_LENGTH.unpack(head)[0]) if len(head) == _LENGTH.size else b""
+    if not message:
+        raise EOFError
+    return message
+
+
+def _receive(pipe: IO[bytes], questions: "queue.SimpleQueue[bytes]") -> None:
+    """Take questions as they come, and end the process with the parent, even in the middle of a task."""
+    try:
+        while True:
+            questions.put(_read(pipe))
+    finally:
+        os._exit(1)
+
+
+def settle_worker() -> None:
+    """Use one core, and let the memory of one frame serve the next.
+
+    By default glibc returns freed memory and asks for it again, page by page, a thousand times a frame.
+    """
+    cv2.setNumThreads(1)
+    with suppress(OSError, AttributeError):  # another C library has no such settings
+        settings = ctypes.CDLL("libc.so.6").mallopt
+        settings(_M_TRIM_THRESHOLD, 256 << 20)
+        settings(_M_MMAP_THRESHOLD, 32 << 20)
+
+
+def _virtual_bytes() -> int:
+    """Return the address space in use, 0 where the system does not tell."""
+    try:
+        pages = int(Path("/proc/self/statm").read_text().split()[0])
+    except (OSError, ValueError):
+        return 0
+    return pages * os.sysconf("SC_PAGE_SIZE")
+
+
+def _limit_memory(idle_size: int, limits: Limits) -> None:
+    if sys.platform == "win32" or not idle_size:
+        return
+    _, hard = resource.getrlimit(resource.RLIMIT_AS)
+    wanted = idle_size + round(limits.memory_gb * 1e9)
+    resource.setrlimit(resource.RLIMIT_AS, (wanted if hard < 0 else min(wanted, hard), hard))

@@ -1,0 +1,235 @@
+"""The files of a run, put in place as one: all of a new result set, or all of the old one.
+
+They are written into a folder beside the old ones and listed with their digests in ``SHA256SUMS``, in the
+format of ``sha256sum``. Then the folder is renamed, from which moment the new set counts, and its files are
+moved into place. Whoever reads results checks them against the list.
+"""
+
+import os
+import re
+import shutil
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import Final
+
+from fingerpad._files import digest_of, sha256_of
+from fingerpad.exceptions import FingerpadError, StoreError
+from fingerpad.study.durable import sync_folder
+from fingerpad.study.engine.store import STORE_NAME, Store
+
+SUMS_NAME: Final = "SHA256SUMS"
+# What a run writes into its output folder.
+OUTPUT_NAMES: Final = frozenset(
+    (
+        SUMS_NAME,
+        "figures",
+        "overlays",
+        "report",
+        "report.html",
+        "results.csv",
+        "results.json",
+        "results_columns.csv",
+        "summary.json",
+    )
+)
+_TABLES: Final = frozenset(("results.csv", "results.json", "results_columns.csv", "summary.json"))
+_FOLDERS: Final = ("overlays/sequences", "overlays", "figures", "report")
+_NEW: Final = ".results-new"
+_COMPLETE: Final = ".results-complete"
+_LINE: Final = re.compile(r"([0-9a-f]{64})  ([^\s/][^\n]*)")
+_DAMAGED: Final = f"{SUMS_NAME}: is damaged"
+_RERUN: Final = "run the study again: nothing that was measured is measured again"
+
+
+class NewResultSet:
+    """A result set that is being written.
+
+    Attributes
+    ----------
+    folder : Path
+        Where its files are written.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self._digests: dict[str, str] = {}
+
+    def add(self, name: str, source: Path, digest: str) -> None:
+        """Add a file that was drawn before, with its SHA-256: by a link where the file system has them.
+
+        Raises
+        ------
+        OSError
+            If it cannot be written.
+        """
+        target = self.folder / name
+        target.parent.mkdir(parents=True, exist_ok=True)
+        try:
+            os.link(source, target)
+        except OSError:
+            shutil.copyfile(source, target)
+        self._digests[name] = digest
+
+    def write_sums(self) -> None:
+        """Write the list of all files with their digests."""
+        names = _names_in(self.folder)
+        sums = "".join(
+            f"{self._digests.get(name) or sha256_of(self.folder / name)}  {name}\n" for name in names
+        )
+        with (self.folder / SUMS_NAME).open("w", encoding="utf-8", newline="\n") as file:
+            file.write(sums)
+            file.flush()
+            os.fsync(file.fileno())
+
+
+@contextmanager
+def new_result_set(store: Store) -> Iterator[NewResultSet]:
+    """Provide an empty folder for the files of a run, and put them in place in the end.
+
+    If anything is raised meanwhile, the old result set stays as it is.
+
+    Parameters
+    ----------
+    store : Store
+        The study's store, open for writing: results go into its folder.
+
+    Raises
+    ------
+    FingerpadError
+        If the files cannot be written or put in place.
+    """
+    out = store.folder
+    new = out / _NEW
+    try:
+        shutil.rmtree(new, ignore_errors=True)
+        new.mkdir()
+        result_set = NewResultSet(new)
+        yield result_set
+        result_set.write_sums()
+        new.rename(out / _COMPLETE)
+        sync_folder(out)
+    except OSError as error:
+        raise FingerpadError(
+            f"{error.filename or out}: cannot be written ({error.strerror}): the results before it are kept; "
+            "make room, or choose another --out, and run again to go on"
+        ) from error
+    finally:
+        shutil.rmtree(new, ignore_errors=True)
+    put_in_place(store)
+
+
+def put_in_place(store: Store) -> None:
+    """Put a complete result set in place, as one that was interrupted in the middle, if there is one.
+
+    Raises
+    ------
+    FingerpadError
+        If a file cannot be moved or removed.
+    """
+    out = store.folder
+    complete = out / _COMPLETE
+    if not complete.is_dir():
+        return
+    try:
+        old, new = (_listed(folder)[0] for folder in (out, complete))
+        for name in old.keys() - new.keys() if new else ():
+            (out / name).unlink(missing_ok=True)
+        for name in (*new, SUMS_NAME):  # the list last: until then it is known that something is missing
+            if (complete / name).exists():
+                (out / name).parent.mkdir(parents=True, exist_ok=True)
+                (complete / name).replace(out / name)
+        shutil.rmtree(complete)
+        for name, digest in _listed(out)[0].items():
+            store.remember(out / name, digest)
+        for folder in _FOLDERS:
+            with suppress(OSError):  # not empty
+                (out / folder).rmdir()
+    except OSError as error:
+        raise FingerpadError(
+            f"{error.filename}: cannot be put in place ({error.strerror}): run again to go on"
+        ) from error
+    store.discard_drawn()
+
+
+def result_files(out: Path) -> list[str]:
+    """Return the names of the files of a result set, relative to its folder; empty where there is none."""
+    return list(_listed(out)[0])
+
+
+def result_set_faults(
+    out: Path,
+    digest: Callable[[Path], str] = digest_of,
+    is_checked: Callable[[str], bool] = lambda _: True,
+) -> list[str]:
+    """Return what is wrong with a result set, each fault naming its file; empty where nothing is.
+
+    Parameters
+    ----------
+    out : Path
+        The output folder of a run.
+    digest : callable
+        Gives the SHA-256 of a file, empty where it cannot be read.
+    is_checked : callable
+        Tells which files, by name, are checked.
+    """
+    if (out / _COMPLETE).is_dir():
+        return ["the last run was stopped while it put its results in place, or is doing so now"]
+    listed, faults = _listed(out)
+    if not listed and not faults:
+        loose = sorted(name for name in OUTPUT_NAMES if (out / name).is_file())
+        return [f"{name}: is there without {SUMS_NAME}, so not of a finished run" for name in loose]
+    for name, expected in listed.items():
+        if not is_checked(name):
+            continue
+        found = digest(out / name)
+        if not found:
+            faults.append(f"{name}: is missing or cannot be read")
+        elif found != expected:
+            faults.append(f"{name}: is not the file that the last run wrote")
+    return faults
+
+
+def quick_faults(out: Path, is_checked: Callable[[str], bool] = lambda _: True) -> list[str]:
+    """Return the same, but read only files that have changed since the run, where the store tells."""
+    with suppress(StoreError):  # it is reported by whoever needs it
+        if (out / STORE_NAME).is_file():
+            with Store.reading(out / STORE_NAME) as store:
+                return result_set_faults(out, store.digest, is_checked)
+    return result_set_faults(out, is_checked=is_checked)
+
+
+def require_result_set(out: Path) -> None:
+    """Refuse results that are missing or do not belong together.
+
+    Raises
+    ------
+    FingerpadError
+        Naming the files.
+    """
+    faults = quick_faults(out)
+    if faults:
+        more = f" (and {len(faults) - 3} more)" if len(faults) > 3 else ""
+        raise FingerpadError(f"{out}: {'; '.join(faults[:3])}{more}: {_RERUN}")
+    if not (out / SUMS_NAME).is_file():
+        raise FingerpadError(
+            f"{out}: no {SUMS_NAME} there, so no finished run; `fingerpad run STUDY --out FOLDER` makes one"
+        )
+
+
+def _names_in(folder: Path) -> list[str]:
+    return sorted(path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file())
+
+
+def _listed(folder: Path) -> tuple[dict[str, str], list[str]]:
+    """Return the digests of a result set by file, and what is wrong with the list; both empty without one."""
+    try:
+        text = (folder / SUMS_NAME).read_text(encoding="utf-8")
+    except FileNotFoundError:
+        return {}, []
+    except (OSError, UnicodeDecodeError):
+        return {}, [_DAMAGED]
+    lines = [_LINE.fullmatch(line) for line in text.splitlines()]
+    listed = {line[2]: line[1] for line in lines if line is not None}
+    is_whole = text.endswith("\n") and None not in lines and listed.keys() >= _TABLES
+    return listed, [] if is_whole else [_DAMAGED]

@@ -1,0 +1,191 @@
+"""Performing tasks: in processes of their own, within limits, and nothing else of the machine changed."""
+
+import os
+import signal
+import threading
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from tests.soon import soon
+
+from fingerpad.exceptions import StoreError
+from fingerpad.study.engine.executors import local_executor
+from fingerpad.study.engine.limits import DEFAULT_LIMITS, Limits
+from fingerpad.study.engine.runner import records_of, run_plans
+from fingerpad.study.engine.store import STORE_NAME, Store
+from fingerpad.study.engine.task import Record, Task
+
+
+def process(_folder: Path, _out: Path) -> Record:
+    return {"process": os.getpid(), "threads": os.environ.get("OMP_NUM_THREADS")}
+
+
+def failing(_folder: Path, _out: Path) -> Record:
+    raise ValueError("nothing to see")
+
+
+def odd(_folder: Path, _out: Path) -> Record:
+    return {}["of a damaged file"]
+
+
+def crashing(_folder: Path, _out: Path) -> Record:
+    os.kill(os.getpid(), signal.SIGSEGV)
+    raise AssertionError
+
+
+def killed(_folder: Path, _out: Path) -> Record:
+    os.kill(os.getpid(), signal.SIGKILL)
+    raise AssertionError
+
+
+def crashing_once(folder: Path, _out: Path) -> Record:
+    if not (folder / "crashed").exists():
+        (folder / "crashed").touch()
+        os._exit(3)
+    return {"process": os.getpid()}
+
+
+def endless(_folder: Path, _out: Path) -> Record:
+    while True:
+        time.sleep(1)
+
+
+def greedy(_folder: Path, _out: Path) -> Record:
+    return {"sum": float(np.ones((1 << 30,)).sum())}  # 8 GB
+
+
+def full(_folder: Path, _out: Path) -> Record:
+    raise OSError(28, "No space left on device")
+
+
+def drawing(_folder: Path, out: Path) -> Record:
+    print("libraries print what they like")
+    (out / "figures").mkdir()
+    (out / "figures" / "a.svg").write_text("<svg/>")
+    return {}
+
+
+def task(number: int, work=process) -> Task:
+    return Task(name=str(number), item="", file=f"file {number}", key="", work=work, inputs=())
+
+
+def records(folder: Path, *works, workers: int = 1, limits: Limits = DEFAULT_LIMITS) -> list[Record]:
+    tasks = [task(number, work) for number, work in enumerate(works)]
+    with (
+        Store.writing(folder / STORE_NAME) as store,
+        local_executor(folder, workers, limits) as executor,
+    ):
+        return records_of(tasks, executor, store, folder)
+
+
+@pytest.mark.parametrize("before", [None, "4"])
+def test_linear_algebra_of_a_worker_has_one_thread(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, before: str | None
+) -> None:
+    if before is None:
+        monkeypatch.delenv("OMP_NUM_THREADS", raising=False)
+    else:
+        monkeypatch.setenv("OMP_NUM_THREADS", before)
+    found = records(tmp_path, *[process] * 6, workers=2)
+    assert {record["threads"] for record in found} == {"1"}
+    assert os.getpid() not in {record["process"] for record in found}
+    assert os.environ.get("OMP_NUM_THREADS") == before
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_records_come_in_the_order_of_their_tasks(tmp_path: Path, workers: int) -> None:
+    found = records(tmp_path, process, failing, odd, process, workers=workers)
+    assert ["reason" in record for record in found] == [False, True, True, False]
+    assert found[1]["reason"] == "file 1: cannot be measured (ValueError: nothing to see)"
+    assert found[2]["reason"] == "file 2: cannot be measured (KeyError: 'of a damaged file')"
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+@pytest.mark.parametrize(
+    ("work", "words"),
+    [
+        (crashing, "file 1: the process that measured it crashed twice (signal SIGSEGV)"),
+        (killed, "file 1: the process that measured it was killed twice, as happens where memory runs out"),
+    ],
+)
+def test_a_task_that_kills_its_process_is_named_and_the_others_go_on(
+    tmp_path: Path, workers: int, work, words: str
+) -> None:
+    found = records(tmp_path, process, work, process, process, workers=workers)
+    assert found[1]["reason"].startswith(words)
+    assert ["reason" in record for record in found] == [False, True, False, False]
+
+
+def test_a_process_that_dies_once_costs_nothing(tmp_path: Path) -> None:
+    (record,) = records(tmp_path, crashing_once)
+    assert "reason" not in record
+
+
+def test_a_task_that_never_ends_is_ended_and_tried_again_only_with_more_time(tmp_path: Path) -> None:
+    found = records(tmp_path, endless, process, limits=Limits(seconds=0.5))
+    assert found[0]["reason"].startswith("file 0: measuring it takes longer than 0.5 s")
+    assert "reason" not in found[1]
+    # Whether a task is performed again shows in what another work makes of it.
+    assert records(tmp_path, process, process, limits=Limits(seconds=0.4)) == found
+    assert "reason" not in records(tmp_path, process, process, limits=Limits(seconds=60))[0]
+
+
+@pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="memory is limited on Linux only")
+def test_a_task_that_takes_too_much_memory_fails_by_name(tmp_path: Path) -> None:
+    found = records(tmp_path, greedy, process, limits=Limits(memory_gb=0.5))
+    assert found[0]["reason"].startswith("file 0: measuring it takes more than 0.5 GB of memory")
+    assert "reason" not in found[1]
+
+
+def test_a_full_disk_ends_the_run(tmp_path: Path) -> None:
+    with pytest.raises(StoreError, match="the disk is full"):
+        records(tmp_path, full)
+
+
+def test_what_is_drawn_is_kept_and_what_is_printed_does_no_harm(tmp_path: Path) -> None:
+    records(tmp_path, drawing)
+    with Store.reading(tmp_path / STORE_NAME) as store:
+        ((name, digest),) = store.statuses()["0"].drawn.items()
+        assert name == "figures/a.svg"
+        assert store.drawn_file(name, digest).read_text() == "<svg/>"
+
+
+def test_workers_end_with_their_parent(tmp_path: Path) -> None:
+    pid = os.fork()
+    if not pid:
+        try:
+            (record,) = records(tmp_path, process)
+            (tmp_path / "worker").write_text(str(record["process"]))
+            time.sleep(60)
+        finally:
+            os._exit(1)
+    assert soon(lambda: (tmp_path / "worker").is_file() and (tmp_path / "worker").read_text())
+    worker = int((tmp_path / "worker").read_text())
+    os.kill(pid, signal.SIGKILL)
+    os.waitpid(pid, 0)
+    assert soon(lambda: not _is_running(worker))
+
+
+def _is_running(pid: int) -> bool:
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except OSError:
+        return False
+
+
+def test_a_second_interrupt_does_not_wait(tmp_path: Path) -> None:
+    stored = []
+
+    def interrupt() -> None:
+        for _ in range(2):
+            time.sleep(0.3)
+            os.kill(os.getpid(), signal.SIGINT)
+
+    thread = threading.Thread(target=interrupt)
+    thread.start()
+    with local_executor(tmp_path, 1) as executor, pytest.raises(KeyboardInterrupt):
+        run_plans([iter([[task(0, endless)]])], executor, lambda *one: stored.append(one), lambda _: False)
+    thread.join()
+    assert stored == []
