@@ -280,6 +280,59 @@ def test_damage_in_the_middle_is_no_silence(tmp_path, line):
         CorrectionLog(tmp_path)
 
 
+def test_a_bad_line_is_named_each_time_and_its_repair_noticed(tmp_path):
+    log = CorrectionLog(tmp_path)
+    for level in (10, 20):
+        said(log, "print_1", {"threshold": level})
+    path = tmp_path / CORRECTIONS_NAME
+    good = path.read_bytes()
+    path.write_bytes(good + b"nonsense\n" + good)
+    for _ in range(3):
+        with pytest.raises(StoreError, match="line 3 is no correction"):
+            log.rulings()
+    path.write_bytes(good)
+    assert log.ruling("print_1").change.threshold == 20
+    # A line in the middle, in place and of the same length.
+    path.write_bytes(good.replace(b'"who": "anna"', b'"who": "anne"', 1))
+    for _ in range(2):
+        with pytest.raises(StoreError, match="line 1 was changed after it was written"):
+            log.rulings()
+    path.write_bytes(good)
+    assert log.ruling("print_1").who == "anna"
+
+
+def test_what_is_written_by_hand_has_no_checksum_and_counts(tmp_path):
+    log = CorrectionLog(tmp_path)
+    said(log, "print_1", {"threshold": 10})
+    path = tmp_path / CORRECTIONS_NAME
+    content = json.loads(path.read_text())
+    content["change"]["threshold"] = 11
+    path.write_text(json.dumps(content) + "\n")
+    with pytest.raises(StoreError, match='remove its "checksum"'):
+        log.rulings()
+    del content["checksum"]
+    path.write_text(json.dumps(content) + "\n")
+    assert log.ruling("print_1").change.threshold == 11
+
+
+def test_any_flipped_bit_of_a_line_is_noticed(tmp_path):
+    log = CorrectionLog(tmp_path)
+    for level in (10, 20):
+        said(log, "print_1", {"threshold": level, "strokes": [STROKE]})
+    path = tmp_path / CORRECTIONS_NAME
+    whole, ruling = path.read_bytes(), log.ruling("print_1")
+    for place in range(0, 8 * len(whole), 7):
+        flipped = bytearray(whole)
+        flipped[place // 8] ^= 1 << place % 8
+        path.write_bytes(flipped)
+        try:
+            found = CorrectionLog(tmp_path)
+        except StoreError:
+            continue
+        # A flipped end of line tears the last line, and a flipped checksum's name leaves none.
+        assert found.notes or found.ruling("print_1") == ruling
+
+
 KILLED = """
 import sys
 from pathlib import Path

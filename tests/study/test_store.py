@@ -7,6 +7,9 @@ import signal
 import sqlite3
 import subprocess
 import sys
+import time
+from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -196,13 +199,112 @@ def test_a_damaged_store(folder: Path) -> None:
         run(folder)
 
 
-def test_a_store_from_the_future(folder: Path) -> None:
-    run(folder)
-    connection = sqlite3.connect(folder / "out" / STORE_NAME)
-    connection.execute("PRAGMA user_version=99")
+def _retagged(path: Path, pragma: str) -> None:
+    connection = sqlite3.connect(path)
+    connection.execute(f"PRAGMA {pragma}")
     connection.close()
-    with pytest.raises(StoreError, match="written by a newer fingerpad"):
-        run(folder)
+
+
+def _other_tables(path: Path) -> None:
+    path.unlink()
+    connection = sqlite3.connect(path)
+    connection.executescript("CREATE TABLE result (a); CREATE TABLE mine (b); INSERT INTO mine VALUES (1);")
+    connection.close()
+
+
+FOREIGN: dict[str, tuple[Callable[[Path], object], str]] = {
+    "newer": (lambda path: _retagged(path, "user_version=99"), "written by a newer fingerpad"),
+    "older": (lambda path: _retagged(path, "user_version=2"), "written by an older fingerpad"),
+    "of another program": (_other_tables, "no store of fingerpad .made by another program"),
+}
+
+
+@pytest.mark.parametrize(("change", "words"), FOREIGN.values(), ids=FOREIGN)
+def test_a_store_that_this_version_did_not_write_is_left_alone(
+    folder: Path, change: Callable[[Path], object], words: str
+) -> None:
+    run(folder)
+    path = folder / "out" / STORE_NAME
+    change(path)
+    before = path.read_bytes()
+    for use in (run, lambda folder: study_status(folder / "study.toml", folder / "out")):
+        with pytest.raises(StoreError, match=words):
+            use(folder)
+        assert path.read_bytes() == before
+
+
+def snapshot(folder: Path) -> dict[str, tuple[int, bytes]]:
+    return {
+        str(path.relative_to(folder)): (path.stat().st_mtime_ns, path.read_bytes())
+        for path in sorted(folder.rglob("*"))
+        if path.is_file()
+    }
+
+
+@pytest.mark.parametrize("state", ["finished", "killed", "at work"])
+def test_status_writes_nothing(folder: Path, state: str) -> None:
+    out = folder / "out"
+    run(folder)
+    if state != "finished":
+        (folder / "o1.png").write_bytes((folder / "o2.png").read_bytes())
+        pid = os.fork()
+        if not pid:
+            try:
+                with Store.writing(out / STORE_NAME) as store:
+                    store.put("a", "k", TaskResult({}, {}, 0.5), count=1)
+                    (folder / "written").touch()
+                    time.sleep(60)
+            finally:
+                os._exit(1)
+        assert soon((folder / "written").exists)
+        if state == "killed":
+            os.kill(pid, signal.SIGKILL)
+    before = snapshot(out)
+    found = study_status(folder / "study.toml", out)
+    # The index of a log that is being read says who reads it.
+    assert {name: file for name, file in snapshot(out).items() if not name.endswith("-shm")} == {
+        name: file for name, file in before.items() if not name.endswith("-shm")
+    }
+    assert found.done == (COUNT if state == "finished" else COUNT - 1)
+    if state != "finished":
+        os.kill(pid, signal.SIGKILL)
+        os.waitpid(pid, 0)
+
+
+def test_a_damaged_result_is_measured_again_and_named(folder: Path) -> None:
+    _, rows = run(folder)
+    connection = sqlite3.connect(folder / "out" / STORE_NAME)
+    change = """replace(record, '"semi_major": 4', '"semi_major": 6')"""
+    connection.execute(f"UPDATE result SET record = {change} WHERE task = 'o2'")
+    connection.commit()
+    connection.close()
+    status = study_status(folder / "study.toml", folder / "out")
+    assert status.faults == (f"{STORE_NAME}: the stored result of o2 is damaged",)
+    told: list[str] = []
+    result = run_study(
+        folder / "study.toml", folder / "out", on_progress=lambda one: told.append(f"{one.status} {one.item}")
+    )
+    assert [one for one in told if one.startswith("done")] == ["done o2"]
+    assert list(result.rows) == rows
+    assert result.notes == (f"{STORE_NAME}: the stored result of o2 was damaged and is measured again",)
+    assert study_status(folder / "study.toml", folder / "out").faults == ()
+
+
+def test_flipped_bits_of_a_store_change_no_row_in_silence(folder: Path) -> None:
+    _, rows = run(folder)
+    path = folder / "out" / STORE_NAME
+    whole = path.read_bytes()
+    rng = np.random.default_rng(8)
+    for place in rng.integers(0, 8 * len(whole), 40).tolist():
+        flipped = bytearray(whole)
+        flipped[place // 8] ^= 1 << place % 8
+        path.write_bytes(flipped)
+        with suppress(StoreError):
+            study_status(folder / "study.toml", folder / "out")
+        with suppress(StoreError):
+            assert list(run_study(folder / "study.toml", folder / "out").rows) == rows
+        for other in path.parent.glob(f"{STORE_NAME}-*"):
+            other.unlink()
 
 
 def test_status_for_scripts(folder: Path) -> None:

@@ -87,7 +87,7 @@ def test_the_page_writes_what_the_command_line_writes(client, study, tmp_path):
         for path in (other / "results").rglob("*")
         if path.is_file()
     }
-    names = {name for name in names if not name.startswith("store.")}
+    names = {name for name in names if not name.startswith(("store.", "SHA256SUMS"))}
     assert {"report.html", "results.csv", "summary.json"} < names
     assert any(name.startswith("figures/") for name in names)
     for name in sorted(names):
@@ -254,7 +254,7 @@ def test_a_run_can_be_stopped_while_its_report_is_drawn(workspace):
         client.post("/api/run/cancel")
         assert ended(client)["state"] == "cancelled"
         results = client.get("/api/study").json()["results"]
-        assert (results["there"], results["report"], results["fresh"]) == (True, False, False)
+        assert (results["there"], results["report"], results["fresh"]) == (False, False, False)
         assert client.get("/api/download/report.html").status_code == 404
         client.post("/api/run", json={})
         assert ended(client)["state"] == "done"
@@ -398,3 +398,19 @@ def test_frames_know_their_rows_after_a_run(done):
     live = done.post("/api/measure/contact", json={"item": "synthetic_press_30deg#12"}).json()
     row = next(row for row in rows(done, limit=2000)["rows"] if row["item"] == "synthetic_press_30deg#12")
     assert live["numbers"]["gross_area_mm2"] == pytest.approx(row["gross_area_mm2"])
+
+
+def test_results_that_do_not_belong_together_are_named(client, study):
+    run_of(client)
+    other = (study / "results" / "results.csv").read_bytes()
+    (study / "results" / "results.csv").write_bytes(other[: len(other) // 2])
+    results = client.get("/api/study").json()["results"]
+    assert results["faults"] == ["results.csv: is not the file that the last run wrote"]
+    assert not results["there"]
+    for route in ("rows", "summary", "plot", "figures"):
+        answer = client.get(f"/api/results/{route}")
+        assert answer.status_code == 409
+        assert "results.csv: is not the file" in answer.json()["error"]
+    run_of(client)
+    results = client.get("/api/study").json()["results"]
+    assert (results["faults"], results["there"]) == ([], True)

@@ -106,6 +106,32 @@ def _print_status(found: "Status") -> None:
         typer.echo(f"fault: {fault}", err=True)
 
 
+def verify(
+    study: Annotated[Path, typer.Argument(help="The study's manifest.", show_default=False)],
+    out: Annotated[Path, typer.Option(help="Folder of its results.")] = Path("results"),
+    as_json: AsJson = False,
+) -> None:
+    """Check that all that is kept of a study is what was written: manifest, corrections, store, results.
+
+    Nothing is written. The exit code is 3 where something is damaged.
+    """
+    from fingerpad.study.verify import verify_study
+
+    with plain_errors():
+        found = verify_study(study, out)
+    if as_json:
+        print_json(asdict(found))
+    else:
+        for name, holds in found.intact.items():
+            typer.echo(f"intact   {name}: {holds}")
+        for name in found.changed_inputs:
+            typer.echo(f"changed  {name}: not what it was at the last run")
+        for fault in found.faults:
+            typer.echo(f"fault    {fault}")
+    if found.faults:
+        raise typer.Exit(Exit.SOME_FAILED)
+
+
 def _print_outcome(result: "StudyResult", report: Path) -> None:
     from fingerpad.report.text import FLAG_WORDS, doubtful_frames, in_words
 

@@ -73,6 +73,11 @@ class CorrectionLog:
         return hashlib.sha256(self._read + self._torn).hexdigest()
 
     @property
+    def count(self) -> int:
+        """Number of records."""
+        return sum(map(len, self._histories.values()))
+
+    @property
     def notes(self) -> tuple[str, ...]:
         """What is odd in the file but does no harm."""
         if not self._torn:

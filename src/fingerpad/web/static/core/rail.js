@@ -22,7 +22,7 @@ function wants(step) {
     photographs: [photographs.length ? `${photographs.length}` : "none", ""],
     contacts: doubtful ? [`${doubtful} doubtful`, "warn"] : [`${contacts.length}${study.sequences.length ? ` + ${study.sequences.length} film${study.sequences.length > 1 ? "s" : ""}` : ""}`, ""],
     pad: [`${study.fingers.length || ""}`, ""],
-    results: study.results?.there ? (study.results.fresh ? ["up to date", "good"] : ["out of date", "warn"]) : ["none yet", ""],
+    results: study.results?.there ? (study.results.fresh ? ["up to date", "good"] : ["out of date", "warn"]) : study.results?.faults?.length ? ["damaged", "bad"] : ["none yet", ""],
     run: busy ? [`${run.done} of ${run.total}`, "busy"] : study.counts?.failed ? [`${study.counts.failed} failed`, "bad"] : ["", ""],
   }[step];
 }

@@ -51,6 +51,17 @@ class Results {
     this.part = null;
     this.#sayFresh();
     const { results } = bench.study;
+    if (results?.faults?.length && key !== "audit") {
+      place(
+        this.body,
+        empty(
+          "These are not the results of one run",
+          `${results.faults.slice(0, 5).join("; ")}. Run the study again: nothing that was measured is measured again.`,
+          h("a.button.primary", { href: "#/run/start" }, "Run the study"),
+        ),
+      );
+      return;
+    }
     if (!results?.there && key !== "audit") {
       place(
         this.body,

@@ -1,0 +1,254 @@
+"""The files of a run are put in place as one, and whoever reads them notices what does not belong."""
+
+import os
+import shutil
+import signal
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from filelock import FileLock
+from tests.study.small_study import PICTURES
+from tests.study.small_study import make as make_pictures
+from typer.testing import CliRunner
+
+from fingerpad.cli import app
+from fingerpad.exceptions import FingerpadError, StoreError
+from fingerpad.study.engine.store import STORE_NAME, Store
+from fingerpad.study.engine.task import TaskResult
+from fingerpad.study.pipeline import run_study
+from fingerpad.study.results.result_set import (
+    new_result_set,
+    put_in_place,
+    result_files,
+    result_set_faults,
+)
+
+FINGER = """title = "{title}"
+[[fingers]]
+name = "f"
+semi_axes_mm = {{ palmar = 7.9, distal = 13.8, radial_ulnar = 11.8 }}
+semi_axes_std_mm = {{ palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }}
+"""
+ROW = """[[observations]]
+name = "o{number}"
+finger = "f"
+wedge_angle_deg = 30
+load_N = {load}
+ellipse_mm = {{ semi_major = 7.4, semi_minor = 5.0, std = 0.1 }}
+"""
+TABLES = ("results.csv", "results.json", "results_columns.csv", "summary.json")
+
+
+def make(folder: Path, rows: int = 3, *, title: str = "T", load: float = 1.0) -> Path:
+    folder.mkdir(exist_ok=True)
+    text = FINGER.format(title=title) + "".join(ROW.format(number=k, load=load) for k in range(rows))
+    (folder / "study.toml").write_text(text)
+    return folder / "study.toml"
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("study")
+    run_study(make(folder), folder / "out")
+    return folder
+
+
+@pytest.fixture
+def study(finished: Path, tmp_path: Path) -> Path:
+    return Path(shutil.copytree(finished, tmp_path / "study"))
+
+
+def contents(out: Path) -> dict[str, bytes]:
+    return {name: (out / name).read_bytes() for name in (*result_files(out), "SHA256SUMS")}
+
+
+def test_the_list_is_one_that_sha256sum_checks(study: Path) -> None:
+    done = subprocess.run(
+        ["sha256sum", "--check", "--strict", "SHA256SUMS"], cwd=study / "out", capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stderr
+    assert set(result_files(study / "out")) >= set(TABLES)
+
+
+def test_what_goes_wrong_while_results_are_written_leaves_the_old_ones(study: Path) -> None:
+    before = contents(study / "out")
+    make(study, rows=5)
+
+    def fail(*_: object) -> None:
+        raise FingerpadError("no paper")
+
+    with pytest.raises(FingerpadError, match="no paper"):
+        run_study(study / "study.toml", study / "out", write_report=fail)
+    assert contents(study / "out") == before
+    assert result_set_faults(study / "out") == []
+
+
+NEW = {
+    **dict.fromkeys(TABLES, b"new"),
+    "report.html": b"new",
+    "figures/a.svg": b"new",
+    "figures/b.svg": b"new",
+    "overlays/o1.png": b"drawn",
+}
+STEPS = ("fsync", "link", "mkdir", "rename", "replace", "rmdir", "unlink")
+
+
+def put(out: Path, files: dict[str, bytes]) -> None:
+    """Put a result set in place; its overlays were drawn before."""
+    with Store.writing(out / STORE_NAME) as store:
+        put_in_place(store)
+        drawn = {name: content for name, content in files.items() if name.startswith("overlays")}
+        store.put("o", "key", TaskResult({}, drawn, 0.0), count=1)
+        with new_result_set(store) as new:
+            for name, content in files.items():
+                if name in drawn:
+                    digest = store.statuses()["o"].drawn[name]
+                    new.add(name, store.drawn_file(name, digest), digest)
+                else:
+                    (new.folder / name).parent.mkdir(exist_ok=True)
+                    (new.folder / name).write_bytes(content)
+
+
+def put_and_die(out: Path, step: int) -> int:
+    """Put a result set in place in a copy of this process, kill it at a step, and return the signal."""
+    pid = os.fork()
+    if pid:
+        return os.waitpid(pid, 0)[1]
+    calls = 0
+
+    def counted(function: Callable[..., object]) -> Callable[..., object]:
+        def call(*args: Any, **options: Any) -> object:
+            nonlocal calls
+            calls += 1
+            if calls == step:
+                os.kill(os.getpid(), signal.SIGKILL)
+            return function(*args, **options)
+
+        return call
+
+    try:
+        for name in STEPS:
+            setattr(os, name, counted(getattr(os, name)))
+        put(out, NEW)
+    finally:
+        os._exit(0)
+
+
+def test_a_kill_at_any_step_leaves_the_old_results_or_the_new_ones(study: Path, tmp_path: Path) -> None:
+    """Old and new, whole or named as unfinished; what comes next ends as if nothing had happened."""
+    out = study / "out"
+    put(out, {**dict.fromkeys(TABLES, b"old"), "report.html": b"old", "figures/old.svg": b"old"})
+    before = contents(out)
+    outcomes = set()
+    step = 1
+    while True:
+        copy = Path(shutil.copytree(out, tmp_path / f"killed_{step}"))
+        if put_and_die(copy, step) != signal.SIGKILL:
+            break
+        faults = result_set_faults(copy)
+        if faults:
+            assert "put its results in place" in faults[0]
+            outcomes.add("between")
+        else:
+            found = contents(copy)
+            outcomes.add("old" if found == before else "new")
+            assert found == before or {name: found[name] for name in NEW} == NEW
+        put(copy, NEW)
+        assert result_set_faults(copy) == []
+        assert {name: content for name, content in contents(copy).items() if name in NEW} == NEW
+        assert not [path for path in copy.iterdir() if path.name.startswith((".results", ".drawn"))]
+        shutil.rmtree(copy)
+        step += 1
+    assert outcomes == {"old", "between", "new"}
+    assert step > 15
+
+
+def test_files_that_the_new_results_lack_are_removed_and_others_are_not(study: Path) -> None:
+    out = study / "out"
+    put(out, NEW)
+    (out / "figures" / "mine.svg").write_text("mine")
+    (out / "notes.txt").write_text("mine")
+    run_study(study / "study.toml", out)
+    assert not (out / "report.html").exists()
+    assert [path.name for path in (out / "figures").iterdir()] == ["mine.svg"]
+    assert (out / "notes.txt").read_text() == "mine"
+
+
+def changed(path: Path, how: str) -> None:
+    text = path.read_bytes()
+    if how == "a row lost":
+        path.write_bytes(b"\n".join(text.splitlines()[:-1]) + b"\n")
+    elif how == "cut":
+        path.write_bytes(text[: len(text) // 2])
+    elif how == "of another run":
+        make(path.parent.parent / "other", load=2.0)
+        run_study(path.parent.parent / "other" / "study.toml", path.parent.parent / "other" / "out")
+        shutil.copy(path.parent.parent / "other" / "out" / path.name, path)
+    else:
+        path.unlink()
+
+
+@pytest.mark.parametrize("how", ["a row lost", "cut", "of another run", "gone"])
+@pytest.mark.parametrize("name", TABLES[:1] + TABLES[3:])
+def test_who_reads_results_names_the_file_that_does_not_belong(study: Path, name: str, how: str) -> None:
+    changed(study / "out" / name, how)
+    for command in (
+        ["export", str(study / "out"), str(study / "r.mat")],
+        ["compare", str(study / "out")],
+        ["status", str(study / "study.toml"), "--out", str(study / "out")],
+        ["status", str(study / "study.toml"), "--out", str(study / "out"), "--json"],
+    ):
+        result = CliRunner().invoke(app, command)
+        assert result.exit_code in {2, 3}, command
+        assert f"{name}: is" in result.output + result.stderr, command
+    assert not (study / "r.mat").exists()
+    run_study(study / "study.toml", study / "out")
+    assert CliRunner().invoke(app, ["compare", str(study / "out")]).exit_code == 0
+
+
+@pytest.mark.parametrize("damage", [b"", b"x", b"\xff\xfe"])
+def test_a_damaged_list_is_named(study: Path, damage: bytes) -> None:
+    path = study / "out" / "SHA256SUMS"
+    path.write_bytes(path.read_bytes()[:-30] + damage)
+    assert result_set_faults(study / "out")[0].startswith("SHA256SUMS: is damaged")
+
+
+def test_results_without_a_list_are_no_results(study: Path) -> None:
+    (study / "out" / "SHA256SUMS").unlink()
+    result = CliRunner().invoke(app, ["export", str(study / "out"), str(study / "r.mat")])
+    assert result.exit_code == 2
+    assert "results.csv: is there without SHA256SUMS" in result.stderr
+
+
+def test_the_lock_holds_until_the_results_are_in_place(study: Path) -> None:
+    """Of two runs on one folder one is refused, whatever the other is at."""
+    seen: list[str] = []
+
+    def report(*_: object) -> None:
+        with pytest.raises(StoreError, match="another run writes here"):
+            run_study(study / "study.toml", study / "out")
+        seen.append("refused")
+
+    run_study(study / "study.toml", study / "out", write_report=report)
+    assert seen == ["refused"]
+    with FileLock(study / "out" / "store.lock", timeout=0):
+        pass
+
+
+def test_a_changed_picture_of_the_results_is_drawn_again(tmp_path: Path) -> None:
+    manifest = make_pictures(tmp_path / "study")
+    text = manifest.read_text()
+    manifest.write_text(text[: text.index("[[sequences]]")])
+    out = tmp_path / "out"
+    run_study(manifest, out)
+    good = (out / "overlays" / "o1.png").read_bytes()
+    (out / "overlays" / "o1.png").write_bytes(good[:100])
+    told: list[str] = []
+    run_study(manifest, out, on_progress=lambda one: told.append(one.item) if one.status == "done" else None)
+    assert told == ["o1"]
+    assert (out / "overlays" / "o1.png").read_bytes() == good
+    assert len([name for name in result_files(out) if name.startswith("overlays/o")]) == PICTURES
+    assert not os.path.lexists(out / ".drawn")

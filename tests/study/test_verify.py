@@ -1,0 +1,107 @@
+"""`fingerpad verify` names everything that is not what was written, and nothing else."""
+
+import json
+import shutil
+import sqlite3
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from tests.study.small_study import make
+from typer.testing import CliRunner
+
+from fingerpad.cli import app
+from fingerpad.study.corrections.log import CorrectionLog
+from fingerpad.study.manifest import read_study
+from fingerpad.study.pipeline import run_study
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("study") / "study"
+    manifest = make(folder)
+    study = read_study(manifest)
+    CorrectionLog(folder).append("o1", {"accepted": True}, who="anna", expected=0, study=study)
+    run_study(manifest, folder / "out")
+    return folder
+
+
+@pytest.fixture
+def study(finished: Path, tmp_path: Path) -> Path:
+    return Path(shutil.copytree(finished, tmp_path / "study"))
+
+
+def verify(folder: Path) -> tuple[int, dict]:
+    command = ["verify", str(folder / "study.toml"), "--out", str(folder / "out"), "--json"]
+    result = CliRunner().invoke(app, command)
+    return result.exit_code, json.loads(result.stdout)
+
+
+def test_a_finished_study_is_intact(study: Path) -> None:
+    code, found = verify(study)
+    assert code == 0
+    assert found["faults"] == []
+    assert found["changed_inputs"] == []
+    assert found["intact"].keys() == {"study.toml", "corrections.jsonl", "store.sqlite", "results"}
+    words = CliRunner().invoke(app, ["verify", str(study), "--out", str(study / "out")])
+    assert words.stdout.startswith("intact   study.toml: 2 fingers, 6 contacts")
+
+
+def flip(path: Path) -> None:
+    """Flip a bit that every format minds, and give the file the times that it had."""
+    content = bytearray(path.read_bytes())
+    content[len(content) // 2] ^= 1
+    path.write_bytes(content)
+
+
+def spoil_record(path: Path) -> None:
+    connection = sqlite3.connect(path)
+    connection.execute("UPDATE result SET seconds = seconds + 1 WHERE task = 'o3'")
+    connection.commit()
+    connection.close()
+
+
+FAULTS: dict[str, tuple[str, Callable[[Path], object], str]] = {
+    "a table": ("out/results.csv", flip, "results.csv: is not the file"),
+    "an overlay": ("out/overlays/o2.png", flip, "overlays/o2.png: is not the file"),
+    "a lost overlay": ("out/overlays/o2.png", Path.unlink, "overlays/o2.png: is missing"),
+    "a stored result": ("out/store.sqlite", spoil_record, "the stored result of o3 is damaged"),
+    "the list": ("out/SHA256SUMS", flip, ""),
+    "a correction": ("corrections.jsonl", flip, "corrections.jsonl: line 1"),
+    "the manifest": ("study.toml", lambda path: path.write_text("title = 1"), "study.toml: title"),
+}
+
+
+@pytest.mark.parametrize(("name", "change", "words"), FAULTS.values(), ids=FAULTS)
+def test_what_was_changed_is_named(study: Path, name: str, change: Callable, words: str) -> None:
+    change(study / name)
+    code, found = verify(study)
+    assert code == 3
+    assert any(words in fault for fault in found["faults"])
+    assert Path(name).name not in found["intact"]
+
+
+def test_changed_inputs_are_no_fault(study: Path) -> None:
+    (study / "o1.png").write_bytes((study / "o2.png").read_bytes())
+    code, found = verify(study)
+    assert (code, found["changed_inputs"]) == (0, ["o1.png"])
+
+
+def test_a_study_that_was_never_run(study: Path) -> None:
+    shutil.rmtree(study / "out")
+    code, found = verify(study)
+    assert (code, found["intact"].keys()) == (0, {"study.toml", "corrections.jsonl"})
+
+
+def test_no_flipped_bit_goes_unnoticed(study: Path) -> None:
+    rng = np.random.default_rng(3)
+    for name in ("out/results.json", "out/summary.json", "out/SHA256SUMS", "out/overlays/o1.png"):
+        whole = (study / name).read_bytes()
+        for place in rng.integers(0, 8 * len(whole), 10).tolist():
+            flipped = bytearray(whole)
+            flipped[place // 8] ^= 1 << place % 8
+            (study / name).write_bytes(flipped)
+            assert verify(study)[0] == 3, (name, place)
+        (study / name).write_bytes(whole)
+    assert verify(study)[0] == 0
