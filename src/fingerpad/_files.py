@@ -2,8 +2,12 @@
 
 import hashlib
 from pathlib import Path
+from typing import Final
 
 from fingerpad.exceptions import FingerpadError
+
+# Bytes; a file system takes 255 with what is added.
+_LONGEST_STEM: Final = 200
 
 
 def make_folder(folder: Path) -> None:
@@ -20,6 +24,24 @@ def make_folder(folder: Path) -> None:
         raise FingerpadError(
             f"{folder}: cannot make this folder ({error.strerror}); choose another"
         ) from error
+
+
+def file_stem(name: str) -> str:
+    """Return a name, cut short where no file system could hold it; different names stay different.
+
+    Examples
+    --------
+    >>> file_stem("left_index_30deg")
+    'left_index_30deg'
+    >>> len(file_stem("指" * 90).encode()), file_stem("指" * 90) == file_stem("指" * 91)
+    (197, False)
+    """
+    encoded = name.encode()
+    if len(encoded) <= _LONGEST_STEM:
+        return name
+    return (
+        f"{encoded[: _LONGEST_STEM - 20].decode(errors='ignore')}-{hashlib.sha256(encoded).hexdigest()[:16]}"
+    )
 
 
 def sha256_of(path: Path) -> str:

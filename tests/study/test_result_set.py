@@ -16,6 +16,7 @@ from typer.testing import CliRunner
 
 from fingerpad.cli import app
 from fingerpad.exceptions import FingerpadError, StoreError
+from fingerpad.report import write_report
 from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.engine.task import TaskResult
 from fingerpad.study.pipeline import run_study
@@ -252,3 +253,26 @@ def test_a_changed_picture_of_the_results_is_drawn_again(tmp_path: Path) -> None
     assert (out / "overlays" / "o1.png").read_bytes() == good
     assert len([name for name in result_files(out) if name.startswith("overlays/o")]) == PICTURES
     assert not os.path.lexists(out / ".drawn")
+
+
+def test_files_of_the_results_never_share_a_name(tmp_path: Path) -> None:
+    """Photographs whose names differ in what no file name holds, and names of 60 letters of four bytes."""
+    manifest = make_pictures(tmp_path / "study")
+    long = "指" * 60
+    (tmp_path / "study" / "x").mkdir()
+    for name, source in (("x/a.jpg", "palmar.jpg"), ("x_a.jpg", "distal.jpg")):
+        shutil.copy(tmp_path / "study" / source, tmp_path / "study" / name)
+    text = manifest.read_text()
+    text = text.replace('"palmar.jpg"', '"x/a.jpg"').replace('"distal.jpg"', '"x_a.jpg"')
+    text = text.replace('name = "g"', f'name = "{long}"').replace('name = "p"', f'name = "{long}"')
+    text = text.replace(
+        'name = "o1"\nfinger = "f"', f'name = "finger_{long[:20]}_palmar_1"\nfinger = "{long}"'
+    )
+    manifest.write_text(text)
+    result = run_study(manifest, tmp_path / "out", write_report=write_report)
+    assert result.failures == []
+    shown = [row["overlay"] for row in result.rows if row["overlay"]]
+    shown += [one.overlay for finger in result.fingers.values() for one in finger.photographs]
+    shown += [one.file for film in result.sequences for one in film.overlays]
+    assert len(set(shown)) == len(shown) >= PICTURES + 2 + 3
+    assert set(shown) <= set(result_files(tmp_path / "out"))

@@ -6,6 +6,7 @@ from typing import Final
 import numpy as np
 from matplotlib.figure import Figure
 
+from fingerpad._files import file_stem
 from fingerpad.contact import HertzGeometry
 from fingerpad.figures import (
     new_figure,
@@ -38,9 +39,8 @@ MOST_POINTS: Final = 60
 def group_name(finger: str, wedge_angle_deg: float, roll_angle_deg: float, *, synthetic: bool) -> str:
     """Return the file name of a group of rows, which no other group has."""
     roll = f"_roll{roll_angle_deg!r}" if roll_angle_deg else ""
-    return f"{finger}_{wedge_angle_deg!r}deg{roll}".replace(".0deg", "deg") + (
-        "_synthetic" if synthetic else ""
-    )
+    name = f"{finger}_{wedge_angle_deg!r}deg{roll}".replace(".0deg", "deg")
+    return file_stem(name + ("_synthetic" if synthetic else ""))
 
 
 def loading_radius_of(result: StudyResult, summary: Summary) -> LoadingRadius | None:
@@ -213,7 +213,7 @@ def press_plot(film: SequenceResult, frames: Table) -> Iterator[Plot]:
     )
     some = "" if len(rows) == len(seen) else f" {len(rows)} of {len(seen)} frames are drawn."
     yield Plot(
-        name=f"sequence_{of.name}{'_synthetic' if synthetic else ''}",
+        name=f"sequence_{file_stem(of.name)}{'_synthetic' if synthetic else ''}",
         figure=figure,
         caption=(
             f"Contact area and semi-axes against time and against force ({of.name}, {of.finger}, wedge "

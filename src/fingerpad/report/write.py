@@ -6,6 +6,7 @@ from functools import partial
 from pathlib import Path
 from typing import Final
 
+from fingerpad._files import file_stem
 from fingerpad.report.page import write_page
 from fingerpad.study.engine.task import Record, Task, code_digest
 from fingerpad.study.results.digest import digest_of_values
@@ -64,7 +65,7 @@ def _draw_here(folder: Path, tasks: list[Task], on_drawn: Callable[[Task], None]
 def _task(part: StudyResult) -> Task:
     """Return the drawing of a finger's page, keyed by all that it shows and by the code that draws."""
     (name,) = part.fingers
-    file = f"{_PAGES}/{name}.html"
+    file = f"{_PAGES}/{file_stem(name)}.html"
     shown = replace(part, provenance={**part.provenance, "made": None})
     return Task(
         name=f"/page {name}",  # no item's name begins like this

@@ -38,7 +38,9 @@ _TYPES: Final = {
     ".svg": "image/svg+xml",
     ".png": "image/png",
 }
-_DRAWN: Final = re.compile(r"(figures|overlays)/(sequences/)?[^/\\\0]+\.(svg|png)|report/[^/\\\0]+\.html")
+_DRAWN: Final = re.compile(
+    r"(figures|overlays)/((photographs|sequences)/)?[^/\\\0]+\.(svg|png)|report/[^/\\\0]+\.html"
+)
 
 
 class UploadQuestion(Question):

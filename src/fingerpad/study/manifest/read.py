@@ -3,6 +3,7 @@
 import tomllib
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from unicodedata import normalize
 
 from fingerpad.exceptions import ManifestError
 from fingerpad.study.manifest.faults import validated
@@ -61,9 +62,12 @@ def _reference_faults(study: Study) -> Iterator[str]:
     contacts = [contact.name for contact in (*study.observations, *study.sequences)]
     kinds = "observations and sequences" if study.sequences else "observations"
     for kind, names in (("scales", list(study.scales)), ("fingers", fingers), (kinds, contacts)):
-        folded = [name.casefold() for name in names]  # two files must differ by more than case
-        for name in sorted({name for name in names if folded.count(name.casefold()) > 1}):
-            count = folded.count(name.casefold())
+        # Two files must differ by more than case, and by more than how an accent is written.
+        folded = [normalize("NFC", name).casefold() for name in names]
+        for name, key in sorted(set(zip(names, folded, strict=True))):
+            count = folded.count(key)
+            if count == 1:
+                continue
             yield f"{kind}: the name {name!r} is given {count} times; names must differ by more than case"
     used = [(f"observation {row.name!r}", row.finger) for row in study.observations]
     used += [(f"sequence {sequence.name!r}", sequence.finger) for sequence in study.sequences]

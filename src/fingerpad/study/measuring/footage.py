@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fingerpad._files import make_folder
+from fingerpad._files import file_stem, make_folder
 from fingerpad.image import (
     Frame,
     Imprint,
@@ -164,7 +164,7 @@ class Footage:
         for role, index in gist.chosen.items():
             if index in overlays:
                 continue
-            file = f"overlays/sequences/{self.sequence.name}_frame_{index:06d}.png"
+            file = f"overlays/sequences/{file_stem(self.sequence.name)}_frame_{index:06d}.png"
             overlays[index] = FrameOverlay(role, index, file)
             label = f"{'synthetic, ' if self.sequence.synthetic else ''}frame {index}, {role}"
             frame = frames.at(index)

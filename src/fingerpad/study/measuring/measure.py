@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from fingerpad._arrays import FloatArray
-from fingerpad._files import make_folder
+from fingerpad._files import file_stem, make_folder
 from fingerpad.image import Imprint, read_image, write_overlay
 from fingerpad.study.corrections.changes import ContactCorrection
 from fingerpad.study.corrections.corrected import NOTHING, CorrectedImprint, corrected_imprint
@@ -126,7 +126,7 @@ def measure_observation(
             reason=in_study(seen.reason, folder),
             columns=program_columns(seen),
         )
-    overlay = Path("overlays") / f"{observation.name}.png"
+    overlay = Path("overlays") / f"{file_stem(observation.name)}.png"
     make_folder((out / overlay).parent)
     write_overlay(out / overlay, pixels, seen.imprint, label="synthetic" if observation.synthetic else None)
     kept = from_imprint(seen.imprint, observation, found)

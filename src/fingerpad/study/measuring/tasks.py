@@ -2,7 +2,6 @@
 
 import hashlib
 import json
-import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import partial
@@ -11,6 +10,7 @@ from typing import Any, Final, TypeAlias
 
 from pydantic import BaseModel
 
+from fingerpad._files import file_stem
 from fingerpad.study.corrections.changes import ContactCorrection
 from fingerpad.study.corrections.decisions import Ruling
 from fingerpad.study.engine.task import Record, Task, measuring_code
@@ -131,7 +131,7 @@ def _observed(
 
 def photograph_tasks(finger: Finger, keys: Keys, scales: Scales) -> Iterator[Task]:
     """Yield a task for each photograph of a finger that nobody rejected."""
-    for photograph in pictures_of(finger):
+    for number, photograph in enumerate(pictures_of(finger), start=1):
         item = photograph_item(finger, photograph)
         ruling = keys.rulings.get(item)
         if photograph.image is None or is_rejected(ruling):
@@ -147,7 +147,7 @@ def photograph_tasks(finger: Finger, keys: Keys, scales: Scales) -> Iterator[Tas
                 face_record,
                 photograph=photograph,
                 correction=change,
-                overlay=f"overlays/finger_{finger.name}_{photograph.face}_{_plain(photograph.image)}.png",
+                overlay=f"overlays/photographs/{file_stem(f'{finger.name}_{photograph.face}_{number}')}.png",
                 scales=scales,
             ),
             inputs=keys.inputs_of(photograph),
@@ -162,8 +162,3 @@ def pictures_of(finger: Finger) -> list[Photograph]:
 def item_key(keys: Keys, item: str, table: BaseModel) -> str:
     """Return the key of an observation or a photograph."""
     return keys.of(table, keys.edits(item))
-
-
-def _plain(file: str) -> str:
-    """Return a file's name as part of another's."""
-    return re.sub(r"[^\w.-]+", "_", file)

@@ -34,7 +34,7 @@ OUTPUT_NAMES: Final = frozenset(
     )
 )
 _TABLES: Final = frozenset(("results.csv", "results.json", "results_columns.csv", "summary.json"))
-_FOLDERS: Final = ("overlays/sequences", "overlays", "figures", "report")
+_FOLDERS: Final = ("overlays/photographs", "overlays/sequences", "overlays", "figures", "report")
 _NEW: Final = ".results-new"
 _COMPLETE: Final = ".results-complete"
 _LINE: Final = re.compile(r"([0-9a-f]{64})  ([^\s/][^\n]*)")
