@@ -20,7 +20,9 @@ import fingerpad
 from fingerpad.cli import app
 from fingerpad.exceptions import ClusterError
 from fingerpad.study.engine import cluster
+from fingerpad.study.engine.limits import Limits
 from fingerpad.study.engine.progress import Progress
+from fingerpad.study.engine.task import Task
 from fingerpad.study.measuring import sequences
 from fingerpad.study.pipeline import run_study
 
@@ -156,6 +158,41 @@ def test_a_worker_of_other_code_is_refused_by_its_name(
     processes.worker(path=str(package.parent))
     with pytest.raises(ClusterError, match=r"worker tcp://\S+ has another fingerpad than this"):
         run(made, tmp_path / "out", processes.address)
+
+
+def test_workers_that_are_all_dead_end_the_run_in_words(
+    made: Path, undisturbed: list[dict], tmp_path: Path, processes: Processes, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(cluster, "_COUNT_AGAIN_S", 0.5)
+    processes.worker()
+
+    def kill_all(progress: Progress) -> None:
+        if progress.pictures:
+            monkeypatch.setattr(cluster, "_WAIT_S", 3)
+            for process in processes.started[1:]:
+                with suppress(ProcessLookupError):
+                    os.killpg(process.pid, signal.SIGKILL)
+
+    with pytest.raises(ClusterError, match="has had no worker for 3 s: what was measured is kept"):
+        run(made, tmp_path / "out", processes.address, kill_all)
+    assert list(run_study(made, tmp_path / "out").rows) == undisturbed
+
+
+def crashing(_folder: Path, _out: Path) -> dict:
+    os.kill(os.getpid(), signal.SIGSEGV)
+    raise AssertionError
+
+
+def test_a_task_that_crashes_is_named_and_costs_no_worker(
+    made: Path, tmp_path: Path, processes: Processes
+) -> None:
+    processes.worker(path=str(Path(__file__).parents[2]))
+    task = Task(name="a", item="a", file="a.png", key="k", work=crashing, inputs=())
+    with cluster.cluster_executor(made, 1, processes.address, Limits()) as executor:
+        result = executor.submit(task).result(60)
+        with Client(processes.address, set_as_default=False) as client:
+            assert len(client.nthreads()) == 1
+    assert result.record["reason"].startswith("a.png: the process that measured it crashed twice")
 
 
 @pytest.mark.parametrize(
