@@ -9,6 +9,7 @@ import numpy as np
 
 from fingerpad._arrays import BoolArray, FloatArray
 from fingerpad.geometry import Ellipsoid, Placement
+from fingerpad.image import implausible_size
 from fingerpad.study.manifest import CORRECTIONS, Contact, Observation, Study
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.measuring.measure import Measurement
@@ -297,11 +298,10 @@ def _range_notes(row: Mapping[str, Column], pads: Sequence[FingerResult], semi_a
     """Return the notes that hold for each row, separated by spaces."""
     axes = zip(row["long_axis"], row["predicted_long_axis"], strict=True)
     crossed = [None not in (axis, predicted) and axis != predicted for axis, predicted in axes]
-    outside = (semi_axes < 2) | (semi_axes > 40)
-    disagree = [pad.outlines is not None and pad.outlines.p_value < 0.01 for pad in pads]
+    disagree = [pad.outlines is not None and pad.outlines.disagree for pad in pads]
     notes: dict[str, BoolArray] = {
         "faces_disagree": np.array(disagree, dtype=bool),
-        "implausible_size": np.asarray(outside.any(axis=-1)),
+        "implausible_size": np.asarray(implausible_size(semi_axes).any(axis=-1)),
         "implausible_modulus": (row["youngs_modulus_kpa"] < 1) | (row["youngs_modulus_kpa"] > 5000),
         "deeper_than_pad": row["indentation_mm"] > semi_axes[:, 0],
         "contact_not_small": row["contact_size"] > SMALL_CONTACT,
