@@ -10,7 +10,18 @@ import mpmath as mp
 import numpy as np
 from scipy.special import ellipe, ellipk
 
-from benchmarks import engine, imprints, loading, page, photographs, scale, sequences, studies, uncertainty
+from benchmarks import (
+    engine,
+    imprints,
+    loading,
+    page,
+    photographs,
+    pooling,
+    scale,
+    sequences,
+    studies,
+    uncertainty,
+)
 from benchmarks.exact import RATIOS, exact_contact
 from fingerpad.contact import HertzGeometry, hertz_contact, solve_contact_ellipse
 
@@ -69,6 +80,7 @@ if __name__ == "__main__":
     uncertainty.monte_carlo_speed()
     uncertainty.first_order_against_simulation()
     studies.study_coverage()
+    pooling.pooled_means()
     imprints.accuracy_and_coverage(72)
     imprints.edge_calibration(72)
     imprints.ridge_calibration(72)

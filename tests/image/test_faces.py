@@ -5,6 +5,7 @@ import math
 
 import numpy as np
 import pytest
+from benchmarks import pooling
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -153,31 +154,10 @@ def test_a_scale_that_two_of_three_share_averages_out_less():
     ("std", "scale_std"), [(1e-6, 0.02), (0.05, 0.0), (0.05, 0.02), (0.4, 0.03), ((0.6, 0.1, 0.2), 0.02)]
 )
 def test_neither_biased_nor_too_sure(names, std, scale_std):
-    random, count = np.random.default_rng(31), 1500
-    truth, errors, stds = np.array(list(TRUTH.values())), [], []
-    for _ in range(count):
-        faces = []
-        for k, name in enumerate(names):
-            own = np.broadcast_to(std, 3)[k]
-            lengths = np.array([TRUTH[axis] for axis in FACE_AXES[name]])
-            seen = (lengths + own * random.normal(size=2)) * (1 + scale_std * random.normal())
-            faces.append(
-                FaceSemiAxes(
-                    face=name,
-                    semi_axes=seen,
-                    covariance=own**2 * np.eye(2),
-                    relative_scale_std=scale_std,
-                )
-            )
-        found = combine_faces(faces)
-        errors.append(found.semi_axes - truth)
-        stds.append(found.stds)
-    errors, stds = np.array(errors), np.array(stds)
-    bias = errors.mean(axis=0) / stds.mean(axis=0)
-    assert (np.abs(bias) < 0.1).all()
-    covered = (np.abs(errors) < 1.96 * stds).mean(axis=0)
-    assert (covered > 0.93).all()
-    assert (covered < 0.97).all()
+    found = pooling.faces(names, np.broadcast_to(std, 3)[: len(names)], scale_std, repeats=1000)
+    assert (np.abs(found.bias) < 0.1).all()
+    assert (found.covered > 0.93).all()
+    assert (found.covered < 0.97).all()
 
 
 def test_swapped_axes_are_refused_by_name():

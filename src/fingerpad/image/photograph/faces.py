@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 import numpy as np
-from scipy.linalg import block_diag
+from scipy.linalg import block_diag, solve_triangular
 from scipy.optimize import brentq
 from scipy.stats import chi2
 
@@ -223,18 +223,19 @@ def _combined(faces: tuple[FaceSemiAxes, ...]) -> OutlineSemiAxes:
     freedom = values.size - len(SEMI_AXES)
 
     def solved(between_variance: float) -> tuple[FloatArray, FloatArray, float]:
-        weight = np.linalg.inv(stated + between_variance * np.eye(values.size))
-        joint = np.linalg.inv(design.T @ weight @ design)
-        shift = joint @ design.T @ weight @ off
-        left = off - design @ shift
-        return shift, joint, float(left @ weight @ left)
+        root = np.linalg.cholesky(stated + between_variance * np.eye(values.size))
+        white = solve_triangular(root, np.column_stack([design, off]), lower=True)
+        inverse = np.linalg.pinv(white[:, :-1])
+        shift = inverse @ white[:, -1]
+        left = white[:, -1] - white[:, :-1] @ shift
+        return shift, inverse @ inverse.T, float(left @ left)
 
     between_variance = 0.0
     shift, joint, chi_square = solved(0.0)
     p_value = float(chi2.sf(chi_square, freedom)) if freedom else math.nan
     if p_value < _DISAGREE:
         most = 2 * float(off @ off) / freedom
-        between_variance = brentq(lambda tried: solved(tried)[2] - freedom, 0, most, xtol=1e-9 * most)
+        between_variance = brentq(lambda tried: solved(tried)[2] - freedom, 0, most, xtol=1e-15 * most)
         shift, joint, _ = solved(between_variance)
     between_std = math.sqrt(between_variance)
     if between_std > _MOST_BETWEEN_STD:

@@ -23,7 +23,7 @@ from fingerpad.study.results.table import (
     column_of,
     unknown,
 )
-from fingerpad.uncertainty import PAD_OUTPUTS, PAD_SOURCES
+from fingerpad.uncertainty import PAD_INPUTS, PAD_OUTPUTS, PAD_SOURCES
 from fingerpad.units import KPA_PER_MPA
 
 # What the rows of one summary have in common.
@@ -50,6 +50,7 @@ RANGE_NOTES: Final = {
 }
 
 _NO_ANSWER: Final = "the model has no finite answer for these values; check their units"
+_ELONGATION: Final = PAD_INPUTS.index("elongation")
 _OF_THE_CONTACT: Final = tuple(source for source in PAD_SOURCES if source not in GEOMETRY)
 _IN_MM: Final = tuple(name for name in PAD_OUTPUTS if "radius" in name or name == "indentation")
 _IN_KPA: Final = ("reduced_modulus", "youngs_modulus", "mean_pressure")
@@ -110,6 +111,8 @@ class Rows:
         Places in `table` of the rows that count in pooled radii, ascending.
     parts : ndarray, shape (pooled rows, pooled outputs, parts)
         Signed contributions to the uncertainty of their radii, as `Modelled` has them.
+    elongation_std : ndarray, shape (pooled rows,)
+        Standard uncertainty of the elongation ln(ℓd/ℓe) of each of their contact ellipses.
     heaviest : dict of PlacementKey to Heaviest
         By the values of `PLACEMENT`; without those at which nothing counts.
     """
@@ -117,6 +120,7 @@ class Rows:
     table: Table
     pooled: Places
     parts: FloatArray
+    elongation_std: FloatArray
     heaviest: dict[PlacementKey, Heaviest]
 
 
@@ -138,6 +142,7 @@ def make_rows(
     table, stream = TableBuilder(), iter(seen)
     pooled = GrowingArray(np.empty(0, dtype=np.intp))
     parts = GrowingArray(np.empty((0, len(POOLED_OUTPUTS), len(PART_SOURCES))))
+    elongation_std = GrowingArray(np.empty(0))
     heaviest: dict[PlacementKey, Heaviest] = {}
     start = 0
     while batch := list(islice(stream, _AT_ONCE)):
@@ -146,9 +151,16 @@ def make_rows(
         counts = done.columns["pooled"][done.good]
         pooled.add(start + done.good[counts])
         parts.add(done.modelled.parts[counts])
+        elongation_std.add(np.sqrt(done.inputs.covariance[counts, _ELONGATION, _ELONGATION]))
         done.weigh(heaviest)
         start += len(batch)
-    return Rows(table=table.table(), pooled=pooled.array, parts=parts.array, heaviest=heaviest)
+    return Rows(
+        table=table.table(),
+        pooled=pooled.array,
+        parts=parts.array,
+        elongation_std=elongation_std.array,
+        heaviest=heaviest,
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
