@@ -45,7 +45,7 @@ def doubtful_frames(result: StudyResult) -> Iterator[tuple[str, int, str]]:
 
 
 def face_differences(outlines: OutlineSemiAxes) -> str:
-    """Return by how much each face's semi-axes differ from those of all faces, in percent.
+    """Return by how much the semi-axes of each face exceed the joint ones, in percent.
 
     Examples
     --------

@@ -117,7 +117,7 @@ class OutlineSemiAxes:
 
     @property
     def disagreements(self) -> tuple[dict[str, float], ...]:
-        """What each face says beyond the joint semi-axes, by anatomical name, relative to them."""
+        """By how much each face's semi-axes exceed the joint ones, by anatomical name, relative to them."""
         joint = dict(zip(SEMI_AXES, self.semi_axes, strict=True))
         return tuple(
             {
@@ -151,7 +151,7 @@ def combine_faces(faces: Iterable[FaceSemiAxes]) -> OutlineSemiAxes:
     :math:`\chi^2` is its degrees of freedom (Paule and Mandel). No face then counts for much more than the
     others, however small its stated uncertainty.
 
-    No semi-axis lies further outside the range of what the faces say of it than c of their stated standard
+    No semi-axis lies further outside the range of its values in the faces than c of their stated standard
     uncertainties, where c² is χ², or its degrees of freedom where τ is not zero.
 
     Parameters
@@ -266,14 +266,14 @@ def _relative_covariance(faces: tuple[FaceSemiAxes, ...], values: FloatArray) ->
 
 
 def _contradiction(faces: tuple[FaceSemiAxes, ...], design: FloatArray, off: FloatArray) -> FitError:
-    """Return the error that names the semi-axis about which faces disagree most, and what they say."""
+    """Return the error that names the semi-axis about which faces disagree most, and its values."""
     axis = SEMI_AXES[int(design[np.argmax(np.abs(off))].argmax())]
-    said = ", ".join(
+    values = ", ".join(
         f"{one.semi_axes[FACE_AXES[one.face].index(axis)]:.3g} mm in the {one.face} face"
         for one in faces
         if axis in FACE_AXES[one.face]
     )
     return FitError(
-        f"the faces contradict each other: the {axis} semi-axis is {said}: check that each picture shows the "
-        "face given, in the directions and the scale given, or leave one out"
+        f"the faces contradict each other: the {axis} semi-axis is {values}: check that each picture shows "
+        "the face given, in the directions and the scale given, or leave one out"
     )

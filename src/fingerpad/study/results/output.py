@@ -137,7 +137,7 @@ def summary_record(result: StudyResult) -> dict[str, Any]:
 
 
 def _faces(outlines: OutlineSemiAxes) -> list[dict[str, Any]]:
-    """Return what each face says, mm, and by how much it differs from all together, relative to them."""
+    """Return the semi-axes of each face, mm, and by how much they exceed the joint ones, relative to them."""
     return [
         {
             "face": one.face,
