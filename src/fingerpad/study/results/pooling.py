@@ -68,10 +68,10 @@ class PooledRadius:
     def of(cls, rows: Rows, pooled: Table, estimate: Places, output: str) -> Self:
         """Pool one of `POOLED_OUTPUTS`.
 
-        A radius grows with the square of its contact's elongation, and so do both the bias that the
-        elongation's own error gives it, which is taken off, and, nearly, the uncertainty that it states.
-        Weighed by that, contacts that came out round would count for most, and too small a radius would
-        follow: what an error of the elongation does is taken to be the same for all contacts.
+        A radius changes with the square of its contact's elongation, and its stated uncertainty with the
+        elongation: weights of the stated ones would be largest where a contact came out round, and pull the
+        mean to its side. So the slope is taken to be the same for all contacts; and the pooled radius is that
+        at the mean elongation, to second order, without what the mean of squares adds.
 
         Parameters
         ----------
@@ -96,7 +96,8 @@ class PooledRadius:
         def mean(of: FloatArray) -> FloatArray:
             return floats(np.bincount(estimate, weights * of))
 
-        value, own = mean(pooled.column(f"{output}_mm") - bias), mean(own_std)
+        value, own = mean(pooled.column(f"{output}_mm")), mean(own_std)
+        value -= (1 - pool(value, own).weights) * mean(bias)
         parts = np.stack([mean(part) for part in parts.T], axis=-1)
         first, last = (np.empty(value.size, dtype=np.intp) for _ in range(2))
         last[estimate] = np.arange(estimate.size)
