@@ -17,6 +17,7 @@ from benchmarks import (
     loading,
     page,
     photographs,
+    pooling,
     scale,
     sequences,
     studies,
@@ -80,6 +81,7 @@ if __name__ == "__main__":
     uncertainty.monte_carlo_speed()
     uncertainty.first_order_against_simulation()
     studies.study_coverage()
+    pooling.pooled_means()
     imprints.accuracy_and_coverage(72)
     imprints.edge_calibration(72)
     imprints.ridge_calibration(72)

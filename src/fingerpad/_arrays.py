@@ -18,7 +18,10 @@ def floats(value: ArrayLike) -> FloatArray:
     """Return `value` as an array of doubles, integers included.
 
     Complex numbers stay complex: the kernels carry the complex steps by which derivatives are taken.
+    Masked entries become NaN, so that kernels give NaN for them and checks refuse them.
     """
+    if isinstance(value, np.ma.MaskedArray):
+        value = np.ma.filled(value.astype(np.result_type(value, np.float64)), np.nan)
     array = np.asarray(value)
     return array if np.iscomplexobj(array) else array.astype(np.float64, copy=False)
 

@@ -45,3 +45,14 @@ def test_order_of_the_three() -> None:
 def test_source_radii_through_the_right_function(radius, ellipse, corrected) -> None:
     found = equivalent_radius_from_indentation(radius, ellipse[1] / ellipse[0])
     assert_allclose(found, corrected, atol=5e-3)
+
+
+@pytest.mark.parametrize(
+    "radius_of",
+    [equivalent_radius_from_area, equivalent_radius_from_compliance, equivalent_radius_from_indentation],
+)
+def test_only_convex_surfaces_have_a_sphere(radius_of) -> None:
+    found = radius_of([-10.0, 0.0, np.nan, 10.0], 0.7)
+    assert np.isnan(found).tolist() == [True, True, True, False]
+    assert np.isnan(radius_of(-1, 0.7))
+    assert_allclose(radius_of(10 + 1e-30j, 0.7).imag / 1e-30, found[3] / 10, rtol=1e-15)

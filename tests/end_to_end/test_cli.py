@@ -15,7 +15,7 @@ from PIL import Image
 from typer.testing import CliRunner
 
 from fingerpad.cli import app
-from fingerpad.image import render_coin, render_finger, render_imprint, synthetic_press
+from fingerpad.image import outline_points, render_coin, render_finger, render_imprint, synthetic_press
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "dzidek2017"
 
@@ -313,6 +313,68 @@ def test_a_bar_is_shown_to_people_and_costs_scripts_nothing(print_file: Path, tm
         assert code == 0
         assert len(json.loads((tmp_path / "out.json").read_text())) == count
         assert (b"Measuring" in bar) == (count > 1)
+
+
+def study_of_outlines(folder: Path, **outlines: tuple[float, float]) -> Path:
+    """Write outlines as they come out of a drawing program, to a micrometre, and a study of them."""
+    for face, axes in outlines.items():
+        points = outline_points(*axes).round(3)
+        rows = "\n".join(f"{x},{y}" for x, y in points)
+        (folder / f"{face}.csv").write_text(f"x_mm,y_mm\n{rows}\n")
+    faces = ", ".join(
+        f'{{ face = "{f}", outline = "{f}.csv", outline_relative_std = 0.01 }}' for f in outlines
+    )
+    (folder / "study.toml").write_text(f"""
+title = "T"
+[[fingers]]
+name = "f"
+photographs = [{faces}]
+[[observations]]
+name = "x"
+finger = "f"
+wedge_angle_deg = 30
+load_N = 1
+ellipse_mm = {{ semi_major = 7.4, semi_minor = 5.0, std = 0.1 }}
+""")
+    return folder / "study.toml"
+
+
+def test_a_run_says_by_how_much_faces_disagree(tmp_path: Path) -> None:
+    study = study_of_outlines(tmp_path, palmar=(11.8, 13.8), distal=(12.8, 7.9), radial=(7.9, 13.8))
+    code, out, err = run("run", study, "--out", tmp_path / "out")
+    assert (code, "failed" in err) == (0, False)
+    (line,) = (line for line in out.splitlines() if line.startswith("doubtful: f:"))
+    assert re.search(
+        r"faces disagree \(p = .*palmar face: radial–ulnar −\d\.\d %.*; distal face: .*\+\d", line
+    )
+    (finger,) = json.loads((tmp_path / "out" / "summary.json").read_text())["fingers"]
+    assert 11.8 < finger["radial_ulnar_mm"] < 12.8
+    assert finger["p_value"] < 0.01 < finger["between_faces_relative_std"]
+    palmar, distal, _ = finger["faces"]
+    assert palmar["radial_ulnar_mm"] == pytest.approx(11.8, abs=1e-3)
+    assert distal["radial_ulnar_relative_difference"] == pytest.approx(
+        12.8 / finger["radial_ulnar_mm"] - 1, abs=1e-4
+    )
+    page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    assert "the faces disagree" in page
+    assert line.split("): ")[1] in page
+
+
+def test_a_face_with_swapped_axes_stops_the_finger(tmp_path: Path) -> None:
+    study = study_of_outlines(tmp_path, palmar=(11.8, 13.8), distal=(11.8, 7.9), radial=(13.9, 7.9))
+    code, out, err = run("run", study, "--out", tmp_path / "out")
+    assert code == 3
+    assert "corrected radius" not in out
+    assert "the palmar semi-axis is 7.9 mm in the distal face, 13.9 mm in the radial face" in err
+
+
+def test_measure_photo_doubts_a_pad_of_another_size(tmp_path: Path) -> None:
+    truth = render_finger("palmar", seed=1)
+    Image.fromarray(truth.pixels).save(tmp_path / "palmar.png")
+    command = ("measure", "photo", tmp_path / "palmar.png", "--face", "palmar", "--mm-per-px")
+    assert "implausible_size" in run_json(*command, 10 * truth.mm_per_px)["flags"]
+    assert "implausible_size" in run(*command, 10 * truth.mm_per_px)[1]
+    assert "implausible_size" not in run_json(*command, truth.mm_per_px)["flags"]
 
 
 def test_measure_photo(tmp_path: Path) -> None:

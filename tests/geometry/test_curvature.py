@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
@@ -63,6 +63,8 @@ def test_slender_gaps_keep_their_digits() -> None:
 
 
 @given(st.floats(-5, 5), st.floats(-5, 5), st.floats(-5, 5))
+@example(-0.0, -0.0, 1.0)
+@example(-0.0, 0.0, -1.0)
 def test_any_symmetric_tensor_is_diagonalised(first, second, mixed) -> None:
     curvatures, angle = principal_curvatures(first, second, mixed)
     tensor = np.array([[first, mixed], [mixed, second]])
@@ -70,6 +72,14 @@ def test_any_symmetric_tensor_is_diagonalised(first, second, mixed) -> None:
     direction = np.array([np.cos(angle), np.sin(angle)])
     assert_allclose(direction @ tensor @ direction, curvatures[0], atol=1e-12)
     assert abs(angle) <= np.pi / 4 + 1e-12
+
+
+def test_a_complex_step_does_not_exchange_the_curvatures() -> None:
+    step = 1e-30j
+    for first in (1.0, -1.0):
+        up, down = (principal_curvatures(first + sign * step, first, 0.5)[0].real for sign in (1, -1))
+        assert_allclose(up, [first + 0.5, first - 0.5], rtol=1e-15)
+        assert_allclose(down, up, rtol=1e-15)
 
 
 def test_no_contact_ellipse_where_the_gap_does_not_open() -> None:

@@ -1,6 +1,7 @@
 """A face's semi-axes by a person's hand: handles, and points added or left out of the outline."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -75,6 +76,16 @@ def test_a_hands_face_joins_the_others():
     joint = combine_faces(faces)
     assert (joint.palmar, joint.distal, joint.radial_ulnar) == pytest.approx((7.9, 13.8, 11.8))
     assert joint.chi_square == pytest.approx(0, abs=1e-9)
+
+
+def test_the_size_of_a_pad_is_checked_by_hand_too():
+    large = photograph_from_ellipse(
+        "palmar", Scale.of_mm_per_px(0.5), centre=(300, 300), semi_axes=(236, 276)
+    )
+    assert large.flags == {"by_hand", "implausible_size"}
+    doubted = replace(FOUND, flags=FOUND.flags | {"implausible_size"}, semi_axes=10 * FOUND.semi_axes)
+    back = with_points(doubted, erased=[(FOUND.points[:1], 20.0)])
+    assert "implausible_size" not in back.flags
 
 
 def test_an_ellipse_by_hand_can_be_drawn():

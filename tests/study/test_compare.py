@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from benchmarks import pooling
 from numpy.testing import assert_allclose
 from tests.sums import write_sums
 from typer.testing import CliRunner
@@ -59,6 +60,12 @@ def test_the_interval_of_a_mean_holds_the_truth_as_often_as_it_says() -> None:
     assert naive / count < 0.88  # what this is for
     assert_allclose(np.mean(scatter), between**2, rtol=0.15)
     assert_allclose(np.mean(fingers_scatter), within**2, rtol=0.15)
+
+
+def test_a_mean_over_people_is_not_pulled_to_those_whose_values_are_small() -> None:
+    found = pooling.people(8, 0.1, repeats=200)
+    assert abs(found.bias) < 0.2  # known to 0.07; −0.4 with the weights of what is stated
+    assert 0.92 <= found.covered <= 0.98
 
 
 def test_more_fingers_of_a_person_are_not_more_people() -> None:

@@ -1,18 +1,26 @@
 """Measuring with corrections: what a person says holds, and the program's own result stands beside it."""
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import cv2
 import numpy as np
 import pytest
 
-from fingerpad.image import Scale, measure_imprint, read_colour_image, render_finger, render_imprint
+from fingerpad.image import (
+    Scale,
+    combine_faces,
+    measure_imprint,
+    read_colour_image,
+    render_finger,
+    render_imprint,
+)
 from fingerpad.study.corrections.changes import ContactCorrection, PhotographCorrection
 from fingerpad.study.corrections.corrected import corrected_imprint, corrected_photograph
 from fingerpad.study.corrections.log import CorrectionLog
 from fingerpad.study.manifest import Study
-from fingerpad.study.measuring.fingers import finger_result, joint_semi_axes, photograph_item, shared_scale
+from fingerpad.study.measuring.fingers import finger_result, photograph_item
 from fingerpad.study.measuring.measure import contact_correction, measure_observation, reviewed
 from fingerpad.study.measuring.scales import named_scales
 from fingerpad.study.measuring.tasks import Keys, photograph_tasks
@@ -202,15 +210,19 @@ def test_photographs_by_hand_and_rejected(folder, tmp_path):
     # The page's joint result is the run's.
     scale = scales["camera"].scale
     faces = [
-        corrected_photograph(
-            read_colour_image(folder / one.image),
-            one,
-            scale,
-            ruling.change if (ruling := log.ruling(item)) else None,
-        ).face_semi_axes
+        replace(
+            corrected_photograph(
+                read_colour_image(folder / one.image),
+                one,
+                scale,
+                ruling.change if (ruling := log.ruling(item)) else None,
+            ).face_semi_axes,
+            scale="camera",
+        )
         for item, one in list(zip(items, finger.photographs, strict=True))[:2]
     ]
-    joint = joint_semi_axes(faces, shared_scale(finger, scales, folder))
+    joint = combine_faces(faces)
+    assert found.scale == "camera"
     np.testing.assert_array_equal(joint.semi_axes, found.semi_axes)
     np.testing.assert_array_equal(joint.covariance, found.covariance)
     assert joint.semi_axes[1] == pytest.approx(290 * scale.mm_per_px, rel=1e-6)

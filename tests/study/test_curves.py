@@ -183,3 +183,10 @@ def test_the_report_shows_fits_and_reasons(tmp_path: Path) -> None:
     assert "Young's modulus at no load against velocity" in page or "Young&#39;s modulus at no load" in page
     names = {path.name for path in (tmp_path / "out" / "figures").glob("curve2*.svg")}
     assert len(names) == 5
+
+
+def test_a_curve_whose_radius_came_out_small_does_not_count_for_more(tmp_path: Path) -> None:
+    given = (f"effective_radius_mm = {r}\neffective_radius_std_mm = {0.1 * r}\n" for r in (14.0, 16.0))
+    pooled = loading_radius(study(tmp_path, *given).curves, "f", 30, synthetic=False)
+    assert pooled.value == pytest.approx(15.0)
+    assert pooled.std == pytest.approx(1.5 / np.sqrt(2))

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from benchmarks import pooling
 
 from fingerpad.exceptions import ManifestError
 from fingerpad.study.pipeline import run_study
@@ -79,6 +80,15 @@ def test_repeats_and_loads_scatter_apart(tmp_path: Path) -> None:
     (summary,) = study(tmp_path, majors=(7.0, 7.0, 9.0, 9.0), loads=(1, 1, 2, 2)).summaries
     assert summary.corrected_radius.scatter.within_std == pytest.approx(0, abs=1e-9)
     assert summary.corrected_radius.scatter.between_std > 0.05
+
+
+@pytest.mark.parametrize(("relative_std", "elongation"), [(0.03, 0.2), (0.1, 0.39)])
+def test_contacts_that_came_out_round_do_not_count_for_more(relative_std: float, elongation: float) -> None:
+    found = pooling.contacts(10, relative_std, elongation, repeats=250)
+    assert (
+        np.abs(found.bias) < 0.25
+    ).all()  # known to 0.06; −1.0 and −1.6 with the weights of what is stated
+    assert (found.covered > 0.92).all()
 
 
 def test_the_close_look_agrees_with_the_row(tmp_path: Path) -> None:

@@ -87,15 +87,15 @@ def test_very_many_single_contacts_are_pooled_without_a_matrix() -> None:
         observation = Observation.model_validate(
             {"name": "c", "finger": "f", "wedge_angle_deg": 30, "load_N": 1, "ellipse_mm": ellipse}
         )
-        for number, (major, minor) in enumerate(noise):
+        for number, axes in enumerate(np.add([7.0, 5.0], noise)):
             yield (
                 observation,
                 Measurement(
                     name=f"c{number}",
                     load=1.0,
-                    semi_major=7.0 + major,
-                    semi_minor=5.0 + minor,
-                    covariance=0.01 * np.eye(2),
+                    semi_major=axes[0],
+                    semi_minor=axes[1],
+                    covariance=0.01 * np.eye(2) + 0.02**2 * np.outer(axes, axes),
                     scale=f"s{number % 3}",
                     relative_scale_std=0.02,
                 ),

@@ -1,7 +1,11 @@
 """Pooling: textbook cases, invariants, and what must not average away."""
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 import pytest
+from benchmarks import pooling
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
@@ -173,3 +177,43 @@ def test_a_hundred_thousand_estimates_take_no_matrix() -> None:
 def test_parts_must_be_those_of_the_estimates() -> None:
     with pytest.raises(UncertaintyError, match="each estimate needs its parts, found 2 and 3"):
         pool([1.0, 2.0], [0.1, 0.1], SharedParts(parts=np.ones((3, 1)), groups=np.zeros((1, 1), int)))
+
+
+@pytest.mark.parametrize("relative_std", [0.01, 0.1])
+def test_uncertainties_in_proportion_do_not_bias_a_mean(relative_std: float) -> None:
+    found = pooling.estimates(10, relative_std, repeats=2000, seed=1)
+    assert abs(found.bias) < 0.1  # −0.5 at 10 % with the weights of what is stated
+    assert 0.93 <= found.covered <= 0.97
+
+
+@pytest.mark.parametrize("relative_std", [0.01, 0.1])
+def test_uncertainties_in_proportion_do_not_bias_random_effects(relative_std: float) -> None:
+    found = pooling.varying(10, relative_std, 0.1, repeats=800, seed=1)
+    assert abs(found.bias) < 0.12  # −0.4 at 10 %
+    assert 0.93 <= found.covered <= 0.97
+
+
+@pytest.mark.parametrize("pooled", [pool, pool_random_effects])
+@pytest.mark.parametrize("values", [(10.0, 10.4, 11.0), (8.0, 12.0, 16.0)])
+def test_proportional_uncertainties_are_those_at_the_mean(pooled: Callable[..., Any], values: Any) -> None:
+    relative = np.array([0.02, 0.05, 0.03])
+    found = pooled(values, relative * values, proportional=True)
+    again = pooled(values, relative * found.value)
+    assert_allclose((again.value, again.std), (found.value, found.std), rtol=1e-10)
+    assert_allclose(found.weights @ values, found.value, rtol=1e-14)
+    assert_allclose(found.weights.sum(), 1, rtol=1e-14)
+
+
+@pytest.mark.parametrize("pooled", [pool, pool_random_effects])
+def test_what_is_not_positive_has_no_relative_uncertainty(pooled: Callable[..., Any]) -> None:
+    values, stds = [-1.0, 0.0, 2.0], [0.5, 0.5, 1.0]
+    assert pooled(values, stds, proportional=True) == pooled(values, stds)
+
+
+@given(st.floats(-8, 8))
+def test_the_unit_of_random_effects_does_not_matter(exponent: float) -> None:
+    values, stds = np.array([19.0, 20.5, 22.0]), np.array([0.1, 0.2, 0.3])
+    factor = 10.0**exponent
+    one, other = pool_random_effects(values, stds), pool_random_effects(factor * values, factor * stds)
+    assert_allclose(other.between_std, factor * one.between_std, rtol=1e-9)
+    assert_allclose(other.value, factor * one.value, rtol=1e-9)

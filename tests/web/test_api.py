@@ -177,6 +177,7 @@ def test_a_photograph_gives_two_semi_axes_and_its_finger_three(standing):
     assert one["semi_axes_mm"]["radial_ulnar"] == pytest.approx(11.8, rel=0.02)
     assert one["finger"]["semi_axes_mm"]["palmar"] == pytest.approx(7.9, rel=0.02)
     assert one["finger"]["degrees_of_freedom"] == 3
+    assert one["finger"]["disagree"] is False
     centre, across, along = (one["handles"][key] for key in ("centre_px", "across_end_px", "along_end_px"))
     assert math.dist(centre, across) * one["mm_per_px"] == pytest.approx(one["semi_axes_mm"]["radial_ulnar"])
     dragged = measured(standing, PHOTO, "photograph", handles=one["handles"])

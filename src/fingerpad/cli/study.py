@@ -133,7 +133,7 @@ def verify(
 
 
 def _print_outcome(result: "StudyResult", report: Path) -> None:
-    from fingerpad.report.text import FLAG_WORDS, doubtful_frames, in_words
+    from fingerpad.report.text import FLAG_WORDS, doubtful_frames, face_differences, in_words
 
     for summary in result.summaries:
         pooled = summary.corrected_radius
@@ -144,6 +144,12 @@ def _print_outcome(result: "StudyResult", report: Path) -> None:
             f"{summary.finger}, wedge {summary.wedge_angle_deg:g}°: corrected radius "
             f"{value_with_uncertainty(pooled.value, pooled.std)} mm from {summary.pooled_from}{label}"
         )
+    for finger in result.fingers.values():
+        if finger.outlines is not None and finger.outlines.disagree:
+            typer.echo(
+                f"doubtful: {finger.name}: its faces disagree (p = {finger.outlines.p_value:.2g}): "
+                f"{face_differences(finger.outlines)}"
+            )
     for row in result.rows.at(~result.rows.known("frame")):
         if row["flags"]:
             typer.echo(f"doubtful: {row['observation']}: {', '.join(in_words(row['flags'], FLAG_WORDS))}")

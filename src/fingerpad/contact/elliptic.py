@@ -175,7 +175,7 @@ def curvature_ratio(axis_ratio: ArrayLike) -> FloatArray:
     >>> float(curvature_ratio(1.0))
     1.0
     """
-    k = np.asarray(axis_ratio, dtype=np.float64)
+    k = floats(axis_ratio)
     _, b, d = complete_integrals(k)
     with np.errstate(all="ignore"):
         return b / (k * k * d)

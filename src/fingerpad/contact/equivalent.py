@@ -42,7 +42,7 @@ def equivalent_radius_from_indentation(base_radius: ArrayLike, axis_ratio: Array
     Parameters
     ----------
     base_radius : array_like
-        R_0g (the source) or R_e (exact).
+        R_0g (the source) or R_e (exact), positive; NaN is returned elsewhere.
     axis_ratio : array_like
         k = ℓe/ℓd of the contact ellipse.
 
@@ -51,7 +51,7 @@ def equivalent_radius_from_indentation(base_radius: ArrayLike, axis_ratio: Array
     >>> round(float(equivalent_radius_from_indentation(18.7, 5.0 / 7.4)), 2)
     18.97
     """
-    return floats(base_radius) * equivalent_radius_ratios(axis_ratio)[0]
+    return _convex(base_radius) * equivalent_radius_ratios(axis_ratio)[0]
 
 
 def equivalent_radius_from_area(base_radius: ArrayLike, axis_ratio: ArrayLike) -> FloatArray:
@@ -59,7 +59,7 @@ def equivalent_radius_from_area(base_radius: ArrayLike, axis_ratio: ArrayLike) -
 
     :math:`R_A = R F_1^3 \le R`; parameters as for `equivalent_radius_from_indentation`.
     """
-    return floats(base_radius) * equivalent_radius_ratios(axis_ratio)[1]
+    return _convex(base_radius) * equivalent_radius_ratios(axis_ratio)[1]
 
 
 def equivalent_radius_from_compliance(base_radius: ArrayLike, axis_ratio: ArrayLike) -> FloatArray:
@@ -68,4 +68,10 @@ def equivalent_radius_from_compliance(base_radius: ArrayLike, axis_ratio: ArrayL
     :math:`R_{A\xi} = R F_1^2/F_2`, slightly below R; parameters as for
     `equivalent_radius_from_indentation`. It is the one to compare with R_g, the slope of A against πξ.
     """
-    return floats(base_radius) * equivalent_radius_ratios(axis_ratio)[2]
+    return _convex(base_radius) * equivalent_radius_ratios(axis_ratio)[2]
+
+
+def _convex(base_radius: ArrayLike) -> FloatArray:
+    """Return positive radii as they are, and NaN for the others."""
+    radius = floats(base_radius)
+    return np.where(radius.real > 0, radius, np.nan)

@@ -5,7 +5,7 @@ from typing import Self
 
 import numpy as np
 
-from fingerpad._arrays import ArrayLike, FloatArray, broadcast, hypotenuse, require
+from fingerpad._arrays import ArrayLike, FloatArray, broadcast, floats, hypotenuse, require
 from fingerpad.exceptions import GeometryError
 
 
@@ -121,8 +121,8 @@ class RelativeCurvature:
         array([10., 10.])
         """
         first_1, first_2, second_1, second_2, turn = broadcast(
-            *np.moveaxis(np.asarray(first, float), -1, 0),
-            *np.moveaxis(np.asarray(second, float), -1, 0),
+            *np.moveaxis(floats(first), -1, 0),
+            *np.moveaxis(floats(second), -1, 0),
             angle,
         )
         for name, radius in (
@@ -195,9 +195,10 @@ def curvatures_of(first: FloatArray, second: FloatArray, mixed: FloatArray) -> F
     mean = 0.5 * (first + second)
     # The product of the two is the determinant; their difference would lose the smaller one's digits.
     radius = hypotenuse(half_difference, mixed)
-    stronger = np.where(np.signbit(mean.real), mean - radius, mean + radius)
+    concave = mean.real < 0
+    stronger = np.where(concave, mean - radius, mean + radius)
     weaker = (first * second - mixed * mixed) / np.where(stronger == 0, 1.0, stronger)
-    first_is_stronger = (half_difference >= 0) == (mean >= 0)
+    first_is_stronger = (half_difference.real < 0) == concave
     return np.stack(
         [np.where(first_is_stronger, stronger, weaker), np.where(first_is_stronger, weaker, stronger)],
         axis=-1,

@@ -22,17 +22,21 @@ from fingerpad.image.photograph.by_hand import (
     with_points,
 )
 from fingerpad.image.photograph.direct import direct_semi_axes
+from fingerpad.image.photograph.faces import (
+    FACE_AXES,
+    SEMI_AXES,
+    Face,
+    FaceSemiAxes,
+    OutlineSemiAxes,
+    combine_faces,
+    implausible_size,
+)
 from fingerpad.image.photograph.measure import (
     PHOTOGRAPH_FLAGS,
     PhotographFit,
     measure_photograph,
 )
 from fingerpad.image.photograph.outline import (
-    FACE_AXES,
-    Face,
-    FaceSemiAxes,
-    OutlineSemiAxes,
-    combine_faces,
     face_from_outline,
     read_marks,
     read_outline,
@@ -67,6 +71,7 @@ __all__ = [
     "PHASES",
     "PHOTOGRAPH_FLAGS",
     "PLAUSIBLE_RIDGE_PERIOD_MM",
+    "SEMI_AXES",
     "AlignedEllipseFit",
     "Backdrop",
     "BrushStroke",
@@ -111,6 +116,7 @@ __all__ = [
     "fit_ellipse",
     "fit_outline_ellipse",
     "frame_clock",
+    "implausible_size",
     "learn_reading",
     "measure_coin",
     "measure_frames",

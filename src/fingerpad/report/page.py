@@ -32,7 +32,7 @@ from fingerpad.report.plots import (
     wedge_plot,
 )
 from fingerpad.report.templates import templates
-from fingerpad.report.text import FLAG_WORDS, doubtful_frames, in_words
+from fingerpad.report.text import FLAG_WORDS, doubtful_frames, face_differences, in_words
 from fingerpad.study.results.check import UncertaintyCheck
 from fingerpad.study.results.rows import RANGE_NOTES
 from fingerpad.study.results.study_result import StudyResult
@@ -82,6 +82,7 @@ def write_page(
     environment = templates()
     filters: dict[str, Callable[..., Any]] = {
         "flags": lambda codes: in_words(codes, FLAG_WORDS),
+        "face_differences": face_differences,
         # Read as the page is written: all together they would take more memory than all rows.
         "drawing": _drawing,
         "picture": lambda overlay: _picture(overlays / overlay),

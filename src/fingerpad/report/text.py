@@ -4,6 +4,7 @@ from collections import Counter
 from collections.abc import Iterator, Mapping
 from typing import Final
 
+from fingerpad.image import OutlineSemiAxes
 from fingerpad.study.results.study_result import StudyResult
 
 FLAG_WORDS: Final[Mapping[str, str]] = {
@@ -17,6 +18,12 @@ FLAG_WORDS: Final[Mapping[str, str]] = {
     "coin_shadow": "a shadow beside the coin may make the scale too small",
     "no_time": "the frame has no time",
     "no_force": "the force does not last so long",
+}
+
+_AXIS_WORDS: Final[Mapping[str, str]] = {
+    "palmar": "palmar",
+    "distal": "distal",
+    "radial_ulnar": "radial–ulnar",
 }
 
 
@@ -35,3 +42,26 @@ def doubtful_frames(result: StudyResult) -> Iterator[tuple[str, int, str]]:
             counts[name, flag] += count
     for (name, flag), count in counts.items():
         yield name, count, FLAG_WORDS.get(flag, flag)
+
+
+def face_differences(outlines: OutlineSemiAxes) -> str:
+    """Return by how much the semi-axes of each face exceed the joint ones, in percent.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from fingerpad.image import FaceSemiAxes, combine_faces
+    >>> seen = {"palmar": (11.8, 13.8), "radial": (7.9, 14.0)}
+    >>> faces = [FaceSemiAxes(face=f, semi_axes=np.array(s), covariance=np.eye(2)) for f, s in seen.items()]
+    >>> face_differences(combine_faces(faces))
+    'palmar face: radial–ulnar +0.0 %, distal −0.7 %; radial face: palmar +0.0 %, distal +0.7 %'
+    """
+    return "; ".join(
+        f"{one.face} face: "
+        + ", ".join(f"{_AXIS_WORDS[axis]} {_percent(off)}" for axis, off in found.items())
+        for one, found in zip(outlines.faces, outlines.disagreements, strict=True)
+    )
+
+
+def _percent(share: float) -> str:
+    return f"{round(100 * share, 1) + 0.0:+.1f} %".replace("-", "−")

@@ -1,6 +1,6 @@
 """One value from several estimates of the same quantity."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TypeAlias
 
 import numpy as np
@@ -10,6 +10,9 @@ from scipy import optimize, stats
 from fingerpad._arrays import ArrayLike, FloatArray, floats, require
 from fingerpad.exceptions import UncertaintyError
 from fingerpad.uncertainty.covariance import covariance_of
+
+# Steps by which a mean and the uncertainties that are in proportion to it agree.
+_MOST_STEPS = 100
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -30,6 +33,8 @@ class Pooled:
         for a single estimate.
     count : int
         Number of estimates.
+    weights : ndarray, shape (n,)
+        Weight of each estimate; they add up to one.
     """
 
     value: float
@@ -37,6 +42,7 @@ class Pooled:
     total_std: float
     birge_ratio: float
     count: int
+    weights: FloatArray = field(repr=False, compare=False)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -75,31 +81,7 @@ class SharedParts:
 Shared: TypeAlias = ArrayLike | SharedParts | None
 
 
-def inverse_variance_weights(values: ArrayLike, stds: ArrayLike) -> FloatArray:
-    """Return weights that go with 1/u² and add up to one.
-
-    Parameters
-    ----------
-    values, stds : array_like, shape (n,)
-        Estimates and their own standard uncertainties, of which none counts as less than a double's spacing
-        at its value.
-
-    Examples
-    --------
-    >>> inverse_variance_weights([1.0, 2.0], [0.1, 0.2])
-    array([0.8, 0.2])
-    """
-    own = _own_stds(values, stds)
-    weights = (own.min() / own) ** 2
-    return floats(weights / weights.sum())
-
-
-def _own_stds(values: ArrayLike, stds: ArrayLike) -> FloatArray:
-    """Return standard uncertainties, no value being known better than a double holds it."""
-    return np.maximum(floats(stds), np.spacing(np.abs(floats(values))))
-
-
-def pool(values: ArrayLike, stds: ArrayLike, shared: Shared = None) -> Pooled:
+def pool(values: ArrayLike, stds: ArrayLike, shared: Shared = None, *, proportional: bool = False) -> Pooled:
     """Pool estimates by inverse variance.
 
     Parameters
@@ -110,6 +92,11 @@ def pool(values: ArrayLike, stds: ArrayLike, shared: Shared = None) -> Pooled:
         Standard uncertainty of each from what it does not share with the others.
     shared : array_like, shape (n, n), or SharedParts, optional
         Covariance from the inputs that they share; as parts where n is large.
+    proportional : bool
+        Whether standard uncertainties grow in proportion to the values, as those of lengths and moduli do.
+        An estimate that came out low by chance then states a small uncertainty, and weights of the stated
+        ones pull the mean low: the relative ones are taken, times the mean. Values that are not all positive
+        have none.
 
     Raises
     ------
@@ -124,8 +111,14 @@ def pool(values: ArrayLike, stds: ArrayLike, shared: Shared = None) -> Pooled:
     20.0 ± 0.50, Birge ratio 1.41
     """
     values, stds = _estimates(values, stds)
-    own, weights = _own_stds(values, stds), inverse_variance_weights(values, stds)
+    proportional = proportional and bool((values > 0).all())
+    # No value is known better than a double holds it.
+    own = np.maximum(stds, np.spacing(np.abs(values)))
+    relative = own / values if proportional else own
+    weights = (relative.min() / relative) ** 2
+    weights /= weights.sum()
     mean = float(weights @ values)
+    own = relative * mean if proportional else own
     count = values.size
     birge = float(np.sqrt(np.sum(((values - mean) / own) ** 2) / (count - 1))) if count > 1 else np.nan
     variance = np.sum((weights * own) ** 2) * max(1.0, birge if count > 1 else 1.0) ** 2
@@ -135,6 +128,7 @@ def pool(values: ArrayLike, stds: ArrayLike, shared: Shared = None) -> Pooled:
         total_std=float(np.sqrt(variance + _shared_variance(shared, weights))),
         birge_ratio=birge,
         count=count,
+        weights=weights,
     )
 
 
@@ -157,6 +151,8 @@ class RandomEffects:
         τ, the standard deviation of what differs between estimates beyond their stated uncertainty.
     count : int
         Number of estimates.
+    weights : ndarray, shape (n,)
+        Weight of each estimate; they add up to one.
     """
 
     value: float
@@ -165,9 +161,12 @@ class RandomEffects:
     interval: tuple[float, float]
     between_std: float
     count: int
+    weights: FloatArray = field(repr=False, compare=False)
 
 
-def pool_random_effects(values: ArrayLike, stds: ArrayLike, shared: Shared = None) -> RandomEffects:
+def pool_random_effects(
+    values: ArrayLike, stds: ArrayLike, shared: Shared = None, *, proportional: bool = False
+) -> RandomEffects:
     r"""Pool estimates of a quantity that itself varies from one to the other.
 
     τ² solves Paule and Mandel's :math:`\sum w_i (y_i - \bar y)^2 = n - 1`, :math:`w_i = 1/(u_i^2 + \tau^2)`,
@@ -176,7 +175,7 @@ def pool_random_effects(values: ArrayLike, stds: ArrayLike, shared: Shared = Non
 
     Parameters
     ----------
-    values, stds, shared
+    values, stds, shared, proportional
         As for `pool`; the standard uncertainties must be positive.
 
     Raises
@@ -193,23 +192,21 @@ def pool_random_effects(values: ArrayLike, stds: ArrayLike, shared: Shared = Non
     values, stds = _estimates(values, stds)
     require(stds > 0, "standard uncertainty", stds, "positive", UncertaintyError)
     count = values.size
-
-    def excess(between_variance: float) -> float:
-        weights = 1 / (stds**2 + between_variance)
-        mean = weights @ values / weights.sum()
-        return float(weights @ (values - mean) ** 2) - (count - 1)
-
-    between_variance = 0.0
-    if count > 1 and excess(0.0) > 0:
-        between_variance = float(optimize.brentq(excess, 0.0, np.ptp(values) ** 2 * count, rtol=1e-12))
+    between_variance, value = _between_variance(values, stds)
+    if proportional and (values > 0).all():
+        relative = stds / values
+        for _ in range(_MOST_STEPS):
+            stds, before = relative * value, value
+            between_variance, value = _between_variance(values, stds)
+            if abs(value - before) <= 1e-12 * value:
+                break
     weights = 1 / (stds**2 + between_variance)
     variance = 1 / weights.sum()
     weights /= weights.sum()
     shared_variance = _shared_variance(shared, weights)
-    value = float(weights @ values)
     half = np.inf
     if count > 1:
-        variance *= max(1.0, 1 + excess(between_variance) / (count - 1))
+        variance *= max(1.0, float((values - value) ** 2 @ weights) / variance / (count - 1))
         quantiles = stats.t.ppf(0.975, count - 1), stats.norm.ppf(0.975)
         half = float(np.hypot(quantiles[0] * np.sqrt(variance), quantiles[1] * np.sqrt(shared_variance)))
     return RandomEffects(
@@ -219,7 +216,27 @@ def pool_random_effects(values: ArrayLike, stds: ArrayLike, shared: Shared = Non
         interval=(value - half, value + half),
         between_std=float(np.sqrt(between_variance)),
         count=count,
+        weights=weights,
     )
+
+
+def _between_variance(values: FloatArray, stds: FloatArray) -> tuple[float, float]:
+    """Return Paule and Mandel's variance between estimates, and their mean."""
+    freedom = values.size - 1
+
+    def mean_and_excess(between_variance: float) -> tuple[float, float]:
+        weights = 1 / (stds**2 + between_variance)
+        mean = float(weights @ values / weights.sum())
+        return mean, float(weights @ (values - mean) ** 2) - freedom
+
+    mean, excess = mean_and_excess(0.0)
+    if not (freedom and excess > 0):
+        return 0.0, mean
+    most = float(np.ptp(values) ** 2 * values.size)
+    between_variance = optimize.brentq(
+        lambda tried: mean_and_excess(tried)[1], 0.0, most, xtol=1e-12 * most, rtol=1e-12
+    )
+    return float(between_variance), mean_and_excess(between_variance)[0]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

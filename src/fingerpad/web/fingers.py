@@ -2,10 +2,9 @@
 
 import numpy as np
 
-from fingerpad.study.measuring.fingers import FingerResult, finger_result, shared_scale
+from fingerpad.study.measuring.fingers import FingerResult, finger_result
 from fingerpad.web.open_study import OpenStudy
 from fingerpad.web.results import last_results
-from fingerpad.web.scales import scales_of
 
 
 def known_finger(opened: OpenStudy, name: str) -> FingerResult | None:
@@ -19,13 +18,12 @@ def known_finger(opened: OpenStudy, name: str) -> FingerResult | None:
     record = found and next((one for one in found.summary["fingers"] if one["finger"] == name), None)
     if not record or record["palmar_mm"] is None:
         return None
-    shared = shared_scale(finger, scales_of(opened), opened.folder)
     return FingerResult(
         name=name,
         semi_axes=np.array([record[f"{axis}_mm"] for axis in ("palmar", "distal", "radial_ulnar")]),
         covariance=np.array(record["covariance_mm2"]),
         source="photographs",
-        scale=shared.name if shared else None,
+        scale=record.get("scale"),
         pad_thickness=finger.pad_thickness_mm,
         synthetic=record["synthetic"],
     )

@@ -2,6 +2,7 @@
 
 import math
 import time
+from dataclasses import replace
 from typing import Any, Final, Literal
 
 import numpy as np
@@ -9,7 +10,10 @@ import numpy as np
 from fingerpad.exceptions import FingerpadError
 from fingerpad.image import (
     FACE_AXES,
+    SEMI_AXES,
+    OutlineSemiAxes,
     PhotographFit,
+    combine_faces,
     face_from_outline,
     photograph_from_handles,
     read_outline,
@@ -18,14 +22,14 @@ from fingerpad.image import (
 from fingerpad.study.corrections.changes import PhotographCorrection
 from fingerpad.study.corrections.corrected import corrected_photograph
 from fingerpad.study.manifest import Finger, Photograph, ScaleKey
-from fingerpad.study.measuring.fingers import JointSemiAxes, joint_semi_axes, photograph_item, shared_scale
+from fingerpad.study.measuring.fingers import photograph_item
 from fingerpad.web.asked import Item, Spot, as_pair
 from fingerpad.web.bench import Bench
 from fingerpad.web.open_study import OpenStudy
 from fingerpad.web.operations import Operation, Question
 from fingerpad.web.pictures import Cache
 from fingerpad.web.refusal import Refusal
-from fingerpad.web.scales import scale_of, scales_of
+from fingerpad.web.scales import scale_of
 
 _FITS: Final[Cache[PhotographFit]] = Cache(60, lambda _: 1)
 _PROGRAM: Final[Cache[PhotographFit | None]] = Cache(60, lambda _: 1)
@@ -179,10 +183,11 @@ def _together(opened: OpenStudy, finger: Finger, item: str, fit: PhotographFit) 
     faces = {}
     for one in finger.photographs:
         own = photograph_item(finger, one)
+        scale = one.scale if isinstance(one.scale, str) else None
         ruling = opened.corrections.ruling(own)
         change = None if ruling is None else ruling.change
         if own == item:
-            faces[own] = fit.face_semi_axes
+            faces[own] = replace(fit.face_semi_axes, scale=scale)
         elif change is not None and change.rejected is not None:
             continue
         elif one.outline is not None:
@@ -190,23 +195,22 @@ def _together(opened: OpenStudy, finger: Finger, item: str, fit: PhotographFit) 
             faces[own] = face_from_outline(one.face, points, one.outline_relative_std)
         else:
             stored = change if isinstance(change, PhotographCorrection) else PhotographCorrection()
-            faces[own] = _fit(opened, own, one, stored).face_semi_axes
-    joint = joint_semi_axes(list(faces.values()), shared_scale(finger, scales_of(opened), opened.folder))
-    return _joint(joint, list(faces))
+            faces[own] = replace(_fit(opened, own, one, stored).face_semi_axes, scale=scale)
+    return _joint(combine_faces(faces.values()), list(faces))
 
 
-def _joint(found: JointSemiAxes, items: list[str]) -> dict[str, Any]:
-    axes = ("palmar", "distal", "radial_ulnar")
-    outlines = found.outlines
+def _joint(found: OutlineSemiAxes, items: list[str]) -> dict[str, Any]:
     return {
-        "semi_axes_mm": dict(zip(axes, found.semi_axes, strict=True)),
-        "semi_axes_mm_std": dict(zip(axes, np.sqrt(found.covariance.diagonal()), strict=True)),
-        "chi_square": outlines.chi_square,
-        "degrees_of_freedom": outlines.degrees_of_freedom,
-        "p_value": outlines.p_value,
+        "semi_axes_mm": dict(zip(SEMI_AXES, found.semi_axes, strict=True)),
+        "semi_axes_mm_std": dict(zip(SEMI_AXES, found.stds, strict=True)),
+        "chi_square": found.chi_square,
+        "degrees_of_freedom": found.degrees_of_freedom,
+        "p_value": found.p_value,
+        "disagree": found.disagree,
+        "between_relative_std": found.between_relative_std,
         "disagreements": [
             {"item": item, "face": face.face, **off}
-            for item, face, off in zip(items, outlines.faces, outlines.disagreements, strict=True)
+            for item, face, off in zip(items, found.faces, found.disagreements, strict=True)
         ],
     }
 

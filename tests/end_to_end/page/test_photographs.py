@@ -42,6 +42,7 @@ def test_dragged_axis_moves_the_joint_result(tab: Tab, demo) -> None:
     assert distal(numbers(page, "finger")) < distal(pad) - 0.02
     assert page.get_by_text("by a person", exact=True).is_visible()
     assert list(last_change(demo)) == ["ellipse_px"]
+    assert re.fullmatch(r"[+−]\d+\.\d %", page.locator(".difference .number").first.inner_text())
     page.keyboard.press("u")
     assert numbers(page, "finger") == pad
     assert numbers(page, "face") == face

@@ -13,7 +13,7 @@ from fingerpad.exceptions import FitError
 from fingerpad.image._distance import distances
 from fingerpad.image.photograph._edges import Edges
 from fingerpad.image.photograph._face_frame import PAD_MIDDLE, PAD_REACH
-from fingerpad.image.photograph.outline import Face
+from fingerpad.image.photograph.faces import Face
 from fingerpad.image.photograph.outline_fit import OutlineFit, fit_outline_ellipse, parametric_angles
 
 IndexArray: TypeAlias = npt.NDArray[np.intp]

@@ -8,7 +8,7 @@ import numpy as np
 
 from fingerpad._arrays import FloatArray
 from fingerpad.exceptions import ImageError
-from fingerpad.image.photograph.outline import FACE_AXES, Face
+from fingerpad.image.photograph.faces import FACE_AXES, Face
 
 Direction: TypeAlias = Literal["up", "down", "left", "right"]
 

@@ -11,8 +11,8 @@ import numpy.typing as npt
 from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, floats
 from fingerpad.exceptions import FitError, ImageError
 from fingerpad.image.photograph._face_frame import PAD_MIDDLE, Direction, face_axes, palmar_directions
-from fingerpad.image.photograph.measure import PhotographFit
-from fingerpad.image.photograph.outline import Face
+from fingerpad.image.photograph.faces import Face
+from fingerpad.image.photograph.measure import PhotographFit, size_flags
 from fingerpad.image.photograph.outline_fit import fit_outline_ellipse, parametric_angles
 from fingerpad.image.scale import Scale
 
@@ -79,10 +79,11 @@ def photograph_from_ellipse(
         )
     side = palmar_directions(face, tip, palmar)[0]
     semi_px = floats(semi_axes)
+    semi_mm = semi_px * scale.mm_per_px
     own_std = math.hypot(_MARK_PX, _BY_EYE * float(semi_px.min()))
     return PhotographFit(
         face=face,
-        semi_axes=semi_px * scale.mm_per_px,
+        semi_axes=semi_mm,
         edge_covariance=2 * (own_std * scale.mm_per_px) ** 2 * np.eye(2),
         scale=scale,
         centre=(float(centre[0]), float(centre[1])),
@@ -95,7 +96,7 @@ def photograph_from_ellipse(
         correlation_px=math.nan,
         residual_std_px=math.nan,
         blur_px=math.nan,
-        flags=frozenset({"by_hand"}),
+        flags=size_flags(semi_mm) | {"by_hand"},
     )
 
 
@@ -229,7 +230,8 @@ def with_points(
             f"the points left leave an axis unknown by {float(relative.max()):.0%}: "
             "keep or add points along a longer arc"
         )
-    return replace(result, flags=found.flags | {"by_hand"})
+    flags = found.flags - size_flags(found.semi_axes) | size_flags(result.semi_axes)
+    return replace(result, flags=flags | {"by_hand"})
 
 
 def _turned(axes: FloatArray, lean: float) -> FloatArray:

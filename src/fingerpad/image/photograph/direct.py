@@ -6,7 +6,7 @@ import numpy as np
 
 from fingerpad._arrays import floats
 from fingerpad.exceptions import ImageError
-from fingerpad.image.photograph.outline import Face, FaceSemiAxes
+from fingerpad.image.photograph.faces import Face, FaceSemiAxes
 from fingerpad.image.scale import Scale
 
 

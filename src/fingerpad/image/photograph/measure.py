@@ -37,7 +37,7 @@ from fingerpad.image.photograph._input import (
 )
 from fingerpad.image.photograph._light import opponent_light
 from fingerpad.image.photograph._silhouette import Silhouette, find_silhouette
-from fingerpad.image.photograph.outline import FACE_AXES, Face, FaceSemiAxes
+from fingerpad.image.photograph.faces import FACE_AXES, Face, FaceSemiAxes, implausible_size
 from fingerpad.image.photograph.outline_fit import parametric_angles
 from fingerpad.image.scale import Scale
 
@@ -50,6 +50,7 @@ PHOTOGRAPH_FLAGS: Mapping[str, str] = {
     "touches_border": "the arc ends where the frame cuts the finger",
     "poor_ellipse": "the outline departs from the ellipse by more than 1 percent of the smaller semi-axis",
     "leaning": "the finger leans by more than 10 degrees",
+    "implausible_size": "a semi-axis lies outside 2–40 mm: check the scale",
     "by_hand": "a person placed the ellipse, or added or left out points",
 }
 
@@ -344,4 +345,9 @@ def _flags(found: PhotographFit, contrast: float, silhouette: Silhouette) -> fro
         "poor_ellipse": found.residual_std_px > max(0.01 * semi_px, 0.5),
         "leaning": abs(found.lean) > math.radians(10),
     }
-    return frozenset(name for name, held in holds.items() if held)
+    return frozenset(name for name, held in holds.items() if held) | size_flags(found.semi_axes)
+
+
+def size_flags(semi_axes: FloatArray) -> frozenset[str]:
+    """Return the flag of semi-axes, mm, that no finger pad has, where it holds."""
+    return frozenset({"implausible_size"} if implausible_size(semi_axes).any() else ())

@@ -14,7 +14,7 @@ from fingerpad._arrays import Float32Array, FloatArray, singles
 from fingerpad.exceptions import GeometryError
 from fingerpad.image.photograph._face_frame import Direction, face_axes, palmar_directions
 from fingerpad.image.photograph._light import encoded, linear_light
-from fingerpad.image.photograph.outline import Face
+from fingerpad.image.photograph.faces import Face
 from fingerpad.image.synthetic._finger_shape import FingerShape, finger_shape, pad_arc
 
 Backdrop: TypeAlias = Literal["white", "grey", "black", "blue", "green", "cork"]

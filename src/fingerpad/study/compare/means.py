@@ -117,6 +117,8 @@ def means_of(values: Iterable[Value]) -> list[Mean]:
 
 
 def _mean(values: Sequence[Value]) -> Mean:
+    quantity, wedge, roll, synthetic = values[0].place
+    proportional = QUANTITIES[quantity].proportional
     people: dict[Owner, dict[str, list[_Level]]] = {}
     for value in values:
         own = math.sqrt(max(0.0, value.std**2 - value.shared_std**2))
@@ -124,13 +126,13 @@ def _mean(values: Sequence[Value]) -> Mean:
         people.setdefault(value.person, {}).setdefault(value.finger, []).append(level)
     persons, scatters = [], []
     for fingers in people.values():
-        level, pooled = _pooled([_pooled(levels)[0] for levels in fingers.values()])
+        members = [_pooled(levels, proportional)[0] for levels in fingers.values()]
+        level, pooled = _pooled(members, proportional)
         persons.append((level, len(fingers)))
         if len(fingers) > 1:
             scatters += (len(fingers) - 1) * [pooled.between_std]
-    _, pooled = _pooled([level for level, _ in persons])
+    _, pooled = _pooled([level for level, _ in persons], proportional)
     several = len(persons) > 1
-    quantity, wedge, roll, synthetic = values[0].place
     return Mean(
         quantity=quantity,
         wedge_angle_deg=wedge,
@@ -148,14 +150,12 @@ def _mean(values: Sequence[Value]) -> Mean:
     )
 
 
-def _pooled(levels: Sequence[_Level]) -> tuple[_Level, RandomEffects]:
+def _pooled(levels: Sequence[_Level], proportional: bool) -> tuple[_Level, RandomEffects]:
     """Pool one level, and return it as a member of the next with its scatter."""
     value = np.array([level.value for level in levels])
     own = np.maximum([level.own_std for level in levels], np.spacing(np.abs(value)))
     sources = list(dict.fromkeys(source for level in levels for source in level.shared))
     parts = np.array([[level.shared.get(source, 0.0) for source in sources] for level in levels])
-    pooled = pool_random_effects(value, own, parts @ parts.T)
-    weights = 1 / (own**2 + pooled.between_std**2)
-    mean_parts = weights / weights.sum() @ parts
-    shared = dict(zip(sources, map(float, mean_parts), strict=True))
+    pooled = pool_random_effects(value, own, parts @ parts.T, proportional=proportional)
+    shared = dict(zip(sources, map(float, pooled.weights @ parts), strict=True))
     return _Level(pooled.value, pooled.std, shared), pooled

@@ -22,12 +22,15 @@ class Kind:
         What it is.
     by_angle : bool
         Whether it belongs to a finger on its wedge, or to the finger alone.
+    proportional : bool
+        Whether its uncertainty grows in proportion to it.
     """
 
     symbol: str
     unit: str
     words: str
     by_angle: bool = True
+    proportional: bool = True
 
 
 QUANTITIES: Final[Mapping[str, Kind]] = {
@@ -50,8 +53,12 @@ QUANTITIES: Final[Mapping[str, Kind]] = {
         symbol=r"$E_\mathrm{0g}$", unit="kPa", words="Young's modulus at small load, from loading curves"
     ),
     "load_exponent": Kind(symbol="$m$", unit="", words="exponent of W ∝ ξᵐ, from loading curves"),
-    "curve_area_exponent": Kind(symbol="$n$", unit="", words="exponent of A ∝ Wⁿ, from loading curves"),
-    "area_exponent": Kind(symbol="$n$", unit="", words="exponent of A ∝ Wⁿ, from contacts"),
+    "curve_area_exponent": Kind(
+        symbol="$n$", unit="", words="exponent of A ∝ Wⁿ, from loading curves", proportional=False
+    ),
+    "area_exponent": Kind(
+        symbol="$n$", unit="", words="exponent of A ∝ Wⁿ, from contacts", proportional=False
+    ),
 }  # fmt: skip
 _FROM_CURVES: Final = {
     "initial_modulus_kpa": "initial_modulus_kpa",

@@ -1,7 +1,7 @@
 """The fingers of a study: semi-axes as given, or measured in photographs of the faces or their outlines."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -66,8 +66,7 @@ class FingerResult:
     semi_axes : ndarray, shape (3,)
         Palmar, distal, radial–ulnar, mm; NaN where they could not be had.
     covariance : ndarray, shape (3, 3)
-        Their covariance, mm², widened by χ² over its degrees of freedom where faces disagree,
-        with that of a scale they share.
+        Their covariance, mm².
     source : str
         ``given`` or ``photographs``.
     outlines : OutlineSemiAxes or None
@@ -139,7 +138,7 @@ def finger_result(
             for photograph in finger.photographs
             if not is_rejected(rulings.get(item := photograph_item(finger, photograph)))
         ]
-        joint = joint_semi_axes([face for face, _ in seen], shared_scale(finger, scales, folder))
+        joint = combine_faces(face for face, _ in seen)
     except FingerpadError as error:
         return FingerResult(
             semi_axes=np.full(3, np.nan),
@@ -148,66 +147,21 @@ def finger_result(
             reason=in_study(f"finger {finger.name}: {error}", folder),
             **common,
         )
+    names = {face.scale for face in joint.faces}
     return FingerResult(
         semi_axes=joint.semi_axes,
         covariance=joint.covariance,
         source="photographs",
-        scale=joint.scale,
-        outlines=joint.outlines,
+        scale=names.pop() if len(names) == 1 else None,
+        outlines=joint,
         photographs=tuple(result for _, result in seen if result is not None),
         **common,
-    )
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class JointSemiAxes:
-    """Semi-axes from several faces.
-
-    Attributes
-    ----------
-    semi_axes, covariance, scale, outlines
-        As of `FingerResult`.
-    """
-
-    semi_axes: FloatArray
-    covariance: FloatArray
-    scale: str | None
-    outlines: OutlineSemiAxes
-
-
-def joint_semi_axes(faces: Sequence[FaceSemiAxes], shared: FoundScale | None) -> JointSemiAxes:
-    """Combine what faces show; `shared` is the scale that all their photographs share.
-
-    Raises
-    ------
-    FitError
-        If no face shows one of the semi-axes.
-    """
-    scale_std = shared.scale.relative_std if shared else 0.0
-    combined = combine_faces(replace(face, relative_scale_std=0.0) if shared else face for face in faces)
-    freedom = combined.degrees_of_freedom
-    widening = max(1.0, combined.chi_square / freedom) if freedom else 1.0
-    semi_axes = np.array([combined.palmar, combined.distal, combined.radial_ulnar])
-    return JointSemiAxes(
-        semi_axes=semi_axes,
-        covariance=widening * combined.covariance + scale_std**2 * np.outer(semi_axes, semi_axes),
-        scale=shared.name if shared else None,
-        outlines=combined,
     )
 
 
 def photograph_item(finger: Finger, photograph: Photograph) -> str:
     """Return the name under which a photograph is corrected."""
     return f"{finger.name}/{photograph.image or photograph.outline}"
-
-
-def shared_scale(finger: Finger, scales: Mapping[str, FoundScale | str], folder: Path) -> FoundScale | None:
-    """Return the named scale that all photographs of a finger share, None where they do not."""
-    keys = {
-        photograph.scale if isinstance(photograph.scale, str) else None for photograph in finger.photographs
-    }
-    name = keys.pop()
-    return None if name is None or keys else find_scale(name, scales, folder)
 
 
 def is_rejected(ruling: Ruling | None) -> bool:
@@ -278,15 +232,17 @@ def _face(
     assert photograph.scale is not None
     if record.get("reason") is not None:
         raise FingerpadError(record["reason"])
+    scale = find_scale(photograph.scale, scales, folder)
     axes = FaceSemiAxes(
         face=photograph.face,
         semi_axes=np.array(record["semi_axes"]),
         covariance=np.array(record["covariance"]),
         relative_scale_std=record["relative_scale_std"],
+        scale=scale.name,
     )
     return axes, PhotographResult(
         manifest=photograph,
-        scale=find_scale(photograph.scale, scales, folder),
+        scale=scale,
         overlay=record["overlay"],
         arc_deg=record["arc_deg"],
         flags=tuple(record["flags"]),

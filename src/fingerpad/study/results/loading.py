@@ -35,5 +35,5 @@ def loading_radius(
     values, stds = np.array([(each.effective_radius, each.effective_radius_std) for each in fitting]).T
     if not np.isfinite(stds).all():
         return LoadingRadius(float(values.mean()), math.nan, synthetic)
-    pooled = pool(values, stds)
+    pooled = pool(values, stds, proportional=True)
     return LoadingRadius(pooled.value, pooled.total_std, synthetic)

@@ -10,6 +10,7 @@ import numpy as np
 
 from fingerpad._json import dumps
 from fingerpad.exceptions import FingerpadError
+from fingerpad.image import OutlineSemiAxes
 from fingerpad.study.measuring.scales import FoundScale
 from fingerpad.study.measuring.sequences import SequenceResult
 from fingerpad.study.results.check import UncertaintyCheck
@@ -92,9 +93,12 @@ def summary_record(result: StudyResult) -> dict[str, Any]:
                 "distal_mm": finger.semi_axes[1],
                 "radial_ulnar_mm": finger.semi_axes[2],
                 "covariance_mm2": finger.covariance,
+                "scale": finger.scale,
                 "chi_square": finger.outlines and finger.outlines.chi_square,
                 "degrees_of_freedom": finger.outlines and finger.outlines.degrees_of_freedom,
                 "p_value": finger.outlines and finger.outlines.p_value,
+                "between_faces_relative_std": finger.outlines and finger.outlines.between_relative_std,
+                "faces": finger.outlines and _faces(finger.outlines),
                 "reason": finger.reason,
             }
             for finger in result.fingers.values()
@@ -130,6 +134,18 @@ def summary_record(result: StudyResult) -> dict[str, Any]:
         "failures": result.failures,
         "provenance": result.provenance,
     }
+
+
+def _faces(outlines: OutlineSemiAxes) -> list[dict[str, Any]]:
+    """Return the semi-axes of each face, mm, and by how much they exceed the joint ones, relative to them."""
+    return [
+        {
+            "face": one.face,
+            **{f"{axis}_mm": float(length) for axis, length in zip(off, one.semi_axes, strict=True)},
+            **{f"{axis}_relative_difference": value for axis, value in off.items()},
+        }
+        for one, off in zip(outlines.faces, outlines.disagreements, strict=True)
+    ]
 
 
 def _summary(

@@ -15,14 +15,14 @@ from fingerpad.uncertainty import (
     RandomEffects,
     Scatter,
     SharedParts,
-    inverse_variance_weights,
     pool,
     pool_random_effects,
     scatter_of,
 )
 
-# Parts that a contact shares with no other.
+# Parts that a contact shares with no other, and parts of second order.
 _OWN: Final = ~np.isin(PART_SOURCES, (*OF_THE_PLACEMENT, "image scale"))
+_SECOND: Final = np.arange(PART_SOURCES.size) >= PART_SOURCES.size // 2
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -68,6 +68,11 @@ class PooledRadius:
     def of(cls, rows: Rows, pooled: Table, estimate: Places, output: str) -> Self:
         """Pool one of `POOLED_OUTPUTS`.
 
+        A radius changes with the square of its contact's elongation, and its stated uncertainty with the
+        elongation: weights of the stated ones would be largest where a contact came out round, and pull the
+        mean to its side. So the slope is taken to be the same for all contacts; and the pooled radius is that
+        at the mean elongation, to second order, without what the mean of squares adds.
+
         Parameters
         ----------
         rows : Rows
@@ -81,8 +86,10 @@ class PooledRadius:
         output : str
             The radius.
         """
-        parts = rows.parts[np.searchsorted(rows.pooled, pooled.places), POOLED_OUTPUTS.index(output)]
-        own_std = np.sqrt(np.sum(parts[:, _OWN] ** 2, axis=-1))
+        places = np.searchsorted(rows.pooled, pooled.places)
+        parts = rows.parts[places, POOLED_OUTPUTS.index(output)]
+        bias = np.sum(parts[:, _OWN & _SECOND], axis=-1) / np.sqrt(2)
+        own_std = _own_std(parts, rows.elongation_std[places])
         weights = np.where(np.bincount(estimate)[estimate] > 1, own_std**-2.0, 1.0)
         weights /= np.bincount(estimate, weights)[estimate]
 
@@ -90,16 +97,16 @@ class PooledRadius:
             return floats(np.bincount(estimate, weights * of))
 
         value, own = mean(pooled.column(f"{output}_mm")), mean(own_std)
+        value -= (1 - pool(value, own).weights) * mean(bias)
         parts = np.stack([mean(part) for part in parts.T], axis=-1)
         first, last = (np.empty(value.size, dtype=np.intp) for _ in range(2))
         last[estimate] = np.arange(estimate.size)
         first[estimate[::-1]] = np.arange(estimate.size)[::-1]
         shared = _shared(parts, pooled.column("scale")[first])
         fixed = pool(value, own, shared)
-        final = inverse_variance_weights(value, own)
         variances = np.empty(len(PART_SOURCES))
-        variances[_OWN] = final**2 @ parts[:, _OWN] ** 2
-        variances[~_OWN] = shared.variances(final)
+        variances[_OWN] = _shares(fixed.weights**2 @ parts[:, _OWN] ** 2) * (fixed.weights**2 @ own**2)
+        variances[~_OWN] = shared.variances(fixed.weights)
         exact = np.sum(variances[~_OWN & ~np.isin(PART_SOURCES, GEOMETRY)])
         return cls(
             fixed=fixed,
@@ -108,6 +115,19 @@ class PooledRadius:
             scatter=scatter_of(value, pooled.column("load_N")[last]),
             budget=_budget(fixed, variances),
         )
+
+
+def _own_std(parts: FloatArray, elongation_std: FloatArray) -> FloatArray:
+    """Return what contacts' own errors add, the slope of the radius taken to be that of all of them."""
+    variance = np.sum(elongation_std**2)
+    slope = np.sum(parts[:, _OWN & ~_SECOND] ** 2) / variance if variance > 0 else 0.0
+    return floats(np.sqrt(slope * elongation_std**2 + np.sum(parts[:, _OWN & _SECOND] ** 2, axis=-1)))
+
+
+def _shares(parts: FloatArray) -> FloatArray:
+    """Return each part of a sum over the sum; nothing has no parts."""
+    total = parts.sum()
+    return parts / total if total > 0 else parts
 
 
 def _shared(parts: FloatArray, scales: Column) -> SharedParts:
@@ -121,5 +141,4 @@ def _budget(fixed: Pooled, variances: FloatArray) -> dict[str, float]:
     """Return each source's share in the variance of the pooled value."""
     variance = {source: float(variances[source == PART_SOURCES].sum()) for source in PAD_SOURCES}
     variance["scatter"] = max(0.0, fixed.total_std**2 - sum(variance.values()))
-    total = sum(variance.values())
-    return {name: share / total if total > 0 else 0.0 for name, share in variance.items()}
+    return dict(zip(variance, map(float, _shares(np.array(list(variance.values())))), strict=True))

@@ -9,6 +9,7 @@ import numpy as np
 
 from fingerpad._arrays import BoolArray, FloatArray
 from fingerpad.geometry import Ellipsoid, Placement
+from fingerpad.image import implausible_size
 from fingerpad.study.manifest import CORRECTIONS, Contact, Observation, Study
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.measuring.measure import Measurement
@@ -22,7 +23,7 @@ from fingerpad.study.results.table import (
     column_of,
     unknown,
 )
-from fingerpad.uncertainty import PAD_OUTPUTS, PAD_SOURCES
+from fingerpad.uncertainty import PAD_INPUTS, PAD_OUTPUTS, PAD_SOURCES
 from fingerpad.units import KPA_PER_MPA
 
 # What the rows of one summary have in common.
@@ -49,6 +50,7 @@ RANGE_NOTES: Final = {
 }
 
 _NO_ANSWER: Final = "the model has no finite answer for these values; check their units"
+_ELONGATION: Final = PAD_INPUTS.index("elongation")
 _OF_THE_CONTACT: Final = tuple(source for source in PAD_SOURCES if source not in GEOMETRY)
 _IN_MM: Final = tuple(name for name in PAD_OUTPUTS if "radius" in name or name == "indentation")
 _IN_KPA: Final = ("reduced_modulus", "youngs_modulus", "mean_pressure")
@@ -109,6 +111,8 @@ class Rows:
         Places in `table` of the rows that count in pooled radii, ascending.
     parts : ndarray, shape (pooled rows, pooled outputs, parts)
         Signed contributions to the uncertainty of their radii, as `Modelled` has them.
+    elongation_std : ndarray, shape (pooled rows,)
+        Standard uncertainty of the elongation ln(ℓd/ℓe) of each of their contact ellipses.
     heaviest : dict of PlacementKey to Heaviest
         By the values of `PLACEMENT`; without those at which nothing counts.
     """
@@ -116,6 +120,7 @@ class Rows:
     table: Table
     pooled: Places
     parts: FloatArray
+    elongation_std: FloatArray
     heaviest: dict[PlacementKey, Heaviest]
 
 
@@ -137,6 +142,7 @@ def make_rows(
     table, stream = TableBuilder(), iter(seen)
     pooled = GrowingArray(np.empty(0, dtype=np.intp))
     parts = GrowingArray(np.empty((0, len(POOLED_OUTPUTS), len(PART_SOURCES))))
+    elongation_std = GrowingArray(np.empty(0))
     heaviest: dict[PlacementKey, Heaviest] = {}
     start = 0
     while batch := list(islice(stream, _AT_ONCE)):
@@ -145,9 +151,16 @@ def make_rows(
         counts = done.columns["pooled"][done.good]
         pooled.add(start + done.good[counts])
         parts.add(done.modelled.parts[counts])
+        elongation_std.add(np.sqrt(done.inputs.covariance[counts, _ELONGATION, _ELONGATION]))
         done.weigh(heaviest)
         start += len(batch)
-    return Rows(table=table.table(), pooled=pooled.array, parts=parts.array, heaviest=heaviest)
+    return Rows(
+        table=table.table(),
+        pooled=pooled.array,
+        parts=parts.array,
+        elongation_std=elongation_std.array,
+        heaviest=heaviest,
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -297,11 +310,10 @@ def _range_notes(row: Mapping[str, Column], pads: Sequence[FingerResult], semi_a
     """Return the notes that hold for each row, separated by spaces."""
     axes = zip(row["long_axis"], row["predicted_long_axis"], strict=True)
     crossed = [None not in (axis, predicted) and axis != predicted for axis, predicted in axes]
-    outside = (semi_axes < 2) | (semi_axes > 40)
-    disagree = [pad.outlines is not None and pad.outlines.p_value < 0.01 for pad in pads]
+    disagree = [pad.outlines is not None and pad.outlines.disagree for pad in pads]
     notes: dict[str, BoolArray] = {
         "faces_disagree": np.array(disagree, dtype=bool),
-        "implausible_size": np.asarray(outside.any(axis=-1)),
+        "implausible_size": np.asarray(implausible_size(semi_axes).any(axis=-1)),
         "implausible_modulus": (row["youngs_modulus_kpa"] < 1) | (row["youngs_modulus_kpa"] > 5000),
         "deeper_than_pad": row["indentation_mm"] > semi_axes[:, 0],
         "contact_not_small": row["contact_size"] > SMALL_CONTACT,

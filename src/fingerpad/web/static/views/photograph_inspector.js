@@ -82,7 +82,7 @@ export class PhotographInspector extends Inspector {
       place(this.parts.pad, h("h3", null, "All faces together"), h("p.soft", null, problem ?? "Two faces are the least for a pad."));
       return;
     }
-    const agree = finger.p_value === null || finger.p_value === undefined ? null : finger.p_value > 0.05;
+    const agree = finger.degrees_of_freedom > 0 ? !finger.disagree : null;
     place(
       this.parts.pad,
       h("div.headline", null, h("h3", null, "All faces together"), agree === null ? null : agree ? chip("the faces agree", "good") : chip("the faces disagree", "warn")),
@@ -92,7 +92,7 @@ export class PhotographInspector extends Inspector {
         Object.entries(NAMES).map(([axis, words]) => reading(`${words} semi-axis`, h("strong.figure", null, `${withStd(finger.semi_axes_mm[axis], finger.semi_axes_mm_std?.[axis])} mm`))),
         finger.degrees_of_freedom > 0 && reading("Agreement", `χ² = ${finger.chi_square.toPrecision(3)} for ${finger.degrees_of_freedom}, ${probability(finger.p_value)}`),
       ),
-      finger.disagreements?.length > 0 && h("details", { open: true }, h("summary", null, "Each face against all, mm"), differences(finger.disagreements)),
+      finger.disagreements?.length > 0 && h("details", { open: true }, h("summary", null, "Each face against all"), differences(finger.disagreements)),
     );
   }
 
@@ -113,7 +113,7 @@ export class PhotographInspector extends Inspector {
   }
 }
 
-/** Bars left and right of zero: each face's semi-axis less that of all faces. */
+/** Bars left and right of zero: each face's semi-axis against that of all faces. */
 function differences(faces) {
   const axes = Object.keys(NAMES);
   const rows = faces.flatMap((face) => axes.filter((axis) => Number.isFinite(face[axis])).map((axis) => [`${face.face}: ${NAMES[axis].toLowerCase()}`, face[axis]]));
@@ -128,7 +128,7 @@ function differences(faces) {
         null,
         h("span", null, label),
         s("svg", { viewBox: "-50 0 100 10", width: 100, height: 10, "aria-hidden": "true" }, s("path", { d: "M0 0V10", class: "zero" }), s("rect", { x: value < 0 ? -width : 0, y: 2, width, height: 6 })),
-        h("span.number", null, (value < 0 ? "−" : "+") + Math.abs(value).toFixed(3)),
+        h("span.number", null, `${value < 0 ? "−" : "+"}${(100 * Math.abs(value)).toFixed(1)} %`),
       );
     }),
   );

@@ -1,0 +1,279 @@
+"""Semi-axes of the finger pad from those that its faces show.
+
+Each face shows two of the three semi-axes, so that two faces give one of them twice and three faces each of
+them twice: the joint estimate is over-determined, and the disagreement is reported.
+
+Faces are combined as logarithms, to which an error of a picture's scale adds the same amount whatever the
+length. A covariance of lengths whose share of the scale is that of the measured values pulls the result below
+all of them (Peelle's pertinent puzzle).
+"""
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+import numpy as np
+from scipy.linalg import block_diag, solve_triangular
+from scipy.optimize import brentq
+from scipy.stats import chi2
+
+from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, floats
+from fingerpad.exceptions import FitError
+
+Face: TypeAlias = Literal["palmar", "distal", "radial", "ulnar"]
+
+SEMI_AXES = ("palmar", "distal", "radial_ulnar")
+# The semi-axes that (x, y), that is (across, along), show in a photograph of each face.
+FACE_AXES: Mapping[Face, tuple[str, str]] = {
+    "palmar": ("radial_ulnar", "distal"),
+    "distal": ("radial_ulnar", "palmar"),
+    "radial": ("palmar", "distal"),
+    "ulnar": ("palmar", "distal"),
+}
+
+# Semi-axes of any finger pad lie between these.
+PLAUSIBLE_SEMI_AXIS_MM = (2.0, 40.0)
+# Relative standard uncertainty below which no semi-axis of a finger is known: a micrometre.
+_LEAST_RELATIVE_STD = 1e-4
+# Chance of a disagreement below which it is no accident.
+_DISAGREE = 0.01
+# Relative standard deviation between faces beyond which they cannot be those of one finger.
+_MOST_BETWEEN_STD = 0.3
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class FaceSemiAxes:
+    """The two semi-axes that one face shows, however they were measured.
+
+    Attributes
+    ----------
+    face : Face
+        The face that looked at the camera.
+    semi_axes : ndarray, (2,)
+        Semi-axes across and along, in the order of `FACE_AXES`, mm.
+    covariance : ndarray, (2, 2)
+        Their covariance without the scale's share, mm².
+    relative_scale_std : float
+        Relative standard uncertainty of the picture's scale.
+    scale : str or None
+        Name of the scale: faces of one name share its error; without a name it is the picture's own.
+    """
+
+    face: Face
+    semi_axes: FloatArray
+    covariance: FloatArray
+    relative_scale_std: float = 0.0
+    scale: str | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class OutlineSemiAxes:
+    """Semi-axes of a finger pad from two or more of its faces.
+
+    Attributes
+    ----------
+    palmar, distal, radial_ulnar : float
+        Semi-axes, mm, never sorted.
+    covariance : ndarray, (3, 3)
+        Their covariance in that order, mm², with what the faces disagree by.
+    between_relative_std : float
+        Relative standard deviation by which the faces differ beyond their stated uncertainties.
+    chi_square : float
+        Sum of squares of the faces' disagreement, weighted by their stated uncertainties alone; zero when
+        nothing is over-determined.
+    degrees_of_freedom : int
+        Number of semi-axis values beyond the three that are needed.
+    p_value : float
+        Chance of at least this disagreement if the stated uncertainties are right, NaN without freedom.
+    faces : tuple of FaceSemiAxes
+        What was combined.
+    """
+
+    palmar: float
+    distal: float
+    radial_ulnar: float
+    covariance: FloatArray
+    between_relative_std: float
+    chi_square: float
+    degrees_of_freedom: int
+    p_value: float
+    faces: tuple[FaceSemiAxes, ...]
+
+    @property
+    def semi_axes(self) -> FloatArray:
+        """(palmar, distal, radial_ulnar), mm."""
+        return np.array([self.palmar, self.distal, self.radial_ulnar])
+
+    @property
+    def disagree(self) -> bool:
+        """Whether the faces disagree by more than their stated uncertainties allow: p < 0.01."""
+        return self.p_value < _DISAGREE
+
+    @property
+    def stds(self) -> FloatArray:
+        """Standard uncertainties of (palmar, distal, radial_ulnar), mm."""
+        return np.sqrt(np.diagonal(self.covariance))
+
+    @property
+    def disagreements(self) -> tuple[dict[str, float], ...]:
+        """By how much each face's semi-axes exceed the joint ones, by anatomical name, relative to them."""
+        joint = dict(zip(SEMI_AXES, self.semi_axes, strict=True))
+        return tuple(
+            {
+                name: float(value / joint[name] - 1)
+                for name, value in zip(FACE_AXES[one.face], one.semi_axes, strict=True)
+            }
+            for one in self.faces
+        )
+
+
+def implausible_size(semi_axes: ArrayLike) -> BoolArray:
+    """Tell which semi-axes, mm, no finger pad has: wrong units or a wrong scale.
+
+    Examples
+    --------
+    >>> implausible_size([7.9, 138.0, 11.8])
+    array([False,  True, False])
+    """
+    least, most = PLAUSIBLE_SEMI_AXIS_MM
+    found = floats(semi_axes)
+    return (found < least) | (found > most)
+
+
+def combine_faces(faces: Iterable[FaceSemiAxes]) -> OutlineSemiAxes:
+    r"""Combine the semi-axes that two or more faces show into the three of the finger pad.
+
+    Generalised least squares of the logarithms :math:`\ln\ell`, with covariance
+    :math:`\Sigma_{ij}/(\ell_i\ell_j) + r^2`, the latter between lengths in one scale of relative standard
+    uncertainty r. Faces that disagree by more than that allows (p < 0.01), no finger being an ellipsoid, are
+    taken to differ by a relative standard deviation τ of their own: τ² is added to each variance so that
+    :math:`\chi^2` is its degrees of freedom (Paule and Mandel). No face then counts for much more than the
+    others, however small its stated uncertainty.
+
+    No semi-axis lies further outside the range of its values in the faces than c of their stated standard
+    uncertainties, where c² is χ², or its degrees of freedom where τ is not zero.
+
+    Parameters
+    ----------
+    faces : iterable of FaceSemiAxes
+        Semi-axes by face; a face may come more than once, from several photographs.
+
+    Returns
+    -------
+    OutlineSemiAxes
+
+    Raises
+    ------
+    FitError
+        If no face shows one of the semi-axes, a covariance or scale is not one, or the faces contradict each
+        other, as where the axes of one are swapped: τ exceeds 0.3.
+
+    Examples
+    --------
+    >>> def seen(face, *semi_axes):
+    ...     return FaceSemiAxes(face=face, semi_axes=np.array(semi_axes), covariance=0.01 * np.eye(2))
+    >>> faces = [seen("palmar", 11.8, 13.8), seen("distal", 11.8, 7.9), seen("radial", 8.0, 13.7)]
+    >>> found = combine_faces(faces)
+    >>> round(found.palmar, 3), round(found.distal, 3), found.degrees_of_freedom, round(found.p_value, 2)
+    (7.95, 13.75, 3, 0.8)
+    """
+    given = tuple(faces)
+    for one in given:
+        _require_face(one)
+    _require_every_axis(given)
+    return _combined(given)
+
+
+def _require_std(name: str, value: float) -> None:
+    if not (math.isfinite(value) and value >= 0):
+        raise FitError(f"{name} must be zero or positive, and finite, found {value}")
+
+
+def _require_face(one: FaceSemiAxes) -> None:
+    if one.face not in FACE_AXES:
+        raise FitError(f"face must be one of {', '.join(FACE_AXES)}, found {one.face!r}")
+    _require_std("relative_scale_std", one.relative_scale_std)
+    if not (np.shape(one.semi_axes) == (2,) and np.isfinite(one.semi_axes).all() and min(one.semi_axes) > 0):
+        raise FitError(f"{one.face} face: semi_axes must be two positive lengths, found {one.semi_axes}")
+    covariance = np.asarray(one.covariance)
+    if covariance.shape != (2, 2) or not np.isfinite(covariance).all():
+        raise FitError(f"{one.face} face: covariance must be finite, of shape (2, 2), found {covariance}")
+    if np.linalg.eigvalsh(covariance).min() < -1e-12 * np.abs(covariance).max():
+        raise FitError(f"{one.face} face: covariance must have no negative variance, found {covariance}")
+
+
+def _require_every_axis(faces: tuple[FaceSemiAxes, ...]) -> None:
+    seen = {axis for one in faces for axis in FACE_AXES[one.face]}
+    for axis in SEMI_AXES:
+        if axis not in seen:
+            showing = ", ".join(face for face, axes in FACE_AXES.items() if axis in axes)
+            found = ", ".join(one.face for one in faces) or "no face"
+            raise FitError(f"no face given shows the {axis} semi-axis, found {found}: add one of {showing}")
+
+
+def _combined(faces: tuple[FaceSemiAxes, ...]) -> OutlineSemiAxes:
+    """Combine the semi-axes of all faces, once they are sound."""
+    values = np.concatenate([one.semi_axes for one in faces])
+    design = np.array([[axis == name for name in SEMI_AXES] for one in faces for axis in FACE_AXES[one.face]])
+    stated = _relative_covariance(faces, values)
+    # About the geometric means, that rounding stays small beside the disagreement.
+    means = design.T @ np.log(values) / design.sum(axis=0)
+    off = np.log(values) - design @ means
+    freedom = values.size - len(SEMI_AXES)
+
+    def solved(between_variance: float) -> tuple[FloatArray, FloatArray, float]:
+        root = np.linalg.cholesky(stated + between_variance * np.eye(values.size))
+        white = solve_triangular(root, np.column_stack([design, off]), lower=True)
+        inverse = np.linalg.pinv(white[:, :-1])
+        shift = inverse @ white[:, -1]
+        left = white[:, -1] - white[:, :-1] @ shift
+        return shift, inverse @ inverse.T, float(left @ left)
+
+    between_variance = 0.0
+    shift, joint, chi_square = solved(0.0)
+    p_value = float(chi2.sf(chi_square, freedom)) if freedom else math.nan
+    if p_value < _DISAGREE:
+        most = 2 * float(off @ off) / freedom
+        between_variance = brentq(lambda tried: solved(tried)[2] - freedom, 0, most, xtol=1e-15 * most)
+        shift, joint, _ = solved(between_variance)
+    between_std = math.sqrt(between_variance)
+    if between_std > _MOST_BETWEEN_STD:
+        raise _contradiction(faces, design, off)
+    semi_axes = np.exp(means + shift)
+    palmar, distal, radial_ulnar = map(float, semi_axes)
+    return OutlineSemiAxes(
+        palmar=palmar,
+        distal=distal,
+        radial_ulnar=radial_ulnar,
+        covariance=np.asarray(joint * np.outer(semi_axes, semi_axes), dtype=np.float64),
+        between_relative_std=between_std,
+        chi_square=chi_square if freedom else 0.0,
+        degrees_of_freedom=freedom,
+        p_value=p_value,
+        faces=faces,
+    )
+
+
+def _relative_covariance(faces: tuple[FaceSemiAxes, ...], values: FloatArray) -> FloatArray:
+    """Return the stated covariance of all faces' logarithms, shape (n, n)."""
+    keys = [place if one.scale is None else one.scale for place, one in enumerate(faces)]
+    scale = np.repeat([keys.index(key) for key in keys], 2)
+    scale_std = np.repeat([one.relative_scale_std for one in faces], 2)
+    covariance = block_diag(*(one.covariance for one in faces)) / np.outer(values, values)
+    covariance += np.where(scale[:, None] == scale, np.outer(scale_std, scale_std), 0.0)
+    return np.asarray(covariance + _LEAST_RELATIVE_STD**2 * np.eye(values.size))
+
+
+def _contradiction(faces: tuple[FaceSemiAxes, ...], design: FloatArray, off: FloatArray) -> FitError:
+    """Return the error that names the semi-axis about which faces disagree most, and its values."""
+    axis = SEMI_AXES[int(design[np.argmax(np.abs(off))].argmax())]
+    values = ", ".join(
+        f"{one.semi_axes[FACE_AXES[one.face].index(axis)]:.3g} mm in the {one.face} face"
+        for one in faces
+        if axis in FACE_AXES[one.face]
+    )
+    return FitError(
+        f"the faces contradict each other: the {axis} semi-axis is {values}: check that each picture shows "
+        "the face given, in the directions and the scale given, or leave one out"
+    )

@@ -1,0 +1,42 @@
+"""Arrays as they come in: masked entries are missing everywhere."""
+
+import numpy as np
+import pytest
+
+from fingerpad._arrays import floats
+from fingerpad.contact import hertz_contact
+from fingerpad.exceptions import GeometryError, LoadingError, UncertaintyError
+from fingerpad.geometry import Ellipsoid, RelativeCurvature
+from fingerpad.loading import LoadingCurve
+from fingerpad.uncertainty import pool, pool_random_effects
+
+MASKED = np.ma.masked_array([10.0, 999.0, 12.0], mask=[False, True, False])
+
+
+@pytest.mark.parametrize("kind", [int, np.uint8, np.float32, float, complex])
+def test_masked_entries_are_not_a_number(kind) -> None:
+    values = np.ma.masked_array([1, 2, 3], mask=[False, True, False], dtype=kind)
+    found = floats(values)
+    assert not isinstance(found, np.ma.MaskedArray)
+    assert found.dtype == (complex if kind is complex else float)
+    np.testing.assert_array_equal(found, [1, np.nan, 3])
+    np.testing.assert_array_equal(values, [1, 2, 3])  # the array given stays as it was
+    assert np.isnan(floats(np.ma.masked))
+
+
+def test_kernels_give_nan_for_masked_entries() -> None:
+    contact = hertz_contact(MASKED, 10.0, 2.0, reduced_modulus=0.1)
+    assert np.isnan(contact.indentation).tolist() == [False, True, False]
+
+
+def test_what_checks_its_values_refuses_masked_ones() -> None:
+    with pytest.raises(UncertaintyError, match="value to pool must be finite, found nan at index 1"):
+        pool(MASKED, [0.1, 0.1, 0.1])
+    with pytest.raises(UncertaintyError, match="standard uncertainty must be .*, found nan at index 1"):
+        pool_random_effects([10.0, 11.0, 12.0], MASKED)
+    with pytest.raises(GeometryError, match="found nan"):
+        Ellipsoid.of(MASKED, 12.0, 13.0)
+    with pytest.raises(GeometryError, match="found nan"):
+        RelativeCurvature.of(MASKED[:2])
+    with pytest.raises(LoadingError, match="load is not finite in row 2"):
+        LoadingCurve(load=MASKED, indentation=np.arange(3.0))
