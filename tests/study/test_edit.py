@@ -1,5 +1,6 @@
 """Changing the manifest by program: comments stay, wrong edits write nothing, what is incomplete waits."""
 
+import csv
 import multiprocessing
 import tomllib
 
@@ -273,6 +274,22 @@ def test_rows_of_a_spreadsheet_are_changed_there(folder):
     assert kept(folder) == before
     changed(folder, ("observation", "row_2", None))
     assert "row_2" not in (folder / "more.csv").read_text()
+
+
+@pytest.mark.parametrize("notes", ["=1+1", "@cmd", "-x", "a\rb,c", "'=1", "-1.5"])
+def test_no_spreadsheet_evaluates_what_was_typed_into_its_rows(folder, notes):
+    text = MANIFEST.replace('title = "Ours"', 'observations_csv = "more.csv"\ntitle = "Ours"')
+    (folder / STUDY_NAME).write_text(text)
+    row = "row_{},left,30,1.5,-2.5,a.png,500,"
+    rows = ["name,finger,wedge_angle_deg,load_N,roll_angle_deg,image,ppi,notes", row.format(1), row.format(2)]
+    (folder / "more.csv").write_text("\n".join([*rows, ""]))
+    changed(folder, ("observation", "row_1", {"notes": notes}))
+    changed(folder, ("observation", "row_2", {"load_N": 2}))
+    with (folder / "more.csv").open(newline="") as file:
+        cells = [cell for line in csv.reader(file) for cell in line]
+    assert [cell for cell in cells if cell.startswith(("=", "@", "-")) and cell not in {"-2.5", "-1.5"}] == []
+    rows = {each.name: each for each in read_study(folder / STUDY_NAME).observations}
+    assert (rows["row_1"].notes, rows["row_1"].roll_angle_deg, rows["row_2"].load_N) == (notes, -2.5, 2)
 
 
 def test_corrected_names_stay(folder):
