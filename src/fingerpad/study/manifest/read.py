@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from fingerpad.exceptions import ManifestError
+from fingerpad.study.journal import recover
 from fingerpad.study.manifest.faults import validated
 from fingerpad.study.manifest.spreadsheet import read_rows
 from fingerpad.study.manifest.study import Study
@@ -31,6 +32,7 @@ def read_study(path: Path) -> Study:
     ManifestError
         Naming the file, and for each fault its key, what was found and what was expected.
     """
+    recover(path.parent)
     try:
         content = tomllib.loads(path.read_text(encoding="utf-8-sig"))
     except FileNotFoundError:
