@@ -1,5 +1,7 @@
 """Who is let in, and what no request may reach."""
 
+import shutil
+
 import httpx
 import pytest
 
@@ -176,6 +178,22 @@ def test_downloads_reach_only_what_the_run_wrote(done, path):
 def test_items_are_names_and_never_paths(done, item, kind):
     answer = done.get(f"/api/picture/{kind}", params={"item": item})
     assert answer.status_code == 404, answer.text
+
+
+@pytest.mark.parametrize("kind", ["info", "preview", "thumbnail"])
+def test_a_frame_that_is_a_link_out_of_the_study_is_not_shown(client, workspace, kind):
+    film = workspace / "demo" / "film"
+    film.mkdir()
+    shutil.copy(workspace / "demo/synthetic/synthetic_30deg_1N.png", workspace / "outside.png")
+    (film / "f1.png").symlink_to(workspace / "outside.png")
+    edits = {
+        "expected": client.get("/api/study").json()["digest"],
+        "edits": [{"kind": "sequence", "key": "draft", "set": {"path": "film"}}],
+    }
+    client.post("/api/study/edits", json=edits).raise_for_status()
+    answer = client.get(f"/api/picture/{kind}", params={"item": "draft#0"})
+    assert answer.status_code == 422
+    assert "'film/f1.png' is a link that leaves the study folder" in answer.json()["error"]
 
 
 @pytest.mark.parametrize("coin", ["../../etc/passwd", "/etc/passwd", "study.toml", "nothing.png"])

@@ -165,8 +165,7 @@ def _files(folder: Path) -> Iterator[Path]:
         if path.name.startswith(".") or path.name in {STUDY_NAME, DRAFT_NAME}:
             continue
         if path.is_dir():
-            names = {inner.name for inner in path.iterdir()}
-            if not names & _OF_A_RUN and not path.is_symlink():
+            if not path.is_symlink() and not any((path / name).exists() for name in _OF_A_RUN):
                 yield from _files(path)
         elif path.suffix.lower() in _PICTURES | _OTHERS:
             yield path

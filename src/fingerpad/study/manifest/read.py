@@ -1,5 +1,6 @@
 """Reading a manifest, and everything that can be checked before any work."""
 
+import os
 import tomllib
 from collections.abc import Iterator
 from pathlib import Path
@@ -86,14 +87,27 @@ def _file_faults(study: Study, folder: Path) -> Iterator[str]:
 
 def file_inside(folder: Path, name: str, where: str, place: str) -> Path:
     """Return the path of a file of the study, which must exist inside its folder; frames may be a folder."""
-    path = folder / name
+    path, home = folder / name, folder.resolve()
     try:
         known = path.exists() if place.endswith(".path") else path.is_file()
-        inside = path.resolve().is_relative_to(folder.resolve())
+        inside = path.resolve().is_relative_to(home)
+        outside = _link_out(path, home) if inside and path.is_dir() else None
     except (OSError, ValueError, RuntimeError) as error:  # a name too long, a NUL in it, a loop of links
         raise ManifestError(f"{where}: {place}: {name[:60]!r} is no file name ({error})") from error
     if not inside:
         raise ManifestError(f"{where}: {place}: {name!r} leaves the study folder; copy the file into it")
     if not known:
         raise ManifestError(f"{where}: {place}: no file {name!r} in the study folder")
+    if outside is not None:
+        raise ManifestError(
+            f"{where}: {place}: {f'{name}/{outside}'!r} is a link that leaves the study folder; "
+            "copy the file into it"
+        )
     return path
+
+
+def _link_out(frames: Path, home: Path) -> str | None:
+    """Return the name of a frame in a folder that is a link to a file outside the study, None without one."""
+    with os.scandir(frames) as entries:
+        links = sorted(entry.name for entry in entries if entry.is_symlink())
+    return next((name for name in links if not (frames / name).resolve().is_relative_to(home)), None)
