@@ -85,14 +85,15 @@ class Bench:
     def open_folder(self, folder: Path, out: Path | None = None) -> OpenStudy:
         """Open the study in a folder."""
         with self._lock:
-            if self._study is not None:
-                self._study.close()
-            self._study = OpenStudy(
+            opened = OpenStudy(
                 folder.absolute(),
                 out=(out or folder / "results").absolute(),
                 events=self.events,
                 pixel_limit=self.pixel_limit,
             )
+            if self._study is not None:
+                self._study.close()
+            self._study = opened
             self.events.tell("session", {"study": self._study.name})
             return self._study
 

@@ -14,6 +14,7 @@ from starlette.concurrency import run_in_threadpool
 from starlette.requests import Request
 from starlette.responses import FileResponse, Response, StreamingResponse
 
+from fingerpad.study.editing.state import named_files
 from fingerpad.web.archive import packed, unpacked
 from fingerpad.web.bench import NAME, Bench
 from fingerpad.web.operations import Operation, Question, json_response
@@ -107,8 +108,8 @@ def remove(bench: Bench, _: Any, asked: RemoveQuestion) -> dict[str, Any]:
     """Remove a file that was uploaded and that no table names."""
     opened = bench.study
     path = opened.file(asked.file)
-    study = opened.read().study
-    named = {name for _, name in study.named_files()} if study else set()
+    found = opened.read()
+    named = named_files(found.study, found.incomplete)
     if asked.file in named or any(asked.file.startswith(f"{name}/") for name in named):
         raise Refusal.conflict(f"{asked.file}: the study names this file: remove what names it first")
     if not asked.file.startswith(f"{FOLDER}/"):

@@ -3,8 +3,8 @@
 import numpy as np
 
 from fingerpad.study.measuring.fingers import FingerResult, finger_result, shared_scale
+from fingerpad.web.last_results import last_results
 from fingerpad.web.open_study import OpenStudy
-from fingerpad.web.results import last_results
 from fingerpad.web.scales import scales_of
 
 

@@ -103,6 +103,12 @@ class Running:
             end = {"state": "cancelled"}
         except (FingerpadError, OSError) as error:
             end = {"state": "failed", "error": str(error)}
+        except Exception as error:  # a fault of the program: the terminal shows where
+            end = {
+                "state": "failed",
+                "error": f"the run ended with a fault ({type(error).__name__}: {error})",
+            }
+            raise
         finally:
             with suppress(Exception):
                 when_done()

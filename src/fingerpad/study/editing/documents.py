@@ -102,10 +102,10 @@ class StudyFiles:
 
     def state(self) -> StudyState:
         """Return what the files say."""
-        known = self._known()
         study = self._checked
         if study is None and self.study is not None:
             study = read_study(self.folder / STUDY_NAME)
+        known = self._known()
         return StudyState(
             folder=self.folder,
             digest=self.digest,
@@ -283,6 +283,9 @@ def require_tables(document: Any, name: str) -> None:
     for kind in ("scales", "uncertainty"):
         if not isinstance(document.get(kind, {}), dict):
             raise ManifestError(f"{name}: {kind}: expected a table, as in [{kind}]")
+    for scale, table in document.get("scales", {}).items():
+        if not isinstance(table, dict):
+            raise ManifestError(f"{name}: scales.{scale}: expected a table, as in {{ ppi = 500 }}")
     for finger in document.get("fingers", []):
         photographs = finger.get("photographs", [])
         if not isinstance(photographs, list) or not all(isinstance(one, dict) for one in photographs):

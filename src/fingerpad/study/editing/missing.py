@@ -9,7 +9,7 @@ from typing import Final
 from fingerpad.image import FACE_AXES
 from fingerpad.study.editing.documents import DRAFT_NAME, STUDY_NAME
 from fingerpad.study.editing.edit import study_state
-from fingerpad.study.editing.state import Incomplete, StudyState
+from fingerpad.study.editing.state import Incomplete, StudyState, named_files
 from fingerpad.study.manifest import Finger, Study
 
 # What can be a picture, a film, a curve or an outline.
@@ -127,7 +127,7 @@ def _lacking_contacts(study: Study, waiting: set[str]) -> Iterator[Missing]:
 def _unused(state: StudyState) -> Iterator[Missing]:
     """Yield the files that no table names; frames in a folder of their own together."""
     folder = state.folder
-    used = set(_named(state))
+    used = {Path(name).as_posix() for name in named_files(state.study, state.incomplete)}
     frames: dict[str, list[str]] = {}
     for path in _files(folder):
         name = path.relative_to(folder).as_posix()
@@ -142,21 +142,6 @@ def _unused(state: StudyState) -> Iterator[Missing]:
             names = [name for name in names if name not in pictures]  # noqa: PLW2901
         for name in sorted(names):
             yield Missing(kind="file", key=name, words="nothing names it: say what it is, or leave it")
-
-
-def _named(state: StudyState) -> Iterator[str]:
-    if state.study is not None:
-        for _, name in state.study.named_files():
-            yield Path(name).as_posix()
-    for one in state.incomplete:
-        for part in (one.content, *one.content.get("photographs", [])):
-            for value in (*part.values(), *_inner(part.get("scale"))):
-                if isinstance(value, str):
-                    yield value
-
-
-def _inner(scale: object) -> list[object]:
-    return list(scale.values()) if isinstance(scale, dict) else []
 
 
 def _files(folder: Path) -> Iterator[Path]:

@@ -55,8 +55,8 @@ class Results {
       place(
         this.body,
         empty(
-          "No results yet",
-          bench.study.ready ? "The study is complete and can run. What is measured is kept, so that a second run only does what changed." : "Something is still missing in the study; the Study page says what.",
+          results?.fault ? "The results cannot be read" : "No results yet",
+          results?.fault ? results.fault : bench.study.ready ? "The study is complete and can run. What is measured is kept, so that a second run only does what changed." : "Something is still missing in the study; the Study page says what.",
           h("a.button.primary", { href: bench.study.ready ? "#/run/start" : "#/study" }, bench.study.ready ? "Run the study" : "To the study"),
           h("a.button", { href: "#/results/audit" }, "See the audit of the printed tables"),
         ),
