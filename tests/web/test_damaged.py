@@ -1,11 +1,11 @@
-"""Studies damaged by hand, by a disk or on their way here: every route answers, and says in words what it cannot."""
+"""Studies that are damaged: every route answers, and says in words what it cannot."""
 
 import json
 import os
 import shutil
 
 import pytest
-from benchmarks.mutations import add_decisions, ask_mutated, routes
+from benchmarks.mutations import SLOW, add_decisions, ask_mutated, routes
 from tests.web.conftest import serving
 
 from fingerpad.web.bench import Bench
@@ -25,10 +25,10 @@ def client(folder):
         yield client
 
 
-def require_words(client):
+def require_words(client, *, slow=False):
     """Ask every GET route; what it refuses, it refuses in words."""
     for path, query in routes():
-        if path == "/api/events":
+        if path == "/api/events" or (path in SLOW and not slow):
             continue
         answer = client.get(path, params=query)
         assert answer.status_code < 500, (path, query, answer.text)
@@ -62,19 +62,23 @@ DAMAGED = {
     "no curves": ("summary", without("curves"), "summary.json: curves: Field required"),
     "no provenance": ("summary", without("provenance"), "summary.json: provenance: Field required"),
     "fingers of another kind": ("summary", set_to([3], "fingers"), "summary.json: fingers.0: "),
-    "half a covariance": ("summary", set_to([[1.0]], "fingers", 0, "covariance_mm2"), "covariance_mm2: "),
+    "half a covariance": (
+        "summary",
+        set_to([[1.0]], "fingers", 0, "covariance_mm2"),
+        "fingers.0.covariance_mm2",
+    ),
     "negative variance": (
         "summary",
         set_to(-1.0, "fingers", 0, "covariance_mm2", 0, 0),
-        "must not be negative",
+        "not be negative",
     ),
     "no semi-axis": ("summary", set_to(None, "fingers", 0, "palmar_mm"), "belong together"),
     "text for a radius": (
         "results",
         set_to("x", 0, "load_N"),
-        "results.json: load_N is of type str in a row",
+        "load_N is of type str in a row",
     ),
-    "no flags": ("results", set_to(None, 1, "flags"), "results.json: flags is of type NoneType in a row"),
+    "no flags": ("results", set_to(None, 1, "flags"), "flags is of type NoneType in a row"),
     "a row of another kind": ("results", set_to(3, 0), "results.json: expected a list of rows"),
     "a row without a column": ("results", lambda rows: rows[2].pop("finger"), "a row lacks finger"),
 }
@@ -132,11 +136,11 @@ def test_odd_files_in_the_folder_do_no_harm(client, folder):
     (folder / "lost.png").symlink_to("nowhere.png")
     (folder / os.fsdecode(b"\xff.png")).write_bytes(b"x")
     assert client.get("/api/study").json()["ready"]
-    require_words(client)
+    require_words(client, slow=True)
 
 
 def test_studies_mutated_at_random_are_answered(folder):
     add_decisions(folder)
-    answers = ask_mutated(folder, 60)
+    answers = ask_mutated(folder, 50)
     assert answers.faults == []
     assert sum(answers.by_status.values()) > 1000
