@@ -10,7 +10,18 @@ import mpmath as mp
 import numpy as np
 from scipy.special import ellipe, ellipk
 
-from benchmarks import engine, imprints, loading, page, photographs, scale, sequences, studies, uncertainty
+from benchmarks import (
+    engine,
+    imprints,
+    loading,
+    mutations,
+    page,
+    photographs,
+    scale,
+    sequences,
+    studies,
+    uncertainty,
+)
 from benchmarks.exact import RATIOS, exact_contact
 from fingerpad.contact import HertzGeometry, hertz_contact, solve_contact_ellipse
 
@@ -85,3 +96,4 @@ if __name__ == "__main__":
     scale.rows_at_scale()
     scale.report_of_many_fingers()
     page.report()
+    mutations.report()

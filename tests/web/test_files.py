@@ -226,7 +226,7 @@ def test_a_harmful_or_broken_zip_unpacks_nothing(client, workspace, kind):
 
 
 def test_a_zip_of_many_small_files_is_limited_by_what_they_come_to(workspace):
-    bench = Bench(workspace, upload_limit=200_000)
+    bench = Bench(workspace, import_limit=800_000)
     content = zipped(**{"study.toml": STUDY}, **{f"{k}.bin": bytes(900_000) for k in range(3)})
     with serving(bench) as client:
         assert bring(client, content).status_code == 422

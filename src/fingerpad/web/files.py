@@ -3,9 +3,10 @@
 import os
 import re
 from contextlib import suppress
+from dataclasses import asdict
 from http import HTTPStatus
 from pathlib import Path
-from tempfile import NamedTemporaryFile, gettempdir
+from tempfile import NamedTemporaryFile
 from typing import Annotated, Any, Final
 
 from pydantic import Field
@@ -15,8 +16,10 @@ from starlette.requests import Request
 from starlette.responses import FileResponse, Response, StreamingResponse
 
 from fingerpad.study.editing.state import named_files
-from fingerpad.web.archive import packed, unpacked
+from fingerpad.web.archive import pack, unpack
 from fingerpad.web.bench import NAME, Bench
+from fingerpad.web.bundle import Bundle
+from fingerpad.web.open_study import OpenStudy
 from fingerpad.web.operations import Operation, Question, json_response
 from fingerpad.web.refusal import Refusal
 from fingerpad.web.security import FRAMED_HEADERS
@@ -87,16 +90,16 @@ async def upload(bench: Bench, asked: UploadQuestion, request: Request) -> Respo
 async def bring(bench: Bench, asked: ImportQuestion, request: Request) -> Response:
     """Make a study of a ZIP, and open it."""
     folder = bench.new_folder(asked.name)
-    path, _ = await stored(request, bench.upload_limit, Path(gettempdir()))
+    path, _ = await stored(request, bench.room, bench.workspace)
 
-    def unpack() -> Response:
+    def open_it() -> Response:
         try:
-            unpacked(path, folder, 4 * bench.upload_limit)
+            unpack(path, folder, bench.room)
             return json_response(document(bench.open_folder(folder)), HTTPStatus.CREATED)
         finally:
             path.unlink(missing_ok=True)
 
-    return await run_in_threadpool(unpack)
+    return await run_in_threadpool(open_it)
 
 
 async def listen(bench: Bench, _: Any, __: Request) -> Response:
@@ -141,12 +144,36 @@ def download(bench: Bench, asked: DownloadQuestion, _: Any) -> Response:
     return FileResponse(path, media_type=_TYPES.get(path.suffix, "application/octet-stream"), headers=headers)
 
 
+def bundle(bench: Bench, _: Any, __: Any) -> dict[str, Any]:
+    """Return what the study's ZIP holds, and what it leaves out."""
+    found = _bundle(bench.study)
+    return {
+        "files": len(found.files),
+        "bytes": sum(os.stat(path).st_size for path in found.files.values()),
+        "left_out": [asdict(one) for one in found.left_out],
+    }
+
+
+def _bundle(opened: OpenStudy) -> Bundle:
+    manifest = opened.read()
+    named = named_files(manifest.study, manifest.incomplete)
+    return Bundle.of(
+        opened.folder, opened.out, named, manifest.study.observations_csv if manifest.study else None
+    )
+
+
 def _zipped(bench: Bench) -> Response:
     opened = bench.study
     with NamedTemporaryFile(prefix="fingerpad-", suffix=".zip", delete=False) as file:
         target = Path(file.name)
     try:
-        packed(opened.folder, opened.out, target)
+        pack(opened.folder, _bundle(opened), target)
+    except OSError as error:
+        target.unlink(missing_ok=True)
+        raise Refusal.impossible(
+            f"the ZIP cannot be made ({error.strerror}): make room in {target.parent}, or set TMPDIR to a "
+            "folder with more and start fingerpad app again"
+        ) from error
     except BaseException:
         target.unlink(missing_ok=True)
         raise
@@ -163,6 +190,12 @@ def _ascii(name: str) -> str:
 
 
 OPERATIONS: Final = (
+    Operation(
+        method="GET",
+        path="/api/study/bundle",
+        answer=bundle,
+        summary="What the study's ZIP holds, and what it leaves out",
+    ),
     Operation(
         method="POST",
         path="/api/files",
