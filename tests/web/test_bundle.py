@@ -37,9 +37,9 @@ OBSERVATION = {"finger": "f", "wedge_angle_deg": 30, "load_N": 1, "scale": {"ppi
 RECORD = {"id": 1, "item": "x", "when": "", "who": "ada", "action": "change", "change": {}, "picture": ""}
 ODD_NAMES = (
     "a:b.png", "C:evil.png", "up\\..\\x.png", "tail.", "tail ", "CON", "nul.png", "Com1.tif",
-    "LEFT_OUT.txt", "Left_Out.TXT", "fingerpad-bundle", "Study.TOML", "study.toml.", "a.png", "A.png", "\xe9.png", "e\u0301.png",
-    "ß", "SS", "ss", "tab\there", "line\nbreak", "\x7f", "?*<>|", "=1+1", "-x", "~", "%41", "x" * 250,
-    "store.lock", "results",
+    "LEFT_OUT.txt", "Left_Out.TXT", "fingerpad-bundle", "Study.TOML", "study.toml.", "a.png", "A.png",
+    "\xe9.png", "e\u0301.png", "ß", "SS", "ss", "tab\there", "line\nbreak", "\x7f", "?*<>|", "=1+1", "-x",
+    "~", "%41", "x" * 250, "store.lock", "results",
 )  # fmt: skip
 DATES = (0.0, 1.0, 315_532_799.0, 1e9, 4_354_819_200.0, 1e10, -1e9, float(2**33))
 

@@ -135,7 +135,7 @@ def _unused(state: StudyState) -> Iterator[Missing]:
             continue
         frames.setdefault(path.parent.relative_to(folder).as_posix(), []).append(name)
     for place, names in sorted(frames.items()):
-        pictures = [name for name in names if Path(name).suffix.lower() in _PICTURES]
+        pictures = {name for name in names if Path(name).suffix.lower() in _PICTURES}
         if place != "." and len(pictures) > _FILM:
             words = f"{len(pictures)} pictures that nothing names: add them as a sequence"
             yield Missing(kind="folder", key=place, words=words)
