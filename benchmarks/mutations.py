@@ -31,6 +31,7 @@ from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.output import write_tables
 from fingerpad.web.app import OPERATIONS, make_app
 from fingerpad.web.bench import Bench
+from fingerpad.web.security import Access
 
 TOKEN: Final = "benchmark"
 DEMO: Final = Path(__file__).parents[1] / "examples" / "dzidek2017"
@@ -301,7 +302,7 @@ def routes() -> Iterator[tuple[str, dict[str, Any]]]:
 
 async def ask_all(bench: Bench, answers: Answers, label: str, *, slow: bool) -> None:
     """Ask every GET route about the study that is open."""
-    app = make_app(bench, TOKEN)
+    app = make_app(bench, Access(TOKEN))
     for path, query in routes():
         if path in SLOW and not slow:
             continue

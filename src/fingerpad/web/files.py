@@ -2,12 +2,15 @@
 
 import os
 import re
+import shutil
 from contextlib import suppress
 from dataclasses import asdict
+from datetime import UTC, datetime
 from http import HTTPStatus
 from pathlib import Path
 from tempfile import NamedTemporaryFile
 from typing import Annotated, Any, Final
+from uuid import uuid4
 
 from pydantic import Field
 from starlette.background import BackgroundTask
@@ -24,8 +27,10 @@ from fingerpad.web.operations import Operation, Question, json_response
 from fingerpad.web.refusal import Refusal
 from fingerpad.web.security import FRAMED_HEADERS
 from fingerpad.web.state import document
-from fingerpad.web.uploads import FOLDER, kept, plain_name, stored
+from fingerpad.web.uploads import FOLDER, kept, placed, plain_name, stored
 
+# Hidden, so that nothing in it counts as a file of the study.
+_REMOVED: Final = ".removed"
 _TABLES: Final = (
     "report.html",
     "results.csv",
@@ -62,6 +67,12 @@ class RemoveQuestion(Question):
     """A file of the study."""
 
     file: Annotated[str, Field(min_length=1, max_length=1000)]
+
+
+class RestoreQuestion(Question):
+    """A removed file, by the number that its removal gave it."""
+
+    removed: Annotated[str, Field(pattern=r"^\d{8}T\d{6}-[0-9a-f]{8}$")]
 
 
 async def upload(bench: Bench, asked: UploadQuestion, request: Request) -> Response:
@@ -108,17 +119,35 @@ async def listen(bench: Bench, _: Any, __: Request) -> Response:
 
 
 def remove(bench: Bench, _: Any, asked: RemoveQuestion) -> dict[str, Any]:
-    """Remove a file that was uploaded and that no table names."""
+    """Move a file that was uploaded and that no table names into a folder of what was removed."""
     opened = bench.study
     path = opened.file(asked.file)
     found = opened.read()
     named = named_files(found.study, found.incomplete)
-    if asked.file in named or any(asked.file.startswith(f"{name}/") for name in named):
+    used = {(opened.folder / name).resolve() for name in named if os.path.exists(opened.folder / name)}
+    if not used.isdisjoint((path.resolve(), *path.resolve().parents)):
         raise Refusal.conflict(f"{asked.file}: the study names this file: remove what names it first")
     if not asked.file.startswith(f"{FOLDER}/"):
         raise Refusal.conflict(f"{asked.file}: only files that were dropped on the page are removed by it")
-    path.unlink(missing_ok=True)
-    return document(opened)
+    number = f"{datetime.now(UTC):%Y%m%dT%H%M%S}-{uuid4().hex[:8]}"
+    kept = opened.folder / _REMOVED / number / path.relative_to(opened.folder)
+    kept.parent.mkdir(parents=True)
+    path.rename(kept)
+    return {**document(opened), "removed": number}
+
+
+def restore(bench: Bench, _: Any, asked: RestoreQuestion) -> dict[str, Any]:
+    """Put a file back that was removed, under another name if its own is taken by now."""
+    opened = bench.study
+    home = opened.folder / _REMOVED / asked.removed
+    kept = next((path for path in home.rglob("*") if path.is_file()), None)
+    if kept is None:
+        raise Refusal.not_there(f"nothing that was removed is kept as {asked.removed!r}")
+    target = opened.folder / kept.relative_to(home)
+    target.parent.mkdir(parents=True, exist_ok=True)
+    back = placed(kept, target)
+    shutil.rmtree(home, ignore_errors=True)
+    return {**document(opened), "restored": back.relative_to(opened.folder).as_posix()}
 
 
 class DownloadQuestion(Question):
@@ -227,7 +256,14 @@ OPERATIONS: Final = (
         path="/api/files",
         answer=remove,
         body=RemoveQuestion,
-        summary="Remove an uploaded file that nothing names",
+        summary="Remove an uploaded file that nothing names; it is kept aside",
+    ),
+    Operation(
+        method="POST",
+        path="/api/files/restore",
+        answer=restore,
+        body=RestoreQuestion,
+        summary="Put a removed file back",
     ),
     Operation(
         method="GET",
