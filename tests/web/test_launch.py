@@ -62,9 +62,8 @@ def test_the_page_says_where_it_is_and_ends_cleanly(workspace):
 
 def test_the_browser_is_started_with_a_code_of_its_own_and_never_the_token(workspace):
     browser = workspace / "browser"
-    browser.write_text(
-        f'#!/bin/sh\nprintf %s "$1" > {workspace}/argument.new\nmv {workspace}/argument.new {workspace}/argument\n'
-    )
+    there = workspace / "argument"
+    browser.write_text(f'#!/bin/sh\nprintf %s "$1" > {there}.new\nmv {there}.new {there}\n')
     browser.chmod(0o755)
     command = [part for part in APP if part != "--no-browser"]
     environment = os.environ | {"BROWSER": str(browser), "XDG_RUNTIME_DIR": str(workspace)}
@@ -75,8 +74,8 @@ def test_the_browser_is_started_with_a_code_of_its_own_and_never_the_token(works
         printed = process.stdout.readline().split()[-1]
         token_file = Path(process.stdout.readline().split()[-1])
         assert token_file.is_relative_to(workspace)
-        assert soon((workspace / "argument").exists)
-        argument = (workspace / "argument").read_text()
+        assert soon(there.exists)
+        argument = there.read_text()
         assert token_file.read_text().strip() not in argument
         assert argument != printed
         kept = token_file.with_name("address").read_text().strip()

@@ -95,7 +95,7 @@ def serve(bench: Bench, *, port: int, on_ready: Callable[[Launch], None]) -> Non
 
 
 def _private_folder() -> Path:
-    """Return a new folder that this person alone can enter, gone with the session where the system does that."""
+    """Return a new folder that this person alone can enter."""
     runtime = os.environ.get("XDG_RUNTIME_DIR", "")
     return Path(mkdtemp(prefix="fingerpad-", dir=runtime if os.access(runtime, os.W_OK) else None))
 
