@@ -7,6 +7,7 @@ from types import SimpleNamespace
 from typing import Final
 
 # What spreadsheets take for a formula, or what reads as escaped; numbers and lists of them are neither.
+_FIRST: Final = frozenset("'=+-@\t\r")
 _FORMULA: Final = re.compile(r"'*[=+\-@\t\r]")
 _NUMBER: Final = r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?"
 _NUMBERS: Final = re.compile(rf"{_NUMBER}(?:, ?{_NUMBER})*")
@@ -20,7 +21,9 @@ def escape_formula(text: str) -> str:
     >>> [escape_formula(text) for text in ("=1+1", "-1.5", "-x", "'=1", "left")]
     ["'=1+1", '-1.5', "'-x", "''=1", 'left']
     """
-    return f"'{text}" if _FORMULA.match(text) and not _NUMBERS.fullmatch(text) else text
+    if text[:1] not in _FIRST or not _FORMULA.match(text) or _NUMBERS.fullmatch(text):
+        return text
+    return f"'{text}"
 
 
 def unescape_formula(cell: str) -> str:

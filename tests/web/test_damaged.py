@@ -129,6 +129,15 @@ def test_an_odd_correction_is_told_and_every_route_answers(client, folder):
     require_words(client)
 
 
+def test_a_study_that_cannot_be_opened_leaves_the_one_that_is(client, folder):
+    shutil.copytree(folder, folder.parent / "other", ignore=shutil.ignore_patterns("results"))
+    (folder.parent / "other" / "corrections.jsonl").write_text("{}\n")
+    answer = client.post("/api/session/open", json={"name": "other"})
+    assert answer.status_code == 422
+    assert "corrections.jsonl: line 1" in answer.json()["error"]
+    assert client.get("/api/study").json()["name"] == "demo"
+
+
 def test_odd_files_in_the_folder_do_no_harm(client, folder):
     os.mkfifo(folder / "pipe.png")
     (folder / "loop").symlink_to("loop")
