@@ -281,7 +281,7 @@ def test_rows_of_a_spreadsheet_are_changed_there(folder):
     assert "row_2" not in (folder / "more.csv").read_text()
 
 
-@pytest.mark.parametrize("notes", ["=1+1", "@cmd", "-x", "a\rb,c", "'=1", "-1.5"])
+@pytest.mark.parametrize("notes", ["=1+1", "@cmd", "-x", "a\rb", "'=1", "-1.5"])
 def test_no_spreadsheet_evaluates_what_was_typed_into_its_rows(folder, notes):
     text = MANIFEST.replace('title = "Ours"', 'observations_csv = "more.csv"\ntitle = "Ours"')
     (folder / STUDY_NAME).write_text(text)

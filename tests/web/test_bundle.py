@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 import socket
 import sqlite3
 import zipfile
@@ -230,6 +231,15 @@ def test_results_travel_from_wherever_they_are(tmp_path, place):
         "results/overlays/o.png",
     }  # fmt: skip
     assert "results/" in {one.file for one in found.left_out}  # those of an earlier run
+
+
+def test_a_file_in_the_place_of_results_travels(tmp_path):
+    folder = tmp_path / "study"
+    write(folder, {}, set(), {})
+    shutil.rmtree(folder / "results")
+    (folder / "results").write_text("notes")
+    _, other = round_trip(folder)
+    assert (other / "results").read_text() == "notes"
 
 
 def test_a_name_that_is_absolute_is_told(tmp_path):

@@ -84,7 +84,8 @@ class Bundle:
         if out != results and results.is_dir():
             bundle._leave(f"{RESULTS}/", "other results than those that are open")
         for path, name in bundle._entries(folder, ""):
-            if path not in {results, out} and not (out == folder and name in _OF_A_RUN):
+            of_a_run = path.is_dir() and path in {results, out}
+            if not of_a_run and not (out == folder and name in _OF_A_RUN):
                 bundle._add(path, name, folder, out)
         if out.is_dir():
             for path, name in bundle._entries(out, f"{RESULTS}/"):
