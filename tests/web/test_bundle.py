@@ -242,6 +242,16 @@ def test_a_file_in_the_place_of_results_travels(tmp_path):
     assert (other / "results").read_text() == "notes"
 
 
+def test_a_name_that_goes_up_and_down_leads_to_its_file(tmp_path):
+    folder = tmp_path / "study"
+    write(folder, {"a.png": (b"a", 0.0)}, set(), {"a.png": "unused"})
+    one = {**OBSERVATION, "name": "o", "image": ".data/../a.png"}
+    (folder / "study.toml").write_text(tomlkit.dumps({**HEAD, "observations": [one]}))
+    found, other = round_trip(folder)
+    assert [left.file for left in found.left_out] == [".data/"]
+    assert read_study(other / "study.toml") == read_study(folder / "study.toml")
+
+
 def test_a_name_that_is_absolute_is_told(tmp_path):
     folder = tmp_path / "study"
     write(folder, {"a.png": (b"a", 0.0)}, set(), {"a.png": "unused"})

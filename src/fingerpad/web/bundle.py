@@ -138,7 +138,7 @@ class Bundle:
     def _add(self, path: Path, name: str, home: Path, out: Path) -> None:
         """Add a file, or what is in a folder."""
         if name in self.files:
-            if self.files[name] != path:
+            if self.files[name].resolve() != path.resolve():
                 self._leave(f"{name} (of the results)", "the study uses another file of this name")
             return
         linked = path.is_symlink()
