@@ -120,7 +120,7 @@ def test_a_code_for_a_short_time_comes_too_late_after_it(opened, clock):
     with bare(page) as other:
         answer = other.get("/start", params={"code": late})
         assert answer.status_code == 403
-        assert "within two minutes" in answer.text
+        assert "good for two minutes" in answer.text
 
 
 def test_two_at_once_cannot_use_one_code():

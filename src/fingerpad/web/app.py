@@ -92,7 +92,8 @@ def _closed(spent: bool, address_file: Path | None) -> str:
         rest = "<p>It is of another launch, or not whole. Open the one that fingerpad app printed last.</p>"
         return _CLOSED.format(title="This address opens nothing", rest=rest)
     rest = (
-        "<p>Each address opens the page once, in one browser; the browser's own, within two minutes.</p>"
+        "<p>Each address opens the page once, in one browser. The one that the browser is started with is "
+        "good for two minutes.</p>"
         '<p>In the browser that used it, <a href="/">go to the page</a>.</p>'
     )
     if address_file is not None:
