@@ -15,6 +15,7 @@ from benchmarks import (
     engine,
     imprints,
     loading,
+    mutations,
     page,
     photographs,
     pooling,
@@ -99,3 +100,4 @@ if __name__ == "__main__":
     scale.report_of_many_fingers()
     page.report()
     browser.report()
+    mutations.report()

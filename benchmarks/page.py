@@ -22,6 +22,7 @@ import uvicorn
 from fingerpad.image import render_finger, render_imprint
 from fingerpad.web.app import make_app
 from fingerpad.web.bench import Bench
+from fingerpad.web.security import Access
 from fingerpad.web.server import listening
 
 TOKEN = "benchmark"
@@ -65,7 +66,7 @@ def write_study(folder: Path) -> None:
 def asking(workspace: Path) -> Iterator[Ask]:
     """Serve a workspace, and yield what asks it over one connection, as a browser keeps it."""
     bench, listener = Bench(workspace), listening(0)
-    server = uvicorn.Server(uvicorn.Config(make_app(bench, TOKEN), log_level="warning"))
+    server = uvicorn.Server(uvicorn.Config(make_app(bench, Access(TOKEN)), log_level="warning"))
     thread = threading.Thread(target=server.run, kwargs={"sockets": [listener]})
     thread.start()
     connection = HTTPConnection("127.0.0.1", listener.getsockname()[1], timeout=120)

@@ -236,6 +236,14 @@ def test_tables_hold_all_values_and_means(runs: list[Path], tmp_path: Path) -> N
     assert sum(mean["synthetic"] for mean in record["means"]) == 7  # three axes, two radii at two angles
 
 
+def test_no_spreadsheet_evaluates_a_title(tmp_path: Path) -> None:
+    titles = ("=1+1", "-x")
+    ran_studies = [ran(tmp_path / f"{k}", title, finger("f", 7.9)) for k, title in enumerate(titles)]
+    write_comparison(compare_studies(ran_studies), tmp_path)
+    with (tmp_path / "compare.csv").open(encoding="utf-8") as file:
+        assert {row["study"] for row in csv.DictReader(file)} == {"'=1+1", "'-x"}
+
+
 def test_the_page_stands_alone_and_labels_what_is_synthetic(runs: list[Path], tmp_path: Path) -> None:
     page = write_comparison_page(compare_studies(runs), tmp_path).read_text(encoding="utf-8")
     assert "Lab <b>A</b>" not in page

@@ -1,6 +1,11 @@
 """Changing the manifest by program: comments stay, wrong edits write nothing, what is incomplete waits."""
 
+import csv
 import multiprocessing
+import os
+import shutil
+import signal
+import sys
 import tomllib
 
 import pytest
@@ -11,6 +16,7 @@ from fingerpad.study.editing.documents import DRAFT_NAME, STUDY_NAME, title_of
 from fingerpad.study.editing.edit import change_study, create_study, study_state
 from fingerpad.study.editing.missing import missing
 from fingerpad.study.editing.state import Edit
+from fingerpad.study.journal import JOURNAL_NAME
 from fingerpad.study.manifest import read_study
 
 MANIFEST = """\
@@ -275,6 +281,22 @@ def test_rows_of_a_spreadsheet_are_changed_there(folder):
     assert "row_2" not in (folder / "more.csv").read_text()
 
 
+@pytest.mark.parametrize("notes", ["=1+1", "@cmd", "-x", "a\rb", "'=1", "-1.5"])
+def test_no_spreadsheet_evaluates_what_was_typed_into_its_rows(folder, notes):
+    text = MANIFEST.replace('title = "Ours"', 'observations_csv = "more.csv"\ntitle = "Ours"')
+    (folder / STUDY_NAME).write_text(text)
+    row = "row_{},left,30,1.5,-2.5,a.png,500,"
+    rows = ["name,finger,wedge_angle_deg,load_N,roll_angle_deg,image,ppi,notes", row.format(1), row.format(2)]
+    (folder / "more.csv").write_text("\n".join([*rows, ""]))
+    changed(folder, ("observation", "row_1", {"notes": notes}))
+    changed(folder, ("observation", "row_2", {"load_N": 2}))
+    with (folder / "more.csv").open(newline="") as file:
+        cells = [cell for line in csv.reader(file) for cell in line]
+    assert [cell for cell in cells if cell.startswith(("=", "@", "-")) and cell not in {"-2.5", "-1.5"}] == []
+    rows = {each.name: each for each in read_study(folder / STUDY_NAME).observations}
+    assert (rows["row_1"].notes, rows["row_1"].roll_angle_deg, rows["row_2"].load_N) == (notes, -2.5, 2)
+
+
 def test_corrected_names_stay(folder):
     log = CorrectionLog(folder)
     study = study_state(folder).study
@@ -282,6 +304,75 @@ def test_corrected_names_stay(folder):
     with pytest.raises(ManifestError, match="has corrections"):
         changed(folder, ("observation", "print_1", {"name": "other"}))
     changed(folder, ("observation", "print_2", {"name": "other"}))
+
+
+@pytest.fixture
+def with_sheet(folder):
+    """A study with a spreadsheet in a folder of its own, and a draft."""
+    text = MANIFEST.replace('title = "Ours"', 'observations_csv = "tables/more.csv"\ntitle = "Ours"')
+    (folder / STUDY_NAME).write_text(text)
+    (folder / "tables").mkdir()
+    header = "name,finger,wedge_angle_deg,load_N,image,ppi"
+    (folder / "tables/more.csv").write_text(f"{header}\nrow_1,left,30,1.5,a.png,500\n")
+    changed(folder, ("observation", "print_3", {"finger": "left", "image": "c.png"}))
+    return folder
+
+
+DOCUMENTS = (STUDY_NAME, DRAFT_NAME, "tables/more.csv")
+LARGE_EDITS = {
+    "a finger is renamed everywhere": [("finger", "left", {"name": "right"})],
+    "the last of the draft moves to the manifest": [
+        ("observation", "print_3", {"wedge_angle_deg": 30, "load_N": 3, "scale": "reader"}),
+        ("observation", "row_1", {"notes": "seen"}),
+    ],
+}
+
+
+def documents(folder):
+    return {name: (folder / name).read_bytes() if (folder / name).exists() else None for name in DOCUMENTS}
+
+
+def killed_at(step, folder, edits):
+    """Edit a study in a process that is killed before it touches files for the `step`-th time."""
+
+    def work():
+        left = step
+
+        def before(event, arguments):
+            nonlocal left
+            if event in {"open", "os.rename", "os.remove"} and str(folder) in os.fsdecode(arguments[0]):
+                left -= 1
+                if left == 0:
+                    os.kill(os.getpid(), signal.SIGKILL)
+
+        sys.addaudithook(before)
+        changed(folder, *edits)
+
+    process = multiprocessing.get_context("fork").Process(target=work)
+    process.start()
+    process.join(60)
+    return process.exitcode == -signal.SIGKILL
+
+
+@pytest.mark.parametrize("opened_by", [study_state, lambda folder: read_study(folder / STUDY_NAME)])
+@pytest.mark.parametrize("edits", LARGE_EDITS.values(), ids=LARGE_EDITS)
+def test_killed_at_any_step_an_edit_is_done_or_not(with_sheet, tmp_path_factory, edits, opened_by):
+    def copied():
+        target = tmp_path_factory.mktemp("copy") / "study"
+        return shutil.copytree(with_sheet, target)
+
+    done = copied()
+    changed(done, *edits)
+    states = [documents(with_sheet), documents(done)]
+    assert sum(states[0][name] != states[1][name] for name in DOCUMENTS) > 1
+    found, step = [], 1
+    while killed_at(step, folder := copied(), edits):
+        opened_by(folder)
+        found.append(states.index(documents(folder)))
+        assert not (folder / JOURNAL_NAME).exists()
+        step += 1
+    assert set(found) == {0, 1}
+    assert found == sorted(found)
 
 
 def test_no_study_and_two_studies(tmp_path, folder):

@@ -1,5 +1,6 @@
 """Tables out: what is read back from Parquet and MATLAB files is what the run wrote."""
 
+import csv
 import json
 import subprocess
 import sys
@@ -13,10 +14,12 @@ from scipy import io
 from tests.sums import write_sums
 
 from fingerpad.exceptions import FingerpadError
+from fingerpad.study.corrections.log import CorrectionLog
+from fingerpad.study.manifest import read_study
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.columns import COLUMNS, TRUTHS, WORDS
 from fingerpad.study.results.export import export_results
-from fingerpad.study.results.finished_table import Column
+from fingerpad.study.results.finished_table import Column, ResultsTable
 
 STUDY = """
 title = "Two presses, é"
@@ -128,6 +131,20 @@ def test_every_column_has_the_unit_that_its_name_says() -> None:
     }
     without = {name for name in COLUMNS if Column(name=name, meaning="").unit in {"", "1"}}
     assert without == {name for name in COLUMNS if name in WORDS | TRUTHS} | pure | {"frame"}
+
+
+def test_words_of_people_are_no_formulas_and_come_back(tmp_path: Path) -> None:
+    (tmp_path / "study.toml").write_text(STUDY, encoding="utf-8")
+    (tmp_path / "broken.png").write_bytes(b"no picture")
+    log, study = CorrectionLog(tmp_path), read_study(tmp_path / "study.toml")
+    reason = '=HYPERLINK("https://example.org")'
+    log.append("heavy", {"rejected": reason}, who="@anna", expected=0, study=study)
+    run_study(tmp_path / "study.toml", tmp_path / "out")
+    with (tmp_path / "out" / "results.csv").open(newline="", encoding="utf-8") as file:
+        row = next(csv.DictReader(file))
+    assert (row["reason"], row["reviewed_by"]) == (f"'{reason}", "'@anna")
+    (read,) = ResultsTable.of(tmp_path / "out").batches()
+    assert (read["reason"][0], read["reviewed_by"][0]) == (reason, "@anna")
 
 
 def test_many_rows_come_in_batches_and_none_is_lost(results: Path, tmp_path: Path) -> None:

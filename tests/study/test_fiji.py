@@ -6,6 +6,7 @@ import math
 import struct
 import zipfile
 from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -417,6 +418,14 @@ def test_from_fiji_to_results(tmp_path: Path) -> None:
         assert float(row["semi_major_mm"]) == pytest.approx(SEMI_MAJOR * PX_MM, rel=2e-3)
         assert row["long_axis"] == "along"
         assert float(row["semi_major_mm_std"]) == 0.1
+
+
+def test_no_spreadsheet_evaluates_notes(tmp_path: Path) -> None:
+    (row,) = hand_observations([ellipse()], mm_per_unit=1, semi_axis_std_mm=0.1, known={"roll_angle_deg": -2})
+    write_observations(tmp_path / "o.csv", [replace(row, notes="=1+1")])
+    with (tmp_path / "o.csv").open(encoding="utf-8") as file:
+        (cells,) = csv.DictReader(file)
+    assert (cells["notes"], cells["roll_angle_deg"]) == ("'=1+1", "-2")
 
 
 def test_what_is_not_known_is_left_to_a_person(tmp_path: Path) -> None:

@@ -13,6 +13,7 @@ from fingerpad.report import write_report
 from fingerpad.study.pipeline import run_study
 from fingerpad.web.app import make_app
 from fingerpad.web.bench import Bench
+from fingerpad.web.security import Access
 from fingerpad.web.server import listening
 
 DEMO = Path(__file__).parents[2] / "examples" / "dzidek2017"
@@ -30,11 +31,15 @@ def shorten(folder):
 
 
 @contextmanager
-def serving(bench):
+def serving(bench, access=None, address_file=None):
     """Serve a bench on a port of this machine, and yield a client that knows the token."""
     listener = listening(0)
     server = uvicorn.Server(
-        uvicorn.Config(make_app(bench, TOKEN), log_level="warning", timeout_graceful_shutdown=1)
+        uvicorn.Config(
+            make_app(bench, access or Access(TOKEN), address_file),
+            log_level="warning",
+            timeout_graceful_shutdown=1,
+        )
     )
     thread = threading.Thread(target=server.run, kwargs={"sockets": [listener]})
     thread.start()

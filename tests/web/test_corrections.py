@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import threading
+from pathlib import Path
 
 import httpx
 import pytest
@@ -146,9 +147,12 @@ def launched(folder):
     command = [sys.executable, "-m", "fingerpad", "app", str(folder), "--no-browser"]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, bufsize=1)
     address = process.stdout.readline().split()[-1]
-    base, _, token = address.partition("/start?token=")
+    token = Path(process.stdout.readline().split()[-1]).read_text().strip()
     return process, httpx.Client(
-        base_url=base, headers={"authorization": f"Bearer {token}"}, timeout=30, trust_env=False
+        base_url=address.partition("/start")[0],
+        headers={"authorization": f"Bearer {token}"},
+        timeout=30,
+        trust_env=False,
     )
 
 

@@ -158,6 +158,60 @@ def test_only_unused_uploads_are_removed(client, workspace):
     assert not (workspace / "demo" / file).exists()
 
 
+def test_a_removed_file_comes_back(client, workspace):
+    folder = workspace / "demo/uploads"
+    remove = lambda name: client.request("DELETE", "/api/files", json={"file": name})  # noqa: E731
+    restore = lambda number: client.post("/api/files/restore", json={"removed": number})  # noqa: E731
+    removed = []
+    for level in (1, 2, 3):  # of one name each time
+        assert upload(client, "a.png", png(level=level)).json()["file"] == "uploads/a.png"
+        answer = remove("uploads/a.png").json()
+        assert "uploads/a.png" not in {file["file"] for file in answer["files"]}
+        removed.append(answer["removed"])
+    assert not (folder / "a.png").exists()
+    names = [restore(number).json()["restored"] for number in removed]
+    assert names == ["uploads/a.png", "uploads/a-2.png", "uploads/a-3.png"]
+    for level, name in enumerate(names, 1):
+        assert (workspace / "demo" / name).read_bytes() == png(level=level)
+    assert restore(removed[0]).status_code == 404
+    assert not [path for path in (workspace / "demo/.removed").rglob("*") if path.is_file()]
+
+
+def test_a_removed_frame_comes_back_to_its_film(client, workspace):
+    upload(client, "1.png", png(), folder="press1")
+    file = {"file": "uploads/press1/1.png"}
+    number = client.request("DELETE", "/api/files", json=file).json()["removed"]
+    (workspace / "demo/uploads/press1").rmdir()
+    assert client.post("/api/files/restore", json={"removed": number}).json()["restored"] == file["file"]
+
+
+@pytest.mark.parametrize(
+    "name", ["uploads//a.png", "uploads/./a.png", "uploads/linked.png", "uploads/draft.png"]
+)
+def test_a_file_in_use_is_not_removed_by_another_name(client, workspace, name):
+    for file in ("a", "linked", "draft"):
+        upload(client, f"{file}.png", png(level=len(file)))
+    (workspace / "demo/link.png").symlink_to("uploads/linked.png")
+    known = {"finger": "synthetic_pad", "wedge_angle_deg": 30, "load_N": 1, "scale": "reader"}
+    edits = [
+        {"kind": "observation", "key": "x", "set": {**known, "image": "uploads/a.png"}},
+        {"kind": "observation", "key": "y", "set": {**known, "image": "link.png"}},
+        {"kind": "observation", "key": "z", "set": {"image": "uploads/draft.png"}},
+    ]
+    state = client.get("/api/study").json()
+    client.post("/api/study/edits", json={"expected": state["digest"], "edits": edits}).raise_for_status()
+    assert client.request("DELETE", "/api/files", json={"file": name}).status_code == 409
+
+
+@pytest.mark.parametrize("number", ["..", "../..", "", "20240101T000000-00000000", "x", "a/b"])
+def test_nothing_else_is_restored(client, workspace, number):
+    (workspace / "demo/.removed").mkdir()
+    (workspace / "demo/.removed/x").write_bytes(b"x")
+    answer = client.post("/api/files/restore", json={"removed": number})
+    assert answer.status_code in {400, 404}
+    assert (workspace / "demo/.removed/x").exists()
+
+
 def zipped(**files):
     buffer = io.BytesIO()
     with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
@@ -226,7 +280,7 @@ def test_a_harmful_or_broken_zip_unpacks_nothing(client, workspace, kind):
 
 
 def test_a_zip_of_many_small_files_is_limited_by_what_they_come_to(workspace):
-    bench = Bench(workspace, upload_limit=200_000)
+    bench = Bench(workspace, import_limit=800_000)
     content = zipped(**{"study.toml": STUDY}, **{f"{k}.bin": bytes(900_000) for k in range(3)})
     with serving(bench) as client:
         assert bring(client, content).status_code == 422

@@ -14,6 +14,7 @@ from filelock import FileLock
 from tests.soon import soon
 from tests.web.conftest import DEMO, serving, shorten
 
+from fingerpad.web import running
 from fingerpad.web.bench import Bench
 
 # A run says when it was made; all else must be the same.
@@ -286,6 +287,17 @@ def test_a_store_that_another_run_holds_is_said_in_words(client, study):
         run = run_of(client)
     assert run["state"] == "failed"
     assert "another run" in run["error"]
+
+
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnhandledThreadExceptionWarning")
+def test_a_fault_of_the_program_is_said_in_words(client, monkeypatch):
+    def broken(*_, **__):
+        raise KeyError("palmar")
+
+    monkeypatch.setattr(running, "write_report", broken)
+    run = run_of(client)
+    assert run["state"] == "failed"
+    assert run["error"] == "the run ended with a fault (KeyError: 'palmar')"
 
 
 def rows(client, **asked):

@@ -1,12 +1,15 @@
 """`fingerpad app`: it says where it is, serves this machine only, and ends when it is told to."""
 
+import os
 import signal
 import socket
 import subprocess
 import sys
+from pathlib import Path
 
 import httpx
 import pytest
+from tests.soon import soon
 
 APP = [sys.executable, "-m", "fingerpad", "app", "--no-browser"]
 
@@ -34,9 +37,16 @@ def test_the_page_says_where_it_is_and_ends_cleanly(workspace):
     address = process.stdout.readline().split()[-1]
     try:
         assert address.startswith("http://127.0.0.1:")
-        assert "Ctrl-C" in process.stdout.readline()
+        told = process.stdout.readline()
+        assert "Ctrl-C" in told
+        token_file = Path(told.split()[-1])
+        assert token_file.stat().st_mode & 0o777 == 0o600
+        assert token_file.parent.stat().st_mode & 0o777 == 0o700
+        bearer = {"authorization": f"Bearer {token_file.read_text().strip()}"}
+        assert bearer["authorization"].split()[1] not in address
         with httpx.Client(base_url=address.partition("/start")[0], trust_env=False) as client:
             assert client.get("/").status_code == 403
+            assert client.get("/api/session", headers=bearer).status_code == 200
             page = client.get(address, follow_redirects=True)
             assert page.status_code == 200
             assert "<html" in page.text
@@ -44,6 +54,40 @@ def test_the_page_says_where_it_is_and_ends_cleanly(workspace):
             with client.stream("GET", "/api/events") as events:  # a page that listens does not hold it up
                 assert events.status_code == 200
                 ended(process)
+        assert not token_file.parent.exists()
+    finally:
+        process.kill()
+        process.communicate()
+
+
+def test_the_browser_is_started_with_a_code_of_its_own_and_never_the_token(workspace):
+    browser = workspace / "browser"
+    there = workspace / "argument"
+    browser.write_text(f'#!/bin/sh\nprintf %s "$1" > {there}.new\nmv {there}.new {there}\n')
+    browser.chmod(0o755)
+    command = [part for part in APP if part != "--no-browser"]
+    environment = os.environ | {"BROWSER": str(browser), "XDG_RUNTIME_DIR": str(workspace)}
+    process = subprocess.Popen(
+        [*command, "demo"], cwd=workspace, stdout=subprocess.PIPE, text=True, env=environment
+    )
+    try:
+        printed = process.stdout.readline().split()[-1]
+        token_file = Path(process.stdout.readline().split()[-1])
+        assert token_file.is_relative_to(workspace)
+        assert soon(there.exists)
+        argument = there.read_text()
+        assert token_file.read_text().strip() not in argument
+        assert argument != printed
+        kept = token_file.with_name("address").read_text().strip()
+        for address in (argument, printed, kept):
+            with httpx.Client(trust_env=False) as other_browser:
+                assert other_browser.get(address, follow_redirects=True).status_code == 200
+        assert token_file.with_name("address").read_text().strip() != kept  # a new one after each use
+        for address in (argument, printed, kept):
+            with httpx.Client(trust_env=False) as other_browser:
+                second = other_browser.get(address)
+                assert second.status_code == 403
+                assert str(token_file.with_name("address")) in second.text
     finally:
         process.kill()
         process.communicate()

@@ -1,9 +1,14 @@
 """Who is let in, and what no request may reach."""
 
+import shutil
+from concurrent.futures import ThreadPoolExecutor
+
 import httpx
 import pytest
+from tests.web.conftest import serving
 
-from fingerpad.web.security import cookie_name
+from fingerpad.web.bench import Bench
+from fingerpad.web.security import Access, cookie_name
 
 
 def bare(client, **headers):
@@ -54,20 +59,75 @@ def test_a_token_with_letters_of_another_alphabet_is_wrong_and_no_fault(standing
     with bare(standing) as stranger:
         answer = stranger.get("/api/session", headers={"authorization": "Bearer é".encode("latin-1")})
         assert answer.status_code == 403
-        assert stranger.get("/start", params={"token": "é☃"}).status_code == 403
+        assert stranger.get("/start", params={"code": "é☃"}).status_code == 403
 
 
-def test_the_start_address_gives_a_cookie_that_scripts_and_other_sites_cannot_use(standing):
-    with bare(standing) as page:
-        assert page.get("/start", params={"token": "guess"}).status_code == 403
-        answer = page.get("/start", params={"token": standing.headers["authorization"].split()[1]})
-        assert answer.status_code == 303
-        assert answer.headers["location"] == "/"
-        cookie = answer.headers["set-cookie"].lower()
-        assert "httponly" in cookie
-        assert "samesite=strict" in cookie
-        assert "domain" not in cookie
-        assert page.get("/api/session").status_code == 200
+@pytest.fixture
+def clock():
+    return [1000.0]
+
+
+@pytest.fixture
+def opened(workspace, clock, tmp_path):
+    """Return what opens a launch, and a client of it that knows nothing."""
+    access = Access("a-token", clock=lambda: clock[0])
+    with (
+        serving(Bench(workspace), access, tmp_path / "runtime <b>" / "address") as client,
+        bare(client) as page,
+    ):
+        yield access, page
+
+
+def test_the_start_address_gives_a_cookie_that_scripts_and_other_sites_cannot_use(opened):
+    access, page = opened
+    assert page.get("/start", params={"code": "guess"}).status_code == 403
+    assert page.get("/start", params={"code": access.token}).status_code == 403
+    answer = page.get("/start", params={"code": access.new_code()})
+    assert answer.status_code == 303
+    assert answer.headers["location"] == "/"
+    cookie = answer.headers["set-cookie"].lower()
+    assert "httponly" in cookie
+    assert "samesite=strict" in cookie
+    assert "domain" not in cookie
+    assert page.get("/api/session").status_code == 200
+
+
+def test_a_code_is_good_once_and_the_second_browser_is_shown_the_way(opened):
+    access, page = opened
+    code = {"code": access.new_code()}
+    assert page.head("/start", params=code).status_code == 403  # a look at it is no use of it
+    assert page.get("/start", params=code).status_code == 303
+    assert page.get("/start", params=code).headers["location"] == "/"  # in the same browser it goes on
+    with bare(page) as other:
+        answer = other.get("/start", params=code)
+        assert answer.status_code == 403
+        assert answer.headers["content-type"].startswith("text/html")
+        assert "This address has been used" in answer.text
+        assert "runtime &lt;b&gt;/address</code>" in answer.text
+        assert "default-src 'none'" in answer.headers["content-security-policy"]
+        assert other.get("/api/session").status_code == 403
+        unknown = other.get("/start", params={"code": "guess"}).text
+        assert "opens nothing" in unknown
+        assert "runtime" not in unknown
+
+
+def test_a_code_for_a_short_time_comes_too_late_after_it(opened, clock):
+    access, page = opened
+    in_time, late = access.new_code(120), access.new_code(120)
+    clock[0] += 119
+    assert page.get("/start", params={"code": in_time}).status_code == 303
+    clock[0] += 2
+    with bare(page) as other:
+        answer = other.get("/start", params={"code": late})
+        assert answer.status_code == 403
+        assert "good for two minutes" in answer.text
+
+
+def test_two_at_once_cannot_use_one_code():
+    access = Access()
+    code = access.new_code()
+    with ThreadPoolExecutor(8) as pool:
+        assert sum(pool.map(access.exchange, [code] * 64)) == 1
 
 
 def test_the_cookie_of_one_launch_does_not_serve_another():
@@ -176,6 +236,22 @@ def test_downloads_reach_only_what_the_run_wrote(done, path):
 def test_items_are_names_and_never_paths(done, item, kind):
     answer = done.get(f"/api/picture/{kind}", params={"item": item})
     assert answer.status_code == 404, answer.text
+
+
+@pytest.mark.parametrize("kind", ["info", "preview", "thumbnail"])
+def test_a_frame_that_is_a_link_out_of_the_study_is_not_shown(client, workspace, kind):
+    film = workspace / "demo" / "film"
+    film.mkdir()
+    shutil.copy(workspace / "demo/synthetic/synthetic_30deg_1N.png", workspace / "outside.png")
+    (film / "f1.png").symlink_to(workspace / "outside.png")
+    edits = {
+        "expected": client.get("/api/study").json()["digest"],
+        "edits": [{"kind": "sequence", "key": "draft", "set": {"path": "film"}}],
+    }
+    client.post("/api/study/edits", json=edits).raise_for_status()
+    answer = client.get(f"/api/picture/{kind}", params={"item": "draft#0"})
+    assert answer.status_code == 422
+    assert "'film/f1.png' is a link that leaves the study folder" in answer.json()["error"]
 
 
 @pytest.mark.parametrize("coin", ["../../etc/passwd", "/etc/passwd", "study.toml", "nothing.png"])

@@ -2,12 +2,15 @@
 
 import webbrowser
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from fingerpad.cli.shared import plain_errors
 from fingerpad.exceptions import FingerpadError, ManifestError
+
+if TYPE_CHECKING:
+    from fingerpad.web.server import Launch
 
 _NEEDED = {"plotly", "starlette", "tomlkit", "uvicorn"}
 
@@ -42,7 +45,7 @@ def app(
             bench.open_folder(_folder_of(study), out)
         elif out is not None:
             raise FingerpadError("--out needs a study: name its manifest")
-        serve(bench, port=port, on_ready=lambda address: _tell(address, browser=browser))
+        serve(bench, port=port, on_ready=lambda launch: _tell(launch, browser=browser))
 
 
 def _folder_of(study: Path) -> Path:
@@ -57,7 +60,9 @@ def _folder_of(study: Path) -> Path:
     return study.absolute().parent
 
 
-def _tell(address: str, *, browser: bool) -> None:
-    typer.echo(f"The page is at {address}\nCtrl-C ends it.")
+def _tell(launch: "Launch", *, browser: bool) -> None:
+    typer.echo(
+        f"The page is at {launch.address}\nCtrl-C ends it. Scripts read the token from {launch.token_file}"
+    )
     if browser:
-        webbrowser.open(address)
+        webbrowser.open(launch.browser_address)

@@ -1,12 +1,13 @@
 """The application: the guard, the API, the page's files."""
 
+from html import escape
 from pathlib import Path
 from typing import Final
 
 from starlette.applications import Starlette
 from starlette.exceptions import HTTPException
 from starlette.requests import Request
-from starlette.responses import FileResponse, JSONResponse, PlainTextResponse, RedirectResponse, Response
+from starlette.responses import FileResponse, HTMLResponse, JSONResponse, RedirectResponse, Response
 from starlette.routing import Mount, Route
 from starlette.staticfiles import StaticFiles
 from starlette.types import ASGIApp, Scope
@@ -26,7 +27,7 @@ from fingerpad.web import (
 )
 from fingerpad.web.bench import Bench
 from fingerpad.web.operations import Operation, openapi
-from fingerpad.web.security import START, Guard, cookie_name, same_token
+from fingerpad.web.security import START, Access, Guard, cookie_name
 
 STATIC: Final = Path(__file__).parent / "static"
 _YEAR_S: Final = 31_536_000
@@ -34,25 +35,29 @@ _ROOMS: Final = (studies, state, shown, lengths, photographs, contacts, correcti
 OPERATIONS: Final[tuple[Operation, ...]] = tuple(one for room in _ROOMS for one in room.OPERATIONS)
 
 
-def make_app(bench: Bench, token: str) -> ASGIApp:
+def make_app(bench: Bench, access: Access, address_file: Path | None = None) -> ASGIApp:
     """Return the application of one launch.
 
     Parameters
     ----------
     bench : Bench
         What it works on.
-    token : str
-        The launch's secret, which the start address carries.
+    access : Access
+        What opens it.
+    address_file : Path or None
+        A file that holds an address with a new code.
     """
 
     def start(request: Request) -> Response:
-        """Take the token of the start address into a cookie, and lead to the page."""
-        if not same_token(request.query_params.get("token", ""), token):
-            words = "this address is of another launch: open the one that fingerpad app printed last"
-            return PlainTextResponse(words, status_code=403)
+        """Exchange the code of the start address for a cookie, and lead to the page."""
+        code = request.query_params.get("code", "")
         answer = RedirectResponse("/", status_code=303)
+        if access.knows(request.headers):
+            return answer
+        if request.method != "GET" or not access.exchange(code):
+            return HTMLResponse(_closed(access.is_spent(code), address_file), status_code=403)
         name = cookie_name(request.headers.get("host", ""))
-        answer.set_cookie(name, token, httponly=True, samesite="strict", path="/")
+        answer.set_cookie(name, access.token, httponly=True, samesite="strict", path="/")
         return answer
 
     def document(_: Request) -> Response:
@@ -70,7 +75,31 @@ def make_app(bench: Bench, token: str) -> ASGIApp:
         ],
         exception_handlers={HTTPException: _not_there},
     )
-    return Guard(starlette, token)
+    return Guard(starlette, access)
+
+
+_CLOSED: Final = """<!doctype html>
+<html lang="en"><head><meta charset="utf-8"><title>{title}</title>
+<meta name="color-scheme" content="light dark">
+<style>body {{ font: 1rem/1.6 sans-serif; margin: 12vh auto; max-width: 40rem; padding: 1rem }}</style></head>
+<body><h1>{title}</h1>{rest}</body></html>
+"""
+
+
+def _closed(spent: bool, address_file: Path | None) -> str:
+    """Return the page that a start address without a good code leads to."""
+    if not spent:
+        rest = "<p>It is of another launch, or not whole. Open the one that fingerpad app printed last.</p>"
+        return _CLOSED.format(title="This address opens nothing", rest=rest)
+    rest = (
+        "<p>Each address opens the page once, in one browser. The one that the browser is started with is "
+        "good for two minutes.</p>"
+        '<p>In the browser that used it, <a href="/">go to the page</a>.</p>'
+    )
+    if address_file is not None:
+        file = escape(str(address_file))
+        rest += f"<p>For another browser there is a new address in the file <code>{file}</code>.</p>"
+    return _CLOSED.format(title="This address has been used", rest=rest)
 
 
 class _Static(StaticFiles):

@@ -3,6 +3,7 @@
 import getpass
 import os
 import re
+import shutil
 from http import HTTPStatus
 from pathlib import Path
 from threading import Lock
@@ -30,15 +31,22 @@ class Bench:
         Folder whose sub-folders are studies.
     upload_limit : int
         The most bytes of one file.
+    import_limit : int or None
+        The most bytes of a study that is brought as a ZIP; None for what the disk has room for.
     pixel_limit : int
         The most pixels of one picture.
     """
 
     def __init__(
-        self, workspace: Path, *, upload_limit: int = UPLOAD_LIMIT, pixel_limit: int = PIXEL_LIMIT
+        self,
+        workspace: Path,
+        *,
+        upload_limit: int = UPLOAD_LIMIT,
+        import_limit: int | None = None,
+        pixel_limit: int = PIXEL_LIMIT,
     ) -> None:
         self.workspace = workspace.absolute()
-        self.upload_limit, self.pixel_limit = upload_limit, pixel_limit
+        self.upload_limit, self.import_limit, self.pixel_limit = upload_limit, import_limit, pixel_limit
         self.events = Events()
         self._study: OpenStudy | None = None
         self._lock = Lock()
@@ -85,14 +93,15 @@ class Bench:
     def open_folder(self, folder: Path, out: Path | None = None) -> OpenStudy:
         """Open the study in a folder."""
         with self._lock:
-            if self._study is not None:
-                self._study.close()
-            self._study = OpenStudy(
+            opened = OpenStudy(
                 folder.absolute(),
                 out=(out or folder / "results").absolute(),
                 events=self.events,
                 pixel_limit=self.pixel_limit,
             )
+            if self._study is not None:
+                self._study.close()
+            self._study = opened
             self.events.tell("session", {"study": self._study.name})
             return self._study
 
@@ -103,6 +112,12 @@ class Bench:
                 self._study.close()
             self._study = None
             self.events.tell("session", {"study": None})
+
+    @property
+    def room(self) -> int:
+        """The most bytes of a study that can be brought now."""
+        free = shutil.disk_usage(self.workspace).free
+        return free if self.import_limit is None else min(free, self.import_limit)
 
     def new_folder(self, name: str) -> Path:
         """Return the path of a sub-folder of the workspace that is not there yet."""

@@ -25,11 +25,11 @@ from fingerpad.study.results.rows import make_rows
 from fingerpad.web.asked import Item
 from fingerpad.web.bench import Bench
 from fingerpad.web.fingers import known_finger
+from fingerpad.web.last_results import last_results
 from fingerpad.web.open_study import OpenStudy
 from fingerpad.web.operations import Operation, Question
 from fingerpad.web.pictures import Cache, Place
 from fingerpad.web.refusal import Refusal
-from fingerpad.web.results import last_results
 from fingerpad.web.scales import scale_of
 
 _PREPARED: Final[Cache[PreparedImprint]] = Cache(12, lambda _: 1)

@@ -2,11 +2,15 @@
 
 import os
 import re
+import shutil
 from contextlib import suppress
+from dataclasses import asdict
+from datetime import UTC, datetime
 from http import HTTPStatus
 from pathlib import Path
-from tempfile import NamedTemporaryFile, gettempdir
+from tempfile import NamedTemporaryFile
 from typing import Annotated, Any, Final
+from uuid import uuid4
 
 from pydantic import Field
 from starlette.background import BackgroundTask
@@ -14,14 +18,19 @@ from starlette.concurrency import run_in_threadpool
 from starlette.requests import Request
 from starlette.responses import FileResponse, Response, StreamingResponse
 
-from fingerpad.web.archive import packed, unpacked
+from fingerpad.study.editing.state import named_files
+from fingerpad.web.archive import pack, unpack
 from fingerpad.web.bench import NAME, Bench
+from fingerpad.web.bundle import Bundle
+from fingerpad.web.open_study import OpenStudy
 from fingerpad.web.operations import Operation, Question, json_response
 from fingerpad.web.refusal import Refusal
 from fingerpad.web.security import FRAMED_HEADERS
 from fingerpad.web.state import document
-from fingerpad.web.uploads import FOLDER, kept, plain_name, stored
+from fingerpad.web.uploads import FOLDER, kept, placed, plain_name, stored
 
+# Hidden, so that nothing in it counts as a file of the study.
+_REMOVED: Final = ".removed"
 _TABLES: Final = (
     "report.html",
     "results.csv",
@@ -62,6 +71,12 @@ class RemoveQuestion(Question):
     file: Annotated[str, Field(min_length=1, max_length=1000)]
 
 
+class RestoreQuestion(Question):
+    """A removed file, by the number that its removal gave it."""
+
+    removed: Annotated[str, Field(pattern=r"^\d{8}T\d{6}-[0-9a-f]{8}$")]
+
+
 async def upload(bench: Bench, asked: UploadQuestion, request: Request) -> Response:
     """Keep a file in the study."""
     opened = bench.study
@@ -88,16 +103,16 @@ async def upload(bench: Bench, asked: UploadQuestion, request: Request) -> Respo
 async def bring(bench: Bench, asked: ImportQuestion, request: Request) -> Response:
     """Make a study of a ZIP, and open it."""
     folder = bench.new_folder(asked.name)
-    path, _ = await stored(request, bench.upload_limit, Path(gettempdir()))
+    path, _ = await stored(request, bench.room, bench.workspace)
 
-    def unpack() -> Response:
+    def open_it() -> Response:
         try:
-            unpacked(path, folder, 4 * bench.upload_limit)
+            unpack(path, folder, bench.room)
             return json_response(document(bench.open_folder(folder)), HTTPStatus.CREATED)
         finally:
             path.unlink(missing_ok=True)
 
-    return await run_in_threadpool(unpack)
+    return await run_in_threadpool(open_it)
 
 
 async def listen(bench: Bench, _: Any, __: Request) -> Response:
@@ -106,17 +121,35 @@ async def listen(bench: Bench, _: Any, __: Request) -> Response:
 
 
 def remove(bench: Bench, _: Any, asked: RemoveQuestion) -> dict[str, Any]:
-    """Remove a file that was uploaded and that no table names."""
+    """Move a file that was uploaded and that no table names into a folder of what was removed."""
     opened = bench.study
     path = opened.file(asked.file)
-    study = opened.read().study
-    named = {name for _, name in study.named_files()} if study else set()
-    if asked.file in named or any(asked.file.startswith(f"{name}/") for name in named):
+    found = opened.read()
+    named = named_files(found.study, found.incomplete)
+    used = {(opened.folder / name).resolve() for name in named if os.path.exists(opened.folder / name)}
+    if not used.isdisjoint((path.resolve(), *path.resolve().parents)):
         raise Refusal.conflict(f"{asked.file}: the study names this file: remove what names it first")
     if not asked.file.startswith(f"{FOLDER}/"):
         raise Refusal.conflict(f"{asked.file}: only files that were dropped on the page are removed by it")
-    path.unlink(missing_ok=True)
-    return document(opened)
+    number = f"{datetime.now(UTC):%Y%m%dT%H%M%S}-{uuid4().hex[:8]}"
+    kept = opened.folder / _REMOVED / number / path.relative_to(opened.folder)
+    kept.parent.mkdir(parents=True)
+    path.rename(kept)
+    return {**document(opened), "removed": number}
+
+
+def restore(bench: Bench, _: Any, asked: RestoreQuestion) -> dict[str, Any]:
+    """Put a file back that was removed, under another name if its own is taken by now."""
+    opened = bench.study
+    home = opened.folder / _REMOVED / asked.removed
+    kept = next((path for path in home.rglob("*") if path.is_file()), None)
+    if kept is None:
+        raise Refusal.not_there(f"nothing that was removed is kept as {asked.removed!r}")
+    target = opened.folder / kept.relative_to(home)
+    target.parent.mkdir(parents=True, exist_ok=True)
+    back = placed(kept, target)
+    shutil.rmtree(home, ignore_errors=True)
+    return {**document(opened), "restored": back.relative_to(opened.folder).as_posix()}
 
 
 class DownloadQuestion(Question):
@@ -142,12 +175,36 @@ def download(bench: Bench, asked: DownloadQuestion, _: Any) -> Response:
     return FileResponse(path, media_type=_TYPES.get(path.suffix, "application/octet-stream"), headers=headers)
 
 
+def bundle(bench: Bench, _: Any, __: Any) -> dict[str, Any]:
+    """Return what the study's ZIP holds, and what it leaves out."""
+    found = _bundle(bench.study)
+    return {
+        "files": len(found.files),
+        "bytes": sum(os.stat(path).st_size for path in found.files.values()),
+        "left_out": [asdict(one) for one in found.left_out],
+    }
+
+
+def _bundle(opened: OpenStudy) -> Bundle:
+    manifest = opened.read()
+    named = named_files(manifest.study, manifest.incomplete)
+    return Bundle.of(
+        opened.folder, opened.out, named, manifest.study.observations_csv if manifest.study else None
+    )
+
+
 def _zipped(bench: Bench) -> Response:
     opened = bench.study
     with NamedTemporaryFile(prefix="fingerpad-", suffix=".zip", delete=False) as file:
         target = Path(file.name)
     try:
-        packed(opened.folder, opened.out, target)
+        pack(opened.folder, _bundle(opened), target)
+    except OSError as error:
+        target.unlink(missing_ok=True)
+        raise Refusal.impossible(
+            f"the ZIP cannot be made ({error.strerror}): make room in {target.parent}, or set TMPDIR to a "
+            "folder with more and start fingerpad app again"
+        ) from error
     except BaseException:
         target.unlink(missing_ok=True)
         raise
@@ -164,6 +221,12 @@ def _ascii(name: str) -> str:
 
 
 OPERATIONS: Final = (
+    Operation(
+        method="GET",
+        path="/api/study/bundle",
+        answer=bundle,
+        summary="What the study's ZIP holds, and what it leaves out",
+    ),
     Operation(
         method="POST",
         path="/api/files",
@@ -195,7 +258,14 @@ OPERATIONS: Final = (
         path="/api/files",
         answer=remove,
         body=RemoveQuestion,
-        summary="Remove an uploaded file that nothing names",
+        summary="Remove an uploaded file that nothing names; it is kept aside",
+    ),
+    Operation(
+        method="POST",
+        path="/api/files/restore",
+        answer=restore,
+        body=RestoreQuestion,
+        summary="Put a removed file back",
     ),
     Operation(
         method="GET",

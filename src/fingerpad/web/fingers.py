@@ -3,8 +3,8 @@
 import numpy as np
 
 from fingerpad.study.measuring.fingers import FingerResult, finger_result
+from fingerpad.web.last_results import last_results
 from fingerpad.web.open_study import OpenStudy
-from fingerpad.web.results import last_results
 
 
 def known_finger(opened: OpenStudy, name: str) -> FingerResult | None:

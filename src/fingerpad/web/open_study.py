@@ -25,6 +25,7 @@ from fingerpad.study.manifest import (
     Photograph,
     Study,
 )
+from fingerpad.study.manifest.read import file_inside
 from fingerpad.web.correction_log import Corrections
 from fingerpad.web.events import Events
 from fingerpad.web.pictures import Cache, Pictures, Place
@@ -267,7 +268,7 @@ class OpenStudy:
         path = self._inside(name)
         if path is None or not path.exists():
             raise Refusal.not_there(f"the study holds no film {name[:80]!r}")
-        return path
+        return file_inside(self.folder, name, STUDY_NAME, "sequences.path")
 
     def _inside(self, name: str) -> Path | None:
         """Return the path that a name has, None where it leads out of the study or to what is no input."""

@@ -1,9 +1,11 @@
 """What the API can be asked: each operation with its question, its answer, and its OpenAPI description."""
 
 import json
+import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from http import HTTPStatus
+from pathlib import PurePath
 from typing import Any, Final, Literal
 from urllib.parse import unquote
 
@@ -123,8 +125,16 @@ class plain_refusals:  # noqa: N801 (used as a statement)
             raise Refusal.impossible(str(error), faults=faults_of(error)) from error
         if isinstance(error, FingerpadError):
             raise Refusal.impossible(str(error)) from error
+        if isinstance(error, OSError) and error.strerror:
+            raise Refusal.impossible(f"{_name_of(error)}{error.strerror}") from error
         if isinstance(error, _ODDITIES):
             raise Refusal.impossible(f"this cannot be done ({type(error).__name__}: {error})") from error
+
+
+def _name_of(error: OSError) -> str:
+    """Return the name of the file that an error is about, as the beginning of a sentence."""
+    name = error.filename
+    return f"{PurePath(os.fsdecode(name)).name}: " if isinstance(name, str | bytes) else ""
 
 
 def faults_of(error: ManifestError) -> list[dict[str, str]]:
@@ -139,7 +149,9 @@ def faults_of(error: ManifestError) -> list[dict[str, str]]:
 
 def json_response(content: Any, status: int = HTTPStatus.OK) -> Response:
     """Return an answer in JSON, what is not a number as null."""
-    return Response(dumps(content), status_code=status, media_type="application/json")
+    # A file's name may hold bytes that are no text.
+    text = dumps(content).encode(errors="replace")
+    return Response(text, status_code=status, media_type="application/json")
 
 
 def refused(refusal: Refusal) -> Response:

@@ -1,20 +1,18 @@
 """What the last run found: rows, summaries, what to plot, figures, and the audit of the printed tables."""
 
-import json
 import re
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Final, Self
+from typing import Annotated, Any, Final
 
 from pydantic import Field
 
 from fingerpad.published import audit
 from fingerpad.study.results.columns import COLUMNS
-from fingerpad.study.results.result_set import quick_faults, result_files
+from fingerpad.study.results.result_set import result_files
 from fingerpad.study.results.rows import RANGE_NOTES
 from fingerpad.web.bench import Bench
-from fingerpad.web.open_study import OpenStudy
+from fingerpad.web.last_results import Results, last_results, results_faults
 from fingerpad.web.operations import Operation, Question
 from fingerpad.web.refusal import Refusal
 
@@ -42,81 +40,6 @@ _PLOTTED: Final = (
     "phase",
 )
 _CAPTION: Final = re.compile(r'aria-label="([^"]*)"')
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Results:
-    """The tables that the last run wrote.
-
-    Attributes
-    ----------
-    rows : list of dict
-        Of ``results.json``.
-    summary : dict
-        Of ``summary.json``.
-    finished : str
-        When they were made.
-    contacts : dict
-        Rows of single contacts by their names.
-    frames : dict
-        Rows of frames by the name of the sequence and the frame's number.
-    """
-
-    rows: list[dict[str, Any]]
-    summary: dict[str, Any]
-    finished: str
-    contacts: dict[str, dict[str, Any]]
-    frames: dict[str, dict[int, dict[str, Any]]]
-
-    @classmethod
-    def of(cls, rows: list[dict[str, Any]], summary: dict[str, Any]) -> Self:
-        """Put the tables in order."""
-        contacts: dict[str, dict[str, Any]] = {}
-        frames: dict[str, dict[int, dict[str, Any]]] = {}
-        for row in rows:
-            row["item"] = row["observation"]
-            if row["frame"] is None:
-                contacts[row["item"]] = row
-            else:
-                frames.setdefault(row["sequence"], {})[row["frame"]] = row
-        finished = summary["provenance"]["made"]
-        return cls(rows=rows, summary=summary, finished=finished, contacts=contacts, frames=frames)
-
-    def row(self, item: str) -> dict[str, Any] | None:
-        """Return the row of an item, None where it has none."""
-        sequence, mark, number = item.rpartition("#")
-        if not mark:
-            return self.contacts.get(item)
-        return self.frames.get(sequence, {}).get(int(number)) if number.isdecimal() else None
-
-
-_READ: dict[Path, tuple[object, Results]] = {}
-
-
-def last_results(opened: OpenStudy) -> Results | None:
-    """Return the last run's tables, None before the first; read again only when they are new."""
-    try:
-        stamp = tuple(
-            (status.st_mtime_ns, status.st_size)
-            for status in ((opened.out / f"{name}.json").stat() for name in ("results", "summary"))
-        )
-        known = _READ.get(opened.out)
-        if known is None or known[0] != stamp:
-            rows, summary = (
-                json.loads((opened.out / f"{name}.json").read_text(encoding="utf-8"))
-                for name in ("results", "summary")
-            )
-            known = (stamp, Results.of(rows, summary))
-            _READ.clear()
-            _READ[opened.out] = known
-    except (OSError, ValueError, KeyError, TypeError):
-        return None  # nothing there, or not what a run writes
-    return None if results_faults(opened) else known[1]
-
-
-def results_faults(opened: OpenStudy) -> list[str]:
-    """Return what is wrong with the files of the last run; overlays are checked when they are shown."""
-    return quick_faults(opened.out, lambda name: not name.startswith("overlays/"))
 
 
 def _results(bench: Bench) -> Results:

@@ -7,6 +7,7 @@ from pathlib import Path
 from threading import Event, Lock, Thread
 from typing import Any, Final
 
+from fingerpad.exceptions import FingerpadError
 from fingerpad.report import write_report
 from fingerpad.study.engine.progress import Progress
 from fingerpad.study.pipeline import Draw, run_study
@@ -105,8 +106,14 @@ class Running:
             end = {"state": "done", "failures": result.failures}
         except KeyboardInterrupt:
             end = {"state": "cancelled"}
-        except Exception as error:  # whatever it is, the page must learn of it
-            end = {"state": "failed", "error": str(error) or type(error).__name__}
+        except (FingerpadError, OSError) as error:
+            end = {"state": "failed", "error": str(error)}
+        except Exception as error:  # a fault of the program: the terminal shows where
+            end = {
+                "state": "failed",
+                "error": f"the run ended with a fault ({type(error).__name__}: {error})",
+            }
+            raise
         finally:
             with suppress(Exception):
                 when_done()

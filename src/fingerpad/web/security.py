@@ -1,13 +1,17 @@
 """Who may ask: this machine's own page and scripts that know the launch's token, and nobody else.
 
 A page on the internet can make a browser send requests to this machine. It cannot read the token,
-set a foreign Host to the loopback's name, or hide the Origin from which it asks.
+set a foreign Host to the loopback's name, or hide the Origin from which it asks. Other people on this machine
+can read the arguments of its processes: addresses hold codes that are good for one use, never the token.
 """
 
+import math
 import secrets
-from collections.abc import Mapping
+import time
+from collections.abc import Callable, Mapping
 from http import HTTPStatus
 from http.cookies import CookieError, SimpleCookie
+from threading import Lock
 from typing import Final
 from urllib.parse import urlsplit
 
@@ -38,6 +42,68 @@ FRAMED_HEADERS: Final = {
 }
 
 
+class Access:
+    """What opens one launch: its token, for cookies and scripts, and codes that are exchanged for a cookie.
+
+    Parameters
+    ----------
+    token : str, optional
+        The launch's secret, made here if left out.
+    on_use : callable
+        Called when a code has been exchanged.
+    clock : callable
+        The time in seconds.
+    """
+
+    def __init__(
+        self,
+        token: str | None = None,
+        *,
+        on_use: Callable[[], None] = lambda: None,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self.token = token or secrets.token_urlsafe(32)
+        self.on_use = on_use
+        self._clock = clock
+        self._ends: dict[str, float] = {}
+        self._spent: set[str] = set()
+        self._lock = Lock()
+
+    def new_code(self, seconds: float = math.inf) -> str:
+        """Return a code for one use within some time."""
+        code = secrets.token_urlsafe(32)
+        with self._lock:
+            self._ends[code] = self._clock() + seconds
+        return code
+
+    def exchange(self, code: str) -> bool:
+        """Tell whether a code is good, which it is not again."""
+        with self._lock:
+            end = self._ends.pop(code, None)
+            if end is None:
+                return False
+            self._spent.add(code)
+            good = self._clock() <= end
+        if good:
+            self.on_use()
+        return good
+
+    def is_spent(self, code: str) -> bool:
+        """Tell whether a code was used, or came too late."""
+        return code in self._spent
+
+    def knows(self, headers: Mapping[str, str]) -> bool:
+        """Tell whether a request holds the token: a script's as bearer, a browser's as cookie."""
+        kind, _, given = headers.get("authorization", "").partition(" ")
+        if kind.lower() == "bearer" and _same(given.strip(), self.token):
+            return True
+        try:
+            cookie = SimpleCookie(headers.get("cookie", "")).get(cookie_name(headers.get("host", "")))
+        except CookieError:
+            return False
+        return cookie is not None and _same(cookie.value, self.token)
+
+
 class Guard:
     """ASGI middleware that lets through what comes from this launch's own page or scripts.
 
@@ -45,12 +111,12 @@ class Guard:
     ----------
     app : ASGIApp
         What is guarded.
-    token : str
-        The launch's secret.
+    access : Access
+        What opens it.
     """
 
-    def __init__(self, app: ASGIApp, token: str) -> None:
-        self._app, self._token = app, token
+    def __init__(self, app: ASGIApp, access: Access) -> None:
+        self._app, self._access = app, access
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Refuse a request, or hand it on and add the headers of every answer."""
@@ -84,29 +150,14 @@ class Guard:
             return
         if site not in {"same-origin", "none"}:
             raise Refusal(HTTPStatus.FORBIDDEN, "requests from other pages are refused")
-        if not self._knows_token(headers, host):
+        if not self._access.knows(headers):
             raise Refusal(
                 HTTPStatus.FORBIDDEN,
                 "this launch's token is missing: open the address that fingerpad app printed when it started",
             )
 
-    def _knows_token(self, headers: Mapping[str, str], host: str) -> bool:
-        kind, _, given = headers.get("authorization", "").partition(" ")
-        if kind.lower() == "bearer" and same_token(given.strip(), self._token):
-            return True
-        try:
-            cookie = SimpleCookie(headers.get("cookie", "")).get(cookie_name(host))
-        except CookieError:
-            return False
-        return cookie is not None and same_token(cookie.value, self._token)
 
-
-def new_token() -> str:
-    """Return a secret for one launch."""
-    return secrets.token_urlsafe(32)
-
-
-def same_token(given: str, token: str) -> bool:
+def _same(given: str, token: str) -> bool:
     """Tell whether two tokens are the same, in a time that tells nothing of them."""
     return secrets.compare_digest(given.encode(), token.encode())
 

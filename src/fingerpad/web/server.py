@@ -1,22 +1,45 @@
 """Serving the page on this machine."""
 
 import os
+import shutil
 import socket
 from collections.abc import Callable
 from contextlib import suppress
-from typing import Final
+from pathlib import Path
+from tempfile import mkdtemp
+from typing import Final, NamedTuple
 
 import uvicorn
 
 from fingerpad.exceptions import FingerpadError
 from fingerpad.web.app import make_app
 from fingerpad.web.bench import Bench
-from fingerpad.web.security import START, new_token
+from fingerpad.web.security import START, Access
 
 LOOPBACK: Final = "127.0.0.1"
+# In which the browser has to come up.
+_TO_OPEN_S: Final = 120.0
 
 
-def serve(bench: Bench, *, port: int, on_ready: Callable[[str], None]) -> None:
+class Launch(NamedTuple):
+    """How the page of one launch is reached.
+
+    Attributes
+    ----------
+    address : str
+        For a person to open: good for one use.
+    browser_address : str
+        For this program to open in the browser: good for one use, and for a short time.
+    token_file : Path
+        Holds the token for scripts; nobody else can read it.
+    """
+
+    address: str
+    browser_address: str
+    token_file: Path
+
+
+def serve(bench: Bench, *, port: int, on_ready: Callable[[Launch], None]) -> None:
     """Serve the page until it is interrupted.
 
     Parameters
@@ -26,28 +49,37 @@ def serve(bench: Bench, *, port: int, on_ready: Callable[[str], None]) -> None:
     port : int
         Where to listen; 0 takes one that is free.
     on_ready : callable
-        Told the address to open, when it can be opened.
+        Told how the page is reached, when it can be.
 
     Raises
     ------
     FingerpadError
         If the port cannot be had.
     """
-    token = new_token()
     listener = listening(port)
-    address = f"http://{LOOPBACK}:{listener.getsockname()[1]}{START}?token={token}"
+    page = f"http://{LOOPBACK}:{listener.getsockname()[1]}{START}?code="
+    folder = _private_folder()
+    token_file, address_file = folder / "token", folder / "address"
+
+    def renew() -> None:
+        _write_private(address_file, page + access.new_code())
+
+    access = Access(on_use=renew)
+    _write_private(token_file, access.token)
+    renew()
 
     class Server(uvicorn.Server):
         async def startup(self, sockets: list[socket.socket] | None = None) -> None:
             await super().startup(sockets)
-            on_ready(address)
+            browser_address = page + access.new_code(_TO_OPEN_S)
+            on_ready(Launch(page + access.new_code(), browser_address, token_file))
 
         async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
             bench.events.end()
             await super().shutdown(sockets)
 
     config = uvicorn.Config(
-        make_app(bench, token),
+        make_app(bench, access, address_file),
         log_level="warning",
         access_log=False,
         server_header=False,
@@ -59,6 +91,21 @@ def serve(bench: Bench, *, port: int, on_ready: Callable[[str], None]) -> None:
                 Server(config).run(sockets=[listener])
         finally:
             bench.close()
+            shutil.rmtree(folder, ignore_errors=True)
+
+
+def _private_folder() -> Path:
+    """Return a new folder that this person alone can enter."""
+    runtime = os.environ.get("XDG_RUNTIME_DIR", "")
+    return Path(mkdtemp(prefix="fingerpad-", dir=runtime if os.access(runtime, os.W_OK) else None))
+
+
+def _write_private(path: Path, text: str) -> None:
+    """Write a file that this person alone can read, there as a whole at any time."""
+    new = path.with_suffix(".new")
+    with open(os.open(new, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600), "w", encoding="ascii") as file:
+        file.write(f"{text}\n")
+    new.replace(path)
 
 
 def listening(port: int) -> socket.socket:

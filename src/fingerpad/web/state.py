@@ -21,11 +21,11 @@ from fingerpad.study.results.rows import RANGE_NOTES
 from fingerpad.web.bench import Bench
 from fingerpad.web.engine import item_states, said_the_same
 from fingerpad.web.fingers import known_finger
+from fingerpad.web.last_results import Results, last_results, results_faults
 from fingerpad.web.open_study import Manifest, OpenStudy
 from fingerpad.web.operations import Operation, Question
 from fingerpad.web.pictures import kind_of_file
 from fingerpad.web.refusal import Refusal
-from fingerpad.web.results import Results, last_results, results_faults
 
 _WORDS: Final[Mapping[str, Any]] = {
     "flags": dict(FLAG_WORDS),
@@ -126,9 +126,7 @@ def _scales(manifest: Manifest) -> list[dict[str, Any]]:
     study = manifest.study
     uses = Counter(name for _, name in study.named_scales()) if study is not None else Counter[str]()
     for one in manifest.incomplete:
-        photographs = one.content.get("photographs")
-        tables = [one.content, *(photographs if isinstance(photographs, list) else ())]
-        names = (table.get("scale") for table in tables if isinstance(table, dict))
+        names = (table.get("scale") for table in one.tables)
         uses.update(name for name in names if isinstance(name, str))
     complete = {name: said(table) for name, table in study.scales.items()} if study is not None else {}
     waiting = {one.key: one.content for one in manifest.incomplete if one.kind == "scale"}
@@ -250,7 +248,7 @@ def _curves(manifest: Manifest, states: Mapping[str, str], found: Results | None
             "table": table,
             "complete": complete,
             "status": states.get(item, "given"),
-            "reason": reasons.get(tuple(table.get(name) for name in shown[:3])),
+            "reason": reasons.get(tuple(table.get(name) for name in shown[:3])) if complete else None,
         }
 
     return [described(*one) for one in _tables(manifest, "curve")]

@@ -6,6 +6,7 @@ import re
 import unicodedata
 from contextlib import suppress
 from http import HTTPStatus
+from itertools import count
 from pathlib import Path
 from tempfile import NamedTemporaryFile
 from typing import IO, Any, Final
@@ -97,20 +98,25 @@ def _too_large(limit: int) -> Refusal:
 
 def kept(opened: OpenStudy, path: Path, digest: str, name: str) -> tuple[dict[str, Any], bool]:
     """Give an uploaded file its name in the study; return what it is, and whether it is new."""
-    target = path.parent / name
-    number = 1
-    while True:
+    target = placed(path, path.parent / name, digest)
+    new = not path.exists()
+    path.unlink(missing_ok=True)
+    return described(opened, target), new
+
+
+def placed(path: Path, target: Path, digest: str | None = None) -> Path:
+    """Give a file another name, numbered where that is taken; one of the same SHA-256 stands for it."""
+    for number in count(1):
+        free = target if number == 1 else target.with_stem(f"{target.stem}-{number}")
         try:
-            os.link(path, target)  # unlike a renaming, it never puts one file in the place of another
-            break
+            os.link(path, free)  # unlike a renaming, it never puts one file in the place of another
         except FileExistsError:
-            if sha256_of(target) == digest:
-                path.unlink()
-                return described(opened, target), False
-            number += 1
-            target = path.parent / f"{Path(name).stem}-{number}{Path(name).suffix}"
-    path.unlink()
-    return described(opened, target), True
+            if digest is not None and sha256_of(free) == digest:
+                return free
+        else:
+            path.unlink()
+            return free
+    raise AssertionError
 
 
 def described(opened: OpenStudy, path: Path) -> dict[str, Any]:

@@ -106,6 +106,21 @@ def test_files_dropped_on_the_page(empty_tab: Tab) -> None:
     )
 
 
+def test_file_taken_away_comes_back_with_what_was_typed(tab: Tab, demo, tmp_path) -> None:
+    page = tab.open()
+    shutil.copy(demo / "synthetic" / "synthetic_30deg_1N.png", tmp_path / "print.png")
+    page.locator("input[type=file]").set_input_files([tmp_path / "print.png"])
+    page.get_by_label("Finger on print.png").fill("synthetic_pad")
+    page.get_by_role("button", name="Take print.png away").click()
+    page.get_by_text("print.png was taken away.").wait_for()
+    page.locator(".new-files").wait_for(state="hidden")
+    assert not (demo / "uploads" / "print.png").exists()
+    page.get_by_role("button", name="Undo").click()
+    page.get_by_text("print.png is back.").wait_for()
+    assert page.get_by_label("Finger on print.png").input_value() == "synthetic_pad"
+    assert (demo / "uploads" / "print.png").read_bytes() == (tmp_path / "print.png").read_bytes()
+
+
 def test_wrong_value_is_refused_in_words_and_nothing_is_lost(tab: Tab, demo) -> None:
     tab.expected.append("422")
     before = (demo / "study.toml").read_text()
@@ -244,6 +259,23 @@ def test_report_and_folder_are_taken_away(tab: Tab, run_demo, tmp_path) -> None:
     page.get_by_label("ZIP of a study").set_input_files(folder.value.path())
     page.get_by_role("heading", name="Left index finger pad of Dzidek et al. 2017").wait_for()
     assert tab.page.locator("#rail .step-state.good").first.inner_text() == "complete"
+
+
+def test_what_the_folder_leaves_out_is_listed_and_it_comes_back(tab: Tab, demo, tmp_path) -> None:
+    (tmp_path / "outside.png").write_bytes(b"x")
+    (demo / "outside.png").symlink_to(tmp_path / "outside.png")
+    (demo / "a:b.png").write_bytes(b"odd")
+    page = tab.open("run")
+    page.get_by_text("1 left out").click()
+    page.get_by_text("outside.png: a link that leaves the study folder").wait_for()
+    with page.expect_download() as folder:
+        page.get_by_role("link", name="Download Study folder").click()
+    archive = tmp_path / "demo.zip"  # named as the study that is there
+    folder.value.save_as(archive)
+    page.get_by_role("button", name="Other studies").click()
+    page.get_by_label("ZIP of a study").set_input_files(archive)
+    page.get_by_role("heading", name="Left index finger pad of Dzidek et al. 2017").wait_for()
+    assert (demo.parent / "demo-2" / "a:b.png").read_bytes() == b"odd"
 
 
 @pytest.mark.skipif(not PRINTS.exists(), reason="the real prints are not on this machine")

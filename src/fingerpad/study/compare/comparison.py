@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
+from fingerpad._csv import escape_formula
 from fingerpad._files import make_folder
 from fingerpad._json import dumps
 from fingerpad.exceptions import FingerpadError
@@ -164,4 +165,6 @@ def _write_csv(path: Path, records: Sequence[Mapping[str, Any]]) -> None:
 def _cell(value: Any) -> Any:
     if value is None or (isinstance(value, float) and not math.isfinite(value)):
         return ""
+    if isinstance(value, str):
+        return escape_formula(value)
     return str(value).lower() if isinstance(value, bool) else value

@@ -183,7 +183,7 @@ def record_of(line: bytes) -> Record | None:
         all(isinstance(text, str) for text in texts)
         and type(record.id) is int
         and record.id > 0
-        and record.action in {"change", "undo", "redo"}
+        and record.action in ("change", "undo", "redo")
         and isinstance(record.change, dict)
     )
     if good and checksum is not None and checksum != _checksum(record.as_json()):

@@ -10,7 +10,7 @@ from typing import Any, Final
 import tomlkit
 
 from fingerpad.exceptions import ManifestError
-from fingerpad.study.durable import replace_file, text_of
+from fingerpad.study.durable import text_of
 from fingerpad.study.editing.incomplete import Kind, Known, faults_of
 from fingerpad.study.editing.sheet import Sheet
 from fingerpad.study.editing.state import Incomplete, StudyState
@@ -23,6 +23,7 @@ from fingerpad.study.editing.toml_tables import (
     remove_scale,
     update,
 )
+from fingerpad.study.journal import recover, replace_files
 from fingerpad.study.manifest import Study, read_study
 from fingerpad.study.manifest.read import file_inside
 
@@ -66,6 +67,7 @@ class StudyFiles:
         ManifestError
             If there is none, or it is damaged.
         """
+        recover(folder)
         texts = _texts_of(folder)
         try:
             study = None if texts[STUDY_NAME] is None else tomllib.loads(texts[STUDY_NAME])
@@ -100,10 +102,10 @@ class StudyFiles:
 
     def state(self) -> StudyState:
         """Return what the files say."""
-        known = self._known()
         study = self._checked
         if study is None and self.study is not None:
             study = read_study(self.folder / STUDY_NAME)
+        known = self._known()
         return StudyState(
             folder=self.folder,
             digest=self.digest,
@@ -237,18 +239,16 @@ class StudyFiles:
                 sheet.unlink(missing_ok=True)
 
     def write(self) -> None:
-        """Put the changed files in place of the old ones, each at once."""
+        """Put the changed files in place of the old ones: all of them, or none."""
         texts: dict[str, str | None] = {
             STUDY_NAME: None if self.study is None else tomlkit.dumps(self.study),
             DRAFT_NAME: tomlkit.dumps(self.draft) if self.draft else None,
         }
         if self.sheet is not None and self._sheet_name is not None:
             texts[self._sheet_name] = self.sheet.text()
-        for name, text in texts.items():
-            if text is None:
-                (self.folder / name).unlink(missing_ok=True)
-            elif text != self._texts.get(name):
-                replace_file(self.folder / name, text)
+        replace_files(
+            self.folder, {name: text for name, text in texts.items() if text != self._texts.get(name)}
+        )
         self._texts |= texts
 
     def _drop_what_moved(self) -> None:
@@ -283,6 +283,9 @@ def require_tables(document: Any, name: str) -> None:
     for kind in ("scales", "uncertainty"):
         if not isinstance(document.get(kind, {}), dict):
             raise ManifestError(f"{name}: {kind}: expected a table, as in [{kind}]")
+    for scale, table in document.get("scales", {}).items():
+        if not isinstance(table, dict):
+            raise ManifestError(f"{name}: scales.{scale}: expected a table, as in {{ ppi = 500 }}")
     for finger in document.get("fingers", []):
         photographs = finger.get("photographs", [])
         if not isinstance(photographs, list) or not all(isinstance(one, dict) for one in photographs):

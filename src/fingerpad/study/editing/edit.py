@@ -6,7 +6,6 @@ layout, and moves over by itself as soon as the manifest takes it.
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Final
 
 import tomlkit
 
@@ -15,8 +14,7 @@ from fingerpad.study.durable import locked, replace_file
 from fingerpad.study.editing.documents import DRAFT_NAME, STUDY_NAME, StudyFiles
 from fingerpad.study.editing.make_edit import make_edit
 from fingerpad.study.editing.state import Edit, StudyState
-
-_LOCK: Final = ".study.lock"
+from fingerpad.study.journal import LOCK_NAME, complete
 
 
 def create_study(folder: Path, title: str) -> StudyState:
@@ -35,7 +33,8 @@ def create_study(folder: Path, title: str) -> StudyState:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise StoreError(f"{folder}: cannot make this folder ({error.strerror})") from error
-    with locked(folder, folder / _LOCK):
+    with locked(folder, folder / LOCK_NAME):
+        complete(folder)
         if any((folder / name).exists() for name in (STUDY_NAME, DRAFT_NAME)):
             raise ManifestError(f"{folder}: there is a study already: open it, or name another folder")
         replace_file(folder / DRAFT_NAME, tomlkit.dumps({"title": title.strip()}))
@@ -79,7 +78,8 @@ def change_study(folder: Path, edits: Sequence[Edit], *, expected: str) -> Study
     StoreError
         If the folder cannot be written.
     """
-    with locked(folder, folder / _LOCK):
+    with locked(folder, folder / LOCK_NAME):
+        complete(folder)
         files = StudyFiles.to_edit(folder)
         if files.digest != expected:
             raise EditConflict(

@@ -9,7 +9,7 @@ from typing import Final
 from fingerpad.image import FACE_AXES
 from fingerpad.study.editing.documents import DRAFT_NAME, STUDY_NAME
 from fingerpad.study.editing.edit import study_state
-from fingerpad.study.editing.state import Incomplete, StudyState
+from fingerpad.study.editing.state import Incomplete, StudyState, named_files
 from fingerpad.study.manifest import Finger, Study
 
 # What can be a picture, a film, a curve or an outline.
@@ -127,7 +127,7 @@ def _lacking_contacts(study: Study, waiting: set[str]) -> Iterator[Missing]:
 def _unused(state: StudyState) -> Iterator[Missing]:
     """Yield the files that no table names; frames in a folder of their own together."""
     folder = state.folder
-    used = set(_named(state))
+    used = {Path(name).as_posix() for name in named_files(state.study, state.incomplete)}
     frames: dict[str, list[str]] = {}
     for path in _files(folder):
         name = path.relative_to(folder).as_posix()
@@ -135,7 +135,7 @@ def _unused(state: StudyState) -> Iterator[Missing]:
             continue
         frames.setdefault(path.parent.relative_to(folder).as_posix(), []).append(name)
     for place, names in sorted(frames.items()):
-        pictures = [name for name in names if Path(name).suffix.lower() in _PICTURES]
+        pictures = {name for name in names if Path(name).suffix.lower() in _PICTURES}
         if place != "." and len(pictures) > _FILM:
             words = f"{len(pictures)} pictures that nothing names: add them as a sequence"
             yield Missing(kind="folder", key=place, words=words)
@@ -144,29 +144,13 @@ def _unused(state: StudyState) -> Iterator[Missing]:
             yield Missing(kind="file", key=name, words="nothing names it: say what it is, or leave it")
 
 
-def _named(state: StudyState) -> Iterator[str]:
-    if state.study is not None:
-        for _, name in state.study.named_files():
-            yield Path(name).as_posix()
-    for one in state.incomplete:
-        for part in (one.content, *one.content.get("photographs", [])):
-            for value in (*part.values(), *_inner(part.get("scale"))):
-                if isinstance(value, str):
-                    yield value
-
-
-def _inner(scale: object) -> list[object]:
-    return list(scale.values()) if isinstance(scale, dict) else []
-
-
 def _files(folder: Path) -> Iterator[Path]:
     """Yield the files of a study that could be measured, but nothing hidden and nothing that a run wrote."""
     for path in sorted(folder.iterdir()):
         if path.name.startswith(".") or path.name in {STUDY_NAME, DRAFT_NAME}:
             continue
         if path.is_dir():
-            names = {inner.name for inner in path.iterdir()}
-            if not names & _OF_A_RUN and not path.is_symlink():
+            if not path.is_symlink() and not any((path / name).exists() for name in _OF_A_RUN):
                 yield from _files(path)
         elif path.suffix.lower() in _PICTURES | _OTHERS:
             yield path

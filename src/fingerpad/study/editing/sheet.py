@@ -1,11 +1,11 @@
 """A spreadsheet of observations, changed row by row; what is not changed stays as it was written."""
 
 import csv
-import io
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Self
 
+from fingerpad._csv import csv_text, unescape_formula
 from fingerpad.exceptions import ManifestError
 from fingerpad.study.manifest.spreadsheet import TABLE_COLUMNS
 
@@ -28,7 +28,7 @@ class Sheet:
         """
         try:
             with path.open(newline="", encoding="utf-8-sig") as file:
-                lines = list(csv.reader(file))
+                lines = [[unescape_formula(cell) for cell in line] for line in csv.reader(file)]
         except (OSError, UnicodeDecodeError, csv.Error) as error:
             raise ManifestError(f"{path.name}: cannot be read as CSV ({error})") from error
         header = [cell.strip() for cell in lines[0]] if lines else []
@@ -38,9 +38,7 @@ class Sheet:
 
     def text(self) -> str:
         """Return it as a CSV text."""
-        file = io.StringIO()
-        csv.writer(file, lineterminator="\n").writerows([self._header, *self._rows])
-        return file.getvalue()
+        return csv_text([self._header, *self._rows])
 
     def __contains__(self, name: str) -> bool:
         """Tell whether an observation of this name is in it."""

@@ -1,6 +1,6 @@
 """A study while it is edited: what is complete of it, what waits, and what can be changed."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -49,6 +49,13 @@ class Incomplete:
     content: dict[str, Any]
     faults: tuple[str, ...]
 
+    @property
+    def tables(self) -> list[Mapping[str, Any]]:
+        """The table, and the photographs in it."""
+        photographs = self.content.get("photographs")
+        inner = photographs if isinstance(photographs, list) else []
+        return [self.content, *(one for one in inner if isinstance(one, Mapping))]
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StudyState:
@@ -73,3 +80,13 @@ class StudyState:
     title: str
     study: Study | None
     incomplete: tuple[Incomplete, ...]
+
+
+def named_files(study: Study | None, incomplete: Iterable[Incomplete]) -> set[str]:
+    """Return the names of files that a study uses, and all texts of what is incomplete: any may be one."""
+    names = {name for _, name in study.named_files()} if study is not None else set()
+    for table in (table for one in incomplete for table in one.tables):
+        scale = table.get("scale")
+        inner = scale.values() if isinstance(scale, Mapping) else ()
+        names.update(value for value in (*table.values(), *inner) if isinstance(value, str))
+    return names

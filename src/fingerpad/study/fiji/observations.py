@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final, Self
 
+from fingerpad._csv import escape_formula
 from fingerpad.exceptions import CalibrationError, FingerpadError, ManifestError
 from fingerpad.study.fiji.ellipse import HandEllipse
 from fingerpad.study.manifest.faults import validated
@@ -268,4 +269,6 @@ def write_observations(path: Path, rows: Iterable[HandObservation]) -> None:
 def _cell(value: Any) -> Any:
     if value is None or value is False:
         return ""
+    if isinstance(value, str):
+        return escape_formula(value)
     return "true" if value is True else f"{value:.6g}" if isinstance(value, float) else value

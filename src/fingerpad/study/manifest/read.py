@@ -1,11 +1,13 @@
 """Reading a manifest, and everything that can be checked before any work."""
 
+import os
 import tomllib
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from unicodedata import normalize
 
 from fingerpad.exceptions import ManifestError
+from fingerpad.study.journal import recover
 from fingerpad.study.manifest.faults import validated
 from fingerpad.study.manifest.spreadsheet import read_rows
 from fingerpad.study.manifest.study import Study
@@ -34,6 +36,7 @@ def read_study(path: Path, on_read: Callable[[str, bytes], None] = lambda _name,
     ManifestError
         Naming the file, and for each fault its key, what was found and what was expected.
     """
+    recover(path.parent)
     try:
         text = path.read_bytes()
         on_read(path.name, text)
@@ -93,14 +96,27 @@ def _file_faults(study: Study, folder: Path) -> Iterator[str]:
 
 def file_inside(folder: Path, name: str, where: str, place: str) -> Path:
     """Return the path of a file of the study, which must exist inside its folder; frames may be a folder."""
-    path = folder / name
+    path, home = folder / name, folder.resolve()
     try:
         known = path.exists() if place.endswith(".path") else path.is_file()
-        inside = path.resolve().is_relative_to(folder.resolve())
+        inside = path.resolve().is_relative_to(home)
+        outside = _link_out(path, home) if inside and path.is_dir() else None
     except (OSError, ValueError, RuntimeError) as error:  # a name too long, a NUL in it, a loop of links
         raise ManifestError(f"{where}: {place}: {name[:60]!r} is no file name ({error})") from error
     if not inside:
         raise ManifestError(f"{where}: {place}: {name!r} leaves the study folder; copy the file into it")
     if not known:
         raise ManifestError(f"{where}: {place}: no file {name!r} in the study folder")
+    if outside is not None:
+        raise ManifestError(
+            f"{where}: {place}: {f'{name}/{outside}'!r} is a link that leaves the study folder; "
+            "copy the file into it"
+        )
     return path
+
+
+def _link_out(frames: Path, home: Path) -> str | None:
+    """Return the name of a frame in a folder that is a link to a file outside the study, None without one."""
+    with os.scandir(frames) as entries:
+        links = sorted(entry.name for entry in entries if entry.is_symlink())
+    return next((name for name in links if not (frames / name).resolve().is_relative_to(home)), None)

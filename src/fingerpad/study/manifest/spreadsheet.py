@@ -6,6 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Final
 
+from fingerpad._csv import unescape_formula
 from fingerpad.exceptions import ManifestError
 from fingerpad.study.manifest.contacts import Observation
 from fingerpad.study.manifest.faults import validated
@@ -61,7 +62,7 @@ def _row(header: list[str], cells: list[str], where: str) -> Observation:
     if any(cell.strip() for cell in cells[len(header) :]):
         raise ManifestError(f"{where}: more cells than the header has columns")
     content: dict[str, Any] = {
-        key: cell.strip() for key, cell in zip(header, cells, strict=False) if cell.strip()
+        key: unescape_formula(cell.strip()) for key, cell in zip(header, cells, strict=False) if cell.strip()
     }
     for table, columns in TABLE_COLUMNS.items():
         found = [column for column in columns if column in content]

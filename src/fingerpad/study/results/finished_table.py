@@ -14,6 +14,7 @@ from typing import Any, Final, Self, TextIO
 import numpy as np
 import numpy.typing as npt
 
+from fingerpad._csv import unescape_formula
 from fingerpad.exceptions import FingerpadError
 from fingerpad.study.results.columns import TRUTHS, WORDS
 from fingerpad.study.results.result_set import require_result_set
@@ -169,7 +170,7 @@ def read_summary(folder: Path) -> dict[str, Any]:
 
 def _typed(name: str, cells: list[str]) -> npt.NDArray[Any]:
     if name in WORDS:
-        return np.array([cell or None for cell in cells], dtype=object)
+        return np.array([unescape_formula(cell) or None for cell in cells], dtype=object)
     if name in TRUTHS:
         return np.array([{"true": True, "false": False}[cell] for cell in cells], dtype=bool)
     return np.array([float(cell) if cell else math.nan for cell in cells], dtype=np.float64)

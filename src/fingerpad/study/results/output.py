@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from fingerpad._csv import escape_formula
 from fingerpad._json import dumps
 from fingerpad.exceptions import FingerpadError
 from fingerpad.image import OutlineSemiAxes
@@ -73,9 +74,9 @@ def _literals(rows: Table, name: str) -> list[str]:
 
 
 def _cells(rows: Table, name: str, literals: list[str]) -> list[str]:
-    """Return a column as CSV cells: words bare, all else as in JSON, empty for what is not known."""
+    """Return a column as CSV cells: words as no formula, all else as in JSON, empty for what is not known."""
     if name in WORDS:
-        return ["" if item is None else item for item in rows.column(name).tolist()]
+        return ["" if item is None else escape_formula(item) for item in rows.column(name).tolist()]
     return ["" if literal == "null" else literal for literal in literals]
 
 

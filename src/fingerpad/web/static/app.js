@@ -58,7 +58,7 @@ function failed(error) {
       { role: "alert" },
       h("h1", null, "The bench cannot be opened"),
       h("p", null, error.message),
-      error.status === 403 && h("p", null, "This page was opened without the launch's own address. Copy the address that the terminal shows, token and all."),
+      error.status === 403 && h("p", null, "This page was opened without the launch's own address. Copy the whole address that the terminal shows."),
       h("div.actions", null, h("button.primary", { type: "button", onclick: () => location.reload() }, "Try again")),
     ),
   );

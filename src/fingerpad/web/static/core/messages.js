@@ -2,8 +2,8 @@
 
 import { h, place, rememberFocus } from "./dom.js";
 
-/** Say something for a while; errors stay until they are put away. */
-export function say(words, { kind = "info", action } = {}) {
+/** Say something for a while; errors, and what `stays`, stay until they are put away. */
+export function say(words, { kind = "info", action, stays = kind === "error" } = {}) {
   const box = document.getElementById("messages");
   const message = h(
     `div.message.${kind}`,
@@ -14,7 +14,7 @@ export function say(words, { kind = "info", action } = {}) {
   );
   box.append(message);
   while (box.children.length > 4) box.firstElementChild.remove();
-  if (kind !== "error") setTimeout(() => message.remove(), 4500);
+  if (!stays) setTimeout(() => message.remove(), 4500);
   return message;
 }
 

@@ -1,6 +1,6 @@
 // Files that no table names yet: say what each is, all at once if they are alike.
 
-import { get, remove } from "../core/api.js";
+import { get, post, remove } from "../core/api.js";
 import { bench } from "../core/bench.js";
 import { h, place, redraw } from "../core/dom.js";
 import { complain, say } from "../core/messages.js";
@@ -177,7 +177,24 @@ export class NewFiles {
   }
 
   async #forget(file) {
-    await remove("/api/files", { file }).catch(complain);
+    const draft = this.drafts.get(file);
+    try {
+      const { removed } = await remove("/api/files", { file });
+      say(`${file.split("/").at(-1)} was taken away.`, { kind: "good", action: { words: "Undo", do: () => this.#restore(removed, draft) }, stays: true });
+    } catch (error) {
+      complain(error);
+    }
+    await bench.reload().catch(complain);
+  }
+
+  async #restore(removed, draft) {
+    try {
+      const { restored } = await post("/api/files/restore", { removed });
+      this.drafts.set(restored, draft); // with what was typed
+      say(`${restored.split("/").at(-1)} is back.`, { kind: "good" });
+    } catch (error) {
+      complain(error);
+    }
     await bench.reload().catch(complain);
   }
 

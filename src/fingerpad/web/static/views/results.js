@@ -55,7 +55,7 @@ class Results {
       place(
         this.body,
         empty(
-          "These are not the results of one run",
+          "The results are damaged",
           `${results.faults.slice(0, 5).join("; ")}. Run the study again: nothing that was measured is measured again.`,
           h("a.button.primary", { href: "#/run/start" }, "Run the study"),
         ),

@@ -4,6 +4,7 @@ import { get, post } from "../core/api.js";
 import { bench } from "../core/bench.js";
 import { h, place } from "../core/dom.js";
 import { bindHere } from "../core/keys.js";
+import { bytes } from "../core/quantity.js";
 import { alone, button, check, chip, choose, faultList, field } from "../parts/forms.js";
 
 const STATES = { idle: "Nothing is running", running: "Running", cancelling: "Stopping: the pictures in hand are finished first", done: "Finished", cancelled: "Stopped. What was measured is kept", failed: "The run failed" };
@@ -25,6 +26,7 @@ class Run {
     this.problem = h("div");
     this.status = h("section.card.run-status", { "aria-label": "The run" });
     this.exports = h("div.exports");
+    this.leftOut = h("div");
     place(root, h("header.head", null, h("div", null, h("h1", null, "Run & export"), h("p", null, "A run measures only what is missing or changed."))), h("div.scroll.stack", null, this.status, this.exports));
     this.heard = () => this.#draw();
     bench.addEventListener("run", this.heard);
@@ -35,6 +37,7 @@ class Run {
     this.#look().catch(() => {});
     this.#draw();
     this.#drawExports();
+    this.#listBundle().catch(() => {});
     if (rest[0] === "start") {
       history.replaceState(null, "", "#/run");
       this.#start();
@@ -135,6 +138,7 @@ class Run {
             { "aria-label": title },
             h("h3", null, title),
             h("p.soft", null, words),
+            file === "study.zip" && this.leftOut,
             h(
               "div.actions",
               null,
@@ -148,8 +152,25 @@ class Run {
     );
   }
 
+  /** What the ZIP of the study folder holds, and what it leaves out. */
+  async #listBundle() {
+    const { files, bytes: size, left_out: left } = await get("/api/study/bundle");
+    place(
+      this.leftOut,
+      h("p.soft.number", null, `${files} files, ${bytes(size)}`),
+      left.length > 0 &&
+        h(
+          "details",
+          null,
+          h("summary", null, `${left.length} left out`),
+          h("ul.rest.left-out", { tabindex: 0 }, left.slice(0, 200).map(({ file, why }) => h("li", null, h("code", null, file), `: ${why}`)), left.length > 200 && h("li.soft", null, `and ${left.length - 200} more, all listed in the ZIP`)),
+        ),
+    );
+  }
+
   update() {
     this.shape = null;
+    this.#listBundle().catch(() => {});
     this.#draw();
     this.#drawExports();
   }

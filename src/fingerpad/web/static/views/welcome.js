@@ -55,7 +55,10 @@ class Welcome {
 
   async #import(file) {
     if (!file) return;
-    const name = file.name.replace(/\.zip$/i, "").replace(/[^A-Za-z0-9._-]+/g, "-");
+    const stem = file.name.replace(/\.zip$/i, "").replace(/[^A-Za-z0-9._-]+/g, "-").replace(/^[.-]+/, "").slice(0, 56) || "study";
+    const taken = new Set(bench.session.studies.map((study) => study.name));
+    let name = stem;
+    for (let number = 2; taken.has(name); number += 1) name = `${stem}-${number}`;
     const response = await fetch(`/api/session/import?${new URLSearchParams({ name })}`, { method: "POST", headers: { "content-type": "application/zip" }, body: file });
     const answer = await response.json().catch(() => null);
     if (!response.ok) return complain(new ApiError(response.status, answer));

@@ -1,0 +1,118 @@
+"""Several files of a study changed as one: all of them or none, even if the process is killed in between.
+
+The new contents are written beside the old ones first. Then a journal names them, and from then on the change
+is completed: by the process that began it, or by the next one that opens the study.
+"""
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Final
+
+from pydantic import BaseModel, ConfigDict, ValidationError
+
+from fingerpad.exceptions import ManifestError
+from fingerpad.study.durable import locked, replace_file, sync_folder, text_of
+
+JOURNAL_NAME: Final = ".study.journal"
+LOCK_NAME: Final = ".study.lock"
+
+
+class _Journal(BaseModel):
+    """Files to replace by what is written beside them, and files to remove."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    replace: list[str]
+    remove: list[str]
+
+
+def replace_files(folder: Path, texts: Mapping[str, str | None]) -> None:
+    """Write files of a study, and remove those whose text is None; the caller holds the study's lock.
+
+    Raises
+    ------
+    OSError
+        If one cannot be written. Nothing is changed then.
+    """
+    journal = folder / JOURNAL_NAME
+    change = _Journal(
+        replace=[name for name, text in texts.items() if text is not None],
+        remove=[name for name, text in texts.items() if text is None],
+    )
+    try:
+        for name in change.replace:
+            _write(_new(folder / name), str(texts[name]))
+        replace_file(journal, change.model_dump_json())
+    except BaseException:
+        for path in (journal, *(_new(folder / name) for name in change.replace)):
+            path.unlink(missing_ok=True)
+        raise
+    complete(folder)
+
+
+def complete(folder: Path) -> None:
+    """Complete a change that was begun, if there is one; the caller holds the study's lock.
+
+    Raises
+    ------
+    ManifestError
+        If the journal is damaged.
+    OSError
+        If a file cannot be replaced; the change is completed the next time.
+    """
+    text = text_of(folder / JOURNAL_NAME)
+    if text is None:
+        return
+    try:
+        change = _Journal.model_validate_json(text)
+        replaced, removed = (
+            [_inside(folder, name) for name in names] for names in (change.replace, change.remove)
+        )
+    except ValueError as error:
+        reason = error.errors()[0]["msg"] if isinstance(error, ValidationError) else error
+        raise ManifestError(
+            f"{folder / JOURNAL_NAME}: is no journal of a change ({reason}): remove it"
+        ) from error
+    for path in replaced:
+        if _new(path).exists():  # else it was replaced before the process was killed
+            _new(path).replace(path)
+    for path in removed:
+        path.unlink(missing_ok=True)
+    for parent in {path.parent for path in (*replaced, *removed)}:
+        sync_folder(parent)
+    (folder / JOURNAL_NAME).unlink()
+    sync_folder(folder)
+
+
+def recover(folder: Path) -> None:
+    """Complete what a killed process has begun in a study folder.
+
+    Raises
+    ------
+    ManifestError, StoreError
+        If the journal is damaged, or the folder cannot be written.
+    """
+    if os.path.lexists(folder / JOURNAL_NAME):
+        with locked(folder, folder / LOCK_NAME):
+            complete(folder)
+
+
+def _new(path: Path) -> Path:
+    """Return the path of a file's new content."""
+    return path.with_name(f".{path.name}.new")
+
+
+def _write(path: Path, text: str) -> None:
+    with path.open("w", encoding="utf-8", newline="") as file:
+        file.write(text)
+        file.flush()
+        os.fsync(file.fileno())
+
+
+def _inside(folder: Path, name: str) -> Path:
+    """Return the path of a file of the study: a journal may have come with a study from elsewhere."""
+    path = folder / name
+    if not path.name or not path.parent.resolve().is_relative_to(folder.resolve()):
+        raise ValueError(f"{name!r} leaves the study folder")
+    return path

@@ -1,0 +1,163 @@
+"""What a study's ZIP holds, and what it leaves out."""
+
+import os
+import stat
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from pathlib import Path, PurePosixPath
+from typing import Final, Self
+
+from fingerpad.study.corrections.decisions import CORRECTIONS_NAME
+from fingerpad.study.editing.documents import DRAFT_NAME, STUDY_NAME
+from fingerpad.study.engine.store import STORE_NAME
+from fingerpad.study.journal import LOCK_NAME
+from fingerpad.study.results.result_set import OUTPUT_NAMES
+
+RESULTS: Final = "results"
+_DOCUMENTS: Final = (STUDY_NAME, DRAFT_NAME, CORRECTIONS_NAME)
+_OF_A_RUN: Final = OUTPUT_NAMES | {STORE_NAME, "results.parquet", "results.mat"}
+# They belong to programs at work, and say nothing.
+_LOCKS: Final = frozenset((LOCK_NAME, ".corrections.lock"))
+_BESIDE_A_STORE: Final = frozenset((f"{STORE_NAME}-wal", f"{STORE_NAME}-shm", "store.lock"))
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class LeftOut:
+    """A file or folder that is not in the ZIP.
+
+    Attributes
+    ----------
+    file : str
+        Its name in the study; that of a folder ends in a slash.
+    why : str
+        The reason.
+    """
+
+    file: str
+    why: str
+
+
+@dataclass(slots=True, kw_only=True)
+class Bundle:
+    """The files of a study and its results.
+
+    Attributes
+    ----------
+    documents : tuple of str
+        The files that the page changes together.
+    files : dict of str to Path
+        Where each file is, by its name in the study; the documents come first.
+    folders : list of str
+        The folders, each with a slash at its end.
+    left_out : list of LeftOut
+        What the ZIP does not hold.
+    """
+
+    documents: tuple[str, ...] = ()
+    files: dict[str, Path] = field(default_factory=dict)
+    folders: list[str] = field(default_factory=list)
+    left_out: list[LeftOut] = field(default_factory=list)
+
+    @classmethod
+    def of(cls, folder: Path, out: Path, named: Iterable[str], sheet: str | None = None) -> Self:
+        """List the files of a study.
+
+        Parameters
+        ----------
+        folder, out : Path
+            The study folder, and the folder of its results, wherever that is.
+        named : iterable of str
+            Files and folders of frames that the study uses: these are in the ZIP even if they are hidden or
+            behind links.
+        sheet : str or None
+            The spreadsheet of observations.
+        """
+        bundle = cls()
+        for name in _DOCUMENTS:
+            if (folder / name).is_file():
+                bundle.files[name] = folder / name
+        bundle._add_named(folder, sheet or "")
+        bundle.documents = tuple(bundle.files)
+        for name in sorted(named):
+            bundle._add_named(folder, name)
+        results = folder / RESULTS
+        if out != results and results.is_dir():
+            bundle._leave(f"{RESULTS}/", "other results than those that are open")
+        for path, name in bundle._entries(folder, ""):
+            of_a_run = path.is_dir() and path in {results, out}
+            if not of_a_run and not (out == folder and name in _OF_A_RUN):
+                bundle._add(path, name, folder, out)
+        if out.is_dir():
+            for path, name in bundle._entries(out, f"{RESULTS}/"):
+                if not folder.is_relative_to(out) or path.name in _OF_A_RUN:
+                    bundle._add(path, name, out, out)
+        bundle.folders = list(dict.fromkeys(bundle.folders))
+        bundle.left_out = sorted({one for one in bundle.left_out if one.file not in bundle.files})
+        return bundle
+
+    def _leave(self, name: str, why: str) -> None:
+        self.left_out.append(LeftOut(name, why))
+
+    def _add_named(self, folder: Path, name: str) -> None:
+        """Add a file that the study uses, or the frames in a folder."""
+        path = folder / name
+        if not name or not (os.path.isfile(path) or os.path.isdir(path)):
+            return
+        plain = Path(os.path.relpath(os.path.normpath(path), folder)).as_posix()
+        if not path.resolve().is_relative_to(folder.resolve()) or plain.split("/")[0] == "..":
+            return
+        if os.path.isabs(name):
+            self._leave(name, "named by its absolute path; name it relative to the study folder")
+        if (folder / plain).resolve() != path.resolve():
+            self._leave(name, "named through a link and ..; name it without")
+            return
+        parts = PurePosixPath(name).parts  # the folders before a .. must be there, too
+        befores = ["/".join(parts[:k]) for k, part in enumerate(parts) if part == ".."]
+        self.folders += [f"{os.path.normpath(before)}/" for before in befores if before]
+        if os.path.isfile(path):
+            self.files.setdefault(plain, path)
+            return
+        for frame, frame_name in self._entries(path, "" if plain == "." else f"{plain}/"):
+            if os.path.isfile(frame):
+                self._add(frame, frame_name, folder, folder)
+
+    def _entries(self, here: Path, prefix: str) -> list[tuple[Path, str]]:
+        """Return the paths in a folder with their names, but for hidden ones."""
+        try:
+            names = sorted(os.listdir(here))
+        except OSError as error:
+            self._leave(prefix, f"cannot be read ({error.strerror})")
+            return []
+        for name in names:
+            if name[0] == "." and name not in _LOCKS:
+                slash = "/" if os.path.isdir(here / name) else ""
+                self._leave(f"{prefix}{name}{slash}", "hidden: only what the study names in it is carried")
+        aside = _BESIDE_A_STORE if STORE_NAME in names else frozenset()
+        return [(here / name, prefix + name) for name in names if name[0] != "." and name not in aside]
+
+    def _add(self, path: Path, name: str, home: Path, out: Path) -> None:
+        """Add a file, or what is in a folder."""
+        if name in self.files:
+            if self.files[name].resolve() != path.resolve():
+                self._leave(f"{name} (of the results)", "the study uses another file of this name")
+            return
+        linked = path.is_symlink()
+        try:
+            mode = path.stat().st_mode
+            inside = not linked or path.resolve().is_relative_to(home.resolve())
+        except OSError as error:
+            self._leave(name, "a link that leads nowhere" if linked else f"cannot be read ({error.strerror})")
+            return
+        if not inside:
+            self._leave(name, "a link that leaves the study folder")
+        elif stat.S_ISREG(mode):
+            self.files[name] = path
+        elif not stat.S_ISDIR(mode):
+            self._leave(name, "no file that can be copied")
+        elif linked:
+            self._leave(f"{name}/", "a link to a folder: only what the study names in it is carried")
+        else:
+            self.folders.append(f"{name}/")
+            for inner, inner_name in self._entries(path, f"{name}/"):
+                if inner != out:
+                    self._add(inner, inner_name, home, out)

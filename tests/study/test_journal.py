@@ -1,0 +1,69 @@
+"""Files changed as one: nothing is changed where one of them cannot be, and a journal leads nowhere else."""
+
+import errno
+import multiprocessing
+import resource
+import signal
+from pathlib import Path
+
+import pytest
+
+from fingerpad.exceptions import ManifestError
+from fingerpad.study.journal import JOURNAL_NAME, recover, replace_files
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    folder = tmp_path / "study"
+    folder.mkdir()
+    for name in "abc":
+        (folder / name).write_text(f"old {name}")
+    return folder
+
+
+def contents(folder: Path) -> dict[str, str]:
+    return {path.name: path.read_text() for path in folder.iterdir() if path.suffix != ".lock"}
+
+
+def test_files_are_replaced_removed_and_made(folder: Path) -> None:
+    replace_files(folder, {"a": "new", "b": None, "d": "\u00e9\r\n"})
+    assert (folder / "d").read_bytes() == b"\xc3\xa9\r\n"
+    (folder / "d").unlink()
+    assert contents(folder) == {"a": "new", "c": "old c"}
+
+
+def replace_on_a_full_disk(folder: Path) -> None:
+    signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (100, -1))
+    with pytest.raises(OSError, match="large") as error:
+        replace_files(folder, {"a": "new", "b": None, "c": "new" * 100})
+    assert error.value.errno == errno.EFBIG
+
+
+def test_where_one_does_not_fit_on_the_disk_nothing_is_changed(folder: Path) -> None:
+    before = contents(folder)
+    process = multiprocessing.get_context("fork").Process(target=replace_on_a_full_disk, args=(folder,))
+    process.start()
+    process.join(60)
+    assert process.exitcode == 0
+    assert contents(folder) == before
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        "no JSON",
+        "[]",
+        '{"replace": [3], "remove": []}',
+        '{"replace": [], "remove": ["../outside"]}',
+        '{"replace": [], "remove": ["link/outside"]}',
+        '{"replace": [], "remove": ["/"]}',
+    ],
+)
+def test_a_journal_that_is_damaged_or_leads_out_is_refused(folder: Path, content: str) -> None:
+    (folder.parent / "outside").write_text("kept")
+    (folder / "link").symlink_to(folder.parent)
+    (folder / JOURNAL_NAME).write_text(content)
+    with pytest.raises(ManifestError, match=r"is no journal of a change.*remove it"):
+        recover(folder)
+    assert (folder.parent / "outside").read_text() == "kept"

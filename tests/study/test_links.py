@@ -1,0 +1,93 @@
+"""Nothing outside the study folder is read: a link that leads out is refused, whatever names it."""
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+from fingerpad.exceptions import ManifestError
+from fingerpad.study.editing.edit import study_state
+from fingerpad.study.manifest import read_study
+
+STUDY = """
+title = "T"
+observations_csv = "more.csv"
+[scales.reader]
+coin = "coin.png"
+diameter_mm = 23.25
+[[fingers]]
+name = "index"
+photographs = [
+    { face = "palmar", image = "palmar.jpg", scale = "reader" },
+    { face = "distal", outline = "distal.csv" },
+]
+[[observations]]
+name = "a"
+finger = "index"
+wedge_angle_deg = 30
+load_N = 2
+image = "a.png"
+background = "background.png"
+scale = { coin = "euro.png", diameter_mm = 23.25 }
+[[sequences]]
+name = "p"
+finger = "index"
+wedge_angle_deg = 30
+path = "film"
+force = "force.csv"
+times = "times.csv"
+scale = { ppi = 500 }
+[[curves]]
+finger = "index"
+wedge_angle_deg = 30
+file = "curve.csv"
+"""
+FILES = (
+    "coin.png", "palmar.jpg", "distal.csv", "a.png", "background.png", "euro.png", "film/f1.png",
+    "film/f2.png", "force.csv", "times.csv", "curve.csv", "more.csv",
+)  # fmt: skip
+
+
+@pytest.fixture
+def study(tmp_path: Path) -> Path:
+    """A study, and a folder `outside` beside it that holds the same files."""
+    folder = tmp_path / "study"
+    (folder / "film").mkdir(parents=True)
+    for name in FILES:
+        (folder / name).write_bytes(b"a file")
+    header = "name,finger,wedge_angle_deg,load_N,semi_major_mm,semi_minor_mm,ellipse_std_mm"
+    (folder / "more.csv").write_text(f"{header}\nb,index,30,2,7,5,0.1\n")
+    shutil.copytree(folder, tmp_path / "outside")
+    (folder / "study.toml").write_text(STUDY)
+    return folder
+
+
+@pytest.mark.parametrize("file", FILES)
+def test_a_link_out_of_the_study_is_refused_by_name(study: Path, file: str) -> None:
+    (study / file).unlink()
+    (study / file).symlink_to(study.parent / "outside" / file)
+    for read in (lambda: read_study(study / "study.toml"), lambda: study_state(study)):
+        with pytest.raises(ManifestError, match=f"'{file}'.* leaves the study folder; copy the file into it"):
+            read()
+
+
+@pytest.mark.parametrize("name", [*(file for file in FILES if "/" not in file), "film"])
+def test_a_file_behind_a_linked_folder_is_refused_by_name(study: Path, name: str) -> None:
+    (study / "more").symlink_to(study.parent / "outside")
+    (study / "study.toml").write_text(STUDY.replace(f'"{name}"', f'"more/{name}"'))
+    with pytest.raises(ManifestError, match=f"'more/{name}' leaves the study folder; copy the file into it"):
+        read_study(study / "study.toml")
+
+
+def test_links_within_the_study_are_followed(study: Path) -> None:
+    (study / ".data").mkdir()
+    for name in ("a.png", "film", "film/f2.png"):
+        stored = study / ".data" / name.replace("/", "-")
+        (study / name).rename(stored)
+        (study / name).symlink_to(stored)
+    assert read_study(study / "study.toml").sequences[0].path == "film"
+
+
+def test_a_folder_that_nothing_names_may_link_anywhere(study: Path) -> None:
+    (study / "notes").symlink_to(study.parent / "outside")
+    assert study_state(study).study is not None

@@ -1,0 +1,158 @@
+"""Studies that are damaged: every route answers, and says in words what it cannot."""
+
+import json
+import os
+import shutil
+
+import pytest
+from benchmarks.mutations import SLOW, add_decisions, ask_mutated, routes
+from tests.sums import write_sums
+from tests.web.conftest import serving
+
+from fingerpad.web.bench import Bench
+
+
+@pytest.fixture
+def folder(run_once, tmp_path):
+    """A copy of the demo study after its run."""
+    return shutil.copytree(run_once, tmp_path / "demo")
+
+
+@pytest.fixture
+def client(folder):
+    bench = Bench(folder.parent)
+    bench.open_folder(folder)
+    with serving(bench) as client:
+        yield client
+
+
+def require_words(client, *, slow=False):
+    """Ask every GET route; what it refuses, it refuses in words."""
+    for path, query in routes():
+        if path == "/api/events" or (path in SLOW and not slow):
+            continue
+        answer = client.get(path, params=query)
+        assert answer.status_code < 500, (path, query, answer.text)
+        if answer.status_code >= 400:
+            assert answer.json()["error"]
+
+
+def test_a_finger_without_a_name_is_told_and_every_route_answers(client, folder):
+    manifest = folder / "study.toml"
+    manifest.write_text(manifest.read_text().replace('name = "left_index_direct"\n', ""))
+    state = client.get("/api/study").json()
+    assert not state["ready"]
+    assert any("fingers[1].name: required, but missing" in one["words"] for one in state["missing"])
+    require_words(client)
+
+
+def without(key):
+    return lambda summary: summary.pop(key)
+
+
+def set_to(value, *path):
+    def change(content):
+        for key in path[:-1]:
+            content = content[key]
+        content[path[-1]] = value
+
+    return change
+
+
+DAMAGED = {
+    "no curves": ("summary", without("curves"), "summary.json: curves: Field required"),
+    "no provenance": ("summary", without("provenance"), "summary.json: provenance: Field required"),
+    "fingers of another kind": ("summary", set_to([3], "fingers"), "summary.json: fingers.0: "),
+    "half a covariance": (
+        "summary",
+        set_to([[1.0]], "fingers", 0, "covariance_mm2"),
+        "fingers.0.covariance_mm2",
+    ),
+    "negative variance": (
+        "summary",
+        set_to(-1.0, "fingers", 0, "covariance_mm2", 0, 0),
+        "not be negative",
+    ),
+    "no semi-axis": ("summary", set_to(None, "fingers", 0, "palmar_mm"), "belong together"),
+    "text for a radius": (
+        "results",
+        set_to("x", 0, "load_N"),
+        "load_N is of type str in a row",
+    ),
+    "no flags": ("results", set_to(None, 1, "flags"), "flags is of type NoneType in a row"),
+    "a row of another kind": ("results", set_to(3, 0), "results.json: expected a list of rows"),
+    "a row without a column": ("results", lambda rows: rows[2].pop("finger"), "a row lacks finger"),
+}
+
+
+@pytest.mark.parametrize("kind", DAMAGED)
+def test_damaged_results_are_told_and_every_route_answers(client, folder, kind):
+    name, change, words = DAMAGED[kind]
+    path = folder / "results" / f"{name}.json"
+    content = json.loads(path.read_text())
+    change(content)
+    path.write_text(json.dumps(content))
+    write_sums(folder / "results")
+    found = client.get("/api/study").json()["results"]
+    assert not found["there"]
+    (fault,) = found["faults"]
+    assert words in fault
+    answer = client.get("/api/results/rows")
+    assert answer.status_code == 409
+    assert answer.json()["error"] == f"{fault}: run the study again"
+    require_words(client)
+
+
+@pytest.mark.parametrize("content", ["3", "null", "{}", "[" * 100_000, "\x00", '{"a": 1e999}'])
+@pytest.mark.parametrize("name", ["results", "summary"])
+def test_results_that_are_something_else_are_told(client, folder, name, content):
+    (folder / "results" / f"{name}.json").write_text(content)
+    write_sums(folder / "results")
+    assert "not such as a run writes" in client.get("/api/study").json()["results"]["faults"][0]
+    assert client.get("/api/results/summary").status_code == 409
+
+
+DRAFTS = {
+    "scale of another kind": "[scales]\na = 3\n",
+    "photographs of another kind": '[[observations]]\nname = "a"\nphotographs = "abc"\n',
+    "lists in a curve": "[[curves]]\nfinger = [1]\nwedge_angle_deg = {a = 1}\nfile = [[]]\n",
+}
+
+
+@pytest.mark.parametrize("kind", DRAFTS)
+def test_an_odd_draft_is_told_and_every_route_answers(client, folder, kind):
+    (folder / "draft.toml").write_text(DRAFTS[kind])
+    require_words(client)
+
+
+def test_an_odd_correction_is_told_and_every_route_answers(client, folder):
+    record = {"id": 1, "item": "a", "when": "", "who": "", "action": ["change"], "change": {}, "picture": ""}
+    (folder / "corrections.jsonl").write_text(json.dumps(record) + "\n")
+    assert "line 1 is no correction" in client.get("/api/study").json()["error"]
+    require_words(client)
+
+
+def test_a_study_that_cannot_be_opened_leaves_the_one_that_is(client, folder):
+    shutil.copytree(folder, folder.parent / "other", ignore=shutil.ignore_patterns("results"))
+    (folder.parent / "other" / "corrections.jsonl").write_text("{}\n")
+    answer = client.post("/api/session/open", json={"name": "other"})
+    assert answer.status_code == 422
+    assert "corrections.jsonl: line 1" in answer.json()["error"]
+    assert client.get("/api/study").json()["name"] == "demo"
+
+
+def test_odd_files_in_the_folder_do_no_harm(client, folder):
+    os.mkfifo(folder / "pipe.png")
+    (folder / "loop").symlink_to("loop")
+    (folder / "self").symlink_to(folder)
+    (folder / "lost.png").symlink_to("nowhere.png")
+    (folder / os.fsdecode(b"\xff.png")).write_bytes(b"x")
+    assert client.get("/api/study").json()["ready"]
+    require_words(client, slow=True)
+
+
+def test_studies_mutated_at_random_are_answered(folder):
+    add_decisions(folder)
+    answers = ask_mutated(folder, 50)
+    assert answers.faults == []
+    assert sum(answers.by_status.values()) > 1000
