@@ -21,6 +21,7 @@ from benchmarks import (
     pooling,
     scale,
     sequences,
+    soak,
     studies,
     uncertainty,
 )
@@ -101,3 +102,4 @@ if __name__ == "__main__":
     page.report()
     browser.report()
     mutations.report()
+    soak.report()

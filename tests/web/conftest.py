@@ -31,12 +31,12 @@ def shorten(folder):
 
 
 @contextmanager
-def serving(bench, access=None, address_file=None):
+def serving(bench, access=None):
     """Serve a bench on a port of this machine, and yield a client that knows the token."""
     listener = listening(0)
     server = uvicorn.Server(
         uvicorn.Config(
-            make_app(bench, access or Access(TOKEN), address_file),
+            make_app(bench, access or Access(TOKEN)),
             log_level="warning",
             timeout_graceful_shutdown=1,
         )

@@ -270,8 +270,9 @@ def test_a_store_in_use_travels_whole(tmp_path):
     folder = tmp_path / "study"
     write(folder, {}, set(), {})
     path = folder / "results" / STORE_NAME
-    with Store.open(path) as store:
-        store._connection.execute("INSERT INTO input VALUES ('a.png', 's', 'd')")
+    path.parent.mkdir(exist_ok=True)
+    with Store.writing(path) as store:
+        store.remember(Path("a.png"), "d")
         assert path.with_name(f"{STORE_NAME}-wal").stat().st_size
         _, other = round_trip(folder)
     copy = sqlite3.connect(other / "results" / STORE_NAME)

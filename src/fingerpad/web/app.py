@@ -1,6 +1,5 @@
 """The application: the guard, the API, the page's files."""
 
-from html import escape
 from pathlib import Path
 from typing import Final
 
@@ -35,7 +34,7 @@ _ROOMS: Final = (studies, state, shown, lengths, photographs, contacts, correcti
 OPERATIONS: Final[tuple[Operation, ...]] = tuple(one for room in _ROOMS for one in room.OPERATIONS)
 
 
-def make_app(bench: Bench, access: Access, address_file: Path | None = None) -> ASGIApp:
+def make_app(bench: Bench, access: Access) -> ASGIApp:
     """Return the application of one launch.
 
     Parameters
@@ -44,18 +43,18 @@ def make_app(bench: Bench, access: Access, address_file: Path | None = None) -> 
         What it works on.
     access : Access
         What opens it.
-    address_file : Path or None
-        A file that holds an address with a new code.
     """
 
     def start(request: Request) -> Response:
-        """Exchange the code of the start address for a cookie, and lead to the page."""
-        code = request.query_params.get("code", "")
+        """Exchange the token or the code of the start address for a cookie, and lead to the page."""
+        asked = request.query_params
         answer = RedirectResponse("/", status_code=303)
         if access.knows(request.headers):
             return answer
-        if request.method != "GET" or not access.exchange(code):
-            return HTMLResponse(_closed(access.is_spent(code), address_file), status_code=403)
+        if request.method != "GET" or not access.opens(
+            token=asked.get("token", ""), code=asked.get("code", "")
+        ):
+            return HTMLResponse(_CLOSED, status_code=403)
         name = cookie_name(request.headers.get("host", ""))
         answer.set_cookie(name, access.token, httponly=True, samesite="strict", path="/")
         return answer
@@ -79,27 +78,13 @@ def make_app(bench: Bench, access: Access, address_file: Path | None = None) -> 
 
 
 _CLOSED: Final = """<!doctype html>
-<html lang="en"><head><meta charset="utf-8"><title>{title}</title>
+<html lang="en"><head><meta charset="utf-8"><title>This address opens nothing</title>
 <meta name="color-scheme" content="light dark">
-<style>body {{ font: 1rem/1.6 sans-serif; margin: 12vh auto; max-width: 40rem; padding: 1rem }}</style></head>
-<body><h1>{title}</h1>{rest}</body></html>
+<style>body { font: 1rem/1.6 sans-serif; margin: 12vh auto; max-width: 40rem; padding: 1rem }</style></head>
+<body><h1>This address opens nothing</h1>
+<p>It has been used, is of another launch, or is not whole. Open the address that
+<code>fingerpad app</code> printed in the terminal.</p></body></html>
 """
-
-
-def _closed(spent: bool, address_file: Path | None) -> str:
-    """Return the page that a start address without a good code leads to."""
-    if not spent:
-        rest = "<p>It is of another launch, or not whole. Open the one that fingerpad app printed last.</p>"
-        return _CLOSED.format(title="This address opens nothing", rest=rest)
-    rest = (
-        "<p>Each address opens the page once, in one browser. The one that the browser is started with is "
-        "good for two minutes.</p>"
-        '<p>In the browser that used it, <a href="/">go to the page</a>.</p>'
-    )
-    if address_file is not None:
-        file = escape(str(address_file))
-        rest += f"<p>For another browser there is a new address in the file <code>{file}</code>.</p>"
-    return _CLOSED.format(title="This address has been used", rest=rest)
 
 
 class _Static(StaticFiles):

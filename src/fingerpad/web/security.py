@@ -43,54 +43,34 @@ FRAMED_HEADERS: Final = {
 
 
 class Access:
-    """What opens one launch: its token, for cookies and scripts, and codes that are exchanged for a cookie.
+    """What opens one launch: its token, and codes that are exchanged for it once.
 
     Parameters
     ----------
     token : str, optional
         The launch's secret, made here if left out.
-    on_use : callable
-        Called when a code has been exchanged.
     clock : callable
         The time in seconds.
     """
 
-    def __init__(
-        self,
-        token: str | None = None,
-        *,
-        on_use: Callable[[], None] = lambda: None,
-        clock: Callable[[], float] = time.monotonic,
-    ) -> None:
+    def __init__(self, token: str | None = None, *, clock: Callable[[], float] = time.monotonic) -> None:
         self.token = token or secrets.token_urlsafe(32)
-        self.on_use = on_use
         self._clock = clock
         self._ends: dict[str, float] = {}
-        self._spent: set[str] = set()
         self._lock = Lock()
 
-    def new_code(self, seconds: float = math.inf) -> str:
+    def new_code(self, seconds: float) -> str:
         """Return a code for one use within some time."""
         code = secrets.token_urlsafe(32)
         with self._lock:
             self._ends[code] = self._clock() + seconds
         return code
 
-    def exchange(self, code: str) -> bool:
-        """Tell whether a code is good, which it is not again."""
+    def opens(self, *, token: str, code: str) -> bool:
+        """Tell whether the token is right or the code is good, which it is not again."""
         with self._lock:
-            end = self._ends.pop(code, None)
-            if end is None:
-                return False
-            self._spent.add(code)
-            good = self._clock() <= end
-        if good:
-            self.on_use()
-        return good
-
-    def is_spent(self, code: str) -> bool:
-        """Tell whether a code was used, or came too late."""
-        return code in self._spent
+            end = self._ends.pop(code, -math.inf)
+        return _same(token, self.token) or self._clock() <= end
 
     def knows(self, headers: Mapping[str, str]) -> bool:
         """Tell whether a request holds the token: a script's as bearer, a browser's as cookie."""

@@ -1,5 +1,6 @@
 """Serving the page on this machine."""
 
+import logging
 import os
 import shutil
 import socket
@@ -27,9 +28,10 @@ class Launch(NamedTuple):
     Attributes
     ----------
     address : str
-        For a person to open: good for one use.
+        For the user to open; it holds the token.
     browser_address : str
-        For this program to open in the browser: good for one use, and for a short time.
+        For this program to open in the browser: good once, within a short time. Other users of the machine
+        may see it in the list of processes.
     token_file : Path
         Holds the token for scripts; nobody else can read it.
     """
@@ -57,29 +59,25 @@ def serve(bench: Bench, *, port: int, on_ready: Callable[[Launch], None]) -> Non
         If the port cannot be had.
     """
     listener = listening(port)
-    page = f"http://{LOOPBACK}:{listener.getsockname()[1]}{START}?code="
-    folder = _private_folder()
-    token_file, address_file = folder / "token", folder / "address"
-
-    def renew() -> None:
-        _write_private(address_file, page + access.new_code())
-
-    access = Access(on_use=renew)
+    page = f"http://{LOOPBACK}:{listener.getsockname()[1]}{START}"
+    folder, access = _private_folder(), Access()
+    token_file = folder / "token"
     _write_private(token_file, access.token)
-    renew()
 
     class Server(uvicorn.Server):
         async def startup(self, sockets: list[socket.socket] | None = None) -> None:
             await super().startup(sockets)
-            browser_address = page + access.new_code(_TO_OPEN_S)
-            on_ready(Launch(page + access.new_code(), browser_address, token_file))
+            browser_address = f"{page}?code={access.new_code(_TO_OPEN_S)}"
+            on_ready(Launch(f"{page}?token={access.token}", browser_address, token_file))
 
         async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
             bench.events.end()
+            # An answer that is cut off is no fault to print.
+            logging.getLogger("uvicorn.error").setLevel(logging.CRITICAL + 1)
             await super().shutdown(sockets)
 
     config = uvicorn.Config(
-        make_app(bench, access, address_file),
+        make_app(bench, access),
         log_level="warning",
         access_log=False,
         server_header=False,
@@ -95,17 +93,15 @@ def serve(bench: Bench, *, port: int, on_ready: Callable[[Launch], None]) -> Non
 
 
 def _private_folder() -> Path:
-    """Return a new folder that this person alone can enter."""
+    """Return a new folder that this user alone can enter."""
     runtime = os.environ.get("XDG_RUNTIME_DIR", "")
     return Path(mkdtemp(prefix="fingerpad-", dir=runtime if os.access(runtime, os.W_OK) else None))
 
 
 def _write_private(path: Path, text: str) -> None:
-    """Write a file that this person alone can read, there as a whole at any time."""
-    new = path.with_suffix(".new")
-    with open(os.open(new, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600), "w", encoding="ascii") as file:
+    """Write a new file that this user alone can read."""
+    with open(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w", encoding="ascii") as file:
         file.write(f"{text}\n")
-    new.replace(path)
 
 
 def listening(port: int) -> socket.socket:

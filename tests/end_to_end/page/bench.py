@@ -31,15 +31,10 @@ class Served:
             stdout=subprocess.PIPE,
             text=True,
         )
-        found = re.search(r"http://[^/]+", self.process.stdout.readline())
+        found = re.search(r"http\S+", self.process.stdout.readline())
         assert found, "the program printed no address"
-        self.host = found.group(0)
-        self.address_file = Path(self.process.stdout.readline().split()[-1]).with_name("address")
-
-    @property
-    def address(self) -> str:
-        """An address that opens the page in one more browser."""
-        return self.address_file.read_text().strip()
+        self.address = found.group(0)
+        self.host = re.match(r"(http://[^/]+)", self.address).group(1)
 
     def kill(self, how: signal.Signals = signal.SIGTERM) -> None:
         self.process.send_signal(how)

@@ -392,6 +392,8 @@ def _plain_errors(path: Path) -> Iterator[None]:
         text = str(error)
         if "full" in text:
             way_out = "the disk is full: make room and run again; what was measured before is kept"
+        elif "I/O" in text:
+            way_out = f"{text}: make room on the disk, or check it, and run again"
         elif "locked" in text or "busy" in text:
             way_out = "another process is writing to it: wait for it to end"
         elif "readonly" in text or "unable to open" in text:
