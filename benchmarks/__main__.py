@@ -12,8 +12,8 @@ from scipy.special import ellipe, ellipk
 
 from benchmarks import (
     browser,
+    contact_images,
     engine,
-    imprints,
     loading,
     mutations,
     page,
@@ -84,10 +84,10 @@ if __name__ == "__main__":
     uncertainty.first_order_against_simulation()
     studies.study_coverage()
     pooling.pooled_means()
-    imprints.accuracy_and_coverage(72)
-    imprints.edge_calibration(72)
-    imprints.ridge_calibration(72)
-    imprints.speed()
+    contact_images.accuracy_and_coverage(72)
+    contact_images.edge_calibration(72)
+    contact_images.ridge_calibration(72)
+    contact_images.speed()
     photographs.photograph_accuracy(marked=True)
     photographs.photograph_accuracy(marked=False)
     sequences.coin_accuracy()

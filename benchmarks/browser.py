@@ -16,7 +16,7 @@ import numpy as np
 from PIL import Image
 from playwright.sync_api import Page, sync_playwright
 
-from fingerpad.image import render_imprint
+from fingerpad.image import render_contact_image
 
 SIDE, FRAMES = 1024, 2000
 # From the first move of the pointer without an answer to the next numbers on the page.
@@ -47,7 +47,7 @@ title = "Synthetic"
 [[fingers]]
 name = "f"
 semi_axes_mm = {{ palmar = 7.9, distal = 13.8, radial_ulnar = 11.8 }}
-semi_axes_std_mm = {{ palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }}
+semi_axes_mm_std = {{ palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }}
 [[observations]]
 name = "one"
 finger = "f"
@@ -93,7 +93,7 @@ def report() -> None:
 
 
 def _write_study(folder: Path) -> None:
-    pixels = render_imprint(semi_major=8.0, semi_minor=6.0, seed=3).pixels
+    pixels = render_contact_image(semi_major=8.0, semi_minor=6.0, seed=3).pixels
     big = Image.fromarray(pixels).resize((SIDE, SIDE), Image.Resampling.BICUBIC)
     big.save(folder / "one.png")
     (folder / "film").mkdir()

@@ -14,7 +14,7 @@ import numpy as np
 import tifffile
 
 from benchmarks.memory import peak_mb, peak_of_children_mb
-from fingerpad.image import synthetic_press
+from fingerpad.image import render_sequence
 from fingerpad.report import write_report
 from fingerpad.study.engine.limits import DEFAULT_LIMITS
 from fingerpad.study.engine.progress import Progress
@@ -23,7 +23,7 @@ from fingerpad.study.engine.task import TaskResult, perform
 from fingerpad.study.manifest import read_study
 from fingerpad.study.measuring.scales import named_scales
 from fingerpad.study.measuring.sequences import film_plan, header_task
-from fingerpad.study.measuring.tasks import Keys
+from fingerpad.study.measuring.tasks import CacheKeys
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.status import study_status
 
@@ -32,7 +32,7 @@ _FINGER = """
 [[fingers]]
 name = "finger_{number}"
 semi_axes_mm = {{ palmar = 7.9, distal = 13.8, radial_ulnar = 11.8 }}
-semi_axes_std_mm = {{ palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }}
+semi_axes_mm_std = {{ palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }}
 synthetic = true
 """
 _FILM = """
@@ -52,7 +52,7 @@ def make_study(folder: Path, *, films: int, frames: int, ppi: float, size: float
     """Write a study of synthetic films, each of a rendered press, and return its manifest."""
     rendered = min(frames, 40)
     loads = np.interp(np.arange(rendered), [0, rendered // 2, rendered - 1], [0.05, 2 * size, 0.05])
-    press = synthetic_press(loads, radii=(14.3 * size, 13.0 * size), reduced_modulus=0.09, ppi=ppi, seed=1)
+    press = render_sequence(loads, radii=(14.3 * size, 13.0 * size), reduced_modulus=0.09, ppi=ppi, seed=1)
     pages = [press.pixels(k) for k in range(rendered)]
     stretched = np.arange(frames) * rendered // frames
     for number in range(films):
@@ -153,7 +153,7 @@ def _fill(manifest: Path, out: Path) -> None:
     study, folder = read_study(manifest), manifest.parent
     first = study.sequences[0].name
     with Store.writing(out / STORE_NAME) as store:
-        keys = Keys(study=study, folder=folder, digest=cache(store.digest))
+        keys = CacheKeys(study=study, folder=folder, digest=cache(store.digest))
         records: dict[str, str] = {}
         for sequence in study.sequences:
             header = header_task(sequence, keys)

@@ -16,8 +16,8 @@ NOISE: dict[str, Any] = {
     "displacement_std": 0.005,
     "area_std": 1.0,
 }
-PAD: dict[str, Any] = {"effective_radius": 15.0, "initial_modulus": 0.04}
-QUANTITIES = ("effective_radius", "reduced_modulus", "initial_modulus", "load_coefficient", "contact_offset")
+PAD: dict[str, Any] = {"loading_radius": 15.0, "initial_modulus": 0.04}
+QUANTITIES = ("loading_radius", "reduced_modulus", "initial_modulus", "load_coefficient", "contact_offset")
 
 
 def loading_coverage(repeats: int = 1000, first_seed: int = 10_000) -> None:

@@ -24,13 +24,13 @@ import tomlkit
 
 from fingerpad.exceptions import FingerpadError
 from fingerpad.report import write_report
-from fingerpad.study.corrections.decisions import CORRECTIONS_NAME
+from fingerpad.study.corrections.history import CORRECTIONS_NAME
 from fingerpad.study.corrections.log import CorrectionLog
 from fingerpad.study.manifest import read_study
 from fingerpad.study.pipeline import run_study
-from fingerpad.web.app import OPERATIONS, make_app
-from fingerpad.web.bench import Bench
+from fingerpad.web.app import ENDPOINTS, make_app
 from fingerpad.web.security import Access
+from fingerpad.web.workspace import Workspace
 
 TOKEN: Final = "benchmark"
 DEMO: Final = Path(__file__).parents[1] / "examples" / "dzidek2017"
@@ -290,16 +290,16 @@ async def ask(app: Any, path: str, query: dict[str, Any]) -> tuple[int, bytes]:
 
 def routes() -> Iterator[tuple[str, dict[str, Any]]]:
     """Yield the path and query of each question."""
-    for operation in OPERATIONS:
+    for operation in ENDPOINTS:
         if operation.method == "GET":
             for query in QUERIES.get(operation.plain_path, ({},)):
                 path, rest = operation.plain_path, dict(query)
                 yield (path.replace("{path}", rest.pop("path")) if "{path}" in path else path), rest
 
 
-async def ask_all(bench: Bench, answers: Answers, label: str, *, slow: bool) -> None:
+async def ask_all(workspace: Workspace, answers: Answers, label: str, *, slow: bool) -> None:
     """Ask every GET route about the study that is open."""
-    app = make_app(bench, Access(TOKEN))
+    app = make_app(workspace, Access(TOKEN))
     for path, query in routes():
         if path in SLOW and not slow:
             continue
@@ -336,20 +336,20 @@ def ask_mutated(folder: Path, count: int, *, slow_every: int = 50, first_seed: i
     answers = Answers()
     for seed in range(first_seed, first_seed + count):
         new = mutated(originals, seed)
-        bench = Bench(folder.parent)
+        workspace = Workspace(folder.parent)
         if open_before := seed % 2 == 0:
-            bench.open_folder(folder)
+            workspace.open_folder(folder)
         for name, content in new.items():
             _put(folder / name, content)
         try:
             if not open_before:
-                bench.open_folder(folder)
+                workspace.open_folder(folder)
             label = f"seed {seed} ({', '.join(new)})"
-            asyncio.run(ask_all(bench, answers, label, slow=seed % slow_every == 0))
+            asyncio.run(ask_all(workspace, answers, label, slow=seed % slow_every == 0))
         except FingerpadError:
             answers.refused += 1
         finally:
-            bench.close()
+            workspace.close()
             for name in new:
                 _put(folder / name, originals[name])
     return answers

@@ -18,10 +18,10 @@ from typing import Any
 
 import cv2
 import uvicorn
+from fingerpad.web.studies_folder import Workspace
 
-from fingerpad.image import render_finger, render_imprint
+from fingerpad.image import render_contact_image, render_finger
 from fingerpad.web.app import make_app
-from fingerpad.web.bench import Bench
 from fingerpad.web.security import Access
 from fingerpad.web.server import listening
 
@@ -35,7 +35,7 @@ Ask = Callable[[str, str, Any], Any]
 def write_study(folder: Path) -> None:
     """Write a study of 2,000 small contact images, one of 1024 × 1024 pixels, and a photographed finger."""
     (folder / "frames").mkdir(parents=True)
-    pixels = render_imprint(semi_major=8.0, semi_minor=6.0, seed=3).pixels
+    pixels = render_contact_image(semi_major=8.0, semi_minor=6.0, seed=3).pixels
     cv2.imwrite(str(folder / "one.png"), cv2.resize(pixels, (SIDE, SIDE), interpolation=cv2.INTER_CUBIC))
     small = folder / "frames" / "0.png"
     cv2.imwrite(str(small), cv2.resize(pixels, (256, 256), interpolation=cv2.INTER_AREA))
@@ -51,7 +51,7 @@ def write_study(folder: Path) -> None:
         f"[scales.one]\nppi = {500 * SIDE / pixels.shape[1]}",
         "[scales.small]\nppi = 200\n[scales.camera]\nmm_per_px = 0.05",
         '[[fingers]]\nname = "a"\nsemi_axes_mm = { palmar = 7.9, distal = 13.8, radial_ulnar = 11.8 }',
-        "semi_axes_std_mm = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }",
+        "semi_axes_mm_std = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }",
         f'[[fingers]]\nname = "b"\nphotographs = [{faces}]',
         f'[[observations]]\nname = "one"\n{contact}image = "one.png"\nscale = "one"',
     ]
@@ -63,10 +63,10 @@ def write_study(folder: Path) -> None:
 
 
 @contextmanager
-def asking(workspace: Path) -> Iterator[Ask]:
+def asking(studies_folder: Path) -> Iterator[Ask]:
     """Serve a workspace, and yield what asks it over one connection, as a browser keeps it."""
-    bench, listener = Bench(workspace), listening(0)
-    server = uvicorn.Server(uvicorn.Config(make_app(bench, Access(TOKEN)), log_level="warning"))
+    workspace, listener = Workspace(studies_folder), listening(0)
+    server = uvicorn.Server(uvicorn.Config(make_app(workspace, Access(TOKEN)), log_level="warning"))
     thread = threading.Thread(target=server.run, kwargs={"sockets": [listener]})
     thread.start()
     connection = HTTPConnection("127.0.0.1", listener.getsockname()[1], timeout=120)

@@ -15,7 +15,7 @@ from fingerpad._arrays import ArrayLike, FloatArray
 from fingerpad.contact import equivalent_radius_from_compliance, equivalent_radius_from_indentation
 from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.image import FACE_AXES, SEMI_AXES, Face, FaceSemiAxes, combine_faces
-from fingerpad.study.compare import Owner, Value
+from fingerpad.study.compare import Person, Value
 from fingerpad.study.compare.means import means_of
 from fingerpad.study.manifest import Observation, Study
 from fingerpad.study.measuring.fingers import FingerResult
@@ -103,7 +103,9 @@ def people(count: int, relative_std: float, repeats: int, seed: int = 0) -> Scor
         seen = person * (1 + 0.05 * random.normal(size=(count, 3)))
         seen = seen * (1 + relative_std * random.normal(size=(count, 3)))
         (mean,) = means_of(
-            Value(value=value, std=relative_std * value, person=Owner(f"P{p}", True), finger=f"f{f}", **given)
+            Value(
+                value=value, std=relative_std * value, person=Person(f"P{p}", True), finger=f"f{f}", **given
+            )
             for (p, f), value in np.ndenumerate(seen)
         )
         assert mean.interval is not None
@@ -125,7 +127,7 @@ def contacts(count: int, relative_std: float, elongation: float, repeats: int, s
     finger = {
         "name": "f",
         "semi_axes_mm": dict(zip(names, PAD.tolist(), strict=True)),
-        "semi_axes_std_mm": dict.fromkeys(names, 1e-9),
+        "semi_axes_mm_std": dict.fromkeys(names, 1e-9),
     }
     study = Study.model_validate({"title": "simulated", "fingers": [finger]})
     pads = {

@@ -132,7 +132,7 @@ def study_result(
             "title": f"Synthetic study of {rows:,} rows",
             "fingers": [{"name": name, **_given()} for name in names],
             "sequences": [film.model_dump(exclude_defaults=True) for film in films],
-            "uncertainty": {"wedge_angle_std_deg": 0.5, "load_relative_std": 0.02},
+            "uncertainty": {"wedge_angle_deg_std": 0.5, "load_relative_std": 0.02},
         }
     )
     known = {
@@ -188,7 +188,7 @@ def _given() -> dict[str, dict[str, float]]:
     names = ("palmar", "distal", "radial_ulnar")
     return {
         "semi_axes_mm": dict(zip(names, AXES, strict=True)),
-        "semi_axes_std_mm": dict.fromkeys(names, AXES_STD),
+        "semi_axes_mm_std": dict.fromkeys(names, AXES_STD),
     }
 
 

@@ -15,13 +15,13 @@ from fingerpad.image import (
     ForceSignal,
     FrameRate,
     Scale,
-    learn_reading,
+    estimate_settings,
     measure_coin,
-    measure_imprint,
+    measure_contact_image,
     measure_sequence,
     open_frames,
     render_coin,
-    synthetic_press,
+    render_sequence,
 )
 
 PPI, FPS = 300.0, 50.0
@@ -74,7 +74,7 @@ def press_accuracy() -> None:
     print("    look      phase      frames  mean area error    spread   step to step")
     scale = Scale.of_ppi(PPI)
     for look in ("livescan", "prism", "ink"):
-        press = synthetic_press(load, look=look, flicker=0.02, ppi=PPI, seed=3)
+        press = render_sequence(load, look=look, flicker=0.02, ppi=PPI, seed=3)
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "press.tif"
             with tifffile.TiffWriter(path) as tiff:
@@ -93,7 +93,7 @@ def press_accuracy() -> None:
                 _print_errors(look, phase, errors)
                 held = [r.index for r in chosen] if phase == "hold" else held
             alone = [
-                measure_imprint(frame.pixels, scale).gross_area
+                measure_contact_image(frame.pixels, scale).gross_area
                 for frame in frames
                 if frame.index in held and frame.pixels is not None
             ]
@@ -131,8 +131,8 @@ def sequence_memory() -> None:
 def _measure_film(path: Path) -> tuple[float, float, int]:
     frames, scale = open_frames(path), Scale.of_mm_per_px(0.12)
     start = time.perf_counter()
-    reading = learn_reading(frames, scale)
-    measured = sum(r.measures is not None for r in measure_sequence(frames, scale, reading=reading))
+    settings = estimate_settings(frames, scale)
+    measured = sum(r.measures is not None for r in measure_sequence(frames, scale, settings=settings))
     seconds = time.perf_counter() - start
     return peak_mb(), seconds, measured
 

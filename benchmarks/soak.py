@@ -24,7 +24,7 @@ import numpy as np
 from PIL import Image
 
 from fingerpad.exceptions import FingerpadError, StoreError
-from fingerpad.image import render_imprint
+from fingerpad.image import render_contact_image
 from fingerpad.report import write_report
 from fingerpad.study.corrections.log import CorrectionLog
 from fingerpad.study.engine.store import STORE_NAME
@@ -39,7 +39,7 @@ _STUDY: Final = """title = "Synthetic"
 [[fingers]]
 name = "f"
 semi_axes_mm = { palmar = 7.9, distal = 13.8, radial_ulnar = 11.8 }
-semi_axes_std_mm = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }
+semi_axes_mm_std = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }
 synthetic = true
 """
 _PICTURE: Final = """[[observations]]
@@ -68,12 +68,12 @@ def make_study(folder: Path) -> Path:
     folder.mkdir()
     sizes = [4.0 + 0.1 * number for number in range(PICTURES)]
     for number, size in enumerate(sizes):
-        truth = render_imprint(semi_major=size, semi_minor=3.2, ppi=240, seed=number)
+        truth = render_contact_image(semi_major=size, semi_minor=3.2, ppi=240, seed=number)
         Image.fromarray(truth.pixels).save(folder / f"o{number}.png")
     (folder / "film").mkdir()
     loads = np.interp(np.arange(FRAMES), [0, FRAMES // 2, FRAMES - 1], [0.2, 2.0, 0.2])
     for number, load in enumerate(loads):
-        truth = render_imprint(
+        truth = render_contact_image(
             semi_major=4.0 * load**0.3, semi_minor=3.2 * load**0.3, ppi=240, seed=number % 5
         )
         page = np.full((260, 220), 230, np.uint8)

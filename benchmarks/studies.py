@@ -39,7 +39,7 @@ def simulated_study(seed: int) -> Scores:
         {
             "title": "simulated",
             "fingers": [{"name": "f", **_given(axes)}],
-            "uncertainty": {"wedge_angle_std_deg": WEDGE_STD, "load_relative_std": LOAD_STD},
+            "uncertainty": {"wedge_angle_deg_std": WEDGE_STD, "load_relative_std": LOAD_STD},
         }
     )
     finger = FingerResult(
@@ -68,7 +68,7 @@ def _given(axes: FloatArray) -> dict[str, dict[str, float]]:
     names = ("palmar", "distal", "radial_ulnar")
     return {
         "semi_axes_mm": dict(zip(names, map(float, axes), strict=True)),
-        "semi_axes_std_mm": dict.fromkeys(names, AXES_STD),
+        "semi_axes_mm_std": dict.fromkeys(names, AXES_STD),
     }
 
 

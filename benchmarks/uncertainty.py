@@ -10,7 +10,7 @@ import numpy as np
 from scipy.special import ellipe, ellipk
 
 from benchmarks.memory import peak_mb
-from fingerpad.uncertainty import pad_model, propagate, simulate
+from fingerpad.uncertainty import pad_model, propagate, run_monte_carlo
 
 MEAN = np.array([7.9, 13.8, 11.8, np.radians(30), 0.05, 0.5, 1.0, 2.0, 6.08, 0.39])
 COVARIANCE = np.diag(
@@ -33,7 +33,7 @@ def monte_carlo_speed() -> None:
     """Print the cost of a million draws of the whole chain as a multiple of SciPy's two integrals."""
     m = np.random.default_rng(0).uniform(0.01, 0.9, DRAWS)
     floor = best(lambda: (ellipk(m), ellipe(m)), 9)
-    whole = best(lambda: simulate(pad_model, MEAN, COVARIANCE, fewest=DRAWS, most=DRAWS), 5)
+    whole = best(lambda: run_monte_carlo(pad_model, MEAN, COVARIANCE, min_draws=DRAWS, max_draws=DRAWS), 5)
     print(f"\n{DRAWS:,} draws of all inputs through the pad's model, with means, covariance and intervals")
     print(f"    {whole / floor:.1f} x SciPy's ellipk + ellipe on as many values (asked: 40)")
     print(f"    peak memory of the process {peak_mb():.0f} MB (asked: 500)")
@@ -42,7 +42,7 @@ def monte_carlo_speed() -> None:
 def first_order_against_simulation() -> None:
     """Print by how much first-order and simulated standard uncertainties differ."""
     first = propagate(pad_model, MEAN, COVARIANCE)
-    simulated = simulate(pad_model, MEAN, COVARIANCE, fewest=DRAWS, most=DRAWS)
+    simulated = run_monte_carlo(pad_model, MEAN, COVARIANCE, min_draws=DRAWS, max_draws=DRAWS)
     off = np.max(np.abs(first.std / simulated.std - 1))
     print(f"    first-order against simulated standard uncertainties: within {100 * off:.2f} %")
 

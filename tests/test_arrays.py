@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fingerpad._arrays import floats
+from fingerpad._arrays import as_float_array
 from fingerpad.contact import hertz_contact
 from fingerpad.exceptions import GeometryError, LoadingError, UncertaintyError
 from fingerpad.geometry import Ellipsoid, RelativeCurvature
@@ -16,12 +16,12 @@ MASKED = np.ma.masked_array([10.0, 999.0, 12.0], mask=[False, True, False])
 @pytest.mark.parametrize("kind", [int, np.uint8, np.float32, float, complex])
 def test_masked_entries_are_not_a_number(kind) -> None:
     values = np.ma.masked_array([1, 2, 3], mask=[False, True, False], dtype=kind)
-    found = floats(values)
+    found = as_float_array(values)
     assert not isinstance(found, np.ma.MaskedArray)
     assert found.dtype == (complex if kind is complex else float)
     np.testing.assert_array_equal(found, [1, np.nan, 3])
     np.testing.assert_array_equal(values, [1, 2, 3])  # the array given stays as it was
-    assert np.isnan(floats(np.ma.masked))
+    assert np.isnan(as_float_array(np.ma.masked))
 
 
 def test_kernels_give_nan_for_masked_entries() -> None:

@@ -321,7 +321,7 @@ def test_budget_bars_fall_from_the_top(axes) -> None:
 def test_compliance_line_has_the_slope_and_the_fan_its_width(axes) -> None:
     depth = np.array([0.0, 1.0, 2.0])
     plot_contact_compliance(
-        axes, depth, 3 + 13.4 * np.pi * depth, effective_radius=13.4, effective_radius_std=0.5, area_at_zero=3
+        axes, depth, 3 + 13.4 * np.pi * depth, loading_radius=13.4, loading_radius_std=0.5, area_at_zero=3
     )
     (line,) = (line for line in axes.lines if line.get_linestyle() == "-" and len(line.get_xdata()) == 2)
     assert_allclose(np.diff(line.get_ydata()) / np.diff(line.get_xdata()), 13.4)

@@ -14,7 +14,7 @@ from PIL import Image
 
 from fingerpad.contact import HertzGeometry, equivalent_radius_from_compliance
 from fingerpad.geometry import Ellipsoid, Placement
-from fingerpad.image import render_finger, render_imprint, synthetic_press
+from fingerpad.image import render_contact_image, render_finger, render_sequence
 from fingerpad.loading import simulate_loading_curve
 
 FOLDER = Path(__file__).parent / "synthetic"
@@ -54,7 +54,7 @@ def render_images(wedge: int) -> list[dict[str, object]]:
     geometry = hertz(wedge)
     for number, load in enumerate(LOADS[wedge]):
         contact = geometry.under_load(load, reduced_modulus=REDUCED_MODULUS)
-        picture = render_imprint(
+        picture = render_contact_image(
             semi_major=float(contact.semi_major),
             semi_minor=float(contact.semi_minor),
             orientation=np.pi / 2 * float(geometry.long_axis),
@@ -92,7 +92,7 @@ def render_curves(wedge: int) -> None:
     )
     for seed, rate in enumerate(RATES, start=7):
         curve = simulate_loading_curve(
-            effective_radius=radius,
+            loading_radius=radius,
             initial_modulus=0.070,
             load_coefficient=0.005,
             relaxation=((0.12, 0.3), (0.10, 3.0)),
@@ -121,7 +121,7 @@ def render_press(wedge: int) -> None:
     load = np.interp(time, knots, loads)
     # The contact is longest along the larger radius, here across the finger; the renderer draws that upright.
     radii = Placement.of(PAD, wedge_angle=np.radians(wedge)).curvature.principal_radii
-    press = synthetic_press(
+    press = render_sequence(
         load,
         radii=(float(max(radii)), float(min(radii))),
         reduced_modulus=REDUCED_MODULUS,

@@ -14,7 +14,7 @@ BoolArray: TypeAlias = npt.NDArray[np.bool_]
 ArrayLike: TypeAlias = npt.ArrayLike
 
 
-def floats(value: ArrayLike) -> FloatArray:
+def as_float_array(value: ArrayLike) -> FloatArray:
     """Return `value` as an array of doubles, integers included.
 
     Complex numbers stay complex: the kernels carry the complex steps by which derivatives are taken.
@@ -26,7 +26,7 @@ def floats(value: ArrayLike) -> FloatArray:
     return array if np.iscomplexobj(array) else array.astype(np.float64, copy=False)
 
 
-def singles(value: ArrayLike) -> Float32Array:
+def as_float32(value: ArrayLike) -> Float32Array:
     """Return `value` as an array of single precision, which pictures are worked in."""
     return np.asarray(value, dtype=np.float32)
 
@@ -40,10 +40,10 @@ def hypotenuse(first: FloatArray, second: FloatArray) -> FloatArray:
 
 def broadcast(*values: ArrayLike) -> tuple[FloatArray, ...]:
     """Return `values` as arrays of doubles of one common shape."""
-    return tuple(np.broadcast_arrays(*(floats(value) for value in values)))
+    return tuple(np.broadcast_arrays(*(as_float_array(value) for value in values)))
 
 
-def require(
+def check_all(
     good: npt.NDArray[np.bool_] | np.bool_ | bool,
     name: str,
     value: ArrayLike,
@@ -55,7 +55,7 @@ def require(
     if good.all():
         return
     first = np.argwhere(~good)[0]
-    values = np.broadcast_to(floats(value), good.shape)
+    values = np.broadcast_to(as_float_array(value), good.shape)
     place = f" at index {', '.join(map(str, first))}" if first.size else ""
     raise error(f"{name} must be {expected}, found {values[tuple(first)]:g}{place}")
 
@@ -64,7 +64,7 @@ def require(
 _BLOCK = 12_000
 
 
-def in_blocks(
+def apply_blockwise(
     kernel: Callable[..., tuple[FloatArray, ...]], outputs: int, *values: ArrayLike
 ) -> tuple[FloatArray, ...]:
     """Apply an elementwise kernel to `values` block by block, silently.

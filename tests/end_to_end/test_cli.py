@@ -15,7 +15,7 @@ from PIL import Image
 from typer.testing import CliRunner
 
 from fingerpad.cli import app
-from fingerpad.image import outline_points, render_coin, render_finger, render_imprint, synthetic_press
+from fingerpad.image import outline_points, render_coin, render_contact_image, render_finger, render_sequence
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "dzidek2017"
 
@@ -186,7 +186,7 @@ def test_bad_input_is_one_line_and_exit_code_2(
 
 
 def test_measure_print(tmp_path: Path) -> None:
-    truth = render_imprint(semi_major=9.0, semi_minor=6.5, seed=4)
+    truth = render_contact_image(semi_major=9.0, semi_minor=6.5, seed=4)
     Image.fromarray(truth.pixels).save(tmp_path / "good.png")
     Image.fromarray(np.full((400, 400), 250, np.uint8)).save(tmp_path / "blank.png")
     (tmp_path / "text.png").write_text("no picture")
@@ -213,7 +213,7 @@ def test_measure_print(tmp_path: Path) -> None:
 
 
 def test_measure_print_takes_the_scale_that_a_file_states(tmp_path: Path) -> None:
-    picture = Image.fromarray(render_imprint(semi_major=9.0, semi_minor=6.5, seed=4).pixels)
+    picture = Image.fromarray(render_contact_image(semi_major=9.0, semi_minor=6.5, seed=4).pixels)
     picture.save(tmp_path / "stated.png", dpi=(500, 500))
     picture.save(tmp_path / "placeholder.png", dpi=(72, 72))
     picture.save(tmp_path / "silent.png")
@@ -229,7 +229,7 @@ def test_measure_print_takes_the_scale_that_a_file_states(tmp_path: Path) -> Non
 
 
 def test_measure_print_takes_a_seed_and_a_region(tmp_path: Path) -> None:
-    small, large = (render_imprint(semi_major=a, semi_minor=a / 1.3, seed=4).pixels for a in (5.0, 8.0))
+    small, large = (render_contact_image(semi_major=a, semi_minor=a / 1.3, seed=4).pixels for a in (5.0, 8.0))
     pixels = np.full((large.shape[0], small.shape[1] + large.shape[1]), 250, np.uint8)
     pixels[: small.shape[0], : small.shape[1]] = small
     pixels[:, small.shape[1] :] = large
@@ -246,7 +246,9 @@ def test_measure_print_takes_a_seed_and_a_region(tmp_path: Path) -> None:
 
 @pytest.fixture
 def print_file(tmp_path: Path) -> Path:
-    Image.fromarray(render_imprint(semi_major=9.0, semi_minor=6.5, seed=4).pixels).save(tmp_path / "p.png")
+    Image.fromarray(render_contact_image(semi_major=9.0, semi_minor=6.5, seed=4).pixels).save(
+        tmp_path / "p.png"
+    )
     return tmp_path / "p.png"
 
 
@@ -399,7 +401,7 @@ def test_measure_photo(tmp_path: Path) -> None:
 def test_measure_sequence(tmp_path: Path) -> None:
     time = np.linspace(0, 1, 12)
     load = 2 * np.sin(np.pi * time)
-    press = synthetic_press(load)
+    press = render_sequence(load)
     folder = tmp_path / "frames"
     folder.mkdir()
     for index in range(load.size):
@@ -493,7 +495,7 @@ def test_output_folder_that_cannot_be_made(tmp_path: Path) -> None:
 
 
 def test_overlays_never_collide_nor_replace_a_picture(tmp_path: Path) -> None:
-    pixels = render_imprint(seed=4).pixels
+    pixels = render_contact_image(seed=4).pixels
     for name in ("1/x.png", "2/x.png", "2/x_overlay.png"):
         (tmp_path / name).parent.mkdir(exist_ok=True)
         Image.fromarray(pixels).save(tmp_path / name)

@@ -12,7 +12,7 @@ from fingerpad.cli import app
 from fingerpad.loading import simulate_loading_curve
 
 NUMBERS = (
-    "effective_radius_mm",
+    "loading_radius_mm",
     "reduced_modulus_kpa",
     "youngs_modulus_kpa",
     "contact_offset_mm",
@@ -32,7 +32,7 @@ def run(*arguments: object) -> tuple[int, str, str]:
 @pytest.fixture
 def curve(tmp_path: Path) -> Path:
     record = simulate_loading_curve(
-        effective_radius=15.0, initial_modulus=0.04, load_coefficient=0.02, contact_offset=1.0,
+        loading_radius=15.0, initial_modulus=0.04, load_coefficient=0.02, contact_offset=1.0,
         hold=5.0, unloading=True, points=600, force_std=0.004, displacement_std=0.004, area_std=1.0,
     )  # fmt: skip
     path = tmp_path / "press.csv"
@@ -66,7 +66,7 @@ def test_what_the_curve_cannot_tell_is_null_with_a_reason(curve: Path, tmp_path:
     np.savetxt(bare, rows, delimiter=",", header="Fz,stage", comments="", fmt="%.4f")
     columns = ("--column", "force=Fz:mN", "--column", "displacement=stage:mm")
     record = json.loads(run(bare, *columns, "--json")[1])
-    for name in ("effective_radius_mm", "youngs_modulus_kpa", "initial_modulus_kpa"):
+    for name in ("loading_radius_mm", "youngs_modulus_kpa", "initial_modulus_kpa"):
         assert record[name] is record[f"{name}_std"] is record[f"{name}_ci95"] is None
         assert "no contact area" in record["reasons"][name]
     assert abs(record["contact_offset_mm"] - 1.0) < 4 * record["contact_offset_mm_std"]

@@ -12,7 +12,7 @@ from skimage.measure import label, regionprops
 
 from fingerpad.exceptions import FitError, ImageError
 from fingerpad.image import equal_area_ellipse, fit_aligned_ellipse, fit_ellipse, outline_points
-from fingerpad.image._distance import foot_points
+from fingerpad.image._orthogonal_fit import foot_points
 
 semi_axes = st.floats(1.0, 20.0)
 angles = st.floats(-1.5, 1.5)

@@ -15,7 +15,7 @@ from fingerpad.image import (
     measure_photograph,
     photograph_from_ellipse,
     render_finger,
-    with_points,
+    with_marked_points,
 )
 
 TRUTH = render_finger("palmar", semi_axes=(11.8, 13.8), seed=4)
@@ -84,7 +84,7 @@ def test_the_size_of_a_pad_is_checked_by_hand_too():
     )
     assert large.flags == {"by_hand", "implausible_size"}
     doubted = replace(FOUND, flags=FOUND.flags | {"implausible_size"}, semi_axes=10 * FOUND.semi_axes)
-    back = with_points(doubted, erased=[(FOUND.points[:1], 20.0)])
+    back = with_marked_points(doubted, erased=[(FOUND.points[:1], 20.0)])
     assert "implausible_size" not in back.flags
 
 
@@ -96,8 +96,8 @@ def test_an_ellipse_by_hand_can_be_drawn():
 
 
 def test_nothing_added_or_left_out_changes_nothing():
-    assert with_points(FOUND) is FOUND
-    assert with_points(FOUND, erased=[([(0, 0)], 5)]) is FOUND
+    assert with_marked_points(FOUND) is FOUND
+    assert with_marked_points(FOUND, erased=[([(0, 0)], 5)]) is FOUND
 
 
 def bulged():
@@ -110,9 +110,9 @@ def bulged():
 
 def test_a_wart_is_rubbed_out():
     points, wart, where = bulged()
-    plain = with_points(FOUND, added=[], erased=[(points[where], 1.5)])
-    dirty = with_points(plain, added=wart)
-    clean = with_points(dirty, erased=[(wart, 2.0)])
+    plain = with_marked_points(FOUND, added=[], erased=[(points[where], 1.5)])
+    dirty = with_marked_points(plain, added=wart)
+    clean = with_marked_points(dirty, erased=[(wart, 2.0)])
     truth = {"radial_ulnar": 11.8, "distal": 13.8}
     for name, value in truth.items():
         assert abs(clean.semi_axes_mm[name] - value) < 2.5 * clean.semi_axes_mm_std[name]
@@ -125,10 +125,10 @@ def test_marks_lengthen_a_short_arc():
     """Half of the arc rubbed out and marked again by a few exact points of the true ellipse."""
     row, column = FOUND.centre
     rest = FOUND.points[FOUND.points[:, 1] > column]
-    short = with_points(FOUND, erased=[(rest, 1.0)])
+    short = with_marked_points(FOUND, erased=[(rest, 1.0)])
     ellipse = FOUND.ellipse_points(721)
     marks = ellipse[(ellipse[:, 1] > column) & (ellipse[:, 0] < row)][::20]
-    longer = with_points(short, added=marks)
+    longer = with_marked_points(short, added=marks)
     assert longer.arc_deg > short.arc_deg + 40
     for name, std in longer.semi_axes_mm_std.items():
         assert std < short.semi_axes_mm_std[name]
@@ -141,17 +141,29 @@ BAD = {
     "palmar given": (lambda: placed(palmar="up"), ImageError, "leave palmar out"),
     "unknown face": (lambda: placed(face="dorsal"), ImageError, "face must be one of"),
     "unknown tip": (lambda: placed(tip="north"), ImageError, "tip must be one of"),
-    "all rubbed out": (lambda: with_points(FOUND, erased=[([FOUND.centre], 1e4)]), FitError, "eight finite"),
-    "marks not pairs": (lambda: with_points(FOUND, added=[1, 2, 3]), ImageError, "pairs"),
-    "marks not finite": (lambda: with_points(FOUND, added=[(1, math.inf)]), ImageError, "finite"),
-    "mark far away": (lambda: with_points(FOUND, added=[(1e200, 5)]), ImageError, "within 1000000 px"),
+    "all rubbed out": (
+        lambda: with_marked_points(FOUND, erased=[([FOUND.centre], 1e4)]),
+        FitError,
+        "eight finite",
+    ),
+    "marks not pairs": (lambda: with_marked_points(FOUND, added=[1, 2, 3]), ImageError, "pairs"),
+    "marks not finite": (lambda: with_marked_points(FOUND, added=[(1, math.inf)]), ImageError, "finite"),
+    "mark far away": (lambda: with_marked_points(FOUND, added=[(1e200, 5)]), ImageError, "within 1000000 px"),
     "rubber far away": (
-        lambda: with_points(FOUND, erased=[([(1e200, 0), (0, 0)], 5)]),
+        lambda: with_marked_points(FOUND, erased=[([(1e200, 0), (0, 0)], 5)]),
         ImageError,
         "within 1000000 px",
     ),
-    "rubber of no size": (lambda: with_points(FOUND, erased=[([(1, 1)], 0)]), ImageError, "positive radius"),
-    "rubber without a way": (lambda: with_points(FOUND, erased=[([], 3)]), ImageError, "needs a point"),
+    "rubber of no size": (
+        lambda: with_marked_points(FOUND, erased=[([(1, 1)], 0)]),
+        ImageError,
+        "positive radius",
+    ),
+    "rubber without a way": (
+        lambda: with_marked_points(FOUND, erased=[([], 3)]),
+        ImageError,
+        "needs a point",
+    ),
 }
 
 

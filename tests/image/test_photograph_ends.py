@@ -8,8 +8,8 @@ from scipy.integrate import cumulative_simpson
 from scipy.ndimage import gaussian_filter1d
 
 from fingerpad.image.photograph._arc import fitted_arc, widened
-from fingerpad.image.photograph._edges import Edges
-from fingerpad.image.photograph._ends import averaged_over_ends
+from fingerpad.image.photograph._arc_averaging import averaged_over_ends
+from fingerpad.image.photograph._edges import SubpixelOutline
 
 SEMI_AXES = np.array([197.0, 230.0])
 LEAN = (0.0, math.radians(2))
@@ -45,7 +45,7 @@ def both(half_deg, departures, seed, found_deg):
 
 
 def sharp_edges(count):
-    return Edges(
+    return SubpixelOutline(
         points=np.zeros((count, 2)),
         found=np.ones(count, bool),
         blur=1.0,

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fingerpad.exceptions import CalibrationError
-from fingerpad.image import Picture, Scale, measure_imprint, render_imprint
+from fingerpad.image import Picture, Scale, measure_contact_image, render_contact_image
 
 
 def test_500_ppi_is_the_fingerprint_standards_pixel():
@@ -86,7 +86,7 @@ def test_no_resolution_and_placeholders_are_refused(ppi, words):
 
 
 def test_a_files_wrong_resolution_makes_the_print_doubtful():
-    pixels = render_imprint(semi_major=7, semi_minor=6, seed=1).pixels
+    pixels = render_contact_image(semi_major=7, semi_minor=6, seed=1).pixels
     for ppi, doubtful in ((500, False), (1200, True), (150, True)):
-        imprint = measure_imprint(pixels, Scale.of_picture(picture(ppi, pixels)))
-        assert ("scale_doubtful" in imprint.flags) == doubtful
+        contact_image = measure_contact_image(pixels, Scale.of_picture(picture(ppi, pixels)))
+        assert ("scale_doubtful" in contact_image.flags) == doubtful

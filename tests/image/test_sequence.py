@@ -16,12 +16,12 @@ from fingerpad.image import (
     FrameRate,
     FrameStamps,
     Scale,
-    learn_reading,
-    measure_imprint,
+    estimate_settings,
+    measure_contact_image,
     measure_sequence,
     open_frames,
+    render_sequence,
     sequence_summary,
-    synthetic_press,
 )
 from fingerpad.image.sequence import measure as room
 
@@ -37,7 +37,7 @@ def true_load(time):
 
 @pytest.fixture(scope="module")
 def press():
-    return synthetic_press(true_load(TIME), seed=3)
+    return render_sequence(true_load(TIME), seed=3)
 
 
 @pytest.fixture(scope="module")
@@ -55,14 +55,14 @@ def signal():
 
 
 @pytest.fixture(scope="module")
-def reading(frames):
-    return learn_reading(frames, SCALE)
+def settings(frames):
+    return estimate_settings(frames, SCALE)
 
 
 @pytest.fixture(scope="module")
-def results(frames, signal, reading):
+def results(frames, signal, settings):
     clock = FrameRate.of_trigger(FPS, signal)
-    return list(measure_sequence(frames, SCALE, clock=clock, force=signal, reading=reading))
+    return list(measure_sequence(frames, SCALE, clock=clock, force=signal, settings=settings))
 
 
 def test_area_follows_the_truth_through_the_sequence(results, press):
@@ -93,8 +93,8 @@ def test_phases_come_from_the_force(results):
     assert [results[round(FPS * time)].phase for time, _ in expected] == [phase for _, phase in expected]
 
 
-def test_phases_come_from_the_pictures_without_a_force(frames, reading, results):
-    blind = list(measure_sequence(frames, SCALE, reading=reading))
+def test_phases_come_from_the_pictures_without_a_force(frames, settings, results):
+    blind = list(measure_sequence(frames, SCALE, settings=settings))
     same = [one.phase == other.phase for one, other in zip(blind, results, strict=True)]
     assert np.mean(same) > 0.9
     assert all(math.isnan(result.time) and math.isnan(result.load) for result in blind)
@@ -111,9 +111,9 @@ def test_first_contact_and_summary(results, signal):
     assert summary.notes == ()
 
 
-def test_the_clock_can_start_at_first_contact(frames, reading, signal):
+def test_the_clock_can_start_at_first_contact(frames, settings, signal):
     clock = FrameRate.of_contact(FPS, signal, 0.1)
-    times = [r.time for r in measure_sequence(frames, SCALE, clock=clock, force=signal, reading=reading)]
+    times = [r.time for r in measure_sequence(frames, SCALE, clock=clock, force=signal, settings=settings)]
     # Late by the ridges needed to see a contact, and by up to a frame.
     np.testing.assert_allclose(times, TIME, atol=1.5 / FPS)
     np.testing.assert_allclose(np.diff(times), 1 / FPS)
@@ -128,9 +128,9 @@ def test_a_film_that_contradicts_its_force_is_told(results, signal):
         assert "area and force do not rise and fall together" in note
 
 
-def test_a_short_force_flags_the_rest(frames, reading, signal):
+def test_a_short_force_flags_the_rest(frames, settings, signal):
     short = ForceSignal.of(*(values[signal.time < 1.02] for values in (signal.time, signal.load)))
-    covered = list(measure_sequence(frames, SCALE, clock=FrameRate.of(FPS), force=short, reading=reading))
+    covered = list(measure_sequence(frames, SCALE, clock=FrameRate.of(FPS), force=short, settings=settings))
     for result in covered:
         outside = result.time > 1.02
         assert ("no_force" in result.flags) == outside == math.isnan(result.load)
@@ -142,13 +142,13 @@ def test_a_short_force_flags_the_rest(frames, reading, signal):
     assert "28 of 49 frames" in note
 
 
-def test_stamps_that_run_out_are_flagged(frames, reading, signal):
+def test_stamps_that_run_out_are_flagged(frames, settings, signal):
     clock = FrameStamps.of(TIME[:40])
-    stamped = list(measure_sequence(frames, SCALE, clock=clock, force=signal, reading=reading))
+    stamped = list(measure_sequence(frames, SCALE, clock=clock, force=signal, settings=settings))
     assert [r.index for r in stamped if "no_time" in r.flags] == list(range(40, 49))
 
 
-def test_frames_that_cannot_be_read_have_a_reason(frames, reading):
+def test_frames_that_cannot_be_read_have_a_reason(frames, settings):
     class Damaged:
         def __iter__(self):
             for frame in frames:
@@ -164,29 +164,29 @@ def test_frames_that_cannot_be_read_have_a_reason(frames, reading):
     assert "first frame 20: torn" in summary.notes[0]
 
 
-def test_one_reading_is_learnt_from_the_largest_contact(reading, press):
-    assert reading.settings["dark_on_light"]
-    assert (press.load[list(reading.learnt_from)] > 1.2).all()
-    assert reading.texture[:CONTACT].max() < 0.3 * reading.texture.max()
+def test_one_reading_is_learnt_from_the_largest_contact(settings, press):
+    assert settings.settings["dark_on_light"]
+    assert (press.load[list(settings.learnt_from)] > 1.2).all()
+    assert settings.texture[:CONTACT].max() < 0.3 * settings.texture.max()
 
 
-def test_every_frame_is_measured_with_that_reading(frames, reading, monkeypatch):
+def test_every_frame_is_measured_with_that_reading(frames, settings, monkeypatch):
     asked = set()
-    measure = room.measure_imprint
+    measure = room.measure_contact_image
 
     def spy(pixels, scale, **options):
         asked.add((options["dark_on_light"], options["contrast"]))
         return measure(pixels, scale, **options)
 
-    monkeypatch.setattr(room, "measure_imprint", spy)
-    for _ in measure_sequence(frames, SCALE, reading=reading):
+    monkeypatch.setattr(room, "measure_contact_image", spy)
+    for _ in measure_sequence(frames, SCALE, settings=settings):
         pass
-    assert asked == {(True, reading.settings["contrast"])}
+    assert asked == {(True, settings.settings["contrast"])}
 
 
 @pytest.mark.parametrize("look", ["ink", "livescan", "prism"])
 def test_light_that_flickers_does_not_move_the_edge(look):
-    press = synthetic_press([2.0] * 6, look=look, flicker=0.1, seed=21)
+    press = render_sequence([2.0] * 6, look=look, flicker=0.1, seed=21)
     frames = [Frame(index=k, pixels=press.pixels(k)) for k in range(6)]
     measures = [result.measures for result in measure_sequence(frames, SCALE)]
     gross, ridge = (np.array([m[f"{name}_area_mm2"] for m in measures]) for name in ("gross", "ridge"))
@@ -195,35 +195,37 @@ def test_light_that_flickers_does_not_move_the_edge(look):
     assert ridge.std() / ridge.mean() < 0.01
 
 
-def test_what_is_faint_beside_the_largest_contact_is_none(press, frames, reading):
+def test_what_is_faint_beside_the_largest_contact_is_none(press, frames, settings):
     whole = press.pixels(30)
     ground = np.median(whole)
     faint, thin = (np.uint8(ground - share * (ground - whole)) for share in (0.25, 0.7))
     films = [[Frame(index=0, pixels=pixels)] for pixels in (faint, thin)]
     # By itself even the faint one would pass for a contact.
     assert next(measure_sequence(films[0], SCALE)).measures
-    refused, kept = (next(measure_sequence(film, SCALE, reading=reading)) for film in films)
+    refused, kept = (next(measure_sequence(film, SCALE, settings=settings)) for film in films)
     assert refused.measures is None
     assert kept.measures["gross_area_mm2"] == pytest.approx(press.gross_area[30], rel=0.01)
 
 
 def test_noise_is_no_contact_under_a_shared_reading():
-    noisy = synthetic_press([0.0, 2.0], noise_std=30, seed=3)
-    reading = learn_reading([Frame(index=1, pixels=noisy.pixels(1))], SCALE)
+    noisy = render_sequence([0.0, 2.0], noise_std=30, seed=3)
+    settings = estimate_settings([Frame(index=1, pixels=noisy.pixels(1))], SCALE)
     with pytest.raises(ImageError, match="no contact found"):
-        measure_imprint(noisy.pixels(0), SCALE, **reading.settings)
+        measure_contact_image(noisy.pixels(0), SCALE, **settings.settings)
 
 
 def test_light_on_dark_is_learnt_too():
-    press = synthetic_press([0, 1.0, 1.2, 1.4], look="prism", seed=5)
+    press = render_sequence([0, 1.0, 1.2, 1.4], look="prism", seed=5)
     frames = [Frame(index=k, pixels=press.pixels(k)) for k in range(4)]
-    assert not learn_reading(frames, SCALE).settings["dark_on_light"]
+    assert not estimate_settings(frames, SCALE).settings["dark_on_light"]
 
 
-def test_a_watcher_sees_every_measurement(frames, reading):
+def test_a_watcher_sees_every_measurement(frames, settings):
     seen = []
     results = list(
-        measure_sequence(frames, SCALE, reading=reading, watch=lambda k, p, i: seen.append((k, i.gross_area)))
+        measure_sequence(
+            frames, SCALE, settings=settings, watch=lambda k, p, i: seen.append((k, i.gross_area))
+        )
     )
     assert seen == [(r.index, r.measures["gross_area_mm2"]) for r in results if r.measures]
 
@@ -246,7 +248,7 @@ def test_a_contact_that_does_not_last_is_not_the_first(press):
 
 def test_an_overexposed_empty_frame_shows_no_contact():
     # Clipped noise leaves specks that, measured by themselves, pass for a small contact.
-    press = synthetic_press([0.0] * 178 + [0.0, 2.0], flicker=0.02, seed=3)
+    press = render_sequence([0.0] * 178 + [0.0, 2.0], flicker=0.02, seed=3)
     frames = [Frame(index=k, pixels=press.pixels(at)) for k, at in enumerate((178, 179, 179, 179))]
     empty, *others = measure_sequence(frames, SCALE)
     assert empty.measures is None
@@ -275,7 +277,7 @@ def test_a_force_needs_a_clock(frames, signal):
 @pytest.mark.parametrize("bad", [{"load": [-1.0]}, {"load": [math.nan]}, {"load": [1.0], "radii": (5, 9)}])
 def test_impossible_presses_are_refused(bad):
     with pytest.raises(ValueError, match="load|radius"):
-        synthetic_press(**bad)
+        render_sequence(**bad)
 
 
 def test_a_press_renders_its_hertz_area(press):

@@ -7,18 +7,20 @@ import numpy as np
 import pytest
 
 from fingerpad.exceptions import GeometryError
-from fingerpad.image import outline_points, render_imprint
+from fingerpad.image import outline_points, render_contact_image
 
 
 def test_one_seed_one_picture():
-    first, again, other = (render_imprint(semi_major=6, semi_minor=5, seed=seed) for seed in (1, 1, 2))
+    first, again, other = (render_contact_image(semi_major=6, semi_minor=5, seed=seed) for seed in (1, 1, 2))
     np.testing.assert_array_equal(first.pixels, again.pixels)
     assert (first.pixels != other.pixels).any()
 
 
 @pytest.mark.parametrize("pattern", ["arch", "loop", "whorl"])
 def test_ink_lies_inside_the_true_ellipse_and_reaches_its_edge(pattern):
-    truth = render_imprint(semi_major=8, semi_minor=6, orientation=0.4, pattern=pattern, noise_std=0, seed=3)
+    truth = render_contact_image(
+        semi_major=8, semi_minor=6, orientation=0.4, pattern=pattern, noise_std=0, seed=3
+    )
     dark = np.argwhere(truth.pixels < 140)[:, ::-1].astype(np.float32)
     hull = cv2.convexHull(dark)
     assert cv2.contourArea(hull) * truth.mm_per_px**2 == pytest.approx(math.pi * 48, rel=0.02)
@@ -26,14 +28,14 @@ def test_ink_lies_inside_the_true_ellipse_and_reaches_its_edge(pattern):
 
 
 def test_orientation_leans_left_when_positive():
-    truth = render_imprint(semi_major=8, semi_minor=5, orientation=0.5, noise_std=0, seed=3)
+    truth = render_contact_image(semi_major=8, semi_minor=5, orientation=0.5, noise_std=0, seed=3)
     rows, columns = np.nonzero(truth.pixels < 140)
     upper = rows < truth.centroid[0] - 80
     assert columns[upper].mean() < truth.centroid[1] - 20
 
 
 def test_prism_is_light_on_dark():
-    truth = render_imprint(look="prism", semi_major=6, semi_minor=5)
+    truth = render_contact_image(look="prism", semi_major=6, semi_minor=5)
     rows, columns = (round(place) for place in truth.centroid)
     middle = truth.pixels[rows - 30 : rows + 30, columns - 30 : columns + 30]
     assert middle.mean() > truth.pixels[:20].mean() + 30
@@ -41,7 +43,7 @@ def test_prism_is_light_on_dark():
 
 @pytest.mark.parametrize("period", [0.35, 0.55])
 def test_ridges_have_the_period_asked_for(period):
-    truth = render_imprint(
+    truth = render_contact_image(
         semi_major=9, semi_minor=8, ridge_period=period, pattern="arch", noise_std=0, seed=6
     )
     spectrum = np.abs(np.fft.fft2(truth.pixels - truth.pixels.mean())) ** 2
@@ -52,12 +54,14 @@ def test_ridges_have_the_period_asked_for(period):
 
 
 def test_ridge_area_is_about_half():
-    truth = render_imprint()
+    truth = render_contact_image()
     assert 0.4 < truth.ridge_area / truth.gross_area < 0.65
 
 
 def test_resolution_does_not_change_the_finger():
-    coarse, fine = (render_imprint(ppi=ppi, semi_major=6, semi_minor=5, noise_std=0) for ppi in (500, 1000))
+    coarse, fine = (
+        render_contact_image(ppi=ppi, semi_major=6, semi_minor=5, noise_std=0) for ppi in (500, 1000)
+    )
     shrunk = cv2.resize(fine.pixels, coarse.pixels.shape[::-1], interpolation=cv2.INTER_AREA)
     assert np.corrcoef(shrunk.ravel(), coarse.pixels.ravel())[0, 1] > 0.8
 
@@ -68,7 +72,7 @@ def test_resolution_does_not_change_the_finger():
 )
 def test_impossible_prints_are_refused(bad):
     with pytest.raises(GeometryError):
-        render_imprint(**bad)
+        render_contact_image(**bad)
 
 
 def test_outline_points_lie_on_their_arc():
@@ -82,10 +86,10 @@ def test_outline_points_lie_on_their_arc():
 
 def test_truth_of_an_irregular_outline_is_its_equal_area_ellipse():
     # A blur wider than a ridge leaves the print as even as its outline.
-    truth = render_imprint(
+    truth = render_contact_image(
         semi_major=9, semi_minor=7, orientation=0.5, irregularity=0.05, noise_std=0, seed=4, blur=0.25
     )
-    plain = render_imprint(semi_major=9, semi_minor=7, orientation=0.5, noise_std=0, seed=4, blur=0.25)
+    plain = render_contact_image(semi_major=9, semi_minor=7, orientation=0.5, noise_std=0, seed=4, blur=0.25)
     shapes = []
     for item in (truth, plain):
         rows, columns = np.nonzero(item.pixels < 190)
@@ -102,7 +106,7 @@ def test_truth_of_an_irregular_outline_is_its_equal_area_ellipse():
 
 def test_creases_and_compression_show():
     plain, creased, packed = (
-        render_imprint(semi_major=6, semi_minor=5, seed=3, noise_std=0, **extra)
+        render_contact_image(semi_major=6, semi_minor=5, seed=3, noise_std=0, **extra)
         for extra in ({}, {"creases": 3}, {"jpeg_quality": 40})
     )
     assert creased.ridge_area < 0.97 * plain.ridge_area
@@ -112,7 +116,7 @@ def test_creases_and_compression_show():
 
 
 def test_smudges_stay_within_the_contact_and_leave_the_truth():
-    plain, smudged = (render_imprint(seed=4, smudges=count, noise_std=0) for count in (0, 4))
+    plain, smudged = (render_contact_image(seed=4, smudges=count, noise_std=0) for count in (0, 4))
     assert smudged.ridge_area == plain.ridge_area
     assert smudged.gross_area == plain.gross_area
     changed = np.abs(smudged.pixels.astype(int) - plain.pixels) > 20

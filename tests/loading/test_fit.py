@@ -25,7 +25,7 @@ def simulated(
 def test_recovers_the_equivalent_radius_at_any_zero_of_displacement() -> None:
     for offset in (0.0, 0.7, -3.0):
         fit = fit_contact_compliance(simulated(np.random.default_rng(0), offset=offset))
-        assert_allclose(fit.effective_radius, TRUE_RADIUS, rtol=1e-12)
+        assert_allclose(fit.loading_radius, TRUE_RADIUS, rtol=1e-12)
         assert_allclose(fit.area_at_zero, -np.pi * TRUE_RADIUS * offset, atol=1e-9)
 
 
@@ -41,7 +41,7 @@ def test_standard_uncertainty_covers_the_truth() -> None:
             area=curve.area + rng.normal(0, 3, curve.load.size),
         )
         fit = fit_contact_compliance(noisy)
-        hits += abs(fit.effective_radius - TRUE_RADIUS) <= 2.024 * fit.effective_radius_std  # t, 38 d.o.f.
+        hits += abs(fit.loading_radius - TRUE_RADIUS) <= 2.024 * fit.loading_radius_std  # t, 38 d.o.f.
     assert 0.92 <= hits / 400 <= 0.98
 
 
@@ -54,7 +54,7 @@ def test_points_without_load_are_left_out() -> None:
     )
     fit = fit_contact_compliance(padded)
     assert fit.count == curve.load.size
-    assert_allclose(fit.effective_radius, TRUE_RADIUS, rtol=1e-12)
+    assert_allclose(fit.loading_radius, TRUE_RADIUS, rtol=1e-12)
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,7 @@ from fingerpad.exceptions import LoadingError
 from fingerpad.loading import (
     ESTIMATORS,
     Estimate,
-    Unknown,
+    Undetermined,
     contact_points,
     fit_loading_curve,
     simulate_loading_curve,
@@ -36,7 +36,7 @@ def test_intervals_cover_and_bias_is_small(points: int, beta: float) -> None:
 
 def test_noise_free_curve_gives_the_truth() -> None:
     fit = fit_loading_curve(simulate_loading_curve(points=200, force_offset=0.3, force_tilt=0.05))
-    found = (fit.effective_radius, fit.initial_modulus, fit.load_coefficient, fit.contact_offset)
+    found = (fit.loading_radius, fit.initial_modulus, fit.load_coefficient, fit.contact_offset)
     assert_allclose([each.value for each in found], [15, 0.04, 0.02, 1.0], rtol=1e-4)
     assert_allclose(fit.youngs_modulus.value, 0.08, rtol=1e-4)
     assert_allclose(fit.reduced_modulus.value, 0.08 / 0.75, rtol=1e-4)
@@ -64,7 +64,7 @@ def test_zero_of_the_stage_does_not_matter(shift: float) -> None:
     moved = fit_loading_curve(replace(CURVE, indentation=CURVE.indentation + shift))
     fit = fit_loading_curve(CURVE)
     assert_allclose(moved.contact_offset.value - shift, fit.contact_offset.value, atol=1e-4)
-    assert_allclose(moved.effective_radius.value, fit.effective_radius.value, rtol=1e-4)
+    assert_allclose(moved.loading_radius.value, fit.loading_radius.value, rtol=1e-4)
     assert_allclose(moved.initial_modulus.value, fit.initial_modulus.value, rtol=2e-3)
 
 
@@ -72,29 +72,29 @@ def test_without_area_the_place_of_contact_is_known_and_the_modulus_is_not() -> 
     fit = fit_loading_curve(replace(CURVE, area=None))
     assert isinstance(fit.contact_offset, Estimate)
     for name in (
-        "effective_radius",
+        "loading_radius",
         "youngs_modulus",
         "initial_modulus",
         "load_coefficient",
         "area_exponent",
     ):
-        assert isinstance(getattr(fit, name), Unknown), name
+        assert isinstance(getattr(fit, name), Undetermined), name
     record = json.loads(dumps(fit.as_record()))
     assert record["youngs_modulus_kpa"] is None
     assert record["youngs_modulus_kpa_ci95"] is None
-    assert "give a column area_mm2, or effective_radius" in record["reasons"]["youngs_modulus_kpa"]
+    assert "give a column area_mm2, or loading_radius" in record["reasons"]["youngs_modulus_kpa"]
 
 
 def test_given_radius_carries_its_uncertainty() -> None:
     bare = replace(CURVE, area=None)
     sure, unsure = (
-        fit_loading_curve(bare, effective_radius=Estimate.symmetric(15.0, std)) for std in (0.0, 1.5)
+        fit_loading_curve(bare, loading_radius=Estimate.symmetric(15.0, std)) for std in (0.0, 1.5)
     )
     # E goes as R^-1/2 for a given curve: 10 % of the radius are 5 % of the modulus.
     added = np.sqrt(unsure.youngs_modulus.std**2 - sure.youngs_modulus.std**2)
     assert_allclose(added / unsure.youngs_modulus.value, 0.05, rtol=0.05)
     assert_allclose(sure.youngs_modulus.value, 0.08, rtol=0.15)
-    four = fit_loading_curve(bare, effective_radius=60.0)
+    four = fit_loading_curve(bare, loading_radius=60.0)
     assert_allclose(four.youngs_modulus.value, sure.youngs_modulus.value / 2, rtol=1e-3)
 
 
@@ -102,7 +102,7 @@ def test_record_has_every_number_with_its_uncertainty_and_unit() -> None:
     fit = fit_loading_curve(CURVE)
     record = json.loads(dumps(fit.as_record()))
     for name in (
-        "effective_radius_mm",
+        "loading_radius_mm",
         "reduced_modulus_kpa",
         "youngs_modulus_kpa",
         "contact_offset_mm",
@@ -150,7 +150,7 @@ def test_estimators_of_contact_state_errors_that_hold() -> None:
 
 def test_estimator_can_be_chosen_and_its_uncertainty_is_carried() -> None:
     fit = fit_loading_curve(CURVE)
-    held = fit_loading_curve(CURVE, contact_point="baseline_deviation")
+    held = fit_loading_curve(CURVE, contact_point="contact_by_threshold")
     assert held.contact_offset.value > fit.contact_offset.value  # a threshold is always late
     assert held.initial_modulus.std > 3 * fit.initial_modulus.std
 
@@ -159,7 +159,7 @@ def test_each_cycle_can_be_fitted() -> None:
     curve = simulate_loading_curve(points=900, cycles=2, unloading=True, seed=4, **NOISE)
     for cycle in (0, 1):
         fit = fit_loading_curve(curve, cycle=cycle)
-        assert abs(fit.effective_radius.value - 15) < 4 * fit.effective_radius.std
+        assert abs(fit.loading_radius.value - 15) < 4 * fit.loading_radius.std
     with pytest.raises(LoadingError, match="2 cycles, numbered from 0; there is no 2"):
         fit_loading_curve(curve, cycle=2)
 
@@ -169,9 +169,9 @@ def test_each_cycle_can_be_fitted() -> None:
     [
         ({"poisson_ratio": 0.6}, "poisson_ratio must be"),
         ({"poisson_ratio": np.nan}, "poisson_ratio must be"),
-        ({"contact_point": "eye"}, "contact_point must be joint, baseline_deviation"),
-        ({"effective_radius": -3.0}, "effective_radius must be positive"),
-        ({"effective_radius": np.nan}, "effective_radius must be positive"),
+        ({"contact_point": "eye"}, "contact_point must be joint, contact_by_threshold"),
+        ({"loading_radius": -3.0}, "loading_radius must be positive"),
+        ({"loading_radius": np.nan}, "loading_radius must be positive"),
         ({"region": (1.0, 0.5)}, "region must be two rising loads"),
     ],
 )
@@ -182,21 +182,21 @@ def test_impossible_options_are_refused(options: dict, message: str) -> None:
 
 def test_a_constraint_coefficient_divides_the_moduli_and_brings_its_uncertainty() -> None:
     fit = fit_loading_curve(simulate_loading_curve(points=200, force_std=0.004, area_std=0.5, seed=2))
-    free = fit.unconstrained(Estimate.symmetric(2.0, 0.5))
+    free = fit.divide_by_constraint(Estimate.symmetric(2.0, 0.5))
     for name in ("reduced_modulus", "youngs_modulus", "initial_modulus", "load_coefficient"):
         before, after = getattr(fit, name), getattr(free, name)
         assert after.value == pytest.approx(before.value / 2)
         assert after.std / after.value == pytest.approx(math.hypot(before.std / before.value, 0.25))
         assert after.lower < after.value < after.upper
-    assert free.effective_radius == fit.effective_radius
+    assert free.loading_radius == fit.loading_radius
     assert free.contact_offset == fit.contact_offset
     assert "constraint_assumed" in free.flags
-    exact = fit.unconstrained(Estimate.symmetric(2.0, 0.0)).youngs_modulus
+    exact = fit.divide_by_constraint(Estimate.symmetric(2.0, 0.0)).youngs_modulus
     assert exact.upper - exact.lower == pytest.approx(
         (fit.youngs_modulus.upper - fit.youngs_modulus.lower) / 2
     )
     with pytest.raises(LoadingError, match="must be positive, found 0"):
-        fit.unconstrained(Estimate.symmetric(0.0, 0.0))
+        fit.divide_by_constraint(Estimate.symmetric(0.0, 0.0))
 
 
 def test_times_of_a_slow_clock_are_spread() -> None:
@@ -204,7 +204,7 @@ def test_times_of_a_slow_clock_are_spread() -> None:
     fine = fit_loading_curve(curve)
     coarse = fit_loading_curve(replace(curve, time=np.floor(curve.time / 0.05) * 0.05))
     assert "duplicated_time" in coarse.flags
-    assert abs(coarse.effective_radius.value - fine.effective_radius.value) < 0.2 * fine.effective_radius.std
+    assert abs(coarse.loading_radius.value - fine.loading_radius.value) < 0.2 * fine.loading_radius.std
     with pytest.raises(LoadingError, match="the time is 1 s in every row"):
         fit_loading_curve(replace(curve, time=np.ones_like(curve.time)))
 
@@ -213,7 +213,7 @@ def test_slips_of_units_and_contradictions_are_flagged() -> None:
     curve = simulate_loading_curve(points=200, force_std=0.004, area_std=0.5, seed=3)
     assert "implausible_radius" in fit_loading_curve(replace(curve, area=curve.area / 100)).flags
     assert "implausible_modulus" in fit_loading_curve(replace(curve, load=1000 * curve.load)).flags
-    assert "radius_contradicts_area" in fit_loading_curve(curve, effective_radius=20.0).flags
+    assert "radius_contradicts_area" in fit_loading_curve(curve, loading_radius=20.0).flags
     assert not {"radius_contradicts_area", "implausible_radius"} & set(
-        fit_loading_curve(curve, effective_radius=15.0).flags
+        fit_loading_curve(curve, loading_radius=15.0).flags
     )

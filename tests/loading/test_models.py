@@ -18,7 +18,7 @@ from fingerpad.loading import (
     shape_check,
 )
 
-PAD = {"effective_radius": 14.5, "initial_modulus": 0.04, "load_coefficient": 0.02}
+PAD = {"loading_radius": 14.5, "initial_modulus": 0.04, "load_coefficient": 0.02}
 
 
 @pytest.mark.parametrize(
@@ -29,14 +29,14 @@ def test_published_contacts_at_two_newtons(wedge, indentation, modulus_kpa) -> N
     area, radius = printed["table3"][wedge]["area_mm2"], printed["table4"][wedge]["R_g_mm"]
     xi = area / (np.pi * radius)
     assert_allclose(xi, indentation, atol=5e-4)
-    assert_allclose(1000 * secant_modulus(2.0, xi, effective_radius=radius), modulus_kpa, atol=0.06)
+    assert_allclose(1000 * secant_modulus(2.0, xi, loading_radius=radius), modulus_kpa, atol=0.06)
 
 
 def test_is_hertz_without_growth() -> None:
     contact = hertz_contact(14.5, 14.5, 2.0, reduced_modulus=reduced(0.04, 0.5))
-    found = load_from_indentation(contact.indentation, effective_radius=14.5, initial_modulus=0.04)
+    found = load_from_indentation(contact.indentation, loading_radius=14.5, initial_modulus=0.04)
     assert_allclose(found, 2.0, rtol=1e-12)
-    area = area_from_load(2.0, effective_radius=14.5, initial_modulus=0.04)
+    area = area_from_load(2.0, loading_radius=14.5, initial_modulus=0.04)
     assert_allclose(area, contact.area, rtol=1e-12)
 
 
@@ -49,7 +49,7 @@ def test_indentation_and_load_are_inverse() -> None:
 
 def test_secant_modulus_grows_as_it_was_told() -> None:
     load = np.array([0.5, 1.0, 2.0])
-    secant = secant_modulus(load, indentation_from_load(load, **PAD), effective_radius=14.5)
+    secant = secant_modulus(load, indentation_from_load(load, **PAD), loading_radius=14.5)
     assert_allclose(secant, 0.04 + 0.02 * load, rtol=1e-12)
 
 
@@ -70,7 +70,7 @@ def test_shape_check_of_an_elliptical_contact(ratio: float) -> None:
         2.0,
         contact.indentation,
         contact.area,
-        effective_radius=14.0 * np.sqrt(ratio),
+        loading_radius=14.0 * np.sqrt(ratio),
         expected_ratio=indentation_factor(k) ** 1.5 / size_factor(k) ** 3,
     )
     assert_allclose(check.ratio, check.expected_ratio, rtol=1e-12)

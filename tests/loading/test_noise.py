@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fingerpad.loading.noise import Noise, NoiseUncertainty, likely_noise
+from fingerpad.loading.noise import Noise, NoiseUncertainty, estimate_noise
 
 RNG = np.random.default_rng(0)
 COUNT = 40
@@ -50,7 +50,9 @@ def test_likelihood_is_that_of_the_matrix(wander_std: float) -> None:
     information = jacobian.T @ inverse @ jacobian
     left = residual - jacobian @ np.linalg.solve(information, jacobian.T @ inverse @ residual)
     expected = sum(np.linalg.slogdet(each)[1] for each in (covariance, information)) + left @ inverse @ left
-    assert_allclose(noise(wander_std).surprise(columns[:COUNT], columns[COUNT:]), expected / 2, rtol=1e-9)
+    assert_allclose(
+        noise(wander_std).negative_log_likelihood(columns[:COUNT], columns[COUNT:]), expected / 2, rtol=1e-9
+    )
 
 
 @pytest.mark.parametrize("wander_std", [0.0, 0.006])
@@ -97,11 +99,11 @@ def test_deviations_are_found_again() -> None:
     slope, with_area = np.linspace(0, 3, count), np.ones(count, dtype=bool)
     line = np.stack([np.ones(count), np.linspace(0, 1, count)], axis=-1)
     for _ in range(6):
-        wander = np.zeros(count)
+        drift = np.zeros(count)
         for k in range(1, count):
-            wander[k] = 0.9 * wander[k - 1] + 0.004 * rng.standard_normal()
+            drift[k] = 0.9 * drift[k - 1] + 0.004 * rng.standard_normal()
         e = 0.005 * rng.standard_normal(count)
-        force = wander + 0.004 * rng.standard_normal(count) + slope * e
+        force = drift + 0.004 * rng.standard_normal(count) + slope * e
         area = rng.standard_normal(count) - G * e
         start = Noise(
             force_std=0.01,
@@ -114,7 +116,7 @@ def test_deviations_are_found_again() -> None:
             steps=np.ones(count - 1),
             with_area=with_area,
         )
-        seen = likely_noise(start, (force, area), (line, line), wandering=True)
+        seen = estimate_noise(start, (force, area), (line, line), drift=True)
         found.append(
             (seen.force_std, seen.displacement_std, seen.area_std, seen.wander_std, seen.wander_time)
         )

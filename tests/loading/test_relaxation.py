@@ -5,7 +5,13 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fingerpad.exceptions import FitError
-from fingerpad.loading import Unknown, find_cycles, fit_relaxation, fit_ridge_growth, simulate_loading_curve
+from fingerpad.loading import (
+    Undetermined,
+    find_cycles,
+    fit_relaxation,
+    fit_ridge_growth,
+    simulate_loading_curve,
+)
 
 PAD = {"load_coefficient": 0.0, "points": 600, "force_std": 0.003, "displacement_std": 0.002, "hold": 10.0}
 
@@ -50,4 +56,4 @@ def test_ridge_growth_covers_the_truth() -> None:
         hits += found.time.lower < 15 < found.time.upper
     assert hits / 60 >= 0.83
     late = fit_ridge_growth(t[:20], area[:20])
-    assert isinstance(late.time, Unknown) or late.time.std > 2
+    assert isinstance(late.time, Undetermined) or late.time.std > 2

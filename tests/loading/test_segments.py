@@ -133,7 +133,7 @@ def test_saturated_rows_are_left_out_and_flagged() -> None:
     clipped = replace(CURVE, load=np.minimum(CURVE.load, 1.5))
     fit = fit_loading_curve(clipped)
     assert "saturated_force" in fit.flags
-    assert fit.effective_radius.lower < 15 < fit.effective_radius.upper
+    assert fit.loading_radius.lower < 15 < fit.loading_radius.upper
     assert fit.initial_modulus.lower < 0.04 < fit.initial_modulus.upper
     assert fit.modulus_load < 1.52
 

@@ -10,7 +10,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fingerpad.geometry import Ellipsoid
-from fingerpad.published import AuditItem, Printed, audit, dzidek2017, radius_with_known_slip
+from fingerpad.published import AuditItem, Printed, audit, dzidek2017, radius_with_misprint
 
 REPRODUCED = "reproduced"
 SLIP = "reproduced with the known slip"
@@ -113,8 +113,8 @@ def test_range_holds_every_pad_that_rounds_to_the_printed_one(items) -> None:
 def test_slip_is_no_slip_at_the_fingertip() -> None:
     pad = dzidek2017().semi_axes["direct"].ellipsoid
     true = pad.curvature(np.pi / 2, np.pi / 2).mean_curvature_radius
-    assert_allclose(radius_with_known_slip(pad, np.pi / 2), true, rtol=1e-14)
-    assert radius_with_known_slip(pad, 0.0) > 1.5 * pad.curvature(0.0, np.pi / 2).mean_curvature_radius
+    assert_allclose(radius_with_misprint(pad, np.pi / 2), true, rtol=1e-14)
+    assert radius_with_misprint(pad, 0.0) > 1.5 * pad.curvature(0.0, np.pi / 2).mean_curvature_radius
 
 
 @pytest.mark.parametrize(

@@ -48,7 +48,7 @@ def manifest_of(
             "[[fingers]]",
             f'name = "{name}"',
             "semi_axes_mm = { palmar = 7.9, distal = 13.8, radial_ulnar = 11.8 }",
-            "semi_axes_std_mm = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }",
+            "semi_axes_mm_std = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }",
         ]
     for name in fingers:
         for wedge in WEDGES:
@@ -64,7 +64,7 @@ def manifest_of(
                 ]
     folder.mkdir(exist_ok=True)
     if curve:
-        press = simulate_loading_curve(effective_radius=15.0, force_std=0.004)
+        press = simulate_loading_curve(loading_radius=15.0, force_std=0.004)
         columns = np.stack([press.time, press.load, press.indentation, press.area], axis=-1)
         header = "time_s,force_N,displacement_mm,area_mm2"
         np.savetxt(folder / "left.csv", columns, delimiter=",", header=header, comments="")

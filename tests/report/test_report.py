@@ -103,7 +103,7 @@ def test_text_from_the_manifest_is_escaped(tmp_path: Path) -> None:
     manifest.write_text(
         "title = '<script>alert(1)</script> & sons'\n[[fingers]]\nname = 'f'\n"
         "semi_axes_mm = { palmar = 8, distal = 14, radial_ulnar = 12 }\n"
-        "semi_axes_std_mm = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }\n"
+        "semi_axes_mm_std = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }\n"
     )
     text = write_report(run_study(manifest, tmp_path / "out"), tmp_path / "out").read_text(encoding="utf-8")
     assert "<script>" not in text

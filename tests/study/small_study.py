@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from fingerpad.image import render_finger, render_imprint, synthetic_press
+from fingerpad.image import render_contact_image, render_finger, render_sequence
 from fingerpad.study.measuring import sequences
 from fingerpad.study.pipeline import run_study
 
@@ -19,7 +19,7 @@ HEAD = """title = "T"
 [[fingers]]
 name = "f"
 semi_axes_mm = { palmar = 7.9, distal = 13.8, radial_ulnar = 11.8 }
-semi_axes_std_mm = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }
+semi_axes_mm_std = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }
 [[fingers]]
 name = "g"
 photographs = [
@@ -52,9 +52,9 @@ def make(folder: Path, *, film: str = "film") -> Path:
     """Render the study's inputs, write its manifest, and return the manifest."""
     folder.mkdir(exist_ok=True)
     for number in range(PICTURES):
-        truth = render_imprint(semi_major=4.0 + 0.2 * number, semi_minor=3.2, ppi=PPI, seed=number)
+        truth = render_contact_image(semi_major=4.0 + 0.2 * number, semi_minor=3.2, ppi=PPI, seed=number)
         Image.fromarray(truth.pixels).save(folder / f"o{number}.png")
-    press = synthetic_press(LOAD, radii=(14.3, 13.0), reduced_modulus=0.09, ppi=PPI, seed=5)
+    press = render_sequence(LOAD, radii=(14.3, 13.0), reduced_modulus=0.09, ppi=PPI, seed=5)
     pages = [Image.fromarray(press.pixels(k)) for k in range(FRAMES)]
     if film.endswith(".tif"):
         pages[0].save(folder / film, save_all=True, append_images=pages[1:])

@@ -17,7 +17,7 @@ from typer.testing import CliRunner
 from fingerpad.cli import app
 from fingerpad.exceptions import FingerpadError
 from fingerpad.report.compare import forest_plot, write_comparison_page
-from fingerpad.study.compare import Owner, Value, compare_studies, write_comparison
+from fingerpad.study.compare import Person, Value, compare_studies, write_comparison
 from fingerpad.study.compare.means import means_of
 from fingerpad.study.pipeline import run_study
 
@@ -34,7 +34,7 @@ def value(
     return Value(
         value=value,
         std=std,
-        person=Owner(person, named),
+        person=Person(person, named),
         finger=finger,
         **{**given, "synthetic": False, **more},
     )
@@ -135,7 +135,7 @@ def finger(name: str, palmar: float, more: str = "") -> str:
 name = "{name}"
 {more}
 semi_axes_mm = {{ palmar = {palmar}, distal = 13.8, radial_ulnar = 11.8 }}
-semi_axes_std_mm = {{ palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }}
+semi_axes_mm_std = {{ palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }}
 """ + "".join(
         f"""
 [[observations]]
@@ -176,11 +176,11 @@ def runs(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
 def test_every_value_is_that_of_its_run(runs: list[Path]) -> None:
     found = compare_studies([runs[0], runs[1] / "results.csv", runs[2] / "summary.json"])
     assert {(v.study, v.finger, v.person) for v in found.values} == {
-        ("Lab <b>A</b>", "l_index", Owner("P01", True)),
-        ("Lab <b>A</b>", "l_ring", Owner("P01", True)),
-        ("Lab B", "index", Owner("P02", True)),
-        ("Lab B", "pad", Owner("Lab B", False)),
-        ("Lab C", "index", Owner("Lab C", False)),
+        ("Lab <b>A</b>", "l_index", Person("P01", True)),
+        ("Lab <b>A</b>", "l_ring", Person("P01", True)),
+        ("Lab B", "index", Person("P02", True)),
+        ("Lab B", "pad", Person("Lab B", False)),
+        ("Lab C", "index", Person("Lab C", False)),
     }
     summary = json.loads((runs[0] / "summary.json").read_text())
     for row in summary["summaries"]:

@@ -11,21 +11,21 @@ import pytest
 from fingerpad.image import (
     Scale,
     combine_faces,
-    measure_imprint,
+    measure_contact_image,
     read_colour_image,
+    render_contact_image,
     render_finger,
-    render_imprint,
 )
+from fingerpad.study.corrections.apply import corrected_contact_image, corrected_photograph
 from fingerpad.study.corrections.changes import ContactCorrection, PhotographCorrection
-from fingerpad.study.corrections.corrected import corrected_imprint, corrected_photograph
 from fingerpad.study.corrections.log import CorrectionLog
 from fingerpad.study.manifest import Study
 from fingerpad.study.measuring.fingers import finger_result, photograph_item
 from fingerpad.study.measuring.measure import contact_correction, measure_observation, reviewed
 from fingerpad.study.measuring.scales import named_scales
-from fingerpad.study.measuring.tasks import Keys, photograph_tasks
+from fingerpad.study.measuring.tasks import CacheKeys, photograph_tasks
 
-TRUTH = render_imprint(semi_major=8.0, semi_minor=6.0, margin=4.0, seed=5)
+TRUTH = render_contact_image(semi_major=8.0, semi_minor=6.0, margin=4.0, seed=5)
 FACES = {"palmar": (11.8, 13.8), "distal": (11.8, 7.9), "radial": (7.9, 13.8)}
 
 
@@ -88,16 +88,18 @@ def measured(folder, tmp_path, name, change=None):
         log.append(name, change, who="anna", expected=log.history(name).last_id, study=STUDY)
     observation = next(one for one in STUDY.observations if one.name == name)
     scales = named_scales(STUDY, folder)
-    ruling = log.ruling(name)
-    found = measure_observation(observation, scales, folder, tmp_path / "out", contact_correction(ruling))
-    return reviewed(found, ruling)
+    active_correction = log.active_correction(name)
+    found = measure_observation(
+        observation, scales, folder, tmp_path / "out", contact_correction(active_correction)
+    )
+    return reviewed(found, active_correction)
 
 
-def finger_of(finger, scales, folder, out, rulings):
+def finger_of(finger, scales, folder, out, active_corrections):
     """Measure a finger's photographs as a run does, and combine them."""
-    keys = Keys(study=STUDY, folder=folder, digest=str, rulings=rulings)
+    keys = CacheKeys(study=STUDY, folder=folder, digest=str, active_corrections=active_corrections)
     records = {task.item: task.work(folder, out) for task in photograph_tasks(finger, keys, scales)}
-    return finger_result(finger, scales, folder, records, rulings)
+    return finger_result(finger, scales, folder, records, active_corrections)
 
 
 def test_without_corrections_nothing_is_different(folder, tmp_path):
@@ -133,7 +135,9 @@ def test_strokes_and_options_are_the_programs_with_corrections(folder, tmp_path)
     assert found.columns["program_semi_major_mm"] == plain.semi_major
     other = measured(folder, tmp_path, "p", {"threshold": 90})
     pixels = cv2.imread(str(folder / "print.png"), cv2.IMREAD_GRAYSCALE)
-    assert other.semi_major == measure_imprint(pixels, Scale.of_ppi(500), threshold=90).ellipse.semi_major
+    assert (
+        other.semi_major == measure_contact_image(pixels, Scale.of_ppi(500), threshold=90).ellipse.semi_major
+    )
     # Back to the program.
     assert measured(folder, tmp_path, "p", {}).semi_major == plain.semi_major
 
@@ -162,28 +166,33 @@ def test_a_person_measures_what_the_program_cannot(folder, tmp_path):
     pixels = np.random.default_rng(0).normal(120, 3, (300, 300))
     by_hand = ContactCorrection.model_validate({"ellipse_px": {"centre": [150, 150], "semi_axes": [90, 70]}})
     contact = STUDY.observations[1]
-    seen = corrected_imprint(pixels, Scale.of_ppi(500), contact, folder, by_hand)
+    seen = corrected_contact_image(pixels, Scale.of_ppi(500), contact, folder, by_hand)
     assert seen.program is None
-    assert float(seen.imprint.ellipse.semi_minor) == pytest.approx(70 * 25.4 / 500, rel=1e-3)
+    assert float(seen.contact_image.ellipse.semi_minor) == pytest.approx(70 * 25.4 / 500, rel=1e-3)
     nothing = ContactCorrection.model_validate(
         {"strokes": [{"action": "remove", "points_px": [[5, 5]], "radius_px": 5}]}
     )
-    assert "leave no contact" in corrected_imprint(pixels, Scale.of_ppi(500), contact, folder, nothing).reason
+    assert (
+        "leave no contact"
+        in corrected_contact_image(pixels, Scale.of_ppi(500), contact, folder, nothing).reason
+    )
 
 
 def test_frames_keep_the_films_reading(folder):
     """A frame is measured as its film is; a stroke changes the region, not the reading."""
     scale, film = Scale.of_ppi(500), STUDY.sequences[0]
-    settings = measure_imprint(TRUTH.pixels, scale).settings | {"ridge_period": 0.5}
-    plain = corrected_imprint(TRUTH.pixels, scale, film, folder, settings=settings)
-    assert plain.imprint.as_record() == measure_imprint(TRUTH.pixels, scale, **settings).as_record()
-    row, column = plain.imprint.centroid
+    settings = measure_contact_image(TRUTH.pixels, scale).settings | {"ridge_period": 0.5}
+    plain = corrected_contact_image(TRUTH.pixels, scale, film, folder, settings=settings)
+    assert (
+        plain.contact_image.as_record() == measure_contact_image(TRUTH.pixels, scale, **settings).as_record()
+    )
+    row, column = plain.contact_image.centroid
     stroke = {"action": "remove", "points_px": [[row - 150, column]], "radius_px": 40}
     change = ContactCorrection.model_validate({"strokes": [stroke]})
-    found = corrected_imprint(TRUTH.pixels, scale, film, folder, change, settings=settings)
-    assert found.program.as_record() == plain.imprint.as_record()
-    assert found.imprint.ridge_period == plain.imprint.ridge_period
-    assert found.imprint.gross_area < plain.imprint.gross_area
+    found = corrected_contact_image(TRUTH.pixels, scale, film, folder, change, settings=settings)
+    assert found.program.as_record() == plain.contact_image.as_record()
+    assert found.contact_image.ridge_period == plain.contact_image.ridge_period
+    assert found.contact_image.gross_area < plain.contact_image.gross_area
 
 
 def test_results_depend_on_the_folder_alone(folder, tmp_path):
@@ -204,7 +213,7 @@ def test_photographs_by_hand_and_rejected(folder, tmp_path):
     by_hand = {"centre": [400, 380], "semi_axes": [250, 290]}
     log.append(items[0], {"ellipse_px": by_hand}, who="ben", expected=0, study=STUDY)
     log.append(items[2], {"rejected": "nail in view"}, who="ben", expected=0, study=STUDY)
-    found = finger_of(finger, scales, folder, tmp_path / "out", log.rulings())
+    found = finger_of(finger, scales, folder, tmp_path / "out", log.active_corrections())
     assert [one.manifest.face for one in found.photographs] == ["palmar", "distal"]
     assert found.photographs[0].flags == ("by_hand",)
     # The page's joint result is the run's.
@@ -215,7 +224,7 @@ def test_photographs_by_hand_and_rejected(folder, tmp_path):
                 read_colour_image(folder / one.image),
                 one,
                 scale,
-                ruling.change if (ruling := log.ruling(item)) else None,
+                active_correction.change if (active_correction := log.active_correction(item)) else None,
             ).face_semi_axes,
             scale="camera",
         )

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from fingerpad.exceptions import CorrectionConflict, StoreError
 from fingerpad.study.corrections.changes import ContactCorrection
-from fingerpad.study.corrections.decisions import CORRECTIONS_NAME
+from fingerpad.study.corrections.history import CORRECTIONS_NAME
 from fingerpad.study.corrections.log import CorrectionLog, frames_of, kind_of
 from fingerpad.study.manifest import Study
 
@@ -67,19 +67,19 @@ def said(log, item, change, **others):
 def test_a_change_is_read_back_by_another(tmp_path):
     log, other = CorrectionLog(tmp_path), CorrectionLog(tmp_path)
     said(log, "print_1", {"threshold": 40, "strokes": [STROKE], "accepted": True})
-    ruling = other.ruling("print_1")
-    assert ruling.change.threshold == 40
-    assert ruling.change.strokes[0].points_px == [[10.5, 20], [30, 40.25]]
-    assert ruling.change.accepted
-    assert ruling.who == "anna"
-    assert other.ruling("print_2") is None
+    active_correction = other.active_correction("print_1")
+    assert active_correction.change.threshold == 40
+    assert active_correction.change.strokes[0].points_px == [[10.5, 20], [30, 40.25]]
+    assert active_correction.change.accepted
+    assert active_correction.who == "anna"
+    assert other.active_correction("print_2") is None
 
 
 def test_the_newest_rules_and_every_decision_stays(tmp_path):
     log = CorrectionLog(tmp_path)
     for level in (10, 20, 30):
         said(log, "print_1", {"threshold": level})
-    assert log.ruling("print_1").change.threshold == 30
+    assert log.active_correction("print_1").change.threshold == 30
     kept = [json.loads(line) for line in (tmp_path / CORRECTIONS_NAME).read_text().splitlines()]
     assert [record["change"]["threshold"] for record in kept] == [10, 20, 30]
     assert all(record["who"] == "anna" and record["when"].endswith("Z") for record in kept)
@@ -89,8 +89,8 @@ def test_nothing_said_is_the_programs_own(tmp_path):
     log = CorrectionLog(tmp_path)
     said(log, "print_1", {"threshold": 10})
     said(log, "print_1", {})
-    assert log.ruling("print_1") is None
-    assert log.rulings() == {}
+    assert log.active_correction("print_1") is None
+    assert log.active_corrections() == {}
 
 
 def test_items_of_all_kinds(tmp_path):
@@ -102,8 +102,8 @@ def test_items_of_all_kinds(tmp_path):
         "frame",
         "photograph",
     ]
-    assert frames_of(log.rulings(), "press")[120].change.rejected == "blurred"
-    assert log.ruling("f/a/p.jpg").change.tip == "left"
+    assert frames_of(log.active_corrections(), "press")[120].change.rejected == "blurred"
+    assert log.active_correction("f/a/p.jpg").change.tip == "left"
 
 
 @pytest.mark.parametrize("number", ["abc", "-1", "07", "", "1.5"])
@@ -112,7 +112,7 @@ def test_a_frame_without_a_number_waits_too(tmp_path, number):
     line = json.dumps({**record, "change": {"threshold": 0.4}})
     (tmp_path / CORRECTIONS_NAME).write_text(line + "\n")
     log = CorrectionLog(tmp_path)
-    assert frames_of(log.rulings(), "press") == {}
+    assert frames_of(log.active_corrections(), "press") == {}
     assert log.unknown_items(STUDY) == [f"press#{number}"]
 
 
@@ -171,7 +171,7 @@ def test_what_is_wrong_is_said_and_nothing_is_kept(tmp_path, case):
 def test_a_brush_may_reach_over_the_rim(tmp_path):
     log = CorrectionLog(tmp_path)
     said(log, "print_1", {"strokes": [{**STROKE, "points_px": [[-3, 40]]}]}, shape=(60, 80))
-    assert log.ruling("print_1") is not None
+    assert log.active_correction("print_1") is not None
 
 
 def test_a_nameless_author_is_refused(tmp_path):
@@ -186,7 +186,7 @@ def test_who_saw_less_is_told_who_did_what(tmp_path):
     with pytest.raises(CorrectionConflict, match="anna changed threshold at 2") as error:
         said(other, "print_1", {"threshold": 50}, who="ben", expected=seen)
     assert error.value.latest == record
-    assert log.ruling("print_1").change.threshold == 40
+    assert log.active_correction("print_1").change.threshold == 40
     # What is done to one item does not stand in the way of another.
     said(other, "print_2", {"threshold": 50}, who="ben", expected=0)
 
@@ -209,8 +209,8 @@ def test_undo_and_redo_walk_like_two_stacks(tmp_path_factory, steps):
         else:
             with pytest.raises(StoreError, match=f"nothing to {step}"):
                 getattr(log, step)("print_1", who="anna", expected=history.last_id)
-        ruling = CorrectionLog(log._path.parent).ruling("print_1")
-        assert (ruling and ruling.change.threshold) == (done[-1] if done else None)
+        active_correction = CorrectionLog(log._path.parent).active_correction("print_1")
+        assert (active_correction and active_correction.change.threshold) == (done[-1] if done else None)
 
 
 def write_many(folder, who, count):
@@ -252,7 +252,7 @@ def test_a_torn_line_is_left_out_and_mended(tmp_path, cut):
     path.write_bytes(whole + last[:cut])
     fresh = CorrectionLog(tmp_path)
     assert "line 3 is torn" in fresh.notes[0]
-    assert fresh.ruling("print_1").change.threshold == 20
+    assert fresh.active_correction("print_1").change.threshold == 20
     said(fresh, "print_1", {"threshold": 30})
     assert fresh.notes == ()
     assert path.read_bytes().startswith(whole)
@@ -289,16 +289,16 @@ def test_a_bad_line_is_named_each_time_and_its_repair_noticed(tmp_path):
     path.write_bytes(good + b"nonsense\n" + good)
     for _ in range(3):
         with pytest.raises(StoreError, match="line 3 is no correction"):
-            log.rulings()
+            log.active_corrections()
     path.write_bytes(good)
-    assert log.ruling("print_1").change.threshold == 20
+    assert log.active_correction("print_1").change.threshold == 20
     # A line in the middle, in place and of the same length.
     path.write_bytes(good.replace(b'"who": "anna"', b'"who": "anne"', 1))
     for _ in range(2):
         with pytest.raises(StoreError, match="line 1 was changed after it was written"):
-            log.rulings()
+            log.active_corrections()
     path.write_bytes(good)
-    assert log.ruling("print_1").who == "anna"
+    assert log.active_correction("print_1").who == "anna"
 
 
 def test_what_is_written_by_hand_has_no_checksum_and_counts(tmp_path):
@@ -309,10 +309,10 @@ def test_what_is_written_by_hand_has_no_checksum_and_counts(tmp_path):
     content["change"]["threshold"] = 11
     path.write_text(json.dumps(content) + "\n")
     with pytest.raises(StoreError, match='remove its "checksum"'):
-        log.rulings()
+        log.active_corrections()
     del content["checksum"]
     path.write_text(json.dumps(content) + "\n")
-    assert log.ruling("print_1").change.threshold == 11
+    assert log.active_correction("print_1").change.threshold == 11
 
 
 def test_any_flipped_bit_of_a_line_is_noticed(tmp_path):
@@ -320,7 +320,7 @@ def test_any_flipped_bit_of_a_line_is_noticed(tmp_path):
     for level in (10, 20):
         said(log, "print_1", {"threshold": level, "strokes": [STROKE]})
     path = tmp_path / CORRECTIONS_NAME
-    whole, ruling = path.read_bytes(), log.ruling("print_1")
+    whole, active_correction = path.read_bytes(), log.active_correction("print_1")
     for place in range(0, 8 * len(whole), 7):
         flipped = bytearray(whole)
         flipped[place // 8] ^= 1 << place % 8
@@ -330,7 +330,7 @@ def test_any_flipped_bit_of_a_line_is_noticed(tmp_path):
         except StoreError:
             continue
         # A flipped end of line tears the last line, and a flipped checksum's name leaves none.
-        assert found.notes or found.ruling("print_1") == ruling
+        assert found.notes or found.active_correction("print_1") == active_correction
 
 
 KILLED = """

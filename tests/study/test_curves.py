@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fingerpad._json import dumps
-from fingerpad.loading import Estimate, Unknown, simulate_loading_curve
+from fingerpad.loading import Estimate, Undetermined, simulate_loading_curve
 from fingerpad.report import write_report
 from fingerpad.study.engine.progress import Progress
 from fingerpad.study.pipeline import run_study
@@ -19,11 +19,11 @@ from fingerpad.study.status import study_status
 MANIFEST = """
 title = "T"
 [uncertainty]
-wedge_angle_std_deg = 1.0
+wedge_angle_deg_std = 1.0
 [[fingers]]
 name = "f"
 semi_axes_mm = { palmar = 7.9, distal = 13.8, radial_ulnar = 11.8 }
-semi_axes_std_mm = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }
+semi_axes_mm_std = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }
 [[observations]]
 name = "c"
 finger = "f"
@@ -53,11 +53,11 @@ def study(folder: Path, *curves: str) -> StudyResult:
 
 def test_a_curve_tells_radius_modulus_and_velocity(tmp_path: Path) -> None:
     write_curve(
-        tmp_path / "a.csv", effective_radius=15.0, initial_modulus=0.04, load_coefficient=0.02, rate=3.0
+        tmp_path / "a.csv", loading_radius=15.0, initial_modulus=0.04, load_coefficient=0.02, rate=3.0
     )
     result = study(tmp_path, 'file = "a.csv"\n')
     (curve,) = result.curves
-    assert abs(curve.effective_radius - 15) < 4 * curve.effective_radius_std
+    assert abs(curve.loading_radius - 15) < 4 * curve.loading_radius_std
     assert curve.velocity == pytest.approx(3.0, rel=0.01)
     assert abs(curve.fit.initial_modulus.value - 0.04) < 4 * curve.fit.initial_modulus.std
     (record,) = summary_record(result)["curves"]
@@ -69,8 +69,8 @@ def test_a_curve_tells_radius_modulus_and_velocity(tmp_path: Path) -> None:
 
 def test_two_processes_fit_and_check_what_one_does(tmp_path: Path) -> None:
     for name, rate in (("a", 1.0), ("b", 3.0)):
-        write_curve(tmp_path / f"{name}.csv", effective_radius=15.0, initial_modulus=0.04, rate=rate)
-    one = study(tmp_path, 'file = "b.csv"\n', "effective_radius_mm = 14\n", 'file = "a.csv"\n')
+        write_curve(tmp_path / f"{name}.csv", loading_radius=15.0, initial_modulus=0.04, rate=rate)
+    one = study(tmp_path, 'file = "b.csv"\n', "loading_radius_mm = 14\n", 'file = "a.csv"\n')
     two = run_study(tmp_path / "study.toml", tmp_path / "two", workers=2)
     assert [curve.name for curve in one.curves] == ["b.csv", "f at 30°, R_g as given", "a.csv"]
     assert one.checks[0] is not None
@@ -81,7 +81,7 @@ def test_two_processes_fit_and_check_what_one_does(tmp_path: Path) -> None:
 
 def test_only_curves_that_changed_are_fitted_again(tmp_path: Path) -> None:
     for name in ("a", "b"):
-        write_curve(tmp_path / f"{name}.csv", effective_radius=15.0, initial_modulus=0.04)
+        write_curve(tmp_path / f"{name}.csv", loading_radius=15.0, initial_modulus=0.04)
     curves = ('file = "a.csv"\n', 'file = "b.csv"\n', 'file = "b.csv"\nregion_N = [0.2, 1.5]\n')
 
     def fitted(*now: str) -> tuple[list[str], StudyResult]:
@@ -96,11 +96,11 @@ def test_only_curves_that_changed_are_fitted_again(tmp_path: Path) -> None:
     again, kept = fitted(*curves)
     assert again == []
     assert digest_of_values(kept.curves) == digest_of_values(fresh.curves)
-    write_curve(tmp_path / "a.csv", effective_radius=14.0, initial_modulus=0.04)
+    write_curve(tmp_path / "a.csv", loading_radius=14.0, initial_modulus=0.04)
     assert study_status(tmp_path / "study.toml", tmp_path / "out").stale == 1
     changed, other = fitted(*curves)
     assert changed == ["f/a.csv"]
-    assert other.curves[0].effective_radius < kept.curves[0].effective_radius
+    assert other.curves[0].loading_radius < kept.curves[0].loading_radius
     # the pad's shape is drawn beside the data, so that other semi-axes ask for another comparison
     manifest = MANIFEST.replace("palmar = 7.9", "palmar = 8.1")
     (tmp_path / "study.toml").write_text(manifest + "".join(CURVE + each for each in curves))
@@ -121,13 +121,13 @@ def test_uncertainty_is_checked_again_only_where_something_bears_on_it(tmp_path:
 
 
 def test_without_area_a_radius_from_elsewhere_gives_moduli(tmp_path: Path) -> None:
-    write_curve(tmp_path / "a.csv", area=False, effective_radius=15.0)
+    write_curve(tmp_path / "a.csv", area=False, loading_radius=15.0)
     alone = study(tmp_path, 'file = "a.csv"\n').curves[0]
-    assert isinstance(alone.fit.initial_modulus, Unknown)
+    assert isinstance(alone.fit.initial_modulus, Undetermined)
     assert "no contact area" in alone.reason
     given = 'file = "a.csv"\neffective_radius_mm = 15\neffective_radius_std_mm = 1.5\n'
     helped = study(tmp_path, given).curves[0]
-    assert helped.effective_radius == 15
+    assert helped.loading_radius == 15
     assert isinstance(helped.fit.initial_modulus, Estimate)
     # E goes as R^-1/2: a tenth of the radius is a twentieth of the modulus.
     assert helped.fit.youngs_modulus.std / helped.fit.youngs_modulus.value == pytest.approx(0.05, rel=0.15)
@@ -142,22 +142,22 @@ def test_what_cannot_be_fitted_whole_may_still_have_a_slope(tmp_path: Path) -> N
     )
     result = study(tmp_path, 'file = "a.csv"\n')
     (curve,) = result.curves
-    assert curve.effective_radius == pytest.approx(14.0, rel=1e-3)
+    assert curve.loading_radius == pytest.approx(14.0, rel=1e-3)
     assert not curve.failed
     assert result.failures == []
 
 
 def test_curves_of_one_placement_are_pooled(tmp_path: Path) -> None:
     for seed in (1, 2):
-        write_curve(tmp_path / f"{seed}.csv", effective_radius=15.0, seed=seed)
+        write_curve(tmp_path / f"{seed}.csv", loading_radius=15.0, seed=seed)
     result = study(tmp_path, 'file = "1.csv"\n', 'file = "2.csv"\n')
     pooled = loading_radius(result.curves, "f", 30, synthetic=False)
-    low, high = sorted(curve.effective_radius for curve in result.curves)
+    low, high = sorted(curve.loading_radius for curve in result.curves)
     assert low < pooled.value < high
     assert abs(pooled.value - 15) < 4 * pooled.std
     assert loading_radius(result.curves, "f", 30, synthetic=True) is None
     assert loading_radius(result.curves, "f", 45, synthetic=False) is None
-    exact = study(tmp_path, "effective_radius_mm = 14\n", "effective_radius_mm = 16\n")
+    exact = study(tmp_path, "loading_radius_mm = 14\n", "loading_radius_mm = 16\n")
     assert loading_radius(exact.curves, "f", 30, synthetic=False).value == 15
 
 
@@ -186,7 +186,7 @@ def test_the_report_shows_fits_and_reasons(tmp_path: Path) -> None:
 
 
 def test_a_curve_whose_radius_came_out_small_does_not_count_for_more(tmp_path: Path) -> None:
-    given = (f"effective_radius_mm = {r}\neffective_radius_std_mm = {0.1 * r}\n" for r in (14.0, 16.0))
+    given = (f"loading_radius_mm = {r}\neffective_radius_std_mm = {0.1 * r}\n" for r in (14.0, 16.0))
     pooled = loading_radius(study(tmp_path, *given).curves, "f", 30, synthetic=False)
     assert pooled.value == pytest.approx(15.0)
     assert pooled.std == pytest.approx(1.5 / np.sqrt(2))

@@ -12,9 +12,9 @@ import pytest
 
 from fingerpad.exceptions import EditConflict, ManifestError, StoreError
 from fingerpad.study.corrections.log import CorrectionLog
+from fingerpad.study.editing.checklist import missing
 from fingerpad.study.editing.documents import DRAFT_NAME, STUDY_NAME, title_of
 from fingerpad.study.editing.edit import change_study, create_study, study_state
-from fingerpad.study.editing.missing import missing
 from fingerpad.study.editing.state import Edit
 from fingerpad.study.journal import JOURNAL_NAME
 from fingerpad.study.manifest import read_study
@@ -29,7 +29,7 @@ ppi = 500        # on the box
 [[fingers]]
 name = "left"    # the first
 semi_axes_mm = { palmar = 7.9, distal = 13.8, radial_ulnar = 11.8 }
-semi_axes_std_mm = { palmar = 0.2, distal = 0.2, radial_ulnar = 0.2 }
+semi_axes_mm_std = { palmar = 0.2, distal = 0.2, radial_ulnar = 0.2 }
 
 # The prints.
 [[observations]]
@@ -50,7 +50,7 @@ scale = "reader"
 """
 SEMI_AXES = {
     "semi_axes_mm": {"palmar": 7.9, "distal": 13.8, "radial_ulnar": 11.8},
-    "semi_axes_std_mm": {"palmar": 0.2, "distal": 0.2, "radial_ulnar": 0.2},
+    "semi_axes_mm_std": {"palmar": 0.2, "distal": 0.2, "radial_ulnar": 0.2},
 }
 PRINT = {"finger": "left", "image": "a.png", "scale": "reader", "wedge_angle_deg": 30, "load_N": 2}
 
@@ -87,7 +87,7 @@ def test_adding_leaves_what_was_there(folder):
         ("scale", "camera", {"mm_per_px": 0.05, "relative_std": 0.01}),
         ("study", "", {"poisson_ratio": 0.49}),
         ("uncertainty", "", {"load_relative_std": 0.02}),
-        ("curve", "0", {"finger": "left", "wedge_angle_deg": 30, "effective_radius_mm": 5.5}),
+        ("curve", "0", {"finger": "left", "wedge_angle_deg": 30, "loading_radius_mm": 5.5}),
     )
     study = read_study(folder / STUDY_NAME)
     assert study == state.study
@@ -96,7 +96,7 @@ def test_adding_leaves_what_was_there(folder):
     assert study.observations[2].seed_px == [20, 30]
     assert (study.poisson_ratio, study.uncertainty.load_relative_std) == (0.49, 0.02)
     assert study.scales["camera"].mm_per_px == 0.05
-    assert study.curves[0].effective_radius_mm == 5.5
+    assert study.curves[0].loading_radius_mm == 5.5
     text = (folder / STUDY_NAME).read_text()
     assert all(line in text for line in MANIFEST.splitlines())
     assert state.incomplete == ()

@@ -17,18 +17,18 @@ from fingerpad.exceptions import FingerpadError
 from fingerpad.study.corrections.log import CorrectionLog
 from fingerpad.study.manifest import read_study
 from fingerpad.study.pipeline import run_study
-from fingerpad.study.results.columns import COLUMNS, TRUTHS, WORDS
+from fingerpad.study.results.columns import BOOL_COLUMNS, COLUMNS, TEXT_COLUMNS
 from fingerpad.study.results.export import export_results
-from fingerpad.study.results.finished_table import Column, ResultsTable
+from fingerpad.study.results.results_reader import Column, ResultsTable
 
 STUDY = """
 title = "Two presses, é"
 [uncertainty]
-wedge_angle_std_deg = 0.5
+wedge_angle_deg_std = 0.5
 [[fingers]]
 name = "index"
 semi_axes_mm = { palmar = 7.9, distal = 13.8, radial_ulnar = 11.8 }
-semi_axes_std_mm = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }
+semi_axes_mm_std = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }
 [[observations]]
 name = "heavy"
 finger = "index"
@@ -77,7 +77,7 @@ def test_parquet_keeps_values_types_units_and_meanings(results: Path, tmp_path: 
     rows = json.loads((results / "results.json").read_text())
     table = parquet.read_table(tmp_path / "r.parquet")
     assert table.to_pylist() == [
-        {name: row[name] or None if name in WORDS else row[name] for name in row} for row in rows
+        {name: row[name] or None if name in TEXT_COLUMNS else row[name] for name in row} for row in rows
     ]
     types = {field.name: str(field.type) for field in table.schema}
     assert types["synthetic"] == types["pooled"] == "bool"
@@ -101,7 +101,7 @@ def test_matlab_keeps_values_units_and_meanings(results: Path, tmp_path: Path) -
     for name in COLUMNS:
         assert len(struct[name]) == len(rows), name  # one line each, as MATLAB's struct2table asks for
         values = [row[name] for row in rows]
-        if name in WORDS:
+        if name in TEXT_COLUMNS:
             assert [str(word).rstrip() for word in struct[name]] == [value or "" for value in values]
         else:
             assert struct[name].shape == (3, 1)
@@ -118,19 +118,19 @@ def test_every_column_has_the_unit_that_its_name_says() -> None:
         "load_N": "N", "time_s": "s", "frame": "1", "u_deg": "deg", "mm_per_px": "mm/px",
         "mm_per_px_std": "mm/px",
         "gross_area_mm2": "mm2", "gross_area_mm2_std": "mm2", "centroid_row_px": "px", "ellipse_iou": "1",
-        "youngs_modulus_kpa_std": "kPa", "radius_from_indentation_mm_std_given_geometry": "mm",
-        "aspect_ratio": "1", "contact_size": "1", "finger": "", "pooled": "",
+        "youngs_modulus_kpa_std": "kPa", "radius_from_indentation_mm_fixed_geometry_std": "mm",
+        "aspect_ratio": "1", "contact_radius_ratio": "1", "finger": "", "pooled": "",
     }  # fmt: skip
     assert {name: Column(name=name, meaning="").unit for name in expected} == expected
     pure = {
         "aspect_ratio",
         "predicted_aspect_ratio",
         "ellipse_iou",
-        "contact_size",
+        "contact_radius_ratio",
         "indentation_over_thickness",
     }
     without = {name for name in COLUMNS if Column(name=name, meaning="").unit in {"", "1"}}
-    assert without == {name for name in COLUMNS if name in WORDS | TRUTHS} | pure | {"frame"}
+    assert without == {name for name in COLUMNS if name in TEXT_COLUMNS | BOOL_COLUMNS} | pure | {"frame"}
 
 
 def test_words_of_people_are_no_formulas_and_come_back(tmp_path: Path) -> None:

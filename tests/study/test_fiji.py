@@ -19,11 +19,11 @@ from typer.testing import CliRunner
 from fingerpad.cli import app
 from fingerpad.exceptions import CalibrationError, FingerpadError, ImageError, ManifestError
 from fingerpad.image import equal_area_ellipse
-from fingerpad.image.traced import traced_ellipse
+from fingerpad.image.polygon import ellipse_of_polygon
 from fingerpad.study.fiji import (
-    HandEllipse,
     LabelPattern,
-    hand_observations,
+    ManualEllipse,
+    manual_observations,
     read_results_table,
     read_rois,
     write_observations,
@@ -187,7 +187,7 @@ def test_a_traced_outline_is_the_region_inside_it(tmp_path: Path) -> None:
     corners = [(10, 20), (10, 70), (40, 70), (40, 40), (50, 40), (50, 20)]
     region = equal_area_ellipse(blob)
     for outline in (corners, corners[::-1], [*corners, corners[0]]):
-        found = traced_ellipse(np.array(outline) - 0.5)
+        found = ellipse_of_polygon(np.array(outline) - 0.5)
         assert_allclose(found.ellipse.semi_major, region.ellipse.semi_major, rtol=1e-12)
         assert_allclose(found.ellipse.semi_minor, region.ellipse.semi_minor, rtol=1e-12)
         assert_allclose(found.centroid, region.centroid, rtol=1e-12)
@@ -205,7 +205,7 @@ def test_a_traced_outline_is_the_region_inside_it(tmp_path: Path) -> None:
 )
 def test_outlines_that_are_none_are_refused(corners: list[tuple[float, float]], message: str) -> None:
     with pytest.raises(ImageError, match=message):
-        traced_ellipse(corners)
+        ellipse_of_polygon(corners)
 
 
 def zipped(folder: Path, members: dict[str, bytes]) -> Path:
@@ -274,7 +274,7 @@ def test_any_torn_roi_is_refused_or_read_but_never_a_traceback(tmp_path: Path) -
 def ellipse(
     label: str = "a", semi_major: float = 7.4, semi_minor: float = 5.0, orientation: float | None = 0.0
 ):
-    return HandEllipse(
+    return ManualEllipse(
         label=label,
         place="t, line 2",
         semi_major=semi_major,
@@ -295,7 +295,7 @@ def ellipse(
     ],
 )  # fmt: skip
 def test_labels_tell_what_the_pattern_says(pattern: str, label: str, told: dict[str, object]) -> None:
-    assert LabelPattern.of(pattern).told_by(label) == told
+    assert LabelPattern.of(pattern).values_in(label) == told
 
 
 @pytest.mark.parametrize(
@@ -317,27 +317,27 @@ def test_patterns_that_are_none_are_refused(pattern: str, found: str) -> None:
 def test_the_long_axis_is_told_from_the_finger(
     orientation: float | None, finger_axis: float, long_axis: str | None
 ) -> None:
-    (row,) = hand_observations(
-        [ellipse(orientation=orientation)], mm_per_unit=1, semi_axis_std_mm=0.1, finger_axis_deg=finger_axis
+    (row,) = manual_observations(
+        [ellipse(orientation=orientation)], mm_per_unit=1, semi_axis_mm_std=0.1, finger_axis_deg=finger_axis
     )
     assert row.long_axis == long_axis
 
 
 def test_a_scale_s_uncertainty_widens_the_axes() -> None:
-    (row,) = hand_observations(
+    (row,) = manual_observations(
         [ellipse(semi_major=100, semi_minor=100)],
         mm_per_unit=0.05,
-        semi_axis_std_mm=0.3,
+        semi_axis_mm_std=0.3,
         relative_scale_std=0.08,
     )
-    assert (row.semi_major_mm, row.ellipse_std_mm) == pytest.approx((5.0, 0.5))  # 0.3 and 0.4 in quadrature
+    assert (row.semi_major_mm, row.ellipse_mm_std) == pytest.approx((5.0, 0.5))  # 0.3 and 0.4 in quadrature
 
 
 @pytest.mark.parametrize(
     ("changed", "error", "message"),
     [
-        ({"semi_axis_std_mm": 0}, ManifestError, "must be positive, found 0 mm"),
-        ({"semi_axis_std_mm": math.nan}, ManifestError, "must be positive, found nan"),
+        ({"semi_axis_mm_std": 0}, ManifestError, "must be positive, found 0 mm"),
+        ({"semi_axis_mm_std": math.nan}, ManifestError, "must be positive, found nan"),
         ({"finger_axis_deg": math.nan}, ManifestError, "finger_axis_deg must be a finite number"),
         ({"known": {"load_N": math.inf}}, ManifestError, "load_N must be a finite number, found inf"),
         ({"known": {"load_N": -1}}, ManifestError, "line 2: load_N: expected greater than 0, found -1"),
@@ -355,7 +355,7 @@ def test_a_scale_s_uncertainty_widens_the_axes() -> None:
 )
 def test_what_cannot_be_meant_is_refused(changed: dict[str, object], error: type, message: str) -> None:
     with pytest.raises(error, match=message):
-        hand_observations([ellipse()], **{"mm_per_unit": 1, "semi_axis_std_mm": 0.1, **changed})
+        manual_observations([ellipse()], **{"mm_per_unit": 1, "semi_axis_mm_std": 0.1, **changed})
 
 
 def test_names_are_such_as_a_manifest_takes_and_never_the_same(tmp_path: Path) -> None:
@@ -370,10 +370,10 @@ def test_names_are_such_as_a_manifest_takes_and_never_the_same(tmp_path: Path) -
         "a",
         "a_2",
     ]
-    rows = hand_observations(
+    rows = manual_observations(
         [ellipse(label) for label in labels],
         mm_per_unit=1,
-        semi_axis_std_mm=0.1,
+        semi_axis_mm_std=0.1,
         known={"finger": "index", "wedge_angle_deg": 30.0, "load_N": 2.0},
     )
     write_observations(tmp_path / "o.csv", rows)
@@ -394,7 +394,7 @@ observations_csv = "observations.csv"
 [[fingers]]
 name = "index"
 semi_axes_mm = { palmar = 7.9, distal = 13.8, radial_ulnar = 11.8 }
-semi_axes_std_mm = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }
+semi_axes_mm_std = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }
 """
 
 
@@ -421,7 +421,9 @@ def test_from_fiji_to_results(tmp_path: Path) -> None:
 
 
 def test_no_spreadsheet_evaluates_notes(tmp_path: Path) -> None:
-    (row,) = hand_observations([ellipse()], mm_per_unit=1, semi_axis_std_mm=0.1, known={"roll_angle_deg": -2})
+    (row,) = manual_observations(
+        [ellipse()], mm_per_unit=1, semi_axis_mm_std=0.1, known={"roll_angle_deg": -2}
+    )
     write_observations(tmp_path / "o.csv", [replace(row, notes="=1+1")])
     with (tmp_path / "o.csv").open(encoding="utf-8") as file:
         (cells,) = csv.DictReader(file)

@@ -55,7 +55,7 @@ def study(tmp_path: Path) -> Path:
     (folder / "film").mkdir(parents=True)
     for name in FILES:
         (folder / name).write_bytes(b"a file")
-    header = "name,finger,wedge_angle_deg,load_N,semi_major_mm,semi_minor_mm,ellipse_std_mm"
+    header = "name,finger,wedge_angle_deg,load_N,semi_major_mm,semi_minor_mm,ellipse_mm_std"
     (folder / "more.csv").write_text(f"{header}\nb,index,30,2,7,5,0.1\n")
     shutil.copytree(folder, tmp_path / "outside")
     (folder / "study.toml").write_text(STUDY)

@@ -14,7 +14,7 @@ FINGER = """
 [[fingers]]
 name = "index"
 semi_axes_mm = { palmar = 7.9, distal = 13.8, radial_ulnar = 11.8 }
-semi_axes_std_mm = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }
+semi_axes_mm_std = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }
 """
 ROW = """
 [[observations]]
@@ -77,7 +77,7 @@ def test_every_commented_line_of_the_template_is_valid_too(tmp_path: Path) -> No
 
 def test_rows_may_come_from_a_spreadsheet(tmp_path: Path) -> None:
     (tmp_path / "rows.csv").write_text(
-        "name,finger,wedge_angle_deg,load_N,semi_major_mm,semi_minor_mm,ellipse_std_mm,synthetic\n"
+        "name,finger,wedge_angle_deg,load_N,semi_major_mm,semi_minor_mm,ellipse_mm_std,synthetic\n"
         "b,index,45,0.5,5.3,4.2,0.1,true\n"
         "c,index,45,1,5.3,4.2,0.1,\n",
         encoding="utf-8-sig",
@@ -133,12 +133,12 @@ def test_rows_may_come_from_a_spreadsheet(tmp_path: Path) -> None:
         ),
         (
             VALID + '[[curves]]\nfinger = "index"\nwedge_angle_deg = 30',
-            "curves.0.: give file, effective_radius_mm, or both",
+            "curves.0.: give file, loading_radius_mm, or both",
         ),
         (
             VALID + '[[curves]]\nfinger = "index"\nwedge_angle_deg = 30\nfile = "c.csv"\n'
-            "effective_radius_std_mm = 3",
-            "curves.0.: there is no use for effective_radius_std_mm here",
+            "loading_radius_mm_std = 3",
+            "curves.0.: there is no use for loading_radius_mm_std here",
         ),
         (
             VALID.replace("deg = 30", "deg = 91"),
@@ -153,7 +153,7 @@ def test_rows_may_come_from_a_spreadsheet(tmp_path: Path) -> None:
         (VALID.replace('finger = "index"', 'finger = "thumb"'), "no finger is named 'thumb'; there is index"),
         (VALID.replace('name = "a"', 'name = "../a"'), "observations.0..name: write it with letters"),
         (VALID + ROW, "observations: the name 'a' is given 2 times"),
-        (VALID.replace("semi_axes_std_mm", "# "), "semi_axes_mm and semi_axes_std_mm belong together"),
+        (VALID.replace("semi_axes_mm_std", "# "), "semi_axes_mm and semi_axes_mm_std belong together"),
         (VALID + 'image = "x.png"\nscale = { ppi = 500 }', "give either image or ellipse_mm, one of the two"),
         (VALID.replace("ellipse_mm =", "# "), "give either image or ellipse_mm"),
         (VALID.replace("ellipse_mm =", 'image = "x.png" #'), "an image needs its scale"),
@@ -244,7 +244,7 @@ def test_names_file_key_and_what_was_expected(tmp_path: Path, text: str, message
     assert all(line.startswith(("study.toml: ", str(tmp_path))) for line in str(caught.value).splitlines())
 
 
-HEADER = "name,finger,wedge_angle_deg,load_N,semi_major_mm,semi_minor_mm,ellipse_std_mm"
+HEADER = "name,finger,wedge_angle_deg,load_N,semi_major_mm,semi_minor_mm,ellipse_mm_std"
 CELLS = "b,index,45,2,5,4,.1"
 
 
@@ -316,11 +316,11 @@ def test_says_every_fault_at_once(tmp_path: Path) -> None:
     ("uncertainty", "scale", "exact"),
     [
         ("", 'scale = "reader"', ["the wedge angle", "the load", "the scale reader"]),
-        ("wedge_angle_std_deg = 1", "scale = { ppi = 500 }", ["the load", "scales of single pictures"]),
+        ("wedge_angle_deg_std = 1", "scale = { ppi = 500 }", ["the load", "scales of single pictures"]),
         ("load_relative_std = 0.1", "scale = { ppi = 500, relative_std = 0.01 }", ["the wedge angle"]),
         (
             "load_relative_std = 0.1\nwedge_angle_std_deg = 1",
-            "scale = { line = [[0, 0], [0, 9]], length_mm = 1, ends_std_px = 1 }",
+            "scale = { line = [[0, 0], [0, 9]], length_mm = 1, ends_px_std = 1 }",
             [],
         ),
     ],
@@ -336,7 +336,7 @@ ppi = 500
 [[fingers]]
 name = "f"
 semi_axes_mm = {{ palmar = 7.9, distal = 13.8, radial_ulnar = 11.8 }}
-semi_axes_std_mm = {{ palmar = 0.2, distal = 0.2, radial_ulnar = 0.2 }}
+semi_axes_mm_std = {{ palmar = 0.2, distal = 0.2, radial_ulnar = 0.2 }}
 [[observations]]
 name = "o"
 finger = "f"

@@ -11,7 +11,7 @@ from numpy.testing import assert_allclose
 from PIL import Image
 
 from fingerpad.exceptions import ManifestError
-from fingerpad.image import render_imprint
+from fingerpad.image import render_contact_image
 from fingerpad.report import write_report
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.columns import COLUMNS
@@ -55,7 +55,7 @@ def test_measures_the_photographs_and_the_curve(demo: tuple[StudyResult, Path]) 
     curves = [curve for curve in result.curves if curve.fit is not None]
     assert [round(curve.velocity, 1) for curve in curves] == [0.2, 2.0, 10.0]
     for curve in curves:  # the pad's own A/(πξ) at 30°
-        assert abs(curve.effective_radius - 13.6248 * 0.99986) < 3 * curve.effective_radius_std
+        assert abs(curve.loading_radius - 13.6248 * 0.99986) < 3 * curve.loading_radius_std
     # A viscoelastic pad is the stiffer the faster it is pressed.
     moduli = [curve.fit.initial_modulus.value for curve in curves]
     assert moduli == sorted(moduli)
@@ -79,7 +79,7 @@ def test_the_source_rows_hold_its_numbers(demo: tuple[StudyResult, Path]) -> Non
         assert_allclose(rows[name]["geometric_mean_radius_mm"], geometric, atol=6e-4)
         assert "contact_not_small" in rows[name]["range_notes"]
     # ±0.1 mm on the axes moves the corrected radius by hundredths when R_0g is held exact.
-    assert rows["table3_30deg_ellipse"]["radius_from_indentation_mm_std_given_geometry"] < 0.03
+    assert rows["table3_30deg_ellipse"]["radius_from_indentation_mm_fixed_geometry_std"] < 0.03
     assert rows["table3_30deg_ellipse"]["radius_from_indentation_mm_std"] > 0.1
 
 
@@ -165,7 +165,7 @@ def single_row(folder: Path, rows: str) -> Path:
     manifest.write_text(
         'title = "T"\n[[fingers]]\nname = "f"\n'
         "semi_axes_mm = { palmar = 8, distal = 14, radial_ulnar = 12 }\n"
-        "semi_axes_std_mm = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }\n" + rows
+        "semi_axes_mm_std = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }\n" + rows
     )
     return manifest
 
@@ -182,7 +182,7 @@ def test_circular_contacts_pool_with_others(tmp_path: Path) -> None:
     )
     result = run_study(single_row(tmp_path, rows), tmp_path / "out")
     (summary,) = result.summaries
-    stds = [line["radius_from_indentation_mm_std_given_geometry"] for line in result.rows]
+    stds = [line["radius_from_indentation_mm_fixed_geometry_std"] for line in result.rows]
     assert min(stds) > 1e-4
     assert summary.corrected_radius.count == 3
 
@@ -226,7 +226,7 @@ def test_a_folder_stands_for_its_manifest(tmp_path: Path) -> None:
 
 
 def test_doubtful_pictures_are_shown_but_not_pooled(tmp_path: Path) -> None:
-    truth = render_imprint(semi_major=8.0, semi_minor=6.0, seed=3)
+    truth = render_contact_image(semi_major=8.0, semi_minor=6.0, seed=3)
     Image.fromarray(truth.pixels).save(tmp_path / "good.png")
     Image.fromarray(truth.pixels[120:]).save(tmp_path / "cut.png")
     rows = "".join(row(name, f'image = "{name}.png"\nscale = {{ ppi = 500 }}') for name in ("good", "cut"))
@@ -279,7 +279,7 @@ def test_a_study_of_failures_still_reports(copy: Path, tmp_path: Path) -> None:
     manifest.write_text(
         'title = "T"\n[[fingers]]\nname = "f"\n'
         "semi_axes_mm = { palmar = 8, distal = 14, radial_ulnar = 12 }\n"
-        "semi_axes_std_mm = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }\n"
+        "semi_axes_mm_std = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }\n"
         '[[observations]]\nname = "x"\nfinger = "f"\nwedge_angle_deg = 0\nload_N = 1\n'
         'image = "study.toml"\nscale = { ppi = 500 }\n'
     )

@@ -16,7 +16,7 @@ EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "dzidek2017" / "syn
 MANIFEST = """
 title = "T"
 [uncertainty]
-wedge_angle_std_deg = 1.0
+wedge_angle_deg_std = 1.0
 load_relative_std = 0.02
 {scales}
 [[fingers]]
@@ -25,7 +25,7 @@ name = "f"
 {contacts}
 """
 GIVEN = """semi_axes_mm = {{ palmar = 7.9, distal = 13.8, radial_ulnar = 11.8 }}
-semi_axes_std_mm = {{ palmar = {std}, distal = {std}, radial_ulnar = {std} }}"""
+semi_axes_mm_std = {{ palmar = {std}, distal = {std}, radial_ulnar = {std} }}"""
 CONTACT = """[[observations]]
 name = "c{number}"
 finger = "f"

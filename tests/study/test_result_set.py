@@ -31,7 +31,7 @@ FINGER = """title = "{title}"
 [[fingers]]
 name = "f"
 semi_axes_mm = {{ palmar = 7.9, distal = 13.8, radial_ulnar = 11.8 }}
-semi_axes_std_mm = {{ palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }}
+semi_axes_mm_std = {{ palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }}
 """
 ROW = """[[observations]]
 name = "o{number}"

@@ -5,20 +5,20 @@ from pathlib import Path
 import pytest
 from PIL import Image
 
-from fingerpad.image import render_coin, render_imprint
+from fingerpad.image import render_coin, render_contact_image
 from fingerpad.study.pipeline import run_study
 
 MANIFEST = """
 title = "T"
 {top}
 [uncertainty]
-wedge_angle_std_deg = {wedge_std}
+wedge_angle_deg_std = {wedge_std}
 load_relative_std = {load_std}
 {more}
 [[fingers]]
 name = "f"
 semi_axes_mm = {{ palmar = 7.9, distal = 13.8, radial_ulnar = 11.8 }}
-semi_axes_std_mm = {{ palmar = 1e-9, distal = 1e-9, radial_ulnar = 1e-9 }}
+semi_axes_mm_std = {{ palmar = 1e-9, distal = 1e-9, radial_ulnar = 1e-9 }}
 {finger}
 [[observations]]
 name = "x"
@@ -51,7 +51,7 @@ def row_of(
 
 @pytest.fixture
 def picture(tmp_path: Path) -> Path:
-    truth = render_imprint(semi_major=8.0, semi_minor=6.0, seed=2)
+    truth = render_contact_image(semi_major=8.0, semi_minor=6.0, seed=2)
     Image.fromarray(truth.pixels).save(tmp_path / "print.png")
     return tmp_path
 
@@ -60,7 +60,7 @@ def test_wedge_angle(tmp_path: Path) -> None:
     # dR_0g/dθ by the reference numbers: (9.982357 − 13.607666) mm over 15°, steeper than the mean at 30°.
     row = row_of(tmp_path, wedge_std=1.0)
     assert 0.2 < row["mean_curvature_radius_mm_std"] < 0.35
-    assert row["radius_from_indentation_mm_std_given_geometry"] < 1e-6
+    assert row["radius_from_indentation_mm_fixed_geometry_std"] < 1e-6
     assert row_of(tmp_path)["mean_curvature_radius_mm_std"] < 1e-6
 
 
@@ -92,7 +92,7 @@ def test_scale_moves_both_axes_together(picture: Path) -> None:
     row = row_of(picture, row=IMAGE.replace("500", "500, relative_std = 0.05"))
     # Area and pressure go with the square of the scale; the axis ratio and the corrected radius not at all.
     assert row["mean_pressure_kpa_std"] / row["mean_pressure_kpa"] == pytest.approx(0.1, rel=0.02)
-    name = "radius_from_indentation_mm_std_given_geometry"
+    name = "radius_from_indentation_mm_fixed_geometry_std"
     assert row[name] == pytest.approx(exact[name], rel=0.05)
 
 
@@ -108,12 +108,12 @@ def test_a_named_scale_is_kept_on_the_row_and_one_of_its_own_is_not(picture: Pat
 
 def test_four_ways_to_say_a_scale(picture: Path) -> None:
     known = row_of(picture, row=IMAGE.replace("ppi = 500", "mm_per_px = 0.05, relative_std = 0.02"))
-    line = "line = [[10, 20], [10, 220]], length_mm = 10, length_std_mm = 0.2"
+    line = "line = [[10, 20], [10, 220]], length_mm = 10, length_mm_std = 0.2"
     ruler = row_of(picture, row=IMAGE.replace("ppi = 500", line))
     assert ruler["semi_major_mm_std"] == pytest.approx(known["semi_major_mm_std"])
     coin = render_coin(radius=120.0, shadow=0.0)
     Image.fromarray(coin.pixels).save(picture / "coin.png")
-    way = 'coin = "coin.png", diameter_mm = 12, diameter_std_mm = 0.24'
+    way = 'coin = "coin.png", diameter_mm = 12, diameter_mm_std = 0.24'
     coined = row_of(picture, row=IMAGE.replace("ppi = 500", way))
     assert coined["semi_major_mm"] == pytest.approx(known["semi_major_mm"], rel=2e-3)
     assert coined["semi_major_mm_std"] == pytest.approx(known["semi_major_mm_std"], rel=0.05)

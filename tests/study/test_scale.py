@@ -13,7 +13,7 @@ from fingerpad.study.manifest import Contact, Observation, Study
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.measuring.measure import Measurement
 from fingerpad.study.results import rows as rows_module
-from fingerpad.study.results.columns import COLUMNS, WORDS
+from fingerpad.study.results.columns import COLUMNS, TEXT_COLUMNS
 from fingerpad.study.results.rows import make_rows
 from fingerpad.study.results.summary import summaries
 
@@ -31,7 +31,7 @@ def test_batches_change_nothing(monkeypatch: pytest.MonkeyPatch, tmp_path: Path)
     parted = study_result(2_300, tmp_path)
     for name in COLUMNS:
         one, other = whole.rows.column(name), parted.rows.column(name)
-        if name in WORDS:
+        if name in TEXT_COLUMNS:
             assert one.tolist() == other.tolist()
         else:
             assert_allclose(one, other, rtol=1e-9)
@@ -65,8 +65,8 @@ def test_no_more_than_a_batch_is_held() -> None:
 
 def _study() -> Study:
     names = ("palmar", "distal", "radial_ulnar")
-    axes = {"semi_axes_mm": dict.fromkeys(names, 8), "semi_axes_std_mm": dict.fromkeys(names, 0.1)}
-    uncertainty = {"wedge_angle_std_deg": 0.5}
+    axes = {"semi_axes_mm": dict.fromkeys(names, 8), "semi_axes_mm_std": dict.fromkeys(names, 0.1)}
+    uncertainty = {"wedge_angle_deg_std": 0.5}
     return Study.model_validate(
         {"title": "T", "fingers": [{"name": "f", **axes}], "uncertainty": uncertainty}
     )

@@ -9,7 +9,7 @@ import pytest
 from numpy.testing import assert_allclose
 from PIL import Image
 
-from fingerpad.image import SyntheticPress, synthetic_press
+from fingerpad.image import SyntheticSequence, render_sequence
 from fingerpad.report import write_report
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.output import summary_record
@@ -21,11 +21,11 @@ LOAD = np.interp(np.arange(28), [2, 11, 15, 25], [0, 2, 2, 0])
 MANIFEST = """
 title = "T"
 [uncertainty]
-wedge_angle_std_deg = 0.5
+wedge_angle_deg_std = 0.5
 [[fingers]]
 name = "f"
 semi_axes_mm = { palmar = 7.9, distal = 13.8, radial_ulnar = 11.8 }
-semi_axes_std_mm = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }
+semi_axes_mm_std = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }
 """
 FILM = """
 [[sequences]]
@@ -41,12 +41,12 @@ CLOCK = "frames_per_second = 20"
 
 
 @pytest.fixture(scope="module")
-def press() -> SyntheticPress:
-    return synthetic_press(LOAD, radii=(14.3, 13.0), reduced_modulus=0.09, ppi=240, seed=5)
+def press() -> SyntheticSequence:
+    return render_sequence(LOAD, radii=(14.3, 13.0), reduced_modulus=0.09, ppi=240, seed=5)
 
 
 @pytest.fixture(scope="module")
-def untouched(press: SyntheticPress, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def untouched(press: SyntheticSequence, tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("untouched")
     (folder / "film").mkdir()
     for k in range(LOAD.size):
@@ -72,7 +72,7 @@ def run(folder: Path, *sequences: tuple[str, str], more: str = "") -> StudyResul
     return run_study(folder / "study.toml", folder / "out")
 
 
-def test_frames_in_contact_become_rows(plain: StudyResult, press: SyntheticPress) -> None:
+def test_frames_in_contact_become_rows(plain: StudyResult, press: SyntheticSequence) -> None:
     result = plain
     frames = [row["frame"] for row in result.rows]
     assert set(range(4, 24)) <= set(frames) <= set(range(3, 25))
@@ -103,7 +103,7 @@ def test_a_film_counts_as_one_contact_however_many_its_frames(film: Path) -> Non
     few, many = (run(film, ("p", f"{CLOCK}\npool_from_N = {least}")) for least in (1.5, 0.3))
     (one,), (all_,) = few.summaries, many.summaries
     assert one.corrected_radius.count == all_.corrected_radius.count == 1
-    own = [row["radius_from_indentation_mm_std_given_geometry"] for row in many.rows if row["pooled"]]
+    own = [row["radius_from_indentation_mm_fixed_geometry_std"] for row in many.rows if row["pooled"]]
     assert all_.corrected_radius.fixed.std >= min(own)
     assert all_.corrected_radius.std == pytest.approx(one.corrected_radius.std, rel=0.02)
     (two,) = run(film, ("p", CLOCK), ("q", CLOCK)).summaries
@@ -154,7 +154,7 @@ def test_a_film_that_cannot_be_used_costs_itself_only(film: Path, keys: str, mak
     assert "It could not be measured" in write_report(result, film / "out").read_text(encoding="utf-8")
 
 
-def test_corrections_reach_every_frame(film: Path, press: SyntheticPress) -> None:
+def test_corrections_reach_every_frame(film: Path, press: SyntheticSequence) -> None:
     rows, columns = press.pixels(0).shape
     half = f"{CLOCK}\nregion_of_interest_px = [0, 0, {rows // 2}, {columns}]"
     result = run(film, ("p", half))
@@ -183,7 +183,7 @@ def test_the_report_shows_a_few_frames_and_lists_none(plain: StudyResult, untouc
     assert record["area_exponent"] == pytest.approx(2 / 3, abs=0.02)
 
 
-def test_memory_grows_with_rows_only(film: Path, press: SyntheticPress) -> None:
+def test_memory_grows_with_rows_only(film: Path, press: SyntheticSequence) -> None:
     # Each frame three times: kept pictures would add a thousand times what a row takes.
     peaks = []
     for copies in (1, 3):

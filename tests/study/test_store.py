@@ -21,7 +21,7 @@ from typer.testing import CliRunner
 
 from fingerpad.cli import app
 from fingerpad.exceptions import StoreError
-from fingerpad.image import render_imprint
+from fingerpad.image import render_contact_image
 from fingerpad.study.engine.progress import Progress
 from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.engine.task import TaskResult
@@ -33,7 +33,7 @@ title = "T"
 [[fingers]]
 name = "f"
 semi_axes_mm = { palmar = 7.9, distal = 13.8, radial_ulnar = 11.8 }
-semi_axes_std_mm = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }
+semi_axes_mm_std = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }
 """
 OBSERVATION = """[[observations]]
 name = "o{number}"
@@ -51,7 +51,7 @@ COUNT = 4
 def pictures(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("pictures")
     for number in range(COUNT):
-        truth = render_imprint(semi_major=4.0 + 0.2 * number, semi_minor=3.2, seed=number)
+        truth = render_contact_image(semi_major=4.0 + 0.2 * number, semi_minor=3.2, seed=number)
         Image.fromarray(truth.pixels).save(folder / f"o{number}.png")
     return folder
 

@@ -5,7 +5,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fingerpad.exceptions import UncertaintyError
-from fingerpad.uncertainty import covariance_of, factor_of
+from fingerpad.uncertainty import covariance_of, covariance_root
 
 
 @pytest.mark.parametrize(
@@ -18,7 +18,7 @@ from fingerpad.uncertainty import covariance_of, factor_of
     ],
 )
 def test_factors_give_the_matrix_back(covariance: np.ndarray) -> None:
-    factor = factor_of(covariance_of(covariance))
+    factor = covariance_root(covariance_of(covariance))
     assert_allclose(factor @ factor.T, covariance, rtol=1e-9, atol=1e-20)
 
 

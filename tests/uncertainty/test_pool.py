@@ -13,7 +13,7 @@ from scipy import stats
 from statsmodels.stats.meta_analysis import combine_effects
 
 from fingerpad.exceptions import UncertaintyError
-from fingerpad.uncertainty import SharedParts, pool, pool_random_effects, scatter_of
+from fingerpad.uncertainty import SharedErrors, pool, pool_random_effects, variance_components
 
 
 def test_equal_weights_are_the_mean() -> None:
@@ -126,14 +126,14 @@ def test_scatter_is_parted_into_repeats_and_loads() -> None:
     rng = np.random.default_rng(10)
     loads = np.repeat(np.arange(400), rng.integers(1, 5, 400))
     values = 12 + 1.5 * rng.normal(size=400)[loads] + 0.5 * rng.normal(size=loads.size)
-    scatter = scatter_of(values, loads)
+    scatter = variance_components(values, loads)
     assert_allclose(scatter.within_std, 0.5, rtol=0.06)
     assert_allclose(scatter.between_std, 1.5, rtol=0.08)
 
 
 def test_scatter_that_cannot_be_told_is_nan() -> None:
-    assert np.isnan(scatter_of([1.0, 2.0, 3.0], [1, 2, 3]).within_std)
-    alone = scatter_of([1.0, 2.0], [1, 1])
+    assert np.isnan(variance_components([1.0, 2.0, 3.0], [1, 2, 3]).within_std)
+    alone = variance_components([1.0, 2.0], [1, 1])
     assert alone.within_std == pytest.approx(np.sqrt(0.5))
     assert np.isnan(alone.between_std)
 
@@ -156,7 +156,7 @@ def test_shared_parts_are_the_matrix_without_it(seed: int) -> None:
     matrix = np.array(
         [[np.sum(parts[i] * parts[j] * (groups[i] == groups[j])) for j in range(7)] for i in range(7)]
     )
-    shared = SharedParts(parts=parts, groups=groups)
+    shared = SharedErrors(parts=parts, groups=groups)
     for way in (pool, pool_random_effects):
         one, other = way(values, stds, shared), way(values, stds, matrix)
         assert_allclose(one.total_std, other.total_std, rtol=1e-12)
@@ -168,7 +168,7 @@ def test_a_hundred_thousand_estimates_take_no_matrix() -> None:
     count = 100_000  # whose matrix would take 80 GB
     parts = np.full((count, 1), 0.2)
     pooled = pool(
-        np.full(count, 5.0), np.full(count, 0.1), SharedParts(parts=parts, groups=np.zeros((1, 1), int))
+        np.full(count, 5.0), np.full(count, 0.1), SharedErrors(parts=parts, groups=np.zeros((1, 1), int))
     )
     assert_allclose(pooled.total_std, np.hypot(0.1 / np.sqrt(count), 0.2))
     assert pool(np.full(count, 5.0), np.full(count, 0.1)).count == count
@@ -176,7 +176,7 @@ def test_a_hundred_thousand_estimates_take_no_matrix() -> None:
 
 def test_parts_must_be_those_of_the_estimates() -> None:
     with pytest.raises(UncertaintyError, match="each estimate needs its parts, found 2 and 3"):
-        pool([1.0, 2.0], [0.1, 0.1], SharedParts(parts=np.ones((3, 1)), groups=np.zeros((1, 1), int)))
+        pool([1.0, 2.0], [0.1, 0.1], SharedErrors(parts=np.ones((3, 1)), groups=np.zeros((1, 1), int)))
 
 
 @pytest.mark.parametrize("relative_std", [0.01, 0.1])

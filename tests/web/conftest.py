@@ -8,11 +8,11 @@ from pathlib import Path
 import httpx
 import pytest
 import uvicorn
+from fingerpad.web.studies_folder import Workspace
 
 from fingerpad.report import write_report
 from fingerpad.study.pipeline import run_study
 from fingerpad.web.app import make_app
-from fingerpad.web.bench import Bench
 from fingerpad.web.security import Access
 from fingerpad.web.server import listening
 
@@ -31,12 +31,12 @@ def shorten(folder):
 
 
 @contextmanager
-def serving(bench, access=None):
+def serving(workspace, access=None):
     """Serve a bench on a port of this machine, and yield a client that knows the token."""
     listener = listening(0)
     server = uvicorn.Server(
         uvicorn.Config(
-            make_app(bench, access or Access(TOKEN)),
+            make_app(workspace, access or Access(TOKEN)),
             log_level="warning",
             timeout_graceful_shutdown=1,
         )
@@ -52,36 +52,36 @@ def serving(bench, access=None):
         server.should_exit = True
         thread.join(20)
         listener.close()
-        bench.close()
+        workspace.close()
 
 
 @pytest.fixture
-def workspace(tmp_path):
+def studies_folder(tmp_path):
     shutil.copytree(DEMO, tmp_path / "demo")
     return tmp_path
 
 
 @pytest.fixture
-def bench(workspace):
-    bench = Bench(workspace)
-    bench.open_folder(workspace / "demo")
-    return bench
+def workspace(studies_folder):
+    workspace = Workspace(studies_folder)
+    workspace.open_folder(studies_folder / "demo")
+    return workspace
 
 
 @pytest.fixture
-def client(bench):
-    with serving(bench) as client:
+def client(workspace):
+    with serving(workspace) as client:
         yield client
 
 
 @pytest.fixture(scope="session")
 def standing(tmp_path_factory):
     """Return a client of a bench on the demo study that has not been run; tests must not change it."""
-    workspace = tmp_path_factory.mktemp("standing")
-    shutil.copytree(DEMO, workspace / "demo")
-    bench = Bench(workspace)
-    bench.open_folder(workspace / "demo")
-    with serving(bench) as client:
+    studies_folder = tmp_path_factory.mktemp("standing")
+    shutil.copytree(DEMO, studies_folder / "demo")
+    workspace = Workspace(studies_folder)
+    workspace.open_folder(studies_folder / "demo")
+    with serving(workspace) as client:
         yield client
 
 
@@ -98,7 +98,7 @@ def run_once(tmp_path_factory):
 @pytest.fixture(scope="session")
 def done(run_once):
     """Return a client of a bench on the demo study after its run; tests must not change it."""
-    bench = Bench(run_once.parent)
-    bench.open_folder(run_once)
-    with serving(bench) as client:
+    workspace = Workspace(run_once.parent)
+    workspace.open_folder(run_once)
+    with serving(workspace) as client:
         yield client

@@ -15,8 +15,8 @@ FRAME = "synthetic_press_30deg#12"
 PHOTO = "synthetic_pad/synthetic/photograph_palmar.jpg"
 
 
-def measured(client, item=PRINT, kind="contact", **asked):
-    answer = client.post(f"/api/measure/{kind}", json={"item": item, **asked})
+def measured(client, item=PRINT, kind="contact", **params):
+    answer = client.post(f"/api/measure/{kind}", json={"item": item, **params})
     assert answer.status_code == 200, answer.text
     return answer.json()
 
@@ -105,7 +105,7 @@ def test_an_address_with_a_version_is_kept_and_one_without_is_asked_anew(standin
     )
 
 
-def test_sixteen_bits_fill_the_whole_range_of_a_preview(client, workspace):
+def test_sixteen_bits_fill_the_whole_range_of_a_preview(client, studies_folder):
     deep = (np.linspace(300, 900, 64 * 64).reshape(64, 64)).astype(np.uint16)
     file = client.post(
         "/api/files", params={"name": "deep.png"}, content=cv2.imencode(".png", deep)[1].tobytes()
@@ -206,7 +206,7 @@ def test_scales_in_all_ways(standing):
     ask = lambda table: standing.post("/api/measure/scale", json={"table": table})  # noqa: E731
     assert ask({"ppi": 254}).json()["mm_per_px"] == pytest.approx(0.1)
     assert ask("reader").json()["resolution_ppi"] == pytest.approx(500)
-    line = ask({"line": [[0, 0], [300, 400]], "length_mm": 50, "ends_std_px": 1}).json()
+    line = ask({"line": [[0, 0], [300, 400]], "length_mm": 50, "ends_px_std": 1}).json()
     assert line["mm_per_px"] == pytest.approx(0.1)
     assert line["relative_std"] == pytest.approx(math.sqrt(2) / 500)
     assert ask("nothing").status_code == 404
@@ -225,14 +225,20 @@ def test_a_coin_is_a_scale(client):
 
 
 def test_a_length_has_its_uncertainty(standing):
-    asked = {"scale": "camera", "line_px": [[0, 0], [0, 200]], "ends_std_px": 0}
-    found = standing.post("/api/measure/length", json=asked).json()
+    params = {"scale": "camera", "line_px": [[0, 0], [0, 200]], "ends_px_std": 0}
+    found = standing.post("/api/measure/length", json=params).json()
     assert found == {"length_mm": pytest.approx(10), "length_mm_std": pytest.approx(0.02)}
 
 
 def test_geometry_is_that_of_the_library(standing):
-    asked = {"palmar_mm": 7.9, "distal_mm": 13.8, "radial_ulnar_mm": 11.8, "wedge_angle_deg": 30, "detail": 8}
-    found = standing.post("/api/geometry", json=asked).json()
+    params = {
+        "palmar_mm": 7.9,
+        "distal_mm": 13.8,
+        "radial_ulnar_mm": 11.8,
+        "wedge_angle_deg": 30,
+        "detail": 8,
+    }
+    found = standing.post("/api/geometry", json=params).json()
     pad = Ellipsoid.of(palmar=7.9, distal=13.8, radial_ulnar=11.8)
     placement = Placement.of(pad, wedge_angle=np.radians(30))
     assert found["u_deg"] == pytest.approx(np.degrees(placement.u))
@@ -253,8 +259,8 @@ def test_geometry_is_that_of_the_library(standing):
 @pytest.mark.parametrize("wedge", [0, 45, 90])
 @pytest.mark.parametrize("drawing", ["pad", "wedge"])
 def test_drawings_stand_in_for_webgl(standing, wedge, drawing):
-    asked = {"finger": "left_index_ellipse", "wedge_angle_deg": wedge, "synthetic": True}
-    answer = standing.get(f"/api/geometry/{drawing}.svg", params=asked)
+    params = {"finger": "left_index_ellipse", "wedge_angle_deg": wedge, "synthetic": True}
+    answer = standing.get(f"/api/geometry/{drawing}.svg", params=params)
     assert answer.headers["content-type"].startswith("image/svg+xml")
     assert answer.text.startswith("<svg")
     assert "synthetic" in answer.text
@@ -352,11 +358,11 @@ def edit(client, state, *edits):
     return answer.json()
 
 
-def test_a_study_grows_from_nothing_and_says_what_is_missing(client, workspace):
+def test_a_study_grows_from_nothing_and_says_what_is_missing(client, studies_folder):
     state = client.post("/api/session/new", json={"name": "mine", "title": "Mine"}).json()
     assert (state["title"], state["ready"]) == ("Mine", False)
     assert state["missing"]
-    content = (workspace / "demo/synthetic/synthetic_30deg_2N.png").read_bytes()
+    content = (studies_folder / "demo/synthetic/synthetic_30deg_2N.png").read_bytes()
     file = client.post("/api/files", params={"name": "a.png"}, content=content).json()["file"]
     state = client.get("/api/study").json()
     assert next(one for one in state["missing"] if one["kind"] == "file")["key"] == file
@@ -372,7 +378,7 @@ def test_a_study_grows_from_nothing_and_says_what_is_missing(client, workspace):
     state = edit(
         client,
         state,
-        {"kind": "finger", "key": "left", "set": {"semi_axes_mm": axes, "semi_axes_std_mm": std}},
+        {"kind": "finger", "key": "left", "set": {"semi_axes_mm": axes, "semi_axes_mm_std": std}},
         {"kind": "scale", "key": "reader", "set": {"ppi": 500}},
         {
             "kind": "observation",
@@ -405,8 +411,8 @@ def test_without_a_study_there_is_only_the_way_to_one(client):
     assert client.post("/api/session/open", json={"name": "demo"}).json()["name"] == "demo"
 
 
-def test_a_manifest_spoilt_by_hand_opens_and_says_where(client, workspace):
-    manifest = workspace / "demo/study.toml"
+def test_a_manifest_spoilt_by_hand_opens_and_says_where(client, studies_folder):
+    manifest = studies_folder / "demo/study.toml"
     manifest.write_text(manifest.read_text().replace("poisson_ratio = 0.5", "poisson_ratio = 5"))
     state = client.get("/api/study").json()
     assert not state["ready"]
@@ -414,16 +420,16 @@ def test_a_manifest_spoilt_by_hand_opens_and_says_where(client, workspace):
 
 
 @pytest.mark.parametrize("meant", ["another", "%C3%BCbung"])
-def test_what_is_meant_for_another_study_changes_nothing(client, workspace, meant: str):
-    before = (workspace / "demo" / "study.toml").read_bytes()
+def test_what_is_meant_for_another_study_changes_nothing(client, studies_folder, meant: str):
+    before = (studies_folder / "demo" / "study.toml").read_bytes()
     body = {
         "expected": client.get("/api/study").json()["digest"],
         "edits": [{"kind": "study", "key": "", "set": {"title": "x"}}],
     }
-    refused = client.post("/api/study/edits", json=body, headers={"fingerpad-study": meant})
-    assert (refused.status_code, refused.json()["study"]) == (409, "demo")
-    assert "another window opened the study 'demo'" in refused.json()["error"]
-    assert (workspace / "demo" / "study.toml").read_bytes() == before
+    error_response = client.post("/api/study/edits", json=body, headers={"fingerpad-study": meant})
+    assert (error_response.status_code, error_response.json()["study"]) == (409, "demo")
+    assert "another window opened the study 'demo'" in error_response.json()["error"]
+    assert (studies_folder / "demo" / "study.toml").read_bytes() == before
     assert client.get("/api/study", headers={"fingerpad-study": "demo"}).status_code == 200
     client.post("/api/session/close")
     closed = client.get("/api/study", headers={"fingerpad-study": "demo"})

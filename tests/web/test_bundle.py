@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 import tomlkit
+from fingerpad.web.studies_folder import Workspace
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 from tests.web.conftest import serving
@@ -20,7 +21,6 @@ from fingerpad.study.editing.state import named_files
 from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.manifest import read_study
 from fingerpad.web.archive import pack, unpack
-from fingerpad.web.bench import Bench
 from fingerpad.web.bundle import Bundle
 
 ROOM = 10**9
@@ -30,7 +30,7 @@ HEAD = {
         {
             "name": "f",
             "semi_axes_mm": {"palmar": 7.9, "distal": 13.8, "radial_ulnar": 11.8},
-            "semi_axes_std_mm": {"palmar": 0.1, "distal": 0.1, "radial_ulnar": 0.1},
+            "semi_axes_mm_std": {"palmar": 0.1, "distal": 0.1, "radial_ulnar": 0.1},
         }
     ],
 }
@@ -331,7 +331,7 @@ def test_an_index_leads_nowhere_else(tmp_path, name):
         renamed = {"fingerpad-bundle/renamed/1.png": name}
         archive.writestr("fingerpad-bundle/index.json", json.dumps({"renamed": renamed}))
     before = set(tmp_path.parent.rglob("*"))
-    with serving(Bench(tmp_path)) as client:
+    with serving(Workspace(tmp_path)) as client:
         content = (tmp_path / "bad.zip").read_bytes()
         answer = client.post("/api/session/import", params={"name": "x"}, content=content)
     assert answer.status_code == 422, answer.text
@@ -343,7 +343,7 @@ def test_an_index_of_another_shape_is_refused(tmp_path, index):
     with zipfile.ZipFile(tmp_path / "bad.zip", "w") as archive:
         archive.writestr("study.toml", "title = 'x'")
         archive.writestr("fingerpad-bundle/index.json", index)
-    with serving(Bench(tmp_path)) as client:
+    with serving(Workspace(tmp_path)) as client:
         content = (tmp_path / "bad.zip").read_bytes()
         answer = client.post("/api/session/import", params={"name": "x"}, content=content)
     assert answer.status_code == 422
@@ -356,9 +356,9 @@ def test_the_page_says_what_its_zip_leaves_out_and_takes_it_back(tmp_path):
     (folder / os.fsdecode(b"\xff.png")).write_bytes(b"no text")
     with socket.socket(socket.AF_UNIX) as listener:
         listener.bind(str(folder / "socket"))
-        bench = Bench(tmp_path)
-        bench.open_folder(folder)
-        with serving(bench) as client:
+        workspace = Workspace(tmp_path)
+        workspace.open_folder(folder)
+        with serving(workspace) as client:
             told = client.get("/api/study/bundle").json()
             assert [one["file"] for one in told["left_out"]] == [".data/", "socket"]
             archive = client.get("/api/download/study.zip")

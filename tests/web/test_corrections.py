@@ -83,14 +83,14 @@ def test_two_pages_do_not_lose_each_others_corrections(client):
     ]
 
 
-def test_a_picture_that_was_replaced_is_told_until_it_is_looked_at_again(client, workspace):
+def test_a_picture_that_was_replaced_is_told_until_it_is_looked_at_again(client, studies_folder):
     last = correct(client, PRINT, 0, {"accepted": True}).json()["last_id"]
-    assert now(client, PRINT)["on_another_picture"] is False
-    picture = next((workspace / "demo").rglob(f"{PRINT}.png"))
+    assert now(client, PRINT)["on_another_image"] is False
+    picture = next((studies_folder / "demo").rglob(f"{PRINT}.png"))
     picture.write_bytes(picture.with_name(picture.name.replace("2N", "4N")).read_bytes())
-    assert now(client, PRINT)["on_another_picture"] is True
+    assert now(client, PRINT)["on_another_image"] is True
     correct(client, PRINT, last, {"accepted": True})
-    assert now(client, PRINT)["on_another_picture"] is False
+    assert now(client, PRINT)["on_another_image"] is False
 
 
 def test_of_many_pages_at_once_each_gets_its_turn_or_is_told(client):
@@ -156,11 +156,11 @@ def launched(folder):
     )
 
 
-def test_a_killed_page_loses_nothing_that_it_confirmed(workspace):
+def test_a_killed_page_loses_nothing_that_it_confirmed(studies_folder):
     """The page is killed in the midst of corrections, twice: every one it confirmed is there after it."""
     confirmed = []
     for round_ in range(2):
-        process, client = launched(workspace / "demo")
+        process, client = launched(studies_folder / "demo")
         stop = threading.Timer(0.25 + 0.2 * round_, os.kill, (process.pid, signal.SIGKILL))
         try:
             seen = now(client, PRINT)["last_id"]
@@ -178,14 +178,14 @@ def test_a_killed_page_loses_nothing_that_it_confirmed(workspace):
             process.stdout.close()
             process.stderr.close()
             client.close()
-    lines = (workspace / "demo/corrections.jsonl").read_text().splitlines()
+    lines = (studies_folder / "demo/corrections.jsonl").read_text().splitlines()
     kept = [json.loads(line)["change"] for line in lines if line.endswith("}")]
     assert len(confirmed) > 10
     # The one in hand at each kill may be there too: it was written, and nobody was told.
     places = iter(kept)
     assert all(change in places for change in confirmed)
     assert len(kept) <= len(confirmed) + 2
-    process, client = launched(workspace / "demo")
+    process, client = launched(studies_folder / "demo")
     assert now(client, PRINT)["change"] == kept[-1]
     client.close()
     process.send_signal(signal.SIGINT)

@@ -6,10 +6,9 @@ import shutil
 
 import pytest
 from benchmarks.mutations import SLOW, add_decisions, ask_mutated, routes
+from fingerpad.web.studies_folder import Workspace
 from tests.sums import write_sums
 from tests.web.conftest import serving
-
-from fingerpad.web.bench import Bench
 
 
 @pytest.fixture
@@ -20,9 +19,9 @@ def folder(run_once, tmp_path):
 
 @pytest.fixture
 def client(folder):
-    bench = Bench(folder.parent)
-    bench.open_folder(folder)
-    with serving(bench) as client:
+    workspace = Workspace(folder.parent)
+    workspace.open_folder(folder)
+    with serving(workspace) as client:
         yield client
 
 

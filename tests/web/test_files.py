@@ -10,9 +10,8 @@ import cv2
 import numpy as np
 import pytest
 import tifffile
+from fingerpad.web.studies_folder import Workspace
 from tests.web.conftest import serving
-
-from fingerpad.web.bench import Bench
 
 
 def png(rows=40, columns=60, level=128):
@@ -34,7 +33,7 @@ def upload(client, name, content, **query):
     return client.post("/api/files", params={"name": name, **query}, content=content)
 
 
-def test_a_picture_is_kept_and_told(client, workspace):
+def test_a_picture_is_kept_and_told(client, studies_folder):
     answer = upload(client, "a1.png", png())
     assert answer.status_code == 201, answer.text
     record = answer.json()
@@ -44,20 +43,20 @@ def test_a_picture_is_kept_and_told(client, workspace):
         40,
         60,
     )
-    assert (workspace / "demo" / record["file"]).read_bytes() == png()
+    assert (studies_folder / "demo" / record["file"]).read_bytes() == png()
     listed = {file["file"]: file for file in client.get("/api/study").json()["files"]}
     assert listed["uploads/a1.png"]["used"] is False
     assert listed["synthetic/synthetic_30deg_2N.png"]["used"] is True
 
 
-def test_the_same_file_is_kept_once_and_another_never_replaces_it(client, workspace):
+def test_the_same_file_is_kept_once_and_another_never_replaces_it(client, studies_folder):
     assert upload(client, "a.png", png()).status_code == 201
     again = upload(client, "a.png", png())
     assert (again.status_code, again.json()["file"]) == (200, "uploads/a.png")
     other = upload(client, "a.png", png(level=3))
     assert (other.status_code, other.json()["file"]) == (201, "uploads/a-2.png")
-    assert (workspace / "demo/uploads/a.png").read_bytes() == png()
-    assert not list((workspace / "demo/uploads").glob(".upload*"))
+    assert (studies_folder / "demo/uploads/a.png").read_bytes() == png()
+    assert not list((studies_folder / "demo/uploads").glob(".upload*"))
 
 
 @pytest.mark.parametrize(
@@ -78,13 +77,13 @@ def test_the_same_file_is_kept_once_and_another_never_replaces_it(client, worksp
         ("con.png:stream.png", "con-png-stream.png"),
     ],
 )
-def test_names_of_files_never_become_paths(client, workspace, name, kept):
-    before = set(workspace.rglob("*"))
+def test_names_of_files_never_become_paths(client, studies_folder, name, kept):
+    before = set(studies_folder.rglob("*"))
     answer = upload(client, name, png())
     assert answer.status_code == 201, answer.text
     assert answer.json()["file"] == f"uploads/{kept}"
-    new = set(workspace.rglob("*")) - before
-    assert new == {workspace / "demo/uploads", workspace / "demo/uploads" / kept}
+    new = set(studies_folder.rglob("*")) - before
+    assert new == {studies_folder / "demo/uploads", studies_folder / "demo/uploads" / kept}
 
 
 @pytest.mark.parametrize(
@@ -101,12 +100,12 @@ def test_names_of_files_never_become_paths(client, workspace, name, kept):
         ("x.png", huge_png(60_000, 60_000), 422),
     ],
 )
-def test_what_cannot_be_used_is_refused_and_leaves_nothing(client, workspace, name, content, status):
+def test_what_cannot_be_used_is_refused_and_leaves_nothing(client, studies_folder, name, content, status):
     answer = upload(client, name, content)
     assert answer.status_code == status, answer.text
     assert answer.json()["error"]
-    assert str(workspace) not in answer.text
-    folder = workspace / "demo/uploads"
+    assert str(studies_folder) not in answer.text
+    folder = studies_folder / "demo/uploads"
     assert not folder.exists() or not list(folder.iterdir())
 
 
@@ -117,10 +116,10 @@ def test_a_film_collects_its_frames_in_a_plainly_named_folder(client, folder):
     assert kept["file"] == "uploads/press1/1.png"
 
 
-def test_a_file_beyond_the_limit_is_cut_off_whether_it_says_its_size_or_not(workspace):
-    bench = Bench(workspace, upload_limit=100_000)
-    bench.open_folder(workspace / "demo")
-    with serving(bench) as client:
+def test_a_file_beyond_the_limit_is_cut_off_whether_it_says_its_size_or_not(studies_folder):
+    workspace = Workspace(studies_folder, upload_limit=100_000)
+    workspace.open_folder(studies_folder / "demo")
+    with serving(workspace) as client:
         assert upload(client, "a.png", b"x" * 100_001).status_code == 413
 
         def endless():
@@ -129,7 +128,7 @@ def test_a_file_beyond_the_limit_is_cut_off_whether_it_says_its_size_or_not(work
 
         assert upload(client, "a.png", endless()).status_code == 413
         assert client.get("/api/session").status_code == 200
-    assert not list((workspace / "demo/uploads").iterdir())
+    assert not list((studies_folder / "demo/uploads").iterdir())
 
 
 def test_a_film_is_told_from_a_picture(client):
@@ -147,7 +146,7 @@ def test_a_table_tells_its_columns(client):
     assert upload(client, "f.csv", b"time_s, force_N\n0,1\n").json()["columns"] == ["time_s", "force_N"]
 
 
-def test_only_unused_uploads_are_removed(client, workspace):
+def test_only_unused_uploads_are_removed(client, studies_folder):
     file = upload(client, "a.png", png()).json()["file"]
     remove = lambda name: client.request("DELETE", "/api/files", json={"file": name})  # noqa: E731
     assert remove("synthetic/synthetic_30deg_2N.png").status_code == 409
@@ -155,11 +154,11 @@ def test_only_unused_uploads_are_removed(client, workspace):
     assert remove("../demo/study.toml").status_code == 404
     assert remove("study.toml").status_code == 404
     assert remove(file).status_code == 200
-    assert not (workspace / "demo" / file).exists()
+    assert not (studies_folder / "demo" / file).exists()
 
 
-def test_a_removed_file_comes_back(client, workspace):
-    folder = workspace / "demo/uploads"
+def test_a_removed_file_comes_back(client, studies_folder):
+    folder = studies_folder / "demo/uploads"
     remove = lambda name: client.request("DELETE", "/api/files", json={"file": name})  # noqa: E731
     restore = lambda number: client.post("/api/files/restore", json={"removed": number})  # noqa: E731
     removed = []
@@ -172,26 +171,26 @@ def test_a_removed_file_comes_back(client, workspace):
     names = [restore(number).json()["restored"] for number in removed]
     assert names == ["uploads/a.png", "uploads/a-2.png", "uploads/a-3.png"]
     for level, name in enumerate(names, 1):
-        assert (workspace / "demo" / name).read_bytes() == png(level=level)
+        assert (studies_folder / "demo" / name).read_bytes() == png(level=level)
     assert restore(removed[0]).status_code == 404
-    assert not [path for path in (workspace / "demo/.removed").rglob("*") if path.is_file()]
+    assert not [path for path in (studies_folder / "demo/.removed").rglob("*") if path.is_file()]
 
 
-def test_a_removed_frame_comes_back_to_its_film(client, workspace):
+def test_a_removed_frame_comes_back_to_its_film(client, studies_folder):
     upload(client, "1.png", png(), folder="press1")
     file = {"file": "uploads/press1/1.png"}
     number = client.request("DELETE", "/api/files", json=file).json()["removed"]
-    (workspace / "demo/uploads/press1").rmdir()
+    (studies_folder / "demo/uploads/press1").rmdir()
     assert client.post("/api/files/restore", json={"removed": number}).json()["restored"] == file["file"]
 
 
 @pytest.mark.parametrize(
     "name", ["uploads//a.png", "uploads/./a.png", "uploads/linked.png", "uploads/draft.png"]
 )
-def test_a_file_in_use_is_not_removed_by_another_name(client, workspace, name):
+def test_a_file_in_use_is_not_removed_by_another_name(client, studies_folder, name):
     for file in ("a", "linked", "draft"):
         upload(client, f"{file}.png", png(level=len(file)))
-    (workspace / "demo/link.png").symlink_to("uploads/linked.png")
+    (studies_folder / "demo/link.png").symlink_to("uploads/linked.png")
     known = {"finger": "synthetic_pad", "wedge_angle_deg": 30, "load_N": 1, "scale": "reader"}
     edits = [
         {"kind": "observation", "key": "x", "set": {**known, "image": "uploads/a.png"}},
@@ -204,12 +203,12 @@ def test_a_file_in_use_is_not_removed_by_another_name(client, workspace, name):
 
 
 @pytest.mark.parametrize("number", ["..", "../..", "", "20240101T000000-00000000", "x", "a/b"])
-def test_nothing_else_is_restored(client, workspace, number):
-    (workspace / "demo/.removed").mkdir()
-    (workspace / "demo/.removed/x").write_bytes(b"x")
+def test_nothing_else_is_restored(client, studies_folder, number):
+    (studies_folder / "demo/.removed").mkdir()
+    (studies_folder / "demo/.removed/x").write_bytes(b"x")
     answer = client.post("/api/files/restore", json={"removed": number})
     assert answer.status_code in {400, 404}
-    assert (workspace / "demo/.removed/x").exists()
+    assert (studies_folder / "demo/.removed/x").exists()
 
 
 def zipped(**files):
@@ -222,7 +221,7 @@ def zipped(**files):
 
 STUDY = (
     'title = "t"\n[[fingers]]\nname = "a"\nsemi_axes_mm = { palmar = 8, distal = 14, radial_ulnar = 12 }\n'
-    "semi_axes_std_mm = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }\n"
+    "semi_axes_mm_std = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }\n"
 )
 
 
@@ -270,21 +269,21 @@ BAD_ZIPS = {
 
 
 @pytest.mark.parametrize("kind", BAD_ZIPS)
-def test_a_harmful_or_broken_zip_unpacks_nothing(client, workspace, kind):
-    before = set(workspace.parent.rglob("*"))
+def test_a_harmful_or_broken_zip_unpacks_nothing(client, studies_folder, kind):
+    before = set(studies_folder.parent.rglob("*"))
     answer = bring(client, BAD_ZIPS[kind])
     assert answer.status_code in {400, 422}, answer.text
     assert answer.json()["error"]
-    assert set(workspace.parent.rglob("*")) == before
+    assert set(studies_folder.parent.rglob("*")) == before
     assert client.get("/api/session").json()["study"]["name"] == "demo"
 
 
-def test_a_zip_of_many_small_files_is_limited_by_what_they_come_to(workspace):
-    bench = Bench(workspace, import_limit=800_000)
+def test_a_zip_of_many_small_files_is_limited_by_what_they_come_to(studies_folder):
+    workspace = Workspace(studies_folder, import_limit=800_000)
     content = zipped(**{"study.toml": STUDY}, **{f"{k}.bin": bytes(900_000) for k in range(3)})
-    with serving(bench) as client:
+    with serving(workspace) as client:
         assert bring(client, content).status_code == 422
-    assert not (workspace / "copy").exists()
+    assert not (studies_folder / "copy").exists()
 
 
 def test_a_zip_takes_no_others_place(client):

@@ -11,11 +11,11 @@ import zipfile
 
 import pytest
 from filelock import FileLock
+from fingerpad.web.studies_folder import Workspace
 from tests.soon import soon
 from tests.web.conftest import DEMO, serving, shorten
 
-from fingerpad.web import running
-from fingerpad.web.bench import Bench
+from fingerpad.web import run_job
 
 # A run says when it was made; all else must be the same.
 MADE = re.compile(r"\d{4}-\d\d-\d\d(T\d\d:\d\d:\d\d(\+00:00|Z)| at \d\d:\d\d UTC)")
@@ -37,7 +37,7 @@ def small(tmp_path_factory):
     (folder / "study.toml").write_text(
         'title = "Small"\n[uncertainty]\nwedge_angle_std_deg = 0.5\n[scales.reader]\nppi = 500\n'
         f'[[fingers]]\nname = "pad"\nsemi_axes_mm = {{ {axes} }}\n'
-        "semi_axes_std_mm = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }\n" + observations
+        "semi_axes_mm_std = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }\n" + observations
     )
     return folder
 
@@ -50,14 +50,14 @@ def study(small, tmp_path):
 
 @pytest.fixture
 def client(study):
-    bench = Bench(study.parent)
-    bench.open_folder(study)
-    with serving(bench) as client:
+    workspace = Workspace(study.parent)
+    workspace.open_folder(study)
+    with serving(workspace) as client:
         yield client
 
 
-def run_of(client, **asked):
-    answer = client.post("/api/run", json=asked)
+def run_of(client, **params):
+    answer = client.post("/api/run", json=params)
     assert answer.status_code == 202, answer.text
     return ended(client)
 
@@ -109,7 +109,7 @@ def test_a_study_that_travels_gives_the_same_results_and_measures_nothing_anew(c
     names = zipfile.ZipFile(io.BytesIO(archive.content)).namelist()
     assert {"study.toml", "corrections.jsonl", "results/store.sqlite", "results/report.html"} <= set(names)
     assert not any(name.startswith(".") or name.endswith(".lock") for name in names)
-    elsewhere = Bench(tmp_path / "elsewhere")
+    elsewhere = Workspace(tmp_path / "elsewhere")
     (tmp_path / "elsewhere").mkdir()
     with serving(elsewhere) as other:
         answer = other.post("/api/session/import", params={"name": "brought"}, content=archive.content)
@@ -219,11 +219,11 @@ def test_one_run_at_a_time_and_events_tell_of_it(client):
     assert {run["phase"] for run in runs} >= {"measuring", "tables", "report"}
 
 
-def test_a_run_that_is_cancelled_keeps_what_it_has_and_goes_on(workspace):
-    shorten(workspace / "demo")
-    bench = Bench(workspace)
-    bench.open_folder(workspace / "demo")
-    with serving(bench) as client:
+def test_a_run_that_is_cancelled_keeps_what_it_has_and_goes_on(studies_folder):
+    shorten(studies_folder / "demo")
+    workspace = Workspace(studies_folder)
+    workspace.open_folder(studies_folder / "demo")
+    with serving(workspace) as client:
         client.post("/api/run", json={})
         assert soon(lambda: client.get("/api/run").json()["done"])
         assert client.post("/api/run/cancel").status_code == 202
@@ -245,10 +245,10 @@ def drawing(client):
     return run["phase"] == "report" and run["current"]
 
 
-def test_a_run_can_be_stopped_while_its_report_is_drawn(workspace):
-    bench = Bench(workspace)
-    bench.open_folder(workspace / "demo")
-    with serving(bench) as client:
+def test_a_run_can_be_stopped_while_its_report_is_drawn(studies_folder):
+    workspace = Workspace(studies_folder)
+    workspace.open_folder(studies_folder / "demo")
+    with serving(workspace) as client:
         client.post("/api/run", json={"workers": 2})
         assert soon(lambda: drawing(client), 120)
         client.post("/api/run/cancel")
@@ -262,20 +262,20 @@ def test_a_run_can_be_stopped_while_its_report_is_drawn(workspace):
         assert (results["report"], results["fresh"]) == (True, True)
 
 
-def test_closing_the_study_stops_its_run(workspace):
-    bench = Bench(workspace)
-    bench.open_folder(workspace / "demo")
-    with serving(bench) as client:
+def test_closing_the_study_stops_its_run(studies_folder):
+    workspace = Workspace(studies_folder)
+    workspace.open_folder(studies_folder / "demo")
+    with serving(workspace) as client:
         client.post("/api/run", json={})
-        study = bench.study
+        study = workspace.study
         assert client.post("/api/session/close").status_code == 200
-        assert study.running.describe()["state"] in {"cancelled", "done"}
+        assert study.run_job.describe()["state"] in {"cancelled", "done"}
 
 
-def test_the_page_answers_while_a_run_is_at_work(workspace):
-    bench = Bench(workspace)
-    bench.open_folder(workspace / "demo")
-    with serving(bench) as client:
+def test_the_page_answers_while_a_run_is_at_work(studies_folder):
+    workspace = Workspace(studies_folder)
+    workspace.open_folder(studies_folder / "demo")
+    with serving(workspace) as client:
         client.post("/api/run", json={})
         states = [client.get("/api/run").json()["state"] for _ in range(40)]
     assert states[0] == "running"
@@ -294,14 +294,14 @@ def test_a_fault_of_the_program_is_said_in_words(client, monkeypatch):
     def broken(*_, **__):
         raise KeyError("palmar")
 
-    monkeypatch.setattr(running, "write_report", broken)
+    monkeypatch.setattr(run_job, "write_report", broken)
     run = run_of(client)
     assert run["state"] == "failed"
     assert run["error"] == "the run ended with a fault (KeyError: 'palmar')"
 
 
-def rows(client, **asked):
-    answer = client.get("/api/results/rows", params=asked)
+def rows(client, **params):
+    answer = client.get("/api/results/rows", params=params)
     assert answer.status_code == 200, answer.text
     return answer.json()
 
@@ -375,13 +375,13 @@ def test_a_download_can_be_saved_under_its_name(done):
     assert answer.headers["content-disposition"] == 'attachment; filename="results.csv"'
 
 
-def test_pages_of_fingers_stand_beside_the_report(workspace):
-    page = workspace / "demo" / "results" / "report" / "left_index.html"
+def test_pages_of_fingers_stand_beside_the_report(studies_folder):
+    page = studies_folder / "demo" / "results" / "report" / "left_index.html"
     page.parent.mkdir(parents=True)
     page.write_text("<!doctype html>")
-    bench = Bench(workspace)
-    bench.open_folder(workspace / "demo")
-    with serving(bench) as client:
+    workspace = Workspace(studies_folder)
+    workspace.open_folder(studies_folder / "demo")
+    with serving(workspace) as client:
         answer = client.get("/api/download/report/left_index.html")
     assert answer.text == "<!doctype html>"
     assert "default-src 'none'" in answer.headers["content-security-policy"]

@@ -1,9 +1,8 @@
 """A study of very many pictures: opened without decoding one of them, in a document that stays small."""
 
 import pytest
+from fingerpad.web.studies_folder import Workspace
 from tests.web.conftest import serving
-
-from fingerpad.web.bench import Bench
 
 COUNT = 2000
 HEAD = """title = "Large"
@@ -12,7 +11,7 @@ ppi = 100
 [[fingers]]
 name = "a"
 semi_axes_mm = { palmar = 7.9, distal = 13.8, radial_ulnar = 11.8 }
-semi_axes_std_mm = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }
+semi_axes_mm_std = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }
 """
 CONTACT = """[[observations]]
 name = "f{number}"
@@ -27,13 +26,13 @@ scale = "small"
 @pytest.fixture(scope="module")
 def large(tmp_path_factory):
     """Return a client of a study of 2,000 files, none of which can be decoded."""
-    workspace = tmp_path_factory.mktemp("large")
-    (workspace / "large" / "frames").mkdir(parents=True)
+    studies_folder = tmp_path_factory.mktemp("large")
+    (studies_folder / "large" / "frames").mkdir(parents=True)
     for number in range(COUNT):
-        (workspace / "large" / "frames" / f"{number}.png").write_bytes(b"no picture")
+        (studies_folder / "large" / "frames" / f"{number}.png").write_bytes(b"no picture")
     text = HEAD + "".join(CONTACT.format(number=number) for number in range(COUNT))
-    (workspace / "large" / "study.toml").write_text(text)
-    with serving(Bench(workspace)) as client:
+    (studies_folder / "large" / "study.toml").write_text(text)
+    with serving(Workspace(studies_folder)) as client:
         yield client
 
 

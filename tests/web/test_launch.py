@@ -32,8 +32,8 @@ def ended(process):
     assert process.returncode == 0
 
 
-def test_the_page_says_where_it_is_and_ends_cleanly(workspace):
-    process = launched("demo", cwd=workspace)
+def test_the_page_says_where_it_is_and_ends_cleanly(studies_folder):
+    process = launched("demo", cwd=studies_folder)
     address = process.stdout.readline().split()[-1]
     try:
         assert address.startswith("http://127.0.0.1:")
@@ -59,20 +59,20 @@ def test_the_page_says_where_it_is_and_ends_cleanly(workspace):
         process.communicate()
 
 
-def test_the_browser_is_started_with_a_code_of_its_own_and_never_the_token(workspace):
-    browser = workspace / "browser"
-    there = workspace / "argument"
+def test_the_browser_is_started_with_a_code_of_its_own_and_never_the_token(studies_folder):
+    browser = studies_folder / "browser"
+    there = studies_folder / "argument"
     browser.write_text(f'#!/bin/sh\nprintf %s "$1" > {there}.new\nmv {there}.new {there}\n')
     browser.chmod(0o755)
     command = [part for part in APP if part != "--no-browser"]
-    environment = os.environ | {"BROWSER": str(browser), "XDG_RUNTIME_DIR": str(workspace)}
+    environment = os.environ | {"BROWSER": str(browser), "XDG_RUNTIME_DIR": str(studies_folder)}
     process = subprocess.Popen(
-        [*command, "demo"], cwd=workspace, stdout=subprocess.PIPE, text=True, env=environment
+        [*command, "demo"], cwd=studies_folder, stdout=subprocess.PIPE, text=True, env=environment
     )
     try:
         printed = process.stdout.readline().split()[-1]
         token_file = Path(process.stdout.readline().split()[-1])
-        assert token_file.is_relative_to(workspace)
+        assert token_file.is_relative_to(studies_folder)
         assert soon(there.exists)
         argument = there.read_text()
         assert token_file.read_text().strip() not in argument
@@ -85,8 +85,8 @@ def test_the_browser_is_started_with_a_code_of_its_own_and_never_the_token(works
         process.communicate()
 
 
-def test_without_a_study_it_offers_those_of_the_folder_and_two_launches_stand_side_by_side(workspace):
-    first, second = launched(cwd=workspace), launched(cwd=workspace)
+def test_without_a_study_it_offers_those_of_the_folder_and_two_launches_stand_side_by_side(studies_folder):
+    first, second = launched(cwd=studies_folder), launched(cwd=studies_folder)
     try:
         addresses = [process.stdout.readline().split()[-1] for process in (first, second)]
         assert addresses[0] != addresses[1]
@@ -105,8 +105,8 @@ def test_without_a_study_it_offers_those_of_the_folder_and_two_launches_stand_si
             process.communicate()
 
 
-def test_it_listens_on_this_machine_only(workspace):
-    process = launched("demo/study.toml", cwd=workspace)
+def test_it_listens_on_this_machine_only(studies_folder):
+    process = launched("demo/study.toml", cwd=studies_folder)
     try:
         port = int(httpx.URL(process.stdout.readline().split()[-1]).port)
         others = {info[4][0] for info in socket.getaddrinfo(socket.gethostname(), None, socket.AF_INET)}
@@ -128,8 +128,8 @@ def test_it_listens_on_this_machine_only(workspace):
         (["--port", "99999"], "port"),
     ],
 )
-def test_a_wrong_call_says_so(workspace, arguments, words):
-    process = launched(*arguments, cwd=workspace)
+def test_a_wrong_call_says_so(studies_folder, arguments, words):
+    process = launched(*arguments, cwd=studies_folder)
     out, errors = process.communicate(timeout=30)
     assert process.returncode == 2
     assert words in errors
@@ -137,16 +137,16 @@ def test_a_wrong_call_says_so(workspace, arguments, words):
     assert not out
 
 
-def test_a_port_that_is_taken_is_said_in_words(workspace):
+def test_a_port_that_is_taken_is_said_in_words(studies_folder):
     with socket.create_server(("127.0.0.1", 0)) as taken:
-        process = launched("demo", "--port", taken.getsockname()[1], cwd=workspace)
+        process = launched("demo", "--port", taken.getsockname()[1], cwd=studies_folder)
         _, errors = process.communicate(timeout=30)
     assert process.returncode == 2
     assert "--port" in errors
 
 
 @pytest.mark.parametrize("package", ["starlette", "uvicorn", "tomlkit"])
-def test_a_package_that_is_not_installed_is_named_with_the_way_to_it(workspace, package):
+def test_a_package_that_is_not_installed_is_named_with_the_way_to_it(studies_folder, package):
     code = (
         "import sys\n"
         f"sys.modules[{package!r}] = None\n"
@@ -155,7 +155,7 @@ def test_a_package_that_is_not_installed_is_named_with_the_way_to_it(workspace, 
         "main()"
     )
     done = subprocess.run(
-        [sys.executable, "-c", code], cwd=workspace, capture_output=True, text=True, timeout=60
+        [sys.executable, "-c", code], cwd=studies_folder, capture_output=True, text=True, timeout=60
     )
     assert done.returncode == 2
     assert f"needs the package {package}" in done.stderr

@@ -4,35 +4,35 @@ import shutil
 
 import pytest
 import schemathesis
+from fingerpad.web.studies_folder import Workspace
 from hypothesis import HealthCheck, Phase, given, settings
 from schemathesis import GenerationMode
 from tests.web.conftest import DEMO, serving, shorten
 
 import fingerpad
-from fingerpad.web.app import OPERATIONS
-from fingerpad.web.bench import Bench
-from fingerpad.web.operations import openapi
+from fingerpad.web.app import ENDPOINTS
+from fingerpad.web.endpoints import openapi
 
 # They change which study is open, set work going, or never end.
 APART = ("/api/session/", "/api/run", "/api/events")
-KNOWN = {(one.method, one.plain_path) for one in OPERATIONS}
+KNOWN = {(one.method, one.plain_path) for one in ENDPOINTS}
 EXAMPLES = 12
 PATIENCE_S = 120  # machines that test are busy
 PHOTO = "synthetic_pad/synthetic/photograph_palmar.jpg"
 
 
 def described():
-    schema = schemathesis.openapi.from_dict(openapi(OPERATIONS, fingerpad.__version__))
+    schema = schemathesis.openapi.from_dict(openapi(ENDPOINTS, fingerpad.__version__))
     return [found.ok() for found in schema.get_all_operations()]
 
 
 def bench_of(tmp_path_factory):
-    workspace = tmp_path_factory.mktemp("fuzzed")
-    shutil.copytree(DEMO, workspace / "demo")
-    shorten(workspace / "demo")
-    bench = Bench(workspace, upload_limit=1_000_000)
-    bench.open_folder(workspace / "demo")
-    return bench
+    studies_folder = tmp_path_factory.mktemp("fuzzed")
+    shutil.copytree(DEMO, studies_folder / "demo")
+    shorten(studies_folder / "demo")
+    workspace = Workspace(studies_folder, upload_limit=1_000_000)
+    workspace.open_folder(studies_folder / "demo")
+    return workspace
 
 
 @pytest.fixture(scope="module")
@@ -51,9 +51,9 @@ def mean_something(case):
         "scale": "reader",
         "workers": 2,
     }
-    for said in (case.body, case.query):
-        if isinstance(said, dict):
-            said |= {key: value for key, value in known.items() if key in said}
+    for stated in (case.body, case.query):
+        if isinstance(stated, dict):
+            stated |= {key: value for key, value in known.items() if key in stated}
 
 
 def fuzz(client, operation, mode):

@@ -5,9 +5,9 @@ from concurrent.futures import ThreadPoolExecutor
 
 import httpx
 import pytest
+from fingerpad.web.studies_folder import Workspace
 from tests.web.conftest import serving
 
-from fingerpad.web.bench import Bench
 from fingerpad.web.security import Access, cookie_name
 
 
@@ -68,10 +68,10 @@ def clock():
 
 
 @pytest.fixture
-def opened(workspace, clock):
+def opened(studies_folder, clock):
     """Return what opens a launch, and a client of it that knows nothing."""
     access = Access("a-token", clock=lambda: clock[0])
-    with serving(Bench(workspace), access) as client, bare(client) as page:
+    with serving(Workspace(studies_folder), access) as client, bare(client) as page:
         yield access, page
 
 
@@ -232,11 +232,11 @@ def test_items_are_names_and_never_paths(done, item, kind):
 
 
 @pytest.mark.parametrize("kind", ["info", "preview", "thumbnail"])
-def test_a_frame_that_is_a_link_out_of_the_study_is_not_shown(client, workspace, kind):
-    film = workspace / "demo" / "film"
+def test_a_frame_that_is_a_link_out_of_the_study_is_not_shown(client, studies_folder, kind):
+    film = studies_folder / "demo" / "film"
     film.mkdir()
-    shutil.copy(workspace / "demo/synthetic/synthetic_30deg_1N.png", workspace / "outside.png")
-    (film / "f1.png").symlink_to(workspace / "outside.png")
+    shutil.copy(studies_folder / "demo/synthetic/synthetic_30deg_1N.png", studies_folder / "outside.png")
+    (film / "f1.png").symlink_to(studies_folder / "outside.png")
     edits = {
         "expected": client.get("/api/study").json()["digest"],
         "edits": [{"kind": "sequence", "key": "draft", "set": {"path": "film"}}],
@@ -251,12 +251,12 @@ def test_a_frame_that_is_a_link_out_of_the_study_is_not_shown(client, workspace,
 @pytest.mark.parametrize("path", ["scale", "length", "contact"])
 def test_a_coin_is_a_picture_of_the_study(done, coin, path):
     scale = {"coin": coin, "diameter_mm": 23.25}
-    asked = {
+    params = {
         "scale": {"table": scale},
         "length": {"scale": scale, "line_px": [[0, 0], [0, 10]]},
         "contact": {"item": "synthetic_30deg_2N", "scale": scale},
     }[path]
-    answer = done.post(f"/api/measure/{path}", json=asked)
+    answer = done.post(f"/api/measure/{path}", json=params)
     assert answer.status_code == 404, answer.text
     assert "root:" not in answer.text
 

@@ -32,20 +32,20 @@ def app(
     """
     with plain_errors():
         try:
-            from fingerpad.web.bench import Bench
             from fingerpad.web.server import serve
+            from fingerpad.web.workspace import Workspace
         except ModuleNotFoundError as error:
             if (error.name or "").partition(".")[0] not in _NEEDED:
                 raise
             raise FingerpadError(
                 f"the page needs the package {error.name}: pip install 'fingerpad[app]'"
             ) from None
-        bench = Bench(Path.cwd() if study is None else _folder_of(study).parent)
+        workspace = Workspace(Path.cwd() if study is None else _folder_of(study).parent)
         if study is not None:
-            bench.open_folder(_folder_of(study), out)
+            workspace.open_folder(_folder_of(study), out)
         elif out is not None:
             raise FingerpadError("--out needs a study: name its manifest")
-        serve(bench, port=port, on_ready=lambda launch: _tell(launch, browser=browser))
+        serve(workspace, port=port, on_ready=lambda launch: _tell(launch, browser=browser))
 
 
 def _folder_of(study: Path) -> Path:

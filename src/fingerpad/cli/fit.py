@@ -27,7 +27,7 @@ def fit(
     cycle: Annotated[int, typer.Option(help="Which press of the record, from 0.")] = 0,
     contact_point: Annotated[
         str,
-        typer.Option(help="joint, or hold it by baseline_deviation, two_lines, gradient or power_law."),
+        typer.Option(help="joint, or hold it by contact_by_threshold, two_lines, gradient or power_law."),
     ] = "joint",
     region: Annotated[
         str | None, typer.Option(metavar="W0,W1", help="Loads, N, between which the modulus grows.")
@@ -56,13 +56,13 @@ def fit(
         found = fit_loading_curve(
             record,
             poisson_ratio=poisson_ratio,
-            effective_radius=None if radius_mm is None else Estimate.symmetric(radius_mm, radius_mm_std),
+            loading_radius=None if radius_mm is None else Estimate.symmetric(radius_mm, radius_mm_std),
             cycle=cycle,
             contact_point=contact_point,
             region=None if region is None else _loads(region),
         )
         if constraint is not None:
-            found = found.unconstrained(Estimate.symmetric(constraint, constraint_std))
+            found = found.divide_by_constraint(Estimate.symmetric(constraint, constraint_std))
         if plot is not None:
             _draw(plot, curve.stem, record, found, cycle)
     if as_json:

@@ -11,7 +11,7 @@ from fingerpad.exceptions import CalibrationError, ManifestError
 
 if TYPE_CHECKING:
     from fingerpad.image import Scale
-    from fingerpad.study.fiji import HandEllipse, HandObservation
+    from fingerpad.study.fiji import ManualObservation, MeasuredEllipse
 
 app = typer.Typer(help="Bring in what was measured elsewhere.", no_args_is_help=True)
 
@@ -60,7 +60,7 @@ def import_fiji(
     A table gives Major and Minor of "Fit ellipse"; ROIs are ovals, ellipses, or traced outlines. What
     neither flags nor labels tell is left empty, to be filled in.
     """
-    from fingerpad.study.fiji import LabelPattern, hand_observations, write_observations
+    from fingerpad.study.fiji import LabelPattern, manual_observations, write_observations
 
     given = {
         "finger": finger,
@@ -72,10 +72,10 @@ def import_fiji(
         pattern = LabelPattern.of(label_pattern) if label_pattern is not None else None
         mm_per_unit = _mm_per_unit(files, unit, scale)
         ellipses = _read(files)
-        rows = hand_observations(
+        rows = manual_observations(
             ellipses,
             mm_per_unit=mm_per_unit,
-            semi_axis_std_mm=std_mm,
+            semi_axis_mm_std=std_mm,
             relative_scale_std=scale.relative_std if scale else 0.0,
             known={name: value for name, value in given.items() if value is not None},
             pattern=pattern,
@@ -111,7 +111,7 @@ def _mm_per_unit(files: list[Path], unit: str | None, scale: "Scale | None") -> 
     return _MM_PER_UNIT[unit]
 
 
-def _read(files: list[Path]) -> list["HandEllipse"]:
+def _read(files: list[Path]) -> list["MeasuredEllipse"]:
     from fingerpad.study.fiji import is_roi_file, read_results_table, read_rois
 
     places = [path.resolve() for path in files]
@@ -123,7 +123,7 @@ def _read(files: list[Path]) -> list["HandEllipse"]:
     ]
 
 
-def _print_outcome(out: Path, rows: list["HandObservation"]) -> None:
+def _print_outcome(out: Path, rows: list["ManualObservation"]) -> None:
     typer.echo(f"Wrote {out}: {len(rows)} contact{'s' if len(rows) != 1 else ''} measured by hand.")
     lacking = [row for row in rows if row.missing]
     if lacking:

@@ -85,7 +85,7 @@ def hertz(
         "stiffness_N_per_mm": contact.stiffness,
         "F1": size_factor(pair.axis_ratio),
         "F2": indentation_factor(pair.axis_ratio),
-        "contact_size": np.sqrt(contact.semi_major * contact.semi_minor) / pair.geometric_mean_radius,
+        "contact_radius_ratio": np.sqrt(contact.semi_major * contact.semi_minor) / pair.geometric_mean_radius,
         "long_axis_along": {0.0: "first", 1.0: "second"}.get(float(pair.long_axis), "either"),
     }
     print_record(record, as_json)
@@ -131,11 +131,11 @@ def reproduce(
 
     items = audit()
     if figures is not None:
-        from fingerpad.figures import save_figure, source_figures
+        from fingerpad.figures import dzidek2017_figures, save_figure
 
         with plain_errors():
             make_folder(figures)
-            for name, figure, caption in source_figures():
+            for name, figure, caption in dzidek2017_figures():
                 save_figure(figure, figures / name, description=caption)
     if as_json:
         print_json([item.as_record() for item in items])

@@ -12,7 +12,7 @@ weights α, β are averaged along with the axes. Here k = ℓe/ℓd is the axis 
 
 import numpy as np
 
-from fingerpad._arrays import ArrayLike, FloatArray, floats, in_blocks
+from fingerpad._arrays import ArrayLike, FloatArray, apply_blockwise, as_float_array
 
 # Five steps bring the mean to the last digit for k ≥ 1e-5, thirteen for every double.
 _FEW_STEPS = 1e-5
@@ -122,7 +122,7 @@ def solve_contact_ellipse(
     >>> [float(value) for value in solve_contact_ellipse(10.0, 10.0)]
     [1.0, 1.5707963267948966, 0.7853981633974483]
     """
-    return in_blocks(contact_ellipse_kernel, 3, first_radius, second_radius)  # type: ignore[return-value]
+    return apply_blockwise(contact_ellipse_kernel, 3, first_radius, second_radius)  # type: ignore[return-value]
 
 
 def _domain(axis_ratio: FloatArray) -> FloatArray:
@@ -157,7 +157,7 @@ def complete_integrals(axis_ratio: ArrayLike) -> tuple[FloatArray, FloatArray, F
         b, d = _shares(k, p)
         return integral, integral * b, integral * d
 
-    return in_blocks(kernel, 3, axis_ratio)  # type: ignore[return-value]
+    return apply_blockwise(kernel, 3, axis_ratio)  # type: ignore[return-value]
 
 
 def curvature_ratio(axis_ratio: ArrayLike) -> FloatArray:
@@ -175,7 +175,7 @@ def curvature_ratio(axis_ratio: ArrayLike) -> FloatArray:
     >>> float(curvature_ratio(1.0))
     1.0
     """
-    k = floats(axis_ratio)
+    k = as_float_array(axis_ratio)
     _, b, d = complete_integrals(k)
     with np.errstate(all="ignore"):
         return b / (k * k * d)
@@ -184,7 +184,7 @@ def curvature_ratio(axis_ratio: ArrayLike) -> FloatArray:
 @np.errstate(all="ignore")
 def factor_products(axis_ratio: ArrayLike) -> tuple[FloatArray, FloatArray]:
     r"""Return :math:`F_1^3 = \frac{4}{\pi}\sqrt{kBD}` and :math:`F_1 F_2 = \frac{2}{\pi}\sqrt{k}K`."""
-    k = floats(axis_ratio)
+    k = as_float_array(axis_ratio)
     integral, b, d = complete_integrals(k)
     return (4 / np.pi) * np.sqrt(k * b * d), (2 / np.pi) * np.sqrt(k) * integral
 
@@ -224,4 +224,4 @@ def indentation_factor(axis_ratio: ArrayLike) -> FloatArray:
     0.995216154
     """
     cube, product = factor_products(axis_ratio)
-    return floats(product / np.cbrt(cube))
+    return as_float_array(product / np.cbrt(cube))

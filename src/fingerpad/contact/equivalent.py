@@ -8,7 +8,7 @@ R_e = √(R'R'') in exact Hertz theory, for which the three relations are identi
 
 import numpy as np
 
-from fingerpad._arrays import ArrayLike, FloatArray, floats
+from fingerpad._arrays import ArrayLike, FloatArray, as_float_array
 from fingerpad.contact.elliptic import factor_products
 
 
@@ -73,5 +73,5 @@ def equivalent_radius_from_compliance(base_radius: ArrayLike, axis_ratio: ArrayL
 
 def _convex(base_radius: ArrayLike) -> FloatArray:
     """Return positive radii as they are, and NaN for the others."""
-    radius = floats(base_radius)
+    radius = as_float_array(base_radius)
     return np.where(radius.real > 0, radius, np.nan)

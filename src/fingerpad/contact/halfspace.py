@@ -11,7 +11,7 @@ from typing import Self
 
 import numpy as np
 
-from fingerpad._arrays import BoolArray, FloatArray, require
+from fingerpad._arrays import BoolArray, FloatArray, check_all
 from fingerpad.contact.hertz import HertzContact, HertzGeometry
 from fingerpad.exceptions import GeometryError
 from fingerpad.geometry import Ellipsoid, platen_normal
@@ -104,7 +104,7 @@ class HalfSpaceContact:
         area -4%
         """
         for name, value in (("load", load), ("reduced_modulus", reduced_modulus)):
-            require(np.isfinite(value) and value > 0, name, value, "positive and finite", GeometryError)
+            check_all(np.isfinite(value) and value > 0, name, value, "positive and finite", GeometryError)
         normal = platen_normal(wedge_angle, roll_angle)
         radii = pad.principal_radii_at_normal(normal)
         hertz = HertzGeometry.of(radii[0], radii[1]).under_load(load, reduced_modulus=reduced_modulus)

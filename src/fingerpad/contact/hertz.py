@@ -5,7 +5,7 @@ from typing import Self
 
 import numpy as np
 
-from fingerpad._arrays import ArrayLike, FloatArray, broadcast, floats, in_blocks, require
+from fingerpad._arrays import ArrayLike, FloatArray, apply_blockwise, as_float_array, broadcast, check_all
 from fingerpad.contact.elliptic import contact_ellipse_kernel, solve_contact_ellipse
 from fingerpad.exceptions import GeometryError
 from fingerpad.geometry import Ellipse
@@ -112,7 +112,7 @@ class HertzGeometry:
         """
         first, second = broadcast(first_radius, second_radius)
         for name, radius in (("first_radius", first), ("second_radius", second)):
-            require(np.isfinite(radius) & (radius > 0), name, radius, "positive and finite", GeometryError)
+            check_all(np.isfinite(radius) & (radius > 0), name, radius, "positive and finite", GeometryError)
         k, K, D = solve_contact_ellipse(first, second)
         return cls(first_radius=first, second_radius=second, axis_ratio=k, K=K, D=D)
 
@@ -134,7 +134,7 @@ class HertzGeometry:
             first, second, k, K, D, W, E = values
             return _size_under_load(np.maximum(first, second) * D, k, K, W, E)
 
-        sizes = in_blocks(
+        sizes = apply_blockwise(
             kernel,
             3,
             *(self.first_radius, self.second_radius, self.axis_ratio, self.K, self.D),
@@ -164,19 +164,19 @@ class HertzGeometry:
 
     def _semi_major_from_indentation(self, indentation: ArrayLike) -> FloatArray:
         with np.errstate(invalid="ignore"):
-            return np.sqrt(2 * self._larger_radius * self.D * floats(indentation) / self.K)
+            return np.sqrt(2 * self._larger_radius * self.D * as_float_array(indentation) / self.K)
 
     def _semi_major_from_area(self, area: ArrayLike) -> FloatArray:
         with np.errstate(invalid="ignore"):
-            return np.sqrt(floats(area) / (np.pi * self.axis_ratio))
+            return np.sqrt(as_float_array(area) / (np.pi * self.axis_ratio))
 
     def _reduced_modulus(self, load: ArrayLike, major: FloatArray) -> FloatArray:
         with np.errstate(divide="ignore", invalid="ignore"):
-            return (3 / np.pi) * floats(load) * self._larger_radius * self.D / major**3
+            return (3 / np.pi) * as_float_array(load) * self._larger_radius * self.D / major**3
 
     @np.errstate(all="ignore")
     def _of_size(self, major: FloatArray, reduced_modulus: ArrayLike) -> HertzContact:
-        modulus = floats(reduced_modulus)
+        modulus = as_float_array(reduced_modulus)
         modulus = np.where(modulus >= 0, modulus, np.nan)
         radius = self._larger_radius
         load = (np.pi / 3) * modulus * major**3 / (radius * self.D)
@@ -213,7 +213,7 @@ def hertz_contact(
         return _size_under_load(np.maximum(first, second) * D, k, K, W, E)
 
     return _contact(
-        load, reduced_modulus, *in_blocks(kernel, 3, first_radius, second_radius, load, reduced_modulus)
+        load, reduced_modulus, *apply_blockwise(kernel, 3, first_radius, second_radius, load, reduced_modulus)
     )
 
 
@@ -241,9 +241,9 @@ def reduced_modulus(youngs_modulus: ArrayLike, poisson_ratio: ArrayLike = 0.5) -
     >>> float(reduced_modulus(0.1024))
     0.13653333333333334
     """
-    return floats(youngs_modulus) / (1 - floats(poisson_ratio) ** 2)
+    return as_float_array(youngs_modulus) / (1 - as_float_array(poisson_ratio) ** 2)
 
 
 def youngs_modulus(reduced_modulus: ArrayLike, poisson_ratio: ArrayLike = 0.5) -> FloatArray:
     """Return E = E*(1 − ν²) of a body pressed against a rigid one."""
-    return floats(reduced_modulus) * (1 - floats(poisson_ratio) ** 2)
+    return as_float_array(reduced_modulus) * (1 - as_float_array(poisson_ratio) ** 2)

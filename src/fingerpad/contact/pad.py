@@ -31,7 +31,7 @@ class PadContact:
         E = E*(1 − ν²).
     mean_pressure : ndarray
         W/A.
-    contact_size : ndarray
+    contact_radius_ratio : ndarray
         √(ℓd ℓe)/R_e, which Hertz theory takes to be small.
     predicted_elongation : ndarray
         Signed ln(ℓd/ℓe) that Hertz theory predicts: positive where the long axis lies along the finger,
@@ -50,7 +50,7 @@ class PadContact:
     reduced_modulus: FloatArray
     youngs_modulus: FloatArray
     mean_pressure: FloatArray
-    contact_size: FloatArray
+    contact_radius_ratio: FloatArray
     predicted_elongation: FloatArray
 
 
@@ -117,6 +117,6 @@ def pad_contact(
         reduced_modulus=modulus,
         youngs_modulus=youngs_modulus(modulus, poisson_ratio),
         mean_pressure=load / area,
-        contact_size=size / exact,
+        contact_radius_ratio=size / exact,
         predicted_elongation=-along * np.log(predicted),
     )

@@ -4,6 +4,7 @@ Every ``plot_*`` draws on Matplotlib axes and returns them; `new_figure` makes a
 `save_figure` and `figure_svg` write them.
 """
 
+from fingerpad.figures.dzidek2017 import dzidek2017_figures
 from fingerpad.figures.loading import (
     plot_contact_compliance,
     plot_initial_modulus,
@@ -19,12 +20,12 @@ from fingerpad.figures.results import (
     plot_corrected_radius,
 )
 from fingerpad.figures.sequence import plot_press
-from fingerpad.figures.source import source_figures
 from fingerpad.figures.style import figure_svg, new_figure, save_figure
 from fingerpad.figures.uncertainty import plot_uncertainty_budget
 from fingerpad.figures.wedge import plot_wedge, plot_wedge_in_pad_axes
 
 __all__ = [
+    "dzidek2017_figures",
     "figure_svg",
     "new_figure",
     "plot_area_against_load",
@@ -43,5 +44,4 @@ __all__ = [
     "plot_wedge",
     "plot_wedge_in_pad_axes",
     "save_figure",
-    "source_figures",
 ]

@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 from matplotlib.axes import Axes
 
-from fingerpad._arrays import ArrayLike, FloatArray, floats
+from fingerpad._arrays import ArrayLike, FloatArray, as_float_array
 from fingerpad.figures.style import (
     BLACK,
     BLUE,
@@ -110,7 +110,7 @@ def plot_forest(
     title : str
         What the values have in common.
     """
-    y, x, spread = floats(place), floats(value), floats(std)
+    y, x, spread = as_float_array(place), as_float_array(value), as_float_array(std)
     for colour in dict.fromkeys(colours):
         same = np.array([each == colour for each in colours])
         for known in (True, False):
@@ -131,7 +131,7 @@ def plot_forest(
         if np.isfinite(mean.between_std):
             band = mean.value - mean.between_std, mean.value + mean.between_std
             axes.fill_betweenx((line - 0.4, line + 0.4), *band, color=BLACK, alpha=0.15, linewidth=0)
-            ends.append(floats(band))
+            ends.append(as_float_array(band))
         if mean.interval is not None:
             axes.plot(mean.interval, (line, line), color=BLACK, linewidth=1.2, solid_capstyle="butt")
         face = "white" if mean.synthetic else BLACK
@@ -182,9 +182,9 @@ def plot_by_wedge(
         # Beside one another where fingers share an angle.
         shift = _WIDEST_SHIFT_DEG * (2 * (place + 0.5) / len(lines) - 1)
         axes.errorbar(
-            floats(line.wedge_angle_deg) + shift,
-            floats(line.value),
-            yerr=floats(line.std),
+            as_float_array(line.wedge_angle_deg) + shift,
+            as_float_array(line.value),
+            yerr=as_float_array(line.std),
             fmt="o-",
             color=line.colour,
             linewidth=0.7,
@@ -197,7 +197,9 @@ def plot_by_wedge(
         chosen = [(angle, mean) for angle, mean in means if mean.synthetic is synthetic]
         if chosen:
             _draw_means(axes, *zip(*sorted(chosen, key=lambda one: one[0]), strict=True), synthetic=synthetic)
-    axes.set_xticks(sorted({float(angle) for line in lines for angle in floats(line.wedge_angle_deg)}))
+    axes.set_xticks(
+        sorted({float(angle) for line in lines for angle in as_float_array(line.wedge_angle_deg)})
+    )
     axes.set_xlabel("wedge angle (°)")
     axes.set_ylabel(label)
     axes.margins(y=0.12)
@@ -206,9 +208,11 @@ def plot_by_wedge(
 
 
 def _draw_means(axes: Axes, angles: Sequence[float], means: Sequence[MeanMark], *, synthetic: bool) -> None:
-    value: FloatArray = floats([mean.value for mean in means])
-    spread = np.nan_to_num(floats([mean.between_std for mean in means]))
+    value: FloatArray = as_float_array([mean.value for mean in means])
+    spread = np.nan_to_num(as_float_array([mean.between_std for mean in means]))
     label = f"mean over people{' (synthetic)' if synthetic else ''}, band: between people"
     face = "white" if synthetic else BLACK
     axes.plot(angles, value, "D--", color=BLACK, markersize=4.5, markerfacecolor=face, zorder=4, label=label)
-    axes.fill_between(floats(angles), value - spread, value + spread, color=BLACK, alpha=0.13, linewidth=0)
+    axes.fill_between(
+        as_float_array(angles), value - spread, value + spread, color=BLACK, alpha=0.13, linewidth=0
+    )

@@ -10,7 +10,7 @@ from typing import Final, Literal, TypeAlias
 import numpy as np
 from matplotlib.axes import Axes
 
-from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, broadcast, floats
+from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, as_float_array, broadcast
 from fingerpad.figures.style import (
     BLACK,
     BLUE,
@@ -60,7 +60,7 @@ def plot_load_indentation(
     synthetic : array_like of bool
         Points that were simulated: hollow.
     """
-    xi, W = floats(indentation), floats(load)
+    xi, W = as_float_array(indentation), as_float_array(load)
     if phase is None:
         draw_points(axes, xi, W, x_std=indentation_std, y_std=load_std, synthetic=synthetic)
     else:
@@ -89,8 +89,8 @@ def plot_contact_compliance(
     area: ArrayLike,
     *,
     area_std: ArrayLike | None = None,
-    effective_radius: float | None = None,
-    effective_radius_std: float = 0.0,
+    loading_radius: float | None = None,
+    loading_radius_std: float = 0.0,
     area_at_zero: float = 0.0,
     synthetic: ArrayLike = False,
 ) -> Axes:
@@ -104,20 +104,20 @@ def plot_contact_compliance(
         Where to draw.
     indentation, area, area_std : array_like
         Indentation ξ (mm) and contact area (mm²).
-    effective_radius, effective_radius_std : float, optional
+    loading_radius, loading_radius_std : float, optional
         R_g and its standard uncertainty, mm.
     area_at_zero : float
         Area of the line at ξ = 0, mm².
     synthetic : array_like of bool
         Points that are not measured: hollow.
     """
-    x = np.pi * floats(indentation)
+    x = np.pi * as_float_array(indentation)
     draw_points(axes, x, area, y_std=area_std, synthetic=synthetic)
-    if effective_radius is not None and np.isfinite(x).any():
+    if loading_radius is not None and np.isfinite(x).any():
         line = np.array([min(np.nanmin(x), 0), np.nanmax(x)])
-        fitted = area_at_zero + effective_radius * line
-        spread = effective_radius_std * np.abs(line - np.nanmean(x))
-        said = value_with_uncertainty(effective_radius, effective_radius_std)
+        fitted = area_at_zero + loading_radius * line
+        spread = loading_radius_std * np.abs(line - np.nanmean(x))
+        said = value_with_uncertainty(loading_radius, loading_radius_std)
         label = rf"slope $R_\mathrm{{g}}$ = {said} mm"
         axes.plot(line, fitted, color=ORANGE, label=label, zorder=4)
         axes.fill_between(line, fitted - spread, fitted + spread, color=ORANGE, alpha=0.25, linewidth=0)
@@ -163,12 +163,14 @@ def plot_secant_modulus(
     synthetic : bool
         Whether the data were simulated.
     """
-    x, modulus = broadcast(abscissa, KPA_PER_MPA * floats(secant_modulus))
+    x, modulus = broadcast(abscissa, KPA_PER_MPA * as_float_array(secant_modulus))
     chosen: BoolArray = np.ones(x.shape, bool) if fitted_region is None else np.asarray(fitted_region, bool)
     axes.plot(x[~chosen], modulus[~chosen], ".", color=GREY, markersize=2.5, label="not in the fit")
     axes.plot(x[chosen], modulus[chosen], ".", color=BLUE, markersize=3.2, label=r"$E_\mathrm{g}$")
     if fit is not None:
-        line, fitted, spread = broadcast(fit[0], KPA_PER_MPA * floats(fit[1]), KPA_PER_MPA * floats(fit_std))
+        line, fitted, spread = broadcast(
+            fit[0], KPA_PER_MPA * as_float_array(fit[1]), KPA_PER_MPA * as_float_array(fit_std)
+        )
         axes.plot(line, fitted, color=ORANGE, label=label, zorder=4)
         axes.fill_between(line, fitted - spread, fitted + spread, color=ORANGE, alpha=0.25, linewidth=0)
     if synthetic:
@@ -205,9 +207,9 @@ def plot_initial_modulus(
     synthetic : array_like of bool
         Points that were simulated: hollow.
     """
-    std = None if initial_modulus_std is None else KPA_PER_MPA * floats(initial_modulus_std)
+    std = None if initial_modulus_std is None else KPA_PER_MPA * as_float_array(initial_modulus_std)
     axes.set_xscale("log")
-    draw_points(axes, velocity, KPA_PER_MPA * floats(initial_modulus), y_std=std, synthetic=synthetic)
+    draw_points(axes, velocity, KPA_PER_MPA * as_float_array(initial_modulus), y_std=std, synthetic=synthetic)
     axes.margins(x=0.15)
     axes.set_ylim(bottom=0)
     plain_log_ticks(axes.xaxis)
@@ -263,7 +265,7 @@ def plot_relaxation(
     if ramp_time is not None and after.any() and ramp_time > t[after].min():
         axes.axvspan(float(t[after].min()), ramp_time, color=GREY, alpha=0.15, linewidth=0)
         axes.plot([], [], color=GREY, alpha=0.3, linewidth=6, label="hidden by the ramp")
-    for constant in np.atleast_1d(floats(time_constants)):
+    for constant in np.atleast_1d(as_float_array(time_constants)):
         axes.axvline(float(constant), color=GREEN, linestyle=":", linewidth=0.9)
     if np.size(time_constants):
         axes.plot([], [], ":", color=GREEN, label="time constants")
@@ -300,7 +302,7 @@ def plot_modulus_from_area_and_indentation(
     synthetic : bool
         Whether the data were simulated.
     """
-    W, ratio = broadcast(load, _ratio(floats(from_area), floats(from_indentation)))
+    W, ratio = broadcast(load, _ratio(as_float_array(from_area), as_float_array(from_indentation)))
     axes.plot(W, ratio, ".", color=BLUE, markersize=3, label="measured")
     axes.axhline(1.0, color=BLACK, linewidth=0.8)
     if expected_ratio is not None:

@@ -8,7 +8,7 @@ import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
 
-from fingerpad._arrays import ArrayLike, FloatArray, floats
+from fingerpad._arrays import ArrayLike, FloatArray, as_float_array
 from fingerpad.figures.style import (
     BLACK,
     BLUE,
@@ -31,7 +31,7 @@ _PIXELS: Final = 240
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class View:
+class Camera:
     """Orthonormal axes of a picture: to the right, upwards, and towards the eye."""
 
     right: FloatArray
@@ -41,8 +41,8 @@ class View:
     @classmethod
     def of(cls, towards: ArrayLike, up: ArrayLike) -> Self:
         """Look from `towards`, with `up` upwards as far as it can be."""
-        eye = floats(towards) / np.linalg.norm(towards)
-        right = np.cross(floats(up), eye)
+        eye = as_float_array(towards) / np.linalg.norm(towards)
+        right = np.cross(as_float_array(up), eye)
         right /= np.linalg.norm(right)
         return cls(right=right, up=np.cross(eye, right), towards=eye)
 
@@ -73,10 +73,10 @@ def plot_pad(
     synthetic : bool
         Whether to say that the pad is not a measured one.
     """
-    view = View.of(towards=(0.55, 0.5, 0.95), up=(1, 0, 0))
+    view = Camera.of(towards=(0.55, 0.5, 0.95), up=(1, 0, 0))
     outline = _draw_surface(axes, pad, view)
     _frame(axes, np.concatenate([outline, _draw_coordinate_axes(axes, pad, view)]))
-    for angle in np.atleast_1d(floats(u_deg)):
+    for angle in np.atleast_1d(as_float_array(u_deg)):
         spot = view.project(pad.point(np.radians(angle), np.pi / 2))
         outward = view.project(pad.normal(np.radians(angle), np.pi / 2))
         colour = POINT_COLOURS.get(round(float(angle)), BLACK)
@@ -134,7 +134,7 @@ def plot_pad_with_contact(
     placement = Placement.of(pad, wedge_angle=wedge_angle, roll_angle=roll_angle)
     # The finger's axis as it lies on the platen, ∂n/∂θ: regular even where the finger stands on its tip.
     rise = np.array([-np.sin(wedge_angle) * np.cos(roll_angle), np.cos(wedge_angle)])
-    view = View.of(placement.normal, up=(*rise, -np.sin(wedge_angle) * np.sin(roll_angle)))
+    view = Camera.of(placement.normal, up=(*rise, -np.sin(wedge_angle) * np.sin(roll_angle)))
     centre = view.project(placement.point)
     directions = view.project(placement.curvature.principal_directions)
     radii = placement.curvature.principal_radii
@@ -157,7 +157,7 @@ def plot_pad_with_contact(
     return axes
 
 
-def _draw_surface(axes: Axes, pad: Ellipsoid, view: View) -> FloatArray:
+def _draw_surface(axes: Axes, pad: Ellipsoid, view: Camera) -> FloatArray:
     """Draw the shaded ellipsoid with its parametric lines and outline; return the outline."""
     turn = np.linspace(0, 2 * np.pi, 361)
     rim = np.cos(turn)[:, None] * view.right + np.sin(turn)[:, None] * view.up
@@ -190,7 +190,7 @@ def _frame(axes: Axes, points: FloatArray) -> None:
     axes.set_ylim(low[1] - margin[1], high[1] + margin[1])
 
 
-def _shaded(pad: Ellipsoid, view: View, reach: FloatArray) -> npt.NDArray[np.uint8]:
+def _shaded(pad: Ellipsoid, view: Camera, reach: FloatArray) -> npt.NDArray[np.uint8]:
     """Return a picture, RGBA: where each line of sight meets the ellipsoid, how far it faces the light."""
     s, t = np.meshgrid(*(np.linspace(-r, r, _PIXELS) for r in reach))
     base = s[..., None] * view.right + t[..., None] * view.up
@@ -210,7 +210,7 @@ def _shaded(pad: Ellipsoid, view: View, reach: FloatArray) -> npt.NDArray[np.uin
 
 
 def _draw_line(
-    axes: Axes, pad: Ellipsoid, view: View, u: FloatArray, v: FloatArray, *, bold: bool = False
+    axes: Axes, pad: Ellipsoid, view: Camera, u: FloatArray, v: FloatArray, *, bold: bool = False
 ) -> None:
     """Draw the part of a parametric line that faces the eye."""
     seen = pad.normal(u, v) @ view.towards > 0
@@ -220,7 +220,7 @@ def _draw_line(
     )
 
 
-def _draw_coordinate_axes(axes: Axes, pad: Ellipsoid, view: View) -> FloatArray:
+def _draw_coordinate_axes(axes: Axes, pad: Ellipsoid, view: Camera) -> FloatArray:
     """Draw the directions of the three semi-axes as arrows that leave the surface; return their ends."""
     length = 0.3 * float(pad.semi_axes.max())
     starts, ends = (view.project(np.diag(reach)) for reach in (pad.semi_axes, pad.semi_axes + length))

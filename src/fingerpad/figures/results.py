@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import EllipseCollection
 
-from fingerpad._arrays import ArrayLike, FloatArray, broadcast, floats
+from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, broadcast
 from fingerpad.figures.style import (
     BLACK,
     BLUE,
@@ -162,7 +162,7 @@ def plot_area_against_load(
         line = np.geomspace(W.min() / 1.15, W.max() * 1.15, 50)
 
         def power_law(slope: float) -> FloatArray:
-            return floats(np.exp(np.log(A).mean() + slope * (np.log(line) - np.log(W).mean())))
+            return as_float_array(np.exp(np.log(A).mean() + slope * (np.log(line) - np.log(W).mean())))
 
         if exponent is not None and np.isfinite(exponent):
             said = value_with_uncertainty(exponent, exponent_std)
@@ -219,8 +219,15 @@ def plot_aspect_ratio(
         _draw_shapes(axes, W[mask], ratio[mask], ratio[mask], angle[mask], face=face, edge=BLUE)
     if predicted_aspect_ratio is not None:
         axes.axhline(predicted_aspect_ratio, color=ORANGE, linestyle="--", zorder=1)
-        shape = (floats([value]) for value in (predicted_aspect_ratio, predicted_long_axis_angle))
-        _draw_shapes(axes, floats([1.06]), floats([predicted_aspect_ratio]), *shape, edge=ORANGE, beside=True)
+        shape = (as_float_array([value]) for value in (predicted_aspect_ratio, predicted_long_axis_angle))
+        _draw_shapes(
+            axes,
+            as_float_array([1.06]),
+            as_float_array([predicted_aspect_ratio]),
+            *shape,
+            edge=ORANGE,
+            beside=True,
+        )
         _name_level(axes, predicted_aspect_ratio, f"Hertz\n{predicted_aspect_ratio:.2f}", gap=22)
     axes.set_xlim(left=0)
     axes.margins(y=0.25)

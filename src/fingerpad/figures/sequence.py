@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 from matplotlib.axes import Axes
 
-from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, broadcast, floats
+from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, as_float_array, broadcast
 from fingerpad.figures.style import BLUE, GREY, VERMILLION, in_style, mark_synthetic
 
 # Told apart by colour and by shape.
@@ -101,7 +101,7 @@ def _draw(
 def _name(axes: Axes, x: FloatArray, y: FloatArray, name: str, *, above: bool) -> None:
     """Write the name of a curve above or below its largest value."""
     if x.size:
-        k = int(np.argmax(floats(y)))
+        k = int(np.argmax(as_float_array(y)))
         axes.annotate(
             name,
             (x[k], y[k]),

@@ -15,7 +15,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
-from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, broadcast, floats
+from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, as_float_array, broadcast
 from fingerpad.exceptions import FingerpadError
 
 Arguments = ParamSpec("Arguments")
@@ -191,7 +191,7 @@ def _escaped(text: str) -> str:
 
 def pair(point: ArrayLike) -> tuple[float, float]:
     """Return a point of the plane as Matplotlib's text wants it."""
-    x, y = floats(point)
+    x, y = as_float_array(point)
     return float(x), float(y)
 
 
@@ -251,7 +251,7 @@ def draw_points(
 def _selected(std: ArrayLike | None, mask: BoolArray) -> FloatArray | None:
     if std is None:
         return None
-    return broadcast(floats(std).ravel() if floats(std).ndim else std, mask)[0][mask]
+    return broadcast(as_float_array(std).ravel() if as_float_array(std).ndim else std, mask)[0][mask]
 
 
 def legend_above(axes: Axes) -> None:

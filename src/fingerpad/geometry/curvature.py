@@ -5,7 +5,7 @@ from typing import Self
 
 import numpy as np
 
-from fingerpad._arrays import ArrayLike, FloatArray, broadcast, floats, hypotenuse, require
+from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, broadcast, check_all, hypotenuse
 from fingerpad.exceptions import GeometryError
 
 
@@ -121,8 +121,8 @@ class RelativeCurvature:
         array([10., 10.])
         """
         first_1, first_2, second_1, second_2, turn = broadcast(
-            *np.moveaxis(floats(first), -1, 0),
-            *np.moveaxis(floats(second), -1, 0),
+            *np.moveaxis(as_float_array(first), -1, 0),
+            *np.moveaxis(as_float_array(second), -1, 0),
             angle,
         )
         for name, radius in (
@@ -131,14 +131,14 @@ class RelativeCurvature:
             ("second", second_1),
             ("second", second_2),
         ):
-            require(
+            check_all(
                 np.abs(radius) > 0,
                 f"{name} body's principal radius",
                 radius,
                 "a non-zero number",
                 GeometryError,
             )
-        require(np.isfinite(turn), "angle", turn, "finite (radians)", GeometryError)
+        check_all(np.isfinite(turn), "angle", turn, "finite (radians)", GeometryError)
         cosine, sine = np.cos(turn), np.sin(turn)
         curvatures, angle_ = principal_curvatures(
             1 / first_1 + cosine**2 / second_1 + sine**2 / second_2,

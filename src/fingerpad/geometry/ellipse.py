@@ -5,7 +5,7 @@ from typing import Self
 
 import numpy as np
 
-from fingerpad._arrays import ArrayLike, FloatArray, broadcast, require
+from fingerpad._arrays import ArrayLike, FloatArray, broadcast, check_all
 from fingerpad.exceptions import GeometryError
 
 
@@ -40,9 +40,9 @@ class Ellipse:
             If an axis is not positive and finite, or the minor axis exceeds the major.
         """
         major, minor = broadcast(semi_major, semi_minor)
-        require(np.isfinite(major) & (major > 0), "semi_major", major, "positive and finite", GeometryError)
-        require(np.isfinite(minor) & (minor > 0), "semi_minor", minor, "positive and finite", GeometryError)
-        require(
+        check_all(np.isfinite(major) & (major > 0), "semi_major", major, "positive and finite", GeometryError)
+        check_all(np.isfinite(minor) & (minor > 0), "semi_minor", minor, "positive and finite", GeometryError)
+        check_all(
             minor <= major,
             "semi_minor",
             minor,

@@ -5,7 +5,7 @@ from typing import Self
 
 import numpy as np
 
-from fingerpad._arrays import ArrayLike, FloatArray, broadcast, floats, hypotenuse, require
+from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, broadcast, check_all, hypotenuse
 from fingerpad.exceptions import GeometryError
 from fingerpad.geometry.curvature import SurfaceCurvature, curvatures_of, principal_curvatures
 
@@ -44,7 +44,7 @@ class Ellipsoid:
         """
         axes = broadcast(palmar, distal, radial_ulnar)
         for name, axis in zip(("palmar", "distal", "radial_ulnar"), axes, strict=True):
-            require(
+            check_all(
                 np.isfinite(axis) & (axis > 0),
                 f"semi-axis {name}",
                 axis,
@@ -80,12 +80,12 @@ class Ellipsoid:
         normal : array_like, shape (..., 3)
             Unit vectors.
         """
-        normal = floats(normal)
+        normal = as_float_array(normal)
         return self.semi_axes**2 * normal / self._support(normal)[..., None]
 
     def parametric_angles(self, normal: ArrayLike) -> tuple[FloatArray, FloatArray]:
         """Return u in (−π, π] and v in [0, π] (radians) of the point whose outward normal is `normal`."""
-        x, y, z = np.moveaxis(self.semi_axes * floats(normal), -1, 0)
+        x, y, z = np.moveaxis(self.semi_axes * as_float_array(normal), -1, 0)
         return np.arctan2(y, x), np.arctan2(np.hypot(x, y), z)
 
     def curvature(self, u: ArrayLike, v: ArrayLike) -> SurfaceCurvature:
@@ -100,7 +100,7 @@ class Ellipsoid:
         normal : array_like, shape (..., 3)
             Unit vectors.
         """
-        normal = floats(normal)
+        normal = as_float_array(normal)
         curvatures, angle = principal_curvatures(*self._curvature_tensor(normal))
         along, across = tangents(normal)
         cosine, sine = np.cos(angle)[..., None], np.sin(angle)[..., None]
@@ -109,7 +109,7 @@ class Ellipsoid:
 
     def principal_radii_at_normal(self, normal: ArrayLike) -> FloatArray:
         """Return the radii of `curvature_at_normal` alone, shape (..., 2), at a third of the cost."""
-        return 1 / curvatures_of(*self._curvature_tensor(floats(normal)))
+        return 1 / curvatures_of(*self._curvature_tensor(as_float_array(normal)))
 
     def _curvature_tensor(self, normal: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return the curvatures along and across the finger, and the mixed one.

@@ -5,7 +5,7 @@ from typing import Self
 
 import numpy as np
 
-from fingerpad._arrays import ArrayLike, FloatArray, broadcast, require
+from fingerpad._arrays import ArrayLike, FloatArray, broadcast, check_all
 from fingerpad.exceptions import GeometryError
 from fingerpad.geometry.curvature import SurfaceCurvature
 from fingerpad.geometry.ellipsoid import Ellipsoid
@@ -74,8 +74,8 @@ class Placement:
         """
         wedge, roll = broadcast(wedge_angle, roll_angle)
         inside = (wedge >= 0) & (wedge <= np.pi / 2)
-        require(inside, "wedge angle (in degrees)", np.degrees(wedge), "between 0° and 90°", GeometryError)
-        require(np.isfinite(roll), "roll angle (in degrees)", np.degrees(roll), "finite", GeometryError)
+        check_all(inside, "wedge angle (in degrees)", np.degrees(wedge), "between 0° and 90°", GeometryError)
+        check_all(np.isfinite(roll), "roll angle (in degrees)", np.degrees(roll), "finite", GeometryError)
         normal = platen_normal(wedge, roll)
         u, v = ellipsoid.parametric_angles(normal)
         return cls(

@@ -2,6 +2,16 @@
 
 from fingerpad.image.coin.measure import Coin, measure_coin
 from fingerpad.image.colour import read_colour_image
+from fingerpad.image.contact_image.manual import BrushStroke, ManualEllipse
+from fingerpad.image.contact_image.measure import measure_contact_image
+from fingerpad.image.contact_image.overlay import draw_overlay, write_overlay
+from fingerpad.image.contact_image.prepare import PreparedContactImage, prepare_contact_image
+from fingerpad.image.contact_image.result import (
+    FLAGS,
+    PLAUSIBLE_RIDGE_PERIOD_MM,
+    ContactImageResult,
+    ContactImageSettings,
+)
 from fingerpad.image.ellipse_fit import (
     AlignedEllipseFit,
     EllipseFit,
@@ -10,17 +20,7 @@ from fingerpad.image.ellipse_fit import (
     fit_aligned_ellipse,
     fit_ellipse,
 )
-from fingerpad.image.imprint.edits import BrushStroke, HandEllipse
-from fingerpad.image.imprint.measure import measure_imprint
-from fingerpad.image.imprint.overlay import draw_overlay, write_overlay
-from fingerpad.image.imprint.prepare import PreparedImprint, prepare_imprint
-from fingerpad.image.imprint.result import FLAGS, PLAUSIBLE_RIDGE_PERIOD_MM, Imprint, ImprintSettings
 from fingerpad.image.photograph._face_frame import Direction
-from fingerpad.image.photograph.by_hand import (
-    photograph_from_ellipse,
-    photograph_from_handles,
-    with_points,
-)
 from fingerpad.image.photograph.direct import direct_semi_axes
 from fingerpad.image.photograph.faces import (
     FACE_AXES,
@@ -30,6 +30,11 @@ from fingerpad.image.photograph.faces import (
     OutlineSemiAxes,
     combine_faces,
     implausible_size,
+)
+from fingerpad.image.photograph.manual import (
+    photograph_from_ellipse,
+    photograph_from_handles,
+    with_marked_points,
 )
 from fingerpad.image.photograph.measure import (
     PHOTOGRAPH_FLAGS,
@@ -56,14 +61,20 @@ from fingerpad.image.sequence.force import (
     read_frame_stamps,
 )
 from fingerpad.image.sequence.frames import Frame, Frames, open_frames
-from fingerpad.image.sequence.measure import measure_frames, measure_sequence, place_in_time
+from fingerpad.image.sequence.measure import assign_times, measure_frames, measure_sequence
 from fingerpad.image.sequence.phases import PHASES, Phase, phases_of
-from fingerpad.image.sequence.reading import Place, Reading, Survey, learn_reading, survey_frames
 from fingerpad.image.sequence.result import FrameResult, SequenceSummary, sequence_summary
-from fingerpad.image.synthetic.coin import SyntheticCoin, render_coin
-from fingerpad.image.synthetic.finger import Backdrop, SyntheticFinger, render_finger
-from fingerpad.image.synthetic.imprint import SyntheticImprint, outline_points, render_imprint
-from fingerpad.image.synthetic.press import SyntheticPress, synthetic_press
+from fingerpad.image.sequence.settings import (
+    MeasurementRegion,
+    SequenceSettings,
+    TextureScan,
+    estimate_settings,
+    scan_texture,
+)
+from fingerpad.simulate.coin import SyntheticCoin, render_coin
+from fingerpad.simulate.contact_image import SyntheticContactImage, outline_points, render_contact_image
+from fingerpad.simulate.finger import Backdrop, SyntheticFinger, render_finger
+from fingerpad.simulate.sequence import SyntheticSequence, render_sequence
 
 __all__ = [
     "FACE_AXES",
@@ -76,6 +87,8 @@ __all__ = [
     "Backdrop",
     "BrushStroke",
     "Coin",
+    "ContactImageResult",
+    "ContactImageSettings",
     "Direction",
     "EllipseFit",
     "Face",
@@ -87,40 +100,39 @@ __all__ = [
     "FrameResult",
     "FrameStamps",
     "Frames",
-    "HandEllipse",
-    "Imprint",
-    "ImprintSettings",
+    "ManualEllipse",
+    "MeasurementRegion",
     "OutlineFit",
     "OutlineSemiAxes",
     "Phase",
     "PhotographFit",
     "Picture",
-    "Place",
-    "PreparedImprint",
-    "Reading",
+    "PreparedContactImage",
     "RegionEllipse",
     "Scale",
+    "SequenceSettings",
     "SequenceSummary",
-    "Survey",
     "SyntheticCoin",
+    "SyntheticContactImage",
     "SyntheticFinger",
-    "SyntheticImprint",
-    "SyntheticPress",
+    "SyntheticSequence",
+    "TextureScan",
+    "assign_times",
     "combine_faces",
     "direct_semi_axes",
     "draw_overlay",
     "draw_photograph_overlay",
     "equal_area_ellipse",
+    "estimate_settings",
     "face_from_outline",
     "fit_aligned_ellipse",
     "fit_ellipse",
     "fit_outline_ellipse",
     "frame_clock",
     "implausible_size",
-    "learn_reading",
     "measure_coin",
+    "measure_contact_image",
     "measure_frames",
-    "measure_imprint",
     "measure_photograph",
     "measure_sequence",
     "open_frames",
@@ -128,8 +140,7 @@ __all__ = [
     "phases_of",
     "photograph_from_ellipse",
     "photograph_from_handles",
-    "place_in_time",
-    "prepare_imprint",
+    "prepare_contact_image",
     "read_colour_image",
     "read_force_signal",
     "read_frame_stamps",
@@ -137,13 +148,13 @@ __all__ = [
     "read_marks",
     "read_outline",
     "render_coin",
+    "render_contact_image",
     "render_finger",
-    "render_imprint",
+    "render_sequence",
+    "scan_texture",
     "semi_axes_from_outlines",
     "sequence_summary",
-    "survey_frames",
-    "synthetic_press",
-    "with_points",
+    "with_marked_points",
     "write_overlay",
     "write_photograph_overlay",
 ]

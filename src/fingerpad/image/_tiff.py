@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import tifffile
 
-from fingerpad.image._grey import Pixels, grey_of_array, upright
+from fingerpad.image._grayscale import Pixels, grey_of_array, upright
 
 ORIENTATION_TAG = 274
 

@@ -9,10 +9,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, floats
+from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, as_float_array
 from fingerpad.exceptions import FitError, ImageError
 from fingerpad.geometry.ellipse import Ellipse
-from fingerpad.image._distance import Parameters, refine
+from fingerpad.image._orthogonal_fit import Parameters, refine
 
 # An angle of which nothing is known is uniform over half a turn.
 _ANGLE_VARIANCE_LIMIT = math.pi**2 / 12
@@ -223,7 +223,7 @@ def fit_aligned_ellipse(points: ArrayLike) -> AlignedEllipseFit:
 
 
 def _checked(points: ArrayLike, least: int) -> FloatArray:
-    points = floats(points)
+    points = as_float_array(points)
     if points.ndim != 2 or points.shape[1] != 2:
         raise FitError(f"points must have shape (n, 2), found {points.shape}")
     if not np.isfinite(points).all():

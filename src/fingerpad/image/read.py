@@ -15,7 +15,7 @@ import tifffile
 from PIL import Image, ImageOps, UnidentifiedImageError
 
 from fingerpad.exceptions import ImageError
-from fingerpad.image._grey import Pixels, grey_of_array, upright
+from fingerpad.image._grayscale import Pixels, grey_of_array, upright
 from fingerpad.image._tiff import ORIENTATION_TAG, grey_of_page, resolution_of_page, size_of_page
 
 FORMATS = ("PNG", "TIFF", "JPEG", "BMP", "PPM")
@@ -176,7 +176,7 @@ def _decode_by_opencv(path: Path) -> npt.NDArray[Any]:
 def _resolution(image: Image.Image) -> float | None:
     if image.format == "TIFF" and (per_inch := _imagej_resolution(image)) is not None:
         return per_inch
-    return _honest(image.info.get("dpi"))
+    return _plausible_resolution(image.info.get("dpi"))
 
 
 def _imagej_resolution(image: Image.Image) -> float | None:
@@ -189,10 +189,10 @@ def _imagej_resolution(image: Image.Image) -> float | None:
     name = unit[1].strip().replace(r"\u00B5", "u").replace("µ", "u")
     per_inch = _IMAGEJ_UNITS.get(name)
     across, down = (float(tags.get(tag, 0)) for tag in _RESOLUTION_TAGS)
-    return None if per_inch is None else _honest((across * per_inch, down * per_inch))
+    return None if per_inch is None else _plausible_resolution((across * per_inch, down * per_inch))
 
 
-def _honest(pair: Any) -> float | None:
+def _plausible_resolution(pair: Any) -> float | None:
     """Return a resolution that could be one: finite, not nearly zero, and the same in both directions."""
     try:
         across, down = (float(value) for value in pair)
@@ -225,7 +225,7 @@ def _decode_tiff(path: Path, pixel_limit: int) -> tuple[Pixels, float | None]:
         with tifffile.TiffFile(path) as tiff:
             page = _only_page(path, tiff)
             check_size(path, *size_of_page(page), pixel_limit)
-            resolution = _honest(resolution_of_page(page))
+            resolution = _plausible_resolution(resolution_of_page(page))
             pixels = _pixels_of_page(path, page)
     except ImageError:
         raise

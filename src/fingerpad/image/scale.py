@@ -6,7 +6,7 @@ from typing import Self
 
 import numpy as np
 
-from fingerpad._arrays import require
+from fingerpad._arrays import check_all
 from fingerpad.exceptions import CalibrationError
 from fingerpad.image.read import Picture
 
@@ -43,7 +43,7 @@ class Scale:
     def __post_init__(self) -> None:
         _require_positive(self.mm_per_px, "mm_per_px")
         likely = 1e-5 <= self.mm_per_px <= 100
-        require(likely, "mm_per_px", self.mm_per_px, "between 0.00001 and 100", CalibrationError)
+        check_all(likely, "mm_per_px", self.mm_per_px, "between 0.00001 and 100", CalibrationError)
         _require_std(self.mm_per_px_std, "mm_per_px_std")
 
     @classmethod
@@ -76,7 +76,7 @@ class Scale:
         """Make a scale from the resolution that a picture's own file states.
 
         Its uncertainty is that of the rounding to whole dots per inch. Whether the number is meant at all
-        only the print can tell: `measure_imprint` flags ``scale_doubtful`` where the ridge period is none
+        only the print can tell: `measure_contact_image` flags ``scale_doubtful`` where the ridge period is none
         that a finger has.
 
         Raises
@@ -132,7 +132,7 @@ class Scale:
         _require_std(length_mm_std, "length_mm_std")
         _require_std(point_px_std, "point_px_std")
         for name, point in (("start", start), ("end", end)):
-            require(np.isfinite(point), name, point, "finite (row, column) pixels", CalibrationError)
+            check_all(np.isfinite(point), name, point, "finite (row, column) pixels", CalibrationError)
         length_px = math.dist(start, end)
         if not length_px > 0:
             raise CalibrationError(
@@ -176,10 +176,10 @@ class Scale:
 
 
 def _require_positive(value: float, name: str) -> None:
-    require(math.isfinite(value) and value > 0, name, value, "positive and finite", CalibrationError)
+    check_all(math.isfinite(value) and value > 0, name, value, "positive and finite", CalibrationError)
 
 
 def _require_std(value: float, name: str) -> None:
-    require(
+    check_all(
         math.isfinite(value) and value >= 0, name, value, "zero or positive, and finite", CalibrationError
     )

@@ -1,11 +1,12 @@
 """Loading curves: force, displacement and contact area, and what they say of the pad."""
 
 from fingerpad.loading.compliance import ContactCompliance, fit_contact_compliance
+from fingerpad.loading.consistency import ShapeCheck, shape_check
 from fingerpad.loading.contact_point import ESTIMATORS
 from fingerpad.loading.curve import LoadingCurve, read_loading_curve
-from fingerpad.loading.estimate import Estimate, Quantity, Unknown
+from fingerpad.loading.estimate import Estimate, Quantity, Undetermined
 from fingerpad.loading.fit import LoadingFit, contact_points, fit_loading_curve
-from fingerpad.loading.joint import FittedLaw
+from fingerpad.loading.joint import FittedForceModel
 from fingerpad.loading.least_squares import LeastSquaresFit, effective_count, fit_least_squares
 from fingerpad.loading.models import (
     area_from_load,
@@ -14,7 +15,7 @@ from fingerpad.loading.models import (
     local_area_exponent,
     secant_modulus,
 )
-from fingerpad.loading.region import Secant
+from fingerpad.loading.modulus_range import Secant
 from fingerpad.loading.relaxation import (
     PronyTerm,
     Relaxation,
@@ -23,15 +24,14 @@ from fingerpad.loading.relaxation import (
     fit_ridge_growth,
 )
 from fingerpad.loading.segments import Cycle, Hysteresis, Segment, baseline_level, find_cycles, hysteresis
-from fingerpad.loading.shape import ShapeCheck, shape_check
-from fingerpad.loading.synthetic import simulate_loading_curve
+from fingerpad.simulate.loading_curve import simulate_loading_curve
 
 __all__ = [
     "ESTIMATORS",
     "ContactCompliance",
     "Cycle",
     "Estimate",
-    "FittedLaw",
+    "FittedForceModel",
     "Hysteresis",
     "LeastSquaresFit",
     "LoadingCurve",
@@ -43,7 +43,7 @@ __all__ = [
     "Secant",
     "Segment",
     "ShapeCheck",
-    "Unknown",
+    "Undetermined",
     "area_from_load",
     "baseline_level",
     "contact_points",

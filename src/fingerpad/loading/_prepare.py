@@ -6,7 +6,7 @@ import numpy as np
 
 from fingerpad.exceptions import FitError, LoadingError
 from fingerpad.loading.curve import LoadingCurve
-from fingerpad.loading.joint import Record
+from fingerpad.loading.joint import FitData
 from fingerpad.loading.models import hertz_stiffness
 from fingerpad.loading.segments import (
     BOTH_REVERSED,
@@ -31,7 +31,7 @@ _LEAST_LOADING = 5
 class Press:
     """Rows to fit, all cycles of the record, how many rows lie before contact, and doubts."""
 
-    record: Record
+    record: FitData
     cycles: tuple[Cycle, ...]
     baseline_rows: int
     flags: tuple[str, ...]
@@ -58,7 +58,7 @@ def prepare(curve: LoadingCurve, poisson_ratio: float, cycle: int) -> Press:
     with_area = np.zeros(rows.size, dtype=bool)
     if curve.area is not None:
         with_area = smooth > contact + _NEAR_CONTACT * (smooth.max() - contact)
-    record = Record(
+    record = FitData(
         clock=curve.clock[rows] - curve.clock[rows[0]],
         load=np.asarray(curve.load, dtype=np.float64)[rows],
         displacement=np.asarray(curve.indentation, dtype=np.float64)[rows],
@@ -100,7 +100,7 @@ def start_values(press: Press, radius: float | None) -> dict[str, float]:
         "contact_offset": place,
         "initial_modulus": float(linear) / stiffness,
         "load_coefficient": growth / stiffness,
-        "effective_radius": radius,
+        "loading_radius": radius,
     }
     if press.baseline_rows >= _ZERO_ROWS:
         start["force_zero"] = float(parts[0])
@@ -109,7 +109,7 @@ def start_values(press: Press, radius: float | None) -> dict[str, float]:
     return start
 
 
-def _require_contact(record: Record) -> None:
+def _require_contact(record: FitData) -> None:
     """Raise where the force does not rise out of its noise as the platen moves in, or falls."""
     rise, rest = start_of_press(record.clock, record.load, record.smooth_displacement)
     noise = float(np.std(rest))

@@ -15,7 +15,7 @@ class ContactCompliance:
 
     Attributes
     ----------
-    effective_radius, effective_radius_std : float
+    loading_radius, loading_radius_std : float
         Slope R_g and its standard uncertainty from the residuals, mm.
     area_at_zero : float
         Intercept A₀, mm²: the area at the instrument's zero of displacement.
@@ -25,8 +25,8 @@ class ContactCompliance:
         Number of points fitted.
     """
 
-    effective_radius: float
-    effective_radius_std: float
+    loading_radius: float
+    loading_radius_std: float
     area_at_zero: float
     residual_std: float
     count: int
@@ -49,7 +49,7 @@ def fit_contact_compliance(curve: LoadingCurve) -> ContactCompliance:
     >>> import numpy as np
     >>> depth = np.linspace(0.1, 2, 20)
     >>> curve = LoadingCurve(load=depth**1.5, indentation=depth, area=np.pi * 20.5 * depth)
-    >>> print(f"{fit_contact_compliance(curve).effective_radius:.2f} mm")
+    >>> print(f"{fit_contact_compliance(curve).loading_radius:.2f} mm")
     20.50 mm
     """
     if curve.area is None:
@@ -68,8 +68,8 @@ def fit_contact_compliance(curve: LoadingCurve) -> ContactCompliance:
         )
     residual = y - line.intercept - line.slope * x
     return ContactCompliance(
-        effective_radius=float(line.slope),
-        effective_radius_std=float(line.stderr),
+        loading_radius=float(line.slope),
+        loading_radius_std=float(line.stderr),
         area_at_zero=float(line.intercept),
         residual_std=float(np.sqrt(np.sum(residual**2) / (count - 2))),
         count=count,

@@ -12,7 +12,7 @@ from scipy import signal
 
 from fingerpad._arrays import FloatArray
 from fingerpad.exceptions import FitError
-from fingerpad.loading.estimate import Estimate, Quantity, Unknown
+from fingerpad.loading.estimate import Estimate, Quantity, Undetermined
 from fingerpad.loading.joint import JointFit
 from fingerpad.loading.least_squares import fit_least_squares
 from fingerpad.loading.segments import rising_start
@@ -24,7 +24,7 @@ _FOOT = 0.3
 _TRIALS = 20
 
 
-def baseline_deviation(displacement: FloatArray, load: FloatArray) -> float:
+def contact_by_threshold(displacement: FloatArray, load: FloatArray) -> float:
     """Return where the force leaves the baseline by four of its deviations, three rows in a row.
 
     Raises
@@ -74,7 +74,7 @@ def power_law(displacement: FloatArray, load: FloatArray) -> float:
 
 
 ESTIMATORS: Final[Mapping[str, Callable[[FloatArray, FloatArray], float]]] = {
-    "baseline_deviation": baseline_deviation,
+    "contact_by_threshold": contact_by_threshold,
     "two_lines": two_lines,
     "gradient": gradient,
     "power_law": power_law,
@@ -90,7 +90,7 @@ def estimated_places(fit: JointFit) -> dict[str, Quantity]:
         try:
             value = estimator(fit.record.displacement, fit.record.load)
         except FitError as error:
-            found[name] = Unknown(str(error))
+            found[name] = Undetermined(str(error))
             continue
         errors = []
         for displacement, load in trials:
@@ -99,7 +99,7 @@ def estimated_places(fit: JointFit) -> dict[str, Quantity]:
             except FitError:
                 continue
         if len(errors) < _TRIALS // 2:
-            found[name] = Unknown(
+            found[name] = Undetermined(
                 f"it fails on {_TRIALS - len(errors)} of {_TRIALS} simulated records like this"
             )
             continue

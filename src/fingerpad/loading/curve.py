@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from fingerpad._arrays import FloatArray, floats
+from fingerpad._arrays import FloatArray, as_float_array
 from fingerpad._columns import read_columns
 from fingerpad.exceptions import LoadingError
 
@@ -50,7 +50,7 @@ class LoadingCurve:
                     f"{name} has shape {np.shape(values)}; load has {np.shape(self.load)}: a curve has one "
                     "value of each quantity per row"
                 )
-            bad = np.flatnonzero(~np.isfinite(floats(values)))
+            bad = np.flatnonzero(~np.isfinite(as_float_array(values)))
             if bad.size:
                 raise LoadingError(f"{name} is not finite in row {bad[0] + 1}: leave such rows out")
         if self.time is not None and (np.diff(self.time) < 0).any():

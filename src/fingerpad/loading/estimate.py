@@ -69,7 +69,7 @@ class Estimate:
 
 
 @dataclass(frozen=True, slots=True)
-class Unknown:
+class Undetermined:
     """A quantity that the data do not tell.
 
     Attributes
@@ -80,16 +80,16 @@ class Unknown:
 
     reason: str
 
-    def times(self, factor: float) -> "Unknown":  # noqa: ARG002
+    def times(self, factor: float) -> "Undetermined":  # noqa: ARG002
         """Return the same: what is unknown is so in all units."""
         return self
 
-    def over(self, divisor: Estimate) -> "Unknown":  # noqa: ARG002
+    def over(self, divisor: Estimate) -> "Undetermined":  # noqa: ARG002
         """Return the same."""
         return self
 
 
-Quantity: TypeAlias = Estimate | Unknown
+Quantity: TypeAlias = Estimate | Undetermined
 
 
 def estimates_record(quantities: Mapping[str, Quantity]) -> dict[str, Any]:
@@ -97,9 +97,9 @@ def estimates_record(quantities: Mapping[str, Quantity]) -> dict[str, Any]:
 
     Examples
     --------
-    >>> record = estimates_record({"effective_radius_mm": Unknown("no area")})
-    >>> record["effective_radius_mm"], record["reasons"]
-    (None, {'effective_radius_mm': 'no area'})
+    >>> record = estimates_record({"loading_radius_mm": Undetermined("no area")})
+    >>> record["loading_radius_mm"], record["reasons"]
+    (None, {'loading_radius_mm': 'no area'})
     """
     record: dict[str, Any] = {}
     for name, found in quantities.items():
@@ -107,5 +107,5 @@ def estimates_record(quantities: Mapping[str, Quantity]) -> dict[str, Any]:
         record[name] = known and known.value
         record[f"{name}_std"] = known and known.std
         record[f"{name}_ci95"] = known and [known.lower, known.upper]
-    reasons = {name: found.reason for name, found in quantities.items() if isinstance(found, Unknown)}
+    reasons = {name: found.reason for name, found in quantities.items() if isinstance(found, Undetermined)}
     return {**record, "reasons": reasons}

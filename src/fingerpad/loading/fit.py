@@ -9,12 +9,12 @@ import numpy as np
 
 from fingerpad.exceptions import FingerpadError, FitError, LoadingError
 from fingerpad.loading._prepare import Press, prepare, start_values
-from fingerpad.loading._told import has_area_offset, implausible, quantities, top_load
 from fingerpad.loading.contact_point import ESTIMATORS, estimated_places
 from fingerpad.loading.curve import LoadingCurve
-from fingerpad.loading.estimate import Estimate, Quantity, Unknown, estimates_record
-from fingerpad.loading.joint import FittedLaw, JointFit, fit_joint
-from fingerpad.loading.region import Secant, increasing_region, secant_of
+from fingerpad.loading.estimate import Estimate, Quantity, Undetermined, estimates_record
+from fingerpad.loading.joint import FittedForceModel, JointFit, fit_joint
+from fingerpad.loading.modulus_range import Secant, increasing_region, secant_of
+from fingerpad.loading.quantities import has_area_offset, implausible, quantities, top_load
 from fingerpad.loading.segments import Cycle, Hysteresis, hysteresis
 from fingerpad.units import KPA_PER_MPA
 
@@ -24,11 +24,11 @@ _DECISIVE = 10.0
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class LoadingFit:
-    """What a loading curve tells of the pad. Quantities are an `Estimate`, or `Unknown` with the reason.
+    """What a loading curve tells of the pad. Quantities are an `Estimate`, or `Undetermined` with the reason.
 
     Attributes
     ----------
-    effective_radius : Quantity
+    loading_radius : Quantity
         R_g, mm: from the slope of area against πξ, in the joint fit; or as given.
     reduced_modulus, youngs_modulus : Quantity
         E* and E, MPa, secant at `modulus_load`; for a Hertzian pad the same at every load.
@@ -48,7 +48,7 @@ class LoadingFit:
         All presses in the record.
     hysteresis : tuple of (Hysteresis or None)
         Of each.
-    models : mapping of str to FittedLaw
+    models : mapping of str to FittedForceModel
         ``load_dependent``, ``hertz``, ``free_exponent``, under one noise.
     preferred_model : str
         That of the least AICc.
@@ -58,7 +58,7 @@ class LoadingFit:
         Doubts.
     """
 
-    effective_radius: Quantity
+    loading_radius: Quantity
     reduced_modulus: Quantity
     youngs_modulus: Quantity
     contact_offset: Quantity
@@ -70,12 +70,12 @@ class LoadingFit:
     region: tuple[float, float]
     cycles: tuple[Cycle, ...]
     hysteresis: tuple[Hysteresis | None, ...]
-    models: Mapping[str, FittedLaw]
+    models: Mapping[str, FittedForceModel]
     preferred_model: str
     secant: Secant
     flags: tuple[str, ...]
 
-    def unconstrained(self, coefficient: Estimate) -> Self:
+    def divide_by_constraint(self, coefficient: Estimate) -> Self:
         """Return the fit with all moduli divided by a constraint coefficient.
 
         Bone and nail behind a pad that is thin against its contact make it stiffer than a half-space of the
@@ -103,7 +103,7 @@ class LoadingFit:
     def as_record(self) -> dict[str, Any]:
         """Return the numbers under names with units, each with _std and _ci95, null where not known."""
         quantities = {
-            "effective_radius_mm": self.effective_radius,
+            "loading_radius_mm": self.loading_radius,
             "reduced_modulus_kpa": self.reduced_modulus.times(KPA_PER_MPA),
             "youngs_modulus_kpa": self.youngs_modulus.times(KPA_PER_MPA),
             "contact_offset_mm": self.contact_offset,
@@ -115,7 +115,7 @@ class LoadingFit:
         return {
             **estimates_record(quantities),
             "modulus_load_N": self.modulus_load,
-            "region_N": list(self.region),
+            "fit_load_range_N": list(self.region),
             "preferred_model": self.preferred_model,
             "aicc": {name: model.aicc for name, model in self.models.items()},
             "segments": [cycle.as_record() for cycle in self.cycles],
@@ -129,7 +129,7 @@ def fit_loading_curve(
     curve: LoadingCurve,
     *,
     poisson_ratio: float = 0.5,
-    effective_radius: float | Estimate | None = None,
+    loading_radius: float | Estimate | None = None,
     cycle: int = 0,
     contact_point: str = "joint",
     region: tuple[float, float] | None = None,
@@ -146,7 +146,7 @@ def fit_loading_curve(
         The record.
     poisson_ratio : float
         ν of the pad.
-    effective_radius : float or Estimate, optional
+    loading_radius : float or Estimate, optional
         R_g (mm) from elsewhere, used as it is and with its uncertainty; needed where there is no area.
     cycle : int
         Which press of the record to fit.
@@ -167,7 +167,7 @@ def fit_loading_curve(
     >>> from fingerpad.loading import simulate_loading_curve
     >>> curve = simulate_loading_curve(points=200, force_std=0.005, area_std=0.5, seed=1)
     >>> fit = fit_loading_curve(curve)
-    >>> radius = fit.effective_radius
+    >>> radius = fit.loading_radius
     >>> radius.lower < 15 < radius.upper
     True
     """
@@ -177,7 +177,7 @@ def fit_loading_curve(
             return _fitted(
                 curve,
                 poisson_ratio,
-                effective_radius,
+                loading_radius,
                 cycle=cycle,
                 contact_point=contact_point,
                 region=region,
@@ -195,7 +195,7 @@ def contact_points(
     curve: LoadingCurve,
     *,
     poisson_ratio: float = 0.5,
-    effective_radius: float | Estimate | None = None,
+    loading_radius: float | Estimate | None = None,
     cycle: int = 0,
 ) -> dict[str, Quantity]:
     """Return the place of contact (mm) by each estimator of `ESTIMATORS`, and by the joint fit.
@@ -209,30 +209,30 @@ def contact_points(
     --------
     >>> from fingerpad.loading import simulate_loading_curve
     >>> places = contact_points(simulate_loading_curve(points=200, force_std=0.005, area_std=0.5, seed=1))
-    >>> places["joint"].std < places["baseline_deviation"].std
+    >>> places["joint"].std < places["contact_by_threshold"].std
     True
     """
     press = prepare(curve, poisson_ratio, cycle)
-    held = _held(press, effective_radius)
+    held = _held(press, loading_radius)
     return estimated_places(_growing_fit(press, held))
 
 
 def _fitted(
     curve: LoadingCurve,
     poisson_ratio: float,
-    effective_radius: float | Estimate | None,
+    loading_radius: float | Estimate | None,
     *,
     cycle: int,
     contact_point: str,
     region: tuple[float, float] | None,
 ) -> LoadingFit:
     press = prepare(curve, poisson_ratio, cycle)
-    held = _held(press, effective_radius)
+    held = _held(press, loading_radius)
     main, limits, doubts = _main_fit(press, held, contact_point, region)
     models = _models(main)
     preferred = min(models, key=lambda name: models[name].aicc)
     grows = "hertz" in models and models["hertz"].aicc > main.aicc + _DECISIVE
-    known = press.record.area.size > 0 or effective_radius is not None
+    known = press.record.area.size > 0 or loading_radius is not None
     return LoadingFit(
         **quantities(main, models, known=known),
         modulus_load=top_load(main),
@@ -246,7 +246,7 @@ def _fitted(
             *press.flags,
             *doubts,
             *(("modulus_depends_on_load",) if grows else ()),
-            *implausible(main, effective_radius, known=known),
+            *implausible(main, loading_radius, known=known),
         ),
     )
 
@@ -258,20 +258,20 @@ def _require_options(poisson_ratio: float, contact_point: str) -> None:
         raise LoadingError(f"contact_point must be joint, {', '.join(ESTIMATORS)}; found {contact_point!r}")
 
 
-def _held(press: Press, effective_radius: float | Estimate | None) -> dict[str, Estimate]:
+def _held(press: Press, loading_radius: float | Estimate | None) -> dict[str, Estimate]:
     """Return what is not fitted. Without area the radius is held at 1 mm: the place of contact needs none."""
-    if effective_radius is None:
-        return {} if press.record.area.size else {"effective_radius": Estimate.symmetric(1.0, 0.0)}
-    given = effective_radius
+    if loading_radius is None:
+        return {} if press.record.area.size else {"loading_radius": Estimate.symmetric(1.0, 0.0)}
+    given = loading_radius
     radius = given if isinstance(given, Estimate) else Estimate.symmetric(given, 0.0)
     if not (radius.value > 0 and math.isfinite(radius.value)):
-        raise LoadingError(f"effective_radius must be positive and finite, found {radius.value} mm")
-    return {"effective_radius": radius}
+        raise LoadingError(f"loading_radius must be positive and finite, found {radius.value} mm")
+    return {"loading_radius": radius}
 
 
 def _growing_fit(press: Press, held: Mapping[str, Estimate]) -> JointFit:
     """Return the fit of the growing modulus over the whole press."""
-    radius = held["effective_radius"].value if held else None
+    radius = held["loading_radius"].value if held else None
     return fit_joint(press.record, "load_dependent", start_values(press, radius), held)
 
 
@@ -282,7 +282,7 @@ def _main_fit(
     main = _growing_fit(press, held)
     if contact_point != "joint":
         place = estimated_places(main)[contact_point]
-        if isinstance(place, Unknown):
+        if isinstance(place, Undetermined):
             raise FitError(f"no place of contact by {contact_point}: {place.reason}")
         held = {**held, "contact_offset": place}
         main = fit_joint(press.record, "load_dependent", main.values, held)

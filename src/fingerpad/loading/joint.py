@@ -12,17 +12,17 @@ from typing import Final
 
 import numpy as np
 
-from fingerpad._arrays import BoolArray, FloatArray, floats
+from fingerpad._arrays import BoolArray, FloatArray, as_float_array
 from fingerpad.loading.estimate import Estimate
 from fingerpad.loading.least_squares import LeastSquaresFit, fit_least_squares
 from fingerpad.loading.models import hertz_stiffness, load_slope, searched_load
-from fingerpad.loading.noise import Noise, NoiseUncertainty, likely_noise, noise_uncertainty
+from fingerpad.loading.noise import Noise, NoiseUncertainty, estimate_noise, noise_uncertainty
 
 Values = Mapping[str, float]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Record:
+class FitData:
     """The rows of one press that a fit uses: baseline and loading.
 
     Attributes
@@ -47,7 +47,7 @@ class Record:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Law:
+class ForceModel:
     """How the load grows with ξ: parameter names, and W(values, ξ, 4/3 R^½/(1 − ν²))."""
 
     names: tuple[str, ...]
@@ -59,28 +59,28 @@ def _power(values: Values, xi: FloatArray, stiffness: float) -> FloatArray:
     return values["youngs_modulus"] * stiffness * xi**exponent
 
 
-LAWS: Final = {
-    "hertz": Law(
+FORCE_MODELS: Final = {
+    "hertz": ForceModel(
         names=("youngs_modulus",), load=lambda values, xi, c: values["youngs_modulus"] * (c * xi**1.5)
     ),
-    "load_dependent": Law(
+    "load_dependent": ForceModel(
         names=("initial_modulus", "load_coefficient"),
         load=lambda values, xi, c: searched_load(
             c * xi**1.5, values["initial_modulus"], values["load_coefficient"]
         ),
     ),
-    "free_exponent": Law(names=("youngs_modulus", "load_exponent"), load=_power),
+    "free_exponent": ForceModel(names=("youngs_modulus", "load_exponent"), load=_power),
 }
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class FittedLaw:
+class FittedForceModel:
     """A law with the values that fit a record.
 
     Attributes
     ----------
     law : str
-        Key of `LAWS`.
+        Key of `FORCE_MODELS`.
     values : dict of str to float
         All parameters: mm, N, s, MPa.
     poisson_ratio : float
@@ -96,7 +96,7 @@ class FittedLaw:
 
     def load(self, displacement: FloatArray) -> FloatArray:
         """Return the fitted load W (N) at readings of the displacement."""
-        return _law_load(self.values, LAWS[self.law], displacement, self.poisson_ratio)
+        return _law_load(self.values, FORCE_MODELS[self.law], displacement, self.poisson_ratio)
 
     def corrected_load(self, clock: FloatArray, load: FloatArray) -> FloatArray:
         """Return measured forces with zero and tilt removed, N."""
@@ -110,7 +110,7 @@ class JointFit:
     Attributes
     ----------
     law : str
-        Key of `LAWS`.
+        Key of `FORCE_MODELS`.
     fit : LeastSquaresFit
         The free parameters.
     held : mapping of str to Estimate
@@ -131,7 +131,7 @@ class JointFit:
     noise: Noise
     noise_uncertainty: NoiseUncertainty
     covariance: FloatArray
-    record: Record
+    record: FitData
     response: Mapping[str, FloatArray]
 
     @property
@@ -148,9 +148,9 @@ class JointFit:
         """Return measured forces with zero and tilt removed, N."""
         return self.fitted_law().corrected_load(clock, load)
 
-    def fitted_law(self) -> FittedLaw:
+    def fitted_law(self) -> FittedForceModel:
         """Return the law with its values alone."""
-        return FittedLaw(
+        return FittedForceModel(
             law=self.law, values=self.values, poisson_ratio=self.record.poisson_ratio, aicc=self.aicc
         )
 
@@ -160,15 +160,15 @@ class JointFit:
         load = self.load(record.smooth_displacement) + _zero(self.values, record.clock)
         load = load + noise.force_std * rng.standard_normal(load.size)
         kept = np.append(0.0, np.exp(-noise.steps / noise.wander_time))
-        wander = noise.wander_std * rng.standard_normal(load.size) * np.sqrt(1 - kept**2)
+        drift = noise.wander_std * rng.standard_normal(load.size) * np.sqrt(1 - kept**2)
         for row in range(1, load.size if noise.wander_std > 0 else 0):
-            wander[row] += kept[row] * wander[row - 1]
+            drift[row] += kept[row] * drift[row - 1]
         displacement = record.smooth_displacement + noise.displacement_std * rng.standard_normal(load.size)
-        return displacement, load + wander
+        return displacement, load + drift
 
     @property
     def aicc(self) -> float:
-        """Corrected Akaike criterion, as `FittedLaw` has it."""
+        """Corrected Akaike criterion, as `FittedForceModel` has it."""
         n = self.record.load.size / self.noise.inflation + self.record.area.size
         k = self.fit.values.size
         return self.fit.sum_of_squares + 2 * k + 2 * k * (k + 1) / (n - k - 1) if n > k + 1 else math.inf
@@ -206,7 +206,7 @@ class JointFit:
 
 
 def fit_joint(
-    record: Record, law: str, start: Values, held: Mapping[str, Estimate], noise: Noise | None = None
+    record: FitData, law: str, start: Values, held: Mapping[str, Estimate], noise: Noise | None = None
 ) -> JointFit:
     """Fit a law to a record; the noise is found from the residuals unless it is given.
 
@@ -218,18 +218,18 @@ def fit_joint(
         return _fitted(record, law, start, held, noise)
     whole = {**start, **{name: given.value for name, given in held.items()}}
     noise = _first_noise(record, law, whole)
-    for wandering in (False, True, True):
-        noise = replace(noise, slope=_slope(record, whole), radius=whole["effective_radius"])
+    for drift in (False, True, True):
+        noise = replace(noise, slope=_slope(record, whole), radius=whole["loading_radius"])
         jacobians = _jacobians(record, law, names, whole)
-        noise = likely_noise(noise, _residuals(record, law, whole), jacobians, wandering=wandering)
+        noise = estimate_noise(noise, _residuals(record, law, whole), jacobians, drift=drift)
         found = _fitted(record, law, whole, held, noise)
         whole = found.values
     return found
 
 
-def _law_load(values: Values, law: Law, displacement: FloatArray, poisson_ratio: float) -> FloatArray:
+def _law_load(values: Values, law: ForceModel, displacement: FloatArray, poisson_ratio: float) -> FloatArray:
     xi = np.maximum(displacement - values["contact_offset"], 0.0)
-    stiffness = hertz_stiffness(max(values["effective_radius"], 1e-9), poisson_ratio)
+    stiffness = hertz_stiffness(max(values["loading_radius"], 1e-9), poisson_ratio)
     return law.load(values, xi, stiffness)
 
 
@@ -237,15 +237,15 @@ def _zero(values: Values, clock: FloatArray) -> FloatArray:
     return values.get("force_zero", 0.0) + values.get("force_tilt", 0.0) * clock
 
 
-def _residuals(record: Record, law: str, values: Values) -> tuple[FloatArray, FloatArray]:
-    load = _law_load(values, LAWS[law], record.displacement, record.poisson_ratio)
+def _residuals(record: FitData, law: str, values: Values) -> tuple[FloatArray, FloatArray]:
+    load = _law_load(values, FORCE_MODELS[law], record.displacement, record.poisson_ratio)
     force = record.load - load - _zero(values, record.clock)
     depth = record.displacement[record.with_area] - values["contact_offset"]
-    area = np.pi * values["effective_radius"] * depth + values.get("area_offset", 0.0)
+    area = np.pi * values["loading_radius"] * depth + values.get("area_offset", 0.0)
     return force, record.area - area
 
 
-def _fitted(record: Record, law: str, start: Values, held: Mapping[str, Estimate], noise: Noise) -> JointFit:
+def _fitted(record: FitData, law: str, start: Values, held: Mapping[str, Estimate], noise: Noise) -> JointFit:
     names = [name for name in start if name not in held]
     given = {name: estimate.value for name, estimate in held.items()}
 
@@ -260,7 +260,7 @@ def _fitted(record: Record, law: str, start: Values, held: Mapping[str, Estimate
         step = 1e-4 * max(abs(estimate.value), estimate.std) or 1e-6
         moved = [residuals(fit.values, {**given, name: estimate.value + way * step}) for way in (1, -1)]
         change = (moved[0] - moved[1]) / (2 * step)
-        response[name] = floats(-np.linalg.lstsq(fit.jacobian, change)[0])
+        response[name] = as_float_array(-np.linalg.lstsq(fit.jacobian, change)[0])
     whole = {**given, **dict(zip(names, map(float, fit.values), strict=True))}
     jacobians = _jacobians(record, law, names, whole)
     known = noise_uncertainty(noise, _residuals(record, law, whole), jacobians)
@@ -276,15 +276,15 @@ def _fitted(record: Record, law: str, start: Values, held: Mapping[str, Estimate
     )
 
 
-def _slope(record: Record, values: Values) -> FloatArray:
+def _slope(record: FitData, values: Values) -> FloatArray:
     """Return dW/dξ, of the law whose modulus grows with load or of Hertz's."""
     xi = np.maximum(record.smooth_displacement - values["contact_offset"], 0.0)
-    h = hertz_stiffness(max(values["effective_radius"], 1e-9), record.poisson_ratio) * xi**1.5
+    h = hertz_stiffness(max(values["loading_radius"], 1e-9), record.poisson_ratio) * xi**1.5
     modulus = values.get("initial_modulus", values.get("youngs_modulus", 0.0))
     return load_slope(xi, h, modulus, values.get("load_coefficient", 0.0))
 
 
-def _first_noise(record: Record, law: str, values: Values) -> Noise:
+def _first_noise(record: FitData, law: str, values: Values) -> Noise:
     """Return deviations to begin a search with."""
     force, area = _residuals(record, law, values)
     slope, spread = _slope(record, values), float(np.std(force)) or 1e-12
@@ -295,13 +295,13 @@ def _first_noise(record: Record, law: str, values: Values) -> Noise:
         wander_std=0.0,
         wander_time=5 * float(np.median(np.diff(record.clock))) or 1.0,
         slope=slope,
-        radius=values["effective_radius"],
+        radius=values["loading_radius"],
         steps=np.diff(record.clock),
         with_area=record.with_area,
     )
 
 
-def _jacobians(record: Record, law: str, names: list[str], values: Values) -> tuple[FloatArray, FloatArray]:
+def _jacobians(record: FitData, law: str, names: list[str], values: Values) -> tuple[FloatArray, FloatArray]:
     """Return derivatives of the residuals of force and of area, where the smooth displacement is."""
     record = replace(record, displacement=record.smooth_displacement)
     force, area = [], []

@@ -9,7 +9,7 @@ from typing import TypeAlias
 import numpy as np
 from scipy import linalg, optimize, stats
 
-from fingerpad._arrays import ArrayLike, FloatArray, floats
+from fingerpad._arrays import ArrayLike, FloatArray, as_float_array
 from fingerpad.exceptions import FitError
 from fingerpad.loading.estimate import Estimate
 
@@ -97,7 +97,7 @@ class LeastSquaresFit:
 
     def derived(self, value: float, gradient: ArrayLike) -> Estimate:
         """Return a function of the parameters with its first-order uncertainty (GUM Eq. 13)."""
-        slope = floats(gradient)
+        slope = as_float_array(gradient)
         std = math.sqrt(float(slope @ self.covariance @ slope))
         return Estimate.symmetric(value, std, self.degrees_of_freedom)
 
@@ -144,7 +144,7 @@ def fit_least_squares(
     >>> print(f"{rate.value:.3f} in {rate.lower:.3f} to {rate.upper:.3f}")
     1.002 in 0.992 to 1.011
     """
-    values, names = floats(start), tuple(names)
+    values, names = as_float_array(start), tuple(names)
     first = residuals(values)
     if not first.size > values.size:
         raise FitError(
@@ -178,7 +178,7 @@ def effective_count(residuals: ArrayLike) -> float:
     >>> effective_count(white) > 900, effective_count(doubled) < 1400
     (True, True)
     """
-    values = floats(residuals) - float(np.mean(floats(residuals)))
+    values = as_float_array(residuals) - float(np.mean(as_float_array(residuals)))
     n = values.size
     variance = float(values @ values) / n
     if n < 8 or not variance > 0:

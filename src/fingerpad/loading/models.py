@@ -10,7 +10,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from fingerpad._arrays import ArrayLike, FloatArray, broadcast, floats
+from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, broadcast
 
 Real = TypeVar("Real", float, FloatArray)
 
@@ -28,7 +28,7 @@ def hertz_stiffness(radius: Real, poisson_ratio: Real) -> Real:
 def load_from_indentation(
     indentation: ArrayLike,
     *,
-    effective_radius: ArrayLike,
+    loading_radius: ArrayLike,
     initial_modulus: ArrayLike,
     load_coefficient: ArrayLike = 0.0,
     poisson_ratio: ArrayLike = 0.5,
@@ -39,11 +39,11 @@ def load_from_indentation(
 
     Examples
     --------
-    >>> print(f"{load_from_indentation(1.806, effective_radius=20.5, initial_modulus=0.1024):.2f} N")
+    >>> print(f"{load_from_indentation(1.806, loading_radius=20.5, initial_modulus=0.1024):.2f} N")
     2.00 N
     """
     xi, radius, modulus, coefficient, ratio = broadcast(
-        indentation, effective_radius, initial_modulus, load_coefficient, poisson_ratio
+        indentation, loading_radius, initial_modulus, load_coefficient, poisson_ratio
     )
     h = hertz_stiffness(radius, ratio) * np.maximum(xi, 0) ** 1.5
     rest = 1 - coefficient * h
@@ -54,14 +54,14 @@ def load_from_indentation(
 def indentation_from_load(
     load: ArrayLike,
     *,
-    effective_radius: ArrayLike,
+    loading_radius: ArrayLike,
     initial_modulus: ArrayLike,
     load_coefficient: ArrayLike = 0.0,
     poisson_ratio: ArrayLike = 0.5,
 ) -> FloatArray:
     """Return the indentation ξ (mm) under a load W (N); the inverse of `load_from_indentation`."""
     W, radius, modulus, coefficient, ratio = broadcast(
-        load, effective_radius, initial_modulus, load_coefficient, poisson_ratio
+        load, loading_radius, initial_modulus, load_coefficient, poisson_ratio
     )
     return np.asarray(
         (3 * (1 - ratio**2) * W / (4 * np.sqrt(radius) * (modulus + coefficient * W))) ** (2 / 3)
@@ -70,7 +70,7 @@ def indentation_from_load(
 
 @np.errstate(all="ignore")
 def secant_modulus(
-    load: ArrayLike, indentation: ArrayLike, *, effective_radius: ArrayLike, poisson_ratio: ArrayLike = 0.5
+    load: ArrayLike, indentation: ArrayLike, *, loading_radius: ArrayLike, poisson_ratio: ArrayLike = 0.5
 ) -> FloatArray:
     r"""Return :math:`E_g = 3(1-\nu^2) W/(4 R_g^{1/2} \xi^{3/2})` (MPa), NaN before contact.
 
@@ -78,17 +78,17 @@ def secant_modulus(
     --------
     The source's contact at 30° and 2 N:
 
-    >>> print(f"{1000 * secant_modulus(2.0, 1.806, effective_radius=20.5):.1f} kPa")
+    >>> print(f"{1000 * secant_modulus(2.0, 1.806, loading_radius=20.5):.1f} kPa")
     102.4 kPa
     """
-    W, xi, radius, ratio = broadcast(load, indentation, effective_radius, poisson_ratio)
+    W, xi, radius, ratio = broadcast(load, indentation, loading_radius, poisson_ratio)
     return np.where(xi > 0, 3 * (1 - ratio**2) * W / (4 * np.sqrt(radius) * xi**1.5), np.nan)
 
 
 def area_from_load(
     load: ArrayLike,
     *,
-    effective_radius: ArrayLike,
+    loading_radius: ArrayLike,
     initial_modulus: ArrayLike,
     load_coefficient: ArrayLike = 0.0,
     poisson_ratio: ArrayLike = 0.5,
@@ -96,12 +96,12 @@ def area_from_load(
     r"""Return :math:`A = \pi [3(1-\nu^2) W R_g/(4(E_{0g} + \beta W))]^{2/3}` (mm²), which is π R_g ξ(W)."""
     xi = indentation_from_load(
         load,
-        effective_radius=effective_radius,
+        loading_radius=loading_radius,
         initial_modulus=initial_modulus,
         load_coefficient=load_coefficient,
         poisson_ratio=poisson_ratio,
     )
-    return np.asarray(np.pi * floats(effective_radius) * xi)
+    return np.asarray(np.pi * as_float_array(loading_radius) * xi)
 
 
 @np.errstate(all="ignore")

@@ -108,7 +108,7 @@ class Noise:
         passed *= self.wander_std * np.sqrt(np.append(1.0, 1 - kept**2))[:, None]
         return np.asarray(total + passed.T @ passed)
 
-    def surprise(self, force: FloatArray, area: FloatArray) -> float:
+    def negative_log_likelihood(self, force: FloatArray, area: FloatArray) -> float:
         """Return minus the restricted log-likelihood, which allows for what the fit took up (REML).
 
         The first columns are the residuals, the others their derivatives by the parameters.
@@ -161,12 +161,12 @@ class Noise:
         return solved / np.sqrt(pivots)[:, None], area / area_std, volume + 0.5 * float(np.log(pivots).sum())
 
 
-def likely_noise(
+def estimate_noise(
     first: Noise,
     residuals: tuple[FloatArray, FloatArray],
     jacobians: tuple[FloatArray, FloatArray],
     *,
-    wandering: bool,
+    drift: bool,
 ) -> Noise:
     """Return the noise of greatest penalised likelihood, with or without a search for wandering.
 
@@ -175,7 +175,7 @@ def likely_noise(
     white = _found(
         replace(first, wander_std=0.0), residuals, jacobians, _WHITE[: 3 if residuals[1].size else 2]
     )
-    if not wandering:
+    if not drift:
         return white[0]
     names = _WHITE[: 3 if residuals[1].size else 2] + _WANDERING
     seen = replace(first, wander_std=first.wander_std or white[0].force_std)
@@ -197,11 +197,11 @@ def _found(
         for name, (low, high) in zip(names, bounds, strict=True)
     ]
 
-    def surprise(logs: FloatArray) -> float:
+    def negative_log_likelihood(logs: FloatArray) -> float:
         return _penalised(_with_logs(first, names, logs), force, area)
 
     found = optimize.minimize(
-        surprise,
+        negative_log_likelihood,
         np.array(start),
         method="L-BFGS-B",
         bounds=bounds,
@@ -215,7 +215,7 @@ def _penalised(noise: Noise, force: FloatArray, area: FloatArray) -> float:
 
     Few rows cannot tell it from none, and its weights and their uncertainty would then be those of none.
     """
-    return noise.surprise(force, area) - math.log(noise.displacement_std)
+    return noise.negative_log_likelihood(force, area) - math.log(noise.displacement_std)
 
 
 def _most(first: Noise, residuals: tuple[FloatArray, FloatArray]) -> dict[str, tuple[float, float]]:
@@ -278,14 +278,19 @@ def noise_uncertainty(
     force, area = (np.column_stack(pair) for pair in zip(residuals, jacobians, strict=True))
     at, moves = np.log([getattr(noise, name) for name in names]), _LOG_STEP * np.eye(len(names))
 
-    def surprise(move: FloatArray) -> float:
+    def negative_log_likelihood(move: FloatArray) -> float:
         return _penalised(_with_logs(noise, names, at + move), force, area)
 
-    middle, single = surprise(0 * at), [surprise(m) + surprise(-m) for m in moves]
+    middle, single = (
+        negative_log_likelihood(0 * at),
+        [negative_log_likelihood(m) + negative_log_likelihood(-m) for m in moves],
+    )
     curvature = np.diag([s - 2 * middle for s in single])
     for i in range(len(names)):
         for k in range(i):
-            pair = surprise(moves[i] + moves[k]) + surprise(-moves[i] - moves[k])
+            pair = negative_log_likelihood(moves[i] + moves[k]) + negative_log_likelihood(
+                -moves[i] - moves[k]
+            )
             curvature[i, k] = curvature[k, i] = (pair - single[i] - single[k] + 2 * middle) / 2
     values, vectors = np.linalg.eigh(curvature / _LOG_STEP**2)
     # What the data hardly show is held to a factor of a few: it then hardly matters either.

@@ -11,10 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import signal
 
-from fingerpad._arrays import ArrayLike, FloatArray, floats
+from fingerpad._arrays import ArrayLike, FloatArray, as_float_array
 from fingerpad.exceptions import FitError
 from fingerpad.loading.curve import LoadingCurve
-from fingerpad.loading.estimate import Quantity, Unknown
+from fingerpad.loading.estimate import Quantity, Undetermined
 from fingerpad.loading.least_squares import LeastSquaresFit, Residuals, effective_count, fit_least_squares
 from fingerpad.loading.segments import Cycle, smoothed
 
@@ -169,10 +169,10 @@ def _terms(fit: LeastSquaresFit, ramp: float, hold: float) -> tuple[PronyTerm, .
         seen: Quantity = known
         if time < ramp:
             reason = f"faster than the ramp of {ramp:.3g} s: load the pad faster to see it"
-            seen, share = Unknown(reason), Unknown(reason)
+            seen, share = Undetermined(reason), Undetermined(reason)
         elif time > hold:
             reason = f"slower than the hold of {hold:.3g} s: hold for longer to see it"
-            seen, share = Unknown(reason), Unknown(reason)
+            seen, share = Undetermined(reason), Undetermined(reason)
         terms.append((time, PronyTerm(share=share, time=seen)))
     return tuple(term for _, term in sorted(terms, key=lambda pair: pair[0]))
 
@@ -226,7 +226,7 @@ def fit_ridge_growth(time: ArrayLike, area: ArrayLike) -> RidgeGrowth:
     >>> print(f"{fit_ridge_growth(time, area).time.value:.0f} s")
     15 s
     """
-    t, A = floats(time), floats(area)
+    t, A = as_float_array(time), as_float_array(area)
     if t.size < 5 or not (np.ptp(t) > 0 and np.ptp(A) > 0):
         raise FitError(f"growth of area needs five rows and a range of times and areas, found {t.size} rows")
 
@@ -238,7 +238,7 @@ def fit_ridge_growth(time: ArrayLike, area: ArrayLike) -> RidgeGrowth:
     fit = fit.with_effective_count(effective_count(fit.residuals))
     tau, whole = float(np.exp(fit.value("log_time"))), float(np.ptp(t))
     if tau > whole:
-        late = Unknown(f"slower than the record of {whole:.3g} s: hold for longer to see it")
+        late = Undetermined(f"slower than the record of {whole:.3g} s: hold for longer to see it")
         return RidgeGrowth(initial_area=fit.estimate("initial_area"), final_area=late, time=late, fit=fit)
     return RidgeGrowth(
         initial_area=fit.estimate("initial_area"),

@@ -1,7 +1,7 @@
 """The numbers that the source prints, and the audit that sets them beside what its equations give."""
 
-from fingerpad.published.audit import AuditItem, Verdict, audit, radius_with_known_slip
-from fingerpad.published.source import Dzidek2017, Printed, PublishedWedge, SemiAxes, dzidek2017
+from fingerpad.published.audit import AuditItem, Verdict, audit, radius_with_misprint
+from fingerpad.published.dzidek2017 import Dzidek2017, Printed, PublishedWedge, SemiAxes, dzidek2017
 
 __all__ = [
     "AuditItem",
@@ -12,5 +12,5 @@ __all__ = [
     "Verdict",
     "audit",
     "dzidek2017",
-    "radius_with_known_slip",
+    "radius_with_misprint",
 ]

@@ -17,10 +17,10 @@ from typing import Final
 
 import numpy as np
 
-from fingerpad._arrays import ArrayLike, FloatArray, floats
+from fingerpad._arrays import ArrayLike, FloatArray, as_float_array
 from fingerpad.contact import equivalent_radius_from_indentation
 from fingerpad.geometry import Ellipse, Ellipsoid, Placement
-from fingerpad.published.source import METHODS, Printed, PublishedWedge, SemiAxes, dzidek2017
+from fingerpad.published.dzidek2017 import METHODS, Printed, PublishedWedge, SemiAxes, dzidek2017
 
 _MEAN_RADIUS: Final = "R_0g = 1/H, H from Eq. (1) at v = 90°"
 _PLACEMENT: Final = "tan u = (ℓb/ℓa) tan θ"
@@ -103,7 +103,7 @@ def audit() -> list[AuditItem]:
     return items
 
 
-def radius_with_known_slip(ellipsoid: Ellipsoid, u: ArrayLike) -> FloatArray:
+def radius_with_misprint(ellipsoid: Ellipsoid, u: ArrayLike) -> FloatArray:
     r"""Return the radius that the source's Table 2 prints in the place of R_0g = 1/H at v = π/2.
 
     With cos 2u in Eq. (1) replaced by cos 2v, −1 on the equator, 1/H becomes
@@ -120,11 +120,11 @@ def radius_with_known_slip(ellipsoid: Ellipsoid, u: ArrayLike) -> FloatArray:
     Examples
     --------
     >>> pad = Ellipsoid.of(palmar=7.9, distal=13.8, radial_ulnar=11.8)
-    >>> float(radius_with_known_slip(pad, 0.0).round(1))
+    >>> float(radius_with_misprint(pad, 0.0).round(1))
     33.3
     """
     a, b, c = ellipsoid.palmar, ellipsoid.distal, ellipsoid.radial_ulnar
-    S = b**2 * np.cos(floats(u)) ** 2 + a**2 * np.sin(floats(u)) ** 2
+    S = b**2 * np.cos(as_float_array(u)) ** 2 + a**2 * np.sin(as_float_array(u)) ** 2
     return np.asarray(2 * c**2 * S**1.5 / (a * b * (a**2 + c**2)))
 
 
@@ -150,7 +150,7 @@ def _table_2(method: str, axes: SemiAxes, u_deg: float, printed: Printed) -> Aud
         mean_curvature_radius,
         (axes.palmar, axes.distal, axes.radial_ulnar),
         formula=_MEAN_RADIUS,
-        with_slip=lambda *semi_axes: radius_with_known_slip(Ellipsoid.of(*semi_axes), u),
+        with_slip=lambda *semi_axes: radius_with_misprint(Ellipsoid.of(*semi_axes), u),
     )
 
 
@@ -235,7 +235,7 @@ def _placed_radius(name: str, printed: Printed, wedge: PublishedWedge, axes: Sem
 
     def slip(*semi_axes: FloatArray) -> FloatArray:
         ellipsoid = Ellipsoid.of(*semi_axes)
-        return radius_with_known_slip(ellipsoid, _placement(ellipsoid, wedge).u)
+        return radius_with_misprint(ellipsoid, _placement(ellipsoid, wedge).u)
 
     return _checked(
         name,
@@ -305,5 +305,5 @@ def _over_rounding(
     """Return the equation's value at the printed inputs, and its extremes over their rounding."""
     corners = np.array(list(product(*(number.interval for number in inputs)))).T
     extremes = equation(*corners)
-    value = float(equation(*(floats(number.value) for number in inputs)))
+    value = float(equation(*(as_float_array(number.value) for number in inputs)))
     return value, float(extremes.min()), float(extremes.max())

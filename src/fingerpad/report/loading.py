@@ -69,14 +69,14 @@ def loading_plots(
     )
     if drawn.area is not None:
         figure, (axes,) = new_figure()
-        radius = fit.effective_radius if isinstance(fit.effective_radius, Estimate) else None
+        radius = fit.loading_radius if isinstance(fit.loading_radius, Estimate) else None
         fitted = drawn.phase == "loading"
         plot_contact_compliance(
             axes,
             drawn.indentation[fitted],
             drawn.area[fitted],
-            effective_radius=radius.value if radius else None,
-            effective_radius_std=radius.std if radius else 0.0,
+            loading_radius=radius.value if radius else None,
+            loading_radius_std=radius.std if radius else 0.0,
             synthetic=synthetic,
         )
         yield Plot(
@@ -169,7 +169,7 @@ def _shape(
     fitted = (drawn.phase == "loading") & (drawn.load > 0.05 * drawn.load.max())
     assert drawn.area is not None  # drawn only with areas
     check = shape_check(
-        drawn.load[fitted], drawn.indentation[fitted], drawn.area[fitted], effective_radius=radius
+        drawn.load[fitted], drawn.indentation[fitted], drawn.area[fitted], loading_radius=radius
     )
     figure, (axes,) = new_figure()
     plot_modulus_from_area_and_indentation(

@@ -17,7 +17,7 @@ from PIL import Image
 from fingerpad.exceptions import FingerpadError
 from fingerpad.figures import save_figure
 from fingerpad.image import PHOTOGRAPH_FLAGS
-from fingerpad.loading import Quantity, Unknown
+from fingerpad.loading import Quantity, Undetermined
 from fingerpad.report.plot import Plot
 from fingerpad.report.plots import (
     MOST_POINTS,
@@ -180,7 +180,7 @@ def _details(
         "budget": draw(budget_plot(summary, check)),
         "figures": draw(summary_plots(result, summary)),
         "doubts": doubtful[:MOST_POINTS],
-        "largest_size": float(rows.column("contact_size").max()),
+        "largest_size": float(rows.column("contact_radius_ratio").max()),
         "deepest": float(np.nanmax(deepest, initial=0.0)),
         "range_notes": [(RANGE_NOTES[code], notes[code], len(rows)) for code in RANGE_NOTES if notes[code]],
         "pictures": len(overlays),
@@ -190,7 +190,7 @@ def _details(
 
 def _quantity(found: Quantity, factor: float = 1.0) -> Markup:
     """Return a quantity from loading data as a cell, or a dash that tells the reason."""
-    if isinstance(found, Unknown):
+    if isinstance(found, Undetermined):
         return Markup('<span title="{}">–</span>').format(found.reason)
     return Markup("{}").format(value_with_uncertainty(factor * found.value, factor * found.std))
 

@@ -173,7 +173,7 @@ def velocity_plots(curves: Sequence[CurveResult]) -> Iterator[Plot]:
 
 
 def budget_plot(summary: Summary, check: UncertaintyCheck | None) -> Iterator[Plot]:
-    """Draw who contributes what to the uncertainty of the heaviest contact's corrected radius."""
+    """Draw who contributes what to the uncertainty of the highest_load contact's corrected radius."""
     if check is None:
         return
     figure, (axes,) = new_figure()
@@ -267,7 +267,7 @@ def _corrected_radius(rows: Table, loading: LoadingRadius | None) -> Figure:
         axes,
         rows.column("load_N"),
         rows.column("radius_from_indentation_mm"),
-        corrected_radius_std=rows.column("radius_from_indentation_mm_std_given_geometry"),
+        corrected_radius_std=rows.column("radius_from_indentation_mm_fixed_geometry_std"),
         compliance_radius=rows.column("radius_from_compliance_mm"),
         measured_radius=None if loading is None else loading.value,
         mean_curvature_radius=rows[0]["mean_curvature_radius_mm"],

@@ -12,7 +12,7 @@ from typing import Final
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from fingerpad.exceptions import ManifestError
-from fingerpad.study.durable import locked, replace_file, sync_folder, text_of
+from fingerpad.study.atomic_files import locked, read_text_or_none, replace_file, sync_folder
 
 JOURNAL_NAME: Final = ".study.journal"
 LOCK_NAME: Final = ".study.lock"
@@ -61,7 +61,7 @@ def complete(folder: Path) -> None:
     OSError
         If a file cannot be replaced; the change is completed the next time.
     """
-    text = text_of(folder / JOURNAL_NAME)
+    text = read_text_or_none(folder / JOURNAL_NAME)
     if text is None:
         return
     try:

@@ -9,8 +9,8 @@ from typing import Final, TypeAlias
 
 from fingerpad._files import make_folder
 from fingerpad.exceptions import FingerpadError, ManifestError, StoreError
-from fingerpad.study.corrections.decisions import CORRECTIONS_NAME
-from fingerpad.study.corrections.log import CorrectionLog, image_of, on_another_picture
+from fingerpad.study.corrections.history import CORRECTIONS_NAME
+from fingerpad.study.corrections.log import CorrectionLog, image_of, on_another_image
 from fingerpad.study.engine.executors import executor_for, local_executor
 from fingerpad.study.engine.limits import DEFAULT_LIMITS, Limits
 from fingerpad.study.engine.progress import Progress
@@ -28,7 +28,7 @@ from fingerpad.study.measuring.run import (
     pad_of,
 )
 from fingerpad.study.measuring.sequences import corrected_frames, frames_beyond
-from fingerpad.study.measuring.tasks import Keys
+from fingerpad.study.measuring.tasks import CacheKeys
 from fingerpad.study.results.output import write_tables
 from fingerpad.study.results.provenance import provenance
 from fingerpad.study.results.result_set import OUTPUT_NAMES, NewResultSet, new_result_set, put_in_place
@@ -98,7 +98,7 @@ def run_study(
     parsed: dict[str, str] = {}
     study = read_study(manifest, lambda name, text: parsed.update({name: hashlib.sha256(text).hexdigest()}))
     log = CorrectionLog(folder)
-    rulings = log.rulings()
+    active_corrections = log.active_corrections()
     if log.digest is not None:
         parsed[CORRECTIONS_NAME] = log.digest
     inputs = [*parsed, *(name for _, name in study.named_files())]
@@ -108,7 +108,9 @@ def run_study(
         put_in_place(store)
         damaged = store.damaged()
         store.discard(None if fresh else damaged)
-        keys = Keys(study=study, folder=folder, digest=cache(store.digest), rulings=rulings)
+        keys = CacheKeys(
+            study=study, folder=folder, digest=cache(store.digest), active_corrections=active_corrections
+        )
         origin = provenance(inputs, lambda name: keys.digest(folder / name))
         _require_as_read(parsed, origin["inputs_sha256"])
         with executor_for(manifest, workers, scheduler, limits) as executor:
@@ -136,8 +138,11 @@ def run_study(
                 notes=(
                     *log.notes,
                     *map(_DAMAGED.format, damaged),
-                    *map(_REPLACED.format, on_another_picture(rulings, digest)),
-                    *map(_NOT_THERE.format, (*log.unknown_items(study), *frames_beyond(films, rulings))),
+                    *map(_REPLACED.format, on_another_image(active_corrections, digest)),
+                    *map(
+                        _NOT_THERE.format,
+                        (*log.unknown_items(study), *frames_beyond(films, active_corrections)),
+                    ),
                 ),
             )
         _require_unchanged(study, folder, store)

@@ -11,7 +11,7 @@ from fingerpad.study.engine.store import STORE_NAME, Store, TaskStatus
 from fingerpad.study.manifest import manifest_in, read_study
 from fingerpad.study.measuring.run import items_of
 from fingerpad.study.measuring.sequences import frame_count
-from fingerpad.study.measuring.tasks import Keys
+from fingerpad.study.measuring.tasks import CacheKeys
 from fingerpad.study.results.result_set import result_set_faults
 
 _STATES: Final = ("done", "failed", "stale", "left")
@@ -67,10 +67,10 @@ def study_status(manifest: Path, out: Path) -> Status:
     """
     manifest = manifest_in(manifest)
     study, folder = read_study(manifest), manifest.absolute().parent
-    rulings = CorrectionLog(folder).rulings()
+    active_corrections = CorrectionLog(folder).active_corrections()
     counts = dict.fromkeys(_STATES, 0)
     if not (out / STORE_NAME).is_file():
-        keys = Keys(study=study, folder=folder, digest=str, rulings=rulings)
+        keys = CacheKeys(study=study, folder=folder, digest=str, active_corrections=active_corrections)
         counts["left"] = len(list(items_of(keys)))
         return Status(**counts, seconds=dict.fromkeys(_STATES), faults=tuple(result_set_faults(out)))
     spent, pictures = dict.fromkeys(_STATES, 0.0), dict.fromkeys(_STATES, 0)
@@ -78,7 +78,9 @@ def study_status(manifest: Path, out: Path) -> Status:
     with Store.reading(out / STORE_NAME) as store:
         statuses = store.statuses()
         of_item = _by_item(statuses)
-        keys = Keys(study=study, folder=folder, digest=cache(store.digest), rulings=rulings)
+        keys = CacheKeys(
+            study=study, folder=folder, digest=cache(store.digest), active_corrections=active_corrections
+        )
         for name, key in items_of(keys):
             status, parts = statuses.get(name), of_item.get(name, ())
             state = "left" if status is None else status.status if status.key == key() else "stale"

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from fingerpad._files import digest_of
 from fingerpad.exceptions import FingerpadError
-from fingerpad.study.corrections.decisions import CORRECTIONS_NAME
+from fingerpad.study.corrections.history import CORRECTIONS_NAME
 from fingerpad.study.corrections.log import CorrectionLog
 from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.manifest import manifest_in, read_study

@@ -2,18 +2,23 @@
 
 from fingerpad.uncertainty.budget import SobolIndices, sobol_indices, variance_shares
 from fingerpad.uncertainty.correlated import correlated_values, mean_and_covariance
-from fingerpad.uncertainty.covariance import covariance_of, factor_of
-from fingerpad.uncertainty.monte_carlo import Simulated, Validation, simulate, validate_first_order
+from fingerpad.uncertainty.covariance import covariance_of, covariance_root
+from fingerpad.uncertainty.monte_carlo import (
+    MonteCarloResult,
+    Validation,
+    run_monte_carlo,
+    validate_linear_approximation,
+)
 from fingerpad.uncertainty.pad import PAD_INPUTS, PAD_OUTPUTS, PAD_SOURCES, pad_model
 from fingerpad.uncertainty.placement import PLACEMENT_INPUTS, PLACEMENT_OUTPUTS, placement_model
 from fingerpad.uncertainty.pool import (
     Pooled,
     RandomEffects,
-    Scatter,
-    SharedParts,
+    SharedErrors,
+    VarianceComponents,
     pool,
     pool_random_effects,
-    scatter_of,
+    variance_components,
 )
 from fingerpad.uncertainty.propagate import Model, Propagated, propagate
 
@@ -24,26 +29,26 @@ __all__ = [
     "PLACEMENT_INPUTS",
     "PLACEMENT_OUTPUTS",
     "Model",
+    "MonteCarloResult",
     "Pooled",
     "Propagated",
     "RandomEffects",
-    "Scatter",
-    "SharedParts",
-    "Simulated",
+    "SharedErrors",
     "SobolIndices",
     "Validation",
+    "VarianceComponents",
     "correlated_values",
     "covariance_of",
-    "factor_of",
+    "covariance_root",
     "mean_and_covariance",
     "pad_model",
     "placement_model",
     "pool",
     "pool_random_effects",
     "propagate",
-    "scatter_of",
-    "simulate",
+    "run_monte_carlo",
     "sobol_indices",
-    "validate_first_order",
+    "validate_linear_approximation",
+    "variance_components",
     "variance_shares",
 ]

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.stats import qmc
 
-from fingerpad._arrays import ArrayLike, FloatArray, floats
+from fingerpad._arrays import ArrayLike, FloatArray, as_float_array
 from fingerpad.exceptions import UncertaintyError
-from fingerpad.uncertainty.covariance import covariance_of, factor_of
+from fingerpad.uncertainty.covariance import covariance_of, covariance_root
 from fingerpad.uncertainty.propagate import Model, Propagated
 
 _REPEATS = 8
@@ -89,7 +89,7 @@ def sobol_indices(
     Parameters
     ----------
     model, mean, covariance
-        As for `simulate`.
+        As for `run_monte_carlo`.
     groups : mapping
         From a group's name to the places of its inputs; every input with a variance belongs to one.
     draws : int
@@ -114,14 +114,14 @@ def sobol_indices(
     >>> product.first.round(2) + 0.0, product.total.round(2)
     (array([[0.5, 0. ]]), array([[1. , 0.5]]))
     """
-    mean, covariance = floats(mean), covariance_of(covariance)
+    mean, covariance = as_float_array(mean), covariance_of(covariance)
     places = [list(group) for group in groups.values()]
     _require_independent(covariance, groups)
     if draws < 2 or draws & (draws - 1):
         raise UncertaintyError(f"draws must be a power of two, found {draws}")
     factor = np.zeros_like(covariance)
     for group in places:
-        factor[np.ix_(group, group)] = factor_of(covariance[np.ix_(group, group)])
+        factor[np.ix_(group, group)] = covariance_root(covariance[np.ix_(group, group)])
     size = mean.size
 
     def once(random: np.random.Generator) -> tuple[FloatArray, FloatArray]:

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from fingerpad._arrays import ArrayLike, FloatArray, floats
+from fingerpad._arrays import ArrayLike, FloatArray, as_float_array
 from fingerpad.exceptions import UncertaintyError
 from fingerpad.uncertainty.covariance import covariance_of
 
@@ -40,7 +40,7 @@ def mean_and_covariance(values: Iterable[Any]) -> tuple[FloatArray, FloatArray]:
     covariance = np.zeros((len(items), len(items)))
     if uncertain:
         covariance[np.ix_(uncertain, uncertain)] = covariance_matrix([items[place] for place in uncertain])
-    return floats([nominal_value(item) for item in items]), covariance
+    return as_float_array([nominal_value(item) for item in items]), covariance
 
 
 def correlated_values(value: ArrayLike, covariance: ArrayLike) -> tuple[Any, ...]:
@@ -66,7 +66,7 @@ def correlated_values(value: ArrayLike, covariance: ArrayLike) -> tuple[Any, ...
     """
     import uncertainties
 
-    value, covariance = floats(value), covariance_of(covariance)
+    value, covariance = as_float_array(value), covariance_of(covariance)
     if value.ndim != 1 or covariance.shape != (value.size, value.size):
         raise UncertaintyError(f"values of shape {value.shape} do not fit a covariance of {covariance.shape}")
     return tuple(uncertainties.correlated_values(value, covariance))

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fingerpad._arrays import ArrayLike, FloatArray, floats, require
+from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, check_all
 from fingerpad.exceptions import UncertaintyError
 
 # Rounding may leave the smallest eigenvalue of a correlation matrix below zero by this much.
@@ -23,23 +23,23 @@ def covariance_of(value: ArrayLike) -> FloatArray:
     >>> covariance_of([[1.0, 0.5], [0.5, 1.0]]).shape
     (2, 2)
     """
-    covariance = floats(value)
+    covariance = as_float_array(value)
     if covariance.ndim < 2 or covariance.shape[-1] != covariance.shape[-2]:
         raise UncertaintyError(f"a covariance must be square, found the shape {covariance.shape}")
     variance = np.diagonal(covariance, axis1=-2, axis2=-1)
-    require(np.isfinite(covariance), "covariance", covariance, "finite", UncertaintyError)
-    require(variance >= 0, "variance", variance, "positive or zero", UncertaintyError)
+    check_all(np.isfinite(covariance), "covariance", covariance, "finite", UncertaintyError)
+    check_all(variance >= 0, "variance", variance, "positive or zero", UncertaintyError)
     std = np.sqrt(variance)
     scale = std[..., :, None] * std[..., None, :]
     other = np.swapaxes(covariance, -1, -2)
     symmetric = np.abs(covariance - other) <= _ROUNDING * (scale + np.abs(covariance))
-    require(symmetric, "covariance", covariance, "symmetric", UncertaintyError)
+    check_all(symmetric, "covariance", covariance, "symmetric", UncertaintyError)
     correlation = np.divide(covariance, scale, out=np.where(covariance == 0, 0.0, np.inf), where=scale > 0)
-    require(
+    check_all(
         np.abs(correlation) <= 1 + _ROUNDING, "correlation", correlation, "within [-1, 1]", UncertaintyError
     )
     smallest = np.linalg.eigvalsh(correlation)[..., :1]
-    require(
+    check_all(
         smallest >= -_ROUNDING * covariance.shape[-1],
         "smallest eigenvalue of the correlations",
         smallest,
@@ -49,7 +49,7 @@ def covariance_of(value: ArrayLike) -> FloatArray:
     return covariance
 
 
-def factor_of(covariance: FloatArray) -> FloatArray:
+def covariance_root(covariance: FloatArray) -> FloatArray:
     """Return F with F Fᵀ = `covariance`, which may be singular, shape (..., n, n).
 
     In units of the standard deviations F is the symmetric root, the same for the same matrix wherever it

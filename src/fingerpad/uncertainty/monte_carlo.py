@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, floats
+from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, as_float_array
 from fingerpad.exceptions import UncertaintyError
-from fingerpad.uncertainty.covariance import covariance_of, factor_of
+from fingerpad.uncertainty.covariance import covariance_of, covariance_root
 from fingerpad.uncertainty.propagate import Model, Propagated
 
 _BATCH = 10_000  # GUM-S1 7.9.4, for a 95 % interval
@@ -14,7 +14,7 @@ _TAIL = 0.025
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Simulated:
+class MonteCarloResult:
     """A model's outputs over draws of its inputs.
 
     Attributes
@@ -49,27 +49,27 @@ class Simulated:
         return np.sqrt(np.diagonal(self.covariance))
 
     @property
-    def settled(self) -> BoolArray:
+    def converged(self) -> BoolArray:
         """Whether the wanted digits of each output are reached, shape (m,)."""
         return self.tolerance <= self.wanted_tolerance
 
 
 @np.errstate(all="ignore")
-def simulate(
+def run_monte_carlo(
     model: Model,
     mean: ArrayLike,
     covariance: ArrayLike,
     *,
     digits: int = 2,
-    fewest: int = 20_000,
-    most: int = 1_000_000,
+    min_draws: int = 20_000,
+    max_draws: int = 1_000_000,
     seed: int = 0,
-) -> Simulated:
+) -> MonteCarloResult:
     """Propagate normal inputs through `model` by Monte Carlo, until the wanted digits stand still.
 
     The adaptive procedure of GUM-S1 7.9: batches of 10 000 draws are added until twice the standard error
     of each output's mean, standard deviation and interval ends is below half a unit of the last wanted digit
-    of the standard uncertainty, or `most` draws are made: `Simulated.settled` says which. Memory does
+    of the standard uncertainty, or `max_draws` draws are made: `Simulated.settled` says which. Memory does
     not grow with the number of draws.
 
     Parameters
@@ -99,21 +99,21 @@ def simulate(
     Examples
     --------
     >>> import numpy as np
-    >>> cube = simulate(lambda x: x**3, [2.0], [[0.1**2]])
+    >>> cube = run_monte_carlo(lambda x: x**3, [2.0], [[0.1**2]])
     >>> print(f"{cube.value[0]:.1f} ± {cube.std[0]:.1f}")
     8.1 ± 1.2
     """
-    mean, factor = floats(mean), factor_of(covariance_of(covariance))
+    mean, factor = as_float_array(mean), covariance_root(covariance_of(covariance))
     if mean.ndim != 1 or factor.shape != (mean.size, mean.size):
         raise UncertaintyError(f"means of shape {mean.shape} do not fit a covariance of {factor.shape}")
-    if not (digits >= 1 and 0 < fewest <= most):
+    if not (digits >= 1 and 0 < min_draws <= max_draws):
         raise UncertaintyError(
-            f"digits must be at least 1 and fewest at most most, found {digits}, {fewest}, {most}"
+            f"digits must be at least 1 and fewest at most most, found {digits}, {min_draws}, {max_draws}"
         )
     random = np.random.default_rng(seed)
     batches: list[tuple[FloatArray, ...]] = []
     draws = 0
-    while len(batches) < max(2, -(-fewest // _BATCH)) or len(batches) * _BATCH < most:
+    while len(batches) < max(2, -(-min_draws // _BATCH)) or len(batches) * _BATCH < max_draws:
         outputs = model(mean + random.standard_normal((_BATCH, mean.size)) @ factor.T)
         outputs = outputs[np.isfinite(outputs).all(axis=-1)]
         if 2 * len(outputs) < _BATCH:
@@ -123,9 +123,9 @@ def simulate(
             )
         batches.append(_described(outputs))
         draws += len(outputs)
-        if len(batches) >= max(2, -(-fewest // _BATCH)):
+        if len(batches) >= max(2, -(-min_draws // _BATCH)):
             result = _summed(batches, draws, digits)
-            if result.settled.all():
+            if result.converged.all():
                 return result
     return _summed(batches, draws, digits)
 
@@ -140,14 +140,14 @@ def _described(outputs: FloatArray) -> tuple[FloatArray, ...]:
     return centre, off @ off.T / (len(outputs) - 1), ordered[:, lower], ordered[:, upper]
 
 
-def _summed(batches: list[tuple[FloatArray, ...]], draws: int, digits: int) -> Simulated:
+def _summed(batches: list[tuple[FloatArray, ...]], draws: int, digits: int) -> MonteCarloResult:
     """Return all batches as one result, with the scatter of the batches as its tolerance."""
     means, covariances, lower, upper = (np.stack(parts) for parts in zip(*batches, strict=True))
     stds = np.sqrt(np.diagonal(covariances, axis1=-2, axis2=-1))
     shift = means - means.mean(axis=0)
     covariance = covariances.mean(axis=0) + shift.T @ shift / len(batches)
     scatter = np.stack([x.std(axis=0, ddof=1) for x in (means, stds, lower, upper)])
-    return Simulated(
+    return MonteCarloResult(
         value=means.mean(axis=0),
         covariance=covariance,
         interval=np.stack([lower.mean(axis=0), upper.mean(axis=0)], axis=-1),
@@ -186,7 +186,9 @@ class Validation:
         return np.maximum(self.lower_difference, self.upper_difference) <= self.tolerance
 
 
-def validate_first_order(first: Propagated, simulated: Simulated, *, digits: int = 1) -> Validation:
+def validate_linear_approximation(
+    first: Propagated, simulated: MonteCarloResult, *, digits: int = 1
+) -> Validation:
     """Compare first-order propagation with a simulation of the same model and inputs.
 
     Parameters
@@ -194,7 +196,7 @@ def validate_first_order(first: Propagated, simulated: Simulated, *, digits: int
     first : Propagated
         From `propagate`, of one set of inputs.
     simulated : Simulated
-        From `simulate`.
+        From `run_monte_carlo`.
     digits : int
         Significant digits of the standard uncertainty that must agree.
 
@@ -206,7 +208,7 @@ def validate_first_order(first: Propagated, simulated: Simulated, *, digits: int
     >>> from fingerpad.uncertainty import propagate
     >>> def valid(mean):
     ...     first = propagate(np.square, [mean], [[1.0]])
-    ...     return bool(validate_first_order(first, simulate(np.square, [mean], [[1.0]])).valid[0])
+    ...     return bool(validate_linear_approximation(first, run_monte_carlo(np.square, [mean], [[1.0]])).valid[0])
     >>> valid(20.0), valid(0.0)
     (True, False)
     """

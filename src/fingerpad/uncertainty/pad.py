@@ -25,7 +25,7 @@ PAD_INPUTS: Final = (
     "poisson_ratio",
     "image_scale",
     "load",
-    "contact_size",
+    "contact_radius_ratio",
     "elongation",
 )
 PAD_OUTPUTS: Final = tuple(field.name for field in fields(PadContact))

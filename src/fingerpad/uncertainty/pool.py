@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy import optimize, stats
 
-from fingerpad._arrays import ArrayLike, FloatArray, floats, require
+from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, check_all
 from fingerpad.exceptions import UncertaintyError
 from fingerpad.uncertainty.covariance import covariance_of
 
@@ -46,7 +46,7 @@ class Pooled:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class SharedParts:
+class SharedErrors:
     """What estimates share, as signed parts of their uncertainty: C = Σ p pᵀ without the matrix.
 
     Attributes
@@ -61,7 +61,7 @@ class SharedParts:
     Three estimates on two scales:
 
     >>> import numpy as np
-    >>> shared = SharedParts(parts=np.full((3, 1), 0.2), groups=np.array([[0], [0], [1]]))
+    >>> shared = SharedErrors(parts=np.full((3, 1), 0.2), groups=np.array([[0], [0], [1]]))
     >>> shared.variances(np.full(3, 1 / 3)).round(6)
     array([0.022222])
     """
@@ -78,7 +78,7 @@ class SharedParts:
         return np.array([total @ total for total in sums])
 
 
-Shared: TypeAlias = ArrayLike | SharedParts | None
+Shared: TypeAlias = ArrayLike | SharedErrors | None
 
 
 def pool(values: ArrayLike, stds: ArrayLike, shared: Shared = None, *, proportional: bool = False) -> Pooled:
@@ -90,7 +90,7 @@ def pool(values: ArrayLike, stds: ArrayLike, shared: Shared = None, *, proportio
         Estimates of one quantity.
     stds : array_like, shape (n,)
         Standard uncertainty of each from what it does not share with the others.
-    shared : array_like, shape (n, n), or SharedParts, optional
+    shared : array_like, shape (n, n), or SharedErrors, optional
         Covariance from the inputs that they share; as parts where n is large.
     proportional : bool
         Whether standard uncertainties grow in proportion to the values, as those of lengths and moduli do.
@@ -190,7 +190,7 @@ def pool_random_effects(
     20.5 ± 0.87, between 1.5
     """
     values, stds = _estimates(values, stds)
-    require(stds > 0, "standard uncertainty", stds, "positive", UncertaintyError)
+    check_all(stds > 0, "standard uncertainty", stds, "positive", UncertaintyError)
     count = values.size
     between_variance, value = _between_variance(values, stds)
     if proportional and (values > 0).all():
@@ -232,15 +232,15 @@ def _between_variance(values: FloatArray, stds: FloatArray) -> tuple[float, floa
     mean, excess = mean_and_excess(0.0)
     if not (freedom and excess > 0):
         return 0.0, mean
-    most = float(np.ptp(values) ** 2 * values.size)
+    max_draws = float(np.ptp(values) ** 2 * values.size)
     between_variance = optimize.brentq(
-        lambda tried: mean_and_excess(tried)[1], 0.0, most, xtol=1e-12 * most, rtol=1e-12
+        lambda tried: mean_and_excess(tried)[1], 0.0, max_draws, xtol=1e-12 * max_draws, rtol=1e-12
     )
     return float(between_variance), mean_and_excess(between_variance)[0]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Scatter:
+class VarianceComponents:
     """How values scatter within groups, as repeats at one load do, and between them.
 
     Attributes
@@ -256,7 +256,7 @@ class Scatter:
     between_std: float
 
 
-def scatter_of(values: ArrayLike, groups: ArrayLike) -> Scatter:
+def variance_components(values: ArrayLike, groups: ArrayLike) -> VarianceComponents:
     """Part the scatter of values into that within groups and that between them, by analysis of variance.
 
     Parameters
@@ -268,18 +268,18 @@ def scatter_of(values: ArrayLike, groups: ArrayLike) -> Scatter:
 
     Examples
     --------
-    >>> scatter = scatter_of([10.0, 10.2, 12.0, 12.2], [1, 1, 2, 2])
+    >>> scatter = variance_components([10.0, 10.2, 12.0, 12.2], [1, 1, 2, 2])
     >>> print(f"within {scatter.within_std:.2f}, between {scatter.between_std:.2f}")
     within 0.14, between 1.41
     """
-    values = floats(values).reshape(-1)
+    values = as_float_array(values).reshape(-1)
     _, which, sizes = np.unique(np.asarray(groups).reshape(-1), return_inverse=True, return_counts=True)
     if which.size != values.size:
         raise UncertaintyError(f"each value needs its group, found {values.size} and {which.size}")
-    require(np.isfinite(values), "value", values, "finite", UncertaintyError)
+    check_all(np.isfinite(values), "value", values, "finite", UncertaintyError)
     total, count = values.size, sizes.size
     if total <= count:
-        return Scatter(within_std=np.nan, between_std=np.nan)
+        return VarianceComponents(within_std=np.nan, between_std=np.nan)
     means = np.bincount(which, values) / sizes
     within = float(np.sum((values - means[which]) ** 2) / (total - count))
     between = np.nan
@@ -287,15 +287,15 @@ def scatter_of(values: ArrayLike, groups: ArrayLike) -> Scatter:
         typical_size = (total - np.sum(sizes**2) / total) / (count - 1)
         spread = float(np.sum(sizes * (means - values.mean()) ** 2) / (count - 1))
         between = np.sqrt(max(0.0, spread - within) / typical_size)
-    return Scatter(within_std=float(np.sqrt(within)), between_std=float(between))
+    return VarianceComponents(within_std=float(np.sqrt(within)), between_std=float(between))
 
 
 def _shared_variance(shared: Shared, weights: FloatArray) -> float:
     """Return what estimates share of the variance of their weighted sum."""
     if shared is None:
         return 0.0
-    if not isinstance(shared, SharedParts):
-        matrix = covariance_of(np.broadcast_to(floats(shared), (weights.size, weights.size)))
+    if not isinstance(shared, SharedErrors):
+        matrix = covariance_of(np.broadcast_to(as_float_array(shared), (weights.size, weights.size)))
         return float(weights @ matrix @ weights)
     if len(shared.parts) != weights.size:
         raise UncertaintyError(f"each estimate needs its parts, found {weights.size} and {len(shared.parts)}")
@@ -304,15 +304,15 @@ def _shared_variance(shared: Shared, weights: FloatArray) -> float:
 
 def _estimates(values: ArrayLike, stds: ArrayLike) -> tuple[FloatArray, FloatArray]:
     """Return estimates and their standard uncertainties, once they are sound."""
-    values, stds = floats(values).reshape(-1), floats(stds).reshape(-1)
+    values, stds = as_float_array(values).reshape(-1), as_float_array(stds).reshape(-1)
     if values.size == 0:
         raise UncertaintyError("no estimates to pool; at least one row must have been measured")
     if values.shape != stds.shape:
         raise UncertaintyError(
             f"each value needs its standard uncertainty, found {values.size} and {stds.size}"
         )
-    require(np.isfinite(values), "value to pool", values, "finite", UncertaintyError)
-    require(
+    check_all(np.isfinite(values), "value to pool", values, "finite", UncertaintyError)
+    check_all(
         np.isfinite(stds) & (stds >= 0),
         "standard uncertainty",
         stds,

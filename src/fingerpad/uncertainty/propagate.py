@@ -6,7 +6,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from fingerpad._arrays import ArrayLike, FloatArray, floats
+from fingerpad._arrays import ArrayLike, FloatArray, as_float_array
 from fingerpad.exceptions import UncertaintyError
 from fingerpad.uncertainty.covariance import covariance_of
 
@@ -92,7 +92,7 @@ def propagate(model: Model, mean: ArrayLike, covariance: ArrayLike) -> Propagate
     >>> print(f"{area.value[0]:.1f} ± {area.std[0]:.1f}")
     116.2 ± 7.4
     """
-    mean, covariance = floats(mean), covariance_of(covariance)
+    mean, covariance = as_float_array(mean), covariance_of(covariance)
     value = model(mean)
     std = np.sqrt(np.diagonal(covariance, axis1=-2, axis2=-1))
     moves = std[..., None, :] * np.eye(mean.shape[-1])

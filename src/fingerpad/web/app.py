@@ -24,22 +24,22 @@ from fingerpad.web import (
     state,
     studies,
 )
-from fingerpad.web.bench import Bench
-from fingerpad.web.operations import Operation, openapi
+from fingerpad.web.endpoints import Endpoint, openapi
 from fingerpad.web.security import START, Access, Guard, cookie_name
+from fingerpad.web.workspace import Workspace
 
 STATIC: Final = Path(__file__).parent / "static"
 _YEAR_S: Final = 31_536_000
 _ROOMS: Final = (studies, state, shown, lengths, photographs, contacts, corrections, results, geometry, files)
-OPERATIONS: Final[tuple[Operation, ...]] = tuple(one for room in _ROOMS for one in room.OPERATIONS)
+ENDPOINTS: Final[tuple[Endpoint, ...]] = tuple(one for room in _ROOMS for one in room.ENDPOINTS)
 
 
-def make_app(bench: Bench, access: Access) -> ASGIApp:
+def make_app(workspace: Workspace, access: Access) -> ASGIApp:
     """Return the application of one launch.
 
     Parameters
     ----------
-    bench : Bench
+    bench : Workspace
         What it works on.
     access : Access
         What opens it.
@@ -47,12 +47,12 @@ def make_app(bench: Bench, access: Access) -> ASGIApp:
 
     def start(request: Request) -> Response:
         """Exchange the token or the code of the start address for a cookie, and lead to the page."""
-        asked = request.query_params
+        params = request.query_params
         answer = RedirectResponse("/", status_code=303)
         if access.knows(request.headers):
             return answer
         if request.method != "GET" or not access.opens(
-            token=asked.get("token", ""), code=asked.get("code", "")
+            token=params.get("token", ""), code=params.get("code", "")
         ):
             return HTMLResponse(_CLOSED, status_code=403)
         name = cookie_name(request.headers.get("host", ""))
@@ -60,7 +60,7 @@ def make_app(bench: Bench, access: Access) -> ASGIApp:
         return answer
 
     def document(_: Request) -> Response:
-        return JSONResponse(openapi(OPERATIONS, fingerpad.__version__))
+        return JSONResponse(openapi(ENDPOINTS, fingerpad.__version__))
 
     starlette = Starlette(
         routes=[
@@ -69,7 +69,7 @@ def make_app(bench: Bench, access: Access) -> ASGIApp:
             Route("/favicon.ico", _icon),
             Route("/static/vendor/plotly.min.js", _plotly),
             Route("/api/openapi.json", document),
-            *(operation.route(bench) for operation in OPERATIONS),
+            *(operation.route(workspace) for operation in ENDPOINTS),
             Mount("/static", _Static(directory=STATIC)),
         ],
         exception_handlers={HTTPException: _not_there},

@@ -24,12 +24,12 @@ from tempfile import TemporaryDirectory
 from typing import Any, Final
 from uuid import uuid4
 
-from fingerpad.study.durable import locked
+from fingerpad.study.atomic_files import locked
 from fingerpad.study.editing.documents import DRAFT_NAME, STUDY_NAME
 from fingerpad.study.engine.store import STORE_NAME
 from fingerpad.study.journal import LOCK_NAME
 from fingerpad.web.bundle import Bundle, LeftOut
-from fingerpad.web.refusal import Refusal
+from fingerpad.web.errors import RequestError
 
 MOST_FILES: Final = 1_000_000
 LEFT_OUT_NAME: Final = "LEFT_OUT.txt"
@@ -62,14 +62,16 @@ def pack(folder: Path, bundle: Bundle, target: Path) -> None:
 
     Raises
     ------
-    Refusal
+    RequestError
         If there are more files than an import takes.
     OSError
         If a file cannot be read to its end, or the ZIP cannot be written.
     """
     stored = _stored_names([*bundle.files, *bundle.folders])
     if len(stored) > MOST_FILES:
-        raise Refusal.impossible(f"the study has {len(stored)} files and folders, more than {MOST_FILES}")
+        raise RequestError.impossible(
+            f"the study has {len(stored)} files and folders, more than {MOST_FILES}"
+        )
     left_out = list(bundle.left_out)
     with (
         TemporaryDirectory() as scratch,
@@ -163,7 +165,7 @@ def unpack(source: Path, folder: Path, most_bytes: int) -> None:
 
     Raises
     ------
-    Refusal
+    RequestError
         If the file is no ZIP, holds no study, or anything that a study does not hold.
     """
     beside = folder.with_name(f".{folder.name}.{uuid4().hex}")
@@ -173,9 +175,9 @@ def unpack(source: Path, folder: Path, most_bytes: int) -> None:
                 _extract(archive, entry, beside / name)
         beside.rename(folder)
     except _DAMAGED as error:
-        raise Refusal.impossible(f"this is no ZIP that can be read ({error})") from error
+        raise RequestError.impossible(f"this is no ZIP that can be read ({error})") from error
     except OSError as error:
-        raise Refusal.impossible(f"the ZIP cannot be unpacked ({error.strerror or error})") from error
+        raise RequestError.impossible(f"the ZIP cannot be unpacked ({error.strerror or error})") from error
     finally:
         shutil.rmtree(beside, ignore_errors=True)
 
@@ -184,10 +186,10 @@ def _checked(archive: zipfile.ZipFile, most_bytes: int) -> list[tuple[zipfile.Zi
     """Return files and folders with their names below the study folder, if all of them are harmless."""
     entries = archive.infolist()
     if len(entries) > MOST_FILES + 2:  # with the index, and the list of what is left out
-        raise Refusal.impossible(f"the ZIP holds {len(entries)} files, more than {MOST_FILES}")
+        raise RequestError.impossible(f"the ZIP holds {len(entries)} files, more than {MOST_FILES}")
     total = sum(entry.file_size for entry in entries)
     if total > most_bytes:
-        raise Refusal.impossible(
+        raise RequestError.impossible(
             f"the ZIP unpacks to {total} bytes, and there is room for {most_bytes}: make room on the disk"
         )
     for entry in entries:
@@ -196,7 +198,7 @@ def _checked(archive: zipfile.ZipFile, most_bytes: int) -> list[tuple[zipfile.Zi
     entries = [entry for entry in entries if entry.filename.startswith(prefix)]
     files = [entry.filename.casefold() for entry in entries if not entry.is_dir()]
     if len(set(files)) < len(files):
-        raise Refusal.impossible("the ZIP holds two files of the same name")
+        raise RequestError.impossible("the ZIP holds two files of the same name")
     found = {entry.filename.removeprefix(prefix): entry for entry in entries}
     index = found.pop(_INDEX_NAME, None)
     renamed = {} if index is None else _renamed(archive.read(index))
@@ -204,7 +206,7 @@ def _checked(archive: zipfile.ZipFile, most_bytes: int) -> list[tuple[zipfile.Zi
         found.pop(LEFT_OUT_NAME, None)
     names = [(entry, renamed.get(name, name)) for name, entry in found.items() if name]
     if len({name for _, name in names}) < len(names):
-        raise Refusal.impossible("the ZIP holds two files of the same name")
+        raise RequestError.impossible("the ZIP holds two files of the same name")
     return names
 
 
@@ -213,12 +215,12 @@ def _renamed(index: bytes) -> Mapping[str, str]:
     content: Any = json.loads(index)
     renamed = content.get("renamed") if isinstance(content, dict) else None
     if not isinstance(renamed, dict) or not all(isinstance(name, str) for name in renamed.values()):
-        raise Refusal.impossible(f"the ZIP's {_INDEX_NAME} is not as fingerpad writes it")
+        raise RequestError.impossible(f"the ZIP's {_INDEX_NAME} is not as fingerpad writes it")
     for name in renamed.values():
         parts = name.rstrip("/").split("/")
         odd = not {"", ".", ".."}.isdisjoint(parts) or "\0" in name
         if odd or (os.name == "nt" and not _is_portable(name)):
-            raise Refusal.impossible(f"the ZIP holds {name[:80]!r}, a name that no file here can have")
+            raise RequestError.impossible(f"the ZIP holds {name[:80]!r}, a name that no file here can have")
     return renamed
 
 
@@ -232,13 +234,17 @@ def _require_harmless(entry: zipfile.ZipInfo) -> None:
         or any(char in _WINDOWS or ord(char) < 32 for char in name)
         or any(len(part.encode()) > 255 for part in parts)
     ):
-        raise Refusal.impossible(f"the ZIP holds the name {name[:80]!r}, which leads out of the study folder")
+        raise RequestError.impossible(
+            f"the ZIP holds the name {name[:80]!r}, which leads out of the study folder"
+        )
     if stat.S_IFMT(entry.external_attr >> 16) not in {0, stat.S_IFREG, stat.S_IFDIR}:
-        raise Refusal.impossible(f"the ZIP holds {name[:80]!r}, which is no plain file")
+        raise RequestError.impossible(f"the ZIP holds {name[:80]!r}, which is no plain file")
     if entry.flag_bits & 1:
-        raise Refusal.impossible(f"the ZIP holds {name[:80]!r}, which is encrypted")
+        raise RequestError.impossible(f"the ZIP holds {name[:80]!r}, which is encrypted")
     if entry.file_size > _SMALL and entry.file_size > MOST_RATIO * max(entry.compress_size, 1):
-        raise Refusal.impossible(f"the ZIP holds {name[:80]!r}, which unpacks to far more than it should")
+        raise RequestError.impossible(
+            f"the ZIP holds {name[:80]!r}, which unpacks to far more than it should"
+        )
 
 
 def _prefix(entries: list[zipfile.ZipInfo]) -> str:
@@ -250,7 +256,7 @@ def _prefix(entries: list[zipfile.ZipInfo]) -> str:
     for top in sorted(tops):
         if any(f"{top}/{name}" in names for name in _MANIFESTS):
             return f"{top}/"
-    raise Refusal.impossible("the ZIP holds no study: no study.toml lies at its top")
+    raise RequestError.impossible("the ZIP holds no study: no study.toml lies at its top")
 
 
 def _extract(archive: zipfile.ZipFile, entry: zipfile.ZipInfo, path: Path) -> None:
@@ -264,7 +270,7 @@ def _extract(archive: zipfile.ZipFile, entry: zipfile.ZipInfo, path: Path) -> No
         while part := source.read(min(1 << 20, left + 1)):
             left -= len(part)
             if left < 0:
-                raise Refusal.impossible(
+                raise RequestError.impossible(
                     f"the ZIP holds {entry.filename[:80]!r}, which is larger than it says"
                 )
             target.write(part)

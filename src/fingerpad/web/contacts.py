@@ -7,39 +7,39 @@ import numpy as np
 
 from fingerpad.exceptions import ImageError
 from fingerpad.image import (
-    HandEllipse,
-    Imprint,
-    ImprintSettings,
-    PreparedImprint,
-    Reading,
-    learn_reading,
+    ContactImageResult,
+    ContactImageSettings,
+    ManualEllipse,
+    PreparedContactImage,
+    SequenceSettings,
+    estimate_settings,
     open_frames,
-    survey_frames,
+    scan_texture,
 )
+from fingerpad.study.corrections.apply import place_of, prepared_contact
 from fingerpad.study.corrections.changes import ContactCorrection
-from fingerpad.study.corrections.corrected import place_of, prepared_contact
 from fingerpad.study.manifest import Contact, ContactSequence, Observation, ScaleKey
-from fingerpad.study.measuring.measure import Measurement, contact_correction, doubts_of, from_imprint
+from fingerpad.study.measuring.measure import Measurement, contact_correction, doubts_of, from_contact_image
 from fingerpad.study.measuring.scales import FoundScale
 from fingerpad.study.results.rows import make_rows
-from fingerpad.web.asked import Item
-from fingerpad.web.bench import Bench
+from fingerpad.web.endpoints import Endpoint, Params
+from fingerpad.web.errors import RequestError
+from fingerpad.web.fields import Item
 from fingerpad.web.fingers import known_finger
 from fingerpad.web.last_results import last_results
-from fingerpad.web.open_study import OpenStudy
-from fingerpad.web.operations import Operation, Question
-from fingerpad.web.pictures import Cache, Place
-from fingerpad.web.refusal import Refusal
+from fingerpad.web.pictures import Cache, ImageLocation
 from fingerpad.web.scales import scale_of
+from fingerpad.web.study_session import StudySession
+from fingerpad.web.workspace import Workspace
 
-_PREPARED: Final[Cache[PreparedImprint]] = Cache(12, lambda _: 1)
-_READINGS: Final[Cache[Reading | None]] = Cache(50, lambda _: 1)
+_PREPARED: Final[Cache[PreparedContactImage]] = Cache(12, lambda _: 1)
+_READINGS: Final[Cache[SequenceSettings | None]] = Cache(50, lambda _: 1)
 # A film may have thousands of frames, and the page waits: some show as well how it is to be read.
 _TEACHING_FRAMES: Final = 200
 _NO_TABLE: Final = "none"
 
 
-class ContactQuestion(Question):
+class ContactParams(Params):
     """Which contact image, and the correction under which it is measured."""
 
     item: Item
@@ -47,63 +47,63 @@ class ContactQuestion(Question):
     scale: ScaleKey | None = None
 
 
-def measure(bench: Bench, _: Any, asked: ContactQuestion) -> dict[str, Any]:
+def measure(workspace: Workspace, _: Any, params: ContactParams) -> dict[str, Any]:
     """Measure a contact image as it is being corrected; nothing is stored."""
     began = time.perf_counter()
-    opened = bench.study
-    contact = _contact(opened, asked)
+    opened = workspace.study
+    contact = _contact(opened, params)
     assert contact.scale is not None
     found = scale_of(opened, contact.scale)
-    change = asked.change or contact_correction(opened.corrections.ruling(asked.item))
-    prepared = _prepared(opened, asked.item, contact, found, change)
-    imprint = prepared.with_edits(change.brush_strokes, change.hand_ellipse)
-    own, error = _program(opened, asked.item, contact, found) if change.edits else (imprint, None)
+    change = params.change or contact_correction(opened.corrections.active_correction(params.item))
+    prepared = _prepared(opened, params.item, contact, found, change)
+    contact_image = prepared.with_corrections(change.brush_strokes, change.manual_ellipse)
+    own, error = _program(opened, params.item, contact, found) if change.edits else (contact_image, None)
     return {
-        "item": asked.item,
+        "item": params.item,
         "by": _by(change),
-        **_drawn(imprint, found),
-        "numbers": numbers(imprint),
+        **_drawn(contact_image, found),
+        "numbers": numbers(contact_image),
         "program": own and {**numbers(own), **_drawn(own, found)},
         "program_error": error,
-        "model": _model(opened, asked.item, contact, imprint, found),
+        "model": _model(opened, params.item, contact, contact_image, found),
         "settings": {
-            "dark_on_light": imprint.dark_on_light,
-            "threshold": imprint.threshold,
-            "contrast": imprint.contrast,
+            "dark_on_light": contact_image.dark_on_light,
+            "threshold": contact_image.threshold,
+            "contrast": contact_image.contrast,
         },
-        "flags": [*doubts_of(imprint), *found.flags],
+        "flags": [*doubts_of(contact_image), *found.flags],
         "mm_per_px": found.scale.mm_per_px,
         "mm_per_px_std": found.scale.mm_per_px_std,
         "milliseconds": 1000 * (time.perf_counter() - began),
     }
 
 
-def _contact(opened: OpenStudy, asked: ContactQuestion) -> Contact:
+def _contact(opened: StudySession, params: ContactParams) -> Contact:
     """Return the table that an item belongs to; a file that none names yet gets one for the moment."""
-    item = asked.item
+    item = params.item
     if item.startswith("file:"):
-        if asked.scale is None:
-            raise Refusal.impossible(f"{item}: say its scale first")
+        if params.scale is None:
+            raise RequestError.impossible(f"{item}: say its scale first")
         file = item.removeprefix("file:")
         return Observation(
-            name=_NO_TABLE, finger=_NO_TABLE, wedge_angle_deg=0, load_N=1, image=file, scale=asked.scale
+            name=_NO_TABLE, finger=_NO_TABLE, wedge_angle_deg=0, load_N=1, image=file, scale=params.scale
         )
     contact = opened.sequence(item.rpartition("#")[0]) if "#" in item else opened.observation(item)
     if contact is None or contact.scale is None:
-        raise Refusal.not_there(f"no contact image is named {item!r}")
-    return contact if asked.scale is None else contact.model_copy(update={"scale": asked.scale})
+        raise RequestError.not_there(f"no contact image is named {item!r}")
+    return contact if params.scale is None else contact.model_copy(update={"scale": params.scale})
 
 
 def _prepared(
-    opened: OpenStudy, item: str, contact: Contact, found: FoundScale, change: ContactCorrection
-) -> PreparedImprint:
+    opened: StudySession, item: str, contact: Contact, found: FoundScale, change: ContactCorrection
+) -> PreparedContactImage:
     """Return a picture with its ridges told; strokes and ellipse need that only once."""
     place = opened.place_of(item)
     reading = change.model_copy(
         update={"strokes": [], "ellipse_px": None, "accepted": False, "rejected": None}
     )
     settings = reading_of(opened, contact, found) if isinstance(contact, ContactSequence) else None
-    background = None if contact.background is None else Place(opened.file(contact.background)).stamp
+    background = None if contact.background is None else ImageLocation(opened.file(contact.background)).stamp
     return _PREPARED.get(
         (place.stamp, found.scale, contact.model_dump_json(), reading.model_dump_json(), background),
         lambda: prepared_contact(
@@ -117,21 +117,23 @@ def _prepared(
     )
 
 
-def reading_of(opened: OpenStudy, sequence: ContactSequence, found: FoundScale) -> ImprintSettings | None:
+def reading_of(
+    opened: StudySession, sequence: ContactSequence, found: FoundScale
+) -> ContactImageSettings | None:
     """Return how a film is read, learnt from some of its frames; None where they teach nothing."""
-    place = Place(opened.folder / sequence.path)
+    place = ImageLocation(opened.folder / sequence.path)
 
-    def learn() -> Reading | None:
+    def learn() -> SequenceSettings | None:
         frames = open_frames(place.path, pixel_limit=opened.pixel_limit)
         some = np.unique(
             np.linspace(0, frames.count - 1, min(frames.count, _TEACHING_FRAMES)).round().astype(int)
         )
         where = place_of(sequence, opened.folder)
         try:
-            return learn_reading(
+            return estimate_settings(
                 frames,
                 found.scale,
-                survey=survey_frames(map(frames.at, map(int, some)), found.scale, **where),
+                survey=scan_texture(map(frames.at, map(int, some)), found.scale, **where),
                 dark_on_light=sequence.dark_on_light,
                 threshold=sequence.threshold,
                 **where,
@@ -144,11 +146,11 @@ def reading_of(opened: OpenStudy, sequence: ContactSequence, found: FoundScale) 
 
 
 def _program(
-    opened: OpenStudy, item: str, contact: Contact, found: FoundScale
-) -> tuple[Imprint | None, str | None]:
+    opened: StudySession, item: str, contact: Contact, found: FoundScale
+) -> tuple[ContactImageResult | None, str | None]:
     """Return what the program measures by itself, or why it does not."""
     try:
-        return _prepared(opened, item, contact, found, ContactCorrection()).imprint, None
+        return _prepared(opened, item, contact, found, ContactCorrection()).contact_image, None
     except ImageError as error:
         return None, str(error)
 
@@ -159,31 +161,36 @@ def _by(change: ContactCorrection) -> str:
     return "program with corrections" if change.edits else "program"
 
 
-def numbers(imprint: Imprint) -> dict[str, Any]:
+def numbers(contact_image: ContactImageResult) -> dict[str, Any]:
     """Return an imprint's numbers, without what is drawn of it."""
-    record = imprint.as_record()
+    record = contact_image.as_record()
     return {
         **{key: value for key, value in record.items() if key not in {"centroid_px", "flags"}},
-        "axis_ratio": float(imprint.ellipse.axis_ratio),
+        "axis_ratio": float(contact_image.ellipse.axis_ratio),
     }
 
 
-def _drawn(imprint: Imprint, found: FoundScale) -> dict[str, Any]:
+def _drawn(contact_image: ContactImageResult, found: FoundScale) -> dict[str, Any]:
     """Return an imprint's outline, ellipse and handles on its picture."""
     size = found.scale.mm_per_px
-    major, minor = float(imprint.ellipse.semi_major) / size, float(imprint.ellipse.semi_minor) / size
-    hand = HandEllipse(centre=imprint.centroid, semi_axes=(major, minor), orientation=imprint.orientation)
+    major, minor = (
+        float(contact_image.ellipse.semi_major) / size,
+        float(contact_image.ellipse.semi_minor) / size,
+    )
+    hand = ManualEllipse(
+        centre=contact_image.centroid, semi_axes=(major, minor), orientation=contact_image.orientation
+    )
     # A quarter of the way round lies between two handles.
     top, left, bottom, right = hand.points(4)
     return {
-        "outline_px": imprint.outline.round(2),
+        "outline_px": contact_image.outline.round(2),
         "ellipse_px": {
-            "centre": imprint.centroid,
+            "centre": contact_image.centroid,
             "semi_axes": [major, minor],
-            "orientation_deg": float(np.degrees(imprint.orientation)),
+            "orientation_deg": float(np.degrees(contact_image.orientation)),
         },
         "handles": {
-            "centre_px": imprint.centroid,
+            "centre_px": contact_image.centroid,
             "major_ends_px": [top, bottom],
             "minor_ends_px": [left, right],
         },
@@ -191,7 +198,7 @@ def _drawn(imprint: Imprint, found: FoundScale) -> dict[str, Any]:
 
 
 def _model(
-    opened: OpenStudy, item: str, contact: Contact, imprint: Imprint, found: FoundScale
+    opened: StudySession, item: str, contact: Contact, contact_image: ContactImageResult, found: FoundScale
 ) -> dict[str, Any] | None:
     """Return what the model makes of a contact: the row that the results would have."""
     finger = None if item.startswith("file:") else known_finger(opened, contact.finger)
@@ -200,23 +207,23 @@ def _model(
     load = getattr(contact, "load_N", None) or _load_of_frame(opened, item)
     if load is None:
         return None
-    measured = Measurement(name=item, load=load, **from_imprint(imprint, contact, found))
+    measured = Measurement(name=item, load=load, **from_contact_image(contact_image, contact, found))
     row = make_rows(opened.study(), {finger.name: finger}, [(contact, measured)]).table[0]
     return {**row, "range_notes": (row["range_notes"] or "").split(), "flags": row["flags"].split()}
 
 
-def _load_of_frame(opened: OpenStudy, item: str) -> float | None:
+def _load_of_frame(opened: StudySession, item: str) -> float | None:
     found = last_results(opened)
     row = found and found.row(item)
     return row["load_N"] if row else None
 
 
-OPERATIONS: Final = (
-    Operation(
+ENDPOINTS: Final = (
+    Endpoint(
         method="POST",
         path="/api/measure/contact",
         answer=measure,
         summary="Measure a contact image under a correction, without storing it",
-        body=ContactQuestion,
+        body=ContactParams,
     ),
 )

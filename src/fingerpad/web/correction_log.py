@@ -5,7 +5,7 @@ from pathlib import Path
 from threading import Lock
 from typing import Any
 
-from fingerpad.study.corrections.decisions import History, Record, Ruling
+from fingerpad.study.corrections.history import ActiveCorrection, History, Record
 from fingerpad.study.corrections.log import CorrectionLog
 from fingerpad.study.manifest import Study
 
@@ -28,14 +28,14 @@ class Corrections:
         with self._lock:
             return self._log.history(item)
 
-    def ruling(self, item: str) -> Ruling | None:
+    def active_correction(self, item: str) -> ActiveCorrection | None:
         """Return what rules for an item."""
-        return self.history(item).ruling
+        return self.history(item).active_correction
 
-    def rulings(self) -> dict[str, Ruling]:
+    def active_corrections(self) -> dict[str, ActiveCorrection]:
         """Return what rules, by item."""
         with self._lock:
-            return self._log.rulings()
+            return self._log.active_corrections()
 
     def append(
         self,

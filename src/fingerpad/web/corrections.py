@@ -7,24 +7,24 @@ from typing import Annotated, Any, Final
 from pydantic import Field
 
 from fingerpad.exceptions import CorrectionConflict
-from fingerpad.study.corrections.decisions import Record
-from fingerpad.study.corrections.log import kind_of, on_another_picture
-from fingerpad.web.asked import Item, Person
-from fingerpad.web.bench import Bench
-from fingerpad.web.open_study import OpenStudy
-from fingerpad.web.operations import Operation, Question
-from fingerpad.web.refusal import Refusal
+from fingerpad.study.corrections.history import Record
+from fingerpad.study.corrections.log import kind_of, on_another_image
+from fingerpad.web.endpoints import Endpoint, Params
+from fingerpad.web.errors import RequestError
+from fingerpad.web.fields import Item, Person
+from fingerpad.web.study_session import StudySession
+from fingerpad.web.workspace import Workspace
 
 _Seen = Annotated[int, Field(ge=0, le=2**53)]
 
 
-class ItemQuestion(Question):
+class ItemParams(Params):
     """Which item."""
 
     item: Item
 
 
-class StepQuestion(Question):
+class StepParams(Params):
     """Whose step back or forth, after which record."""
 
     item: Item
@@ -32,110 +32,110 @@ class StepQuestion(Question):
     who: Person
 
 
-class ChangeQuestion(StepQuestion):
+class ChangeParams(StepParams):
     """All that is wanted of an item."""
 
     change: dict[str, Any]
 
 
-def document(opened: OpenStudy, item: str) -> dict[str, Any]:
+def document(opened: StudySession, item: str) -> dict[str, Any]:
     """Return all decisions about an item."""
     history = opened.corrections.history(item)
-    ruling = history.ruling
-    elsewhere = ruling and on_another_picture({item: ruling}, opened.picture_digest)
+    active_correction = history.active_correction
+    elsewhere = active_correction and on_another_image({item: active_correction}, opened.picture_digest)
     return {
         "item": item,
         "last_id": history.last_id,
-        "change": {} if ruling is None else ruling.change.as_json(),
-        "ruling": ruling and {"who": ruling.who, "when": ruling.when},
-        "on_another_picture": bool(elsewhere),
+        "change": {} if active_correction is None else active_correction.change.as_json(),
+        "ruling": active_correction and {"who": active_correction.who, "when": active_correction.when},
+        "on_another_image": bool(elsewhere),
         "can_undo": history.can_undo,
         "can_redo": history.can_redo,
         "history": [record.as_json() for record in history.records],
     }
 
 
-def show(bench: Bench, asked: ItemQuestion, _: Any) -> dict[str, Any]:
+def show(workspace: Workspace, params: ItemParams, _: Any) -> dict[str, Any]:
     """Return all decisions about an item."""
-    opened = bench.study
-    kind_of(asked.item, opened.study())
-    return document(opened, asked.item)
+    opened = workspace.study
+    kind_of(params.item, opened.study())
+    return document(opened, params.item)
 
 
-def add(bench: Bench, _: Any, asked: ChangeQuestion) -> dict[str, Any]:
+def add(workspace: Workspace, _: Any, params: ChangeParams) -> dict[str, Any]:
     """Keep a change; it is on the disk when this is answered."""
-    opened = bench.study
+    opened = workspace.study
     study = opened.study()
-    kind_of(asked.item, study)
+    kind_of(params.item, study)
     return _kept(
-        bench,
-        asked,
+        workspace,
+        params,
         lambda: opened.corrections.append(
-            asked.item,
-            asked.change,
-            who=asked.who,
-            expected=asked.expected,
+            params.item,
+            params.change,
+            who=params.who,
+            expected=params.expected,
             study=study,
-            shape=opened.shape_of(asked.item) if asked.change else None,
-            picture=opened.picture_digest(asked.item),
+            shape=opened.shape_of(params.item) if params.change else None,
+            picture=opened.picture_digest(params.item),
         ),
     )
 
 
-def undo(bench: Bench, _: Any, asked: StepQuestion) -> dict[str, Any]:
+def undo(workspace: Workspace, _: Any, params: StepParams) -> dict[str, Any]:
     """Take the newest change back."""
-    log = bench.study.corrections
-    return _kept(bench, asked, lambda: log.undo(asked.item, who=asked.who, expected=asked.expected))
+    log = workspace.study.corrections
+    return _kept(workspace, params, lambda: log.undo(params.item, who=params.who, expected=params.expected))
 
 
-def redo(bench: Bench, _: Any, asked: StepQuestion) -> dict[str, Any]:
+def redo(workspace: Workspace, _: Any, params: StepParams) -> dict[str, Any]:
     """Put the change back that was taken back last."""
-    log = bench.study.corrections
-    return _kept(bench, asked, lambda: log.redo(asked.item, who=asked.who, expected=asked.expected))
+    log = workspace.study.corrections
+    return _kept(workspace, params, lambda: log.redo(params.item, who=params.who, expected=params.expected))
 
 
-def _kept(bench: Bench, asked: StepQuestion, keep: Callable[[], object]) -> dict[str, Any]:
-    opened = bench.study
+def _kept(workspace: Workspace, params: StepParams, keep: Callable[[], object]) -> dict[str, Any]:
+    opened = workspace.study
     try:
         keep()
     except CorrectionConflict as conflict:
         latest = conflict.latest.as_json() if isinstance(conflict.latest, Record) else None
-        now = document(opened, asked.item)
-        raise Refusal.conflict(str(conflict), latest=latest, corrections=now) from conflict
-    found = document(opened, asked.item)
-    bench.events.tell("corrections", {"item": asked.item, "last_id": found["last_id"]})
+        now = document(opened, params.item)
+        raise RequestError.conflict(str(conflict), latest=latest, corrections=now) from conflict
+    found = document(opened, params.item)
+    workspace.events.tell("corrections", {"item": params.item, "last_id": found["last_id"]})
     return found
 
 
-OPERATIONS: Final = (
-    Operation(
+ENDPOINTS: Final = (
+    Endpoint(
         method="GET",
         path="/api/corrections",
         answer=show,
-        query=ItemQuestion,
+        query=ItemParams,
         summary="What people corrected in an item",
     ),
-    Operation(
+    Endpoint(
         method="POST",
         path="/api/corrections",
         answer=add,
-        body=ChangeQuestion,
+        body=ChangeParams,
         status=HTTPStatus.CREATED,
         summary="Correct an item",
     ),
-    Operation(
+    Endpoint(
         method="POST",
         path="/api/corrections/undo",
         answer=undo,
-        body=StepQuestion,
+        body=StepParams,
         status=HTTPStatus.CREATED,
         summary="Take the newest change back",
     ),
-    Operation(
+    Endpoint(
         method="POST",
         path="/api/corrections/redo",
         answer=redo,
-        body=StepQuestion,
+        body=StepParams,
         status=HTTPStatus.CREATED,
         summary="Put back what was taken back",
     ),

@@ -20,14 +20,14 @@ from starlette.responses import FileResponse, Response, StreamingResponse
 
 from fingerpad.study.editing.state import named_files
 from fingerpad.web.archive import pack, unpack
-from fingerpad.web.bench import NAME, Bench
 from fingerpad.web.bundle import Bundle
-from fingerpad.web.open_study import OpenStudy
-from fingerpad.web.operations import Operation, Question, json_response
-from fingerpad.web.refusal import Refusal
+from fingerpad.web.endpoints import Endpoint, Params, json_response
+from fingerpad.web.errors import RequestError
 from fingerpad.web.security import FRAMED_HEADERS
 from fingerpad.web.state import document
+from fingerpad.web.study_session import StudySession
 from fingerpad.web.uploads import FOLDER, kept, placed, plain_name, stored
+from fingerpad.web.workspace import NAME, Workspace
 
 # Hidden, so that nothing in it counts as a file of the study.
 _REMOVED: Final = ".removed"
@@ -52,37 +52,37 @@ _DRAWN: Final = re.compile(
 )
 
 
-class UploadQuestion(Question):
+class UploadParams(Params):
     """Name of a file, and the folder that collects a film's frames."""
 
     name: Annotated[str, Field(min_length=1, max_length=500)]
     folder: Annotated[str, Field(pattern=NAME)] | None = None
 
 
-class ImportQuestion(Question):
+class ImportParams(Params):
     """Name of the study to make of a ZIP."""
 
     name: Annotated[str, Field(pattern=NAME)]
 
 
-class RemoveQuestion(Question):
+class RemoveParams(Params):
     """A file of the study."""
 
     file: Annotated[str, Field(min_length=1, max_length=1000)]
 
 
-class RestoreQuestion(Question):
+class RestoreParams(Params):
     """A removed file, by the number that its removal gave it."""
 
     removed: Annotated[str, Field(pattern=r"^\d{8}T\d{6}-[0-9a-f]{8}$")]
 
 
-async def upload(bench: Bench, asked: UploadQuestion, request: Request) -> Response:
+async def upload(workspace: Workspace, params: UploadParams, request: Request) -> Response:
     """Keep a file in the study."""
-    opened = bench.study
-    name = plain_name(asked.name)
-    target = opened.folder / FOLDER if asked.folder is None else opened.folder / FOLDER / asked.folder
-    path, digest = await stored(request, bench.upload_limit, target)
+    opened = workspace.study
+    name = plain_name(params.name)
+    target = opened.folder / FOLDER if params.folder is None else opened.folder / FOLDER / params.folder
+    path, digest = await stored(request, workspace.upload_limit, target)
 
     def keep() -> Response:
         try:
@@ -93,44 +93,46 @@ async def upload(bench: Bench, asked: UploadQuestion, request: Request) -> Respo
         if record["problem"] is not None:
             if new:
                 (opened.folder / record["file"]).unlink(missing_ok=True)
-            raise Refusal.impossible(record["problem"])
-        bench.events.tell("study", {"digest": opened.read().digest})
+            raise RequestError.impossible(record["problem"])
+        workspace.events.tell("study", {"digest": opened.read().digest})
         return json_response(record, HTTPStatus.CREATED if new else HTTPStatus.OK)
 
     return await run_in_threadpool(keep)
 
 
-async def bring(bench: Bench, asked: ImportQuestion, request: Request) -> Response:
+async def bring(workspace: Workspace, params: ImportParams, request: Request) -> Response:
     """Make a study of a ZIP, and open it."""
-    folder = bench.new_folder(asked.name)
-    path, _ = await stored(request, bench.room, bench.workspace)
+    folder = workspace.new_folder(params.name)
+    path, _ = await stored(request, workspace.room, workspace.workspace)
 
     def open_it() -> Response:
         try:
-            unpack(path, folder, bench.room)
-            return json_response(document(bench.open_folder(folder)), HTTPStatus.CREATED)
+            unpack(path, folder, workspace.room)
+            return json_response(document(workspace.open_folder(folder)), HTTPStatus.CREATED)
         finally:
             path.unlink(missing_ok=True)
 
     return await run_in_threadpool(open_it)
 
 
-async def listen(bench: Bench, _: Any, __: Request) -> Response:
+async def listen(workspace: Workspace, _: Any, __: Request) -> Response:
     """Tell what happens as it happens."""
-    return StreamingResponse(bench.events.listen(), media_type="text/event-stream")
+    return StreamingResponse(workspace.events.listen(), media_type="text/event-stream")
 
 
-def remove(bench: Bench, _: Any, asked: RemoveQuestion) -> dict[str, Any]:
+def remove(workspace: Workspace, _: Any, params: RemoveParams) -> dict[str, Any]:
     """Move a file that was uploaded and that no table names into a folder of what was removed."""
-    opened = bench.study
-    path = opened.file(asked.file)
+    opened = workspace.study
+    path = opened.file(params.file)
     found = opened.read()
     named = named_files(found.study, found.incomplete)
     used = {(opened.folder / name).resolve() for name in named if os.path.exists(opened.folder / name)}
     if not used.isdisjoint((path.resolve(), *path.resolve().parents)):
-        raise Refusal.conflict(f"{asked.file}: the study names this file: remove what names it first")
-    if not asked.file.startswith(f"{FOLDER}/"):
-        raise Refusal.conflict(f"{asked.file}: only files that were dropped on the page are removed by it")
+        raise RequestError.conflict(f"{params.file}: the study names this file: remove what names it first")
+    if not params.file.startswith(f"{FOLDER}/"):
+        raise RequestError.conflict(
+            f"{params.file}: only files that were dropped on the page are removed by it"
+        )
     number = f"{datetime.now(UTC):%Y%m%dT%H%M%S}-{uuid4().hex[:8]}"
     kept = opened.folder / _REMOVED / number / path.relative_to(opened.folder)
     kept.parent.mkdir(parents=True)
@@ -138,13 +140,13 @@ def remove(bench: Bench, _: Any, asked: RemoveQuestion) -> dict[str, Any]:
     return {**document(opened), "removed": number}
 
 
-def restore(bench: Bench, _: Any, asked: RestoreQuestion) -> dict[str, Any]:
+def restore(workspace: Workspace, _: Any, params: RestoreParams) -> dict[str, Any]:
     """Put a file back that was removed, under another name if its own is taken by now."""
-    opened = bench.study
-    home = opened.folder / _REMOVED / asked.removed
+    opened = workspace.study
+    home = opened.folder / _REMOVED / params.removed
     kept = next((path for path in home.rglob("*") if path.is_file()), None)
     if kept is None:
-        raise Refusal.not_there(f"nothing that was removed is kept as {asked.removed!r}")
+        raise RequestError.not_there(f"nothing that was removed is kept as {params.removed!r}")
     target = opened.folder / kept.relative_to(home)
     target.parent.mkdir(parents=True, exist_ok=True)
     back = placed(kept, target)
@@ -152,32 +154,32 @@ def restore(bench: Bench, _: Any, asked: RestoreQuestion) -> dict[str, Any]:
     return {**document(opened), "restored": back.relative_to(opened.folder).as_posix()}
 
 
-class DownloadQuestion(Question):
+class DownloadParams(Params):
     """A file that the run wrote; its name leads to no other."""
 
     path: Annotated[str, Field(max_length=300)]
     attachment: bool = False
 
 
-def download(bench: Bench, asked: DownloadQuestion, _: Any) -> Response:
+def download(workspace: Workspace, params: DownloadParams, _: Any) -> Response:
     """Return a file that the run wrote."""
-    opened = bench.study
-    if asked.path == "study.zip":
-        return _zipped(bench)
-    if asked.path not in _TABLES and not _DRAWN.fullmatch(asked.path):
-        raise Refusal.not_there(f"no file {asked.path[:80]!r} can be fetched here")
-    path = opened.out / asked.path
+    opened = workspace.study
+    if params.path == "study.zip":
+        return _zipped(workspace)
+    if params.path not in _TABLES and not _DRAWN.fullmatch(params.path):
+        raise RequestError.not_there(f"no file {params.path[:80]!r} can be fetched here")
+    path = opened.out / params.path
     if not path.is_file() or not path.resolve().is_relative_to(opened.out.resolve()):
-        raise Refusal.not_there(f"{asked.path}: not there yet: run the study")
+        raise RequestError.not_there(f"{params.path}: not there yet: run the study")
     headers = {"cache-control": "private, no-cache"} | (FRAMED_HEADERS if path.suffix == ".html" else {})
-    if asked.attachment:
+    if params.attachment:
         headers["content-disposition"] = f'attachment; filename="{_ascii(path.name)}"'
     return FileResponse(path, media_type=_TYPES.get(path.suffix, "application/octet-stream"), headers=headers)
 
 
-def bundle(bench: Bench, _: Any, __: Any) -> dict[str, Any]:
+def bundle(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
     """Return what the study's ZIP holds, and what it leaves out."""
-    found = _bundle(bench.study)
+    found = _bundle(workspace.study)
     return {
         "files": len(found.files),
         "bytes": sum(os.stat(path).st_size for path in found.files.values()),
@@ -185,7 +187,7 @@ def bundle(bench: Bench, _: Any, __: Any) -> dict[str, Any]:
     }
 
 
-def _bundle(opened: OpenStudy) -> Bundle:
+def _bundle(opened: StudySession) -> Bundle:
     manifest = opened.read()
     named = named_files(manifest.study, manifest.incomplete)
     return Bundle.of(
@@ -193,15 +195,15 @@ def _bundle(opened: OpenStudy) -> Bundle:
     )
 
 
-def _zipped(bench: Bench) -> Response:
-    opened = bench.study
+def _zipped(workspace: Workspace) -> Response:
+    opened = workspace.study
     with NamedTemporaryFile(prefix="fingerpad-", suffix=".zip", delete=False) as file:
         target = Path(file.name)
     try:
         pack(opened.folder, _bundle(opened), target)
     except OSError as error:
         target.unlink(missing_ok=True)
-        raise Refusal.impossible(
+        raise RequestError.impossible(
             f"the ZIP cannot be made ({error.strerror}): make room in {target.parent}, or set TMPDIR to a "
             "folder with more and start fingerpad app again"
         ) from error
@@ -220,32 +222,32 @@ def _ascii(name: str) -> str:
     return re.sub(r"[^A-Za-z0-9._+-]", "_", name)
 
 
-OPERATIONS: Final = (
-    Operation(
+ENDPOINTS: Final = (
+    Endpoint(
         method="GET",
         path="/api/study/bundle",
         answer=bundle,
         summary="What the study's ZIP holds, and what it leaves out",
     ),
-    Operation(
+    Endpoint(
         method="POST",
         path="/api/files",
         answer=upload,
-        query=UploadQuestion,
+        query=UploadParams,
         status=HTTPStatus.CREATED,
         streamed=True,
         summary="Keep a file in the study",
     ),
-    Operation(
+    Endpoint(
         method="POST",
         path="/api/session/import",
         answer=bring,
-        query=ImportQuestion,
+        query=ImportParams,
         status=HTTPStatus.CREATED,
         streamed=True,
         summary="Make a study of a ZIP, and open it",
     ),
-    Operation(
+    Endpoint(
         method="GET",
         path="/api/events",
         answer=listen,
@@ -253,25 +255,25 @@ OPERATIONS: Final = (
         streamed=True,
         summary="What happens, as it happens",
     ),
-    Operation(
+    Endpoint(
         method="DELETE",
         path="/api/files",
         answer=remove,
-        body=RemoveQuestion,
+        body=RemoveParams,
         summary="Remove an uploaded file that nothing names; it is kept aside",
     ),
-    Operation(
+    Endpoint(
         method="POST",
         path="/api/files/restore",
         answer=restore,
-        body=RestoreQuestion,
+        body=RestoreParams,
         summary="Put a removed file back",
     ),
-    Operation(
+    Endpoint(
         method="GET",
         path="/api/download/{path:path}",
         answer=download,
-        query=DownloadQuestion,
+        query=DownloadParams,
         media="application/octet-stream",
         summary="A file that the run wrote, or the whole study as study.zip",
     ),

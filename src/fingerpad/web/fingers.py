@@ -4,10 +4,10 @@ import numpy as np
 
 from fingerpad.study.measuring.fingers import FingerResult, finger_result
 from fingerpad.web.last_results import last_results
-from fingerpad.web.open_study import OpenStudy
+from fingerpad.web.study_session import StudySession
 
 
-def known_finger(opened: OpenStudy, name: str) -> FingerResult | None:
+def known_finger(opened: StudySession, name: str) -> FingerResult | None:
     """Return a finger's semi-axes, None where they are not known yet."""
     finger = next((one for one in opened.study().fingers if one.name == name), None)
     if finger is None:

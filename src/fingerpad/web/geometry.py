@@ -11,17 +11,17 @@ from fingerpad.figures import figure_svg, new_figure, plot_pad_with_contact, plo
 from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.study.manifest.tables import Length
 from fingerpad.uncertainty import PLACEMENT_OUTPUTS, placement_model, propagate
-from fingerpad.web.bench import Bench
 from fingerpad.web.drawing import DRAWING
+from fingerpad.web.endpoints import Endpoint, Params
+from fingerpad.web.errors import RequestError
 from fingerpad.web.fingers import known_finger
-from fingerpad.web.operations import Operation, Question
-from fingerpad.web.refusal import Refusal
+from fingerpad.web.workspace import Workspace
 
 _Angles = Annotated[list[Annotated[float, Field(ge=-180, le=180)]], Field(max_length=50)]
 _AXES: Final = ("palmar", "distal", "radial_ulnar")
 
 
-class PadQuestion(Question):
+class PadParams(Params):
     """A pad on a wedge: by the name of its finger, or by its semi-axes."""
 
     finger: str | None = None
@@ -40,25 +40,25 @@ class PadQuestion(Question):
         return self
 
 
-class GeometryQuestion(PadQuestion):
+class GeometryParams(PadParams):
     """The same, and how finely to draw it."""
 
     detail: Annotated[int, Field(ge=4, le=120)] = 32
     u_deg: _Angles = Field(default=[0, 30, 45, 60, 90])
 
 
-def geometry(bench: Bench, _: Any, asked: GeometryQuestion) -> dict[str, Any]:
+def geometry(workspace: Workspace, _: Any, params: GeometryParams) -> dict[str, Any]:
     """Return where the platen touches, how the pad is curved there, and what to draw."""
-    axes, covariance, angle_stds = _pad(bench, asked)
+    axes, covariance, angle_stds = _pad(workspace, params)
     pad = Ellipsoid.of(*axes)
-    wedge, roll = np.radians([asked.wedge_angle_deg, asked.roll_angle_deg])
+    wedge, roll = np.radians([params.wedge_angle_deg, params.roll_angle_deg])
     placement = Placement.of(pad, wedge_angle=wedge, roll_angle=roll)
-    turn = np.linspace(0, 2 * np.pi, 2 * asked.detail + 1)
-    height = np.linspace(0, np.pi, asked.detail + 1)
+    turn = np.linspace(0, 2 * np.pi, 2 * params.detail + 1)
+    height = np.linspace(0, np.pi, params.detail + 1)
     mesh = pad.point(turn[:, None], height)
     return {
         **_placed(axes, covariance, np.array([wedge, roll]), angle_stds),
-        "synthetic": asked.synthetic,
+        "synthetic": params.synthetic,
         "v_deg": np.degrees(placement.v),
         "contact_point_mm": placement.point,
         "normal": placement.normal,
@@ -74,24 +74,24 @@ def geometry(bench: Bench, _: Any, asked: GeometryQuestion) -> dict[str, Any]:
         ],
         "platen": {"corners_mm": _platen(placement, float(max(axes)))},
         "wedge": _wedge(pad, placement),
-        "points": [{"u_deg": u, "point_mm": pad.point(np.radians(u), np.pi / 2)} for u in asked.u_deg],
+        "points": [{"u_deg": u, "point_mm": pad.point(np.radians(u), np.pi / 2)} for u in params.u_deg],
     }
 
 
-def _pad(bench: Bench, asked: PadQuestion) -> tuple[FloatArray, FloatArray | None, FloatArray]:
+def _pad(workspace: Workspace, params: PadParams) -> tuple[FloatArray, FloatArray | None, FloatArray]:
     """Return semi-axes (mm), their covariance if it is known, and the angles' standard uncertainties."""
-    if asked.finger is None:
-        given = np.array([asked.palmar_mm, asked.distal_mm, asked.radial_ulnar_mm], dtype=float)
+    if params.finger is None:
+        given = np.array([params.palmar_mm, params.distal_mm, params.radial_ulnar_mm], dtype=float)
         return given, None, np.zeros(2)
-    study = bench.study.study()
-    finger = known_finger(bench.study, asked.finger)
+    study = workspace.study.study()
+    finger = known_finger(workspace.study, params.finger)
     if finger is None:
-        raise Refusal.impossible(f"{asked.finger}: its semi-axes are not measured yet: run the study")
+        raise RequestError.impossible(f"{params.finger}: its semi-axes are not measured yet: run the study")
     of = study.uncertainty
     return (
         finger.semi_axes,
         finger.covariance,
-        np.radians([of.wedge_angle_std_deg, of.roll_angle_std_deg]),
+        np.radians([of.wedge_angle_deg_std, of.roll_angle_deg_std]),
     )
 
 
@@ -146,30 +146,30 @@ def _wedge(pad: Ellipsoid, placement: Placement) -> dict[str, Any]:
     return {"vertices_mm": vertices, "faces": faces}
 
 
-def pad_svg(bench: Bench, asked: PadQuestion, _: Any) -> Response:
+def pad_svg(workspace: Workspace, params: PadParams, _: Any) -> Response:
     """Draw the pad as seen through the platen."""
-    axes, _, _ = _pad(bench, asked)
+    axes, _, _ = _pad(workspace, params)
     with DRAWING:
         figure, (panel,) = new_figure(height_mm=95)
         plot_pad_with_contact(
             panel,
             Ellipsoid.of(*axes),
-            wedge_angle=float(np.radians(asked.wedge_angle_deg)),
-            roll_angle=float(np.radians(asked.roll_angle_deg)),
-            synthetic=asked.synthetic,
+            wedge_angle=float(np.radians(params.wedge_angle_deg)),
+            roll_angle=float(np.radians(params.roll_angle_deg)),
+            synthetic=params.synthetic,
         )
-        words = f"The pad seen through the platen, wedge {asked.wedge_angle_deg:g}°"
+        words = f"The pad seen through the platen, wedge {params.wedge_angle_deg:g}°"
         return _svg(figure_svg(figure, "pad", description=words))
 
 
-def wedge_svg(bench: Bench, asked: PadQuestion, _: Any) -> Response:
+def wedge_svg(workspace: Workspace, params: PadParams, _: Any) -> Response:
     """Draw the finger on its wedge, in section."""
-    axes, _, _ = _pad(bench, asked)
+    axes, _, _ = _pad(workspace, params)
     with DRAWING:
         figure, (panel,) = new_figure(height_mm=95)
-        wedge = float(np.radians(asked.wedge_angle_deg))
-        plot_wedge(panel, Ellipsoid.of(*axes), wedge_angle=wedge, synthetic=asked.synthetic)
-        words = f"The finger on its wedge of {asked.wedge_angle_deg:g}°, in section"
+        wedge = float(np.radians(params.wedge_angle_deg))
+        plot_wedge(panel, Ellipsoid.of(*axes), wedge_angle=wedge, synthetic=params.synthetic)
+        words = f"The finger on its wedge of {params.wedge_angle_deg:g}°, in section"
         return _svg(figure_svg(figure, "wedge", description=words))
 
 
@@ -177,28 +177,28 @@ def _svg(drawing: str) -> Response:
     return Response(drawing, media_type="image/svg+xml")
 
 
-OPERATIONS: Final = (
-    Operation(
+ENDPOINTS: Final = (
+    Endpoint(
         method="POST",
         path="/api/geometry",
         answer=geometry,
         summary="A pad on its wedge: place of contact, curvature, and what to draw in three dimensions",
-        body=GeometryQuestion,
+        body=GeometryParams,
     ),
-    Operation(
+    Endpoint(
         method="GET",
         path="/api/geometry/pad.svg",
         answer=pad_svg,
         summary="The pad seen through the platen",
-        query=PadQuestion,
+        query=PadParams,
         media="image/svg+xml",
     ),
-    Operation(
+    Endpoint(
         method="GET",
         path="/api/geometry/wedge.svg",
         answer=wedge_svg,
         summary="The finger on its wedge, in section",
-        query=PadQuestion,
+        query=PadParams,
         media="image/svg+xml",
     ),
 )

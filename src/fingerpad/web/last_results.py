@@ -8,9 +8,9 @@ from typing import Annotated, Any, Final, Self, TypeAlias
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from fingerpad.study.manifest.tables import Length
-from fingerpad.study.results.columns import COLUMNS, COUNTS, TRUTHS, WORDS
+from fingerpad.study.results.columns import BOOL_COLUMNS, COLUMNS, INT_COLUMNS, TEXT_COLUMNS
 from fingerpad.study.results.result_set import quick_faults
-from fingerpad.web.open_study import OpenStudy
+from fingerpad.web.study_session import StudySession
 
 _Triple: TypeAlias = Annotated[list[float], Field(min_length=3, max_length=3)]
 
@@ -133,9 +133,9 @@ def _require_rows(rows: Any) -> None:
     if not isinstance(rows, list) or not all(isinstance(row, dict) for row in rows):
         raise ValueError("results.json: expected a list of rows")
     for name in COLUMNS:
-        kinds: set[type] = {str} if name in WORDS else {bool} if name in TRUTHS else {int}
-        kinds |= set() if name in WORDS | TRUTHS | COUNTS else {float}
-        kinds |= set() if name in _NEVER_EMPTY | TRUTHS else {type(None)}
+        kinds: set[type] = {str} if name in TEXT_COLUMNS else {bool} if name in BOOL_COLUMNS else {int}
+        kinds |= set() if name in TEXT_COLUMNS | BOOL_COLUMNS | INT_COLUMNS else {float}
+        kinds |= set() if name in _NEVER_EMPTY | BOOL_COLUMNS else {type(None)}
         if any(name not in row for row in rows):
             raise ValueError(f"results.json: a row lacks {name}")
         if odd := {type(row[name]) for row in rows} - kinds:
@@ -145,13 +145,13 @@ def _require_rows(rows: Any) -> None:
 _READ: dict[Path, tuple[object, Results | str]] = {}
 
 
-def last_results(opened: OpenStudy) -> Results | None:
+def last_results(opened: StudySession) -> Results | None:
     """Return the last run's tables, None before the first and where they are damaged."""
     found = _read(opened.out)
     return found if isinstance(found, Results) and not results_faults(opened) else None
 
 
-def results_faults(opened: OpenStudy) -> list[str]:
+def results_faults(opened: StudySession) -> list[str]:
     """Return what is wrong with the files of the last run; overlays are checked when they are shown."""
     faults = quick_faults(opened.out, lambda name: not name.startswith("overlays/"))
     found = _read(opened.out)

@@ -17,19 +17,19 @@ from fingerpad.image import (
     face_from_outline,
     photograph_from_handles,
     read_outline,
-    with_points,
+    with_marked_points,
 )
+from fingerpad.study.corrections.apply import corrected_photograph
 from fingerpad.study.corrections.changes import PhotographCorrection
-from fingerpad.study.corrections.corrected import corrected_photograph
 from fingerpad.study.manifest import Finger, Photograph, ScaleKey
 from fingerpad.study.measuring.fingers import photograph_item
-from fingerpad.web.asked import Item, Spot, as_pair
-from fingerpad.web.bench import Bench
-from fingerpad.web.open_study import OpenStudy
-from fingerpad.web.operations import Operation, Question
+from fingerpad.web.endpoints import Endpoint, Params
+from fingerpad.web.errors import RequestError
+from fingerpad.web.fields import Item, Spot, as_pair
 from fingerpad.web.pictures import Cache
-from fingerpad.web.refusal import Refusal
 from fingerpad.web.scales import scale_of
+from fingerpad.web.study_session import StudySession
+from fingerpad.web.workspace import Workspace
 
 _FITS: Final[Cache[PhotographFit]] = Cache(60, lambda _: 1)
 _PROGRAM: Final[Cache[PhotographFit | None]] = Cache(60, lambda _: 1)
@@ -38,7 +38,7 @@ _CURVE_POINTS: Final = 181
 _NO_PICTURE: Final = np.zeros((1, 1), dtype=np.uint8)
 
 
-class Handles(Question):
+class Handles(Params):
     """The ends of an ellipse's semi-axes as dragged."""
 
     centre_px: Spot
@@ -46,7 +46,7 @@ class Handles(Question):
     along_end_px: Spot
 
 
-class PhotographQuestion(Question):
+class PhotographParams(Params):
     """Which photograph, and the correction under which it is measured."""
 
     item: Item
@@ -57,25 +57,25 @@ class PhotographQuestion(Question):
     with_finger: bool = False
 
 
-def measure(bench: Bench, _: Any, asked: PhotographQuestion) -> dict[str, Any]:
+def measure(workspace: Workspace, _: Any, params: PhotographParams) -> dict[str, Any]:
     """Measure a photograph as it is being corrected; nothing is stored."""
     began = time.perf_counter()
-    opened = bench.study
-    finger, photograph = _table(opened, asked)
-    change = _change(opened, asked)
-    fit = _fit(opened, asked.item, photograph, change, asked.handles)
+    opened = workspace.study
+    finger, photograph = _table(opened, params)
+    change = _change(opened, params)
+    fit = _fit(opened, params.item, photograph, change, params.handles)
     together: dict[str, Any] | None = None
     error = None
-    if asked.with_finger and finger is not None:
+    if params.with_finger and finger is not None:
         try:
-            together = _together(opened, finger, asked.item, fit)
-        except FingerpadError as refused:
-            error = str(refused)
-    by_hand = asked.handles is not None or change.ellipse_px is not None
+            together = _together(opened, finger, params.item, fit)
+        except FingerpadError as error_response:
+            error = str(error_response)
+    by_hand = params.handles is not None or change.ellipse_px is not None
     edited = by_hand or bool(change.edits)
-    own = _program(opened, asked.item, photograph) if edited else None
+    own = _program(opened, params.item, photograph) if edited else None
     return {
-        "item": asked.item,
+        "item": params.item,
         "by": "person" if by_hand else "program with corrections" if edited else "program",
         **described(fit),
         "program": own and _semi_axes(own),
@@ -85,22 +85,22 @@ def measure(bench: Bench, _: Any, asked: PhotographQuestion) -> dict[str, Any]:
     }
 
 
-def _table(opened: OpenStudy, asked: PhotographQuestion) -> tuple[Finger | None, Photograph]:
+def _table(opened: StudySession, params: PhotographParams) -> tuple[Finger | None, Photograph]:
     """Return a photograph's table with what stands in for parts of it, and its finger if it has one."""
-    if not asked.item.startswith("file:"):
-        finger, photograph = opened.photograph(asked.item)
-        said = {"face": asked.face, "scale": asked.scale}
-        return finger, photograph.model_copy(update={k: v for k, v in said.items() if v is not None})
-    if asked.face is None or asked.scale is None:
-        raise Refusal.impossible(f"{asked.item}: say its face and its scale first")
-    return None, Photograph(face=asked.face, image=asked.item.removeprefix("file:"), scale=asked.scale)
+    if not params.item.startswith("file:"):
+        finger, photograph = opened.photograph(params.item)
+        stated = {"face": params.face, "scale": params.scale}
+        return finger, photograph.model_copy(update={k: v for k, v in stated.items() if v is not None})
+    if params.face is None or params.scale is None:
+        raise RequestError.impossible(f"{params.item}: say its face and its scale first")
+    return None, Photograph(face=params.face, image=params.item.removeprefix("file:"), scale=params.scale)
 
 
-def _change(opened: OpenStudy, asked: PhotographQuestion) -> PhotographCorrection:
-    if asked.change is not None:
-        return asked.change
-    ruling = opened.corrections.ruling(asked.item)
-    change = ruling and ruling.change
+def _change(opened: StudySession, params: PhotographParams) -> PhotographCorrection:
+    if params.change is not None:
+        return params.change
+    active_correction = opened.corrections.active_correction(params.item)
+    change = active_correction and active_correction.change
     return change if isinstance(change, PhotographCorrection) else PhotographCorrection()
 
 
@@ -132,7 +132,7 @@ def _semi_axes(fit: PhotographFit) -> dict[str, Any]:
     return {"semi_axes_mm": fit.semi_axes_mm, "semi_axes_mm_std": fit.semi_axes_mm_std}
 
 
-def _program(opened: OpenStudy, item: str, photograph: Photograph) -> PhotographFit | None:
+def _program(opened: StudySession, item: str, photograph: Photograph) -> PhotographFit | None:
     """Return what the program finds by itself; None where it finds no finger."""
     assert photograph.scale is not None  # the manifest's own rule
     scale = scale_of(opened, photograph.scale).scale
@@ -147,7 +147,7 @@ def _program(opened: OpenStudy, item: str, photograph: Photograph) -> Photograph
 
 
 def _fit(
-    opened: OpenStudy,
+    opened: StudySession,
     item: str,
     photograph: Photograph,
     change: PhotographCorrection,
@@ -175,17 +175,17 @@ def _fit(
         lambda: corrected_photograph(opened.pictures.colour(place), photograph, scale, before),
     )
     erased = [(stroke.points_px, stroke.radius_px) for stroke in change.erased]
-    return with_points(found, added=change.added_points_px, erased=erased)
+    return with_marked_points(found, added=change.added_points_px, erased=erased)
 
 
-def _together(opened: OpenStudy, finger: Finger, item: str, fit: PhotographFit) -> dict[str, Any]:
+def _together(opened: StudySession, finger: Finger, item: str, fit: PhotographFit) -> dict[str, Any]:
     """Return the finger's semi-axes with one face as it is being corrected."""
     faces = {}
     for one in finger.photographs:
         own = photograph_item(finger, one)
         scale = one.scale if isinstance(one.scale, str) else None
-        ruling = opened.corrections.ruling(own)
-        change = None if ruling is None else ruling.change
+        active_correction = opened.corrections.active_correction(own)
+        change = None if active_correction is None else active_correction.change
         if own == item:
             faces[own] = replace(fit.face_semi_axes, scale=scale)
         elif change is not None and change.rejected is not None:
@@ -215,12 +215,12 @@ def _joint(found: OutlineSemiAxes, items: list[str]) -> dict[str, Any]:
     }
 
 
-OPERATIONS: Final = (
-    Operation(
+ENDPOINTS: Final = (
+    Endpoint(
         method="POST",
         path="/api/measure/photograph",
         answer=measure,
         summary="Measure a photograph under a correction, without storing it",
-        body=PhotographQuestion,
+        body=PhotographParams,
     ),
 )

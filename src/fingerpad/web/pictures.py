@@ -16,7 +16,7 @@ from fingerpad.exceptions import ImageError
 from fingerpad.image import open_frames, read_colour_image, read_image
 from fingerpad.image.read import Picture
 from fingerpad.image.sequence.frames import PICTURE_SUFFIXES, frame_files
-from fingerpad.web.refusal import Refusal
+from fingerpad.web.errors import RequestError
 
 THUMBNAIL_PX: Final = 192
 PREVIEW_PX: Final = 2048
@@ -31,7 +31,7 @@ Kept = TypeVar("Kept")
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
+class ImageLocation:
     """Where a picture is: a file, or a frame of a film.
 
     Attributes
@@ -58,7 +58,7 @@ class Place:
                 path = files[self.frame] if self.frame < len(files) else path
             status = path.stat()
         except OSError as error:
-            raise Refusal.not_there(f"{self.path.name}: the file is no longer there") from error
+            raise RequestError.not_there(f"{self.path.name}: the file is no longer there") from error
         return str(path), self.frame, status.st_size, status.st_mtime_ns, status.st_ino
 
 
@@ -110,17 +110,17 @@ class Pictures:
         self._colours: Cache[npt.NDArray[np.uint8]] = Cache(_DECODED_BYTES, lambda pixels: pixels.nbytes)
         self._encoded: Cache[bytes] = Cache(_ENCODED_BYTES, len)
 
-    def grey(self, place: Place) -> Picture:
+    def grey(self, place: ImageLocation) -> Picture:
         """Return a picture as contact images are measured on."""
         return self._decoded.get(place.stamp, lambda: self._read(place))
 
-    def colour(self, place: Place) -> npt.NDArray[np.uint8]:
+    def colour(self, place: ImageLocation) -> npt.NDArray[np.uint8]:
         """Return a picture as photographs are measured on."""
         return self._colours.get(
             place.stamp, lambda: read_colour_image(place.path, pixel_limit=self._pixel_limit)
         )
 
-    def _read(self, place: Place) -> Picture:
+    def _read(self, place: ImageLocation) -> Picture:
         if place.frame is None:
             return read_image(place.path, pixel_limit=self._pixel_limit)
         frame = open_frames(place.path, pixel_limit=self._pixel_limit).at(place.frame)
@@ -128,24 +128,24 @@ class Pictures:
             raise ImageError(frame.reason or f"frame {place.frame} cannot be read")
         return Picture(pixels=frame.pixels, dots_per_inch=None)
 
-    def shown(self, place: Place) -> npt.NDArray[np.uint8]:
+    def shown(self, place: ImageLocation) -> npt.NDArray[np.uint8]:
         """Return a picture's levels as 8 bits, in colour where that matters."""
         if place.colour and not is_film(place.path):
             return self.colour(place)
         if place.colour:
-            place = Place(place.path, frame=0)
+            place = ImageLocation(place.path, frame=0)
         return eight_bit(self.grey(place).pixels)
 
-    def preview(self, place: Place, longest_px: int) -> tuple[bytes, str]:
+    def preview(self, place: ImageLocation, longest_px: int) -> tuple[bytes, str]:
         """Return a picture for the browser and its type: photographs as JPEG, the rest without loss."""
         kind, ending, options = ("image/jpeg", ".jpg", _JPEG) if place.colour else ("image/png", ".png", _PNG)
         return self._drawn(place, longest_px, ending, options), kind
 
-    def thumbnail(self, place: Place) -> bytes:
+    def thumbnail(self, place: ImageLocation) -> bytes:
         """Return a small picture as WebP."""
         return self._drawn(place, THUMBNAIL_PX, ".webp", _WEBP)
 
-    def _drawn(self, place: Place, longest_px: int, ending: str, options: list[int]) -> bytes:
+    def _drawn(self, place: ImageLocation, longest_px: int, ending: str, options: list[int]) -> bytes:
         def draw() -> bytes:
             pixels = reduced(self.shown(place), longest_px)
             done, drawn = cv2.imencode(ending, pixels[..., ::-1] if pixels.ndim == 3 else pixels, options)

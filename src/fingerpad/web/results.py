@@ -11,10 +11,10 @@ from fingerpad.published import audit
 from fingerpad.study.results.columns import COLUMNS
 from fingerpad.study.results.result_set import result_files
 from fingerpad.study.results.rows import RANGE_NOTES
-from fingerpad.web.bench import Bench
+from fingerpad.web.endpoints import Endpoint, Params
+from fingerpad.web.errors import RequestError
 from fingerpad.web.last_results import Results, last_results, results_faults
-from fingerpad.web.operations import Operation, Question
-from fingerpad.web.refusal import Refusal
+from fingerpad.web.workspace import Workspace
 
 _UNITS: Final = ("mm2", "mm", "N", "kpa", "deg", "px", "s")
 _PLOTTED: Final = (
@@ -22,7 +22,7 @@ _PLOTTED: Final = (
     "load_N",
     "radius_from_indentation_mm",
     "radius_from_indentation_mm_std",
-    "radius_from_indentation_mm_std_given_geometry",
+    "radius_from_indentation_mm_fixed_geometry_std",
     "radius_from_compliance_mm",
     "radius_from_compliance_mm_std",
     "semi_major_mm",
@@ -42,17 +42,17 @@ _PLOTTED: Final = (
 _CAPTION: Final = re.compile(r'aria-label="([^"]*)"')
 
 
-def _results(bench: Bench) -> Results:
-    found = last_results(bench.study)
+def _results(workspace: Workspace) -> Results:
+    found = last_results(workspace.study)
     if found is None:
-        faults = results_faults(bench.study)
+        faults = results_faults(workspace.study)
         if faults:
-            raise Refusal.conflict(f"{'; '.join(faults[:3])}: run the study again")
-        raise Refusal.not_there("there are no results yet: run the study")
+            raise RequestError.conflict(f"{'; '.join(faults[:3])}: run the study again")
+        raise RequestError.not_there("there are no results yet: run the study")
     return found
 
 
-class RowsQuestion(Question):
+class RowsParams(Params):
     """Which rows, in which order."""
 
     offset: Annotated[int, Field(ge=0, le=10**9)] = 0
@@ -67,41 +67,41 @@ class RowsQuestion(Question):
     columns: Annotated[str, Field(max_length=4000)] = ""
 
 
-def rows(bench: Bench, asked: RowsQuestion, _: Any) -> dict[str, Any]:
+def rows(workspace: Workspace, params: RowsParams, _: Any) -> dict[str, Any]:
     """Return some rows of the results."""
-    found = _results(bench)
-    chosen = [row for row in found.rows if _is_meant(row, asked)]
-    if asked.sort:
-        key, falling = asked.sort.lstrip("-"), asked.sort.startswith("-")
+    found = _results(workspace)
+    chosen = [row for row in found.rows if _is_meant(row, params)]
+    if params.sort:
+        key, falling = params.sort.lstrip("-"), params.sort.startswith("-")
         if key not in COLUMNS:
-            raise Refusal.impossible(f"no column is named {key!r}")
+            raise RequestError.impossible(f"no column is named {key!r}")
         known = [row for row in chosen if row[key] is not None]
         unknown = [row for row in chosen if row[key] is None]  # last, whichever way
         chosen = sorted(known, key=lambda row: row[key], reverse=falling) + unknown
-    columns = [name for name in asked.columns.split(",") if name in COLUMNS] or list(COLUMNS)
+    columns = [name for name in params.columns.split(",") if name in COLUMNS] or list(COLUMNS)
     return {
         "total": len(found.rows),
         "matching": len(chosen),
         "columns": [_column(name) for name in columns],
         "rows": [
             {name: row[name] for name in ("item", *columns)}
-            for row in chosen[asked.offset : asked.offset + asked.limit]
+            for row in chosen[params.offset : params.offset + params.limit]
         ],
     }
 
 
-def _is_meant(row: Mapping[str, Any], asked: RowsQuestion) -> bool:
+def _is_meant(row: Mapping[str, Any], params: RowsParams) -> bool:
     same = (
-        ("finger", asked.finger),
-        ("status", asked.status),
-        ("sequence", asked.sequence),
-        ("wedge_angle_deg", asked.wedge_angle_deg),
+        ("finger", params.finger),
+        ("status", params.status),
+        ("sequence", params.sequence),
+        ("wedge_angle_deg", params.wedge_angle_deg),
     )
     if any(wanted is not None and row[key] != wanted for key, wanted in same):
         return False
-    if asked.flag is not None and asked.flag not in row["flags"].split():
+    if params.flag is not None and params.flag not in row["flags"].split():
         return False
-    return asked.text.casefold() in f"{row['observation']} {row['finger']} {row['reason'] or ''}".casefold()
+    return params.text.casefold() in f"{row['observation']} {row['finger']} {row['reason'] or ''}".casefold()
 
 
 def _column(name: str) -> dict[str, Any]:
@@ -111,22 +111,24 @@ def _column(name: str) -> dict[str, Any]:
     return {"key": name, "words": COLUMNS[name], "unit": "kPa" if unit == "kpa" else unit, "std": std}
 
 
-def summary(bench: Bench, _: Any, __: Any) -> dict[str, Any]:
+def summary(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
     """Return the content of ``summary.json``."""
-    return _results(bench).summary
+    return _results(workspace).summary
 
 
-class PlotQuestion(Question):
+class PlotParams(Params):
     """Which finger."""
 
     finger: str | None = None
 
 
-def plot(bench: Bench, asked: PlotQuestion, _: Any) -> dict[str, Any]:
+def plot(workspace: Workspace, params: PlotParams, _: Any) -> dict[str, Any]:
     """Return what to plot of each finger at each placement."""
-    found = _results(bench)
+    found = _results(workspace)
     groups = [
-        _group(one, found.rows) for one in found.summary["summaries"] if asked.finger in {None, one["finger"]}
+        _group(one, found.rows)
+        for one in found.summary["summaries"]
+        if params.finger in {None, one["finger"]}
     ]
     return {"groups": groups}
 
@@ -147,8 +149,8 @@ def _group(of: Mapping[str, Any], every: list[dict[str, Any]]) -> dict[str, Any]
     }
 
 
-def budget(bench: Bench, _: Any, __: Any) -> dict[str, Any]:
-    """Return who contributes what to each pooled radius and to the heaviest contact's."""
+def budget(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
+    """Return who contributes what to each pooled radius and to the highest_load contact's."""
     return {
         "groups": [
             {
@@ -156,15 +158,15 @@ def budget(bench: Bench, _: Any, __: Any) -> dict[str, Any]:
                 "pooled": one.get("radius_from_indentation_variance_shares"),
                 "check": one["uncertainty_check"],
             }
-            for one in _results(bench).summary["summaries"]
+            for one in _results(workspace).summary["summaries"]
         ]
     }
 
 
-def figures(bench: Bench, _: Any, __: Any) -> dict[str, Any]:
+def figures(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
     """Return the report's figures with their captions."""
-    _results(bench)
-    out = bench.study.out
+    _results(workspace)
+    out = workspace.study.out
     names = [name for name in result_files(out) if name.startswith("figures/") and name.endswith(".svg")]
     return {"figures": list(_figures([out / name for name in names]))}
 
@@ -183,24 +185,22 @@ def _figures(drawings: Iterable[Path]) -> Iterator[dict[str, str]]:
         }
 
 
-def published(_: Bench, __: Any, ___: Any) -> dict[str, Any]:
+def published(_: Workspace, __: Any, ___: Any) -> dict[str, Any]:
     """Return the audit of the numbers that the source prints."""
     return {"items": [item.as_record() for item in audit()]}
 
 
-OPERATIONS: Final = (
-    Operation(
-        method="GET", path="/api/results/rows", answer=rows, query=RowsQuestion, summary="Rows of the results"
+ENDPOINTS: Final = (
+    Endpoint(
+        method="GET", path="/api/results/rows", answer=rows, query=RowsParams, summary="Rows of the results"
     ),
-    Operation(
+    Endpoint(
         method="GET", path="/api/results/summary", answer=summary, summary="Summaries, fingers, provenance"
     ),
-    Operation(
-        method="GET", path="/api/results/plot", answer=plot, query=PlotQuestion, summary="What to plot"
-    ),
-    Operation(
+    Endpoint(method="GET", path="/api/results/plot", answer=plot, query=PlotParams, summary="What to plot"),
+    Endpoint(
         method="GET", path="/api/results/budget", answer=budget, summary="Who contributes what uncertainty"
     ),
-    Operation(method="GET", path="/api/results/figures", answer=figures, summary="The report's figures"),
-    Operation(method="GET", path="/api/published", answer=published, summary="Audit of the printed tables"),
+    Endpoint(method="GET", path="/api/results/figures", answer=figures, summary="The report's figures"),
+    Endpoint(method="GET", path="/api/published", answer=published, summary="Audit of the printed tables"),
 )

@@ -5,14 +5,14 @@ from typing import Any, Final
 
 from fingerpad.study.manifest import CoinScale, ScaleKey
 from fingerpad.study.measuring.scales import FoundScale, find_scale, named_scales
-from fingerpad.web.open_study import OpenStudy
-from fingerpad.web.pictures import Cache, Place
-from fingerpad.web.refusal import Refusal
+from fingerpad.web.errors import RequestError
+from fingerpad.web.pictures import Cache, ImageLocation
+from fingerpad.web.study_session import StudySession
 
 _FOUND: Final[Cache[dict[str, FoundScale | str]]] = Cache(20, lambda _: 1)
 
 
-def scales_of(opened: OpenStudy) -> Mapping[str, FoundScale | str]:
+def scales_of(opened: StudySession) -> Mapping[str, FoundScale | str]:
     """Return each named scale, or why there is none."""
     study = opened.study()
     stamps = [
@@ -22,17 +22,17 @@ def scales_of(opened: OpenStudy) -> Mapping[str, FoundScale | str]:
     return _FOUND.get((str(opened.folder), tuple(stamps)), lambda: named_scales(study, opened.folder))
 
 
-def scale_of(opened: OpenStudy, key: ScaleKey) -> FoundScale:
+def scale_of(opened: StudySession, key: ScaleKey) -> FoundScale:
     """Return the scale that a key of the manifest means."""
     if isinstance(key, str):
         known = scales_of(opened)
         if key not in known:
-            raise Refusal.not_there(f"no scale is named {key!r}")
+            raise RequestError.not_there(f"no scale is named {key!r}")
         return find_scale(key, known, opened.folder)
     if isinstance(key, CoinScale):
         opened.file(key.coin)  # one of the study's own
     return find_scale(key, {}, opened.folder)
 
 
-def _stamp(opened: OpenStudy, file: str) -> Any:
-    return Place(opened.folder / file).stamp
+def _stamp(opened: StudySession, file: str) -> Any:
+    return ImageLocation(opened.folder / file).stamp

@@ -19,7 +19,7 @@ from starlette.datastructures import Headers, MutableHeaders
 from starlette.responses import JSONResponse, PlainTextResponse, Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from fingerpad.web.refusal import Refusal
+from fingerpad.web.errors import RequestError
 
 START: Final = "/start"
 _LOOPBACK: Final = frozenset(("127.0.0.1", "localhost", "::1"))
@@ -114,7 +114,7 @@ class Guard:
 
         try:
             self._require(Headers(scope=scope), scope["path"])
-        except Refusal as refusal:
+        except RequestError as refusal:
             await _answer(refusal, scope["path"])(scope, receive, send_guarded)
         else:
             await self._app(scope, receive, send_guarded)
@@ -122,16 +122,18 @@ class Guard:
     def _require(self, headers: Mapping[str, str], path: str) -> None:
         host = headers.get("host", "")
         if _host_name(host) not in _LOOPBACK:
-            raise Refusal(HTTPStatus.MISDIRECTED_REQUEST, "this page answers to 127.0.0.1 and localhost only")
+            raise RequestError(
+                HTTPStatus.MISDIRECTED_REQUEST, "this page answers to 127.0.0.1 and localhost only"
+            )
         origin, site = headers.get("origin"), headers.get("sec-fetch-site", "none")
         if origin is not None and origin != f"http://{host}":
-            raise Refusal(HTTPStatus.FORBIDDEN, "requests from other pages are refused")
+            raise RequestError(HTTPStatus.FORBIDDEN, "requests from other pages are refused")
         if path == START:
             return
         if site not in {"same-origin", "none"}:
-            raise Refusal(HTTPStatus.FORBIDDEN, "requests from other pages are refused")
+            raise RequestError(HTTPStatus.FORBIDDEN, "requests from other pages are refused")
         if not self._access.knows(headers):
-            raise Refusal(
+            raise RequestError(
                 HTTPStatus.FORBIDDEN,
                 "this launch's token is missing: open the address that fingerpad app printed when it started",
             )
@@ -156,7 +158,7 @@ def _host_name(host: str) -> str | None:
     return None if parts.path or parts.query or parts.username is not None else parts.hostname
 
 
-def _answer(refusal: Refusal, path: str) -> Response:
+def _answer(refusal: RequestError, path: str) -> Response:
     if path.startswith("/api/"):
         return JSONResponse({"error": refusal.words}, status_code=refusal.status)
     return PlainTextResponse(refusal.words, status_code=refusal.status)

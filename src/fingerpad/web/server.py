@@ -14,8 +14,8 @@ import uvicorn
 
 from fingerpad.exceptions import FingerpadError
 from fingerpad.web.app import make_app
-from fingerpad.web.bench import Bench
 from fingerpad.web.security import START, Access
+from fingerpad.web.workspace import Workspace
 
 LOOPBACK: Final = "127.0.0.1"
 # In which the browser has to come up.
@@ -41,12 +41,12 @@ class Launch(NamedTuple):
     token_file: Path
 
 
-def serve(bench: Bench, *, port: int, on_ready: Callable[[Launch], None]) -> None:
+def serve(workspace: Workspace, *, port: int, on_ready: Callable[[Launch], None]) -> None:
     """Serve the page until it is interrupted.
 
     Parameters
     ----------
-    bench : Bench
+    bench : Workspace
         What it works on.
     port : int
         Where to listen; 0 takes one that is free.
@@ -71,13 +71,13 @@ def serve(bench: Bench, *, port: int, on_ready: Callable[[Launch], None]) -> Non
             on_ready(Launch(f"{page}?token={access.token}", browser_address, token_file))
 
         async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
-            bench.events.end()
+            workspace.events.end()
             # An answer that is cut off is no fault to print.
             logging.getLogger("uvicorn.error").setLevel(logging.CRITICAL + 1)
             await super().shutdown(sockets)
 
     config = uvicorn.Config(
-        make_app(bench, access),
+        make_app(workspace, access),
         log_level="warning",
         access_log=False,
         server_header=False,
@@ -88,7 +88,7 @@ def serve(bench: Bench, *, port: int, on_ready: Callable[[Launch], None]) -> Non
             with suppress(KeyboardInterrupt):  # the way to end it
                 Server(config).run(sockets=[listener])
         finally:
-            bench.close()
+            workspace.close()
             shutil.rmtree(folder, ignore_errors=True)
 
 

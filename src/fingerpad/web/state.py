@@ -11,21 +11,21 @@ from pydantic import BaseModel, Field
 from fingerpad.image import PHOTOGRAPH_FLAGS
 from fingerpad.report.text import FLAG_WORDS
 from fingerpad.report.write import REPORT_NAME
-from fingerpad.study.corrections.decisions import Ruling
+from fingerpad.study.corrections.history import ActiveCorrection
 from fingerpad.study.corrections.log import frames_of
 from fingerpad.study.manifest import Contact, Finger, Study
 from fingerpad.study.measuring.curves import curve_items
 from fingerpad.study.measuring.fingers import is_rejected
 from fingerpad.study.results.columns import COLUMNS
 from fingerpad.study.results.rows import RANGE_NOTES
-from fingerpad.web.bench import Bench
-from fingerpad.web.engine import item_states, said_the_same
+from fingerpad.web.endpoints import Endpoint, Params
+from fingerpad.web.errors import RequestError
 from fingerpad.web.fingers import known_finger
+from fingerpad.web.item_status import item_states, said_the_same
 from fingerpad.web.last_results import Results, last_results, results_faults
-from fingerpad.web.open_study import Manifest, OpenStudy
-from fingerpad.web.operations import Operation, Question
 from fingerpad.web.pictures import kind_of_file
-from fingerpad.web.refusal import Refusal
+from fingerpad.web.study_session import Manifest, StudySession
+from fingerpad.web.workspace import Workspace
 
 _WORDS: Final[Mapping[str, Any]] = {
     "flags": dict(FLAG_WORDS),
@@ -35,12 +35,12 @@ _WORDS: Final[Mapping[str, Any]] = {
 }
 
 
-def document(opened: OpenStudy) -> dict[str, Any]:
+def document(opened: StudySession) -> dict[str, Any]:
     """Return the state document; nothing is measured for it."""
     manifest = opened.read()
     study = manifest.study
-    rulings = opened.corrections.rulings()
-    states: dict[str, str] = {} if study is None else item_states(study, opened, rulings)
+    active_corrections = opened.corrections.active_corrections()
+    states: dict[str, str] = {} if study is None else item_states(study, opened, active_corrections)
     found = last_results(opened)
     seen = found.contacts if found else {}
     counts = Counter(states.values())
@@ -56,14 +56,16 @@ def document(opened: OpenStudy) -> dict[str, Any]:
         "missing": [asdict(one) for one in manifest.missing],
         "scales": _scales(manifest),
         "fingers": [
-            _finger(opened, *one, states=states, rulings=rulings) for one in _tables(manifest, "finger")
+            _finger(opened, *one, states=states, active_corrections=active_corrections)
+            for one in _tables(manifest, "finger")
         ],
         "observations": [
-            _observation(*one, states=states, seen=seen, rulings=rulings)
+            _observation(*one, states=states, seen=seen, active_corrections=active_corrections)
             for one in _tables(manifest, "observation")
         ],
         "sequences": [
-            _sequence(opened, *one, states=states, rulings=rulings) for one in _tables(manifest, "sequence")
+            _sequence(opened, *one, states=states, active_corrections=active_corrections)
+            for one in _tables(manifest, "sequence")
         ],
         "curves": _curves(manifest, states, found),
         "files": _files(opened, manifest),
@@ -84,7 +86,7 @@ def document(opened: OpenStudy) -> dict[str, Any]:
 
 
 def _is_fresh(
-    opened: OpenStudy, study: Study | None, found: Results | None, counts: Mapping[str, int]
+    opened: StudySession, study: Study | None, found: Results | None, counts: Mapping[str, int]
 ) -> bool:
     """Tell whether a run would give the same results again, its report included."""
     if study is None or found is None or counts["stale"] + counts["left"] or not _has_report(opened):
@@ -92,21 +94,21 @@ def _is_fresh(
     return said_the_same(opened, study, found.summary["provenance"])
 
 
-def _has_report(opened: OpenStudy) -> bool:
+def _has_report(opened: StudySession) -> bool:
     return (opened.out / REPORT_NAME).is_file()
 
 
-def judged(ruling: Ruling | None) -> dict[str, Any]:
+def review_record(active_correction: ActiveCorrection | None) -> dict[str, Any]:
     """Return what a person has said of an item."""
     return {
-        "corrected": ruling is not None and bool(ruling.change.edits),
-        "accepted": ruling is not None and ruling.change.accepted,
-        "rejected": ruling and ruling.change.rejected,
-        "who": ruling and ruling.who,
+        "corrected": active_correction is not None and bool(active_correction.change.edits),
+        "accepted": active_correction is not None and active_correction.change.accepted,
+        "rejected": active_correction and active_correction.change.rejected,
+        "who": active_correction and active_correction.who,
     }
 
 
-def said(table: BaseModel) -> dict[str, Any]:
+def stated(table: BaseModel) -> dict[str, Any]:
     """Return what the manifest says in a table, without defaults."""
     return table.model_dump(mode="json", exclude_unset=True)
 
@@ -115,10 +117,10 @@ def _tables(manifest: Manifest, kind: str) -> Iterator[tuple[str, dict[str, Any]
     """Yield key and content of each table of a kind, and whether it is complete."""
     study = manifest.study
     if study is not None and kind == "curve":
-        yield from ((str(number), said(one), True) for number, one in enumerate(study.curves))
+        yield from ((str(number), stated(one), True) for number, one in enumerate(study.curves))
     elif study is not None:
         complete: Iterable[Finger | Contact] = getattr(study, f"{kind}s")
-        yield from ((one.name, said(one), True) for one in complete)
+        yield from ((one.name, stated(one), True) for one in complete)
     yield from ((one.key, one.content, False) for one in manifest.incomplete if one.kind == kind)
 
 
@@ -128,7 +130,7 @@ def _scales(manifest: Manifest) -> list[dict[str, Any]]:
     for one in manifest.incomplete:
         names = (table.get("scale") for table in one.tables)
         uses.update(name for name in names if isinstance(name, str))
-    complete = {name: said(table) for name, table in study.scales.items()} if study is not None else {}
+    complete = {name: stated(table) for name, table in study.scales.items()} if study is not None else {}
     waiting = {one.key: one.content for one in manifest.incomplete if one.kind == "scale"}
     return [
         {"name": name, "table": table, "used_by": uses[name], "complete": name in complete}
@@ -137,13 +139,13 @@ def _scales(manifest: Manifest) -> list[dict[str, Any]]:
 
 
 def _finger(
-    opened: OpenStudy,
+    opened: StudySession,
     name: str,
     table: dict[str, Any],
     complete: bool,
     *,
     states: Mapping[str, str],
-    rulings: Mapping[str, Ruling],
+    active_corrections: Mapping[str, ActiveCorrection],
 ) -> dict[str, Any]:
     known = known_finger(opened, name) if complete else None
     axes = ("palmar", "distal", "radial_ulnar")
@@ -155,22 +157,27 @@ def _finger(
         "semi_axes_mm": known and dict(zip(axes, known.semi_axes.tolist(), strict=True)),
         "semi_axes_mm_std": known
         and dict(zip(axes, np.sqrt(known.covariance.diagonal()).tolist(), strict=True)),
-        "photographs": [_photograph(name, one, states, rulings) for one in table.get("photographs", [])],
+        "photographs": [
+            _photograph(name, one, states, active_corrections) for one in table.get("photographs", [])
+        ],
     }
 
 
 def _photograph(
-    finger: str, table: Mapping[str, Any], states: Mapping[str, str], rulings: Mapping[str, Ruling]
+    finger: str,
+    table: Mapping[str, Any],
+    states: Mapping[str, str],
+    active_corrections: Mapping[str, ActiveCorrection],
 ) -> dict[str, Any]:
     file = table.get("image") or table.get("outline")
     return {
         "item": f"{finger}/{file}",
         "file": file,
         "outline": "outline" in table,
-        "status": "given" if "outline" in table else _status(f"{finger}/{file}", states, rulings),
+        "status": "given" if "outline" in table else _status(f"{finger}/{file}", states, active_corrections),
         **{key: table.get(key) for key in ("face", "scale", "tip", "palmar_side")},
         "synthetic": table.get("synthetic", False),
-        **judged(rulings.get(f"{finger}/{file}")),
+        **review_record(active_corrections.get(f"{finger}/{file}")),
     }
 
 
@@ -181,7 +188,7 @@ def _observation(
     *,
     states: Mapping[str, str],
     seen: Mapping[str, Mapping[str, Any]],
-    rulings: Mapping[str, Ruling],
+    active_corrections: Mapping[str, ActiveCorrection],
 ) -> dict[str, Any]:
     row = seen.get(name, {})
     return {
@@ -191,31 +198,31 @@ def _observation(
         "file": table.get("image"),
         "notes": table.get("notes", ""),
         "synthetic": table.get("synthetic", False),
-        "status": "given" if "ellipse_mm" in table else _status(name, states, rulings),
+        "status": "given" if "ellipse_mm" in table else _status(name, states, active_corrections),
         "flags": (row.get("flags") or "").split(),
         "reason": row.get("reason"),
-        **judged(rulings.get(name)),
+        **review_record(active_corrections.get(name)),
         "complete": complete,
     }
 
 
-def _status(item: str, states: Mapping[str, str], rulings: Mapping[str, Ruling]) -> str:
+def _status(item: str, states: Mapping[str, str], active_corrections: Mapping[str, ActiveCorrection]) -> str:
     """Return how far an item is; what a person rejected is nothing else."""
-    return "rejected" if is_rejected(rulings.get(item)) else states.get(item, "left")
+    return "rejected" if is_rejected(active_corrections.get(item)) else states.get(item, "left")
 
 
 def _sequence(
-    opened: OpenStudy,
+    opened: StudySession,
     name: str,
     table: dict[str, Any],
     complete: bool,
     *,
     states: Mapping[str, str],
-    rulings: Mapping[str, Ruling],
+    active_corrections: Mapping[str, ActiveCorrection],
 ) -> dict[str, Any]:
     found = last_results(opened)
     rows = found.frames.get(name, {}).values() if found else ()
-    of_frames = frames_of(rulings, name).values()
+    of_frames = frames_of(active_corrections, name).values()
     return {
         "name": name,
         **{key: table.get(key) for key in ("finger", "wedge_angle_deg", "force", "scale")},
@@ -225,8 +232,8 @@ def _sequence(
         "status": states.get(name, "left"),
         "frames": opened.count_frames(opened.sequence(name)) if complete else None,
         "flags": Counter(flag for row in rows for flag in row["flags"].split()),
-        "corrected": sum(bool(ruling.change.edits) for ruling in of_frames),
-        "rejected": sum(ruling.change.rejected is not None for ruling in of_frames),
+        "corrected": sum(bool(active_correction.change.edits) for active_correction in of_frames),
+        "rejected": sum(active_correction.change.rejected is not None for active_correction in of_frames),
         "reviewed": len(of_frames),
         "table": table,
         "complete": complete,
@@ -234,7 +241,7 @@ def _sequence(
 
 
 def _curves(manifest: Manifest, states: Mapping[str, str], found: Results | None) -> list[dict[str, Any]]:
-    shown = ("finger", "wedge_angle_deg", "file", "effective_radius_mm")
+    shown = ("finger", "wedge_angle_deg", "file", "loading_radius_mm")
     items = iter(() if manifest.study is None else curve_items(manifest.study))
     seen = found.summary["curves"] if found else []
     reasons = {tuple(one[name] for name in shown[:3]): one["reason"] for one in seen}
@@ -254,22 +261,22 @@ def _curves(manifest: Manifest, states: Mapping[str, str], found: Results | None
     return [described(*one) for one in _tables(manifest, "curve")]
 
 
-class TableQuestion(Question):
+class TableParams(Params):
     """A table of the manifest."""
 
     kind: Literal["finger", "observation", "sequence", "curve"]
     key: Annotated[str, Field(max_length=1000)]
 
 
-def table(bench: Bench, asked: TableQuestion, _: Any) -> dict[str, Any]:
+def table(workspace: Workspace, params: TableParams, _: Any) -> dict[str, Any]:
     """Return what the manifest says in one table."""
-    for key, content, complete in _tables(bench.study.read(), asked.kind):
-        if key == asked.key:
+    for key, content, complete in _tables(workspace.study.read(), params.kind):
+        if key == params.key:
             return {"table": content, "complete": complete}
-    raise Refusal.not_there(f"no {asked.kind} is named {asked.key!r}")
+    raise RequestError.not_there(f"no {params.kind} is named {params.key!r}")
 
 
-def _files(opened: OpenStudy, manifest: Manifest) -> list[dict[str, Any]]:
+def _files(opened: StudySession, manifest: Manifest) -> list[dict[str, Any]]:
     unused = {one.key for one in manifest.missing if one.kind == "file"}
     folders = tuple(f"{one.key}/" for one in manifest.missing if one.kind == "folder")
     return [
@@ -283,12 +290,12 @@ def _files(opened: OpenStudy, manifest: Manifest) -> list[dict[str, Any]]:
     ]
 
 
-def state(bench: Bench, _: Any, __: Any) -> dict[str, Any]:
+def state(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
     """Return the state of the study that is open."""
-    return document(bench.study)
+    return document(workspace.study)
 
 
-class FramesQuestion(Question):
+class FramesParams(Params):
     """Which frames of which film."""
 
     sequence: Annotated[str, Field(max_length=100)]
@@ -296,15 +303,15 @@ class FramesQuestion(Question):
     limit: Annotated[int, Field(ge=1, le=5000)] = 2000
 
 
-def frames(bench: Bench, asked: FramesQuestion, _: Any) -> dict[str, Any]:
+def frames(workspace: Workspace, params: FramesParams, _: Any) -> dict[str, Any]:
     """Return the frames of a film, as far as the last run has seen them."""
-    opened = bench.study
-    sequence = opened.sequence(asked.sequence)
+    opened = workspace.study
+    sequence = opened.sequence(params.sequence)
     found = last_results(opened)
     rows = found.frames.get(sequence.name, {}) if found else {}
     total = opened.count_frames(sequence) or 0
-    shown = range(min(asked.offset, total), min(asked.offset + asked.limit, total))
-    ruled = frames_of(opened.corrections.rulings(), sequence.name)
+    shown = range(min(params.offset, total), min(params.offset + params.limit, total))
+    ruled = frames_of(opened.corrections.active_corrections(), sequence.name)
     return {
         "total": total,
         "frames": [_frame(sequence.name, number, rows.get(number), ruled.get(number)) for number in shown],
@@ -312,7 +319,7 @@ def frames(bench: Bench, asked: FramesQuestion, _: Any) -> dict[str, Any]:
 
 
 def _frame(
-    sequence: str, number: int, row: Mapping[str, Any] | None, ruling: Ruling | None
+    sequence: str, number: int, row: Mapping[str, Any] | None, active_correction: ActiveCorrection | None
 ) -> dict[str, Any]:
     known = row or {}
     return {
@@ -322,26 +329,26 @@ def _frame(
         "flags": (known.get("flags") or "").split(),
         **{key: known.get(key) for key in ("phase", "time_s", "load_N")},
         "pooled": bool(known.get("pooled")),
-        **judged(ruling),
+        **review_record(active_correction),
     }
 
 
-OPERATIONS: Final = (
-    Operation(
+ENDPOINTS: Final = (
+    Endpoint(
         method="GET",
         path="/api/study/table",
         answer=table,
-        query=TableQuestion,
+        query=TableParams,
         summary="What the manifest says in one table",
     ),
-    Operation(
+    Endpoint(
         method="GET", path="/api/study", answer=state, summary="What is there, what is missing, how far"
     ),
-    Operation(
+    Endpoint(
         method="GET",
         path="/api/study/frames",
         answer=frames,
-        query=FramesQuestion,
+        query=FramesParams,
         summary="Frames of a film",
     ),
 )

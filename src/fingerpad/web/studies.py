@@ -11,52 +11,52 @@ from fingerpad.study.editing.documents import STUDY_NAME
 from fingerpad.study.editing.edit import create_study
 from fingerpad.study.editing.incomplete import Kind
 from fingerpad.study.editing.state import Edit
-from fingerpad.web.bench import NAME, Bench
-from fingerpad.web.operations import Operation, Question
-from fingerpad.web.refusal import Refusal
+from fingerpad.web.endpoints import Endpoint, Params
+from fingerpad.web.errors import RequestError
 from fingerpad.web.state import document
+from fingerpad.web.workspace import NAME, Workspace
 
 _Name = Annotated[str, Field(pattern=NAME, max_length=60)]
 
 
-class NewQuestion(Question):
+class NewParams(Params):
     """A study to start."""
 
     name: _Name
     title: Annotated[str, Field(max_length=200)] = ""
 
 
-class OpenQuestion(Question):
+class OpenParams(Params):
     """A study of the workspace."""
 
     name: Annotated[str, Field(min_length=1, max_length=255)]
 
 
-class RunQuestion(Question):
+class RunParams(Params):
     """How to run."""
 
     workers: Annotated[int, Field(ge=1, le=64)] = 1
     fresh: bool = False
 
 
-def session(bench: Bench, _: Any, __: Any) -> dict[str, Any]:
+def session(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
     """Return what there is to open, and what is open."""
-    return bench.describe()
+    return workspace.describe()
 
 
-def new(bench: Bench, _: Any, asked: NewQuestion) -> dict[str, Any]:
+def new(workspace: Workspace, _: Any, params: NewParams) -> dict[str, Any]:
     """Start a study in a new folder."""
-    folder = bench.new_folder(asked.name)
-    create_study(folder, asked.title or asked.name)
-    return document(bench.open_folder(folder))
+    folder = workspace.new_folder(params.name)
+    create_study(folder, params.title or params.name)
+    return document(workspace.open_folder(folder))
 
 
-def open_study(bench: Bench, _: Any, asked: OpenQuestion) -> dict[str, Any]:
+def open_study(workspace: Workspace, _: Any, params: OpenParams) -> dict[str, Any]:
     """Open a study of the workspace."""
-    return document(bench.open(asked.name))
+    return document(workspace.open(params.name))
 
 
-class EditQuestion(Question):
+class EditParams(Params):
     """One change of the manifest."""
 
     kind: Kind
@@ -64,89 +64,89 @@ class EditQuestion(Question):
     set: dict[str, Any] | None
 
 
-class EditsQuestion(Question):
+class EditsParams(Params):
     """Some changes of the manifest as it was last seen."""
 
     expected: Annotated[str, Field(max_length=100)]
-    edits: Annotated[list[EditQuestion], Field(min_length=1, max_length=10_000)]
+    edits: Annotated[list[EditParams], Field(min_length=1, max_length=10_000)]
 
 
-def edit(bench: Bench, _: Any, asked: EditsQuestion) -> dict[str, Any]:
+def edit(workspace: Workspace, _: Any, params: EditsParams) -> dict[str, Any]:
     """Change the manifest: all edits or none."""
-    opened = bench.study
-    edits = [Edit(kind=one.kind, key=one.key, set=one.set) for one in asked.edits]
+    opened = workspace.study
+    edits = [Edit(kind=one.kind, key=one.key, set=one.set) for one in params.edits]
     try:
-        opened.change(edits, asked.expected)
+        opened.change(edits, params.expected)
     except EditConflict as conflict:
-        raise Refusal.conflict(str(conflict), digest=opened.read().digest) from conflict
+        raise RequestError.conflict(str(conflict), digest=opened.read().digest) from conflict
     found = document(opened)
-    bench.events.tell("study", {"digest": found["digest"]})
+    workspace.events.tell("study", {"digest": found["digest"]})
     return found
 
 
-def close(bench: Bench, _: Any, __: Any) -> dict[str, Any]:
+def close(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
     """Close the study."""
-    bench.close()
-    return bench.describe()
+    workspace.close()
+    return workspace.describe()
 
 
-def run(bench: Bench, _: Any, asked: RunQuestion) -> dict[str, Any]:
+def run(workspace: Workspace, _: Any, params: RunParams) -> dict[str, Any]:
     """Begin to run the study."""
-    opened = bench.study
+    opened = workspace.study
     opened.study()
-    workers = min(asked.workers, os.cpu_count() or 1)
+    workers = min(params.workers, os.cpu_count() or 1)
     return opened.running.start(
         opened.folder / STUDY_NAME,
         opened.out,
         workers=workers,
-        fresh=asked.fresh,
-        when_done=lambda: bench.events.tell("study", {"digest": opened.read().digest}),
+        fresh=params.fresh,
+        when_done=lambda: workspace.events.tell("study", {"digest": opened.read().digest}),
     )
 
 
-def progress(bench: Bench, _: Any, __: Any) -> dict[str, Any]:
+def progress(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
     """Return how far the run is."""
-    return bench.study.running.describe()
+    return workspace.study.running.describe()
 
 
-def cancel(bench: Bench, _: Any, __: Any) -> dict[str, Any]:
+def cancel(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
     """Stop the run; what it has measured is kept."""
-    return bench.study.running.cancel()
+    return workspace.study.running.cancel()
 
 
-OPERATIONS: Final = (
-    Operation(
+ENDPOINTS: Final = (
+    Endpoint(
         method="GET", path="/api/session", answer=session, summary="What is open, and what there is to open"
     ),
-    Operation(
+    Endpoint(
         method="POST",
         path="/api/session/new",
         answer=new,
-        body=NewQuestion,
+        body=NewParams,
         status=HTTPStatus.CREATED,
         summary="Start a study",
     ),
-    Operation(
-        method="POST", path="/api/session/open", answer=open_study, body=OpenQuestion, summary="Open a study"
+    Endpoint(
+        method="POST", path="/api/session/open", answer=open_study, body=OpenParams, summary="Open a study"
     ),
-    Operation(method="POST", path="/api/session/close", answer=close, summary="Close the study"),
-    Operation(
+    Endpoint(method="POST", path="/api/session/close", answer=close, summary="Close the study"),
+    Endpoint(
         method="POST",
         path="/api/study/edits",
         answer=edit,
-        body=EditsQuestion,
+        body=EditsParams,
         summary="Change the manifest: all edits or none",
     ),
-    Operation(
+    Endpoint(
         method="POST",
         path="/api/run",
         answer=run,
-        body=RunQuestion,
+        body=RunParams,
         status=HTTPStatus.ACCEPTED,
         summary="Run the study",
     ),
-    Operation(method="GET", path="/api/run", answer=progress, summary="How far the run is"),
-    Operation(
+    Endpoint(method="GET", path="/api/run", answer=progress, summary="How far the run is"),
+    Endpoint(
         method="POST",
         path="/api/run/cancel",
         answer=cancel,

@@ -17,9 +17,9 @@ from starlette.requests import Request
 from fingerpad._files import sha256_of
 from fingerpad.exceptions import FingerpadError
 from fingerpad.image import open_frames, read_image
-from fingerpad.web.open_study import OpenStudy
+from fingerpad.web.errors import RequestError
 from fingerpad.web.pictures import is_film, kind_of_file
-from fingerpad.web.refusal import Refusal
+from fingerpad.web.study_session import StudySession
 
 FOLDER: Final = "uploads"
 _LONGEST: Final = 120
@@ -41,7 +41,7 @@ def plain_name(name: str) -> str:
     last = unicodedata.normalize("NFC", re.split(r"[/\\]", name)[-1])
     stem, dot, suffix = last.rpartition(".")
     if not dot or f".{suffix.lower()}" not in _SUFFIXES:
-        raise Refusal(
+        raise RequestError(
             HTTPStatus.UNSUPPORTED_MEDIA_TYPE,
             f"{name[-80:]!r}: only pictures (PNG, TIFF, JPEG, BMP, PGM), films (TIFF, AVI, MP4) and tables "
             "(CSV) can be used",
@@ -55,7 +55,7 @@ async def stored(request: Request, limit: int, folder: Path) -> tuple[Path, str]
 
     Raises
     ------
-    Refusal
+    RequestError
         If it is larger than `limit` bytes, empty, or cannot be written.
     """
     announced = request.headers.get("content-length", "")
@@ -71,7 +71,7 @@ async def stored(request: Request, limit: int, folder: Path) -> tuple[Path, str]
                     Path(file.name).unlink()
                 raise
     except OSError as error:
-        raise Refusal.impossible(
+        raise RequestError.impossible(
             f"the file cannot be written ({error.strerror}): make room on the disk"
         ) from error
 
@@ -86,17 +86,17 @@ async def _written(request: Request, limit: int, file: IO[bytes]) -> str:
         digest.update(part)
         await run_in_threadpool(file.write, part)
     if not size:
-        raise Refusal(HTTPStatus.BAD_REQUEST, "the file is empty: choose it again")
+        raise RequestError(HTTPStatus.BAD_REQUEST, "the file is empty: choose it again")
     file.flush()
     await run_in_threadpool(os.fsync, file.fileno())
     return digest.hexdigest()
 
 
-def _too_large(limit: int) -> Refusal:
-    return Refusal(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, f"the file is larger than {limit} bytes")
+def _too_large(limit: int) -> RequestError:
+    return RequestError(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, f"the file is larger than {limit} bytes")
 
 
-def kept(opened: OpenStudy, path: Path, digest: str, name: str) -> tuple[dict[str, Any], bool]:
+def kept(opened: StudySession, path: Path, digest: str, name: str) -> tuple[dict[str, Any], bool]:
     """Give an uploaded file its name in the study; return what it is, and whether it is new."""
     target = placed(path, path.parent / name, digest)
     new = not path.exists()
@@ -119,7 +119,7 @@ def placed(path: Path, target: Path, digest: str | None = None) -> Path:
     raise AssertionError
 
 
-def described(opened: OpenStudy, path: Path) -> dict[str, Any]:
+def described(opened: StudySession, path: Path) -> dict[str, Any]:
     """Return what a file is, as far as it can be told without measuring."""
     record: dict[str, Any] = {
         "file": path.relative_to(opened.folder).as_posix(),

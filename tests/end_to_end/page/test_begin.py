@@ -7,7 +7,7 @@ import zipfile
 
 import pytest
 from PIL import Image
-from tests.end_to_end.page.bench import DEMO, PRINTS, Late, Tab, drag, focus, middle, stroke
+from tests.end_to_end.page.workspace import DEMO, PRINTS, Late, Tab, drag, focus, middle, stroke
 
 from fingerpad.image import render_coin
 
@@ -74,7 +74,7 @@ def test_six_files_become_a_plot(empty_tab: Tab) -> None:
     manifest = (empty_tab.folder / "index-finger" / "study.toml").read_text()
     assert manifest.count("[[observations]]") == 3
     assert manifest.count("synthetic = true") == 6
-    assert "wedge_angle_std_deg = 0.5" in manifest
+    assert "wedge_angle_deg_std = 0.5" in manifest
 
 
 def test_who_presses_twice_means_it_once(empty_tab: Tab) -> None:

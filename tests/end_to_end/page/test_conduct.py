@@ -9,7 +9,7 @@ from importlib import resources
 import pytest
 from PIL import Image
 from playwright.sync_api import Page
-from tests.end_to_end.page.bench import (
+from tests.end_to_end.page.workspace import (
     DEMO,
     Late,
     Tab,
@@ -64,7 +64,7 @@ title = "Long"
 [[fingers]]
 name = "f"
 semi_axes_mm = { palmar = 7.9, distal = 13.8, radial_ulnar = 11.8 }
-semi_axes_std_mm = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }
+semi_axes_mm_std = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }
 [[sequences]]
 name = "long"
 finger = "f"
@@ -92,7 +92,7 @@ def test_nothing_serious_stands_in_anyones_way(browser, run_demo, theme: str) ->
                 (each["id"], each["nodes"][0]["target"], each["nodes"][0]["any"][:1]) for each in serious
             ]
         page.keyboard.press("?")
-        page.get_by_role("dialog", name="Keys").wait_for()
+        page.get_by_role("dialog", name="CacheKeys").wait_for()
         tab.close()
     assert {step: what for step, what in found.items() if what} == {}
 
@@ -274,7 +274,7 @@ def first_edit_on_its_way(tab: Tab) -> tuple[Page, Late]:
 
 def require_three_uncertainties(demo) -> None:
     said = tomllib.loads((demo / "study.toml").read_text())["uncertainty"]
-    assert said == {"wedge_angle_std_deg": 0.6, "roll_angle_std_deg": 0.25, "load_relative_std": 0.02}
+    assert said == {"wedge_angle_deg_std": 0.6, "roll_angle_deg_std": 0.25, "load_relative_std": 0.02}
 
 
 def test_what_is_being_typed_is_not_drawn_over(tab: Tab, demo) -> None:

@@ -3,7 +3,7 @@
 import json
 import re
 
-from tests.end_to_end.page.bench import (
+from tests.end_to_end.page.workspace import (
     Late,
     Tab,
     changed,

@@ -42,7 +42,7 @@ def measure_prints(
 
     Without a scale it is the one that each file states.
     """
-    from fingerpad.image import measure_imprint, read_image, write_overlay
+    from fingerpad.image import measure_contact_image, read_image, write_overlay
 
     with plain_errors():
         require_positive("--threshold", threshold)
@@ -51,7 +51,7 @@ def measure_prints(
 
     def measured(path: Path) -> dict[str, Any]:
         picture = read_image(path)
-        imprint = measure_imprint(
+        contact_image = measure_contact_image(
             picture.pixels,
             scale or _stated_scale(path, picture),
             dark_on_light=dark_on_light,
@@ -59,8 +59,8 @@ def measure_prints(
             **place,
         )
         if path in overlays:
-            write_overlay(overlays[path], picture.pixels, imprint)
-        return imprint.as_record()
+            write_overlay(overlays[path], picture.pixels, contact_image)
+        return contact_image.as_record()
 
     with plain_errors():
         records = [record_of(path, measured) for path in tracked(images, len(images))]

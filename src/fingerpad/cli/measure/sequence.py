@@ -76,9 +76,11 @@ def measure_frames(
         if overlay is not None:
             make_folder(overlay)
 
-        def draw(index: int, pixels: Any, imprint: Any) -> None:
+        def draw(index: int, pixels: Any, contact_image: Any) -> None:
             if overlay is not None:
-                write_overlay(overlay / f"frame_{index:06d}.png", pixels, imprint, label=f"frame {index}")
+                write_overlay(
+                    overlay / f"frame_{index:06d}.png", pixels, contact_image, label=f"frame {index}"
+                )
 
         results = measure_sequence(
             frames,

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from fingerpad._arrays import BoolArray, Float32Array, FloatArray, floats
+from fingerpad._arrays import BoolArray, Float32Array, FloatArray, as_float_array
 
 SECTORS = 180
 LEAST_AXIS_RATIO = 0.75
@@ -106,7 +106,7 @@ def edges_of(values: Float32Array) -> Edges:
     y, x = np.nonzero((canny > 0) & (sharpness > sharp))
     length = strength[y, x].astype(np.float64)
     across_x, across_y = right[y, x] / length, down[y, x] / length
-    shift = summit_of(*(_sampled(strength, x + k * across_x, y + k * across_y) for k in (-1, 0, 1)))
+    shift = parabolic_peak(*(_sampled(strength, x + k * across_x, y + k * across_y) for k in (-1, 0, 1)))
     return Edges(
         x=x + shift * across_x,
         y=y + shift * across_y,
@@ -129,10 +129,12 @@ def _gradient(values: Float32Array, blur: float) -> tuple[Float32Array, Float32A
 def _sampled(values: Float32Array, x: FloatArray, y: FloatArray) -> FloatArray:
     if not x.size:
         return np.empty(0)
-    return floats(cv2.remap(values, x.astype(np.float32), y.astype(np.float32), cv2.INTER_LINEAR)).ravel()
+    return as_float_array(
+        cv2.remap(values, x.astype(np.float32), y.astype(np.float32), cv2.INTER_LINEAR)
+    ).ravel()
 
 
-def summit_of(before: FloatArray, here: FloatArray, after: FloatArray) -> FloatArray:
+def parabolic_peak(before: FloatArray, here: FloatArray, after: FloatArray) -> FloatArray:
     """Return where a parabola through three neighbours is highest, from the middle one, at most one step."""
     bend = np.minimum(before - 2 * here + after, -1e-12)
     return np.clip(0.5 * (before - after) / bend, -1, 1)
@@ -168,7 +170,7 @@ def _voted(edges: Edges, radius: float) -> list[tuple[float, Rim]]:
         inside = (row >= 0) & (row < rows) & (column >= 0) & (column < columns)
         votes += np.bincount(row[inside] * columns + column[inside], minlength=votes.size)
     share = cv2.boxFilter(votes.reshape(rows, columns), -1, (3, 3), normalize=False) / (2 * math.pi * radius)
-    peaks = (share > _LEAST_VOTE) & (share >= cv2.dilate(floats(share), np.ones((7, 7))))
+    peaks = (share > _LEAST_VOTE) & (share >= cv2.dilate(as_float_array(share), np.ones((7, 7))))
     return [
         (float(share[r, c]), Rim((c + 0.5) * step, (r + 0.5) * step, radius, radius, 0.0))
         for r, c in np.argwhere(peaks)
@@ -177,7 +179,7 @@ def _voted(edges: Edges, radius: float) -> list[tuple[float, Rim]]:
 
 def support(edges: Edges, rim: Rim) -> tuple[float, float]:
     """Return the share of the visible sectors of a rim that hold an edge of it, and the share visible."""
-    t = floats((np.arange(SECTORS) + 0.5) * (2 * math.pi / SECTORS))
+    t = as_float_array((np.arange(SECTORS) + 0.5) * (2 * math.pi / SECTORS))
     x, y, _, _ = rim.points(t)
     rows, columns = edges.shape
     visible = (x > 1) & (x < columns - 2) & (y > 1) & (y < rows - 2)

@@ -5,8 +5,8 @@ import math
 import cv2
 import numpy as np
 
-from fingerpad._arrays import BoolArray, Float32Array, FloatArray, floats
-from fingerpad.image.coin._disc import Rim, summit_of
+from fingerpad._arrays import BoolArray, Float32Array, FloatArray, as_float_array
+from fingerpad.image.coin._disc import Rim, parabolic_peak
 from fingerpad.image.ellipse_fit import EllipseFit, fit_ellipse
 
 _PROFILE_STEP = 0.25
@@ -17,7 +17,7 @@ _SHADOW_SECTORS = 36
 def edge_points(smooth: Float32Array, rim: Rim, reach: float) -> tuple[FloatArray, BoolArray]:
     """Return the steepest place across the rim on each of many normals, and where there is a steep one."""
     count = int(np.clip(2 * math.pi * rim.size / 2, 120, 1440))
-    t = floats(np.arange(count) * (2 * math.pi / count))
+    t = as_float_array(np.arange(count) * (2 * math.pi / count))
     x, y, normal_x, normal_y = rim.points(t)
     out = np.arange(-reach, reach + _PROFILE_STEP / 2, _PROFILE_STEP)
     profile = cv2.remap(
@@ -35,7 +35,7 @@ def edge_points(smooth: Float32Array, rim: Rim, reach: float) -> tuple[FloatArra
     for _ in range(_CLIMB):
         uphill = slope[every[:, None], at[:, None] + np.array([-1, 0, 1])].argmax(axis=1) - 1
         at = np.clip(at + uphill, 1, out.size - 2)
-    place = out[at] + _PROFILE_STEP * summit_of(*(slope[every, at + k] for k in (-1, 0, 1)))
+    place = out[at] + _PROFILE_STEP * parabolic_peak(*(slope[every, at + k] for k in (-1, 0, 1)))
     steep = slope[every, at]
     summit = (steep >= slope[every, at - 1]) & (steep >= slope[every, at + 1])
     found = summit & (steep > _STEEP * np.median(steep))
@@ -66,7 +66,7 @@ def rim_of(fit: EllipseFit) -> Rim:
     return Rim(float(fit.centre[0]), float(fit.centre[1]), fit.semi_major, fit.semi_minor, fit.angle)
 
 
-def memory_of(offsets: FloatArray, kept: BoolArray) -> float:
+def correlation_length(offsets: FloatArray, kept: BoolArray) -> float:
     """Return how many neighbours along the edge share one error: the sum of their correlations."""
     values = np.where(kept, offsets, 0.0)
     power = np.abs(np.fft.fft(values)) ** 2
@@ -79,7 +79,7 @@ def memory_of(offsets: FloatArray, kept: BoolArray) -> float:
 
 def shadow_beside(smooth: Float32Array, rim: Rim) -> float:
     """Return how far the level beside the rim is from the ground's further out, over the contrast."""
-    t = floats(np.arange(_SHADOW_SECTORS * 8) * (2 * math.pi / (_SHADOW_SECTORS * 8)))
+    t = as_float_array(np.arange(_SHADOW_SECTORS * 8) * (2 * math.pi / (_SHADOW_SECTORS * 8)))
     levels = []
     for factor in (0.97, 1.03, 1.05, 1.3):
         x, y, _, _ = rim.scaled(factor).points(t)

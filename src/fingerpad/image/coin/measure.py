@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from fingerpad._arrays import Float32Array, FloatArray, floats
+from fingerpad._arrays import Float32Array, FloatArray, as_float_array
 from fingerpad.exceptions import CalibrationError, FitError
 from fingerpad.image.coin._disc import (
     Edges,
@@ -19,8 +19,8 @@ from fingerpad.image.coin._disc import (
     support,
 )
 from fingerpad.image.coin._edge import (
+    correlation_length,
     edge_points,
-    memory_of,
     offsets_from,
     rim_of,
     shadow_beside,
@@ -199,8 +199,8 @@ def _distinct(rims: list[Rim], edges: Edges) -> list[Rim]:
 
 def _gaps(rim: Rim, other: Rim) -> FloatArray:
     """Return how far `other` lies from `rim` round the circumference, in its semi-axes."""
-    x, y, _, _ = rim.points(floats(np.arange(72) * (math.pi / 36)))
-    return floats(np.abs(np.hypot(*other.frame(x, y)) - 1))
+    x, y, _, _ = rim.points(as_float_array(np.arange(72) * (math.pi / 36)))
+    return as_float_array(np.abs(np.hypot(*other.frame(x, y)) - 1))
 
 
 def _one_place(rims: list[Rim], edges: Edges) -> list[Rim]:
@@ -282,7 +282,7 @@ def _refined(smooth: Float32Array, rim: Rim, reach: float) -> tuple[Coin, Rim] |
         reach = max(1.5, 0.7 * reach)
     if kept.mean() < _LEAST_KEPT:
         return None
-    memory = memory_of(offsets_from(points, rim), kept)
+    memory = correlation_length(offsets_from(points, rim), kept)
     return _coin(fit, float(kept.mean()), memory, shadow_beside(smooth, rim)), rim
 
 

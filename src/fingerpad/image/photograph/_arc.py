@@ -10,8 +10,8 @@ import numpy.typing as npt
 
 from fingerpad._arrays import BoolArray, FloatArray
 from fingerpad.exceptions import FitError
-from fingerpad.image._distance import distances
-from fingerpad.image.photograph._edges import Edges
+from fingerpad.image._orthogonal_fit import distances
+from fingerpad.image.photograph._edges import SubpixelOutline
 from fingerpad.image.photograph._face_frame import PAD_MIDDLE, PAD_REACH
 from fingerpad.image.photograph.faces import Face
 from fingerpad.image.photograph.outline_fit import OutlineFit, fit_outline_ellipse, parametric_angles
@@ -158,7 +158,7 @@ def fitted_arc(
     return PadArc(fit=fit, used=order[before], rejected=order[~before])
 
 
-def widened(arc: PadArc, edges: Edges) -> PadArc:
+def widened(arc: PadArc, edges: SubpixelOutline) -> PadArc:
     """Widen the covariance by the errors that the points share."""
     fit, (least, by_noise) = arc.fit, arc.shared_px
     shared = least + by_noise / float(np.median(edges.step_ratio[arc.used]))

@@ -23,7 +23,7 @@ _LEAST_VARIANCE = 1e-6
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Edges:
+class SubpixelOutline:
     """Points of an outline, evenly spaced.
 
     Attributes
@@ -52,7 +52,7 @@ class Edges:
 
 def locate_edges(
     light: npt.NDArray[np.float32], contour: FloatArray, *, reach: float, spacing: float = 1.0
-) -> Edges:
+) -> SubpixelOutline:
     """Locate the edge near each point of a rough contour.
 
     The profile along each normal is, in each channel, a blurred edge between a backdrop that changes evenly
@@ -79,7 +79,7 @@ def locate_edges(
     places, ratio = _fitted(profiles, offsets, blurs, weights, reach)
     found = np.isfinite(places) & (ratio > _LEAST_STEP_RATIO)
     moved = points + np.where(found, places, 0.0)[:, None] * normals
-    return Edges(
+    return SubpixelOutline(
         points=moved, found=found, blur=float(blurs[0]), step_ratio=ratio, spacing=spacing, closed=closed
     )
 

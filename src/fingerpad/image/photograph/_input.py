@@ -6,9 +6,9 @@ from typing import Any, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from fingerpad._arrays import ArrayLike, FloatArray, floats
+from fingerpad._arrays import ArrayLike, FloatArray, as_float_array
 from fingerpad.exceptions import ImageError
-from fingerpad.image.photograph._edges import Edges
+from fingerpad.image.photograph._edges import SubpixelOutline
 from fingerpad.image.photograph._face_frame import Direction
 from fingerpad.image.photograph._silhouette import Silhouette
 
@@ -19,7 +19,7 @@ IndexArray: TypeAlias = npt.NDArray[np.intp]
 _MARK_REACH = 0.1
 
 
-def between(edges: Edges, marks: FloatArray) -> IndexArray:
+def between(edges: SubpixelOutline, marks: FloatArray) -> IndexArray:
     """Return the indices of the outline's points from the first to the last mark, by way of all."""
     away = np.linalg.norm(edges.points[:, None] - marks, axis=2)
     nearest = np.sort(away.argmin(axis=0))
@@ -40,7 +40,7 @@ def between(edges: Edges, marks: FloatArray) -> IndexArray:
     return np.arange(nearest[0], nearest[-1] + 1)
 
 
-def within(edges: Edges, window: Window) -> IndexArray:
+def within(edges: SubpixelOutline, window: Window) -> IndexArray:
     """Return the indices of the outline's points in the longest piece inside the region of interest."""
     rows, columns = window
     row, column = edges.points.T
@@ -91,7 +91,7 @@ def checked_picture(pixels: npt.ArrayLike) -> npt.NDArray[Any]:
 
 def checked_window(region: tuple[float, float, float, float], size: tuple[int, int]) -> Window:
     """Return the region of interest as slices."""
-    if floats(region).shape != (4,) or not np.isfinite(floats(region)).all():
+    if as_float_array(region).shape != (4,) or not np.isfinite(as_float_array(region)).all():
         raise ImageError(f"region_of_interest must be four numbers, row, column, row, column, found {region}")
     first_row, first_column, last_row, last_column = region
     rows = slice(max(0, math.floor(first_row)), min(size[0], math.ceil(last_row)))
@@ -106,13 +106,15 @@ def checked_window(region: tuple[float, float, float, float], size: tuple[int, i
 
 def checked_marks(points: ArrayLike, size: tuple[int, int]) -> FloatArray:
     """Return the marks, checked."""
-    marks = floats(points)
+    marks = as_float_array(points)
     if marks.ndim != 2 or marks.shape[1] != 2 or len(np.unique(marks, axis=0)) < 2:
         raise ImageError(
             f"points must be two or more different marks (row, column), found shape {marks.shape}"
         )
     inside = (
-        np.isfinite(marks).all(axis=1) & (marks >= 0).all(axis=1) & (marks <= floats(size) - 1).all(axis=1)
+        np.isfinite(marks).all(axis=1)
+        & (marks >= 0).all(axis=1)
+        & (marks <= as_float_array(size) - 1).all(axis=1)
     )
     if not inside.all():
         row, column = marks[int(np.argmin(inside))]

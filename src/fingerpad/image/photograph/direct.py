@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from fingerpad._arrays import floats
+from fingerpad._arrays import as_float_array
 from fingerpad.exceptions import ImageError
 from fingerpad.image.photograph.faces import Face, FaceSemiAxes
 from fingerpad.image.scale import Scale
@@ -45,7 +45,7 @@ def direct_semi_axes(
     >>> direct_semi_axes("palmar", Scale.of_mm_per_px(0.05), **marks).semi_axes.tolist()
     [11.8, 13.8]
     """
-    ends = floats([across_end, along_end]) - floats(centre)
+    ends = as_float_array([across_end, along_end]) - as_float_array(centre)
     lengths = np.linalg.norm(ends, axis=1)
     if not (np.isfinite(lengths).all() and (lengths > 0).all()):
         raise ImageError(f"marks must be finite and apart, found {centre}, {across_end}, {along_end}")

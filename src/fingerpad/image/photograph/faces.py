@@ -18,7 +18,7 @@ from scipy.linalg import block_diag, solve_triangular
 from scipy.optimize import brentq
 from scipy.stats import chi2
 
-from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, floats
+from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, as_float_array
 from fingerpad.exceptions import FitError
 
 Face: TypeAlias = Literal["palmar", "distal", "radial", "ulnar"]
@@ -137,7 +137,7 @@ def implausible_size(semi_axes: ArrayLike) -> BoolArray:
     array([False,  True, False])
     """
     least, most = PLAUSIBLE_SEMI_AXIS_MM
-    found = floats(semi_axes)
+    found = as_float_array(semi_axes)
     return (found < least) | (found > most)
 
 

@@ -14,8 +14,9 @@ import numpy.typing as npt
 from fingerpad._arrays import ArrayLike, FloatArray
 from fingerpad.exceptions import FitError, ImageError
 from fingerpad.image.photograph._arc import PadArc, candidate_points, fitted_arc, longest_arc, widened
-from fingerpad.image.photograph._edges import Edges, locate_edges
-from fingerpad.image.photograph._ends import averaged_over_ends
+from fingerpad.image.photograph._arc_averaging import averaged_over_ends
+from fingerpad.image.photograph._arc_extension import with_flanks
+from fingerpad.image.photograph._edges import SubpixelOutline, locate_edges
 from fingerpad.image.photograph._face_frame import (
     PAD_MIDDLE,
     Direction,
@@ -25,7 +26,6 @@ from fingerpad.image.photograph._face_frame import (
     palmar_directions,
 )
 from fingerpad.image.photograph._finger_axis import finger_lean
-from fingerpad.image.photograph._flanks import with_flanks
 from fingerpad.image.photograph._input import (
     Window,
     between,
@@ -35,8 +35,8 @@ from fingerpad.image.photograph._input import (
     require_uncut,
     within,
 )
-from fingerpad.image.photograph._light import opponent_light
 from fingerpad.image.photograph._silhouette import Silhouette, find_silhouette
+from fingerpad.image.photograph._srgb import opponent_light
 from fingerpad.image.photograph.faces import FACE_AXES, Face, FaceSemiAxes, implausible_size
 from fingerpad.image.photograph.outline_fit import parametric_angles
 from fingerpad.image.scale import Scale
@@ -88,7 +88,7 @@ class PhotographFit:
         Points of the outline used and left out, (row, column), px.
     correlation_px : float
         Length along the outline over which errors run together, px.
-    residual_std_px, blur_px : float
+    residual_px_std, blur_px : float
         Standard deviation of the points from the ellipse, and of the edges' blur, px.
     flags : frozenset of str
         What makes the measurement doubtful, of `PHOTOGRAPH_FLAGS`.
@@ -106,7 +106,7 @@ class PhotographFit:
     points: FloatArray
     outliers: FloatArray
     correlation_px: float
-    residual_std_px: float
+    residual_px_std: float
     blur_px: float
     flags: frozenset[str]
 
@@ -243,7 +243,7 @@ def _merit(found: PhotographFit) -> float:
     return -float(np.linalg.norm(relative))
 
 
-def _outline(light: npt.NDArray[np.float32], silhouette: Silhouette) -> Edges:
+def _outline(light: npt.NDArray[np.float32], silhouette: Silhouette) -> SubpixelOutline:
     """Locate the outline, first as far as the silhouette can be off, then closely."""
     contour = silhouette.contour()
     if len(contour) < 40:
@@ -260,7 +260,7 @@ def _outline(light: npt.NDArray[np.float32], silhouette: Silhouette) -> Edges:
 
 
 def _pad_arc(
-    edges: Edges, face: Face, axes: FloatArray, window: Window | None, marks: FloatArray | None
+    edges: SubpixelOutline, face: Face, axes: FloatArray, window: Window | None, marks: FloatArray | None
 ) -> tuple[PadArc, FloatArray]:
     """Return the pad's arc in the face's frame, and the place of that frame's origin in the picture."""
     place = edges.points.mean(axis=0)
@@ -290,7 +290,7 @@ def _pad_arc(
 def _result(
     arc: PadArc,
     frame: tuple[FloatArray, FloatArray],
-    seen: tuple[Edges, Silhouette],
+    seen: tuple[SubpixelOutline, Silhouette],
     face: Face,
     scale: Scale,
 ) -> PhotographFit:
@@ -315,7 +315,7 @@ def _result(
         points=edges.points[arc.used],
         outliers=edges.points[arc.rejected],
         correlation_px=fit.correlation * edges.spacing,
-        residual_std_px=fit.residual_std,
+        residual_px_std=fit.residual_std,
         blur_px=edges.blur,
         flags=frozenset(),
     )
@@ -342,7 +342,7 @@ def _flags(found: PhotographFit, contrast: float, silhouette: Silhouette) -> fro
         "low_contrast": contrast < _LOW_CONTRAST,
         "soft_edges": found.blur_px > 0.02 * semi_px,
         "touches_border": float(margin) < 6 + 3 * silhouette.reduction,
-        "poor_ellipse": found.residual_std_px > max(0.01 * semi_px, 0.5),
+        "poor_ellipse": found.residual_px_std > max(0.01 * semi_px, 0.5),
         "leaning": abs(found.lean) > math.radians(10),
     }
     return frozenset(name for name, held in holds.items() if held) | size_flags(found.semi_axes)

@@ -18,9 +18,9 @@ from scipy.linalg import cho_solve, solve_triangular
 from scipy.optimize import least_squares
 from scipy.stats import t as student
 
-from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, floats
+from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, as_float_array
 from fingerpad.exceptions import FitError
-from fingerpad.image._distance import Parameters, distances
+from fingerpad.image._orthogonal_fit import Parameters, distances
 from fingerpad.image.ellipse_fit import fit_aligned_ellipse
 
 _ROUNDS = 2
@@ -134,7 +134,7 @@ def fit_outline_ellipse(
     >>> round(fit.semi_x, 1), round(fit.semi_y, 1)
     (11.8, 13.8)
     """
-    points = floats(points)
+    points = as_float_array(points)
     if points.ndim != 2 or points.shape[1] != 2 or len(points) < 8 or not np.isfinite(points).all():
         raise FitError(f"an outline needs at least eight finite points (x, y), found shape {points.shape}")
     if not lean_std > 0:
@@ -142,12 +142,12 @@ def fit_outline_ellipse(
             f"lean_std must be positive, found {lean_std}: give what is known of the finger's axis"
         )
     rows = np.asarray(np.arange(len(points)) if places is None else places, dtype=np.int64)
-    past = np.zeros(len(points)) if beyond is None else floats(beyond)
+    past = np.zeros(len(points)) if beyond is None else as_float_array(beyond)
     on_arc = past == 0
     shift = points.mean(axis=0)
     size = float(np.sqrt(np.mean((points - shift) ** 2)))
     local, past = (points - shift) / size, past / size
-    values = _start(local[on_arc], lean) if start is None else _scaled(floats(start), shift, size)
+    values = _start(local[on_arc], lean) if start is None else _scaled(as_float_array(start), shift, size)
     values = _refined(local[on_arc], values, (lean, math.inf), np.asarray)
     for _ in range(_ROUNDS):
         variance, correlation = _noise(distances(values, local[on_arc])[0], rows[on_arc])

@@ -9,7 +9,7 @@ from typing import Self, TypeAlias
 
 import numpy as np
 
-from fingerpad._arrays import ArrayLike, FloatArray, floats
+from fingerpad._arrays import ArrayLike, FloatArray, as_float_array
 from fingerpad._columns import read_columns
 from fingerpad.exceptions import LoadingError
 
@@ -52,8 +52,10 @@ class ForceSignal:
             If there are fewer than two samples, the lengths differ, a value is not finite, or time does not
             increase from each sample to the next.
         """
-        time, load = floats(time), floats(load)
-        channels = {"time": time, "load": load} | ({} if trigger is None else {"trigger": floats(trigger)})
+        time, load = as_float_array(time), as_float_array(load)
+        channels = {"time": time, "load": load} | (
+            {} if trigger is None else {"trigger": as_float_array(trigger)}
+        )
         for name, values in channels.items():
             if values.ndim != 1 or values.size < _LEAST_SAMPLES or values.shape != time.shape:
                 raise LoadingError(
@@ -74,7 +76,7 @@ class ForceSignal:
 
     def load_at(self, time: ArrayLike) -> FloatArray:
         """Return the load at some times by linear interpolation, NaN outside the signal."""
-        return np.asarray(np.interp(floats(time), self.time, self.load, left=np.nan, right=np.nan))
+        return np.asarray(np.interp(as_float_array(time), self.time, self.load, left=np.nan, right=np.nan))
 
     def trigger_time(self) -> float:
         """Return when the trigger first rises through half of its range, s.
@@ -195,7 +197,7 @@ class FrameStamps:
         LoadingError
             If one is not finite or time does not increase.
         """
-        time = floats(time)
+        time = as_float_array(time)
         if time.ndim != 1 or not time.size or not np.isfinite(time).all():
             raise LoadingError(f"time stamps must be a row of finite times, found shape {time.shape}")
         _require_increasing(time, "time of the frames")

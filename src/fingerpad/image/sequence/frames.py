@@ -17,7 +17,7 @@ import tifffile
 from PIL import Image
 
 from fingerpad.exceptions import ImageError
-from fingerpad.image._grey import Pixels
+from fingerpad.image._grayscale import Pixels
 from fingerpad.image._tiff import grey_of_page, size_of_page
 from fingerpad.image.read import PIXEL_LIMIT, check_size, grey_of_image, read_image
 

@@ -10,17 +10,22 @@ import numpy.typing as npt
 
 from fingerpad._arrays import FloatArray
 from fingerpad.exceptions import ImageError, LoadingError
-from fingerpad.image._grey import Pixels
-from fingerpad.image.imprint.measure import measure_imprint
-from fingerpad.image.imprint.result import Imprint
+from fingerpad.image._grayscale import Pixels
+from fingerpad.image.contact_image.measure import measure_contact_image
+from fingerpad.image.contact_image.result import ContactImageResult
 from fingerpad.image.scale import Scale
 from fingerpad.image.sequence.force import ForceSignal, FrameClock
 from fingerpad.image.sequence.frames import Frame
 from fingerpad.image.sequence.phases import PHASES, Phase, phases_of
-from fingerpad.image.sequence.reading import Place, Reading, learn_reading, texture_of
 from fingerpad.image.sequence.result import FrameResult
+from fingerpad.image.sequence.settings import (
+    MeasurementRegion,
+    SequenceSettings,
+    estimate_settings,
+    texture_of,
+)
 
-Watcher: TypeAlias = Callable[[int, Pixels, Imprint], None]
+Watcher: TypeAlias = Callable[[int, Pixels, ContactImageResult], None]
 
 
 # A contact persists when it is seen in so many frames in a row.
@@ -33,11 +38,11 @@ def measure_sequence(
     *,
     clock: FrameClock | None = None,
     force: ForceSignal | None = None,
-    reading: Reading | None = None,
+    settings: SequenceSettings | None = None,
     dark_on_light: bool | None = None,
     threshold: float | None = None,
     watch: Watcher | None = None,
-    **place: Unpack[Place],
+    **place: Unpack[MeasurementRegion],
 ) -> Iterator[FrameResult]:
     """Measure the contact in each frame of a sequence, one frame in memory at a time.
 
@@ -60,13 +65,13 @@ def measure_sequence(
     force : ForceSignal, optional
         Normal force. A frame outside the signal has load NaN, no phase, and the flag ``no_force``.
     reading : Reading, optional
-        What `learn_reading` found; learnt here when None.
+        What `estimate_settings` found; learnt here when None.
     dark_on_light, threshold
-        As for `learn_reading`, without `reading`.
+        As for `estimate_settings`, without `settings`.
     watch : callable, optional
         Called with (index, pixels, imprint) after each measurement, as for drawing overlays.
     **place
-        Background, seed, mask and region of interest, as for `measure_imprint`.
+        Background, seed, mask and region of interest, as for `measure_contact_image`.
 
     Yields
     ------
@@ -81,19 +86,19 @@ def measure_sequence(
     """
     if force is not None and clock is None:
         raise LoadingError("a force signal needs the times of the frames: give frames per second, or stamps")
-    if reading is None:
-        reading = learn_reading(frames, scale, dark_on_light=dark_on_light, threshold=threshold, **place)
-    measured = measure_frames(frames, scale, reading, watch=watch, **place)
-    yield from place_in_time(measured, reading.texture, clock=clock, force=force)
+    if settings is None:
+        settings = estimate_settings(frames, scale, dark_on_light=dark_on_light, threshold=threshold, **place)
+    measured = measure_frames(frames, scale, settings, watch=watch, **place)
+    yield from assign_times(measured, settings.texture, clock=clock, force=force)
 
 
 def measure_frames(
     frames: Iterable[Frame],
     scale: Scale,
-    reading: Reading,
+    settings: SequenceSettings,
     *,
     watch: Watcher | None = None,
-    **place: Unpack[Place],
+    **place: Unpack[MeasurementRegion],
 ) -> Iterator[FrameResult]:
     """Measure frame by frame, without time, load or phase; each result depends on its frame alone.
 
@@ -104,28 +109,28 @@ def measure_frames(
     scale : Scale
         Millimetres per pixel.
     reading : Reading
-        What `learn_reading` found in the whole sequence.
+        What `estimate_settings` found in the whole sequence.
     watch : callable, optional
         Called with (index, pixels, imprint) after each measurement.
     **place
-        Background, seed, mask and region of interest, as for `measure_imprint`.
+        Background, seed, mask and region of interest, as for `measure_contact_image`.
     """
     for frame in frames:
         if frame.pixels is None:
             yield FrameResult(index=frame.index, readable=False, reason=frame.reason)
             continue
-        if texture_of(frame.pixels, scale, place) < reading.least_texture:
+        if texture_of(frame.pixels, scale, place) < settings.min_texture:
             reason = "no contact found: the frame is smooth beside those of the largest contact"
             yield FrameResult(index=frame.index, reason=reason)
             continue
         try:
-            imprint = measure_imprint(frame.pixels, scale, **reading.settings, **place)
+            contact_image = measure_contact_image(frame.pixels, scale, **settings.settings, **place)
         except ImageError as error:
             yield FrameResult(index=frame.index, reason=str(error))
             continue
         if watch is not None:
-            watch(frame.index, frame.pixels, imprint)
-        yield FrameResult(index=frame.index, measures=imprint.as_record(), flags=imprint.flags)
+            watch(frame.index, frame.pixels, contact_image)
+        yield FrameResult(index=frame.index, measures=contact_image.as_record(), flags=contact_image.flags)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -161,7 +166,7 @@ class _PhaseRecord:
         return "unloading" if seen and phase == "after" else phase
 
 
-def place_in_time(
+def assign_times(
     results: Iterable[FrameResult],
     texture: FloatArray,
     *,

@@ -6,7 +6,7 @@ from typing import Final, Literal, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from fingerpad._arrays import ArrayLike, FloatArray, floats
+from fingerpad._arrays import ArrayLike, FloatArray, as_float_array
 
 Phase: TypeAlias = Literal["before", "loading", "hold", "unloading", "after"]
 PHASES: Final[tuple[Phase, ...]] = ("before", "loading", "hold", "unloading", "after")
@@ -44,7 +44,7 @@ def phases_of(time: ArrayLike, values: ArrayLike) -> npt.NDArray[np.int8]:
     >>> [PHASES[k] for k in phases_of(time, load)][10::20]
     ['before', 'loading', 'hold', 'unloading', 'after']
     """
-    time, values = floats(time), floats(values)
+    time, values = as_float_array(time), as_float_array(values)
     labels = np.full(time.size, _BEFORE, dtype=np.int8)
     values = _smoothed(values, _window(values.size, _SMOOTHING / 2))
     low, high = float(values.min()), float(values.max())

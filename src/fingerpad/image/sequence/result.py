@@ -29,7 +29,7 @@ class FrameResult:
     phase : {"before", "loading", "hold", "unloading", "after"} or None
         What the finger was doing; None outside the force signal.
     measures : mapping or None
-        What `Imprint.as_record` says, names with units; None where nothing was measured.
+        What `ContactImageResult.as_record` says, names with units; None where nothing was measured.
     readable : bool
         Whether the frame could be decoded: a readable frame without measures shows no contact.
     reason : str or None

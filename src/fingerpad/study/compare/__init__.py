@@ -3,7 +3,7 @@
 from fingerpad.study.compare.comparison import Comparison, compare_studies, write_comparison
 from fingerpad.study.compare.finished import FinishedStudy, read_finished
 from fingerpad.study.compare.means import Mean, PersonMean
-from fingerpad.study.compare.values import QUANTITIES, Kind, Owner, Value
+from fingerpad.study.compare.values import QUANTITIES, Kind, Person, Value
 
 __all__ = [
     "QUANTITIES",
@@ -11,7 +11,7 @@ __all__ = [
     "FinishedStudy",
     "Kind",
     "Mean",
-    "Owner",
+    "Person",
     "PersonMean",
     "Value",
     "compare_studies",

@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import Any
 
 from fingerpad.exceptions import FingerpadError
-from fingerpad.study.results.finished_table import read_summary
 from fingerpad.study.results.result_set import require_result_set
+from fingerpad.study.results.results_reader import read_summary
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

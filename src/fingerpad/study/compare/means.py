@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fingerpad.study.compare.values import QUANTITIES, Owner, Value
+from fingerpad.study.compare.values import QUANTITIES, Person, Value
 from fingerpad.uncertainty import RandomEffects, pool_random_effects
 
 
@@ -25,7 +25,7 @@ class PersonMean:
         The mean and its standard uncertainty.
     """
 
-    person: Owner
+    person: Person
     fingers: int
     value: float
     std: float
@@ -119,7 +119,7 @@ def means_of(values: Iterable[Value]) -> list[Mean]:
 def _mean(values: Sequence[Value]) -> Mean:
     quantity, wedge, roll, synthetic = values[0].place
     proportional = QUANTITIES[quantity].proportional
-    people: dict[Owner, dict[str, list[_Level]]] = {}
+    people: dict[Person, dict[str, list[_Level]]] = {}
     for value in values:
         own = math.sqrt(max(0.0, value.std**2 - value.shared_std**2))
         level = _Level(value.value, own, {(value.study, value.wedge_angle_deg): value.shared_std})

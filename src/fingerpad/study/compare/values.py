@@ -67,7 +67,7 @@ _FROM_CURVES: Final = {
 }
 
 
-class Owner(NamedTuple):
+class Person(NamedTuple):
     """Whose a finger is.
 
     Attributes
@@ -112,7 +112,7 @@ class Value:
     quantity: str
     study: str
     finger: str
-    person: Owner
+    person: Person
     synthetic: bool
     value: float
     std: float
@@ -155,7 +155,7 @@ def values_of(study: FinishedStudy) -> list[Value]:
     """
     try:
         owners = {
-            finger["finger"]: Owner(finger.get("person") or study.title, bool(finger.get("person")))
+            finger["finger"]: Person(finger.get("person") or study.title, bool(finger.get("person")))
             for finger in study.summary["fingers"]
         }
         found = [
@@ -166,7 +166,7 @@ def values_of(study: FinishedStudy) -> list[Value]:
     return [value for value in found if math.isfinite(value.value)]
 
 
-def _of_fingers(study: FinishedStudy, owners: Mapping[str, Owner]) -> Iterator[Value]:
+def _of_fingers(study: FinishedStudy, owners: Mapping[str, Person]) -> Iterator[Value]:
     for finger in study.summary["fingers"]:
         for place, quantity in enumerate(("palmar_mm", "distal_mm", "radial_ulnar_mm")):
             yield Value(
@@ -180,7 +180,7 @@ def _of_fingers(study: FinishedStudy, owners: Mapping[str, Owner]) -> Iterator[V
             )
 
 
-def _of_placements(study: FinishedStudy, owners: Mapping[str, Owner]) -> Iterator[Value]:
+def _of_placements(study: FinishedStudy, owners: Mapping[str, Person]) -> Iterator[Value]:
     for summary in study.summary["summaries"]:
         shares = summary.get("radius_from_indentation_variance_shares") or {}
         angles = shares.get("wedge angle", 0.0) + shares.get("roll angle", 0.0)
@@ -207,7 +207,7 @@ def _of_placements(study: FinishedStudy, owners: Mapping[str, Owner]) -> Iterato
             )
 
 
-def _of_curves(study: FinishedStudy, owners: Mapping[str, Owner]) -> Iterator[Value]:
+def _of_curves(study: FinishedStudy, owners: Mapping[str, Person]) -> Iterator[Value]:
     for curve in study.summary["curves"]:
         for quantity, key in _FROM_CURVES.items() if curve["fit"] else ():
             yield Value(

@@ -5,7 +5,7 @@ from typing import Annotated, Any, Literal, Self, TypeAlias
 
 from pydantic import AfterValidator, Field, StringConstraints, model_validator
 
-from fingerpad.image import BrushStroke, HandEllipse
+from fingerpad.image import BrushStroke, ManualEllipse
 from fingerpad.study.manifest.fingers import Side
 from fingerpad.study.manifest.tables import Box, Finite, Pixel, Point, Positive, Table, not_tiny
 
@@ -28,7 +28,7 @@ class RegionStroke(Stroke):
     action: Literal["add", "remove"]
 
 
-class ContactEllipseByHand(Table):
+class ManualContactEllipse(Table):
     """A contact ellipse by its handles: major and minor semi-axis, the major's angle from straight up."""
 
     centre: Point
@@ -42,7 +42,7 @@ class ContactEllipseByHand(Table):
         return self
 
 
-class FaceEllipseByHand(Table):
+class ManualFaceEllipse(Table):
     """The ellipse of a face by its handles: semi-axes across and along, turned from across towards along."""
 
     centre: Point
@@ -81,11 +81,11 @@ class ContactCorrection(_Judged):
     mask_px: Annotated[list[Point], Field(min_length=3, max_length=5000)] | None = None
     region_of_interest_px: Box | None = None
     strokes: Annotated[list[RegionStroke], Field(max_length=2000)] = Field(default=[])
-    ellipse_px: ContactEllipseByHand | None = None
+    ellipse_px: ManualContactEllipse | None = None
 
     @property
     def brush_strokes(self) -> list[BrushStroke]:
-        """The strokes as `PreparedImprint.with_edits` takes them."""
+        """The strokes as `PreparedContactImage.with_corrections` takes them."""
         return [
             BrushStroke(
                 action=stroke.action,
@@ -96,13 +96,13 @@ class ContactCorrection(_Judged):
         ]
 
     @property
-    def hand_ellipse(self) -> HandEllipse | None:
-        """The ellipse as `PreparedImprint.with_edits` takes it."""
+    def manual_ellipse(self) -> ManualEllipse | None:
+        """The ellipse as `PreparedContactImage.with_corrections` takes it."""
         if self.ellipse_px is None:
             return None
         (row, column), (major, minor) = self.ellipse_px.centre, self.ellipse_px.semi_axes
         turn = self.ellipse_px.orientation_deg
-        return HandEllipse(centre=(row, column), semi_axes=(major, minor), orientation=math.radians(turn))
+        return ManualEllipse(centre=(row, column), semi_axes=(major, minor), orientation=math.radians(turn))
 
     def outside(self, shape: tuple[int, int]) -> str | None:
         """Say what misses a picture of this shape altogether; None where nothing does."""
@@ -130,7 +130,7 @@ class PhotographCorrection(_Judged):
     region_of_interest_px: Annotated[list[Pixel], Field(min_length=4, max_length=4)] | None = None
     tip: Side | None = None
     palmar_side: Side | None = None
-    ellipse_px: FaceEllipseByHand | None = None
+    ellipse_px: ManualFaceEllipse | None = None
     added_points_px: Annotated[list[Point], Field(max_length=5000)] = Field(default=[])
     erased: Annotated[list[Stroke], Field(max_length=2000)] = Field(default=[])
 

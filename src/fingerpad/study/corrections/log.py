@@ -15,18 +15,18 @@ from typing import Any, Final, Literal, TypeAlias
 from fingerpad._files import digest_of
 from fingerpad.exceptions import CorrectionConflict, ImageError, StoreError
 from fingerpad.image import open_frames
+from fingerpad.study.atomic_files import locked, sync_folder
 from fingerpad.study.corrections.changes import Change, ContactCorrection, PhotographCorrection
-from fingerpad.study.corrections.decisions import (
+from fingerpad.study.corrections.history import (
     CORRECTIONS_NAME,
     Action,
+    ActiveCorrection,
     History,
     Record,
-    Ruling,
     checked_change,
     line_of,
     record_of,
 )
-from fingerpad.study.durable import locked, sync_folder
 from fingerpad.study.manifest import Study
 
 _LOCK: Final = ".corrections.lock"
@@ -154,18 +154,22 @@ class CorrectionLog:
         self.refresh()
         return History(item=item, records=tuple(self._histories.get(item, ())))
 
-    def ruling(self, item: str) -> Ruling | None:
+    def active_correction(self, item: str) -> ActiveCorrection | None:
         """Return what rules for an item; None where the program's own result does."""
-        return self.history(item).ruling
+        return self.history(item).active_correction
 
-    def rulings(self) -> dict[str, Ruling]:
+    def active_corrections(self) -> dict[str, ActiveCorrection]:
         """Return what rules, by item."""
         self.refresh()
         found = {
-            item: History(item=item, records=tuple(records)).ruling
+            item: History(item=item, records=tuple(records)).active_correction
             for item, records in self._histories.items()
         }
-        return {item: ruling for item, ruling in found.items() if ruling is not None}
+        return {
+            item: active_correction
+            for item, active_correction in found.items()
+            if active_correction is not None
+        }
 
     def unknown_items(self, study: Study) -> list[str]:
         """Return the corrected items that a manifest does not name: they are kept, and wait."""
@@ -345,28 +349,36 @@ def picture_digest(
         return ""
 
 
-def on_another_picture(rulings: Mapping[str, Ruling], digest: Callable[[str], str]) -> list[str]:
+def on_another_image(
+    active_corrections: Mapping[str, ActiveCorrection], digest: Callable[[str], str]
+) -> list[str]:
     """Return the items whose picture is not the one that was corrected.
 
     Parameters
     ----------
-    rulings : mapping
+    active_corrections : mapping
         What rules, by item.
     digest : callable
         That of an item's picture as it is now, as of `picture_digest`.
     """
     return [
         item
-        for item, ruling in rulings.items()
-        if ruling.picture and digest(item) not in {"", ruling.picture}
+        for item, active_correction in active_corrections.items()
+        if active_correction.picture and digest(item) not in {"", active_correction.picture}
     ]
 
 
-def frames_of(rulings: Mapping[str, Ruling], sequence: str) -> dict[int, Ruling]:
+def frames_of(
+    active_corrections: Mapping[str, ActiveCorrection], sequence: str
+) -> dict[int, ActiveCorrection]:
     """Return what rules for the frames of a sequence, by the frame's number."""
     start = f"{sequence}#"
-    named = {item.removeprefix(start): one for item, one in rulings.items() if item.startswith(start)}
-    return {int(number): ruling for number, ruling in named.items() if _is_frame(number)}
+    named = {
+        item.removeprefix(start): one for item, one in active_corrections.items() if item.startswith(start)
+    }
+    return {
+        int(number): active_correction for number, active_correction in named.items() if _is_frame(number)
+    }
 
 
 def _is_frame(number: str) -> bool:

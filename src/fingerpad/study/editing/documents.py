@@ -10,10 +10,10 @@ from typing import Any, Final
 import tomlkit
 
 from fingerpad.exceptions import ManifestError
-from fingerpad.study.durable import text_of
-from fingerpad.study.editing.incomplete import Kind, Known, faults_of
+from fingerpad.study.atomic_files import read_text_or_none
+from fingerpad.study.editing.incomplete import Kind, Known, validation_errors
 from fingerpad.study.editing.sheet import Sheet
-from fingerpad.study.editing.state import Incomplete, StudyState
+from fingerpad.study.editing.state import IncompleteTable, StudyState
 from fingerpad.study.editing.toml_tables import (
     added,
     new_table,
@@ -112,11 +112,11 @@ class StudyFiles:
             title=self.title,
             study=study,
             incomplete=tuple(
-                Incomplete(
+                IncompleteTable(
                     kind=kind,
                     key=key,
                     content=content,
-                    faults=faults_of(kind, key, content, known=known, folder=self.folder),
+                    faults=validation_errors(kind, key, content, known=known, folder=self.folder),
                 )
                 for kind, key, content in self._waiting()
             ),
@@ -149,7 +149,7 @@ class StudyFiles:
             waiting_scales=frozenset(
                 name
                 for name, table in waiting.items()
-                if not faults_of("scale", name, table, known=nobody, folder=self.folder)
+                if not validation_errors("scale", name, table, known=nobody, folder=self.folder)
             ),
             fingers=frozenset(str(one["name"]) for one in home.get("fingers", [])),
             contacts=frozenset(
@@ -190,7 +190,7 @@ class StudyFiles:
         moved = False
         for kind in ("scale", *LISTS):
             for waiting, key, content in list(self._waiting()):
-                if waiting != kind or faults_of(
+                if waiting != kind or validation_errors(
                     waiting, key, content, known=self._known(), folder=self.folder
                 ):
                     continue
@@ -293,7 +293,7 @@ def require_tables(document: Any, name: str) -> None:
 
 
 def _texts_of(folder: Path) -> dict[str, str | None]:
-    texts = {name: text_of(folder / name) for name in (STUDY_NAME, DRAFT_NAME)}
+    texts = {name: read_text_or_none(folder / name) for name in (STUDY_NAME, DRAFT_NAME)}
     if not any(text is not None for text in texts.values()):
         raise ManifestError(f"{folder}: holds no study; make one, or open another folder")
     return texts

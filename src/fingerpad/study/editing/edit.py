@@ -10,9 +10,9 @@ from pathlib import Path
 import tomlkit
 
 from fingerpad.exceptions import EditConflict, ManifestError, StoreError
-from fingerpad.study.durable import locked, replace_file
+from fingerpad.study.atomic_files import locked, replace_file
+from fingerpad.study.editing.apply_edit import apply_edit
 from fingerpad.study.editing.documents import DRAFT_NAME, STUDY_NAME, StudyFiles
-from fingerpad.study.editing.make_edit import make_edit
 from fingerpad.study.editing.state import Edit, StudyState
 from fingerpad.study.journal import LOCK_NAME, complete
 
@@ -86,7 +86,7 @@ def change_study(folder: Path, edits: Sequence[Edit], *, expected: str) -> Study
                 f"{files.title}: someone has changed the study since: look at it again before you do"
             )
         for edit in edits:
-            make_edit(files, edit)
+            apply_edit(files, edit)
         files.settle()
         files.write()
         return files.state()

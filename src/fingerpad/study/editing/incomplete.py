@@ -8,11 +8,11 @@ from typing import Any, Final, Literal, TypeAlias
 from fingerpad.exceptions import ManifestError
 from fingerpad.study.manifest.contacts import ContactSequence, Observation
 from fingerpad.study.manifest.curves import Curve
-from fingerpad.study.manifest.faults import validated
 from fingerpad.study.manifest.fingers import Finger
 from fingerpad.study.manifest.read import file_inside
 from fingerpad.study.manifest.scales import OwnScale
 from fingerpad.study.manifest.tables import Name, Table
+from fingerpad.study.manifest.validation import validated
 
 Kind: TypeAlias = Literal[
     "study", "uncertainty", "scale", "finger", "photograph", "observation", "sequence", "curve"
@@ -47,7 +47,7 @@ _MODELS: Final[Mapping[str, type[Table]]] = {
 }
 
 
-def faults_of(
+def validation_errors(
     kind: Kind, key: str, content: Mapping[str, Any], *, known: Known, folder: Path
 ) -> tuple[str, ...]:
     """Say what is missing or wrong in a table.

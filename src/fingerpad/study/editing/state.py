@@ -31,7 +31,7 @@ class Edit:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Incomplete:
+class IncompleteTable:
     """A table that the manifest does not take yet.
 
     Attributes
@@ -71,7 +71,7 @@ class StudyState:
         Its title, which it has from the beginning.
     study : Study or None
         What is complete of it; None as long as there is no complete finger.
-    incomplete : tuple of Incomplete
+    incomplete : tuple of IncompleteTable
         What is not.
     """
 
@@ -79,10 +79,10 @@ class StudyState:
     digest: str
     title: str
     study: Study | None
-    incomplete: tuple[Incomplete, ...]
+    incomplete: tuple[IncompleteTable, ...]
 
 
-def named_files(study: Study | None, incomplete: Iterable[Incomplete]) -> set[str]:
+def named_files(study: Study | None, incomplete: Iterable[IncompleteTable]) -> set[str]:
     """Return the names of files that a study uses, and all texts of what is incomplete: any may be one."""
     names = {name for _, name in study.named_files()} if study is not None else set()
     for table in (table for one in incomplete for table in one.tables):

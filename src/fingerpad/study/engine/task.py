@@ -16,7 +16,7 @@ import cv2
 
 from fingerpad.exceptions import FingerpadError, StoreError
 from fingerpad.study.engine.limits import Limits
-from fingerpad.study.words import in_study
+from fingerpad.study.error_text import in_study
 
 Record: TypeAlias = dict[str, Any]
 # Measures something of the study folder, draws into another, and returns what it found.

@@ -2,12 +2,12 @@
 
 from pathlib import Path
 
-from fingerpad.study.fiji.ellipse import HandEllipse
+from fingerpad.study.fiji.ellipse import MeasuredEllipse
 from fingerpad.study.fiji.observations import (
     FIELDS,
-    HandObservation,
     LabelPattern,
-    hand_observations,
+    ManualObservation,
+    manual_observations,
     write_observations,
 )
 from fingerpad.study.fiji.rois import read_rois
@@ -15,11 +15,11 @@ from fingerpad.study.fiji.table import read_results_table
 
 __all__ = [
     "FIELDS",
-    "HandEllipse",
-    "HandObservation",
     "LabelPattern",
-    "hand_observations",
+    "ManualObservation",
+    "MeasuredEllipse",
     "is_roi_file",
+    "manual_observations",
     "read_results_table",
     "read_rois",
     "write_observations",

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class HandEllipse:
+class MeasuredEllipse:
     """One ellipse, in the unit of its file.
 
     Attributes

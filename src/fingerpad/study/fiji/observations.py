@@ -10,9 +10,9 @@ from typing import Any, Final, Self
 
 from fingerpad._csv import escape_formula
 from fingerpad.exceptions import CalibrationError, FingerpadError, ManifestError
-from fingerpad.study.fiji.ellipse import HandEllipse
-from fingerpad.study.manifest.faults import validated
+from fingerpad.study.fiji.ellipse import MeasuredEllipse
 from fingerpad.study.manifest.tables import Finite, Load, Name, Table, WedgeAngle
+from fingerpad.study.manifest.validation import validated
 
 # What an ellipse does not tell of its contact.
 FIELDS: Final = ("finger", "wedge_angle_deg", "load_N", "roll_angle_deg")
@@ -20,13 +20,13 @@ _NEEDED: Final = FIELDS[:3]
 # Semi-major axes, mm, between which contacts of finger pads lie: beyond is a slip of units.
 _PLAUSIBLE: Final = (0.5, 40.0)
 _HEADER: Final = (
-    "name", *FIELDS, "semi_major_mm", "semi_minor_mm", "ellipse_std_mm", "long_axis", "synthetic", "notes",
+    "name", *FIELDS, "semi_major_mm", "semi_minor_mm", "ellipse_mm_std", "long_axis", "synthetic", "notes",
 )  # fmt: skip
 _NUMBER: Final = r"-?\d+(?:[.,p]\d+)?"
 _LONGEST_NAME: Final = 50
 
 
-class _Told(Table):
+class _LabelValues(Table):
     """What a manifest takes of it."""
 
     finger: Name | None = None
@@ -68,7 +68,7 @@ class LabelPattern:
         Examples
         --------
         >>> pattern = LabelPattern.of("{finger}_{wedge_angle_deg}deg_{load_N}N")
-        >>> pattern.told_by("left_index_30deg_0p5N.tif:12")
+        >>> pattern.values_in("left_index_30deg_0p5N.tif:12")
         {'finger': 'left_index', 'wedge_angle_deg': 30.0, 'load_N': 0.5}
         """
         parts = re.split(r"(\{[^{}]*\}|\*)", text)
@@ -84,7 +84,7 @@ class LabelPattern:
         )
         return cls(text=text, expression=re.compile(expression), fields=fields)
 
-    def told_by(self, label: str) -> dict[str, str | float]:
+    def values_in(self, label: str) -> dict[str, str | float]:
         """Return what a label tells; nothing where it does not begin as the pattern says."""
         match = self.expression.match(label)
         if match is None:
@@ -100,7 +100,7 @@ def _group(name: str) -> str:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class HandObservation:
+class ManualObservation:
     """One row of the CSV: an observation whose ellipse a person measured.
 
     Attributes
@@ -109,7 +109,7 @@ class HandObservation:
         Made from the label, like no other.
     told : mapping
         Those of `FIELDS` that are known.
-    semi_major_mm, semi_minor_mm, ellipse_std_mm : float
+    semi_major_mm, semi_minor_mm, ellipse_mm_std : float
         The ellipse, and the standard uncertainty of either semi-axis.
     long_axis : {"along", "across"} or None
         Where it lies, if the picture tells.
@@ -123,7 +123,7 @@ class HandObservation:
     told: Mapping[str, str | float]
     semi_major_mm: float
     semi_minor_mm: float
-    ellipse_std_mm: float
+    ellipse_mm_std: float
     long_axis: str | None
     synthetic: bool
     notes: str
@@ -140,24 +140,24 @@ class HandObservation:
             **{name: self.told.get(name) for name in FIELDS},
             "semi_major_mm": self.semi_major_mm,
             "semi_minor_mm": self.semi_minor_mm,
-            "ellipse_std_mm": self.ellipse_std_mm,
+            "ellipse_mm_std": self.ellipse_mm_std,
             "long_axis": self.long_axis,
             "synthetic": self.synthetic,
             "notes": self.notes,
         }
 
 
-def hand_observations(
-    ellipses: Sequence[HandEllipse],
+def manual_observations(
+    ellipses: Sequence[MeasuredEllipse],
     *,
     mm_per_unit: float,
-    semi_axis_std_mm: float,
+    semi_axis_mm_std: float,
     relative_scale_std: float = 0.0,
     known: Mapping[str, str | float] | None = None,
     pattern: LabelPattern | None = None,
     finger_axis_deg: float = 0.0,
     synthetic: bool = False,
-) -> list[HandObservation]:
+) -> list[ManualObservation]:
     """Turn ellipses into observations.
 
     Parameters
@@ -166,7 +166,7 @@ def hand_observations(
         As read, in the unit of their file.
     mm_per_unit : float
         That unit: mm per px, or 1 for a table in mm.
-    semi_axis_std_mm : float
+    semi_axis_mm_std : float
         Standard uncertainty of either semi-axis as a person finds it, mm.
     relative_scale_std : float
         That of the scale; it is added to each row as if it were the row's own.
@@ -187,8 +187,8 @@ def hand_observations(
         If no uncertainty is given, something is told twice, a number is none that a manifest takes, or the
         pattern fits no label.
     """
-    if not (semi_axis_std_mm > 0 and math.isfinite(semi_axis_std_mm)):
-        raise ManifestError(f"the standard uncertainty must be positive, found {semi_axis_std_mm:g} mm")
+    if not (semi_axis_mm_std > 0 and math.isfinite(semi_axis_mm_std)):
+        raise ManifestError(f"the standard uncertainty must be positive, found {semi_axis_mm_std:g} mm")
     known = known or {}
     for name, value in {**known, "finger_axis_deg": finger_axis_deg}.items():
         if not isinstance(value, str) and not math.isfinite(value):
@@ -207,28 +207,28 @@ def hand_observations(
                 f"{ellipse.place}: a semi-major axis of {major:.3g} mm is none of a finger's contact; "
                 "check the unit or the scale (Fiji measures in px until a scale is set)"
             )
-        told = {**known, **(pattern.told_by(ellipse.label) if pattern else {})}
-        validated(_Told, told, ellipse.place, strict=True)
+        told = {**known, **(pattern.values_in(ellipse.label) if pattern else {})}
+        validated(_LabelValues, told, ellipse.place, strict=True)
         rows.append(
-            HandObservation(
+            ManualObservation(
                 name=_name(ellipse.label, names),
                 told=told,
                 semi_major_mm=major,
                 semi_minor_mm=minor,
-                ellipse_std_mm=math.hypot(semi_axis_std_mm, relative_scale_std * math.sqrt(major * minor)),
+                ellipse_mm_std=math.hypot(semi_axis_mm_std, relative_scale_std * math.sqrt(major * minor)),
                 long_axis=_long_axis(ellipse, finger_axis_deg),
                 synthetic=synthetic,
                 notes="; ".join((f"measured by hand: {ellipse.place}", *ellipse.doubts)),
             )
         )
-    if pattern and rows and not any(pattern.told_by(ellipse.label) for ellipse in ellipses):
+    if pattern and rows and not any(pattern.values_in(ellipse.label) for ellipse in ellipses):
         raise ManifestError(
             f"the label pattern {pattern.text!r} fits no label, such as {ellipses[0].label!r}"
         )
     return rows
 
 
-def _long_axis(ellipse: HandEllipse, finger_axis_deg: float) -> str | None:
+def _long_axis(ellipse: MeasuredEllipse, finger_axis_deg: float) -> str | None:
     if ellipse.orientation_deg is None or ellipse.semi_major == ellipse.semi_minor:
         return None
     from_finger = (ellipse.orientation_deg - finger_axis_deg + 90) % 180 - 90
@@ -247,7 +247,7 @@ def _name(label: str, taken: set[str]) -> str:
     return name
 
 
-def write_observations(path: Path, rows: Iterable[HandObservation]) -> None:
+def write_observations(path: Path, rows: Iterable[ManualObservation]) -> None:
     """Write the CSV that ``observations_csv`` names; what is there already is never replaced.
 
     Raises

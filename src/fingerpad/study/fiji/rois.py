@@ -12,8 +12,8 @@ import numpy as np
 from roifile import ROI_OPTIONS, ROI_SUBTYPE, ROI_TYPE, ImagejRoi
 
 from fingerpad.exceptions import ImageError
-from fingerpad.image.traced import traced_ellipse
-from fingerpad.study.fiji.ellipse import HandEllipse, upward_deg
+from fingerpad.image.polygon import ellipse_of_polygon
+from fingerpad.study.fiji.ellipse import MeasuredEllipse, upward_deg
 
 _TRACED: Final = frozenset((ROI_TYPE.POLYGON, ROI_TYPE.FREEHAND, ROI_TYPE.TRACED))
 _LARGEST: Final = 16_000_000  # bytes; 65,535 corners take one
@@ -29,7 +29,7 @@ _BROKEN: Final = (
 )
 
 
-def read_rois(path: Path) -> list[HandEllipse]:
+def read_rois(path: Path) -> list[MeasuredEllipse]:
     """Read the ellipses of a ``.roi`` file or a ``RoiSet.zip``, in px.
 
     An oval gives its axes as they are, upright or rotated; a polygon or an outline by hand or wand the
@@ -77,7 +77,7 @@ def _members(archive: zipfile.ZipFile, path: Path) -> Iterator[tuple[str, str, b
         yield name.stem, f"{path.name}, {name.name}", archive.read(member)
 
 
-def _ellipse(content: bytes, name: str, place: str) -> HandEllipse:
+def _ellipse(content: bytes, name: str, place: str) -> MeasuredEllipse:
     try:
         roi = ImagejRoi.frombytes(content)
         label = roi.name or name
@@ -103,13 +103,13 @@ def _ellipse(content: bytes, name: str, place: str) -> HandEllipse:
     )
 
 
-def _upright(roi: ImagejRoi, label: str, place: str) -> HandEllipse:
+def _upright(roi: ImagejRoi, label: str, place: str) -> MeasuredEllipse:
     width, height = float(roi.right - roi.left), float(roi.bottom - roi.top)
     if roi.subpixelrect:
         width, height = roi.widthd, roi.heightd
     if not (width > 0 and height > 0 and math.isfinite(width + height)):
         raise ImageError(f"{place}: an oval of {width:g} × {height:g} px has no area; draw it anew")
-    return HandEllipse(
+    return MeasuredEllipse(
         label=label,
         place=place,
         semi_major=max(width, height) / 2,
@@ -118,7 +118,7 @@ def _upright(roi: ImagejRoi, label: str, place: str) -> HandEllipse:
     )
 
 
-def _rotated(roi: ImagejRoi, label: str, place: str) -> HandEllipse:
+def _rotated(roi: ImagejRoi, label: str, place: str) -> MeasuredEllipse:
     """Return a rotated ellipse, kept as the ends of its major axis and minor over major axis."""
     # The ratio is a float in the place of three small fields of other ROIs.
     packed = struct.pack(
@@ -132,7 +132,7 @@ def _rotated(roi: ImagejRoi, label: str, place: str) -> HandEllipse:
     major = math.hypot(across, down)
     if not (0 < ratio <= 1 and major > 0 and math.isfinite(major)):
         raise ImageError(f"{place}: an ellipse of {major:g} px with axis ratio {ratio:g}; draw it anew")
-    return HandEllipse(
+    return MeasuredEllipse(
         label=label,
         place=place,
         semi_major=major / 2,
@@ -141,13 +141,13 @@ def _rotated(roi: ImagejRoi, label: str, place: str) -> HandEllipse:
     )
 
 
-def _traced(roi: ImagejRoi, label: str, place: str) -> HandEllipse:
+def _traced(roi: ImagejRoi, label: str, place: str) -> MeasuredEllipse:
     corners = np.asarray(roi.coordinates(), dtype=np.float64).reshape(-1, 2)[:, ::-1]
     try:
-        found = traced_ellipse(corners)
+        found = ellipse_of_polygon(corners)
     except ImageError as error:
         raise ImageError(f"{place}: {error}") from error
-    return HandEllipse(
+    return MeasuredEllipse(
         label=label,
         place=place,
         semi_major=float(found.ellipse.semi_major),

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Final
 
 from fingerpad.exceptions import ManifestError
-from fingerpad.study.fiji.ellipse import HandEllipse, upward_deg
+from fingerpad.study.fiji.ellipse import MeasuredEllipse, upward_deg
 
 _BINARY: Final = {b"PK\x03\x04": "an Excel workbook or a zip", b"\xd0\xcf\x11\xe0": "an old Excel workbook"}
 _SUMMARY: Final = ["Mean", "SD", "Min", "Max"]  # rows that Fiji's Summarize appends
@@ -16,7 +16,7 @@ _SUMMARY: Final = ["Mean", "SD", "Min", "Max"]  # rows that Fiji's Summarize app
 _SAME_AREA: Final = 0.05
 
 
-def read_results_table(path: Path) -> list[HandEllipse]:
+def read_results_table(path: Path) -> list[MeasuredEllipse]:
     """Read the fitted ellipses of a Results table, in its own unit.
 
     Cells may be parted by commas, tabs or semicolons, the latter two with decimal commas. Rows that Fiji's
@@ -80,7 +80,7 @@ def _lines(path: Path) -> list[tuple[int, list[str]]]:
     return lines
 
 
-def _ellipse(row: Mapping[str, str], place: str, number: int) -> HandEllipse:
+def _ellipse(row: Mapping[str, str], place: str, number: int) -> MeasuredEllipse:
     major, minor = _number(row, "Major", place), _number(row, "Minor", place)
     if not major >= minor > 0:
         raise ManifestError(
@@ -98,7 +98,7 @@ def _ellipse(row: Mapping[str, str], place: str, number: int) -> HandEllipse:
         if abs(ratio - 1) > _SAME_AREA:
             doubts.append(f"Area is {ratio:.2f} of the ellipse's; were holes or a threshold measured?")
     angle = _number(row, "Angle", place) if row.get("Angle") else None
-    return HandEllipse(
+    return MeasuredEllipse(
         label=row.get("Label") or f"contact_{number}",
         place=place,
         semi_major=major / 2,

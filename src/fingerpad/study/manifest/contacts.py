@@ -92,7 +92,7 @@ class ContactSequence(PlacedFinger):
     start_s: Finite | None = None
     contact_load_N: Load | None = None  # noqa: N815 (the unit's own letter)
     times: str | None = None
-    pool_from_N: Load | None = None  # noqa: N815 (the unit's own letter)
+    pool_min_load_N: Load | None = None  # noqa: N815 (the unit's own letter)
 
     @model_validator(mode="after")
     def _one_clock(self) -> Self:

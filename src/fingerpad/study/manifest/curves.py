@@ -6,7 +6,7 @@ from pydantic import Field, model_validator
 
 from fingerpad.study.manifest.tables import Length, LengthStd, Load, Table, WedgeAngle
 
-_FILE_KEYS = frozenset(("columns", "contact_point", "cycle", "region_N"))
+_FILE_KEYS = frozenset(("columns", "contact_point", "cycle", "fit_load_range_N"))
 
 
 class Curve(Table):
@@ -17,21 +17,23 @@ class Curve(Table):
     file: str | None = None
     columns: dict[Literal["time", "force", "displacement", "area"], str] = Field(default={})
     cycle: Annotated[int, Field(ge=0)] = 0
-    contact_point: Literal["joint", "baseline_deviation", "two_lines", "gradient", "power_law"] = "joint"
-    region_N: Annotated[list[Load], Field(min_length=2, max_length=2)] | None = None  # noqa: N815
-    effective_radius_mm: Length | None = None
-    effective_radius_std_mm: LengthStd | None = None
+    contact_point: Literal["joint", "contact_by_threshold", "two_lines", "gradient", "power_law"] = "joint"
+    fit_load_range_N: Annotated[list[Load], Field(min_length=2, max_length=2)] | None = None  # noqa: N815
+    loading_radius_mm: Length | None = None
+    loading_radius_mm_std: LengthStd | None = None
     synthetic: bool = False
 
     @model_validator(mode="after")
     def _useful(self) -> Self:
-        if self.file is None and self.effective_radius_mm is None:
-            raise ValueError("give file, effective_radius_mm, or both")
+        if self.file is None and self.loading_radius_mm is None:
+            raise ValueError("give file, loading_radius_mm, or both")
         idle = _FILE_KEYS if self.file is None else frozenset()
-        if self.effective_radius_mm is None:
-            idle |= {"effective_radius_std_mm"}
-        if self.region_N is not None and not self.region_N[0] < self.region_N[1]:
-            raise ValueError(f"region_N must rise, found {self.region_N}; give the smaller load first")
+        if self.loading_radius_mm is None:
+            idle |= {"loading_radius_mm_std"}
+        if self.fit_load_range_N is not None and not self.fit_load_range_N[0] < self.fit_load_range_N[1]:
+            raise ValueError(
+                f"fit_load_range_N must rise, found {self.fit_load_range_N}; give the smaller load first"
+            )
         if found := sorted(idle & self.model_fields_set):
             raise ValueError(f"there is no use for {found[0]} here; remove it")
         return self

@@ -61,7 +61,7 @@ class Finger(Table):
     name: Name
     person: Name | None = None
     semi_axes_mm: SemiAxes | None = None
-    semi_axes_std_mm: SemiAxesStd | None = None
+    semi_axes_mm_std: SemiAxesStd | None = None
     photographs: list[Photograph] = Field(default=[])
     pad_thickness_mm: Length | None = None
     synthetic: bool = False
@@ -70,8 +70,8 @@ class Finger(Table):
     def _one_source(self) -> Self:
         if (self.semi_axes_mm is None) == (not self.photographs):
             raise ValueError("give either semi_axes_mm or photographs, one of the two")
-        if (self.semi_axes_mm is None) != (self.semi_axes_std_mm is None):
-            raise ValueError("semi_axes_mm and semi_axes_std_mm belong together")
+        if (self.semi_axes_mm is None) != (self.semi_axes_mm_std is None):
+            raise ValueError("semi_axes_mm and semi_axes_mm_std belong together")
         images = [one.image for one in self.photographs if one.image is not None]
         for image in dict.fromkeys(images):
             if images.count(image) > 1:  # results and corrections know a photograph by its file

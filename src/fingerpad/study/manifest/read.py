@@ -8,9 +8,9 @@ from unicodedata import normalize
 
 from fingerpad.exceptions import ManifestError
 from fingerpad.study.journal import recover
-from fingerpad.study.manifest.faults import validated
 from fingerpad.study.manifest.spreadsheet import read_rows
 from fingerpad.study.manifest.study import Study
+from fingerpad.study.manifest.validation import validated
 
 
 def manifest_in(path: Path) -> Path:

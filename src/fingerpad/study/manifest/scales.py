@@ -29,8 +29,8 @@ class LineScale(Table):
 
     line: Annotated[list[Mark], Field(min_length=2, max_length=2)]
     length_mm: Length
-    length_std_mm: MarkStd = 0.0
-    ends_std_px: MarkStd = 0.0
+    length_mm_std: MarkStd = 0.0
+    ends_px_std: MarkStd = 0.0
 
     @model_validator(mode="after")
     def _two_ends(self) -> Self:
@@ -44,7 +44,7 @@ class CoinScale(Table):
 
     coin: str
     diameter_mm: Length
-    diameter_std_mm: MarkStd = 0.0
+    diameter_mm_std: MarkStd = 0.0
 
 
 # The key that tells which kind of table it is; the tag must not look like a key in messages.
@@ -98,5 +98,5 @@ OwnScale: TypeAlias = Annotated[
 def is_exact(scale: Table) -> bool:
     """Tell whether a scale has no uncertainty; that of a coin follows from its picture."""
     if isinstance(scale, LineScale):
-        return not (scale.length_std_mm or scale.ends_std_px)
+        return not (scale.length_mm_std or scale.ends_px_std)
     return isinstance(scale, ResolutionScale | PitchScale) and not scale.relative_std

@@ -9,14 +9,14 @@ from typing import Any, Final
 from fingerpad._csv import unescape_formula
 from fingerpad.exceptions import ManifestError
 from fingerpad.study.manifest.contacts import Observation
-from fingerpad.study.manifest.faults import validated
+from fingerpad.study.manifest.validation import validated
 
 # A cell holds no table: these columns make the tables of an observation.
 TABLE_COLUMNS: Final = {
     "ellipse_mm": {
         "semi_major_mm": "semi_major",
         "semi_minor_mm": "semi_minor",
-        "ellipse_std_mm": "std",
+        "ellipse_mm_std": "std",
         "long_axis": "long_axis",
     },
     "scale": {"ppi": "ppi", "mm_per_px": "mm_per_px", "scale_relative_std": "relative_std"},

@@ -15,8 +15,8 @@ from fingerpad.study.manifest.tables import AngleStd, Name, RelativeStd, Table
 class Uncertainty(Table):
     """Standard uncertainties common to all observations."""
 
-    wedge_angle_std_deg: AngleStd = 0.0
-    roll_angle_std_deg: AngleStd = 0.0
+    wedge_angle_deg_std: AngleStd = 0.0
+    roll_angle_deg_std: AngleStd = 0.0
     load_relative_std: RelativeStd = 0.0
     poisson_ratio_std: Annotated[float, Field(ge=0, le=0.5)] = 0.0
     method: Literal["first_order", "monte_carlo"] = "first_order"
@@ -59,7 +59,7 @@ class Study(Table):
     def taken_as_exact(self) -> list[str]:
         """Name what results take as exact, since the manifest gives no uncertainty of it."""
         common = self.uncertainty
-        stds = {"the wedge angle": common.wedge_angle_std_deg, "the load": common.load_relative_std}
+        stds = {"the wedge angle": common.wedge_angle_deg_std, "the load": common.load_relative_std}
         used = dict.fromkeys(name for _, name in self.named_scales())
         tables = [table for _, _, tables in self._tables_with_files() for table in tables]
         own = [scale for table in tables if isinstance(scale := getattr(table, "scale", None), Table)]

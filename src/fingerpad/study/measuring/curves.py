@@ -18,28 +18,28 @@ from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.loading import (
     Cycle,
     Estimate,
-    FittedLaw,
+    FittedForceModel,
     Hysteresis,
     LoadingCurve,
     LoadingFit,
     Secant,
     Segment,
-    Unknown,
+    Undetermined,
     fit_contact_compliance,
     fit_loading_curve,
     read_loading_curve,
     shape_check,
 )
 from fingerpad.study.engine.task import Record, Task, code_digest
+from fingerpad.study.error_text import RECOVERABLE_ERRORS, in_study
 from fingerpad.study.manifest import Curve, Study
 from fingerpad.study.measuring.fingers import FingerResult, is_rejected, photograph_item
 from fingerpad.study.measuring.records import from_plain, to_plain
-from fingerpad.study.measuring.tasks import Keys, chained
-from fingerpad.study.words import ODDITIES, in_study
+from fingerpad.study.measuring.tasks import CacheKeys, cache_key
 
 _SHAPE_LOADS, _SHAPE_POINTS = 4, 80
 # What the store keeps of a curve.
-_FOUND: Final = ("effective_radius", "effective_radius_std", "curve", "fit", "velocity", "shape", "reason")
+_FOUND: Final = ("loading_radius", "loading_radius_std", "curve", "fit", "velocity", "shape", "reason")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -62,7 +62,7 @@ class CurveResult:
     ----------
     manifest : Curve
         What the manifest says of it.
-    effective_radius, effective_radius_std : float
+    loading_radius, loading_radius_std : float
         R_g, mm; NaN where it could not be had, and for an uncertainty that was not given.
     curve : LoadingCurve or None
         The data; None where only R_g was given or they could not be read.
@@ -77,8 +77,8 @@ class CurveResult:
     """
 
     manifest: Curve
-    effective_radius: float = math.nan
-    effective_radius_std: float = math.nan
+    loading_radius: float = math.nan
+    loading_radius_std: float = math.nan
     curve: LoadingCurve | None = None
     fit: LoadingFit | None = None
     velocity: float = math.nan
@@ -88,7 +88,7 @@ class CurveResult:
     @property
     def failed(self) -> bool:
         """Whether it gave no radius and no fit."""
-        return self.fit is None and math.isnan(self.effective_radius)
+        return self.fit is None and math.isnan(self.loading_radius)
 
     @property
     def name(self) -> str:
@@ -104,14 +104,14 @@ _KINDS: Final = {
     for kind in (
         Cycle,
         Estimate,
-        FittedLaw,
+        FittedForceModel,
         Hysteresis,
         LoadingCurve,
         LoadingFit,
         Secant,
         Segment,
         Shape,
-        Unknown,
+        Undetermined,
     )
 }
 
@@ -126,16 +126,19 @@ def curve_items(study: Study) -> Iterator[tuple[str, Curve]]:
             yield item if seen[item] == 1 else f"{item} ({seen[item]})", curve
 
 
-def curve_key(curve: Curve, keys: Keys) -> str:
+def curve_key(curve: Curve, keys: CacheKeys) -> str:
     """Return the key of a curve: what is fitted, by what code, and the pad that it is compared with."""
     pad = next(finger for finger in keys.study.fingers if finger.name == curve.finger)
     faces = [
-        (photograph.face, keys.of(photograph, keys.edits(item), is_rejected(keys.rulings.get(item))))
+        (
+            photograph.face,
+            keys.of(photograph, keys.edits(item), is_rejected(keys.active_corrections.get(item))),
+        )
         for item, photograph in ((photograph_item(pad, one), one) for one in pad.photographs)
     ]
     axes = pad.model_dump(mode="json", include={"semi_axes_mm"})
     solved = find_spec("tamaas") is not None
-    return chained(
+    return cache_key(
         keys.of(curve, curve.wedge_angle_deg, keys.study.poisson_ratio), axes, faces, solved, _fitting_code()
     )
 
@@ -144,7 +147,7 @@ def _fitting_code() -> str:
     return code_digest("contact", "geometry", "loading", "uncertainty", "units.py", "_columns.py")
 
 
-def curve_tasks(finger: FingerResult, keys: Keys) -> Iterator[Task]:
+def curve_tasks(finger: FingerResult, keys: CacheKeys) -> Iterator[Task]:
     """Yield a task for each loading curve of a finger whose photographs are measured."""
     pad = None if finger.reason is not None else Ellipsoid.of(*finger.semi_axes)
     for item, curve in curve_items(keys.study):
@@ -165,7 +168,7 @@ def _record(curve: Curve, pad: Ellipsoid | None, poisson_ratio: float, folder: P
     return {"curve": told, "reason": found.reason if found.failed else None}
 
 
-def curve_results(keys: Keys, record_of: Callable[[str, str, str | None], Record]) -> list[CurveResult]:
+def curve_results(keys: CacheKeys, record_of: Callable[[str, str, str | None], Record]) -> list[CurveResult]:
     """Return what is known of each loading curve of a study, in the manifest's order.
 
     Parameters
@@ -180,9 +183,9 @@ def curve_results(keys: Keys, record_of: Callable[[str, str, str | None], Record
 
 
 def _given(curve: Curve) -> CurveResult:
-    radius, std = curve.effective_radius_mm, curve.effective_radius_std_mm
+    radius, std = curve.loading_radius_mm, curve.loading_radius_mm_std
     assert radius is not None  # the manifest's own rule, where there is no file
-    return CurveResult(manifest=curve, effective_radius=radius, effective_radius_std=std or math.nan)
+    return CurveResult(manifest=curve, loading_radius=radius, loading_radius_std=std or math.nan)
 
 
 def _known(curve: Curve, record: Record) -> CurveResult:
@@ -198,7 +201,7 @@ def curve_result(curve: Curve, pad: Ellipsoid | None, poisson_ratio: float, fold
     Where the record does not determine the whole fit, the slope of area against indentation may still give
     R_g, with the reason beside it.
     """
-    radius, std = curve.effective_radius_mm, curve.effective_radius_std_mm
+    radius, std = curve.loading_radius_mm, curve.loading_radius_mm_std
     assert curve.file is not None  # what was found elsewhere is not fitted
     data = None
     try:
@@ -208,34 +211,36 @@ def curve_result(curve: Curve, pad: Ellipsoid | None, poisson_ratio: float, fold
         fit = fit_loading_curve(
             data,
             poisson_ratio=poisson_ratio,
-            effective_radius=None if radius is None else Estimate.symmetric(radius, std or 0.0),
+            loading_radius=None if radius is None else Estimate.symmetric(radius, std or 0.0),
             cycle=curve.cycle,
             contact_point=curve.contact_point,
-            region=None if curve.region_N is None else (curve.region_N[0], curve.region_N[1]),
+            region=None
+            if curve.fit_load_range_N is None
+            else (curve.fit_load_range_N[0], curve.fit_load_range_N[1]),
         )
     except FitError as error:
         return _slope_alone(curve, data, _named(error, curve.file, folder))
     except FingerpadError as error:
         return CurveResult(manifest=curve, curve=data, reason=_named(error, curve.file, folder))
-    except ODDITIES as error:
+    except RECOVERABLE_ERRORS as error:
         reason = f"{curve.file}: cannot be fitted ({type(error).__name__}: {error})"
         return CurveResult(manifest=curve, curve=data, reason=reason)
-    found = fit.effective_radius
+    found = fit.loading_radius
     return CurveResult(
         manifest=curve,
-        effective_radius=found.value if isinstance(found, Estimate) else math.nan,
-        effective_radius_std=found.std if isinstance(found, Estimate) else math.nan,
+        loading_radius=found.value if isinstance(found, Estimate) else math.nan,
+        loading_radius_std=found.std if isinstance(found, Estimate) else math.nan,
         curve=data,
         fit=fit,
         velocity=_velocity(data, fit, curve.cycle),
         shape=_shape(pad, curve, fit, poisson_ratio),
-        reason=f"{curve.file}: {found.reason}" if isinstance(found, Unknown) else None,
+        reason=f"{curve.file}: {found.reason}" if isinstance(found, Undetermined) else None,
     )
 
 
 def _slope_alone(curve: Curve, data: LoadingCurve | None, reason: str) -> CurveResult:
     """Return what is left where a curve cannot be fitted as a whole: R_g from its slope, if that."""
-    if data is None or curve.effective_radius_mm is not None:
+    if data is None or curve.loading_radius_mm is not None:
         return CurveResult(manifest=curve, curve=data, reason=reason)
     try:
         line = fit_contact_compliance(data)
@@ -243,8 +248,8 @@ def _slope_alone(curve: Curve, data: LoadingCurve | None, reason: str) -> CurveR
         return CurveResult(manifest=curve, curve=data, reason=reason)
     return CurveResult(
         manifest=curve,
-        effective_radius=line.effective_radius,
-        effective_radius_std=line.effective_radius_std,
+        loading_radius=line.loading_radius,
+        loading_radius_std=line.loading_radius_std,
         curve=data,
         reason=f"{reason}; only the slope of area against indentation is known",
     )
@@ -286,5 +291,5 @@ def _shape(pad: Ellipsoid | None, curve: Curve, fit: LoadingFit, poisson_ratio: 
     except (GeometryError, ModuleNotFoundError):
         return None
     indentation, area = np.array([(one.indentation, one.area) for one in pressed]).T
-    ratio = shape_check(loads, indentation, area, effective_radius=radius).ratio
+    ratio = shape_check(loads, indentation, area, loading_radius=radius).ratio
     return Shape(geometric_mean_radius=radius, load=loads, ratio=ratio)

@@ -20,12 +20,12 @@ from fingerpad.image import (
     read_outline,
     write_photograph_overlay,
 )
+from fingerpad.study.corrections.apply import corrected_photograph
 from fingerpad.study.corrections.changes import PhotographCorrection
-from fingerpad.study.corrections.corrected import corrected_photograph
-from fingerpad.study.corrections.decisions import Ruling
+from fingerpad.study.corrections.history import ActiveCorrection
+from fingerpad.study.error_text import in_study
 from fingerpad.study.manifest import Finger, Photograph
 from fingerpad.study.measuring.scales import FoundScale, find_scale
-from fingerpad.study.words import in_study
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -101,7 +101,7 @@ def finger_result(
     scales: Mapping[str, FoundScale | str],
     folder: Path,
     measured: Mapping[str, Mapping[str, Any]],
-    rulings: Mapping[str, Ruling] = MappingProxyType({}),
+    active_corrections: Mapping[str, ActiveCorrection] = MappingProxyType({}),
 ) -> FingerResult:
     """Return a finger's semi-axes; a photograph or outline that cannot be used costs this finger only.
 
@@ -115,7 +115,7 @@ def finger_result(
         The study folder.
     measured : mapping
         What `face_record` found in each photograph, by its item.
-    rulings : mapping
+    active_corrections : mapping
         What people corrected, by item: photographs that they rejected are left out.
     """
     common: dict[str, Any] = {
@@ -124,8 +124,8 @@ def finger_result(
         "pad_thickness": finger.pad_thickness_mm,
         "synthetic": finger.synthetic or any(photograph.synthetic for photograph in finger.photographs),
     }
-    if finger.semi_axes_mm is not None and finger.semi_axes_std_mm is not None:
-        given, std = finger.semi_axes_mm, finger.semi_axes_std_mm
+    if finger.semi_axes_mm is not None and finger.semi_axes_mm_std is not None:
+        given, std = finger.semi_axes_mm, finger.semi_axes_mm_std
         return FingerResult(
             semi_axes=np.array([given.palmar, given.distal, given.radial_ulnar]),
             covariance=np.diag(np.square([std.palmar, std.distal, std.radial_ulnar])),
@@ -136,7 +136,7 @@ def finger_result(
         seen = [
             _face(photograph, scales, folder, measured.get(item))
             for photograph in finger.photographs
-            if not is_rejected(rulings.get(item := photograph_item(finger, photograph)))
+            if not is_rejected(active_corrections.get(item := photograph_item(finger, photograph)))
         ]
         joint = combine_faces(face for face, _ in seen)
     except FingerpadError as error:
@@ -164,9 +164,9 @@ def photograph_item(finger: Finger, photograph: Photograph) -> str:
     return f"{finger.name}/{photograph.image or photograph.outline}"
 
 
-def is_rejected(ruling: Ruling | None) -> bool:
+def is_rejected(active_correction: ActiveCorrection | None) -> bool:
     """Tell whether a person rejected an item."""
-    return ruling is not None and ruling.change.rejected is not None
+    return active_correction is not None and active_correction.change.rejected is not None
 
 
 def face_record(

@@ -9,13 +9,13 @@ import numpy as np
 
 from fingerpad._arrays import FloatArray
 from fingerpad._files import file_stem, make_folder
-from fingerpad.image import Imprint, read_image, write_overlay
+from fingerpad.image import ContactImageResult, read_image, write_overlay
+from fingerpad.study.corrections.apply import NOTHING, CorrectedContactImage, corrected_contact_image
 from fingerpad.study.corrections.changes import ContactCorrection
-from fingerpad.study.corrections.corrected import NOTHING, CorrectedImprint, corrected_imprint
-from fingerpad.study.corrections.decisions import Ruling
+from fingerpad.study.corrections.history import ActiveCorrection
+from fingerpad.study.error_text import in_study
 from fingerpad.study.manifest import Contact, Direction, Observation
 from fingerpad.study.measuring.scales import FoundScale, find_scale
-from fingerpad.study.words import in_study
 
 _FROM_RECORD = (
     "gross_area_mm2",
@@ -117,8 +117,8 @@ def measure_observation(
     assert observation.scale is not None
     found = find_scale(observation.scale, scales, folder)
     pixels = read_image(folder / observation.image).pixels
-    seen = corrected_imprint(pixels, found.scale, observation, folder, correction)
-    if seen.imprint is None:
+    seen = corrected_contact_image(pixels, found.scale, observation, folder, correction)
+    if seen.contact_image is None:
         assert seen.reason is not None  # one of the two
         return Measurement(
             name=observation.name,
@@ -128,18 +128,24 @@ def measure_observation(
         )
     overlay = Path("overlays") / f"{file_stem(observation.name)}.png"
     make_folder((out / overlay).parent)
-    write_overlay(out / overlay, pixels, seen.imprint, label="synthetic" if observation.synthetic else None)
-    kept = from_imprint(seen.imprint, observation, found)
+    write_overlay(
+        out / overlay, pixels, seen.contact_image, label="synthetic" if observation.synthetic else None
+    )
+    kept = from_contact_image(seen.contact_image, observation, found)
     kept["columns"] |= program_columns(seen)
     return Measurement(name=observation.name, load=observation.load_N, overlay=str(overlay), **kept)
 
 
-def contact_correction(ruling: Ruling | None) -> ContactCorrection:
+def contact_correction(active_correction: ActiveCorrection | None) -> ContactCorrection:
     """Return what a person wants of a contact, nothing where nobody said anything."""
-    return ruling.change if ruling is not None and isinstance(ruling.change, ContactCorrection) else NOTHING
+    return (
+        active_correction.change
+        if active_correction is not None and isinstance(active_correction.change, ContactCorrection)
+        else NOTHING
+    )
 
 
-def program_columns(seen: CorrectedImprint) -> dict[str, Any]:
+def program_columns(seen: CorrectedContactImage) -> dict[str, Any]:
     """Return the program's own result, as columns that stand beside the corrected one."""
     if seen.program is None:
         return {}
@@ -149,13 +155,19 @@ def program_columns(seen: CorrectedImprint) -> dict[str, Any]:
     }
 
 
-def reviewed(measured: Measurement, ruling: Ruling | None) -> Measurement:
+def reviewed(measured: Measurement, active_correction: ActiveCorrection | None) -> Measurement:
     """Return a measurement with what a person decided about it, and who."""
-    if ruling is None:
+    if active_correction is None:
         return measured
-    edits, rejected = ruling.change.edits, ruling.change.rejected
-    verdict = "rejected" if rejected is not None else "accepted" if ruling.change.accepted else "corrected"
-    columns: dict[str, Any] = {"reviewed": verdict, "reviewed_by": ruling.who}
+    edits, rejected = active_correction.change.edits, active_correction.change.rejected
+    verdict = (
+        "rejected"
+        if rejected is not None
+        else "accepted"
+        if active_correction.change.accepted
+        else "corrected"
+    )
+    columns: dict[str, Any] = {"reviewed": verdict, "reviewed_by": active_correction.who}
     if edits:
         columns["measured_by"] = "person" if "ellipse_px" in edits else "program with corrections"
     return replace(
@@ -166,31 +178,33 @@ def reviewed(measured: Measurement, ruling: Ruling | None) -> Measurement:
     )
 
 
-def from_imprint(imprint: Imprint, contact: Contact, found: FoundScale) -> dict[str, Any]:
+def from_contact_image(
+    contact_image: ContactImageResult, contact: Contact, found: FoundScale
+) -> dict[str, Any]:
     """Return what a `Measurement` keeps of an imprint."""
-    record = imprint.as_record()
-    turn = np.degrees(imprint.orientation) - contact.finger_axis_deg
+    record = contact_image.as_record()
+    turn = np.degrees(contact_image.orientation) - contact.finger_axis_deg
     orientation = float(90 - (90 - turn) % 180)
     return {
-        "semi_major": float(imprint.ellipse.semi_major),
-        "semi_minor": float(imprint.ellipse.semi_minor),
-        "covariance": imprint.covariance[:2, :2],
+        "semi_major": float(contact_image.ellipse.semi_major),
+        "semi_minor": float(contact_image.ellipse.semi_minor),
+        "covariance": contact_image.covariance[:2, :2],
         "scale": found.name,
         "relative_scale_std": found.scale.relative_std,
         "long_axis": "along" if abs(orientation) <= 45 else "across",
         "columns": {
             **{name: record[name] for name in _FROM_RECORD},
             "orientation_deg": orientation,
-            "centroid_row_px": imprint.centroid[0],
-            "centroid_column_px": imprint.centroid[1],
+            "centroid_row_px": contact_image.centroid[0],
+            "centroid_column_px": contact_image.centroid[1],
             "scale": found.name,
             "mm_per_px": found.scale.mm_per_px,
             "mm_per_px_std": found.scale.mm_per_px_std,
         },
-        "flags": (*doubts_of(imprint), *found.flags),
+        "flags": (*doubts_of(contact_image), *found.flags),
     }
 
 
-def doubts_of(imprint: Imprint) -> tuple[str, ...]:
+def doubts_of(contact_image: ContactImageResult) -> tuple[str, ...]:
     """Return what is doubtful about an imprint; that a person drew in it is not, and is told apart."""
-    return tuple(flag for flag in imprint.flags if flag != "edited_by_person")
+    return tuple(flag for flag in contact_image.flags if flag != "edited_by_person")

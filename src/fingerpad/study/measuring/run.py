@@ -28,7 +28,7 @@ from fingerpad.study.measuring.sequences import (
     header_task,
 )
 from fingerpad.study.measuring.tasks import (
-    Keys,
+    CacheKeys,
     Scales,
     item_key,
     observation_tasks,
@@ -38,14 +38,14 @@ from fingerpad.study.measuring.tasks import (
 )
 
 
-def measured_scales(keys: Keys, store: Store, executor: Executor) -> dict[str, FoundScale | str]:
+def measured_scales(keys: CacheKeys, store: Store, executor: Executor) -> dict[str, FoundScale | str]:
     """Return each named scale, or why there is none; those that the store lacks are measured."""
     records = records_of(scale_tasks(keys), executor, store, keys.folder)
     return {name: scale_from(name, record) for name, record in zip(keys.study.scales, records, strict=True)}
 
 
 def measure_study(
-    keys: Keys,
+    keys: CacheKeys,
     scales: Scales,
     store: Store,
     *,
@@ -104,34 +104,34 @@ def measure_study(
     return tally.now()
 
 
-def _finger_plan(finger: Finger, keys: Keys, scales: Scales, store: Store) -> Plan:
+def _finger_plan(finger: Finger, keys: CacheKeys, scales: Scales, store: Store) -> Plan:
     """Plan a finger: its photographs, then its loading curves, which are compared with the pad's shape."""
     yield list(photograph_tasks(finger, keys, scales))
     if any(curve.finger == finger.name and curve.file for curve in keys.study.curves):
         yield list(curve_tasks(pad_of(finger, keys, scales, store), keys))
 
 
-def pad_of(finger: Finger, keys: Keys, scales: Scales, store: Store) -> FingerResult:
+def pad_of(finger: Finger, keys: CacheKeys, scales: Scales, store: Store) -> FingerResult:
     """Return the semi-axes of a finger from what the store holds of its photographs."""
-    return finger_result(finger, scales, keys.folder, faces_of(finger, keys, store), keys.rulings)
+    return finger_result(finger, scales, keys.folder, faces_of(finger, keys, store), keys.active_corrections)
 
 
-def faces_of(finger: Finger, keys: Keys, store: Store) -> dict[str, Record]:
+def faces_of(finger: Finger, keys: CacheKeys, store: Store) -> dict[str, Record]:
     """Return what the store holds of a finger's photographs, by item."""
     items = {photograph_item(finger, one): one for one in pictures_of(finger)}
     return {
         item: _found(store, item, item_key(keys, item, photograph), photograph.image)
         for item, photograph in items.items()
-        if not is_rejected(keys.rulings.get(item))
+        if not is_rejected(keys.active_corrections.get(item))
     }
 
 
-def loading_results(keys: Keys, store: Store) -> list[CurveResult]:
+def loading_results(keys: CacheKeys, store: Store) -> list[CurveResult]:
     """Return what the store holds of each loading curve, and those found elsewhere."""
     return curve_results(keys, partial(_found, store))
 
 
-def film_results(keys: Keys, store: Store) -> list[SequenceResult]:
+def film_results(keys: CacheKeys, store: Store) -> list[SequenceResult]:
     """Return what the store holds of each film as a whole."""
     return [
         film_result(sequence, _found(store, sequence.name, film_key(sequence, keys), sequence.path))
@@ -140,18 +140,18 @@ def film_results(keys: Keys, store: Store) -> list[SequenceResult]:
 
 
 def measurements(
-    keys: Keys, scales: Scales, store: Store, films: Iterable[SequenceResult]
+    keys: CacheKeys, scales: Scales, store: Store, films: Iterable[SequenceResult]
 ) -> Iterator[tuple[Contact, Measurement]]:
     """Yield what was measured of each observation and frame, in the manifest's order, one at a time."""
     for observation in keys.study.observations:
         seen = _observed(observation, keys, store)
-        yield observation, reviewed(seen, keys.rulings.get(observation.name))
+        yield observation, reviewed(seen, keys.active_corrections.get(observation.name))
     for film in films:
         for measured in film_measurements(film, keys, scales, store):
             yield film.manifest, measured
 
 
-def _observed(observation: Observation, keys: Keys, store: Store) -> Measurement:
+def _observed(observation: Observation, keys: CacheKeys, store: Store) -> Measurement:
     record = _found(store, observation.name, item_key(keys, observation.name, observation), observation.image)
     if record.keys() == {"reason"}:
         return Measurement(name=observation.name, load=observation.load_N, reason=record["reason"])
@@ -162,12 +162,12 @@ def _found(store: Store, name: str, key: str, file: str | None) -> Record:
     return store.record(name, key) or {"reason": CHANGED.format(file)}
 
 
-def items_of(keys: Keys) -> Iterator[tuple[str, Callable[[], str]]]:
+def items_of(keys: CacheKeys) -> Iterator[tuple[str, Callable[[], str]]]:
     """Yield the name of each photograph, loading curve, observation and film, with what makes its key."""
     for finger in keys.study.fingers:
         for photograph in pictures_of(finger):
             item = photograph_item(finger, photograph)
-            if not is_rejected(keys.rulings.get(item)):
+            if not is_rejected(keys.active_corrections.get(item)):
                 yield item, partial(item_key, keys, item, photograph)
     for item, curve in curve_items(keys.study):
         yield item, partial(curve_key, curve, keys)
@@ -177,7 +177,7 @@ def items_of(keys: Keys) -> Iterator[tuple[str, Callable[[], str]]]:
         yield sequence.name, partial(film_key, sequence, keys)
 
 
-def drawn_for(keys: Keys, store: Store) -> Iterator[tuple[str, str]]:
+def drawn_for(keys: CacheKeys, store: Store) -> Iterator[tuple[str, str]]:
     """Yield the overlays that belong to the study as it is, by name, each with its digest."""
     statuses = store.statuses()
     for name, _ in items_of(keys):
@@ -190,7 +190,7 @@ class _Tally:
 
     def __init__(
         self,
-        keys: Keys,
+        keys: CacheKeys,
         store: Store,
         limits: Limits,
         statuses: Mapping[str, TaskStatus],

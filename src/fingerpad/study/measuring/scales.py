@@ -7,8 +7,8 @@ from pathlib import Path
 from fingerpad.exceptions import CalibrationError, FingerpadError
 from fingerpad.image import Scale, measure_coin, read_image
 from fingerpad.study.engine.task import Record
+from fingerpad.study.error_text import in_study
 from fingerpad.study.manifest import CoinScale, LineScale, PitchScale, ScaleKey, ScaleTable, Study
-from fingerpad.study.words import in_study
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -85,8 +85,8 @@ def _found(table: ScaleTable, folder: Path, name: str | None = None) -> FoundSca
             table.length_mm,
             (row, column),
             (end_row, end_column),
-            length_mm_std=table.length_std_mm,
-            point_px_std=table.ends_std_px,
+            length_mm_std=table.length_mm_std,
+            point_px_std=table.ends_px_std,
         )
     elif isinstance(table, PitchScale):
         scale = Scale.of_mm_per_px(table.mm_per_px, table.mm_per_px * table.relative_std)
@@ -102,7 +102,7 @@ def _coin(table: CoinScale, folder: Path, name: str | None) -> FoundScale:
     except CalibrationError as error:
         raise CalibrationError(f"{table.coin}: {error}") from error
     return FoundScale(
-        scale=coin.scale(table.diameter_mm, table.diameter_std_mm),
+        scale=coin.scale(table.diameter_mm, table.diameter_mm_std),
         name=name,
         flags=tuple(f"coin_{flag}" for flag in coin.flags),
     )

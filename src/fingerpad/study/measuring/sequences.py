@@ -19,26 +19,26 @@ from fingerpad.image import (
     FrameClock,
     FrameResult,
     Frames,
-    Reading,
+    SequenceSettings,
     SequenceSummary,
-    Survey,
+    TextureScan,
+    assign_times,
     frame_clock,
     open_frames,
-    place_in_time,
     read_force_signal,
     read_frame_stamps,
     sequence_summary,
 )
-from fingerpad.study.corrections.decisions import Ruling
+from fingerpad.study.corrections.history import ActiveCorrection
 from fingerpad.study.corrections.log import frames_of
 from fingerpad.study.engine.store import Store
 from fingerpad.study.engine.task import CHANGED, ChangedError, Record, Task, TaskResult, Work, describe
+from fingerpad.study.error_text import in_study
 from fingerpad.study.manifest import ContactSequence
-from fingerpad.study.measuring.footage import Footage, FrameOverlay, Gist, survey_from
 from fingerpad.study.measuring.measure import Measurement, contact_correction, reviewed
 from fingerpad.study.measuring.scales import find_scale
-from fingerpad.study.measuring.tasks import Keys, Scales, chained
-from fingerpad.study.words import in_study
+from fingerpad.study.measuring.sequence_tasks import FrameDigest, FrameOverlay, SequenceImages, survey_from
+from fingerpad.study.measuring.tasks import CacheKeys, Scales, cache_key
 
 IN_CONTACT: Final = frozenset(("loading", "hold", "unloading"))
 # Below so many ridges from the centre to the nearest edge an ellipse is drawn by single ridges.
@@ -81,7 +81,7 @@ class Film:
 
     Attributes
     ----------
-    footage : Footage
+    footage : SequenceImages
         Its pictures.
     keys : Keys
         Keys of the study's tasks.
@@ -93,14 +93,14 @@ class Film:
         Times of the frames on the force's clock.
     """
 
-    footage: Footage
-    keys: Keys
+    sequence_images: SequenceImages
+    keys: CacheKeys
     frames: Frames
     force: ForceSignal
     clock: FrameClock
 
     @classmethod
-    def open(cls, sequence: ContactSequence, keys: Keys, scales: Scales, store: Store) -> "Film":
+    def open(cls, sequence: ContactSequence, keys: CacheKeys, scales: Scales, store: Store) -> "Film":
         """Open a film of the manifest, whose header is in the store.
 
         Raises
@@ -118,13 +118,13 @@ class Film:
         columns = {str(key): value for key, value in sequence.force_columns.items()}
         force = read_force_signal(keys.folder / sequence.force, columns)
         return cls(
-            footage=Footage(
+            sequence_images=SequenceImages(
                 sequence=sequence,
                 found=found,
                 corrections={
-                    frame: contact_correction(ruling)
-                    for frame, ruling in frames_of(keys.rulings, sequence.name).items()
-                    if ruling.change.edits
+                    frame: contact_correction(active_correction)
+                    for frame, active_correction in frames_of(keys.active_corrections, sequence.name).items()
+                    if active_correction.change.edits
                 },
             ),
             keys=keys,
@@ -136,7 +136,7 @@ class Film:
     @property
     def sequence(self) -> ContactSequence:
         """What the manifest says of it."""
-        return self.footage.sequence
+        return self.sequence_images.sequence
 
     @property
     def pieces(self) -> list[tuple[int, int]]:
@@ -153,21 +153,23 @@ class Film:
         FingerpadError
             If a stage before failed.
         """
-        survey = [self._task("survey", partial(self.footage.survey, piece), piece) for piece in self.pieces]
-        yield survey
-        surveyed = Survey.joined(survey_from(_good(store, task.name, task.key)) for task in survey)
-        learn = self._task("reading", partial(self.footage.learn, surveyed))
+        scan = [
+            self._task("survey", partial(self.sequence_images.scan, piece), piece) for piece in self.pieces
+        ]
+        yield scan
+        surveyed = TextureScan.joined(survey_from(_good(store, task.name, task.key)) for task in scan)
+        learn = self._task("reading", partial(self.sequence_images.learn, surveyed))
         yield [learn]
         learnt = _good(store, learn.name, learn.key)
-        reading = Reading(
+        settings = SequenceSettings(
             settings=learnt["settings"], learnt_from=tuple(learnt["learnt_from"]), texture=surveyed.texture
         )
-        measure = partial(self.footage.measure, reading)
+        measure = partial(self.sequence_images.measure, settings)
         yield [
             replace(self._task(_FRAMES, partial(measure, piece), piece), pictures=piece[1] - piece[0])
             for piece in self.pieces
         ]
-        draw = partial(self.footage.draw, reading, _gist_of(self.placed(store), self.force))
+        draw = partial(self.sequence_images.draw, settings, _gist_of(self.placed(store), self.force))
         yield [replace(self._task("", draw), name=self.sequence.name, key=film_key(self.sequence, self.keys))]
 
     def _task(self, stage: str, work: Work, piece: tuple[int, int] | None = None) -> Task:
@@ -189,8 +191,12 @@ class Film:
     def _key(self, stage: str, piece: tuple[int, int] | None) -> str:
         pictures = self.keys.of(self.sequence, leave_out=_TIMING)
         start, stop = piece if piece is not None and stage == _FRAMES else (0, 0)
-        edits = {index: one.edits for index, one in self.footage.corrections.items() if start <= index < stop}
-        return chained(pictures, stage, piece, self.frames.count, edits)
+        edits = {
+            index: one.edits
+            for index, one in self.sequence_images.corrections.items()
+            if start <= index < stop
+        }
+        return cache_key(pictures, stage, piece, self.frames.count, edits)
 
     def measurements(self, store: Store) -> Iterator[Measurement]:
         """Yield what was measured, frame by frame, from what the store holds.
@@ -201,7 +207,7 @@ class Film:
         for result, measured in self.placed(store):
             row = self._row(result, measured)
             if row is not None:
-                yield reviewed(row, self.keys.rulings.get(row.name))
+                yield reviewed(row, self.keys.active_corrections.get(row.name))
 
     def digests(self, store: Store, frames: Iterable[int]) -> dict[int, str]:
         """Return the digests of some frames as they were measured, from what the store holds."""
@@ -231,7 +237,7 @@ class Film:
                         flags=() if measured is None else tuple(measured["flags"]),
                     )
 
-        for result in place_in_time(results(), np.empty(0), clock=self.clock, force=self.force):
+        for result in assign_times(results(), np.empty(0), clock=self.clock, force=self.force):
             yield result, waiting.pop(result.index, None)
 
     def _row(self, result: FrameResult, measured: Record | None) -> Measurement | None:
@@ -262,18 +268,18 @@ class Film:
         """Tell whether a frame may be pooled: loading, and its ellipse more than a few ridges."""
         if result.phase != "loading":
             return False
-        if self.sequence.pool_from_N is not None:
-            return result.load >= self.sequence.pool_from_N
+        if self.sequence.pool_min_load_N is not None:
+            return result.load >= self.sequence.pool_min_load_N
         return bool(measured["semi_minor"] >= LEAST_RIDGES * measured["columns"]["ridge_period_mm"])
 
 
-def header_task(sequence: ContactSequence, keys: Keys) -> Task:
+def header_task(sequence: ContactSequence, keys: CacheKeys) -> Task:
     """Return the task that opens a film: it counts the frames."""
     return Task(
         name=f"{sequence.name} header",  # no name of the manifest holds a blank
         item=sequence.name,
         file=sequence.path,
-        key=chained(keys.of(sequence, leave_out=_TIMING), "header"),
+        key=cache_key(keys.of(sequence, leave_out=_TIMING), "header"),
         work=partial(_header, sequence.path),
         inputs=(sequence.path,),
         pictures=0,
@@ -286,29 +292,33 @@ def _header(path: str, folder: Path, _out: Path) -> Record:
     return {"header": header}
 
 
-def frame_count(sequence: ContactSequence, keys: Keys, store: Store) -> int:
+def frame_count(sequence: ContactSequence, keys: CacheKeys, store: Store) -> int:
     """Return the number of frames of a film; one that has not been opened, or cannot be, counts as one."""
     header = header_task(sequence, keys)
     record = store.record(header.name, header.key)
     return 1 if record is None or "header" not in record else int(record["header"]["count"])
 
 
-def film_key(sequence: ContactSequence, keys: Keys) -> str:
+def film_key(sequence: ContactSequence, keys: CacheKeys) -> str:
     """Return the key of all that is known of a film."""
-    frames = frames_of(keys.rulings, sequence.name)
+    frames = frames_of(keys.active_corrections, sequence.name)
     return keys.of(sequence, {frame: edits for frame, one in frames.items() if (edits := one.change.edits)})
 
 
-def frames_beyond(films: Iterable[SequenceResult], rulings: Mapping[str, Ruling]) -> Iterator[str]:
+def frames_beyond(
+    films: Iterable[SequenceResult], active_corrections: Mapping[str, ActiveCorrection]
+) -> Iterator[str]:
     """Yield the corrected frames that lie beyond the end of their film."""
     for film in films:
         if film.summary is not None:
-            for frame in frames_of(rulings, film.manifest.name):
+            for frame in frames_of(active_corrections, film.manifest.name):
                 if frame >= film.summary.count:
                     yield f"{film.manifest.name}#{frame}"
 
 
-def film_plan(sequence: ContactSequence, keys: Keys, scales: Scales, store: Store) -> Iterator[list[Task]]:
+def film_plan(
+    sequence: ContactSequence, keys: CacheKeys, scales: Scales, store: Store
+) -> Iterator[list[Task]]:
     """Yield the tasks of a film, stage by stage; whatever goes wrong costs this film only.
 
     Parameters
@@ -350,13 +360,13 @@ def film_result(sequence: ContactSequence, record: Record) -> SequenceResult:
 
 
 def corrected_frames(
-    films: Iterable[SequenceResult], keys: Keys, scales: Scales, store: Store
+    films: Iterable[SequenceResult], keys: CacheKeys, scales: Scales, store: Store
 ) -> dict[str, str]:
     """Return the digests of all frames that people corrected, by item, as they were measured."""
     found: dict[str, str] = {}
     for film in films:
         name = film.manifest.name
-        ruled = frames_of(keys.rulings, name)
+        ruled = frames_of(keys.active_corrections, name)
         if film.reason is None and ruled:
             digests = Film.open(film.manifest, keys, scales, store).digests(store, ruled)
             found |= {f"{name}#{frame}": digests.get(frame, "") for frame in ruled}
@@ -364,7 +374,7 @@ def corrected_frames(
 
 
 def film_measurements(
-    result: SequenceResult, keys: Keys, scales: Scales, store: Store
+    result: SequenceResult, keys: CacheKeys, scales: Scales, store: Store
 ) -> Iterator[Measurement]:
     """Yield the measurements of a film that is in the store, or the one that says why it has none."""
     name = result.manifest.name
@@ -390,7 +400,7 @@ def _good(store: Store, task: str, key: str) -> Record:
     return record
 
 
-def _gist_of(placed: Iterator[tuple[FrameResult, Record | None]], force: ForceSignal) -> Gist:
+def _gist_of(placed: Iterator[tuple[FrameResult, Record | None]], force: ForceSignal) -> FrameDigest:
     """Return what the frames come to, and the few that are worth drawing."""
     chosen: dict[str, int] = {}
     largest_load = -math.inf
@@ -405,7 +415,7 @@ def _gist_of(placed: Iterator[tuple[FrameResult, Record | None]], force: ForceSi
                 chosen["last contact"] = result.index
             yield result
 
-    return Gist(sequence_summary(followed(), force), chosen)
+    return FrameDigest(sequence_summary(followed(), force), chosen)
 
 
 def _clock(sequence: ContactSequence, frames: Frames, force: ForceSignal, folder: Path) -> FrameClock:

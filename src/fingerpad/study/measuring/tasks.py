@@ -12,7 +12,7 @@ from pydantic import BaseModel
 
 from fingerpad._files import file_stem
 from fingerpad.study.corrections.changes import ContactCorrection
-from fingerpad.study.corrections.decisions import Ruling
+from fingerpad.study.corrections.history import ActiveCorrection
 from fingerpad.study.engine.task import Record, Task, measuring_code
 from fingerpad.study.manifest import CoinScale, Finger, Observation, Photograph, ScaleTable, Study
 from fingerpad.study.measuring.fingers import face_record, is_rejected, photograph_item
@@ -24,13 +24,13 @@ Scales: TypeAlias = Mapping[str, FoundScale | str]
 
 # What of a contact's table changes nothing in what is measured on its picture.
 _NOT_MEASURED: Final = frozenset(
-    ("finger", "wedge_angle_deg", "roll_angle_deg", "load_N", "notes", "scale", "pool_from_N")
+    ("finger", "wedge_angle_deg", "roll_angle_deg", "load_N", "notes", "scale", "pool_min_load_N")
 )
 _FILES: Final = ("image", "outline", "background", "path", "force", "times", "file")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Keys:
+class CacheKeys:
     """Keys of a study's tasks.
 
     Attributes
@@ -41,19 +41,19 @@ class Keys:
         The study folder.
     digest : callable
         That of a file or folder.
-    rulings : mapping
+    active_corrections : mapping
         What people corrected, by item.
     """
 
     study: Study
     folder: Path
     digest: Callable[[Path], str]
-    rulings: Mapping[str, Ruling] = field(default_factory=dict)
+    active_corrections: Mapping[str, ActiveCorrection] = field(default_factory=dict)
 
     def edits(self, item: str) -> dict[str, Any]:
         """Return what a person changed in the measurement of an item."""
-        ruling = self.rulings.get(item)
-        return {} if ruling is None else ruling.change.edits
+        active_correction = self.active_corrections.get(item)
+        return {} if active_correction is None else active_correction.change.edits
 
     def of(self, table: BaseModel, *more: object, leave_out: frozenset[str] = frozenset()) -> str:
         """Return the key of what the manifest says in a table.
@@ -73,7 +73,7 @@ class Keys:
         if scale is None and isinstance(name, BaseModel):
             scale = name.model_dump(mode="json")
         digests = {file: self.digest(self.folder / file) for file in self.inputs_of(table, leave_out)}
-        return chained(parameters, name if isinstance(name, str) else None, scale, digests, *more)
+        return cache_key(parameters, name if isinstance(name, str) else None, scale, digests, *more)
 
     def coin_digest(self, table: ScaleTable) -> str | None:
         """Return the digest of the picture that a scale is measured in, None where it needs none."""
@@ -88,19 +88,19 @@ class Keys:
         return (*(file for name in names if (file := getattr(table, name, None))), *coin)
 
 
-def chained(*parts: object) -> str:
+def cache_key(*parts: object) -> str:
     """Return a digest of some parameters and of the code that measures."""
     return hashlib.sha256(json.dumps([*parts, measuring_code()], sort_keys=True).encode()).hexdigest()
 
 
-def scale_tasks(keys: Keys) -> list[Task]:
+def scale_tasks(keys: CacheKeys) -> list[Task]:
     """Return a task for each named scale."""
     return [
         Task(
             name=f"/scale {name}",  # no item's name begins like this
             item=name,
             file=table.coin if isinstance(table, CoinScale) else "",
-            key=chained(table.model_dump(mode="json"), keys.coin_digest(table)),
+            key=cache_key(table.model_dump(mode="json"), keys.coin_digest(table)),
             work=partial(scale_record, name, table),
             inputs=(table.coin,) if isinstance(table, CoinScale) else (),
             pictures=0,
@@ -109,10 +109,10 @@ def scale_tasks(keys: Keys) -> list[Task]:
     ]
 
 
-def observation_tasks(keys: Keys, scales: Scales) -> Iterator[Task]:
+def observation_tasks(keys: CacheKeys, scales: Scales) -> Iterator[Task]:
     """Yield a task for each observation."""
     for observation in keys.study.observations:
-        correction = contact_correction(keys.rulings.get(observation.name))
+        correction = contact_correction(keys.active_corrections.get(observation.name))
         yield Task(
             name=observation.name,
             item=observation.name,
@@ -129,14 +129,14 @@ def _observed(
     return measurement_record(measure_observation(observation, scales, folder, out, correction))
 
 
-def photograph_tasks(finger: Finger, keys: Keys, scales: Scales) -> Iterator[Task]:
+def photograph_tasks(finger: Finger, keys: CacheKeys, scales: Scales) -> Iterator[Task]:
     """Yield a task for each photograph of a finger that nobody rejected."""
     for number, photograph in enumerate(pictures_of(finger), start=1):
         item = photograph_item(finger, photograph)
-        ruling = keys.rulings.get(item)
-        if photograph.image is None or is_rejected(ruling):
+        active_correction = keys.active_corrections.get(item)
+        if photograph.image is None or is_rejected(active_correction):
             continue
-        change = None if ruling is None else ruling.change
+        change = None if active_correction is None else active_correction.change
         assert not isinstance(change, ContactCorrection)  # the items' own rule
         yield Task(
             name=item,
@@ -159,6 +159,6 @@ def pictures_of(finger: Finger) -> list[Photograph]:
     return [photograph for photograph in finger.photographs if photograph.image is not None]
 
 
-def item_key(keys: Keys, item: str, table: BaseModel) -> str:
+def item_key(keys: CacheKeys, item: str, table: BaseModel) -> str:
     """Return the key of an observation or a photograph."""
     return keys.of(table, keys.edits(item))

@@ -11,9 +11,9 @@ from fingerpad.uncertainty import (
     PAD_SOURCES,
     pad_model,
     propagate,
-    simulate,
+    run_monte_carlo,
     sobol_indices,
-    validate_first_order,
+    validate_linear_approximation,
     variance_shares,
 )
 
@@ -53,7 +53,7 @@ class UncertaintyCheck:
     simulated_std: float
     simulated_interval: tuple[float, float]
     draws: int
-    settled: bool
+    converged: bool
     valid: bool
     shares: dict[str, float]
     total: dict[str, float]
@@ -63,7 +63,7 @@ class UncertaintyCheck:
         """Propagate the inputs of one contact in all ways."""
         sources = _independent_sources(inputs)
         first = propagate(_corrected_radius, *inputs)
-        simulated = simulate(_corrected_radius, *inputs)
+        simulated = run_monte_carlo(_corrected_radius, *inputs)
         shares = variance_shares(first, inputs.covariance, sources)
         total = sobol_indices(_corrected_radius, *inputs, sources).total
         return cls(
@@ -74,8 +74,8 @@ class UncertaintyCheck:
             simulated_std=float(simulated.std[0]),
             simulated_interval=_pair(simulated.interval),
             draws=simulated.draws,
-            settled=bool(simulated.settled[0]),
-            valid=bool(validate_first_order(first, simulated).valid[0]),
+            converged=bool(simulated.converged[0]),
+            valid=bool(validate_linear_approximation(first, simulated).valid[0]),
             shares=dict(zip(sources, map(float, shares[0]), strict=True)),
             total=dict(zip(sources, map(float, total[0]), strict=True)),
         )

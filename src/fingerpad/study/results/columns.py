@@ -56,7 +56,7 @@ COLUMNS: Final[Mapping[str, str]] = {
     "geometric_mean_radius_mm_std": "its standard uncertainty",
     "radius_from_indentation_mm": "corrected radius R_0g F2^-3, the source's R_g^corr",
     "radius_from_indentation_mm_std": "its standard uncertainty",
-    "radius_from_indentation_mm_std_given_geometry": "the same with R_0g held exact, as the source does",
+    "radius_from_indentation_mm_fixed_geometry_std": "the same with R_0g held exact, as the source does",
     "radius_from_area_mm": "equivalent sphere of the same area, R_0g F1^3",
     "radius_from_area_mm_std": "its standard uncertainty",
     "radius_from_compliance_mm": "equivalent sphere of A/(pi xi), R_0g F1^2/F2: the one to compare with R_g",
@@ -75,13 +75,13 @@ COLUMNS: Final[Mapping[str, str]] = {
     "youngs_modulus_kpa_std": "its standard uncertainty",
     "mean_pressure_kpa": "W over the area of the ellipse",
     "mean_pressure_kpa_std": "its standard uncertainty",
-    "contact_size": "sqrt(l_d l_e)/R_e, which Hertz theory takes to be small",
+    "contact_radius_ratio": "sqrt(l_d l_e)/R_e, which Hertz theory takes to be small",
     "indentation_over_thickness": "indentation over the pad's thickness, where that is given",
     "overlay": "picture of the measurement",
 }
 
 # What a column holds; all others hold floats.
-WORDS: Final = frozenset(
+TEXT_COLUMNS: Final = frozenset(
     (
         "observation",
         "finger",
@@ -101,5 +101,5 @@ WORDS: Final = frozenset(
         "overlay",
     )
 )
-TRUTHS: Final = frozenset(("synthetic", "pooled"))
-COUNTS: Final = frozenset(("frame",))
+BOOL_COLUMNS: Final = frozenset(("synthetic", "pooled"))
+INT_COLUMNS: Final = frozenset(("frame",))

@@ -11,8 +11,8 @@ import numpy.typing as npt
 from scipy import io
 
 from fingerpad.exceptions import FingerpadError
-from fingerpad.study.results.columns import COUNTS, TRUTHS, WORDS
-from fingerpad.study.results.finished_table import ResultsTable
+from fingerpad.study.results.columns import BOOL_COLUMNS, INT_COLUMNS, TEXT_COLUMNS
+from fingerpad.study.results.results_reader import ResultsTable
 
 # What MATLAB takes as the name of a field.
 _MATLAB_NAME: Final = re.compile(r"[A-Za-z]\w{0,62}", re.ASCII)
@@ -76,7 +76,7 @@ def _write_parquet(table: ResultsTable, file: Path) -> None:
 
 
 def _arrow_type(pa: Any, name: str) -> Any:
-    kinds = {WORDS: pa.string(), TRUTHS: pa.bool_(), COUNTS: pa.int64()}
+    kinds = {TEXT_COLUMNS: pa.string(), BOOL_COLUMNS: pa.bool_(), INT_COLUMNS: pa.int64()}
     return next((kind for names, kind in kinds.items() if name in names), pa.float64())
 
 

@@ -28,11 +28,11 @@ def loading_radius(
         if curve.manifest.finger == finger
         and curve.manifest.wedge_angle_deg == wedge_angle_deg
         and curve.manifest.synthetic == synthetic
-        and math.isfinite(curve.effective_radius)
+        and math.isfinite(curve.loading_radius)
     ]
     if not fitting:
         return None
-    values, stds = np.array([(each.effective_radius, each.effective_radius_std) for each in fitting]).T
+    values, stds = np.array([(each.loading_radius, each.loading_radius_std) for each in fitting]).T
     if not np.isfinite(stds).all():
         return LoadingRadius(float(values.mean()), math.nan, synthetic)
     pooled = pool(values, stds, proportional=True)

@@ -18,10 +18,10 @@ from fingerpad.uncertainty import (
     PAD_INPUTS,
     PAD_OUTPUTS,
     PAD_SOURCES,
-    factor_of,
+    covariance_root,
     pad_model,
     propagate,
-    simulate,
+    run_monte_carlo,
 )
 
 # Radii that are pooled over the contacts of a finger at one angle.
@@ -109,8 +109,8 @@ def pad_inputs(
     of_axes = np.reshape([one.covariance for _, one in seen], (count, 2, 2))
     covariance = np.zeros((count, len(PAD_INPUTS), len(PAD_INPUTS)))
     covariance[:, :3, :3] = np.reshape([pad.covariance for pad in pads], (count, 3, 3))
-    covariance[:, 3, 3] = np.radians(given.wedge_angle_std_deg) ** 2
-    covariance[:, 4, 4] = np.radians(given.roll_angle_std_deg) ** 2
+    covariance[:, 3, 3] = np.radians(given.wedge_angle_deg_std) ** 2
+    covariance[:, 4, 4] = np.radians(given.roll_angle_deg_std) ** 2
     covariance[:, 5, 5] = given.poisson_ratio_std**2
     covariance[:, _SCALE, _SCALE] = scale_std**2
     covariance[:, 7, 7] = (given.load_relative_std * load) ** 2
@@ -157,7 +157,7 @@ def _monte_carlo(inputs: Inputs) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return the same with standard uncertainties by Monte Carlo; parts stay those of the first order."""
     value, std, parts = _first_order(inputs)
     for place in np.flatnonzero(np.isfinite(std).all(axis=-1)):
-        std[place] = simulate(pad_model, *inputs.at(int(place)), most=_MOST_DRAWS).std
+        std[place] = run_monte_carlo(pad_model, *inputs.at(int(place)), max_draws=_MOST_DRAWS).std
     return value, std, parts
 
 
@@ -182,5 +182,5 @@ def _by_source(covariance: FloatArray) -> FloatArray:
     for places in PAD_SOURCES.values():
         if places != (_SCALE,):
             block = slice(places[0], places[-1] + 1)
-            factor[:, block, block] = factor_of(rest[:, block, block])
+            factor[:, block, block] = covariance_root(rest[:, block, block])
     return factor

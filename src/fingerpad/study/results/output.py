@@ -15,7 +15,7 @@ from fingerpad.image import OutlineSemiAxes
 from fingerpad.study.measuring.scales import FoundScale
 from fingerpad.study.measuring.sequences import SequenceResult
 from fingerpad.study.results.check import UncertaintyCheck
-from fingerpad.study.results.columns import COLUMNS, TRUTHS, WORDS
+from fingerpad.study.results.columns import BOOL_COLUMNS, COLUMNS, TEXT_COLUMNS
 from fingerpad.study.results.loading import LoadingRadius, loading_radius
 from fingerpad.study.results.pooling import PooledRadius
 from fingerpad.study.results.study_result import StudyResult
@@ -65,9 +65,9 @@ def write_rows(rows: Table, table: Path, records: Path) -> None:
 def _literals(rows: Table, name: str) -> list[str]:
     """Return a column as JSON literals."""
     items = rows.column(name).tolist()
-    if name in WORDS:
+    if name in TEXT_COLUMNS:
         return ["null" if item is None else encode_basestring(item) for item in items]
-    if name in TRUTHS:
+    if name in BOOL_COLUMNS:
         return ["true" if item else "false" for item in items]
     known = rows.known(name) & np.isfinite(rows.column(name))
     return [repr(item) if there else "null" for item, there in zip(items, known.tolist(), strict=True)]
@@ -75,7 +75,7 @@ def _literals(rows: Table, name: str) -> list[str]:
 
 def _cells(rows: Table, name: str, literals: list[str]) -> list[str]:
     """Return a column as CSV cells: words as no formula, all else as in JSON, empty for what is not known."""
-    if name in WORDS:
+    if name in TEXT_COLUMNS:
         return ["" if item is None else escape_formula(item) for item in rows.column(name).tolist()]
     return ["" if literal == "null" else literal for literal in literals]
 
@@ -124,8 +124,8 @@ def summary_record(result: StudyResult) -> dict[str, Any]:
                 "finger": curve.manifest.finger,
                 "wedge_angle_deg": curve.manifest.wedge_angle_deg,
                 "synthetic": curve.manifest.synthetic,
-                "effective_radius_mm": curve.effective_radius,
-                "effective_radius_mm_std": curve.effective_radius_std,
+                "loading_radius_mm": curve.loading_radius,
+                "effective_radius_mm_std": curve.loading_radius_std,
                 "velocity_mm_per_s": curve.velocity,
                 "reason": curve.reason,
                 "fit": curve.fit and curve.fit.as_record(),

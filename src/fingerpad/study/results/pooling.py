@@ -5,7 +5,7 @@ from typing import Final, Self
 
 import numpy as np
 
-from fingerpad._arrays import FloatArray, floats
+from fingerpad._arrays import FloatArray, as_float_array
 from fingerpad.study.results.model import GEOMETRY, OF_THE_PLACEMENT, PART_SOURCES, POOLED_OUTPUTS
 from fingerpad.study.results.rows import Rows
 from fingerpad.study.results.table import Column, Places, Table, numbered
@@ -13,11 +13,11 @@ from fingerpad.uncertainty import (
     PAD_SOURCES,
     Pooled,
     RandomEffects,
-    Scatter,
-    SharedParts,
+    SharedErrors,
+    VarianceComponents,
     pool,
     pool_random_effects,
-    scatter_of,
+    variance_components,
 )
 
 # Parts that a contact shares with no other, and parts of second order.
@@ -46,7 +46,7 @@ class PooledRadius:
     fixed: Pooled
     given_geometry: float
     random: RandomEffects
-    scatter: Scatter
+    scatter: VarianceComponents
     budget: dict[str, float]
 
     @property
@@ -94,7 +94,7 @@ class PooledRadius:
         weights /= np.bincount(estimate, weights)[estimate]
 
         def mean(of: FloatArray) -> FloatArray:
-            return floats(np.bincount(estimate, weights * of))
+            return as_float_array(np.bincount(estimate, weights * of))
 
         value, own = mean(pooled.column(f"{output}_mm")), mean(own_std)
         value -= (1 - pool(value, own).weights) * mean(bias)
@@ -112,7 +112,7 @@ class PooledRadius:
             fixed=fixed,
             given_geometry=float(np.hypot(fixed.std, np.sqrt(exact))),
             random=pool_random_effects(value, np.maximum(own, np.spacing(value)), shared),
-            scatter=scatter_of(value, pooled.column("load_N")[last]),
+            scatter=variance_components(value, pooled.column("load_N")[last]),
             budget=_budget(fixed, variances),
         )
 
@@ -121,7 +121,7 @@ def _own_std(parts: FloatArray, elongation_std: FloatArray) -> FloatArray:
     """Return what contacts' own errors add, the slope of the radius taken to be that of all of them."""
     variance = np.sum(elongation_std**2)
     slope = np.sum(parts[:, _OWN & ~_SECOND] ** 2) / variance if variance > 0 else 0.0
-    return floats(np.sqrt(slope * elongation_std**2 + np.sum(parts[:, _OWN & _SECOND] ** 2, axis=-1)))
+    return as_float_array(np.sqrt(slope * elongation_std**2 + np.sum(parts[:, _OWN & _SECOND] ** 2, axis=-1)))
 
 
 def _shares(parts: FloatArray) -> FloatArray:
@@ -130,11 +130,11 @@ def _shares(parts: FloatArray) -> FloatArray:
     return parts / total if total > 0 else parts
 
 
-def _shared(parts: FloatArray, scales: Column) -> SharedParts:
+def _shared(parts: FloatArray, scales: Column) -> SharedErrors:
     """Return what estimates share: the placement all of them, a scale those that name it."""
     scale = numbered((place,) if name is None else name for place, name in enumerate(scales))
     of_scale = PART_SOURCES[~_OWN] == "image scale"
-    return SharedParts(parts=parts[:, ~_OWN], groups=np.where(of_scale, scale[:, None], 0))
+    return SharedErrors(parts=parts[:, ~_OWN], groups=np.where(of_scale, scale[:, None], 0))
 
 
 def _budget(fixed: Pooled, variances: FloatArray) -> dict[str, float]:

@@ -18,7 +18,7 @@ FORMULAS: Final = {
     "radius_from_compliance": "R₀g F₁²/F₂, which matches R_g, the slope of A against πξ",
     "indentation": "ξ = A/(π R_e F₁²/F₂), Johnson (4.26)",
     "reduced_modulus": "E* = 3 W R_e F₁³/(4 (ℓd ℓe)^(3/2)), Johnson (4.26a)",
-    "effective_radius": "R_g of A = π R_g ξ, fitted together with the force, F = W(ξ) + zero + drift",
+    "loading_radius": "R_g of A = π R_g ξ, fitted together with the force, F = W(ξ) + zero + drift",
     "uncertainty": "J Σ Jᵀ (GUM Eq. 13), J by complex steps, with the second-order term of each input; or "
     "Monte Carlo (GUM Supplement 1)",
     "pooled": "inverse-variance mean; its standard uncertainty times the Birge ratio where that exceeds one, "

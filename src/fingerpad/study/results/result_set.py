@@ -15,7 +15,7 @@ from typing import Final
 
 from fingerpad._files import digest_of, sha256_of
 from fingerpad.exceptions import FingerpadError, StoreError
-from fingerpad.study.durable import sync_folder
+from fingerpad.study.atomic_files import sync_folder
 from fingerpad.study.engine.store import STORE_NAME, Store
 
 SUMS_NAME: Final = "SHA256SUMS"

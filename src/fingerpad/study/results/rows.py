@@ -81,7 +81,7 @@ _AT_ONCE: Final = 500
 Seen: TypeAlias = Sequence[tuple[Contact, Measurement]]
 
 
-class Heaviest(NamedTuple):
+class HighestLoad(NamedTuple):
     """The contact under the largest load of those that count at one placement.
 
     Attributes
@@ -113,7 +113,7 @@ class Rows:
         Signed contributions to the uncertainty of their radii, as `Modelled` has them.
     elongation_std : ndarray, shape (pooled rows,)
         Standard uncertainty of the elongation ln(ℓd/ℓe) of each of their contact ellipses.
-    heaviest : dict of PlacementKey to Heaviest
+    highest_load : dict of PlacementKey to HighestLoad
         By the values of `PLACEMENT`; without those at which nothing counts.
     """
 
@@ -121,7 +121,7 @@ class Rows:
     pooled: Places
     parts: FloatArray
     elongation_std: FloatArray
-    heaviest: dict[PlacementKey, Heaviest]
+    highest_load: dict[PlacementKey, HighestLoad]
 
 
 def make_rows(
@@ -143,7 +143,7 @@ def make_rows(
     pooled = GrowingArray(np.empty(0, dtype=np.intp))
     parts = GrowingArray(np.empty((0, len(POOLED_OUTPUTS), len(PART_SOURCES))))
     elongation_std = GrowingArray(np.empty(0))
-    heaviest: dict[PlacementKey, Heaviest] = {}
+    highest_load: dict[PlacementKey, HighestLoad] = {}
     start = 0
     while batch := list(islice(stream, _AT_ONCE)):
         done = _Batch.of(study, fingers, batch)
@@ -152,14 +152,14 @@ def make_rows(
         pooled.add(start + done.good[counts])
         parts.add(done.modelled.parts[counts])
         elongation_std.add(np.sqrt(done.inputs.covariance[counts, _ELONGATION, _ELONGATION]))
-        done.weigh(heaviest)
+        done.weigh(highest_load)
         start += len(batch)
     return Rows(
         table=table.table(),
         pooled=pooled.array,
         parts=parts.array,
         elongation_std=elongation_std.array,
-        heaviest=heaviest,
+        highest_load=highest_load,
     )
 
 
@@ -199,8 +199,8 @@ class _Batch:
             modelled=modelled,
         )
 
-    def weigh(self, heaviest: dict[PlacementKey, Heaviest]) -> None:
-        """Put those of these contacts into `heaviest` that belong there; of equal loads the last counts."""
+    def weigh(self, highest_load: dict[PlacementKey, HighestLoad]) -> None:
+        """Put those of these contacts into `highest_load` that belong there; of equal loads the last counts."""
         counts = self.columns["pooled"][self.good]
         loads = self.columns["load_N"][self.good].tolist()
         keys = list(zip(*(self.columns[name][self.good].tolist() for name in PLACEMENT), strict=True))
@@ -210,9 +210,9 @@ class _Batch:
             if key not in found or loads[place] >= loads[found[key]]:
                 found[key] = place
         for key, place in found.items():
-            if key not in heaviest or loads[place] >= heaviest[key].load:
+            if key not in highest_load or loads[place] >= highest_load[key].load:
                 name = self.columns["observation"][self.good[place]]
-                heaviest[key] = Heaviest(name, loads[place], self.inputs.at(place))
+                highest_load[key] = HighestLoad(name, loads[place], self.inputs.at(place))
 
 
 def _described(
@@ -290,10 +290,10 @@ def _modelled(
         "v_deg": np.degrees(placement.v),
         "in_plane_radius_mm": placement.curvature.in_plane_radius,
         "transverse_radius_mm": placement.curvature.transverse_radius,
-        "contact_size": value["contact_size"],
+        "contact_radius_ratio": value["contact_radius_ratio"],
         "predicted_aspect_ratio": np.exp(np.abs(elongation)),
         "predicted_long_axis": sides[np.sign(elongation).astype(int)],
-        "radius_from_indentation_mm_std_given_geometry": modelled.std_of(
+        "radius_from_indentation_mm_fixed_geometry_std": modelled.std_of(
             "radius_from_indentation", _OF_THE_CONTACT
         ),
         "indentation_over_thickness": value["indentation"] / thickness,
@@ -316,7 +316,7 @@ def _range_notes(row: Mapping[str, Column], pads: Sequence[FingerResult], semi_a
         "implausible_size": np.asarray(implausible_size(semi_axes).any(axis=-1)),
         "implausible_modulus": (row["youngs_modulus_kpa"] < 1) | (row["youngs_modulus_kpa"] > 5000),
         "deeper_than_pad": row["indentation_mm"] > semi_axes[:, 0],
-        "contact_not_small": row["contact_size"] > SMALL_CONTACT,
+        "contact_not_small": row["contact_radius_ratio"] > SMALL_CONTACT,
         "indentation_not_small": row["indentation_over_thickness"] > SMALL_INDENTATION,
         "long_axis_disagrees": np.array(crossed, dtype=bool),
         "aspect_ratio_disagrees": np.abs(row["aspect_ratio"] / row["predicted_aspect_ratio"] - 1)

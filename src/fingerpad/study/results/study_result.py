@@ -20,7 +20,7 @@ from fingerpad.study.measuring.scales import FoundScale
 from fingerpad.study.measuring.sequences import SequenceResult
 from fingerpad.study.results.check import UncertaintyCheck
 from fingerpad.study.results.digest import digest_of_values
-from fingerpad.study.results.rows import Heaviest, make_rows
+from fingerpad.study.results.rows import HighestLoad, make_rows
 from fingerpad.study.results.summary import Summary, summaries
 from fingerpad.study.results.table import Table
 
@@ -46,7 +46,7 @@ class StudyResult:
     summaries : list of Summary
         One per finger and placement.
     checks : list of UncertaintyCheck or None
-        Of the heaviest contact that counts in each summary; None where none does, or it cannot be checked.
+        Of the highest_load contact that counts in each summary; None where none does, or it cannot be checked.
     curves : list of CurveResult
         One per loading curve.
     provenance : dict
@@ -175,7 +175,7 @@ def result_of(
         scales=scales,
         summaries=found,
         checks=_checks(
-            [rows.heaviest.get(summary.key) for summary in found], executor, store, folder, on_check
+            [rows.highest_load.get(summary.key) for summary in found], executor, store, folder, on_check
         ),
         curves=curves,
         provenance=origin,
@@ -184,7 +184,7 @@ def result_of(
 
 
 def _checks(
-    heaviest: Sequence[Heaviest | None],
+    highest_load: Sequence[HighestLoad | None],
     executor: Executor,
     store: Store,
     folder: Path,
@@ -202,13 +202,13 @@ def _checks(
             inputs=(),
             pictures=0,
         )
-        for one in heaviest
+        for one in highest_load
         if one is not None
     ]
     records = iter(records_of(tasks, executor, store, folder, lambda task: on_check(task.item)))
     kinds = {"UncertaintyCheck": UncertaintyCheck}
-    return [None if one is None else from_plain(next(records).get("check"), kinds) for one in heaviest]
+    return [None if one is None else from_plain(next(records).get("check"), kinds) for one in highest_load]
 
 
-def _checked(heaviest: Heaviest, _folder: Path, _out: Path) -> Record:
-    return {"check": to_plain(UncertaintyCheck.of(heaviest.observation, heaviest.inputs))}
+def _checked(highest_load: HighestLoad, _folder: Path, _out: Path) -> Record:
+    return {"check": to_plain(UncertaintyCheck.of(highest_load.observation, highest_load.inputs))}

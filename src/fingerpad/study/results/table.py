@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fingerpad._arrays import BoolArray
-from fingerpad.study.results.columns import COLUMNS, COUNTS, TRUTHS, WORDS
+from fingerpad.study.results.columns import BOOL_COLUMNS, COLUMNS, INT_COLUMNS, TEXT_COLUMNS
 
 Row: TypeAlias = dict[str, Any]
 Column: TypeAlias = npt.NDArray[Any]
@@ -90,9 +90,9 @@ class Table(Sequence[Row]):
     def known(self, name: str) -> BoolArray:
         """Return where a column is known."""
         column = self.column(name)
-        if name in WORDS:
+        if name in TEXT_COLUMNS:
             return np.array([item is not None for item in column], dtype=bool)
-        return np.asarray(column != UNKNOWN_COUNT if name in COUNTS else ~np.isnan(column))
+        return np.asarray(column != UNKNOWN_COUNT if name in INT_COLUMNS else ~np.isnan(column))
 
     def at(self, places: Places | BoolArray) -> "Table":
         """Return some rows, by their places or by truths."""
@@ -148,7 +148,7 @@ class TableBuilder:
             column = batch.get(name)
             if column is None:
                 column = unknown(name, size)
-            elif name in WORDS:  # each word is kept once
+            elif name in TEXT_COLUMNS:  # each word is kept once
                 column = column_of(name, (self._words.setdefault(word, word) for word in column))
             grown.add(column)
 
@@ -161,13 +161,13 @@ class TableBuilder:
 def column_of(name: str, items: Iterable[Any]) -> Column:
     """Return the items of rows as a column."""
     listed = list(items)
-    if name in WORDS:
+    if name in TEXT_COLUMNS:
         column = np.empty(len(listed), dtype=object)
         column[:] = listed
         return column
-    if name in COUNTS:
+    if name in INT_COLUMNS:
         return np.array([UNKNOWN_COUNT if item is None else item for item in listed], dtype=np.int64)
-    return np.array(listed, dtype=bool if name in TRUTHS else np.float64)
+    return np.array(listed, dtype=bool if name in BOOL_COLUMNS else np.float64)
 
 
 def numbered(items: Iterable[Hashable]) -> Places:
@@ -184,18 +184,18 @@ def numbered(items: Iterable[Hashable]) -> Places:
 
 def unknown(name: str, size: int) -> Column:
     """Return a column of which nothing is known."""
-    if name in WORDS:
+    if name in TEXT_COLUMNS:
         return np.full(size, None, dtype=object)
-    if name in TRUTHS:
+    if name in BOOL_COLUMNS:
         return np.zeros(size, dtype=bool)
-    return np.full(size, UNKNOWN_COUNT) if name in COUNTS else np.full(size, np.nan)
+    return np.full(size, UNKNOWN_COUNT) if name in INT_COLUMNS else np.full(size, np.nan)
 
 
 def _items(name: str, column: Column) -> list[Any]:
     """Return a column as it stands in rows: None for what is not known."""
     items: list[Any] = column.tolist()
-    if name in WORDS or name in TRUTHS:
+    if name in TEXT_COLUMNS or name in BOOL_COLUMNS:
         return items
-    if name in COUNTS:
+    if name in INT_COLUMNS:
         return [None if item == UNKNOWN_COUNT else item for item in items]
     return [None if isnan(item) else item for item in items]

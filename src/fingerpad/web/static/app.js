@@ -1,10 +1,10 @@
 // The page: the steps of the work on the left, the step that is open on the right.
 
-import { bench } from "./core/bench.js";
+import { bench } from "./core/workspace.js";
 import { h, place } from "./core/dom.js";
 import { bindEverywhere, bindHere, listen, showHelp } from "./core/keys.js";
 import { complain } from "./core/messages.js";
-import { drawRail } from "./core/rail.js";
+import { drawRail } from "./core/sidebar.js";
 import * as contacts from "./views/contacts.js";
 import * as pad from "./views/pad.js";
 import * as photographs from "./views/photographs.js";

@@ -1,7 +1,7 @@
 // Corrections of one picture: each is on the disk before it is shown as kept.
 
 import { ApiError, get, post } from "./api.js";
-import { bench, who } from "./bench.js";
+import { bench, who } from "./workspace.js";
 import { question } from "./messages.js";
 import { h } from "./dom.js";
 

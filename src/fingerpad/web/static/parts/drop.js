@@ -1,7 +1,7 @@
 // Files dropped on the page, or chosen: sent one after the other, each with its progress.
 
 import { upload } from "../core/api.js";
-import { bench } from "../core/bench.js";
+import { bench } from "../core/workspace.js";
 import { h, place } from "../core/dom.js";
 import { complain, say } from "../core/messages.js";
 import { button } from "./forms.js";

@@ -1,6 +1,6 @@
 // The scale of a picture in a form: a named one, or one of its own.
 
-import { bench } from "../core/bench.js";
+import { bench } from "../core/workspace.js";
 import { choose } from "./forms.js";
 
 export function scaleWords(scale) {

@@ -1,6 +1,6 @@
 // What the filmstrip shows of contact images and frames, and which of them.
 
-import { wordsFor } from "../core/bench.js";
+import { wordsFor } from "../core/workspace.js";
 import { plain } from "../core/quantity.js";
 import { decisions } from "./review.js";
 

@@ -1,6 +1,6 @@
 // The numbers of one contact beside the program's own, its settings, its decision and its history.
 
-import { wordsFor } from "../core/bench.js";
+import { wordsFor } from "../core/workspace.js";
 import { h, place, symbol } from "../core/dom.js";
 import { BY, plain, quantityText, reading } from "../core/quantity.js";
 import { check, chip, choose, field, number, synthetic } from "../parts/forms.js";

@@ -1,7 +1,7 @@
 // Contact images and frames: what the program found, what a person says of it, and on to the next.
 
 import { get, post } from "../core/api.js";
-import { bench } from "../core/bench.js";
+import { bench } from "../core/workspace.js";
 import { h, place } from "../core/dom.js";
 import { plainChange } from "../core/corrections.js";
 import { say } from "../core/messages.js";

@@ -63,7 +63,7 @@ export class Inspector {
     place(
       this.parts.history,
       h("div.headline", null, h("h3", null, "History"), this.buttons.revert),
-      document.on_another_picture && h("p.note.bad", { role: "alert" }, "This was corrected on another picture than the one that is there now. Look at it again, and accept it or go back to the program."),
+      document.on_another_image && h("p.note.bad", { role: "alert" }, "This was corrected on another picture than the one that is there now. Look at it again, and accept it or go back to the program."),
       h("div.chips", null, change.accepted && chip("accepted", "good"), change.rejected && chip(`rejected: ${change.rejected}`, "bad")),
       records.length
         ? h("ol.history", { tabindex: 0, "aria-label": "History of corrections" }, records.map((record) => h("li", null, h("span", null, wordsOf(record)), h("time", { datetime: record.when, title: record.when }, `${record.who || "unknown"}, ${ago(record.when)}`))))

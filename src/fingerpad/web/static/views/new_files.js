@@ -1,7 +1,7 @@
 // Files that no table names yet: say what each is, all at once if they are alike.
 
 import { get, post, remove } from "../core/api.js";
-import { bench } from "../core/bench.js";
+import { bench } from "../core/workspace.js";
 import { h, place, redraw } from "../core/dom.js";
 import { complain, say } from "../core/messages.js";
 import { bytes } from "../core/quantity.js";

@@ -1,7 +1,7 @@
 // The pad: where it touches, how it is curved there, on which wedge.
 
 import { Newest, post } from "../core/api.js";
-import { bench } from "../core/bench.js";
+import { bench } from "../core/workspace.js";
 import { h, place, symbol } from "../core/dom.js";
 import { bindHere } from "../core/keys.js";
 import { plain, quantityText, reading, withStd } from "../core/quantity.js";

@@ -1,6 +1,6 @@
 // The numbers of one face, and of the pad that all faces of the finger give together.
 
-import { wordsFor } from "../core/bench.js";
+import { wordsFor } from "../core/workspace.js";
 import { h, place, s } from "../core/dom.js";
 import { BY, plain, probability, quantityText, reading, withStd } from "../core/quantity.js";
 import { chip, choose, field, synthetic } from "../parts/forms.js";

@@ -1,7 +1,7 @@
 // Photographs of the finger's faces: the outline found, the ellipse fitted, and all faces together as one pad.
 
 import { Newest, post } from "../core/api.js";
-import { bench } from "../core/bench.js";
+import { bench } from "../core/workspace.js";
 import { h, place, s } from "../core/dom.js";
 import { quantityText } from "../core/quantity.js";
 import { empty } from "../parts/forms.js";
@@ -63,7 +63,7 @@ class Photographs extends Review {
     this.stage.root.classList.add("face");
     this.line = new Line(this.stage, (ends) => this.lengths.ask(ends));
     this.lengths = new Newest(
-      (ends) => post("/api/measure/length", { scale: this.entry.scale, line_px: ends, ends_std_px: 1 }),
+      (ends) => post("/api/measure/length", { scale: this.entry.scale, line_px: ends, ends_px_std: 1 }),
       (answer) => this.#length(answer),
       (error) => this.stage.say(error.message, "bad"),
       this.inspector.parts.tool,

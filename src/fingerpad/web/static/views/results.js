@@ -1,6 +1,6 @@
 // What follows: the corrected radius against load, and everything behind it.
 
-import { bench } from "../core/bench.js";
+import { bench } from "../core/workspace.js";
 import { h, place } from "../core/dom.js";
 import { bindHere } from "../core/keys.js";
 import { empty, segments } from "../parts/forms.js";

@@ -16,7 +16,7 @@ export class Budget {
     const { groups } = await get("/api/results/budget");
     place(
       this.root,
-      h("p.lead", null, "Shares of the variance of the corrected radius ", symbol("R", "g", "corr"), ": of the pooled value, and of the heaviest contact by first order and by Sobol's total index, which counts interactions."),
+      h("p.lead", null, "Shares of the variance of the corrected radius ", symbol("R", "g", "corr"), ": of the pooled value, and of the highest_load contact by first order and by Sobol's total index, which counts interactions."),
       h("div.plot-grid", null, groups.map((group) => this.#group(group))),
     );
   }
@@ -25,8 +25,8 @@ export class Budget {
     const sources = Object.keys(pooled ?? check?.shares ?? {}).sort((a, b) => (pooled ?? check.shares)[b] - (pooled ?? check.shares)[a]);
     const columns = [
       ["pooled", pooled, "measured"],
-      ["heaviest, first order", check?.shares, "compliance"],
-      ["heaviest, Sobol", check?.total, "predicted"],
+      ["highest_load, first order", check?.shares, "compliance"],
+      ["highest_load, Sobol", check?.total, "predicted"],
     ].filter(([, shares]) => shares);
     return h(
       "section.card",

@@ -1,7 +1,7 @@
 // Every row of the results: filter, sort, status.
 
 import { get } from "../core/api.js";
-import { bench, wordsFor } from "../core/bench.js";
+import { bench, wordsFor } from "../core/workspace.js";
 import { h, place } from "../core/dom.js";
 import { plain, withStd } from "../core/quantity.js";
 import { button, check, chip, choose, field, synthetic } from "../parts/forms.js";
@@ -21,7 +21,7 @@ const SHOWN = [
   "youngs_modulus_kpa",
   "radius_from_compliance_mm",
   "mean_curvature_radius_mm",
-  "contact_size",
+  "contact_radius_ratio",
   "measured_by",
 ];
 const SHORT = {
@@ -38,7 +38,7 @@ const SHORT = {
   radius_from_indentation_mm: "Corrected R, mm",
   radius_from_compliance_mm: "R_Aξ, mm",
   mean_curvature_radius_mm: "R_0g, mm",
-  contact_size: "a/R",
+  contact_radius_ratio: "a/R",
   measured_by: "By",
 };
 

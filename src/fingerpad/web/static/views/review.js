@@ -10,7 +10,7 @@ import { Filmstrip } from "../parts/filmstrip.js";
 import { segments } from "../parts/forms.js";
 import { Stage } from "../parts/stage.js";
 import { Box, Brush } from "../parts/tools.js";
-import { whoButton } from "../parts/who.js";
+import { whoButton } from "../parts/person.js";
 
 const VERDICTS = ["accepted", "rejected"];
 

@@ -1,7 +1,7 @@
 // Run everything that is missing or changed, watch it, stop it, and take the results away.
 
 import { get, post } from "../core/api.js";
-import { bench } from "../core/bench.js";
+import { bench } from "../core/workspace.js";
 import { h, place } from "../core/dom.js";
 import { bindHere } from "../core/keys.js";
 import { bytes } from "../core/quantity.js";

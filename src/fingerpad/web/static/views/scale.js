@@ -1,7 +1,7 @@
 // Scales: a line on a ruler, a coin, or a resolution; one scale for many pictures.
 
 import { get, Newest, post } from "../core/api.js";
-import { bench, wordsFor } from "../core/bench.js";
+import { bench, wordsFor } from "../core/workspace.js";
 import { h, pathOf, place, s } from "../core/dom.js";
 import { bindHere } from "../core/keys.js";
 import { complain, say } from "../core/messages.js";
@@ -18,7 +18,7 @@ const WAYS = [
 ];
 
 // What a new scale begins with, to be seen and changed: a hand marks a line's end to about a pixel.
-const FRESH = { line: { ends_std_px: 1 } };
+const FRESH = { line: { ends_px_std: 1 } };
 
 const COINS = [
   ["", "– type or choose –"],
@@ -145,13 +145,13 @@ class Scales {
     const ways = {
       line: () => [
         field("Length of the line", of("length_mm"), { unit: "mm" }),
-        field("Its uncertainty", of("length_std_mm", { placeholder: "not said" }), { unit: "mm" }),
-        field("Each end is sure to", of("ends_std_px", { placeholder: "not said" }), { unit: "px" }),
+        field("Its uncertainty", of("length_mm_std", { placeholder: "not said" }), { unit: "mm" }),
+        field("Each end is sure to", of("ends_px_std", { placeholder: "not said" }), { unit: "px" }),
       ],
       coin: () => [
         field("Which coin", choose({ value: String(this.table.diameter_mm ?? ""), options: COINS, onset: (value) => value && (set("diameter_mm")(Number(value)), this.#drawFields()) }), { wide: true }),
         field("Diameter", of("diameter_mm"), { unit: "mm" }),
-        field("Its uncertainty", of("diameter_std_mm", { placeholder: "not said" }), { unit: "mm" }),
+        field("Its uncertainty", of("diameter_mm_std", { placeholder: "not said" }), { unit: "mm" }),
       ],
       ppi: () => [field("Pixels per inch", of("ppi"), { unit: "ppi" }), field("Relative uncertainty", of("relative_std", { placeholder: "not said", max: 1 }), { hint: "0.01 is one per cent" })],
       mm_per_px: () => [field("Millimetres per pixel", of("mm_per_px"), { unit: "mm/px" }), field("Relative uncertainty", of("relative_std", { placeholder: "not said", max: 1 }), { hint: "0.01 is one per cent" })],
@@ -206,7 +206,7 @@ class Scales {
 
   /** What the library would take: the keys of this way that are filled in. */
   #asked() {
-    const keys = { line: ["line", "length_mm", "length_std_mm", "ends_std_px"], coin: ["coin", "diameter_mm", "diameter_std_mm"], ppi: ["ppi", "relative_std"], mm_per_px: ["mm_per_px", "relative_std"] }[this.way];
+    const keys = { line: ["line", "length_mm", "length_mm_std", "ends_px_std"], coin: ["coin", "diameter_mm", "diameter_mm_std"], ppi: ["ppi", "relative_std"], mm_per_px: ["mm_per_px", "relative_std"] }[this.way];
     return Object.fromEntries(keys.filter((key) => this.table[key] !== undefined).map((key) => [key, this.table[key]]));
   }
 

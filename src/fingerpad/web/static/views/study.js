@@ -1,6 +1,6 @@
 // The study: what goes into it, what is missing, and what holds for all of it.
 
-import { bench } from "../core/bench.js";
+import { bench } from "../core/workspace.js";
 import { h, place, redraw } from "../core/dom.js";
 import { bindHere } from "../core/keys.js";
 import { Drop } from "../parts/drop.js";
@@ -99,8 +99,8 @@ class StudyView {
       h(
         "div.fields.two",
         null,
-        field("Wedge angle ±", of("wedge_angle_std_deg"), { unit: "°" }),
-        field("Roll angle ±", of("roll_angle_std_deg"), { unit: "°" }),
+        field("Wedge angle ±", of("wedge_angle_deg_std"), { unit: "°" }),
+        field("Roll angle ±", of("roll_angle_deg_std"), { unit: "°" }),
         field("Load, relative ±", of("load_relative_std", 1), { hint: "0.01 is one per cent" }),
         field("Poisson's ratio ±", of("poisson_ratio_std", 0.5)),
         field(

@@ -1,6 +1,6 @@
 // What the study consists of, to be seen and changed in place: fingers, contacts, films, curves.
 
-import { bench, wordsFor } from "../core/bench.js";
+import { bench, wordsFor } from "../core/workspace.js";
 import { h, place, redraw, symbol } from "../core/dom.js";
 import { question } from "../core/messages.js";
 import { plain, withStd } from "../core/quantity.js";
@@ -125,7 +125,7 @@ export class StudyTables {
   }
 
   async #semiAxes(finger) {
-    const { semi_axes_mm: now = {}, semi_axes_std_mm: std = {} } = finger.table ?? {};
+    const { semi_axes_mm: now = {}, semi_axes_mm_std: std = {} } = finger.table ?? {};
     const inputs = AXES.map(([axis, words]) => [axis, words, number({ value: now[axis], min: 0 }), number({ value: std[axis], min: 0 })]);
     const body = h(
       "div.stack",
@@ -141,12 +141,12 @@ export class StudyTables {
     if (answer !== "yes" || inputs.every(([, , input]) => input.value === "")) return;
     this.change("finger", finger.name, {
       semi_axes_mm: Object.fromEntries(inputs.map(([axis, , input]) => [axis, value(input)])),
-      semi_axes_std_mm: Object.fromEntries(inputs.map(([axis, , , input]) => [axis, value(input) ?? 0])),
+      semi_axes_mm_std: Object.fromEntries(inputs.map(([axis, , , input]) => [axis, value(input) ?? 0])),
     });
   }
 
   #observations(observations) {
-    const rolled = observations.some(({ roll_angle_deg: roll }) => roll) || bench.study.uncertainty.roll_angle_std_deg > 0;
+    const rolled = observations.some(({ roll_angle_deg: roll }) => roll) || bench.study.uncertainty.roll_angle_deg_std > 0;
     const pages = Math.max(1, Math.ceil(observations.length / PAGE));
     this.page = Math.min(this.page, pages - 1);
     const shown = observations.slice(this.page * PAGE, (this.page + 1) * PAGE);
@@ -262,7 +262,7 @@ export class StudyTables {
                     h("td", null, one.file ?? "found elsewhere", " ", synthetic(one.table?.synthetic)),
                     h("td", null, one.finger ?? "–"),
                     h("td", null, number({ value: one.wedge_angle_deg, min: 0, max: 90, label: `Wedge angle of curve ${one.key}`, onset: (value) => this.change("curve", one.key, { wedge_angle_deg: value }) })),
-                    h("td.number", null, one.effective_radius_mm ? withStd(one.effective_radius_mm, one.table?.effective_radius_std_mm) : one.file ? "from the curve" : plain(null)),
+                    h("td.number", null, one.loading_radius_mm ? withStd(one.loading_radius_mm, one.table?.loading_radius_mm_std) : one.file ? "from the curve" : plain(null)),
                     h("td", null, incomplete(one) || statusChip(one)),
                     h("td", null, button("×", () => this.#remove("curve", one.key, one.file ?? "this radius"), { kind: "icon", label: `Take curve ${one.key} out` })),
                   ),
@@ -288,9 +288,9 @@ export class StudyTables {
       ],
     );
     if (answer !== "yes" || radius.value === "") return;
-    const set = { finger: finger.value, effective_radius_mm: Number(radius.value) };
+    const set = { finger: finger.value, loading_radius_mm: Number(radius.value) };
     if (wedge.value !== "") set.wedge_angle_deg = Number(wedge.value);
-    if (std.value !== "") set.effective_radius_std_mm = Number(std.value);
+    if (std.value !== "") set.loading_radius_mm_std = Number(std.value);
     this.change("curve", String(bench.study.curves.length), set);
   }
 }

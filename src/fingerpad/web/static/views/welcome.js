@@ -1,7 +1,7 @@
 // Before a study is open: begin one, open one, or bring one from another machine.
 
 import { ApiError } from "../core/api.js";
-import { bench } from "../core/bench.js";
+import { bench } from "../core/workspace.js";
 import { h, place } from "../core/dom.js";
 import { complain } from "../core/messages.js";
 import { alone, button, faultList, field, text } from "../parts/forms.js";

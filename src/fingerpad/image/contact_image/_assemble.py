@@ -1,0 +1,103 @@
+"""The imprint that a region of a picture gives: its numbers, their covariance and its doubts."""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from fingerpad._arrays import BoolArray, Float32Array, FloatArray
+from fingerpad.geometry.ellipse import Ellipse
+from fingerpad.image.contact_image._outline import ContactOutline
+from fingerpad.image.contact_image._patch import Patch, measure_patch
+from fingerpad.image.contact_image._region import UInt8
+from fingerpad.image.contact_image._ridges import Signal
+from fingerpad.image.contact_image._working_image import WorkingImage
+from fingerpad.image.contact_image.result import FLAGS, PLAUSIBLE_RIDGE_PERIOD_MM, ContactImageResult
+from fingerpad.image.scale import Scale
+
+# Contrast over noise below which it is doubtful that anything can be told from noise.
+LOW_CONTRAST = 5.0
+
+_POOR_OVERLAP = 0.85
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class RidgeImage:
+    """A picture with its ridges told, whatever of them is contact; `period` in px of the picture or NaN."""
+
+    view: WorkingImage
+    signal: Signal
+    amount: UInt8
+    level: Float32Array
+    period: float
+    by_threshold: bool
+
+    @property
+    def noise(self) -> float:
+        """Noise in parts of the contrast."""
+        return self.signal.noise / max(self.signal.contrast, 1e-9)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ContactRegion:
+    """What is taken for the contact, in px of the working copy."""
+
+    patch: BoolArray
+    edge: ContactOutline
+    several: bool
+
+
+def assemble_result(
+    ridged: RidgeImage, region: ContactRegion, scale: Scale, *, edited: bool
+) -> ContactImageResult:
+    """Measure a region of a picture."""
+    signal, patch = ridged.signal, region.patch
+    contact = measure_patch(ridged.view, patch, region.edge, ridged.amount, by_threshold=ridged.by_threshold)
+    period = ridged.period * scale.mm_per_px
+    doubts = {
+        "touches_border": contact.touches_border,
+        "cut_by_mask": contact.cut_by_mask,
+        "low_contrast": signal.contrast < LOW_CONTRAST * signal.noise,
+        "several_regions": region.several,
+        "poor_ellipse": contact.overlap < _POOR_OVERLAP,
+        "scale_doubtful": not PLAUSIBLE_RIDGE_PERIOD_MM[0] <= period <= PLAUSIBLE_RIDGE_PERIOD_MM[1],
+        "edited_by_person": edited,
+    }
+    (semi_major, semi_minor, gross_area, ridge_area), covariance = _in_mm(contact, scale)
+    column, row = contact.moments.centroid
+    return ContactImageResult(
+        ellipse=Ellipse.of(semi_major, semi_minor),
+        orientation=contact.moments.orientation,
+        centroid=(float(row), float(column)),
+        outline=contact.outline[:, ::-1],
+        gross_area=float(gross_area),
+        ridge_area=float(ridge_area),
+        ridge_period=period,
+        overlap=contact.overlap,
+        covariance=covariance,
+        threshold=_median_level(ridged.level, patch),
+        contrast=signal.contrast,
+        dark_on_light=signal.dark_on_light,
+        flags=tuple(flag for flag in FLAGS if doubts[flag]),
+        _view=ridged.view,
+        _amount=ridged.amount,
+        _ridge_level=contact.ridge_level,
+    )
+
+
+def _in_mm(contact: Patch, scale: Scale) -> tuple[FloatArray, FloatArray]:
+    """Return semi-axes, gross and ridge area in mm and mm², and their covariance with the scale's."""
+    powers = np.array([1, 1, 2, 2])
+    units = scale.mm_per_px**powers
+    values = np.array([*contact.moments.semi_axes, contact.moments.area, contact.ridge_area]) * units
+    shared = powers * scale.relative_std * values
+    return values, contact.covariance * np.outer(units, units) + np.outer(shared, shared)
+
+
+def _median_level(level: Float32Array, patch: BoolArray) -> float:
+    """Return the median level in a patch; it varies slowly, and some hundred places show it."""
+    rows, columns = (np.linspace(0, n - 1, min(n, 60)).astype(int) for n in level.shape)
+    size = (columns.size, rows.size)
+    inside = cv2.resize(patch.astype(np.uint8), size, interpolation=cv2.INTER_NEAREST) > 0
+    some = level[np.ix_(rows, columns)]
+    return float(np.median(some[inside] if inside.any() else some))

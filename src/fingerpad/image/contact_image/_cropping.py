@@ -1,0 +1,147 @@
+"""What of a picture is measured: its checked grey levels, cropped, and where they count."""
+
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from fingerpad._arrays import BoolArray
+from fingerpad.exceptions import ImageError
+
+Pixels: TypeAlias = npt.NDArray[np.uint8] | npt.NDArray[np.float32]
+
+_LEAST_SIDE_PX = 16
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class CroppedImage:
+    """The part of a picture that is measured.
+
+    Attributes
+    ----------
+    pixels : ndarray of uint8 or float32, (rows, columns)
+        Grey levels of the part.
+    inside : ndarray of bool, (rows, columns), or None
+        Where the part counts; None means everywhere.
+    corner : (int, int)
+        (row, column) of its first pixel in the whole picture.
+    shape : (int, int)
+        Of the whole picture.
+    """
+
+    pixels: Pixels
+    inside: BoolArray | None
+    corner: tuple[int, int]
+    shape: tuple[int, int]
+
+
+def crop_image(
+    pixels: npt.ArrayLike,
+    *,
+    background: npt.ArrayLike | None,
+    mask: npt.ArrayLike | None,
+    region_of_interest: tuple[int, int, int, int] | None,
+) -> CroppedImage:
+    """Check the picture and what limits it, and crop it.
+
+    Raises
+    ------
+    ImageError
+        If one is not what `measure_contact_image` says it must be.
+    """
+    values = _grey(pixels, "pixels")
+    shape = (values.shape[0], values.shape[1])
+    inside = None if mask is None else _inside(mask, shape)
+    box = _box(region_of_interest, shape)
+    if inside is not None:
+        box = _narrowed(box, inside)
+        inside = inside[box]
+    part = _finite(values[box], "pixels")
+    if background is not None:
+        ground = _grey(background, "background")
+        if ground.shape != shape:
+            raise ImageError(f"background must have the picture's shape {shape}, found {ground.shape}")
+        part = _divided(part, _finite(ground[box], "background"))
+    low, high, _, _ = cv2.minMaxLoc(part)
+    if not high > low:
+        raise ImageError(f"no contact found: every pixel has the same level, {low:g}")
+    return CroppedImage(pixels=part, inside=inside, corner=(box[0].start, box[1].start), shape=shape)
+
+
+def _grey(pixels: npt.ArrayLike, name: str) -> npt.NDArray[np.number]:
+    array = np.asarray(pixels)
+    if array.ndim != 2 or array.dtype.kind not in "buif":
+        raise ImageError(f"{name} must be a grey (rows, columns) array of numbers, found shape {array.shape}")
+    if min(array.shape) < _LEAST_SIDE_PX:
+        raise ImageError(
+            f"{name}: {array.shape[0]} × {array.shape[1]} px is too small to hold a contact: "
+            f"{_LEAST_SIDE_PX} px a side are the least"
+        )
+    return array
+
+
+def _finite(values: npt.NDArray[np.number], name: str) -> Pixels:
+    if values.dtype == np.uint8:
+        return np.ascontiguousarray(values)
+    single = np.ascontiguousarray(values, dtype=np.float32)
+    if not np.isfinite(single).all():
+        raise ImageError(f"{name} holds NaN or infinite values: fill them before measuring")
+    return single
+
+
+def _divided(part: Pixels, ground: Pixels) -> npt.NDArray[np.float32]:
+    light = ground.astype(np.float32)
+    if not (light > 0).all():
+        raise ImageError("background must be positive everywhere, found zero: it cannot divide the picture")
+    return np.asarray(part.astype(np.float32) / light * np.float32(np.median(light)), dtype=np.float32)
+
+
+def _inside(mask: npt.ArrayLike, shape: tuple[int, int]) -> BoolArray:
+    """Return where a mask, or a polygon of (row, column) corners, lets the picture count."""
+    array = np.asarray(mask)
+    if array.shape == shape and array.dtype.kind in "bui":
+        inside = array > 0
+    elif array.ndim == 2 and array.shape[1] == 2 and len(array) >= 3 and array.dtype.kind in "uif":
+        if not np.isfinite(array).all():
+            raise ImageError("mask: the corners of the polygon must be finite")
+        corners = np.rint(array[:, ::-1] * 16).astype(np.int32)
+        inside = cv2.fillPoly(np.zeros(shape, np.uint8), [corners], 1, shift=4) > 0
+    else:
+        raise ImageError(
+            f"mask must be a bool array of the picture's shape {shape}, or a polygon of three or more "
+            f"(row, column) corners, found shape {array.shape}"
+        )
+    if not inside.any():
+        raise ImageError("mask leaves nothing of the picture")
+    return np.asarray(inside)
+
+
+def _box(region: tuple[int, int, int, int] | None, shape: tuple[int, int]) -> tuple[slice, slice]:
+    if region is None:
+        return slice(0, shape[0]), slice(0, shape[1])
+    if np.shape(region) != (4,) or not np.isfinite(region).all():
+        raise ImageError(f"region_of_interest must be (row0, column0, row1, column1), found {region}")
+    row0, column0 = (max(0, int(edge)) for edge in region[:2])
+    row1, column1 = (min(n, int(edge)) for n, edge in zip(shape, region[2:], strict=True))
+    if min(row1 - row0, column1 - column0) < _LEAST_SIDE_PX:
+        raise ImageError(
+            f"region_of_interest {region} leaves less than {_LEAST_SIDE_PX} px of the picture of {shape}"
+        )
+    return slice(row0, row1), slice(column0, column1)
+
+
+def _narrowed(box: tuple[slice, slice], inside: BoolArray) -> tuple[slice, slice]:
+    """Crop to what a mask leaves of a box, at least the least side where the picture has room."""
+    part = inside[box]
+    if not part.any():
+        raise ImageError("mask and region_of_interest have nothing in common")
+    narrow = []
+    for axis, whole in enumerate(box):
+        hits = np.flatnonzero(part.any(axis=1 - axis))
+        start, stop = whole.start + int(hits[0]), whole.start + int(hits[-1]) + 1
+        spare = max(0, _LEAST_SIDE_PX - (stop - start))
+        start = max(whole.start, start - spare)
+        narrow.append(slice(start, min(whole.stop, max(stop, start + _LEAST_SIDE_PX))))
+    return narrow[0], narrow[1]

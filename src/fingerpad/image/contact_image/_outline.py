@@ -1,0 +1,249 @@
+"""The outline of a contact to parts of a pixel: where it lies, what it encloses, how sure it is."""
+
+import math
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from fingerpad._arrays import BoolArray, FloatArray, as_float32
+from fingerpad.image.contact_image._region import UInt8, longest_contour
+
+Points = npt.NDArray[np.float64]
+
+_HALF_LEVEL = 127.5
+# All lengths in ridge periods. The outline follows a ridge or not over this length.
+_FOLLOWED = 3.0
+_ENDS, _FOLLOWING, _NOISE = 0.084, 0.206, 0.192
+# Standard deviation of the edge's place in a valley, and by how soft the picture is; neighbours share an
+# error over `_STRETCH`.
+_IN_VALLEY, _BY_SOFTNESS, _STRETCH = 0.16, 0.092, 2.75
+# A hand draws the edge somewhere within one ridge period, uniformly: half of that variance it has everywhere
+# alike, as whoever paints generously does so all round.
+_BY_HAND = math.sqrt(1 / 12 / 2)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Moments:
+    """What a closed polygon (x, y) encloses.
+
+    `axes` holds the directions of the major and the minor axis as rows; `spread` the second moments of the
+    area along them, about the centroid.
+    """
+
+    area: float
+    centroid: Points
+    axes: Points
+    spread: Points
+
+    @property
+    def semi_axes(self) -> Points:
+        """Semi-axes of the ellipse of the same area and the same ratio of second moments."""
+        mean, ratio = math.sqrt(self.area / math.pi), (self.spread[0] / self.spread[1]) ** 0.25
+        return np.array([mean * ratio, mean / ratio])
+
+    @property
+    def orientation(self) -> float:
+        """Angle of the major axis from straight up, counter-clockwise as seen, in (−π/2, π/2]."""
+        x, y = self.axes[0]
+        return math.pi / 2 - (math.pi / 2 - math.atan2(x, y)) % math.pi
+
+
+def moments_of(points: Points) -> Moments:
+    """Return what a closed polygon (x, y) encloses, in either direction (Green's theorem)."""
+    origin = points.mean(axis=0)
+    p = points - origin
+    q = np.roll(p, -1, axis=0)
+    cross = p[:, 0] * q[:, 1] - q[:, 0] * p[:, 1]
+    area = cross.sum() / 2
+    centroid = ((p + q) * cross[:, None]).sum(axis=0) / (6 * area)
+    squares = ((p * p + p * q + q * q) * cross[:, None]).sum(axis=0) / 12
+    products = p[:, 0] * (2 * p[:, 1] + q[:, 1]) + q[:, 0] * (p[:, 1] + 2 * q[:, 1])
+    mixed = (products * cross).sum() / 24
+    second = np.array([[squares[0], mixed], [mixed, squares[1]]]) / area - np.outer(centroid, centroid)
+    spread, axes = np.linalg.eigh(second)
+    return Moments(
+        area=abs(float(area)),
+        centroid=centroid + origin,
+        axes=axes.T[::-1],
+        spread=spread[::-1] * abs(area),
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ContactOutline:
+    """An outline with what is known at each of its points, all in px of the working copy.
+
+    Attributes
+    ----------
+    points : ndarray, (n, 2)
+        (x, y), about evenly spaced, in order.
+    normals : ndarray, (n, 2)
+        Outward.
+    steps : ndarray, (n,)
+        Length of outline that each point stands for.
+    along : ndarray, (n,)
+        How far the outline follows one ridge (1) or crosses ridges (0), near each point: by how much the
+        ridge amount 0.3 periods inside exceeds that 0.8 inside.
+    period : float
+        Ridge period.
+    noise : float
+        Standard deviation of the noise, in parts of the rise from valley to ridge.
+    softness : float
+        By what share the ridges' area would change if their level moved by the whole rise.
+    resolved : bool
+        Whether the period was seen in the picture, or is one that fingers usually have.
+    by_hand : ndarray of bool, (n,)
+        Where a person drew it.
+    """
+
+    points: Points
+    normals: Points
+    steps: FloatArray
+    along: FloatArray
+    period: float
+    noise: float
+    softness: float
+    resolved: bool
+    by_hand: BoolArray
+
+    def moved(self, outward: FloatArray) -> Points:
+        """Return the points moved outward."""
+        return self.points + self.normals * np.asarray(outward)[..., None]
+
+
+def contact_outline(
+    patch: BoolArray,
+    closed: UInt8,
+    amount: UInt8,
+    period: float,
+    *,
+    noise: float,
+    softness: float,
+    resolved: bool,
+) -> ContactOutline:
+    """Find the outline of a patch where the closed ridge amount falls through half."""
+    contour = longest_contour(patch).reshape(-1, 2).astype(np.float64)
+    points = resampled(smoothed(contour, round(period / 2)))
+    # Beyond the patch lie whiskers and other patches: they do not count.
+    grown = cv2.dilate(patch.astype(np.uint8), np.ones((3, 3), np.uint8))
+    field = as_float32(cv2.GaussianBlur(as_float32(cv2.copyTo(closed, grown)), (3, 3), 0))
+    normals = normals_of(points, period)
+    for _ in range(3):
+        value, slope = _profile(field, points, normals)
+        off = np.clip((value - _HALF_LEVEL) / np.maximum(slope, 10.0), -1, 1)
+        points = points + normals * off[:, None]
+    points = resampled(smoothed(points, 2))
+    normals = normals_of(points, period)
+    levels = as_float32(amount)
+    outer, inner = (_sample(levels, points - normals * (depth * period)) for depth in (0.3, 0.8))
+    along = smoothed((outer - inner)[:, None] / 255, round(_FOLLOWED * period))[:, 0]
+    return ContactOutline(
+        points=points,
+        normals=normals,
+        steps=steps_of(points),
+        along=along,
+        period=period,
+        noise=noise,
+        softness=softness,
+        resolved=resolved,
+        by_hand=np.zeros(len(points), dtype=bool),
+    )
+
+
+def steps_of(points: Points) -> FloatArray:
+    """Return the length of a closed outline that each of its points stands for."""
+    lengths = np.linalg.norm(np.roll(points, -1, axis=0) - points, axis=1)
+    return np.asarray((lengths + np.roll(lengths, 1)) / 2)
+
+
+def smoothed(values: FloatArray, width: int) -> FloatArray:
+    """Return running means along a closed sequence."""
+    width = min(max(1, width) | 1, len(values) | 1)
+    total = np.cumsum(np.concatenate([values[-(width // 2 + 1) :], values, values[: width // 2]]), axis=0)
+    return np.asarray((total[width:] - total[:-width]) / width)
+
+
+def resampled(points: Points) -> Points:
+    """Return points one px apart along a closed outline."""
+    closed = np.concatenate([points, points[:1]])
+    place = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(closed, axis=0), axis=1))])
+    count = max(16, round(place[-1]))
+    even = np.arange(count) * (place[-1] / count)
+    return np.stack([np.interp(even, place, closed[:, k]) for k in (0, 1)], axis=-1)
+
+
+def normals_of(points: Points, period: float) -> Points:
+    """Return the outward normals of an outline seen at the scale of a ridge period."""
+    smooth = smoothed(points, round(period))
+    tangent = np.roll(smooth, -2, axis=0) - np.roll(smooth, 2, axis=0)
+    tangent /= np.maximum(np.linalg.norm(tangent, axis=1, keepdims=True), 1e-9)
+    p, q = smooth, np.roll(smooth, -1, axis=0)
+    turn = 1.0 if (p[:, 0] * q[:, 1] - q[:, 0] * p[:, 1]).sum() > 0 else -1.0
+    return np.stack([tangent[:, 1], -tangent[:, 0]], axis=-1) * turn
+
+
+def _profile(
+    field: npt.NDArray[np.float32], points: Points, normals: Points
+) -> tuple[FloatArray, FloatArray]:
+    """Return the level at points and its fall per px outward."""
+    value = _sample(field, points)
+    inner, outer = _sample(field, points - 0.7 * normals), _sample(field, points + 0.7 * normals)
+    return value, (inner - outer) / 1.4
+
+
+def _sample(field: npt.NDArray[np.float32], points: Points) -> FloatArray:
+    x, y = (np.ascontiguousarray(points[:, k], dtype=np.float32) for k in (0, 1))
+    found = cv2.remap(field, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT)
+    return np.asarray(found.ravel(), dtype=np.float64)
+
+
+def edge_shift(edge: ContactOutline) -> FloatArray:
+    """Return how far the true edge lies beyond the closed ridges on average, at each point, px.
+
+    Where the outline crosses ridges it sags between their rounded ends. Where it follows a ridge, the edge
+    has fallen at random on ridge or valley: in a valley of width vP, with chance v, it lies vP/2 further out,
+    v²P/2 on average, 0.18 P to 0.25 P for the valleys of 0.6 to 0.7 P there, where ridges thin out. Noise
+    carries what is closed outward. The three terms are fitted to rendered contacts (`edge_calibration` in
+    benchmarks/contact_images.py prints them).
+    """
+    return _beyond_ridges(edge) - _NOISE * edge.noise * edge.period
+
+
+def _beyond_ridges(edge: ContactOutline) -> FloatArray:
+    return (_ENDS + _FOLLOWING * edge.along) * edge.period
+
+
+def axis_weights(moments: Moments, points: Points) -> FloatArray:
+    """Return the change of (semi_major, semi_minor, area) for a unit of area added at each point, (n, 3)."""
+    place = (points - moments.centroid) @ moments.axes.T
+    stretch = (place[:, 0] ** 2 / moments.spread[0] - place[:, 1] ** 2 / moments.spread[1]) / 4
+    plain = 0.5 / moments.area
+    major, minor = moments.semi_axes
+    return np.stack([major * (plain + stretch), minor * (plain - stretch), np.ones(len(points))], axis=-1)
+
+
+def outline_covariance(edge: ContactOutline, weights: FloatArray) -> FloatArray:
+    """Return the covariance of (semi_major, semi_minor, area) from the position of the edge.
+
+    Each stretch of outline has its own error: where it follows a ridge that of an edge fallen at random on
+    valleys of half the period, √(v³/3 − v⁴/4) P = 0.16 P, and everywhere that of the local level, which moves
+    the edge more the softer the picture is. All stretches share a third of the correction for noise and,
+    where no ridges are resolved, all of the shift for them: a solid print ends at its outline. The share of
+    the softness and the length of a stretch are fitted to the errors of rendered contacts
+    (`accuracy_and_coverage` in benchmarks/contact_images.py prints how often intervals cover). Where a hand drew
+    the edge, its error takes the place of all of these.
+    """
+    along = edge.along.clip(0, 1)
+    own = edge.period * np.sqrt(along * _IN_VALLEY**2 + (_BY_SOFTNESS * edge.softness) ** 2)
+    own = np.where(edge.by_hand, _BY_HAND * edge.period, own)
+    # Neighbours share their error over a stretch: a running mean spreads independent errors over it.
+    response = weights * (edge.steps * own)[:, None]
+    width = min(max(1, round(_STRETCH * edge.period)), len(response))
+    spread = smoothed(response, width)
+    noise = _NOISE * edge.noise * edge.period / 3
+    unknown = np.zeros_like(along) if edge.resolved else _beyond_ridges(edge)
+    alike = np.where(edge.by_hand, _BY_HAND * edge.period, np.hypot(noise, unknown))
+    common = (weights * (edge.steps * alike)[:, None]).sum(axis=0)
+    return np.asarray(spread.T @ spread * width + np.outer(common, common))

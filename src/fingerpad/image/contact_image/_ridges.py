@@ -1,0 +1,207 @@
+"""From a contact image to how much each place is a ridge: polarity, even light, local levels."""
+
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from fingerpad._arrays import BoolArray, Float32Array, FloatArray, as_float32
+
+UInt8: TypeAlias = npt.NDArray[np.uint8]
+
+# Levels are taken every so many pixels.
+_LEVEL_STEP = 2
+_ROUNDS = 3
+# Weight of the whole picture's levels against a window's own, as a share of the window.
+_PRIOR = 0.03
+# Least rise from valley to ridge, as a share of the picture's contrast.
+_LEAST_RISE = 0.3
+# Blocks and windows, and the smoothing, in ridge periods.
+_BLOCK, _WINDOW, _SMOOTHING = 1.35, 3.0, 0.09
+# Fewer quiet blocks than this show a level of the ground, but no slope.
+_LEAST_QUIET = 40
+# More than this are not needed.
+_MOST_QUIET = 300
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Signal:
+    """A contact image turned so that contact is bright on an even ground of about zero.
+
+    Attributes
+    ----------
+    values : ndarray of float32, (rows, columns)
+    noise : float
+        Standard deviation of the quiet ground.
+    contrast : float
+        Level of the busy parts' contact above the ground; the caller's where frames share one.
+    dark_on_light : bool
+        Whether contact was darker than the ground.
+    """
+
+    values: Float32Array
+    noise: float
+    contrast: float
+    dark_on_light: bool
+
+
+def signal_of(
+    values: Float32Array,
+    inside: BoolArray,
+    period: float,
+    *,
+    dark_on_light: bool | None,
+    contrast: float | None,
+) -> Signal:
+    """Turn contact bright, and take the uneven light away by a smooth surface through the quiet ground."""
+    side = max(2, round(_BLOCK * period))
+    means = _block_means(values, side)
+    deviations = np.sqrt(
+        np.maximum(_block_means(as_float32(cv2.multiply(values, values)), side) - means * means, 0)
+    )
+    # Blocks that reach over the edge do not count.
+    whole = np.zeros(means.shape, dtype=bool)
+    whole[: values.shape[0] // side, : values.shape[1] // side] = True
+    counted = whole if inside.all() else whole & (_block_means(inside * np.uint8(255), side) > 252)
+    if not counted.any():
+        counted = whole
+    limit = otsu_threshold(deviations[counted])
+    quiet, busy = counted & (deviations <= limit), counted & (deviations > limit)
+    rim = _at_rim(quiet, values.shape[0] // side, values.shape[1] // side)
+    if dark_on_light is None:
+        dark_on_light = _is_dark_on_light(means, rim, busy)
+    sign = -1.0 if dark_on_light else 1.0
+    places = _thinned(quiet)
+    flat = sign * values - _enlarged(_ground(sign * means, places, rim), side, values.shape)
+    noise = float(np.median(deviations.flat[places])) if places.size else 0.0
+    if contrast is None:
+        contrast = _contrast(
+            flat, _enlarged(as_float32(busy if busy.any() else counted), side, values.shape) > 0.5
+        )
+    return Signal(values=as_float32(flat), noise=noise, contrast=contrast, dark_on_light=dark_on_light)
+
+
+def _contrast(flat: Float32Array, busy: BoolArray) -> float:
+    """Return how far the contact in the busy places lies above what lies between."""
+    sample = flat[::2, ::2][busy[::2, ::2]]
+    threshold = otsu_threshold(sample)
+    above, below = sample[sample > threshold], sample[sample <= threshold]
+    return float(above.mean() - below.mean()) if above.size and below.size else 0.0
+
+
+def _thinned(quiet: BoolArray) -> npt.NDArray[np.intp]:
+    """Return where some hundred quiet blocks are, as indices of the flat array."""
+    places = np.flatnonzero(quiet)
+    return places[:: max(1, places.size // _MOST_QUIET)]
+
+
+def _block_means(values: Float32Array | UInt8, side: int) -> Float32Array:
+    """Return the means of square blocks; the last in a row or column may reach over the edge, mirrored."""
+    over = [-n % side for n in values.shape]
+    whole = cv2.copyMakeBorder(values, 0, over[0], 0, over[1], cv2.BORDER_REFLECT) if any(over) else values
+    rows, columns = (n // side for n in whole.shape)
+    return as_float32(cv2.resize(whole, (columns, rows), interpolation=cv2.INTER_AREA))
+
+
+def _enlarged(blocks: Float32Array, side: int, shape: tuple[int, int]) -> Float32Array:
+    """Return values given by blocks at each pixel of a picture of this shape."""
+    size = (blocks.shape[1] * side, blocks.shape[0] * side)
+    return as_float32(cv2.resize(blocks, size, interpolation=cv2.INTER_LINEAR))[: shape[0], : shape[1]]
+
+
+def _at_rim(quiet: BoolArray, rows: int, columns: int) -> BoolArray:
+    """Return the quiet blocks that are ground for sure: those at the rim of the picture's whole blocks.
+
+    A smooth contact is quiet too.
+    """
+    rim = quiet.copy()
+    rim[1 : rows - 1, 1 : columns - 1] = False
+    return rim if rim.any() else quiet
+
+
+def _is_dark_on_light(means: Float32Array, ground: BoolArray, busy: BoolArray) -> bool:
+    """Tell the polarity: ridges raise the texture, and their mean differs from the quiet ground's."""
+    if not busy.any() or not ground.any():
+        return True
+    return float(means[busy].mean()) < float(np.median(means[ground]))
+
+
+def _ground(means: Float32Array, quiet: npt.NDArray[np.intp], rim: BoolArray) -> Float32Array:
+    """Return a quadratic surface through the lowest quiet blocks, and as near as those at the rim lie."""
+    y, x = (np.linspace(-1, 1, n) for n in means.shape)
+    if quiet.size < _LEAST_QUIET:
+        # With little ground to see, a constant is all that can be told.
+        return np.full_like(means, np.percentile(means, 20))
+    places = np.union1d(quiet, np.flatnonzero(rim))
+    at_rim = rim.flat[places]
+    rows, columns = np.unravel_index(places, means.shape)
+    design = np.stack(_quadratic_terms(y[rows], x[columns]), axis=-1)
+    level = means[rows, columns].astype(np.float64)
+    surface = np.array([np.percentile(level, 20), 0, 0, 0, 0, 0])
+    for _ in range(6):
+        off = level - design @ surface
+        width = max(2 * float(np.median(np.abs(off[at_rim]))), 1e-6)
+        weight = 1 / (1 + (off / width) ** 2) * np.where(off > width, 0.1, 1.0)
+        weighted = design.T * weight
+        surface = np.linalg.solve(weighted @ design + 1e-9 * np.eye(6), weighted @ level)
+    return as_float32(sum(map(np.multiply, surface, _quadratic_terms(y[:, None], x))))
+
+
+def _quadratic_terms(y: FloatArray, x: FloatArray) -> list[FloatArray]:
+    return [np.ones(np.broadcast_shapes(y.shape, x.shape)), x, y, x * x, x * y, y * y]
+
+
+def otsu_threshold(values: npt.NDArray[np.floating]) -> float:
+    """Return the level that best parts `values` in two classes (Otsu 1979)."""
+    low, high = float(values.min()), float(values.max())
+    if not high > low:
+        return low
+    levels = np.rint((values - low) * (255 / (high - low))).astype(np.uint8)
+    threshold, _ = cv2.threshold(levels.reshape(1, -1), 0, 255, cv2.THRESH_BINARY | cv2.THRESH_OTSU)
+    return low + (float(threshold) + 0.5) * (high - low) / 255
+
+
+def ridge_amount(signal: Signal, period: float, threshold: float | None) -> tuple[UInt8, Float32Array]:
+    """Return how far each place is from its valley level (0) to its ridge level (255), and the mid level.
+
+    The two levels are means over windows of three periods (Ridler & Calvard's two means, made local); where a
+    window lacks one, the level of the whole picture stands in. With a `threshold` the levels are zero and
+    twice the threshold everywhere. Half-way, 127.5, parts ridges from valleys.
+    """
+    smooth = cv2.GaussianBlur(signal.values, (0, 0), max(0.4, _SMOOTHING * period))
+    if threshold is not None:
+        amount = cv2.convertScaleAbs(np.maximum(smooth, 0), alpha=255 / (2 * threshold))
+        return np.asarray(amount, dtype=np.uint8), np.full((1, 1), threshold, dtype=np.float32)
+    step = _LEVEL_STEP if period >= 2 * _LEVEL_STEP else 1
+    side = max(1, round(_WINDOW * period / step / 3))
+    valley, rise = _levels(as_float32(smooth[::step, ::step]), side, signal.contrast)
+    np.subtract(smooth, _enlarged(valley, side * step, smooth.shape), out=smooth)
+    amount = cv2.multiply(
+        smooth, _enlarged(as_float32(255 / rise), side * step, smooth.shape), dtype=cv2.CV_8U
+    )
+    return np.asarray(amount, dtype=np.uint8), as_float32(valley + rise / 2)
+
+
+def _levels(smooth: Float32Array, side: int, contrast: float) -> tuple[Float32Array, Float32Array]:
+    """Return the local valley level and the local rise from it to the ridges, by blocks of a side.
+
+    A window is three blocks wide.
+    """
+    whole = _window_means(smooth, side)
+    # Where blur fills the valleys, only the local mean lies between the two levels.
+    middle = np.maximum(whole, contrast / 2)
+    for _ in range(_ROUNDS):
+        inside = as_float32(smooth > _enlarged(middle, side, smooth.shape))
+        share = _window_means(inside, side)
+        high = _window_means(np.multiply(inside, smooth, out=inside), side)
+        valley = (whole - high) / ((1 + _PRIOR) - share)
+        ridge = (high + _PRIOR * contrast) / (share + _PRIOR)
+        rise = np.maximum(ridge - valley, _LEAST_RISE * contrast)
+        middle = valley + rise / 2
+    return as_float32(valley), as_float32(rise)
+
+
+def _window_means(values: Float32Array, side: int) -> Float32Array:
+    return as_float32(cv2.blur(_block_means(values, side), (3, 3)))

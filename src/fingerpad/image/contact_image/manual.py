@@ -1,0 +1,242 @@
+"""A person's edits of a contact region: strokes of a brush, and an ellipse placed by its handles."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Final, Literal, TypeAlias
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+from scipy.spatial import cKDTree
+
+from fingerpad._arrays import BoolArray, FloatArray, as_float_array
+from fingerpad.exceptions import ImageError
+from fingerpad.image.contact_image._outline import ContactOutline, normals_of, resampled, smoothed, steps_of
+from fingerpad.image.contact_image._region import UInt8
+from fingerpad.image.contact_image._working_image import WorkingImage
+
+Points: TypeAlias = npt.NDArray[np.float64]
+
+# Strokes are drawn on a canvas so many times finer than the working copy.
+_FINE: Final = 4
+# Nearer than this, px of the copy, a point of the edited outline is one of the program's.
+_SAME: Final = 0.6
+_BITS: Final = 4
+# What reaches beyond so many pictures was drawn by no hand.
+_FARTHEST: Final = 10
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BrushStroke:
+    """A stroke of a round brush.
+
+    Attributes
+    ----------
+    action : {"add", "remove"}
+        Whether it adds to the region or removes from it.
+    points : sequence of (float, float)
+        (row, column) along the stroke, px; one point is a disk.
+    radius : float
+        Of the brush, px.
+    """
+
+    action: Literal["add", "remove"]
+    points: Sequence[tuple[float, float]]
+    radius: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ManualEllipse:
+    """A contact ellipse placed by hand.
+
+    Attributes
+    ----------
+    centre : (float, float)
+        (row, column), px.
+    semi_axes : (float, float)
+        Major and minor, px.
+    orientation : float
+        Angle of the major axis from straight up, counter-clockwise as seen on the screen, radians.
+    """
+
+    centre: tuple[float, float]
+    semi_axes: tuple[float, float]
+    orientation: float = 0.0
+
+    def points(self, count: int) -> FloatArray:
+        """Return points (row, column) round the ellipse, px."""
+        t = np.linspace(0, 2 * math.pi, count, endpoint=False)
+        sine, cosine = math.sin(self.orientation), math.cos(self.orientation)
+        local = np.stack([np.cos(t), np.sin(t)], axis=-1) * self.semi_axes
+        return np.asarray(local @ [[cosine, sine], [-sine, cosine]] + self.centre)
+
+
+def outline_of_ellipse(
+    ellipse: ManualEllipse, view: WorkingImage, *, noise: float
+) -> tuple[BoolArray, ContactOutline]:
+    """Return the patch and the edge of an ellipse placed by hand.
+
+    Raises
+    ------
+    ImageError
+        If it is no ellipse, or its centre lies outside the picture.
+    """
+    major, minor = ellipse.semi_axes
+    if not (np.isfinite([*ellipse.centre, major, minor, ellipse.orientation]).all() and major >= minor > 0):
+        raise ImageError(
+            f"ellipse: semi_axes must be finite, positive and the larger first, found {ellipse.semi_axes} "
+            f"at {ellipse.centre}"
+        )
+    _require_inside("ellipse: its centre", as_float_array([ellipse.centre]), 0.0, view.shape)
+    _require_near("ellipse: its semi-axes", major, view.shape)
+    count = max(64, math.ceil(2 * math.pi * major / min(view.steps)))
+    points = view.to_copy(ellipse.points(count)[:, ::-1])
+    canvas = np.zeros(view.values.shape, dtype=np.uint8)
+    cv2.fillPoly(canvas, [_fixed(points)], 1, shift=_BITS)
+    return canvas > 0, _by_hand(points, view, noise)
+
+
+def outline_after_strokes(
+    before: tuple[BoolArray, ContactOutline] | None,
+    strokes: Sequence[BrushStroke],
+    view: WorkingImage,
+    *,
+    noise: float,
+) -> tuple[BoolArray, ContactOutline, float]:
+    """Return the patch and the edge after some strokes, and the next largest piece's share of the largest.
+
+    Strokes are literal: their rim becomes the edge. Elsewhere the program's own edge stays as it is.
+
+    Parameters
+    ----------
+    before : (ndarray of bool, Edge) or None
+        What the program found.
+    strokes : sequence of BrushStroke
+        In order.
+    view : View
+        The working copy.
+    noise : float
+        Of the picture, in parts of the rise from valley to ridge.
+
+    Raises
+    ------
+    ImageError
+        If a stroke is not as described or misses the picture, or no contact is left.
+    """
+    shape = view.values.shape
+    patch = np.zeros(shape, np.uint8) if before is None else before[0].astype(np.uint8)
+    fine = np.zeros((_FINE * shape[0], _FINE * shape[1]), dtype=np.uint8)
+    if before is not None:
+        cv2.fillPoly(fine, [_fixed(_finer(before[1].points))], 1, shift=_BITS)
+    for stroke in strokes:
+        points, radius = _checked(stroke, view)
+        level = int(stroke.action == "add")
+        _draw(patch, points, radius, level)
+        _draw(fine, _finer(points), _FINE * radius, level)
+    contours, _ = cv2.findContours(fine, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+    areas = [cv2.contourArea(contour) for contour in contours]
+    if not max(areas, default=0.0) > (_FINE * view.period) ** 2:
+        raise ImageError("the strokes leave no contact: add to the region, or undo some of them")
+    chosen = int(np.argmax(areas))
+    piece = np.zeros(shape, np.uint8)
+    rough = (contours[chosen].reshape(-1, 2) + 0.5) / _FINE - 0.5
+    cv2.fillPoly(piece, [_fixed(rough)], 1, shift=_BITS)
+    other = max((area for k, area in enumerate(areas) if k != chosen), default=0.0) / areas[chosen]
+    outline = resampled(smoothed(rough, _FINE))
+    edge = _by_hand(outline, view, noise) if before is None else _rejoined(outline, before[1])
+    return (patch & piece) > 0, edge, other
+
+
+def _rejoined(outline: Points, edge: ContactOutline) -> ContactOutline:
+    """Return an edited outline, put back on the program's edge wherever it follows that."""
+    nearest = cKDTree(edge.points).query(outline)[1]
+    points, off = edge.points[nearest], np.full(len(outline), np.inf)
+    for step in (-1, 1):
+        start, end = edge.points[nearest], edge.points[(nearest + step) % len(edge.points)]
+        along = end - start
+        share = ((outline - start) * along).sum(axis=1) / np.maximum((along**2).sum(axis=1), 1e-12)
+        foot = start + share.clip(0, 1)[:, None] * along
+        distance = np.linalg.norm(outline - foot, axis=1)
+        closer = distance < off
+        points, off = np.where(closer[:, None], foot, points), np.where(closer, distance, off)
+    same = off < _SAME
+    points = np.where(same[:, None], points, outline)
+    return replace(
+        edge,
+        points=points,
+        normals=normals_of(points, edge.period),
+        steps=steps_of(points),
+        along=np.where(same, edge.along[nearest], 0.0),
+        by_hand=~same | edge.by_hand[nearest],
+    )
+
+
+def _by_hand(points: Points, view: WorkingImage, noise: float) -> ContactOutline:
+    """Return an edge that a person drew all round."""
+    return ContactOutline(
+        points=points,
+        normals=normals_of(points, view.period),
+        steps=steps_of(points),
+        along=np.zeros(len(points)),
+        period=view.period,
+        noise=noise,
+        softness=0.0,
+        resolved=True,
+        by_hand=np.ones(len(points), dtype=bool),
+    )
+
+
+def _checked(stroke: BrushStroke, view: WorkingImage) -> tuple[Points, float]:
+    """Return a stroke's points (x, y) and radius in px of the copy."""
+    points = as_float_array(stroke.points)
+    if stroke.action not in {"add", "remove"}:
+        raise ImageError(f"a stroke must add or remove, found {stroke.action!r}")
+    if points.ndim != 2 or points.shape[1] != 2 or not len(points) or not np.isfinite(points).all():
+        raise ImageError(f"a stroke needs finite points (row, column), found shape {points.shape}")
+    if not 0 < stroke.radius <= max(view.shape):
+        raise ImageError(
+            f"a stroke's radius must be positive and no more than the picture's {max(view.shape)} px, "
+            f"found {stroke.radius}"
+        )
+    _require_inside("a stroke", points, stroke.radius, view.shape)
+    _require_near("a stroke", float(np.abs(points).max()), view.shape)
+    return view.to_copy(points[:, ::-1]), stroke.radius / math.sqrt(view.steps[0] * view.steps[1])
+
+
+def _require_near(what: str, reach: float, shape: tuple[int, int]) -> None:
+    """Refuse what reaches too far beyond the picture."""
+    if reach > _FARTHEST * max(shape):
+        raise ImageError(
+            f"{what} must not reach {reach:g} px: the picture has {shape[0]} rows, {shape[1]} columns"
+        )
+
+
+def _require_inside(what: str, points: Points, reach: float, shape: tuple[int, int]) -> None:
+    """Refuse places of which none comes within reach of the picture."""
+    inside = ((points > -0.5 - reach) & (points < np.array(shape) - 0.5 + reach)).all(axis=1)
+    if not inside.any():
+        row, column = points[0]
+        raise ImageError(
+            f"{what} at row {row:g}, column {column:g} lies outside the picture of {shape[0]} rows and "
+            f"{shape[1]} columns"
+        )
+
+
+def _draw(canvas: UInt8, points: Points, radius: float, level: int) -> None:
+    """Paint a stroke; OpenCV rounds the ends and joints of a thick line."""
+    fixed = _fixed(points)
+    if len(points) > 1:
+        cv2.polylines(canvas, [fixed], False, level, max(1, round(2 * radius)), cv2.LINE_8, _BITS)
+    else:
+        x, y = map(int, fixed[0])
+        cv2.circle(canvas, (x, y), round(radius * 2**_BITS), level, cv2.FILLED, cv2.LINE_8, _BITS)
+
+
+def _finer(points: Points) -> Points:
+    """Return places on the fine canvas; pixel centres are whole numbers on both."""
+    return np.asarray((points + 0.5) * _FINE - 0.5)
+
+
+def _fixed(points: Points) -> npt.NDArray[np.int32]:
+    return np.asarray(np.rint(points.clip(-2e4, 2e4) * 2**_BITS), dtype=np.int32)

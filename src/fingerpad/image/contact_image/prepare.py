@@ -1,0 +1,237 @@
+"""A contact image made ready: ridges and contact told, for whatever a person may say of them."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from fingerpad._arrays import BoolArray
+from fingerpad.exceptions import ImageError
+from fingerpad.image.contact_image._assemble import LOW_CONTRAST, ContactRegion, RidgeImage, assemble_result
+from fingerpad.image.contact_image._cropping import crop_image
+from fingerpad.image.contact_image._patch import trace_patch
+from fingerpad.image.contact_image._period import ridge_period_px
+from fingerpad.image.contact_image._region import closed_over, longest_contour, patches_of, without_appendages
+from fingerpad.image.contact_image._ridges import Signal, ridge_amount, signal_of
+from fingerpad.image.contact_image._working_image import WorkingImage
+from fingerpad.image.contact_image.manual import (
+    BrushStroke,
+    ManualEllipse,
+    outline_after_strokes,
+    outline_of_ellipse,
+)
+from fingerpad.image.contact_image.result import ContactImageResult
+from fingerpad.image.scale import Scale
+
+_NOMINAL_RIDGE_PERIOD_MM = 0.45
+# Contrast over noise below which nothing can be told from noise.
+_NO_CONTRAST = 2.5
+_OTHER_REGION = 0.2
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class PreparedContactImage:
+    """A contact image up to where a person may have a say: cheap to measure again with other edits.
+
+    Attributes
+    ----------
+    scale : Scale
+        Millimetres per pixel.
+    reason : str or None
+        Why the program found no contact; None where it did. A person can still draw one.
+    """
+
+    scale: Scale
+    reason: str | None
+    _ridged: RidgeImage
+    _region: ContactRegion | None
+
+    @property
+    def contact_image(self) -> ContactImageResult:
+        """What the program measures.
+
+        Raises
+        ------
+        ImageError
+            Where it found no contact.
+        """
+        if self._region is None:
+            raise ImageError(self.reason)
+        return assemble_result(self._ridged, self._region, self.scale, edited=False)
+
+    def with_corrections(
+        self, strokes: Sequence[BrushStroke] = (), ellipse: ManualEllipse | None = None
+    ) -> ContactImageResult:
+        """Measure the contact as a person corrects it.
+
+        Parameters
+        ----------
+        strokes : sequence of BrushStroke
+            Painted one after the other over the program's region; the largest piece that they leave is the
+            contact, without holes.
+        ellipse : HandEllipse, optional
+            The contact is this ellipse, whatever the region.
+
+        Returns
+        -------
+        ContactImageResult
+            With the flag ``edited_by_person``, and the uncertainty of a hand wherever the hand drew; without
+            edits the program's own.
+
+        Raises
+        ------
+        ImageError
+            If the edits leave no contact, or lie outside the picture, or there are none and the program found
+            no contact.
+
+        Examples
+        --------
+        >>> from fingerpad.image import Scale, render_contact_image
+        >>> truth = render_contact_image(semi_major=8.0, semi_minor=6.0, seed=3)
+        >>> prepared = prepare_contact_image(truth.pixels, Scale.of_ppi(500))
+        >>> row, column = prepared.contact_image.centroid
+        >>> bite = BrushStroke(action="remove", points=[(row - 150, column)], radius=40)
+        >>> prepared.with_corrections([bite]).gross_area < prepared.contact_image.gross_area
+        True
+        """
+        view, region = self._ridged.view, self._region
+        if ellipse is not None:
+            patch, edge = outline_of_ellipse(ellipse, view, noise=self._ridged.noise)
+            several = False
+        elif strokes:
+            before = None if region is None else (region.patch, region.edge)
+            patch, edge, other = outline_after_strokes(before, strokes, view, noise=self._ridged.noise)
+            several = other > _OTHER_REGION or (region is not None and region.several)
+        else:
+            return self.contact_image
+        return assemble_result(
+            self._ridged, ContactRegion(patch=patch, edge=edge, several=several), self.scale, edited=True
+        )
+
+
+def prepare_contact_image(
+    pixels: npt.ArrayLike,
+    scale: Scale,
+    *,
+    dark_on_light: bool | None = None,
+    background: npt.ArrayLike | None = None,
+    seed: tuple[float, float] | None = None,
+    threshold: float | None = None,
+    contrast: float | None = None,
+    ridge_period: float | None = None,
+    mask: npt.ArrayLike | None = None,
+    region_of_interest: tuple[int, int, int, int] | None = None,
+) -> PreparedContactImage:
+    """Tell the ridges and the contact in a grey contact image, ready for a person's edits.
+
+    Parameters
+    ----------
+    pixels, scale, **options
+        As for `measure_contact_image`.
+
+    Returns
+    -------
+    PreparedContactImage
+        Also where no contact is found: its `reason` says why.
+
+    Raises
+    ------
+    ImageError
+        If the array is not a grey picture, is not finite or all of one level, or an option is not as
+        described.
+    """
+    positive = {"threshold": threshold, "contrast": contrast, "ridge_period": ridge_period}
+    for name, value in positive.items():
+        if value is not None and not (value > 0 and math.isfinite(value)):
+            raise ImageError(f"{name} must be positive and finite, found {value}")
+    frame = crop_image(pixels, background=background, mask=mask, region_of_interest=region_of_interest)
+    expected = (ridge_period or _NOMINAL_RIDGE_PERIOD_MM) / scale.mm_per_px
+    found = expected if ridge_period else ridge_period_px(frame.pixels, frame.inside, expected)
+    resolved = math.isfinite(found)
+    view = WorkingImage.of(frame, found if resolved else expected)
+    _require_seed(seed, view)
+    signal = signal_of(view.values, view.inside, view.period, dark_on_light=dark_on_light, contrast=contrast)
+    reason = None if threshold is not None else _lack_of_contrast(signal, resolved=resolved)
+    if reason is not None:
+        # Ridges are then told from noise, should a person see a contact there.
+        signal = replace(signal, contrast=max(signal.contrast, signal.noise, 1e-3))
+    amount, level = ridge_amount(signal, view.period, threshold)
+    counted = view.card & view.inside
+    if not counted.all():
+        amount = np.where(counted, amount, np.uint8(0))
+    ridged = RidgeImage(
+        view=view,
+        signal=signal,
+        amount=amount,
+        level=level,
+        period=found,
+        by_threshold=threshold is not None,
+    )
+    region = None
+    if reason is None:
+        try:
+            region = _region(ridged, seed, resolved=resolved)
+        except ImageError as error:
+            reason = str(error)
+    return PreparedContactImage(scale=scale, reason=reason, _ridged=ridged, _region=region)
+
+
+def _region(ridged: RidgeImage, seed: tuple[float, float] | None, *, resolved: bool) -> ContactRegion:
+    """Return the contact that the program finds."""
+    view = ridged.view
+    closed = closed_over(ridged.amount, view.period)
+    patches = patches_of(closed, view.period)
+    chosen = _chosen(patches, seed, view)
+    patch = without_appendages(patches[chosen], view.period)
+    largest_other = max((np.count_nonzero(p) for k, p in enumerate(patches) if k != chosen), default=0)
+    edge = trace_patch(
+        view,
+        patch,
+        closed,
+        ridged.amount,
+        ridged.noise,
+        resolved=resolved,
+        by_threshold=ridged.by_threshold,
+    )
+    several = bool(largest_other > _OTHER_REGION * np.count_nonzero(patches[chosen]))
+    return ContactRegion(patch=patch, edge=edge, several=several)
+
+
+def _lack_of_contrast(signal: Signal, *, resolved: bool) -> str | None:
+    """Say that nothing stands out of the noise; None where something does."""
+    if signal.contrast > (_NO_CONTRAST if resolved else LOW_CONTRAST) * signal.noise:
+        return None
+    return (
+        f"no contact found: contrast {signal.contrast:.3g} against noise {signal.noise:.3g}: "
+        "check that the picture shows a print, or give dark_on_light"
+    )
+
+
+def _require_seed(seed: tuple[float, float] | None, view: WorkingImage) -> None:
+    if seed is not None and not (0 <= seed[0] < view.shape[0] and 0 <= seed[1] < view.shape[1]):
+        raise ImageError(f"seed {seed} lies outside the picture of {view.shape} pixels")
+
+
+def _chosen(patches: list[BoolArray], seed: tuple[float, float] | None, view: WorkingImage) -> int:
+    """Return the number of the wanted patch: at the seed, or the largest with preference for the centre."""
+    if not patches:
+        raise ImageError(
+            "no contact found: nothing is as large as three ridge periods: check scale and polarity"
+        )
+    if seed is None:
+        return int(np.argmax([_prominence(patch) for patch in patches]))
+    place = view.to_copy_pixel(*seed)
+    for k, patch in enumerate(patches):
+        if place is not None and patch[place]:
+            return k
+    raise ImageError(f"no contact found at seed {seed}: give a (row, column) within the print")
+
+
+def _prominence(patch: BoolArray) -> float:
+    moments = cv2.moments(longest_contour(patch))
+    row, column = moments["m01"] / moments["m00"], moments["m10"] / moments["m00"]
+    off = math.hypot(row / patch.shape[0] - 0.5, column / patch.shape[1] - 0.5)
+    return float(moments["m00"]) * (1 - 0.7 * off)

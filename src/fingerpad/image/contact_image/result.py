@@ -1,0 +1,149 @@
+"""What a contact image shows of one contact."""
+
+import math
+from dataclasses import dataclass
+from typing import Any, TypedDict
+
+import cv2
+import numpy as np
+
+from fingerpad._arrays import BoolArray, FloatArray
+from fingerpad.geometry.ellipse import Ellipse
+from fingerpad.image.contact_image._region import UInt8
+from fingerpad.image.contact_image._working_image import WorkingImage
+
+FLAGS = (
+    "touches_border",
+    "cut_by_mask",
+    "low_contrast",
+    "several_regions",
+    "poor_ellipse",
+    "scale_doubtful",
+    "edited_by_person",
+)
+# Beyond it a ridge period is doubtful, and with it the scale.
+PLAUSIBLE_RIDGE_PERIOD_MM = (0.25, 0.9)
+
+
+class ContactImageSettings(TypedDict):
+    """What one frame of a sequence can hand on to the others, as keyword arguments of `measure_contact_image`."""
+
+    contrast: float
+    ridge_period: float | None
+    dark_on_light: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ContactImageResult:
+    """What a contact image shows of one contact.
+
+    Attributes
+    ----------
+    ellipse : Ellipse
+        Contact ellipse, mm: the region's area, with the axis ratio of its second moments.
+    orientation : float
+        Angle of the major axis from straight up (the image's row axis), positive counter-clockwise as
+        seen on the screen, radians in (−π/2, π/2]. Zero is an upright finger.
+    centroid : (float, float)
+        (row, column) of the region's centroid, px; pixel centres are whole numbers.
+    outline : ndarray, (n, 2)
+        (row, column) of points round the contact, px; all areas and axes are those of this polygon.
+    gross_area, ridge_area : float
+        Area inside the outline, and of the ridges within, mm². Parts in which ridges are blurred into one
+        another, or all of a contact without ridges, count as half ridge.
+    ridge_period : float
+        Median distance between neighbouring ridges, mm, NaN where no ridges are resolved.
+    overlap : float
+        Intersection over union of region and ellipse.
+    covariance : ndarray, (4, 4)
+        Of (semi_major, semi_minor, gross_area, ridge_area), mm and mm², to first order: the relative
+        uncertainty of the scale, shared by all, the position of the edge, and the ridges' threshold; of
+        what counts as half ridge, anything from none to all may be one.
+    threshold : float
+        Median level that parts ridges from valleys in the patch, grey levels from the ground towards contact.
+    contrast : float
+        Level of the contact above the ground, grey levels: the scale against which faint places are judged.
+    dark_on_light : bool
+        Whether contact is darker than the ground.
+    flags : tuple of str
+        Doubts, from `FLAGS`.
+    """
+
+    ellipse: Ellipse
+    orientation: float
+    centroid: tuple[float, float]
+    outline: FloatArray
+    gross_area: float
+    ridge_area: float
+    ridge_period: float
+    overlap: float
+    covariance: FloatArray
+    threshold: float
+    contrast: float
+    dark_on_light: bool
+    flags: tuple[str, ...]
+    _view: WorkingImage
+    _amount: UInt8
+    _ridge_level: float
+
+    def as_record(self) -> dict[str, Any]:
+        """Return the numbers under names with units, for tables and scripts."""
+        return {
+            "semi_major_mm": float(self.ellipse.semi_major),
+            "semi_major_mm_std": self.semi_major_std,
+            "semi_minor_mm": float(self.ellipse.semi_minor),
+            "semi_minor_mm_std": self.semi_minor_std,
+            "orientation_deg": math.degrees(self.orientation),
+            "gross_area_mm2": self.gross_area,
+            "gross_area_mm2_std": self.gross_area_std,
+            "ridge_area_mm2": self.ridge_area,
+            "ridge_area_mm2_std": self.ridge_area_std,
+            "ridge_period_mm": self.ridge_period,
+            "ellipse_iou": self.overlap,
+            "centroid_px": self.centroid,
+            "flags": self.flags,
+        }
+
+    @property
+    def semi_major_std(self) -> float:
+        """Standard uncertainty of the semi-major axis, mm."""
+        return math.sqrt(self.covariance[0, 0])
+
+    @property
+    def semi_minor_std(self) -> float:
+        """Standard uncertainty of the semi-minor axis, mm."""
+        return math.sqrt(self.covariance[1, 1])
+
+    @property
+    def gross_area_std(self) -> float:
+        """Standard uncertainty of the gross area, mm²."""
+        return math.sqrt(self.covariance[2, 2])
+
+    @property
+    def ridge_area_std(self) -> float:
+        """Standard uncertainty of the ridge area, mm²."""
+        return math.sqrt(self.covariance[3, 3])
+
+    @property
+    def region(self) -> BoolArray:
+        """Where the contact is, drawn from the outline on demand, (rows, columns) of the picture."""
+        corners = [np.rint(self.outline[:, ::-1] * 256).astype(np.int32)]
+        canvas, rim = (np.zeros(self._view.shape, dtype=np.uint8) for _ in range(2))
+        cv2.fillPoly(canvas, corners, 1, shift=8)
+        # OpenCV fills every pixel that the outline touches; only those whose centre is inside count.
+        cv2.polylines(rim, corners, True, 1, 1, shift=8)
+        polygon = self.outline[:, ::-1].astype(np.float32)
+        for row, column in np.argwhere(rim):
+            canvas[row, column] = cv2.pointPolygonTest(polygon, (float(column), float(row)), False) >= 0
+        return canvas > 0
+
+    @property
+    def ridges(self) -> BoolArray:
+        """Where the ridges within the region are, drawn on demand, (rows, columns) of the picture."""
+        return np.asarray(self.region & (self._view.enlarged(self._amount) >= self._ridge_level))
+
+    @property
+    def settings(self) -> ContactImageSettings:
+        """Contrast, ridge period (mm) and polarity, to measure other frames alike."""
+        period = None if math.isnan(self.ridge_period) else self.ridge_period
+        return {"contrast": self.contrast, "ridge_period": period, "dark_on_light": self.dark_on_light}

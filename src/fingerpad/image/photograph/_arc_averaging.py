@@ -1,0 +1,166 @@
+"""The pad's ellipse where nobody knows where its arc ends: an average over the ends, weighted by evidence."""
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.linalg import solve_triangular
+from scipy.special import softmax
+
+from fingerpad._arrays import FloatArray
+from fingerpad.image._orthogonal_fit import distances
+from fingerpad.image.photograph._arc import IndexArray, PadArc
+from fingerpad.image.photograph.outline_fit import (
+    departure_covariance,
+    parametric_angles,
+    radii_of_curvature,
+    student_widening,
+)
+
+# Neighbouring points share the skin's roughness; blocks of so many hardly do.
+_BLOCK = 8
+_LEAST_BLOCKS = 12
+_OUTLYING = 6.0
+# Ends are tried from here on, on either side of the pad's middle.
+_FIRST_END = math.radians(45)
+_STEP = math.radians(4)
+# What the departure may be, as shares of the usual one: the curvature may hardly change, or twofold.
+_SHARES = (0.03, 0.1, 0.3, 1.0)
+# Farther out, in radii of curvature, the outline may step aside (a nail, a fold), by this share of one.
+_REACH, _ASIDE = 0.25, 0.03
+# The fit is linear about the arc as found, and no good far from it.
+_MOST_CHANGE = 0.1
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Blocks:
+    """Means over neighbouring points.
+
+    Attributes
+    ----------
+    terms : ndarray, (n, 6)
+        Derivatives of the distance by the parameters, and the distance.
+    turns : ndarray, (n,)
+        Parametric angle from the pad's middle, radians.
+    along : ndarray, (n,)
+        Place along the outline, px.
+    """
+
+    terms: FloatArray
+    turns: FloatArray
+    along: FloatArray
+
+
+def averaged_over_ends(
+    points: FloatArray,
+    order: IndexArray,
+    arc: PadArc,
+    *,
+    middle: float,
+    lean: tuple[float, float],
+    spacing: float,
+) -> PadArc:
+    """Fit the ellipse again for every place where the arc may end, and average by evidence.
+
+    About the arc as found the fit is linear. For each pair of ends the outline beyond departs as
+    `departure_covariance` says; the marginal likelihood (ellipse flat, noise's level unknown) weighs the
+    pair. The covariance is that within the pairs and between them; a slight departure can still pass for
+    the ellipse, which `widened` allows for.
+
+    Parameters
+    ----------
+    points : ndarray, (n, 2)
+        Outline in the face's frame, px.
+    order : ndarray of int
+        Candidates in order along the outline.
+    arc : PadArc
+        The arc as found.
+    middle : float
+        Parametric angle of the pad's middle, radians.
+    lean : (float, float)
+        Lean of the finger's axis and its standard uncertainty, radians.
+    spacing : float
+        Distance of the outline's neighbouring points, px.
+    """
+    values = arc.fit.values
+    semi = math.sqrt(values[2] * values[3])
+    unit = np.array([semi, semi, semi, semi, 1.0])
+    noise = arc.fit.residual_std * math.sqrt(arc.fit.correlation / _BLOCK)
+    blocks = _blocks(points, order[~np.isin(order, arc.rejected)], values, middle, spacing)
+    blocks = replace(blocks, terms=blocks.terms * np.append(unit, 1) / noise)
+    if len(blocks.turns) < _LEAST_BLOCKS:
+        return arc
+    sides = [_side(blocks, values, middle, sign, noise) for sign in (-1, 1)]
+    known = np.array([0, 0, 0, 0, 1, values[4] - lean[0]]) / lean[1]
+    grams = sides[0][0][:, None] + sides[1][0] + np.outer(known, known)
+    logs = sides[0][1][:, None] + sides[1][1]
+    change, covariance = _average(grams.reshape(-1, 6, 6), logs.ravel(), len(blocks.turns))
+    change, covariance = change * unit, covariance * np.outer(unit, unit)
+    if not (np.abs(change[2:4]) < _MOST_CHANGE * values[2:4]).all():
+        return arc
+    x, y, semi_x, semi_y, angle = values + change
+    fit = replace(
+        arc.fit,
+        centre=np.array([x, y]),
+        semi_x=float(semi_x),
+        semi_y=float(semi_y),
+        lean=float(angle),
+        covariance=covariance,
+    )
+    return replace(arc, fit=fit)
+
+
+def _blocks(
+    points: FloatArray, order: IndexArray, values: FloatArray, middle: float, spacing: float
+) -> _Blocks:
+    """Return the blocks of the outline, px, but for those that stand out from their neighbours."""
+    off, slopes = distances(values, points[order])
+    turns = parametric_angles(points[order], values) - middle
+    turns = (turns + math.pi) % (2 * math.pi) - math.pi
+    places = np.unwrap(order.astype(np.float64), period=len(points)) * spacing
+    count = len(order) // _BLOCK
+    every = np.column_stack([slopes, off, turns, places])[: count * _BLOCK]
+    means = every.reshape(count, _BLOCK, -1).mean(axis=1)
+    level = np.array([np.median(means[max(0, k - 4) : k + 5, 5]) for k in range(count)])
+    apart = np.abs(means[:, 5] - level)
+    means = means[apart < _OUTLYING * (1.4826 * np.median(apart) + 0.02)]
+    return _Blocks(terms=means[:, :6], turns=means[:, 6], along=means[:, 7])
+
+
+def _side(
+    blocks: _Blocks, values: FloatArray, middle: float, sign: int, noise: float
+) -> tuple[FloatArray, FloatArray]:
+    """Return, for each end and departure on one side, the terms' weighted products and a log weight."""
+    mine = np.flatnonzero(sign * blocks.turns > 0)
+    mine = mine[np.argsort(sign * blocks.turns[mine])]
+    terms, turns = blocks.terms[mine], sign * blocks.turns[mine]
+    along = np.abs(blocks.along[mine] - blocks.along[mine[:1]])
+    # The arc may also end beyond all that is seen.
+    grams, logs = [terms.T @ terms], [0.0]
+    for end in np.arange(_FIRST_END, turns.max(initial=0), _STEP):
+        past = along - np.interp(end, turns, along)
+        on_arc = terms[past <= 0]
+        beyond = past[past > 0]
+        radius = float(radii_of_curvature(values, middle + sign * np.array(end)))
+        far = np.maximum(beyond / radius - _REACH, 0)
+        aside = (_ASIDE * radius / noise) ** 2 * np.minimum(far[:, None], far) + np.eye(len(beyond))
+        usual = departure_covariance(beyond, (radius, radius)) / noise**2
+        for share in _SHARES:
+            root = np.linalg.cholesky(share**2 * usual + aside)
+            white = solve_triangular(root, terms[past > 0], lower=True)
+            grams.append(on_arc.T @ on_arc + white.T @ white)
+            logs.append(-float(np.log(np.diagonal(root)).sum()) - math.log(len(_SHARES)))
+    return np.array(grams), np.array(logs)
+
+
+def _average(grams: FloatArray, logs: FloatArray, count: int) -> tuple[FloatArray, FloatArray]:
+    """Return the parameters' change and covariance, averaged by marginal likelihood."""
+    inverse = np.linalg.inv(grams[:, :5, :5])
+    changes = -np.einsum("nij,nj->ni", inverse, grams[:, :5, 5])
+    left = np.maximum(grams[:, 5, 5] + np.einsum("ni,ni->n", changes, grams[:, :5, 5]), 1e-12)
+    freedom = count - 5
+    weights = softmax(logs + 0.5 * np.linalg.slogdet(inverse)[1] - 0.5 * freedom * np.log(left))
+    change = weights @ changes
+    within = np.einsum("n,nij->ij", weights * left / freedom, inverse)
+    apart = changes - change
+    return change, student_widening(freedom) * within + np.einsum("n,ni,nj->ij", weights, apart, apart)

@@ -1,0 +1,280 @@
+"""A finger pad's ellipse in a photograph as a person places it, or as points that a person marks give it."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, as_float_array
+from fingerpad.exceptions import FitError, ImageError
+from fingerpad.image.photograph._face_frame import PAD_MIDDLE, Direction, face_axes, palmar_directions
+from fingerpad.image.photograph.faces import Face
+from fingerpad.image.photograph.measure import PhotographFit, size_flags
+from fingerpad.image.photograph.outline_fit import fit_outline_ellipse, parametric_angles
+from fingerpad.image.scale import Scale
+
+IntArray: TypeAlias = npt.NDArray[np.int64]
+
+# An ellipse within so much of the outline, as a share of its smaller semi-axis, passes for a good one to the
+# eye (as to the flag `poor_ellipse`), and a mark is placed to a pixel: at the centre and at each end.
+_BY_EYE, _MARK_PX = 0.01, 1.0
+# Least difference between a fitted ellipse's residuals and its points' errors that all points share, px.
+_SHARED_PX, _SHARED_REACH = 0.1, math.radians(25)
+# No picture reaches so far, px.
+_FARTHEST_PX = 1e6
+
+
+def photograph_from_ellipse(
+    face: Face,
+    scale: Scale,
+    *,
+    centre: tuple[float, float],
+    semi_axes: tuple[float, float],
+    lean: float = 0.0,
+    tip: Direction = "up",
+    palmar: Direction | None = None,
+) -> PhotographFit:
+    """Return what an ellipse placed by hand says of a face's semi-axes; it needs no picture.
+
+    Parameters
+    ----------
+    face : {"palmar", "distal", "radial", "ulnar"}
+        The face that looks at the camera.
+    scale : Scale
+        Scale of the photograph.
+    centre : (float, float)
+        (row, column), px.
+    semi_axes : (float, float)
+        Across and along, in the order of `FACE_AXES`, px.
+    lean : float
+        Turn of the ellipse from the face's x (across) towards its y (along), radians.
+    tip, palmar
+        As for `measure_photograph`.
+
+    Returns
+    -------
+    PhotographFit
+        Without points, with the flag ``by_hand``.
+
+    Raises
+    ------
+    ImageError
+        If a number is not finite, a semi-axis not positive, or face and directions do not agree.
+
+    Examples
+    --------
+    >>> fit = photograph_from_ellipse(
+    ...     "palmar", Scale.of_mm_per_px(0.05), centre=(300, 200), semi_axes=(236, 276)
+    ... )
+    >>> {name: round(value, 3) for name, value in fit.semi_axes_mm.items()}
+    {'radial_ulnar': 11.8, 'distal': 13.8}
+    """
+    if not (np.isfinite([*centre, *semi_axes, lean]).all() and min(semi_axes) > 0):
+        raise ImageError(
+            f"an ellipse needs a finite centre and lean and two positive semi-axes, found {centre}, "
+            f"{math.degrees(lean):g} degrees, {semi_axes}"
+        )
+    side = palmar_directions(face, tip, palmar)[0]
+    semi_px = as_float_array(semi_axes)
+    semi_mm = semi_px * scale.mm_per_px
+    own_std = math.hypot(_MARK_PX, _BY_EYE * float(semi_px.min()))
+    return PhotographFit(
+        face=face,
+        semi_axes=semi_mm,
+        edge_covariance=2 * (own_std * scale.mm_per_px) ** 2 * np.eye(2),
+        scale=scale,
+        centre=(float(centre[0]), float(centre[1])),
+        directions=_turned(face_axes(face, tip, side), lean),
+        lean=lean,
+        lean_std=own_std / float(semi_px.max()),
+        arc=(PAD_MIDDLE[face] - math.pi, PAD_MIDDLE[face] + math.pi),
+        points=np.empty((0, 2)),
+        outliers=np.empty((0, 2)),
+        correlation_px=math.nan,
+        residual_px_std=math.nan,
+        blur_px=math.nan,
+        flags=size_flags(semi_mm) | {"by_hand"},
+    )
+
+
+def photograph_from_handles(
+    face: Face,
+    scale: Scale,
+    *,
+    centre: tuple[float, float],
+    across_end: tuple[float, float],
+    along_end: tuple[float, float],
+    tip: Direction = "up",
+    palmar: Direction | None = None,
+) -> PhotographFit:
+    """Return the face's ellipse from the ends of its semi-axes as they are dragged; it needs no picture.
+
+    The ends need not be square to each other: the ellipse is turned as the longer of the two is.
+
+    Parameters
+    ----------
+    face, scale, tip, palmar
+        As for `photograph_from_ellipse`.
+    centre, across_end, along_end : (float, float)
+        (row, column), px, as `PhotographFit.handles` gives them.
+
+    Raises
+    ------
+    ImageError
+        As `photograph_from_ellipse`.
+
+    Examples
+    --------
+    >>> scale = Scale.of_mm_per_px(0.05)
+    >>> fit = photograph_from_handles(
+    ...     "palmar", scale, centre=(300, 200), across_end=(300, 436), along_end=(24, 200)
+    ... )
+    >>> {name: round(value, 2) for name, value in fit.semi_axes_mm.items()}, round(fit.lean, 6) + 0.0
+    ({'radial_ulnar': 11.8, 'distal': 13.8}, 0.0)
+    """
+    ends = as_float_array([across_end, along_end]) - as_float_array(centre)
+    lengths = np.linalg.norm(ends, axis=1)
+    longer = int(np.argmax(lengths))
+    axes = face_axes(face, tip, palmar_directions(face, tip, palmar)[0])
+    first, second = axes @ ends[longer]
+    lean = math.atan2(second, first) if longer == 0 else math.atan2(-first, second)
+    return photograph_from_ellipse(
+        face,
+        scale,
+        centre=centre,
+        semi_axes=(float(lengths[0]), float(lengths[1])),
+        lean=lean,
+        tip=tip,
+        palmar=palmar,
+    )
+
+
+def with_marked_points(
+    found: PhotographFit,
+    *,
+    added: ArrayLike = (),
+    erased: Sequence[tuple[ArrayLike, float]] = (),
+) -> PhotographFit:
+    """Fit the ellipse again to the points that a person leaves of the outline, and those that one adds.
+
+    Parameters
+    ----------
+    found : PhotographFit
+        A measured photograph.
+    added : array_like, (n, 2)
+        (row, column), px, of further points on the pad's outline.
+    erased : sequence of (array_like (n, 2), float)
+        Strokes of a rubber: (row, column) along each, px, and its radius, px. Points under it are left out.
+
+    Returns
+    -------
+    PhotographFit
+        With the flag ``by_hand``; the same as `found` where nothing is added or erased.
+
+    Raises
+    ------
+    ImageError
+        If points or strokes are not as described.
+    FitError
+        If what is left does not determine an ellipse.
+
+    Examples
+    --------
+    >>> from fingerpad.image import measure_photograph, render_finger
+    >>> truth = render_finger("palmar", semi_axes=(11.8, 13.8), seed=1)
+    >>> found = measure_photograph(truth.pixels, "palmar", Scale.of_mm_per_px(truth.mm_per_px))
+    >>> fewer = with_marked_points(found, erased=[([found.points[0]], 20)])
+    >>> len(fewer.points) < len(found.points), round(fewer.semi_axes_mm["radial_ulnar"])
+    (True, 12)
+    """
+    marks = _checked("added points", added)
+    kept = np.ones(len(found.points), dtype=bool)
+    for path, radius in erased:
+        kept &= ~_under(found.points, path, radius)
+    if not len(marks) and kept.all():
+        return found
+    left_out = np.concatenate([found.outliers, found.points[~kept]])
+    points = np.concatenate([found.points[kept], marks])
+    axes = _turned(found.directions, -found.lean)
+    centre = as_float_array(found.centre)
+    local = (points - centre) @ axes.T
+    start = np.array([0.0, 0.0, *(found.semi_axes / found.scale.mm_per_px), found.lean])
+    order, places = _in_order(local, start, found)
+    points, local = points[order], local[order]
+    # The sides of the finger told the lean of the program's fit: what it knew of that is kept.
+    fit = fit_outline_ellipse(
+        local, lean=found.lean, lean_std=max(found.lean_std, 1e-3), places=places, start=start
+    )
+    shared = fit.shared_error_covariance(_SHARED_PX, _SHARED_PX, _SHARED_REACH)
+    place = fit.centre @ axes + centre
+    angles = _about_middle(parametric_angles(local, fit.values), found)
+    result = replace(
+        found,
+        semi_axes=np.array([fit.semi_x, fit.semi_y]) * found.scale.mm_per_px,
+        edge_covariance=(fit.covariance + shared)[2:4, 2:4] * found.scale.mm_per_px**2,
+        centre=(float(place[0]), float(place[1])),
+        directions=_turned(axes, fit.lean),
+        lean=fit.lean,
+        lean_std=math.sqrt(fit.covariance[4, 4]),
+        arc=(float(angles.min()), float(angles.max())),
+        points=points,
+        outliers=left_out,
+        residual_px_std=fit.residual_std,
+    )
+    relative = np.sqrt(np.diagonal(result.edge_covariance)) / result.semi_axes
+    if not float(relative.max()) < 0.4:
+        raise FitError(
+            f"the points left leave an axis unknown by {float(relative.max()):.0%}: "
+            "keep or add points along a longer arc"
+        )
+    flags = found.flags - size_flags(found.semi_axes) | size_flags(result.semi_axes)
+    return replace(result, flags=flags | {"by_hand"})
+
+
+def _turned(axes: FloatArray, lean: float) -> FloatArray:
+    """Return a face's axes turned from the first towards the second."""
+    turn = np.array([[math.cos(lean), math.sin(lean)], [-math.sin(lean), math.cos(lean)]])
+    return np.asarray(turn @ axes)
+
+
+def _in_order(local: FloatArray, start: FloatArray, found: PhotographFit) -> tuple[IntArray, IntArray]:
+    """Return the points' order along the outline, and the place of each in steps of the outline."""
+    angles = _about_middle(parametric_angles(local, start), found)
+    order = np.argsort(angles, kind="stable")
+    lengths = np.linalg.norm(np.diff(local[order], axis=0), axis=1)
+    step = float(np.median(lengths[lengths > 0])) if (lengths > 0).any() else 1.0
+    # Never twice in one place: each point is one.
+    places = np.concatenate([[0], np.cumsum(np.maximum(np.rint(lengths / step), 1))])
+    return order.astype(np.int64), places.astype(np.int64)
+
+
+def _about_middle(angles: FloatArray, found: PhotographFit) -> FloatArray:
+    middle = PAD_MIDDLE[found.face]
+    return middle + (angles - middle + math.pi) % (2 * math.pi) - math.pi
+
+
+def _checked(what: str, points: ArrayLike) -> FloatArray:
+    values = as_float_array(points)
+    values = values.reshape(0, 2) if values.size == 0 else values
+    if values.ndim != 2 or values.shape[1] != 2 or not (np.abs(values) <= _FARTHEST_PX).all():
+        raise ImageError(
+            f"{what} must be finite pairs (row, column) within {_FARTHEST_PX:.0f} px, "
+            f"found shape {values.shape}"
+        )
+    return values
+
+
+def _under(points: FloatArray, stroke: ArrayLike, radius: float) -> BoolArray:
+    """Return which points lie under a stroke of a rubber."""
+    path = _checked("a stroke", stroke)
+    if not (len(path) and radius > 0 and math.isfinite(radius)):
+        raise ImageError(f"a stroke needs a point and a positive radius, found {len(path)} and {radius}")
+    start, end = (path, path) if len(path) == 1 else (path[:-1], path[1:])
+    along = end - start
+    length = np.maximum((along**2).sum(axis=1), 1e-12)
+    share = np.einsum("nki,ki->nk", points[:, None] - start, along) / length
+    foot = start + share.clip(0, 1)[..., None] * along
+    return np.asarray(np.linalg.norm(points[:, None] - foot, axis=2).min(axis=1) <= radius)

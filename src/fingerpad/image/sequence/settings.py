@@ -1,0 +1,198 @@
+"""Learn how to read a sequence: which frames show the largest contact, and what ridges look like there."""
+
+import math
+from collections import Counter
+from collections.abc import Collection, Iterable, Iterator
+from dataclasses import dataclass
+from typing import Final, TypedDict, Unpack
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from fingerpad._arrays import FloatArray
+from fingerpad.exceptions import ImageError
+from fingerpad.image._grayscale import Pixels
+from fingerpad.image.contact_image.measure import measure_contact_image
+from fingerpad.image.contact_image.result import ContactImageResult, ContactImageSettings
+from fingerpad.image.scale import Scale
+from fingerpad.image.sequence.frames import Frame, Frames
+
+_TEACHERS: Final = 5
+# Wider than a ridge, narrower than a finger: what is left after it is texture.
+_TEXTURE_WINDOW_MM: Final = 1.5
+# Less texture than this share of the busiest frame's is no contact that could be measured.
+_LEAST_TEXTURE: Final = 0.01
+
+
+class MeasurementRegion(TypedDict, total=False):
+    """Where every frame is looked at, as keyword arguments of `measure_contact_image`."""
+
+    background: npt.ArrayLike | None
+    seed: tuple[float, float] | None
+    mask: npt.ArrayLike | None
+    region_of_interest: tuple[int, int, int, int] | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class TextureScan:
+    """A first look at frames, before any is measured.
+
+    Attributes
+    ----------
+    index : ndarray of int, (count,)
+        Their numbers.
+    texture : ndarray, (count,)
+        Power of each frame's texture, which grows with the area in contact; NaN where it cannot be read.
+    reason : str or None
+        Why the last of those could not be read.
+    """
+
+    index: npt.NDArray[np.int64]
+    texture: FloatArray
+    reason: str | None = None
+
+    @classmethod
+    def joined(cls, parts: Iterable["TextureScan"]) -> "TextureScan":
+        """Return the survey of a sequence from those of its parts, in their order."""
+        parts = list(parts)
+        return cls(
+            index=np.concatenate([part.index for part in parts]),
+            texture=np.concatenate([part.texture for part in parts]),
+            reason=next((part.reason for part in reversed(parts) if part.reason is not None), None),
+        )
+
+    @property
+    def busiest(self) -> tuple[int, ...]:
+        """The few frames of most texture, in their order: those of the largest contact."""
+        seen = np.flatnonzero(np.isfinite(self.texture))
+        most = seen[np.argsort(-self.texture[seen], kind="stable")][:_TEACHERS]
+        return tuple(sorted(self.index[most].tolist()))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class SequenceSettings:
+    """How every frame of one sequence is read.
+
+    Attributes
+    ----------
+    settings : ContactImageSettings
+        Polarity, contrast and ridge period for `measure_contact_image`, the same for all frames: those of each
+        frame's own would flicker, and differ between a first touch and the largest contact.
+    learnt_from : tuple of int
+        Frames of the largest contact from which this was learnt.
+    texture : ndarray, (count,)
+        That of the survey.
+    """
+
+    settings: ContactImageSettings
+    learnt_from: tuple[int, ...]
+    texture: FloatArray
+
+    @property
+    def min_texture(self) -> float:
+        """Texture below which a frame shows no contact that could be measured."""
+        return _LEAST_TEXTURE * float(np.nanmax(self.texture))
+
+
+def scan_texture(frames: Iterable[Frame], scale: Scale, **place: Unpack[MeasurementRegion]) -> TextureScan:
+    """Look at each frame's texture, to find those of the largest contact.
+
+    Parameters
+    ----------
+    frames : iterable of Frame
+        A sequence or a part of it.
+    scale : Scale
+        Millimetres per pixel.
+    **place
+        Background, seed, mask and region of interest, as for `measure_contact_image`.
+    """
+    index, texture, reason = [], [], None
+    for frame in frames:
+        index.append(frame.index)
+        texture.append(math.nan if frame.pixels is None else texture_of(frame.pixels, scale, place))
+        reason = frame.reason or reason
+    return TextureScan(index=np.array(index, dtype=np.int64), texture=np.array(texture), reason=reason)
+
+
+def estimate_settings(
+    frames: Iterable[Frame],
+    scale: Scale,
+    *,
+    scan: TextureScan | None = None,
+    dark_on_light: bool | None = None,
+    threshold: float | None = None,
+    **place: Unpack[MeasurementRegion],
+) -> SequenceSettings:
+    """Learn from the frames of largest contact how to read a sequence: one relative level for all its frames.
+
+    Ridges lie above half the local rise from valley to ridge, which a flicker of the light scales without
+    moving its half. What counts as a rise is told from the contrast of the largest contact in every frame,
+    so that neither noise nor faint traces pass for a first contact.
+
+    Parameters
+    ----------
+    frames : iterable of Frame
+        The sequence: it must be possible to go through it twice.
+    scale : Scale
+        Millimetres per pixel.
+    survey : Survey, optional
+        That of the whole sequence; made here when None.
+    dark_on_light : bool, optional
+        Whether contact is darker than the ground, where it is known.
+    threshold : float, optional
+        Grey levels from the ground to a ridge, where it is known.
+    **place
+        Background, seed, mask and region of interest, as for `measure_contact_image`.
+
+    Raises
+    ------
+    ImageError
+        If not one frame can be read, or none of those with the most texture shows a contact.
+    """
+    scan = scan_texture(frames, scale, **place) if scan is None else scan
+    if not scan.busiest:
+        raise ImageError(f"no frame can be read: {scan.reason or 'there is none'}")
+    seen: list[tuple[int, ContactImageResult]] = []
+    reason: str | None = None
+    for frame in _chosen(frames, scan.busiest):
+        if frame.pixels is None:
+            continue  # it could be read when it was surveyed
+        try:
+            contact_image = measure_contact_image(
+                frame.pixels, scale, dark_on_light=dark_on_light, threshold=threshold, **place
+            )
+        except ImageError as error:
+            reason = str(error)
+            continue
+        seen.append((frame.index, contact_image))
+    if not seen:
+        raise ImageError(f"no contact found in any frame: {reason}")
+    polarity, _ = Counter(contact_image.dark_on_light for _, contact_image in seen).most_common(1)[0]
+    alike = sorted(
+        ((index, contact_image) for index, contact_image in seen if contact_image.dark_on_light == polarity),
+        key=lambda entry: entry[1].contrast,
+    )
+    return SequenceSettings(
+        settings=alike[len(alike) // 2][1].settings,
+        learnt_from=tuple(sorted(index for index, _ in alike)),
+        texture=scan.texture,
+    )
+
+
+def _chosen(frames: Iterable[Frame], indices: Collection[int]) -> Iterator[Frame]:
+    """Return some of the frames, in the sequence's order."""
+    if isinstance(frames, Frames) and frames.kind != "video":  # a video is decoded up to each frame
+        return map(frames.at, indices)
+    return (frame for frame in frames if frame.index in indices)
+
+
+def texture_of(pixels: Pixels, scale: Scale, place: MeasurementRegion) -> float:
+    """Return the power of what is finer than a finger, where the frame is looked at."""
+    row, column, last_row, last_column = place.get("region_of_interest") or (0, 0, *pixels.shape)
+    part = pixels[max(row, 0) : last_row, max(column, 0) : last_column]
+    pixels = part if part.size else pixels  # a region that misses the frame is refused where it is measured
+    side = 2 * round(_TEXTURE_WINDOW_MM / scale.mm_per_px / 2) + 1
+    values = pixels.astype(np.float32)
+    fine = values - cv2.blur(values, (side, side))
+    return float(np.mean(fine * fine))

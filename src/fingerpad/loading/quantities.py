@@ -1,0 +1,113 @@
+"""What a fitted record tells: each quantity, or why it is not known, and what makes one doubt it."""
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+from scipy import stats
+
+from fingerpad._arrays import FloatArray
+from fingerpad.exceptions import FitError
+from fingerpad.loading.estimate import Estimate, Quantity, Undetermined
+from fingerpad.loading.joint import JointFit, fit_joint
+from fingerpad.loading.least_squares import effective_count, fit_least_squares
+
+# Beyond these no finger pad lies, mm and MPa: a slip of units.
+PLAUSIBLE_RADIUS, PLAUSIBLE_MODULUS = (2.0, 100.0), (0.001, 5.0)
+# A given radius is doubted when the slope of the area is so many standard uncertainties away.
+_CONTRADICTED, _LEAST_AREAS = 4.0, 5
+# An area at contact is doubtful from this many standard uncertainties on.
+_OFFSET_DEVIATIONS = 3.0
+_NO_RADIUS = (
+    "no contact area in the curve, so its radius is not known: give a column area_mm2, or loading_radius"
+)
+
+
+def quantities(main: JointFit, models: Mapping[str, JointFit], *, known: bool) -> dict[str, Quantity]:
+    """Return all quantities by name; those that need a radius are unknown where it is not `known`."""
+    top = top_load(main)
+    youngs = main.combined(
+        main.values["initial_modulus"] + main.values["load_coefficient"] * top,
+        {"initial_modulus": 1.0, "load_coefficient": top},
+    )
+    modulus: Quantity = youngs if known else Undetermined(_NO_RADIUS)
+    need_radius = ("loading_radius", "initial_modulus", "load_coefficient")
+    return {
+        **{name: _bounded(main, name) if known else Undetermined(_NO_RADIUS) for name in need_radius},
+        "reduced_modulus": modulus.times(1 / (1 - main.record.poisson_ratio**2)),
+        "youngs_modulus": modulus,
+        "contact_offset": _bounded(main, "contact_offset"),
+        "load_exponent": (
+            _bounded(models["free_exponent"], "load_exponent")
+            if "free_exponent" in models
+            else Undetermined("a power law with free exponent does not fit the curve")
+        ),
+        "area_exponent": _area_exponent(main),
+    }
+
+
+def top_load(main: JointFit) -> float:
+    return float(main.load(np.array([main.record.smooth_displacement.max()]))[0])
+
+
+def _bounded(fit: JointFit, name: str) -> Quantity:
+    estimate = fit.estimate(name)
+    if math.isfinite(estimate.lower) and math.isfinite(estimate.upper):
+        return estimate
+    return Undetermined(f"the curve does not bound it: {estimate.value:.3g} is best, but far from certain")
+
+
+def _area_exponent(main: JointFit) -> Quantity:
+    """Fit A = a W^n to what was measured, with the noise of both."""
+    record, noise = main.record, main.noise
+    load = main.corrected_load(record.clock, record.load)[record.with_area]
+    smooth = main.load(record.smooth_displacement)[record.with_area]
+    used = smooth > max(
+        0.05 * float(smooth.max(initial=0.0)), 5 * math.hypot(noise.force_std, noise.wander_std)
+    )
+    W, A = load[used], record.area[used]
+    if W.size < 5:
+        return Undetermined(
+            _NO_RADIUS if not record.area.size else f"{W.size} areas under load; five are needed"
+        )
+    spread = np.hypot(noise.area_std, 0.5 * A * math.hypot(noise.force_std, noise.wander_std) / smooth[used])
+
+    def residuals(p: FloatArray) -> FloatArray:
+        grown = np.maximum(W / W.max(), 1e-9) ** float(np.clip(p[1], 0.02, 5.0))
+        return np.asarray((A - p[0] * grown) / spread)
+
+    try:
+        fit = fit_least_squares(residuals, [A.max(), 0.5], ["area", "area_exponent"])
+        return fit.with_effective_count(effective_count(fit.residuals)).estimate("area_exponent")
+    except FitError as error:
+        return Undetermined(str(error))
+
+
+def implausible(main: JointFit, given: float | Estimate | None, *, known: bool) -> tuple[str, ...]:
+    """Return flags for values that no finger pad has, and for a given radius that the area contradicts."""
+    radius = main.values["loading_radius"]
+    modulus = main.values["initial_modulus"] + main.values["load_coefficient"] * top_load(main)
+    record = main.record
+    contradicted = False
+    if given is not None and record.area.size >= _LEAST_AREAS:
+        line = stats.linregress(np.pi * record.smooth_displacement[record.with_area], record.area)
+        std = given.std if isinstance(given, Estimate) else 0.0
+        contradicted = abs(line.slope - radius) > _CONTRADICTED * math.hypot(line.stderr, std, 0.02 * radius)
+    doubts = {
+        "radius_contradicts_area": contradicted,
+        "implausible_radius": known and not PLAUSIBLE_RADIUS[0] <= radius <= PLAUSIBLE_RADIUS[1],
+        "implausible_modulus": known and not PLAUSIBLE_MODULUS[0] <= modulus <= PLAUSIBLE_MODULUS[1],
+    }
+    return tuple(name for name, seen in doubts.items() if seen)
+
+
+def has_area_offset(main: JointFit) -> bool:
+    """Tell whether the areas show one at contact, which the law has none for."""
+    if not main.record.area.size:
+        return False
+    try:
+        wider = fit_joint(main.record, main.law, {**main.values, "area_offset": 0.0}, main.held)
+    except FitError:
+        return False
+    offset = wider.combined(wider.values["area_offset"], {"area_offset": 1.0})
+    return abs(offset.value) > _OFFSET_DEVIATIONS * offset.std

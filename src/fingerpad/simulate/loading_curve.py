@@ -1,0 +1,162 @@
+"""Loading curves simulated from a known truth."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy import signal
+
+from fingerpad._arrays import FloatArray
+from fingerpad.exceptions import LoadingError
+from fingerpad.loading.curve import LoadingCurve
+from fingerpad.loading.models import indentation_from_load, load_from_indentation
+
+# Steps of the memory integral over one record.
+_FINE = 4000
+
+
+def simulate_loading_curve(
+    *,
+    loading_radius: float = 15.0,
+    initial_modulus: float = 0.04,
+    load_coefficient: float = 0.02,
+    contact_offset: float = 1.0,
+    poisson_ratio: float = 0.5,
+    top_load: float = 2.0,
+    rate: float = 2.0,
+    approach: float = 0.6,
+    hold: float = 0.0,
+    unloading: bool = False,
+    hysteresis: float = 0.3,
+    cycles: int = 1,
+    relaxation: Sequence[tuple[float, float]] = (),
+    points: int = 500,
+    force_std: float = 0.0,
+    correlation_time: float = 0.0,
+    displacement_std: float = 0.0,
+    area_std: float = 0.0,
+    force_offset: float = 0.0,
+    force_tilt: float = 0.0,
+    with_area: bool = True,
+    seed: int = 0,
+) -> LoadingCurve:
+    """Simulate the record of a pad pressed by a platen that moves at a constant rate.
+
+    The platen starts before contact, moves to where the pad bears `top_load`, may hold there and go back.
+    The elastic load is that of `load_from_indentation`, the area π R ξ.
+
+    Parameters
+    ----------
+    loading_radius, initial_modulus, load_coefficient, poisson_ratio : float
+        R_g (mm), E_0g (MPa), β (MPa/N) and ν of the pad.
+    contact_offset : float
+        Reading of the displacement at contact, mm.
+    top_load : float
+        Elastic load at the largest indentation, N.
+    rate, approach, hold : float
+        Speed of the platen (mm/s), way before contact (mm), and time held at the top (s).
+    unloading : bool
+        Whether the platen goes back.
+    hysteresis : float
+        On the way back the load is less by this share times (1 − ξ/ξ_top).
+    cycles : int
+        How often all of it is done.
+    relaxation : sequence of (share, time)
+        Prony terms: of a load applied at once, each share decays with its time, s.
+    points : int
+        Samples in the record, evenly spaced in time.
+    force_std, correlation_time : float
+        Standard deviation (N) of the noise of the force, a first-order autoregression that forgets within
+        `correlation_time` (s); white where that is zero.
+    displacement_std, area_std : float
+        White noise, mm and mm². The area is never reported below zero.
+    force_offset, force_tilt : float
+        Error of the force's zero at the start (N), and its drift (N/s).
+    with_area : bool
+        Whether the record has an area.
+    seed : int
+        Of the noise.
+
+    Raises
+    ------
+    LoadingError
+        If there are fewer than two points or one cycle, or the pad, its rate or its top load is impossible.
+
+    Examples
+    --------
+    >>> curve = simulate_loading_curve(points=100, force_std=0.005)
+    >>> print(f"{curve.load.max():.1f} N, {curve.area.max():.0f} mm²")
+    2.0 N, 111 mm²
+    """
+    positive = (
+        loading_radius,
+        initial_modulus,
+        rate,
+        top_load,
+        initial_modulus + load_coefficient * top_load,
+    )
+    if not (min(positive) > 0 and points >= 2 and cycles >= 1 and sum(s for s, _ in relaxation) < 1):
+        raise LoadingError(
+            "a simulated curve needs radius, modulus (at all loads), rate and top load above zero, two "
+            f"points, one cycle and relaxing shares below one in sum; found {positive}, {points}, "
+            f"{cycles}, {relaxation}"
+        )
+    pad = {
+        "loading_radius": loading_radius,
+        "initial_modulus": initial_modulus,
+        "load_coefficient": load_coefficient,
+        "poisson_ratio": poisson_ratio,
+    }
+    top = float(indentation_from_load(top_load, **pad))
+    way = (top + approach) / rate
+    knots = np.cumsum([0.0, way, hold, way if unloading else 0.0])
+    heights = [-approach, top, top, -approach if unloading else top]
+    time = np.linspace(0, cycles * knots[-1], points)
+
+    def motion(at: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return indentation, negative before contact, and elastic load."""
+        phase = np.minimum(at - knots[-1] * np.minimum(at // knots[-1], cycles - 1), knots[-1])
+        xi = np.interp(phase, knots, heights)
+        loss = np.where(phase > knots[2], hysteresis * (1 - xi / top), 0.0)
+        return xi, load_from_indentation(xi, **pad) * (1 - np.clip(loss, 0, 1))
+
+    xi, load = motion(time)
+    if relaxation:
+        fine = np.linspace(0, time[-1], _FINE)
+        load = np.interp(time, fine, _relaxed(fine, motion(fine)[1], relaxation))
+    rng = np.random.default_rng(seed)
+    area = None
+    if with_area:
+        area = np.maximum(np.pi * loading_radius * np.maximum(xi, 0) + _in_contact(xi, rng, area_std), 0)
+    noise = _force_noise(rng, time, force_std, correlation_time)
+    return LoadingCurve(
+        time=time,
+        load=np.maximum(load, 0) + force_offset + force_tilt * time + noise,
+        indentation=xi + contact_offset + displacement_std * rng.standard_normal(points),
+        area=area,
+    )
+
+
+def _in_contact(xi: FloatArray, rng: np.random.Generator, std: float) -> FloatArray:
+    """Return noise of the area: before contact a picture shows none."""
+    return np.where(xi > 0, std * rng.standard_normal(xi.size), 0.0)
+
+
+def _force_noise(
+    rng: np.random.Generator, time: FloatArray, std: float, correlation_time: float
+) -> FloatArray:
+    white = rng.standard_normal(time.size)
+    if not correlation_time > 0:
+        return std * white
+    kept = np.exp(-(time[1] - time[0]) / correlation_time)
+    white[1:] *= np.sqrt(1 - kept**2)
+    return std * np.asarray(signal.lfilter([1.0], [1.0, -kept], white))
+
+
+def _relaxed(time: FloatArray, elastic: FloatArray, terms: Sequence[tuple[float, float]]) -> FloatArray:
+    r"""Return :math:`\int g(t-s)\,dW_e(s)` with :math:`g = 1 - \sum g_i (1 - e^{-t/\tau_i})`."""
+    steps, step = np.diff(elastic, prepend=0.0), time[1] - time[0]
+    load = (1 - sum(share for share, _ in terms)) * elastic
+    for share, tau in terms:
+        kept = np.exp(-step / tau)
+        load = load + share * signal.lfilter([tau / step * (1 - kept)], [1.0, -kept], steps)
+    return np.asarray(load)

@@ -1,0 +1,135 @@
+"""A pad pressed and released, with the truth of every frame: Hertz contact under a given load, rendered."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, check_all
+from fingerpad.contact import HertzGeometry
+from fingerpad.exceptions import GeometryError
+from fingerpad.simulate.contact_image import Look, render_contact_image
+
+# Lighter contacts than this are a ground without a finger, mm.
+_LEAST_SEMI_AXIS = 0.05
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class SyntheticSequence:
+    """A sequence to be rendered frame by frame.
+
+    Attributes
+    ----------
+    load : ndarray, (count,)
+        True normal force of each frame, N.
+    semi_major, semi_minor : ndarray, (count,)
+        True semi-axes of the contact, mm; the major one points straight up.
+    ppi : float
+        Resolution, pixels per inch.
+    look : {"ink", "livescan", "prism"}
+        As for `render_contact_image`.
+    flicker : float
+        Standard deviation of the light from frame to frame, relative.
+    noise_std : float
+        Standard deviation of the camera's noise, grey levels.
+    seed : int
+        The same seed gives the same sequence.
+    """
+
+    load: FloatArray
+    semi_major: FloatArray
+    semi_minor: FloatArray
+    ppi: float
+    look: Look
+    flicker: float
+    noise_std: float
+    seed: int
+
+    @property
+    def gross_area(self) -> FloatArray:
+        """True area inside the contact ellipse of each frame, mm²."""
+        return np.pi * self.semi_major * self.semi_minor
+
+    def pixels(self, index: int) -> npt.NDArray[np.uint8]:
+        """Render one frame, (rows, columns); all have one size, and the contact in the middle."""
+        major, minor = float(self.semi_major[index]), float(self.semi_minor[index])
+        if minor < _LEAST_SEMI_AXIS:
+            major = minor = _LEAST_SEMI_AXIS / 10
+        margin = 1.5 + float(self.semi_major.max()) - major
+        rendered = render_contact_image(
+            semi_major=major,
+            semi_minor=minor,
+            ppi=self.ppi,
+            look=self.look,
+            noise_std=0.0,
+            margin=margin,
+            seed=self.seed,
+        ).pixels
+        rng = np.random.default_rng([self.seed, index])
+        light = 1 + self.flicker * rng.normal()
+        exposed = light * _middle(rendered, self._columns) + rng.normal(
+            0, self.noise_std, (rendered.shape[0], self._columns)
+        )
+        return np.clip(np.rint(exposed), 0, 255).astype(np.uint8)
+
+    @property
+    def _columns(self) -> int:
+        return math.floor(2 * (float(self.semi_minor.max()) + 1.5) * self.ppi / 25.4) - 1
+
+
+def render_sequence(
+    load: ArrayLike,
+    *,
+    radii: tuple[float, float] = (20.0, 14.0),
+    reduced_modulus: float = 0.05,
+    ppi: float = 300.0,
+    look: Look = "livescan",
+    flicker: float = 0.0,
+    noise_std: float = 6.0,
+    seed: int = 0,
+) -> SyntheticSequence:
+    """Press an elastic pad with a load for each frame.
+
+    Parameters
+    ----------
+    load : array_like, (count,)
+        Normal force W, N; zero is no contact.
+    radii : (float, float)
+        Relative principal radii of the undeformed pad along and across the finger, mm, the larger first.
+    reduced_modulus : float
+        E*, MPa.
+    ppi, look, flicker, noise_std, seed
+        See `SyntheticSequence`.
+
+    Raises
+    ------
+    GeometryError
+        If a load is negative or not finite, or the second radius is the larger.
+
+    Examples
+    --------
+    >>> press = render_sequence([0.0, 0.5, 1.0], seed=2)
+    >>> press.gross_area.round(1).tolist()
+    [0.0, 78.5, 124.6]
+    """
+    load = as_float_array(load)
+    check_all(np.isfinite(load) & (load >= 0), "load", load, "zero or positive, and finite", GeometryError)
+    if radii[1] > radii[0]:
+        raise GeometryError(f"the larger radius comes first, found {radii}")
+    contact = HertzGeometry.of(*radii).under_load(load, reduced_modulus=reduced_modulus)
+    return SyntheticSequence(
+        load=load,
+        semi_major=contact.semi_major,
+        semi_minor=contact.semi_minor,
+        ppi=ppi,
+        look=look,
+        flicker=flicker,
+        noise_std=noise_std,
+        seed=seed,
+    )
+
+
+def _middle(pixels: npt.NDArray[np.uint8], columns: int) -> npt.NDArray[np.uint8]:
+    start = (pixels.shape[1] - columns) // 2
+    return pixels[:, start : start + columns]

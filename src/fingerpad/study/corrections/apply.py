@@ -1,0 +1,196 @@
+"""Measuring with what people corrected, and the program's own result beside it."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from fingerpad.exceptions import ImageError
+from fingerpad.image import (
+    ContactImageResult,
+    ContactImageSettings,
+    MeasurementRegion,
+    PhotographFit,
+    PreparedContactImage,
+    Scale,
+    measure_photograph,
+    photograph_from_ellipse,
+    prepare_contact_image,
+    read_image,
+    with_marked_points,
+)
+from fingerpad.study.corrections.changes import ContactCorrection, PhotographCorrection
+from fingerpad.study.manifest import CORRECTIONS, Contact, Photograph
+
+NOTHING = ContactCorrection()
+# Changes of these have the ridges told anew; strokes and ellipse are measured on what was told.
+_OF_THE_READING = CORRECTIONS
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class CorrectedContactImage:
+    """A contact as a person wants it measured, and as the program measured it.
+
+    Attributes
+    ----------
+    imprint : ContactImageResult or None
+        The measurement that holds; None where there is none.
+    reason : str or None
+        Why there is none.
+    program : ContactImageResult or None
+        What the program measured by itself.
+    """
+
+    contact_image: ContactImageResult | None
+    reason: str | None
+    program: ContactImageResult | None
+
+
+def place_of(contact: Contact, folder: Path, correction: ContactCorrection = NOTHING) -> MeasurementRegion:
+    """Return where a contact's picture is looked at, as the manifest and a person say."""
+    window = _first(correction.region_of_interest_px, contact.region_of_interest_px)
+    seed = _first(correction.seed_px, contact.seed_px)
+    return {
+        "background": None if contact.background is None else read_image(folder / contact.background).pixels,
+        "seed": None if seed is None else (seed[0], seed[1]),
+        "mask": _first(correction.mask_px, contact.mask_px),
+        "region_of_interest": None if window is None else (window[0], window[1], window[2], window[3]),
+    }
+
+
+def prepared_contact(
+    pixels: npt.ArrayLike,
+    scale: Scale,
+    contact: Contact,
+    folder: Path,
+    correction: ContactCorrection = NOTHING,
+    *,
+    settings: ContactImageSettings | None = None,
+) -> PreparedContactImage:
+    """Tell the ridges in a contact's picture, as the manifest and a person say.
+
+    Parameters
+    ----------
+    pixels : array_like, (rows, columns)
+        The picture, or one frame.
+    scale : Scale
+        Its scale.
+    contact : Contact
+        Its table of the manifest.
+    folder : Path
+        The study folder.
+    correction : ContactCorrection
+        What a person wants; strokes and ellipse are for `PreparedContactImage.with_corrections`.
+    settings : ContactImageSettings, optional
+        How all frames of a sequence are read; a person's polarity goes before it.
+
+    Raises
+    ------
+    ImageError
+        If the picture is no good, or an option misses it.
+    """
+    reading: dict[str, Any] = dict(settings) if settings is not None else {}
+    polarity = _first(correction.dark_on_light, contact.dark_on_light)
+    if polarity is not None:
+        if reading and reading["dark_on_light"] is not polarity:
+            # Learnt the other way round, the contrast is of something else.
+            reading["contrast"] = None
+        reading["dark_on_light"] = polarity
+    # The frames of a film share a relative level: the manifest's threshold has gone into learning it.
+    level = correction.threshold if settings is not None else _first(correction.threshold, contact.threshold)
+    return prepare_contact_image(
+        pixels, scale, threshold=level, **reading, **place_of(contact, folder, correction)
+    )
+
+
+def corrected_contact_image(
+    pixels: npt.ArrayLike,
+    scale: Scale,
+    contact: Contact,
+    folder: Path,
+    correction: ContactCorrection = NOTHING,
+    *,
+    settings: ContactImageSettings | None = None,
+) -> CorrectedContactImage:
+    """Measure a contact as a person wants it, and as the program does by itself; see `prepared_contact`.
+
+    Raises
+    ------
+    ImageError
+        If the picture is no good.
+    """
+    program, plain, reason = None, None, None
+    try:
+        plain = prepared_contact(pixels, scale, contact, folder, settings=settings)
+        program = plain.contact_image
+    except ImageError as error:
+        reason = str(error)
+    if not correction.edits:
+        return CorrectedContactImage(contact_image=program, reason=reason, program=program)
+    try:
+        prepared = plain
+        if prepared is None or _OF_THE_READING & correction.edits.keys():
+            prepared = prepared_contact(pixels, scale, contact, folder, correction, settings=settings)
+        contact_image = prepared.with_corrections(correction.brush_strokes, correction.manual_ellipse)
+    except ImageError as error:
+        return CorrectedContactImage(contact_image=None, reason=str(error), program=program)
+    return CorrectedContactImage(contact_image=contact_image, reason=None, program=program)
+
+
+def corrected_photograph(
+    pixels: npt.ArrayLike,
+    photograph: Photograph,
+    scale: Scale,
+    correction: PhotographCorrection | None = None,
+) -> PhotographFit:
+    """Measure a photograph as a person wants it.
+
+    Parameters
+    ----------
+    pixels : array_like, (rows, columns) or (rows, columns, 3)
+        The photograph; not looked at where an ellipse is placed by hand.
+    photograph : Photograph
+        Its table of the manifest.
+    scale : Scale
+        Its scale.
+    correction : PhotographCorrection, optional
+        What a person wants.
+
+    Raises
+    ------
+    ImageError, FitError
+        As `measure_photograph`, `with_marked_points` and `photograph_from_ellipse`.
+    """
+    wanted = correction or PhotographCorrection()
+    tip = wanted.tip or photograph.tip
+    # A tip that a person turned turns what the manifest says of the palmar side.
+    palmar = wanted.palmar_side or (photograph.palmar_side if wanted.tip is None else None)
+    if wanted.ellipse_px is not None:
+        (row, column), (across, along) = wanted.ellipse_px.centre, wanted.ellipse_px.semi_axes
+        return photograph_from_ellipse(
+            photograph.face,
+            scale,
+            centre=(row, column),
+            semi_axes=(across, along),
+            lean=float(np.radians(wanted.ellipse_px.lean_deg)),
+            tip=tip,
+            palmar=palmar,
+        )
+    window = _first(wanted.region_of_interest_px, photograph.region_of_interest_px)
+    found = measure_photograph(
+        pixels,
+        photograph.face,
+        scale,
+        tip=tip,
+        palmar=palmar,
+        region_of_interest=None if window is None else (window[0], window[1], window[2], window[3]),
+    )
+    erased = [(stroke.points_px, stroke.radius_px) for stroke in wanted.erased]
+    return with_marked_points(found, added=wanted.added_points_px, erased=erased)
+
+
+def _first(wanted: Any, given: Any) -> Any:
+    """Return what a person wants, or else what the manifest says."""
+    return given if wanted is None else wanted

@@ -1,0 +1,201 @@
+"""Decisions about one item, and which of them rules."""
+
+import hashlib
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Final, Literal, TypeAlias
+
+from fingerpad.exceptions import ManifestError, StoreError
+from fingerpad.study.corrections.changes import Change, ContactCorrection, PhotographCorrection
+from fingerpad.study.manifest.validation import validated
+
+CORRECTIONS_NAME: Final = "corrections.jsonl"
+
+Action: TypeAlias = Literal["change", "undo", "redo"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Record:
+    """One decision of one person.
+
+    Attributes
+    ----------
+    id : int
+        Its number in the file, from 1, rising.
+    item : str
+        What was corrected.
+    when : str
+        Time, ISO 8601, UTC.
+    who : str
+        The person.
+    action : {"change", "undo", "redo"}
+        What was done.
+    change : dict
+        All that is wanted of the item, as `ContactCorrection` or `PhotographCorrection` write it; empty for
+        what the program found, and for an undo or redo.
+    picture : str
+        SHA-256 of the picture's file, or of the frame's pixels, as it was then; empty where there is none.
+    """
+
+    id: int
+    item: str
+    when: str
+    who: str
+    action: Action
+    change: dict[str, Any]
+    picture: str = ""
+
+    def as_json(self) -> dict[str, Any]:
+        """Return it as its line of the file says it."""
+        names = ("id", "item", "when", "who", "action", "change", "picture")
+        return {name: getattr(self, name) for name in names}
+
+    @property
+    def words(self) -> str:
+        """Who did what, and when."""
+        what = ", ".join(self.change) or "everything back to the program's"
+        did = f"changed {what}" if self.action == "change" else f"took a step ({self.action})"
+        return f"{self.who} {did} at {self.when}"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ActiveCorrection:
+    """What rules for an item.
+
+    Attributes
+    ----------
+    item : str
+        The item.
+    change : ContactCorrection or PhotographCorrection
+        What is wanted of it.
+    who, when : str
+        Who wanted it first, and when.
+    picture : str
+        SHA-256 of the picture's file as it was then, where that is known.
+    """
+
+    item: str
+    change: Change
+    who: str
+    when: str
+    picture: str = ""
+
+    @property
+    def key(self) -> list[Any]:
+        """All of it that results depend on, for a digest."""
+        return [self.item, self.who, self.change.as_json()]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class History:
+    """All decisions about one item.
+
+    Attributes
+    ----------
+    item : str
+        The item.
+    records : tuple of Record
+        In order.
+    """
+
+    item: str
+    records: tuple[Record, ...] = ()
+
+    @property
+    def last_id(self) -> int:
+        """Number of the newest record, 0 where there is none: what an author has seen."""
+        return self.records[-1].id if self.records else 0
+
+    @property
+    def can_undo(self) -> bool:
+        """Whether there is a change to take back."""
+        return self._place()[1] > 0
+
+    @property
+    def can_redo(self) -> bool:
+        """Whether there is a change taken back."""
+        changes, place = self._place()
+        return place < len(changes)
+
+    @property
+    def active_correction(self) -> ActiveCorrection | None:
+        """What rules; None where the program's own result does."""
+        changes, place = self._place()
+        if not place or not changes[place - 1].change:
+            return None
+        record = changes[place - 1]
+        model = PhotographCorrection if "/" in self.item else ContactCorrection
+        change = checked_change(model, record.change, f"{CORRECTIONS_NAME}: record {record.id}: {self.item}")
+        return ActiveCorrection(
+            item=self.item, change=change, who=record.who, when=record.when, picture=record.picture
+        )
+
+    def _place(self) -> tuple[list[Record], int]:
+        """Return the changes that undo and redo walk over, and how many of them hold."""
+        changes: list[Record] = []
+        place = 0
+        for record in self.records:
+            if record.action == "change":
+                changes[place:] = [record]
+                place += 1
+            elif record.action == "undo":
+                place = max(0, place - 1)
+            else:
+                place = min(len(changes), place + 1)
+        return changes, place
+
+
+def checked_change(model: type[Change], content: Mapping[str, Any], where: str) -> Any:
+    """Return a change, checked.
+
+    Raises
+    ------
+    StoreError
+        With one line for each fault.
+    """
+    try:
+        return validated(model, content, where, strict=True)
+    except ManifestError as error:
+        raise StoreError(str(error)) from None
+
+
+def line_of(record: Record) -> bytes:
+    """Return the line of the file that holds a record, with its checksum."""
+    content = record.as_json()
+    return _dump({**content, "checksum": _checksum(content)}) + b"\n"
+
+
+def record_of(line: bytes) -> Record | None:
+    """Return the record that a line holds, None where it holds none.
+
+    Raises
+    ------
+    ValueError
+        If the line was changed after it was written. A line without a checksum was written by hand.
+    """
+    try:
+        content = json.loads(line)
+        checksum = content.pop("checksum", None)
+        record = Record(**content)
+    except (ValueError, TypeError, AttributeError, RecursionError):
+        return None
+    texts = (record.item, record.when, record.who, record.picture)
+    good = (
+        all(isinstance(text, str) for text in texts)
+        and type(record.id) is int
+        and record.id > 0
+        and record.action in ("change", "undo", "redo")
+        and isinstance(record.change, dict)
+    )
+    if good and checksum is not None and checksum != _checksum(record.as_json()):
+        raise ValueError("was changed after it was written")
+    return record if good else None
+
+
+def _checksum(content: Mapping[str, Any]) -> str:
+    return hashlib.blake2b(_dump(content), digest_size=8).hexdigest()
+
+
+def _dump(content: Mapping[str, Any]) -> bytes:
+    return json.dumps(content, ensure_ascii=False, allow_nan=False).encode(errors="surrogatepass")

@@ -1,0 +1,156 @@
+"""What a study still lacks, in plain words."""
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path, PurePosixPath
+from typing import Final
+
+from fingerpad.image import FACE_AXES
+from fingerpad.study.editing.documents import DRAFT_NAME, STUDY_NAME
+from fingerpad.study.editing.edit import study_state
+from fingerpad.study.editing.state import IncompleteTable, StudyState, named_files
+from fingerpad.study.manifest import Finger, Study
+
+# What can be a picture, a film, a curve or an outline.
+_PICTURES: Final = frozenset((".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".webp"))
+_OTHERS: Final = frozenset((".csv", ".avi", ".mp4", ".mov", ".mkv"))
+# A run's output folder, which may lie inside the study's.
+_OF_A_RUN: Final = frozenset(("store.sqlite", "results.json", "results.csv"))
+# More pictures than these in a folder of their own are the frames of a film.
+_FILM: Final = 20
+_OF_PHOTOGRAPH: Final = re.compile(r"photographs\[(?P<number>\d+)\](\.|: )(?P<fault>.*)", re.DOTALL)
+_FIELD_WORDS: Final = {
+    "diameter_mm": "the coin's diameter",
+    "face": "which face it shows",
+    "finger": "which finger it is",
+    "force": "the file of the force",
+    "length_mm": "the line's length",
+    "load_N": "the load",
+    "wedge_angle_deg": "the wedge angle",
+}
+_AXIS_WORDS: Final = {"palmar": "palmar", "distal": "distal", "radial_ulnar": "radial-ulnar"}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Missing:
+    """One thing that a study lacks.
+
+    Attributes
+    ----------
+    kind, key : str
+        What lacks it, as of an `Edit`; kind ``file`` and its name for a file that nothing names, ``folder``
+        for a folder of frames.
+    words : str
+        What is lacking, and the way out.
+    """
+
+    kind: str
+    key: str
+    words: str
+
+
+def missing(folder: Path) -> list[Missing]:
+    """Return what a study lacks before it says something about every finger, and files that it does not use.
+
+    Raises
+    ------
+    ManifestError
+        If there is no study, or it is wrong as it stands.
+    """
+    return missing_of(study_state(folder))
+
+
+def missing_of(state: StudyState) -> list[Missing]:
+    """Return what a study lacks whose state is known, as `missing` does."""
+    study = state.study
+    found = [
+        Missing(kind=one.kind, key=one.key, words=_words(one, fault))
+        for one in state.incomplete
+        for fault in one.faults
+    ]
+    fingers = [] if study is None else study.fingers
+    waiting: set[str] = {one.kind for one in state.incomplete}
+    if not fingers and "finger" not in waiting:
+        found.append(Missing(kind="study", key="", words="no finger yet: add one"))
+    for finger in fingers:
+        found.extend(_lacking_faces(finger))
+    if study is not None:
+        found.extend(_lacking_contacts(study, waiting))
+    found.extend(_unused(state))
+    return found
+
+
+def _words(one: IncompleteTable, fault: str) -> str:
+    """Return a fault of a table for someone who sees its fields on a page, and not the manifest."""
+    found = _OF_PHOTOGRAPH.fullmatch(fault)
+    of = ""
+    if found is not None:
+        photograph = one.content["photographs"][int(found["number"])]
+        of = f"{PurePosixPath(str(photograph.get('image') or photograph.get('outline'))).name}: "
+        fault = found["fault"]
+    field, _, said = fault.rpartition(": ")
+    if said == "required, but missing" and field in _FIELD_WORDS:
+        return f"{of}{_FIELD_WORDS[field]} is still to be given"
+    if said.startswith("give either semi_axes_mm or photographs"):
+        return "give its semi-axes, or photographs of its faces"
+    if " needs its scale" in said:
+        return f"{of}its scale is still to be given"
+    return of + fault
+
+
+def _lacking_faces(finger: Finger) -> Iterator[Missing]:
+    if finger.semi_axes_mm is not None:
+        return
+    shown = {axis for photograph in finger.photographs for axis in FACE_AXES[photograph.face]}
+    for axis, words in _AXIS_WORDS.items():
+        if axis not in shown:
+            faces = " or ".join(face for face, axes in FACE_AXES.items() if axis in axes)
+            yield Missing(
+                kind="finger",
+                key=finger.name,
+                words=f"no photograph shows the {words} semi-axis: add one of the {faces} face",
+            )
+
+
+def _lacking_contacts(study: Study, waiting: set[str]) -> Iterator[Missing]:
+    contacts = [*study.observations, *study.sequences]
+    if not contacts and not study.curves and waiting.isdisjoint({"observation", "sequence", "curve"}):
+        yield Missing(kind="study", key="", words="no contact yet: add a contact image with its load")
+        return
+    touched = {contact.finger for contact in contacts} | {curve.finger for curve in study.curves}
+    for finger in study.fingers:
+        if finger.name not in touched and waiting.isdisjoint({"observation", "sequence", "curve"}):
+            yield Missing(kind="finger", key=finger.name, words="no contact image and no curve is of it")
+
+
+def _unused(state: StudyState) -> Iterator[Missing]:
+    """Yield the files that no table names; frames in a folder of their own together."""
+    folder = state.folder
+    used = {Path(name).as_posix() for name in named_files(state.study, state.incomplete)}
+    frames: dict[str, list[str]] = {}
+    for path in _files(folder):
+        name = path.relative_to(folder).as_posix()
+        if name in used or any(name.startswith(f"{other}/") for other in used):
+            continue
+        frames.setdefault(path.parent.relative_to(folder).as_posix(), []).append(name)
+    for place, names in sorted(frames.items()):
+        pictures = {name for name in names if Path(name).suffix.lower() in _PICTURES}
+        if place != "." and len(pictures) > _FILM:
+            words = f"{len(pictures)} pictures that nothing names: add them as a sequence"
+            yield Missing(kind="folder", key=place, words=words)
+            names = [name for name in names if name not in pictures]  # noqa: PLW2901
+        for name in sorted(names):
+            yield Missing(kind="file", key=name, words="nothing names it: say what it is, or leave it")
+
+
+def _files(folder: Path) -> Iterator[Path]:
+    """Yield the files of a study that could be measured, but nothing hidden and nothing that a run wrote."""
+    for path in sorted(folder.iterdir()):
+        if path.name.startswith(".") or path.name in {STUDY_NAME, DRAFT_NAME}:
+            continue
+        if path.is_dir():
+            if not path.is_symlink() and not any((path / name).exists() for name in _OF_A_RUN):
+                yield from _files(path)
+        elif path.suffix.lower() in _PICTURES | _OTHERS:
+            yield path

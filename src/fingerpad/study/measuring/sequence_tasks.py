@@ -1,0 +1,193 @@
+"""The work on the pictures of a film, each part of it a task of its own."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from fingerpad._files import file_stem, make_folder
+from fingerpad.image import (
+    ContactImageResult,
+    Frame,
+    SequenceSettings,
+    SequenceSummary,
+    TextureScan,
+    estimate_settings,
+    measure_frames,
+    open_frames,
+    scan_texture,
+    write_overlay,
+)
+from fingerpad.study.corrections.apply import (
+    NOTHING,
+    CorrectedContactImage,
+    corrected_contact_image,
+    place_of,
+)
+from fingerpad.study.corrections.changes import ContactCorrection
+from fingerpad.study.engine.task import Record
+from fingerpad.study.error_text import in_study
+from fingerpad.study.manifest import ContactSequence
+from fingerpad.study.measuring.measure import from_contact_image, program_columns
+from fingerpad.study.measuring.scales import FoundScale
+
+
+class FrameOverlay(NamedTuple):
+    """A frame drawn with its measurement.
+
+    Attributes
+    ----------
+    role : str
+        Why it was chosen: ``first contact``, ``largest load`` or ``last contact``.
+    frame : int
+        Its number.
+    file : str
+        The picture, relative to the output folder.
+    """
+
+    role: str
+    frame: int
+    file: str
+
+
+class FrameDigest(NamedTuple):
+    """What the frames of a film come to.
+
+    Attributes
+    ----------
+    summary : SequenceSummary
+        In numbers.
+    chosen : mapping of str to int
+        Frames worth drawing, by the role for which they were chosen.
+    """
+
+    summary: SequenceSummary
+    chosen: Mapping[str, int]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SequenceImages:
+    """The pictures of a film.
+
+    Each method is the work of a task: it takes the study folder and one to draw into, and returns plain
+    values. A piece is its first frame and the one after its last.
+
+    Attributes
+    ----------
+    sequence : ContactSequence
+        What the manifest says of it.
+    found : FoundScale
+        Its scale, which all its frames share.
+    corrections : mapping of int to ContactCorrection
+        What people want of single frames.
+    """
+
+    sequence: ContactSequence
+    found: FoundScale
+    corrections: Mapping[int, ContactCorrection] = field(default_factory=dict)
+
+    def scan(self, piece: tuple[int, int], folder: Path, _out: Path) -> Record:
+        """Look at the texture of a piece's frames."""
+        frames = open_frames(folder / self.sequence.path).between(*piece)
+        scan = scan_texture(frames, self.found.scale, **place_of(self.sequence, folder))
+        return {
+            "index": scan.index.tolist(),
+            "texture": scan.texture.tolist(),
+            "unreadable": scan.reason and in_study(scan.reason, folder),
+        }
+
+    def learn(self, scan: TextureScan, folder: Path, _out: Path) -> Record:
+        """Learn from the frames of the largest contact how to read all of them."""
+        settings = estimate_settings(
+            open_frames(folder / self.sequence.path),
+            self.found.scale,
+            scan=scan,
+            dark_on_light=self.sequence.dark_on_light,
+            threshold=self.sequence.threshold,
+            **place_of(self.sequence, folder),
+        )
+        return {"settings": dict(settings.settings), "learnt_from": list(settings.learnt_from)}
+
+    def measure(self, settings: SequenceSettings, piece: tuple[int, int], folder: Path, _out: Path) -> Record:
+        """Measure the frames of a piece."""
+        measured: dict[int, Record] = {}
+        corrected: dict[int, CorrectedContactImage] = {}
+        digests: dict[int, str] = {}
+
+        def keep(index: int, _: object, contact_image: ContactImageResult) -> None:
+            measured[index] = self._record(contact_image)
+
+        def seen(frames: Iterator[Frame]) -> Iterator[Frame]:
+            for frame in frames:
+                digests[frame.index] = frame.digest
+                if frame.index in self.corrections and frame.pixels is not None:
+                    corrected[frame.index] = self._corrected(frame, settings, folder)
+                yield frame
+
+        frames = seen(open_frames(folder / self.sequence.path).between(*piece))
+        place = place_of(self.sequence, folder)
+        results = list(measure_frames(frames, self.found.scale, settings, watch=keep, **place))
+        reasons = {result.index: result.reason for result in results}
+        for index, one in corrected.items():
+            reasons[index] = one.reason
+            measured.pop(index, None)
+            if one.contact_image is not None:
+                record = self._record(one.contact_image)
+                measured[index] = record | {"columns": record["columns"] | program_columns(one)}
+        return {
+            "frames": [
+                {
+                    "index": result.index,
+                    "readable": result.readable,
+                    "reason": (reason := reasons[result.index]) and in_study(reason, folder),
+                    "measured": measured.get(result.index),
+                    "digest": digests[result.index],
+                }
+                for result in results
+            ]
+        }
+
+    def _corrected(self, frame: Frame, settings: SequenceSettings, folder: Path) -> CorrectedContactImage:
+        """Measure one frame as a person wants it, if anybody does."""
+        assert frame.pixels is not None
+        change = self.corrections.get(frame.index, NOTHING)
+        settings = settings.settings
+        return corrected_contact_image(
+            frame.pixels, self.found.scale, self.sequence, folder, change, settings=settings
+        )
+
+    def _record(self, contact_image: ContactImageResult) -> Record:
+        record = from_contact_image(contact_image, self.sequence, self.found)
+        return {**record, "covariance": record["covariance"].tolist()}
+
+    def draw(self, settings: SequenceSettings, frame_digest: FrameDigest, folder: Path, out: Path) -> Record:
+        """Draw the chosen frames, each once, and return what there is to be said of the film."""
+        frames = open_frames(folder / self.sequence.path)
+        overlays: dict[int, FrameOverlay] = {}
+        for role, index in frame_digest.chosen.items():
+            if index in overlays:
+                continue
+            file = f"overlays/sequences/{file_stem(self.sequence.name)}_frame_{index:06d}.png"
+            overlays[index] = FrameOverlay(role, index, file)
+            label = f"{'synthetic, ' if self.sequence.synthetic else ''}frame {index}, {role}"
+            frame = frames.at(index)
+            contact_image = self._corrected(frame, settings, folder).contact_image
+            assert frame.pixels is not None  # it was measured
+            assert contact_image is not None
+            make_folder((out / file).parent)
+            write_overlay(out / file, frame.pixels, contact_image, label=label)
+        return {
+            "summary": asdict(frame_digest.summary),
+            "overlays": [list(overlay) for overlay in overlays.values()],
+        }
+
+
+def survey_from(record: Record) -> TextureScan:
+    """Return a survey from its record."""
+    return TextureScan(
+        index=np.array(record["index"], dtype=np.int64),
+        texture=np.array(record["texture"], dtype=np.float64),
+        reason=record["unreadable"],
+    )

@@ -1,0 +1,177 @@
+// The study on the bench: one state document, kept fresh, and edits of its manifest.
+
+import { about, ApiError, get, post } from "./api.js";
+import { say } from "./messages.js";
+
+class Workspace extends EventTarget {
+  session = null;
+  study = null;
+  run = null;
+  #stream = null;
+  #reloading = null;
+  #news = 0;
+  #rest = null;
+  #editing = Promise.resolve();
+
+  tell(kind, detail) {
+    this.dispatchEvent(new CustomEvent(kind, { detail }));
+  }
+
+  async start() {
+    about.overtaken = () => this.follow().catch(() => {});
+    this.session = await get("/api/session");
+    if (this.session.study) await this.reload();
+  }
+
+  /** Take a state that is not older than this call. */
+  reload() {
+    this.#news += 1;
+    return (this.#reloading ??= this.#read().finally(() => (this.#reloading = null)));
+  }
+
+  /** An answer that was overtaken by something newer while it came is asked for again. */
+  async #read() {
+    let document, known;
+    do {
+      known = this.#news;
+      document = await get("/api/study");
+    } while (known !== this.#news);
+    return this.#take(document);
+  }
+
+  /** Another window opened another study, or closed this one: there is one at a time, and this window follows. */
+  async follow() {
+    const { study } = (this.session = await get("/api/session"));
+    if (study?.name === this.study?.name) return;
+    say(study ? `Another window opened the study ${study.title || study.name}: it is shown here too.` : "Another window closed the study.", { kind: "error" });
+    this.#leave();
+    if (study) await this.reload();
+    else this.tell("study", { first: true });
+  }
+
+  /** Forget the study, and hear no more of it. */
+  #leave() {
+    this.#stream?.close();
+    clearTimeout(this.#rest);
+    this.#news += 1;
+    this.study = this.run = about.study = null;
+    location.hash = "#/study";
+  }
+
+  #take(document) {
+    this.#news += 1;
+    about.study = document.name;
+    const first = this.study?.name !== document.name;
+    // Files that nothing names are shown where files are; nothing is missing for their sake.
+    const missing = document.missing.filter(({ kind }) => kind !== "file");
+    this.study = { ...document, missing, uncertainty: document.uncertainty ?? {} };
+    if (first) {
+      this.run = null;
+      this.#listen();
+    }
+    this.#hear(document.run);
+    this.tell("study", { first });
+    return document;
+  }
+
+  /** Follow what other windows and the run do. */
+  #listen() {
+    this.#stream?.close();
+    this.#stream = new EventSource("/api/events");
+    const on = (kind, then) => this.#stream.addEventListener(kind, (event) => then(JSON.parse(event.data)));
+    on("study", ({ digest }) => digest !== this.study?.digest && this.reload().catch(() => {}));
+    on("session", ({ study }) => study !== this.study?.name && this.follow().catch(() => {}));
+    on("run", (run) => this.takeRun(run));
+    on("corrections", (detail) => {
+      this.tell("corrections", detail);
+      // What a correction means for the whole study is asked for once the hand rests.
+      clearTimeout(this.#rest);
+      this.#rest = setTimeout(() => this.reload().catch(() => {}), 1500);
+    });
+    this.#stream.onerror = () => this.tell("link", { there: false });
+    this.#stream.onopen = () => this.tell("link", { there: true });
+  }
+
+  /** How the run stands, unless a later state of it is known. */
+  #hear(run) {
+    if (run.version < this.run?.version) return false;
+    this.run = run;
+    return true;
+  }
+
+  takeRun(run) {
+    const ended = this.run?.state === "running" && run.state !== "running";
+    if (!this.#hear(run)) return;
+    this.tell("run", run);
+    if (ended || (run.state === "done" && !this.study.results?.fresh)) this.reload().catch(() => {});
+  }
+
+  async open(name) {
+    this.#take(await post("/api/session/open", { name }));
+  }
+
+  async create(name, title) {
+    this.#take(await post("/api/session/new", { name, title }));
+  }
+
+  async close() {
+    this.#leave();
+    this.session = await post("/api/session/close");
+    this.tell("study", { first: true });
+  }
+
+  take(document) {
+    return this.#take(document);
+  }
+
+  /**
+   * Change the manifest: edits are {kind, key, set}, all of them or none. Another window may have changed the study
+   * just before: then its state is taken, and ours asked again, if it is about other tables than those that changed.
+   * One's own follow each other: each is made on what the one before it left.
+   */
+  edit(...edits) {
+    const { name } = this.study;
+    const mine = this.#editing.then(() => {
+      if (this.study?.name !== name) throw new ApiError(409, { error: `The study ${name} is not open any more: this was not kept.` });
+      return this.#edit(edits);
+    });
+    this.#editing = mine.catch(() => {});
+    return mine;
+  }
+
+  async #edit(edits) {
+    const send = async () => this.#take(await post("/api/study/edits", { expected: this.study.digest, edits }));
+    const before = edits.map((edit) => tableOf(this.study, edit));
+    try {
+      return await send();
+    } catch (error) {
+      if (!(error instanceof ApiError) || error.status !== 409 || !error.body.digest) throw error;
+      await this.reload();
+      if (edits.some((edit, index) => tableOf(this.study, edit) !== before[index])) {
+        say("Another window changed this entry just now. Its values are shown; enter yours again if they should stand.", { kind: "error" });
+        return this.study;
+      }
+      return send();
+    }
+  }
+}
+
+/** What the state says of an edit's table, as text to compare. */
+function tableOf(study, { kind, key }) {
+  if (kind === "study") return JSON.stringify([study.title, study.description, study.poisson_ratio]);
+  if (kind === "uncertainty") return JSON.stringify(study.uncertainty);
+  if (kind === "photograph") return JSON.stringify(study.fingers.flatMap(({ photographs }) => photographs).find(({ item }) => item === key) ?? null);
+  const found = study[`${kind}s`].find((entry) => (entry.item ?? entry.key ?? entry.name) === key);
+  return JSON.stringify(found ?? null);
+}
+
+export const bench = new Workspace();
+
+export const who = () => localStorage.getItem("fingerpad.who") || bench.session?.who || "";
+export const setWho = (name) => localStorage.setItem("fingerpad.who", name.trim());
+
+/** Words for a flag or note, from the library. */
+export function wordsFor(code) {
+  const words = bench.study?.words ?? {};
+  return words.flags?.[code] ?? words.photograph_flags?.[code] ?? words.range_notes?.[code] ?? code.replaceAll("_", " ");
+}

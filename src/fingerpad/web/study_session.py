@@ -1,0 +1,305 @@
+"""The study that is open: its manifest as it is now, its items and their pictures, its results."""
+
+import os
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path, PurePosixPath
+from threading import Lock
+from typing import Any, Final
+
+from pydantic import BaseModel
+
+from fingerpad._files import digest_of
+from fingerpad.exceptions import ImageError, ManifestError
+from fingerpad.image import Frame, open_frames
+from fingerpad.study.editing.checklist import Missing, missing_of
+from fingerpad.study.editing.documents import DRAFT_NAME, STUDY_NAME
+from fingerpad.study.editing.edit import change_study, study_state
+from fingerpad.study.editing.state import Edit, IncompleteTable
+from fingerpad.study.engine.store import STORE_NAME
+from fingerpad.study.manifest import (
+    Contact,
+    ContactSequence,
+    Finger,
+    Observation,
+    Photograph,
+    Study,
+)
+from fingerpad.study.manifest.read import file_inside
+from fingerpad.web.correction_log import Corrections
+from fingerpad.web.errors import RequestError
+from fingerpad.web.events import Events
+from fingerpad.web.pictures import Cache, ImageLocation, Pictures
+from fingerpad.web.run_job import RunJob
+
+_MOST_FILES: Final = 100_000
+_PATIENCE_S: Final = 30.0
+_OWN: Final = frozenset(("study.toml", "draft.toml", "corrections.jsonl"))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Manifest:
+    """What the manifest says now.
+
+    Attributes
+    ----------
+    title : str
+        Of the study.
+    digest : str
+        Stands for all of it: changed by any edit.
+    study : Study or None
+        What is complete; None where nothing is.
+    incomplete : tuple of IncompleteTable
+        Tables that lack something.
+    missing : tuple of Missing
+        What there is to do, in words.
+    """
+
+    title: str
+    digest: str
+    study: Study | None
+    incomplete: tuple[IncompleteTable, ...]
+    missing: tuple[Missing, ...]
+
+
+class StudySession:
+    """A study folder and its results.
+
+    Parameters
+    ----------
+    folder, out : Path
+        The study folder, and the folder of results.
+    events : Events
+        Who is told of changes.
+    pixel_limit : int
+        The most pixels of a picture.
+    """
+
+    def __init__(self, folder: Path, *, out: Path, events: Events, pixel_limit: int) -> None:
+        self.folder, self.out = folder, out
+        self.events = events
+        self.pixel_limit = pixel_limit
+        self.pictures = Pictures(pixel_limit)
+        self.running = RunJob(events)
+        self.corrections = Corrections(folder)
+        self._counts: Cache[int] = Cache(10_000, lambda _: 1)
+        self._digests: Cache[str] = Cache(10_000, lambda _: 1)
+        self._read: tuple[object, Manifest] | None = None
+        self._folders: tuple[Path, ...] = ()
+        self._lock = Lock()
+
+    @property
+    def name(self) -> str:
+        """Name of the folder."""
+        return self.folder.name
+
+    def close(self) -> None:
+        """Stop what is at work, and wait until it has put down what it had in hand."""
+        self.running.cancel()
+        self.running.wait(_PATIENCE_S)
+
+    def read(self) -> Manifest:
+        """Return what the manifest says, read again when a file of it has changed."""
+        with self._lock:
+            if self._read is None or self._read[0] != self._stamp_with(self._read[1]):
+                found = self._manifest()
+                self.files()
+                self._read = (self._stamp_with(found), found)
+            return self._read[1]
+
+    def study(self) -> Study:
+        """Return what is complete of the study."""
+        found = self.read()
+        if found.study is None:
+            words = "; ".join(one.words for one in found.missing)
+            faults = [asdict(one) for one in found.missing]
+            raise RequestError.impossible(f"the study is not complete: {words}", faults=faults)
+        return found.study
+
+    def _stamp_with(self, manifest: Manifest) -> object:
+        """Return what changes when a file of the manifest does, or when any file comes or goes."""
+        sheet = manifest.study.observations_csv if manifest.study is not None else None
+        names = [STUDY_NAME, DRAFT_NAME, *([sheet] if sheet is not None else [])]
+        return [_stamp_of(path) for path in (*(self.folder / name for name in names), *self._folders)]
+
+    def _manifest(self) -> Manifest:
+        try:
+            state = study_state(self.folder)
+        except ManifestError as error:
+            missing = tuple(Missing(kind="study", key="", words=fault) for fault in str(error).splitlines())
+            return Manifest(title=self.name, digest="", study=None, incomplete=(), missing=missing)
+        return Manifest(
+            title=state.title,
+            digest=state.digest,
+            study=state.study,
+            incomplete=state.incomplete,
+            missing=tuple(missing_of(state)),
+        )
+
+    def change(self, edits: Sequence[Edit], expected: str) -> None:
+        """Change the manifest: all edits or none."""
+        change_study(self.folder, edits, expected=expected)
+        with self._lock:
+            self._read = None
+
+    def observation(self, name: str) -> Observation | None:
+        """Return an observation by its name."""
+        return next((one for one in self.study().observations if one.name == name), None)
+
+    def sequence(self, name: str) -> ContactSequence:
+        """Return a sequence by its name."""
+        found = next((one for one in self.study().sequences if one.name == name), None)
+        if found is None:
+            raise RequestError.not_there(f"no sequence is named {name!r}")
+        return found
+
+    def photograph(self, item: str) -> tuple[Finger, Photograph]:
+        """Return a photograph, and whose it is, by finger and file."""
+        finger_name, _, file = item.partition("/")
+        for finger in self.study().fingers:
+            for photograph in finger.photographs:
+                if finger.name == finger_name and photograph.image == file:
+                    return finger, photograph
+        raise RequestError.not_there(f"no item is named {item!r}")
+
+    def count_frames(self, sequence: ContactSequence) -> int | None:
+        """Return how many frames a film has, None where it cannot be opened."""
+        path = self.folder / sequence.path
+        try:
+            return self._counts.get(
+                (sequence.path, _stamp_of(path)),
+                lambda: open_frames(path, pixel_limit=self.pixel_limit).count,
+            )
+        except ImageError:
+            return None
+
+    def place_of(self, item: str) -> ImageLocation:
+        """Return where an item's picture is: only files of the study that its manifest or draft names."""
+        name, mark, number = item.rpartition("#")
+        if item.startswith("file:"):
+            return ImageLocation(self.file(item.removeprefix("file:")), colour=True)
+        if item.startswith("coin:"):
+            file = self._named("scale", item.removeprefix("coin:"), "coin")
+        elif "/" in item:
+            finger, _, image = item.partition("/")
+            names = {one.get("image") for one in self._content("finger", finger).get("photographs", [])}
+            file = image if image in names else None
+        elif mark:
+            file = self._named("sequence", name, "path")
+        else:
+            file = self._named("observation", item, "image")
+        if file is None:
+            raise RequestError.not_there(f"no item with a picture is named {item[:80]!r}")
+        if not mark:
+            return ImageLocation(self.file(file), colour="/" in item)
+        if not number.isdecimal() or len(number) > 9:
+            raise RequestError.not_there(f"{item[:80]!r} is no frame: write it as {name}#12")
+        return ImageLocation(self.film(file), frame=int(number))
+
+    def _named(self, kind: str, key: str, place: str) -> str | None:
+        file = self._content(kind, key).get(place)
+        return file if isinstance(file, str) else None
+
+    def _content(self, kind: str, key: str) -> Mapping[str, Any]:
+        """Return what the manifest or its draft says in a table, empty where there is none."""
+        found = self.read()
+        for one in found.incomplete:
+            if (one.kind, one.key) == (kind, key):
+                return one.content
+        if found.study is None:
+            return {}
+        if kind == "scale":
+            table: BaseModel | None = found.study.scales.get(key)
+        else:
+            tables: Iterable[Finger | Contact] = getattr(found.study, f"{kind}s")
+            table = next((one for one in tables if one.name == key), None)
+        return {} if table is None else table.model_dump(exclude_none=True)
+
+    def shape_of(self, item: str) -> tuple[int, int] | None:
+        """Return rows and columns of an item's picture, None where it has none."""
+        if "/" not in item and "#" not in item and (one := self.observation(item)) and one.image is None:
+            return None
+        place = self.place_of(item)
+        pixels = self.pictures.colour(place) if place.colour else self.pictures.grey(place).pixels
+        return pixels.shape[0], pixels.shape[1]
+
+    def digest(self, path: Path) -> str:
+        """Return the SHA-256 of a file, read again only when it has changed; empty if it cannot be read."""
+        return self._digests.get((path, _stamp_of(path)), lambda: digest_of(path))
+
+    def picture_digest(self, item: str) -> str:
+        """Return the SHA-256 of an item's picture file, or of a frame's pixels; empty where it has none."""
+        try:
+            place = self.place_of(item)
+            if place.frame is None:
+                return self.digest(place.path)
+            pixels = self.pictures.grey(place).pixels
+            return self._digests.get(place.stamp, lambda: Frame(index=place.frame or 0, pixels=pixels).digest)
+        except (RequestError, ImageError):
+            return ""
+
+    def files(self) -> dict[str, os.stat_result]:
+        """Return every file of the study folder by its name in the manifest's manner, results left aside."""
+        found: dict[str, os.stat_result] = {}
+        folders: list[Path] = []
+        waiting = [self.folder]
+        while waiting and len(found) < _MOST_FILES:
+            folders.append(here := waiting.pop())
+            for entry in _entries(here):
+                if entry.is_dir(follow_symlinks=False):
+                    if not _is_of_a_run(Path(entry.path), self.out):
+                        waiting.append(Path(entry.path))
+                elif entry.is_file(follow_symlinks=False):
+                    name = Path(entry.path).relative_to(self.folder).as_posix()
+                    if name not in _OWN:
+                        found[name] = entry.stat(follow_symlinks=False)
+        self._folders = tuple(folders)
+        return dict(sorted(found.items()))
+
+    def file(self, name: str) -> Path:
+        """Return the path of a file of the study, if it is one."""
+        path = self._inside(name)
+        if path is None or not path.is_file():
+            raise RequestError.not_there(f"the study holds no file {name[:80]!r}")
+        return path
+
+    def film(self, name: str) -> Path:
+        """Return the path of a film: a file of the study, or a folder of frames."""
+        path = self._inside(name)
+        if path is None or not path.exists():
+            raise RequestError.not_there(f"the study holds no film {name[:80]!r}")
+        return file_inside(self.folder, name, STUDY_NAME, "sequences.path")
+
+    def _inside(self, name: str) -> Path | None:
+        """Return the path that a name has, None where it leads out of the study or to what is no input."""
+        parts = PurePosixPath(name).parts
+        if not parts or any(part.startswith(".") for part in parts) or parts[0] in _OWN:
+            return None
+        path = self.folder / name
+        try:
+            real = path.resolve()
+        except (OSError, ValueError, RuntimeError):  # a NUL, a name too long, a loop of links
+            return None
+        inside = real.is_relative_to(self.folder.resolve()) and not real.is_relative_to(self.out.resolve())
+        return path if inside else None
+
+
+def _stamp_of(path: Path) -> tuple[int, int, int] | None:
+    try:
+        status = path.stat()
+    except (OSError, ValueError):
+        return None
+    return status.st_size, status.st_mtime_ns, status.st_ino
+
+
+def _entries(folder: Path) -> Iterator[os.DirEntry[str]]:
+    """Yield what lies in a folder and is not hidden."""
+    try:
+        with os.scandir(folder) as entries:
+            yield from (entry for entry in entries if not entry.name.startswith("."))
+    except OSError:
+        return  # removed in the meantime
+
+
+def _is_of_a_run(folder: Path, out: Path) -> bool:
+    return folder == out or (folder / STORE_NAME).is_file()

@@ -1,0 +1,139 @@
+"""The bench of one launch: the workspace, the study that is open, and who listens."""
+
+import getpass
+import os
+import re
+import shutil
+from http import HTTPStatus
+from pathlib import Path
+from threading import Lock
+from typing import Any, Final
+
+import fingerpad
+from fingerpad.image.read import PIXEL_LIMIT
+from fingerpad.study.editing.documents import DRAFT_NAME, STUDY_NAME, title_of
+from fingerpad.web.errors import RequestError
+from fingerpad.web.events import Events
+from fingerpad.web.study_session import StudySession
+
+UPLOAD_LIMIT: Final = 4 * 2**30
+# A folder's name holds letters, digits and . _ + - only, as all names of a study.
+NAME: Final = r"^\w[\w.+-]{0,59}$"
+_MANIFESTS: Final = (STUDY_NAME, DRAFT_NAME)
+
+
+class Workspace:
+    """What one launch of the page works on.
+
+    Parameters
+    ----------
+    workspace : Path
+        Folder whose sub-folders are studies.
+    upload_limit : int
+        The most bytes of one file.
+    import_limit : int or None
+        The most bytes of a study that is brought as a ZIP; None for what the disk has room for.
+    pixel_limit : int
+        The most pixels of one picture.
+    """
+
+    def __init__(
+        self,
+        workspace: Path,
+        *,
+        upload_limit: int = UPLOAD_LIMIT,
+        import_limit: int | None = None,
+        pixel_limit: int = PIXEL_LIMIT,
+    ) -> None:
+        self.workspace = workspace.absolute()
+        self.upload_limit, self.import_limit, self.pixel_limit = upload_limit, import_limit, pixel_limit
+        self.events = Events()
+        self._study: StudySession | None = None
+        self._lock = Lock()
+
+    @property
+    def study(self) -> StudySession:
+        """The study that is open."""
+        if self._study is None:
+            raise RequestError.not_there("no study is open: start one, or open one")
+        return self._study
+
+    @property
+    def name(self) -> str | None:
+        """Name of the study that is open."""
+        return None if self._study is None else self._study.name
+
+    def describe(self) -> dict[str, Any]:
+        """Return what there is to open, and what is open."""
+        study = self._study
+        return {
+            "version": fingerpad.__version__,
+            "study": None if study is None else {"name": study.name, "title": study.read().title},
+            "workspace": self.workspace.name,
+            "studies": [{"name": name, "title": title_of(self.workspace / name)} for name in self.studies()],
+            "who": _login(),
+            "limits": {"upload_bytes": self.upload_limit, "picture_px": self.pixel_limit},
+        }
+
+    def studies(self) -> list[str]:
+        """Return the names of the workspace's studies."""
+        try:
+            with os.scandir(self.workspace) as entries:
+                folders = [Path(entry.path) for entry in entries if entry.is_dir(follow_symlinks=False)]
+        except OSError:
+            return []
+        return sorted(f.name for f in folders if any((f / name).is_file() for name in _MANIFESTS))
+
+    def open(self, name: str) -> StudySession:
+        """Open one of the workspace's studies, with its results beside its manifest."""
+        if name not in self.studies():
+            raise RequestError.not_there(f"the workspace holds no study {name!r}")
+        return self.open_folder(self.workspace / name)
+
+    def open_folder(self, folder: Path, out: Path | None = None) -> StudySession:
+        """Open the study in a folder."""
+        with self._lock:
+            opened = StudySession(
+                folder.absolute(),
+                out=(out or folder / "results").absolute(),
+                events=self.events,
+                pixel_limit=self.pixel_limit,
+            )
+            if self._study is not None:
+                self._study.close()
+            self._study = opened
+            self.events.tell("session", {"study": self._study.name})
+            return self._study
+
+    def close(self) -> None:
+        """Close the study that is open; a run at work is stopped, and what it has is kept."""
+        with self._lock:
+            if self._study is not None:
+                self._study.close()
+            self._study = None
+            self.events.tell("session", {"study": None})
+
+    @property
+    def room(self) -> int:
+        """The most bytes of a study that can be brought now."""
+        free = shutil.disk_usage(self.workspace).free
+        return free if self.import_limit is None else min(free, self.import_limit)
+
+    def new_folder(self, name: str) -> Path:
+        """Return the path of a sub-folder of the workspace that is not there yet."""
+        if not re.fullmatch(NAME, name):
+            raise RequestError(
+                HTTPStatus.BAD_REQUEST, f"{name!r}: write the name with letters, digits and . _ + - only"
+            )
+        folder = self.workspace / name
+        if os.path.lexists(folder):
+            raise RequestError.conflict(f"the workspace holds {name!r} already: choose another name")
+        return folder
+
+
+def _login() -> str:
+    """Return the name under which this person works here; some machines have none."""
+    try:
+        return getpass.getuser()
+    except (OSError, KeyError):
+        return ""

@@ -1,0 +1,543 @@
+"""Measured imprints: known truth, invariances, disturbances, real prints, and what cannot be measured."""
+
+import math
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+from PIL import Image
+from skimage.measure import label, regionprops
+
+from fingerpad.exceptions import ImageError
+from fingerpad.image import FLAGS, Scale, measure_contact_image, render_contact_image
+
+DATA = Path(__file__).resolve().parents[3] / "shared" / "data"
+LIVE = DATA / "nist_nbis_livescan_slaps"
+INK = DATA / "nist_minex_ink"
+real = pytest.mark.skipif(not LIVE.is_dir(), reason=f"real prints are not in {DATA}")
+PPI_500 = Scale.of_ppi(500)
+NOISE = {"low": 4, "medium": 12, "high": 25}
+
+
+def load(path):
+    return np.asarray(Image.open(path))
+
+
+def truths(noise_std, count=12):
+    rng = np.random.default_rng(11)
+    for k in range(count):
+        area, ratio = rng.uniform(100, 300), rng.uniform(1.0, 1.7)
+        semi_minor = math.sqrt(area / math.pi / ratio)
+        yield render_contact_image(
+            semi_major=ratio * semi_minor,
+            semi_minor=semi_minor,
+            orientation=rng.uniform(-1.5, 1.5),
+            ridge_period=rng.uniform(0.4, 0.52),
+            pattern=("arch", "loop", "whorl")[k % 3],
+            look=("ink", "livescan", "prism")[k // 3 % 3],
+            lighting=rng.uniform(0, 0.3),
+            noise_std=noise_std,
+            seed=200 + k % 3,
+        )
+
+
+@pytest.mark.parametrize("noise", NOISE)
+def test_known_truth(noise):
+    pairs = [(truth, measure_contact_image(truth.pixels, PPI_500)) for truth in truths(NOISE[noise])]
+    area = np.array([found.gross_area / truth.gross_area - 1 for truth, found in pairs])
+    assert abs(area.mean()) < 0.01
+    assert np.abs(area).max() < 0.03
+    for truth, found in pairs:
+        assert float(found.ellipse.semi_major) == pytest.approx(float(truth.ellipse.semi_major), rel=0.02)
+        assert float(found.ellipse.semi_minor) == pytest.approx(float(truth.ellipse.semi_minor), rel=0.02)
+        if float(truth.ellipse.axis_ratio) < 1 / 1.2:
+            off = math.degrees(math.asin(math.sin(found.orientation - truth.orientation)))
+            assert abs(off) < 2
+        assert math.dist(found.centroid, truth.centroid) < 2
+        assert found.ridge_period == pytest.approx(truth.ridge_period, rel=0.06)
+        assert found.ridge_area == pytest.approx(truth.ridge_area, rel=0.06)
+        assert found.flags == ()
+
+
+def hard_truths(count=48):
+    rng = np.random.default_rng(5)
+    for k in range(count):
+        area, ratio = rng.uniform(100, 300), rng.uniform(1.0, 1.8)
+        semi_minor = math.sqrt(area / math.pi / ratio)
+        yield render_contact_image(
+            semi_major=ratio * semi_minor,
+            semi_minor=semi_minor,
+            orientation=rng.uniform(-1.5, 1.5),
+            pattern=("arch", "loop", "whorl")[k // 16],
+            look=("ink", "livescan", "prism")[k % 3],
+            noise_std=(4, 12, 25)[k // 3 % 3],
+            lighting=rng.uniform(0, 0.4),
+            blur=rng.uniform(0, 0.08),
+            irregularity=rng.uniform(0, 0.04),
+            creases=k % 4,
+            jpeg_quality=int(rng.integers(60, 96)),
+            seed=k,
+            ridge_seed=200 + k // 16,
+        )
+
+
+def values_of(item):
+    return np.array(
+        [float(item.ellipse.semi_major), float(item.ellipse.semi_minor), item.gross_area, item.ridge_area]
+    )
+
+
+def test_stated_intervals_cover_the_truth():
+    errors, scores = [], []
+    for truth in hard_truths():
+        found = measure_contact_image(truth.pixels, PPI_500)
+        off = values_of(found) - values_of(truth)
+        errors.append(off / values_of(truth))
+        scores.append(off / np.sqrt(np.diag(found.covariance)))
+    assert (np.abs(np.mean(errors, axis=0)) < [0.002, 0.002, 0.003, 0.01]).all()
+    assert (np.quantile(np.abs(errors), 0.95, axis=0) < [0.007, 0.007, 0.01, 0.04]).all()
+    # Of 48 intervals of 95 %, fewer than 41 miss with a chance below 1 %.
+    assert (np.sum(np.abs(scores) < 1.96, axis=0) >= 41).all()
+    rms = np.sqrt(np.mean(np.square(scores), axis=0))
+    assert ((rms > 0.6) & (rms < 1.4)).all()
+
+
+def test_a_worse_picture_is_less_sure():
+    sharp, dull = (
+        measure_contact_image(render_contact_image(seed=1, noise_std=noise, blur=blur).pixels, PPI_500)
+        for noise, blur in ((4, 0), (25, 0.06))
+    )
+    assert dull.gross_area_std > 1.1 * sharp.gross_area_std
+    assert dull.ridge_area_std > 1.1 * sharp.ridge_area_std
+
+
+def test_covariance_is_shared_through_the_scale():
+    found = measure_contact_image(render_contact_image(seed=1).pixels, Scale.of_ppi(500, 25))
+    std = np.sqrt(np.diag(found.covariance))
+    assert (found.covariance / np.outer(std, std) > 0.95).all()
+    assert std == pytest.approx(
+        [found.semi_major_std, found.semi_minor_std, found.gross_area_std, found.ridge_area_std]
+    )
+
+
+def test_settings_of_one_frame_serve_the_others():
+    truth = render_contact_image(seed=2, noise_std=5)
+    first = measure_contact_image(truth.pixels, PPI_500)
+    assert first.dark_on_light
+    assert first.settings["ridge_period"] == first.ridge_period
+    again = measure_contact_image(truth.pixels, PPI_500, **first.settings)
+    assert again.gross_area == pytest.approx(first.gross_area, rel=0.01)
+    assert again.ridge_area == pytest.approx(first.ridge_area, rel=0.05)
+    assert again.threshold == pytest.approx(first.threshold)
+    # A first touch shows too few ridges to settle by itself what the whole sequence shows.
+    touch = render_contact_image(semi_major=2.2, semi_minor=1.8, seed=2, noise_std=5, margin=6)
+    small = measure_contact_image(touch.pixels, PPI_500, **first.settings)
+    assert small.gross_area == pytest.approx(touch.gross_area, rel=0.08)
+
+
+def test_a_higher_threshold_leaves_less_ridge():
+    pixels = render_contact_image(seed=2, noise_std=5).pixels
+    areas = [measure_contact_image(pixels, PPI_500, threshold=level).ridge_area for level in (60, 100, 140)]
+    assert areas == sorted(areas, reverse=True)
+    assert areas[0] > 1.1 * areas[2]
+
+
+def test_a_mask_leaves_out_and_cuts():
+    left, right = (render_contact_image(semi_major=8, semi_minor=6, seed=s, margin=1.5) for s in (7, 8))
+    pixels = beside(left.pixels, right.pixels)
+    rows, columns = pixels.shape
+    middle = left.pixels.shape[1]
+    corners = [(0, middle), (0, columns), (rows, columns), (rows, middle)]
+    inside = np.zeros(pixels.shape, dtype=bool)
+    inside[:, middle:] = True
+    for mask in (corners, inside):
+        found = measure_contact_image(pixels, PPI_500, mask=mask)
+        assert found.flags == ()
+        assert found.gross_area == pytest.approx(right.gross_area, rel=0.01)
+        assert math.dist(found.centroid, (right.centroid[0], right.centroid[1] + middle)) < 1
+        assert found.region.shape == pixels.shape
+    half = np.zeros(pixels.shape, dtype=bool)
+    half[:, : middle // 2] = True
+    assert "cut_by_mask" in measure_contact_image(pixels, PPI_500, mask=half).flags
+
+
+def test_a_region_of_interest_is_a_crop_in_the_pictures_own_pixels():
+    truth = render_contact_image(seed=3, margin=4)
+    rows, columns = truth.pixels.shape
+    whole = measure_contact_image(truth.pixels, PPI_500)
+    part = measure_contact_image(truth.pixels, PPI_500, region_of_interest=(40, 30, rows - 35, columns - 45))
+    assert part.flags == ()
+    assert part.gross_area == pytest.approx(whole.gross_area, rel=0.005)
+    assert math.dist(part.centroid, whole.centroid) < 0.5
+    assert (part.region ^ whole.region).mean() < 0.005
+    cut = measure_contact_image(truth.pixels, PPI_500, region_of_interest=(rows // 2, 0, rows, columns))
+    assert "cut_by_mask" in cut.flags
+    assert "touches_border" not in cut.flags
+
+
+def test_scale_uncertainty_is_shared():
+    truth = render_contact_image(seed=1)
+    vague = measure_contact_image(truth.pixels, Scale.of_ppi(500, 25))
+    assert vague.gross_area_std / vague.gross_area == pytest.approx(0.10, rel=0.1)
+    assert vague.semi_major_std / float(vague.ellipse.semi_major) == pytest.approx(0.05, rel=0.1)
+
+
+def test_ellipse_agrees_with_a_second_implementation():
+    found = measure_contact_image(render_contact_image(seed=2, orientation=-0.7).pixels, PPI_500)
+    props = regionprops(label(found.region))[0]
+    assert found.orientation == pytest.approx(props.orientation, abs=2e-3)
+    assert found.gross_area == pytest.approx(props.area * 0.0508**2, rel=2e-3)
+    assert found.ridge_area == pytest.approx(found.ridges.sum() * 0.0508**2, rel=0.04)
+    assert float(found.ellipse.semi_major) == pytest.approx(props.axis_major_length / 2 * 0.0508, rel=0.01)
+    assert found.centroid == pytest.approx(props.centroid, abs=0.1)
+    assert (found.region | ~found.ridges).all()
+
+
+def pictures():
+    yield "synthetic", render_contact_image(seed=4, orientation=0.3, noise_std=5).pixels
+    if LIVE.is_dir():
+        # Room for the crop to turn in, of its own ground.
+        yield "real", np.pad(load(LIVE / "left_ring_500ppi.png"), 60, constant_values=253)
+
+
+def turned(pixels, degrees):
+    rows, columns = pixels.shape
+    matrix = cv2.getRotationMatrix2D(((columns - 1) / 2, (rows - 1) / 2), degrees, 1)
+    side = math.ceil(math.hypot(rows, columns))
+    matrix[:, 2] += (side - columns) / 2, (side - rows) / 2
+    level = float(np.median(pixels[:5]))
+    return cv2.warpAffine(pixels, matrix, (side, side), flags=cv2.INTER_CUBIC, borderValue=level)
+
+
+CHANGES = {
+    "turned by 90": (np.rot90, 1, lambda angle: angle + math.pi / 2),
+    "turned by 30": (lambda p: turned(p, 30), 1, lambda angle: angle + math.pi / 6),
+    "mirrored": (lambda p: p[:, ::-1], 1, lambda angle: -angle),
+    "inverted": (lambda p: 255 - p, 1, lambda angle: angle),
+    "darker": (lambda p: (p * 0.8).astype(np.uint8), 1, lambda angle: angle),
+    "brighter": (lambda p: p * np.float32(1.2), 1, lambda angle: angle),
+    "deeper": (lambda p: p.astype(np.uint16) * 257, 1, lambda angle: angle),
+    "enlarged": (
+        lambda p: cv2.resize(p, None, fx=2, fy=2, interpolation=cv2.INTER_CUBIC),
+        2,
+        lambda angle: angle,
+    ),
+    "enlarged by a fraction": (
+        lambda p: cv2.resize(p, None, fx=1.375, fy=1.375, interpolation=cv2.INTER_CUBIC),
+        1.375,
+        lambda angle: angle,
+    ),
+}
+
+
+@pytest.mark.parametrize("change", CHANGES)
+def test_invariance(change):
+    alter, factor, turn = CHANGES[change]
+    for name, pixels in pictures():
+        plain = measure_contact_image(pixels, PPI_500)
+        other = measure_contact_image(alter(pixels), Scale.of_ppi(500 * factor))
+        assert other.gross_area == pytest.approx(plain.gross_area, rel=0.015), name
+        for axis in ("semi_major", "semi_minor"):
+            assert getattr(other.ellipse, axis) == pytest.approx(getattr(plain.ellipse, axis), rel=0.015)
+        assert math.sin(other.orientation - turn(plain.orientation)) == pytest.approx(0, abs=0.03)
+        assert other.ridge_period == pytest.approx(plain.ridge_period, rel=0.04)
+
+
+def test_a_background_takes_a_stain_away():
+    truth = render_contact_image(seed=5, noise_std=3, lighting=0.0)
+    rows, columns = np.indices(truth.pixels.shape)
+    ground = 1 - 0.5 * np.exp(-((rows - 80) ** 2 + (columns - 90) ** 2) / 2 / 50**2)
+    found = measure_contact_image(truth.pixels * ground, PPI_500, background=200 * ground)
+    assert found.gross_area == pytest.approx(truth.gross_area, rel=0.02)
+
+
+def with_text(pixels):
+    out = pixels.copy()
+    cv2.putText(out, "FINGERS TAKEN", (10, 24), cv2.FONT_HERSHEY_SIMPLEX, 0.9, 0, 3)
+    return out
+
+
+def with_heading(pixels):
+    # A line of print that touches the fingertip: its closed letters are a band.
+    out = pixels.copy()
+    cv2.putText(out, "EHEHEHEHEHEHEHE", (5, 95), cv2.FONT_HERSHEY_SIMPLEX, 0.9, 0, 4)
+    return out
+
+
+def with_pen_line(pixels):
+    out = pixels.copy()
+    cv2.line(out, (0, 300), (pixels.shape[1], 120), 0, 4)
+    return out
+
+
+def with_dust(pixels):
+    rng = np.random.default_rng(0)
+    out = pixels.copy()
+    for row, column in rng.integers(0, pixels.shape, (150, 2)):
+        cv2.circle(out, (int(column), int(row)), 2, 0, -1)
+    return out
+
+
+def with_white_border(pixels):
+    side = math.ceil(math.hypot(*pixels.shape))
+    rows, columns = pixels.shape
+    matrix = cv2.getRotationMatrix2D(((columns - 1) / 2, (rows - 1) / 2), 12, 1)
+    matrix[:, 2] += (side - columns) / 2, (side - rows) / 2
+    return cv2.warpAffine(pixels, matrix, (side, side), borderValue=255)
+
+
+@pytest.mark.parametrize("spoil", [with_text, with_heading, with_pen_line, with_dust, with_white_border])
+def test_what_lies_in_the_way(spoil):
+    truth = render_contact_image(seed=6, look="ink", noise_std=6, margin=3)
+    found = measure_contact_image(spoil(truth.pixels), PPI_500)
+    assert found.gross_area == pytest.approx(truth.gross_area, rel=0.02)
+    assert float(found.ellipse.semi_major) == pytest.approx(float(truth.ellipse.semi_major), rel=0.03)
+    assert "touches_border" not in found.flags
+
+
+def beside(*pictures, gap=0):
+    height = max(p.shape[0] for p in pictures)
+    padded = [np.pad(p, ((0, height - p.shape[0]), (0, gap)), mode="edge") for p in pictures]
+    return np.hstack(padded)
+
+
+def test_a_neighbouring_finger_is_flagged_and_can_be_chosen():
+    large, small = (
+        render_contact_image(semi_major=a, semi_minor=b, seed=7, margin=1.5) for a, b in ((9.5, 7), (7.5, 6))
+    )
+    pixels = beside(large.pixels, small.pixels)
+    found = measure_contact_image(pixels, PPI_500)
+    assert found.gross_area == pytest.approx(large.gross_area, rel=0.03)
+    assert found.flags == ("several_regions",)
+    place = (small.centroid[0], small.centroid[1] + large.pixels.shape[1])
+    other = measure_contact_image(pixels, PPI_500, seed=place)
+    assert other.gross_area == pytest.approx(small.gross_area, rel=0.03)
+    assert math.dist(other.centroid, place) < 3
+
+
+def test_the_next_phalanx_is_cut_at_the_crease():
+    tip = render_contact_image(semi_major=9, semi_minor=7, seed=8, look="ink", noise_std=5, margin=2)
+    rest = render_contact_image(semi_major=7, semi_minor=6, seed=9, look="ink", noise_std=5, margin=2)
+    height = tip.pixels.shape[0] + rest.pixels.shape[0]
+    pixels = np.full((height, tip.pixels.shape[1]), 225, np.uint8)
+    pixels[: tip.pixels.shape[0]] = tip.pixels
+    # The two prints overlap by a millimetre: one region with a neck.
+    top = round(tip.centroid[0] + (9 + 7 - 1) / tip.mm_per_px - rest.centroid[0])
+    left = round(tip.centroid[1] - rest.centroid[1])
+    place = np.s_[top : top + rest.pixels.shape[0], left : left + rest.pixels.shape[1]]
+    pixels[place] = np.minimum(pixels[place], rest.pixels)
+    found = measure_contact_image(pixels, PPI_500)
+    assert found.gross_area == pytest.approx(tip.gross_area, rel=0.05)
+
+
+@pytest.mark.parametrize("side", range(4))
+def test_a_cut_patch_touches_the_border(side):
+    pixels = np.rot90(render_contact_image(seed=1).pixels[90:], side)
+    assert "touches_border" in measure_contact_image(pixels, PPI_500).flags
+
+
+def test_a_patch_cut_by_an_added_border_touches_it():
+    pixels = with_white_border(render_contact_image(seed=1, look="ink").pixels[90:])
+    assert "touches_border" in measure_contact_image(pixels, PPI_500).flags
+
+
+@pytest.mark.parametrize("ppi", [200, 1200])
+def test_a_wrong_scale_is_doubtful(ppi):
+    found = measure_contact_image(render_contact_image(seed=1).pixels, Scale.of_ppi(ppi))
+    assert found.flags == ("scale_doubtful",)
+
+
+def test_contact_without_ridges_is_kept_and_doubted():
+    pixels = np.full((400, 400), 230, np.uint8)
+    cv2.ellipse(pixels, (200, 200), (110, 160), 0, 0, 360, 60, -1)
+    found = measure_contact_image(pixels, PPI_500)
+    assert math.isnan(found.ridge_period)
+    assert "scale_doubtful" in found.flags
+    gross_area = np.count_nonzero(pixels == 60) * 0.0508**2
+    assert found.gross_area == pytest.approx(gross_area, rel=0.015)
+    for value, std in ((found.gross_area, found.gross_area_std), (found.ridge_area, found.ridge_area_std)):
+        assert abs(value - gross_area) < 1.96 * std
+
+
+@pytest.mark.parametrize("dark_on_light", [True, False])
+def test_the_ground_is_what_is_quiet_at_the_rim(dark_on_light):
+    # The contact is quiet too, and larger than the ground.
+    pixels = np.full((360, 260), 200, np.float64)
+    cv2.ellipse(pixels, (130, 180), (110, 160), 0, 0, 360, 60, -1)
+    pixels = cv2.GaussianBlur(pixels, (0, 0), 3) * np.linspace(1, 0.7, 260)
+    pixels += np.random.default_rng(0).normal(0, 12, pixels.shape)
+    found = measure_contact_image(pixels if dark_on_light else 255 - pixels, PPI_500)
+    assert found.dark_on_light == dark_on_light
+    assert found.gross_area == pytest.approx(math.pi * 110 * 160 * 0.0508**2, rel=0.015)
+
+
+def test_intervals_cover_where_blur_hides_the_ridges():
+    scores = []
+    for seed in range(9):
+        look = ("ink", "livescan", "prism")[seed % 3]
+        truth = render_contact_image(
+            look=look, blur=0.2 + 0.015 * seed, seed=seed, ridge_seed=seed % 3, noise_std=4
+        )
+        found = measure_contact_image(truth.pixels, PPI_500)
+        assert found.flags == ("scale_doubtful",)
+        scores.append((values_of(found) - values_of(truth)) / np.sqrt(np.diag(found.covariance)))
+    assert (np.sum(np.abs(scores) < 1.96, axis=0) >= 7).all()
+
+
+def test_smudges_are_not_counted_as_known():
+    plain, smudged = (
+        [render_contact_image(seed=seed, ridge_seed=1, smudges=count, noise_std=8) for seed in range(5)]
+        for count in (0, 4)
+    )
+    for clean, truth in zip(plain, smudged, strict=True):
+        found = measure_contact_image(truth.pixels, PPI_500)
+        assert found.gross_area == pytest.approx(truth.gross_area, rel=0.01)
+        assert abs(found.ridge_area - truth.ridge_area) < 2.5 * found.ridge_area_std
+        assert found.ridge_area_std > 1.2 * measure_contact_image(clean.pixels, PPI_500).ridge_area_std
+
+
+@pytest.mark.parametrize("blur", [0, 0.04, 0.08])
+def test_blur_does_not_make_ridges_wider(blur):
+    errors = []
+    for seed in range(4):
+        truth = render_contact_image(seed=seed, ridge_seed=1, blur=blur, noise_std=8)
+        errors.append(measure_contact_image(truth.pixels, PPI_500).ridge_area / truth.ridge_area - 1)
+    assert abs(np.mean(errors)) < 0.02
+
+
+def test_a_triangle_is_a_poor_ellipse():
+    pixels = render_contact_image(semi_major=12, semi_minor=12, seed=3, pattern="arch", margin=2).pixels
+    rows, columns = pixels.shape
+    corners = np.array([[columns // 2, 60], [80, rows - 120], [columns - 80, rows - 120]])
+    inside = cv2.fillPoly(np.zeros_like(pixels), [corners], 1) > 0
+    found = measure_contact_image(np.where(inside, pixels, 250), PPI_500)
+    assert "poor_ellipse" in found.flags
+
+
+def test_faint_ink_is_low_contrast():
+    truth = render_contact_image(seed=1, noise_std=0)
+    faint = 128 + (truth.pixels - 128.0) * 0.12 + np.random.default_rng(0).normal(0, 9, truth.pixels.shape)
+    assert "low_contrast" in measure_contact_image(faint, PPI_500).flags
+
+
+def test_flags_have_one_order():
+    assert FLAGS == (
+        "touches_border",
+        "cut_by_mask",
+        "low_contrast",
+        "several_regions",
+        "poor_ellipse",
+        "scale_doubtful",
+        "edited_by_person",
+    )
+
+
+BLANK = np.full((200, 200), 255, np.uint8)
+
+
+@pytest.mark.parametrize(
+    ("pixels", "words"),
+    [
+        (BLANK, "no contact found"),
+        (np.zeros_like(BLANK), "no contact found"),
+        (np.full((200, 200), 130.5), "no contact found"),
+        (np.random.default_rng(1).normal(128, 10, (300, 300)), "no contact found"),
+        (np.tile(np.linspace(0, 255, 300), (300, 1)), "no contact found"),
+        (np.zeros((1, 1)), "too small"),
+        (np.zeros((0, 0)), "too small"),
+        (np.zeros((500, 3)), "too small"),
+        (np.zeros((50, 50, 3)), "shape"),
+        (np.zeros(50), "shape"),
+        (np.full((50, 50), "a"), "grey"),
+        (np.full((50, 50), np.nan), "NaN"),
+    ],
+)
+def test_what_cannot_be_measured_is_refused(pixels, words):
+    with pytest.raises(ImageError, match=words):
+        measure_contact_image(pixels, PPI_500)
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"seed": (3, 3)}, "no contact found at seed"),
+        ({"seed": (-1, 3)}, "outside the picture"),
+        ({"seed": (math.nan, 3)}, "outside the picture"),
+        ({"background": np.ones((5, 5))}, "too small"),
+        ({"background": np.ones((50, 50))}, "shape"),
+        ({"background": 0}, "shape"),
+        ({"threshold": 0}, "threshold"),
+        ({"threshold": math.nan}, "threshold"),
+        ({"contrast": -1.0}, "contrast"),
+        ({"ridge_period": -1}, "ridge_period"),
+        ({"mask": np.ones((5, 5), dtype=bool)}, "mask"),
+        ({"mask": [(0, 0), (1, 1)]}, "mask"),
+        ({"mask": [(0, 0), (math.nan, 1), (5, 5)]}, "mask"),
+        ({"region_of_interest": (0, 0, 5, 5)}, "region_of_interest"),
+        ({"region_of_interest": (0, 0, 500)}, "region_of_interest"),
+    ],
+)
+def test_bad_options_are_refused(options, words):
+    with pytest.raises(ImageError, match=words):
+        measure_contact_image(render_contact_image(seed=1).pixels, PPI_500, **options)
+
+
+def test_a_background_with_holes_is_refused():
+    pixels = render_contact_image(seed=1).pixels
+    with pytest.raises(ImageError, match="positive"):
+        measure_contact_image(pixels, PPI_500, background=np.zeros(pixels.shape))
+
+
+@real
+@pytest.mark.parametrize("finger", ["right_index", "right_ring", "right_little", "left_index", "left_ring"])
+def test_complete_live_scans(finger):
+    found = measure_contact_image(load(LIVE / f"{finger}_500ppi.png"), PPI_500)
+    assert found.flags == ()
+    assert 150 < found.gross_area < 270
+    assert found.overlap > 0.9
+    assert 0.35 < found.ridge_area / found.gross_area < 0.65
+    assert 0.38 < found.ridge_period < 0.5
+
+
+@real
+@pytest.mark.parametrize(
+    ("finger", "hand", "corner"),
+    [
+        ("right_index", "right", (255, 165)),
+        ("right_ring", "right", (20, 795)),
+        ("right_little", "right", (430, 1220)),
+        ("left_ring", "left", (115, 340)),
+        ("left_index", "left", (148, 960)),
+    ],
+)
+def test_a_finger_is_the_same_in_its_slap(finger, hand, corner):
+    alone = measure_contact_image(load(LIVE / f"{finger}_500ppi.png"), PPI_500)
+    place = (alone.centroid[0] + corner[0], alone.centroid[1] + corner[1])
+    among = measure_contact_image(load(LIVE / f"slap_{hand}_four_500ppi.png"), PPI_500, seed=place)
+    assert among.gross_area == pytest.approx(alone.gross_area, rel=0.02)
+    assert math.dist(among.centroid, place) < 4
+    assert "several_regions" in among.flags
+
+
+@real
+@pytest.mark.parametrize(
+    ("hand", "place"), [("right", (170, 610)), ("left", (120, 770)), ("left", (800, 180))]
+)
+def test_fingers_cut_by_the_frame(hand, place):
+    found = measure_contact_image(load(LIVE / f"slap_{hand}_four_500ppi.png"), PPI_500, seed=place)
+    assert "touches_border" in found.flags
+
+
+@real
+@pytest.mark.parametrize("name", ["a001_03p", "a001_04p", "a001_05p", "a001_06p", "b001_04p", "b001_08p"])
+def test_cut_ink_prints(name):
+    found = measure_contact_image(load(INK / f"{name}.pgm"), PPI_500)
+    assert "touches_border" in found.flags
+    assert 150 < found.gross_area < 450
+
+
+@real
+def test_a_blank_card_holds_no_contact():
+    with pytest.raises(ImageError, match="no contact found"):
+        measure_contact_image(load(INK / "a999_01p.pgm"), PPI_500)

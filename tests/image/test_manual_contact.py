@@ -1,0 +1,176 @@
+"""A person's edits of a contact region, against rendered contacts whose truth is known."""
+
+import math
+
+import cv2
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from fingerpad.exceptions import ImageError
+from fingerpad.image import (
+    BrushStroke,
+    ManualEllipse,
+    Scale,
+    measure_contact_image,
+    prepare_contact_image,
+    render_contact_image,
+)
+
+PPI_500 = Scale.of_ppi(500)
+TRUTH = render_contact_image(semi_major=8.0, semi_minor=6.0, margin=4.0, seed=5)
+PREPARED = prepare_contact_image(TRUTH.pixels, PPI_500)
+PLAIN = PREPARED.contact_image
+CENTRE = PLAIN.centroid
+
+
+def stroke(action, *points, radius=20):
+    return BrushStroke(action=action, points=points, radius=radius)
+
+
+def with_smudge():
+    """A broad smudge of ridge-like stripes that grows out of the lower right of the contact."""
+    pixels = TRUTH.pixels.astype(float)
+    rows, columns = np.indices(pixels.shape)
+    row, column = CENTRE[0] + 95, CENTRE[1] + 105
+    smudge = np.hypot(rows - row, columns - column) < 62
+    outside = ~cv2.dilate(PLAIN.region.astype(np.uint8), np.ones((5, 5))).astype(bool)
+    stripes = np.where(np.sin(2 * np.pi * columns / 9) > 0, pixels.min(), pixels.max())
+    pixels[smudge & outside] = stripes[smudge & outside]
+    return pixels
+
+
+def test_a_smudge_is_brushed_away():
+    pixels = with_smudge()
+    prepared = prepare_contact_image(pixels, PPI_500)
+    dirty = prepared.contact_image
+    assert dirty.gross_area > 1.1 * TRUTH.gross_area
+    # A person follows the true outline with a small brush, then clears what lies beyond.
+    edge = PLAIN.outline
+    away = (edge - CENTRE) / np.linalg.norm(edge - CENTRE, axis=1, keepdims=True)
+    near = np.linalg.norm(edge - [CENTRE[0] + 95, CENTRE[1] + 105], axis=1) < 80
+    strokes = [stroke("remove", *map(tuple, (edge + 12 * away)[near]), radius=12)]
+    strokes += [stroke("remove", *map(tuple, (edge + 50 * away)[near][::5]), radius=42)]
+    clean = prepared.with_corrections(strokes)
+    assert "edited_by_person" in clean.flags
+    assert abs(clean.gross_area - TRUTH.gross_area) < 2 * clean.gross_area_std
+    assert abs(clean.ellipse.semi_major - 8.0) < 2 * clean.semi_major_std
+    assert abs(clean.ellipse.semi_minor - 6.0) < 2 * clean.semi_minor_std
+    assert clean.gross_area_std > 1.5 * PLAIN.gross_area_std
+    # What the hand did not touch is where the program put it.
+    far = np.linalg.norm(clean.outline - [CENTRE[0] + 95, CENTRE[1] + 105], axis=1) > 140
+    off = np.abs(clean.outline[far][:, None] - dirty.outline).sum(axis=2).min(axis=1)
+    assert off.max() < 1.5
+
+
+def test_a_part_that_was_cut_out_is_added_back():
+    pixels = TRUTH.pixels.copy()
+    bite = np.hypot(*(np.indices(pixels.shape) - np.array([CENTRE[0] - 150, CENTRE[1]])[:, None, None])) < 60
+    pixels[bite] = pixels.max()
+    prepared = prepare_contact_image(pixels, PPI_500)
+    assert prepared.contact_image.gross_area < 0.97 * TRUTH.gross_area
+    within = [point for point in PLAIN.outline if math.dist(point, (CENTRE[0] - 150, CENTRE[1])) < 75]
+    inwards = [(row + 15, column) for row, column in within]
+    # First the rim with a brush that just touches the true outline, then the middle.
+    mended = prepared.with_corrections(
+        [stroke("add", *inwards, radius=15), stroke("add", (CENTRE[0] - 100, CENTRE[1]), radius=45)]
+    )
+    assert abs(mended.gross_area - TRUTH.gross_area) < 2 * mended.gross_area_std
+    assert abs(mended.ellipse.semi_major - 8.0) < 2.5 * mended.semi_major_std
+
+
+def test_no_edits_are_the_programs_own():
+    assert PREPARED.with_corrections().as_record() == measure_contact_image(TRUTH.pixels, PPI_500).as_record()
+
+
+def test_painting_what_is_there_moves_nothing():
+    again = PREPARED.with_corrections([stroke("add", CENTRE, radius=60)])
+    assert again.gross_area == pytest.approx(PLAIN.gross_area, rel=2e-4)
+    assert again.ellipse.semi_major == pytest.approx(PLAIN.ellipse.semi_major, rel=2e-4)
+    assert again.gross_area_std == pytest.approx(PLAIN.gross_area_std, rel=0.1)
+    assert again.flags == (*PLAIN.flags, "edited_by_person")
+
+
+@given(radius=st.floats(15, 60), row=st.floats(-60, 60), column=st.floats(-40, 40), other=st.floats(-30, 30))
+@settings(max_examples=20, deadline=None)
+def test_what_is_removed_and_added_again_is_back(radius, row, column, other):
+    place = (CENTRE[0] + row, CENTRE[1] + column)
+    path = (place, (place[0] + other, place[1]))
+    back = PREPARED.with_corrections(
+        [stroke("remove", *path, radius=radius), stroke("add", *path, radius=radius)]
+    )
+    assert back.gross_area == pytest.approx(PLAIN.gross_area, rel=3e-3)
+
+
+@given(radius=st.floats(25, 70), angle=st.floats(0, 2 * math.pi))
+@settings(max_examples=20, deadline=None)
+def test_a_disk_drawn_outside_adds_its_area(radius, angle):
+    """A disk joined to the contact by a thin bridge adds what geometry says."""
+    room = prepare_contact_image(np.pad(TRUTH.pixels, 200, mode="edge"), PPI_500)
+    plain = room.contact_image
+    way = np.array([math.cos(angle), math.sin(angle)])
+    edge = float(((plain.outline - plain.centroid) @ way).max())
+    centre = plain.centroid + (edge + radius + 4) * way
+    found = room.with_corrections(
+        [stroke("add", tuple(centre), radius=radius), stroke("add", plain.centroid, tuple(centre), radius=3)]
+    )
+    more = (found.gross_area - plain.gross_area) / PPI_500.mm_per_px**2
+    # The bridge, six pixels wide, covers at most the gap.
+    assert more == pytest.approx(math.pi * radius**2 + 40, rel=0.03, abs=120)
+
+
+@pytest.mark.parametrize("orientation_deg", [0, 30, 90, -60])
+def test_an_ellipse_by_hand_is_that_ellipse(orientation_deg):
+    hand = ManualEllipse(
+        centre=(CENTRE[0] + 3.3, CENTRE[1] - 2.6),
+        semi_axes=(120.5, 80.25),
+        orientation=math.radians(orientation_deg),
+    )
+    found = PREPARED.with_corrections(ellipse=hand)
+    size = PPI_500.mm_per_px
+    assert found.ellipse.semi_major == pytest.approx(120.5 * size, rel=1e-3)
+    assert found.ellipse.semi_minor == pytest.approx(80.25 * size, rel=1e-3)
+    assert found.centroid == pytest.approx(hand.centre, abs=0.01)
+    assert math.sin(found.orientation - hand.orientation) == pytest.approx(0, abs=1e-3)
+    # A hand knows the edge to a share of a ridge period, not to parts of a pixel.
+    assert 0.1 < found.semi_major_std / found.ridge_period < 0.4
+    assert found.ridge_area < found.gross_area
+    # Whoever draws too wide does so all round, but not only: the axes err alike, not in step.
+    assert 0.8 < found.covariance[0, 1] / (found.semi_major_std * found.semi_minor_std) < 0.99
+
+
+def test_a_hand_sees_what_the_program_does_not():
+    faint = np.random.default_rng(1).normal(120, 3, (300, 300))
+    prepared = prepare_contact_image(faint, PPI_500)
+    assert "no contact found" in prepared.reason
+    with pytest.raises(ImageError, match="no contact found"):
+        prepared.with_corrections()
+    drawn = prepared.with_corrections(ellipse=ManualEllipse(centre=(150, 150), semi_axes=(90, 70)))
+    assert drawn.gross_area == pytest.approx(math.pi * 90 * 70 * PPI_500.mm_per_px**2, rel=1e-3)
+    painted = prepared.with_corrections([stroke("add", (150, 150), radius=60)])
+    assert painted.gross_area == pytest.approx(math.pi * 60**2 * PPI_500.mm_per_px**2, rel=0.02)
+
+
+BAD = {
+    "nothing left": ([stroke("remove", CENTRE, radius=390)], None, "leave no contact"),
+    "outside": ([stroke("add", (-50, 20), radius=10)], None, "lies outside the picture"),
+    "no points": ([stroke("add")], None, "finite points"),
+    "not finite": ([stroke("add", (math.nan, 3))], None, "finite points"),
+    "no radius": ([stroke("add", CENTRE, radius=0)], None, "radius must be positive"),
+    "huge radius": ([stroke("add", CENTRE, radius=1e6)], None, "no more than the picture"),
+    "unknown action": ([stroke("smear", CENTRE)], None, "must add or remove"),
+    "minor first": ([], ManualEllipse(centre=CENTRE, semi_axes=(60, 80)), "larger first"),
+    "no axis": ([], ManualEllipse(centre=CENTRE, semi_axes=(60, 0)), "positive"),
+    "ellipse outside": ([], ManualEllipse(centre=(-5, 10), semi_axes=(60, 50)), "lies outside"),
+    "stroke from far away": ([stroke("add", (1e12, 0), CENTRE, radius=5)], None, "must not reach 1e\\+12 px"),
+    "huge ellipse": ([], ManualEllipse(centre=CENTRE, semi_axes=(1e200, 50)), "must not reach 1e\\+200 px"),
+    "ellipse nowhere": ([], ManualEllipse(centre=(math.inf, 10), semi_axes=(60, 50)), "finite"),
+}
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_bad_edits_are_told(case):
+    strokes, ellipse, words = BAD[case]
+    with pytest.raises(ImageError, match=words):
+        PREPARED.with_corrections(strokes, ellipse)
