@@ -16,7 +16,7 @@ import numpy as np
 from PIL import Image
 from playwright.sync_api import Page, sync_playwright
 
-from fingerpad.image import render_contact_image
+from fingerpad.simulate import render_contact_image
 
 SIDE, FRAMES = 1024, 2000
 # From the first move of the pointer without an answer to the next numbers on the page.

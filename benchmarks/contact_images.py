@@ -15,13 +15,8 @@ import numpy as np
 import numpy.typing as npt
 
 from fingerpad.exceptions import ImageError
-from fingerpad.image import (
-    ContactImageResult,
-    Scale,
-    SyntheticContactImage,
-    measure_contact_image,
-    render_contact_image,
-)
+from fingerpad.image import ContactImageResult, Scale, measure_contact_image
+from fingerpad.simulate import SyntheticContactImage, render_contact_image
 
 SIZES = (100, 170, 240, 300)
 LOOKS: tuple[Literal["ink", "livescan", "prism"], ...] = ("ink", "livescan", "prism")
@@ -142,12 +137,12 @@ def edge_calibration(count: int) -> None:
 
     The errors of both axes and of the area, with the shift taken back, are linear in the three constants.
     """
-    from fingerpad.image.contact_image import _edge, _patch  # noqa: PLC0415
+    from fingerpad.image.contact_image import _outline, _patch  # noqa: PLC0415
 
-    kept: list[_edge.Edge] = []
-    plain = _edge.edge_shift
+    kept: list[_outline.ContactOutline] = []
+    plain = _outline.edge_shift
 
-    def watched(edge: _edge.Edge) -> Numbers:
+    def watched(edge: _outline.ContactOutline) -> Numbers:
         kept.append(edge)
         return plain(edge)
 
@@ -156,9 +151,9 @@ def edge_calibration(count: int) -> None:
         with patch.object(_patch, "edge_shift", watched):
             found = values_of(measure_contact_image(truth.pixels, SCALE))[:3]
         edge, size = kept[-1], found / np.array([1, 1, 0.7])
-        moments = _edge.moments_of(edge.points)
+        moments = _outline.moments_of(edge.points)
         weights = (
-            _edge.axis_weights(moments, edge.points)
+            _outline.axis_weights(moments, edge.points)
             * edge.steps[:, None]
             / [*moments.semi_axes, moments.area]
         )
@@ -168,7 +163,7 @@ def edge_calibration(count: int) -> None:
         targets.append((values_of(truth)[:3] - found) / size + weights.T @ plain(edge))
     fitted = np.linalg.lstsq(np.concatenate(designs), np.concatenate(targets), rcond=None)[0]
     print("\nEdge constants (ends, following, noise): fitted", np.round(fitted, 3), end=" ")
-    print("in use", (_edge._ENDS, _edge._FOLLOWING, _edge._NOISE))
+    print("in use", (_outline._ENDS, _outline._FOLLOWING, _outline._NOISE))
 
 
 def ridge_calibration(count: int) -> None:

@@ -14,8 +14,8 @@ import numpy as np
 import tifffile
 
 from benchmarks.memory import peak_mb, peak_of_children_mb
-from fingerpad.image import render_sequence
 from fingerpad.report import write_report
+from fingerpad.simulate import render_sequence
 from fingerpad.study.engine.limits import DEFAULT_LIMITS
 from fingerpad.study.engine.progress import Progress
 from fingerpad.study.engine.store import STORE_NAME, Store

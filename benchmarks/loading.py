@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 
 from fingerpad.exceptions import FingerpadError
-from fingerpad.loading import Estimate, fit_loading_curve, simulate_loading_curve
+from fingerpad.loading import Estimate, fit_loading_curve
+from fingerpad.simulate import simulate_loading_curve
 
 # Force noise that forgets within 20 ms, and white noise of a stage and of areas.
 NOISE: dict[str, Any] = {

@@ -18,12 +18,12 @@ from typing import Any
 
 import cv2
 import uvicorn
-from fingerpad.web.studies_folder import Workspace
 
-from fingerpad.image import render_contact_image, render_finger
+from fingerpad.simulate import render_contact_image, render_finger
 from fingerpad.web.app import make_app
 from fingerpad.web.security import Access
 from fingerpad.web.server import listening
+from fingerpad.web.workspace import Workspace
 
 TOKEN = "benchmark"
 PICTURES = 2000

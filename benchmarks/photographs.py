@@ -14,7 +14,8 @@ import numpy as np
 
 from fingerpad._arrays import FloatArray
 from fingerpad.exceptions import FitError, ImageError
-from fingerpad.image import Backdrop, Face, Scale, SyntheticFinger, measure_photograph, render_finger
+from fingerpad.image import Face, Scale, measure_photograph
+from fingerpad.simulate import Backdrop, SyntheticFinger, render_finger
 
 FACES: tuple[Face, ...] = ("palmar", "distal", "radial", "ulnar")
 BACKDROPS: tuple[Backdrop, ...] = ("white", "grey", "black", "blue", "green", "cork")

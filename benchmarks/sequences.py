@@ -20,9 +20,8 @@ from fingerpad.image import (
     measure_contact_image,
     measure_sequence,
     open_frames,
-    render_coin,
-    render_sequence,
 )
+from fingerpad.simulate import render_coin, render_sequence
 
 PPI, FPS = 300.0, 50.0
 

@@ -24,8 +24,8 @@ import numpy as np
 from PIL import Image
 
 from fingerpad.exceptions import FingerpadError, StoreError
-from fingerpad.image import render_contact_image
 from fingerpad.report import write_report
+from fingerpad.simulate import render_contact_image
 from fingerpad.study.corrections.log import CorrectionLog
 from fingerpad.study.engine.store import STORE_NAME
 from fingerpad.study.manifest import read_study

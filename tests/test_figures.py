@@ -28,7 +28,7 @@ from fingerpad.figures import (
     plot_wedge_in_pad_axes,
     save_figure,
 )
-from fingerpad.figures.pad import View
+from fingerpad.figures.pad import Camera
 from fingerpad.geometry import Ellipse, Ellipsoid, Placement
 from fingerpad.published import dzidek2017
 
@@ -170,7 +170,7 @@ def test_finger_touches_platen_and_wedge_and_crosses_neither(axes) -> None:
 
 def test_pad_shows_the_points_of_the_caption_in_its_colours(axes) -> None:
     plot_pad(axes, PAD)
-    view = View.of(towards=(0.55, 0.5, 0.95), up=(1, 0, 0))
+    view = Camera.of(towards=(0.55, 0.5, 0.95), up=(1, 0, 0))
     spots = view.project(PAD.point(np.radians([0, 30, 45, 60, 90]), np.pi / 2))
     assert_allclose(markers(axes), spots)
     colours = [line.get_color() for line in axes.lines if line.get_marker() == "o"]
@@ -185,7 +185,7 @@ def test_pad_shows_the_points_of_the_caption_in_its_colours(axes) -> None:
 
 
 def test_view_is_right_handed_and_upright() -> None:
-    view = View.of(towards=(1, 2, 3), up=(0, 1, 0))
+    view = Camera.of(towards=(1, 2, 3), up=(0, 1, 0))
     assert_allclose(np.cross(view.right, view.up), view.towards, atol=1e-15)
     assert view.up[1] > 0.5
 

@@ -14,8 +14,7 @@ from PIL import Image
 
 from fingerpad.contact import HertzGeometry, equivalent_radius_from_compliance
 from fingerpad.geometry import Ellipsoid, Placement
-from fingerpad.image import render_contact_image, render_finger, render_sequence
-from fingerpad.loading import simulate_loading_curve
+from fingerpad.simulate import render_contact_image, render_finger, render_sequence, simulate_loading_curve
 
 FOLDER = Path(__file__).parent / "synthetic"
 PAD = Ellipsoid.of(palmar=7.9, distal=13.8, radial_ulnar=11.8)

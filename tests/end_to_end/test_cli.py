@@ -15,7 +15,13 @@ from PIL import Image
 from typer.testing import CliRunner
 
 from fingerpad.cli import app
-from fingerpad.image import outline_points, render_coin, render_contact_image, render_finger, render_sequence
+from fingerpad.simulate import (
+    outline_points,
+    render_coin,
+    render_contact_image,
+    render_finger,
+    render_sequence,
+)
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "dzidek2017"
 

@@ -9,10 +9,10 @@ import pytest
 from typer.testing import CliRunner
 
 from fingerpad.cli import app
-from fingerpad.loading import simulate_loading_curve
+from fingerpad.simulate import simulate_loading_curve
 
 NUMBERS = (
-    "loading_radius_mm",
+    "effective_radius_mm",
     "reduced_modulus_kpa",
     "youngs_modulus_kpa",
     "contact_offset_mm",
@@ -66,7 +66,7 @@ def test_what_the_curve_cannot_tell_is_null_with_a_reason(curve: Path, tmp_path:
     np.savetxt(bare, rows, delimiter=",", header="Fz,stage", comments="", fmt="%.4f")
     columns = ("--column", "force=Fz:mN", "--column", "displacement=stage:mm")
     record = json.loads(run(bare, *columns, "--json")[1])
-    for name in ("loading_radius_mm", "youngs_modulus_kpa", "initial_modulus_kpa"):
+    for name in ("effective_radius_mm", "youngs_modulus_kpa", "initial_modulus_kpa"):
         assert record[name] is record[f"{name}_std"] is record[f"{name}_ci95"] is None
         assert "no contact area" in record["reasons"][name]
     assert abs(record["contact_offset_mm"] - 1.0) < 4 * record["contact_offset_mm_std"]

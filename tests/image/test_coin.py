@@ -7,7 +7,8 @@ import pytest
 from scipy import stats
 
 from fingerpad.exceptions import CalibrationError, GeometryError
-from fingerpad.image import measure_coin, render_coin
+from fingerpad.image import measure_coin
+from fingerpad.simulate import render_coin
 
 
 @pytest.fixture(scope="module")

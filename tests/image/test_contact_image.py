@@ -10,7 +10,8 @@ from PIL import Image
 from skimage.measure import label, regionprops
 
 from fingerpad.exceptions import ImageError
-from fingerpad.image import FLAGS, Scale, measure_contact_image, render_contact_image
+from fingerpad.image import FLAGS, Scale, measure_contact_image
+from fingerpad.simulate import render_contact_image
 
 DATA = Path(__file__).resolve().parents[3] / "shared" / "data"
 LIVE = DATA / "nist_nbis_livescan_slaps"

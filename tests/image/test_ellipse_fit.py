@@ -11,8 +11,9 @@ from skimage.draw import ellipse as draw_ellipse
 from skimage.measure import label, regionprops
 
 from fingerpad.exceptions import FitError, ImageError
-from fingerpad.image import equal_area_ellipse, fit_aligned_ellipse, fit_ellipse, outline_points
+from fingerpad.image import equal_area_ellipse, fit_aligned_ellipse, fit_ellipse
 from fingerpad.image._orthogonal_fit import foot_points
+from fingerpad.simulate import outline_points
 
 semi_axes = st.floats(1.0, 20.0)
 angles = st.floats(-1.5, 1.5)

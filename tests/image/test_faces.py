@@ -16,9 +16,9 @@ from fingerpad.image import (
     FaceSemiAxes,
     combine_faces,
     implausible_size,
-    outline_points,
     semi_axes_from_outlines,
 )
+from fingerpad.simulate import outline_points
 
 TRUTH = {"palmar": 7.9, "distal": 13.8, "radial_ulnar": 11.8}
 THREE = ("palmar", "distal", "radial")

@@ -9,14 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fingerpad.exceptions import ImageError
-from fingerpad.image import (
-    BrushStroke,
-    ManualEllipse,
-    Scale,
-    measure_contact_image,
-    prepare_contact_image,
-    render_contact_image,
-)
+from fingerpad.image import BrushStroke, ManualEllipse, Scale, measure_contact_image, prepare_contact_image
+from fingerpad.simulate import render_contact_image
 
 PPI_500 = Scale.of_ppi(500)
 TRUTH = render_contact_image(semi_major=8.0, semi_minor=6.0, margin=4.0, seed=5)

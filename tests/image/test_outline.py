@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from fingerpad.exceptions import FitError, ImageError
-from fingerpad.image import outline_points, read_outline, semi_axes_from_outlines
+from fingerpad.image import read_outline, semi_axes_from_outlines
+from fingerpad.simulate import outline_points
 
 PALMAR, DISTAL, RADIAL_ULNAR = 7.9, 13.8, 11.8
 ARC = (-0.2, math.pi + 0.2)

@@ -8,8 +8,9 @@ from scipy.ndimage import gaussian_filter1d
 from skimage.measure import EllipseModel
 
 from fingerpad.exceptions import FitError
-from fingerpad.image import fit_outline_ellipse, outline_points
+from fingerpad.image import fit_outline_ellipse
 from fingerpad.image.photograph.outline_fit import departure_covariance
+from fingerpad.simulate import outline_points
 
 
 def noisy(seed, *, arc_deg=140.0, std=0.01, reach=6.0, lean=0.0, count=240):

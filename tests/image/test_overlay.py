@@ -7,8 +7,9 @@ import pytest
 from PIL import Image
 
 from fingerpad.exceptions import ImageError
-from fingerpad.image import Scale, draw_overlay, measure_contact_image, render_contact_image, write_overlay
+from fingerpad.image import Scale, draw_overlay, measure_contact_image, write_overlay
 from fingerpad.image.contact_image.overlay import ELLIPSE_COLOUR
+from fingerpad.simulate import render_contact_image
 
 TRUTH = render_contact_image(seed=1, orientation=0.4)
 FOUND = measure_contact_image(TRUTH.pixels, Scale.of_ppi(500))

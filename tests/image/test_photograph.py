@@ -17,8 +17,8 @@ from fingerpad.image import (
     measure_photograph,
     read_colour_image,
     read_image,
-    render_finger,
 )
+from fingerpad.simulate import render_finger
 
 SEMI_AXES = {"palmar": (11.8, 13.8), "distal": (11.8, 7.9), "radial": (7.9, 13.8), "ulnar": (7.9, 13.8)}
 

@@ -14,9 +14,9 @@ from fingerpad.image import (
     draw_photograph_overlay,
     measure_photograph,
     photograph_from_ellipse,
-    render_finger,
     with_marked_points,
 )
+from fingerpad.simulate import render_finger
 
 TRUTH = render_finger("palmar", semi_axes=(11.8, 13.8), seed=4)
 SCALE = Scale.of_mm_per_px(TRUTH.mm_per_px, 0.01 * TRUTH.mm_per_px)

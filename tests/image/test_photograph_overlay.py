@@ -5,14 +5,9 @@ import pytest
 from PIL import Image
 
 from fingerpad.exceptions import ImageError
-from fingerpad.image import (
-    Scale,
-    draw_photograph_overlay,
-    measure_photograph,
-    render_finger,
-    write_photograph_overlay,
-)
+from fingerpad.image import Scale, draw_photograph_overlay, measure_photograph, write_photograph_overlay
 from fingerpad.image.photograph.overlay import POINT_COLOUR
+from fingerpad.simulate import render_finger
 
 TRUTH = render_finger("palmar", arc_deg=160, mm_per_px=0.08, seed=2)
 FOUND = measure_photograph(TRUTH.pixels, "palmar", Scale.of_mm_per_px(0.08))

@@ -8,7 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fingerpad.exceptions import CalibrationError
-from fingerpad.image import Picture, Scale, measure_contact_image, render_contact_image
+from fingerpad.image import Picture, Scale, measure_contact_image
+from fingerpad.simulate import render_contact_image
 
 
 def test_500_ppi_is_the_fingerprint_standards_pixel():

@@ -20,10 +20,10 @@ from fingerpad.image import (
     measure_contact_image,
     measure_sequence,
     open_frames,
-    render_sequence,
     sequence_summary,
 )
 from fingerpad.image.sequence import measure as room
+from fingerpad.simulate import render_sequence
 
 FPS, CONTACT = 20.0, 8
 CORNERS, LOADS = [0, 0.4, 1.2, 1.8, 2.4, 3.0], [0, 0, 1.5, 1.5, 0, 0]

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from fingerpad.exceptions import GeometryError
-from fingerpad.image import outline_points, render_contact_image
+from fingerpad.simulate import outline_points, render_contact_image
 
 
 def test_one_seed_one_picture():

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fingerpad.exceptions import GeometryError, ImageError
-from fingerpad.image import render_finger
+from fingerpad.simulate import render_finger
 
 FACES = ("palmar", "distal", "radial", "ulnar")
 

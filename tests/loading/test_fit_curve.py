@@ -11,14 +11,8 @@ from numpy.testing import assert_allclose
 
 from fingerpad._json import dumps
 from fingerpad.exceptions import LoadingError
-from fingerpad.loading import (
-    ESTIMATORS,
-    Estimate,
-    Undetermined,
-    contact_points,
-    fit_loading_curve,
-    simulate_loading_curve,
-)
+from fingerpad.loading import ESTIMATORS, Estimate, Undetermined, contact_points, fit_loading_curve
+from fingerpad.simulate import simulate_loading_curve
 
 NOISE = {"force_std": 0.005, "displacement_std": 0.005, "area_std": 1.0, "force_tilt": 0.01}
 CURVE = simulate_loading_curve(points=300, seed=3, **NOISE)
@@ -102,7 +96,7 @@ def test_record_has_every_number_with_its_uncertainty_and_unit() -> None:
     fit = fit_loading_curve(CURVE)
     record = json.loads(dumps(fit.as_record()))
     for name in (
-        "loading_radius_mm",
+        "effective_radius_mm",
         "reduced_modulus_kpa",
         "youngs_modulus_kpa",
         "contact_offset_mm",

@@ -5,13 +5,8 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fingerpad.exceptions import FitError
-from fingerpad.loading import (
-    Undetermined,
-    find_cycles,
-    fit_relaxation,
-    fit_ridge_growth,
-    simulate_loading_curve,
-)
+from fingerpad.loading import Undetermined, find_cycles, fit_relaxation, fit_ridge_growth
+from fingerpad.simulate import simulate_loading_curve
 
 PAD = {"load_coefficient": 0.0, "points": 600, "force_std": 0.003, "displacement_std": 0.002, "hold": 10.0}
 

@@ -7,14 +7,8 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fingerpad.exceptions import FingerpadError, FitError, LoadingError
-from fingerpad.loading import (
-    LoadingCurve,
-    baseline_level,
-    find_cycles,
-    fit_loading_curve,
-    hysteresis,
-    simulate_loading_curve,
-)
+from fingerpad.loading import LoadingCurve, baseline_level, find_cycles, fit_loading_curve, hysteresis
+from fingerpad.simulate import simulate_loading_curve
 
 NOISE = {"force_std": 0.005, "displacement_std": 0.005, "area_std": 1.0}
 

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from fingerpad.exceptions import FingerpadError
-from fingerpad.loading import simulate_loading_curve
 from fingerpad.report import write, write_report
+from fingerpad.simulate import simulate_loading_curve
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.result_set import result_files
 from fingerpad.study.results.study_result import StudyResult

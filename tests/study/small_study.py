@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from fingerpad.image import render_contact_image, render_finger, render_sequence
+from fingerpad.simulate import render_contact_image, render_finger, render_sequence
 from fingerpad.study.measuring import sequences
 from fingerpad.study.pipeline import run_study
 

@@ -151,7 +151,7 @@ ellipse_mm = {{ semi_major = {major}, semi_minor = {0.7 * major}, std = 0.1 }}
 
 def ran(folder: Path, title: str, *tables: str) -> Path:
     folder.mkdir()
-    head = f"title = '{title}'\n[uncertainty]\nwedge_angle_std_deg = 0.5\nload_relative_std = 0.01\n"
+    head = f"title = '{title}'\n[uncertainty]\nwedge_angle_deg_std = 0.5\nload_relative_std = 0.01\n"
     (folder / "study.toml").write_text(head + "".join(tables), encoding="utf-8")
     run_study(folder / "study.toml", folder / "out")
     return folder / "out"

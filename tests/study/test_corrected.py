@@ -8,14 +8,8 @@ import cv2
 import numpy as np
 import pytest
 
-from fingerpad.image import (
-    Scale,
-    combine_faces,
-    measure_contact_image,
-    read_colour_image,
-    render_contact_image,
-    render_finger,
-)
+from fingerpad.image import Scale, combine_faces, measure_contact_image, read_colour_image
+from fingerpad.simulate import render_contact_image, render_finger
 from fingerpad.study.corrections.apply import corrected_contact_image, corrected_photograph
 from fingerpad.study.corrections.changes import ContactCorrection, PhotographCorrection
 from fingerpad.study.corrections.log import CorrectionLog

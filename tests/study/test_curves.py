@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from fingerpad._json import dumps
-from fingerpad.loading import Estimate, Undetermined, simulate_loading_curve
+from fingerpad.loading import Estimate, Undetermined
 from fingerpad.report import write_report
+from fingerpad.simulate import simulate_loading_curve
 from fingerpad.study.engine.progress import Progress
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.digest import digest_of_values
@@ -82,7 +83,7 @@ def test_two_processes_fit_and_check_what_one_does(tmp_path: Path) -> None:
 def test_only_curves_that_changed_are_fitted_again(tmp_path: Path) -> None:
     for name in ("a", "b"):
         write_curve(tmp_path / f"{name}.csv", loading_radius=15.0, initial_modulus=0.04)
-    curves = ('file = "a.csv"\n', 'file = "b.csv"\n', 'file = "b.csv"\nregion_N = [0.2, 1.5]\n')
+    curves = ('file = "a.csv"\n', 'file = "b.csv"\n', 'file = "b.csv"\nfit_load_range_N = [0.2, 1.5]\n')
 
     def fitted(*now: str) -> tuple[list[str], StudyResult]:
         told: list[Progress] = []
@@ -125,7 +126,7 @@ def test_without_area_a_radius_from_elsewhere_gives_moduli(tmp_path: Path) -> No
     alone = study(tmp_path, 'file = "a.csv"\n').curves[0]
     assert isinstance(alone.fit.initial_modulus, Undetermined)
     assert "no contact area" in alone.reason
-    given = 'file = "a.csv"\neffective_radius_mm = 15\neffective_radius_std_mm = 1.5\n'
+    given = 'file = "a.csv"\nloading_radius_mm = 15\nloading_radius_mm_std = 1.5\n'
     helped = study(tmp_path, given).curves[0]
     assert helped.loading_radius == 15
     assert isinstance(helped.fit.initial_modulus, Estimate)
@@ -186,7 +187,7 @@ def test_the_report_shows_fits_and_reasons(tmp_path: Path) -> None:
 
 
 def test_a_curve_whose_radius_came_out_small_does_not_count_for_more(tmp_path: Path) -> None:
-    given = (f"loading_radius_mm = {r}\neffective_radius_std_mm = {0.1 * r}\n" for r in (14.0, 16.0))
+    given = (f"loading_radius_mm = {r}\nloading_radius_mm_std = {0.1 * r}\n" for r in (14.0, 16.0))
     pooled = loading_radius(study(tmp_path, *given).curves, "f", 30, synthetic=False)
     assert pooled.value == pytest.approx(15.0)
     assert pooled.std == pytest.approx(1.5 / np.sqrt(2))

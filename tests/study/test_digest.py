@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fingerpad.loading import Estimate, fit_loading_curve, simulate_loading_curve
+from fingerpad.loading import Estimate, fit_loading_curve
+from fingerpad.simulate import simulate_loading_curve
 from fingerpad.study.manifest import Uncertainty
 from fingerpad.study.results.digest import digest_of_values
 from fingerpad.study.results.table import TableBuilder, column_of

@@ -22,7 +22,7 @@ from fingerpad.image import equal_area_ellipse
 from fingerpad.image.polygon import ellipse_of_polygon
 from fingerpad.study.fiji import (
     LabelPattern,
-    ManualEllipse,
+    MeasuredEllipse,
     manual_observations,
     read_results_table,
     read_rois,
@@ -274,7 +274,7 @@ def test_any_torn_roi_is_refused_or_read_but_never_a_traceback(tmp_path: Path) -
 def ellipse(
     label: str = "a", semi_major: float = 7.4, semi_minor: float = 5.0, orientation: float | None = 0.0
 ):
-    return ManualEllipse(
+    return MeasuredEllipse(
         label=label,
         place="t, line 2",
         semi_major=semi_major,

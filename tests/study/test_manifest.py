@@ -319,7 +319,7 @@ def test_says_every_fault_at_once(tmp_path: Path) -> None:
         ("wedge_angle_deg_std = 1", "scale = { ppi = 500 }", ["the load", "scales of single pictures"]),
         ("load_relative_std = 0.1", "scale = { ppi = 500, relative_std = 0.01 }", ["the wedge angle"]),
         (
-            "load_relative_std = 0.1\nwedge_angle_std_deg = 1",
+            "load_relative_std = 0.1\nwedge_angle_deg_std = 1",
             "scale = { line = [[0, 0], [0, 9]], length_mm = 1, ends_px_std = 1 }",
             [],
         ),

@@ -11,8 +11,8 @@ from numpy.testing import assert_allclose
 from PIL import Image
 
 from fingerpad.exceptions import ManifestError
-from fingerpad.image import render_contact_image
 from fingerpad.report import write_report
+from fingerpad.simulate import render_contact_image
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.columns import COLUMNS
 from fingerpad.study.results.loading import loading_radius

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 from PIL import Image
 
-from fingerpad.image import render_coin, render_contact_image
+from fingerpad.simulate import render_coin, render_contact_image
 from fingerpad.study.pipeline import run_study
 
 MANIFEST = """

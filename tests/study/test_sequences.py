@@ -9,8 +9,8 @@ import pytest
 from numpy.testing import assert_allclose
 from PIL import Image
 
-from fingerpad.image import SyntheticSequence, render_sequence
 from fingerpad.report import write_report
+from fingerpad.simulate import SyntheticSequence, render_sequence
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.output import summary_record
 from fingerpad.study.results.study_result import StudyResult
@@ -94,13 +94,15 @@ def test_only_loading_frames_of_large_ellipses_are_pooled(film: Path, plain: Stu
     pooled = [row for row in plain.rows if row["pooled"]]
     assert {row["phase"] for row in pooled} == {"loading"}
     assert all(row["semi_minor_mm"] >= 5 * row["ridge_period_mm"] for row in pooled)
-    chosen = [row["load_N"] for row in run(film, ("p", CLOCK + "\npool_from_N = 1.2")).rows if row["pooled"]]
+    chosen = [
+        row["load_N"] for row in run(film, ("p", CLOCK + "\npool_min_load_N = 1.2")).rows if row["pooled"]
+    ]
     assert 1.2 <= min(chosen) < 1.5
     assert 0 < len(chosen) < len(pooled)
 
 
 def test_a_film_counts_as_one_contact_however_many_its_frames(film: Path) -> None:
-    few, many = (run(film, ("p", f"{CLOCK}\npool_from_N = {least}")) for least in (1.5, 0.3))
+    few, many = (run(film, ("p", f"{CLOCK}\npool_min_load_N = {least}")) for least in (1.5, 0.3))
     (one,), (all_,) = few.summaries, many.summaries
     assert one.corrected_radius.count == all_.corrected_radius.count == 1
     own = [row["radius_from_indentation_mm_fixed_geometry_std"] for row in many.rows if row["pooled"]]

@@ -74,7 +74,7 @@ def test_draws_without_an_answer_are_counted() -> None:
         ([1.0], np.eye(2), {}, "do not fit a covariance"),
         ([1.0], [[-1.0]], {}, "variance must be positive or zero"),
         ([1.0], [[1.0]], {"digits": 0}, "digits must be at least 1"),
-        ([1.0], [[1.0]], {"fewest": 10, "most": 5}, "at most most, found 2, 10, 5"),
+        ([1.0], [[1.0]], {"min_draws": 10, "max_draws": 5}, "at most max_draws, found 2, 10, 5"),
     ],
 )
 def test_refuses(mean: list[float], covariance: np.ndarray, options: dict[str, int], message: str) -> None:

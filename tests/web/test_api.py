@@ -8,7 +8,7 @@ import pytest
 from tests.web.conftest import DEMO
 
 from fingerpad.geometry import Ellipsoid, Placement
-from fingerpad.image import render_coin
+from fingerpad.simulate import render_coin
 
 PRINT = "synthetic_30deg_2N"
 FRAME = "synthetic_press_30deg#12"

@@ -10,7 +10,6 @@ from pathlib import Path
 
 import pytest
 import tomlkit
-from fingerpad.web.studies_folder import Workspace
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 from tests.web.conftest import serving
@@ -22,6 +21,7 @@ from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.manifest import read_study
 from fingerpad.web.archive import pack, unpack
 from fingerpad.web.bundle import Bundle
+from fingerpad.web.workspace import Workspace
 
 ROOM = 10**9
 HEAD = {

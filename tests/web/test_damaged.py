@@ -6,9 +6,10 @@ import shutil
 
 import pytest
 from benchmarks.mutations import SLOW, add_decisions, ask_mutated, routes
-from fingerpad.web.studies_folder import Workspace
 from tests.sums import write_sums
 from tests.web.conftest import serving
+
+from fingerpad.web.workspace import Workspace
 
 
 @pytest.fixture

@@ -10,8 +10,9 @@ import cv2
 import numpy as np
 import pytest
 import tifffile
-from fingerpad.web.studies_folder import Workspace
 from tests.web.conftest import serving
+
+from fingerpad.web.workspace import Workspace
 
 
 def png(rows=40, columns=60, level=128):

@@ -11,11 +11,11 @@ import zipfile
 
 import pytest
 from filelock import FileLock
-from fingerpad.web.studies_folder import Workspace
 from tests.soon import soon
 from tests.web.conftest import DEMO, serving, shorten
 
 from fingerpad.web import run_job
+from fingerpad.web.workspace import Workspace
 
 # A run says when it was made; all else must be the same.
 MADE = re.compile(r"\d{4}-\d\d-\d\d(T\d\d:\d\d:\d\d(\+00:00|Z)| at \d\d:\d\d UTC)")
@@ -35,7 +35,7 @@ def small(tmp_path_factory):
         for load in (1, 2, 4)
     )
     (folder / "study.toml").write_text(
-        'title = "Small"\n[uncertainty]\nwedge_angle_std_deg = 0.5\n[scales.reader]\nppi = 500\n'
+        'title = "Small"\n[uncertainty]\nwedge_angle_deg_std = 0.5\n[scales.reader]\nppi = 500\n'
         f'[[fingers]]\nname = "pad"\nsemi_axes_mm = {{ {axes} }}\n'
         "semi_axes_mm_std = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }\n" + observations
     )

@@ -1,8 +1,9 @@
 """A study of very many pictures: opened without decoding one of them, in a document that stays small."""
 
 import pytest
-from fingerpad.web.studies_folder import Workspace
 from tests.web.conftest import serving
+
+from fingerpad.web.workspace import Workspace
 
 COUNT = 2000
 HEAD = """title = "Large"

@@ -4,7 +4,6 @@ import shutil
 
 import pytest
 import schemathesis
-from fingerpad.web.studies_folder import Workspace
 from hypothesis import HealthCheck, Phase, given, settings
 from schemathesis import GenerationMode
 from tests.web.conftest import DEMO, serving, shorten
@@ -12,6 +11,7 @@ from tests.web.conftest import DEMO, serving, shorten
 import fingerpad
 from fingerpad.web.app import ENDPOINTS
 from fingerpad.web.endpoints import openapi
+from fingerpad.web.workspace import Workspace
 
 # They change which study is open, set work going, or never end.
 APART = ("/api/session/", "/api/run", "/api/events")

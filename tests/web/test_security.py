@@ -5,10 +5,10 @@ from concurrent.futures import ThreadPoolExecutor
 
 import httpx
 import pytest
-from fingerpad.web.studies_folder import Workspace
 from tests.web.conftest import serving
 
 from fingerpad.web.security import Access, cookie_name
+from fingerpad.web.workspace import Workspace
 
 
 def bare(client, **headers):

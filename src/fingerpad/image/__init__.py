@@ -71,10 +71,6 @@ from fingerpad.image.sequence.settings import (
     estimate_settings,
     scan_texture,
 )
-from fingerpad.simulate.coin import SyntheticCoin, render_coin
-from fingerpad.simulate.contact_image import SyntheticContactImage, outline_points, render_contact_image
-from fingerpad.simulate.finger import Backdrop, SyntheticFinger, render_finger
-from fingerpad.simulate.sequence import SyntheticSequence, render_sequence
 
 __all__ = [
     "FACE_AXES",
@@ -84,7 +80,6 @@ __all__ = [
     "PLAUSIBLE_RIDGE_PERIOD_MM",
     "SEMI_AXES",
     "AlignedEllipseFit",
-    "Backdrop",
     "BrushStroke",
     "Coin",
     "ContactImageResult",
@@ -112,10 +107,6 @@ __all__ = [
     "Scale",
     "SequenceSettings",
     "SequenceSummary",
-    "SyntheticCoin",
-    "SyntheticContactImage",
-    "SyntheticFinger",
-    "SyntheticSequence",
     "TextureScan",
     "assign_times",
     "combine_faces",
@@ -136,7 +127,6 @@ __all__ = [
     "measure_photograph",
     "measure_sequence",
     "open_frames",
-    "outline_points",
     "phases_of",
     "photograph_from_ellipse",
     "photograph_from_handles",
@@ -147,10 +137,6 @@ __all__ = [
     "read_image",
     "read_marks",
     "read_outline",
-    "render_coin",
-    "render_contact_image",
-    "render_finger",
-    "render_sequence",
     "scan_texture",
     "semi_axes_from_outlines",
     "sequence_summary",

@@ -76,8 +76,8 @@ class Scale:
         """Make a scale from the resolution that a picture's own file states.
 
         Its uncertainty is that of the rounding to whole dots per inch. Whether the number is meant at all
-        only the print can tell: `measure_contact_image` flags ``scale_doubtful`` where the ridge period is none
-        that a finger has.
+        only the print can tell: `measure_contact_image` flags ``scale_doubtful`` where the ridge period is
+        none that a finger has.
 
         Raises
         ------

@@ -24,7 +24,6 @@ from fingerpad.loading.relaxation import (
     fit_ridge_growth,
 )
 from fingerpad.loading.segments import Cycle, Hysteresis, Segment, baseline_level, find_cycles, hysteresis
-from fingerpad.simulate.loading_curve import simulate_loading_curve
 
 __all__ = [
     "ESTIMATORS",
@@ -61,5 +60,4 @@ __all__ = [
     "read_loading_curve",
     "secant_modulus",
     "shape_check",
-    "simulate_loading_curve",
 ]

@@ -103,7 +103,7 @@ class LoadingFit:
     def as_record(self) -> dict[str, Any]:
         """Return the numbers under names with units, each with _std and _ci95, null where not known."""
         quantities = {
-            "loading_radius_mm": self.loading_radius,
+            "effective_radius_mm": self.loading_radius,
             "reduced_modulus_kpa": self.reduced_modulus.times(KPA_PER_MPA),
             "youngs_modulus_kpa": self.youngs_modulus.times(KPA_PER_MPA),
             "contact_offset_mm": self.contact_offset,
@@ -164,7 +164,7 @@ def fit_loading_curve(
 
     Examples
     --------
-    >>> from fingerpad.loading import simulate_loading_curve
+    >>> from fingerpad.simulate import simulate_loading_curve
     >>> curve = simulate_loading_curve(points=200, force_std=0.005, area_std=0.5, seed=1)
     >>> fit = fit_loading_curve(curve)
     >>> radius = fit.loading_radius
@@ -207,7 +207,7 @@ def contact_points(
 
     Examples
     --------
-    >>> from fingerpad.loading import simulate_loading_curve
+    >>> from fingerpad.simulate import simulate_loading_curve
     >>> places = contact_points(simulate_loading_curve(points=200, force_std=0.005, area_std=0.5, seed=1))
     >>> places["joint"].std < places["contact_by_threshold"].std
     True

@@ -47,6 +47,7 @@ def quantities(main: JointFit, models: Mapping[str, JointFit], *, known: bool) -
 
 
 def top_load(main: JointFit) -> float:
+    """Return the fitted load at the largest displacement, N."""
     return float(main.load(np.array([main.record.smooth_displacement.max()]))[0])
 
 

@@ -101,7 +101,7 @@ def find_cycles(curve: LoadingCurve) -> tuple[Cycle, ...]:
 
     Examples
     --------
-    >>> from fingerpad.loading import simulate_loading_curve
+    >>> from fingerpad.simulate import simulate_loading_curve
     >>> (cycle,) = find_cycles(simulate_loading_curve(points=200, hold=0.5, unloading=True))
     >>> len(cycle.baseline), len(cycle.loading), len(cycle.hold), len(cycle.unloading)
     (18, 69, 26, 87)

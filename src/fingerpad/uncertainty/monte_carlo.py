@@ -69,7 +69,7 @@ def run_monte_carlo(
 
     The adaptive procedure of GUM-S1 7.9: batches of 10 000 draws are added until twice the standard error
     of each output's mean, standard deviation and interval ends is below half a unit of the last wanted digit
-    of the standard uncertainty, or `max_draws` draws are made: `Simulated.settled` says which. Memory does
+    of the standard uncertainty, or `max_draws` draws are made: `MonteCarloResult.converged` says which. Memory does
     not grow with the number of draws.
 
     Parameters
@@ -82,7 +82,7 @@ def run_monte_carlo(
         Their covariance.
     digits : int
         Significant digits wanted of the standard uncertainty.
-    fewest, most : int
+    min_draws, max_draws : int
         Fewest and most draws, in whole batches.
     seed : int
         Of the random numbers: the same seed gives the same result.
@@ -108,7 +108,7 @@ def run_monte_carlo(
         raise UncertaintyError(f"means of shape {mean.shape} do not fit a covariance of {factor.shape}")
     if not (digits >= 1 and 0 < min_draws <= max_draws):
         raise UncertaintyError(
-            f"digits must be at least 1 and fewest at most most, found {digits}, {min_draws}, {max_draws}"
+            f"digits must be at least 1 and min_draws at most max_draws, found {digits}, {min_draws}, {max_draws}"
         )
     random = np.random.default_rng(seed)
     batches: list[tuple[FloatArray, ...]] = []
@@ -208,7 +208,8 @@ def validate_linear_approximation(
     >>> from fingerpad.uncertainty import propagate
     >>> def valid(mean):
     ...     first = propagate(np.square, [mean], [[1.0]])
-    ...     return bool(validate_linear_approximation(first, run_monte_carlo(np.square, [mean], [[1.0]])).valid[0])
+    ...     drawn = run_monte_carlo(np.square, [mean], [[1.0]])
+    ...     return bool(validate_linear_approximation(first, drawn).valid[0])
     >>> valid(20.0), valid(0.0)
     (True, False)
     """

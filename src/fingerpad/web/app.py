@@ -17,10 +17,10 @@ from fingerpad.web import (
     corrections,
     files,
     geometry,
-    lengths,
+    image_routes,
     photographs,
     results,
-    shown,
+    scale_routes,
     state,
     studies,
 )
@@ -30,8 +30,19 @@ from fingerpad.web.workspace import Workspace
 
 STATIC: Final = Path(__file__).parent / "static"
 _YEAR_S: Final = 31_536_000
-_ROOMS: Final = (studies, state, shown, lengths, photographs, contacts, corrections, results, geometry, files)
-ENDPOINTS: Final[tuple[Endpoint, ...]] = tuple(one for room in _ROOMS for one in room.ENDPOINTS)
+_ROUTES: Final = (
+    studies,
+    state,
+    image_routes,
+    scale_routes,
+    photographs,
+    contacts,
+    corrections,
+    results,
+    geometry,
+    files,
+)
+ENDPOINTS: Final[tuple[Endpoint, ...]] = tuple(one for room in _ROUTES for one in room.ENDPOINTS)
 
 
 def make_app(workspace: Workspace, access: Access) -> ASGIApp:

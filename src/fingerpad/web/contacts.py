@@ -133,7 +133,7 @@ def reading_of(
             return estimate_settings(
                 frames,
                 found.scale,
-                survey=scan_texture(map(frames.at, map(int, some)), found.scale, **where),
+                scan=scan_texture(map(frames.at, map(int, some)), found.scale, **where),
                 dark_on_light=sequence.dark_on_light,
                 threshold=sequence.threshold,
                 **where,

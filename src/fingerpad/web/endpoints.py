@@ -47,8 +47,8 @@ class Endpoint:
     method, path : str
         Where it is asked.
     answer : callable
-        Takes the bench, the checked query and body (`NoParams` where there is none), and returns what JSON can
-        hold or a `Response`. It runs on a thread of its own, so that it may take its time.
+        Takes the workspace, the checked query and body (`NoParams` where there is none), and returns what
+        JSON can hold or a `Response`. It runs on a thread of its own, so that it may take its time.
     summary : str
         One line of the OpenAPI document.
     query, body : type of Params

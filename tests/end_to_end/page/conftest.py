@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from filelock import FileLock
 from playwright.sync_api import Browser, sync_playwright
-from tests.end_to_end.page.workspace import DEMO, Tab, served
+from tests.end_to_end.page.browser import DEMO, Tab, served
 
 
 @pytest.fixture(scope="session")

@@ -7,9 +7,9 @@ import zipfile
 
 import pytest
 from PIL import Image
-from tests.end_to_end.page.workspace import DEMO, PRINTS, Late, Tab, drag, focus, middle, stroke
+from tests.end_to_end.page.browser import DEMO, PRINTS, Late, Tab, drag, focus, middle, stroke
 
-from fingerpad.image import render_coin
+from fingerpad.simulate import render_coin
 
 FACES = [DEMO / "synthetic" / f"photograph_{face}.jpg" for face in ("palmar", "distal", "radial")]
 CONTACTS = [DEMO / "synthetic" / f"synthetic_30deg_{load}N.png" for load in (0.5, 2, 4)]

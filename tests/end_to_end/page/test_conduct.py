@@ -9,7 +9,7 @@ from importlib import resources
 import pytest
 from PIL import Image
 from playwright.sync_api import Page
-from tests.end_to_end.page.workspace import (
+from tests.end_to_end.page.browser import (
     DEMO,
     Late,
     Tab,

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import tifffile
 from PIL import Image
-from tests.end_to_end.page.workspace import DEMO, PRINTS, Tab, changed, drag, focus, middle, numbers, stroke
+from tests.end_to_end.page.browser import DEMO, PRINTS, Tab, changed, drag, focus, middle, numbers, stroke
 
 PRINT = "synthetic_30deg_2N"
 

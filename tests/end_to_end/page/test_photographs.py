@@ -3,7 +3,7 @@
 import json
 import re
 
-from tests.end_to_end.page.workspace import (
+from tests.end_to_end.page.browser import (
     Late,
     Tab,
     changed,

@@ -3,7 +3,7 @@
 import re
 
 import pytest
-from tests.end_to_end.page.workspace import Late, Tab, changed, numbers, served
+from tests.end_to_end.page.browser import Late, Tab, changed, numbers, served
 
 
 @pytest.fixture(scope="module")

@@ -10,7 +10,7 @@ from fingerpad.exceptions import ImageError
 
 if TYPE_CHECKING:
     from fingerpad._arrays import FloatArray
-    from fingerpad.image import Place
+    from fingerpad.image import MeasurementRegion
 
 Overlay: TypeAlias = Annotated[Path | None, typer.Option(help="Folder for pictures of the measurement.")]
 DarkOnLight: TypeAlias = Annotated[
@@ -54,7 +54,9 @@ def region_of(text: str | None) -> tuple[int, int, int, int] | None:
     return row, column, last_row, last_column
 
 
-def place_of(background: Path | None, seed_px: str | None, mask: Path | None, roi: str | None) -> "Place":
+def measurement_region(
+    background: Path | None, seed_px: str | None, mask: Path | None, roi: str | None
+) -> "MeasurementRegion":
     """Return where a contact image is looked at."""
     from fingerpad.image import read_image
 

@@ -13,7 +13,7 @@ from fingerpad.cli.measure.flags import (
     Roi,
     Seed,
     Threshold,
-    place_of,
+    measurement_region,
 )
 from fingerpad.cli.measure.records import overlay_files, record_of, tracked
 from fingerpad.cli.measure.scale import WAYS, takes_scale
@@ -46,7 +46,7 @@ def measure_prints(
 
     with plain_errors():
         require_positive("--threshold", threshold)
-        place = place_of(background, seed_px, mask, roi)
+        place = measurement_region(background, seed_px, mask, roi)
         overlays = overlay_files(images, overlay)
 
     def measured(path: Path) -> dict[str, Any]:

@@ -17,7 +17,7 @@ from fingerpad.cli.measure.flags import (
     Roi,
     Seed,
     Threshold,
-    place_of,
+    measurement_region,
 )
 from fingerpad.cli.measure.records import tracked
 from fingerpad.cli.measure.scale import WAYS, takes_scale
@@ -72,7 +72,7 @@ def measure_frames(
         frames = open_frames(path)
         signal = None if force is None else read_force_signal(force)
         clock = _clock(frames.frames_per_second, fps, signal, start_s, contact_load, times)
-        place = place_of(background, seed_px, mask, roi)
+        place = measurement_region(background, seed_px, mask, roi)
         if overlay is not None:
             make_folder(overlay)
 

@@ -141,7 +141,8 @@ def measure_coin(pixels: npt.ArrayLike) -> Coin:
 
     Examples
     --------
-    >>> from fingerpad.image import measure_coin, render_coin
+    >>> from fingerpad.image import measure_coin
+    >>> from fingerpad.simulate import render_coin
     >>> truth = render_coin(radius=120.0)
     >>> scale = measure_coin(truth.pixels).scale(23.25)  # one euro
     >>> abs(scale.mm_per_px / (23.25 / 240) - 1) < 0.002

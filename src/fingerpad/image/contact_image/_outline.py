@@ -232,7 +232,7 @@ def outline_covariance(edge: ContactOutline, weights: FloatArray) -> FloatArray:
     the edge more the softer the picture is. All stretches share a third of the correction for noise and,
     where no ridges are resolved, all of the shift for them: a solid print ends at its outline. The share of
     the softness and the length of a stretch are fitted to the errors of rendered contacts
-    (`accuracy_and_coverage` in benchmarks/contact_images.py prints how often intervals cover). Where a hand drew
+    (see `accuracy_and_coverage` in benchmarks/contact_images.py). Where a hand drew
     the edge, its error takes the place of all of these.
     """
     along = edge.along.clip(0, 1)

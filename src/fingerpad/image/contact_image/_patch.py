@@ -28,7 +28,8 @@ _LEVELS = np.arange(256)
 _HALVES = (slice(0, 128), slice(128, 256))
 # How far the level that keeps the area lies above the middle, in parts of the rise, by how the means of
 # ridges and valleys lean; and its standard deviation: of each square period by itself, as a share of the
-# lean, and of the noise. Fitted to rendered contacts (`ridge_calibration` in benchmarks/contact_images.py prints
+# lean, and of the noise. Fitted to rendered contacts (`ridge_calibration` in
+# benchmarks/contact_images.py prints
 # them).
 _LEAN, _UPRIGHT = 2.12, -0.026
 _OWN, _LEANING, _NOISY = 0.31, 0.26, 0.058

@@ -89,7 +89,8 @@ class PreparedContactImage:
 
         Examples
         --------
-        >>> from fingerpad.image import Scale, render_contact_image
+        >>> from fingerpad.image import Scale
+        >>> from fingerpad.simulate import render_contact_image
         >>> truth = render_contact_image(semi_major=8.0, semi_minor=6.0, seed=3)
         >>> prepared = prepare_contact_image(truth.pixels, Scale.of_ppi(500))
         >>> row, column = prepared.contact_image.centroid

@@ -26,7 +26,7 @@ PLAUSIBLE_RIDGE_PERIOD_MM = (0.25, 0.9)
 
 
 class ContactImageSettings(TypedDict):
-    """What one frame of a sequence can hand on to the others, as keyword arguments of `measure_contact_image`."""
+    """Settings that the frames of a sequence share, as keyword arguments of `measure_contact_image`."""
 
     contrast: float
     ridge_period: float | None

@@ -183,7 +183,8 @@ def with_marked_points(
 
     Examples
     --------
-    >>> from fingerpad.image import measure_photograph, render_finger
+    >>> from fingerpad.image import measure_photograph
+    >>> from fingerpad.simulate import render_finger
     >>> truth = render_finger("palmar", semi_axes=(11.8, 13.8), seed=1)
     >>> found = measure_photograph(truth.pixels, "palmar", Scale.of_mm_per_px(truth.mm_per_px))
     >>> fewer = with_marked_points(found, erased=[([found.points[0]], 20)])

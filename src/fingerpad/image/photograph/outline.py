@@ -43,7 +43,7 @@ def semi_axes_from_outlines(
 
     Examples
     --------
-    >>> from fingerpad.image import outline_points
+    >>> from fingerpad.simulate import outline_points
     >>> found = semi_axes_from_outlines(
     ...     {
     ...         "palmar": outline_points(11.8, 13.8, noise_std=0.05, seed=1),

@@ -129,7 +129,7 @@ def fit_outline_ellipse(
 
     Examples
     --------
-    >>> from fingerpad.image import outline_points
+    >>> from fingerpad.simulate import outline_points
     >>> fit = fit_outline_ellipse(outline_points(11.8, 13.8, count=200, arc=(0.5, 2.6), noise_std=0.01))
     >>> round(fit.semi_x, 1), round(fit.semi_y, 1)
     (11.8, 13.8)

@@ -77,8 +77,8 @@ class SequenceSettings:
     Attributes
     ----------
     settings : ContactImageSettings
-        Polarity, contrast and ridge period for `measure_contact_image`, the same for all frames: those of each
-        frame's own would flicker, and differ between a first touch and the largest contact.
+        Polarity, contrast and ridge period for `measure_contact_image`, the same for all frames: those of
+        each frame's own would flicker, and differ between a first touch and the largest contact.
     learnt_from : tuple of int
         Frames of the largest contact from which this was learnt.
     texture : ndarray, (count,)

@@ -153,9 +153,8 @@ class SequenceImages:
         """Measure one frame as a person wants it, if anybody does."""
         assert frame.pixels is not None
         change = self.corrections.get(frame.index, NOTHING)
-        settings = settings.settings
         return corrected_contact_image(
-            frame.pixels, self.found.scale, self.sequence, folder, change, settings=settings
+            frame.pixels, self.found.scale, self.sequence, folder, change, settings=settings.settings
         )
 
     def _record(self, contact_image: ContactImageResult) -> Record:

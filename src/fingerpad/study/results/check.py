@@ -38,7 +38,7 @@ class UncertaintyCheck:
         The same by Monte Carlo.
     draws : int
         Draws that were made.
-    settled : bool
+    converged : bool
         Whether two digits of the standard uncertainty stand still.
     valid : bool
         Whether the first order agrees with the simulation to one digit of the standard uncertainty.

@@ -19,7 +19,7 @@ from fingerpad.exceptions import FingerpadError
 from fingerpad.study.results.columns import BOOL_COLUMNS, TEXT_COLUMNS
 from fingerpad.study.results.result_set import require_result_set
 
-_STD: Final = re.compile(r"_std(_given_geometry)?$")
+_STD: Final = re.compile(r"(_fixed_geometry)?_std$")
 _UNITS: Final = {
     "mm_per_px": "mm/px", "mm2": "mm2", "mm": "mm", "N": "N", "s": "s", "deg": "deg", "kpa": "kPa",
     "px": "px",

@@ -200,7 +200,7 @@ class _Batch:
         )
 
     def weigh(self, highest_load: dict[PlacementKey, HighestLoad]) -> None:
-        """Put those of these contacts into `highest_load` that belong there; of equal loads the last counts."""
+        """Keep the contact of the highest load at each placement; of equal loads the last one."""
         counts = self.columns["pooled"][self.good]
         loads = self.columns["load_N"][self.good].tolist()
         keys = list(zip(*(self.columns[name][self.good].tolist() for name in PLACEMENT), strict=True))

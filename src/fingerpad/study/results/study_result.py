@@ -46,7 +46,8 @@ class StudyResult:
     summaries : list of Summary
         One per finger and placement.
     checks : list of UncertaintyCheck or None
-        Of the highest_load contact that counts in each summary; None where none does, or it cannot be checked.
+        Of the counted contact at the highest load in each summary; None where none counts or it cannot be
+        checked.
     curves : list of CurveResult
         One per loading curve.
     provenance : dict
