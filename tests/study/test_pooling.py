@@ -52,8 +52,8 @@ def test_what_the_pad_is_does_not_average_away(tmp_path: Path) -> None:
     (alone,), (pooled,) = (result.summaries for result in (one, many))
     geometry = one.rows[0]["mean_curvature_radius_mm_std"]
     assert alone.corrected_radius.std > pooled.corrected_radius.std > 0.98 * geometry
-    assert pooled.corrected_radius.given_geometry == pytest.approx(
-        alone.corrected_radius.given_geometry / np.sqrt(30), rel=1e-6
+    assert pooled.corrected_radius.fixed_geometry == pytest.approx(
+        alone.corrected_radius.fixed_geometry / np.sqrt(30), rel=1e-6
     )
 
 

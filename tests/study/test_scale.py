@@ -109,7 +109,7 @@ def test_very_many_single_contacts_are_pooled_without_a_matrix() -> None:
     assert pooled.fixed.birge_ratio == pytest.approx(1, abs=0.03)
     # What is left of so many contacts is the pad's own uncertainty.
     assert pooled.std == pytest.approx(rows.table[0]["mean_curvature_radius_mm_std"], rel=0.02)
-    assert pooled.given_geometry < 0.01 * pooled.std
+    assert pooled.fixed_geometry < 0.01 * pooled.std
 
 
 def test_a_report_of_many_rows_stays_small_and_says_what_is_left_out(tmp_path: Path) -> None:

@@ -69,8 +69,8 @@ def run_monte_carlo(
 
     The adaptive procedure of GUM-S1 7.9: batches of 10 000 draws are added until twice the standard error
     of each output's mean, standard deviation and interval ends is below half a unit of the last wanted digit
-    of the standard uncertainty, or `max_draws` draws are made: `MonteCarloResult.converged` says which. Memory does
-    not grow with the number of draws.
+    of the standard uncertainty, or `max_draws` draws are made: `MonteCarloResult.converged` says which.
+    Memory does not grow with the number of draws.
 
     Parameters
     ----------
@@ -108,7 +108,8 @@ def run_monte_carlo(
         raise UncertaintyError(f"means of shape {mean.shape} do not fit a covariance of {factor.shape}")
     if not (digits >= 1 and 0 < min_draws <= max_draws):
         raise UncertaintyError(
-            f"digits must be at least 1 and min_draws at most max_draws, found {digits}, {min_draws}, {max_draws}"
+            "digits must be at least 1 and min_draws at most max_draws, "
+            f"found {digits}, {min_draws}, {max_draws}"
         )
     random = np.random.default_rng(seed)
     batches: list[tuple[FloatArray, ...]] = []

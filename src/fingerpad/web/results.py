@@ -105,7 +105,7 @@ def _is_meant(row: Mapping[str, Any], params: RowsParams) -> bool:
 
 
 def _column(name: str) -> dict[str, Any]:
-    bare = name.removesuffix("_std_given_geometry").removesuffix("_std")
+    bare = name.removesuffix("_fixed_geometry_std").removesuffix("_std")
     unit = next((unit for unit in _UNITS if bare.endswith(f"_{unit}")), None)
     std = f"{name}_std" if f"{name}_std" in COLUMNS else None
     return {"key": name, "words": COLUMNS[name], "unit": "kPa" if unit == "kpa" else unit, "std": std}

@@ -224,7 +224,7 @@ def _pooled(name: str, pooled: PooledRadius | None) -> dict[str, Any]:
     return {
         f"{name}_mm": pooled.value,
         f"{name}_mm_std": pooled.std,
-        f"{name}_mm_std_given_geometry": pooled.given_geometry,
+        f"{name}_mm_fixed_geometry_std": pooled.fixed_geometry,
         f"{name}_birge_ratio": pooled.fixed.birge_ratio,
         f"{name}_count": pooled.count,
         f"{name}_random_effects_mm": pooled.random.value,

@@ -33,7 +33,7 @@ class PooledRadius:
     ----------
     fixed : Pooled
         All contacts taken to have one radius; the scatter beyond their uncertainties widens it (Birge).
-    given_geometry : float
+    fixed_geometry : float
         Its standard uncertainty with semi-axes and angles held exact, as the source does.
     random : RandomEffects
         Contacts taken to have radii of their own about a mean.
@@ -44,7 +44,7 @@ class PooledRadius:
     """
 
     fixed: Pooled
-    given_geometry: float
+    fixed_geometry: float
     random: RandomEffects
     scatter: VarianceComponents
     budget: dict[str, float]
@@ -110,7 +110,7 @@ class PooledRadius:
         exact = np.sum(variances[~_OWN & ~np.isin(PART_SOURCES, GEOMETRY)])
         return cls(
             fixed=fixed,
-            given_geometry=float(np.hypot(fixed.std, np.sqrt(exact))),
+            fixed_geometry=float(np.hypot(fixed.std, np.sqrt(exact))),
             random=pool_random_effects(value, np.maximum(own, np.spacing(value)), shared),
             scatter=variance_components(value, pooled.column("load_N")[last]),
             budget=_budget(fixed, variances),

@@ -105,7 +105,7 @@ export class Plots {
     const [measured, compliance, panel, ink] = ["measured", "compliance", "panel", "undeformed"].map(colour);
     const radius = this.quantity === QUANTITIES[0][0];
     const [key, words, title, logarithmic] = QUANTITIES.find(([each]) => each === this.quantity);
-    const std = rows[radius && this.bars === "given" ? `${key}_std_given_geometry` : `${key}_std`];
+    const std = rows[radius && this.bars === "given" ? `${key}_fixed_geometry_std` : `${key}_std`];
     const crowded = rows.item.length > 80;
     const name = (index) => rows.item[index];
     const traces = [
