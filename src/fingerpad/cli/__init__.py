@@ -10,11 +10,13 @@ from fingerpad.cli.app import app as page
 from fingerpad.cli.compare import compare
 from fingerpad.cli.export import export
 from fingerpad.cli.fit import fit
+from fingerpad.cli.shared import Commands
 
 __all__ = ["app"]
 
 app = typer.Typer(
     name="fingerpad",
+    cls=Commands,
     help="Contact mechanics of the human finger pad.",
     no_args_is_help=True,
     add_completion=False,

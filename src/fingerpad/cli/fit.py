@@ -5,7 +5,7 @@ from typing import Annotated, Any
 
 import typer
 
-from fingerpad.cli.shared import AsJson, plain_errors, print_json, require_positive
+from fingerpad.cli.shared import AsJson, print_json, require_positive
 from fingerpad.exceptions import LoadingError
 from fingerpad.units import value_with_uncertainty
 
@@ -48,23 +48,22 @@ def fit(
     """
     from fingerpad.loading import Estimate, fit_loading_curve, read_loading_curve
 
-    with plain_errors():
-        require_positive("--radius-mm", radius_mm)
-        if not radius_mm_std >= 0 or (radius_mm_std and radius_mm is None):
-            raise LoadingError("--radius-mm-std must not be negative, and goes with --radius-mm")
-        record = read_loading_curve(curve, _columns(column or []))
-        found = fit_loading_curve(
-            record,
-            poisson_ratio=poisson_ratio,
-            loading_radius=None if radius_mm is None else Estimate.symmetric(radius_mm, radius_mm_std),
-            cycle=cycle,
-            contact_point=contact_point,
-            region=None if region is None else _loads(region),
-        )
-        if constraint is not None:
-            found = found.divide_by_constraint(Estimate.symmetric(constraint, constraint_std))
-        if plot is not None:
-            _draw(plot, curve.stem, record, found, cycle)
+    require_positive("--radius-mm", radius_mm)
+    if not radius_mm_std >= 0 or (radius_mm_std and radius_mm is None):
+        raise LoadingError("--radius-mm-std must not be negative, and goes with --radius-mm")
+    record = read_loading_curve(curve, _columns(column or []))
+    found = fit_loading_curve(
+        record,
+        poisson_ratio=poisson_ratio,
+        loading_radius=None if radius_mm is None else Estimate.symmetric(radius_mm, radius_mm_std),
+        cycle=cycle,
+        contact_point=contact_point,
+        region=None if region is None else _loads(region),
+    )
+    if constraint is not None:
+        found = found.divide_by_constraint(Estimate.symmetric(constraint, constraint_std))
+    if plot is not None:
+        _draw(plot, curve.stem, record, found, cycle)
     if as_json:
         print_json({"file": str(curve), **found.as_record()})
     else:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 import typer
 
 from fingerpad.cli.measure.scale import WAYS, takes_scale
-from fingerpad.cli.shared import AsJson, plain_errors, print_json
+from fingerpad.cli.shared import AsJson, print_json
 from fingerpad.exceptions import CalibrationError, ManifestError
 
 if TYPE_CHECKING:
@@ -68,21 +68,20 @@ def import_fiji(
         "roll_angle_deg": roll_angle_deg,
         "load_N": load_n,
     }
-    with plain_errors():
-        pattern = LabelPattern.of(label_pattern) if label_pattern is not None else None
-        mm_per_unit = _mm_per_unit(files, unit, scale)
-        ellipses = _read(files)
-        rows = manual_observations(
-            ellipses,
-            mm_per_unit=mm_per_unit,
-            semi_axis_mm_std=std_mm,
-            relative_scale_std=scale.relative_std if scale else 0.0,
-            known={name: value for name, value in given.items() if value is not None},
-            pattern=pattern,
-            finger_axis_deg=finger_axis_deg,
-            synthetic=synthetic,
-        )
-        write_observations(out, rows)
+    pattern = LabelPattern.of(label_pattern) if label_pattern is not None else None
+    mm_per_unit = _mm_per_unit(files, unit, scale)
+    ellipses = _read(files)
+    rows = manual_observations(
+        ellipses,
+        mm_per_unit=mm_per_unit,
+        semi_axis_mm_std=std_mm,
+        relative_scale_std=scale.relative_std if scale else 0.0,
+        known={name: value for name, value in given.items() if value is not None},
+        pattern=pattern,
+        finger_axis_deg=finger_axis_deg,
+        synthetic=synthetic,
+    )
+    write_observations(out, rows)
     for ellipse in ellipses:
         for doubt in ellipse.doubts:
             typer.echo(f"doubtful: {ellipse.place}: {doubt}", err=True)

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from fingerpad.cli.measure.flags import numbers_of
-from fingerpad.cli.shared import plain_errors
 from fingerpad.exceptions import CalibrationError
 
 if TYPE_CHECKING:
@@ -25,8 +24,7 @@ def takes_scale(command: Callable[..., None]) -> Callable[..., None]:
 
     @wraps(command)
     def with_scale(**given: Any) -> None:
-        with plain_errors():
-            scale = scale_of_flags(**{name: given.pop(name) for name in flags})
+        scale = scale_of_flags(**{name: given.pop(name) for name in flags})
         command(**given, scale=scale)
 
     kept = [parameter for name, parameter in own.parameters.items() if name != "scale"]
