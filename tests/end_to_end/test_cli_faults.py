@@ -1,7 +1,6 @@
 """Whatever happens to a command: no traceback, no lost batch, an exit code that says what happened."""
 
 import json
-import os
 import random
 import signal
 import subprocess
@@ -190,17 +189,26 @@ def test_an_interrupt_at_any_moment_is_no_traceback(prints: list[Path], tmp_path
 
 
 def test_an_interrupted_sequence_does_not_claim_that_it_goes_on() -> None:
-    process = subprocess.Popen(
+    with subprocess.Popen(
         [*PROGRAM, "measure", "sequence", str(FILM), "--ppi", "240", "--json"],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
-        env={**os.environ, "PYTHONUNBUFFERED": "1"},
-    )
-    assert process.stdout is not None
-    assert process.stderr is not None
-    first = process.stdout.readline()
-    process.send_signal(signal.SIGINT)
-    rest, err = process.stdout.read(), process.stderr.read()
-    assert (process.wait(), err) == (130, "fingerpad: interrupted\n")
+    ) as process:
+        assert process.stdout is not None
+        assert process.stderr is not None
+        first = process.stdout.readline()
+        process.send_signal(signal.SIGINT)
+        rest, err = process.stdout.read(), process.stderr.read()
+    assert (process.returncode, err) == (130, "fingerpad: interrupted\n")
     assert json.loads(first + rest)[0]["frame"] == 0
+
+
+@pytest.mark.parametrize(
+    "command", [("status",), ("fit",), ("import", "fiji", "--ppi", "500", "--std-mm", "0.1")]
+)
+def test_a_file_without_end_is_refused(command: tuple[str, ...], tmp_path: Path) -> None:
+    done = subprocess.run(
+        [*PROGRAM, *command, "/dev/zero"], capture_output=True, text=True, timeout=60, cwd=tmp_path
+    )
+    assert (done.returncode, done.stderr) == (2, "fingerpad: /dev/zero: is a device, not a file\n")

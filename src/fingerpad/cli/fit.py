@@ -19,12 +19,15 @@ def fit(
             metavar="QUANTITY=NAME:UNIT", help="A column of another name, as in force=Fz:mN. Repeatable."
         ),
     ] = None,
-    poisson_ratio: Annotated[float, typer.Option(help="Poisson's ratio of the pad.")] = 0.5,
+    poisson_ratio: Annotated[
+        float, typer.Option(min=-0.99, max=0.5, help="Poisson's ratio of the pad.")
+    ] = 0.5,
     radius_mm: Annotated[
-        float | None, typer.Option(help="Effective radius R_g, mm, where the curve has no area.")
+        float | None,
+        typer.Option(min=1e-6, max=1e6, help="Effective radius R_g, mm, where the curve has no area."),
     ] = None,
-    radius_mm_std: Annotated[float, typer.Option(help="Its standard uncertainty, mm.")] = 0.0,
-    cycle: Annotated[int, typer.Option(help="Which press of the record, from 0.")] = 0,
+    radius_mm_std: Annotated[float, typer.Option(min=0, help="Its standard uncertainty, mm.")] = 0.0,
+    cycle: Annotated[int, typer.Option(min=0, help="Which press of the record, from 0.")] = 0,
     contact_point: Annotated[
         str,
         typer.Option(help="joint, or hold it by contact_by_threshold, two_lines, gradient or power_law."),
@@ -34,9 +37,11 @@ def fit(
     ] = None,
     constraint: Annotated[
         float | None,
-        typer.Option(help="Factor by which bone stiffens the pad; uncertain. Moduli are divided by it."),
+        typer.Option(
+            min=1e-6, help="Factor by which bone stiffens the pad; uncertain. Moduli are divided by it."
+        ),
     ] = None,
-    constraint_std: Annotated[float, typer.Option(help="Its standard uncertainty.")] = 0.0,
+    constraint_std: Annotated[float, typer.Option(min=0, help="Its standard uncertainty.")] = 0.0,
     plot: Annotated[Path | None, typer.Option(help="Folder for the figures, SVG and PNG.")] = None,
     as_json: AsJson = False,
 ) -> None:

@@ -30,16 +30,21 @@ def import_fiji(
     ],
     *,
     std_mm: Annotated[
-        float, typer.Option(help="Standard uncertainty of either semi-axis, mm.", show_default=False)
+        float,
+        typer.Option(min=1e-9, help="Standard uncertainty of either semi-axis, mm.", show_default=False),
     ],
     unit: Annotated[
         str | None,
         typer.Option(help="Unit of a table whose pictures had a scale in Fiji: mm, um, cm or inch."),
     ] = None,
     finger: Annotated[str | None, typer.Option(help="The finger, if one for all.")] = None,
-    wedge_angle_deg: Annotated[float | None, typer.Option(help="The wedge angle, if one for all.")] = None,
-    roll_angle_deg: Annotated[float | None, typer.Option(help="The roll angle, if one for all.")] = None,
-    load_n: Annotated[float | None, typer.Option("--load-N", help="The load, if one for all.")] = None,
+    wedge_angle_deg: Annotated[
+        float | None, typer.Option(min=0, max=90, help="The wedge angle, if one for all.")
+    ] = None,
+    roll_angle_deg: Annotated[
+        float | None, typer.Option(min=-360, max=360, help="The roll angle, if one for all.")
+    ] = None,
+    load_n: Annotated[float | None, typer.Option("--load-N", min=0, help="The load, if one for all.")] = None,
     label_pattern: Annotated[
         str | None,
         typer.Option(help='What labels tell, as in "{finger}_{wedge_angle_deg}deg_{load_N}N".'),

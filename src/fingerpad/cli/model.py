@@ -18,13 +18,17 @@ def geometry(
     semi_axes: Annotated[
         tuple[float, float, float], typer.Option(help="Palmar, distal and radial-ulnar semi-axes, mm.")
     ],
-    wedge: Annotated[float, typer.Option(help="Wedge angle, degrees: 0 is flat, 90 on the fingertip.")],
+    wedge: Annotated[
+        float, typer.Option(min=0, max=90, help="Wedge angle, degrees: 0 is flat, 90 on the fingertip.")
+    ],
     roll: Annotated[float | None, typer.Option(help="Roll about the finger's long axis, degrees.")] = None,
     as_json: AsJson = False,
 ) -> None:
     """Find where a pad on a wedge touches the platen, and how it is curved there."""
     from fingerpad.geometry import Ellipsoid, Placement
 
+    for semi_axis in semi_axes:
+        require_positive("--semi-axes", semi_axis)
     placement = Placement.of(
         Ellipsoid.of(*semi_axes), wedge_angle=np.radians(wedge), roll_angle=np.radians(roll or 0.0)
     )
@@ -66,6 +70,8 @@ def hertz(
         ("--indentation-mm", indentation_mm),
     ):
         require_positive(flag, value)
+    for radius in radii:
+        require_positive("--radii", radius)
     pair = HertzGeometry.of(*radii)
     modulus = modulus_kpa / KPA_PER_MPA
     if load is not None:
@@ -100,6 +106,8 @@ def correct(
     from fingerpad import contact
     from fingerpad.geometry import Ellipse
 
+    for semi_axis in ellipse:
+        require_positive("--ellipse", semi_axis)
     observed = Ellipse.of(*ellipse)
     require_positive("--radius", radius)
     k = observed.axis_ratio

@@ -4,15 +4,19 @@ import math
 import sys
 from collections.abc import Mapping
 from enum import IntEnum
-from typing import Annotated, Any, TypeAlias
+from typing import Annotated, Any, Final, TypeAlias
 
 import typer
-from typer.core import TyperGroup
+from typer.core import TyperCommand, TyperGroup
 
 from fingerpad._json import dumps, plain
 from fingerpad.exceptions import FingerpadError, GeometryError, reason_of
 
 AsJson: TypeAlias = Annotated[bool, typer.Option("--json", help="Print one JSON document instead of text.")]
+
+
+_SMALLEST: Final = 1e-9
+_LARGEST: Final = 1e9
 
 
 class Exit(IntEnum):
@@ -46,6 +50,22 @@ class Commands(TyperGroup):
         except KeyboardInterrupt:
             print_error("interrupted")
             raise typer.Exit(Exit.INTERRUPTED) from None
+
+
+class Command(TyperCommand):
+    """A command whose numbers are finite, and of a size that anything about a finger can have."""
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run it, unless a flag is given a number that nothing can be computed from."""
+        for parameter in self.params:
+            value = ctx.params.get(parameter.name)
+            for number in value if isinstance(value, tuple) else (value,):
+                if isinstance(number, float) and number and not _SMALLEST <= abs(number) <= _LARGEST:
+                    raise GeometryError(
+                        f"{parameter.opts[0]} must be finite, and 0 or {_SMALLEST:g} to {_LARGEST:g} "
+                        f"in magnitude, found {number:g}"
+                    )
+        return super().invoke(ctx)
 
 
 def print_error(text: str) -> None:

@@ -26,7 +26,10 @@ Seed: TypeAlias = Annotated[
     str | None, typer.Option(metavar="ROW,COLUMN", help="A point inside the contact that is meant, px.")
 ]
 Threshold: TypeAlias = Annotated[
-    float | None, typer.Option(help="Grey levels from the ground to a ridge, where half the contrast errs.")
+    float | None,
+    typer.Option(
+        min=1e-6, max=65535, help="Grey levels from the ground to a ridge, where half the contrast errs."
+    ),
 ]
 Mask: TypeAlias = Annotated[
     Path | None,

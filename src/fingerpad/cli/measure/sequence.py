@@ -30,7 +30,9 @@ def measure_frames(
     *,
     path: Annotated[Path, typer.Argument(help="Folder, TIFF or video.", show_default=False)],
     force: Annotated[Path | None, typer.Option(help="CSV with time_s,force_N.")] = None,
-    fps: Annotated[float | None, typer.Option(help="Frames per second, as they were taken.")] = None,
+    fps: Annotated[
+        float | None, typer.Option(min=1e-6, help="Frames per second, as they were taken.")
+    ] = None,
     start_s: Annotated[
         float | None, typer.Option(help="Time of the first frame on the force's clock, s.")
     ] = None,
