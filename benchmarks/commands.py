@@ -23,7 +23,7 @@ from typer.testing import CliRunner
 from benchmarks.mutations import DEMO, in_bytes, in_cells, in_json, in_toml
 from fingerpad.cli import app
 
-PATIENCE_S: Final = 20.0
+PATIENCE_S: Final = 60.0
 RUN_EVERY, FIT_EVERY = 40, 50
 RESULTS: Final = " ,Label,Major,Minor,Angle\n1,a_30deg_2N.png,300,200,90\n2,b_45deg_1N.png,280,210,80\n"
 SMALL: Final = """
