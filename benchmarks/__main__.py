@@ -12,6 +12,7 @@ from scipy.special import ellipe, ellipk
 
 from benchmarks import (
     browser,
+    commands,
     contact_images,
     engine,
     loading,
@@ -103,3 +104,4 @@ if __name__ == "__main__":
     browser.report()
     mutations.report()
     soak.report()
+    commands.report()

@@ -38,7 +38,8 @@ PATIENCE_S: Final = 20.0
 # Values that are right somewhere and wrong elsewhere; JSON and TOML take most of them.
 ODD: Final[tuple[Any, ...]] = (
     0, -1, 1, 2**63 - 1, 1e308, -0.0, float("nan"), float("inf"), True, False, "", "x", "\x00", "../a.png",
-    "ü☃", "=1+1", "a/b", "#", "left_index_ellipse", "a" * 300, [], [[]], [1, 2], [None], {}, {"name": 3},
+    "ü☃", "/dev/zero", ".", "=1+1", "a/b", "#", "left_index_ellipse", "a" * 300,
+    [], [[]], [1, 2], [None], {}, {"name": 3},
     {"ppi": 500}, ["a", "a"], None,
 )  # fmt: skip
 # What to ask of routes that need to be asked something.
@@ -136,7 +137,8 @@ def _places(value: Any) -> Iterator[tuple[Any, Any]]:
             yield from _places(item)
 
 
-def _in_toml(text: str, rng: random.Random) -> str:
+def in_toml(text: str, rng: random.Random) -> str:
+    """Return TOML with one of its values changed."""
     document = _changed(tomllib.loads(text), rng)
     return tomlkit.dumps(_without_none(document))
 
@@ -147,18 +149,20 @@ def _without_none(value: Any) -> Any:
     return [_without_none(item) for item in value if item is not None] if isinstance(value, list) else value
 
 
-def _in_json(text: str, rng: random.Random) -> str:
+def in_json(text: str, rng: random.Random) -> str:
+    """Return JSON with one of its values changed."""
     return json.dumps(_changed(json.loads(text), rng))
 
 
 def _in_lines(text: str, rng: random.Random) -> str:
     lines = text.splitlines()
     number = rng.randrange(len(lines))
-    lines[number] = _in_json(lines[number], rng)
+    lines[number] = in_json(lines[number], rng)
     return "\n".join(lines) + "\n"
 
 
-def _in_cells(text: str, rng: random.Random) -> str:
+def in_cells(text: str, rng: random.Random) -> str:
+    """Return CSV with one of its cells changed."""
     rows = list(csv.reader(io.StringIO(text)))
     row = rng.choice(rows)
     row[rng.randrange(len(row))] = str(rng.choice(ODD))
@@ -167,7 +171,7 @@ def _in_cells(text: str, rng: random.Random) -> str:
     return file.getvalue()
 
 
-def _in_bytes(content: bytes, rng: random.Random) -> bytes:
+def in_bytes(content: bytes, rng: random.Random) -> bytes:
     """Return bytes with some cut out, put in, doubled or changed."""
     start = rng.randrange(len(content) + 1)
     end = min(len(content), start + rng.choice((1, 3, 50, 100_000)))
@@ -185,12 +189,12 @@ class _Target:
 
 
 TARGETS: Final = (
-    _Target("study.toml", _in_toml, 12),
-    _Target("draft.toml", _in_toml, 3),
-    _Target("observations.csv", _in_cells, 3),
+    _Target("study.toml", in_toml, 12),
+    _Target("draft.toml", in_toml, 3),
+    _Target("observations.csv", in_cells, 3),
     _Target(CORRECTIONS_NAME, _in_lines, 3),
-    _Target("results/summary.json", _in_json, 4),
-    _Target("results/results.json", _in_json, 4),
+    _Target("results/summary.json", in_json, 4),
+    _Target("results/results.json", in_json, 4),
     _Target("results/store.sqlite", None, 1),
 )
 
@@ -205,12 +209,12 @@ def mutated(originals: dict[str, bytes], seed: int) -> dict[str, bytes | None]:
         if before is None or rng.random() < 0.01:
             found[target.name] = None
         elif target.change is None or rng.random() < 0.15:
-            found[target.name] = _in_bytes(before, rng)
+            found[target.name] = in_bytes(before, rng)
         else:
             try:
                 found[target.name] = target.change(before.decode(), rng).encode("utf-8", "surrogateescape")
             except (ValueError, TypeError, RecursionError):  # what cannot be written cannot be read either
-                found[target.name] = _in_bytes(before, rng)
+                found[target.name] = in_bytes(before, rng)
     return found
 
 

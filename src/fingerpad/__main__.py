@@ -1,7 +1,10 @@
 """The command line, as ``fingerpad`` or ``python -m fingerpad``."""
 
 import os
+import signal
 import sys
+from contextlib import suppress
+from typing import Final, TextIO
 
 from fingerpad._threads import ONE_THREAD
 
@@ -19,30 +22,73 @@ _OPTIONAL = {
 }
 
 
+_INTERRUPTED: Final = 130
+
+
 def main() -> None:
-    """Run the command line, or say what it needs."""
+    """Run the command line: whatever happens is an exit code and at most a line on stderr, no traceback."""
+    code = 1
+    try:
+        code = _run()
+    except KeyboardInterrupt:
+        _say("interrupted")
+        code = _INTERRUPTED
+    except ModuleNotFoundError as error:
+        if error.name is not None and error.name.partition(".")[0] in _OPTIONAL:
+            _say(f"this needs the package {error.name}: pip install 'fingerpad[study]'")
+            code = 2
+        else:
+            _say(f"this cannot be done ({error})")
+    except OSError as error:  # raised outside of commands, as for --help
+        _say(f"cannot write ({error.strerror or error})")
+    finally:
+        # From here on an interrupt ends the process at once, without a traceback of what is being closed.
+        signal.signal(signal.SIGINT, signal.SIG_DFL)
+    sys.exit(code if _flushed(sys.stdout) and _flushed(sys.stderr) else code or 1)
+
+
+def _run() -> int:
+    if not _open_streams():
+        _say("cannot write: standard output is closed; redirect it to a file, or to /dev/null")
+        return 1
     if not ONE_THREAD.keys() & os.environ.keys():
         os.environ.update(ONE_THREAD)
     for stream in (sys.stdout, sys.stderr):
         stream.reconfigure(errors="replace")  # type: ignore[union-attr] # a console that lacks ℓ still gets the numbers
+    from fingerpad.cli import app
+
     try:
-        from fingerpad.cli import app
-
         app()
-    except ModuleNotFoundError as error:
-        if error.name is None or error.name.partition(".")[0] not in _OPTIONAL:
-            raise
-        _refuse(f"this needs the package {error.name}: pip install 'fingerpad[study]'")
-    except KeyboardInterrupt:
-        print("fingerpad: interrupted", file=sys.stderr)
-        sys.exit(130)
-    except OSError as error:
-        _refuse(f"cannot write what was asked for ({error.strerror})")
+    except SystemExit as end:
+        return end.code if isinstance(end.code, int) else int(end.code is not None)
+    return 0
 
 
-def _refuse(message: str) -> None:
-    print(f"fingerpad: {message}", file=sys.stderr)
-    sys.exit(2)
+def _open_streams() -> bool:
+    """Open the null device for standard streams that are closed, and return whether stdout was open.
+
+    Otherwise the next files that are opened would take their numbers, and get what is written to them.
+    """
+    is_open = sys.stdout is not None
+    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
+        if getattr(sys, name) is None:
+            setattr(sys, name, open(os.devnull, mode, encoding="utf-8"))  # noqa: SIM115 (open to the end)
+    return is_open
+
+
+def _flushed(stream: TextIO) -> bool:
+    """Write out what a stream still holds; drop what cannot be written, of which Python would complain."""
+    try:
+        stream.flush()
+    except OSError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+        return False
+    return True
+
+
+def _say(message: str) -> None:
+    with suppress(OSError):
+        print(f"fingerpad: {message}", file=sys.stderr)
 
 
 if __name__ == "__main__":

@@ -73,6 +73,8 @@ def read_columns(
 
 
 def _read_table(path: Path) -> _Table:
+    if path.is_char_device():
+        raise LoadingError(f"{path}: is a device, not a file")  # which may have no end
     try:
         with path.open(newline="", encoding="utf-8-sig") as file:
             reader = csv.reader(file)

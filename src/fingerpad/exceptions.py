@@ -54,3 +54,35 @@ class EditConflict(StoreError):  # noqa: N818 (it is no fault)
 
 class ManifestError(FingerpadError, ValueError):
     """A study manifest that cannot be acted upon."""
+
+
+def reason_of(error: Exception, otherwise: str) -> str:
+    """Return why something went wrong, in one line where the error is not one of fingerpad's.
+
+    Parameters
+    ----------
+    error : Exception
+        Whatever was raised.
+    otherwise : str
+        How to begin where the error's own words do not say what it is about.
+
+    Examples
+    --------
+    >>> reason_of(ImageError("a.png: no such file"), "a.png: cannot be measured")
+    'a.png: no such file'
+    >>> reason_of(PermissionError(13, "Permission denied", "a.csv"), "a.png: cannot be measured")
+    'a.csv: Permission denied'
+    >>> reason_of(OSError(28, "No space left on device"), "cannot write")
+    'cannot write (No space left on device)'
+    >>> reason_of(KeyError("width"), "a.png: cannot be measured")
+    "a.png: cannot be measured (KeyError: 'width')"
+    """
+    if isinstance(error, FingerpadError):
+        return str(error)
+    if isinstance(error, OSError) and error.strerror:
+        return (
+            f"{otherwise} ({error.strerror})"
+            if error.filename is None
+            else f"{error.filename}: {error.strerror}"
+        )
+    return f"{otherwise} ({' '.join(f'{type(error).__name__}: {error}'.split())})"

@@ -106,17 +106,20 @@ def test_text_shows_units_and_no_traceback() -> None:
     [
         (
             ["geometry", "--semi-axes", "0", "13.8", "11.8", "--wedge", "30"],
-            "semi-axis palmar must be positive",
+            "--semi-axes must be positive",
         ),
-        (["geometry", "--semi-axes", "7.9", "nan", "11.8", "--wedge", "30"], "semi-axis distal .* found nan"),
+        (
+            ["geometry", "--semi-axes", "7.9", "nan", "11.8", "--wedge", "30"],
+            "--semi-axes must be .* found nan",
+        ),
         (
             ["geometry", "--semi-axes", "7.9", "13.8", "inf", "--wedge", "30"],
-            "semi-axis radial_ulnar .* found inf",
+            "--semi-axes must be .* found inf",
         ),
-        (["geometry", "--semi-axes", "7.9", "13.8", "11.8", "--wedge", "91"], "wedge angle .* found 91"),
-        (["geometry", "--semi-axes", "7.9", "13.8", "11.8", "--wedge", "-1"], "wedge angle .* found -1"),
-        (["geometry", "--semi-axes", "7.9", "13.8", "11.8", "--wedge", "nan"], "wedge angle .* found nan"),
-        (["hertz", "--radii", "-1", "14", "--load", "2", "--modulus-kpa", "9"], "first_radius .* found -1"),
+        (["geometry", "--semi-axes", "7.9", "13.8", "11.8", "--wedge", "91"], "--wedge.*should be less"),
+        (["geometry", "--semi-axes", "7.9", "13.8", "11.8", "--wedge", "-1"], "--wedge.*should be greater"),
+        (["geometry", "--semi-axes", "7.9", "13.8", "11.8", "--wedge", "nan"], "--wedge.*should be"),
+        (["hertz", "--radii", "-1", "14", "--load", "2", "--modulus-kpa", "9"], "--radii .* found -1"),
         (
             ["hertz", "--radii", "12", "14", "--load", "0", "--modulus-kpa", "9"],
             "--load must be positive .* found 0",
@@ -136,7 +139,7 @@ def test_text_shows_units_and_no_traceback() -> None:
             ["correct", "--ellipse", "5.0", "7.4", "--radius", "18"],
             "semi_minor must be no longer than semi_major",
         ),
-        (["correct", "--ellipse", "7.4", "0", "--radius", "18"], "semi_minor must be positive"),
+        (["correct", "--ellipse", "7.4", "0", "--radius", "18"], "--ellipse must be positive"),
         (["correct", "--ellipse", "7.4", "5", "--radius", "-18"], "--radius must be positive .* found -18"),
         (["correct", "--ellipse", "7.4", "five", "--radius", "18"], "--ellipse.* valid number"),
         (
@@ -149,7 +152,7 @@ def test_text_shows_units_and_no_traceback() -> None:
             "--tip must be up",
         ),
         (["measure", "print", "x.png", "--ppi", "500", "--seed-px", "12"], "--seed-px takes 2 numbers"),
-        (["measure", "print", "x.png", "--ppi", "-500"], "ppi must be positive"),
+        (["measure", "print", "x.png", "--ppi", "-500"], "--ppi.*should be greater"),
         (
             ["measure", "print", "x.png", "--ppi", "500", "--mm-per-px", "0.05"],
             "give either .*, found --ppi and --mm-per-px",
@@ -163,7 +166,7 @@ def test_text_shows_units_and_no_traceback() -> None:
         (["measure", "print", "x.png", "--scale-line", "5,5,-5,5", "--line-mm", "3"], "lie in the picture"),
         (
             ["measure", "print", "x.png", "--scale-line", "5,5,5,9", "--line-mm", "-3"],
-            "--line-mm: .*positive and finite, found -3",
+            "--line-mm.*should be greater",
         ),
         (["measure", "print", "x.png", "--scale-line", "5,5,5", "--line-mm", "3"], "takes 4 numbers"),
         (["measure", "print", "x.png", "--scale-line", "5,5,5,9"], "give --line-mm"),
@@ -175,7 +178,7 @@ def test_text_shows_units_and_no_traceback() -> None:
         (["measure", "print", "x.png", "--coin", "c.png"], "give --coin-mm"),
         (["measure", "print", "x.png", "--coin", "c.png", "--coin-mm", "23"], "c.png: no such file"),
         (["measure", "print", "x.png", "--scale-relative-std", "0.1"], "belongs to --ppi or --mm-per-px"),
-        (["measure", "print", "x.png", "--ppi", "500", "--threshold", "0"], "--threshold must be positive"),
+        (["measure", "print", "x.png", "--ppi", "500", "--threshold", "0"], "--threshold.*should be greater"),
         (["measure", "print", "x.png", "--ppi", "500", "--mask", "m.csv"], "m.csv"),
         (["run", "nowhere.toml"], "nowhere.toml: no such file; .fingerpad init DIR"),
     ],
@@ -439,7 +442,7 @@ def test_measure_sequence(tmp_path: Path) -> None:
     assert (code, "there is no use for --fps" in err) == (2, True)
     code, out, err = run("measure", "sequence", folder, "--ppi", 300, "--fps", -1)
     assert code == 2
-    assert "frames_per_second must be positive" in err
+    assert "--fps" in err
 
 
 def test_reproduce_lists_every_printed_number(tmp_path: Path) -> None:

@@ -10,11 +10,13 @@ from fingerpad.cli.app import app as page
 from fingerpad.cli.compare import compare
 from fingerpad.cli.export import export
 from fingerpad.cli.fit import fit
+from fingerpad.cli.shared import Command, Commands
 
 __all__ = ["app"]
 
 app = typer.Typer(
     name="fingerpad",
+    cls=Commands,
     help="Contact mechanics of the human finger pad.",
     no_args_is_help=True,
     add_completion=False,
@@ -34,6 +36,9 @@ app.command()(compare)
 app.command()(export)
 app.add_typer(imports.app, name="import")
 app.command("app")(page)
+for group in (app, measure.app, imports.app):
+    for command in group.registered_commands:
+        command.cls = Command
 
 
 def _show_version(value: bool) -> None:

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fingerpad.cli.shared import plain_errors
 from fingerpad.exceptions import FingerpadError, ManifestError
 
 if TYPE_CHECKING:
@@ -30,22 +29,21 @@ def app(
     It can be reached from this machine only, through the address that is printed. Without a study the page
     offers those in the current folder. Ctrl-C ends it.
     """
-    with plain_errors():
-        try:
-            from fingerpad.web.server import serve
-            from fingerpad.web.workspace import Workspace
-        except ModuleNotFoundError as error:
-            if (error.name or "").partition(".")[0] not in _NEEDED:
-                raise
-            raise FingerpadError(
-                f"the page needs the package {error.name}: pip install 'fingerpad[app]'"
-            ) from None
-        workspace = Workspace(Path.cwd() if study is None else _folder_of(study).parent)
-        if study is not None:
-            workspace.open_folder(_folder_of(study), out)
-        elif out is not None:
-            raise FingerpadError("--out needs a study: name its manifest")
-        serve(workspace, port=port, on_ready=lambda launch: _tell(launch, browser=browser))
+    try:
+        from fingerpad.web.server import serve
+        from fingerpad.web.workspace import Workspace
+    except ModuleNotFoundError as error:
+        if (error.name or "").partition(".")[0] not in _NEEDED:
+            raise
+        raise FingerpadError(
+            f"the page needs the package {error.name}: pip install 'fingerpad[app]'"
+        ) from None
+    workspace = Workspace(Path.cwd() if study is None else _folder_of(study).parent)
+    if study is not None:
+        workspace.open_folder(_folder_of(study), out)
+    elif out is not None:
+        raise FingerpadError("--out needs a study: name its manifest")
+    serve(workspace, port=port, on_ready=lambda launch: _tell(launch, browser=browser))
 
 
 def _folder_of(study: Path) -> Path:

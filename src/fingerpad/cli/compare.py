@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fingerpad.cli.shared import AsJson, plain_errors, print_json
+from fingerpad.cli.shared import AsJson, print_json
 from fingerpad.units import value_with_uncertainty
 
 if TYPE_CHECKING:
@@ -29,14 +29,13 @@ def compare(
     """
     from fingerpad.study.compare import compare_studies, write_comparison
 
-    with plain_errors():
-        found = compare_studies(studies)
-        page = None
-        if out is not None:
-            from fingerpad.report.compare import write_comparison_page
+    found = compare_studies(studies)
+    page = None
+    if out is not None:
+        from fingerpad.report.compare import write_comparison_page
 
-            write_comparison(found, out)
-            page = write_comparison_page(found, out)
+        write_comparison(found, out)
+        page = write_comparison_page(found, out)
     if as_json:
         print_json(found.as_record())
         return

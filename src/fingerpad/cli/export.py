@@ -5,7 +5,8 @@ from typing import Annotated
 
 import typer
 
-from fingerpad.cli.shared import plain_errors
+from fingerpad.cli.shared import Exit, print_error
+from fingerpad.exceptions import reason_of
 
 
 def export(
@@ -21,7 +22,14 @@ def export(
     """
     from fingerpad.study.results.export import export_results
 
-    with plain_errors():
-        for file in files:
+    failed = 0
+    for file in files:
+        try:
             export_results(results, file)
+        except Exception as error:  # one format may hold what another cannot
+            print_error(reason_of(error, f"{file}: cannot be written"))
+            failed += 1
+        else:
             typer.echo(f"Wrote {file}")
+    if failed:
+        raise typer.Exit(Exit.SOME_FAILED if failed < len(files) else Exit.REFUSED)

@@ -5,7 +5,7 @@ from typing import Annotated, Any
 
 import typer
 
-from fingerpad.cli.shared import AsJson, plain_errors, print_json, require_positive
+from fingerpad.cli.shared import AsJson, print_json, require_positive
 from fingerpad.exceptions import LoadingError
 from fingerpad.units import value_with_uncertainty
 
@@ -19,12 +19,15 @@ def fit(
             metavar="QUANTITY=NAME:UNIT", help="A column of another name, as in force=Fz:mN. Repeatable."
         ),
     ] = None,
-    poisson_ratio: Annotated[float, typer.Option(help="Poisson's ratio of the pad.")] = 0.5,
+    poisson_ratio: Annotated[
+        float, typer.Option(min=-0.99, max=0.5, help="Poisson's ratio of the pad.")
+    ] = 0.5,
     radius_mm: Annotated[
-        float | None, typer.Option(help="Effective radius R_g, mm, where the curve has no area.")
+        float | None,
+        typer.Option(min=1e-6, max=1e6, help="Effective radius R_g, mm, where the curve has no area."),
     ] = None,
-    radius_mm_std: Annotated[float, typer.Option(help="Its standard uncertainty, mm.")] = 0.0,
-    cycle: Annotated[int, typer.Option(help="Which press of the record, from 0.")] = 0,
+    radius_mm_std: Annotated[float, typer.Option(min=0, help="Its standard uncertainty, mm.")] = 0.0,
+    cycle: Annotated[int, typer.Option(min=0, help="Which press of the record, from 0.")] = 0,
     contact_point: Annotated[
         str,
         typer.Option(help="joint, or hold it by contact_by_threshold, two_lines, gradient or power_law."),
@@ -34,9 +37,11 @@ def fit(
     ] = None,
     constraint: Annotated[
         float | None,
-        typer.Option(help="Factor by which bone stiffens the pad; uncertain. Moduli are divided by it."),
+        typer.Option(
+            min=1e-6, help="Factor by which bone stiffens the pad; uncertain. Moduli are divided by it."
+        ),
     ] = None,
-    constraint_std: Annotated[float, typer.Option(help="Its standard uncertainty.")] = 0.0,
+    constraint_std: Annotated[float, typer.Option(min=0, help="Its standard uncertainty.")] = 0.0,
     plot: Annotated[Path | None, typer.Option(help="Folder for the figures, SVG and PNG.")] = None,
     as_json: AsJson = False,
 ) -> None:
@@ -48,23 +53,22 @@ def fit(
     """
     from fingerpad.loading import Estimate, fit_loading_curve, read_loading_curve
 
-    with plain_errors():
-        require_positive("--radius-mm", radius_mm)
-        if not radius_mm_std >= 0 or (radius_mm_std and radius_mm is None):
-            raise LoadingError("--radius-mm-std must not be negative, and goes with --radius-mm")
-        record = read_loading_curve(curve, _columns(column or []))
-        found = fit_loading_curve(
-            record,
-            poisson_ratio=poisson_ratio,
-            loading_radius=None if radius_mm is None else Estimate.symmetric(radius_mm, radius_mm_std),
-            cycle=cycle,
-            contact_point=contact_point,
-            region=None if region is None else _loads(region),
-        )
-        if constraint is not None:
-            found = found.divide_by_constraint(Estimate.symmetric(constraint, constraint_std))
-        if plot is not None:
-            _draw(plot, curve.stem, record, found, cycle)
+    require_positive("--radius-mm", radius_mm)
+    if not radius_mm_std >= 0 or (radius_mm_std and radius_mm is None):
+        raise LoadingError("--radius-mm-std must not be negative, and goes with --radius-mm")
+    record = read_loading_curve(curve, _columns(column or []))
+    found = fit_loading_curve(
+        record,
+        poisson_ratio=poisson_ratio,
+        loading_radius=None if radius_mm is None else Estimate.symmetric(radius_mm, radius_mm_std),
+        cycle=cycle,
+        contact_point=contact_point,
+        region=None if region is None else _loads(region),
+    )
+    if constraint is not None:
+        found = found.divide_by_constraint(Estimate.symmetric(constraint, constraint_std))
+    if plot is not None:
+        _draw(plot, curve.stem, record, found, cycle)
     if as_json:
         print_json({"file": str(curve), **found.as_record()})
     else:

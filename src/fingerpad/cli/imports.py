@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 import typer
 
 from fingerpad.cli.measure.scale import WAYS, takes_scale
-from fingerpad.cli.shared import AsJson, plain_errors, print_json
+from fingerpad.cli.shared import AsJson, print_json
 from fingerpad.exceptions import CalibrationError, ManifestError
 
 if TYPE_CHECKING:
@@ -30,16 +30,21 @@ def import_fiji(
     ],
     *,
     std_mm: Annotated[
-        float, typer.Option(help="Standard uncertainty of either semi-axis, mm.", show_default=False)
+        float,
+        typer.Option(min=1e-9, help="Standard uncertainty of either semi-axis, mm.", show_default=False),
     ],
     unit: Annotated[
         str | None,
         typer.Option(help="Unit of a table whose pictures had a scale in Fiji: mm, um, cm or inch."),
     ] = None,
     finger: Annotated[str | None, typer.Option(help="The finger, if one for all.")] = None,
-    wedge_angle_deg: Annotated[float | None, typer.Option(help="The wedge angle, if one for all.")] = None,
-    roll_angle_deg: Annotated[float | None, typer.Option(help="The roll angle, if one for all.")] = None,
-    load_n: Annotated[float | None, typer.Option("--load-N", help="The load, if one for all.")] = None,
+    wedge_angle_deg: Annotated[
+        float | None, typer.Option(min=0, max=90, help="The wedge angle, if one for all.")
+    ] = None,
+    roll_angle_deg: Annotated[
+        float | None, typer.Option(min=-360, max=360, help="The roll angle, if one for all.")
+    ] = None,
+    load_n: Annotated[float | None, typer.Option("--load-N", min=0, help="The load, if one for all.")] = None,
     label_pattern: Annotated[
         str | None,
         typer.Option(help='What labels tell, as in "{finger}_{wedge_angle_deg}deg_{load_N}N".'),
@@ -68,21 +73,20 @@ def import_fiji(
         "roll_angle_deg": roll_angle_deg,
         "load_N": load_n,
     }
-    with plain_errors():
-        pattern = LabelPattern.of(label_pattern) if label_pattern is not None else None
-        mm_per_unit = _mm_per_unit(files, unit, scale)
-        ellipses = _read(files)
-        rows = manual_observations(
-            ellipses,
-            mm_per_unit=mm_per_unit,
-            semi_axis_mm_std=std_mm,
-            relative_scale_std=scale.relative_std if scale else 0.0,
-            known={name: value for name, value in given.items() if value is not None},
-            pattern=pattern,
-            finger_axis_deg=finger_axis_deg,
-            synthetic=synthetic,
-        )
-        write_observations(out, rows)
+    pattern = LabelPattern.of(label_pattern) if label_pattern is not None else None
+    mm_per_unit = _mm_per_unit(files, unit, scale)
+    ellipses = _read(files)
+    rows = manual_observations(
+        ellipses,
+        mm_per_unit=mm_per_unit,
+        semi_axis_mm_std=std_mm,
+        relative_scale_std=scale.relative_std if scale else 0.0,
+        known={name: value for name, value in given.items() if value is not None},
+        pattern=pattern,
+        finger_axis_deg=finger_axis_deg,
+        synthetic=synthetic,
+    )
+    write_observations(out, rows)
     for ellipse in ellipses:
         for doubt in ellipse.doubts:
             typer.echo(f"doubtful: {ellipse.place}: {doubt}", err=True)

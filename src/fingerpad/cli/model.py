@@ -7,7 +7,7 @@ import numpy as np
 import typer
 
 from fingerpad._files import make_folder
-from fingerpad.cli.shared import AsJson, plain_errors, print_json, print_record, require_positive
+from fingerpad.cli.shared import AsJson, print_json, print_record, require_positive
 from fingerpad.units import KPA_PER_MPA
 
 if TYPE_CHECKING:
@@ -18,17 +18,20 @@ def geometry(
     semi_axes: Annotated[
         tuple[float, float, float], typer.Option(help="Palmar, distal and radial-ulnar semi-axes, mm.")
     ],
-    wedge: Annotated[float, typer.Option(help="Wedge angle, degrees: 0 is flat, 90 on the fingertip.")],
+    wedge: Annotated[
+        float, typer.Option(min=0, max=90, help="Wedge angle, degrees: 0 is flat, 90 on the fingertip.")
+    ],
     roll: Annotated[float | None, typer.Option(help="Roll about the finger's long axis, degrees.")] = None,
     as_json: AsJson = False,
 ) -> None:
     """Find where a pad on a wedge touches the platen, and how it is curved there."""
     from fingerpad.geometry import Ellipsoid, Placement
 
-    with plain_errors():
-        placement = Placement.of(
-            Ellipsoid.of(*semi_axes), wedge_angle=np.radians(wedge), roll_angle=np.radians(roll or 0.0)
-        )
+    for semi_axis in semi_axes:
+        require_positive("--semi-axes", semi_axis)
+    placement = Placement.of(
+        Ellipsoid.of(*semi_axes), wedge_angle=np.radians(wedge), roll_angle=np.radians(roll or 0.0)
+    )
     curvature = placement.curvature
     record = {
         "u_deg": np.degrees(placement.u),
@@ -61,14 +64,15 @@ def hertz(
 
     if (load is None) == (indentation_mm is None):
         raise typer.BadParameter("give either --load or --indentation-mm")
-    with plain_errors():
-        for flag, value in (
-            ("--modulus-kpa", modulus_kpa),
-            ("--load", load),
-            ("--indentation-mm", indentation_mm),
-        ):
-            require_positive(flag, value)
-        pair = HertzGeometry.of(*radii)
+    for flag, value in (
+        ("--modulus-kpa", modulus_kpa),
+        ("--load", load),
+        ("--indentation-mm", indentation_mm),
+    ):
+        require_positive(flag, value)
+    for radius in radii:
+        require_positive("--radii", radius)
+    pair = HertzGeometry.of(*radii)
     modulus = modulus_kpa / KPA_PER_MPA
     if load is not None:
         contact = pair.under_load(load, reduced_modulus=modulus)
@@ -102,9 +106,10 @@ def correct(
     from fingerpad import contact
     from fingerpad.geometry import Ellipse
 
-    with plain_errors():
-        observed = Ellipse.of(*ellipse)
-        require_positive("--radius", radius)
+    for semi_axis in ellipse:
+        require_positive("--ellipse", semi_axis)
+    observed = Ellipse.of(*ellipse)
+    require_positive("--radius", radius)
     k = observed.axis_ratio
     first, b, d = contact.complete_integrals(k)
     record = {
@@ -133,10 +138,9 @@ def reproduce(
     if figures is not None:
         from fingerpad.figures import dzidek2017_figures, save_figure
 
-        with plain_errors():
-            make_folder(figures)
-            for name, figure, caption in dzidek2017_figures():
-                save_figure(figure, figures / name, description=caption)
+        make_folder(figures)
+        for name, figure, caption in dzidek2017_figures():
+            save_figure(figure, figures / name, description=caption)
     if as_json:
         print_json([item.as_record() for item in items])
     else:

@@ -1,39 +1,77 @@
 """What all commands share: errors in plain words, exit codes, and printing."""
 
 import math
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+import sys
+from collections.abc import Mapping
 from enum import IntEnum
-from typing import Annotated, Any, TypeAlias
+from typing import Annotated, Any, Final, TypeAlias
 
 import typer
+from typer.core import TyperCommand, TyperGroup
 
 from fingerpad._json import dumps, plain
-from fingerpad.exceptions import FingerpadError, GeometryError
+from fingerpad.exceptions import FingerpadError, GeometryError, reason_of
 
 AsJson: TypeAlias = Annotated[bool, typer.Option("--json", help="Print one JSON document instead of text.")]
+
+
+_SMALLEST: Final = 1e-9
+_LARGEST: Final = 1e9
 
 
 class Exit(IntEnum):
     """Exit codes."""
 
+    CANNOT_WRITE = 1  # output that nothing can be written to, or an error that was not foreseen
     REFUSED = 2  # manifest, command line, or a place where results cannot be written
     SOME_FAILED = 3
     INTERRUPTED = 130
 
 
-@contextmanager
-def plain_errors() -> Iterator[None]:
-    """Turn the library's errors into lines on stderr and an exit code."""
-    try:
-        yield
-    except FingerpadError as error:
-        for line in str(error).splitlines():
-            typer.echo(f"fingerpad: {line}", err=True)
-        raise typer.Exit(Exit.REFUSED) from None
-    except KeyboardInterrupt:
-        typer.echo("fingerpad: interrupted; what was measured is kept: run it again to go on", err=True)
-        raise typer.Exit(Exit.INTERRUPTED) from None
+class Commands(TyperGroup):
+    """Commands whose errors are lines on stderr and an exit code."""
+
+    def main(self, *args: Any, **kwargs: Any) -> Any:
+        """Run a command; `ModuleNotFoundError` is left to the caller, which knows what is optional."""
+        try:
+            return super().main(*args, **kwargs)
+        except ModuleNotFoundError:
+            raise
+        except Exception as error:
+            print_error(
+                reason_of(error, "cannot write" if isinstance(error, OSError) else "this cannot be done")
+            )
+            sys.exit(Exit.REFUSED if isinstance(error, FingerpadError) else Exit.CANNOT_WRITE)
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run a command, and tell of an interrupt that it does not tell of itself."""
+        try:
+            return super().invoke(ctx)
+        except KeyboardInterrupt:
+            print_error("interrupted")
+            raise typer.Exit(Exit.INTERRUPTED) from None
+
+
+class Command(TyperCommand):
+    """A command whose numbers are finite, and of a size that anything about a finger can have."""
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run it, unless a flag is given a number that nothing can be computed from."""
+        for parameter in self.params:
+            value = ctx.params.get(parameter.name)
+            for number in value if isinstance(value, tuple) else (value,):
+                if isinstance(number, float) and number and not _SMALLEST <= abs(number) <= _LARGEST:
+                    raise GeometryError(
+                        f"{parameter.opts[0]} must be finite, and 0 or {_SMALLEST:g} to {_LARGEST:g} "
+                        f"in magnitude, found {number:g}"
+                    )
+        return super().invoke(ctx)
+
+
+def print_error(text: str) -> None:
+    """Print lines on stderr, each beginning with the program's name."""
+    for line in text.splitlines():
+        typer.echo(f"fingerpad: {line}", err=True)
 
 
 def require_positive(flag: str, value: float | None) -> None:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fingerpad.cli.shared import AsJson, Exit, plain_errors, print_json, require_positive
+from fingerpad.cli.shared import AsJson, Exit, print_error, print_json, require_positive
 from fingerpad.study.engine.limits import DEFAULT_LIMITS, Limits
 from fingerpad.units import value_with_uncertainty
 
@@ -21,8 +21,7 @@ def init(
     """Write a commented study manifest to start from."""
     from fingerpad.study.editing.template import write_template
 
-    with plain_errors():
-        manifest = write_template(folder)
+    manifest = write_template(folder)
     typer.echo(f"Wrote {manifest}. Put your pictures beside it, fill it in, then: fingerpad run {manifest}")
 
 
@@ -60,19 +59,23 @@ def run(
     from fingerpad.report.write import REPORT_NAME
     from fingerpad.study.pipeline import run_study
 
-    with plain_errors(), shown_progress(log) as progress:
+    with shown_progress(log) as progress:
         require_positive("--seconds", seconds)
         require_positive("--memory-gb", memory_gb)
-        result = run_study(
-            study,
-            out,
-            workers=workers,
-            scheduler=scheduler,
-            fresh=fresh,
-            limits=Limits(seconds=seconds, memory_gb=memory_gb),
-            write_report=write_report,
-            on_progress=progress.tell,
-        )
+        try:
+            result = run_study(
+                study,
+                out,
+                workers=workers,
+                scheduler=scheduler,
+                fresh=fresh,
+                limits=Limits(seconds=seconds, memory_gb=memory_gb),
+                write_report=write_report,
+                on_progress=progress.tell,
+            )
+        except KeyboardInterrupt:
+            print_error("interrupted; what was measured is kept: run it again to go on")
+            raise typer.Exit(Exit.INTERRUPTED) from None
     _print_outcome(result, out / REPORT_NAME)
     if result.failures:
         raise typer.Exit(Exit.SOME_FAILED)
@@ -86,8 +89,7 @@ def status(
     """Tell how much of a study is measured, failed, stale or left."""
     from fingerpad.study.status import study_status
 
-    with plain_errors():
-        found = study_status(study, out)
+    found = study_status(study, out)
     record = {**asdict(found), "total": found.total, "seconds_left": found.seconds_left}
     if as_json:
         print_json(record)
@@ -117,8 +119,7 @@ def verify(
     """
     from fingerpad.study.verify import verify_study
 
-    with plain_errors():
-        found = verify_study(study, out)
+    found = verify_study(study, out)
     if as_json:
         print_json(asdict(found))
     else:

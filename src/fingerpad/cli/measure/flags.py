@@ -1,8 +1,7 @@
 """Flags that several measuring commands know, and what their text means."""
 
-import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Final, TypeAlias
 
 import typer
 
@@ -11,6 +10,9 @@ from fingerpad.exceptions import ImageError
 if TYPE_CHECKING:
     from fingerpad._arrays import FloatArray
     from fingerpad.image import MeasurementRegion
+
+# No picture has so many rows or columns; NaN is not below it.
+_MOST_PX: Final = 1e9
 
 Overlay: TypeAlias = Annotated[Path | None, typer.Option(help="Folder for pictures of the measurement.")]
 DarkOnLight: TypeAlias = Annotated[
@@ -24,7 +26,10 @@ Seed: TypeAlias = Annotated[
     str | None, typer.Option(metavar="ROW,COLUMN", help="A point inside the contact that is meant, px.")
 ]
 Threshold: TypeAlias = Annotated[
-    float | None, typer.Option(help="Grey levels from the ground to a ridge, where half the contrast errs.")
+    float | None,
+    typer.Option(
+        min=1e-6, max=65535, help="Grey levels from the ground to a ridge, where half the contrast errs."
+    ),
 ]
 Mask: TypeAlias = Annotated[
     Path | None,
@@ -41,8 +46,8 @@ def numbers_of(flag: str, text: str, count: int) -> list[float]:
         numbers = [float(part) for part in text.split(",")]
     except ValueError:
         numbers = []
-    if len(numbers) != count or not all(map(math.isfinite, numbers)):
-        raise ImageError(f"{flag} takes {count} numbers parted by commas, found {text!r}")
+    if len(numbers) != count or not all(abs(number) < _MOST_PX for number in numbers):
+        raise ImageError(f"{flag} takes {count} numbers of pixels separated by commas, found {text!r}")
     return numbers
 
 

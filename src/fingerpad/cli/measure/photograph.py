@@ -8,7 +8,7 @@ import typer
 from fingerpad.cli.measure.flags import Overlay, Roi, region_of
 from fingerpad.cli.measure.records import overlay_files, record_of
 from fingerpad.cli.measure.scale import WAYS, takes_scale
-from fingerpad.cli.shared import AsJson, Exit, plain_errors, print_record
+from fingerpad.cli.shared import AsJson, Exit, print_record
 from fingerpad.exceptions import CalibrationError, ImageError
 
 if TYPE_CHECKING:
@@ -44,17 +44,16 @@ def measure_photo(
         write_photograph_overlay,
     )
 
-    with plain_errors():
-        if face not in FACE_AXES:
-            raise ImageError(f"--face must be one of {', '.join(FACE_AXES)}, found {face!r}")
-        for flag, side in (("--tip", tip), ("--palmar", palmar)):
-            if side not in {"up", "down", "left", "right", None}:
-                raise ImageError(f"{flag} must be up, down, left or right, found {side!r}")
-        if scale is None:
-            raise CalibrationError(f"photographs need a scale: give {WAYS}")
-        window = region_of(roi)
-        marks = None if points is None else read_marks(points)
-        overlays = overlay_files([image], overlay)
+    if face not in FACE_AXES:
+        raise ImageError(f"--face must be one of {', '.join(FACE_AXES)}, found {face!r}")
+    for flag, side in (("--tip", tip), ("--palmar", palmar)):
+        if side not in {"up", "down", "left", "right", None}:
+            raise ImageError(f"{flag} must be up, down, left or right, found {side!r}")
+    if scale is None:
+        raise CalibrationError(f"photographs need a scale: give {WAYS}")
+    window = region_of(roi)
+    marks = None if points is None else read_marks(points)
+    overlays = overlay_files([image], overlay)
 
     def measured(path: Path) -> dict[str, Any]:
         pixels = read_colour_image(path)

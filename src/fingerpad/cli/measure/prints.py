@@ -15,9 +15,9 @@ from fingerpad.cli.measure.flags import (
     Threshold,
     measurement_region,
 )
-from fingerpad.cli.measure.records import overlay_files, record_of, tracked
+from fingerpad.cli.measure.records import overlay_files, printed, record_of, tracked
 from fingerpad.cli.measure.scale import WAYS, takes_scale
-from fingerpad.cli.shared import AsJson, Exit, plain_errors, print_json, print_text, require_positive
+from fingerpad.cli.shared import AsJson, Exit, print_text, require_positive
 from fingerpad.exceptions import CalibrationError
 
 if TYPE_CHECKING:
@@ -44,10 +44,9 @@ def measure_prints(
     """
     from fingerpad.image import measure_contact_image, read_image, write_overlay
 
-    with plain_errors():
-        require_positive("--threshold", threshold)
-        place = measurement_region(background, seed_px, mask, roi)
-        overlays = overlay_files(images, overlay)
+    require_positive("--threshold", threshold)
+    place = measurement_region(background, seed_px, mask, roi)
+    overlays = overlay_files(images, overlay)
 
     def measured(path: Path) -> dict[str, Any]:
         picture = read_image(path)
@@ -62,15 +61,13 @@ def measure_prints(
             write_overlay(overlays[path], picture.pixels, contact_image)
         return contact_image.as_record()
 
-    with plain_errors():
-        records = [record_of(path, measured) for path in tracked(images, len(images))]
-    if as_json:
-        print_json(records)
-    else:
-        for record in records:
-            print_text(record)
-            typer.echo()
-    if any("error" in record for record in records):
+    def print_block(record: dict[str, Any]) -> None:
+        print_text(record)
+        typer.echo()
+
+    records = (record_of(path, measured) for path in tracked(images, len(images)))
+    failed = ["error" in record for record in printed(records, as_json, dict, print_block)]
+    if any(failed):
         raise typer.Exit(Exit.SOME_FAILED)
 
 

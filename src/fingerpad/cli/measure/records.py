@@ -2,12 +2,15 @@
 
 import itertools
 import sys
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, TypeVar
 
+import typer
+
 from fingerpad._files import make_folder
-from fingerpad.exceptions import FingerpadError
+from fingerpad._json import dumps
+from fingerpad.exceptions import reason_of
 
 Item = TypeVar("Item")
 
@@ -16,13 +19,40 @@ def record_of(path: Path, measured: Callable[[Path], dict[str, Any]]) -> dict[st
     """Measure one picture; one that cannot be measured costs itself only."""
     try:
         return {"file": str(path), **measured(path)}
-    except FingerpadError as error:
-        return {"file": str(path), "error": str(error)}
+    except Exception as error:  # a picture can be damaged in ways that nobody has thought of
+        return {"file": str(path), "error": reason_of(error, f"{path}: cannot be measured")}
+
+
+def printed(
+    results: Iterable[Item],
+    as_json: bool,
+    record_of_result: Callable[[Item], Mapping[str, Any]],
+    print_result: Callable[[Item], None],
+) -> Iterator[Item]:
+    """Print each result as it comes, and hand it on: what is measured is not lost with what comes after."""
+    opening = "["
+    try:
+        for result in results:
+            if as_json:
+                typer.echo(f"{opening}{dumps(record_of_result(result))}", nl=False)
+                opening = ",\n"
+            else:
+                print_result(result)
+            yield result
+    except (Exception, KeyboardInterrupt):
+        if opening != "[":
+            typer.echo("]")
+        raise
+    if as_json:
+        typer.echo("[]" if opening == "[" else "]")
 
 
 def tracked(items: Iterable[Item], count: int) -> Iterator[Item]:
-    """Hand items on, with a bar on stderr where someone may be watching more than one."""
-    if count < 2 or not sys.stderr.isatty():
+    """Hand items on, with a bar on stderr where someone may be watching more than one.
+
+    Where results are printed to a person as they come, a bar would only stand in between.
+    """
+    if count < 2 or sys.stdout.isatty() or not sys.stderr.isatty():
         yield from items
         return
     from rich.console import Console

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from fingerpad.cli.measure.flags import numbers_of
-from fingerpad.cli.shared import plain_errors
 from fingerpad.exceptions import CalibrationError
 
 if TYPE_CHECKING:
@@ -25,8 +24,7 @@ def takes_scale(command: Callable[..., None]) -> Callable[..., None]:
 
     @wraps(command)
     def with_scale(**given: Any) -> None:
-        with plain_errors():
-            scale = scale_of_flags(**{name: given.pop(name) for name in flags})
+        scale = scale_of_flags(**{name: given.pop(name) for name in flags})
         command(**given, scale=scale)
 
     kept = [parameter for name, parameter in own.parameters.items() if name != "scale"]
@@ -38,25 +36,28 @@ def takes_scale(command: Callable[..., None]) -> Callable[..., None]:
 
 def scale_of_flags(
     *,
-    ppi: Annotated[float | None, typer.Option(help="Scale, pixels per inch.")] = None,
-    mm_per_px: Annotated[float | None, typer.Option(help="Scale, millimetres per pixel.")] = None,
+    ppi: Annotated[float | None, typer.Option(min=0.254, max=2.54e6, help="Scale, pixels per inch.")] = None,
+    mm_per_px: Annotated[
+        float | None, typer.Option(min=1e-5, max=100, help="Scale, millimetres per pixel.")
+    ] = None,
     scale_relative_std: Annotated[
-        float | None, typer.Option(help="Relative standard uncertainty of --ppi or --mm-per-px.")
+        float | None,
+        typer.Option(min=0, max=1, help="Relative standard uncertainty of --ppi or --mm-per-px."),
     ] = None,
     scale_line: Annotated[
         str | None,
         typer.Option(metavar="R0,C0,R1,C1", help="Scale from a line of known length: its two ends, px."),
     ] = None,
-    line_mm: Annotated[float | None, typer.Option(help="Length of that line.")] = None,
-    line_mm_std: Annotated[float | None, typer.Option(help="Its standard uncertainty.")] = None,
+    line_mm: Annotated[float | None, typer.Option(min=1e-6, help="Length of that line.")] = None,
+    line_mm_std: Annotated[float | None, typer.Option(min=0, help="Its standard uncertainty.")] = None,
     line_px_std: Annotated[
-        float | None, typer.Option(help="Standard uncertainty of each end along the line, px.")
+        float | None, typer.Option(min=0, help="Standard uncertainty of each end along the line, px.")
     ] = None,
     coin: Annotated[
         Path | None, typer.Option(help="Scale from a coin: a picture of it, taken like those to measure.")
     ] = None,
-    coin_mm: Annotated[float | None, typer.Option(help="Diameter of that coin.")] = None,
-    coin_mm_std: Annotated[float | None, typer.Option(help="Its standard uncertainty.")] = None,
+    coin_mm: Annotated[float | None, typer.Option(min=1e-6, help="Diameter of that coin.")] = None,
+    coin_mm_std: Annotated[float | None, typer.Option(min=0, help="Its standard uncertainty.")] = None,
 ) -> "Scale | None":
     """Return the scale that the flags give, None for none."""
     from fingerpad.image import Scale

@@ -1,14 +1,11 @@
 """Measure the frames of a sequence."""
 
-import sys
-from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from fingerpad._files import make_folder
-from fingerpad._json import dumps
 from fingerpad.cli.measure.flags import (
     Background,
     DarkOnLight,
@@ -19,9 +16,9 @@ from fingerpad.cli.measure.flags import (
     Threshold,
     measurement_region,
 )
-from fingerpad.cli.measure.records import tracked
+from fingerpad.cli.measure.records import printed, tracked
 from fingerpad.cli.measure.scale import WAYS, takes_scale
-from fingerpad.cli.shared import AsJson, Exit, plain_errors, require_positive
+from fingerpad.cli.shared import AsJson, Exit, require_positive
 from fingerpad.exceptions import CalibrationError, LoadingError
 
 if TYPE_CHECKING:
@@ -33,7 +30,9 @@ def measure_frames(
     *,
     path: Annotated[Path, typer.Argument(help="Folder, TIFF or video.", show_default=False)],
     force: Annotated[Path | None, typer.Option(help="CSV with time_s,force_N.")] = None,
-    fps: Annotated[float | None, typer.Option(help="Frames per second, as they were taken.")] = None,
+    fps: Annotated[
+        float | None, typer.Option(min=1e-6, help="Frames per second, as they were taken.")
+    ] = None,
     start_s: Annotated[
         float | None, typer.Option(help="Time of the first frame on the force's clock, s.")
     ] = None,
@@ -58,6 +57,7 @@ def measure_frames(
     passes --contact-load; without any of them, at the force's own start. --times gives each frame its time.
     """
     from fingerpad.image import (
+        FrameResult,
         measure_sequence,
         open_frames,
         read_force_signal,
@@ -65,59 +65,43 @@ def measure_frames(
         write_overlay,
     )
 
-    with plain_errors():
-        if scale is None:
-            raise CalibrationError(f"a sequence needs a scale: give {WAYS}")
-        require_positive("--threshold", threshold)
-        frames = open_frames(path)
-        signal = None if force is None else read_force_signal(force)
-        clock = _clock(frames.frames_per_second, fps, signal, start_s, contact_load, times)
-        place = measurement_region(background, seed_px, mask, roi)
+    if scale is None:
+        raise CalibrationError(f"a sequence needs a scale: give {WAYS}")
+    require_positive("--threshold", threshold)
+    frames = open_frames(path)
+    signal = None if force is None else read_force_signal(force)
+    clock = _clock(frames.frames_per_second, fps, signal, start_s, contact_load, times)
+    place = measurement_region(background, seed_px, mask, roi)
+    if overlay is not None:
+        make_folder(overlay)
+
+    def draw(index: int, pixels: Any, contact_image: Any) -> None:
         if overlay is not None:
-            make_folder(overlay)
+            write_overlay(overlay / f"frame_{index:06d}.png", pixels, contact_image, label=f"frame {index}")
 
-        def draw(index: int, pixels: Any, contact_image: Any) -> None:
-            if overlay is not None:
-                write_overlay(
-                    overlay / f"frame_{index:06d}.png", pixels, contact_image, label=f"frame {index}"
-                )
-
-        results = measure_sequence(
-            frames,
-            scale,
-            clock=clock,
-            force=signal,
-            dark_on_light=dark_on_light,
-            threshold=threshold,
-            watch=draw,
-            **place,
-        )
-        # Where frames are printed to a person as they come, a bar would only stand in between.
-        shown = results if sys.stdout.isatty() else tracked(results, len(frames))
-        summary = sequence_summary(_printed(shown, as_json), signal)
+    results = measure_sequence(
+        frames,
+        scale,
+        clock=clock,
+        force=signal,
+        dark_on_light=dark_on_light,
+        threshold=threshold,
+        watch=draw,
+        **place,
+    )
+    shown = printed(tracked(results, len(frames)), as_json, FrameResult.as_record, _print_frame)
+    summary = sequence_summary(shown, signal)
     for note in summary.notes:
         typer.echo(f"note: {note}", err=True)
     if summary.failed:
         raise typer.Exit(Exit.SOME_FAILED)
 
 
-def _printed(results: "Iterable[FrameResult]", as_json: bool) -> "Iterator[FrameResult]":
-    """Print each frame as it comes, and hand it on: a sequence may be longer than memory."""
-    opening = "["
-    for result in results:
-        if as_json:
-            typer.echo(f"{opening}{dumps(result.as_record())}", nl=False)
-            opening = ",\n"
-        else:
-            record = result.as_record()
-            area = record.get("gross_area_mm2")
-            seen = record.get("error") if area is None else f"{area:.1f} mm²"
-            typer.echo(
-                f"frame {result.index}: {result.time:.4f} s, {result.load:.3f} N, {result.phase}, {seen}"
-            )
-        yield result
-    if as_json:
-        typer.echo("[]" if opening == "[" else "]")
+def _print_frame(result: "FrameResult") -> None:
+    record = result.as_record()
+    area = record.get("gross_area_mm2")
+    seen = record.get("error") if area is None else f"{area:.1f} mm²"
+    typer.echo(f"frame {result.index}: {result.time:.4f} s, {result.load:.3f} N, {result.phase}, {seen}")
 
 
 def _clock(

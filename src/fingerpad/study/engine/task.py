@@ -14,7 +14,7 @@ from typing import Any, Final, NamedTuple, TypeAlias
 
 import cv2
 
-from fingerpad.exceptions import FingerpadError, StoreError
+from fingerpad.exceptions import StoreError, reason_of
 from fingerpad.study.engine.limits import Limits
 from fingerpad.study.error_text import in_study
 
@@ -108,24 +108,14 @@ def perform(work: Work, file: str, folder: Path, limits: Limits) -> TaskResult:
             if _is_out_of_memory(error):
                 stopped_by = limits
                 record = {"reason": out_of_memory(file, limits)}
-            elif isinstance(error, FingerpadError):
-                record = {"reason": in_study(error, folder)}
             else:
-                record = {"reason": in_study(f"{file}: {_UNEXPECTED} ({describe(error)})", folder)}
+                record = {"reason": in_study(reason_of(error, f"{file}: cannot be measured"), folder)}
         drawn = {
             path.relative_to(drawing).as_posix(): path.read_bytes()
             for path in sorted(Path(drawing).rglob("*"))
             if path.is_file()
         }
     return TaskResult(record, drawn, perf_counter() - start, stopped_by)
-
-
-_UNEXPECTED: Final = "cannot be measured"
-
-
-def describe(error: BaseException) -> str:
-    """Return the kind of an unexpected error with what it says."""
-    return f"{type(error).__name__}: {error}"
 
 
 def out_of_memory(file: str, limits: Limits) -> str:

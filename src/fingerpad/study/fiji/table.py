@@ -53,6 +53,8 @@ def read_results_table(path: Path) -> list[MeasuredEllipse]:
 
 def _lines(path: Path) -> list[tuple[int, list[str]]]:
     """Return the rows of cells with their line numbers, by the separator that parts the header best."""
+    if path.is_char_device():
+        raise ManifestError(f"{path}: is a device, not a file")  # which may have no end
     try:
         content = path.read_bytes()
     except OSError as error:

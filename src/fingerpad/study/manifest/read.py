@@ -37,6 +37,8 @@ def read_study(path: Path, on_read: Callable[[str, bytes], None] = lambda _name,
         Naming the file, and for each fault its key, what was found and what was expected.
     """
     recover(path.parent)
+    if path.is_char_device():
+        raise ManifestError(f"{path}: is a device, not a file")  # which may have no end
     try:
         text = path.read_bytes()
         on_read(path.name, text)

@@ -13,7 +13,7 @@ from typing import Final
 
 import numpy as np
 
-from fingerpad.exceptions import FingerpadError, LoadingError, StoreError
+from fingerpad.exceptions import FingerpadError, LoadingError, StoreError, reason_of
 from fingerpad.image import (
     ForceSignal,
     FrameClock,
@@ -32,7 +32,7 @@ from fingerpad.image import (
 from fingerpad.study.corrections.history import ActiveCorrection
 from fingerpad.study.corrections.log import frames_of
 from fingerpad.study.engine.store import Store
-from fingerpad.study.engine.task import CHANGED, ChangedError, Record, Task, TaskResult, Work, describe
+from fingerpad.study.engine.task import CHANGED, ChangedError, Record, Task, TaskResult, Work
 from fingerpad.study.error_text import in_study
 from fingerpad.study.manifest import ContactSequence
 from fingerpad.study.measuring.measure import Measurement, contact_correction, reviewed
@@ -339,10 +339,8 @@ def film_plan(
         key, reason = "", CHANGED.format(sequence.path)  # never up to date: the next run measures it again
     except StoreError:
         raise
-    except FingerpadError as error:
-        reason = in_study(error, keys.folder)
     except Exception as error:  # a force table can be odd in ways that nobody has thought of
-        reason = in_study(f"{sequence.path}: cannot be measured ({describe(error)})", keys.folder)
+        reason = in_study(reason_of(error, f"{sequence.path}: cannot be measured"), keys.folder)
     else:
         return
     store.put(sequence.name, key, TaskResult({"reason": reason}, {}, 0.0), count=0)

@@ -1,0 +1,214 @@
+"""Whatever happens to a command: no traceback, no lost batch, an exit code that says what happened."""
+
+import json
+import random
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+from PIL import Image
+from typer.testing import CliRunner
+
+import fingerpad.image
+from fingerpad.cli import app
+from fingerpad.image import render_contact_image
+
+EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "dzidek2017"
+FILM = EXAMPLE / "synthetic" / "synthetic_press_30deg.tif"
+HERTZ = ("hertz", "--radii", "12", "14", "--load", "2", "--modulus-kpa", "100")
+PROGRAM = (sys.executable, "-m", "fingerpad")
+
+
+def shell(redirection: str, *arguments: str) -> tuple[int, str]:
+    """Run the program in a shell that redirects its streams, and return exit code and stderr."""
+    script = f'"$@" {redirection}'
+    done = subprocess.run(
+        ["bash", "-o", "pipefail", "-c", script, "bash", *PROGRAM, *arguments],
+        stderr=subprocess.PIPE,
+        stdout=subprocess.DEVNULL,
+        text=True,
+        timeout=120,
+    )
+    return done.returncode, done.stderr
+
+
+@pytest.mark.parametrize("arguments", [HERTZ, ("--help",), ("--version",), (*HERTZ, "--json")])
+@pytest.mark.parametrize(
+    ("redirection", "message"),
+    [
+        (">&-", "fingerpad: cannot write: standard output is closed; redirect it to a file, or to /dev/null"),
+        (">/dev/full", "fingerpad: cannot write (No space left on device)"),
+        (">/dev/full 2>/dev/full", ""),
+        (">&- 2>&-", ""),
+    ],
+)
+def test_output_that_cannot_be_written(redirection: str, message: str, arguments: tuple[str, ...]) -> None:
+    code, err = shell(redirection, *arguments)
+    assert code == 1
+    assert err.strip() == message
+
+
+def test_a_reader_that_leaves_is_no_fault() -> None:
+    done = subprocess.Popen([*PROGRAM, *HERTZ], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    assert done.stdout is not None
+    done.stdout.close()
+    _, err = done.communicate(timeout=120)
+    assert (done.returncode, err) == (1, b"")
+
+
+def test_closed_stdin_and_stderr_cost_nothing(tmp_path: Path) -> None:
+    results, log = tmp_path / "out", tmp_path / "log"
+    manifest = Path(__file__).resolve().parents[2] / "examples" / "dzidek2017" / "study.toml"
+    text = manifest.read_text(encoding="utf-8")
+    here = tmp_path / "study.toml"
+    here.write_text(text[: text.index("[[fingers]]")].replace("observations_csv", "# "), encoding="utf-8")
+    with here.open("a", encoding="utf-8") as file:
+        file.write(
+            '[[fingers]]\nname = "f"\n'
+            "semi_axes_mm = { palmar = 8, distal = 14, radial_ulnar = 12 }\n"
+            "semi_axes_mm_std = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }\n"
+            '[[observations]]\nname = "o"\nfinger = "f"\nwedge_angle_deg = 30\nload_N = 2\n'
+            "ellipse_mm = { semi_major = 6, semi_minor = 5, std = 0.1 }\n"
+        )
+    code, err = shell("<&- 2>&-", "run", str(here), "--out", str(results), "--log", str(log))
+    assert (code, err) == (0, "")
+    assert (results / "results.csv").is_file()
+    assert all(json.loads(line) for line in log.read_text(encoding="utf-8").splitlines())
+
+
+@pytest.fixture(scope="module")
+def prints(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
+    folder = tmp_path_factory.mktemp("prints")
+    truth = render_contact_image(seed=1)
+    files = [folder / f"{number}.png" for number in range(3)]
+    for file in files:
+        Image.fromarray(truth.pixels).save(file)
+    return files
+
+
+@pytest.mark.parametrize(
+    "fault",
+    [
+        ZeroDivisionError("division by zero"),
+        MemoryError(),
+        KeyError("w"),
+        cv2.error("bad\nsize"),
+        OSError(28, "full"),
+    ],
+)
+def test_an_unforeseen_fault_costs_one_picture(
+    fault: Exception, prints: list[Path], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    read = fingerpad.image.read_image
+
+    def read_all_but_one(path: Path):
+        if path == prints[1]:
+            raise fault
+        return read(path)
+
+    monkeypatch.setattr(fingerpad.image, "read_image", read_all_but_one)
+    for more in (["--json"], []):
+        done = CliRunner().invoke(app, ["measure", "print", *map(str, prints), "--ppi", "500", *more])
+        assert (done.exit_code, done.stderr) == (3, "")
+        if more:
+            good, bad, other = json.loads(done.stdout)
+            assert good["semi_major_mm"] == other["semi_major_mm"] > 0
+            assert bad["error"].startswith(f"{prints[1]}: cannot be measured (")
+            assert "\n" not in bad["error"]
+        else:
+            assert done.stdout.count("semi_major_mm ") == 2
+            assert "cannot be measured (" in done.stdout
+
+
+def test_what_was_measured_is_printed_before_a_fault(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    write = fingerpad.image.write_overlay
+
+    def write_some(path: Path, *given: object, **named: object) -> None:
+        if path.stem.endswith("12"):
+            raise ZeroDivisionError("division by zero")
+        write(path, *given, **named)
+
+    monkeypatch.setattr(fingerpad.image, "write_overlay", write_some)
+    overlay = tmp_path / "overlay"
+    done = CliRunner().invoke(
+        app, ["measure", "sequence", str(FILM), "--ppi", "240", "--overlay", str(overlay), "--json"]
+    )
+    assert done.exit_code == 1
+    assert done.stderr == "fingerpad: this cannot be done (ZeroDivisionError: division by zero)\n"
+    assert [frame["frame"] for frame in json.loads(done.stdout)] == list(range(12))
+
+
+def test_a_damaged_film_is_refused_or_measured(tmp_path: Path) -> None:
+    film = tmp_path / "film.avi"
+    writer = cv2.VideoWriter(str(film), cv2.VideoWriter.fourcc(*"MJPG"), 10, (240, 240))
+    pixels = cv2.resize(render_contact_image(seed=1).pixels, (240, 240))
+    for _ in range(6):
+        writer.write(cv2.cvtColor(pixels, cv2.COLOR_GRAY2BGR))
+    writer.release()
+    whole, rng = film.read_bytes(), random.Random(1)
+    codes = set()
+    for _ in range(30):
+        damaged = bytearray(whole)
+        for _ in range(rng.choice((1, 20, 300))):
+            damaged[rng.randrange(len(damaged))] = rng.randrange(256)
+        film.write_bytes(damaged[: rng.choice((len(damaged), rng.randrange(len(damaged))))])
+        done = CliRunner().invoke(app, ["measure", "sequence", str(film), "--ppi", "500", "--json"])
+        assert isinstance(done.exception, SystemExit | None), done.exception
+        assert done.exit_code == 2 or json.loads(done.stdout)
+        codes.add(done.exit_code)
+    assert codes <= {0, 2, 3}
+    assert len(codes) > 1
+
+
+def test_an_interrupt_at_any_moment_is_no_traceback(prints: list[Path], tmp_path: Path) -> None:
+    rng = np.random.default_rng(2)
+    start = "import sys; print('begun', flush=True); from fingerpad.__main__ import main; main()"
+    commands = [("measure", "print", *map(str, prints * 20), "--ppi", "500"), HERTZ]
+    codes = []
+    for number in range(24):
+        process = subprocess.Popen(
+            [sys.executable, "-c", start, *commands[number % 4 == 3]],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+        assert process.stdout is not None
+        assert process.stdout.readline() == "begun\n"
+        time.sleep(rng.uniform(0.03, 2.0))
+        process.send_signal(signal.SIGINT)
+        _, err = process.communicate(timeout=60)
+        assert err in {"", "fingerpad: interrupted\n"}
+        codes.append(process.returncode)
+    assert set(codes) <= {0, 130, -signal.SIGINT}
+    assert codes.count(130) > 5
+
+
+def test_an_interrupted_sequence_does_not_claim_that_it_goes_on() -> None:
+    with subprocess.Popen(
+        [*PROGRAM, "measure", "sequence", str(FILM), "--ppi", "240", "--json"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    ) as process:
+        assert process.stdout is not None
+        assert process.stderr is not None
+        first = process.stdout.readline()
+        process.send_signal(signal.SIGINT)
+        rest, err = process.stdout.read(), process.stderr.read()
+    assert (process.returncode, err) == (130, "fingerpad: interrupted\n")
+    assert json.loads(first + rest)[0]["frame"] == 0
+
+
+@pytest.mark.parametrize(
+    "command", [("status",), ("fit",), ("import", "fiji", "--ppi", "500", "--std-mm", "0.1")]
+)
+def test_a_file_without_end_is_refused(command: tuple[str, ...], tmp_path: Path) -> None:
+    done = subprocess.run(
+        [*PROGRAM, *command, "/dev/zero"], capture_output=True, text=True, timeout=60, cwd=tmp_path
+    )
+    assert (done.returncode, done.stderr) == (2, "fingerpad: /dev/zero: is a device, not a file\n")

@@ -1,0 +1,155 @@
+"""Every flag that takes numbers, given absurd ones: a refusal that names it, or a result."""
+
+import inspect
+import typing
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import typer
+from PIL import Image
+from typer.testing import CliRunner
+
+from fingerpad.cli import app
+from fingerpad.image import render_coin, render_contact_image, render_finger
+from fingerpad.loading import simulate_loading_curve
+
+ABSURD = (
+    "nan",
+    "inf",
+    "-inf",
+    "-1",
+    "0",
+    "1e300",
+    "-1e300",
+    "1e-300",
+    "",
+    "text",
+    "1e999",
+    "½",
+    "0x10",
+    "1,2",
+)
+# Flags of numbers that are given as text.
+OF_TEXT = {"--roi", "--seed-px", "--scale-line", "--region"}
+# Possible numbers that what is measured contradicts, in words of its own.
+IN_PLAIN_WORDS = {
+    "--region",
+    "--seed-px",
+    "--contact-load",
+    "--port",
+    "--cycle",
+    "--threshold",
+    "--radius-mm",
+}
+STUDY = (
+    'title = "t"\n'
+    '[[fingers]]\nname = "f"\nsemi_axes_mm = { palmar = 8, distal = 14, radial_ulnar = 12 }\n'
+    "semi_axes_mm_std = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }\n"
+    '[[observations]]\nname = "o"\nfinger = "f"\nwedge_angle_deg = 30\nload_N = 2\n'
+    "ellipse_mm = { semi_major = 6, semi_minor = 5, std = 0.1 }\n"
+)
+VALID = {
+    "geometry": "--semi-axes 8 14 12 --wedge 30",
+    "hertz": "--radii 12 14 --modulus-kpa 100 --load 2",
+    "correct": "--ellipse 7 5 --radius 18",
+    "fit": "curve.csv",
+    "run": "study.toml",
+    "app": "nowhere.toml",
+    "measure print": "print.png --ppi 500",
+    "measure photo": "palmar.png --face palmar --mm-per-px 0.05",
+    "measure sequence": "frames --ppi 500 --fps 10",
+    "import fiji": "Results.csv --std-mm 0.1 --ppi 500",
+}
+# What a flag needs beside it, and what it stands in place of.
+BESIDE = {
+    "--indentation-mm": ("", "--load"),
+    "--radius-mm-std": ("--radius-mm 12", ""),
+    "--constraint-std": ("--constraint 2", ""),
+    "--scale-line": ("--line-mm 10", "--ppi --mm-per-px"),
+    "--line-mm": ("--scale-line 5,5,5,200", "--ppi --mm-per-px"),
+    "--line-mm-std": ("--scale-line 5,5,5,200 --line-mm 10", "--ppi --mm-per-px"),
+    "--line-px-std": ("--scale-line 5,5,5,200 --line-mm 10", "--ppi --mm-per-px"),
+    "--coin-mm": ("--coin coin.png", "--ppi --mm-per-px"),
+    "--coin-mm-std": ("--coin coin.png --coin-mm 23", "--ppi --mm-per-px"),
+    "--mm-per-px": ("", "--ppi"),
+    "--ppi": ("", "--mm-per-px"),
+    "--start-s": ("--force force.csv", ""),
+    "--contact-load": ("--force force.csv", ""),
+}
+
+
+def flags() -> Iterator[tuple[str, str, int]]:
+    """Yield each command with each of its flags that take numbers, and how many it takes."""
+    groups = [("", app), *((f"{group.name} ", group.typer_instance) for group in app.registered_groups)]
+    for prefix, group in groups:
+        for command in group.registered_commands:
+            name = prefix + (command.name or command.callback.__name__)
+            for parameter in inspect.signature(command.callback).parameters.values():
+                kind, option = typing.get_args(parameter.annotation)[:2]
+                if not isinstance(option, typer.models.OptionInfo):
+                    continue
+                names = [text for text in option.param_decls or () if text.startswith("--")]
+                flag = names[0] if names else f"--{parameter.name.replace('_', '-')}"
+                kinds = {kind, *typing.get_args(kind)}
+                if flag in OF_TEXT or kinds & {int, float}:
+                    yield name, flag, len(typing.get_args(kind)) if typing.get_origin(kind) is tuple else 1
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("flags")
+    small = render_contact_image(seed=1).pixels[::2, ::2]
+    Image.fromarray(small).save(folder / "print.png")
+    (folder / "frames").mkdir()
+    for number in range(4):
+        Image.fromarray(render_contact_image(seed=number).pixels[::2, ::2]).save(
+            folder / "frames" / f"{number}.png"
+        )
+    Image.fromarray(render_finger("palmar", seed=1).pixels[::2, ::2]).save(folder / "palmar.png")
+    Image.fromarray(render_coin().pixels).save(folder / "coin.png")
+    (folder / "study.toml").write_text(STUDY, encoding="utf-8")
+    (folder / "force.csv").write_text("time_s,force_N\n" + "".join(f"{t / 10},{t}\n" for t in range(9)))
+    (folder / "Results.csv").write_text(" ,Major,Minor,Angle\n1,300,200,90\n", encoding="utf-8")
+    curve = simulate_loading_curve()
+    assert curve.time is not None
+    rows = np.column_stack((curve.time, curve.load, curve.indentation))[::20]
+    np.savetxt(
+        folder / "curve.csv", rows, delimiter=",", header="time_s,force_N,displacement_mm", comments=""
+    )
+    return folder
+
+
+def arguments(command: str, flag: str, count: int, value: str) -> list[str]:
+    beside, without = BESIDE.get(flag, ("", ""))
+    base, given = [*VALID[command].split(), *beside.split()], []
+    dropped = {flag, *without.split()}
+    while base:
+        word = base.pop(0)
+        if word not in dropped:
+            given.append(word)
+            continue
+        while base and not base[0].startswith("--"):
+            base.pop(0)
+    return [*command.split(), *given, flag, *[value] * count]
+
+
+@pytest.mark.parametrize(("command", "flag", "count"), list(flags()))
+def test_absurd_numbers(
+    command: str, flag: str, count: int, folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(folder)
+    faults = []
+    for value in ABSURD:
+        given = arguments(command, flag, count, value)
+        if command in {"run", "import fiji"}:
+            given += ["--out", str(tmp_path / f"out{len(faults)}{value}.csv".replace("/", ""))]
+        done: Any = CliRunner().invoke(app, given)
+        words = " ".join(done.stderr.replace("│", " ").split())
+        unforeseen = "cannot be done (" in words or "cannot be measured (" in done.stdout
+        named = flag in words or flag in IN_PLAIN_WORDS
+        if unforeseen or done.exit_code not in {0, 2, 3} or (done.exit_code == 2 and not named):
+            faults.append((value, done.exit_code, words or done.stdout[-300:]))
+    assert not faults
