@@ -161,7 +161,7 @@ def _a_disc(kind: str, rng: Rng) -> Disc:
         size=1.0,
         thickness=rng.uniform(0.06, 0.2),
         hole=rng.uniform(0.3, 0.62) if washer else 0.0,
-        rounding=rng.uniform(0.02, 0.06) if washer else rng.uniform(0.01, 0.035),
+        rounding=rng.uniform(0.01, 0.03) if washer else rng.uniform(0.005, 0.02),
         metal=rng.uniform(0.25, 0.75),
         roughness=rng.uniform(0.12, 0.5),
         relief=0.0 if washer else rng.uniform(2.0, 3.5) if kind == "strong relief" else rng.uniform(0.3, 1.4),
@@ -206,7 +206,7 @@ def _mirrored(normal: Array, rays: Array, lamps: Lamps, roughness: float) -> Arr
         glare = np.exp((np.tensordot(part, reflected, 1) - 1) / lobe)
         seen = seen + lamps.direct * 0.35 / lobe**0.5 / len(lamps.parts) * glare
     share = 0.5 - 0.5 * np.tanh(reflected[2] / (0.5 * roughness))
-    return np.asarray((1 - share) * seen + share * 0.6 * lamps.table)
+    return np.asarray((1 - share) * seen + share * 0.4 * lamps.table)
 
 
 def _with_disc(light: Array, origin: Array, rays: Array, disc: Disc, lamps: Lamps) -> Array:
