@@ -30,8 +30,8 @@ _MIN_SHARPNESS, _STEP_SHARPNESS = 0.8, 2.2
 # Two ellipses are one, or touch, when no further apart than this share of their size.
 _SAME, _TOUCHING, _MIN_TOUCHING = 0.004, 0.012, 0.15
 # What moves the edge all round, as standard deviations: lens and lamp, px; the rounded edge, of the radius.
-_LENS_STD_PX, _ROUNDING_STD, _SHADOW_STD = 0.08, 0.003, 0.006
-_DEEP_SHADOW, _SHADOW_SECTORS = 0.25, 36
+_LENS_STD_PX, _ROUNDING_STD, _SHADOW_STD = 0.08, 0.005, 0.045
+_DEEP_SHADOW, _DEEPEST_SHADOW, _SHADOW_SECTORS = 0.15, 0.5, 36
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -148,7 +148,13 @@ def measure_coin(pixels: npt.ArrayLike) -> Coin:
     outline = fit_edge(_smooth(values), start, 3.0 * step, 3.0)
     if outline is None or outline.support < _MIN_SUPPORT:
         raise CalibrationError("no coin found: no circumference shows a sharp edge all round")
-    return _coin(outline, _shadow_depth(_smooth(values), outline.ellipse), shadowed)
+    shadow = _shadow_depth(_smooth(values), outline.ellipse)
+    if shadow > _DEEPEST_SHADOW:
+        raise CalibrationError(
+            "no coin found: beside its edge it is as dark as the coin, by a shadow or a wider edge: "
+            "light it evenly, or draw a line instead"
+        )
+    return _coin(outline, shadow, shadowed)
 
 
 def _checked(pixels: npt.ArrayLike) -> Float32Array:
@@ -251,7 +257,7 @@ def _coin(outline: Outline, shadow: float, shadowed: bool) -> Coin:
     except FitError as error:
         raise CalibrationError(f"no coin found: {error}") from error
     correlated = _correlation_length(outline.ellipse.offsets(outline.points), outline.kept)
-    moved = math.hypot(_LENS_STD_PX, (_ROUNDING_STD + _SHADOW_STD * min(shadow, 1.0)) * fit.semi_major)
+    moved = math.hypot(_LENS_STD_PX, _ROUNDING_STD * fit.semi_major, _SHADOW_STD * shadow * fit.semi_major)
     major_std, minor_std = (math.hypot(math.sqrt(correlated * fit.covariance[k, k]), moved) for k in (2, 3))
     return Coin(
         centre=(float(fit.centre[1]), float(fit.centre[0])),
@@ -270,15 +276,15 @@ def _coin(outline: Outline, shadow: float, shadowed: bool) -> Coin:
 
 
 def _shadow_depth(image: Float32Array, ellipse: PixelEllipse) -> float:
-    """Return how far the level beside the edge is from the ground's further out, over the coin's contrast."""
+    """Return the share of the coin's contrast to the ground that is missing just outside its edge."""
     levels = []
     for factor in (0.97, 1.03, 1.05, 1.3):
         at = ellipse.scaled(factor).points(8 * _SHADOW_SECTORS)[0].astype(np.float32)
         ring = cv2.remap(image, at[:, 0], at[:, 1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
         levels.append(np.median(ring.reshape(_SHADOW_SECTORS, 8), axis=1))
     coin, near, beside, ground = levels
-    contrast = max(float(np.median(np.abs(ground - coin))), 1e-6)
-    return float(np.quantile(np.maximum(np.abs(ground - near), np.abs(ground - beside)), 0.9)) / contrast
+    beyond = np.maximum(np.minimum(np.abs(near - coin), np.abs(beside - coin)), 1e-6)
+    return float(np.quantile(np.maximum(0, 1 - beyond / np.maximum(np.abs(ground - coin), 1e-6)), 0.9))
 
 
 def _correlation_length(offsets: FloatArray, kept: npt.NDArray[np.bool_]) -> float:
