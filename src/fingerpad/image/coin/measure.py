@@ -23,14 +23,15 @@ from fingerpad.image.scale import Scale
 
 _WORKING_SIDE = 640
 _MIN_SIDE_PX = 48
-_MIN_SUPPORT, _CLEAR_SUPPORT, _INCOMPLETE = 0.75, 0.85, 0.08
+_MIN_SUPPORT, _CLEAR_SUPPORT, _INCOMPLETE = 0.75, 0.85, 0.12
 _MIN_STRENGTH = 0.3
 _REACH_OF_SHADOW = 1.2
 _MIN_SHARPNESS, _STEP_SHARPNESS = 0.8, 2.2
 # Two ellipses are one, or touch, when no further apart than this share of their size.
 _SAME, _TOUCHING, _MIN_TOUCHING = 0.004, 0.012, 0.15
-# What moves the edge all round, as standard deviations: lens and lamp, px; the rounded edge, of the radius.
-_LENS_STD_PX, _ROUNDING_STD, _SHADOW_STD = 0.08, 0.005, 0.045
+# What moves the edge all round, as standard deviations: lens and lamp, px; of the radius: the rounded edge, which
+# mirrors the ground, a shadow as deep as the coin's contrast, and a band beside the edge as strong as that.
+_LENS_STD_PX, _ROUNDING_STD, _SHADOW_STD, _BAND_STD = 0.08, 0.0045, 0.045, 0.006
 _DEEP_SHADOW, _DEEPEST_SHADOW, _SHADOW_SECTORS = 0.15, 0.5, 36
 
 
@@ -55,7 +56,7 @@ class Coin:
     support : float
         Share of the circumference on which the edge was found.
     shadow : float
-        Depth of the shadow beside the edge where it is deepest, over the contrast of the coin.
+        Share of the coin's contrast to the ground that a shadow beside the edge takes where it is deepest.
     flags : tuple of str
         Doubts: ``shadow`` where it may pull the edge outward by more than the uncertainty says.
     """
@@ -148,13 +149,13 @@ def measure_coin(pixels: npt.ArrayLike) -> Coin:
     outline = fit_edge(_smooth(values), start, 3.0 * step, 3.0)
     if outline is None or outline.support < _MIN_SUPPORT:
         raise CalibrationError("no coin found: no circumference shows a sharp edge all round")
-    shadow = _shadow_depth(_smooth(values), outline.ellipse)
+    shadow, band = _beside_edge(_smooth(values), outline.ellipse)
     if shadow > _DEEPEST_SHADOW:
         raise CalibrationError(
             "no coin found: beside its edge it is as dark as the coin, by a shadow or a wider edge: "
             "light it evenly, or draw a line instead"
         )
-    return _coin(outline, shadow, shadowed)
+    return _coin(outline, shadow, band, shadowed)
 
 
 def _checked(pixels: npt.ArrayLike) -> Float32Array:
@@ -206,13 +207,21 @@ def _coin_outline(image: Float32Array) -> tuple[Outline, bool]:
 def _outlines(image: Float32Array) -> list[Outline]:
     """Return the different outlines with an edge nearly all round, largest first."""
     smooth = _smooth(image)
-    fits = (fit_edge(smooth, e, max(3.0, 0.06 * e.size), 3.0) for e in contour_ellipses(image))
+    found = _fitted(smooth, contour_ellipses(image))
+    if found:
+        # No grey level may separate a ring from an uneven ground where one separates its hole.
+        clearest = max(found, key=lambda o: o.support * o.strength).ellipse
+        found += _fitted(smooth, [clearest.scaled(1.05**k) for k in range(1, 25)])
     different: list[Outline] = []
-    for outline in sorted((o for o in fits if o), key=lambda o: -o.support * o.strength):
-        new = all(difference(outline.ellipse, o.ellipse) > _SAME for o in different)
-        if new and outline.support > _MIN_SUPPORT:
+    for outline in sorted(found, key=lambda o: -o.support * o.strength):
+        if all(difference(outline.ellipse, o.ellipse) > _SAME for o in different):
             different.append(outline)
     return sorted(different, key=lambda o: -o.ellipse.size)
+
+
+def _fitted(smooth: Float32Array, ellipses: list[PixelEllipse]) -> list[Outline]:
+    fits = (fit_edge(smooth, e, max(3.0, 0.06 * e.size), 3.0) for e in ellipses)
+    return [o for o in fits if o and o.support > _MIN_SUPPORT]
 
 
 def _likely(outlines: list[Outline], image: Float32Array) -> list[Outline]:
@@ -251,13 +260,14 @@ def _is_shadow(outer: Outline, inner: Outline) -> bool:
     return inner.ellipse.size < outer.ellipse.size and _touch(outer, inner)
 
 
-def _coin(outline: Outline, shadow: float, shadowed: bool) -> Coin:
+def _coin(outline: Outline, shadow: float, band: float, shadowed: bool) -> Coin:
     try:
         fit = fit_ellipse(outline.points[outline.kept])
     except FitError as error:
         raise CalibrationError(f"no coin found: {error}") from error
     correlated = _correlation_length(outline.ellipse.offsets(outline.points), outline.kept)
-    moved = math.hypot(_LENS_STD_PX, _ROUNDING_STD * fit.semi_major, _SHADOW_STD * shadow * fit.semi_major)
+    relative = math.hypot(_ROUNDING_STD, _SHADOW_STD * shadow, _BAND_STD * min(band, 1.0))
+    moved = math.hypot(_LENS_STD_PX, relative * fit.semi_major)
     major_std, minor_std = (math.hypot(math.sqrt(correlated * fit.covariance[k, k]), moved) for k in (2, 3))
     return Coin(
         centre=(float(fit.centre[1]), float(fit.centre[0])),
@@ -275,16 +285,22 @@ def _coin(outline: Outline, shadow: float, shadowed: bool) -> Coin:
     )
 
 
-def _shadow_depth(image: Float32Array, ellipse: PixelEllipse) -> float:
-    """Return the share of the coin's contrast to the ground that is missing just outside its edge."""
+def _beside_edge(image: Float32Array, ellipse: PixelEllipse) -> tuple[float, float]:
+    """Return how much less, and how else, the coin differs from what lies beside it than from the ground.
+
+    The first is the share of the coin's contrast that a shadow takes: the edge is then pulled outward. The
+    second is how far a band beside the edge, shadow or rounded metal, departs from the ground, over the contrast.
+    """
     levels = []
     for factor in (0.97, 1.03, 1.05, 1.3):
         at = ellipse.scaled(factor).points(8 * _SHADOW_SECTORS)[0].astype(np.float32)
         ring = cv2.remap(image, at[:, 0], at[:, 1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
         levels.append(np.median(ring.reshape(_SHADOW_SECTORS, 8), axis=1))
     coin, near, beside, ground = levels
-    beyond = np.maximum(np.minimum(np.abs(near - coin), np.abs(beside - coin)), 1e-6)
-    return float(np.quantile(np.maximum(0, 1 - beyond / np.maximum(np.abs(ground - coin), 1e-6)), 0.9))
+    contrast = np.maximum(np.abs(ground - coin), 1e-6)
+    missing = 1 - np.minimum(np.abs(near - coin), np.abs(beside - coin)) / contrast
+    band = np.maximum(np.abs(ground - near), np.abs(ground - beside)) / contrast
+    return max(0.0, float(np.quantile(missing, 0.9))), float(np.median(band))
 
 
 def _correlation_length(offsets: FloatArray, kept: npt.NDArray[np.bool_]) -> float:
