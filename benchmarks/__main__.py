@@ -12,6 +12,7 @@ from scipy.special import ellipe, ellipk
 
 from benchmarks import (
     browser,
+    coins,
     contact_images,
     engine,
     loading,
@@ -91,6 +92,7 @@ if __name__ == "__main__":
     photographs.photograph_accuracy(marked=True)
     photographs.photograph_accuracy(marked=False)
     sequences.coin_accuracy()
+    coins.photographed_coins()
     sequences.press_accuracy()
     sequences.sequence_memory()
     engine.engines()
