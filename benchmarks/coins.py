@@ -13,9 +13,7 @@ from fingerpad.image import measure_coin
 def photographed_coins(count: int = 22, first_seed: int = 1000) -> None:
     """Print how often the diameter is found, refused, flagged or wrong, and what its interval holds."""
     print(f"\nPhotographs of coins and washers, {count} of each kind; errors of the diameter")
-    print(
-        "    kind               refused  flagged  over 2 %, unflagged  median  95 % within  covered      ms"
-    )
+    print("    kind               refused  flagged  over 2 %, unflagged  median  95 % within  covered     ms")
     rows = []
     for kind in (*KINDS, *NOT_ONE_COIN):
         found = [_error(kind, first_seed + seed) for seed in range(count)]
@@ -25,7 +23,7 @@ def photographed_coins(count: int = 22, first_seed: int = 1000) -> None:
 
 
 def _error(kind: str, seed: int) -> tuple[float, float, bool, float]:
-    """Return the relative error, the error over the standard uncertainty, whether it is flagged, and the time."""
+    """Return the relative error, the error over the standard uncertainty, if it is flagged, and the time."""
     photograph = scene(kind, seed)
     threads = cv2.getNumThreads()
     cv2.setNumThreads(1)

@@ -1,7 +1,7 @@
 """Photographs of coins and washers traced by rays: a thick disc of metal on a table or on a glass prism.
 
-Independent of `fingerpad.simulate.coin`: a pinhole camera looks at a cylinder with a rounded edge and a
-height map, lit by lamps and a room that the metal mirrors; the disc casts shadows and dims the sky beside it.
+Independent of `fingerpad.simulate.coin`: a pinhole camera looks at a cylinder with a rounded edge and
+a height map, lit by lamps and a room that the metal mirrors; the disc casts shadows and hides some sky.
 Lengths are in radii of the disc, its centre the origin and the table z = 0.
 """
 
@@ -60,7 +60,7 @@ class Disc(NamedTuple):
 
 
 class Lamps(NamedTuple):
-    """Directions to the lamp's parts (z > 0), its share of the light, the room's bright walls, the table's grey."""
+    """Directions to the lamp's parts, its share of the light, the room's bright walls, the table's grey."""
 
     parts: Array
     direct: float
@@ -234,7 +234,7 @@ def _with_disc(light: Array, origin: Array, rays: Array, disc: Disc, lamps: Lamp
 
 
 def _slopes(x: Array, y: Array, disc: Disc) -> tuple[Array, Array]:
-    """Return the slopes of the face: raised rim, beads, letters, a portrait, scratches and the rounded edge."""
+    """Return the slopes of the face: raised rim, beads, letters, a portrait and the rounded edge."""
     rng = np.random.default_rng(disc.seed)
     n = 512
     grid = np.linspace(-1.05, 1.05, n)
@@ -322,7 +322,7 @@ def _texture(kind: str, x: Array, y: Array, rng: Rng) -> Array:
         "lined": 1 + 0.01 * noise[0] - rng.uniform(0.2, 0.6) * (np.abs((v * 2) % 1 - 0.5) < 0.02),
     }
     names = ("wood", "cloth", "stone", "lined") if kind in ("texture", "no coin") else ("paper",)
-    return np.clip(kinds[str(rng.choice(names))], 0.05, 2)
+    return np.asarray(np.clip(kinds[str(rng.choice(names))], 0.05, 2))
 
 
 def _with_neighbours(light: Array, kind: str, points: Array, rng: Rng) -> Array:

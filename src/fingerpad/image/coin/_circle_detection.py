@@ -1,4 +1,4 @@
-"""Ellipses in an image that may be the outline of a disc: contours at many grey levels, then the edge itself."""
+"""Ellipses that may outline a disc: through contours at many grey levels, then through the edge itself."""
 
 import math
 from typing import NamedTuple

@@ -29,8 +29,8 @@ _REACH_OF_SHADOW = 1.2
 _MIN_SHARPNESS, _STEP_SHARPNESS = 0.8, 2.2
 # Two ellipses are one, or touch, when no further apart than this share of their size.
 _SAME, _TOUCHING, _MIN_TOUCHING = 0.004, 0.012, 0.15
-# What moves the edge all round, as standard deviations: lens and lamp, px; of the radius: the rounded edge, which
-# mirrors the ground, a shadow as deep as the coin's contrast, and a band beside the edge as strong as that.
+# What moves the edge all round, as standard deviations: lens and lamp, px; of the radius: the rounded edge,
+# which mirrors the ground, and a shadow or a band beside the edge as strong as the coin's contrast.
 _LENS_STD_PX, _ROUNDING_STD, _SHADOW_STD, _BAND_STD = 0.08, 0.0045, 0.045, 0.006
 _DEEP_SHADOW, _DEEPEST_SHADOW, _SHADOW_SECTORS = 0.15, 0.5, 36
 
@@ -104,10 +104,10 @@ class Coin:
 def measure_coin(pixels: npt.ArrayLike) -> Coin:
     """Find the one coin in a picture, to a fraction of a pixel.
 
-    Edges vote for centres; ellipses are drawn through the edges that agree; of concentric ones the outermost
-    that most of the circumference supports is the coin's edge, so that a rim, a ring of letters or one side
-    of a shadow is not taken for it. The edge is then found on the full picture along the ellipse's normals,
-    and an ellipse of least orthogonal distance fitted, outliers left out.
+    Ellipses are fitted through contours at many grey levels, then through the steepest places along their
+    normals. Of those with a sharp edge nearly all round the outermost is the coin's, so that a rim, a ring of
+    letters, the hole of a washer or one side of a shadow is not taken for it. An ellipse of least orthogonal
+    distance is then fitted to the edge in the full image, outliers left out.
 
     Parameters
     ----------
@@ -126,9 +126,8 @@ def measure_coin(pixels: npt.ArrayLike) -> Coin:
 
     Notes
     -----
-    Meant for a coin of 60 px radius or more, tilted by less than 25°, on a plain ground that differs from it
-    all round. A shadow darker than a fifth of the ground pulls the edge outward, more than the uncertainty
-    says where it is deep: such coins are flagged.
+    Meant for a coin of 60 px radius or more, tilted by less than 45°, on a ground that differs from it all
+    round. A shadow as dark as the coin pulls the edge outward: such coins are flagged, or refused.
 
     Examples
     --------
@@ -289,7 +288,7 @@ def _beside_edge(image: Float32Array, ellipse: PixelEllipse) -> tuple[float, flo
     """Return how much less, and how else, the coin differs from what lies beside it than from the ground.
 
     The first is the share of the coin's contrast that a shadow takes: the edge is then pulled outward. The
-    second is how far a band beside the edge, shadow or rounded metal, departs from the ground, over the contrast.
+    second is how far a band beside the edge, shadow or rounded metal, departs from the ground.
     """
     levels = []
     for factor in (0.97, 1.03, 1.05, 1.3):
