@@ -126,11 +126,12 @@ def test_an_edge_is_fitted_without_its_outliers():
     image[140:175, 243:256] = 220
     image[140:175, 240:243] = 20
     outline = fit_edge(image.astype(np.float32), PixelEllipse(149.5, 149.5, 101.0, 100.0, 0.3), 6.0, 6.0)
-    assert outline.ellipse.first == pytest.approx(100, abs=0.1)
-    assert outline.ellipse.second == pytest.approx(100, abs=0.1)
+    # With the outliers the centre moves by 0.1 px.
+    assert outline.ellipse.x == pytest.approx(149.5, abs=0.05)
+    assert outline.ellipse.size == pytest.approx(100, abs=0.1)
     off = np.abs(outline.ellipse.offsets(outline.points))
-    assert off.max() > 1.5
-    assert off[outline.kept].max() < 0.5
+    assert off.max() > 2
+    assert off[outline.kept].max() < 0.8
     assert outline.support > 0.8
 
 
