@@ -13,6 +13,7 @@ from scipy.special import ellipe, ellipk
 from benchmarks import (
     browser,
     commands,
+    coins,
     contact_images,
     engine,
     loading,
@@ -92,6 +93,7 @@ if __name__ == "__main__":
     photographs.photograph_accuracy(marked=True)
     photographs.photograph_accuracy(marked=False)
     sequences.coin_accuracy()
+    coins.photographed_coins()
     sequences.press_accuracy()
     sequences.sequence_memory()
     engine.engines()

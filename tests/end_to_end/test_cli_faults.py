@@ -16,7 +16,7 @@ from typer.testing import CliRunner
 
 import fingerpad.image
 from fingerpad.cli import app
-from fingerpad.image import render_contact_image
+from fingerpad.simulate import render_contact_image
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "dzidek2017"
 FILM = EXAMPLE / "synthetic" / "synthetic_press_30deg.tif"

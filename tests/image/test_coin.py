@@ -4,11 +4,12 @@ import math
 
 import numpy as np
 import pytest
-from scipy import stats
+from tests.image.coin_scenes import KINDS, NOT_ONE_COIN, scene
 
 from fingerpad.exceptions import CalibrationError, GeometryError
 from fingerpad.image import measure_coin
 from fingerpad.simulate import render_coin
+from fingerpad.image.coin._circle_detection import PixelEllipse, fit_edge
 
 
 @pytest.fixture(scope="module")
@@ -39,18 +40,6 @@ def test_the_radius_is_found_to_a_fraction_of_a_pixel(measured):
     errors = np.array([coin.semi_major - float(truth.ellipse.semi_major) for coin, truth in measured])
     assert np.abs(errors).max() < 0.6
     assert np.median(np.abs(errors)) < 0.2
-
-
-def test_stated_uncertainties_are_neither_small_nor_large(measured):
-    pulls = np.array(
-        [
-            (coin.semi_major - float(truth.ellipse.semi_major)) / coin.semi_major_std
-            for coin, truth in measured
-        ]
-    )
-    # The sum of squares lies in the central 99.8 % of its distribution.
-    low, high = stats.chi2.ppf([0.001, 0.999], pulls.size)
-    assert low < np.sum(pulls**2) < high
 
 
 def test_place_and_tilt(measured):
@@ -88,6 +77,65 @@ def test_a_shadow_makes_it_doubtful():
     assert shaded.semi_major_std > 2 * plain.semi_major_std
 
 
+@pytest.fixture(scope="module")
+def photographed():
+    """Two photographs of each kind that shows one whole coin: the coin found, if any, and the truth."""
+    return [(kind, found_in(truth), truth) for kind in KINDS for truth in (scene(kind, k) for k in range(2))]
+
+
+def found_in(truth):
+    try:
+        return measure_coin(truth.pixels)
+    except CalibrationError:
+        return None
+
+
+def test_most_coins_in_photographs_are_found(photographed):
+    assert np.mean([coin is not None for _, coin, _ in photographed]) > 0.6
+
+
+def test_no_diameter_in_photographs_is_wrong_without_a_flag(photographed):
+    for kind, coin, truth in photographed:
+        if coin and not coin.flags:
+            assert coin.semi_major == pytest.approx(truth.semi_major, rel=0.02), kind
+            assert math.dist(coin.centre, truth.centre) < 0.02 * truth.semi_major, kind
+
+
+def test_intervals_hold_the_diameters_in_photographs(photographed):
+    pairs = [(coin, truth) for _, coin, truth in photographed if coin]
+    pulls = np.array([(coin.semi_major - truth.semi_major) / coin.semi_major_std for coin, truth in pairs])
+    # Of 15 independent intervals of 95 %, 13 or more hold in 96 % of draws.
+    assert np.mean(np.abs(pulls) < 1.96) >= 0.83
+    assert np.median([coin.semi_major_std / coin.semi_major for coin, _ in pairs]) < 0.01
+
+
+def test_the_outer_edge_of_a_washer_is_found_where_no_grey_level_separates_it():
+    truth = scene("washer on a prism", 10)
+    assert measure_coin(truth.pixels).semi_major == pytest.approx(truth.semi_major, rel=0.02)
+
+
+@pytest.mark.parametrize("kind", NOT_ONE_COIN)
+def test_photographs_without_one_whole_coin_are_refused(kind):
+    for seed in range(2):
+        with pytest.raises(CalibrationError, match="coin"):
+            measure_coin(scene(kind, seed).pixels)
+
+
+def test_an_edge_is_fitted_without_its_outliers():
+    image = render_coin(radius=100, shape=(300, 300), relief=0, shadow=0, noise_std=1, blur=1).pixels
+    # A strip laid over a fifth of the edge: its own steep edges lie up to 4 px off the circle.
+    image[140:175, 243:256] = 220
+    image[140:175, 240:243] = 20
+    outline = fit_edge(image.astype(np.float32), PixelEllipse(149.5, 149.5, 101.0, 100.0, 0.3), 6.0, 6.0)
+    # With the outliers the centre moves by 0.1 px.
+    assert outline.ellipse.x == pytest.approx(149.5, abs=0.05)
+    assert outline.ellipse.size == pytest.approx(100, abs=0.1)
+    off = np.abs(outline.ellipse.offsets(outline.points))
+    assert off.max() > 2
+    assert off[outline.kept].max() < 0.8
+    assert outline.support > 0.8
+
+
 def two_coins():
     pair = (render_coin(radius=80, shape=(300, 250), seed=k, shadow=0.05).pixels for k in (1, 2))
     return np.hstack(list(pair))
@@ -116,7 +164,10 @@ def with_nan():
         (noise, "no coin found"),
         (straight_edges, "no coin found"),
         (two_coins, "2 coins found"),
-        (lambda: render_coin(radius=90, shape=(300, 300), centre=(150, 40)).pixels, "cut by the frame"),
+        (
+            lambda: render_coin(radius=90, shape=(300, 300), centre=(150, 40)).pixels,
+            "no coin|cut by the frame",
+        ),
         (
             lambda: render_coin(radius=90, shape=(300, 300), centre=(150, 330)).pixels,
             "no coin|cut by the frame",

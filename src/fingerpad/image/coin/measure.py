@@ -7,41 +7,32 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from fingerpad._arrays import Float32Array, FloatArray, as_float_array
+from fingerpad._arrays import Float32Array, FloatArray
 from fingerpad.exceptions import CalibrationError, FitError
-from fingerpad.image.coin._disc import (
-    Edges,
-    Rim,
-    candidates,
-    circles,
-    edges_of,
-    ellipses,
-    support,
-)
-from fingerpad.image.coin._edge import (
-    correlation_length,
+from fingerpad.image.coin._circle_detection import (
+    Outline,
+    PixelEllipse,
+    contour_ellipses,
+    difference,
     edge_points,
-    offsets_from,
-    rim_of,
-    shadow_beside,
-    without_outliers,
+    fit_edge,
+    gaps,
 )
-from fingerpad.image.ellipse_fit import EllipseFit
+from fingerpad.image.ellipse_fit import fit_ellipse
 from fingerpad.image.scale import Scale
 
 _WORKING_SIDE = 640
-_LEAST_SIDE_PX = 48
-_LEAST_SUPPORT, _CLEAR_SUPPORT = 0.62, 0.75
-_LEAST_VISIBLE = 0.3
-_LEAST_PARTIAL = 0.35
-_LEAST_KEPT = 0.5
-_ROUNDS = 4
-# Two ellipses are one, or touch, when no further apart than this share of their semi-axes.
-_SAME, _TOUCHING, _LEAST_TOUCHING = 0.006, 0.012, 0.15
-# What moves the edge all round, as standard deviations: lens and lamp, px; relief, of the scatter about the
-# ellipse; a shadow beside the edge, of the radius, for a shadow as deep as the contrast of the coin.
-_LENS_STD_PX, _RELIEF_STD, _SHADOW_STD = 0.04, 0.17, 0.006
-_FAINT_SHADOW, _DEEP_SHADOW, _DEEPEST_SHADOW = 0.12, 0.25, 0.75
+_MIN_SIDE_PX = 48
+_MIN_SUPPORT, _CLEAR_SUPPORT, _INCOMPLETE = 0.75, 0.85, 0.12
+_MIN_STRENGTH = 0.3
+_REACH_OF_SHADOW = 1.2
+_MIN_SHARPNESS, _STEP_SHARPNESS = 0.8, 2.2
+# Two ellipses are one, or touch, when no further apart than this share of their size.
+_SAME, _TOUCHING, _MIN_TOUCHING = 0.004, 0.012, 0.15
+# What moves the edge all round, as standard deviations: lens and lamp, px; of the radius: the rounded edge,
+# which mirrors the ground, and a shadow or a band beside the edge as strong as the coin's contrast.
+_LENS_STD_PX, _ROUNDING_STD, _SHADOW_STD, _BAND_STD = 0.08, 0.0045, 0.045, 0.006
+_DEEP_SHADOW, _DEEPEST_SHADOW, _SHADOW_SECTORS = 0.15, 0.5, 36
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -65,7 +56,7 @@ class Coin:
     support : float
         Share of the circumference on which the edge was found.
     shadow : float
-        Depth of the shadow beside the edge where it is deepest, over the contrast of the coin.
+        Share of the coin's contrast to the ground that a shadow beside the edge takes where it is deepest.
     flags : tuple of str
         Doubts: ``shadow`` where it may pull the edge outward by more than the uncertainty says.
     """
@@ -113,10 +104,10 @@ class Coin:
 def measure_coin(pixels: npt.ArrayLike) -> Coin:
     """Find the one coin in a picture, to a fraction of a pixel.
 
-    Edges vote for centres; ellipses are drawn through the edges that agree; of concentric ones the outermost
-    that most of the circumference supports is the coin's edge, so that a rim, a ring of letters or one side
-    of a shadow is not taken for it. The edge is then found on the full picture along the ellipse's normals,
-    and an ellipse of least orthogonal distance fitted, outliers left out.
+    Ellipses are fitted through contours at many grey levels, then through the steepest places along their
+    normals. Of those with a sharp edge nearly all round the outermost is the coin's, so that a rim, a ring of
+    letters, the hole of a washer or one side of a shadow is not taken for it. An ellipse of least orthogonal
+    distance is then fitted to the edge in the full image, outliers left out.
 
     Parameters
     ----------
@@ -135,9 +126,8 @@ def measure_coin(pixels: npt.ArrayLike) -> Coin:
 
     Notes
     -----
-    Meant for a coin of 60 px radius or more, tilted by less than 25°, on a plain ground that differs from it
-    all round. A shadow darker than a fifth of the ground pulls the edge outward, more than the uncertainty
-    says where it is deep: such coins are flagged.
+    Meant for a coin of 60 px radius or more, tilted by less than 45°, on a ground that differs from it all
+    round. A shadow as dark as the coin pulls the edge outward: such coins are flagged, or refused.
 
     Examples
     --------
@@ -151,20 +141,28 @@ def measure_coin(pixels: npt.ArrayLike) -> Coin:
     values = _checked(pixels)
     step = max(1.0, max(values.shape) / _WORKING_SIDE)
     small = cv2.resize(values, None, fx=1 / step, fy=1 / step, interpolation=cv2.INTER_AREA)
-    edges = edges_of(np.asarray(small, dtype=np.float32))
-    rings = _one_place(_discs(edges), edges)
-    # Pixel centres of the small picture lie at whole numbers of its own.
-    whole = [r.scaled(step)._replace(x=(r.x + 0.5) * step - 0.5, y=(r.y + 0.5) * step - 0.5) for r in rings]
-    coin, chosen = _outermost(values, whole, 1.5 * step)
-    _require_end(edges, rings[chosen])
-    return coin
+    chosen, shadowed = _coin_outline(np.asarray(small, dtype=np.float32))
+    # Pixel centres of the small image lie at whole numbers of its own.
+    start = chosen.ellipse.scaled(step)._replace(
+        x=(chosen.ellipse.x + 0.5) * step - 0.5, y=(chosen.ellipse.y + 0.5) * step - 0.5
+    )
+    outline = fit_edge(_smooth(values), start, 3.0 * step, 3.0)
+    if outline is None or outline.support < _MIN_SUPPORT:
+        raise CalibrationError("no coin found: no circumference shows a sharp edge all round")
+    shadow, band = _beside_edge(_smooth(values), outline.ellipse)
+    if shadow > _DEEPEST_SHADOW:
+        raise CalibrationError(
+            "no coin found: beside its edge it is as dark as the coin, by a shadow or a wider edge: "
+            "light it evenly, or draw a line instead"
+        )
+    return _coin(outline, shadow, band, shadowed)
 
 
 def _checked(pixels: npt.ArrayLike) -> Float32Array:
     array = np.asarray(pixels)
-    if array.ndim != 2 or array.dtype.kind not in "buif" or min(array.shape) < _LEAST_SIDE_PX:
+    if array.ndim != 2 or array.dtype.kind not in "buif" or min(array.shape) < _MIN_SIDE_PX:
         raise CalibrationError(
-            f"pixels must be a grey (rows, columns) picture of {_LEAST_SIDE_PX} px or more, "
+            f"pixels must be a grey (rows, columns) image of {_MIN_SIDE_PX} px or more, "
             f"found shape {array.shape}"
         )
     values = array.astype(np.float32)
@@ -173,138 +171,144 @@ def _checked(pixels: npt.ArrayLike) -> Float32Array:
     return values
 
 
-def _discs(edges: Edges) -> list[Rim]:
-    """Return the circles that the edges support, and where that leaves doubt the ellipses, largest first.
-
-    An ellipse can follow a coin on one side and its shadow on the other; a circle cannot.
-    """
-    rng = np.random.default_rng(0)
-    starts = candidates(edges)
-    flat = [rim for start in starts for rim in circles(edges, start, _LEAST_SUPPORT)]
-    if any(support(edges, rim)[0] >= _CLEAR_SUPPORT for rim in flat):
-        return _distinct(flat, edges)
-    tilted = [rim for start in starts for rim in ellipses(edges, start, rng, _LEAST_SUPPORT)]
-    return _distinct(flat + tilted, edges)
+def _smooth(image: Float32Array) -> Float32Array:
+    return np.asarray(cv2.GaussianBlur(image, (0, 0), 1.0), dtype=np.float32)
 
 
-def _distinct(rims: list[Rim], edges: Edges) -> list[Rim]:
-    """Return the well supported ones of many ellipses, each once, largest first."""
-    kept: list[Rim] = []
-    for rim in sorted(rims, key=lambda rim: -rim.size):
-        share, visible = support(edges, rim)
-        new = all(_gaps(rim, other).max() > _SAME for other in kept)
-        if new and share >= _LEAST_SUPPORT and visible >= _LEAST_VISIBLE:
-            kept.append(rim)
-    return kept
-
-
-def _gaps(rim: Rim, other: Rim) -> FloatArray:
-    """Return how far `other` lies from `rim` round the circumference, in its semi-axes."""
-    x, y, _, _ = rim.points(as_float_array(np.arange(72) * (math.pi / 36)))
-    return as_float_array(np.abs(np.hypot(*other.frame(x, y)) - 1))
-
-
-def _one_place(rims: list[Rim], edges: Edges) -> list[Rim]:
-    """Return the ellipses about the place of the largest, or say why there is no one whole coin."""
-    if not rims:
+def _coin_outline(image: Float32Array) -> tuple[Outline, bool]:
+    """Return the outline of the one coin, and whether a shadow's lies against it."""
+    found = _outlines(image)
+    outlines = _likely(found, image)
+    if not outlines:
         raise CalibrationError(
             "no coin found: show one whole coin, flat, sharp, on a plain ground, or draw a line instead"
         )
-    apart = [rims[0]]
-    for rim in rims:
-        if all(math.hypot(rim.x - k.x, rim.y - k.y) > 0.8 * k.size for k in apart):
-            apart.append(rim)
+    apart = [outlines[0]]
+    for one in outlines:
+        if all(_distance(one, other) > 0.8 * other.ellipse.size for other in apart):
+            apart.append(one)
     if len(apart) > 1:
-        places = ", ".join(f"(row {rim.y:.0f}, column {rim.x:.0f})" for rim in apart)
+        places = ", ".join(f"(row {o.ellipse.y:.0f}, column {o.ellipse.x:.0f})" for o in apart)
         raise CalibrationError(
-            f"{len(apart)} coins found where one is expected, at {places}: crop the picture to one"
+            f"{len(apart)} coins found where one is expected, at {places}: crop the image to one"
         )
-    if support(edges, rims[0])[1] < 1:
+    own = [o for o in outlines if not any(_is_shadow(o, inner) for inner in outlines)]
+    coin = own[0]
+    rows, columns = image.shape
+    x, y = coin.ellipse.points(72)[0].T
+    if x.min() < 1 or y.min() < 1 or x.max() > columns - 2 or y.max() > rows - 2:
         raise CalibrationError("the coin is cut by the frame: show the whole coin, or draw a line instead")
-    return rims
-
-
-def _require_end(edges: Edges, rim: Rim) -> None:
-    """Refuse a ring beyond which a wider one is seen in part: the coin's edge, lost where it is as bright."""
-    for factor in np.arange(1.03, 1.35, 0.005):
-        share = support(edges, rim.scaled(float(factor)))[0]
-        if share > _LEAST_PARTIAL:
-            raise CalibrationError(
-                f"no coin found: its edge is seen on {share:.0%} of the circumference only, "
-                "the rest is as bright as the ground: change the ground or the light"
-            )
-
-
-def _outermost(values: Float32Array, rims: list[Rim], reach: float) -> tuple[Coin, int]:
-    """Return the coin of the largest of nested ellipses that is no shadow's, and the ellipse's number."""
-    smooth = np.asarray(cv2.GaussianBlur(values, (0, 0), 1.0), dtype=np.float32)
-    found = [_refined(smooth, rim, max(reach, 0.006 * rim.size)) for rim in rims]
-    pairs = [pair for pair in found if pair is not None]
-    coins = {
-        number: pair[0]
-        for number, pair in enumerate(found)
-        if pair is not None and not any(_is_shadowed(*pair, *other) for other in pairs)
-    }
-    if not coins:
-        raise CalibrationError("no coin found: no circumference shows a sharp edge all round")
-    best = max(coins, key=lambda number: coins[number].semi_major)
-    if coins[best].shadow > _DEEPEST_SHADOW:
-        raise CalibrationError(
-            "no coin found: beside its edge it is as dark as the coin, by a shadow or a wider edge: "
-            "light it evenly, or draw a line instead"
-        )
-    return coins[best], best
-
-
-def _is_shadowed(coin: Coin, rim: Rim, inner: Coin, inner_rim: Rim) -> bool:
-    """Tell whether an ellipse is led by the shadow of a coin within it: the two touch on the lit side only.
-
-    Rings of one coin keep their distance all round.
-    """
-    gaps = _gaps(rim, inner_rim)
-    contact = float(np.mean(gaps < _TOUCHING))
-    return (
-        inner_rim.size < rim.size
-        and contact > _LEAST_TOUCHING
-        and gaps.max() > 2 * _TOUCHING
-        and inner.residual_std < coin.residual_std
+    beyond = (o for o in found if o.support > _CLEAR_SUPPORT and o is not coin)
+    return coin, any(
+        _touch(coin, o) or 1 < o.ellipse.size / coin.ellipse.size < _REACH_OF_SHADOW for o in beyond
     )
 
 
-def _refined(smooth: Float32Array, rim: Rim, reach: float) -> tuple[Coin, Rim] | None:
-    """Fit an ellipse to the steepest places near a rim, None where they make none."""
-    for _ in range(_ROUNDS):
-        points, found = edge_points(smooth, rim, reach)
-        try:
-            fit, kept = without_outliers(points, found)
-        except FitError:
-            return None
-        rim = rim_of(fit)
-        reach = max(1.5, 0.7 * reach)
-    if kept.mean() < _LEAST_KEPT:
-        return None
-    memory = correlation_length(offsets_from(points, rim), kept)
-    return _coin(fit, float(kept.mean()), memory, shadow_beside(smooth, rim)), rim
+def _outlines(image: Float32Array) -> list[Outline]:
+    """Return the different outlines with an edge nearly all round, largest first."""
+    smooth = _smooth(image)
+    found = _fitted(smooth, contour_ellipses(image))
+    if found:
+        # No grey level may separate a ring from an uneven ground where one separates its hole.
+        clearest = max(found, key=lambda o: o.support * o.strength).ellipse
+        found += _fitted(smooth, [clearest.scaled(1.05**k) for k in range(1, 25)])
+    different: list[Outline] = []
+    for outline in sorted(found, key=lambda o: -o.support * o.strength):
+        if all(difference(outline.ellipse, o.ellipse) > _SAME for o in different):
+            different.append(outline)
+    return sorted(different, key=lambda o: -o.ellipse.size)
 
 
-def _coin(fit: EllipseFit, share: float, memory: float, shadow: float) -> Coin:
-    moved = math.hypot(
-        _LENS_STD_PX,
-        _RELIEF_STD * fit.residual_std,
-        _SHADOW_STD * max(0.0, shadow - _FAINT_SHADOW) * fit.semi_major,
-    )
-    major_std, minor_std = (math.hypot(math.sqrt(memory * fit.covariance[k, k]), moved) for k in (2, 3))
+def _fitted(smooth: Float32Array, ellipses: list[PixelEllipse]) -> list[Outline]:
+    fits = (fit_edge(smooth, e, max(3.0, 0.06 * e.size), 3.0) for e in ellipses)
+    return [o for o in fits if o and o.support > _MIN_SUPPORT]
+
+
+def _likely(outlines: list[Outline], image: Float32Array) -> list[Outline]:
+    """Return the outlines whose edge is nearly complete, sharp, and not faint beside the others."""
+    if not outlines:
+        return []
+    coarse = np.asarray(cv2.GaussianBlur(image, (0, 0), 3.0), dtype=np.float32)
+    sharpness = [_sharpness(o, coarse) for o in outlines]
+    support, strength = (max(getattr(o, name) for o in outlines) for name in ("support", "strength"))
+    least = _MIN_SHARPNESS * min(max(sharpness), _STEP_SHARPNESS)
+    return [
+        o
+        for o, sharp in zip(outlines, sharpness, strict=True)
+        if o.support > support - _INCOMPLETE and o.strength > _MIN_STRENGTH * strength and sharp > least
+    ]
+
+
+def _sharpness(outline: Outline, coarse: Float32Array) -> float:
+    """Return how much of its slope an edge loses to a wider blur: a penumbra loses little."""
+    _, slope, _ = edge_points(coarse, outline.ellipse, 1.0)
+    return float(np.median(outline.slope[outline.kept]) / np.median(slope))
+
+
+def _distance(one: Outline, other: Outline) -> float:
+    return math.hypot(one.ellipse.x - other.ellipse.x, one.ellipse.y - other.ellipse.y)
+
+
+def _touch(one: Outline, other: Outline) -> bool:
+    """Tell whether two outlines run together on one side and apart on another; rings of a coin do not."""
+    gap = np.abs(gaps(one.ellipse, other.ellipse))
+    return float(np.mean(gap < _TOUCHING)) > _MIN_TOUCHING and gap.max() > 2 * _TOUCHING
+
+
+def _is_shadow(outer: Outline, inner: Outline) -> bool:
+    """Tell whether an outline follows a coin on its lit side and the coin's shadow on the other."""
+    return inner.ellipse.size < outer.ellipse.size and _touch(outer, inner)
+
+
+def _coin(outline: Outline, shadow: float, band: float, shadowed: bool) -> Coin:
+    try:
+        fit = fit_ellipse(outline.points[outline.kept])
+    except FitError as error:
+        raise CalibrationError(f"no coin found: {error}") from error
+    correlated = _correlation_length(outline.ellipse.offsets(outline.points), outline.kept)
+    relative = math.hypot(_ROUNDING_STD, _SHADOW_STD * shadow, _BAND_STD * min(band, 1.0))
+    moved = math.hypot(_LENS_STD_PX, relative * fit.semi_major)
+    major_std, minor_std = (math.hypot(math.sqrt(correlated * fit.covariance[k, k]), moved) for k in (2, 3))
     return Coin(
         centre=(float(fit.centre[1]), float(fit.centre[0])),
         semi_major=fit.semi_major,
         semi_major_std=major_std,
         semi_minor=fit.semi_minor,
         semi_minor_std=minor_std,
-        # From x towards y, both as the picture counts them, to from straight up towards the left.
+        # From x towards y, both as the image counts them, to from straight up towards the left.
         orientation=math.pi / 2
         - (math.pi / 2 - math.atan2(-math.cos(fit.angle), -math.sin(fit.angle))) % math.pi,
         residual_std=fit.residual_std,
-        support=share,
+        support=outline.support,
         shadow=shadow,
-        flags=("shadow",) if shadow > _DEEP_SHADOW else (),
+        flags=("shadow",) if shadowed or shadow > _DEEP_SHADOW else (),
     )
+
+
+def _beside_edge(image: Float32Array, ellipse: PixelEllipse) -> tuple[float, float]:
+    """Return how much less, and how else, the coin differs from what lies beside it than from the ground.
+
+    The first is the share of the coin's contrast that a shadow takes: the edge is then pulled outward. The
+    second is how far a band beside the edge, shadow or rounded metal, departs from the ground.
+    """
+    levels = []
+    for factor in (0.97, 1.03, 1.05, 1.3):
+        at = ellipse.scaled(factor).points(8 * _SHADOW_SECTORS)[0].astype(np.float32)
+        ring = cv2.remap(image, at[:, 0], at[:, 1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+        levels.append(np.median(ring.reshape(_SHADOW_SECTORS, 8), axis=1))
+    coin, near, beside, ground = levels
+    contrast = np.maximum(np.abs(ground - coin), 1e-6)
+    missing = 1 - np.minimum(np.abs(near - coin), np.abs(beside - coin)) / contrast
+    band = np.maximum(np.abs(ground - near), np.abs(ground - beside)) / contrast
+    return max(0.0, float(np.quantile(missing, 0.9))), float(np.median(band))
+
+
+def _correlation_length(offsets: FloatArray, kept: npt.NDArray[np.bool_]) -> float:
+    """Return how many neighbours along the edge share one error: the sum of their correlations."""
+    values = np.where(kept, offsets, 0.0)
+    power = np.abs(np.fft.fft(values)) ** 2
+    pairs = np.fft.ifft(np.abs(np.fft.fft(kept.astype(float))) ** 2).real
+    correlation = np.fft.ifft(power).real / np.maximum(pairs, 1)
+    correlation = correlation[1 : kept.size // 8] / max(correlation[0], 1e-30)
+    negative = np.flatnonzero(correlation <= 0.05)
+    return float(1 + 2 * correlation[: negative[0] if negative.size else correlation.size].sum())

@@ -1,0 +1,385 @@
+"""Photographs of coins and washers traced by rays: a thick disc of metal on a table or on a glass prism.
+
+Independent of `fingerpad.simulate.coin`: a pinhole camera looks at a cylinder with a rounded edge and
+a height map, lit by lamps and a room that the metal mirrors; the disc casts shadows and hides some sky.
+Lengths are in radii of the disc, its centre the origin and the table z = 0.
+"""
+
+import math
+from typing import NamedTuple
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+Array = npt.NDArray[np.float64]
+Rng = np.random.Generator
+
+UP = np.array([0.0, 0.0, 1.0])
+SHAPE = (360, 480)
+OVERSAMPLING = 2
+KINDS = (
+    "plain",
+    "texture",
+    "uneven light",
+    "low contrast",
+    "hard shadow",
+    "partly shadowed",
+    "strong relief",
+    "touching a finger",
+    "touching an edge",
+    "oblique",
+    "washer on a prism",
+)
+NOT_ONE_COIN = ("two coins", "cut by the frame", "no coin", "a square")
+
+
+class Scene(NamedTuple):
+    """A photograph, and the true centre (row, column) and semi-axes of the disc's top outline, px."""
+
+    pixels: npt.NDArray[np.uint8]
+    centre: tuple[float, float]
+    semi_major: float
+    semi_minor: float
+
+
+class Disc(NamedTuple):
+    """Where a disc lies on the table, its thickness, its hole, and what it is made of."""
+
+    x: float
+    y: float
+    size: float
+    thickness: float
+    hole: float
+    rounding: float
+    metal: float
+    roughness: float
+    relief: float
+    letters: int
+    seed: int
+
+
+class Lamps(NamedTuple):
+    """Directions to the lamp's parts, its share of the light, the room's bright walls, the table's grey."""
+
+    parts: Array
+    direct: float
+    walls: Array
+    wall_width: float
+    table: float
+
+
+def scene(kind: str, seed: int) -> Scene:
+    """Return one photograph of a kind; the same seed gives the same one."""
+    rng = np.random.default_rng([seed, (KINDS + NOT_ONE_COIN).index(kind)])
+    prism = kind == "washer on a prism"
+    distance = rng.uniform(14, 40)
+    tilt = rng.uniform(0.25, 0.55) if kind == "oblique" else rng.uniform(0, 0.25)
+    if prism:
+        tilt = rng.uniform(0.0, 0.75)
+    radius_px = rng.uniform(62, 120)
+    offset = rng.uniform(-0.25, 0.25, 2)
+    if kind == "two coins":
+        radius_px, offset = rng.uniform(62, 75), np.array([rng.uniform(0.9, 1.05), rng.uniform(-0.2, 0.2)])
+    if kind == "cut by the frame":
+        offset = np.array([rng.choice([-1, 1]) * (SHAPE[1] / 2 / radius_px - rng.uniform(0.3, 0.8)), 0.0])
+    origins, rays = _camera(distance, tilt, rng.uniform(0, 2 * math.pi), radius_px, offset)
+
+    disc = _a_disc(kind, rng)
+    pale = _pale(kind, rng)
+    lamps = _lamps(kind, pale, rng)
+    if kind == "low contrast":
+        level = 0.25 + float(_mirrored(UP, -UP, lamps, disc.roughness))
+        lamps = lamps._replace(
+            table=disc.metal * level * rng.choice([rng.uniform(0.6, 0.78), rng.uniform(1.25, 1.6)])
+        )
+    discs = [disc]
+    if kind == "two coins":
+        discs.append(
+            _a_disc(kind, rng)._replace(
+                x=-rng.uniform(2.15, 2.4), y=rng.uniform(-0.3, 0.3), size=rng.uniform(0.8, 1.1)
+            )
+        )
+    ground_points = origins + rays * (-origins[2] / rays[2])
+    light = _ground(kind, ground_points, discs, lamps, rng)
+    if kind not in ("no coin", "a square"):
+        for each in discs:
+            light = _with_disc(light, origins, rays, each, lamps)
+    light = _with_neighbours(light, kind, ground_points, rng)
+    if kind == "partly shadowed":
+        light = light * _cast_shadow(ground_points, rng)
+    centre, major, minor = _imaged_circle(origins, disc, rays)
+    return Scene(_exposed(light, kind, rng), centre, major, minor)
+
+
+def _camera(
+    distance: float, tilt: float, turn: float, radius_px: float, offset: Array
+) -> tuple[Array, Array]:
+    """Return the camera's place, (3, 1, 1), and the rays through the fine pixels, (3, rows, columns)."""
+    rows, columns = (
+        ((np.arange(n * OVERSAMPLING) + 0.5) / OVERSAMPLING - 0.5 - (n - 1) / 2) / (radius_px * distance)
+        for n in SHAPE
+    )
+    down, right = np.meshgrid(rows, columns, indexing="ij")
+    right, down = right - offset[0] / distance, down - offset[1] / distance
+    # Image axes in the world for a camera overhead, tilted about an axis in the table, then turned.
+    back = np.array([math.sin(tilt) * math.cos(turn), math.sin(tilt) * math.sin(turn), math.cos(tilt)])
+    across = np.array([-math.sin(turn), math.cos(turn), 0.0])
+    along = np.cross(back, across)
+    spin = -np.array([math.cos(turn), math.sin(turn)])
+    x_axis = spin[0] * along + spin[1] * across
+    y_axis = np.cross(-back, x_axis)
+    rays = -back[:, None, None] + right * x_axis[:, None, None] + down * y_axis[:, None, None]
+    return (back * distance)[:, None, None], rays
+
+
+def _imaged_circle(origin: Array, disc: Disc, rays: Array) -> tuple[tuple[float, float], float, float]:
+    """Return centre (row, column) and semi-axes of the image of the top circle: a conic by its homography."""
+    rows, columns = rays.shape[1:]
+    # World ray as an affine map of pixel (column, row, 1), from three corners of the fine grid.
+    corner, right, down = rays[:, 0, 0], rays[:, 0, -1], rays[:, -1, 0]
+    per_column = (right - corner) / (columns - 1) * OVERSAMPLING
+    per_row = (down - corner) / (rows - 1) * OVERSAMPLING
+    first = (0.5 / OVERSAMPLING) - 0.5
+    to_ray = np.column_stack([per_column, per_row, corner - first * (per_column + per_row)])
+    height = disc.thickness - disc.rounding
+    place = origin[:, 0, 0] - np.array([disc.x, disc.y, height])
+    # Ray r meets z = height at x = o_x − o_z r_x / r_z: homogeneous (o_x r_z − o_z r_x, …, r_z).
+    to_plane = np.array([[-place[2], 0, place[0]], [0, -place[2], place[1]], [0, 0, 1.0]]) @ to_ray
+    conic = to_plane.T @ np.diag([1.0, 1.0, -(disc.size**2)]) @ to_plane
+    middle = -np.linalg.solve(conic[:2, :2], conic[:2, 2])
+    level = -(conic[2, 2] + conic[2, :2] @ middle)
+    axes = np.sort(np.sqrt(level / np.linalg.eigvalsh(conic[:2, :2])))
+    return (float(middle[1]), float(middle[0])), float(axes[1]), float(axes[0])
+
+
+def _a_disc(kind: str, rng: Rng) -> Disc:
+    washer = kind == "washer on a prism" or (kind == "texture" and rng.random() < 0.3)
+    return Disc(
+        x=0.0,
+        y=0.0,
+        size=1.0,
+        thickness=rng.uniform(0.06, 0.2),
+        hole=rng.uniform(0.3, 0.62) if washer else 0.0,
+        rounding=rng.uniform(0.01, 0.03) if washer else rng.uniform(0.005, 0.02),
+        metal=rng.uniform(0.25, 0.75),
+        roughness=rng.uniform(0.12, 0.5),
+        relief=0.0 if washer else rng.uniform(2.0, 3.5) if kind == "strong relief" else rng.uniform(0.3, 1.4),
+        letters=int(rng.integers(9, 26)),
+        seed=int(rng.integers(2**31)),
+    )
+
+
+def _pale(kind: str, rng: Rng) -> float:
+    """Return how bright the table is: dark or pale, and on a prism black or bright."""
+    if kind == "washer on a prism":
+        return float(rng.choice([rng.uniform(0.01, 0.06), rng.uniform(0.5, 0.9)]))
+    return float(rng.choice([rng.uniform(0.04, 0.12), rng.uniform(0.6, 0.95)]))
+
+
+def _lamps(kind: str, table: float, rng: Rng) -> Lamps:
+    hard = kind == "hard shadow"
+    polar = rng.uniform(0.7, 1.15) if hard else rng.uniform(0.1, 0.9)
+    turn = rng.uniform(0, 2 * math.pi)
+    middle = np.array([math.sin(polar) * math.cos(turn), math.sin(polar) * math.sin(turn), math.cos(polar)])
+    parts = middle + rng.normal(0, rng.uniform(0.02, 0.08) if hard else rng.uniform(0.1, 0.35), (12, 3))
+    parts[:, 2] = np.maximum(parts[:, 2], 0.25)
+    walls = rng.normal(0, 1, (3, 3))
+    walls[:, 2] = np.abs(walls[:, 2])
+    direct = rng.uniform(0.55, 0.85) if hard else rng.uniform(0.15, 0.5)
+    return Lamps(_unit(parts.T).T, direct, _unit(walls.T).T, rng.uniform(0.3, 0.8), table)
+
+
+def _unit(vectors: Array) -> Array:
+    return np.asarray(vectors / np.linalg.norm(vectors, axis=0, keepdims=True))
+
+
+def _mirrored(normal: Array, rays: Array, lamps: Lamps, roughness: float) -> Array:
+    """Return what rough metal mirrors: lamps, bright walls, a room paler above than below, the table."""
+    way = _unit(rays)
+    reflected = way - 2 * np.sum(way * normal, axis=0) * normal
+    seen = 0.35 + 0.35 * reflected[2]
+    for wall in lamps.walls:
+        seen = seen + 0.6 * np.exp((np.tensordot(wall, reflected, 1) - 1) / (lamps.wall_width**2))
+    lobe = roughness**2 + 0.01
+    for part in lamps.parts:
+        glare = np.exp((np.tensordot(part, reflected, 1) - 1) / lobe)
+        seen = seen + lamps.direct * 0.35 / lobe**0.5 / len(lamps.parts) * glare
+    share = 0.5 - 0.5 * np.tanh(reflected[2] / (0.5 * roughness))
+    return np.asarray((1 - share) * seen + share * 0.4 * lamps.table)
+
+
+def _with_disc(light: Array, origin: Array, rays: Array, disc: Disc, lamps: Lamps) -> Array:
+    """Return the picture with a disc: its face, its rounded edge and its wall, where rays meet them."""
+    place = origin - np.array([disc.x, disc.y, 0.0])[:, None, None]
+    top = disc.thickness - disc.rounding
+    x, y = (place[k] + rays[k] * ((top - place[2]) / rays[2]) for k in (0, 1))
+    distance = np.hypot(x, y)
+    face = (distance <= disc.size) & (distance >= disc.hole)
+    slope_x, slope_y = _slopes(x / disc.size, y / disc.size, disc)
+    normal = _unit(np.stack([-slope_x, -slope_y, np.ones_like(x)]))
+    metal = disc.metal * (0.25 + _mirrored(normal, rays, lamps, disc.roughness))
+    # The wall between table and top: the nearer root of |place + ray t| = size.
+    a = rays[0] ** 2 + rays[1] ** 2
+    b = place[0] * rays[0] + place[1] * rays[1]
+    root = b * b - a * (place[0] ** 2 + place[1] ** 2 - disc.size**2)
+    t = (-b - np.sqrt(np.maximum(root, 0))) / np.maximum(a, 1e-12)
+    height = place[2] + rays[2] * t
+    wall = (root > 0) & (height > 0) & (height < top) & ~face & (distance > disc.size)
+    wx, wy = place[0] + rays[0] * t, place[1] + rays[1] * t
+    reeded = 0.25 * np.sin(np.arctan2(wy, wx) * 130)
+    outward = _unit(np.stack([wx - reeded * wy, wy + reeded * wx, np.zeros_like(wx)]))
+    side = disc.metal * (0.1 + 0.5 * height / top) * (0.25 + _mirrored(outward, rays, lamps, disc.roughness))
+    return np.where(face, metal, np.where(wall, side, light))
+
+
+def _slopes(x: Array, y: Array, disc: Disc) -> tuple[Array, Array]:
+    """Return the slopes of the face: raised rim, beads, letters, a portrait and the rounded edge."""
+    rng = np.random.default_rng(disc.seed)
+    n = 512
+    grid = np.linspace(-1.05, 1.05, n)
+    gx, gy = np.meshgrid(grid, grid)
+    r, angle = np.hypot(gx, gy), np.arctan2(gy, gx)
+    inner = rng.uniform(0.86, 0.94)
+    height = 0.02 / (1 + np.exp(-(r - inner) / 0.006))
+    height = height + 0.008 * (np.abs(r - inner + 0.04) < 0.014) * (np.cos(90 * angle) > 0)
+    glyph = (rng.random((3, disc.letters * 5)) < 0.55).astype(float)
+    column = ((angle / (2 * math.pi) + 0.5) * disc.letters * 5).astype(int) % (disc.letters * 5)
+    row = np.clip((r - 0.66) / 0.05, 0, 2.99).astype(int)
+    height = height + 0.014 * glyph[row, column] * ((r > 0.66) & (r < 0.81))
+    blob = cv2.GaussianBlur(rng.normal(0, 1, (n, n)), (0, 0), 14) * 14
+    fine = cv2.GaussianBlur(rng.normal(0, 1, (n, n)), (0, 0), 4) * 4
+    height = height + (0.012 * blob + 0.004 * fine) * (r < 0.6)
+    height = cv2.GaussianBlur(height, (0, 0), 1.2) * disc.relief
+    down, right = np.gradient(height, grid[1] - grid[0])
+    at = (
+        ((x + 1.05) / (grid[1] - grid[0])).astype(np.float32),
+        ((y + 1.05) / (grid[1] - grid[0])).astype(np.float32),
+    )
+    slopes = [
+        cv2.remap(s.astype(np.float32), *at, cv2.INTER_LINEAR).astype(np.float64) for s in (right, down)
+    ]
+    distance = np.hypot(x, y) + 1e-12
+    # The rounded edge falls off as a quarter circle; a washer's hole likewise, inward.
+    into = np.clip((distance - 1 + disc.rounding) / disc.rounding, 0, 0.98)
+    fall = into / np.sqrt(1 - into**2)
+    if disc.hole:
+        hole = disc.hole / disc.size
+        back = np.clip((hole + disc.rounding - distance) / disc.rounding, 0, 0.98)
+        fall = fall - back / np.sqrt(1 - back**2)
+        turned = 0.06 * np.sin(distance * 180 + rng.uniform(0, 6))
+        fall = fall + turned * (into == 0) * (back == 0)
+    return slopes[0] - fall * x / distance * -1, slopes[1] + fall * y / distance
+
+
+def _ground(kind: str, points: Array, discs: list[Disc], lamps: Lamps, rng: Rng) -> Array:
+    """Return the lit table: its texture, the fall of light, the discs' shadows."""
+    x, y = points[:2]
+    prism = kind == "washer on a prism"
+    texture = _texture(kind, x, y, rng)
+    slope = rng.uniform(0.3, 0.8) if kind in ("uneven light", "washer on a prism") else rng.uniform(0, 0.15)
+    turn, reach = rng.uniform(0, 2 * math.pi), 3.0
+    lit = 1 + slope * np.tanh((x * math.cos(turn) + y * math.sin(turn)) / reach)
+    if kind in ("uneven light", "washer on a prism"):
+        spot = rng.uniform(-1.5, 1.5, 2)
+        lit = lit * (0.5 + np.exp(-((x - spot[0]) ** 2 + (y - spot[1]) ** 2) / rng.uniform(2, 8)))
+    seen = lamps.table * texture * lit
+    if prism:
+        return np.asarray(seen)
+    for disc in discs if kind not in ("no coin", "a square") else []:
+        seen = seen * _shaded(x - disc.x, y - disc.y, disc, lamps)
+    return np.asarray(seen)
+
+
+def _shaded(x: Array, y: Array, disc: Disc, lamps: Lamps) -> Array:
+    """Return the share of light left beside a disc: lamps it hides, and the sky that its wall hides."""
+    hidden = np.zeros_like(x)
+    for part in lamps.parts:
+        dx, dy = part[:2] * disc.thickness / part[2]
+        along = np.clip(-(x * dx + y * dy) / max(dx * dx + dy * dy, 1e-12), 0, 1)
+        near = np.hypot(x + along * dx, y + along * dy)
+        through = np.maximum(np.hypot(x, y), np.hypot(x + dx, y + dy)) < disc.hole
+        hidden += ((near < disc.size) & ~through) / len(lamps.parts)
+    gap = np.abs(np.hypot(x, y) - disc.size)
+    # A long wall hides half the sky at its foot, and gives back what the metal mirrors of the table.
+    sky = 1 - 0.5 * (1 - disc.metal) * (1 - gap / np.hypot(gap, disc.thickness))
+    return np.asarray(lamps.direct * (1 - hidden) + (1 - lamps.direct) * sky)
+
+
+def _texture(kind: str, x: Array, y: Array, rng: Rng) -> Array:
+    noise = [cv2.GaussianBlur(rng.normal(0, 1, x.shape), (0, 0), s) * s * 3.5 for s in (1.5, 4.0, 12.0)]
+    turn = rng.uniform(0, math.pi)
+    u, v = x * math.cos(turn) + y * math.sin(turn), y * math.cos(turn) - x * math.sin(turn)
+    weave = rng.uniform(25, 60)
+    kinds = {
+        "paper": 1 + 0.02 * noise[0] + 0.01 * noise[2],
+        "wood": 1
+        + rng.uniform(0.08, 0.25) * np.sin(9 * v + 0.6 * np.sin(1.3 * u) + 0.5 * noise[2])
+        + 0.06 * np.sin(47 * v + 0.8 * noise[2])
+        + 0.04 * noise[0],
+        "cloth": 1 + rng.uniform(0.08, 0.2) * np.sin(weave * u) * np.sin(weave * v) + 0.05 * noise[0],
+        "stone": 1 + 0.08 * noise[0] + 0.08 * noise[1] + 0.05 * noise[2],
+        "lined": 1 + 0.01 * noise[0] - rng.uniform(0.2, 0.6) * (np.abs((v * 2) % 1 - 0.5) < 0.02),
+    }
+    names = ("wood", "cloth", "stone", "lined") if kind in ("texture", "no coin") else ("paper",)
+    return np.asarray(np.clip(kinds[str(rng.choice(names))], 0.05, 2))
+
+
+def _with_neighbours(light: Array, kind: str, points: Array, rng: Rng) -> Array:
+    """Return the picture with what lies beside the disc: a finger, a card, a contact on the prism."""
+    x, y = points[:2]
+    turn = rng.uniform(0, 2 * math.pi)
+    u, v = x * math.cos(turn) + y * math.sin(turn), y * math.cos(turn) - x * math.sin(turn)
+    if kind == "touching a finger":
+        width, lean = rng.uniform(0.55, 0.8), rng.uniform(-0.3, 0.3)
+        tip = 1 + width - rng.uniform(0.0, 0.06)
+        away = np.hypot(np.minimum(u - tip, 0), v - lean * np.maximum(u - tip, 0)) / width
+        skin = rng.uniform(0.25, 0.6) * (0.45 + 0.55 * np.sqrt(np.maximum(1 - away**2, 0)))
+        ridged = 1 + 0.05 * np.sin(45 * (np.hypot(u - tip, v)))
+        return np.where((away < 1) & (np.hypot(x, y) > 1.0), skin * ridged, light)
+    if kind == "touching an edge":
+        card = rng.choice([rng.uniform(0.05, 0.15), rng.uniform(0.7, 0.95)])
+        ticks = np.where((np.abs((v * 6) % 1 - 0.5) < 0.08) & (u < 1.25), 0.3, 1.0)
+        return np.where(u > 1 + rng.uniform(-0.01, 0.02), card * ticks, light)
+    if kind == "a square":
+        side = rng.uniform(0.6, 0.9)
+        return np.where(np.maximum(np.abs(u), np.abs(v)) < side, rng.uniform(0.3, 0.6), light)
+    if kind == "washer on a prism":
+        along, across = rng.uniform(0.8, 1.2), rng.uniform(0.6, 0.9)
+        far = np.hypot((u - 1.25 - along) / along, v / across)
+        ridges = np.sin(38 * (v + 0.3 * np.sin(1.5 * u))) > rng.uniform(-0.4, 0.2)
+        dark = float(np.median(light)) > 0.25
+        contact = light * 0.25 if dark else light + 0.35
+        wet = np.where((far < 1) & ridges, contact, light)
+        ghost = rng.uniform(0.02, 0.08)
+        shift = int(rng.integers(6, 18))
+        return np.asarray((1 - ghost) * wet + ghost * np.roll(wet, shift, axis=1))
+    return light
+
+
+def _cast_shadow(points: Array, rng: Rng) -> Array:
+    """Return the light left by a hand or telephone held between lamp and table."""
+    turn = rng.uniform(0, 2 * math.pi)
+    edge = points[0] * math.cos(turn) + points[1] * math.sin(turn) - rng.uniform(-0.6, 0.6)
+    return np.asarray(1 - rng.uniform(0.25, 0.65) * (0.5 + 0.5 * np.tanh(edge / rng.uniform(0.02, 0.24))))
+
+
+def _exposed(light: Array, kind: str, rng: Rng) -> npt.NDArray[np.uint8]:
+    """Return the photograph: lens, sensor, noise, sRGB's curve and JPEG."""
+    lens = cv2.GaussianBlur(light, (0, 0), rng.uniform(0.5, 1.5) * OVERSAMPLING)
+    small = cv2.resize(lens, SHAPE[::-1], interpolation=cv2.INTER_AREA)
+    level = rng.uniform(0.65, 0.9) / float(np.quantile(small, 0.97))
+    exposed = small * level
+    grain = rng.uniform(0.002, 0.02)
+    exposed = exposed + rng.normal(0, 1, SHAPE) * grain * np.sqrt(np.maximum(exposed, 0) + 0.05)
+    coded = np.clip(exposed, 0, 1) ** (1 / 2.2)
+    if kind == "washer on a prism" and rng.random() < 0.5:
+        coded = np.clip(exposed, 0, 1)  # a machine-vision camera is linear
+    image = np.rint(255 * coded).astype(np.uint8)
+    return np.asarray(
+        cv2.imdecode(
+            cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, int(rng.integers(60, 96))])[1],
+            cv2.IMREAD_GRAYSCALE,
+        ),
+        dtype=np.uint8,
+    )
