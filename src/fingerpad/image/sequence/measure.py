@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from fingerpad._arrays import FloatArray
 from fingerpad.exceptions import ImageError, LoadingError
-from fingerpad.image._grayscale import Pixels
+from fingerpad.image._levels import Pixels
 from fingerpad.image.contact_image.measure import measure_contact_image
 from fingerpad.image.contact_image.result import ContactImageResult
 from fingerpad.image.scale import Scale
