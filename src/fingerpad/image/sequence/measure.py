@@ -119,11 +119,11 @@ def measure_frames(
         if frame.pixels is None:
             yield FrameResult(index=frame.index, readable=False, reason=frame.reason)
             continue
-        if texture_of(frame.pixels, scale, place) < settings.min_texture:
-            reason = "no contact found: the frame is smooth beside those of the largest contact"
-            yield FrameResult(index=frame.index, reason=reason)
-            continue
         try:
+            if texture_of(frame.pixels, scale, place) < settings.min_texture:
+                reason = "no contact found: the frame is smooth beside those of the largest contact"
+                yield FrameResult(index=frame.index, reason=reason)
+                continue
             contact_image = measure_contact_image(frame.pixels, scale, **settings.settings, **place)
         except ImageError as error:
             yield FrameResult(index=frame.index, reason=str(error))
