@@ -14,6 +14,7 @@ from benchmarks import (
     browser,
     contact_images,
     engine,
+    images,
     loading,
     mutations,
     page,
@@ -102,4 +103,5 @@ if __name__ == "__main__":
     page.report()
     browser.report()
     mutations.report()
+    images.report()
     soak.report()
