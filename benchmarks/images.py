@@ -36,7 +36,7 @@ def serve() -> None:
     print(peak_mb(), file=answers, flush=True)
     for number, line in enumerate(sys.stdin):
         with contextlib.suppress(OSError):
-            Path("/proc/self/clear_refs").write_text("5", encoding="ascii")  # the peak begins anew
+            Path("/proc/self/clear_refs").write_text("5", encoding="ascii")  # reset the peak
         try:
             outcome = "|".join(use(Path(line.rstrip("\n")), as_photograph=number % 20 == 0))
         except Exception:

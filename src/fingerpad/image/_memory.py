@@ -1,4 +1,4 @@
-"""The memory that a picture takes, told from its header before anything is decoded."""
+"""The memory that a picture takes, by its header, before anything is decoded."""
 
 from os import PathLike
 from typing import Final
