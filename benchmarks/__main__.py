@@ -16,6 +16,7 @@ from benchmarks import (
     coins,
     contact_images,
     engine,
+    images,
     loading,
     mutations,
     page,
@@ -105,5 +106,6 @@ if __name__ == "__main__":
     page.report()
     browser.report()
     mutations.report()
+    images.report()
     soak.report()
     commands.report()

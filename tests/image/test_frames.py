@@ -109,8 +109,8 @@ def test_nan_and_large_pages_cost_those_frames_only(tmp_path):
     stack[1, 2, 3] = np.nan
     tifffile.imwrite(tmp_path / "film.tif", stack, photometric="minisblack")
     assert levels(open_frames(tmp_path / "film.tif")) == [1, None, 1]
-    refused = list(open_frames(tmp_path / "film.tif", pixel_limit=100))
-    assert all(frame.pixels is None and "limit of 100" in frame.reason for frame in refused)
+    refused = list(open_frames(tmp_path / "film.tif", memory_limit=10_000))
+    assert all(frame.pixels is None and "raise memory_limit" in frame.reason for frame in refused)
 
 
 def make_empty_folder(path):

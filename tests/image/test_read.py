@@ -1,5 +1,10 @@
 """Reading pictures: every format and depth, and every way a file can be bad."""
 
+import io
+import os
+import tracemalloc
+import zlib
+
 import cv2
 import numpy as np
 import pytest
@@ -7,7 +12,7 @@ import tifffile
 from PIL import Image
 
 from fingerpad.exceptions import ImageError
-from fingerpad.image import read_image
+from fingerpad.image import open_frames, read_colour_image, read_image
 
 GREY = (np.add.outer(np.arange(40), 3 * np.arange(60)) % 256).astype(np.uint8)
 
@@ -232,7 +237,7 @@ def make_short_tiff(path):
         (make_header_only, "not a picture|cut short"),
         (make_nan, "NaN"),
         (make_stack, "2 pictures"),
-        (make_bomb, "too many pixels|more than the limit"),
+        (make_bomb, "raise memory_limit|far too many pixels"),
         (make_short_tiff, "not a picture|cut short"),
     ],
 )
@@ -244,11 +249,41 @@ def test_bad_files_are_named(tmp_path, make, words):
     assert str(path) in str(caught.value)
 
 
-def test_deep_colour_is_limited_too(tmp_path):
-    write_deep(tmp_path / "a.png", np.zeros((20, 30, 3), np.uint16))
-    assert read_image(tmp_path / "a.png", pixel_limit=600).pixels.shape == (20, 30)
-    with pytest.raises(ImageError, match="30 × 20 pixels are more than the limit of 599"):
-        read_image(tmp_path / "a.png", pixel_limit=599)
+@pytest.mark.parametrize(
+    ("name", "dtype", "channels", "needed"),
+    [
+        ("a.png", np.uint8, 1, 26),
+        ("a.bmp", np.uint8, 1, 26),
+        ("a.pgm", np.uint8, 1, 26),
+        ("a.jpg", np.uint8, 3, 30),
+        ("a.png", np.uint16, 3, 36),
+        ("plain.tif", np.uint16, 3, 36),
+        ("plain.tif", np.float32, 3, 48),
+    ],
+)
+def test_memory_is_limited_by_what_samples_and_measuring_take(tmp_path, name, dtype, channels, needed):
+    path = tmp_path / name
+    colour = np.ones((20, 30, 3), dtype)
+    if name == "plain.tif":
+        tifffile.imwrite(path, colour, photometric="rgb")
+    else:
+        assert cv2.imwrite(str(path), colour if channels == 3 else colour[..., 0])
+    assert read_image(path, memory_limit=600 * needed).pixels.shape == (20, 30)
+    for read in (read_image, read_colour_image):
+        with pytest.raises(ImageError, match="30 × 20 pixels .* raise memory_limit") as caught:
+            read(path, memory_limit=600 * needed - 1)
+        assert str(path) in str(caught.value)
+
+
+@pytest.mark.parametrize("tags", [{"TileWidth": 2**20, "TileLength": 2**20}, {"ImageWidth": 2**30}])
+def test_tiles_larger_than_the_picture_are_limited(tmp_path, tags):
+    path = tmp_path / "a.tif"
+    tifffile.imwrite(path, GREY, tile=(16, 16), photometric="minisblack")
+    with tifffile.TiffFile(path, mode="r+b") as tiff:
+        for name, value in tags.items():
+            tiff.pages[0].tags[name].overwrite(value, dtype="I")
+    with pytest.raises(ImageError, match="raise memory_limit"):
+        read_image(path)
 
 
 def test_a_deep_png_cut_short_is_named(tmp_path):
@@ -264,7 +299,7 @@ def test_size_is_checked_before_decoding(tmp_path):
     path = tmp_path / "large.pgm"
     path.write_bytes(b"P5\n3000 2000\n255\n")
     with pytest.raises(ImageError, match="3000 × 2000"):
-        read_image(path, pixel_limit=1_000_000)
+        read_image(path, memory_limit=100_000_000)
 
 
 @pytest.mark.parametrize("cut", range(1, 400, 13))
@@ -292,3 +327,251 @@ def test_pages_of_doubles_are_several_pictures_too(tmp_path):
     tifffile.imwrite(tmp_path / "stack.tif", np.zeros((3, 40, 40)), photometric="minisblack")
     with pytest.raises(ImageError, match="holds 3 pictures"):
         read_image(tmp_path / "stack.tif")
+
+
+def as_levels(dtype):
+    """Return the test picture stretched over the range of a type."""
+    top = 3.0 if np.dtype(dtype).kind == "f" else np.iinfo(dtype).max
+    return (GREY / 255 * top).astype(dtype)
+
+
+def as_colour(dtype):
+    share = np.random.default_rng(3).random((40, 60, 3))
+    return (share * (1.0 if np.dtype(dtype).kind == "f" else np.iinfo(dtype).max)).astype(dtype)
+
+
+def assert_levels(path, expected, tolerance):
+    np.testing.assert_allclose(read_image(path).pixels.astype(float), expected, rtol=1e-6, atol=tolerance)
+
+
+LAYOUTS = [
+    {"compression": compression, "tile": tile, "byteorder": order}
+    for compression in (None, "zlib")
+    for tile in (None, (16, 32))
+    for order in "<>"
+]
+
+
+@pytest.mark.parametrize("layout", LAYOUTS, ids=str)
+@pytest.mark.parametrize("dtype", ["u1", "u2", "u4", "u8", "i1", "i2", "i4", "f2", "f4", "f8"])
+def test_grey_of_every_type_and_layout(tmp_path, layout, dtype):
+    path, levels = tmp_path / "a.tif", as_levels(dtype)
+    tifffile.imwrite(path, levels, photometric="minisblack", **layout)
+    assert_levels(path, levels.astype(float), 0)
+    tifffile.imwrite(path, levels, photometric="miniswhite", **layout)
+    if dtype.startswith("u"):
+        assert_levels(path, np.iinfo(dtype).max - levels.astype(float), 1e-6 * np.iinfo(dtype).max)
+    else:
+        with pytest.raises(ImageError, match="least as white"):
+            read_image(path)
+
+
+@pytest.mark.parametrize("layout", LAYOUTS, ids=str)
+@pytest.mark.parametrize("planar", ["contig", "separate"])
+@pytest.mark.parametrize("dtype", ["u1", "u2", "f4", "f8"])
+def test_colour_of_every_type_and_layout(tmp_path, layout, planar, dtype):
+    path, colour = tmp_path / "a.tif", as_colour(dtype)
+    planes = colour if planar == "contig" else np.moveaxis(colour, 2, 0)
+    tifffile.imwrite(path, planes, photometric="rgb", planarconfig=planar, **layout)
+    tolerance = 1e-6 if dtype.startswith("f") else 0.51
+    assert_levels(path, colour @ np.array([0.299, 0.587, 0.114]), tolerance)
+
+
+@pytest.mark.parametrize("kind", ["assocalpha", "unassalpha", "unspecified"])
+@pytest.mark.parametrize("planar", ["contig", "separate"])
+@pytest.mark.parametrize("channels", [1, 3])
+@pytest.mark.parametrize("dtype", ["u1", "u2"])
+def test_alpha_of_every_kind_lies_on_white(tmp_path, kind, planar, channels, dtype):
+    colour, top = as_colour(dtype)[..., :channels], np.iinfo(dtype).max
+    share = np.repeat([1.0, 0.5], 20)[:, None, None]
+    stored = (colour * share).astype(dtype) if kind == "assocalpha" else colour
+    alpha = np.broadcast_to((share * top).round().astype(dtype), (40, 60, 1))
+    samples = np.concatenate([stored, alpha], axis=2)
+    tifffile.imwrite(
+        tmp_path / "a.tif",
+        samples if planar == "contig" else np.moveaxis(samples, 2, 0),
+        photometric="rgb" if channels == 3 else "minisblack",
+        planarconfig=planar,
+        extrasamples=[kind],
+    )
+    grey = colour @ np.array([0.299, 0.587, 0.114]) if channels == 3 else colour[..., 0].astype(float)
+    seen = grey if kind == "unspecified" else share[..., 0] * grey + (1 - share[..., 0]) * top
+    assert_levels(tmp_path / "a.tif", seen, 2)
+
+
+@pytest.mark.parametrize("compression", ["raw", "tiff_lzw", "tiff_adobe_deflate", "packbits"])
+@pytest.mark.parametrize("mode", ["1", "L", "P", "I;16", "F", "RGB", "RGBA", "CMYK", "YCbCr"])
+def test_every_mode_that_pillow_writes_without_loss(tmp_path, compression, mode):
+    if mode in {"I;16", "F"}:
+        image = Image.fromarray(as_levels("u2" if mode == "I;16" else "f4"))
+        expected = np.asarray(image).astype(float)
+    else:
+        image = Image.fromarray(as_colour("u1")).convert(mode)
+        expected = np.asarray(image.convert("L")).astype(float)
+    image.save(tmp_path / "a.tif", compression=compression)
+    assert_levels(tmp_path / "a.tif", expected, 1)
+
+
+@pytest.mark.parametrize("compression", ["group3", "group4", "tiff_ccitt"])
+def test_fax_compressions(tmp_path, compression):
+    Image.fromarray(GREY > 100).save(tmp_path / "a.tif", compression=compression)
+    assert_levels(tmp_path / "a.tif", 255.0 * (GREY > 100), 0)
+
+
+@pytest.mark.parametrize("mode", ["L", "RGB", "YCbCr", "CMYK"])
+def test_jpeg_in_tiff(tmp_path, mode):
+    smooth = np.tile(np.linspace(0, 255, 64).astype(np.uint8), (64, 1))
+    Image.fromarray(smooth).convert("RGB").convert(mode).save(
+        tmp_path / "a.tif", compression="jpeg", quality=95
+    )
+    assert_levels(tmp_path / "a.tif", smooth, 8)
+
+
+@pytest.mark.parametrize("predictor", [1, 2, 3])
+@pytest.mark.parametrize("compression", [cv2.IMWRITE_TIFF_COMPRESSION_LZW, 8])
+@pytest.mark.parametrize("dtype", ["u1", "u2", "f4"])
+@pytest.mark.parametrize("channels", [1, 3])
+def test_predictors(tmp_path, predictor, compression, dtype, channels):
+    if predictor == 3 and dtype != "f4":
+        predictor = 2
+    colour = as_colour(dtype)[..., ::-1] if channels == 3 else as_levels(dtype)
+    options = [cv2.IMWRITE_TIFF_COMPRESSION, compression, cv2.IMWRITE_TIFF_PREDICTOR, predictor]
+    assert cv2.imwrite(str(tmp_path / "a.tif"), colour, options)
+    expected = colour[..., ::-1] @ np.array([0.299, 0.587, 0.114]) if channels == 3 else colour.astype(float)
+    assert_levels(tmp_path / "a.tif", expected, 1e-6 if dtype == "f4" else 0.51)
+
+
+@pytest.mark.parametrize("bits", [2, 4])
+def test_few_bits(tmp_path, bits):
+    levels = GREY[:, :59] >> (8 - bits)
+    rows = np.pad(levels, ((0, 0), (0, -59 % (8 // bits)))).reshape(40, -1, 8 // bits)
+    shifts = np.arange(8 - bits, -1, -bits, dtype=np.uint8)
+    packed = (rows << shifts).sum(axis=2, dtype=np.uint8)
+    tifffile.imwrite(tmp_path / "a.tif", packed, photometric="minisblack", metadata=None)
+    with tifffile.TiffFile(tmp_path / "a.tif", mode="r+b") as tiff:
+        tiff.pages[0].tags["BitsPerSample"].overwrite(bits)
+        tiff.pages[0].tags["ImageWidth"].overwrite(59)
+    assert_levels(tmp_path / "a.tif", levels * (255.0 / (2**bits - 1)), 0)
+
+
+def encoded(form, **options):
+    file = io.BytesIO()
+    Image.fromarray(GREY).save(file, form, **options)
+    return file.getvalue()
+
+
+@pytest.mark.parametrize(
+    ("code", "name", "content"),
+    [
+        (34712, "JPEG2000", lambda: encoded("JPEG2000", no_jp2=True)),
+        (33003, "APERIO_JP2000", lambda: encoded("JPEG2000", no_jp2=True)),
+        (50002, "JPEGXL", lambda: b"\xff\x0a" + bytes(200)),
+        (50001, "WEBP", lambda: encoded("WEBP")),
+        (34933, "PNG", lambda: encoded("PNG")),
+        (34661, "JBIG", lambda: bytes(300)),
+        (34887, "LERC", lambda: bytes(300)),
+        (34925, "LZMA", lambda: bytes(300)),
+        (50000, "ZSTD", lambda: bytes(300)),
+        (34676, "SGILOG", lambda: bytes(300)),
+        (32809, "THUNDERSCAN", lambda: bytes(300)),
+        (6, "OJPEG", lambda: bytes(300)),
+        (12345, "number 12345", lambda: bytes(300)),
+    ],
+)
+def test_a_compression_that_is_not_decoded_is_refused_by_name(tmp_path, code, name, content):
+    path = tmp_path / "a.tif"
+    tifffile.imwrite(path, np.frombuffer(content(), np.uint8)[None], photometric="minisblack", metadata=None)
+    with tifffile.TiffFile(path, mode="r+b") as tiff:
+        tags = tiff.pages[0].tags
+        tags["Compression"].overwrite(code)
+        tags["ImageWidth"].overwrite(60)
+        tags["ImageLength"].overwrite(40)
+        tags["RowsPerStrip"].overwrite(40)
+    for read in (read_image, read_colour_image):
+        with pytest.raises(ImageError, match=f"compression {name}.* convert the picture to PNG") as caught:
+            read(path)
+        assert str(path) in str(caught.value)
+    (frame,) = open_frames(path)
+    assert frame.pixels is None
+    assert name in frame.reason
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"photometric": "cielab", "shape": (40, 60, 3), "dtype": "u1"}, "colour space CIELAB"),
+        (
+            {"photometric": "separated", "shape": (40, 60, 4), "dtype": "u2"},
+            "4 × 16 bits in TIFF",
+        ),
+        ({"photometric": "minisblack", "shape": (40, 60), "dtype": "c8"}, "64 bits in format 6"),
+    ],
+)
+def test_kinds_of_tiff_that_are_refused(tmp_path, options, words):
+    tifffile.imwrite(tmp_path / "a.tif", **options)
+    with pytest.raises(ImageError, match=words):
+        read_image(tmp_path / "a.tif")
+
+
+@pytest.mark.parametrize("compression", [None, "zlib"])
+def test_a_strip_that_is_missing_is_not_black(tmp_path, compression):
+    path = tmp_path / "a.tif"
+    tifffile.imwrite(path, GREY, rowsperstrip=8, compression=compression, photometric="minisblack")
+    with tifffile.TiffFile(path, mode="r+b") as tiff:
+        counts = list(tiff.pages[0].databytecounts)
+        tiff.pages[0].tags["StripByteCounts"].overwrite([*counts[:2], 0, *counts[3:]])
+    with pytest.raises(ImageError, match=r"a\.tif.*cut short"):
+        read_image(path)
+
+
+def test_a_stream_that_unpacks_to_more_than_the_picture_is_cut(tmp_path):
+    bomb = zlib.compress(bytes(50_000_000), 9)
+    tifffile.imwrite(tmp_path / "a.tif", iter([bomb]), shape=(40, 60), dtype="u1", compression="zlib")
+    tracemalloc.start()
+    pixels = read_image(tmp_path / "a.tif").pixels
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert pixels.shape == (40, 60)
+    assert peak < 5_000_000
+
+
+def test_a_pipe_is_refused_without_waiting(tmp_path):
+    for name in ("a.png", "a.tif", "a.avi"):
+        os.mkfifo(tmp_path / name)
+        for read in (read_image, read_colour_image, open_frames):
+            with pytest.raises(ImageError, match="is a pipe or a device|is one picture"):
+                read(tmp_path / name)
+
+
+@pytest.mark.parametrize("name", ["a" * 300 + ".png", "nul\0.png", "a.png/b.png"])
+def test_impossible_names_are_named(tmp_path, name):
+    (tmp_path / "a.png").write_bytes(b"x")
+    for read in (read_image, open_frames):
+        with pytest.raises(ImageError, match="cannot be opened|no such file"):
+            read(tmp_path / name)
+
+
+def test_what_may_not_be_read_is_named(tmp_path):
+    tmp_path.chmod(0o755)
+    (tmp_path / "folder").mkdir()
+    for name in ("a.png", "a.tif", "a.avi"):
+        (tmp_path / name).write_bytes(b"x")
+        (tmp_path / name).chmod(0)
+    (tmp_path / "folder").chmod(0)
+    user = os.geteuid()
+    if user == 0:
+        os.seteuid(65534)
+    try:
+        for read, name in [
+            (read_image, "a.png"),
+            (read_colour_image, "a.tif"),
+            (open_frames, "a.tif"),
+            (open_frames, "a.avi"),
+            (open_frames, "folder"),
+        ]:
+            with pytest.raises(ImageError, match=r"Permission denied.*check") as caught:
+                read(tmp_path / name)
+            assert name in str(caught.value)
+    finally:
+        os.seteuid(user)
+        (tmp_path / "folder").chmod(0o755)

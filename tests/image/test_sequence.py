@@ -261,7 +261,7 @@ def test_an_overexposed_empty_frame_shows_no_contact():
         ([], "no frame can be read"),
         ([Frame(index=0, pixels=None, reason="torn")], "no frame can be read: torn"),
         ([Frame(index=0, pixels=np.zeros((90, 90), np.uint8))] * 3, "no contact found in any frame"),
-        ([Frame(index=0, pixels=np.zeros((1, 1), np.uint8))], "no contact found in any frame"),
+        ([Frame(index=0, pixels=np.zeros((1, 1), np.uint8))], "1 × 1 px is too small"),
     ],
 )
 def test_a_sequence_without_contact_is_refused(frames, words):

@@ -1,5 +1,6 @@
 """Measure pictures: contact images, and photographs of a finger's faces."""
 
+from fingerpad.image._memory import MEMORY_LIMIT
 from fingerpad.image.coin.measure import Coin, measure_coin
 from fingerpad.image.colour import read_colour_image
 from fingerpad.image.contact_image.manual import BrushStroke, ManualEllipse
@@ -75,6 +76,7 @@ from fingerpad.image.sequence.settings import (
 __all__ = [
     "FACE_AXES",
     "FLAGS",
+    "MEMORY_LIMIT",
     "PHASES",
     "PHOTOGRAPH_FLAGS",
     "PLAUSIBLE_RIDGE_PERIOD_MM",

@@ -1,20 +1,29 @@
 """Read a photograph in colour."""
 
-import warnings
 from os import PathLike
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from PIL import Image, ImageOps, UnidentifiedImageError
 
-from fingerpad.image.read import FORMATS, PIXEL_LIMIT, read_image
+from fingerpad.image._levels import Pixels, top_level
+from fingerpad.image._memory import MEMORY_LIMIT
+from fingerpad.image.read import read_levels
+
+# Rows converted at a time, so that copies in single precision stay small.
+_BLOCK_ROWS = 64
 
 
-def read_colour_image(path: str | PathLike[str], *, pixel_limit: int = PIXEL_LIMIT) -> npt.NDArray[np.uint8]:
+def read_colour_image(
+    path: str | PathLike[str], *, memory_limit: int = MEMORY_LIMIT
+) -> npt.NDArray[np.uint8]:
     """Read a photograph from a PNG, TIFF, JPEG, BMP or PPM file as red, green, blue of 8 bits.
 
     Transparency is laid on white, and a camera's rotation tag is obeyed.
+
+    Parameters
+    ----------
+    path, memory_limit
+        As for `read_image`.
 
     Raises
     ------
@@ -25,27 +34,19 @@ def read_colour_image(path: str | PathLike[str], *, pixel_limit: int = PIXEL_LIM
     --------
     >>> read_colour_image("no_such_finger.jpg")
     Traceback (most recent call last):
-    fingerpad.exceptions.ImageError: no_such_finger.jpg: no such file: check the path
+    fingerpad.exceptions.ImageError: no_such_finger.jpg: no such file or folder: check the path
     """
-    # The grey reader has every check of the file, its size and its damage.
-    grey = read_image(path, pixel_limit=pixel_limit).pixels
-    try:
-        with warnings.catch_warnings(), Image.open(path, formats=FORMATS) as image:
-            warnings.simplefilter("ignore")
-            if image.mode.startswith(("I", "F")):
-                return _eight_bit(grey)
-            upright = ImageOps.exif_transpose(image).convert("RGBA")
-            white = Image.new("RGBA", upright.size, "white")
-            return np.asarray(Image.alpha_composite(white, upright).convert("RGB"), dtype=np.uint8)
-    except UnidentifiedImageError:
-        # Kinds of TIFF that only the grey reader knows.
-        return _eight_bit(grey)
+    levels = _eight_bit(read_levels(path, memory_limit)[0])
+    return np.repeat(levels[..., None], 3, axis=2) if levels.ndim == 2 else levels
 
 
-def _eight_bit(pixels: npt.NDArray[Any]) -> npt.NDArray[np.uint8]:
-    """Return grey of any depth as red, green, blue of 8 bits."""
-    top = {"u": float(np.iinfo(pixels.dtype).max) if pixels.dtype.kind == "u" else 0.0}.get(
-        pixels.dtype.kind, max(1.0, float(pixels.max()))
-    )
-    grey = np.clip(np.rint(pixels * (255 / top)), 0, 255).astype(np.uint8)
-    return np.repeat(grey[..., None], 3, axis=2)
+def _eight_bit(levels: Pixels) -> npt.NDArray[np.uint8]:
+    """Return levels of any depth as 8 bits."""
+    if levels.dtype == np.uint8:
+        return np.asarray(levels, dtype=np.uint8)
+    top = top_level(levels) or max(1.0, float(levels.max()))
+    eight = np.empty(levels.shape, dtype=np.uint8)
+    for start in range(0, len(levels), _BLOCK_ROWS):
+        rows = slice(start, start + _BLOCK_ROWS)
+        eight[rows] = np.clip(np.rint(levels[rows] * (255 / top)), 0, 255)
+    return eight

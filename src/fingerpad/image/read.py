@@ -2,6 +2,7 @@
 
 import math
 import re
+import stat
 import warnings
 from dataclasses import dataclass
 from os import PathLike
@@ -15,17 +16,25 @@ import tifffile
 from PIL import Image, ImageOps, UnidentifiedImageError
 
 from fingerpad.exceptions import ImageError
-from fingerpad.image._grayscale import Pixels, grey_of_array, upright
-from fingerpad.image._tiff import ORIENTATION_TAG, grey_of_page, resolution_of_page, size_of_page
+from fingerpad.image._levels import Pixels, levels_of_image, luma, on_white, storable, upright
+from fingerpad.image._memory import MEMORY_LIMIT, check_memory
+from fingerpad.image._tiff import (
+    description_of_page,
+    is_reduced_copy,
+    levels_of_page,
+    raw_resolution,
+    resolution_of_page,
+    tifffile_warnings,
+)
 
-FORMATS = ("PNG", "TIFF", "JPEG", "BMP", "PPM")
-PIXEL_LIMIT = 100_000_000
+_FORMATS: Final = ("PNG", "JPEG", "BMP", "PPM")
 _READABLE = "PNG, TIFF, JPEG, BMP or PGM"
+_TIFF_STARTS: Final = (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")
+_ORIENTATION_TAG: Final = 274
 # Files without a true resolution carry 0 or 1 here.
 _LEAST_PPI = 10.0
 # ImageJ keeps its scale as pixels per unit, and the unit in the description.
 _IMAGEJ_UNITS: Final = {"inch": 1.0, "cm": 2.54, "mm": 25.4, "um": 25400.0, "micron": 25400.0}
-_BITS_TAG, _SUBFILE_TAG, _DESCRIPTION_TAG, _RESOLUTION_TAGS = 258, 254, 270, (282, 283)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -46,7 +55,7 @@ class Picture:
     dots_per_inch: float | None
 
 
-def read_image(path: str | PathLike[str], *, pixel_limit: int = PIXEL_LIMIT) -> Picture:
+def read_image(path: str | PathLike[str], *, memory_limit: int = MEMORY_LIMIT) -> Picture:
     """Read one grey picture from a PNG, TIFF, JPEG, BMP or PGM file.
 
     Colour becomes luma (ITU-R BT.601) of the file's own depth, transparency is laid on white, and a camera's
@@ -54,12 +63,17 @@ def read_image(path: str | PathLike[str], *, pixel_limit: int = PIXEL_LIMIT) -> 
     measure its first page in silence would be to guess. Reduced copies that a TIFF carries beside its
     picture do not count. `open_frames` reads such files page by page.
 
+    Of TIFF, levels of 1 to 64 bits are read uncompressed or compressed by LZW, Deflate or PackBits, and those
+    of 8 bits or 1 bit by JPEG or CCITT. Other compressions are refused by name.
+
     Parameters
     ----------
     path : path-like
         The file.
-    pixel_limit : int
-        The most pixels to accept, checked in the header before anything is decoded.
+    memory_limit : int
+        The most bytes that reading and measuring the picture may take, by its header, before anything is
+        decoded: for each pixel 24, and twice those of its samples. 2 GB are 76 million pixels of 8-bit grey,
+        and 66 million of 8-bit colour.
 
     Returns
     -------
@@ -74,122 +88,163 @@ def read_image(path: str | PathLike[str], *, pixel_limit: int = PIXEL_LIMIT) -> 
     --------
     >>> read_image("no_such_print.png")
     Traceback (most recent call last):
-    fingerpad.exceptions.ImageError: no_such_print.png: no such file: check the path
+    fingerpad.exceptions.ImageError: no_such_print.png: no such file or folder: check the path
+    """
+    levels, resolution = read_levels(path, memory_limit)
+    return Picture(pixels=luma(levels), dots_per_inch=resolution)
+
+
+def read_levels(path: str | PathLike[str], memory_limit: int) -> tuple[Pixels, float | None]:
+    """Return the levels of a picture, upright and on white, (rows, columns) or (rows, columns, 3).
+
+    Returns
+    -------
+    levels : ndarray
+        uint8, uint16 or float32.
+    dots_per_inch : float or None
+        As in `Picture`.
+
+    Raises
+    ------
+    ImageError
+        As for `read_image`.
     """
     path = Path(path)
-    _check_file(path)
+    start = _checked_start(path)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         try:
-            pixels, resolution = _decode(path, pixel_limit)
-        except UnidentifiedImageError:
-            pixels, resolution = _decode_tiff(path, pixel_limit)
+            levels, resolution = (_tiff if start in _TIFF_STARTS else _decoded)(path, memory_limit)
+        except UnidentifiedImageError as error:
+            raise ImageError(
+                f"{path}: is not a picture this library reads: save it as {_READABLE}"
+            ) from error
+        except ImageError as error:
+            raise error if str(path) in str(error) else ImageError(f"{path}: {error}") from error
         except (Image.DecompressionBombError, MemoryError) as error:
             raise ImageError(f"{path}: far too many pixels: crop or shrink the picture") from error
-        except (OSError, SyntaxError, ValueError, EOFError, TypeError, IndexError) as error:
+        # The libraries let errors of any kind out of a damaged file.
+        except Exception as error:
             raise ImageError(
                 f"{path}: cannot be decoded, the file is cut short or damaged ({error}): copy it again"
             ) from error
-    if not np.isfinite(pixels).all():
-        bad = int(np.count_nonzero(~np.isfinite(pixels)))
-        raise ImageError(f"{path}: {bad} pixels are NaN or infinite: fill them before measuring")
-    return Picture(pixels=pixels, dots_per_inch=resolution)
+    check_finite(levels, path)
+    return levels, resolution
 
 
-def _check_file(path: Path) -> None:
+def check_finite(levels: Pixels, name: object) -> None:
+    """Refuse levels that are NaN or infinite.
+
+    Raises
+    ------
+    ImageError
+        With their number, after the name.
+    """
+    if levels.dtype.kind != "f":
+        return
+    bad = levels.size - int(np.count_nonzero(np.isfinite(levels)))
+    if bad:
+        raise ImageError(f"{name}: {bad} levels are NaN or infinite: fill them before measuring")
+
+
+def check_regular(path: Path) -> None:
+    """Refuse what is neither a file nor a folder: reading a pipe would wait without end.
+
+    Raises
+    ------
+    ImageError
+        If there is nothing, or something else.
+    """
     try:
-        if path.is_dir():
-            raise ImageError(f"{path}: is a folder: name one picture in it")
-        if not path.exists():
-            raise ImageError(f"{path}: no such file: check the path")
-        with path.open("rb") as file:
-            first = file.read(1)
+        kind = path.stat().st_mode
+    except FileNotFoundError as error:
+        raise ImageError(f"{path}: no such file or folder: check the path") from error
     except (OSError, ValueError) as error:
+        raise ImageError(f"{path}: cannot be opened ({error}): check the path and its permissions") from error
+    if not (stat.S_ISREG(kind) or stat.S_ISDIR(kind)):
+        raise ImageError(f"{path}: is a pipe or a device: save the pictures as a file")
+
+
+def _checked_start(path: Path) -> bytes:
+    """Return the first bytes of a file."""
+    check_regular(path)
+    if path.is_dir():
+        raise ImageError(f"{path}: is a folder: name one picture in it")
+    try:
+        with path.open("rb") as file:
+            first = file.read(4)
+    except OSError as error:
         raise ImageError(f"{path}: cannot be opened ({error}): check the path and its permissions") from error
     if not first:
         raise ImageError(f"{path}: the file is empty: copy it again")
+    return first
 
 
-def check_size(path: Path, columns: int, rows: int, pixel_limit: int) -> None:
-    """Refuse a picture that its header says is too large to decode."""
-    if columns * rows > pixel_limit:
-        raise ImageError(
-            f"{path}: {columns} × {rows} pixels are more than the limit of {pixel_limit}: "
-            "crop or shrink the picture, or raise pixel_limit"
-        )
-
-
-def _decode(path: Path, pixel_limit: int) -> tuple[Pixels, float | None]:
-    """Decode by Pillow, or by others the deep colour it would cut; the header passes the size check first."""
-    with Image.open(path, formats=FORMATS) as image:
-        check_size(path, *image.size, pixel_limit)
-        if _is_several(image):
+def _tiff(path: Path, memory_limit: int) -> tuple[Pixels, float | None]:
+    with tifffile_warnings(), tifffile.TiffFile(path) as tiff:
+        page = tiff.pages[0]
+        if any(not is_reduced_copy(tiff.pages[number]) for number in range(1, len(tiff.pages))):
             raise ImageError(
-                f"{path}: holds {getattr(image, 'n_frames', 1)} pictures: "
+                f"holds {len(tiff.pages)} pictures: "
                 "save the one to measure in its own file, or measure them all as a sequence"
             )
-        resolution = _resolution(image)
-        if not _is_deep_colour(image):
-            return grey_of_image(ImageOps.exif_transpose(image)), resolution
-        tag = image.getexif().get(ORIENTATION_TAG, 1)
-        if image.format == "TIFF":
-            return _decode_tiff(path, pixel_limit)[0], resolution
-    return grey_of_array(upright(_decode_by_opencv(path), int(tag))), resolution
+        return levels_of_page(path, 0, page, memory_limit), _tiff_resolution(page)
 
 
-def _is_several(image: Image.Image) -> bool:
-    """Tell whether a file holds more than one picture, reduced copies of it left aside."""
-    count = getattr(image, "n_frames", 1)
-    if image.format == "MPO":  # a telephone's JPEG, followed by a preview
-        return False
-    if count == 1 or image.format != "TIFF":
-        return count > 1
-    try:
-        for number in range(1, count):
-            image.seek(number)
-            if not image.getexif().get(_SUBFILE_TAG, 0) & 1:
-                return True
-    finally:
-        image.seek(0)
-    return False
+def _decoded(path: Path, memory_limit: int) -> tuple[Pixels, float | None]:
+    """Decode by Pillow, or by OpenCV the deep colour it would cut; the header passes the check first."""
+    with Image.open(path, formats=_FORMATS) as image:
+        deep = _is_deep_colour(image)
+        sample_bytes = 2 if deep else {"I": 4, "F": 4}.get(image.mode[:1], 1)
+        channels = len(image.getbands())
+        check_memory(path, image.size, memory_limit, channels=channels, sample_bytes=sample_bytes)
+        count = getattr(image, "n_frames", 1)
+        if count > 1 and image.format != "MPO":  # a telephone's JPEG, followed by a preview
+            raise ImageError(
+                f"holds {count} pictures: "
+                "save the one to measure in its own file, or measure them all as a sequence"
+            )
+        resolution = _plausible_resolution(image.info.get("dpi"))
+        if not deep:
+            return levels_of_image(ImageOps.exif_transpose(image)), resolution
+        image.load()  # what is cut short or damaged is refused here
+        tag = image.getexif().get(_ORIENTATION_TAG, 1)
+    return upright(_decoded_by_opencv(path), int(tag)), resolution
 
 
 def _is_deep_colour(image: Image.Image) -> bool:
     """Tell whether a file holds colour of more than 8 bits, which Pillow would cut to 8."""
     if image.mode not in {"RGB", "RGBA", "RGBX", "LA"}:
         return False
-    if image.format == "TIFF":
-        return int(np.max(image.getexif().get(_BITS_TAG, 8))) > 8
     # Pillow's name for the layout of the file's samples, or for PPM their largest value.
     layouts = [str(tile[3]) for tile in getattr(image, "tile", ())]
     return any(";16" in layout or "65535" in layout for layout in layouts)
 
 
-def _decode_by_opencv(path: Path) -> npt.NDArray[Any]:
-    """Decode at full depth, as (rows, columns, RGB or RGBA), without turning."""
-    array = cv2.imdecode(np.fromfile(path, np.uint8), cv2.IMREAD_UNCHANGED)
+def _decoded_by_opencv(path: Path) -> Pixels:
+    """Decode at full depth, without turning."""
+    array: npt.NDArray[Any] | None = cv2.imdecode(np.fromfile(path, np.uint8), cv2.IMREAD_UNCHANGED)
     if array is None:
-        raise OSError("the picture ends early")
-    return array[..., [2, 1, 0, 3][: array.shape[2]]] if array.ndim == 3 else array
+        raise ImageError("OpenCV cannot decode it: copy it again, or save it with 8 bits")
+    if array.ndim == 2:
+        return storable(array)
+    colour = array[..., 2::-1]
+    return on_white(colour, array[..., 3]) if array.shape[2] == 4 else storable(np.ascontiguousarray(colour))
 
 
-def _resolution(image: Image.Image) -> float | None:
-    if image.format == "TIFF" and (per_inch := _imagej_resolution(image)) is not None:
-        return per_inch
-    return _plausible_resolution(image.info.get("dpi"))
-
-
-def _imagej_resolution(image: Image.Image) -> float | None:
-    """Return the calibration that ImageJ writes: pixels per unit without TIFF's unit, None without one."""
-    tags = image.getexif()
-    text = str(tags.get(_DESCRIPTION_TAG, ""))
+def _tiff_resolution(page: Any) -> float | None:
+    """Return the calibration of a TIFF: ImageJ writes pixels per unit, without TIFF's unit."""
+    text = description_of_page(page)
     unit = re.search(r"^unit=(.+)$", text, re.MULTILINE) if text.startswith("ImageJ=") else None
     if unit is None:
-        return None
+        return _plausible_resolution(resolution_of_page(page))
     name = unit[1].strip().replace(r"\u00B5", "u").replace("µ", "u")
-    per_inch = _IMAGEJ_UNITS.get(name)
-    across, down = (float(tags.get(tag, 0)) for tag in _RESOLUTION_TAGS)
-    return None if per_inch is None else _plausible_resolution((across * per_inch, down * per_inch))
+    per_inch, pair = _IMAGEJ_UNITS.get(name), raw_resolution(page)
+    return (
+        None
+        if per_inch is None or pair is None
+        else _plausible_resolution((pair[0] * per_inch, pair[1] * per_inch))
+    )
 
 
 def _plausible_resolution(pair: Any) -> float | None:
@@ -202,50 +257,3 @@ def _plausible_resolution(pair: Any) -> float | None:
         return None
     # PNG and BMP keep whole pixels per metre: 500 ppi comes back as 499.999.
     return round(across) if abs(across - round(across)) < 0.02 else across
-
-
-def grey_of_image(image: Image.Image) -> Pixels:
-    """Return the grey levels of a Pillow image of any mode."""
-    if image.mode == "F":
-        return np.asarray(image, dtype=np.float32)
-    if image.mode.startswith("I"):
-        levels = np.asarray(image)
-        deep = levels.min() < 0 or levels.max() > np.iinfo(np.uint16).max
-        return levels.astype(np.float32) if deep else levels.astype(np.uint16)
-    if image.mode not in {"1", "L"}:
-        image = image.convert("RGBA")
-        white = Image.new("RGBA", image.size, "white")
-        image = Image.alpha_composite(white, image)
-    return np.asarray(image.convert("L"), dtype=np.uint8)
-
-
-def _decode_tiff(path: Path, pixel_limit: int) -> tuple[Pixels, float | None]:
-    """Decode the TIFF kinds that Pillow refuses or flattens: 16-bit and float colour, doubles."""
-    try:
-        with tifffile.TiffFile(path) as tiff:
-            page = _only_page(path, tiff)
-            check_size(path, *size_of_page(page), pixel_limit)
-            resolution = _plausible_resolution(resolution_of_page(page))
-            pixels = _pixels_of_page(path, page)
-    except ImageError:
-        raise
-    # tifffile lets errors of any kind out of a damaged file.
-    except Exception as error:
-        raise ImageError(f"{path}: is not a picture this library reads: save it as {_READABLE}") from error
-    return pixels, resolution
-
-
-def _only_page(path: Path, tiff: tifffile.TiffFile) -> Any:
-    if len(tiff.pages) > 1:
-        raise ImageError(f"{path}: holds {len(tiff.pages)} pictures: measure them all as a sequence")
-    return tiff.pages[0]
-
-
-def _pixels_of_page(path: Path, page: Any) -> Pixels:
-    try:
-        return grey_of_page(page)
-    except ImageError as error:
-        raise ImageError(f"{path}: {error}") from error
-    except ValueError:
-        # A compression that tifffile lacks; OpenCV turns a TIFF upright by itself.
-        return grey_of_array(_decode_by_opencv(path))

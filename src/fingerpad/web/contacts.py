@@ -124,7 +124,7 @@ def reading_of(
     place = ImageLocation(opened.folder / sequence.path)
 
     def learn() -> SequenceSettings | None:
-        frames = open_frames(place.path, pixel_limit=opened.pixel_limit)
+        frames = open_frames(place.path, memory_limit=opened.memory_limit)
         some = np.unique(
             np.linspace(0, frames.count - 1, min(frames.count, _TEACHING_FRAMES)).round().astype(int)
         )

@@ -5,7 +5,7 @@ from collections.abc import Callable, Hashable
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
-from threading import Lock
+from threading import Lock, RLock
 from typing import Any, Final, Generic, TypeVar
 
 import cv2
@@ -104,26 +104,30 @@ class Cache(Generic[Kept]):
 class Pictures:
     """The pictures of an open study."""
 
-    def __init__(self, pixel_limit: int) -> None:
-        self._pixel_limit = pixel_limit
+    def __init__(self, memory_limit: int) -> None:
+        self._memory_limit = memory_limit
         self._decoded: Cache[Picture] = Cache(_DECODED_BYTES, lambda picture: picture.pixels.nbytes)
         self._colours: Cache[npt.NDArray[np.uint8]] = Cache(_DECODED_BYTES, lambda pixels: pixels.nbytes)
         self._encoded: Cache[bytes] = Cache(_ENCODED_BYTES, len)
+        # One at a time: together they could take more than the limit of each.
+        self._decoding = RLock()
 
     def grey(self, place: ImageLocation) -> Picture:
         """Return a picture as contact images are measured on."""
-        return self._decoded.get(place.stamp, lambda: self._read(place))
+        with self._decoding:
+            return self._decoded.get(place.stamp, lambda: self._read(place))
 
     def colour(self, place: ImageLocation) -> npt.NDArray[np.uint8]:
         """Return a picture as photographs are measured on."""
-        return self._colours.get(
-            place.stamp, lambda: read_colour_image(place.path, pixel_limit=self._pixel_limit)
-        )
+        with self._decoding:
+            return self._colours.get(
+                place.stamp, lambda: read_colour_image(place.path, memory_limit=self._memory_limit)
+            )
 
     def _read(self, place: ImageLocation) -> Picture:
         if place.frame is None:
-            return read_image(place.path, pixel_limit=self._pixel_limit)
-        frame = open_frames(place.path, pixel_limit=self._pixel_limit).at(place.frame)
+            return read_image(place.path, memory_limit=self._memory_limit)
+        frame = open_frames(place.path, memory_limit=self._memory_limit).at(place.frame)
         if frame.pixels is None:
             raise ImageError(frame.reason or f"frame {place.frame} cannot be read")
         return Picture(pixels=frame.pixels, dots_per_inch=None)

@@ -71,15 +71,15 @@ class StudySession:
         The study folder, and the folder of results.
     events : Events
         Who is told of changes.
-    pixel_limit : int
-        The most pixels of a picture.
+    memory_limit : int
+        The most bytes that reading and measuring a picture may take, as for `read_image`.
     """
 
-    def __init__(self, folder: Path, *, out: Path, events: Events, pixel_limit: int) -> None:
+    def __init__(self, folder: Path, *, out: Path, events: Events, memory_limit: int) -> None:
         self.folder, self.out = folder, out
         self.events = events
-        self.pixel_limit = pixel_limit
-        self.pictures = Pictures(pixel_limit)
+        self.memory_limit = memory_limit
+        self.pictures = Pictures(memory_limit)
         self.running = RunJob(events)
         self.corrections = Corrections(folder)
         self._counts: Cache[int] = Cache(10_000, lambda _: 1)
@@ -168,7 +168,7 @@ class StudySession:
         try:
             return self._counts.get(
                 (sequence.path, _stamp_of(path)),
-                lambda: open_frames(path, pixel_limit=self.pixel_limit).count,
+                lambda: open_frames(path, memory_limit=self.memory_limit).count,
             )
         except ImageError:
             return None

@@ -136,10 +136,10 @@ def described(opened: StudySession, path: Path) -> dict[str, Any]:
         if record["kind"] == "table":
             with path.open(encoding="utf-8-sig", errors="replace") as file:
                 record["columns"] = [cell.strip() for cell in file.readline(4000).split(",")]
-        elif is_film(path) and (count := open_frames(path, pixel_limit=opened.pixel_limit).count) > 1:
+        elif is_film(path) and (count := open_frames(path, memory_limit=opened.memory_limit).count) > 1:
             record |= {"kind": "film", "frames": count}
         else:
-            picture = read_image(path, pixel_limit=opened.pixel_limit)
+            picture = read_image(path, memory_limit=opened.memory_limit)
             record |= dict(zip(("rows_px", "columns_px"), picture.pixels.shape, strict=True))
             record |= {"resolution_ppi": picture.dots_per_inch, "frames": 1}
     except FingerpadError as error:

@@ -10,7 +10,7 @@ from threading import Lock
 from typing import Any, Final
 
 import fingerpad
-from fingerpad.image.read import PIXEL_LIMIT
+from fingerpad.image import MEMORY_LIMIT
 from fingerpad.study.editing.documents import DRAFT_NAME, STUDY_NAME, title_of
 from fingerpad.web.errors import RequestError
 from fingerpad.web.events import Events
@@ -33,8 +33,8 @@ class Workspace:
         The most bytes of one file.
     import_limit : int or None
         The most bytes of a study that is brought as a ZIP; None for what the disk has room for.
-    pixel_limit : int
-        The most pixels of one picture.
+    memory_limit : int
+        The most bytes that reading and measuring one picture may take, as for `read_image`.
     """
 
     def __init__(
@@ -43,10 +43,10 @@ class Workspace:
         *,
         upload_limit: int = UPLOAD_LIMIT,
         import_limit: int | None = None,
-        pixel_limit: int = PIXEL_LIMIT,
+        memory_limit: int = MEMORY_LIMIT,
     ) -> None:
         self.workspace = workspace.absolute()
-        self.upload_limit, self.import_limit, self.pixel_limit = upload_limit, import_limit, pixel_limit
+        self.upload_limit, self.import_limit, self.memory_limit = upload_limit, import_limit, memory_limit
         self.events = Events()
         self._study: StudySession | None = None
         self._lock = Lock()
@@ -72,7 +72,7 @@ class Workspace:
             "workspace": self.workspace.name,
             "studies": [{"name": name, "title": title_of(self.workspace / name)} for name in self.studies()],
             "who": _login(),
-            "limits": {"upload_bytes": self.upload_limit, "picture_px": self.pixel_limit},
+            "limits": {"upload_bytes": self.upload_limit, "picture_memory_bytes": self.memory_limit},
         }
 
     def studies(self) -> list[str]:
@@ -97,7 +97,7 @@ class Workspace:
                 folder.absolute(),
                 out=(out or folder / "results").absolute(),
                 events=self.events,
-                pixel_limit=self.pixel_limit,
+                memory_limit=self.memory_limit,
             )
             if self._study is not None:
                 self._study.close()

@@ -9,10 +9,15 @@ import numpy.typing as npt
 
 from fingerpad._arrays import BoolArray
 from fingerpad.exceptions import ImageError
+from fingerpad.image._arguments import number_array, picture_array
 
 Pixels: TypeAlias = npt.NDArray[np.uint8] | npt.NDArray[np.float32]
 
 _LEAST_SIDE_PX = 16
+# Squares of levels, and 1 over them, stay within single precision.
+_MOST_LEVEL, _LEAST_RANGE = 1e15, 1e-15
+# Corners of a polygon become whole sixteenths of a pixel.
+_FARTHEST_CORNER_PX = 1e6
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -65,13 +70,25 @@ def crop_image(
             raise ImageError(f"background must have the picture's shape {shape}, found {ground.shape}")
         part = _divided(part, _finite(ground[box], "background"))
     low, high, _, _ = cv2.minMaxLoc(part)
-    if not high > low:
+    if not high - low > _LEAST_RANGE:
         raise ImageError(f"no contact found: every pixel has the same level, {low:g}")
     return CroppedImage(pixels=part, inside=inside, corner=(box[0].start, box[1].start), shape=shape)
 
 
+def part_of(pixels: npt.ArrayLike, region_of_interest: tuple[int, int, int, int] | None) -> Pixels:
+    """Check a picture and crop it to the region of interest.
+
+    Raises
+    ------
+    ImageError
+        If it is not what `measure_contact_image` says it must be.
+    """
+    values = _grey(pixels, "pixels")
+    return _finite(values[_box(region_of_interest, (values.shape[0], values.shape[1]))], "pixels")
+
+
 def _grey(pixels: npt.ArrayLike, name: str) -> npt.NDArray[np.number]:
-    array = np.asarray(pixels)
+    array = picture_array(pixels, name)
     if array.ndim != 2 or array.dtype.kind not in "buif":
         raise ImageError(f"{name} must be a grey (rows, columns) array of numbers, found shape {array.shape}")
     if min(array.shape) < _LEAST_SIDE_PX:
@@ -85,27 +102,33 @@ def _grey(pixels: npt.ArrayLike, name: str) -> npt.NDArray[np.number]:
 def _finite(values: npt.NDArray[np.number], name: str) -> Pixels:
     if values.dtype == np.uint8:
         return np.ascontiguousarray(values)
-    single = np.ascontiguousarray(values, dtype=np.float32)
-    if not np.isfinite(single).all():
+    with np.errstate(over="ignore"):
+        single = np.ascontiguousarray(values, dtype=np.float32)
+    if not np.isfinite(values).all():
         raise ImageError(f"{name} holds NaN or infinite values: fill them before measuring")
+    if max(abs(float(single.min())), abs(float(single.max()))) > _MOST_LEVEL:
+        raise ImageError(f"{name} holds levels beyond ±{_MOST_LEVEL:g}: divide them by a constant")
     return single
 
 
 def _divided(part: Pixels, ground: Pixels) -> npt.NDArray[np.float32]:
     light = ground.astype(np.float32)
-    if not (light > 0).all():
+    middle = np.float32(np.median(light))
+    if not (light > _LEAST_RANGE * middle).all() or middle < _LEAST_RANGE:
         raise ImageError("background must be positive everywhere, found zero: it cannot divide the picture")
-    return np.asarray(part.astype(np.float32) / light * np.float32(np.median(light)), dtype=np.float32)
+    return np.asarray(part.astype(np.float32) / light * middle, dtype=np.float32)
 
 
 def _inside(mask: npt.ArrayLike, shape: tuple[int, int]) -> BoolArray:
     """Return where a mask, or a polygon of (row, column) corners, lets the picture count."""
-    array = np.asarray(mask)
+    array = picture_array(mask, "mask")
     if array.shape == shape and array.dtype.kind in "bui":
         inside = array > 0
     elif array.ndim == 2 and array.shape[1] == 2 and len(array) >= 3 and array.dtype.kind in "uif":
-        if not np.isfinite(array).all():
-            raise ImageError("mask: the corners of the polygon must be finite")
+        if not (np.abs(array) <= _FARTHEST_CORNER_PX).all():
+            raise ImageError(
+                f"mask: the corners of the polygon must be finite and within ±{_FARTHEST_CORNER_PX:g} px"
+            )
         corners = np.rint(array[:, ::-1] * 16).astype(np.int32)
         inside = cv2.fillPoly(np.zeros(shape, np.uint8), [corners], 1, shift=4) > 0
     else:
@@ -121,10 +144,11 @@ def _inside(mask: npt.ArrayLike, shape: tuple[int, int]) -> BoolArray:
 def _box(region: tuple[int, int, int, int] | None, shape: tuple[int, int]) -> tuple[slice, slice]:
     if region is None:
         return slice(0, shape[0]), slice(0, shape[1])
-    if np.shape(region) != (4,) or not np.isfinite(region).all():
+    edges = number_array(region, "region_of_interest")
+    if edges.shape != (4,) or not np.isfinite(edges).all():
         raise ImageError(f"region_of_interest must be (row0, column0, row1, column1), found {region}")
-    row0, column0 = (max(0, int(edge)) for edge in region[:2])
-    row1, column1 = (min(n, int(edge)) for n, edge in zip(shape, region[2:], strict=True))
+    row0, column0 = (max(0, int(edge)) for edge in edges[:2])
+    row1, column1 = (min(n, int(edge)) for n, edge in zip(shape, edges[2:], strict=True))
     if min(row1 - row0, column1 - column0) < _LEAST_SIDE_PX:
         raise ImageError(
             f"region_of_interest {region} leaves less than {_LEAST_SIDE_PX} px of the picture of {shape}"

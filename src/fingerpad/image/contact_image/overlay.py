@@ -17,7 +17,7 @@ REGION_COLOUR: Colour = (0, 158, 115)
 ELLIPSE_COLOUR: Colour = (213, 94, 0)
 RIDGE_COLOUR: Colour = (86, 180, 233)
 
-_LEAST_SIDE_PX = 1000
+_LEAST_SIDE_PX, _MOST_SIDE_PX = 1000, 8000
 _SUBPIXEL_BITS = 4
 
 
@@ -31,7 +31,8 @@ def draw_overlay(
     """Draw an imprint's measurement over its picture.
 
     Green outline: contact region. Orange: equal-area ellipse, its axes and the centroid. Blue tint: ridges.
-    Small pictures are enlarged by a whole number, so that lines stay thin beside the ridges.
+    Small pictures are enlarged by a whole number, so that lines stay thin beside the ridges; those of more
+    than 8000 px on a side are reduced to that.
 
     Parameters
     ----------
@@ -59,7 +60,8 @@ def draw_overlay(
         raise ImageError(
             f"pixels must have the measured picture's shape {contact_image.region.shape}, found {grey.shape}"
         )
-    zoom = max(1, math.ceil(_LEAST_SIDE_PX / max(grey.shape)))
+    longest = max(grey.shape)
+    zoom = min(max(1, math.ceil(_LEAST_SIDE_PX / longest)), _MOST_SIDE_PX / longest)
     canvas = _tinted(grey, contact_image, zoom, ridge_tint)
     width = max(2, round(max(canvas.shape) / 600))
     _draw_region(canvas, contact_image, width)
@@ -102,23 +104,33 @@ def _mm_per_px(contact_image: ContactImageResult) -> float:
     return math.sqrt(contact_image.gross_area / np.count_nonzero(contact_image.region))
 
 
-def _tinted(grey: Canvas, contact_image: ContactImageResult, zoom: int, strength: float) -> Canvas:
-    size = (grey.shape[1] * zoom, grey.shape[0] * zoom)
-    large = cv2.resize(grey, size, interpolation=cv2.INTER_CUBIC).astype(np.float32)
-    ridges = cv2.resize(contact_image.ridges.astype(np.float32), size, interpolation=cv2.INTER_LINEAR)
-    share = (strength * ridges)[..., None]
-    tinted = (1 - share) * large[..., None] + share * np.array(RIDGE_COLOUR, dtype=np.float32)
-    return np.asarray(np.clip(np.rint(tinted), 0, 255), dtype=np.uint8)
+def _tinted(grey: Canvas, contact_image: ContactImageResult, zoom: float, strength: float) -> Canvas:
+    size = (max(1, round(grey.shape[1] * zoom)), max(1, round(grey.shape[0] * zoom)))
+    large = cv2.resize(grey, size, interpolation=cv2.INTER_CUBIC if zoom >= 1 else cv2.INTER_AREA)
+    share = _resized(contact_image.ridges, size) * np.float32(strength)
+    tinted = np.empty((*large.shape, 3), dtype=np.uint8)
+    for channel, colour in enumerate(RIDGE_COLOUR):
+        level = np.subtract(np.float32(colour), large, dtype=np.float32)
+        level *= share
+        level += large
+        tinted[..., channel] = np.clip(np.rint(level, out=level), 0, 255, out=level)
+    return tinted
+
+
+def _resized(mask: npt.NDArray[np.bool_], size: tuple[int, int]) -> npt.NDArray[np.float32]:
+    """Return the share of a mask in each pixel of a picture of this size (columns, rows)."""
+    way = cv2.INTER_LINEAR if size[0] >= mask.shape[1] else cv2.INTER_AREA
+    reduced = cv2.resize(mask.view(np.uint8) * np.uint8(255), size, interpolation=way)
+    return np.asarray(reduced, dtype=np.float32) / np.float32(255)
 
 
 def _draw_region(canvas: Canvas, contact_image: ContactImageResult, width: int) -> None:
-    size = (canvas.shape[1], canvas.shape[0])
-    smooth = cv2.resize(contact_image.region.astype(np.float32), size, interpolation=cv2.INTER_LINEAR) > 0.5
+    smooth = _resized(contact_image.region, (canvas.shape[1], canvas.shape[0])) > 0.5
     contours, _ = cv2.findContours(smooth.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
     cv2.drawContours(canvas, contours, -1, REGION_COLOUR, width, cv2.LINE_AA)
 
 
-def _draw_ellipse(canvas: Canvas, contact_image: ContactImageResult, zoom: int, width: int) -> None:
+def _draw_ellipse(canvas: Canvas, contact_image: ContactImageResult, zoom: float, width: int) -> None:
     size = _mm_per_px(contact_image) / zoom
     major, minor = (
         float(contact_image.ellipse.semi_major) / size,

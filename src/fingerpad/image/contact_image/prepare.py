@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from fingerpad._arrays import BoolArray
 from fingerpad.exceptions import ImageError
+from fingerpad.image._arguments import number_array
 from fingerpad.image.contact_image._assemble import LOW_CONTRAST, ContactRegion, RidgeImage, assemble_result
 from fingerpad.image.contact_image._cropping import crop_image
 from fingerpad.image.contact_image._patch import trace_patch
@@ -146,13 +147,21 @@ def prepare_contact_image(
     """
     positive = {"threshold": threshold, "contrast": contrast, "ridge_period": ridge_period}
     for name, value in positive.items():
-        if value is not None and not (value > 0 and math.isfinite(value)):
-            raise ImageError(f"{name} must be positive and finite, found {value}")
+        if value is not None and not (
+            (number := number_array(value, name)).ndim == 0 and 1e-15 < number < 1e15
+        ):
+            raise ImageError(f"{name} must be one number, positive and finite, found {value!r:.100}")
     frame = crop_image(pixels, background=background, mask=mask, region_of_interest=region_of_interest)
     expected = (ridge_period or _NOMINAL_RIDGE_PERIOD_MM) / scale.mm_per_px
     found = expected if ridge_period else ridge_period_px(frame.pixels, frame.inside, expected)
     resolved = math.isfinite(found)
-    view = WorkingImage.of(frame, found if resolved else expected)
+    period = found if resolved else expected
+    if period > min(frame.pixels.shape) / 2:
+        raise ImageError(
+            f"no contact found: a ridge period of {period:.3g} px is more than half a side of what is "
+            f"measured, {frame.pixels.shape[0]} × {frame.pixels.shape[1]} px: check scale and ridge_period"
+        )
+    view = WorkingImage.of(frame, period)
     _require_seed(seed, view)
     signal = signal_of(view.values, view.inside, view.period, dark_on_light=dark_on_light, contrast=contrast)
     reason = None if threshold is not None else _lack_of_contrast(signal, resolved=resolved)
@@ -212,7 +221,10 @@ def _lack_of_contrast(signal: Signal, *, resolved: bool) -> str | None:
 
 
 def _require_seed(seed: tuple[float, float] | None, view: WorkingImage) -> None:
-    if seed is not None and not (0 <= seed[0] < view.shape[0] and 0 <= seed[1] < view.shape[1]):
+    if seed is None:
+        return
+    place = number_array(seed, "seed")
+    if place.shape != (2,) or not ((place >= 0) & (place < view.shape)).all():
         raise ImageError(f"seed {seed} lies outside the picture of {view.shape} pixels")
 
 
@@ -233,6 +245,8 @@ def _chosen(patches: list[BoolArray], seed: tuple[float, float] | None, view: Wo
 
 def _prominence(patch: BoolArray) -> float:
     moments = cv2.moments(longest_contour(patch))
+    if not moments["m00"] > 0:
+        return 0.0
     row, column = moments["m01"] / moments["m00"], moments["m10"] / moments["m00"]
     off = math.hypot(row / patch.shape[0] - 0.5, column / patch.shape[1] - 0.5)
     return float(moments["m00"]) * (1 - 0.7 * off)

@@ -45,10 +45,10 @@ def palmar_directions(face: Face, tip: Direction, palmar: Direction | None) -> t
     ImageError
         If the face or a direction is unknown, or the palmar side cannot lie there.
     """
-    if face not in FACE_AXES:
+    if face not in tuple(FACE_AXES):
         raise ImageError(f"face must be one of {', '.join(FACE_AXES)}, found {face!r}")
     for name, direction in (("tip", tip), ("palmar", palmar)):
-        if direction is not None and direction not in STEPS:
+        if not (direction in tuple(STEPS) or (name == "palmar" and direction is None)):
             raise ImageError(f"{name} must be one of {', '.join(STEPS)}, found {direction!r}")
     if face == "distal":
         return (palmar or "down",)

@@ -8,6 +8,7 @@ import numpy.typing as npt
 
 from fingerpad._arrays import ArrayLike, FloatArray, as_float_array
 from fingerpad.exceptions import ImageError
+from fingerpad.image._arguments import number_array, picture_array
 from fingerpad.image.photograph._edges import SubpixelOutline
 from fingerpad.image.photograph._face_frame import Direction
 from fingerpad.image.photograph._silhouette import Silhouette
@@ -77,7 +78,7 @@ def require_uncut(silhouette: Silhouette, sides: tuple[Direction, ...], tip: Dir
 
 def checked_picture(pixels: npt.ArrayLike) -> npt.NDArray[Any]:
     """Return the picture, or say what is wrong with it."""
-    values = np.asarray(pixels)
+    values = picture_array(pixels, "pixels")
     if not (values.ndim == 2 or (values.ndim == 3 and values.shape[2] in (3, 4))) or not values.size:
         raise ImageError(
             f"pixels must be grey (rows, columns) or colour (rows, columns, 3), found shape {values.shape}"
@@ -91,9 +92,10 @@ def checked_picture(pixels: npt.ArrayLike) -> npt.NDArray[Any]:
 
 def checked_window(region: tuple[float, float, float, float], size: tuple[int, int]) -> Window:
     """Return the region of interest as slices."""
-    if as_float_array(region).shape != (4,) or not np.isfinite(as_float_array(region)).all():
+    edges = number_array(region, "region_of_interest")
+    if edges.shape != (4,) or not np.isfinite(edges).all():
         raise ImageError(f"region_of_interest must be four numbers, row, column, row, column, found {region}")
-    first_row, first_column, last_row, last_column = region
+    first_row, first_column, last_row, last_column = edges.tolist()
     rows = slice(max(0, math.floor(first_row)), min(size[0], math.ceil(last_row)))
     columns = slice(max(0, math.floor(first_column)), min(size[1], math.ceil(last_column)))
     if rows.stop <= rows.start or columns.stop <= columns.start:
@@ -106,7 +108,7 @@ def checked_window(region: tuple[float, float, float, float], size: tuple[int, i
 
 def checked_marks(points: ArrayLike, size: tuple[int, int]) -> FloatArray:
     """Return the marks, checked."""
-    marks = as_float_array(points)
+    marks = number_array(points, "points")
     if marks.ndim != 2 or marks.shape[1] != 2 or len(np.unique(marks, axis=0)) < 2:
         raise ImageError(
             f"points must be two or more different marks (row, column), found shape {marks.shape}"

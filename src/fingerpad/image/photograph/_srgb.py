@@ -18,8 +18,8 @@ def linear_light(pixels: npt.NDArray[Any]) -> npt.NDArray[np.float32]:
     if pixels.dtype.kind in "ui":
         top = np.iinfo(pixels.dtype).max
         if top <= 0xFFFF:
-            return np.asarray(_decoded(np.arange(top + 1) / top)[pixels], dtype=np.float32)
-        return _decoded(pixels / top)
+            return np.asarray(_decoded(np.arange(top + 1) / top)[np.maximum(pixels, 0)], dtype=np.float32)
+        return _decoded(np.maximum(pixels, 0) / top)
     return _decoded(np.maximum(pixels, 0) / max(1.0, float(pixels.max())))
 
 
@@ -32,7 +32,10 @@ def opponent_light(pixels: npt.NDArray[Any]) -> npt.NDArray[np.float32]:
         return linear_light(pixels)[..., None]
     light = linear_light(pixels[..., :3])
     luma = light @ _LUMA
-    return np.stack([luma, light[..., 0] - luma, light[..., 2] - luma], axis=-1)
+    np.subtract(light[..., 0], luma, out=light[..., 1])
+    light[..., 2] -= luma
+    light[..., 0] = luma
+    return light
 
 
 def encoded(light: npt.NDArray[Any]) -> npt.NDArray[np.float32]:

@@ -1,11 +1,9 @@
 """Frames of a sequence, decoded one at a time: a folder of pictures, a TIFF of many pages, or a video."""
 
 import hashlib
-import logging
 import re
 import warnings
 from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
@@ -14,12 +12,12 @@ from typing import Any, Final, Literal, TypeAlias
 import cv2
 import numpy as np
 import tifffile
-from PIL import Image
 
 from fingerpad.exceptions import ImageError
-from fingerpad.image._grayscale import Pixels
-from fingerpad.image._tiff import grey_of_page, size_of_page
-from fingerpad.image.read import PIXEL_LIMIT, check_size, grey_of_image, read_image
+from fingerpad.image._levels import Pixels, luma
+from fingerpad.image._memory import MEMORY_LIMIT, check_memory
+from fingerpad.image._tiff import levels_of_page, tifffile_warnings
+from fingerpad.image.read import check_finite, check_regular, read_image
 
 Kind: TypeAlias = Literal["folder", "tiff", "video"]
 
@@ -70,15 +68,15 @@ class Frames:
     frames_per_second : float or None
         Rate at which a video plays, None for pictures. A high-speed camera's film plays slower than it was
         taken.
-    pixel_limit : int
-        The most pixels to accept in one frame.
+    memory_limit : int
+        The most bytes that one frame may take, as for `read_image`.
     """
 
     path: Path
     kind: Kind
     count: int
     frames_per_second: float | None
-    pixel_limit: int
+    memory_limit: int
 
     def __len__(self) -> int:
         return self.count
@@ -120,13 +118,13 @@ class Frames:
 
     def _decoded(self, start: int, stop: int) -> Iterator[Frame]:
         if self.kind == "folder":
-            return _folder_frames(frame_files(self.path), start, stop, self.pixel_limit)
+            return _folder_frames(frame_files(self.path), start, stop, self.memory_limit)
         if self.kind == "tiff":
-            return _tiff_frames(self.path, start, stop, self.pixel_limit)
-        return _video_frames(self.path, start, stop, self.count, self.pixel_limit)
+            return _tiff_frames(self.path, start, stop, self.memory_limit)
+        return _video_frames(self.path, start, stop, self.count, self.memory_limit)
 
 
-def open_frames(path: str | PathLike[str], *, pixel_limit: int = PIXEL_LIMIT) -> Frames:
+def open_frames(path: str | PathLike[str], *, memory_limit: int = MEMORY_LIMIT) -> Frames:
     """Open a folder of pictures, a TIFF file of many pages, or a video.
 
     The pictures of a folder come in natural order: ``frame2.png`` before ``frame10.png``.
@@ -135,8 +133,8 @@ def open_frames(path: str | PathLike[str], *, pixel_limit: int = PIXEL_LIMIT) ->
     ----------
     path : path-like
         The folder or file.
-    pixel_limit : int
-        The most pixels to accept in one frame, checked before it is decoded.
+    memory_limit : int
+        The most bytes that one frame may take, checked before it is decoded, as for `read_image`.
 
     Raises
     ------
@@ -150,8 +148,7 @@ def open_frames(path: str | PathLike[str], *, pixel_limit: int = PIXEL_LIMIT) ->
     fingerpad.exceptions.ImageError: no_such_film.avi: no such file or folder: check the path
     """
     path = Path(path)
-    if not path.exists():
-        raise ImageError(f"{path}: no such file or folder: check the path")
+    check_regular(path)
     rate = None
     if path.is_dir():
         kind: Kind = "folder"
@@ -163,8 +160,8 @@ def open_frames(path: str | PathLike[str], *, pixel_limit: int = PIXEL_LIMIT) ->
     elif path.suffix.lower() in PICTURE_SUFFIXES:
         raise ImageError(f"{path}: is one picture: name the folder that holds the sequence")
     else:
-        kind, (count, rate) = "video", _video_header(path)
-    return Frames(path=path, kind=kind, count=count, frames_per_second=rate, pixel_limit=pixel_limit)
+        kind, (count, rate) = "video", _video_header(path, memory_limit)
+    return Frames(path=path, kind=kind, count=count, frames_per_second=rate, memory_limit=memory_limit)
 
 
 def _size(shape: tuple[int, ...] | None) -> str:
@@ -173,7 +170,13 @@ def _size(shape: tuple[int, ...] | None) -> str:
 
 def frame_files(folder: Path) -> list[Path]:
     """Return the picture files of a folder in natural order: ``frame2.png`` before ``frame10.png``."""
-    pictures = (p for p in folder.iterdir() if p.suffix.lower() in PICTURE_SUFFIXES and p.name[0] != ".")
+    try:
+        files = list(folder.iterdir())
+    except OSError as error:
+        raise ImageError(
+            f"{folder}: cannot be listed ({error}): check the folder and its permissions"
+        ) from error
+    pictures = (p for p in files if p.suffix.lower() in PICTURE_SUFFIXES and p.name[0] != ".")
     return sorted(pictures, key=_natural)
 
 
@@ -182,66 +185,49 @@ def _natural(path: Path) -> list[tuple[int, int, str]]:
     return [(0, int(part), part) if part.isdecimal() else (1, 0, part) for part in parts]
 
 
-def _folder_frames(pictures: list[Path], start: int, stop: int, pixel_limit: int) -> Iterator[Frame]:
+def _folder_frames(pictures: list[Path], start: int, stop: int, memory_limit: int) -> Iterator[Frame]:
     for index, picture in enumerate(pictures[start:stop], start):
         try:
-            pixels = read_image(picture, pixel_limit=pixel_limit).pixels
+            pixels = read_image(picture, memory_limit=memory_limit).pixels
         except ImageError as error:
             yield Frame(index=index, pixels=None, reason=str(error))
         else:
             yield Frame(index=index, pixels=pixels)
 
 
-class _Complaints(logging.Handler):
-    """Keep what tifffile only logs: that the chain of pages is broken."""
-
-    def __init__(self) -> None:
-        super().__init__(logging.WARNING)
-        self.heard: list[str] = []
-
-    def emit(self, record: logging.LogRecord) -> None:
-        self.heard.append(record.getMessage())
-
-
-@contextmanager
-def _complaints() -> Iterator[list[str]]:
-    """Listen to tifffile, and keep it from printing."""
-    logger, ear = logging.getLogger("tifffile"), _Complaints()
-    before = logger.propagate
-    logger.addHandler(ear)
-    logger.propagate = False
-    try:
-        yield ear.heard
-    finally:
-        logger.removeHandler(ear)
-        logger.propagate = before
-
-
 def _walked(tiff: tifffile.TiffFile) -> tuple[int, str | None]:
     """Return the number of pages that can be reached, and what breaks their chain, if anything does."""
-    with _complaints() as heard:
+    with tifffile_warnings() as heard:
         return len(tiff.pages), heard[0] if heard else None
 
 
 def _count_pages(path: Path) -> int:
     """Return the number of frames; where the chain of pages is broken, one more stands for what is lost."""
-    try:
-        with tifffile.TiffFile(path) as tiff:
-            count, broken = _walked(tiff)
-    # tifffile lets errors of any kind out of a damaged file.
-    except Exception as error:
-        raise ImageError(f"{path}: cannot be read as TIFF ({error}): copy it again") from error
+    with _open_tiff(path) as tiff:
+        count, broken = _walked(tiff)
     return count + (broken is not None)
 
 
-def _tiff_frames(path: Path, start: int, stop: int, pixel_limit: int) -> Iterator[Frame]:
+def _open_tiff(path: Path) -> tifffile.TiffFile:
+    """Open a TIFF file whose chain of pages can be followed."""
+    try:
+        with tifffile_warnings():
+            tiff = tifffile.TiffFile(path)
+            len(tiff.pages)
+    # tifffile lets errors of any kind out of a damaged file.
+    except Exception as error:
+        raise ImageError(f"{path}: cannot be read as TIFF ({error}): copy it again") from error
+    return tiff
+
+
+def _tiff_frames(path: Path, start: int, stop: int, memory_limit: int) -> Iterator[Frame]:
     # Reading one IFD at a time: a list of all pages would grow with the film.
-    with tifffile.TiffFile(path) as tiff:
+    with _open_tiff(path) as tiff:
         count, broken = _walked(tiff)
         for index in range(start, min(stop, count)):
             try:
-                with _complaints():
-                    pixels = _page(path, tiff, index, pixel_limit)
+                with tifffile_warnings():
+                    pixels = _page(path, tiff, index, memory_limit)
             # tifffile lets errors of any kind out of a damaged page.
             except Exception as error:
                 reason = f"{path}: page {index} cannot be decoded ({error})"
@@ -253,52 +239,45 @@ def _tiff_frames(path: Path, start: int, stop: int, pixel_limit: int) -> Iterato
             yield Frame(index=count, pixels=None, reason=reason)
 
 
-def _page(path: Path, tiff: tifffile.TiffFile, index: int, pixel_limit: int) -> Pixels:
-    page = tiff.pages[index]
-    check_size(path, *size_of_page(page), pixel_limit)
-    try:
-        pixels = grey_of_page(page)
-    except ValueError as error:
-        if "imagecodecs" not in str(error):
-            raise
-        pixels = _page_by_pillow(path, index)
-    if not np.isfinite(pixels).all():
-        raise ImageError("it holds NaN or infinite values")
+def _page(path: Path, tiff: tifffile.TiffFile, index: int, memory_limit: int) -> Pixels:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        pixels = luma(levels_of_page(path, index, tiff.pages[index], memory_limit))
+    check_finite(pixels, f"page {index}")
     return pixels
 
 
-def _page_by_pillow(path: Path, index: int) -> Pixels:
-    """Decode a page whose compression tifffile lacks."""
-    with warnings.catch_warnings(), Image.open(path, formats=["TIFF"]) as image:
-        warnings.simplefilter("ignore")
-        image.seek(index)
-        return grey_of_image(image)
-
-
-def _video_header(path: Path) -> tuple[int, float | None]:
-    capture = _capture(path)
+def _video_header(path: Path, memory_limit: int) -> tuple[int, float | None]:
+    capture = _capture(path, memory_limit)
     try:
         count, rate = (capture.get(key) for key in (cv2.CAP_PROP_FRAME_COUNT, cv2.CAP_PROP_FPS))
     finally:
         capture.release()
-    return max(0, int(count)), rate if rate > 0 and np.isfinite(rate) else None
+    # A damaged header may give any number; no format stores a frame in fewer than 8 bytes.
+    most = path.stat().st_size / 8
+    count = int(min(count, most)) if count > 0 else 0
+    return count, rate if rate > 0 and np.isfinite(rate) else None
 
 
-def _capture(path: Path) -> Any:
+def _capture(path: Path, memory_limit: int) -> Any:
+    """Open a video whose frames are not too large."""
+    try:
+        with path.open("rb") as file:
+            file.read(1)
+    except OSError as error:
+        raise ImageError(f"{path}: cannot be opened ({error}): check the path and its permissions") from error
     capture = cv2.VideoCapture(str(path))
     if not capture.isOpened():
         raise ImageError(f"{path}: cannot be opened as a video: convert it to AVI or MP4, or to pictures")
+    columns, rows = (int(capture.get(key)) for key in (cv2.CAP_PROP_FRAME_WIDTH, cv2.CAP_PROP_FRAME_HEIGHT))
+    check_memory(path, (columns, rows), memory_limit, channels=3, sample_bytes=1)
     return capture
 
 
-def _video_frames(path: Path, start: int, stop: int, count: int, pixel_limit: int) -> Iterator[Frame]:
-    capture = _capture(path)
+def _video_frames(path: Path, start: int, stop: int, count: int, memory_limit: int) -> Iterator[Frame]:
+    capture = _capture(path, memory_limit)
     index = 0
     try:
-        columns, rows = (
-            int(capture.get(key)) for key in (cv2.CAP_PROP_FRAME_WIDTH, cv2.CAP_PROP_FRAME_HEIGHT)
-        )
-        check_size(path, columns, rows, pixel_limit)
         # Seeking lands on the wrong frame in some codecs; going through all of them never does.
         while index < start and capture.grab():
             index += 1

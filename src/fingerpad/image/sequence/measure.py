@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from fingerpad._arrays import FloatArray
 from fingerpad.exceptions import ImageError, LoadingError
-from fingerpad.image._grayscale import Pixels
+from fingerpad.image._levels import Pixels
 from fingerpad.image.contact_image.measure import measure_contact_image
 from fingerpad.image.contact_image.result import ContactImageResult
 from fingerpad.image.scale import Scale
@@ -119,11 +119,11 @@ def measure_frames(
         if frame.pixels is None:
             yield FrameResult(index=frame.index, readable=False, reason=frame.reason)
             continue
-        if texture_of(frame.pixels, scale, place) < settings.min_texture:
-            reason = "no contact found: the frame is smooth beside those of the largest contact"
-            yield FrameResult(index=frame.index, reason=reason)
-            continue
         try:
+            if texture_of(frame.pixels, scale, place) < settings.min_texture:
+                reason = "no contact found: the frame is smooth beside those of the largest contact"
+                yield FrameResult(index=frame.index, reason=reason)
+                continue
             contact_image = measure_contact_image(frame.pixels, scale, **settings.settings, **place)
         except ImageError as error:
             yield FrameResult(index=frame.index, reason=str(error))

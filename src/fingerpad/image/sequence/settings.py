@@ -12,7 +12,8 @@ import numpy.typing as npt
 
 from fingerpad._arrays import FloatArray
 from fingerpad.exceptions import ImageError
-from fingerpad.image._grayscale import Pixels
+from fingerpad.image._levels import Pixels
+from fingerpad.image.contact_image._cropping import part_of
 from fingerpad.image.contact_image.measure import measure_contact_image
 from fingerpad.image.contact_image.result import ContactImageResult, ContactImageSettings
 from fingerpad.image.scale import Scale
@@ -110,8 +111,12 @@ def scan_texture(frames: Iterable[Frame], scale: Scale, **place: Unpack[Measurem
     index, texture, reason = [], [], None
     for frame in frames:
         index.append(frame.index)
-        texture.append(math.nan if frame.pixels is None else texture_of(frame.pixels, scale, place))
-        reason = frame.reason or reason
+        try:
+            texture.append(math.nan if frame.pixels is None else texture_of(frame.pixels, scale, place))
+            reason = frame.reason or reason
+        except ImageError as error:
+            texture.append(math.nan)
+            reason = str(error)
     return TextureScan(index=np.array(index, dtype=np.int64), texture=np.array(texture), reason=reason)
 
 
@@ -188,11 +193,15 @@ def _chosen(frames: Iterable[Frame], indices: Collection[int]) -> Iterator[Frame
 
 
 def texture_of(pixels: Pixels, scale: Scale, place: MeasurementRegion) -> float:
-    """Return the power of what is finer than a finger, where the frame is looked at."""
-    row, column, last_row, last_column = place.get("region_of_interest") or (0, 0, *pixels.shape)
-    part = pixels[max(row, 0) : last_row, max(column, 0) : last_column]
-    pixels = part if part.size else pixels  # a region that misses the frame is refused where it is measured
-    side = 2 * round(_TEXTURE_WINDOW_MM / scale.mm_per_px / 2) + 1
-    values = pixels.astype(np.float32)
+    """Return the power of what is finer than a finger, where the frame is looked at.
+
+    Raises
+    ------
+    ImageError
+        If it is not a grey picture, or the region of interest misses it.
+    """
+    values = part_of(pixels, place.get("region_of_interest")).astype(np.float32)
+    # In a picture narrower than the window all that differs from its mean is texture.
+    side = 2 * round(min(_TEXTURE_WINDOW_MM / scale.mm_per_px, 2 * max(values.shape)) / 2) + 1
     fine = values - cv2.blur(values, (side, side))
     return float(np.mean(fine * fine))

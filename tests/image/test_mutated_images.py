@@ -1,0 +1,25 @@
+"""Damaged copies of every format: read or refused by name, never a traceback."""
+
+import random
+import zlib
+
+import pytest
+from tests.mutated_images import mutated, originals, use
+
+ORIGINALS = originals()
+
+
+@pytest.mark.parametrize("name", ORIGINALS)
+def test_whole_files_are_read(tmp_path, name):
+    (tmp_path / name).write_bytes(ORIGINALS[name])
+    film = name in {"film.avi", "film.mp4", "stack.tif"}
+    frames = "read" if film or name.endswith(".tif") else "refused"
+    assert use(tmp_path / name, as_photograph=False) == ["refused" if film else "read"] * 2 + [frames]
+
+
+@pytest.mark.parametrize("name", ORIGINALS)
+def test_damaged_files_are_read_or_refused_by_name(tmp_path, name):
+    rng = random.Random(zlib.crc32(name.encode()))
+    for number in range(10):
+        (tmp_path / name).write_bytes(mutated(ORIGINALS[name], rng))
+        assert set(use(tmp_path / name, as_photograph=number == 0)) <= {"read", "refused"}
