@@ -12,8 +12,8 @@ from scipy.special import ellipe, ellipk
 
 from benchmarks import (
     browser,
-    commands,
     coins,
+    commands,
     contact_images,
     engine,
     images,

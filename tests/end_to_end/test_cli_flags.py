@@ -13,8 +13,7 @@ from PIL import Image
 from typer.testing import CliRunner
 
 from fingerpad.cli import app
-from fingerpad.simulate import render_coin, render_contact_image, render_finger
-from fingerpad.simulate import simulate_loading_curve
+from fingerpad.simulate import render_coin, render_contact_image, render_finger, simulate_loading_curve
 
 ABSURD = (
     "nan",

@@ -11,9 +11,8 @@ from fingerpad.image import (
     measure_contact_image,
     measure_photograph,
     measure_sequence,
-    render_contact_image,
-    render_finger,
 )
+from fingerpad.simulate import render_contact_image, render_finger
 
 SCALE = Scale.of_ppi(500)
 PRINT = render_contact_image(semi_major=4.0, semi_minor=3.0, seed=3).pixels

@@ -8,8 +8,8 @@ from tests.image.coin_scenes import KINDS, NOT_ONE_COIN, scene
 
 from fingerpad.exceptions import CalibrationError, GeometryError
 from fingerpad.image import measure_coin
-from fingerpad.simulate import render_coin
 from fingerpad.image.coin._circle_detection import PixelEllipse, fit_edge
+from fingerpad.simulate import render_coin
 
 
 @pytest.fixture(scope="module")
