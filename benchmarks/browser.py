@@ -53,13 +53,13 @@ name = "one"
 finger = "f"
 wedge_angle_deg = 30
 load_N = 2
-image = "one.png"
+file = "one.png"
 scale = {{ ppi = {ppi} }}
 [[sequences]]
 name = "long"
 finger = "f"
 wedge_angle_deg = 30
-path = "film"
+file = "film"
 scale = {{ ppi = 500 }}
 force = "force.csv"
 frames_per_second = 500

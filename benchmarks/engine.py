@@ -40,7 +40,7 @@ _FILM = """
 name = "film_{number}"
 finger = "finger_{finger}"
 wedge_angle_deg = {wedge}
-path = "film_{number}.tif"
+file = "film_{number}.tif"
 force = "force_{number}.csv"
 scale = {{ ppi = {ppi} }}
 frames_per_second = 500

@@ -100,9 +100,9 @@ def add_decisions(folder: Path) -> None:
     ):
         log.append(item, change, who="ada", expected=0, study=study)
     draft = {
-        "observations": [{"name": "waiting", "finger": "synthetic_pad", "image": "synthetic/truth.csv"}],
+        "observations": [{"name": "waiting", "finger": "synthetic_pad", "file": "synthetic/truth.csv"}],
         "scales": {"camera_2": {"coin": "coin.png"}},
-        "fingers": [{"name": "thumb", "photographs": [{"image": "synthetic/photograph_palmar.jpg"}]}],
+        "fingers": [{"name": "thumb", "photographs": [{"file": "synthetic/photograph_palmar.jpg"}]}],
         "sequences": [{"name": "film", "path": "synthetic", "scale": {"coin": "coin.png"}}],
         "curves": [{"finger": "synthetic_pad", "file": "synthetic/truth.csv"}],
     }

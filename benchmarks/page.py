@@ -45,7 +45,7 @@ def write_study(folder: Path) -> None:
         photograph = render_finger(face, semi_axes=axes, seed=1)  # type: ignore[arg-type]
         cv2.imwrite(str(folder / f"{face}.png"), photograph.pixels[..., ::-1])
     contact = 'finger = "a"\nwedge_angle_deg = 30\nload_N = 2\n'
-    faces = "".join(f'{{ face = "{face}", image = "{face}.png", scale = "camera" }},' for face in FACES)
+    faces = "".join(f'{{ face = "{face}", file = "{face}.png", scale = "camera" }},' for face in FACES)
     text = [
         'title = "Large, synthetic"',
         f"[scales.one]\nppi = {500 * SIDE / pixels.shape[1]}",

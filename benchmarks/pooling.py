@@ -151,9 +151,7 @@ def _contact(
     true = 5 * load**0.3 * np.exp([0.5 * elongation, -0.5 * elongation])
     major, minor = sorted(true * (1 + relative_std * random.normal(size=2)), reverse=True)
     name = f"c{load:g}"
-    observation = Observation(
-        name=name, finger="f", wedge_angle_deg=30, load_N=load, image="x.png", scale="s"
-    )
+    observation = Observation(name=name, finger="f", wedge_angle_deg=30, load_N=load, file="x.png", scale="s")
     return observation, Measurement(
         name=name,
         load=load,

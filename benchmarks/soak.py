@@ -47,7 +47,7 @@ name = "o{number}"
 finger = "f"
 wedge_angle_deg = 30
 load_N = {load}
-image = "o{number}.png"
+file = "o{number}.png"
 scale = {{ ppi = 240 }}
 synthetic = true
 """
@@ -55,7 +55,7 @@ _FILM: Final = """[[sequences]]
 name = "p"
 finger = "f"
 wedge_angle_deg = 30
-path = "film"
+file = "film"
 scale = { ppi = 240 }
 force = "force.csv"
 frames_per_second = 20

@@ -90,7 +90,7 @@ def _contacts(
         true = _size(load) * np.exp([0.5 * elongation, -0.5 * elongation])
         major, minor = sorted(scale * (true + rng.normal(0, EDGE_STD, 2)), reverse=True)
         observation = Observation(
-            name=f"c{number}", finger="f", wedge_angle_deg=wedge, load_N=load, image="x.png", scale="s"
+            name=f"c{number}", finger="f", wedge_angle_deg=wedge, load_N=load, file="x.png", scale="s"
         )
         yield (
             observation,

@@ -39,7 +39,7 @@ def run_json(*arguments: object):
 
 
 def test_geometry() -> None:
-    record = run_json("geometry", "--semi-axes", 7.9, 13.8, 11.8, "--wedge", 30)
+    record = run_json("geometry", "--semi-axes-mm", 7.9, 13.8, 11.8, "--wedge-deg", 30)
     expected = {
         "u_deg": 45.243495,
         "v_deg": 90.0,
@@ -56,32 +56,32 @@ def test_geometry() -> None:
 
 
 def test_geometry_with_a_roll_names_directions() -> None:
-    record = run_json("geometry", "--semi-axes", 7.9, 13.8, 11.8, "--wedge", 30, "--roll", 20)
+    record = run_json("geometry", "--semi-axes-mm", 7.9, 13.8, 11.8, "--wedge-deg", 30, "--roll-deg", 20)
     directions = np.array(record["principal_directions"])
     np.testing.assert_allclose(directions @ directions.T, np.eye(2), atol=1e-12)
     assert record["principal_radii_mm"] == [record["in_plane_radius_mm"], record["transverse_radius_mm"]]
 
 
 def test_hertz_forwards_and_back() -> None:
-    forward = run_json("hertz", "--radii", 12.955, 14.330, "--load", 2, "--modulus-kpa", 136.5)
+    forward = run_json("hertz", "--radii-mm", 12.955, 14.330, "--load-n", 2, "--modulus-kpa", 136.5)
     assert forward["long_axis_along"] == "second"
     assert forward["area_mm2"] == pytest.approx(np.pi * forward["semi_major_mm"] * forward["semi_minor_mm"])
     assert forward["mean_pressure_kpa"] == pytest.approx(2e3 / forward["area_mm2"])
     assert forward["peak_pressure_kpa"] == pytest.approx(1.5 * forward["mean_pressure_kpa"])
     back = run_json(
         "hertz",
-        *("--radii", 12.955, 14.330, "--modulus-kpa", 136.5),
+        *("--radii-mm", 12.955, 14.330, "--modulus-kpa", 136.5),
         *("--indentation-mm", forward["indentation_mm"]),
     )
     assert back["load_N"] == pytest.approx(2, rel=1e-12)
-    swapped = run_json("hertz", "--radii", 14.330, 12.955, "--load", 2, "--modulus-kpa", 136.5)
+    swapped = run_json("hertz", "--radii-mm", 14.330, 12.955, "--load-n", 2, "--modulus-kpa", 136.5)
     assert swapped["long_axis_along"] == "first"
-    circle = run_json("hertz", "--radii", 14, 14, "--load", 2, "--modulus-kpa", 136.5)
+    circle = run_json("hertz", "--radii-mm", 14, 14, "--load-n", 2, "--modulus-kpa", 136.5)
     assert (circle["F1"], circle["F2"], circle["long_axis_along"]) == (1, 1, "either")
 
 
 def test_correct() -> None:
-    record = run_json("correct", "--ellipse", 7.4, 5.0, "--radius", 18.7)
+    record = run_json("correct", "--ellipse-mm", 7.4, 5.0, "--radius-mm", 18.7)
     expected = {
         "eccentricity": 0.7371990,
         "K": 1.892759475,
@@ -96,7 +96,7 @@ def test_correct() -> None:
 
 
 def test_text_shows_units_and_no_traceback() -> None:
-    code, out, _ = run("correct", "--ellipse", 7.4, 5.0, "--radius", 18.7)
+    code, out, _ = run("correct", "--ellipse-mm", 7.4, 5.0, "--radius-mm", 18.7)
     assert code == 0
     assert "radius_from_indentation_mm  18.971" in out
 
@@ -105,43 +105,67 @@ def test_text_shows_units_and_no_traceback() -> None:
     ("arguments", "message"),
     [
         (
-            ["geometry", "--semi-axes", "0", "13.8", "11.8", "--wedge", "30"],
-            "--semi-axes must be positive",
+            ["geometry", "--semi-axes-mm", "0", "13.8", "11.8", "--wedge-deg", "30"],
+            "--semi-axes-mm must be positive",
         ),
         (
-            ["geometry", "--semi-axes", "7.9", "nan", "11.8", "--wedge", "30"],
-            "--semi-axes must be .* found nan",
+            ["geometry", "--semi-axes-mm", "7.9", "nan", "11.8", "--wedge-deg", "30"],
+            "--semi-axes-mm must be .* found nan",
         ),
         (
-            ["geometry", "--semi-axes", "7.9", "13.8", "inf", "--wedge", "30"],
-            "--semi-axes must be .* found inf",
+            ["geometry", "--semi-axes-mm", "7.9", "13.8", "inf", "--wedge-deg", "30"],
+            "--semi-axes-mm must be .* found inf",
         ),
-        (["geometry", "--semi-axes", "7.9", "13.8", "11.8", "--wedge", "91"], "--wedge.*should be less"),
-        (["geometry", "--semi-axes", "7.9", "13.8", "11.8", "--wedge", "-1"], "--wedge.*should be greater"),
-        (["geometry", "--semi-axes", "7.9", "13.8", "11.8", "--wedge", "nan"], "--wedge.*should be"),
-        (["hertz", "--radii", "-1", "14", "--load", "2", "--modulus-kpa", "9"], "--radii .* found -1"),
         (
-            ["hertz", "--radii", "12", "14", "--load", "0", "--modulus-kpa", "9"],
-            "--load must be positive .* found 0",
+            ["geometry", "--semi-axes-mm", "7.9", "13.8", "11.8", "--wedge-deg", "91"],
+            "--wedge-deg.*should be less",
         ),
-        (["hertz", "--radii", "12", "14", "--load", "nan", "--modulus-kpa", "9"], "--load .* found nan"),
-        (["hertz", "--radii", "12", "14", "--load", "2", "--modulus-kpa", "-9"], "--modulus-kpa .* found -9"),
         (
-            ["hertz", "--radii", "12", "14", "--load", "2", "--modulus-kpa", "inf"],
+            ["geometry", "--semi-axes-mm", "7.9", "13.8", "11.8", "--wedge-deg", "-1"],
+            "--wedge-deg.*should be greater",
+        ),
+        (
+            ["geometry", "--semi-axes-mm", "7.9", "13.8", "11.8", "--wedge-deg", "nan"],
+            "--wedge-deg.*should be",
+        ),
+        (
+            ["hertz", "--radii-mm", "-1", "14", "--load-n", "2", "--modulus-kpa", "9"],
+            "--radii-mm .* found -1",
+        ),
+        (
+            ["hertz", "--radii-mm", "12", "14", "--load-n", "0", "--modulus-kpa", "9"],
+            "--load-n must be positive .* found 0",
+        ),
+        (
+            ["hertz", "--radii-mm", "12", "14", "--load-n", "nan", "--modulus-kpa", "9"],
+            "--load-n .* found nan",
+        ),
+        (
+            ["hertz", "--radii-mm", "12", "14", "--load-n", "2", "--modulus-kpa", "-9"],
+            "--modulus-kpa .* found -9",
+        ),
+        (
+            ["hertz", "--radii-mm", "12", "14", "--load-n", "2", "--modulus-kpa", "inf"],
             "--modulus-kpa .* found inf",
         ),
         (
-            ["hertz", "--radii", "12", "14", "--indentation-mm", "0", "--modulus-kpa", "9"],
+            ["hertz", "--radii-mm", "12", "14", "--indentation-mm", "0", "--modulus-kpa", "9"],
             "--indentation-mm must be positive",
         ),
-        (["hertz", "--radii", "12", "14", "--modulus-kpa", "9"], "give either --load or --indentation-mm"),
         (
-            ["correct", "--ellipse", "5.0", "7.4", "--radius", "18"],
+            ["hertz", "--radii-mm", "12", "14", "--modulus-kpa", "9"],
+            "give either --load-n or --indentation-mm",
+        ),
+        (
+            ["correct", "--ellipse-mm", "5.0", "7.4", "--radius-mm", "18"],
             "semi_minor must be no longer than semi_major",
         ),
-        (["correct", "--ellipse", "7.4", "0", "--radius", "18"], "--ellipse must be positive"),
-        (["correct", "--ellipse", "7.4", "5", "--radius", "-18"], "--radius must be positive .* found -18"),
-        (["correct", "--ellipse", "7.4", "five", "--radius", "18"], "--ellipse.* valid number"),
+        (["correct", "--ellipse-mm", "7.4", "0", "--radius-mm", "18"], "--ellipse-mm must be positive"),
+        (
+            ["correct", "--ellipse-mm", "7.4", "5", "--radius-mm", "-18"],
+            "--radius-mm must be positive .* found -18",
+        ),
+        (["correct", "--ellipse-mm", "7.4", "five", "--radius-mm", "18"], "--ellipse-mm.* valid number"),
         (
             ["measure", "photo", "x.png", "--face", "palmar"],
             "give either --ppi, --mm-per-px, --scale-line or",
@@ -157,7 +181,7 @@ def test_text_shows_units_and_no_traceback() -> None:
             ["measure", "print", "x.png", "--ppi", "500", "--mm-per-px", "0.05"],
             "give either .*, found --ppi and --mm-per-px",
         ),
-        (["measure", "print", "x.png", "--ppi", "500", "--roi", "0,0,nan,9"], "--roi takes 4 numbers"),
+        (["measure", "print", "x.png", "--ppi", "500", "--roi-px", "0,0,nan,9"], "--roi-px takes 4 numbers"),
         (["measure", "sequence", "frames"], "a sequence needs a scale: give either --ppi"),
         (
             ["measure", "print", "x.png", "--scale-line", "5,5,5,5", "--line-mm", "3"],
@@ -201,7 +225,7 @@ def test_measure_print(tmp_path: Path) -> None:
     (tmp_path / "text.png").write_text("no picture")
     files = [tmp_path / name for name in ("good.png", "blank.png", "text.png", "missing.png")]
     code, out, err = run(
-        "measure", "print", *files, "--ppi", 500, "--overlay", tmp_path / "overlays", "--json"
+        "measure", "print", *files, "--ppi", 500, "--overlay-dir", tmp_path / "overlays", "--json"
     )
     assert (code, err) == (3, "")
     good, *bad = json.loads(out)
@@ -247,7 +271,7 @@ def test_measure_print_takes_a_seed_and_a_region(tmp_path: Path) -> None:
     (free,) = run_json("measure", "print", tmp_path / "two.png", "--ppi", 500)
     (seeded,) = run_json("measure", "print", tmp_path / "two.png", "--ppi", 500, "--seed-px", at)
     roi = f"0,0,{small.shape[0]},{small.shape[1]}"
-    (windowed,) = run_json("measure", "print", tmp_path / "two.png", "--ppi", 500, "--roi", roi)
+    (windowed,) = run_json("measure", "print", tmp_path / "two.png", "--ppi", 500, "--roi-px", roi)
     assert free["semi_major_mm"] == pytest.approx(8.0, rel=0.03)
     assert seeded["semi_major_mm"] == pytest.approx(5.0, rel=0.03)
     assert windowed["semi_major_mm"] == pytest.approx(5.0, rel=0.03)
@@ -393,7 +417,7 @@ def test_measure_photo(tmp_path: Path) -> None:
     Image.fromarray(truth.pixels).save(tmp_path / "palmar.png")
     record = run_json(
         *("measure", "photo", tmp_path / "palmar.png", "--face", "palmar", "--tip", "left"),
-        *("--mm-per-px", truth.mm_per_px, "--overlay", tmp_path / "overlays"),
+        *("--mm-per-px", truth.mm_per_px, "--overlay-dir", tmp_path / "overlays"),
     )
     assert record["semi_axes_mm"] == pytest.approx({"radial_ulnar": 11.8, "distal": 13.8}, rel=0.02)
     assert set(record["semi_axes_mm_std"]) == {"radial_ulnar", "distal"}
@@ -419,7 +443,7 @@ def test_measure_sequence(tmp_path: Path) -> None:
     rows = "\n".join(f"{t},{w}" for t, w in zip(time, load, strict=True))
     (tmp_path / "force.csv").write_text(f"time_s,force_N\n{rows}\n")
     code, out, _ = run(
-        *("measure", "sequence", folder, "--force", tmp_path / "force.csv", "--fps", 11),
+        *("measure", "sequence", folder, "--force", tmp_path / "force.csv", "--frames-per-second", 11),
         *("--ppi", press.ppi, "--json"),
     )
     assert code == 3
@@ -429,20 +453,20 @@ def test_measure_sequence(tmp_path: Path) -> None:
     assert [frame["load_N"] for frame in frames] == pytest.approx(load, abs=1e-9)
     assert "error" in frames[5]
     assert frames[6]["gross_area_mm2"] == pytest.approx(press.gross_area[6], rel=0.03)
-    common = ("measure", "sequence", folder, "--ppi", press.ppi, "--fps", 11, "--json")
+    common = ("measure", "sequence", folder, "--ppi", press.ppi, "--frames-per-second", 11, "--json")
     rows, columns = press.pixels(0).shape
-    _, out, _ = run(*common, "--roi", f"0,0,{rows // 2},{columns}")
+    _, out, _ = run(*common, "--roi-px", f"0,0,{rows // 2},{columns}")
     halves = json.loads(out)
     assert "cut_by_mask" in halves[6]["flags"]
     assert halves[6]["gross_area_mm2"] == pytest.approx(press.gross_area[6] / 2, rel=0.05)
-    code, _, err = run(*common, "--start-s", 0.1, "--contact-load", 1)
+    code, _, err = run(*common, "--start-s", 0.1, "--contact-load-n", 1)
     assert (code, "give either the time of the first frame or the load" in err) == (2, True)
     (tmp_path / "times.csv").write_text("time_s\n0\n1\n")
     code, _, err = run(*common, "--times", tmp_path / "times.csv")
-    assert (code, "there is no use for --fps" in err) == (2, True)
-    code, out, err = run("measure", "sequence", folder, "--ppi", 300, "--fps", -1)
+    assert (code, "there is no use for --frames-per-second" in err) == (2, True)
+    code, out, err = run("measure", "sequence", folder, "--ppi", 300, "--frames-per-second", -1)
     assert code == 2
-    assert "--fps" in err
+    assert "--frames-per-second" in err
 
 
 def test_reproduce_lists_every_printed_number(tmp_path: Path) -> None:
@@ -510,7 +534,7 @@ def test_overlays_never_collide_nor_replace_a_picture(tmp_path: Path) -> None:
         Image.fromarray(pixels).save(tmp_path / name)
     before = (tmp_path / "2" / "x_overlay.png").read_bytes()
     files = [tmp_path / name for name in ("1/x.png", "2/x.png", "2/x_overlay.png")]
-    assert run("measure", "print", *files, "--ppi", 500, "--overlay", tmp_path / "2")[0] == 0
+    assert run("measure", "print", *files, "--ppi", 500, "--overlay-dir", tmp_path / "2")[0] == 0
     assert (tmp_path / "2" / "x_overlay.png").read_bytes() == before
     assert len(list((tmp_path / "2").iterdir())) == 2 + 3
 

@@ -20,7 +20,7 @@ from fingerpad.simulate import render_contact_image
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "dzidek2017"
 FILM = EXAMPLE / "synthetic" / "synthetic_press_30deg.tif"
-HERTZ = ("hertz", "--radii", "12", "14", "--load", "2", "--modulus-kpa", "100")
+HERTZ = ("hertz", "--radii-mm", "12", "14", "--load-n", "2", "--modulus-kpa", "100")
 PROGRAM = (sys.executable, "-m", "fingerpad")
 
 
@@ -136,7 +136,7 @@ def test_what_was_measured_is_printed_before_a_fault(tmp_path: Path, monkeypatch
     monkeypatch.setattr(fingerpad.image, "write_overlay", write_some)
     overlay = tmp_path / "overlay"
     done = CliRunner().invoke(
-        app, ["measure", "sequence", str(FILM), "--ppi", "240", "--overlay", str(overlay), "--json"]
+        app, ["measure", "sequence", str(FILM), "--ppi", "240", "--overlay-dir", str(overlay), "--json"]
     )
     assert done.exit_code == 1
     assert done.stderr == "fingerpad: this cannot be done (ZeroDivisionError: division by zero)\n"

@@ -32,12 +32,12 @@ ABSURD = (
     "1,2",
 )
 # Flags of numbers that are given as text.
-OF_TEXT = {"--roi", "--seed-px", "--scale-line", "--region"}
+OF_TEXT = {"--roi-px", "--seed-px", "--scale-line", "--load-range-n"}
 # Possible numbers that what is measured contradicts, in words of its own.
 IN_PLAIN_WORDS = {
-    "--region",
+    "--load-range-n",
     "--seed-px",
-    "--contact-load",
+    "--contact-load-n",
     "--port",
     "--cycle",
     "--threshold",
@@ -51,20 +51,20 @@ STUDY = (
     "ellipse_mm = { semi_major = 6, semi_minor = 5, std = 0.1 }\n"
 )
 VALID = {
-    "geometry": "--semi-axes 8 14 12 --wedge 30",
-    "hertz": "--radii 12 14 --modulus-kpa 100 --load 2",
-    "correct": "--ellipse 7 5 --radius 18",
+    "geometry": "--semi-axes-mm 8 14 12 --wedge-deg 30",
+    "hertz": "--radii-mm 12 14 --modulus-kpa 100 --load-n 2",
+    "correct": "--ellipse-mm 7 5 --radius-mm 18",
     "fit": "curve.csv",
     "run": "study.toml",
     "app": "nowhere.toml",
     "measure print": "print.png --ppi 500",
     "measure photo": "palmar.png --face palmar --mm-per-px 0.05",
-    "measure sequence": "frames --ppi 500 --fps 10",
+    "measure sequence": "frames --ppi 500 --frames-per-second 10",
     "import fiji": "Results.csv --std-mm 0.1 --ppi 500",
 }
 # What a flag needs beside it, and what it stands in place of.
 BESIDE = {
-    "--indentation-mm": ("", "--load"),
+    "--indentation-mm": ("", "--load-n"),
     "--radius-mm-std": ("--radius-mm 12", ""),
     "--constraint-std": ("--constraint 2", ""),
     "--scale-line": ("--line-mm 10", "--ppi --mm-per-px"),
@@ -76,7 +76,7 @@ BESIDE = {
     "--mm-per-px": ("", "--ppi"),
     "--ppi": ("", "--mm-per-px"),
     "--start-s": ("--force force.csv", ""),
-    "--contact-load": ("--force force.csv", ""),
+    "--contact-load-n": ("--force force.csv", ""),
 }
 
 

@@ -23,8 +23,8 @@ semi_axes_mm_std = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }
 [[fingers]]
 name = "g"
 photographs = [
-    { face = "palmar", image = "palmar.jpg", scale = { mm_per_px = 0.1 }, synthetic = true },
-    { face = "distal", image = "distal.jpg", scale = { mm_per_px = 0.1 }, synthetic = true },
+    { face = "palmar", file = "palmar.jpg", scale = { mm_per_px = 0.1 }, synthetic = true },
+    { face = "distal", file = "distal.jpg", scale = { mm_per_px = 0.1 }, synthetic = true },
 ]
 """
 PICTURE = """[[observations]]
@@ -32,7 +32,7 @@ name = "o{number}"
 finger = "f"
 wedge_angle_deg = 30
 load_N = {load}
-image = "o{number}.png"
+file = "o{number}.png"
 scale = {{ ppi = 240 }}
 synthetic = true
 """
@@ -40,7 +40,7 @@ FILM = """[[sequences]]
 name = "p"
 finger = "f"
 wedge_angle_deg = 30
-path = "{path}"
+file = "{path}"
 scale = {{ ppi = 240 }}
 force = "force.csv"
 frames_per_second = 20

@@ -45,14 +45,14 @@ def study_of():
                 {
                     "name": "f",
                     "photographs": [
-                        {"face": face, "image": f"{face}.png", "scale": "camera", "synthetic": True}
+                        {"face": face, "file": f"{face}.png", "scale": "camera", "synthetic": True}
                         for face in FACES
                     ],
                 }
             ],
             "observations": [
-                {**contact, "name": "p", "image": "print.png", "scale": "reader", "synthetic": True},
-                {**contact, "name": "none", "image": "empty.png", "scale": "reader"},
+                {**contact, "name": "p", "file": "print.png", "scale": "reader", "synthetic": True},
+                {**contact, "name": "none", "file": "empty.png", "scale": "reader"},
                 {
                     **contact,
                     "name": "given",
@@ -64,7 +64,7 @@ def study_of():
                     "name": "press",
                     "finger": "f",
                     "wedge_angle_deg": 30,
-                    "path": "p",
+                    "file": "p",
                     "force": "f",
                     "scale": "reader",
                 }
@@ -215,7 +215,7 @@ def test_photographs_by_hand_and_rejected(folder, tmp_path):
     faces = [
         replace(
             corrected_photograph(
-                read_colour_image(folder / one.image),
+                read_colour_image(folder / one.file),
                 one,
                 scale,
                 active_correction.change if (active_correction := log.active_correction(item)) else None,

@@ -137,7 +137,7 @@ def test_corrections_of_a_picture_that_was_replaced_are_told(manifest: Path) -> 
     for item in ("o1", "o2", "g/distal.jpg", "p#8"):
         decide(manifest, item, {"accepted": True})
     assert not run(manifest)[0].notes
-    pictures = {one.name: manifest.parent / one.image for one in read_study(manifest).observations}
+    pictures = {one.name: manifest.parent / one.file for one in read_study(manifest).observations}
     pictures["o1"].write_bytes(pictures["o2"].read_bytes())
     notes = run(manifest)[0].notes
     assert [note.split()[1] for note in notes] == ["o1"]

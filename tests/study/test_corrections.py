@@ -22,7 +22,7 @@ STUDY = Study.model_validate(
     {
         "title": "t",
         "fingers": [
-            {"name": "f", "photographs": [{"face": "palmar", "image": "a/p.jpg", "scale": {"ppi": 500}}]}
+            {"name": "f", "photographs": [{"face": "palmar", "file": "a/p.jpg", "scale": {"ppi": 500}}]}
         ],
         "observations": [
             *(
@@ -31,7 +31,7 @@ STUDY = Study.model_validate(
                     "finger": "f",
                     "wedge_angle_deg": 30,
                     "load_N": 1,
-                    "image": "x.png",
+                    "file": "x.png",
                     "scale": {"ppi": 500},
                 }
                 for name in ("print_1", "print_2")
@@ -49,7 +49,7 @@ STUDY = Study.model_validate(
                 "name": "press",
                 "finger": "f",
                 "wedge_angle_deg": 30,
-                "path": "p",
+                "file": "p",
                 "force": "f.csv",
                 "scale": {"ppi": 500},
             }

@@ -37,7 +37,7 @@ name = "print_1"
 finger = "left"
 wedge_angle_deg = 30
 load_N = 2.0     # from the balance
-image = "a.png"
+file = "a.png"
 scale = "reader"
 
 [[observations]]
@@ -45,14 +45,14 @@ name = "print_2"
 finger = "left"
 wedge_angle_deg = 45
 load_N = 1.0
-image = "b.png"
+file = "b.png"
 scale = "reader"
 """
 SEMI_AXES = {
     "semi_axes_mm": {"palmar": 7.9, "distal": 13.8, "radial_ulnar": 11.8},
     "semi_axes_mm_std": {"palmar": 0.2, "distal": 0.2, "radial_ulnar": 0.2},
 }
-PRINT = {"finger": "left", "image": "a.png", "scale": "reader", "wedge_angle_deg": 30, "load_N": 2}
+PRINT = {"finger": "left", "file": "a.png", "scale": "reader", "wedge_angle_deg": 30, "load_N": 2}
 
 
 @pytest.fixture
@@ -83,7 +83,7 @@ def test_one_value_changes_one_line(folder):
 def test_adding_leaves_what_was_there(folder):
     state = changed(
         folder,
-        ("observation", "print_3", {**PRINT, "image": "c.png", "threshold": 40.5, "seed_px": [20, 30]}),
+        ("observation", "print_3", {**PRINT, "file": "c.png", "threshold": 40.5, "seed_px": [20, 30]}),
         ("scale", "camera", {"mm_per_px": 0.05, "relative_std": 0.01}),
         ("study", "", {"poisson_ratio": 0.49}),
         ("uncertainty", "", {"load_relative_std": 0.02}),
@@ -127,19 +127,19 @@ def test_a_finger_from_semi_axes_to_photographs(folder):
     )
     changed(folder, ("photograph", "left/b.png", {"tip": "left"}))
     finger = read_study(folder / STUDY_NAME).fingers[0]
-    assert [(one.face, one.image, one.tip) for one in finger.photographs] == [
+    assert [(one.face, one.file, one.tip) for one in finger.photographs] == [
         ("palmar", "a.png", "up"),
         ("distal", "b.png", "left"),
     ]
     changed(folder, ("photograph", "left/a.png", None))
-    assert [one.image for one in read_study(folder / STUDY_NAME).fingers[0].photographs] == ["b.png"]
+    assert [one.file for one in read_study(folder / STUDY_NAME).fingers[0].photographs] == ["b.png"]
 
 
 BAD = {
     "unknown finger": (("observation", "print_1", {"finger": "middle"}), "no finger is named 'middle'"),
-    "no such file": (("observation", "print_1", {"image": "z.png"}), "no file 'z.png' in the study folder"),
-    "out of the folder": (("observation", "print_1", {"image": "../a.png"}), "'../a.png'"),
-    "absolute path": (("observation", "print_1", {"image": "/etc/passwd"}), "leaves the study folder"),
+    "no such file": (("observation", "print_1", {"file": "z.png"}), "no file 'z.png' in the study folder"),
+    "out of the folder": (("observation", "print_1", {"file": "../a.png"}), "'../a.png'"),
+    "absolute path": (("observation", "print_1", {"file": "/etc/passwd"}), "leaves the study folder"),
     "negative load": (("observation", "print_1", {"load_N": -1}), "observations[0].load_N: expected"),
     "text for a number": (("observation", "print_1", {"load_N": "2"}), "observations[0].load_N"),
     "unknown key": (("observation", "print_1", {"laod_N": 1}), "did you mean 'load_N'"),
@@ -176,7 +176,7 @@ def test_a_study_grows_from_nothing(tmp_path):
     state = create_study(tmp_path, "  New one ")
     assert (state.title, state.study, state.incomplete) == ("New one", None, ())
     state = changed(tmp_path, ("scale", "reader", {"ppi": 500}))
-    state = changed(tmp_path, ("observation", "print_1", {"image": "a.png", "scale": "reader"}))
+    state = changed(tmp_path, ("observation", "print_1", {"file": "a.png", "scale": "reader"}))
     waiting = {one.key: one.faults for one in state.incomplete}
     assert waiting["reader"] == ()
     assert any("load_N: required" in fault for fault in waiting["print_1"])
@@ -194,16 +194,16 @@ def test_a_study_grows_from_nothing(tmp_path):
 
 
 def test_what_is_incomplete_does_not_stand_in_the_way(folder):
-    state = changed(folder, ("observation", "print_3", {"image": "c.png", "scale": "reader"}))
+    state = changed(folder, ("observation", "print_3", {"file": "c.png", "scale": "reader"}))
     assert [one.key for one in state.incomplete] == ["print_3"]
     state = changed(folder, ("observation", "print_1", {"load_N": 7}))
     assert state.study.observations[0].load_N == 7
     assert tomllib.loads((folder / DRAFT_NAME).read_text())["observations"] == [
-        {"name": "print_3", "image": "c.png", "scale": "reader"}
+        {"name": "print_3", "file": "c.png", "scale": "reader"}
     ]
-    state = changed(folder, ("observation", "print_3", {"image": "z.png", **PRINT, "name": "PRINT_1"}))
+    state = changed(folder, ("observation", "print_3", {"file": "z.png", **PRINT, "name": "PRINT_1"}))
     assert state.incomplete[0].faults == ("name: 'PRINT_1' is taken; names must differ by more than case",)
-    state = changed(folder, ("observation", "PRINT_1", {"name": "print_4", "image": "z.png"}))
+    state = changed(folder, ("observation", "PRINT_1", {"name": "print_4", "file": "z.png"}))
     assert "no file 'z.png'" in state.incomplete[0].faults[0]
     state = changed(folder, ("observation", "print_4", None))
     assert state.incomplete == ()
@@ -211,11 +211,11 @@ def test_what_is_incomplete_does_not_stand_in_the_way(folder):
 
 
 def test_a_stop_between_two_files_leaves_nothing_twice(folder):
-    changed(folder, ("observation", "print_3", {"image": "c.png"}))
+    changed(folder, ("observation", "print_3", {"file": "c.png"}))
     left = (folder / DRAFT_NAME).read_text()
-    changed(folder, ("observation", "print_3", {**PRINT, "image": "c.png"}))
+    changed(folder, ("observation", "print_3", {**PRINT, "file": "c.png"}))
     full = left.replace(
-        'image = "c.png"', "\n".join(f"{k} = {v!r}" for k, v in ({**PRINT, "image": "c.png"}).items())
+        'file = "c.png"', "\n".join(f"{k} = {v!r}" for k, v in ({**PRINT, "file": "c.png"}).items())
     )
     (folder / DRAFT_NAME).write_text(full)
     state = study_state(folder)
@@ -259,7 +259,7 @@ def test_rows_of_a_spreadsheet_are_changed_there(folder):
     (folder / STUDY_NAME).write_text(text)
     rows = ['row_1,left,30,1.5,a.png,500,"as, was"', "row_2,left,30,2,b.png,500,"]
     (folder / "more.csv").write_text(
-        "\n".join(["name,finger,wedge_angle_deg,load_N,image,ppi,notes", *rows, ""])
+        "\n".join(["name,finger,wedge_angle_deg,load_N,file,ppi,notes", *rows, ""])
     )
     changed(
         folder,
@@ -286,7 +286,7 @@ def test_no_spreadsheet_evaluates_what_was_typed_into_its_rows(folder, notes):
     text = MANIFEST.replace('title = "Ours"', 'observations_csv = "more.csv"\ntitle = "Ours"')
     (folder / STUDY_NAME).write_text(text)
     row = "row_{},left,30,1.5,-2.5,a.png,500,"
-    rows = ["name,finger,wedge_angle_deg,load_N,roll_angle_deg,image,ppi,notes", row.format(1), row.format(2)]
+    rows = ["name,finger,wedge_angle_deg,load_N,roll_angle_deg,file,ppi,notes", row.format(1), row.format(2)]
     (folder / "more.csv").write_text("\n".join([*rows, ""]))
     changed(folder, ("observation", "row_1", {"notes": notes}))
     changed(folder, ("observation", "row_2", {"load_N": 2}))
@@ -312,9 +312,9 @@ def with_sheet(folder):
     text = MANIFEST.replace('title = "Ours"', 'observations_csv = "tables/more.csv"\ntitle = "Ours"')
     (folder / STUDY_NAME).write_text(text)
     (folder / "tables").mkdir()
-    header = "name,finger,wedge_angle_deg,load_N,image,ppi"
+    header = "name,finger,wedge_angle_deg,load_N,file,ppi"
     (folder / "tables/more.csv").write_text(f"{header}\nrow_1,left,30,1.5,a.png,500\n")
-    changed(folder, ("observation", "print_3", {"finger": "left", "image": "c.png"}))
+    changed(folder, ("observation", "print_3", {"finger": "left", "file": "c.png"}))
     return folder
 
 
@@ -418,7 +418,7 @@ def test_what_is_missing_is_said(tmp_path):
     changed(
         tmp_path,
         ("photograph", "left/b.png", {"face": "distal", "scale": "reader"}),
-        ("observation", "p", {"finger": "left", "image": "c.png", "scale": "reader", "wedge_angle_deg": 30}),
+        ("observation", "p", {"finger": "left", "file": "c.png", "scale": "reader", "wedge_angle_deg": 30}),
     )
     assert said(tmp_path) == {("observation", "p"): "the load is still to be given"}
     changed(tmp_path, ("observation", "p", {"load_N": 1}))

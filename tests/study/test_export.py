@@ -47,7 +47,7 @@ name = "lost"
 finger = "index"
 wedge_angle_deg = 45
 load_N = 0.5
-image = "broken.png"
+file = "broken.png"
 scale = { ppi = 500 }
 """
 

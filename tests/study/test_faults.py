@@ -67,7 +67,7 @@ def test_a_film_in_pieces_gives_the_rows_of_the_whole(
 def test_two_processes_and_a_tiff_give_the_rows_of_one(undisturbed: list[dict], tmp_path: Path) -> None:
     manifest = make(tmp_path / "study", film="film.tif")
     found = rows(manifest, tmp_path / "out", workers=2)
-    assert [row | {"image": None} for row in found] == [row | {"image": None} for row in undisturbed]
+    assert [row | {"file": None} for row in found] == [row | {"file": None} for row in undisturbed]
 
 
 def test_killed_at_twenty_moments(made: Path, undisturbed: list[dict], tmp_path: Path) -> None:

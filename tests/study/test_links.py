@@ -18,7 +18,7 @@ diameter_mm = 23.25
 [[fingers]]
 name = "index"
 photographs = [
-    { face = "palmar", image = "palmar.jpg", scale = "reader" },
+    { face = "palmar", file = "palmar.jpg", scale = "reader" },
     { face = "distal", outline = "distal.csv" },
 ]
 [[observations]]
@@ -26,14 +26,14 @@ name = "a"
 finger = "index"
 wedge_angle_deg = 30
 load_N = 2
-image = "a.png"
+file = "a.png"
 background = "background.png"
 scale = { coin = "euro.png", diameter_mm = 23.25 }
 [[sequences]]
 name = "p"
 finger = "index"
 wedge_angle_deg = 30
-path = "film"
+file = "film"
 force = "force.csv"
 times = "times.csv"
 scale = { ppi = 500 }

@@ -29,7 +29,7 @@ PRESS = """
 name = "p"
 finger = "index"
 wedge_angle_deg = 30
-path = "film"
+file = "film"
 force = "force.csv"
 """
 VALID = 'title = "T"\n' + FINGER + ROW
@@ -111,19 +111,19 @@ def test_rows_may_come_from_a_spreadsheet(tmp_path: Path) -> None:
             VALID + ROW.replace('"a"', '"A"'),
             "the name 'A' is given 2 times; names must differ by more than case",
         ),
-        (VALID.replace("ellipse_mm =", 'image = "a\\u0000.png"\nscale = { ppi = 500 } #'), "is no file name"),
+        (VALID.replace("ellipse_mm =", 'file = "a\\u0000.png"\nscale = { ppi = 500 } #'), "is no file name"),
         (
-            VALID.replace("ellipse_mm =", f'image = "{"x" * 5000}"\nscale = {{ ppi = 500 }} #'),
+            VALID.replace("ellipse_mm =", f'file = "{"x" * 5000}"\nscale = {{ ppi = 500 }} #'),
             "is no file name",
         ),
         ("title = " + 3000 * "[", "not valid TOML"),
         ("title = " + 5000 * "9", "not valid TOML|title"),
         (
             'title = "T"\n[[fingers]]\nname = "f"\nphotographs = [{ face = "palmar" }]',
-            "photographs.0.: give either outline or image",
+            "photographs.0.: give either outline or file",
         ),
         (
-            'title = "T"\n[[fingers]]\nname = "f"\nphotographs = [{ face = "palmar", image = "a.png" }]',
+            'title = "T"\n[[fingers]]\nname = "f"\nphotographs = [{ face = "palmar", file = "a.png" }]',
             "photographs.0.: an image needs its scale",
         ),
         (
@@ -154,23 +154,23 @@ def test_rows_may_come_from_a_spreadsheet(tmp_path: Path) -> None:
         (VALID.replace('name = "a"', 'name = "../a"'), "observations.0..name: write it with letters"),
         (VALID + ROW, "observations: the name 'a' is given 2 times"),
         (VALID.replace("semi_axes_mm_std", "# "), "semi_axes_mm and semi_axes_mm_std belong together"),
-        (VALID + 'image = "x.png"\nscale = { ppi = 500 }', "give either image or ellipse_mm, one of the two"),
-        (VALID.replace("ellipse_mm =", "# "), "give either image or ellipse_mm"),
-        (VALID.replace("ellipse_mm =", 'image = "x.png" #'), "an image needs its scale"),
+        (VALID + 'file = "x.png"\nscale = { ppi = 500 }', "give either file or ellipse_mm, one of the two"),
+        (VALID.replace("ellipse_mm =", "# "), "give either file or ellipse_mm"),
+        (VALID.replace("ellipse_mm =", 'file = "x.png" #'), "an image needs its scale"),
         (
-            VALID.replace("ellipse_mm =", 'image = "no.png"\nscale = { ppi = 500 } #'),
+            VALID.replace("ellipse_mm =", 'file = "no.png"\nscale = { ppi = 500 } #'),
             "image: no file 'no.png' in the study",
         ),
         (
-            VALID.replace("ellipse_mm =", 'image = "../x.png"\nscale = { ppi = 500 } #'),
+            VALID.replace("ellipse_mm =", 'file = "../x.png"\nscale = { ppi = 500 } #'),
             "'../x.png' leaves the study folder",
         ),
         (
-            VALID.replace("ellipse_mm =", 'image = "/etc/passwd"\nscale = { ppi = 500 } #'),
+            VALID.replace("ellipse_mm =", 'file = "/etc/passwd"\nscale = { ppi = 500 } #'),
             "leaves the study folder",
         ),
         (
-            VALID.replace("ellipse_mm =", 'image = "x.png"\nppi = 500 #'),
+            VALID.replace("ellipse_mm =", 'file = "x.png"\nppi = 500 #'),
             r"observations.0..ppi: unknown key; write it in the table of a scale, as in scale = \{ ppi",
         ),
         (
@@ -208,7 +208,7 @@ def test_rows_may_come_from_a_spreadsheet(tmp_path: Path) -> None:
         (VALID + '[scales.s]\ncoin = "no.png"\ndiameter_mm = 23.25', "scales.s.coin: no file 'no.png'"),
         (VALID + '[scales.s]\ncoin = "study.toml"', "scales.s.diameter_mm: required, but missing"),
         (
-            VALID.replace("ellipse_mm =", 'image = "study.toml"\nscale = "s" #'),
+            VALID.replace("ellipse_mm =", 'file = "study.toml"\nscale = "s" #'),
             r"observations.0..scale: no scale is named 's'; write a table .scales.s.",
         ),
         (VALID + PRESS, "sequences.0.: a sequence needs its scale"),
@@ -259,14 +259,14 @@ CELLS = "b,index,45,2,5,4,.1"
         ("", "rows.csv: no column"),
         (HEADER, "rows.csv: holds no rows"),
         (
-            f"{HEADER},image,ppi,mm_per_px\nb,index,45,2,,,,x.png,500,0.05",
+            f"{HEADER},file,ppi,mm_per_px\nb,index,45,2,,,,x.png,500,0.05",
             "rows.csv, line 2: scale: give one of .*, found ppi and mm_per_px",
         ),
         (
-            f"{HEADER},image,ppi,scale\nb,index,45,2,,,,x.png,500,reader",
+            f"{HEADER},file,ppi,scale\nb,index,45,2,,,,x.png,500,reader",
             "rows.csv, line 2: give either scale or ppi",
         ),
-        (f"{HEADER},image,ppi\nb,index,45,2,,,,x.png,5oo", "rows.csv, line 2: scale.ppi: .*found '5oo'"),
+        (f"{HEADER},file,ppi\nb,index,45,2,,,,x.png,5oo", "rows.csv, line 2: scale.ppi: .*found '5oo'"),
         (f"{HEADER},load_N\n{CELLS},3", "rows.csv: column load_N is there 2 times"),
     ],
 )
@@ -278,7 +278,7 @@ def test_names_the_line_of_a_spreadsheet(tmp_path: Path, text: str, message: str
 
 def test_spreadsheets_may_be_untidy(tmp_path: Path) -> None:
     (tmp_path / "rows.csv").write_text(
-        f'{HEADER},image,ppi,seed_px,,\n{CELLS},,,,,\n,,,,,,,,,,\nc,index,45,2,,,,rows.csv,500,"250, 200"\n'
+        f'{HEADER},file,ppi,seed_px,,\n{CELLS},,,,,\n,,,,,,,,,,\nc,index,45,2,,,,rows.csv,500,"250, 200"\n'
     )
     study = read_study(write(tmp_path, '\ufefftitle = "T"\nobservations_csv = "rows.csv"' + FINGER))
     assert [row.name for row in study.observations] == ["b", "c"]
@@ -289,7 +289,7 @@ def test_spreadsheets_may_be_untidy(tmp_path: Path) -> None:
 def test_a_photograph_shows_one_face(tmp_path: Path) -> None:
     (tmp_path / "a.jpg").touch()
     faces = "\n".join(
-        f'[[fingers.photographs]]\nface = "{face}"\nimage = "a.jpg"\nscale = {{ mm_per_px = 0.1 }}'
+        f'[[fingers.photographs]]\nface = "{face}"\nfile = "a.jpg"\nscale = {{ mm_per_px = 0.1 }}'
         for face in ("palmar", "distal")
     )
     path = write(tmp_path, f'title = "T"\n[[fingers]]\nname = "g"\n{faces}\n')
@@ -342,7 +342,7 @@ name = "o"
 finger = "f"
 wedge_angle_deg = 30
 load_N = 1
-image = "a.png"
+file = "a.png"
 {scale}
 """
     assert read_study(write(tmp_path, text)).taken_as_exact() == exact

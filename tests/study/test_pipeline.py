@@ -194,7 +194,7 @@ def test_circular_contacts_pool_with_others(tmp_path: Path) -> None:
 )
 def test_odd_pictures_cost_their_row_only(tmp_path: Path, picture: np.ndarray) -> None:
     Image.fromarray(picture.astype(np.uint8)).save(tmp_path / "odd.png")
-    rows = row("odd", 'image = "odd.png"\nscale = { ppi = 500 }')
+    rows = row("odd", 'file = "odd.png"\nscale = { ppi = 500 }')
     rows += row("good", "ellipse_mm = { semi_major = 7.4, semi_minor = 5.0, std = 0.1 }")
     result = run_study(single_row(tmp_path, rows), tmp_path / "out")
     assert [line["status"] for line in result.rows] == ["failed", "measured"]
@@ -206,7 +206,7 @@ def test_results_are_never_written_over_inputs(tmp_path: Path, out: str) -> None
     picture.parent.mkdir(parents=True)
     shutil.copy(EXAMPLE / "synthetic" / "synthetic_30deg_1N.png", picture)
     before = picture.read_bytes()
-    manifest = single_row(tmp_path, row("a", f'image = "{out}/overlays/a.png"\nscale = {{ ppi = 500 }}'))
+    manifest = single_row(tmp_path, row("a", f'file = "{out}/overlays/a.png"\nscale = {{ ppi = 500 }}'))
     with pytest.raises(ManifestError, match="results would be written over .*overlays/a.png"):
         run_study(manifest, tmp_path / out)
     assert picture.read_bytes() == before
@@ -215,7 +215,7 @@ def test_results_are_never_written_over_inputs(tmp_path: Path, out: str) -> None
 @pytest.mark.parametrize("out", ["study.toml", "a.png"])
 def test_an_input_is_no_output_folder(tmp_path: Path, out: str) -> None:
     shutil.copy(EXAMPLE / "synthetic" / "synthetic_30deg_1N.png", tmp_path / "a.png")
-    manifest = single_row(tmp_path, row("a", 'image = "a.png"\nscale = { ppi = 500 }'))
+    manifest = single_row(tmp_path, row("a", 'file = "a.png"\nscale = { ppi = 500 }'))
     with pytest.raises(ManifestError, match=f"results would be written over {out}; choose another"):
         run_study(manifest, tmp_path / out)
 
@@ -229,7 +229,7 @@ def test_doubtful_pictures_are_shown_but_not_pooled(tmp_path: Path) -> None:
     truth = render_contact_image(semi_major=8.0, semi_minor=6.0, seed=3)
     Image.fromarray(truth.pixels).save(tmp_path / "good.png")
     Image.fromarray(truth.pixels[120:]).save(tmp_path / "cut.png")
-    rows = "".join(row(name, f'image = "{name}.png"\nscale = {{ ppi = 500 }}') for name in ("good", "cut"))
+    rows = "".join(row(name, f'file = "{name}.png"\nscale = {{ ppi = 500 }}') for name in ("good", "cut"))
     (tmp_path / "one").mkdir()
     result = run_study(single_row(tmp_path, rows), tmp_path / "out")
     good, cut = result.rows
@@ -239,7 +239,7 @@ def test_doubtful_pictures_are_shown_but_not_pooled(tmp_path: Path) -> None:
     assert len(summary.rows) == 2
     assert summary.corrected_radius.count == 1
     only = run_study(
-        single_row(tmp_path, row("cut", 'image = "cut.png"\nscale = { ppi = 500 }')), tmp_path / "out"
+        single_row(tmp_path, row("cut", 'file = "cut.png"\nscale = { ppi = 500 }')), tmp_path / "out"
     )
     assert only.summaries[0].corrected_radius is None
     assert "is not pooled" in write_report(only, tmp_path / "out").read_text(encoding="utf-8")
@@ -261,7 +261,7 @@ def test_slips_of_units_are_noted(tmp_path: Path) -> None:
 def test_an_earlier_run_leaves_no_pictures_behind(tmp_path: Path) -> None:
     shutil.copy(EXAMPLE / "synthetic" / "synthetic_30deg_1N.png", tmp_path / "p.png")
     for name in ("first", "second"):
-        run_study(single_row(tmp_path, row(name, 'image = "p.png"\nscale = { ppi = 500 }')), tmp_path / "out")
+        run_study(single_row(tmp_path, row(name, 'file = "p.png"\nscale = { ppi = 500 }')), tmp_path / "out")
     assert [path.name for path in (tmp_path / "out" / "overlays").iterdir()] == ["second.png"]
 
 
@@ -281,7 +281,7 @@ def test_a_study_of_failures_still_reports(copy: Path, tmp_path: Path) -> None:
         "semi_axes_mm = { palmar = 8, distal = 14, radial_ulnar = 12 }\n"
         "semi_axes_mm_std = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }\n"
         '[[observations]]\nname = "x"\nfinger = "f"\nwedge_angle_deg = 0\nload_N = 1\n'
-        'image = "study.toml"\nscale = { ppi = 500 }\n'
+        'file = "study.toml"\nscale = { ppi = 500 }\n'
     )
     result = run_study(manifest, tmp_path / "out")
     assert result.rows[0]["status"] == "failed"

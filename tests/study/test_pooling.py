@@ -105,7 +105,7 @@ def test_the_close_look_agrees_with_the_row(tmp_path: Path) -> None:
 
 def finger_from_photographs(folder: Path, scale: str, scales: str = "") -> StudyResult:
     faces = ", ".join(
-        f'{{ face = "{face}", image = "photograph_{face}.jpg", scale = {scale} }}'
+        f'{{ face = "{face}", file = "photograph_{face}.jpg", scale = {scale} }}'
         for face in ("palmar", "distal", "radial")
     )
     for face in ("palmar", "distal", "radial"):

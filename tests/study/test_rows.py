@@ -28,7 +28,7 @@ load_N = 2
 {row}
 """
 ELLIPSE = "ellipse_mm = { semi_major = 7.4, semi_minor = 5.0, std = 1e-9, long_axis = 'along' }"
-IMAGE = "image = 'print.png'\nscale = { ppi = 500 }\n"
+IMAGE = "file = 'print.png'\nscale = { ppi = 500 }\n"
 
 
 def row_of(
@@ -97,9 +97,7 @@ def test_scale_moves_both_axes_together(picture: Path) -> None:
 
 
 def test_a_named_scale_is_kept_on_the_row_and_one_of_its_own_is_not(picture: Path) -> None:
-    named = row_of(
-        picture, row='image = "print.png"\nscale = "s"\n[scales.s]\nppi = 500\nrelative_std = 0.05'
-    )
+    named = row_of(picture, row='file = "print.png"\nscale = "s"\n[scales.s]\nppi = 500\nrelative_std = 0.05')
     alone = row_of(picture, row=IMAGE.replace("500", "500, relative_std = 0.05"))
     assert (named["scale"], alone["scale"]) == ("s", None)
     assert named["mm_per_px_std"] == pytest.approx(0.05 * named["mm_per_px"])
@@ -121,7 +119,7 @@ def test_four_ways_to_say_a_scale(picture: Path) -> None:
 
 
 def test_a_coin_that_is_not_there_costs_its_rows(picture: Path) -> None:
-    shared = 'image = "print.png"\nscale = "euro"\n[scales.euro]\ncoin = "print.png"\ndiameter_mm = 23.25'
+    shared = 'file = "print.png"\nscale = "euro"\n[scales.euro]\ncoin = "print.png"\ndiameter_mm = 23.25'
     (picture / "study.toml").write_text(
         MANIFEST.format(row=shared, finger="", wedge_std=0.0, load_std=0.0, top="", more="")
     )

@@ -32,7 +32,7 @@ FILM = """
 name = "%s"
 finger = "f"
 wedge_angle_deg = 30
-path = "film"
+file = "film"
 scale = { ppi = 240, relative_std = 0.01 }
 force = "force.csv"
 %s

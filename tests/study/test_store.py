@@ -40,7 +40,7 @@ name = "o{number}"
 finger = "f"
 wedge_angle_deg = 30
 load_N = {load}
-image = "o{number}.png"
+file = "o{number}.png"
 scale = {{ ppi = 500 }}
 {more}
 """
@@ -127,7 +127,7 @@ def test_a_lost_overlay_is_drawn_again(folder: Path) -> None:
 
 def test_fresh_measures_everything(folder: Path) -> None:
     run(folder)
-    assert len(run(folder, fresh=True)[0]) == COUNT
+    assert len(run(folder, force=True)[0]) == COUNT
 
 
 def test_a_failed_picture_is_kept_as_failed_until_it_is_mended(folder: Path) -> None:

@@ -118,7 +118,7 @@ def test_sixteen_bits_fill_the_whole_range_of_a_preview(client, studies_folder):
         "finger": "synthetic_pad",
         "wedge_angle_deg": 30,
         "load_N": 1.0,
-        "image": file,
+        "file": file,
         "scale": "reader",
     }
     edit(client, state, {"kind": "observation", "key": "deep", "set": table})
@@ -366,7 +366,7 @@ def test_a_study_grows_from_nothing_and_says_what_is_missing(client, studies_fol
     file = client.post("/api/files", params={"name": "a.png"}, content=content).json()["file"]
     state = client.get("/api/study").json()
     assert next(one for one in state["missing"] if one["kind"] == "file")["key"] == file
-    state = edit(client, state, {"kind": "observation", "key": "a", "set": {"image": file, "load_N": 2.0}})
+    state = edit(client, state, {"kind": "observation", "key": "a", "set": {"file": file, "load_N": 2.0}})
     assert (
         state["observations"][0] | {"complete": False, "load_N": 2.0, "finger": None}
         == state["observations"][0]

@@ -98,7 +98,7 @@ def write(folder, files, folders, ways):
             "finger": "f",
             "wedge_angle_deg": 30,
             "load_N": 1,
-            "image": name,
+            "file": name,
             "scale": {"ppi": 500},
         }
         for k, name in enumerate(used)
@@ -245,7 +245,7 @@ def test_a_file_in_the_place_of_results_travels(tmp_path):
 def test_a_name_that_goes_up_and_down_leads_to_its_file(tmp_path):
     folder = tmp_path / "study"
     write(folder, {"a.png": (b"a", 0.0)}, set(), {"a.png": "unused"})
-    one = {**OBSERVATION, "name": "o", "image": ".data/../a.png"}
+    one = {**OBSERVATION, "name": "o", "file": ".data/../a.png"}
     (folder / "study.toml").write_text(tomlkit.dumps({**HEAD, "observations": [one]}))
     found, other = round_trip(folder)
     assert [left.file for left in found.left_out] == [".data/"]
@@ -255,7 +255,7 @@ def test_a_name_that_goes_up_and_down_leads_to_its_file(tmp_path):
 def test_a_name_that_is_absolute_is_told(tmp_path):
     folder = tmp_path / "study"
     write(folder, {"a.png": (b"a", 0.0)}, set(), {"a.png": "unused"})
-    one = {**OBSERVATION, "name": "o", "image": str(folder / "a.png")}
+    one = {**OBSERVATION, "name": "o", "file": str(folder / "a.png")}
     (folder / "study.toml").write_text(tomlkit.dumps({**HEAD, "observations": [one]}))
     found, other = round_trip(folder)
     assert {one.file: one.why for one in found.left_out}[str(folder / "a.png")].startswith(

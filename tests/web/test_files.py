@@ -194,9 +194,9 @@ def test_a_file_in_use_is_not_removed_by_another_name(client, studies_folder, na
     (studies_folder / "demo/link.png").symlink_to("uploads/linked.png")
     known = {"finger": "synthetic_pad", "wedge_angle_deg": 30, "load_N": 1, "scale": "reader"}
     edits = [
-        {"kind": "observation", "key": "x", "set": {**known, "image": "uploads/a.png"}},
-        {"kind": "observation", "key": "y", "set": {**known, "image": "link.png"}},
-        {"kind": "observation", "key": "z", "set": {"image": "uploads/draft.png"}},
+        {"kind": "observation", "key": "x", "set": {**known, "file": "uploads/a.png"}},
+        {"kind": "observation", "key": "y", "set": {**known, "file": "link.png"}},
+        {"kind": "observation", "key": "z", "set": {"file": "uploads/draft.png"}},
     ]
     state = client.get("/api/study").json()
     client.post("/api/study/edits", json={"expected": state["digest"], "edits": edits}).raise_for_status()

@@ -31,7 +31,7 @@ def small(tmp_path_factory):
     axes = "palmar = 7.9, distal = 13.8, radial_ulnar = 11.8"
     observations = "".join(
         f'[[observations]]\nname = "o{load}"\nfinger = "pad"\nwedge_angle_deg = 30\nload_N = {load}.0\n'
-        f'image = "synthetic/synthetic_30deg_{load}N.png"\nscale = "reader"\nsynthetic = true\n'
+        f'file = "synthetic/synthetic_30deg_{load}N.png"\nscale = "reader"\nsynthetic = true\n'
         for load in (1, 2, 4)
     )
     (folder / "study.toml").write_text(
@@ -269,7 +269,7 @@ def test_closing_the_study_stops_its_run(studies_folder):
         client.post("/api/run", json={})
         study = workspace.study
         assert client.post("/api/session/close").status_code == 200
-        assert study.run_job.describe()["state"] in {"cancelled", "done"}
+        assert study.running.describe()["state"] in {"cancelled", "done"}
 
 
 def test_the_page_answers_while_a_run_is_at_work(studies_folder):

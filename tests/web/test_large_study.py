@@ -19,7 +19,7 @@ name = "f{number}"
 finger = "a"
 wedge_angle_deg = 30
 load_N = 2
-image = "frames/{number}.png"
+file = "frames/{number}.png"
 scale = "small"
 """
 

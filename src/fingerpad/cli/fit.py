@@ -32,7 +32,7 @@ def fit(
         str,
         typer.Option(help="joint, or hold it by contact_by_threshold, two_lines, gradient or power_law."),
     ] = "joint",
-    region: Annotated[
+    load_range_n: Annotated[
         str | None, typer.Option(metavar="W0,W1", help="Loads, N, between which the modulus grows.")
     ] = None,
     constraint: Annotated[
@@ -63,7 +63,7 @@ def fit(
         loading_radius=None if radius_mm is None else Estimate.symmetric(radius_mm, radius_mm_std),
         cycle=cycle,
         contact_point=contact_point,
-        region=None if region is None else _loads(region),
+        region=None if load_range_n is None else _loads(load_range_n),
     )
     if constraint is not None:
         found = found.divide_by_constraint(Estimate.symmetric(constraint, constraint_std))
@@ -90,7 +90,7 @@ def _loads(text: str) -> tuple[float, float]:
     try:
         low, high = map(float, text.split(","))
     except ValueError:
-        raise LoadingError(f"--region takes two loads parted by a comma, found {text!r}") from None
+        raise LoadingError(f"--load-range-n takes two loads separated by a comma, found {text!r}") from None
     return low, high
 
 

@@ -37,14 +37,14 @@ def import_fiji(
         str | None,
         typer.Option(help="Unit of a table whose pictures had a scale in Fiji: mm, um, cm or inch."),
     ] = None,
-    finger: Annotated[str | None, typer.Option(help="The finger, if one for all.")] = None,
-    wedge_angle_deg: Annotated[
-        float | None, typer.Option(min=0, max=90, help="The wedge angle, if one for all.")
+    finger: Annotated[str | None, typer.Option(help="Finger name for all rows.")] = None,
+    wedge_deg: Annotated[
+        float | None, typer.Option(min=0, max=90, help="Wedge angle for all rows, degrees.")
     ] = None,
-    roll_angle_deg: Annotated[
-        float | None, typer.Option(min=-360, max=360, help="The roll angle, if one for all.")
+    roll_deg: Annotated[
+        float | None, typer.Option(min=-360, max=360, help="Roll angle for all rows, degrees.")
     ] = None,
-    load_n: Annotated[float | None, typer.Option("--load-N", min=0, help="The load, if one for all.")] = None,
+    load_n: Annotated[float | None, typer.Option(min=0, help="Load for all rows, N.")] = None,
     label_pattern: Annotated[
         str | None,
         typer.Option(help='What labels tell, as in "{finger}_{wedge_angle_deg}deg_{load_N}N".'),
@@ -54,9 +54,7 @@ def import_fiji(
         typer.Option(help="The finger's direction in the pictures, from straight up, counter-clockwise."),
     ] = 0.0,
     synthetic: Annotated[bool, typer.Option("--synthetic", help="The pictures were rendered.")] = False,
-    out: Annotated[Path, typer.Option(help="CSV to write; never one that is there.")] = Path(
-        "observations.csv"
-    ),
+    out: Annotated[Path, typer.Option(help="Output CSV (must not exist).")] = Path("observations.csv"),
     as_json: AsJson = False,
     scale: "Scale | None" = None,
 ) -> None:
@@ -69,8 +67,8 @@ def import_fiji(
 
     given = {
         "finger": finger,
-        "wedge_angle_deg": wedge_angle_deg,
-        "roll_angle_deg": roll_angle_deg,
+        "wedge_angle_deg": wedge_deg,
+        "roll_angle_deg": roll_deg,
         "load_N": load_n,
     }
     pattern = LabelPattern.of(label_pattern) if label_pattern is not None else None

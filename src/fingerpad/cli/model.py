@@ -15,22 +15,24 @@ if TYPE_CHECKING:
 
 
 def geometry(
-    semi_axes: Annotated[
+    semi_axes_mm: Annotated[
         tuple[float, float, float], typer.Option(help="Palmar, distal and radial-ulnar semi-axes, mm.")
     ],
-    wedge: Annotated[
+    wedge_deg: Annotated[
         float, typer.Option(min=0, max=90, help="Wedge angle, degrees: 0 is flat, 90 on the fingertip.")
     ],
-    roll: Annotated[float | None, typer.Option(help="Roll about the finger's long axis, degrees.")] = None,
+    roll_deg: Annotated[
+        float | None, typer.Option(help="Roll about the finger's long axis, degrees.")
+    ] = None,
     as_json: AsJson = False,
 ) -> None:
     """Find where a pad on a wedge touches the platen, and how it is curved there."""
     from fingerpad.geometry import Ellipsoid, Placement
 
-    for semi_axis in semi_axes:
-        require_positive("--semi-axes", semi_axis)
+    for semi_axis in semi_axes_mm:
+        require_positive("--semi-axes-mm", semi_axis)
     placement = Placement.of(
-        Ellipsoid.of(*semi_axes), wedge_angle=np.radians(wedge), roll_angle=np.radians(roll or 0.0)
+        Ellipsoid.of(*semi_axes_mm), wedge_angle=np.radians(wedge_deg), roll_angle=np.radians(roll_deg or 0.0)
     )
     curvature = placement.curvature
     record = {
@@ -44,7 +46,7 @@ def geometry(
         "gaussian_curvature_per_mm2": curvature.gaussian_curvature,
         "point_mm": placement.point,
     }
-    if roll is not None:
+    if roll_deg is not None:
         record |= {
             "principal_radii_mm": curvature.principal_radii,
             "principal_directions": curvature.principal_directions,
@@ -53,29 +55,31 @@ def geometry(
 
 
 def hertz(
-    radii: Annotated[tuple[float, float], typer.Option(help="Relative principal radii of curvature, mm.")],
+    radii_mm: Annotated[tuple[float, float], typer.Option(help="Relative principal radii of curvature, mm.")],
     modulus_kpa: Annotated[float, typer.Option(help="Reduced modulus E*, kPa.")],
-    load: Annotated[float | None, typer.Option(help="Normal force, N.")] = None,
-    indentation_mm: Annotated[float | None, typer.Option(help="Indentation, mm, instead of --load.")] = None,
+    load_n: Annotated[float | None, typer.Option(help="Normal force, N.")] = None,
+    indentation_mm: Annotated[
+        float | None, typer.Option(help="Indentation, mm, instead of --load-n.")
+    ] = None,
     as_json: AsJson = False,
 ) -> None:
     """Solve the elliptical Hertz contact under a load, or at an indentation."""
     from fingerpad.contact import HertzGeometry, indentation_factor, size_factor
 
-    if (load is None) == (indentation_mm is None):
-        raise typer.BadParameter("give either --load or --indentation-mm")
+    if (load_n is None) == (indentation_mm is None):
+        raise typer.BadParameter("give either --load-n or --indentation-mm")
     for flag, value in (
         ("--modulus-kpa", modulus_kpa),
-        ("--load", load),
+        ("--load-n", load_n),
         ("--indentation-mm", indentation_mm),
     ):
         require_positive(flag, value)
-    for radius in radii:
-        require_positive("--radii", radius)
-    pair = HertzGeometry.of(*radii)
+    for radius in radii_mm:
+        require_positive("--radii-mm", radius)
+    pair = HertzGeometry.of(*radii_mm)
     modulus = modulus_kpa / KPA_PER_MPA
-    if load is not None:
-        contact = pair.under_load(load, reduced_modulus=modulus)
+    if load_n is not None:
+        contact = pair.under_load(load_n, reduced_modulus=modulus)
     else:
         contact = pair.at_indentation(indentation_mm or 0.0, reduced_modulus=modulus)
     record = {
@@ -89,27 +93,27 @@ def hertz(
         "stiffness_N_per_mm": contact.stiffness,
         "F1": size_factor(pair.axis_ratio),
         "F2": indentation_factor(pair.axis_ratio),
-        "contact_radius_ratio": np.sqrt(contact.semi_major * contact.semi_minor) / pair.geometric_mean_radius,
+        "contact_size": np.sqrt(contact.semi_major * contact.semi_minor) / pair.geometric_mean_radius,
         "long_axis_along": {0.0: "first", 1.0: "second"}.get(float(pair.long_axis), "either"),
     }
     print_record(record, as_json)
 
 
 def correct(
-    ellipse: Annotated[
+    ellipse_mm: Annotated[
         tuple[float, float], typer.Option(help="Semi-major and semi-minor axis of the contact, mm.")
     ],
-    radius: Annotated[float, typer.Option(help="Radius of curvature of the undeformed pad, mm.")],
+    radius_mm: Annotated[float, typer.Option(help="Radius of curvature of the undeformed pad, mm.")],
     as_json: AsJson = False,
 ) -> None:
     """Correct a radius of curvature for the observed contact ellipse."""
     from fingerpad import contact
     from fingerpad.geometry import Ellipse
 
-    for semi_axis in ellipse:
-        require_positive("--ellipse", semi_axis)
-    observed = Ellipse.of(*ellipse)
-    require_positive("--radius", radius)
+    for semi_axis in ellipse_mm:
+        require_positive("--ellipse-mm", semi_axis)
+    observed = Ellipse.of(*ellipse_mm)
+    require_positive("--radius-mm", radius_mm)
     k = observed.axis_ratio
     first, b, d = contact.complete_integrals(k)
     record = {
@@ -118,9 +122,9 @@ def correct(
         "E": b + k**2 * d,
         "F1": contact.size_factor(k),
         "F2": contact.indentation_factor(k),
-        "radius_from_indentation_mm": contact.equivalent_radius_from_indentation(radius, k),
-        "radius_from_area_mm": contact.equivalent_radius_from_area(radius, k),
-        "radius_from_compliance_mm": contact.equivalent_radius_from_compliance(radius, k),
+        "radius_from_indentation_mm": contact.equivalent_radius_from_indentation(radius_mm, k),
+        "radius_from_area_mm": contact.equivalent_radius_from_area(radius_mm, k),
+        "radius_from_compliance_mm": contact.equivalent_radius_from_compliance(radius_mm, k),
     }
     print_record(record, as_json)
 

@@ -40,8 +40,8 @@ def run(
         Path | None,
         typer.Option(help="File to which progress is added, one JSON object a line.", show_default=False),
     ] = None,
-    fresh: Annotated[bool, typer.Option("--fresh", help="Measure everything again.")] = False,
-    seconds: Annotated[
+    force: Annotated[bool, typer.Option("--force", help="Measure everything again.")] = False,
+    time_limit_s: Annotated[
         float, typer.Option(help="Time that measuring one picture may take, s.")
     ] = DEFAULT_LIMITS.seconds,
     memory_gb: Annotated[
@@ -60,7 +60,7 @@ def run(
     from fingerpad.study.pipeline import run_study
 
     with shown_progress(log) as progress:
-        require_positive("--seconds", seconds)
+        require_positive("--time-limit-s", time_limit_s)
         require_positive("--memory-gb", memory_gb)
         try:
             result = run_study(
@@ -68,8 +68,8 @@ def run(
                 out,
                 workers=workers,
                 scheduler=scheduler,
-                fresh=fresh,
-                limits=Limits(seconds=seconds, memory_gb=memory_gb),
+                force=force,
+                limits=Limits(seconds=time_limit_s, memory_gb=memory_gb),
                 write_report=write_report,
                 on_progress=progress.tell,
             )

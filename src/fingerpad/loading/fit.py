@@ -115,7 +115,7 @@ class LoadingFit:
         return {
             **estimates_record(quantities),
             "modulus_load_N": self.modulus_load,
-            "fit_load_range_N": list(self.region),
+            "region_N": list(self.region),
             "preferred_model": self.preferred_model,
             "aicc": {name: model.aicc for name, model in self.models.items()},
             "segments": [cycle.as_record() for cycle in self.cycles],

@@ -52,7 +52,7 @@ def run_study(
     *,
     workers: int = 1,
     scheduler: str | None = None,
-    fresh: bool = False,
+    force: bool = False,
     limits: Limits = DEFAULT_LIMITS,
     write_report: ReportWriter | None = None,
     on_progress: Callable[[Progress], None] = lambda _: None,
@@ -73,7 +73,7 @@ def run_study(
     scheduler : str or None
         Address of a Dask scheduler whose workers measure instead, as ``tcp://host:8786``; or ``local`` for
         one that is started here with so many workers.
-    fresh : bool
+    force : bool
         Measure everything again, whatever is stored.
     limits : Limits
         Time and memory that measuring one picture may take.
@@ -107,7 +107,7 @@ def run_study(
     with Store.writing(out / STORE_NAME) as store:
         put_in_place(store)
         damaged = store.damaged()
-        store.discard(None if fresh else damaged)
+        store.discard(None if force else damaged)
         keys = CacheKeys(
             study=study, folder=folder, digest=cache(store.digest), active_corrections=active_corrections
         )

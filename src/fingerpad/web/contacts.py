@@ -86,7 +86,7 @@ def _contact(opened: StudySession, params: ContactParams) -> Contact:
             raise RequestError.impossible(f"{item}: say its scale first")
         file = item.removeprefix("file:")
         return Observation(
-            name=_NO_TABLE, finger=_NO_TABLE, wedge_angle_deg=0, load_N=1, image=file, scale=params.scale
+            name=_NO_TABLE, finger=_NO_TABLE, wedge_angle_deg=0, load_N=1, file=file, scale=params.scale
         )
     contact = opened.sequence(item.rpartition("#")[0]) if "#" in item else opened.observation(item)
     if contact is None or contact.scale is None:
@@ -121,7 +121,7 @@ def reading_of(
     opened: StudySession, sequence: ContactSequence, found: FoundScale
 ) -> ContactImageSettings | None:
     """Return how a film is read, learnt from some of its frames; None where they teach nothing."""
-    place = ImageLocation(opened.folder / sequence.path)
+    place = ImageLocation(opened.folder / sequence.file)
 
     def learn() -> SequenceSettings | None:
         frames = open_frames(place.path, memory_limit=opened.memory_limit)

@@ -93,7 +93,7 @@ def _table(opened: StudySession, params: PhotographParams) -> tuple[Finger | Non
         return finger, photograph.model_copy(update={k: v for k, v in stated.items() if v is not None})
     if params.face is None or params.scale is None:
         raise RequestError.impossible(f"{params.item}: say its face and its scale first")
-    return None, Photograph(face=params.face, image=params.item.removeprefix("file:"), scale=params.scale)
+    return None, Photograph(face=params.face, file=params.item.removeprefix("file:"), scale=params.scale)
 
 
 def _change(opened: StudySession, params: PhotographParams) -> PhotographCorrection:

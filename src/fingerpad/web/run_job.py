@@ -60,7 +60,7 @@ class RunJob:
         return now
 
     def start(
-        self, manifest: Path, out: Path, *, workers: int, fresh: bool, when_done: Callable[[], None]
+        self, manifest: Path, out: Path, *, workers: int, force: bool, when_done: Callable[[], None]
     ) -> dict[str, Any]:
         """Begin a run."""
         with self._lock:
@@ -71,7 +71,7 @@ class RunJob:
             self._started, self._told = time.monotonic(), 0.0
             self._stop.clear()
             self._thread = Thread(
-                target=self._work, args=(manifest, out, workers, fresh, when_done), name="run", daemon=True
+                target=self._work, args=(manifest, out, workers, force, when_done), name="run", daemon=True
             )
             self._thread.start()
         self._tell()
@@ -91,7 +91,7 @@ class RunJob:
             self._thread.join(timeout_s)
 
     def _work(
-        self, manifest: Path, out: Path, workers: int, fresh: bool, when_done: Callable[[], None]
+        self, manifest: Path, out: Path, workers: int, force: bool, when_done: Callable[[], None]
     ) -> None:
         end: dict[str, Any] = {"state": "failed"}
         try:
@@ -99,7 +99,7 @@ class RunJob:
                 manifest,
                 out,
                 workers=workers,
-                fresh=fresh,
+                force=force,
                 write_report=_write_report,
                 on_progress=self._progress,
             )

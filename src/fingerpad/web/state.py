@@ -169,7 +169,7 @@ def _photograph(
     states: Mapping[str, str],
     active_corrections: Mapping[str, ActiveCorrection],
 ) -> dict[str, Any]:
-    file = table.get("image") or table.get("outline")
+    file = table.get("file") or table.get("outline")
     return {
         "item": f"{finger}/{file}",
         "file": file,
@@ -195,7 +195,7 @@ def _observation(
         "item": name,
         **{key: table.get(key) for key in ("finger", "wedge_angle_deg", "load_N", "scale")},
         "roll_angle_deg": table.get("roll_angle_deg", 0.0),
-        "file": table.get("image"),
+        "file": table.get("file"),
         "notes": table.get("notes", ""),
         "synthetic": table.get("synthetic", False),
         "status": "given" if "ellipse_mm" in table else _status(name, states, active_corrections),
@@ -227,7 +227,7 @@ def _sequence(
         "name": name,
         **{key: table.get(key) for key in ("finger", "wedge_angle_deg", "force", "scale")},
         "roll_angle_deg": table.get("roll_angle_deg", 0.0),
-        "file": table.get("path"),
+        "file": table.get("file"),
         "synthetic": table.get("synthetic", False),
         "status": states.get(name, "left"),
         "frames": opened.count_frames(opened.sequence(name)) if complete else None,

@@ -36,7 +36,7 @@ class RunParams(Params):
     """How to run."""
 
     workers: Annotated[int, Field(ge=1, le=64)] = 1
-    fresh: bool = False
+    force: bool = False
 
 
 def session(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
@@ -99,7 +99,7 @@ def run(workspace: Workspace, _: Any, params: RunParams) -> dict[str, Any]:
         opened.folder / STUDY_NAME,
         opened.out,
         workers=workers,
-        fresh=params.fresh,
+        force=params.force,
         when_done=lambda: workspace.events.tell("study", {"digest": opened.read().digest}),
     )
 

@@ -158,16 +158,16 @@ class StudySession:
         finger_name, _, file = item.partition("/")
         for finger in self.study().fingers:
             for photograph in finger.photographs:
-                if finger.name == finger_name and photograph.image == file:
+                if finger.name == finger_name and photograph.file == file:
                     return finger, photograph
         raise RequestError.not_there(f"no item is named {item!r}")
 
     def count_frames(self, sequence: ContactSequence) -> int | None:
         """Return how many frames a film has, None where it cannot be opened."""
-        path = self.folder / sequence.path
+        path = self.folder / sequence.file
         try:
             return self._counts.get(
-                (sequence.path, _stamp_of(path)),
+                (sequence.file, _stamp_of(path)),
                 lambda: open_frames(path, memory_limit=self.memory_limit).count,
             )
         except ImageError:
@@ -182,12 +182,12 @@ class StudySession:
             file = self._named("scale", item.removeprefix("coin:"), "coin")
         elif "/" in item:
             finger, _, image = item.partition("/")
-            names = {one.get("image") for one in self._content("finger", finger).get("photographs", [])}
+            names = {one.get("file") for one in self._content("finger", finger).get("photographs", [])}
             file = image if image in names else None
         elif mark:
-            file = self._named("sequence", name, "path")
+            file = self._named("sequence", name, "file")
         else:
-            file = self._named("observation", item, "image")
+            file = self._named("observation", item, "file")
         if file is None:
             raise RequestError.not_there(f"no item with a picture is named {item[:80]!r}")
         if not mark:
@@ -217,7 +217,7 @@ class StudySession:
 
     def shape_of(self, item: str) -> tuple[int, int] | None:
         """Return rows and columns of an item's picture, None where it has none."""
-        if "/" not in item and "#" not in item and (one := self.observation(item)) and one.image is None:
+        if "/" not in item and "#" not in item and (one := self.observation(item)) and one.file is None:
             return None
         place = self.place_of(item)
         pixels = self.pictures.colour(place) if place.colour else self.pictures.grey(place).pixels
@@ -268,7 +268,7 @@ class StudySession:
         path = self._inside(name)
         if path is None or not path.exists():
             raise RequestError.not_there(f"the study holds no film {name[:80]!r}")
-        return file_inside(self.folder, name, STUDY_NAME, "sequences.path")
+        return file_inside(self.folder, name, STUDY_NAME, "file", may_be_folder=True)
 
     def _inside(self, name: str) -> Path | None:
         """Return the path that a name has, None where it leads out of the study or to what is no input."""

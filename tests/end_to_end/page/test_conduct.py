@@ -69,7 +69,7 @@ semi_axes_mm_std = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }
 name = "long"
 finger = "f"
 wedge_angle_deg = 30
-path = "film"
+file = "film"
 scale = { ppi = 500 }
 force = "force.csv"
 frames_per_second = 500
@@ -92,7 +92,7 @@ def test_nothing_serious_stands_in_anyones_way(browser, run_demo, theme: str) ->
                 (each["id"], each["nodes"][0]["target"], each["nodes"][0]["any"][:1]) for each in serious
             ]
         page.keyboard.press("?")
-        page.get_by_role("dialog", name="CacheKeys").wait_for()
+        page.get_by_role("dialog", name="Keys").wait_for()
         tab.close()
     assert {step: what for step, what in found.items() if what} == {}
 

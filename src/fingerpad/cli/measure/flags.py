@@ -55,7 +55,7 @@ def region_of(text: str | None) -> tuple[int, int, int, int] | None:
     """Return the region of interest, in whole pixels."""
     if text is None:
         return None
-    row, column, last_row, last_column = map(round, numbers_of("--roi", text, 4))
+    row, column, last_row, last_column = map(round, numbers_of("--roi-px", text, 4))
     return row, column, last_row, last_column
 
 

@@ -26,12 +26,12 @@ def measure_photo(
     palmar: Annotated[
         str | None, typer.Option(help="Where the palmar side lies, in views that show it; down by default.")
     ] = None,
-    roi: Roi = None,
+    roi_px: Roi = None,
     points: Annotated[
         Path | None,
         typer.Option(help="CSV of points on the pad's outline, with the header row_px,column_px."),
     ] = None,
-    overlay: Overlay = None,
+    overlay_dir: Overlay = None,
     as_json: AsJson = False,
     scale: "Scale | None",
 ) -> None:
@@ -51,9 +51,9 @@ def measure_photo(
             raise ImageError(f"{flag} must be up, down, left or right, found {side!r}")
     if scale is None:
         raise CalibrationError(f"photographs need a scale: give {WAYS}")
-    window = region_of(roi)
+    window = region_of(roi_px)
     marks = None if points is None else read_marks(points)
-    overlays = overlay_files([image], overlay)
+    overlays = overlay_files([image], overlay_dir)
 
     def measured(path: Path) -> dict[str, Any]:
         pixels = read_colour_image(path)

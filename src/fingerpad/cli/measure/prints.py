@@ -33,8 +33,8 @@ def measure_prints(
     seed_px: Seed = None,
     threshold: Threshold = None,
     mask: Mask = None,
-    roi: Roi = None,
-    overlay: Overlay = None,
+    roi_px: Roi = None,
+    overlay_dir: Overlay = None,
     as_json: AsJson = False,
     scale: "Scale | None",
 ) -> None:
@@ -45,8 +45,8 @@ def measure_prints(
     from fingerpad.image import measure_contact_image, read_image, write_overlay
 
     require_positive("--threshold", threshold)
-    place = measurement_region(background, seed_px, mask, roi)
-    overlays = overlay_files(images, overlay)
+    place = measurement_region(background, seed_px, mask, roi_px)
+    overlays = overlay_files(images, overlay_dir)
 
     def measured(path: Path) -> dict[str, Any]:
         picture = read_image(path)

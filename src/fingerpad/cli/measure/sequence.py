@@ -30,13 +30,13 @@ def measure_frames(
     *,
     path: Annotated[Path, typer.Argument(help="Folder, TIFF or video.", show_default=False)],
     force: Annotated[Path | None, typer.Option(help="CSV with time_s,force_N.")] = None,
-    fps: Annotated[
+    frames_per_second: Annotated[
         float | None, typer.Option(min=1e-6, help="Frames per second, as they were taken.")
     ] = None,
     start_s: Annotated[
         float | None, typer.Option(help="Time of the first frame on the force's clock, s.")
     ] = None,
-    contact_load: Annotated[
+    contact_load_n: Annotated[
         float | None,
         typer.Option(help="Load, N, that the force passes in the first-contact frame: aligns the two."),
     ] = None,
@@ -46,15 +46,15 @@ def measure_frames(
     seed_px: Seed = None,
     threshold: Threshold = None,
     mask: Mask = None,
-    roi: Roi = None,
-    overlay: Overlay = None,
+    roi_px: Roi = None,
+    overlay_dir: Overlay = None,
     as_json: AsJson = False,
     scale: "Scale | None",
 ) -> None:
     """Measure the contact in every frame of a sequence, against time and force.
 
     The frames' clock starts at the trigger that the force signal holds, at --start-s, or where the force
-    passes --contact-load; without any of them, at the force's own start. --times gives each frame its time.
+    passes --contact-load-n; without any of them, at the force's own start. --times gives each frame its time.
     """
     from fingerpad.image import (
         FrameResult,
@@ -70,14 +70,16 @@ def measure_frames(
     require_positive("--threshold", threshold)
     frames = open_frames(path)
     signal = None if force is None else read_force_signal(force)
-    clock = _clock(frames.frames_per_second, fps, signal, start_s, contact_load, times)
-    place = measurement_region(background, seed_px, mask, roi)
-    if overlay is not None:
-        make_folder(overlay)
+    clock = _clock(frames.frames_per_second, frames_per_second, signal, start_s, contact_load_n, times)
+    place = measurement_region(background, seed_px, mask, roi_px)
+    if overlay_dir is not None:
+        make_folder(overlay_dir)
 
     def draw(index: int, pixels: Any, contact_image: Any) -> None:
-        if overlay is not None:
-            write_overlay(overlay / f"frame_{index:06d}.png", pixels, contact_image, label=f"frame {index}")
+        if overlay_dir is not None:
+            write_overlay(
+                overlay_dir / f"frame_{index:06d}.png", pixels, contact_image, label=f"frame {index}"
+            )
 
     results = measure_sequence(
         frames,
@@ -106,7 +108,7 @@ def _print_frame(result: "FrameResult") -> None:
 
 def _clock(
     played: float | None,
-    fps: float | None,
+    frames_per_second: float | None,
     signal: "ForceSignal | None",
     start_s: float | None,
     contact_load: float | None,
@@ -115,15 +117,19 @@ def _clock(
     """Return the frames' clock, or None where no rate is known."""
     from fingerpad.image import frame_clock, read_frame_stamps
 
-    aligned = {"--fps": fps, "--start-s": start_s, "--contact-load": contact_load}
+    aligned = {
+        "--frames-per-second": frames_per_second,
+        "--start-s": start_s,
+        "--contact-load-n": contact_load,
+    }
     idle = [flag for flag, value in aligned.items() if value is not None]
     if times is not None:
         if idle:
             raise LoadingError(f"--times gives each frame its time: there is no use for {idle[0]} beside it")
         return read_frame_stamps(times)
-    rate = played if fps is None else fps
+    rate = played if frames_per_second is None else frames_per_second
     if rate is None:
         if signal is not None:
-            raise LoadingError("--force needs the times of the frames: give --fps or --times")
+            raise LoadingError("--force needs the times of the frames: give --frames-per-second or --times")
         return None
     return frame_clock(rate, signal, start_time=start_s, contact_load=contact_load)

@@ -304,7 +304,7 @@ def kind_of(item: str, study: Study) -> Kind:
 def _kind_of(item: str, study: Study) -> Kind | None:
     if "/" in item:
         finger, _, image = item.partition("/")
-        images = {photo.image for each in study.fingers if each.name == finger for photo in each.photographs}
+        images = {photo.file for each in study.fingers if each.name == finger for photo in each.photographs}
         return "photograph" if image in images else None
     name, mark, number = item.partition("#")
     if mark:
@@ -317,7 +317,7 @@ def image_of(item: str, study: Study) -> str | None:
     """Return the file of an item's picture; None where it has none of its own, as a frame of a film."""
     if "/" in item:
         return item.partition("/")[2]
-    return next((each.image for each in study.observations if each.name == item), None)
+    return next((each.file for each in study.observations if each.name == item), None)
 
 
 def picture_digest(
@@ -340,7 +340,7 @@ def picture_digest(
     if image is not None:
         return file_digest(folder / image)
     name, _, number = item.partition("#")
-    path = next((sequence.path for sequence in study.sequences if sequence.name == name), None)
+    path = next((sequence.file for sequence in study.sequences if sequence.name == name), None)
     if path is None or not _is_frame(number):
         return ""
     try:
@@ -388,7 +388,7 @@ def _is_frame(number: str) -> bool:
 
 def _require_picture(item: str, change: Change, study: Study) -> None:
     """Refuse edits of an observation whose ellipse was measured elsewhere."""
-    given = any(each.name == item and each.image is None for each in study.observations)
+    given = any(each.name == item and each.file is None for each in study.observations)
     if given and change.edits:
         raise StoreError(
             f"{item}: its ellipse was given, there is no picture to correct: accept or reject it, or change "

@@ -126,7 +126,7 @@ def _set_photograph(files: StudyFiles, edit: Edit) -> None:
     if finger is None:
         raise ManifestError(f"photograph {edit.key}: no finger is named {owner!r}; add the finger first")
     photographs = finger.get("photographs", [])
-    found = next((one for one in photographs if file in {one.get("image"), one.get("outline")}), None)
+    found = next((one for one in photographs if file in {one.get("file"), one.get("outline")}), None)
     if edit.set is None:
         if found is None:
             raise ManifestError(f"photograph {edit.key}: there is none of this name")
@@ -137,7 +137,7 @@ def _set_photograph(files: StudyFiles, edit: Edit) -> None:
         return
     values = dict(edit.set)
     if "outline" not in values:
-        values = {"image": file} | values
+        values = {"file": file} | values
     if "photographs" not in finger:
         finger["photographs"] = tomlkit.array().multiline(True)
     if isinstance(finger["photographs"], AoT):

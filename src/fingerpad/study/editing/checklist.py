@@ -87,7 +87,7 @@ def _words(one: IncompleteTable, fault: str) -> str:
     of = ""
     if found is not None:
         photograph = one.content["photographs"][int(found["number"])]
-        of = f"{PurePosixPath(str(photograph.get('image') or photograph.get('outline'))).name}: "
+        of = f"{PurePosixPath(str(photograph.get('file') or photograph.get('outline'))).name}: "
         fault = found["fault"]
     field, _, said = fault.rpartition(": ")
     if said == "required, but missing" and field in _FIELD_WORDS:

@@ -19,7 +19,7 @@ Kind: TypeAlias = Literal[
 ]
 
 # Keys that name files.
-_FILES: Final = ("image", "outline", "background", "path", "force", "times", "file")
+_FILES: Final = ("file", "outline", "background", "force", "times")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -99,6 +99,7 @@ def _file_faults(checked: Table, folder: Path) -> Iterator[str]:
         for place, file in (named | {"coin": getattr(scale, "coin", None)}).items():
             if file is not None:
                 try:
-                    file_inside(folder, file, "", f".{place}")
+                    is_sequence = isinstance(part, ContactSequence) and place == "file"
+                    file_inside(folder, file, "", f".{place}", may_be_folder=is_sequence)
                 except ManifestError as error:
                     yield str(error).removeprefix(": .")

@@ -215,7 +215,7 @@ class IsolatedRunner:
             seconds = self.limits.seconds
             reason = (
                 f"{task.file}: measuring it takes longer than {seconds:g} s: crop or shrink it, or raise "
-                "the limit (--seconds)"
+                "the limit (--time-limit-s)"
             )
             return TaskResult({"reason": reason}, {}, seconds * max(1, task.reads), self.limits)
         except WorkerDied:

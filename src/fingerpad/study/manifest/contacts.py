@@ -65,17 +65,17 @@ class Observation(PlacedFinger):
     """One contact at one load: a contact image with its scale, or an ellipse measured elsewhere."""
 
     load_N: Load  # noqa: N815 (the unit's own letter)
-    image: str | None = None
+    file: str | None = None
     ellipse_mm: ContactEllipse | None = None
 
     @model_validator(mode="after")
     def _one_source(self) -> Self:
-        if (self.image is None) == (self.ellipse_mm is None):
-            raise ValueError("give either image or ellipse_mm, one of the two")
-        if self.image is not None and self.scale is None:
+        if (self.file is None) == (self.ellipse_mm is None):
+            raise ValueError("give either file or ellipse_mm, one of the two")
+        if self.file is not None and self.scale is None:
             raise ValueError("an image needs its scale, as in scale = { ppi = 500 }")
         idle = sorted(self.model_fields_set & _IMAGE_KEYS)
-        if self.image is None and idle:
+        if self.file is None and idle:
             raise ValueError(
                 f"without an image there is no use for {', '.join(idle)}; remove what is not meant"
             )
@@ -85,7 +85,7 @@ class Observation(PlacedFinger):
 class ContactSequence(PlacedFinger):
     """A film of one press: a folder of pictures, a TIFF of many pages or a video, and its force."""
 
-    path: str
+    file: str
     force: str
     force_columns: dict[Literal["time", "force", "trigger"], str] = Field(default={})
     frames_per_second: Positive | None = None

@@ -6,7 +6,7 @@ from pydantic import Field, model_validator
 
 from fingerpad.study.manifest.tables import Length, LengthStd, Load, Table, WedgeAngle
 
-_FILE_KEYS = frozenset(("columns", "contact_point", "cycle", "fit_load_range_N"))
+_FILE_KEYS = frozenset(("file_columns", "contact_point", "cycle", "fit_load_range_N"))
 
 
 class Curve(Table):
@@ -15,7 +15,7 @@ class Curve(Table):
     finger: str
     wedge_angle_deg: WedgeAngle
     file: str | None = None
-    columns: dict[Literal["time", "force", "displacement", "area"], str] = Field(default={})
+    file_columns: dict[Literal["time", "force", "displacement", "area"], str] = Field(default={})
     cycle: Annotated[int, Field(ge=0)] = 0
     contact_point: Literal["joint", "contact_by_threshold", "two_lines", "gradient", "power_law"] = "joint"
     fit_load_range_N: Annotated[list[Load], Field(min_length=2, max_length=2)] | None = None  # noqa: N815

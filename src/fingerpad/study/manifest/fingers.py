@@ -32,7 +32,7 @@ class Photograph(Table):
     face: Literal["palmar", "distal", "radial", "ulnar"]
     outline: str | None = None
     outline_relative_std: RelativeStd = 0.0
-    image: str | None = None
+    file: str | None = None
     scale: ScaleKey | None = None
     tip: Side = "up"
     palmar_side: Side | None = None
@@ -41,9 +41,9 @@ class Photograph(Table):
 
     @model_validator(mode="after")
     def _one_source(self) -> Self:
-        if (self.outline is None) == (self.image is None):
-            raise ValueError("give either outline or image, one of the two")
-        if self.image is not None and self.scale is None:
+        if (self.outline is None) == (self.file is None):
+            raise ValueError("give either outline or file, one of the two")
+        if self.file is not None and self.scale is None:
             raise ValueError("an image needs its scale, as in scale = { ppi = 500 }")
         ours = {"face", "synthetic", "outline", "outline_relative_std"}
         idle = (
@@ -72,7 +72,7 @@ class Finger(Table):
             raise ValueError("give either semi_axes_mm or photographs, one of the two")
         if (self.semi_axes_mm is None) != (self.semi_axes_mm_std is None):
             raise ValueError("semi_axes_mm and semi_axes_mm_std belong together")
-        images = [one.image for one in self.photographs if one.image is not None]
+        images = [one.file for one in self.photographs if one.file is not None]
         for image in dict.fromkeys(images):
             if images.count(image) > 1:  # results and corrections know a photograph by its file
                 raise ValueError(

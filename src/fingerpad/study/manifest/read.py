@@ -91,16 +91,17 @@ def _reference_faults(study: Study) -> Iterator[str]:
 def _file_faults(study: Study, folder: Path) -> Iterator[str]:
     for place, name in study.named_files():
         try:
-            file_inside(folder, name, "", place)
+            is_sequence = place.startswith("sequences[") and place.endswith(".file")
+            file_inside(folder, name, "", place, may_be_folder=is_sequence)
         except ManifestError as error:
             yield str(error).removeprefix(": ")
 
 
-def file_inside(folder: Path, name: str, where: str, place: str) -> Path:
-    """Return the path of a file of the study, which must exist inside its folder; frames may be a folder."""
+def file_inside(folder: Path, name: str, where: str, place: str, *, may_be_folder: bool = False) -> Path:
+    """Return the path of a file of the study, which must exist inside its folder."""
     path, home = folder / name, folder.resolve()
     try:
-        known = path.exists() if place.endswith(".path") else path.is_file()
+        known = path.exists() if may_be_folder else path.is_file()
         inside = path.resolve().is_relative_to(home)
         outside = _link_out(path, home) if inside and path.is_dir() else None
     except (OSError, ValueError, RuntimeError) as error:  # a name too long, a NUL in it, a loop of links

@@ -72,9 +72,9 @@ class Study(Table):
     def _tables_with_files(self) -> Iterator[tuple[str, tuple[str, ...], Iterable[Table]]]:
         """Yield each list of tables with its place and the keys that name files."""
         for index, finger in enumerate(self.fingers):
-            yield f"fingers[{index}].photographs", ("outline", "image"), finger.photographs
-        yield "observations", ("image", "background"), self.observations
-        yield "sequences", ("path", "force", "times", "background"), self.sequences
+            yield f"fingers[{index}].photographs", ("outline", "file"), finger.photographs
+        yield "observations", ("file", "background"), self.observations
+        yield "sequences", ("file", "force", "times", "background"), self.sequences
         yield "curves", ("file",), self.curves
 
 

@@ -206,7 +206,7 @@ def curve_result(curve: Curve, pad: Ellipsoid | None, poisson_ratio: float, fold
     data = None
     try:
         data = read_loading_curve(
-            folder / curve.file, {str(key): value for key, value in curve.columns.items()}
+            folder / curve.file, {str(key): value for key, value in curve.file_columns.items()}
         )
         fit = fit_loading_curve(
             data,

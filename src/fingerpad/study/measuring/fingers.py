@@ -161,7 +161,7 @@ def finger_result(
 
 def photograph_item(finger: Finger, photograph: Photograph) -> str:
     """Return the name under which a photograph is corrected."""
-    return f"{finger.name}/{photograph.image or photograph.outline}"
+    return f"{finger.name}/{photograph.file or photograph.outline}"
 
 
 def is_rejected(active_correction: ActiveCorrection | None) -> bool:
@@ -198,10 +198,10 @@ def face_record(
     FingerpadError
         If the photograph cannot be read or measured.
     """
-    assert photograph.image is not None  # the manifest's own rule
+    assert photograph.file is not None  # the manifest's own rule
     assert photograph.scale is not None
     scale = find_scale(photograph.scale, scales, folder)
-    pixels = read_colour_image(folder / photograph.image)
+    pixels = read_colour_image(folder / photograph.file)
     found = corrected_photograph(pixels, photograph, scale.scale, correction)
     make_folder((out / overlay).parent)
     write_photograph_overlay(

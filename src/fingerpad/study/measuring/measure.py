@@ -113,10 +113,10 @@ def measure_observation(
             covariance=ellipse.std**2 * np.eye(2),
             long_axis=ellipse.long_axis,
         )
-    assert observation.image is not None  # the manifest's own rule
+    assert observation.file is not None  # the manifest's own rule
     assert observation.scale is not None
     found = find_scale(observation.scale, scales, folder)
-    pixels = read_image(folder / observation.image).pixels
+    pixels = read_image(folder / observation.file).pixels
     seen = corrected_contact_image(pixels, found.scale, observation, folder, correction)
     if seen.contact_image is None:
         assert seen.reason is not None  # one of the two

@@ -120,7 +120,7 @@ def faces_of(finger: Finger, keys: CacheKeys, store: Store) -> dict[str, Record]
     """Return what the store holds of a finger's photographs, by item."""
     items = {photograph_item(finger, one): one for one in pictures_of(finger)}
     return {
-        item: _found(store, item, item_key(keys, item, photograph), photograph.image)
+        item: _found(store, item, item_key(keys, item, photograph), photograph.file)
         for item, photograph in items.items()
         if not is_rejected(keys.active_corrections.get(item))
     }
@@ -134,7 +134,7 @@ def loading_results(keys: CacheKeys, store: Store) -> list[CurveResult]:
 def film_results(keys: CacheKeys, store: Store) -> list[SequenceResult]:
     """Return what the store holds of each film as a whole."""
     return [
-        film_result(sequence, _found(store, sequence.name, film_key(sequence, keys), sequence.path))
+        film_result(sequence, _found(store, sequence.name, film_key(sequence, keys), sequence.file))
         for sequence in keys.study.sequences
     ]
 
@@ -152,7 +152,7 @@ def measurements(
 
 
 def _observed(observation: Observation, keys: CacheKeys, store: Store) -> Measurement:
-    record = _found(store, observation.name, item_key(keys, observation.name, observation), observation.image)
+    record = _found(store, observation.name, item_key(keys, observation.name, observation), observation.file)
     if record.keys() == {"reason"}:
         return Measurement(name=observation.name, load=observation.load_N, reason=record["reason"])
     return measurement_from(record, observation.load_N)

@@ -90,7 +90,7 @@ class SequenceImages:
 
     def scan(self, piece: tuple[int, int], folder: Path, _out: Path) -> Record:
         """Look at the texture of a piece's frames."""
-        frames = open_frames(folder / self.sequence.path).between(*piece)
+        frames = open_frames(folder / self.sequence.file).between(*piece)
         scan = scan_texture(frames, self.found.scale, **place_of(self.sequence, folder))
         return {
             "index": scan.index.tolist(),
@@ -101,7 +101,7 @@ class SequenceImages:
     def learn(self, scan: TextureScan, folder: Path, _out: Path) -> Record:
         """Learn from the frames of the largest contact how to read all of them."""
         settings = estimate_settings(
-            open_frames(folder / self.sequence.path),
+            open_frames(folder / self.sequence.file),
             self.found.scale,
             scan=scan,
             dark_on_light=self.sequence.dark_on_light,
@@ -126,7 +126,7 @@ class SequenceImages:
                     corrected[frame.index] = self._corrected(frame, settings, folder)
                 yield frame
 
-        frames = seen(open_frames(folder / self.sequence.path).between(*piece))
+        frames = seen(open_frames(folder / self.sequence.file).between(*piece))
         place = place_of(self.sequence, folder)
         results = list(measure_frames(frames, self.found.scale, settings, watch=keep, **place))
         reasons = {result.index: result.reason for result in results}
@@ -163,7 +163,7 @@ class SequenceImages:
 
     def draw(self, settings: SequenceSettings, frame_digest: FrameDigest, folder: Path, out: Path) -> Record:
         """Draw the chosen frames, each once, and return what there is to be said of the film."""
-        frames = open_frames(folder / self.sequence.path)
+        frames = open_frames(folder / self.sequence.file)
         overlays: dict[int, FrameOverlay] = {}
         for role, index in frame_digest.chosen.items():
             if index in overlays:

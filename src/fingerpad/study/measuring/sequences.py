@@ -114,7 +114,7 @@ class Film:
             # No name holds a colon: the frames of a film share its scale, and nothing else does.
             found = replace(found, name=f"sequence:{sequence.name}")
         header = header_task(sequence, keys)
-        frames = Frames(path=keys.folder / sequence.path, **_good(store, header.name, header.key)["header"])
+        frames = Frames(path=keys.folder / sequence.file, **_good(store, header.name, header.key)["header"])
         columns = {str(key): value for key, value in sequence.force_columns.items()}
         force = read_force_signal(keys.folder / sequence.force, columns)
         return cls(
@@ -176,7 +176,7 @@ class Film:
         return Task(
             name=self._name(stage, piece),
             item=self.sequence.name,
-            file=self.sequence.path,
+            file=self.sequence.file,
             key=self._key(stage, piece),
             work=work,
             inputs=self.keys.inputs_of(self.sequence),
@@ -278,10 +278,10 @@ def header_task(sequence: ContactSequence, keys: CacheKeys) -> Task:
     return Task(
         name=f"{sequence.name} header",  # no name of the manifest holds a blank
         item=sequence.name,
-        file=sequence.path,
+        file=sequence.file,
         key=cache_key(keys.of(sequence, leave_out=_TIMING), "header"),
-        work=partial(_header, sequence.path),
-        inputs=(sequence.path,),
+        work=partial(_header, sequence.file),
+        inputs=(sequence.file,),
         pictures=0,
     )
 
@@ -336,11 +336,11 @@ def film_plan(
     try:
         yield from Film.open(sequence, keys, scales, store).stages(store)
     except ChangedError:
-        key, reason = "", CHANGED.format(sequence.path)  # never up to date: the next run measures it again
+        key, reason = "", CHANGED.format(sequence.file)  # never up to date: the next run measures it again
     except StoreError:
         raise
     except Exception as error:  # a force table can be odd in ways that nobody has thought of
-        reason = in_study(reason_of(error, f"{sequence.path}: cannot be measured"), keys.folder)
+        reason = in_study(reason_of(error, f"{sequence.file}: cannot be measured"), keys.folder)
     else:
         return
     store.put(sequence.name, key, TaskResult({"reason": reason}, {}, 0.0), count=0)
@@ -422,5 +422,5 @@ def _clock(sequence: ContactSequence, frames: Frames, force: ForceSignal, folder
         return read_frame_stamps(folder / sequence.times)
     rate = sequence.frames_per_second or frames.frames_per_second
     if rate is None:
-        raise LoadingError(f"{sequence.path}: pictures state no rate: give frames_per_second, or times")
+        raise LoadingError(f"{sequence.file}: pictures state no rate: give frames_per_second, or times")
     return frame_clock(rate, force, start_time=sequence.start_s, contact_load=sequence.contact_load_N)

@@ -26,7 +26,7 @@ Scales: TypeAlias = Mapping[str, FoundScale | str]
 _NOT_MEASURED: Final = frozenset(
     ("finger", "wedge_angle_deg", "roll_angle_deg", "load_N", "notes", "scale", "pool_min_load_N")
 )
-_FILES: Final = ("image", "outline", "background", "path", "force", "times", "file")
+_FILES: Final = ("file", "outline", "background", "force", "times")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -116,7 +116,7 @@ def observation_tasks(keys: CacheKeys, scales: Scales) -> Iterator[Task]:
         yield Task(
             name=observation.name,
             item=observation.name,
-            file=observation.image or "",
+            file=observation.file or "",
             key=item_key(keys, observation.name, observation),
             work=partial(_observed, observation, scales, correction),
             inputs=keys.inputs_of(observation),
@@ -134,14 +134,14 @@ def photograph_tasks(finger: Finger, keys: CacheKeys, scales: Scales) -> Iterato
     for number, photograph in enumerate(pictures_of(finger), start=1):
         item = photograph_item(finger, photograph)
         active_correction = keys.active_corrections.get(item)
-        if photograph.image is None or is_rejected(active_correction):
+        if photograph.file is None or is_rejected(active_correction):
             continue
         change = None if active_correction is None else active_correction.change
         assert not isinstance(change, ContactCorrection)  # the items' own rule
         yield Task(
             name=item,
             item=item,
-            file=photograph.image,
+            file=photograph.file,
             key=item_key(keys, item, photograph),
             work=partial(
                 face_record,
@@ -156,7 +156,7 @@ def photograph_tasks(finger: Finger, keys: CacheKeys, scales: Scales) -> Iterato
 
 def pictures_of(finger: Finger) -> list[Photograph]:
     """Return the photographs of a finger that are pictures."""
-    return [photograph for photograph in finger.photographs if photograph.image is not None]
+    return [photograph for photograph in finger.photographs if photograph.file is not None]
 
 
 def item_key(keys: CacheKeys, item: str, table: BaseModel) -> str:

@@ -248,9 +248,7 @@ def _described(
         ),
         "wedge_angle_deg": (contact.wedge_angle_deg for contact in contacts),
         "roll_angle_deg": (contact.roll_angle_deg for contact in contacts),
-        "image": (
-            contact.image if isinstance(contact, Observation) else contact.path for contact in contacts
-        ),
+        "file": (contact.file for contact in contacts),
         "scale": (one.scale for one in measured),
         "overlay": (one.overlay for one in measured),
         "long_axis": (one.long_axis if one.reason is None else None for one in measured),

@@ -218,13 +218,13 @@ export class NewFiles {
       let name = draft.name;
       for (let number = 2; taken.has(name); number += 1) name = `${draft.name}_${number}`;
       if (draft.as === "observation") {
-        edits.push({ kind: "observation", key: name, set: said({ finger: draft.finger, image: file, wedge_angle_deg: draft.wedge_angle_deg, load_N: draft.load_N, scale, synthetic }) });
+        edits.push({ kind: "observation", key: name, set: said({ finger: draft.finger, file, wedge_angle_deg: draft.wedge_angle_deg, load_N: draft.load_N, scale, synthetic }) });
         taken.add(name);
       } else if (draft.as === "photograph") edits.push({ kind: "photograph", key: `${draft.finger}/${file}`, set: said({ face: draft.face, scale, synthetic }) });
       else if (draft.as === "outline") edits.push({ kind: "photograph", key: `${draft.finger}/${file}`, set: said({ face: draft.face, outline: file, synthetic }) });
       else if (draft.as === "sequence") {
         const force = bench.study.files.find((other) => !other.used && other.kind === "table" && /force/i.test(other.file))?.file;
-        edits.push({ kind: "sequence", key: name, set: said({ finger: draft.finger, path: file, wedge_angle_deg: draft.wedge_angle_deg, scale, force, synthetic }) });
+        edits.push({ kind: "sequence", key: name, set: said({ finger: draft.finger, file, wedge_angle_deg: draft.wedge_angle_deg, scale, force, synthetic }) });
         taken.add(name);
       } else if (draft.as === "curve") edits.push({ kind: "curve", key: String(curves++), set: said({ finger: draft.finger, wedge_angle_deg: draft.wedge_angle_deg, file, synthetic }) });
     }

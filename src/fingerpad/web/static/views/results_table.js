@@ -137,7 +137,7 @@ export class Table {
   }
 
   #link(row) {
-    if (!row.item || !row.image) return h("span", null, row.observation);
+    if (!row.item || !row.file) return h("span", null, row.observation);
     const source = row.sequence ? `film:${row.sequence}` : "images";
     return h("a", { href: `#/contacts/${encodeURIComponent(source)}/${encodeURIComponent(row.item)}` }, row.observation);
   }

@@ -52,7 +52,7 @@ class Run {
     if (this.busy || !bench.study.ready) return;
     place(this.problem);
     try {
-      await post("/api/run", { workers: this.workers, fresh: this.fresh });
+      await post("/api/run", { workers: this.workers, force: this.fresh });
       await this.#look();
     } catch (error) {
       place(this.problem, faultList(error));
