@@ -1,10 +1,12 @@
-"""Text in CSV files: a spreadsheet must not take what a person typed for a formula."""
+"""Cells of CSV files: a spreadsheet must not take what a person typed for a formula."""
 
 import csv
+import math
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
+from pathlib import Path
 from types import SimpleNamespace
-from typing import Final
+from typing import Final, Literal
 
 # What spreadsheets take for a formula, or what reads as escaped; numbers and lists of them are neither.
 _FIRST: Final = frozenset("'=+-@\t\r")
@@ -31,10 +33,50 @@ def unescape_formula(cell: str) -> str:
     return cell[1:] if cell.startswith("'") and _FORMULA.match(cell) else cell
 
 
-def csv_text(rows: Iterable[Sequence[str]]) -> str:
-    r"""Return rows of texts as the content of a CSV file with lines that end in ``\n``."""
+def csv_cell(value: object) -> str:
+    """Return a value as a CSV cell, empty for None and for numbers that are not finite.
+
+    Raises
+    ------
+    TypeError
+        If no cell can hold it.
+
+    Examples
+    --------
+    >>> [csv_cell(value) for value in (0.1, 2, True, [1.5, 2], None, "=1+1")]
+    ['0.1', '2', 'true', '1.5, 2', '', "'=1+1"]
+    """
+    if isinstance(value, float):
+        return float.__repr__(value) if math.isfinite(value) else ""
+    if isinstance(value, str):
+        return escape_formula(value)
+    if value is None:
+        return ""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, int):
+        return str(value)
+    if isinstance(value, list | tuple) and not any(isinstance(item, list | tuple) for item in value):
+        return ", ".join(map(csv_cell, value))
+    raise TypeError(f"a CSV cell cannot hold a {type(value).__name__}")
+
+
+def write_csv(path: Path, rows: Iterable[Iterable[object]], mode: Literal["w", "x"] = "w") -> None:
+    """Write rows of values as a CSV file; with mode ``x`` only where there is none.
+
+    Raises
+    ------
+    OSError
+        If it cannot be written.
+    """
+    with path.open(mode, newline="", encoding="utf-8") as file:
+        csv.writer(file).writerows(map(csv_cell, row) for row in rows)
+
+
+def csv_text(rows: Iterable[Iterable[object]]) -> str:
+    r"""Return rows of values as the content of a CSV file with lines that end in ``\n``."""
     lines: list[str] = []
     # A writer with its own line ends quotes a lone \r; one with \n does not.
     end = SimpleNamespace(write=lambda line: lines.append(line.removesuffix("\r\n") + "\n"))
-    csv.writer(end).writerows([escape_formula(cell) for cell in row] for row in rows)
+    csv.writer(end).writerows(map(csv_cell, row) for row in rows)
     return "".join(lines)

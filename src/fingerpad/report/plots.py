@@ -29,7 +29,7 @@ from fingerpad.study.results.check import UncertaintyCheck
 from fingerpad.study.results.loading import LoadingRadius, loading_radius
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.summary import Exponent, Summary, area_exponent
-from fingerpad.study.results.table import Row, Table
+from fingerpad.study.results.table import ResultsTable, Row
 
 # More than these only make a page heavy.
 _MOST_FRAMES: Final = 150
@@ -189,7 +189,7 @@ def budget_plot(summary: Summary, check: UncertaintyCheck | None) -> Iterator[Pl
     )
 
 
-def press_plot(film: SequenceResult, frames: Table) -> Iterator[Plot]:
+def press_plot(film: SequenceResult, frames: ResultsTable) -> Iterator[Plot]:
     """Draw one sequence."""
     of = film.manifest
     seen = frames.at(frames.known("semi_major_mm"))
@@ -222,13 +222,13 @@ def press_plot(film: SequenceResult, frames: Table) -> Iterator[Plot]:
     )
 
 
-def shown_rows(summary: Summary) -> Table:
+def shown_rows(summary: Summary) -> ResultsTable:
     """Return the rows to show one by one, by load: single contacts, or where there are none frames."""
     pooled = summary.rows.at(summary.rows.column("pooled"))
     return thinned(summary.contacts or pooled or summary.rows, MOST_POINTS)
 
 
-def thinned(rows: Table, most: int) -> Table:
+def thinned(rows: ResultsTable, most: int) -> ResultsTable:
     """Return at most so many rows, evenly spaced, with the first and the last."""
     if len(rows) <= most:
         return rows
@@ -261,7 +261,7 @@ def _pad(result: StudyResult, summary: Summary, row: Row) -> Figure:
     return figure
 
 
-def _corrected_radius(rows: Table, loading: LoadingRadius | None) -> Figure:
+def _corrected_radius(rows: ResultsTable, loading: LoadingRadius | None) -> Figure:
     figure, (axes,) = new_figure()
     plot_corrected_radius(
         axes,
@@ -276,7 +276,7 @@ def _corrected_radius(rows: Table, loading: LoadingRadius | None) -> Figure:
     return figure
 
 
-def _area(rows: Table, exponent: Exponent) -> Figure:
+def _area(rows: ResultsTable, exponent: Exponent) -> Figure:
     figure, (axes,) = new_figure()
     major, minor = rows.column("semi_major_mm"), rows.column("semi_minor_mm")
     plot_area_against_load(
@@ -291,7 +291,7 @@ def _area(rows: Table, exponent: Exponent) -> Figure:
     return figure
 
 
-def _aspect_ratio(rows: Table) -> Figure:
+def _aspect_ratio(rows: ResultsTable) -> Figure:
     figure, (axes,) = new_figure()
     ratio = rows.column("aspect_ratio")
     relative = [

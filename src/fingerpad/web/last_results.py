@@ -1,18 +1,21 @@
 """The tables that the last run wrote, checked before they are used: they may come from elsewhere."""
 
-import json
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Final, Self, TypeAlias
 
+import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
+from fingerpad.exceptions import FingerpadError
 from fingerpad.study.manifest.tables import Length
-from fingerpad.study.results.columns import BOOL_COLUMNS, COLUMNS, INT_COLUMNS, TEXT_COLUMNS
-from fingerpad.study.results.result_set import quick_faults
+from fingerpad.study.results.result_set import RERUN, quick_faults
+from fingerpad.study.results.results_reader import read_summary, read_table
+from fingerpad.study.results.table import ResultsTable, Row
 from fingerpad.web.study_session import StudySession
 
 _Triple: TypeAlias = Annotated[list[float], Field(min_length=3, max_length=3)]
+_OF_FRAMES: Final = ("status", "flags", "phase", "time_s", "load_N", "pooled")
 
 
 class _Record(BaseModel):
@@ -73,73 +76,52 @@ class Results:
 
     Attributes
     ----------
-    rows : list of dict
-        Of ``results.json``.
+    table : ResultsTable
+        The rows of ``results.csv``.
     summary : dict
         Of ``summary.json``.
-    finished : str
-        When they were made.
-    contacts : dict
-        Rows of single contacts by their names.
-    frames : dict
-        Rows of frames by the name of the sequence and the frame's number.
     """
 
-    rows: list[dict[str, Any]]
+    table: ResultsTable
     summary: dict[str, Any]
-    finished: str
-    contacts: dict[str, dict[str, Any]]
-    frames: dict[str, dict[int, dict[str, Any]]]
 
     @classmethod
-    def of(cls, rows: Any, summary: Any) -> Self:
-        """Check the tables, and put them in order.
+    def read(cls, out: Path) -> Self:
+        """Read and check the tables of a run's output folder.
 
         Raises
         ------
-        ValueError
-            Naming the file, and what is not as a run writes it.
+        FingerpadError
+            If there is none, or a table is not as a run writes it.
         """
-        _require_rows(rows)
+        summary = read_summary(out)
         try:
             _Summary.model_validate(summary)
         except ValidationError as error:
             fault = error.errors(include_url=False)[0]
             place = ".".join(map(str, fault["loc"])) or "the whole"
-            raise ValueError(f"summary.json: {place}: {fault['msg']}") from error
-        contacts: dict[str, dict[str, Any]] = {}
-        frames: dict[str, dict[int, dict[str, Any]]] = {}
-        for row in rows:
-            row["item"] = row["observation"]
-            if row["frame"] is None:
-                contacts[row["item"]] = row
-            else:
-                frames.setdefault(row["sequence"], {})[row["frame"]] = row
-        finished = summary["provenance"]["made"]
-        return cls(rows=rows, summary=summary, finished=finished, contacts=contacts, frames=frames)
+            raise FingerpadError(f"summary.json: {place}: {fault['msg']}") from error
+        return cls(table=read_table(out), summary=summary)
 
-    def row(self, item: str) -> dict[str, Any] | None:
+    @property
+    def finished(self) -> str:
+        """When they were made."""
+        return str(self.summary["provenance"]["made"])
+
+    def contacts(self) -> dict[str, Row]:
+        """Return flags and reason of single contacts by their names."""
+        contacts = self.table.at(~self.table.known("frame"))
+        return {row["observation"]: row for row in contacts.records("observation", "flags", "reason")}
+
+    def frames(self, sequence: str) -> dict[int, Row]:
+        """Return what the page lists of a sequence's frames, by their numbers."""
+        frames = self.table.at((self.table.column("sequence") == sequence) & self.table.known("frame"))
+        return {row["frame"]: row for row in frames.records("frame", *_OF_FRAMES)}
+
+    def row(self, item: str) -> Row | None:
         """Return the row of an item, None where it has none."""
-        sequence, mark, number = item.rpartition("#")
-        if not mark:
-            return self.contacts.get(item)
-        return self.frames.get(sequence, {}).get(int(number)) if number.isdecimal() else None
-
-
-_NEVER_EMPTY: Final = frozenset(("observation", "finger", "status", "flags"))
-
-
-def _require_rows(rows: Any) -> None:
-    if not isinstance(rows, list) or not all(isinstance(row, dict) for row in rows):
-        raise ValueError("results.json: expected a list of rows")
-    for name in COLUMNS:
-        kinds: set[type] = {str} if name in TEXT_COLUMNS else {bool} if name in BOOL_COLUMNS else {int}
-        kinds |= set() if name in TEXT_COLUMNS | BOOL_COLUMNS | INT_COLUMNS else {float}
-        kinds |= set() if name in _NEVER_EMPTY | BOOL_COLUMNS else {type(None)}
-        if any(name not in row for row in rows):
-            raise ValueError(f"results.json: a row lacks {name}")
-        if odd := {type(row[name]) for row in rows} - kinds:
-            raise ValueError(f"results.json: {name} is of type {odd.pop().__name__} in a row")
+        places = np.flatnonzero(self.table.column("observation") == item)
+        return self.table[int(places[0])] if places.size else None
 
 
 _READ: dict[Path, tuple[object, Results | str]] = {}
@@ -160,17 +142,16 @@ def results_faults(opened: StudySession) -> list[str]:
 
 def _read(out: Path) -> Results | str | None:
     """Return the tables in a folder, or what is wrong with them; read again only when they are new."""
-    paths = [out / f"{name}.json" for name in ("results", "summary")]
+    paths = [out / name for name in ("results.csv", "summary.json")]
     try:
         stamp = [(status.st_mtime_ns, status.st_size) for status in (path.stat() for path in paths)]
         known = _READ.get(out)
         if known is None or known[0] != stamp:
-            rows, summary = (json.loads(path.read_text(encoding="utf-8")) for path in paths)
-            known = (stamp, Results.of(rows, summary))
+            known = (stamp, Results.read(out))
     except OSError:
         return None
-    except (ValueError, RecursionError) as error:
-        known = (stamp, f"the results are not such as a run writes ({error})")
+    except FingerpadError as error:
+        known = (stamp, str(error).removesuffix(f"; {RERUN}"))
     _READ.clear()
     _READ[out] = known
     return known[1]

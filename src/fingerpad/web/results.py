@@ -1,24 +1,26 @@
 """What the last run found: rows, summaries, what to plot, figures, and the audit of the printed tables."""
 
 import re
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Annotated, Any, Final
 
+import numpy as np
 from pydantic import Field
 
+from fingerpad._arrays import BoolArray
 from fingerpad.published import audit
-from fingerpad.study.results.columns import COLUMNS
-from fingerpad.study.results.result_set import result_files
-from fingerpad.study.results.rows import RANGE_NOTES
+from fingerpad.study.results.columns import COLUMNS, Column
+from fingerpad.study.results.result_set import RERUN, result_files
+from fingerpad.study.results.rows import PLACEMENT, RANGE_NOTES
+from fingerpad.study.results.table import ResultsTable
 from fingerpad.web.endpoints import Endpoint, Params
 from fingerpad.web.errors import RequestError
 from fingerpad.web.last_results import Results, last_results, results_faults
 from fingerpad.web.workspace import Workspace
 
-_UNITS: Final = ("mm2", "mm", "N", "kpa", "deg", "px", "s")
 _PLOTTED: Final = (
-    "item",
     "load_N",
     "radius_from_indentation_mm",
     "radius_from_indentation_mm_std",
@@ -47,7 +49,7 @@ def _results(workspace: Workspace) -> Results:
     if found is None:
         faults = results_faults(workspace.study)
         if faults:
-            raise RequestError.conflict(f"{'; '.join(faults[:3])}: run the study again")
+            raise RequestError.conflict(f"{'; '.join(faults[:3])}: {RERUN}")
         raise RequestError.not_there("there are no results yet: run the study")
     return found
 
@@ -70,45 +72,47 @@ class RowsParams(Params):
 def rows(workspace: Workspace, params: RowsParams, _: Any) -> dict[str, Any]:
     """Return some rows of the results."""
     found = _results(workspace)
-    chosen = [row for row in found.rows if _is_meant(row, params)]
+    chosen = found.table.at(_chosen(found.table, params))
     if params.sort:
-        key, falling = params.sort.lstrip("-"), params.sort.startswith("-")
+        key = params.sort.lstrip("-")
         if key not in COLUMNS:
             raise RequestError.impossible(f"no column is named {key!r}")
-        known = [row for row in chosen if row[key] is not None]
-        unknown = [row for row in chosen if row[key] is None]  # last, whichever way
-        chosen = sorted(known, key=lambda row: row[key], reverse=falling) + unknown
+        chosen = chosen.sorted_by(key, descending=params.sort.startswith("-"))
     columns = [name for name in params.columns.split(",") if name in COLUMNS] or list(COLUMNS)
+    shown = chosen[params.offset : params.offset + params.limit]
     return {
-        "total": len(found.rows),
+        "total": len(found.table),
         "matching": len(chosen),
-        "columns": [_column(name) for name in columns],
+        "columns": [_column(COLUMNS[name]) for name in columns],
         "rows": [
-            {name: row[name] for name in ("item", *columns)}
-            for row in chosen[params.offset : params.offset + params.limit]
+            {"item": item, **row}
+            for item, row in zip(shown.items("observation"), shown.records(*columns), strict=True)
         ],
     }
 
 
-def _is_meant(row: Mapping[str, Any], params: RowsParams) -> bool:
-    same = (
-        ("finger", params.finger),
-        ("status", params.status),
-        ("sequence", params.sequence),
-        ("wedge_angle_deg", params.wedge_angle_deg),
-    )
-    if any(wanted is not None and row[key] != wanted for key, wanted in same):
-        return False
-    if params.flag is not None and params.flag not in row["flags"].split():
-        return False
-    return params.text.casefold() in f"{row['observation']} {row['finger']} {row['reason'] or ''}".casefold()
+def _chosen(table: ResultsTable, params: RowsParams) -> BoolArray:
+    """Return which rows are asked for."""
+    chosen = np.ones(len(table), dtype=bool)
+    for name in ("finger", "status", "sequence", "wedge_angle_deg"):
+        if (wanted := getattr(params, name)) is not None:
+            chosen &= table.column(name) == wanted
+    if params.flag is not None:
+        chosen &= [params.flag in (flags or "").split() for flags in table.items("flags")]
+    if text := params.text.casefold():
+        words = zip(*map(table.items, ("observation", "finger", "reason")), strict=True)
+        chosen &= [text in " ".join(filter(None, each)).casefold() for each in words]
+    return chosen
 
 
-def _column(name: str) -> dict[str, Any]:
-    bare = name.removesuffix("_fixed_geometry_std").removesuffix("_std")
-    unit = next((unit for unit in _UNITS if bare.endswith(f"_{unit}")), None)
-    std = f"{name}_std" if f"{name}_std" in COLUMNS else None
-    return {"key": name, "words": COLUMNS[name], "unit": "kPa" if unit == "kpa" else unit, "std": std}
+def _column(column: Column) -> dict[str, Any]:
+    std = f"{column.name}_std"
+    return {
+        "key": column.name,
+        "words": column.meaning,
+        "unit": column.unit if column.unit not in {"", "1"} else None,
+        "std": std if std in COLUMNS else None,
+    }
 
 
 def summary(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
@@ -126,24 +130,25 @@ def plot(workspace: Workspace, params: PlotParams, _: Any) -> dict[str, Any]:
     """Return what to plot of each finger at each placement."""
     found = _results(workspace)
     groups = [
-        _group(one, found.rows)
+        _group(one, found.table)
         for one in found.summary["summaries"]
         if params.finger in {None, one["finger"]}
     ]
     return {"groups": groups}
 
 
-def _group(of: Mapping[str, Any], every: list[dict[str, Any]]) -> dict[str, Any]:
-    keys = ("finger", "wedge_angle_deg", "roll_angle_deg", "synthetic")
-    members = [row for row in every if row["radius_from_indentation_mm"] is not None]
-    members = [row for row in members if all(row[key] == of[key] for key in keys)]
-    codes = [code for row in members for code in (row["range_notes"] or "").split()]
+def _group(of: Mapping[str, Any], table: ResultsTable) -> dict[str, Any]:
+    chosen = table.known("radius_from_indentation_mm")
+    for name in PLACEMENT:
+        chosen &= table.column(name) == of[name]
+    rows = table.at(chosen)
+    codes = Counter(code for notes in rows.items("range_notes") for code in (notes or "").split())
     return {
         **of,
-        "rows": {name: [row[name] for row in members] for name in _PLOTTED},
+        "rows": {"item": rows.items("observation"), **{name: rows.items(name) for name in _PLOTTED}},
         "range_notes": [
-            {"code": code, "words": RANGE_NOTES[code], "rows": codes.count(code)}
-            for code in RANGE_NOTES
+            {"code": code, "words": words, "rows": codes[code]}
+            for code, words in RANGE_NOTES.items()
             if code in codes
         ],
     }
@@ -154,7 +159,7 @@ def budget(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
     return {
         "groups": [
             {
-                **{key: one[key] for key in ("finger", "wedge_angle_deg", "roll_angle_deg", "synthetic")},
+                **{key: one[key] for key in PLACEMENT},
                 "pooled": one.get("radius_from_indentation_variance_shares"),
                 "check": one["uncertainty_check"],
             }

@@ -31,7 +31,7 @@ _WORDS: Final[Mapping[str, Any]] = {
     "flags": dict(FLAG_WORDS),
     "photograph_flags": dict(PHOTOGRAPH_FLAGS),
     "range_notes": dict(RANGE_NOTES),
-    "columns": dict(COLUMNS),
+    "columns": {name: column.meaning for name, column in COLUMNS.items()},
 }
 
 
@@ -42,7 +42,7 @@ def document(opened: StudySession) -> dict[str, Any]:
     active_corrections = opened.corrections.active_corrections()
     states: dict[str, str] = {} if study is None else item_states(study, opened, active_corrections)
     found = last_results(opened)
-    seen = found.contacts if found else {}
+    seen = found.contacts() if found else {}
     counts = Counter(states.values())
     return {
         "name": opened.name,
@@ -221,7 +221,7 @@ def _sequence(
     active_corrections: Mapping[str, ActiveCorrection],
 ) -> dict[str, Any]:
     found = last_results(opened)
-    rows = found.frames.get(name, {}).values() if found else ()
+    rows = found.frames(name).values() if found else ()
     of_frames = frames_of(active_corrections, name).values()
     return {
         "name": name,
@@ -231,7 +231,7 @@ def _sequence(
         "synthetic": table.get("synthetic", False),
         "status": states.get(name, "left"),
         "frames": opened.count_frames(opened.sequence(name)) if complete else None,
-        "flags": Counter(flag for row in rows for flag in row["flags"].split()),
+        "flags": Counter(flag for row in rows for flag in (row["flags"] or "").split()),
         "corrected": sum(bool(active_correction.change.edits) for active_correction in of_frames),
         "rejected": sum(active_correction.change.rejected is not None for active_correction in of_frames),
         "reviewed": len(of_frames),
@@ -308,7 +308,7 @@ def frames(workspace: Workspace, params: FramesParams, _: Any) -> dict[str, Any]
     opened = workspace.study
     sequence = opened.sequence(params.sequence)
     found = last_results(opened)
-    rows = found.frames.get(sequence.name, {}) if found else {}
+    rows = found.frames(sequence.name) if found else {}
     total = opened.count_frames(sequence) or 0
     shown = range(min(params.offset, total), min(params.offset + params.limit, total))
     ruled = frames_of(opened.corrections.active_corrections(), sequence.name)

@@ -1,13 +1,11 @@
 """Studies compared: values, means, and what a reader must know of them."""
 
-import csv
-import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
-from fingerpad._csv import escape_formula
+from fingerpad._csv import write_csv
 from fingerpad._files import make_folder
 from fingerpad._json import dumps
 from fingerpad.exceptions import FingerpadError
@@ -149,22 +147,7 @@ def write_comparison(comparison: Comparison, out: Path) -> None:
         for name, rows in (("compare", comparison.values), ("compare_means", comparison.means)):
             records = [row.as_record() for row in rows]
             if records:
-                _write_csv(out / f"{name}.csv", records)
+                write_csv(out / f"{name}.csv", [records[0], *(record.values() for record in records)])
         (out / "compare.json").write_text(dumps(comparison.as_record(), indent=1) + "\n", encoding="utf-8")
     except OSError as error:
         raise FingerpadError(f"{error.filename}: cannot be written ({error.strerror})") from error
-
-
-def _write_csv(path: Path, records: Sequence[Mapping[str, Any]]) -> None:
-    with path.open("w", newline="", encoding="utf-8") as file:
-        table = csv.DictWriter(file, list(records[0]))
-        table.writeheader()
-        table.writerows({key: _cell(value) for key, value in record.items()} for record in records)
-
-
-def _cell(value: Any) -> Any:
-    if value is None or (isinstance(value, float) and not math.isfinite(value)):
-        return ""
-    if isinstance(value, str):
-        return escape_formula(value)
-    return str(value).lower() if isinstance(value, bool) else value

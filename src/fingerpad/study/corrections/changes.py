@@ -7,7 +7,7 @@ from pydantic import AfterValidator, Field, StringConstraints, model_validator
 
 from fingerpad.image import BrushStroke, ManualEllipse
 from fingerpad.study.manifest.fingers import Side
-from fingerpad.study.manifest.tables import Box, Finite, Pixel, Point, Positive, Table, not_tiny
+from fingerpad.study.manifest.tables import Box, Finite, ManifestModel, Pixel, Point, Positive, not_tiny
 
 Reason = Annotated[str, StringConstraints(strip_whitespace=True, min_length=1, max_length=500)]
 Size = Annotated[float, Field(gt=0, le=1e5, allow_inf_nan=False), AfterValidator(not_tiny)]
@@ -15,7 +15,7 @@ Pair = Annotated[list[Size], Field(min_length=2, max_length=2)]
 Path = Annotated[list[Point], Field(min_length=1, max_length=5000)]
 
 
-class Stroke(Table):
+class Stroke(ManifestModel):
     """A stroke of a round brush or rubber; of one point a disk."""
 
     points_px: Path
@@ -28,7 +28,7 @@ class RegionStroke(Stroke):
     action: Literal["add", "remove"]
 
 
-class ManualContactEllipse(Table):
+class ManualContactEllipse(ManifestModel):
     """A contact ellipse by its handles: major and minor semi-axis, the major's angle from straight up."""
 
     centre: Point
@@ -42,7 +42,7 @@ class ManualContactEllipse(Table):
         return self
 
 
-class ManualFaceEllipse(Table):
+class ManualFaceEllipse(ManifestModel):
     """The ellipse of a face by its handles: semi-axes across and along, turned from across towards along."""
 
     centre: Point
@@ -50,7 +50,7 @@ class ManualFaceEllipse(Table):
     lean_deg: Annotated[float, Field(ge=-90, le=90)] = 0.0
 
 
-class _Judged(Table):
+class _Judged(ManifestModel):
     """Whether a person takes the measurement, or why not."""
 
     accepted: bool = False

@@ -11,7 +11,7 @@ from fingerpad.study.manifest.curves import Curve
 from fingerpad.study.manifest.fingers import Finger
 from fingerpad.study.manifest.read import file_inside
 from fingerpad.study.manifest.scales import OwnScale
-from fingerpad.study.manifest.tables import Name, Table
+from fingerpad.study.manifest.tables import ManifestModel, Name
 from fingerpad.study.manifest.validation import validated
 
 Kind: TypeAlias = Literal[
@@ -32,14 +32,14 @@ class Known:
     contacts: frozenset[str]
 
 
-class _Scale(Table):
+class _Scale(ManifestModel):
     """A scale with its name, which elsewhere is a key."""
 
     name: Name
     table: OwnScale
 
 
-_MODELS: Final[Mapping[str, type[Table]]] = {
+_MODELS: Final[Mapping[str, type[ManifestModel]]] = {
     "finger": Finger,
     "observation": Observation,
     "sequence": ContactSequence,
@@ -66,7 +66,7 @@ def validation_errors(
     where = f"{kind} {key}"
     try:
         if kind == "scale":
-            checked: Table = validated(_Scale, {"name": key, "table": content}, where, strict=True)
+            checked: ManifestModel = validated(_Scale, {"name": key, "table": content}, where, strict=True)
         else:
             checked = validated(_MODELS[kind], content, where, strict=True)
     except ManifestError as error:
@@ -75,7 +75,7 @@ def validation_errors(
     return (*_name_faults(checked, known), *_file_faults(checked, folder))
 
 
-def _name_faults(checked: Table, known: Known) -> Iterator[str]:
+def _name_faults(checked: ManifestModel, known: Known) -> Iterator[str]:
     """Say which finger or scale is not there, or which name is taken."""
     taken = known.contacts
     if isinstance(checked, _Scale | Finger):
@@ -91,7 +91,7 @@ def _name_faults(checked: Table, known: Known) -> Iterator[str]:
             yield f"scale: {scale!r} is not complete, or there is none of this name"
 
 
-def _file_faults(checked: Table, folder: Path) -> Iterator[str]:
+def _file_faults(checked: ManifestModel, folder: Path) -> Iterator[str]:
     """Say which files are not in the study folder."""
     for part in (checked, *getattr(checked, "photographs", [])):
         scale = part.table if isinstance(part, _Scale) else getattr(part, "scale", None)

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Self
 
-from fingerpad._csv import csv_text, unescape_formula
+from fingerpad._csv import csv_cell, csv_text, unescape_formula
 from fingerpad.exceptions import ManifestError
 from fingerpad.study.manifest.spreadsheet import TABLE_COLUMNS
 
@@ -87,16 +87,7 @@ class Sheet:
             self._header.append(key)
         place = self._header.index(key)
         row.extend([""] * (place + 1 - len(row)))
-        row[place] = _cell_text(key, value)
-
-
-def _cell_text(key: str, value: Any) -> str:
-    if value is None:
-        return ""
-    if isinstance(value, bool):
-        return str(value).lower()
-    if isinstance(value, list | tuple) and not any(isinstance(item, list | tuple) for item in value):
-        return ", ".join(f"{item:g}" if isinstance(item, float) else str(item) for item in value)
-    if isinstance(value, str | int | float):
-        return str(value)
-    raise ManifestError(f"{key}: a spreadsheet's cell cannot hold it; move the row to the manifest")
+        try:
+            row[place] = unescape_formula(csv_cell(value))
+        except TypeError as error:
+            raise ManifestError(f"{key}: {error}; move the row to the manifest") from error

@@ -1,6 +1,5 @@
 """Ellipses measured by hand as observations: the CSV that a manifest names in ``observations_csv``."""
 
-import csv
 import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
@@ -8,10 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final, Self
 
-from fingerpad._csv import escape_formula
+from fingerpad._csv import write_csv
 from fingerpad.exceptions import CalibrationError, FingerpadError, ManifestError
 from fingerpad.study.fiji.ellipse import MeasuredEllipse
-from fingerpad.study.manifest.tables import Finite, Load, Name, Table, WedgeAngle
+from fingerpad.study.manifest.tables import Finite, Load, ManifestModel, Name, WedgeAngle
 from fingerpad.study.manifest.validation import validated
 
 # What an ellipse does not tell of its contact.
@@ -26,7 +25,7 @@ _NUMBER: Final = r"-?\d+(?:[.,p]\d+)?"
 _LONGEST_NAME: Final = 50
 
 
-class _LabelValues(Table):
+class _LabelValues(ManifestModel):
     """What a manifest takes of it."""
 
     finger: Name | None = None
@@ -256,19 +255,8 @@ def write_observations(path: Path, rows: Iterable[ManualObservation]) -> None:
         If the file exists, or cannot be written.
     """
     try:
-        with path.open("x", newline="", encoding="utf-8") as file:
-            table = csv.DictWriter(file, _HEADER)
-            table.writeheader()
-            table.writerows({key: _cell(value) for key, value in row.as_record().items()} for row in rows)
+        write_csv(path, [_HEADER, *(row.as_record().values() for row in rows)], mode="x")
     except FileExistsError:
         raise FingerpadError(f"{path}: is there already, and may be filled in; name another file") from None
     except OSError as error:
         raise FingerpadError(f"{path}: cannot be written ({error.strerror})") from error
-
-
-def _cell(value: Any) -> Any:
-    if value is None or value is False:
-        return ""
-    if isinstance(value, str):
-        return escape_formula(value)
-    return "true" if value is True else f"{value:.6g}" if isinstance(value, float) else value

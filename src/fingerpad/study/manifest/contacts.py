@@ -11,10 +11,10 @@ from fingerpad.study.manifest.tables import (
     Length,
     LengthStd,
     Load,
+    ManifestModel,
     Name,
     Point,
     Positive,
-    Table,
     WedgeAngle,
 )
 
@@ -25,7 +25,7 @@ CORRECTIONS: Final = frozenset(("dark_on_light", "mask_px", "region_of_interest_
 _IMAGE_KEYS: Final = CORRECTIONS | {"background", "scale", "finger_axis_deg"}
 
 
-class PlacedFinger(Table):
+class PlacedFinger(ManifestModel):
     """A finger on its wedge, and how pictures of its contact are measured."""
 
     name: Name
@@ -44,7 +44,7 @@ class PlacedFinger(Table):
     synthetic: bool = False
 
 
-class ContactEllipse(Table):
+class ContactEllipse(ManifestModel):
     """Semi-axes of a contact ellipse measured elsewhere, mm."""
 
     semi_major: Length

@@ -4,12 +4,12 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from fingerpad.study.manifest.tables import Length, LengthStd, Load, Table, WedgeAngle
+from fingerpad.study.manifest.tables import Length, LengthStd, Load, ManifestModel, WedgeAngle
 
 _FILE_KEYS = frozenset(("file_columns", "contact_point", "cycle", "fit_load_range_N"))
 
 
-class Curve(Table):
+class Curve(ManifestModel):
     """Loading data of one finger at one wedge angle: a curve, the radius R_g found elsewhere, or both."""
 
     finger: str

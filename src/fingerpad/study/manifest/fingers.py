@@ -5,12 +5,12 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from fingerpad.study.manifest.scales import ScaleKey
-from fingerpad.study.manifest.tables import Length, LengthStd, Name, Pixel, RelativeStd, Table
+from fingerpad.study.manifest.tables import Length, LengthStd, ManifestModel, Name, Pixel, RelativeStd
 
 Side = Literal["up", "down", "left", "right"]
 
 
-class SemiAxes(Table):
+class SemiAxes(ManifestModel):
     """Semi-axes of a finger pad, mm."""
 
     palmar: Length
@@ -18,7 +18,7 @@ class SemiAxes(Table):
     radial_ulnar: Length
 
 
-class SemiAxesStd(Table):
+class SemiAxesStd(ManifestModel):
     """Standard uncertainties of semi-axes, mm."""
 
     palmar: LengthStd
@@ -26,7 +26,7 @@ class SemiAxesStd(Table):
     radial_ulnar: LengthStd
 
 
-class Photograph(Table):
+class Photograph(ManifestModel):
     """One face of a finger: a photograph before a plain backdrop with its scale, or points of its outline."""
 
     face: Literal["palmar", "distal", "radial", "ulnar"]
@@ -55,7 +55,7 @@ class Photograph(Table):
         return self
 
 
-class Finger(Table):
+class Finger(ManifestModel):
     """A finger, with its semi-axes given or to be fitted to the outlines of its photographs."""
 
     name: Name

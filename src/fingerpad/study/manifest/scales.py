@@ -4,27 +4,27 @@ from typing import Annotated, Final, Self, TypeAlias
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
-from fingerpad.study.manifest.tables import Length, Name, Pixel, RelativeStd, Table
+from fingerpad.study.manifest.tables import Length, ManifestModel, Name, Pixel, RelativeStd
 
 MarkStd = Annotated[float, Field(ge=0, le=1000, allow_inf_nan=False)]
 Mark = Annotated[list[Annotated[Pixel, Field(ge=0)]], Field(min_length=2, max_length=2)]
 
 
-class ResolutionScale(Table):
+class ResolutionScale(ManifestModel):
     """Pixels per inch."""
 
     ppi: Annotated[float, Field(ge=20, le=1e5)]
     relative_std: RelativeStd = 0.0
 
 
-class PitchScale(Table):
+class PitchScale(ManifestModel):
     """Millimetres per pixel."""
 
     mm_per_px: Annotated[float, Field(ge=1e-4, le=1)]
     relative_std: RelativeStd = 0.0
 
 
-class LineScale(Table):
+class LineScale(ManifestModel):
     """A line of known length, drawn on a ruler: its two ends (row, column), px."""
 
     line: Annotated[list[Mark], Field(min_length=2, max_length=2)]
@@ -39,7 +39,7 @@ class LineScale(Table):
         return self
 
 
-class CoinScale(Table):
+class CoinScale(ManifestModel):
     """A coin of known diameter, found in a picture taken like those to measure."""
 
     coin: str
@@ -60,7 +60,7 @@ def _one_way(value: object) -> object:
         if len(found) != 1:
             seen = " and ".join(found) if found else "none of them"
             raise ValueError(f"give one of {', '.join(_WAYS)}, found {seen}")
-    elif not isinstance(value, str | Table):
+    elif not isinstance(value, str | ManifestModel):
         raise ValueError("give the name of one of [scales], or a table such as { ppi = 500 }")  # noqa: TRY004
     return value
 
@@ -95,7 +95,7 @@ OwnScale: TypeAlias = Annotated[
 ]
 
 
-def is_exact(scale: Table) -> bool:
+def is_exact(scale: ManifestModel) -> bool:
     """Tell whether a scale has no uncertainty; that of a coin follows from its picture."""
     if isinstance(scale, LineScale):
         return not (scale.length_mm_std or scale.ends_px_std)

@@ -9,10 +9,10 @@ from fingerpad.study.manifest.contacts import ContactSequence, Observation
 from fingerpad.study.manifest.curves import Curve
 from fingerpad.study.manifest.fingers import Finger
 from fingerpad.study.manifest.scales import CoinScale, OwnScale, ScaleKey, is_exact
-from fingerpad.study.manifest.tables import AngleStd, Name, RelativeStd, Table
+from fingerpad.study.manifest.tables import AngleStd, ManifestModel, Name, RelativeStd
 
 
-class Uncertainty(Table):
+class Uncertainty(ManifestModel):
     """Standard uncertainties common to all observations."""
 
     wedge_angle_deg_std: AngleStd = 0.0
@@ -22,7 +22,7 @@ class Uncertainty(Table):
     method: Literal["first_order", "monte_carlo"] = "first_order"
 
 
-class Study(Table):
+class Study(ManifestModel):
     """The whole manifest."""
 
     title: str
@@ -62,14 +62,14 @@ class Study(Table):
         stds = {"the wedge angle": common.wedge_angle_deg_std, "the load": common.load_relative_std}
         used = dict.fromkeys(name for _, name in self.named_scales())
         tables = [table for _, _, tables in self._tables_with_files() for table in tables]
-        own = [scale for table in tables if isinstance(scale := getattr(table, "scale", None), Table)]
+        own = [scale for table in tables if isinstance(scale := getattr(table, "scale", None), ManifestModel)]
         return [
             *(words for words, std in stds.items() if not std),
             *(f"the scale {name}" for name in used if is_exact(self.scales[name])),
             *(["scales of single pictures"] if any(map(is_exact, own)) else []),
         ]
 
-    def _tables_with_files(self) -> Iterator[tuple[str, tuple[str, ...], Iterable[Table]]]:
+    def _tables_with_files(self) -> Iterator[tuple[str, tuple[str, ...], Iterable[ManifestModel]]]:
         """Yield each list of tables with its place and the keys that name files."""
         for index, finger in enumerate(self.fingers):
             yield f"fingers[{index}].photographs", ("outline", "file"), finger.photographs

@@ -28,7 +28,7 @@ Pixel = Annotated[float, _NEAR]
 Name = Annotated[str, Field(pattern=r"^\w[\w.+-]*$", max_length=60)]
 
 
-class Table(BaseModel):
+class ManifestModel(BaseModel):
     """A table of the manifest: no key that is not known, no value that changes."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)

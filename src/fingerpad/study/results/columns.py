@@ -1,105 +1,183 @@
-"""The columns of results.csv, in order, with what they mean."""
+"""The columns of results.csv: one registry, which everything that writes, reads or shows them asks."""
 
-from collections.abc import Mapping
-from typing import Final
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from math import isnan, nan
+from typing import Any, Final, Literal, TypeAlias
 
-COLUMNS: Final[Mapping[str, str]] = {
-    "observation": "name of the observation, or of the sequence with the frame's number behind a #",
-    "finger": "name of the finger",
-    "status": "measured, rejected by a person, or failed",
-    "reason": "why the row failed or was rejected",
-    "synthetic": "whether picture, ellipse or finger was rendered or simulated",
-    "flags": "doubts about the picture, separated by spaces",
-    "measured_by": "program, program with corrections, or person (an ellipse that was given)",
-    "reviewed": "what a person decided: accepted, corrected or rejected; empty where nobody looked",
-    "reviewed_by": "that person",
-    "pooled": "whether the row counts in pooled radii: not if its picture is cut or its scale in doubt; "
-    "of a sequence loading frames of a large enough ellipse",
-    "range_notes": "where the model is out of its range, separated by spaces",
-    "wedge_angle_deg": "angle of the wedge on which the finger rests",
-    "roll_angle_deg": "roll of the finger about its own long axis",
-    "load_N": "normal force W",
-    "sequence": "name of the sequence of which this is a frame; empty for single observations",
-    "frame": "number of the frame, from 0",
-    "time_s": "time of the frame on the clock of its force",
-    "phase": "loading, hold or unloading, by the force",
-    "file": "contact image or sequence measured; empty where the ellipse was given",
-    "scale": "name of the scale; rows of one name share one uncertain scale. Empty: a scale of its own",
-    "mm_per_px": "scale of the picture",
-    "mm_per_px_std": "its standard uncertainty",
-    "semi_major_mm": "semi-major axis of the contact ellipse",
-    "semi_major_mm_std": "its standard uncertainty",
-    "semi_minor_mm": "semi-minor axis of the contact ellipse",
-    "semi_minor_mm_std": "its standard uncertainty",
-    "program_semi_major_mm": "semi-major axis as the program measured it by itself",
-    "program_semi_minor_mm": "semi-minor axis as the program measured it by itself",
-    "aspect_ratio": "semi-major over semi-minor axis",
-    "long_axis": "along or across the finger",
-    "predicted_aspect_ratio": "of elliptical Hertz theory for the undeformed pad",
-    "predicted_long_axis": "along or across the finger, of elliptical Hertz theory",
-    "orientation_deg": "long axis from the finger's axis, counter-clockwise",
-    "gross_area_mm2": "area inside the outline of the contact",
-    "gross_area_mm2_std": "its standard uncertainty",
-    "ridge_area_mm2": "area of the ridges in contact",
-    "ridge_area_mm2_std": "its standard uncertainty",
-    "ridge_period_mm": "median distance between ridges",
-    "ellipse_iou": "intersection over union of ellipse and contact region",
-    "centroid_row_px": "row of the contact's centroid",
-    "centroid_column_px": "column of the contact's centroid",
-    "u_deg": "parametric angle u of the place of contact",
-    "v_deg": "parametric angle v of the place of contact",
-    "in_plane_radius_mm": "principal radius along the finger at the place of contact",
-    "transverse_radius_mm": "principal radius across the finger at the place of contact",
-    "mean_curvature_radius_mm": "R_0g = 1/H of the undeformed pad",
-    "mean_curvature_radius_mm_std": "its standard uncertainty",
-    "geometric_mean_radius_mm": "R_e = sqrt(R'R'') of the undeformed pad",
-    "geometric_mean_radius_mm_std": "its standard uncertainty",
-    "radius_from_indentation_mm": "corrected radius R_0g F2^-3, the source's R_g^corr",
-    "radius_from_indentation_mm_std": "its standard uncertainty",
-    "radius_from_indentation_mm_fixed_geometry_std": "the same with R_0g held exact, as the source does",
-    "radius_from_area_mm": "equivalent sphere of the same area, R_0g F1^3",
-    "radius_from_area_mm_std": "its standard uncertainty",
-    "radius_from_compliance_mm": "equivalent sphere of A/(pi xi), R_0g F1^2/F2: the one to compare with R_g",
-    "radius_from_compliance_mm_std": "its standard uncertainty",
-    "geometric_radius_from_indentation_mm": "R_e F2^-3",
-    "geometric_radius_from_indentation_mm_std": "its standard uncertainty",
-    "geometric_radius_from_area_mm": "R_e F1^3",
-    "geometric_radius_from_area_mm_std": "its standard uncertainty",
-    "geometric_radius_from_compliance_mm": "R_e F1^2/F2",
-    "geometric_radius_from_compliance_mm_std": "its standard uncertainty",
-    "indentation_mm": "xi of elliptical Hertz theory from the observed ellipse",
-    "indentation_mm_std": "its standard uncertainty",
-    "reduced_modulus_kpa": "E* of elliptical Hertz theory from load and observed ellipse",
-    "reduced_modulus_kpa_std": "its standard uncertainty",
-    "youngs_modulus_kpa": "E = E*(1 - nu^2)",
-    "youngs_modulus_kpa_std": "its standard uncertainty",
-    "mean_pressure_kpa": "W over the area of the ellipse",
-    "mean_pressure_kpa_std": "its standard uncertainty",
-    "contact_radius_ratio": "sqrt(l_d l_e)/R_e, which Hertz theory takes to be small",
-    "indentation_over_thickness": "indentation over the pad's thickness, where that is given",
-    "overlay": "picture of the measurement",
+import numpy as np
+import numpy.typing as npt
+
+from fingerpad._arrays import BoolArray
+
+ColumnArray: TypeAlias = npt.NDArray[Any]
+DType: TypeAlias = Literal["text", "bool", "int", "float"]
+
+_NUMPY: Final[Mapping[DType, type]] = {"text": object, "bool": bool, "int": np.int64, "float": np.float64}
+# What an array holds where nothing is known.
+_UNKNOWN: Final[Mapping[DType, Any]] = {"text": None, "bool": False, "int": -1, "float": nan}
+
+
+@dataclass(frozen=True, slots=True)
+class Column:
+    """A column of the results.
+
+    Attributes
+    ----------
+    name : str
+        As in ``results.csv``.
+    dtype : {"text", "bool", "int", "float"}
+        What it holds. As an array: objects, with None for what is not known; truths; int64 with −1; float64
+        with NaN.
+    unit : str
+        Its unit: empty for text and truths, ``1`` for pure numbers and counts.
+    meaning : str
+        What it holds, in words.
+    group : str
+        What it belongs to.
+
+    Examples
+    --------
+    >>> COLUMNS["youngs_modulus_kpa_std"].unit
+    'kPa'
+    >>> frame = COLUMNS["frame"].array([None, 12])
+    >>> frame, COLUMNS["frame"].items(frame)
+    (array([-1, 12]), [None, 12])
+    """
+
+    name: str
+    dtype: DType
+    unit: str
+    meaning: str
+    group: str = ""
+
+    def array(self, items: Iterable[Any]) -> ColumnArray:
+        """Return items as an array; None is what is not known."""
+        unknown = _UNKNOWN[self.dtype]
+        listed = [unknown if item is None else item for item in items]
+        array: ColumnArray = np.empty(len(listed), dtype=_NUMPY[self.dtype])
+        array[:] = listed
+        return array
+
+    def unknown(self, size: int) -> ColumnArray:
+        """Return an array in which nothing is known; truths are false."""
+        return np.full(size, _UNKNOWN[self.dtype], dtype=_NUMPY[self.dtype])
+
+    def known(self, array: ColumnArray) -> BoolArray:
+        """Return where an array is known."""
+        if self.dtype == "float":
+            return ~np.isnan(array)
+        if self.dtype == "bool":
+            return np.ones(array.shape, dtype=bool)
+        return np.asarray(array != _UNKNOWN[self.dtype], dtype=bool)
+
+    def items(self, array: ColumnArray) -> list[Any]:
+        """Return an array as a list of plain values, None for what is not known."""
+        items: list[Any] = array.tolist()
+        if self.dtype == "float":
+            return [None if isnan(item) else item for item in items]
+        return [None if item == -1 else item for item in items] if self.dtype == "int" else items
+
+
+def _text(name: str, meaning: str) -> Column:
+    return Column(name, "text", "", meaning)
+
+
+def _number(name: str, unit: str, meaning: str) -> Column:
+    return Column(name, "float", unit, meaning)
+
+
+def _with_std(name: str, unit: str, meaning: str) -> tuple[Column, Column]:
+    """Return a column and that of its standard uncertainty."""
+    return _number(name, unit, meaning), _number(f"{name}_std", unit, f"standard uncertainty of {name}")
+
+
+_GROUPS: Final[Mapping[str, Sequence[Column]]] = {
+    "observation": (
+        _text("observation", "name of the observation; of a frame sequence#number"),
+        _text("finger", "name of the finger"),
+        _text("status", "measured, rejected by a person, or failed"),
+        _text("reason", "why the row failed or was rejected"),
+        Column("synthetic", "bool", "", "whether image, ellipse or finger was rendered or simulated"),
+        _text("flags", "doubts about the image, separated by spaces"),
+        _text("measured_by", "program, program with corrections, or person (a given ellipse)"),
+        _text("reviewed", "accepted, corrected or rejected by a person; empty if not reviewed"),
+        _text("reviewed_by", "who reviewed it"),
+        Column(
+            "pooled",
+            "bool",
+            "",
+            "whether the row counts in pooled radii: not if its image is cut or its scale in doubt; of a "
+            "sequence only loading frames of a large enough ellipse",
+        ),
+        _text("range_notes", "where the model is out of its range, separated by spaces"),
+    ),
+    "placement": (
+        _number("wedge_angle_deg", "deg", "angle of the wedge on which the finger rests"),
+        _number("roll_angle_deg", "deg", "roll of the finger about its own long axis"),
+        _number("load_N", "N", "normal force W"),
+    ),
+    "sequence": (
+        _text("sequence", "name of the sequence of which this is a frame; empty for single observations"),
+        Column("frame", "int", "1", "number of the frame, from 0"),
+        _number("time_s", "s", "time of the frame on the clock of its force"),
+        _text("phase", "loading, hold or unloading, by the force"),
+    ),
+    "image": (
+        _text("file", "contact image or sequence measured; empty where the ellipse was given"),
+        _text("scale", "name of the scale, whose error its rows share; empty for a scale of its own"),
+        *_with_std("mm_per_px", "mm/px", "scale of the image"),
+    ),
+    "ellipse": (
+        *_with_std("semi_major_mm", "mm", "semi-major axis of the contact ellipse"),
+        *_with_std("semi_minor_mm", "mm", "semi-minor axis of the contact ellipse"),
+        _number("program_semi_major_mm", "mm", "semi-major axis as measured automatically"),
+        _number("program_semi_minor_mm", "mm", "semi-minor axis as measured automatically"),
+        _number("aspect_ratio", "1", "semi-major over semi-minor axis"),
+        _text("long_axis", "along or across the finger"),
+        _number("predicted_aspect_ratio", "1", "of elliptical Hertz theory for the undeformed pad"),
+        _text("predicted_long_axis", "along or across the finger, of elliptical Hertz theory"),
+        _number("orientation_deg", "deg", "long axis from the finger's axis, counter-clockwise"),
+    ),
+    "region": (
+        *_with_std("gross_area_mm2", "mm2", "area inside the outline of the contact"),
+        *_with_std("ridge_area_mm2", "mm2", "area of the ridges in contact"),
+        _number("ridge_period_mm", "mm", "median distance between ridges"),
+        _number("ellipse_iou", "1", "intersection over union of ellipse and contact region"),
+        _number("centroid_row_px", "px", "row of the contact's centroid"),
+        _number("centroid_column_px", "px", "column of the contact's centroid"),
+    ),
+    "pad": (
+        _number("u_deg", "deg", "parametric angle u of the place of contact"),
+        _number("v_deg", "deg", "parametric angle v of the place of contact"),
+        _number("in_plane_radius_mm", "mm", "principal radius along the finger at the place of contact"),
+        _number("transverse_radius_mm", "mm", "principal radius across the finger at the place of contact"),
+        *_with_std("mean_curvature_radius_mm", "mm", "R_0g = 1/H of the undeformed pad"),
+        *_with_std("geometric_mean_radius_mm", "mm", "R_e = sqrt(R'R'') of the undeformed pad"),
+    ),
+    "radius": (
+        *_with_std("radius_from_indentation_mm", "mm", "R_0g F2^-3, R_g^corr of Dzidek et al. (2017)"),
+        _number("radius_from_indentation_mm_fixed_geometry_std", "mm", "the same with R_0g exact"),
+        *_with_std("radius_from_area_mm", "mm", "sphere of the same area, R_0g F1^3"),
+        *_with_std(
+            "radius_from_compliance_mm", "mm", "sphere of the same A/(pi xi), R_0g F1^2/F2: compare with R_g"
+        ),
+        *_with_std("geometric_radius_from_indentation_mm", "mm", "R_e F2^-3"),
+        *_with_std("geometric_radius_from_area_mm", "mm", "R_e F1^3"),
+        *_with_std("geometric_radius_from_compliance_mm", "mm", "R_e F1^2/F2"),
+    ),
+    "hertz": (
+        *_with_std("indentation_mm", "mm", "xi of elliptical Hertz theory from the observed ellipse"),
+        *_with_std("reduced_modulus_kpa", "kPa", "E* of elliptical Hertz theory from load and ellipse"),
+        *_with_std("youngs_modulus_kpa", "kPa", "E = E*(1 - nu^2)"),
+        *_with_std("mean_pressure_kpa", "kPa", "W over the area of the ellipse"),
+    ),
+    "validity": (
+        _number("contact_radius_ratio", "1", "sqrt(l_d l_e)/R_e, which Hertz theory takes to be small"),
+        _number("indentation_over_thickness", "1", "indentation over the given thickness of the pad"),
+    ),
+    "output": (_text("overlay", "image of the measurement"),),
 }
-
-# What a column holds; all others hold floats.
-TEXT_COLUMNS: Final = frozenset(
-    (
-        "observation",
-        "finger",
-        "status",
-        "reason",
-        "flags",
-        "measured_by",
-        "reviewed",
-        "reviewed_by",
-        "range_notes",
-        "sequence",
-        "phase",
-        "file",
-        "scale",
-        "long_axis",
-        "predicted_long_axis",
-        "overlay",
-    )
-)
-BOOL_COLUMNS: Final = frozenset(("synthetic", "pooled"))
-INT_COLUMNS: Final = frozenset(("frame",))
+COLUMNS: Final[Mapping[str, Column]] = {
+    column.name: replace(column, group=group) for group, columns in _GROUPS.items() for column in columns
+}

@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import BaseModel
 
 from fingerpad.study.results.columns import COLUMNS
-from fingerpad.study.results.table import Table
+from fingerpad.study.results.table import ResultsTable
 
 
 def digest_of_values(*values: object) -> str:
@@ -47,7 +47,7 @@ def _parts(value: Any) -> Iterator[bytes]:
 
 def _inside(value: Any) -> Sequence[Any] | None:
     """Return what a value is made of, in an order of its own; None for a plain one."""
-    if isinstance(value, Table):
+    if isinstance(value, ResultsTable):
         return [value.column(name) for name in COLUMNS]
     if is_dataclass(value):
         return [getattr(value, field.name) for field in fields(value)]

@@ -1,21 +1,17 @@
 """Results as Parquet and as MATLAB files, typed and with the unit and meaning of every column."""
 
 import os
-import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 from scipy import io
 
 from fingerpad.exceptions import FingerpadError
-from fingerpad.study.results.columns import BOOL_COLUMNS, INT_COLUMNS, TEXT_COLUMNS
-from fingerpad.study.results.results_reader import ResultsTable
-
-# What MATLAB takes as the name of a field.
-_MATLAB_NAME: Final = re.compile(r"[A-Za-z]\w{0,62}", re.ASCII)
+from fingerpad.study.results.columns import COLUMNS, Column, ColumnArray
+from fingerpad.study.results.result_set import require_result_set
+from fingerpad.study.results.results_reader import read_batches, read_summary, read_table
 
 
 def export_results(folder: Path, file: Path) -> None:
@@ -40,10 +36,12 @@ def export_results(folder: Path, file: Path) -> None:
             f"{file}: no format is known by {file.suffix or 'a name without suffix'}; "
             f"name the file with {' or '.join(_FORMATS)}"
         )
-    table = ResultsTable.of(folder)
+    require_result_set(folder)
+    summary = read_summary(folder)
+    study = {"title": str(summary["title"]), "fingerpad": str(summary["provenance"]["fingerpad"])}
     part = file.with_name(f".{file.name}.part")
     try:
-        write(table, part)
+        write(folder, study, part)
         os.replace(part, file)
     except OSError as error:
         raise FingerpadError(f"{file}: cannot be written ({error.strerror or error})") from error
@@ -51,65 +49,60 @@ def export_results(folder: Path, file: Path) -> None:
         part.unlink(missing_ok=True)
 
 
-def _write_parquet(table: ResultsTable, file: Path) -> None:
+def _write_parquet(folder: Path, study: dict[str, str], file: Path) -> None:
     """Write one row group for each batch of rows: memory stays flat."""
     try:
         import pyarrow as pa
         from pyarrow import parquet
     except ImportError:
         raise FingerpadError("Parquet needs the package pyarrow: pip install 'fingerpad[parquet]'") from None
+    types = {"text": pa.string(), "bool": pa.bool_(), "int": pa.int64(), "float": pa.float64()}
     schema = pa.schema(
         [
             pa.field(
                 column.name,
-                _arrow_type(pa, column.name),
-                metadata={"unit": column.unit, "meaning": column.description},
+                types[column.dtype],
+                metadata={"unit": column.unit, "meaning": column.meaning, "group": column.group},
             )
-            for column in table.columns
+            for column in COLUMNS.values()
         ],
-        metadata={"title": table.title, "fingerpad": table.version},
+        metadata=study,
     )
     with parquet.ParquetWriter(file, schema, compression="zstd") as writer:
-        for batch in table.batches():
-            arrays = [pa.array(batch[field.name], type=field.type, from_pandas=True) for field in schema]
+        for batch in read_batches(folder):
+            arrays = [
+                pa.array(batch[column.name], type=types[column.dtype], mask=~column.known(batch[column.name]))
+                for column in COLUMNS.values()
+            ]
             writer.write_table(pa.table(arrays, schema=schema))
 
 
-def _arrow_type(pa: Any, name: str) -> Any:
-    kinds = {TEXT_COLUMNS: pa.string(), BOOL_COLUMNS: pa.bool_(), INT_COLUMNS: pa.int64()}
-    return next((kind for names, kind in kinds.items() if name in names), pa.float64())
-
-
-def _write_mat(table: ResultsTable, file: Path) -> None:
+def _write_mat(folder: Path, study: dict[str, str], file: Path) -> None:
     """Write structs `results`, `units`, `meanings` and `study`, with one field for each column."""
-    illegal = [column.name for column in table.columns if not _MATLAB_NAME.fullmatch(column.name)]
-    if illegal:
-        raise FingerpadError(f"MATLAB takes no field named {illegal[0]}: letters, digits and _, 63 at most")
-    batches = list(table.batches())
+    table = read_table(folder)
     content = {
-        "results": {
-            column.name: _matlab_column(np.concatenate([batch[column.name] for batch in batches]))
-            for column in table.columns
-        },
-        "units": {column.name: column.unit for column in table.columns},
-        "meanings": {column.name: column.description for column in table.columns},
-        "study": {"title": table.title, "fingerpad": table.version},
+        "results": {name: _matlab_column(column, table.column(name)) for name, column in COLUMNS.items()},
+        "units": {name: column.unit for name, column in COLUMNS.items()},
+        "meanings": {name: column.meaning for name, column in COLUMNS.items()},
+        "study": study,
     }
     with file.open("wb") as target:
         io.savemat(target, content, long_field_names=True, oned_as="column", do_compression=True)
 
 
-def _matlab_column(values: npt.NDArray[Any]) -> npt.NDArray[Any]:
+def _matlab_column(column: Column, array: ColumnArray) -> ColumnArray:
     """Return a column as MATLAB has it: doubles, logicals, or a character matrix with one line for each row.
 
     A cell array would take a hundred times as long to write and read; ``cellstr`` makes one.
     """
-    if values.dtype != object:
-        return values.reshape(-1, 1)
-    return np.array([word or " " for word in values], dtype=np.str_)
+    if column.dtype == "text":
+        return np.array([word or " " for word in array], dtype=np.str_)
+    if column.dtype == "int":
+        array = np.where(column.known(array), array, np.nan)
+    return array.reshape(-1, 1)
 
 
-_FORMATS: Final[Mapping[str, Callable[[ResultsTable, Path], None]]] = {
+_FORMATS: Final[Mapping[str, Callable[[Path, dict[str, str], Path], None]]] = {
     ".parquet": _write_parquet,
     ".mat": _write_mat,
 }

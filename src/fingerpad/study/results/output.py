@@ -1,26 +1,25 @@
 """Writing a study's tables: results.csv with its data dictionary, results.json, summary.json."""
 
 import csv
+from collections.abc import Sequence
 from dataclasses import asdict
 from json.encoder import encode_basestring
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from fingerpad._csv import escape_formula
+from fingerpad._csv import csv_cell, write_csv
 from fingerpad._json import dumps
 from fingerpad.exceptions import FingerpadError
 from fingerpad.image import OutlineSemiAxes
 from fingerpad.study.measuring.scales import FoundScale
 from fingerpad.study.measuring.sequences import SequenceResult
 from fingerpad.study.results.check import UncertaintyCheck
-from fingerpad.study.results.columns import BOOL_COLUMNS, COLUMNS, TEXT_COLUMNS
+from fingerpad.study.results.columns import COLUMNS
 from fingerpad.study.results.loading import LoadingRadius, loading_radius
 from fingerpad.study.results.pooling import PooledRadius
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.summary import Summary, area_exponent
-from fingerpad.study.results.table import Table
+from fingerpad.study.results.table import ResultsTable
 
 
 def write_tables(result: StudyResult, out: Path) -> None:
@@ -33,51 +32,45 @@ def write_tables(result: StudyResult, out: Path) -> None:
     """
     try:
         write_rows(result.rows, out / "results.csv", out / "results.json")
-        with (out / "results_columns.csv").open("w", newline="", encoding="utf-8") as file:
-            csv.writer(file).writerows([("column", "meaning"), *COLUMNS.items()])
+        dictionary = (
+            (each.name, each.dtype, each.unit, each.group, each.meaning) for each in COLUMNS.values()
+        )
+        write_csv(out / "results_columns.csv", [("column", "type", "unit", "group", "meaning"), *dictionary])
         record = dumps(summary_record(result), indent=1)
         (out / "summary.json").write_text(record + "\n", encoding="utf-8")
     except OSError as error:
         raise FingerpadError(f"{error.filename}: cannot be written ({error.strerror})") from error
 
 
-def write_rows(rows: Table, table: Path, records: Path) -> None:
+def write_rows(rows: ResultsTable, table: Path, records: Path) -> None:
     """Write rows as a CSV table and as a JSON array of objects, batch by batch."""
     with (
-        table.open("w", newline="", encoding="utf-8") as cells,
+        table.open("w", newline="", encoding="utf-8") as file,
         records.open("w", encoding="utf-8") as array,
     ):
-        lines = csv.writer(cells)
+        lines = csv.writer(file)
         lines.writerow(COLUMNS)
         array.write("[")
         between = "\n"
         for batch in rows.batches():
             # To write a float in decimals costs more than all else: once for both files.
-            literals = {name: _literals(batch, name) for name in COLUMNS}
-            lines.writerows(zip(*(_cells(batch, *column) for column in literals.items()), strict=True))
-            keyed = ([f'  "{name}": {each}' for each in column] for name, column in literals.items())
+            cells = {name: list(map(csv_cell, batch.items(name))) for name in COLUMNS}
+            lines.writerows(zip(*cells.values(), strict=True))
+            keyed = (
+                [f'  "{name}": {literal}' for literal in _literals(batch, name, cells[name])]
+                for name in COLUMNS
+            )
             objects = (" {\n" + ",\n".join(items) + "\n }" for items in zip(*keyed, strict=True))
             array.write(between + ",\n".join(objects))
             between = ",\n"
         array.write("\n]\n" if rows else "]\n")
 
 
-def _literals(rows: Table, name: str) -> list[str]:
-    """Return a column as JSON literals."""
-    items = rows.column(name).tolist()
-    if name in TEXT_COLUMNS:
-        return ["null" if item is None else encode_basestring(item) for item in items]
-    if name in BOOL_COLUMNS:
-        return ["true" if item else "false" for item in items]
-    known = rows.known(name) & np.isfinite(rows.column(name))
-    return [repr(item) if there else "null" for item, there in zip(items, known.tolist(), strict=True)]
-
-
-def _cells(rows: Table, name: str, literals: list[str]) -> list[str]:
-    """Return a column as CSV cells: words as no formula, all else as in JSON, empty for what is not known."""
-    if name in TEXT_COLUMNS:
-        return ["" if item is None else escape_formula(item) for item in rows.column(name).tolist()]
-    return ["" if literal == "null" else literal for literal in literals]
+def _literals(rows: ResultsTable, name: str, cells: Sequence[str]) -> list[str]:
+    """Return a column as JSON literals, which are its CSV cells but for text and what is not known."""
+    if COLUMNS[name].dtype == "text":
+        return ["null" if item is None else encode_basestring(item) for item in rows.items(name)]
+    return [cell or "null" for cell in cells]
 
 
 def summary_record(result: StudyResult) -> dict[str, Any]:
@@ -173,7 +166,7 @@ def _summary(
     }
 
 
-def _sequence(sequence: SequenceResult, frames: Table) -> dict[str, Any]:
+def _sequence(sequence: SequenceResult, frames: ResultsTable) -> dict[str, Any]:
     of, summary = sequence.manifest, sequence.summary
     counts = (
         {}
@@ -203,7 +196,7 @@ def _sequence(sequence: SequenceResult, frames: Table) -> dict[str, Any]:
     }
 
 
-def _exponent(rows: Table) -> dict[str, float]:
+def _exponent(rows: ResultsTable) -> dict[str, float]:
     exponent = area_exponent(rows)
     return {"area_exponent": exponent.value, "area_exponent_std": exponent.std}
 

@@ -6,9 +6,10 @@ from typing import Final, Self
 import numpy as np
 
 from fingerpad._arrays import FloatArray, as_float_array
+from fingerpad.study.results.columns import ColumnArray
 from fingerpad.study.results.model import GEOMETRY, OF_THE_PLACEMENT, PART_SOURCES, POOLED_OUTPUTS
 from fingerpad.study.results.rows import Rows
-from fingerpad.study.results.table import Column, Places, Table, numbered
+from fingerpad.study.results.table import Places, ResultsTable, numbered
 from fingerpad.uncertainty import (
     PAD_SOURCES,
     Pooled,
@@ -65,7 +66,7 @@ class PooledRadius:
         return self.fixed.count
 
     @classmethod
-    def of(cls, rows: Rows, pooled: Table, estimate: Places, output: str) -> Self:
+    def of(cls, rows: Rows, pooled: ResultsTable, estimate: Places, output: str) -> Self:
         """Pool one of `POOLED_OUTPUTS`.
 
         A radius changes with the square of its contact's elongation, and its stated uncertainty with the
@@ -77,7 +78,7 @@ class PooledRadius:
         ----------
         rows : Rows
             All rows.
-        pooled : Table
+        pooled : ResultsTable
             Those of them to pool; all must count.
         estimate : ndarray of int
             Which estimate each belongs to, counted from 0: one for a single contact, one for all frames of
@@ -130,7 +131,7 @@ def _shares(parts: FloatArray) -> FloatArray:
     return parts / total if total > 0 else parts
 
 
-def _shared(parts: FloatArray, scales: Column) -> SharedErrors:
+def _shared(parts: FloatArray, scales: ColumnArray) -> SharedErrors:
     """Return what estimates share: the placement all of them, a scale those that name it."""
     scale = numbered((place,) if name is None else name for place, name in enumerate(scales))
     of_scale = PART_SOURCES[~_OWN] == "image scale"

@@ -39,7 +39,7 @@ _NEW: Final = ".results-new"
 _COMPLETE: Final = ".results-complete"
 _LINE: Final = re.compile(r"([0-9a-f]{64})  ([^\s/][^\n]*)")
 _DAMAGED: Final = f"{SUMS_NAME}: is damaged"
-_RERUN: Final = "run the study again: nothing that was measured is measured again"
+RERUN: Final = "run the study again: nothing that was measured is measured again"
 
 
 class NewResultSet:
@@ -210,7 +210,7 @@ def require_result_set(out: Path) -> None:
     faults = quick_faults(out)
     if faults:
         more = f" (and {len(faults) - 3} more)" if len(faults) > 3 else ""
-        raise FingerpadError(f"{out}: {'; '.join(faults[:3])}{more}: {_RERUN}")
+        raise FingerpadError(f"{out}: {'; '.join(faults[:3])}{more}: {RERUN}")
     if not (out / SUMS_NAME).is_file():
         raise FingerpadError(
             f"{out}: no {SUMS_NAME} there, so no finished run; `fingerpad run STUDY --out FOLDER` makes one"

@@ -1,152 +1,78 @@
-"""The table of a finished run, read back from results.csv with types, units and meanings."""
+"""The tables of a finished run, read back from results.csv and summary.json."""
 
 import csv
 import json
-import math
-import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
-from typing import Any, Final, Self, TextIO
+from typing import Any, Final, TextIO
 
 import numpy as np
-import numpy.typing as npt
 
 from fingerpad._csv import unescape_formula
 from fingerpad.exceptions import FingerpadError
-from fingerpad.study.results.columns import BOOL_COLUMNS, TEXT_COLUMNS
-from fingerpad.study.results.result_set import require_result_set
+from fingerpad.study.results.columns import COLUMNS, Column, ColumnArray, DType
+from fingerpad.study.results.result_set import RERUN
+from fingerpad.study.results.table import ResultsTable, TableBuilder
 
-_STD: Final = re.compile(r"(_fixed_geometry)?_std$")
-_UNITS: Final = {
-    "mm_per_px": "mm/px", "mm2": "mm2", "mm": "mm", "N": "N", "s": "s", "deg": "deg", "kpa": "kPa",
-    "px": "px",
-}  # fmt: skip
 _ROWS_AT_ONCE: Final = 5000
-_RERUN: Final = "run the study again: nothing that was measured is measured again"
+_CONVERT: Final[Mapping[DType, Callable[[str], Any]]] = {
+    "text": unescape_formula,
+    "bool": {"true": True, "false": False}.__getitem__,
+    "int": int,
+    "float": float,
+}
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Column:
-    """A column of the table.
+def read_table(folder: Path) -> ResultsTable:
+    """Return all rows of a finished run.
 
-    Attributes
-    ----------
-    name : str
-        As in ``results.csv``.
-    meaning : str
-        What it holds, in words.
+    Raises
+    ------
+    FingerpadError
+        As `read_batches` does.
     """
-
-    name: str
-    meaning: str
-
-    @property
-    def unit(self) -> str:
-        """Its unit: empty for words and truths, ``1`` for pure numbers and counts.
-
-        Examples
-        --------
-        >>> Column(name="youngs_modulus_kpa_std", meaning="").unit
-        'kPa'
-        """
-        if self.name in TEXT_COLUMNS | BOOL_COLUMNS:
-            return ""
-        name = _STD.sub("", self.name)
-        return next((unit for end, unit in _UNITS.items() if name == end or name.endswith(f"_{end}")), "1")
-
-    @property
-    def description(self) -> str:
-        """Its meaning, which names the column that a standard uncertainty belongs to."""
-        own = self.meaning == "its standard uncertainty"
-        return f"standard uncertainty of {_STD.sub('', self.name)}" if own else self.meaning
+    builder = TableBuilder()
+    for batch in read_batches(folder):
+        builder.add(batch)
+    return builder.table()
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ResultsTable:
-    """The results of a finished run, read in batches of rows so that memory stays flat.
+def read_batches(folder: Path) -> Iterator[dict[str, ColumnArray]]:
+    """Yield the rows of a finished run by column, some at a time, so that memory stays flat.
 
-    Attributes
-    ----------
-    folder : Path
-        The output folder.
-    columns : tuple of Column
-        In the order of ``results.csv``.
-    title : str
-        The study's title.
-    version : str
-        The fingerpad that made it.
+    Raises
+    ------
+    FingerpadError
+        If there is no ``results.csv``, its columns are others, a row has a cell too few or too many, as a
+        file cut short has, or a cell holds something else than its column does.
     """
+    path = folder / "results.csv"
+    with _opened(path) as file:
+        reader = csv.reader(file)
+        if next(reader, []) != list(COLUMNS):
+            raise FingerpadError(f"{path}: its columns are not those of this version; {RERUN}")
+        while rows := list(islice(reader, _ROWS_AT_ONCE)):
+            where = f"{path}, before line {reader.line_num}"
+            if any(len(row) != len(COLUMNS) for row in rows):
+                raise FingerpadError(f"{where}: a row has more or fewer cells than the header; {RERUN}")
+            cells = zip(COLUMNS.values(), zip(*rows, strict=True), strict=True)
+            yield {column.name: _array(column, some, where) for column, some in cells}
 
-    folder: Path
-    columns: tuple[Column, ...]
-    title: str
-    version: str
 
-    @classmethod
-    def of(cls, folder: Path) -> Self:
-        """Open the output folder of a finished run.
-
-        Raises
-        ------
-        FingerpadError
-            If the folder holds no finished run, or its files do not belong together.
-        """
-        require_result_set(folder)
-        meanings = dict(_pairs(folder / "results_columns.csv"))
-        with _opened(folder / "results.csv") as file:
-            header = next(csv.reader(file), [])
-        if not header or set(header) - set(meanings) or len(set(header)) < len(header):
-            raise FingerpadError(
-                f"{folder / 'results.csv'}: its columns are not those of results_columns.csv; {_RERUN}"
-            )
-        summary = read_summary(folder)
-        return cls(
-            folder=folder,
-            columns=tuple(Column(name=name, meaning=meanings[name]) for name in header),
-            title=str(summary["title"]),
-            version=str(summary["provenance"]["fingerpad"]),
-        )
-
-    def batches(self) -> Iterator[dict[str, npt.NDArray[Any]]]:
-        """Yield the rows in batches: each column as an array.
-
-        Text is an object array with None for empty cells; a truth is bool; all else is float, NaN for empty
-        cells. There is one batch at least, so that a table without rows keeps its columns.
-
-        Raises
-        ------
-        FingerpadError
-            If a row has a cell too few or too many, as a file cut short has, or a cell of the wrong kind.
-        """
-        path = self.folder / "results.csv"
-        with _opened(path) as file:
-            reader = csv.reader(file)
-            next(reader)
-            rows = list(islice(reader, _ROWS_AT_ONCE))
-            while True:
-                yield self._arrays(rows, path, reader.line_num)
-                rows = list(islice(reader, _ROWS_AT_ONCE))
-                if not rows:
-                    return
-
-    def _arrays(self, rows: Sequence[Sequence[str]], path: Path, line: int) -> dict[str, npt.NDArray[Any]]:
-        if any(len(row) != len(self.columns) for row in rows):
-            raise FingerpadError(
-                f"{path}, before line {line}: a row has more or fewer cells than the header; {_RERUN}"
-            )
-        cells = zip(*rows, strict=True) if rows else ([] for _ in self.columns)
-        try:
-            return {
-                column.name: _typed(column.name, list(some))
-                for column, some in zip(self.columns, cells, strict=True)
-            }
-        except (ValueError, KeyError) as error:
-            raise FingerpadError(
-                f"{path}, before line {line}: a cell that is no number or no truth ({error}); {_RERUN}"
-            ) from error
+def _array(column: Column, cells: tuple[str, ...], where: str) -> ColumnArray:
+    """Return the cells of a column as an array."""
+    convert = _CONVERT[column.dtype]
+    try:
+        array = column.array(convert(cell) if cell or column.dtype == "bool" else None for cell in cells)
+    except (ValueError, KeyError, OverflowError) as error:
+        raise FingerpadError(
+            f"{where}: {column.name} holds what is no {column.dtype} ({error}); {RERUN}"
+        ) from error
+    if column.dtype == "float" and np.isinf(array).any():
+        raise FingerpadError(f"{where}: {column.name} holds an infinite number; {RERUN}")
+    return array
 
 
 def read_summary(folder: Path) -> dict[str, Any]:
@@ -162,25 +88,10 @@ def read_summary(folder: Path) -> dict[str, Any]:
         with _opened(path) as file:
             summary = json.load(file)
     except (ValueError, RecursionError) as error:
-        raise FingerpadError(f"{path}: cannot be read as JSON ({error}); {_RERUN}") from error
+        raise FingerpadError(f"{path}: cannot be read as JSON ({error}); {RERUN}") from error
     if not isinstance(summary, dict) or not {"title", "fingers", "summaries", "provenance"} <= summary.keys():
-        raise FingerpadError(f"{path}: is no summary of a study that was run; {_RERUN}")
+        raise FingerpadError(f"{path}: is no summary of a study that was run; {RERUN}")
     return summary
-
-
-def _typed(name: str, cells: list[str]) -> npt.NDArray[Any]:
-    if name in TEXT_COLUMNS:
-        return np.array([unescape_formula(cell) or None for cell in cells], dtype=object)
-    if name in BOOL_COLUMNS:
-        return np.array([{"true": True, "false": False}[cell] for cell in cells], dtype=bool)
-    return np.array([float(cell) if cell else math.nan for cell in cells], dtype=np.float64)
-
-
-def _pairs(path: Path) -> Iterator[tuple[str, str]]:
-    with _opened(path) as file:
-        rows = csv.reader(file)
-        next(rows, None)
-        yield from ((row[0], row[1]) for row in rows if len(row) > 1)
 
 
 @contextmanager

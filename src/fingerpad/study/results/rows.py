@@ -13,16 +13,9 @@ from fingerpad.image import implausible_size
 from fingerpad.study.manifest import CORRECTIONS, Contact, Observation, Study
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.measuring.measure import Measurement
+from fingerpad.study.results.columns import COLUMNS, ColumnArray
 from fingerpad.study.results.model import GEOMETRY, PART_SOURCES, POOLED_OUTPUTS, Inputs, Modelled, pad_inputs
-from fingerpad.study.results.table import (
-    Column,
-    GrowingArray,
-    Places,
-    Table,
-    TableBuilder,
-    column_of,
-    unknown,
-)
+from fingerpad.study.results.table import GrowingArray, Places, ResultsTable, TableBuilder
 from fingerpad.uncertainty import PAD_INPUTS, PAD_OUTPUTS, PAD_SOURCES
 from fingerpad.units import KPA_PER_MPA
 
@@ -54,27 +47,6 @@ _ELONGATION: Final = PAD_INPUTS.index("elongation")
 _OF_THE_CONTACT: Final = tuple(source for source in PAD_SOURCES if source not in GEOMETRY)
 _IN_MM: Final = tuple(name for name in PAD_OUTPUTS if "radius" in name or name == "indentation")
 _IN_KPA: Final = ("reduced_modulus", "youngs_modulus", "mean_pressure")
-_OF_THE_PICTURE: Final = (
-    "reviewed",
-    "reviewed_by",
-    "program_semi_major_mm",
-    "program_semi_minor_mm",
-    "sequence",
-    "frame",
-    "time_s",
-    "phase",
-    "mm_per_px",
-    "mm_per_px_std",
-    "orientation_deg",
-    "gross_area_mm2",
-    "gross_area_mm2_std",
-    "ridge_area_mm2",
-    "ridge_area_mm2_std",
-    "ridge_period_mm",
-    "ellipse_iou",
-    "centroid_row_px",
-    "centroid_column_px",
-)
 # The model's derivatives at so many contacts take tens of megabytes.
 _AT_ONCE: Final = 500
 
@@ -105,7 +77,7 @@ class Rows:
 
     Attributes
     ----------
-    table : Table
+    table : ResultsTable
         One row per observation and frame, in the manifest's order.
     pooled : ndarray of int
         Places in `table` of the rows that count in pooled radii, ascending.
@@ -117,7 +89,7 @@ class Rows:
         By the values of `PLACEMENT`; without those at which nothing counts.
     """
 
-    table: Table
+    table: ResultsTable
     pooled: Places
     parts: FloatArray
     elongation_std: FloatArray
@@ -167,7 +139,7 @@ def make_rows(
 class _Batch:
     """Some rows by column, with inputs and answer of the model for the `good` ones among them."""
 
-    columns: dict[str, Column]
+    columns: dict[str, ColumnArray]
     good: Places
     inputs: Inputs
     modelled: Modelled
@@ -190,7 +162,7 @@ class _Batch:
             pads = [fingers[seen[place][0].finger] for place in good]
             answers = _modelled({name: column[good] for name, column in columns.items()}, pads, modelled)
             for name, answer in answers.items():
-                columns[name] = unknown(name, len(seen))
+                columns[name] = COLUMNS[name].unknown(len(seen))
                 columns[name][good] = answer
         return cls(
             columns=columns,
@@ -217,7 +189,7 @@ class _Batch:
 
 def _described(
     fingers: Mapping[str, FingerResult], seen: Seen, reasons: Sequence[str | None]
-) -> dict[str, Column]:
+) -> dict[str, ColumnArray]:
     """Return the columns known before any model."""
     contacts, measured = zip(*seen, strict=True)
     found = np.array([one.reason is None for one in measured])
@@ -253,9 +225,10 @@ def _described(
         "overlay": (one.overlay for one in measured),
         "long_axis": (one.long_axis if one.reason is None else None for one in measured),
     }
+    further = {name for one in measured for name in one.columns} - words.keys()
+    words |= {name: [one.columns.get(name) for one in measured] for name in further}
     return {
-        **{name: column_of(name, items) for name, items in words.items()},
-        **{name: column_of(name, [one.columns.get(name) for one in measured]) for name in _OF_THE_PICTURE},
+        **{name: COLUMNS[name].array(items) for name, items in words.items()},
         **{name: np.where(found, column, np.nan) for name, column in numbers.items()},
         "load_N": np.where(np.isfinite(load), load, np.nan),
     }
@@ -269,8 +242,8 @@ def _measured_by(contact: Contact) -> str:
 
 
 def _modelled(
-    seen: Mapping[str, Column], pads: Sequence[FingerResult], modelled: Modelled
-) -> dict[str, Column]:
+    seen: Mapping[str, ColumnArray], pads: Sequence[FingerResult], modelled: Modelled
+) -> dict[str, ColumnArray]:
     """Return the columns that follow from the model for the rows `seen` on `pads`."""
     value = dict(zip(PAD_OUTPUTS, modelled.value.T, strict=True))
     std = dict(zip(PAD_OUTPUTS, modelled.std.T, strict=True))
@@ -281,9 +254,9 @@ def _modelled(
         roll_angle=np.radians(seen["roll_angle_deg"]),
     )
     elongation = value["predicted_elongation"]
-    sides = column_of("predicted_long_axis", (None, "along", "across"))
-    thickness = column_of("indentation_over_thickness", [pad.pad_thickness for pad in pads])
-    columns: dict[str, Column] = {
+    sides = COLUMNS["predicted_long_axis"].array((None, "along", "across"))
+    thickness = COLUMNS["indentation_over_thickness"].array([pad.pad_thickness for pad in pads])
+    columns: dict[str, ColumnArray] = {
         "u_deg": np.degrees(placement.u),
         "v_deg": np.degrees(placement.v),
         "in_plane_radius_mm": placement.curvature.in_plane_radius,
@@ -304,7 +277,9 @@ def _modelled(
     return columns
 
 
-def _range_notes(row: Mapping[str, Column], pads: Sequence[FingerResult], semi_axes: FloatArray) -> Column:
+def _range_notes(
+    row: Mapping[str, ColumnArray], pads: Sequence[FingerResult], semi_axes: FloatArray
+) -> ColumnArray:
     """Return the notes that hold for each row, separated by spaces."""
     axes = zip(row["long_axis"], row["predicted_long_axis"], strict=True)
     crossed = [None not in (axis, predicted) and axis != predicted for axis, predicted in axes]
@@ -322,4 +297,4 @@ def _range_notes(row: Mapping[str, Column], pads: Sequence[FingerResult], semi_a
     }
     kinds, kind = np.unique(np.array(list(notes.values())), axis=1, return_inverse=True)
     words = [" ".join(note for note, holds in zip(notes, some, strict=True) if holds) for some in kinds.T]
-    return column_of("range_notes", words)[kind.reshape(-1)]
+    return COLUMNS["range_notes"].array(words)[kind.reshape(-1)]

@@ -22,7 +22,7 @@ from fingerpad.study.results.check import UncertaintyCheck
 from fingerpad.study.results.digest import digest_of_values
 from fingerpad.study.results.rows import HighestLoad, make_rows
 from fingerpad.study.results.summary import Summary, summaries
-from fingerpad.study.results.table import Table
+from fingerpad.study.results.table import ResultsTable
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -37,7 +37,7 @@ class StudyResult:
         The study folder.
     fingers : dict of str to FingerResult
         Semi-axes by finger.
-    rows : Table
+    rows : ResultsTable
         One per observation, and one per frame in contact of a sequence.
     sequences : list of SequenceResult
         One per sequence.
@@ -59,7 +59,7 @@ class StudyResult:
     study: Study
     folder: Path
     fingers: dict[str, FingerResult]
-    rows: Table
+    rows: ResultsTable
     sequences: list[SequenceResult]
     scales: dict[str, FoundScale | str]
     summaries: list[Summary]
@@ -91,11 +91,11 @@ class StudyResult:
         return lines
 
     @property
-    def decided(self) -> Table:
+    def decided(self) -> ResultsTable:
         """Rows about which a person decided."""
         return self.rows.at(self.rows.known("reviewed"))
 
-    def frames(self) -> list[Table]:
+    def frames(self) -> list[ResultsTable]:
         """Return the rows of frames of each of `sequences`."""
         films = self.rows.at(self.rows.known("frame")).by("sequence")
         return [films.get((film.manifest.name,), self.rows[:0]) for film in self.sequences]

@@ -10,7 +10,7 @@ from scipy import stats
 from fingerpad.study.results.model import POOLED_OUTPUTS
 from fingerpad.study.results.pooling import PooledRadius
 from fingerpad.study.results.rows import PLACEMENT, PlacementKey, Rows
-from fingerpad.study.results.table import Table, numbered
+from fingerpad.study.results.table import ResultsTable, numbered
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -21,7 +21,7 @@ class Summary:
     ----------
     finger, wedge_angle_deg, roll_angle_deg, synthetic
         What the rows have in common.
-    rows : Table
+    rows : ResultsTable
         The rows, by load: single contacts and frames of sequences.
     corrected_radius : PooledRadius or None
         Pooled ``radius_from_indentation_mm``, the source's combined R_g^corr; None without a sound row.
@@ -33,7 +33,7 @@ class Summary:
     wedge_angle_deg: float
     roll_angle_deg: float
     synthetic: bool
-    rows: Table
+    rows: ResultsTable
     corrected_radius: PooledRadius | None
     compliance_radius: PooledRadius | None
 
@@ -43,7 +43,7 @@ class Summary:
         return self.finger, self.wedge_angle_deg, self.roll_angle_deg, self.synthetic
 
     @property
-    def contacts(self) -> Table:
+    def contacts(self) -> ResultsTable:
         """Rows of single contacts, without frames."""
         return self.rows.at(~self.rows.known("frame"))
 
@@ -70,7 +70,7 @@ def summaries(rows: Rows) -> list[Summary]:
     return [_summary(key, rows, group) for key, group in good.by(*PLACEMENT).items()]
 
 
-def _summary(key: PlacementKey, rows: Rows, group: Table) -> Summary:
+def _summary(key: PlacementKey, rows: Rows, group: ResultsTable) -> Summary:
     pooled = group.at(group.column("pooled"))
     films = pooled.known("sequence")
     estimate = numbered(np.where(films, pooled.column("sequence"), pooled.column("observation")))
@@ -83,7 +83,7 @@ def _summary(key: PlacementKey, rows: Rows, group: Table) -> Summary:
         wedge_angle_deg=wedge,
         roll_angle_deg=roll,
         synthetic=synthetic,
-        rows=group.at(np.argsort(group.column("load_N"), kind="stable")),
+        rows=group.sorted_by("load_N"),
         corrected_radius=corrected,
         compliance_radius=compliance,
     )
@@ -96,7 +96,7 @@ class Exponent(NamedTuple):
     std: float
 
 
-def area_exponent(rows: Table) -> Exponent:
+def area_exponent(rows: ResultsTable) -> Exponent:
     """Return the exponent of A ∝ W^n over the pooled of some rows: two loads give a slope, three its std."""
     sound = rows.at(rows.column("pooled") & (rows.column("load_N") > 0))
     load = sound.column("load_N")

@@ -1,35 +1,31 @@
 """Rows of results kept by column: a study may have a hundred thousand."""
 
 from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
-from math import isnan
 from typing import Any, Final, TypeAlias, overload
 
 import numpy as np
 import numpy.typing as npt
 
 from fingerpad._arrays import BoolArray
-from fingerpad.study.results.columns import BOOL_COLUMNS, COLUMNS, INT_COLUMNS, TEXT_COLUMNS
+from fingerpad.study.results.columns import COLUMNS, ColumnArray
 
 Row: TypeAlias = dict[str, Any]
-Column: TypeAlias = npt.NDArray[Any]
 Places: TypeAlias = npt.NDArray[np.intp]
 
-# Stands for a count that is not known, as NaN does for a float and None for a word.
-UNKNOWN_COUNT: Final = -1
 _AT_ONCE: Final = 1000
 
 
-class Table(Sequence[Row]):
+class ResultsTable(Sequence[Row]):
     """Rows of `COLUMNS`, each column one array; a row is a dict made when it is asked for.
 
-    In a row what is not known is None. In a column it is NaN among floats, None among words, and −1 among
-    counts. Some rows of a table (`at`, a slice, `by`) are a table that shares the columns.
+    In a row what is not known is None; in a column it is what `Column.dtype` says. Some rows of a table
+    (`at`, a slice, `by`, `sorted_by`) are a table that shares the columns.
 
     Examples
     --------
     >>> builder = TableBuilder()
-    >>> builder.add({name: column_of(name, ["a", None]) for name in ("observation", "reason")})
-    >>> builder.add({"observation": column_of("observation", ["b"]), "load_N": np.array([2.0])})
+    >>> builder.add({name: COLUMNS[name].array(["a", None]) for name in ("observation", "reason")})
+    >>> builder.add({"observation": COLUMNS["observation"].array(["b"]), "load_N": np.array([2.0])})
     >>> table = builder.table()
     >>> table[2]["observation"], table[2]["load_N"], table[2]["frame"]
     ('b', 2.0, None)
@@ -39,7 +35,7 @@ class Table(Sequence[Row]):
 
     __slots__ = ("_columns", "_places")
 
-    def __init__(self, columns: Mapping[str, Column], places: Places) -> None:
+    def __init__(self, columns: Mapping[str, ColumnArray], places: Places) -> None:
         self._columns = columns
         self._places = places
 
@@ -49,64 +45,71 @@ class Table(Sequence[Row]):
     @overload
     def __getitem__(self, place: int) -> Row: ...
     @overload
-    def __getitem__(self, place: slice) -> "Table": ...
-    def __getitem__(self, place: int | slice) -> "Row | Table":
+    def __getitem__(self, place: slice) -> "ResultsTable": ...
+    def __getitem__(self, place: int | slice) -> "Row | ResultsTable":
         if isinstance(place, slice):
             return self.at(np.arange(len(self))[place])
         index = self._places[place]
-        return {name: _items(name, column[index, None])[0] for name, column in self._columns.items()}
+        return {name: COLUMNS[name].items(array[index, None])[0] for name, array in self._columns.items()}
 
     def __iter__(self) -> Iterator[Row]:
-        for some in self.batches():
-            columns = (_items(name, some.column(name)) for name in self._columns)
-            for values in zip(*columns, strict=True):
-                yield dict(zip(self._columns, values, strict=True))
+        return self.records(*self._columns)
 
     def __eq__(self, other: object) -> bool:
-        if not isinstance(other, Table):
+        if not isinstance(other, ResultsTable):
             return NotImplemented
-        return len(self) == len(other) and all(
-            _items(name, self.column(name)) == _items(name, other.column(name)) for name in self._columns
-        )
+        return len(self) == len(other) and all(self.items(name) == other.items(name) for name in COLUMNS)
 
     __hash__ = None  # type: ignore[assignment]
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Let some rows travel to another process without the others whose columns they share."""
-        return Table, ({name: self.column(name) for name in self._columns}, np.arange(len(self)))
+        return ResultsTable, ({name: self.column(name) for name in self._columns}, np.arange(len(self)))
 
     def __repr__(self) -> str:
-        return f"<Table of {len(self)} rows>"
+        return f"<ResultsTable of {len(self)} rows>"
 
     @property
     def places(self) -> Places:
         """Where the rows stand in the table that they are of."""
         return self._places
 
-    def column(self, name: str) -> Column:
-        """Return one column: floats, counts (int), truths (bool) or words (object)."""
+    def column(self, name: str) -> ColumnArray:
+        """Return one column as an array."""
         return self._columns[name][self._places]
+
+    def items(self, name: str) -> list[Any]:
+        """Return one column as it stands in rows."""
+        return COLUMNS[name].items(self.column(name))
 
     def known(self, name: str) -> BoolArray:
         """Return where a column is known."""
-        column = self.column(name)
-        if name in TEXT_COLUMNS:
-            return np.array([item is not None for item in column], dtype=bool)
-        return np.asarray(column != UNKNOWN_COUNT if name in INT_COLUMNS else ~np.isnan(column))
+        return COLUMNS[name].known(self.column(name))
 
-    def at(self, places: Places | BoolArray) -> "Table":
+    def records(self, *names: str) -> Iterator[Row]:
+        """Yield rows of some columns only."""
+        for batch in self.batches():
+            for values in zip(*map(batch.items, names), strict=True):
+                yield dict(zip(names, values, strict=True))
+
+    def at(self, places: Places | BoolArray) -> "ResultsTable":
         """Return some rows, by their places or by truths."""
-        return Table(self._columns, self._places[places])
+        return ResultsTable(self._columns, self._places[places])
 
-    def by(self, *names: str) -> dict[tuple[Any, ...], "Table"]:
+    def by(self, *names: str) -> dict[tuple[Any, ...], "ResultsTable"]:
         """Return the rows with the same values in some columns, in the order in which they first come."""
         groups: dict[tuple[Any, ...], list[int]] = {}
-        columns = (_items(name, self.column(name)) for name in names)
-        for place, values in enumerate(zip(*columns, strict=True)):
+        for place, values in enumerate(zip(*map(self.items, names), strict=True)):
             groups.setdefault(values, []).append(place)
         return {values: self.at(np.array(places)) for values, places in groups.items()}
 
-    def batches(self, size: int = _AT_ONCE) -> Iterator["Table"]:
+    def sorted_by(self, name: str, *, descending: bool = False) -> "ResultsTable":
+        """Return the rows by one column, those where it is not known last; equal ones keep their order."""
+        items, known = self.items(name), self.known(name)
+        places = sorted(np.flatnonzero(known).tolist(), key=items.__getitem__, reverse=descending)
+        return self.at(np.array([*places, *np.flatnonzero(~known)], dtype=np.intp))
+
+    def batches(self, size: int = _AT_ONCE) -> Iterator["ResultsTable"]:
         """Yield all rows, some at a time."""
         for start in range(0, len(self), size):
             yield self[start : start + size]
@@ -115,10 +118,10 @@ class Table(Sequence[Row]):
 class GrowingArray:
     """An array that is added to at its end, in place: lists of parts would be held twice when joined."""
 
-    def __init__(self, empty: Column) -> None:
+    def __init__(self, empty: ColumnArray) -> None:
         self._array, self._size = empty, 0
 
-    def add(self, more: Column) -> None:
+    def add(self, more: ColumnArray) -> None:
         """Add items."""
         size = self._size + len(more)
         if size > len(self._array):
@@ -129,7 +132,7 @@ class GrowingArray:
         self._size = size
 
     @property
-    def array(self) -> Column:
+    def array(self) -> ColumnArray:
         """All items."""
         return self._array[: self._size]
 
@@ -138,36 +141,24 @@ class TableBuilder:
     """Gathers a table from batches of rows."""
 
     def __init__(self) -> None:
-        self._columns = {name: GrowingArray(unknown(name, 0)) for name in COLUMNS}
+        self._columns = {name: GrowingArray(column.unknown(0)) for name, column in COLUMNS.items()}
         self._words: dict[str | None, str | None] = {}
 
-    def add(self, batch: Mapping[str, Column]) -> None:
+    def add(self, batch: Mapping[str, ColumnArray]) -> None:
         """Add rows, given by column; a column that is not named is not known."""
         size = len(next(iter(batch.values())))
         for name, grown in self._columns.items():
-            column = batch.get(name)
-            if column is None:
-                column = unknown(name, size)
-            elif name in TEXT_COLUMNS:  # each word is kept once
-                column = column_of(name, (self._words.setdefault(word, word) for word in column))
-            grown.add(column)
+            column, array = COLUMNS[name], batch.get(name)
+            if array is None:
+                array = column.unknown(size)
+            elif column.dtype == "text":  # each word is kept once
+                array = column.array(self._words.setdefault(word, word) for word in array)
+            grown.add(array)
 
-    def table(self) -> Table:
+    def table(self) -> ResultsTable:
         """Return all rows."""
         columns = {name: grown.array for name, grown in self._columns.items()}
-        return Table(columns, np.arange(len(columns["observation"])))
-
-
-def column_of(name: str, items: Iterable[Any]) -> Column:
-    """Return the items of rows as a column."""
-    listed = list(items)
-    if name in TEXT_COLUMNS:
-        column = np.empty(len(listed), dtype=object)
-        column[:] = listed
-        return column
-    if name in INT_COLUMNS:
-        return np.array([UNKNOWN_COUNT if item is None else item for item in listed], dtype=np.int64)
-    return np.array(listed, dtype=bool if name in BOOL_COLUMNS else np.float64)
+        return ResultsTable(columns, np.arange(len(columns["observation"])))
 
 
 def numbered(items: Iterable[Hashable]) -> Places:
@@ -180,22 +171,3 @@ def numbered(items: Iterable[Hashable]) -> Places:
     """
     numbers: dict[Hashable, int] = {}
     return np.array([numbers.setdefault(item, len(numbers)) for item in items], dtype=np.intp)
-
-
-def unknown(name: str, size: int) -> Column:
-    """Return a column of which nothing is known."""
-    if name in TEXT_COLUMNS:
-        return np.full(size, None, dtype=object)
-    if name in BOOL_COLUMNS:
-        return np.zeros(size, dtype=bool)
-    return np.full(size, UNKNOWN_COUNT) if name in INT_COLUMNS else np.full(size, np.nan)
-
-
-def _items(name: str, column: Column) -> list[Any]:
-    """Return a column as it stands in rows: None for what is not known."""
-    items: list[Any] = column.tolist()
-    if name in TEXT_COLUMNS or name in BOOL_COLUMNS:
-        return items
-    if name in INT_COLUMNS:
-        return [None if item == UNKNOWN_COUNT else item for item in items]
-    return [None if isnan(item) else item for item in items]
