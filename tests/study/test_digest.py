@@ -9,14 +9,15 @@ from fingerpad.loading import Estimate, fit_loading_curve
 from fingerpad.simulate import simulate_loading_curve
 from fingerpad.study.manifest import Uncertainty
 from fingerpad.study.results.digest import digest_of_values
-from fingerpad.study.results.table import TableBuilder, column_of
+from fingerpad.study.results.columns import COLUMNS
+from fingerpad.study.results.table import TableBuilder
 
 ESTIMATE = Estimate.symmetric(1.0, 0.1)
 
 
 def table(*loads: float, word: str = "a"):
     builder = TableBuilder()
-    builder.add({"observation": column_of("observation", [word] * len(loads)), "load_N": np.array(loads)})
+    builder.add({"observation": COLUMNS["observation"].array([word] * len(loads)), "load_N": np.array(loads)})
     return builder.table()
 
 

@@ -2,6 +2,7 @@
 
 import csv
 import json
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -17,9 +18,9 @@ from fingerpad.exceptions import FingerpadError
 from fingerpad.study.corrections.log import CorrectionLog
 from fingerpad.study.manifest import read_study
 from fingerpad.study.pipeline import run_study
-from fingerpad.study.results.columns import BOOL_COLUMNS, COLUMNS, TEXT_COLUMNS
+from fingerpad.study.results.columns import COLUMNS
 from fingerpad.study.results.export import export_results
-from fingerpad.study.results.results_reader import Column, ResultsTable
+from fingerpad.study.results.results_reader import read_table
 
 STUDY = """
 title = "Two presses, é"
@@ -77,7 +78,7 @@ def test_parquet_keeps_values_types_units_and_meanings(results: Path, tmp_path: 
     rows = json.loads((results / "results.json").read_text())
     table = parquet.read_table(tmp_path / "r.parquet")
     assert table.to_pylist() == [
-        {name: row[name] or None if name in TEXT_COLUMNS else row[name] for name in row} for row in rows
+        {name: None if item == "" else item for name, item in row.items()} for row in rows
     ]
     types = {field.name: str(field.type) for field in table.schema}
     assert types["synthetic"] == types["pooled"] == "bool"
@@ -85,7 +86,11 @@ def test_parquet_keeps_values_types_units_and_meanings(results: Path, tmp_path: 
     assert types["scale"] == types["reason"] == "string"
     assert types["load_N"] == types["time_s"] == types["ridge_area_mm2_std"] == "double"
     kept = table.schema.field("semi_minor_mm_std").metadata
-    assert kept == {b"unit": b"mm", b"meaning": b"standard uncertainty of semi_minor_mm"}
+    assert kept == {
+        b"unit": b"mm",
+        b"meaning": b"standard uncertainty of semi_minor_mm",
+        b"group": b"ellipse",
+    }
     assert table.schema.metadata[b"title"].decode() == "Two presses, é"
     frame = pd.read_parquet(tmp_path / "r.parquet")
     assert frame["semi_major_mm"].tolist()[:2] == [7.4, 5.3]
@@ -98,10 +103,10 @@ def test_matlab_keeps_values_units_and_meanings(results: Path, tmp_path: Path) -
     content = io.loadmat(tmp_path / "r.mat")
     struct = content["results"][0, 0]
     assert set(struct.dtype.names) == set(COLUMNS)
-    for name in COLUMNS:
+    for name, column in COLUMNS.items():
         assert len(struct[name]) == len(rows), name  # one line each, as MATLAB's struct2table asks for
         values = [row[name] for row in rows]
-        if name in TEXT_COLUMNS:
+        if column.dtype == "text":
             assert [str(word).rstrip() for word in struct[name]] == [value or "" for value in values]
         else:
             assert struct[name].shape == (3, 1)
@@ -110,7 +115,7 @@ def test_matlab_keeps_values_units_and_meanings(results: Path, tmp_path: Path) -
     assert simple["units"]["youngs_modulus_kpa"] == "kPa"
     assert simple["meanings"]["load_N"] == "normal force W"
     assert simple["study"]["title"] == "Two presses, é"
-    assert all(len(name) <= 63 for name in COLUMNS)
+    assert all(re.fullmatch(r"[A-Za-z]\w{0,62}", name, re.ASCII) for name in COLUMNS)  # as MATLAB takes
 
 
 def test_every_column_has_the_unit_that_its_name_says() -> None:
@@ -121,16 +126,12 @@ def test_every_column_has_the_unit_that_its_name_says() -> None:
         "youngs_modulus_kpa_std": "kPa", "radius_from_indentation_mm_fixed_geometry_std": "mm",
         "aspect_ratio": "1", "contact_radius_ratio": "1", "finger": "", "pooled": "",
     }  # fmt: skip
-    assert {name: Column(name=name, meaning="").unit for name in expected} == expected
-    pure = {
-        "aspect_ratio",
-        "predicted_aspect_ratio",
-        "ellipse_iou",
-        "contact_radius_ratio",
-        "indentation_over_thickness",
-    }
-    without = {name for name in COLUMNS if Column(name=name, meaning="").unit in {"", "1"}}
-    assert without == {name for name in COLUMNS if name in TEXT_COLUMNS | BOOL_COLUMNS} | pure | {"frame"}
+    assert {name: COLUMNS[name].unit for name in expected} == expected
+    for name, column in COLUMNS.items():
+        assert (column.unit == "") == (column.dtype in {"text", "bool"}), name
+        unit = re.search(r"_(mm_per_px|mm2|mm|kpa|deg|N|s|px)(_fixed_geometry)?(_std)?$", f"_{name}")
+        said = {"kpa": "kPa", "mm_per_px": "mm/px"}.get(unit[1], unit[1]) if unit else "1"
+        assert column.unit in {said, ""}, name
 
 
 def test_words_of_people_are_no_formulas_and_come_back(tmp_path: Path) -> None:
@@ -143,8 +144,8 @@ def test_words_of_people_are_no_formulas_and_come_back(tmp_path: Path) -> None:
     with (tmp_path / "out" / "results.csv").open(newline="", encoding="utf-8") as file:
         row = next(csv.DictReader(file))
     assert (row["reason"], row["reviewed_by"]) == (f"'{reason}", "'@anna")
-    (read,) = ResultsTable.of(tmp_path / "out").batches()
-    assert (read["reason"][0], read["reviewed_by"][0]) == (reason, "@anna")
+    read = read_table(tmp_path / "out")[0]
+    assert (read["reason"], read["reviewed_by"]) == (reason, "@anna")
 
 
 def test_many_rows_come_in_batches_and_none_is_lost(results: Path, tmp_path: Path) -> None:
@@ -172,11 +173,8 @@ def test_a_run_without_rows_keeps_its_columns(results: Path, tmp_path: Path) -> 
 @pytest.mark.parametrize(
     ("changed", "message"),
     [
-        ({"results__csv": "a,b\n1,2\n"}, "its columns are not those of results_columns.csv"),
+        ({"results__csv": "a,b\n1,2\n"}, "its columns are not those of this version; run the study again"),
         ({"results__csv": ""}, "its columns are not those"),
-        ({"results__csv": "load_N,frame\n1,2\n3\n"}, "before line 3: a row has more or fewer cells"),
-        ({"results__csv": "load_N,frame\n1,two\n"}, "no number .*two.*run the study again"),
-        ({"results__csv": "pooled\nmaybe\n"}, "no truth .*maybe"),
         ({"summary__json": "{"}, "summary.json: cannot be read as JSON"),
         ({"summary__json": "[]"}, "is no summary of a study that was run"),
     ],
@@ -184,11 +182,35 @@ def test_a_run_without_rows_keeps_its_columns(results: Path, tmp_path: Path) -> 
 def test_tables_that_are_not_whole_are_refused(
     results: Path, tmp_path: Path, changed: dict[str, str], message: str
 ) -> None:
-    folder = copied(results, tmp_path / "bad", **changed)
+    require_refused(copied(results, tmp_path / "bad", **changed), message)
+
+
+@pytest.mark.parametrize(
+    ("name", "cell", "message"),
+    [
+        ("load_N", "two", "load_N holds what is no float .*two"),
+        ("load_N", "inf", "load_N holds an infinite number"),
+        ("frame", "2.5", "frame holds what is no int"),
+        ("frame", "9" * 20, "frame holds what is no int"),
+        ("pooled", "maybe", "pooled holds what is no bool .*maybe"),
+        ("pooled", "", "pooled holds what is no bool"),
+        ("overlay", "a,b", "a row has more or fewer cells than the header"),
+    ],
+)
+def test_a_cell_that_its_column_does_not_hold_is_refused(
+    results: Path, tmp_path: Path, name: str, cell: str, message: str
+) -> None:
+    header = ",".join(COLUMNS)
+    row = ",".join({"synthetic": "true", "pooled": "true", name: cell}.get(each, "") for each in COLUMNS)
+    folder = copied(results, tmp_path / "bad", results__csv=f"{header}\n{row}\n")
+    require_refused(folder, f"before line 2: {message}.*; run the study again")
+
+
+def require_refused(folder: Path, message: str) -> None:
     for suffix in ("parquet", "mat"):
         with pytest.raises(FingerpadError, match=message):
-            export_results(folder, tmp_path / f"r.{suffix}")
-    assert [path.name for path in tmp_path.iterdir()] == ["bad"]  # nothing half written is left
+            export_results(folder, folder.parent / f"r.{suffix}")
+    assert [path.name for path in folder.parent.iterdir()] == ["bad"]  # nothing half written is left
 
 
 def test_other_formats_and_folders_are_refused(results: Path, tmp_path: Path) -> None:

@@ -9,7 +9,7 @@ import pytest
 
 from fingerpad.study.results.columns import COLUMNS
 from fingerpad.study.results.output import write_rows
-from fingerpad.study.results.table import Row, Table, TableBuilder, column_of
+from fingerpad.study.results.table import ResultsTable, Row, TableBuilder
 
 ROWS = [
     {"observation": "a", "finger": "f", "load_N": 1.5, "frame": None, "pooled": True, "sequence": None},
@@ -26,11 +26,11 @@ ROWS = [
 ]
 
 
-def table_of(rows: list[Row], batch: int) -> Table:
+def table_of(rows: list[Row], batch: int) -> ResultsTable:
     builder = TableBuilder()
     for start in range(0, len(rows), batch):
         some = rows[start : start + batch]
-        builder.add({name: column_of(name, [row[name] for row in some]) for name in ROWS[0]})
+        builder.add({name: COLUMNS[name].array([row[name] for row in some]) for name in ROWS[0]})
     return builder.table()
 
 

@@ -45,8 +45,8 @@ RANGE_NOTES: Final = {
 _NO_ANSWER: Final = "the model has no finite answer for these values; check their units"
 _ELONGATION: Final = PAD_INPUTS.index("elongation")
 _OF_THE_CONTACT: Final = tuple(source for source in PAD_SOURCES if source not in GEOMETRY)
-_IN_MM: Final = tuple(name for name in PAD_OUTPUTS if "radius" in name or name == "indentation")
-_IN_KPA: Final = ("reduced_modulus", "youngs_modulus", "mean_pressure")
+_IN_MM: Final = tuple(name for name in PAD_OUTPUTS if f"{name}_mm" in COLUMNS)
+_IN_KPA: Final = tuple(name for name in PAD_OUTPUTS if f"{name}_kpa" in COLUMNS)
 # The model's derivatives at so many contacts take tens of megabytes.
 _AT_ONCE: Final = 500
 
