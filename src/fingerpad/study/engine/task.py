@@ -143,11 +143,6 @@ def _raise_if_full(error: BaseException | None) -> None:
         error = error.__cause__
 
 
-def measuring_code() -> str:
-    """Return the digest of all code that measures pictures: a change of it makes every result stale."""
-    return code_digest("image", "study/corrections", "study/measuring")
-
-
 def working_code() -> str:
     """Return the digest of all code that a task may use: workers with other code could give other numbers."""
     return code_digest("contact", "geometry", "image", "loading", "study", "uncertainty")
