@@ -194,7 +194,7 @@ TARGETS: Final = (
     _Target("observations.csv", in_cells, 3),
     _Target(CORRECTIONS_NAME, _in_lines, 3),
     _Target("results/summary.json", in_json, 4),
-    _Target("results/results.json", in_json, 4),
+    _Target("results/results.csv", in_cells, 4),
     _Target("results/store.sqlite", None, 1),
 )
 

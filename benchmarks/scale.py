@@ -63,7 +63,7 @@ def films_of(
                 "name": f"film_{number}",
                 "finger": f"finger_{number % fingers}",
                 "wedge_angle_deg": wedges[number // fingers % len(wedges)],
-                "path": f"film_{number}.tif",
+                "file": f"film_{number}.tif",
                 "force": f"film_{number}.csv",
                 "scale": {"ppi": 500},
                 "synthetic": True,

@@ -46,12 +46,12 @@ def csv_cell(value: object) -> str:
     >>> [csv_cell(value) for value in (0.1, 2, True, [1.5, 2], None, "=1+1")]
     ['0.1', '2', 'true', '1.5, 2', '', "'=1+1"]
     """
+    if value is None:
+        return ""
     if isinstance(value, float):
         return float.__repr__(value) if math.isfinite(value) else ""
     if isinstance(value, str):
         return escape_formula(value)
-    if value is None:
-        return ""
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, int):

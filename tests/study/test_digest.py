@@ -8,8 +8,8 @@ import pytest
 from fingerpad.loading import Estimate, fit_loading_curve
 from fingerpad.simulate import simulate_loading_curve
 from fingerpad.study.manifest import Uncertainty
-from fingerpad.study.results.digest import digest_of_values
 from fingerpad.study.results.columns import COLUMNS
+from fingerpad.study.results.digest import digest_of_values
 from fingerpad.study.results.table import TableBuilder
 
 ESTIMATE = Estimate.symmetric(1.0, 0.1)

@@ -26,6 +26,9 @@ ROWS = [
 ]
 
 
+LOADS = (None, 3.0, 1.0, None, 1.0, 1.0)
+
+
 def table_of(rows: list[Row], batch: int) -> ResultsTable:
     builder = TableBuilder()
     for start in range(0, len(rows), batch):
@@ -58,6 +61,28 @@ def test_some_rows_keep_their_places_in_the_whole() -> None:
     assert np.isnan(table.column("load_N")).tolist() == [False, True, False, False]
     with pytest.raises(IndexError):
         table[4]
+
+
+def test_rows_without_a_value_come_last_whichever_way_they_are_sorted() -> None:
+    rows = [
+        {**ROWS[0], "observation": name, "load_N": load} for name, load in zip("abcdef", LOADS, strict=True)
+    ]
+    table = table_of(rows, 4)
+    assert table.sorted_by("load_N").items("observation") == ["c", "e", "f", "b", "a", "d"]
+    assert table.sorted_by("load_N", descending=True).items("observation") == ["b", "c", "e", "f", "a", "d"]
+    sequences = table_of(ROWS, 4).sorted_by("sequence", descending=True)
+    assert sequences.items("sequence") == ["q", "p", "p", None]
+    frames = table_of(ROWS, 4).sorted_by("frame")
+    assert frames.items("frame") == [0, 12, 13, None]
+
+
+def test_records_hold_the_columns_asked_for() -> None:
+    table = table_of(ROWS, 2)
+    assert list(table.at(table.known("frame")).records("frame", "load_N")) == [
+        {"frame": 0, "load_N": None},
+        {"frame": 12, "load_N": -2e-7},
+        {"frame": 13, "load_N": 3.0},
+    ]
 
 
 @pytest.mark.parametrize("count", [0, 1, 4, 2500])

@@ -60,38 +60,22 @@ def set_to(value, *path):
 
 
 DAMAGED = {
-    "no curves": ("summary", without("curves"), "summary.json: curves: Field required"),
-    "no provenance": ("summary", without("provenance"), "summary.json: provenance: Field required"),
-    "fingers of another kind": ("summary", set_to([3], "fingers"), "summary.json: fingers.0: "),
+    "no curves": (without("curves"), "summary.json: curves: Field required"),
+    "no provenance": (without("provenance"), "summary.json: provenance: Field required"),
+    "fingers of another kind": (set_to([3], "fingers"), "summary.json: fingers.0: "),
     "half a covariance": (
-        "summary",
         set_to([[1.0]], "fingers", 0, "covariance_mm2"),
         "fingers.0.covariance_mm2",
     ),
     "negative variance": (
-        "summary",
         set_to(-1.0, "fingers", 0, "covariance_mm2", 0, 0),
         "not be negative",
     ),
-    "no semi-axis": ("summary", set_to(None, "fingers", 0, "palmar_mm"), "belong together"),
-    "text for a radius": (
-        "results",
-        set_to("x", 0, "load_N"),
-        "load_N is of type str in a row",
-    ),
-    "no flags": ("results", set_to(None, 1, "flags"), "flags is of type NoneType in a row"),
-    "a row of another kind": ("results", set_to(3, 0), "results.json: expected a list of rows"),
-    "a row without a column": ("results", lambda rows: rows[2].pop("finger"), "a row lacks finger"),
+    "no semi-axis": (set_to(None, "fingers", 0, "palmar_mm"), "belong together"),
 }
 
 
-@pytest.mark.parametrize("kind", DAMAGED)
-def test_damaged_results_are_told_and_every_route_answers(client, folder, kind):
-    name, change, words = DAMAGED[kind]
-    path = folder / "results" / f"{name}.json"
-    content = json.loads(path.read_text())
-    change(content)
-    path.write_text(json.dumps(content))
+def require_told(client, folder, words):
     write_sums(folder / "results")
     found = client.get("/api/study").json()["results"]
     assert not found["there"]
@@ -99,16 +83,44 @@ def test_damaged_results_are_told_and_every_route_answers(client, folder, kind):
     assert words in fault
     answer = client.get("/api/results/rows")
     assert answer.status_code == 409
-    assert answer.json()["error"] == f"{fault}: run the study again"
+    way_out = "run the study again: nothing that was measured is measured again"
+    assert answer.json()["error"] == f"{fault}: {way_out}"
     require_words(client)
 
 
+@pytest.mark.parametrize("kind", DAMAGED)
+def test_a_damaged_summary_is_told_and_every_route_answers(client, folder, kind):
+    change, words = DAMAGED[kind]
+    path = folder / "results" / "summary.json"
+    content = json.loads(path.read_text())
+    change(content)
+    path.write_text(json.dumps(content))
+    require_told(client, folder, words)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        (",load_N,", ",load_kN,", "its columns are not those of this version"),
+        (",measured,", ",measured,,", "a row has more or fewer cells than the header"),
+        (",30.0,0.0,2.0,", ",30.0,0.0,x,", "load_N holds what is no float"),
+        (",30.0,0.0,2.0,", ",30.0,0.0,1e999,", "load_N holds an infinite number"),
+    ],
+)
+def test_damaged_rows_are_told_and_every_route_answers(client, folder, old, new, words):
+    path = folder / "results" / "results.csv"
+    text = path.read_text()
+    assert old in text
+    path.write_text(text.replace(old, new, 1))
+    require_told(client, folder, words)
+
+
 @pytest.mark.parametrize("content", ["3", "null", "{}", "[" * 100_000, "\x00", '{"a": 1e999}'])
-@pytest.mark.parametrize("name", ["results", "summary"])
+@pytest.mark.parametrize("name", ["results.csv", "summary.json"])
 def test_results_that_are_something_else_are_told(client, folder, name, content):
-    (folder / "results" / f"{name}.json").write_text(content)
+    (folder / "results" / name).write_text(content)
     write_sums(folder / "results")
-    assert "not such as a run writes" in client.get("/api/study").json()["results"]["faults"][0]
+    assert name in client.get("/api/study").json()["results"]["faults"][0]
     assert client.get("/api/results/summary").status_code == 409
 
 

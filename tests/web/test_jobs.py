@@ -314,6 +314,12 @@ def test_rows_are_filtered_sorted_and_paged(done):
     assert [row["load_N"] for row in falling[: len(known)]] == sorted(
         (row["load_N"] for row in known), reverse=True
     )
+    assert {row["load_N"] for row in falling[len(known) :]} == {None}
+    rising = rows(done, sort="load_N", limit=2000)["rows"]
+    assert [row["load_N"] for row in rising] == [
+        *sorted(row["load_N"] for row in known),
+        *[None] * (len(rising) - len(known)),
+    ]
     assert (
         rows(done, sort="load_N", offset=2, limit=3)["rows"] == rows(done, sort="load_N", limit=5)["rows"][2:]
     )
@@ -328,6 +334,13 @@ def test_rows_are_filtered_sorted_and_paged(done):
     column = {one["key"]: one for one in every["columns"]}["radius_from_indentation_mm"]
     assert column["unit"] == "mm"
     assert column["std"] == "radius_from_indentation_mm_std"
+    units = {one["key"]: one["unit"] for one in every["columns"]}
+    assert [units[name] for name in ("mm_per_px", "youngs_modulus_kpa", "aspect_ratio", "finger")] == [
+        "mm/px",
+        "kPa",
+        None,
+        None,
+    ]
     assert done.get("/api/results/rows", params={"sort": "nothing"}).status_code == 422
 
 

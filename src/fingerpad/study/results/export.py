@@ -13,6 +13,8 @@ from fingerpad.study.results.columns import COLUMNS, Column, ColumnArray
 from fingerpad.study.results.result_set import require_result_set
 from fingerpad.study.results.results_reader import read_batches, read_summary, read_table
 
+_ROW_GROUP: Final = 5000
+
 
 def export_results(folder: Path, file: Path) -> None:
     """Write the results of a finished run into one file, in the format that its suffix names.
@@ -69,7 +71,7 @@ def _write_parquet(folder: Path, study: dict[str, str], file: Path) -> None:
         metadata=study,
     )
     with parquet.ParquetWriter(file, schema, compression="zstd") as writer:
-        for batch in read_batches(folder):
+        for batch in read_batches(folder, _ROW_GROUP):
             arrays = [
                 pa.array(batch[column.name], type=types[column.dtype], mask=~column.known(batch[column.name]))
                 for column in COLUMNS.values()

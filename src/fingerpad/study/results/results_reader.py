@@ -16,7 +16,8 @@ from fingerpad.study.results.columns import COLUMNS, Column, ColumnArray, DType
 from fingerpad.study.results.result_set import RERUN
 from fingerpad.study.results.table import ResultsTable, TableBuilder
 
-_ROWS_AT_ONCE: Final = 5000
+# The cells of so many rows take some megabytes.
+_ROWS_AT_ONCE: Final = 1000
 _CONVERT: Final[Mapping[DType, Callable[[str], Any]]] = {
     "text": unescape_formula,
     "bool": {"true": True, "false": False}.__getitem__,
@@ -34,13 +35,13 @@ def read_table(folder: Path) -> ResultsTable:
         As `read_batches` does.
     """
     builder = TableBuilder()
-    for batch in read_batches(folder):
+    for batch in read_batches(folder, _ROWS_AT_ONCE):
         builder.add(batch)
     return builder.table()
 
 
-def read_batches(folder: Path) -> Iterator[dict[str, ColumnArray]]:
-    """Yield the rows of a finished run by column, some at a time, so that memory stays flat.
+def read_batches(folder: Path, size: int) -> Iterator[dict[str, ColumnArray]]:
+    """Yield the rows of a finished run by column, `size` at a time, so that memory stays flat.
 
     Raises
     ------
@@ -53,7 +54,7 @@ def read_batches(folder: Path) -> Iterator[dict[str, ColumnArray]]:
         reader = csv.reader(file)
         if next(reader, []) != list(COLUMNS):
             raise FingerpadError(f"{path}: its columns are not those of this version; {RERUN}")
-        while rows := list(islice(reader, _ROWS_AT_ONCE)):
+        while rows := list(islice(reader, size)):
             where = f"{path}, before line {reader.line_num}"
             if any(len(row) != len(COLUMNS) for row in rows):
                 raise FingerpadError(f"{where}: a row has more or fewer cells than the header; {RERUN}")

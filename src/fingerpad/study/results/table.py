@@ -125,7 +125,7 @@ class GrowingArray:
         """Add items."""
         size = self._size + len(more)
         if size > len(self._array):
-            grown = np.empty((max(size, 2 * len(self._array)), *more.shape[1:]), dtype=self._array.dtype)
+            grown = np.empty((max(size, len(self._array) * 5 // 4), *more.shape[1:]), dtype=self._array.dtype)
             grown[: self._size] = self._array[: self._size]
             self._array = grown
         self._array[self._size : size] = more
