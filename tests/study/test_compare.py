@@ -17,8 +17,9 @@ from typer.testing import CliRunner
 from fingerpad.cli import app
 from fingerpad.exceptions import FingerpadError
 from fingerpad.report.compare import forest_plot, write_comparison_page
-from fingerpad.study.compare import Person, Value, compare_studies, write_comparison
+from fingerpad.study.compare import FinishedStudy, Person, Value, compare_studies, write_comparison
 from fingerpad.study.compare.means import means_of
+from fingerpad.study.compare.values import values_of
 from fingerpad.study.pipeline import run_study
 
 
@@ -193,6 +194,43 @@ def test_every_value_is_that_of_its_run(runs: list[Path]) -> None:
             assert (one.value, one.std) == (row[quantity], row[f"{quantity}_std"])
     axes = {v.finger: v.value for v in found.of("palmar_mm")[0] if v.study == "Lab <b>A</b>"}
     assert axes == {"l_index": 7.9, "l_ring": 7.7}
+
+
+def test_what_both_angles_do_to_a_finger_is_shared() -> None:
+    shares = {"semi-axes": 0.36, "wedge angle": 0.09, "roll angle": 0.15, "contact ellipse": 0.4}
+    placement = {
+        "finger": "index",
+        "wedge_angle_deg": 30.0,
+        "roll_angle_deg": 5.0,
+        "synthetic": False,
+        "mean_curvature_radius_mm": 13.0,
+        "mean_curvature_radius_mm_std": 0.2,
+        "radius_from_indentation_mm": 14.0,
+        "radius_from_indentation_mm_std": 0.3,
+        "radius_from_indentation_variance_shares": shares,
+        "area_exponent": None,
+    }
+    finger = {
+        "finger": "index",
+        "synthetic": False,
+        "palmar_mm": 7.9,
+        "distal_mm": 13.8,
+        "radial_ulnar_mm": 11.8,
+        "covariance_mm2": np.eye(3).tolist(),
+    }
+    study = FinishedStudy(
+        folder=Path("out"),
+        title="A",
+        version="",
+        made="",
+        failures=0,
+        inputs={},
+        summary={"fingers": [finger], "summaries": [placement], "curves": []},
+    )
+    shared = {each.quantity: each.shared_std for each in values_of(study)}
+    assert shared["radius_from_indentation_mm"] == pytest.approx(0.3 * math.sqrt(0.24))
+    assert shared["mean_curvature_radius_mm"] == pytest.approx(0.2 * math.sqrt(0.24 / 0.6))
+    assert shared["palmar_mm"] == 0.0
 
 
 def test_the_share_of_the_wedge_is_that_of_a_run_without_the_rest(tmp_path: Path, runs: list[Path]) -> None:
