@@ -270,7 +270,7 @@ def test_the_audit_of_the_printed_tables_needs_no_study(standing):
     items = standing.get("/api/published").json()["items"]
     assert {item["verdict"] for item in items} == {
         "reproduced",
-        "reproduced with the known slip",
+        "reproduced with the known misprint",
         "not reproducible from what is printed",
     }
 

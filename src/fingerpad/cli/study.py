@@ -40,7 +40,7 @@ def run(
         Path | None,
         typer.Option(help="File to which progress is added, one JSON object a line.", show_default=False),
     ] = None,
-    force: Annotated[bool, typer.Option("--force", help="Measure everything again.")] = False,
+    force: Annotated[bool, typer.Option("--force", help="Re-measure all.")] = False,
     time_limit_s: Annotated[
         float, typer.Option(help="Time that measuring one picture may take, s.")
     ] = DEFAULT_LIMITS.seconds,
@@ -51,15 +51,15 @@ def run(
     """Run a study: measure, model, pool, and write tables, figures and a report.
 
     What was measured before is kept in the output folder and measured again only where its picture, its
-    parameters or the program have changed. Interrupted, a run finishes what it has in hand; run again, it
+    parameters or the program have changed. Interrupted, a run finishes the tasks in progress; run again, it
     goes on where it stopped.
     """
-    from fingerpad.cli.progress import shown_progress
+    from fingerpad.cli.progress import progress_display
     from fingerpad.report import write_report
     from fingerpad.report.write import REPORT_NAME
     from fingerpad.study.pipeline import run_study
 
-    with shown_progress(log) as progress:
+    with progress_display(log) as progress:
         require_positive("--time-limit-s", time_limit_s)
         require_positive("--memory-gb", memory_gb)
         try:
@@ -71,7 +71,7 @@ def run(
                 force=force,
                 limits=Limits(seconds=time_limit_s, memory_gb=memory_gb),
                 write_report=write_report,
-                on_progress=progress.tell,
+                on_progress=progress.update,
             )
         except KeyboardInterrupt:
             print_error("interrupted; what was measured is kept: run it again to go on")
