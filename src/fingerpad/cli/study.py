@@ -2,7 +2,7 @@
 
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, TypeAlias
 
 import typer
 
@@ -15,19 +15,32 @@ if TYPE_CHECKING:
     from fingerpad.study.status import Status
 
 
+Out: TypeAlias = Annotated[
+    Path | None, typer.Option(help="Output folder.", show_default="results beside the manifest")
+]
+
+
 def init(
     folder: Annotated[Path, typer.Argument(help="Folder to make, or an empty one.", show_default=False)],
+    example: Annotated[
+        bool, typer.Option("--example", help="Write a small synthetic study that runs as it is.")
+    ] = False,
 ) -> None:
-    """Write a commented study manifest to start from."""
+    """Write a commented study manifest to start from, or an example study."""
     from fingerpad.study.editing.template import write_template
 
+    if example:
+        from fingerpad.study.editing.example import write_example
+
+        typer.echo(f"Wrote a synthetic study. Run it: fingerpad run {write_example(folder)}")
+        return
     manifest = write_template(folder)
     typer.echo(f"Wrote {manifest}. Put your pictures beside it, fill it in, then: fingerpad run {manifest}")
 
 
 def run(
     study: Annotated[Path, typer.Argument(help="The study's manifest.", show_default=False)],
-    out: Annotated[Path, typer.Option(help="Folder for tables, figures and report.")] = Path("results"),
+    out: Out = None,
     workers: Annotated[int, typer.Option(min=1, help="Number of processes that measure.")] = 1,
     scheduler: Annotated[
         str | None,
@@ -59,6 +72,7 @@ def run(
     from fingerpad.report.write import REPORT_NAME
     from fingerpad.study.pipeline import run_study
 
+    out = out or study.parent / "results"
     with progress_display(log) as progress:
         require_positive("--time-limit-s", time_limit_s)
         require_positive("--memory-gb", memory_gb)
@@ -83,13 +97,13 @@ def run(
 
 def status(
     study: Annotated[Path, typer.Argument(help="The study's manifest.", show_default=False)],
-    out: Annotated[Path, typer.Option(help="Folder that it was run into.")] = Path("results"),
+    out: Out = None,
     as_json: AsJson = False,
 ) -> None:
     """Tell how much of a study is measured, failed, stale or left."""
     from fingerpad.study.status import study_status
 
-    found = study_status(study, out)
+    found = study_status(study, out or study.parent / "results")
     record = {**asdict(found), "total": found.total, "seconds_left": found.seconds_left}
     if as_json:
         print_json(record)
@@ -110,7 +124,7 @@ def _print_status(found: "Status") -> None:
 
 def verify(
     study: Annotated[Path, typer.Argument(help="The study's manifest.", show_default=False)],
-    out: Annotated[Path, typer.Option(help="Folder of its results.")] = Path("results"),
+    out: Out = None,
     as_json: AsJson = False,
 ) -> None:
     """Check that all that is kept of a study is what was written: manifest, corrections, store, results.
@@ -119,7 +133,7 @@ def verify(
     """
     from fingerpad.study.verify import verify_study
 
-    found = verify_study(study, out)
+    found = verify_study(study, out or study.parent / "results")
     if as_json:
         print_json(asdict(found))
     else:
