@@ -1,5 +1,6 @@
 """One radius from the contacts of a finger at one angle, with what they share counted as shared."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final, Self
 
@@ -104,16 +105,14 @@ class PooledRadius:
         first[estimate[::-1]] = np.arange(estimate.size)[::-1]
         shared = _shared(parts, pooled.column("scale")[first])
         fixed = pool(value, own, shared)
-        variances = np.empty(len(PART_SOURCES))
-        variances[_OWN] = _shares(fixed.weights**2 @ parts[:, _OWN] ** 2) * (fixed.weights**2 @ own**2)
-        variances[~_OWN] = shared.variances(fixed.weights)
-        exact = np.sum(variances[~_OWN & ~np.isin(PART_SOURCES, GEOMETRY)])
+        variances = shared.variances(fixed.weights)
+        exact = sum(variance for source, variance in variances.items() if source not in GEOMETRY)
         return cls(
             fixed=fixed,
             fixed_geometry=float(np.hypot(fixed.std, np.sqrt(exact))),
             random=pool_random_effects(value, np.maximum(own, np.spacing(value)), shared),
             scatter=variance_components(value, pooled.column("load_N")[last]),
-            budget=_budget(fixed, variances),
+            budget=_budget(fixed, variances, parts[:, _OWN], own),
         )
 
 
@@ -124,21 +123,27 @@ def _own_std(parts: FloatArray, elongation_std: FloatArray) -> FloatArray:
     return as_float_array(np.sqrt(slope * elongation_std**2 + np.sum(parts[:, _OWN & _SECOND] ** 2, axis=-1)))
 
 
-def _shares(parts: FloatArray) -> FloatArray:
-    """Return each part of a sum over the sum; nothing has no parts."""
-    total = parts.sum()
-    return parts / total if total > 0 else parts
-
-
 def _shared(parts: FloatArray, scales: Column) -> SharedErrors:
     """Return what estimates share: the placement all of them, a scale those that name it."""
     scale = numbered((place,) if name is None else name for place, name in enumerate(scales))
     of_scale = PART_SOURCES[~_OWN] == "image scale"
-    return SharedErrors(parts=parts[:, ~_OWN], groups=np.where(of_scale, scale[:, None], 0))
+    return SharedErrors(
+        sources=tuple(PART_SOURCES[~_OWN].tolist()),
+        parts=parts[:, ~_OWN],
+        groups=np.where(of_scale, scale[:, None], 0),
+    )
 
 
-def _budget(fixed: Pooled, variances: FloatArray) -> dict[str, float]:
-    """Return each source's share in the variance of the pooled value."""
-    variance = {source: float(variances[source == PART_SOURCES].sum()) for source in PAD_SOURCES}
+def _budget(
+    fixed: Pooled, shared: Mapping[str, float], own_parts: FloatArray, own_std: FloatArray
+) -> dict[str, float]:
+    """Return the share of each source in the variance of the pooled value."""
+    own = fixed.weights**2 @ own_parts**2
+    total = own.sum()
+    own *= fixed.weights**2 @ own_std**2 / total if total > 0 else 1.0
+    variance = {
+        source: shared.get(source, float(own[source == PART_SOURCES[_OWN]].sum())) for source in PAD_SOURCES
+    }
     variance["scatter"] = max(0.0, fixed.total_std**2 - sum(variance.values()))
-    return dict(zip(variance, map(float, _shares(np.array(list(variance.values())))), strict=True))
+    total = sum(variance.values())
+    return {source: each / total if total > 0 else each for source, each in variance.items()}
