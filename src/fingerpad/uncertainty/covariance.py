@@ -81,9 +81,9 @@ def covariance_root(covariance: FloatArray) -> FloatArray:
            [0., 3.]])
     """
     finite = np.isfinite(covariance).all(axis=(-2, -1), keepdims=True)
-    variance = np.diagonal(covariance, axis1=-2, axis2=-1)
+    clean = np.where(finite, covariance, 0.0)
+    variance = np.diagonal(clean, axis1=-2, axis2=-1)
     unit = np.sqrt(np.where(variance > 0, variance, 1.0))
-    scaled = np.where(finite, covariance / (unit[..., :, None] * unit[..., None, :]), 0.0)
-    size, direction = np.linalg.eigh(scaled)
+    size, direction = np.linalg.eigh(clean / (unit[..., :, None] * unit[..., None, :]))
     root = direction * np.sqrt(np.maximum(size, 0))[..., None, :] @ np.swapaxes(direction, -1, -2)
     return np.where(finite, unit[..., :, None] * root, np.nan)
