@@ -190,5 +190,5 @@ def test_pad_inputs_refuses_what_is_missing_or_impossible() -> None:
 
 
 def test_refuses_models_that_drop_the_complex_step() -> None:
-    with pytest.raises(UncertaintyError, match="real numbers for complex steps"):
-        propagate(lambda x: {"y": np.abs(x)}, Inputs.of(x=(1.0, 1.0)))
+    with pytest.raises(UncertaintyError, match="real numbers for complex steps in size: leave out abs"):
+        propagate(lambda x: {"square": x**2, "size": np.abs(x)}, Inputs.of(x=(1.0, 1.0)))

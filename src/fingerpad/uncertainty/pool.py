@@ -49,7 +49,7 @@ class SharedErrors:
     Attributes
     ----------
     sources : tuple of str, of length m
-        Name of the source of each of m independent errors; several may have the same.
+        Name for each of m independent errors; several may have the same.
     parts : ndarray, shape (n, m)
         Change of each estimate by one standard uncertainty of each error.
     groups : ndarray of int, broadcasting to (n, m)

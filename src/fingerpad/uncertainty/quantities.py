@@ -290,6 +290,11 @@ def evaluate(model: Model, names: tuple[str, ...], points: FloatArray) -> tuple[
     values : ndarray, shape (..., m)
         Their values.
 
+    Raises
+    ------
+    UncertaintyError
+        If `points` are complex and an output is not: its derivatives would be lost.
+
     Examples
     --------
     >>> import numpy as np
@@ -298,6 +303,12 @@ def evaluate(model: Model, names: tuple[str, ...], points: FloatArray) -> tuple[
            [20.]]))
     """
     outputs = model(**dict(zip(names, np.moveaxis(points, -1, 0), strict=True)))
+    real = [name for name, output in outputs.items() if not np.iscomplexobj(output)]
+    if real and np.iscomplexobj(points):
+        raise UncertaintyError(
+            f"the model returns real numbers for complex steps in {', '.join(real)}: "
+            "leave out abs, real and rounding, or propagate by Monte Carlo"
+        )
     shape = points.shape[:-1]
     return tuple(outputs), np.stack([np.broadcast_to(each, shape) for each in outputs.values()], axis=-1)
 

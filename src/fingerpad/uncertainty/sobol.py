@@ -20,7 +20,7 @@ class SobolIndices:
     Attributes
     ----------
     first, total : dict of str to float
-        Share of the variance that a source explains by itself, and with all its interactions.
+        Share of the variance that a source explains on its own, and with all its interactions.
     first_std, total_std : dict of str to float
         Their standard errors.
     """

@@ -1,4 +1,4 @@
-"""The pad's model over all contacts of a study: values, uncertainty, and which of it contacts share.
+"""The pad's model over all contacts of a study: values, and uncertainty, with its shared parts.
 
 Every uncertain input belongs to a source. The effect of a source on a contact's radii is kept as signed
 parts, one for each of its independent errors, so that contacts which share a source can be pooled as such.
@@ -160,7 +160,7 @@ def _parts(propagated: Propagated) -> FloatArray:
 
 
 def _root_by_source(inputs: Inputs) -> FloatArray:
-    """Return F with F Fᵀ = covariance, each column of which belongs to the source of one input.
+    """Return F with F Fᵀ = covariance, each column of which belongs to one input.
 
     Inputs of different sources do not correlate, but for the semi-axes where their photographs share the
     contact's scale: that part belongs to the scale.
