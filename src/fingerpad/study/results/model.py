@@ -1,4 +1,4 @@
-"""The pad's model over all contacts of a study: values, and uncertainty, with its shared parts.
+"""The pad's model over all contacts of a study: values and uncertainty, with the parts that contacts share.
 
 Every uncertain input belongs to a source. The effect of a source on a contact's radii is kept as signed
 parts, one for each of its independent errors, so that contacts which share a source can be pooled as such.
