@@ -16,9 +16,9 @@ def test_the_example_runs_and_its_truth_is_covered(tmp_path: Path) -> None:
     result = run_study(manifest, tmp_path / "example" / "results")
     assert result.failures == []
     assert all(row["synthetic"] for row in result.rows)
-    (finger,) = result.fingers
+    (finger,) = result.fingers.values()
     stds = np.sqrt(np.diag(finger.covariance))
-    assert np.abs((np.array(finger.semi_axes) - (7.9, 13.8, 11.8)) / stds).max() < 3
+    assert np.abs((finger.semi_axes - (7.9, 13.8, 11.8)) / stds).max() < 3
 
 
 def test_the_manifest_names_its_schema(tmp_path: Path) -> None:
