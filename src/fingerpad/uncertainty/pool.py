@@ -5,7 +5,7 @@ from typing import TypeAlias
 
 import numpy as np
 import numpy.typing as npt
-from scipy import optimize, stats
+from scipy import optimize, special
 
 from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, check_all
 from fingerpad.exceptions import UncertaintyError
@@ -250,7 +250,7 @@ def pool_random_effects(values: ArrayLike, stds: ArrayLike, shared: Shared = Non
     half = np.inf
     if count > 1:
         variance *= max(1.0, float((values - value) ** 2 @ weights) / variance / (count - 1))
-        quantiles = stats.t.ppf(0.975, count - 1), stats.norm.ppf(0.975)
+        quantiles = special.stdtrit(count - 1, 0.975), special.ndtri(0.975)
         half = float(np.hypot(quantiles[0] * np.sqrt(variance), quantiles[1] * np.sqrt(shared_variance)))
     return RandomEffects(
         value=value,

@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import qmc
 
 from fingerpad._arrays import FloatArray
 from fingerpad.exceptions import UncertaintyError
@@ -74,6 +73,8 @@ def sobol_indices(
     >>> round(product.first["a"], 2)
     0.5
     """
+    from scipy.stats import qmc  # noqa: PLC0415 (slow to import, seldom needed)
+
     mean, covariance = inputs.mean, covariance_of(inputs.covariance)
     _require_independent(inputs)
     if draws < 2 or draws & (draws - 1):
