@@ -20,7 +20,7 @@ angles = st.floats(-1.5, 1.5)
 
 
 @given(semi_axes, semi_axes, angles, st.floats(-100, 100), st.floats(-100, 100))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_perfect_points_give_the_ellipse_back(first, second, angle, x, y):
     fit = fit_ellipse(outline_points(first, second, count=40, centre=(x, y), angle=angle))
     assert fit.semi_major == pytest.approx(max(first, second), rel=1e-6)
@@ -33,7 +33,7 @@ def test_perfect_points_give_the_ellipse_back(first, second, angle, x, y):
 
 
 @given(semi_axes, semi_axes, angles, st.floats(0.01, 100))
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 def test_units_scale_through(first, second, angle, unit):
     points = outline_points(first, second, angle=angle, noise_std=0.02, seed=4)
     fit, scaled = fit_ellipse(points), fit_ellipse(points * unit)
@@ -105,7 +105,7 @@ def test_a_circle_has_no_known_direction():
 
 
 @given(st.floats(0.1, 10), st.floats(0.1, 10), st.floats(-20, 20), st.floats(-20, 20))
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 def test_foot_points_are_nearest(semi_x, semi_y, x, y):
     foot = foot_points(np.array([[x, y]]), semi_x, semi_y)[0]
     assert (foot[0] / semi_x) ** 2 + (foot[1] / semi_y) ** 2 == pytest.approx(1, abs=1e-9)

@@ -87,7 +87,7 @@ def test_painting_what_is_there_moves_nothing():
 
 
 @given(radius=st.floats(15, 60), row=st.floats(-60, 60), column=st.floats(-40, 40), other=st.floats(-30, 30))
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 def test_what_is_removed_and_added_again_is_back(radius, row, column, other):
     place = (CENTRE[0] + row, CENTRE[1] + column)
     path = (place, (place[0] + other, place[1]))
@@ -98,7 +98,7 @@ def test_what_is_removed_and_added_again_is_back(radius, row, column, other):
 
 
 @given(radius=st.floats(25, 70), angle=st.floats(0, 2 * math.pi))
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 def test_a_disk_drawn_outside_adds_its_area(radius, angle):
     """A disk joined to the contact by a thin bridge adds what geometry says."""
     room = prepare_contact_image(np.pad(TRUTH.pixels, 200, mode="edge"), PPI_500)

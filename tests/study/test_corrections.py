@@ -192,7 +192,7 @@ def test_who_saw_less_is_told_who_did_what(tmp_path):
 
 
 @given(steps=st.lists(st.one_of(st.sampled_from(["undo", "redo"]), st.integers(1, 9)), max_size=14))
-@settings(max_examples=30, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=30, suppress_health_check=[HealthCheck.function_scoped_fixture])
 def test_undo_and_redo_walk_like_two_stacks(tmp_path_factory, steps):
     log = CorrectionLog(tmp_path_factory.mktemp("study"))
     done, undone = [], []

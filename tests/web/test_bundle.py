@@ -140,9 +140,7 @@ def contents(folder, *, hidden=False):
     return found
 
 
-@settings(
-    max_examples=80, derandomize=True, deadline=None, database=None, suppress_health_check=list(HealthCheck)
-)
+@settings(max_examples=80, derandomize=True, database=None, suppress_health_check=list(HealthCheck))
 @given(study=studies())
 @example(
     study=(

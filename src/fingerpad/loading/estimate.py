@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
-from scipy import stats
+from scipy import special
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -34,7 +34,7 @@ class Estimate:
         >>> print(f"{Estimate.symmetric(20.0, 1.0).upper:.2f}")
         21.96
         """
-        half = float(stats.t.ppf(0.975, degrees_of_freedom)) * std
+        half = float(special.stdtrit(degrees_of_freedom, 0.975)) * std
         return cls(value=float(value), std=float(std), lower=float(value - half), upper=float(value + half))
 
     def times(self, factor: float) -> "Estimate":

@@ -7,7 +7,7 @@ from functools import partial
 from typing import TypeAlias
 
 import numpy as np
-from scipy import linalg, optimize, stats
+from scipy import linalg, optimize, special
 
 from fingerpad._arrays import ArrayLike, FloatArray, as_float_array
 from fingerpad.exceptions import FitError
@@ -257,7 +257,7 @@ def _require_determined(fit: LeastSquaresFit) -> None:
 
 def _profile_end(fit: LeastSquaresFit, place: int, step: float) -> float:
     """Return where the profile of a parameter, as a signed root, reaches the 95 % point of Student's t."""
-    target = float(stats.t.ppf(0.975, fit.degrees_of_freedom))
+    target = float(special.stdtrit(fit.degrees_of_freedom, 0.975))
     scale = fit.sum_of_squares / fit.degrees_of_freedom
     if not (scale > 0 and step != 0):
         return float(fit.values[place])

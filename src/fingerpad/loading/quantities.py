@@ -4,7 +4,6 @@ import math
 from collections.abc import Mapping
 
 import numpy as np
-from scipy import stats
 
 from fingerpad._arrays import FloatArray
 from fingerpad.exceptions import FitError
@@ -12,7 +11,7 @@ from fingerpad.loading.estimate import Estimate, Quantity, Undetermined
 from fingerpad.loading.joint import JointFit, fit_joint
 from fingerpad.loading.least_squares import effective_count, fit_least_squares
 
-# Beyond these no finger pad lies, mm and MPa: a slip of units.
+# Beyond these no finger pad lies, mm and MPa: a wrong unit.
 PLAUSIBLE_RADIUS, PLAUSIBLE_MODULUS = (2.0, 100.0), (0.001, 5.0)
 # A given radius is doubted when the slope of the area is so many standard uncertainties away.
 _CONTRADICTED, _LEAST_AREAS = 4.0, 5
@@ -91,6 +90,8 @@ def implausible(main: JointFit, given: float | Estimate | None, *, known: bool) 
     record = main.record
     contradicted = False
     if given is not None and record.area.size >= _LEAST_AREAS:
+        from scipy import stats  # noqa: PLC0415 (slow to import, seldom needed)
+
         line = stats.linregress(np.pi * record.smooth_displacement[record.with_area], record.area)
         std = given.std if isinstance(given, Estimate) else 0.0
         contradicted = abs(line.slope - radius) > _CONTRADICTED * math.hypot(line.stderr, std, 0.02 * radius)

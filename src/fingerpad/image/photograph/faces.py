@@ -14,9 +14,9 @@ from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 import numpy as np
+from scipy import special
 from scipy.linalg import block_diag, solve_triangular
 from scipy.optimize import brentq
-from scipy.stats import chi2
 
 from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, as_float_array
 from fingerpad.exceptions import FitError
@@ -232,7 +232,7 @@ def _combined(faces: tuple[FaceSemiAxes, ...]) -> OutlineSemiAxes:
 
     between_variance = 0.0
     shift, joint, chi_square = solved(0.0)
-    p_value = float(chi2.sf(chi_square, freedom)) if freedom else math.nan
+    p_value = float(special.chdtrc(freedom, chi_square)) if freedom else math.nan
     if p_value < _DISAGREE:
         most = 2 * float(off @ off) / freedom
         between_variance = brentq(lambda tried: solved(tried)[2] - freedom, 0, most, xtol=1e-15 * most)

@@ -14,9 +14,9 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
+from scipy import special
 from scipy.linalg import cho_solve, solve_triangular
 from scipy.optimize import least_squares
-from scipy.stats import t as student
 
 from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, as_float_array
 from fingerpad.exceptions import FitError
@@ -317,4 +317,4 @@ def _lagged(values: FloatArray, most: int) -> FloatArray:
 
 def student_widening(freedom: float) -> float:
     """Return how much a variance from few degrees of freedom widens, so that 1.96 deviations hold 95 %."""
-    return float((student.ppf(0.975, max(freedom, _LEAST_FREEDOM)) / _TWO_SIDED_95) ** 2)
+    return float((special.stdtrit(max(freedom, _LEAST_FREEDOM), 0.975) / _TWO_SIDED_95) ** 2)

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy import stats
 
 from fingerpad.image.sequence.force import ForceSignal
 from fingerpad.image.sequence.phases import Phase
@@ -100,6 +99,8 @@ def _go_together(loads: Sequence[float], areas: Sequence[float]) -> bool:
     """Tell whether the area follows the load, whatever its law: by their rank correlation."""
     if not np.ptp(loads) > 0:
         return False
+    from scipy import stats  # noqa: PLC0415 (slow to import, seldom needed)
+
     correlation, _ = stats.spearmanr(loads, areas)
     return bool(correlation > _TOGETHER)
 

@@ -102,7 +102,7 @@ def perform(work: Work, file: str, folder: Path, limits: Limits) -> TaskResult:
             record = work(folder, Path(drawing))
         except StoreError:
             raise
-        # Files from anywhere can be damaged in ways that nobody has thought of.
+        # Files from anywhere can be damaged in unforeseen ways.
         except Exception as error:
             _raise_if_full(error)
             if _is_out_of_memory(error):

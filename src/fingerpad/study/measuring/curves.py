@@ -165,8 +165,8 @@ def curve_tasks(finger: FingerResult, keys: CacheKeys) -> Iterator[Task]:
 
 def _record(curve: Curve, pad: Ellipsoid | None, poisson_ratio: float, folder: Path, _out: Path) -> Record:
     found = curve_result(curve, pad, poisson_ratio, folder)
-    told = {name: to_plain(getattr(found, name)) for name in _FOUND}
-    return {"curve": told, "reason": found.reason if found.failed else None}
+    values = {name: to_plain(getattr(found, name)) for name in _FOUND}
+    return {"curve": values, "reason": found.reason if found.failed else None}
 
 
 def curve_results(keys: CacheKeys, record_of: Callable[[str, str, str | None], Record]) -> list[CurveResult]:
@@ -192,8 +192,8 @@ def _given(curve: Curve) -> CurveResult:
 def _known(curve: Curve, record: Record) -> CurveResult:
     if "curve" not in record:
         return CurveResult(manifest=curve, reason=record["reason"])
-    told: dict[str, Any] = {name: from_plain(value, _KINDS) for name, value in record["curve"].items()}
-    return CurveResult(manifest=curve, **told)
+    values: dict[str, Any] = {name: from_plain(value, _KINDS) for name, value in record["curve"].items()}
+    return CurveResult(manifest=curve, **values)
 
 
 def curve_result(curve: Curve, pad: Ellipsoid | None, poisson_ratio: float, folder: Path) -> CurveResult:

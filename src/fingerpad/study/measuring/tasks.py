@@ -131,7 +131,7 @@ def _observed(
 
 
 def photograph_tasks(finger: Finger, keys: CacheKeys, scales: Scales) -> Iterator[Task]:
-    """Yield a task for each photograph of a finger that nobody rejected."""
+    """Yield a task for each photograph of a finger that is not rejected."""
     for number, photograph in enumerate(pictures_of(finger), start=1):
         item = photograph_item(finger, photograph)
         active_correction = keys.active_corrections.get(item)
