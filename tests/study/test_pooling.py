@@ -168,7 +168,7 @@ def finger(scale: str | None) -> FingerResult:
 
 def contact(number: int, scale: str | None = None, **more: Any) -> tuple[Observation, Measurement]:
     name, axes = f"c{number}", np.array([7.0 + 0.2 * number, 5.0])
-    observation = Observation(name=name, finger="f", wedge_angle_deg=30, load_N=1.0, image="x.png", scale="s")
+    observation = Observation(name=name, finger="f", wedge_angle_deg=30, load_N=1.0, file="x.png", scale="s")
     given: dict[str, Any] = {
         "load": 1.0,
         "semi_major": axes[0],
