@@ -13,6 +13,7 @@ from scipy.special import ellipe, ellipk
 from benchmarks import (
     browser,
     contact_images,
+    contact_solver,
     engine,
     loading,
     mutations,
@@ -80,6 +81,7 @@ def hertz_speed(count: int = 1_000_000) -> None:
 if __name__ == "__main__":
     hertz_accuracy()
     hertz_speed()
+    contact_solver.report()
     uncertainty.monte_carlo_speed()
     uncertainty.first_order_against_simulation()
     studies.study_coverage()
