@@ -25,6 +25,7 @@ from fingerpad.contact.hertz import (
 from fingerpad.contact.influence import ElasticBody, layer_compliance_ratio
 from fingerpad.contact.pad import PadContact, pad_contact
 from fingerpad.contact.solver import ContactSolution, solve_contact
+from fingerpad.contact.stress import StressField, hertz_stress
 
 __all__ = [
     "ContactSolution",
@@ -34,6 +35,7 @@ __all__ = [
     "HertzContact",
     "HertzGeometry",
     "PadContact",
+    "StressField",
     "complete_integrals",
     "curvature_ratio",
     "ellipsoid_gap",
@@ -42,6 +44,7 @@ __all__ = [
     "equivalent_radius_from_indentation",
     "equivalent_radius_ratios",
     "hertz_contact",
+    "hertz_stress",
     "indentation_factor",
     "layer_compliance_ratio",
     "pad_contact",
