@@ -23,6 +23,7 @@ from fingerpad.contact.hertz import (
     youngs_modulus,
 )
 from fingerpad.contact.influence import ElasticBody, layer_compliance_ratio
+from fingerpad.contact.layer_stress import layer_stress
 from fingerpad.contact.pad import PadContact, pad_contact
 from fingerpad.contact.solver import ContactSolution, solve_contact
 from fingerpad.contact.stress import StressField, hertz_stress
@@ -47,6 +48,7 @@ __all__ = [
     "hertz_stress",
     "indentation_factor",
     "layer_compliance_ratio",
+    "layer_stress",
     "pad_contact",
     "reduced_modulus",
     "size_factor",
