@@ -15,6 +15,7 @@ from benchmarks import (
     coins,
     commands,
     contact_images,
+    contact_solver,
     engine,
     images,
     loading,
@@ -83,6 +84,7 @@ def hertz_speed(count: int = 1_000_000) -> None:
 if __name__ == "__main__":
     hertz_accuracy()
     hertz_speed()
+    contact_solver.report()
     uncertainty.monte_carlo_speed()
     uncertainty.first_order_against_simulation()
     studies.study_coverage()

@@ -12,6 +12,10 @@ class GeometryError(FingerpadError, ValueError):
     """A length, an angle or a curvature that no finger pad or contact can have."""
 
 
+class ConvergenceError(FingerpadError):
+    """A contact whose pressure was not found."""
+
+
 class CalibrationError(FingerpadError, ValueError):
     """A scale that is missing, impossible or contradicted by the picture."""
 

@@ -1,5 +1,6 @@
-"""The finger pad against a platen: elliptic integrals, Hertz contact, equivalent spheres."""
+"""The finger pad against a platen: Hertz contact, equivalent spheres, and the whole pad on a layer."""
 
+from fingerpad.contact.ellipsoid_contact import EllipsoidContact
 from fingerpad.contact.elliptic import (
     complete_integrals,
     curvature_ratio,
@@ -13,7 +14,7 @@ from fingerpad.contact.equivalent import (
     equivalent_radius_from_indentation,
     equivalent_radius_ratios,
 )
-from fingerpad.contact.halfspace import HalfSpaceContact, ellipsoid_gap
+from fingerpad.contact.gap import Counterface, ellipsoid_gap
 from fingerpad.contact.hertz import (
     HertzContact,
     HertzGeometry,
@@ -21,13 +22,21 @@ from fingerpad.contact.hertz import (
     reduced_modulus,
     youngs_modulus,
 )
+from fingerpad.contact.influence import ElasticBody, layer_compliance_ratio
+from fingerpad.contact.layer_stress import layer_stress
 from fingerpad.contact.pad import PadContact, pad_contact
+from fingerpad.contact.solver import ContactSolution, solve_contact
+from fingerpad.contact.stress import StressField, hertz_stress
 
 __all__ = [
-    "HalfSpaceContact",
+    "ContactSolution",
+    "Counterface",
+    "ElasticBody",
+    "EllipsoidContact",
     "HertzContact",
     "HertzGeometry",
     "PadContact",
+    "StressField",
     "complete_integrals",
     "curvature_ratio",
     "ellipsoid_gap",
@@ -36,10 +45,14 @@ __all__ = [
     "equivalent_radius_from_indentation",
     "equivalent_radius_ratios",
     "hertz_contact",
+    "hertz_stress",
     "indentation_factor",
+    "layer_compliance_ratio",
+    "layer_stress",
     "pad_contact",
     "reduced_modulus",
     "size_factor",
+    "solve_contact",
     "solve_contact_ellipse",
     "youngs_modulus",
 ]

@@ -5,15 +5,14 @@ from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
 
 from fingerpad._arrays import FloatArray
-from fingerpad.contact import HalfSpaceContact, reduced_modulus
-from fingerpad.exceptions import FingerpadError, FitError, GeometryError
+from fingerpad.contact import EllipsoidContact, reduced_modulus
+from fingerpad.exceptions import ConvergenceError, FingerpadError, FitError, GeometryError
 from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.loading import (
     Cycle,
@@ -138,12 +137,10 @@ def curve_key(curve: Curve, keys: CacheKeys) -> str:
         for item, photograph in ((photograph_item(pad, one), one) for one in pad.photographs)
     ]
     axes = pad.model_dump(mode="json", include={"semi_axes_mm"})
-    solved = find_spec("tamaas") is not None
     return cache_key(
         keys.of(curve, curve.wedge_angle_deg, keys.study.poisson_ratio),
         axes,
         faces,
-        solved,
         versions_of("loading"),
     )
 
@@ -270,7 +267,7 @@ def _velocity(curve: LoadingCurve, fit: LoadingFit, cycle: int) -> float:
 
 
 def _shape(pad: Ellipsoid | None, curve: Curve, fit: LoadingFit, poisson_ratio: float) -> Shape | None:
-    """Return what the pad's true shape makes of the moduli; None without a pad, a modulus or the solver."""
+    """Return what the pad's true shape makes of the moduli; None without a pad, a modulus or a contact."""
     initial, growth = fit.initial_modulus, fit.load_coefficient
     if pad is None or not isinstance(initial, Estimate) or not isinstance(growth, Estimate):
         return None
@@ -280,16 +277,16 @@ def _shape(pad: Ellipsoid | None, curve: Curve, fit: LoadingFit, poisson_ratio: 
     moduli = reduced_modulus(initial.value + growth.value * loads, poisson_ratio)
     try:
         pressed = [
-            HalfSpaceContact.of(
+            EllipsoidContact.of(
                 pad,
                 wedge_angle=wedge,
                 load=float(load),
                 reduced_modulus=float(modulus),
                 points=_SHAPE_POINTS,
-            )
+            ).solution
             for load, modulus in zip(loads, moduli, strict=True)
         ]
-    except (GeometryError, ModuleNotFoundError):
+    except (GeometryError, ConvergenceError):
         return None
     indentation, area = np.array([(one.indentation, one.area) for one in pressed]).T
     ratio = shape_check(loads, indentation, area, loading_radius=radius).ratio

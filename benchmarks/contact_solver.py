@@ -1,0 +1,163 @@
+"""The contact solver against exact solutions, and beside Tamaas: ``python -m benchmarks.contact_solver``."""
+
+import math
+import time
+from collections.abc import Callable
+from functools import partial
+from typing import TypeVar
+
+import numpy as np
+import tamaas
+
+from fingerpad._arrays import FloatArray
+from fingerpad.contact import ContactSolution, ElasticBody, EllipsoidContact, HertzGeometry, solve_contact
+from fingerpad.geometry import Ellipsoid
+
+_RADIUS, _MODULUS = 10.0, 0.1
+T = TypeVar("T")
+
+_GRIDS = 64, 128, 256, 512
+
+
+def _paraboloid(ratio: float) -> Callable[[FloatArray, FloatArray], FloatArray]:
+    return lambda x, y: (x**2 + y**2 / ratio) / (2 * _RADIUS)
+
+
+def _sphere(x: FloatArray, y: FloatArray) -> FloatArray:
+    with np.errstate(invalid="ignore"):
+        return _RADIUS - np.sqrt(_RADIUS**2 - x**2 - y**2)
+
+
+def exact_solutions() -> None:
+    """Print errors of area, load or indentation, and peak pressure, where they are known."""
+    print("\nContact solver against exact solutions: relative errors, estimate of the area's")
+    print(f"    {'':<28}{'cells':>6}{'area':>10}{'W or ξ':>10}{'peak p':>10}{'estimate':>10}")
+    body = ElasticBody.of(reduced_modulus=_MODULUS)
+    for ratio in (1.0, 1.3, 3.0, 10.0, 30.0):
+        hertz = HertzGeometry.of(_RADIUS, ratio * _RADIUS).under_load(0.5, reduced_modulus=_MODULUS)
+        guess = float(hertz.semi_minor), float(hertz.semi_major)
+        for points in _GRIDS:
+            found = solve_contact(_paraboloid(ratio), body, half_widths=guess, load=0.5, points=points)
+            exact = float(hertz.area), float(hertz.indentation), float(hertz.peak_pressure)
+            values = found.area, found.indentation, found.peak_pressure
+            _row(f"Hertz, R''/R' = {ratio:g}", points, values, exact, found)
+    for radius in (2.0, 5.0, 8.0):
+        log = math.log((_RADIUS + radius) / (_RADIUS - radius))
+        load = _MODULUS / 2 * ((_RADIUS**2 + radius**2) * log - 2 * radius * _RADIUS)
+        for points in _GRIDS:
+            found = solve_contact(
+                _sphere, body, half_widths=(radius, radius), indentation=radius / 2 * log, points=points
+            )
+            exact = math.pi * radius**2, load, math.nan
+            _row(
+                f"sphere, a/R = {radius / _RADIUS:g}",
+                points,
+                (found.area, found.load, math.nan),
+                exact,
+                found,
+            )
+
+
+def _row(
+    name: str,
+    points: int,
+    values: tuple[float, ...],
+    exact: tuple[float, ...],
+    found: ContactSolution,
+) -> None:
+    errors = "".join(f"{a / b - 1:>10.1e}" for a, b in zip(values, exact, strict=True))
+    print(f"    {name:<28}{points:>6}{errors}{found.relative_error:>10.1e}")
+
+
+def layer_table() -> None:
+    """Print a paraboloid on a bonded layer: A/(πRξ), load over Hertz's at the same ξ and the same area."""
+    print("\nParaboloid on a layer bonded to a rigid base, 256² cells (in brackets: change from 128²)")
+    print("    a/t    ν      A/(πRξ)             W at ξ              W at A")
+    for poisson_ratio in (0.5, 0.48, 0.45, 0.3):
+        for ratio in (0.1, 0.3, 0.5, 1.0, 2.0, 4.0):
+            coarse, fine = (_layer_ratios(ratio, poisson_ratio, points) for points in (128, 256))
+            cells = "".join(f"{b:>9.4f} ({b / a - 1:+.0e})" for a, b in zip(coarse, fine, strict=True))
+            print(f"    {ratio:<6g} {poisson_ratio:<5g}{cells}")
+
+
+def _layer_ratios(ratio: float, poisson_ratio: float, points: int) -> tuple[float, float, float]:
+    body = ElasticBody.of(
+        reduced_modulus=_MODULUS, thickness=0.3 * _RADIUS / ratio, poisson_ratio=poisson_ratio
+    )
+    area = math.pi * (0.3 * _RADIUS) ** 2
+    found = solve_contact(_paraboloid(1.0), body, half_widths=(3.0, 3.0), area=area, points=points)
+    hertz = 4 / 3 * _MODULUS / _RADIUS
+    return (
+        found.area_over_pi_indentation / _RADIUS,
+        found.load / (hertz * (_RADIUS * found.indentation) ** 1.5),
+        found.load / (hertz * (found.area / math.pi) ** 1.5),
+    )
+
+
+def speed() -> None:
+    """Print the time of the solver and of Tamaas, on the half-space, and of the solver on a layer."""
+    pad = Ellipsoid.of(palmar=7.9, distal=13.8, radial_ulnar=11.8)
+    hertz = HertzGeometry.of(_RADIUS, _RADIUS).under_load(0.5, reduced_modulus=_MODULUS)
+    radius, body = float(hertz.semi_major), ElasticBody.of(reduced_modulus=_MODULUS)
+    gap = _paraboloid(1.0)
+    print("\nOne contact, one thread, warm: seconds (relative error of area · of indentation)")
+    for points in _GRIDS:
+        ours, found = _timed(
+            partial(solve_contact, gap, body, half_widths=(radius, radius), load=0.5, points=points)
+        )
+        theirs, (area, indentation) = _timed(partial(_by_tamaas, points, 2.2 * radius, 0.5))
+        on_layer, _ = _timed(
+            partial(
+                EllipsoidContact.of,
+                pad,
+                wedge_angle=0.5,
+                roll_angle=0.2,
+                load=2.0,
+                reduced_modulus=0.12,
+                thickness=8.0,
+                points=points,
+            )
+        )
+        exact = float(hertz.area), float(hertz.indentation)
+        print(
+            f"    {points}²: ours {ours:.3f} ({found.area / exact[0] - 1:.0e} · "
+            f"{found.indentation / exact[1] - 1:.0e}), Tamaas {theirs:.3f} ({area / exact[0] - 1:.0e} · "
+            f"{indentation / exact[1] - 1:.0e}), whole pad on a layer {on_layer:.3f}"
+        )
+
+
+def _timed(call: Callable[[], T]) -> tuple[float, T]:
+    call()
+    times = []
+    for _ in range(3):
+        start = time.perf_counter()
+        result = call()
+        times.append(time.perf_counter() - start)
+    return min(times), result
+
+
+def _by_tamaas(points: int, width: float, load: float) -> tuple[float, float]:
+    tamaas.set_log_level(tamaas.LogLevel.error)
+    along = (np.arange(points) + 0.5) * width / points - width / 2
+    gap = _paraboloid(1.0)(along[:, None], along)
+    model = tamaas.ModelFactory.createModel(tamaas.model_type.basic_2d, [width] * 2, [points] * 2)
+    model.E, model.nu = _MODULUS, 0.0
+    tamaas.ModelFactory.registerNonPeriodic(model, "dcfft")
+    solver = tamaas.PolonskyKeerRey(model, -gap, 1e-8)
+    solver.setIntegralOperator("dcfft")
+    solver.solve(load / width**2)
+    pressure, displacement = np.array(model.traction), np.zeros(gap.shape)
+    model.operators["dcfft"](pressure, displacement)
+    touching = pressure > 0
+    return float(touching.mean()) * width**2, float((displacement + gap)[touching].mean())
+
+
+def report() -> None:
+    """Print all tables."""
+    exact_solutions()
+    layer_table()
+    speed()
+
+
+if __name__ == "__main__":
+    report()

@@ -1,0 +1,81 @@
+"""Grids of cells in the tangent plane, which follow the contact."""
+
+import math
+from dataclasses import dataclass, replace
+from typing import Self
+
+import numpy as np
+from scipy.ndimage import map_coordinates
+
+from fingerpad._arrays import FloatArray
+from fingerpad.contact.outline import ContactOutline
+
+FILLED = 0.9  # of the grid's width, by the contact
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ContactGrid:
+    """A rectangular grid of cells in the tangent plane.
+
+    Attributes
+    ----------
+    centre : ndarray, shape (2,)
+        Centre of the grid, in its own axes.
+    half_widths : ndarray, shape (2,)
+        Half of its sides.
+    angle : float
+        From the plane's first coordinate to the grid's first side, radians.
+    points : int
+        Cells along each side.
+    """
+
+    centre: FloatArray
+    half_widths: FloatArray
+    angle: float
+    points: int
+
+    @property
+    def spacing(self) -> tuple[float, float]:
+        """Sides of a cell."""
+        first, second = 2 * self.half_widths / self.points
+        return float(first), float(second)
+
+    @property
+    def cell_area(self) -> float:
+        """Area of a cell."""
+        return self.spacing[0] * self.spacing[1]
+
+    @property
+    def sides(self) -> tuple[FloatArray, FloatArray]:
+        """Cell centres along each side, in the grid's own axes."""
+        steps = (2 * np.arange(self.points) + 1) / self.points - 1
+        first, second = (c + w * steps for c, w in zip(self.centre, self.half_widths, strict=True))
+        return first, second
+
+    @property
+    def coordinates(self) -> tuple[FloatArray, FloatArray]:
+        """Cell centres in the plane, each of shape (points, points)."""
+        place = self.to_plane(np.stack(np.meshgrid(*self.sides, indexing="ij"), axis=-1))
+        return place[..., 0], place[..., 1]
+
+    def to_plane(self, place: FloatArray) -> FloatArray:
+        """Turn points of the grid's own axes into the plane's, shape (..., 2)."""
+        cosine, sine = math.cos(self.angle), math.sin(self.angle)
+        turned: FloatArray = place @ np.array([[cosine, sine], [-sine, cosine]])
+        return turned
+
+    def around(self, outline: ContactOutline, points: int) -> Self:
+        """Return a grid that a contact fills, its outline given in this grid's own axes."""
+        low, high = outline.points.min(axis=0), outline.points.max(axis=0)
+        return replace(self, centre=(low + high) / 2, half_widths=(high - low) / 2 / FILLED, points=points)
+
+    def sample(self, field: FloatArray, other: Self) -> FloatArray:
+        """Return a field on this grid at the cells of another with the same angle, zero beyond this one."""
+        at = [
+            (side - start) / step
+            for side, start, step in zip(
+                other.sides, (side[0] for side in self.sides), self.spacing, strict=True
+            )
+        ]
+        values: FloatArray = map_coordinates(field, np.meshgrid(*at, indexing="ij"), order=1, mode="constant")
+        return values

@@ -1,0 +1,313 @@
+"""Frictionless contact of any smooth gap, on an elastic half-space or on a layer bonded to a rigid base.
+
+Grids are nested: each follows the contact found on the one before, of half as many cells along each side, and
+the change from the last but one to the last estimates the error.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+from scipy.ndimage import binary_dilation
+
+from fingerpad._arrays import FloatArray, check_all
+from fingerpad.contact.complementarity import solve_pressure
+from fingerpad.contact.grid import FILLED, ContactGrid
+from fingerpad.contact.influence import Convolution, ElasticBody
+from fingerpad.contact.outline import ContactOutline, contact_outline
+from fingerpad.exceptions import ConvergenceError, GeometryError
+
+Gap = Callable[[FloatArray, FloatArray], FloatArray]
+
+_MOVES = 30  # of a grid, before it is given up
+_COARSEST = 32  # cells along each side of the first grid
+_FEWEST = 20  # cells of the first grid in contact
+_AREA_TOLERANCE = 1e-6
+_SECANTS = 8
+_EDGE_ERROR = 0.3  # of the area, with the cells along a semi-axis to the power −1.5; seen in Hertz contacts
+_THINNEST = 0.1  # thickness over the contact's mean radius
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ContactSolution:
+    """A solved contact.
+
+    Attributes
+    ----------
+    body : ElasticBody
+        What is pressed.
+    grid : ContactGrid
+        Where `pressure` is given.
+    pressure : ndarray, shape (points, points)
+        Contact pressure, zero outside the contact.
+    load : float
+        Normal force W.
+    indentation : float
+        Mutual approach ξ.
+    area : float
+        Contact area.
+    semi_major, semi_minor : float
+        Semi-axes of the ellipse with the contact's area and ratio of second moments.
+    long_axis_angle : float
+        From the plane's first coordinate to the ellipse's long axis, in (−π/2, π/2], radians.
+    centre : ndarray, shape (2,)
+        Centroid of the contact, in the plane.
+    outline : ndarray, shape (n, 2)
+        Edge of the contact, a closed polygon in the plane.
+    elastic_energy : float
+        ½∫pu dA, which is also the work ∫W dξ of pressing.
+    relative_error : float
+        Estimate: the largest relative change of load, indentation and area from a grid half as fine, or what
+        the edge of a Hertz contact is uncertain by if that is more. It bounds the error of the area; those of
+        load and indentation are far smaller.
+    """
+
+    body: ElasticBody
+    grid: ContactGrid
+    pressure: FloatArray
+    load: float
+    indentation: float
+    area: float
+    semi_major: float
+    semi_minor: float
+    long_axis_angle: float
+    centre: FloatArray
+    outline: FloatArray
+    elastic_energy: float
+    relative_error: float
+
+    @property
+    def peak_pressure(self) -> float:
+        """Highest pressure."""
+        return float(self.pressure.max())
+
+    @property
+    def mean_pressure(self) -> float:
+        """Mean pressure W/A."""
+        return self.load / self.area
+
+    @property
+    def axis_ratio(self) -> float:
+        """Semi-minor over semi-major axis."""
+        return self.semi_minor / self.semi_major
+
+    @property
+    def area_over_pi_indentation(self) -> float:
+        """A/(πξ), the loading radius of this one load; the radius of the sphere in Hertz theory."""
+        return self.area / (math.pi * self.indentation)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Pressed:
+    """What one grid gives; lengths as they are, forces over E*."""
+
+    grid: ContactGrid
+    pressure: FloatArray
+    indentation: float
+    gap: FloatArray
+    outline: ContactOutline
+
+    @property
+    def load(self) -> float:
+        return float(self.pressure.sum()) * self.grid.cell_area
+
+    @property
+    def values(self) -> FloatArray:
+        return np.array([self.load, self.indentation, self.outline.area])
+
+    @property
+    def touches_border(self) -> bool:
+        p = self.pressure
+        return bool(p[[0, -1]].any() or p[:, [0, -1]].any())
+
+
+def solve_contact(
+    gap: Gap,
+    body: ElasticBody,
+    *,
+    half_widths: tuple[float, float],
+    angle: float = 0.0,
+    load: float | None = None,
+    indentation: float | None = None,
+    area: float | None = None,
+    points: int = 256,
+) -> ContactSolution:
+    """Press a rigid shape and an elastic body together, without friction.
+
+    Parameters
+    ----------
+    gap : callable
+        Gap of the undeformed surfaces at plane coordinates (x, y), arrays; NaN where there is no surface.
+        Zero at its lowest point.
+    body : ElasticBody
+        Half-space or layer.
+    half_widths : tuple of float
+        A first guess of the contact's semi-axes along the grid's sides.
+    angle : float
+        From the plane's first coordinate to the grid's first side, radians. Elongated contacts are solved
+        best on a grid that lies along them.
+    load, indentation, area : float
+        Exactly one of normal force, mutual approach and contact area.
+    points : int
+        Cells along each side of the finest grid.
+
+    Raises
+    ------
+    GeometryError
+        If the given quantity is not positive and finite, the contact reaches the end of the surfaces, or the
+        layer is pressed through or too thin beside the contact.
+    ConvergenceError
+        If the conjugate gradients do not converge.
+
+    Examples
+    --------
+    A sphere of radius 10 mm on tissue of E* = 0.1 MPa, 5 mm thick, carries more than on a half-space:
+
+    >>> sphere = lambda x, y: (x**2 + y**2) / 20
+    >>> half_space = ElasticBody.of(reduced_modulus=0.1)
+    >>> layer = ElasticBody.of(reduced_modulus=0.1, thickness=5.0)
+    >>> loads = [
+    ...     solve_contact(sphere, body, half_widths=(3, 3), indentation=1.0, points=64).load
+    ...     for body in (half_space, layer)
+    ... ]
+    >>> print(f"{loads[0]:.3f} N, {loads[1]:.3f} N")
+    0.422 N, 1.158 N
+    """
+    given = {"load": load, "indentation": indentation, "area": area}
+    wanted = [(name, value) for name, value in given.items() if value is not None]
+    if len(wanted) != 1:
+        raise GeometryError(f"give exactly one of load, indentation and area, found {len(wanted)}")
+    name, value = wanted[0]
+    check_all(np.isfinite(value) and value > 0, name, value, "positive and finite", GeometryError)
+    if points < 2 * _COARSEST:
+        raise GeometryError(f"points must be at least {2 * _COARSEST}, found {points}")
+    problem = _Problem(gap, body, name, value / body.reduced_modulus if name == "load" else value)
+    levels = [points >> shift for shift in range(3, 0, -1) if points >> shift >= _COARSEST]
+    found = [problem.first(half_widths, angle, levels[0])]
+    for count in [*levels[1:], points]:
+        found.append(problem.finer(found[-1], count))
+    return _solution(body, found[-2], found[-1])
+
+
+class _Problem:
+    """One contact, solved on grid after grid."""
+
+    def __init__(self, gap: Gap, body: ElasticBody, given: str, target: float) -> None:
+        self._gap, self._body, self._given, self._target = gap, body, given, target
+
+    def first(self, half_widths: tuple[float, float], angle: float, points: int) -> _Pressed:
+        """Solve on a coarse grid, moved until the contact fills it."""
+        widths = np.asarray(half_widths, dtype=float) / FILLED
+        grid = ContactGrid(centre=np.zeros(2), half_widths=widths, angle=angle, points=points)
+        side = ((2 * np.arange(points) + 1) / points - 1) / FILLED
+        while self._is_too_wide(grid):
+            grid = replace(grid, half_widths=grid.half_widths / 2)
+        start, guess = np.sqrt(np.maximum(1 - side[:, None] ** 2 - side**2, 0)), None
+        for _ in range(_MOVES):
+            found = self._pressed(grid, start, guess)
+            moved = grid.around(found.outline, points)
+            if found.touches_border:
+                moved = replace(grid, half_widths=1.5 * grid.half_widths)
+            elif (moved.half_widths > 0.85 * grid.half_widths).all():
+                return found
+            start, guess, grid = grid.sample(found.pressure, moved), found.indentation, moved
+        raise ConvergenceError(
+            "the grid did not settle on the contact: check the gap and the guess of its size"
+        )
+
+    def _is_too_wide(self, grid: ContactGrid) -> bool:
+        """Return whether the contact would be a few cells of a grid at most; under a load it may."""
+        if self._given == "indentation":
+            return int(np.sum(self._gap(*grid.coordinates) < self._target)) < _FEWEST
+        return self._given == "area" and self._target / grid.cell_area < _FEWEST
+
+    def finer(self, before: _Pressed, points: int) -> _Pressed:
+        """Solve on a finer grid, from what a coarser one gave."""
+        grid = before.grid.around(before.outline, points)
+        for _ in range(_MOVES):
+            found = self._pressed(grid, before.grid.sample(before.pressure, grid), before.indentation)
+            if not found.touches_border:
+                return found
+            grid = replace(grid, half_widths=1.2 * grid.half_widths)
+        raise ConvergenceError(f"the contact does not fit a grid of {points} cells a side")
+
+    def _pressed(self, grid: ContactGrid, start: FloatArray, guess: float | None) -> _Pressed:
+        """Solve on one grid, for the given load, indentation or area."""
+        gap = self._gap(*grid.coordinates)
+        missing = np.isnan(gap)
+        gap[missing] = 10 * grid.half_widths.max()
+        convolution = Convolution(self._body.influence(grid.spacing, gap.shape))
+        near_silhouette = binary_dilation(missing, np.ones((3, 3)))
+
+        def solved(start: FloatArray, load: float | None, indentation: float | None = None) -> _Pressed:
+            total = None if load is None else load / grid.cell_area
+            pressure, approach = solve_pressure(convolution, gap, start, total=total, indentation=indentation)
+            if (pressure[near_silhouette] > 0).any():
+                raise GeometryError(
+                    f"the {self._given} would flatten the pad to its silhouette, or that of the body it is "
+                    "pressed against: check load, modulus and sizes"
+                )
+            outline = contact_outline(*grid.sides, pressure, decay_length=self._body.thickness)
+            return _Pressed(grid=grid, pressure=pressure, indentation=approach, gap=gap, outline=outline)
+
+        if self._given == "load":
+            return solved(start, self._target)
+        if self._given == "indentation":
+            return solved(start, None, self._target)
+        if guess is None:  # Hertz theory: the gap at the edge is half the indentation
+            cells = min(int(self._target / grid.cell_area), gap.size - 1)
+            guess = 2 * float(np.sort(gap, axis=None)[cells])
+        return _at_area(partial(solved, start, None), guess, self._target)
+
+
+def _at_area(solved: Callable[[float], _Pressed], indentation: float, area: float) -> _Pressed:
+    """Return the contact of an area, by secants of its logarithm over the indentation's."""
+    slope, last = 1.0, None
+    for _ in range(_SECANTS):
+        found = solved(indentation)
+        here = np.log([indentation, found.outline.area / area])
+        if abs(here[1]) < _AREA_TOLERANCE or found.touches_border:
+            break
+        if last is not None and here[0] != last[0]:
+            slope = float(np.clip((here[1] - last[1]) / (here[0] - last[0]), 0.3, 3))
+        indentation, last = float(np.exp(here[0] - here[1] / slope)), here
+    return found
+
+
+def _solution(body: ElasticBody, coarser: _Pressed, finest: _Pressed) -> ContactSolution:
+    """Gather the finest grid's results, with the error that the coarser one tells."""
+    outline = finest.outline
+    mean_radius = math.sqrt(outline.area / math.pi)
+    if not finest.indentation < body.thickness:
+        raise GeometryError(
+            f"an indentation of {finest.indentation:g} would press through the layer's thickness of "
+            f"{body.thickness:g}: check load, modulus and thickness"
+        )
+    if not body.thickness >= _THINNEST * mean_radius:
+        raise GeometryError(
+            f"thickness must be at least a tenth of the contact's mean radius {mean_radius:g}, "
+            f"found {body.thickness:g}"
+        )
+    change = float(np.abs(coarser.values / finest.values - 1).max())
+    cells = FILLED * finest.grid.points / 2
+    displacement = finest.indentation - finest.gap
+    energy = 0.5 * float(np.sum(finest.pressure * displacement)) * finest.grid.cell_area
+    modulus, angle = body.reduced_modulus, finest.grid.angle
+    direction = outline.long_axis_angle + angle
+    return ContactSolution(
+        body=body,
+        grid=finest.grid,
+        pressure=modulus * finest.pressure,
+        load=modulus * finest.load,
+        indentation=finest.indentation,
+        area=outline.area,
+        semi_major=outline.semi_major,
+        semi_minor=outline.semi_minor,
+        long_axis_angle=math.pi / 2 - (math.pi / 2 - direction) % math.pi,
+        centre=finest.grid.to_plane(outline.centre),
+        outline=finest.grid.to_plane(outline.points),
+        elastic_energy=modulus * energy,
+        relative_error=max(change, _EDGE_ERROR / cells**1.5),
+    )

@@ -1,0 +1,185 @@
+"""Stress under an elliptical Hertz contact, in closed form.
+
+The two potentials of Boussinesq's solution are those of a Hertzian pressure. The first, ∫p/r, is an integral
+over the family of confocal ellipsoids, a Carlson integral. The second, ∫p ln(r + z), matters to compressible
+bodies alone; it is elementary, here a smooth integral of rational functions, and the same for circles.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import elliprd
+
+from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, broadcast
+
+_NODE, _WEIGHT = np.polynomial.legendre.leggauss(24)
+_NODE, _WEIGHT = (_NODE + 1) / 2, _WEIGHT / 2
+_NEWTON_STEPS = 80
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class StressField:
+    """Stress at points of an isotropic elastic body.
+
+    Attributes
+    ----------
+    tensor : ndarray, shape (..., 3, 3)
+        Stress, tension positive.
+    """
+
+    tensor: FloatArray
+
+    @property
+    def principal(self) -> FloatArray:
+        """Principal stresses, ascending, shape (..., 3)."""
+        principal: FloatArray = np.linalg.eigvalsh(self.tensor).astype(np.float64)
+        return principal
+
+    @property
+    def maximum_shear(self) -> FloatArray:
+        """Half the difference of the extreme principal stresses."""
+        principal = self.principal
+        shear: FloatArray = (principal[..., 2] - principal[..., 0]) / 2
+        return shear
+
+    def strain(self, *, youngs_modulus: ArrayLike, poisson_ratio: float) -> FloatArray:
+        """Return the strain ((1 + ν)σ − ν tr σ)/E, shape (..., 3, 3)."""
+        mean = np.trace(self.tensor, axis1=-2, axis2=-1)[..., None, None] * np.eye(3)
+        compliance = 1 / as_float_array(youngs_modulus)[..., None, None]
+        strain: FloatArray = ((1 + poisson_ratio) * self.tensor - poisson_ratio * mean) * compliance
+        return strain
+
+    def strain_energy_density(self, *, youngs_modulus: ArrayLike, poisson_ratio: float) -> FloatArray:
+        """Return ½ σ : ε."""
+        strain = self.strain(youngs_modulus=youngs_modulus, poisson_ratio=poisson_ratio)
+        energy: FloatArray = 0.5 * np.sum(self.tensor * strain, axis=(-2, -1))
+        return energy
+
+
+@np.errstate(all="ignore")
+def hertz_stress(
+    x: ArrayLike,
+    y: ArrayLike,
+    z: ArrayLike,
+    *,
+    semi_x: ArrayLike,
+    semi_y: ArrayLike,
+    peak_pressure: ArrayLike,
+    poisson_ratio: ArrayLike = 0.5,
+) -> StressField:
+    """Return the stress in a half-space under the pressure p0 √(1 − x²/a² − y²/b²).
+
+    Parameters
+    ----------
+    x, y, z : array_like
+        Points, z ≥ 0 into the body; NaN is returned above it.
+    semi_x, semi_y : array_like
+        Semi-axes a and b of the contact ellipse along x and y, in either order of size.
+    peak_pressure : array_like
+        p0.
+    poisson_ratio : array_like
+        ν.
+
+    Examples
+    --------
+    Under the middle of a circular contact, in incompressible tissue, the shear is highest at about half the
+    contact radius:
+
+    >>> depth = np.linspace(0, 2, 201)
+    >>> field = hertz_stress(0.0, 0.0, depth, semi_x=1.0, semi_y=1.0, peak_pressure=1.0)
+    >>> highest = np.argmax(field.maximum_shear)
+    >>> print(f"{field.maximum_shear[highest]:.3f} p0 at {depth[highest]:.2f} a")
+    0.266 p0 at 0.55 a
+    """
+    x, y, z, a, b, p0, nu = broadcast(x, y, z, semi_x, semi_y, peak_pressure, poisson_ratio)
+    good = (z >= 0) & (a > 0) & (b > 0)
+    scale = np.maximum(a, b)  # lengths over the semi-major axis
+    x, y, z, a, b = x / scale, y / scale, np.where(good, z, np.nan) / scale, a / scale, b / scale
+    root = _confocal_root(x, y, z, a, b)
+    across_x, across_y = a**2 + root, b**2 + root
+    height = np.where(root > 0, z / np.sqrt(root), np.sqrt(np.maximum(1 - (x / a) ** 2 - (y / b) ** 2, 0)))
+    product = np.sqrt(across_x * across_y)
+    integral_x = 2 / 3 * elliprd(across_y, root, across_x)
+    integral_y = 2 / 3 * elliprd(across_x, root, across_y)
+    # The gradient of the root times its weight in the integrals, 2/(HΔ); none inside the contact.
+    spread = np.sqrt(root) * ((x / across_x) ** 2 + (y / across_y) ** 2)
+    edge = 2 / (product * (spread + np.where(root > 0, z**2 / root**1.5, np.inf)))
+    twice = np.pi * a * b * p0  # twice the potentials' common factor
+    slope_z = -twice * (2 * height / product - z * (integral_x + integral_y))
+    second_x = -twice * (integral_x - (x / across_x) ** 2 * edge)
+    second_y = -twice * (integral_y - (y / across_y) ** 2 * edge)
+    mixed = twice * x * y / (across_x * across_y) * edge
+    ratio_z = np.where(root > 0, z / np.where(root > 0, root, 1), 0)
+    other_x, other_mixed = _second_potential(
+        x=x,
+        y=y,
+        z=z,
+        a=a,
+        b=b,
+        root=root,
+        square_root=product * height,
+        integral_x=integral_x,
+        twice=twice,
+    )
+    loss, around = 1 - 2 * nu, 1 / (2 * np.pi)
+    tensor = np.empty((*x.shape, 3, 3))
+    tensor[..., 0, 0] = around * (2 * nu * slope_z - z * second_x - loss * other_x)
+    tensor[..., 1, 1] = around * (2 * nu * slope_z - z * second_y + loss * (slope_z + other_x))
+    tensor[..., 2, 2] = around * (slope_z + z * (second_x + second_y))
+    tensor[..., 0, 1] = tensor[..., 1, 0] = -around * (loss * other_mixed + z * mixed)
+    tensor[..., 0, 2] = tensor[..., 2, 0] = -around * twice * z * x / across_x * ratio_z * edge
+    tensor[..., 1, 2] = tensor[..., 2, 1] = -around * twice * z * y / across_y * ratio_z * edge
+    return StressField(tensor=tensor)
+
+
+def _confocal_root(x: FloatArray, y: FloatArray, z: FloatArray, a: FloatArray, b: FloatArray) -> FloatArray:
+    """Return the largest root of x²/(a² + s) + y²/(b² + s) + z²/s = 1, by Newton's method from above."""
+    first, second = a**2, b**2
+    least, plane = np.minimum(first, second), x**2 + y**2
+    # With the lesser semi-axis in both terms the root is larger, and that of a quadratic.
+    half = (plane + z**2 - least) / 2
+    discriminant = np.sqrt(half**2 + least * z**2)
+    root = np.where(half > 0, half + discriminant, least * z**2 / (discriminant - half))
+    quadratic = first + second - plane - z**2
+    linear = first * second - x**2 * second - y**2 * first - z**2 * (first + second)
+    constant = -first * second * z**2
+    for _ in range(_NEWTON_STEPS):
+        value = ((root + quadratic) * root + linear) * root + constant
+        slope = (3 * root + 2 * quadratic) * root + linear
+        step = np.where(value > 0, value / slope, 0)
+        root = root - step
+        if not (step > 1e-15 * root).any():
+            break
+    return np.maximum(root, 0)
+
+
+def _second_potential(
+    *,
+    x: FloatArray,
+    y: FloatArray,
+    z: FloatArray,
+    a: FloatArray,
+    b: FloatArray,
+    root: FloatArray,
+    square_root: FloatArray,
+    integral_x: FloatArray,
+    twice: FloatArray,
+) -> tuple[FloatArray, FloatArray]:
+    """Return ∂²χ/∂x² and ∂²χ/∂x∂y of χ = ∫p ln(r + z).
+
+    √((a² + s)(b² + s)(1 − x²/(a² + s) − y²/(b² + s))) = √((s + m)² − 4κ) is rational in 2/(s + m + √…).
+    """
+    middle = (a**2 + b**2 - x**2 - y**2) / 2
+    kappa = (((a**2 - b**2 - x**2 + y**2) / 2) ** 2 + x**2 * y**2) / 4
+    end = 2 / (root + middle + square_root)
+    inner, direct, mixed = np.zeros_like(x), np.zeros_like(x), np.zeros_like(x)
+    for node, weight in zip(_NODE, _WEIGHT, strict=True):
+        sigma = node * end
+        bent = kappa * sigma**2
+        first = 1 + (a**2 - middle) * sigma + bent
+        second = 1 + (b**2 - middle) * sigma + bent
+        inner += weight * (1 - bent) ** 2 / (first**2 * second)
+        direct += weight * sigma / first**2
+        mixed += weight * sigma / (first * second)
+    along = twice * (end * inner - z * integral_x - x**2 * end * direct)
+    return along, -twice * x * y * end * mixed

@@ -1,0 +1,114 @@
+"""Stress under elliptical contacts: an integral of point loads, closed forms, equilibrium, limits."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from fingerpad._arrays import FloatArray
+from fingerpad.contact import StressField, hertz_stress
+
+
+def under_point_load(x: FloatArray, y: FloatArray, z: FloatArray, poisson_ratio: float) -> FloatArray:
+    """Boussinesq's stress under a unit force (Johnson 1985, Eq. 3.20)."""
+    r, loss = np.sqrt(x**2 + y**2 + z**2), 1 - 2 * poisson_ratio
+    plane = np.array([[x * x, x * y], [x * y, y * y]])
+    eye = np.eye(2)[:, :, None, None]
+    stress = np.empty((3, 3, *r.shape))
+    stress[:2, :2] = loss * (
+        eye * (z / r**3 - 1 / (r * (r + z))) + plane * (2 * r + z) / (r**3 * (r + z) ** 2)
+    )
+    stress[:2, :2] -= 3 * plane * z / r**5
+    stress[0, 2] = stress[2, 0] = -3 * x * z**2 / r**5
+    stress[1, 2] = stress[2, 1] = -3 * y * z**2 / r**5
+    stress[2, 2] = -3 * z**3 / r**5
+    return stress / (2 * np.pi)
+
+
+def integrated(place: tuple[float, float, float], a: float, b: float, poisson_ratio: float) -> FloatArray:
+    node, weight = np.polynomial.legendre.leggauss(200)
+    angle, turn = np.pi / 4 * (node + 1), 2 * np.pi * np.arange(400) / 400
+    radius, pressure = np.sin(angle), np.cos(angle)
+    load = a * b * (np.pi / 4 * weight * pressure * radius * np.cos(angle))[:, None] * 2 * np.pi / 400
+    x, y = a * radius[:, None] * np.cos(turn), b * radius[:, None] * np.sin(turn)
+    stress = under_point_load(place[0] - x, place[1] - y, np.full_like(x, place[2]), poisson_ratio)
+    return np.sum(stress * load, axis=(-2, -1))
+
+
+@pytest.mark.parametrize(
+    ("a", "b", "place", "poisson_ratio"),
+    [
+        (1.0, 1.0, (0.3, 0.2, 0.5), 0.3),
+        (1.0, 0.999999, (0.3, 0.2, 0.5), 0.3),
+        (2.0, 1.0, (0.3, 0.2, 0.5), 0.3),
+        (1.0, 2.0, (0.3, 1.2, 0.4), 0.5),
+        (1.0, 1.0, (1.5, 0.0, 0.3), 0.0),
+        (2.0, 1.0, (1.5, 1.2, 0.3), 0.2),
+        (1.0, 0.1, (0.5, 0.05, 0.3), 0.3),
+        (1.0, 1.3, (4.0, -7.0, 2.0), 0.45),
+    ],
+)
+def test_agrees_with_an_integral_of_point_loads(
+    a: float, b: float, place: tuple[float, float, float], poisson_ratio: float
+) -> None:
+    found = hertz_stress(*place, semi_x=a, semi_y=b, peak_pressure=1.0, poisson_ratio=poisson_ratio).tensor
+    expected = integrated(place, a, b, poisson_ratio)
+    assert_allclose(found, expected, atol=1e-12 * np.abs(expected).max() + 1e-15)
+
+
+@pytest.mark.parametrize("poisson_ratio", [0.0, 0.3, 0.5])
+def test_axis_of_a_circle(poisson_ratio: float) -> None:
+    # Johnson (1985), Eqs 3.45.
+    z = np.array([1e-6, 0.1, 0.5, 1.0, 3.0])
+    field = hertz_stress(0, 0, z, semi_x=1, semi_y=1, peak_pressure=1, poisson_ratio=poisson_ratio)
+    vertical = -1 / (1 + z**2)
+    radial = -(1 + poisson_ratio) * (1 - z * np.arctan(1 / z)) + 0.5 / (1 + z**2)
+    assert_allclose(field.tensor[:, 2, 2], vertical, rtol=1e-12)
+    assert_allclose(field.tensor[:, 0, 0], radial, rtol=1e-10, atol=1e-13)
+    assert_allclose(field.tensor[:, 1, 1], radial, rtol=1e-10, atol=1e-13)
+    assert_allclose(field.maximum_shear, np.abs(radial - vertical) / 2, rtol=1e-9, atol=1e-13)
+
+
+def test_surface_carries_the_pressure_and_no_shear() -> None:
+    x, y = np.meshgrid(np.linspace(-2.9, 2.9, 30), np.linspace(-1.7, 1.7, 31))
+    field = hertz_stress(x, y, 0, semi_x=2, semi_y=1.2, peak_pressure=3, poisson_ratio=0.4)
+    pressure = 3 * np.sqrt(np.maximum(1 - (x / 2) ** 2 - (y / 1.2) ** 2, 0))
+    assert_allclose(field.tensor[..., 2, 2], -pressure, atol=1e-12)
+    assert_allclose(field.tensor[..., :2, 2], 0, atol=1e-12)
+
+
+def test_stress_is_in_equilibrium() -> None:
+    generator = np.random.default_rng(3)
+    place = generator.uniform([-2, -2, 0.1], [2, 2, 2], (40, 3))
+    step = 1e-4
+
+    def tensor(shift: FloatArray) -> FloatArray:
+        return hertz_stress(
+            *(place + shift).T, semi_x=1.4, semi_y=1, peak_pressure=1, poisson_ratio=0.3
+        ).tensor
+
+    divergence = sum(
+        (tensor(step * unit) - tensor(-step * unit))[:, :, k] / (2 * step) for k, unit in enumerate(np.eye(3))
+    )
+    assert_allclose(divergence, 0, atol=1e-6)
+
+
+def test_far_away_it_is_a_point_load() -> None:
+    place = np.array([30.0]), np.array([-50.0]), np.array([40.0])
+    found = hertz_stress(*place, semi_x=1, semi_y=0.7, peak_pressure=1, poisson_ratio=0.3).tensor[0]
+    expected = under_point_load(*(one[:, None] for one in place), 0.3)[..., 0, 0] * 2 / 3 * np.pi * 0.7
+    assert_allclose(found, expected, atol=1e-3 * np.abs(expected).max())
+
+
+def test_nothing_above_the_surface() -> None:
+    field = hertz_stress(0, 0, [-0.1, 0.1], semi_x=1, semi_y=1, peak_pressure=1)
+    assert np.isnan(field.tensor[0]).all()
+    assert np.isfinite(field.tensor[1]).all()
+
+
+def test_uniaxial_stress_stretches_and_stores_energy() -> None:
+    field = StressField(tensor=np.diag([2.0, 0.0, 0.0]))
+    assert_allclose(
+        field.strain(youngs_modulus=4.0, poisson_ratio=0.3), np.diag([0.5, -0.15, -0.15]), atol=1e-15
+    )
+    assert_allclose(field.strain_energy_density(youngs_modulus=4.0, poisson_ratio=0.3), 0.5)
+    assert_allclose(field.maximum_shear, 1)
