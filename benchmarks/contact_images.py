@@ -138,6 +138,7 @@ def edge_calibration(count: int) -> None:
     The errors of both axes and of the area, with the shift taken back, are linear in the three constants.
     """
     from fingerpad.image.contact_image import _outline, _patch  # noqa: PLC0415
+    from fingerpad.image.ellipse import polygon_moments  # noqa: PLC0415
 
     kept: list[_outline.ContactOutline] = []
     plain = _outline.edge_shift
@@ -151,7 +152,7 @@ def edge_calibration(count: int) -> None:
         with patch.object(_patch, "edge_shift", watched):
             found = values_of(measure_contact_image(truth.pixels, SCALE))[:3]
         edge, size = kept[-1], found / np.array([1, 1, 0.7])
-        moments = _outline.moments_of(edge.points)
+        moments = polygon_moments(edge.points)
         weights = (
             _outline.axis_weights(moments, edge.points)
             * edge.steps[:, None]

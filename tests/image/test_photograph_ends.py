@@ -56,7 +56,7 @@ def sharp_edges(count):
 
 
 def off(arc):
-    return (arc.fit.values[2:4] - SEMI_AXES) / SEMI_AXES
+    return (np.array(arc.fit.ellipse[2:4]) - SEMI_AXES) / SEMI_AXES
 
 
 @pytest.mark.parametrize(
@@ -76,7 +76,7 @@ def test_stated_uncertainties_hold():
         half = rng.uniform(55, 85)
         _, arc = both(half, rng.normal(0, 0.6, 2), seed, half + rng.normal(0, 5))
         fit = widened(arc, sharp_edges(1000)).fit
-        z.append((fit.semi_y - SEMI_AXES[1]) / math.sqrt(fit.covariance[3, 3]))
+        z.append((fit.ellipse.semi_y - SEMI_AXES[1]) / math.sqrt(fit.covariance[3, 3]))
     # Of 30 one or two lie beyond 1.96; seven would be a chance of one in a thousand.
     assert np.sum(np.abs(z) > 1.96) < 7
     assert np.median(np.abs(z)) > 0.2

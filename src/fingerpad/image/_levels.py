@@ -10,7 +10,8 @@ from fingerpad.exceptions import ImageError
 
 Pixels: TypeAlias = npt.NDArray[np.uint8] | npt.NDArray[np.uint16] | npt.NDArray[np.float32]
 
-_LUMA: Final = np.array([0.299, 0.587, 0.114], dtype=np.float32)
+# ITU-R BT.601, as in JPEG.
+LUMA: Final = np.array([0.299, 0.587, 0.114], dtype=np.float32)
 # Rows converted at a time, so that copies in single precision stay small.
 _BLOCK_ROWS: Final = 64
 # How an array is brought upright, by the value of the EXIF and TIFF tag "Orientation".
@@ -74,7 +75,7 @@ def luma(levels: Pixels) -> Pixels:
         return levels
     grey: Pixels = np.empty(levels.shape[:2], levels.dtype)
     for start in range(0, len(levels), _BLOCK_ROWS):
-        part = levels[start : start + _BLOCK_ROWS].astype(np.float32) @ _LUMA
+        part = levels[start : start + _BLOCK_ROWS].astype(np.float32) @ LUMA
         grey[start : start + _BLOCK_ROWS] = part if levels.dtype == np.float32 else part.round()
     return grey
 

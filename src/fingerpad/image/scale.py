@@ -9,8 +9,8 @@ import numpy as np
 from fingerpad._arrays import check_all
 from fingerpad.exceptions import CalibrationError
 from fingerpad.image.read import Picture
+from fingerpad.units import MM_PER_INCH
 
-MM_PER_INCH = 25.4
 # What cameras, editors and screens write where nobody has measured anything.
 PLACEHOLDER_PPI = (72.0, 96.0)
 # Files keep whole dots per inch: half a dot either way, rectangular.

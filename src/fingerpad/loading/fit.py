@@ -7,10 +7,10 @@ from typing import Any, Self
 
 import numpy as np
 
+from fingerpad._loading_curve import LoadingCurve
 from fingerpad.exceptions import FingerpadError, FitError, LoadingError
 from fingerpad.loading._prepare import Press, prepare, start_values
 from fingerpad.loading.contact_point import ESTIMATORS, estimated_places
-from fingerpad.loading.curve import LoadingCurve
 from fingerpad.loading.estimate import Estimate, Quantity, Undetermined, estimates_record
 from fingerpad.loading.joint import FittedForceModel, JointFit, fit_joint
 from fingerpad.loading.modulus_range import Secant, increasing_region, secant_of

@@ -8,8 +8,8 @@ import numpy.typing as npt
 from scipy import signal
 
 from fingerpad._arrays import BoolArray, FloatArray
+from fingerpad._loading_curve import LoadingCurve
 from fingerpad.exceptions import LoadingError
-from fingerpad.loading.curve import LoadingCurve
 from fingerpad.loading.estimate import Estimate
 
 # A platen slower than this share of its usual speed rests; phases shorter than this share are none.

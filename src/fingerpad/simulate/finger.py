@@ -11,10 +11,9 @@ import numpy.typing as npt
 from scipy.spatial import cKDTree
 
 from fingerpad._arrays import Float32Array, FloatArray, as_float32
+from fingerpad._srgb import linear_light, srgb_levels
 from fingerpad.exceptions import GeometryError
-from fingerpad.image.photograph._face_frame import Direction, face_axes, palmar_directions
-from fingerpad.image.photograph._srgb import encoded, linear_light
-from fingerpad.image.photograph.faces import Face
+from fingerpad.geometry.faces import Direction, Face, face_axes, palmar_directions
 from fingerpad.simulate._finger_shape import FingerShape, finger_shape, pad_arc
 
 Backdrop: TypeAlias = Literal["white", "grey", "black", "blue", "green", "cork"]
@@ -318,7 +317,7 @@ def _exposed(
     """Return what a camera makes of the light: blur, shot and read noise, sRGB, JPEG."""
     seen = cv2.GaussianBlur(light, (0, 0), blur) if blur > 0 else light
     # In grey levels the camera's noise is about even over the brighter tones.
-    levels = encoded(seen) + rng.normal(0, noise_std, seen.shape)
+    levels = srgb_levels(seen) + rng.normal(0, noise_std, seen.shape)
     pixels = np.clip(np.rint(levels), 0, 255).astype(np.uint8)
     if jpeg_quality is not None:
         _, file = cv2.imencode(".jpg", pixels[..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, jpeg_quality])

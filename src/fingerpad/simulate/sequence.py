@@ -10,6 +10,7 @@ from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, check_all
 from fingerpad.contact import HertzGeometry
 from fingerpad.exceptions import GeometryError
 from fingerpad.simulate.contact_image import Look, render_contact_image
+from fingerpad.units import MM_PER_INCH
 
 # Lighter contacts than this are a ground without a finger, mm.
 _LEAST_SEMI_AXIS = 0.05
@@ -75,7 +76,7 @@ class SyntheticSequence:
 
     @property
     def _columns(self) -> int:
-        return math.floor(2 * (float(self.semi_minor.max()) + 1.5) * self.ppi / 25.4) - 1
+        return math.floor(2 * (float(self.semi_minor.max()) + 1.5) * self.ppi / MM_PER_INCH) - 1
 
 
 def render_sequence(

@@ -11,13 +11,13 @@ from fingerpad._arrays import Float32Array, FloatArray
 from fingerpad.exceptions import CalibrationError, FitError
 from fingerpad.image.coin._circle_detection import (
     Outline,
-    PixelEllipse,
     contour_ellipses,
     difference,
     edge_points,
     fit_edge,
     gaps,
 )
+from fingerpad.image.ellipse import PlaneEllipse, orientation_of
 from fingerpad.image.ellipse_fit import fit_ellipse
 from fingerpad.image.scale import Scale
 
@@ -219,7 +219,7 @@ def _outlines(image: Float32Array) -> list[Outline]:
     return sorted(different, key=lambda o: -o.ellipse.size)
 
 
-def _fitted(smooth: Float32Array, ellipses: list[PixelEllipse]) -> list[Outline]:
+def _fitted(smooth: Float32Array, ellipses: list[PlaneEllipse]) -> list[Outline]:
     fits = (fit_edge(smooth, e, max(3.0, 0.06 * e.size), 3.0) for e in ellipses)
     return [o for o in fits if o and o.support > _MIN_SUPPORT]
 
@@ -267,17 +267,16 @@ def _coin(outline: Outline, shadow: float, band: float, shadowed: bool) -> Coin:
         raise CalibrationError(f"no coin found: {error}") from error
     correlated = _correlation_length(outline.ellipse.offsets(outline.points), outline.kept)
     relative = math.hypot(_ROUNDING_STD, _SHADOW_STD * shadow, _BAND_STD * min(band, 1.0))
-    moved = math.hypot(_LENS_STD_PX, relative * fit.semi_major)
+    x, y, semi_major, semi_minor, angle = fit.ellipse
+    moved = math.hypot(_LENS_STD_PX, relative * semi_major)
     major_std, minor_std = (math.hypot(math.sqrt(correlated * fit.covariance[k, k]), moved) for k in (2, 3))
     return Coin(
-        centre=(float(fit.centre[1]), float(fit.centre[0])),
-        semi_major=fit.semi_major,
+        centre=(y, x),
+        semi_major=semi_major,
         semi_major_std=major_std,
-        semi_minor=fit.semi_minor,
+        semi_minor=semi_minor,
         semi_minor_std=minor_std,
-        # From x towards y, both as the image counts them, to from straight up towards the left.
-        orientation=math.pi / 2
-        - (math.pi / 2 - math.atan2(-math.cos(fit.angle), -math.sin(fit.angle))) % math.pi,
+        orientation=orientation_of((math.cos(angle), math.sin(angle))),
         residual_std=fit.residual_std,
         support=outline.support,
         shadow=shadow,
@@ -285,7 +284,7 @@ def _coin(outline: Outline, shadow: float, band: float, shadowed: bool) -> Coin:
     )
 
 
-def _beside_edge(image: Float32Array, ellipse: PixelEllipse) -> tuple[float, float]:
+def _beside_edge(image: Float32Array, ellipse: PlaneEllipse) -> tuple[float, float]:
     """Return how much less, and how else, the coin differs from what lies beside it than from the ground.
 
     The first is the share of the coin's contrast that a shadow takes: the edge is then pulled outward. The

@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from fingerpad._arrays import BoolArray, FloatArray, as_float32
 from fingerpad.image.contact_image._region import UInt8, longest_contour
+from fingerpad.image.ellipse import AreaMoments, signed_area
 
 Points = npt.NDArray[np.float64]
 
@@ -22,53 +23,6 @@ _IN_VALLEY, _BY_SOFTNESS, _STRETCH = 0.16, 0.092, 2.75
 # A hand draws the edge somewhere within one ridge period, uniformly: half of that variance it has everywhere
 # alike, as whoever paints generously does so all round.
 _BY_HAND = math.sqrt(1 / 12 / 2)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Moments:
-    """What a closed polygon (x, y) encloses.
-
-    `axes` holds the directions of the major and the minor axis as rows; `spread` the second moments of the
-    area along them, about the centroid.
-    """
-
-    area: float
-    centroid: Points
-    axes: Points
-    spread: Points
-
-    @property
-    def semi_axes(self) -> Points:
-        """Semi-axes of the ellipse of the same area and the same ratio of second moments."""
-        mean, ratio = math.sqrt(self.area / math.pi), (self.spread[0] / self.spread[1]) ** 0.25
-        return np.array([mean * ratio, mean / ratio])
-
-    @property
-    def orientation(self) -> float:
-        """Angle of the major axis from straight up, counter-clockwise as seen, in (−π/2, π/2]."""
-        x, y = self.axes[0]
-        return math.pi / 2 - (math.pi / 2 - math.atan2(x, y)) % math.pi
-
-
-def moments_of(points: Points) -> Moments:
-    """Return what a closed polygon (x, y) encloses, in either direction (Green's theorem)."""
-    origin = points.mean(axis=0)
-    p = points - origin
-    q = np.roll(p, -1, axis=0)
-    cross = p[:, 0] * q[:, 1] - q[:, 0] * p[:, 1]
-    area = cross.sum() / 2
-    centroid = ((p + q) * cross[:, None]).sum(axis=0) / (6 * area)
-    squares = ((p * p + p * q + q * q) * cross[:, None]).sum(axis=0) / 12
-    products = p[:, 0] * (2 * p[:, 1] + q[:, 1]) + q[:, 0] * (p[:, 1] + 2 * q[:, 1])
-    mixed = (products * cross).sum() / 24
-    second = np.array([[squares[0], mixed], [mixed, squares[1]]]) / area - np.outer(centroid, centroid)
-    spread, axes = np.linalg.eigh(second)
-    return Moments(
-        area=abs(float(area)),
-        centroid=centroid + origin,
-        axes=axes.T[::-1],
-        spread=spread[::-1] * abs(area),
-    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -179,9 +133,7 @@ def normals_of(points: Points, period: float) -> Points:
     smooth = smoothed(points, round(period))
     tangent = np.roll(smooth, -2, axis=0) - np.roll(smooth, 2, axis=0)
     tangent /= np.maximum(np.linalg.norm(tangent, axis=1, keepdims=True), 1e-9)
-    p, q = smooth, np.roll(smooth, -1, axis=0)
-    turn = 1.0 if (p[:, 0] * q[:, 1] - q[:, 0] * p[:, 1]).sum() > 0 else -1.0
-    return np.stack([tangent[:, 1], -tangent[:, 0]], axis=-1) * turn
+    return np.stack([tangent[:, 1], -tangent[:, 0]], axis=-1) * (1.0 if signed_area(smooth) > 0 else -1.0)
 
 
 def _profile(
@@ -215,7 +167,7 @@ def _beyond_ridges(edge: ContactOutline) -> FloatArray:
     return (_ENDS + _FOLLOWING * edge.along) * edge.period
 
 
-def axis_weights(moments: Moments, points: Points) -> FloatArray:
+def axis_weights(moments: AreaMoments, points: Points) -> FloatArray:
     """Return the change of (semi_major, semi_minor, area) for a unit of area added at each point, (n, 3)."""
     place = (points - moments.centroid) @ moments.axes.T
     stretch = (place[:, 0] ** 2 / moments.spread[0] - place[:, 1] ** 2 / moments.spread[1]) / 4

@@ -11,15 +11,14 @@ import numpy.typing as npt
 from fingerpad._arrays import BoolArray, FloatArray
 from fingerpad.image.contact_image._outline import (
     ContactOutline,
-    Moments,
     axis_weights,
     contact_outline,
     edge_shift,
-    moments_of,
     outline_covariance,
 )
 from fingerpad.image.contact_image._region import UInt8
 from fingerpad.image.contact_image._working_image import WorkingImage
+from fingerpad.image.ellipse import AreaMoments, polygon_moments
 
 # Half-way through a ramp of this many levels on each side, a pixel counts as half a ridge.
 _RAMP = 64
@@ -45,7 +44,7 @@ class Patch:
     255.
     """
 
-    moments: Moments
+    moments: AreaMoments
     outline: npt.NDArray[np.float64]
     ridge_area: float
     ridge_level: float
@@ -85,7 +84,7 @@ def measure_patch(
     pixel = view.steps[0] * view.steps[1]
     ridges = _ridges_in(_counts(amount, patch), edge.noise, view.period, by_threshold=by_threshold)
     points = view.to_picture(edge.points)
-    moments = moments_of(points)
+    moments = polygon_moments(points)
     covariance = np.zeros((4, 4))
     weights = axis_weights(moments, points) * pixel
     covariance[:3, :3] = outline_covariance(edge, weights)
@@ -103,7 +102,7 @@ def measure_patch(
         ridge_area=ridge_area * pixel,
         ridge_level=ridges.level,
         covariance=covariance,
-        overlap=_overlap(edge.points, moments_of(edge.points)),
+        overlap=_overlap(edge.points, polygon_moments(edge.points)),
         touches_border=view.touches_border(edge.points, edge.steps),
         cut_by_mask=view.cut_by_mask(edge.points, edge.steps),
     )
@@ -159,7 +158,7 @@ def _smeared(amount: UInt8, patch: BoolArray, period: float) -> BoolArray:
     return patch & (cv2.resize(smooth, patch.shape[::-1], interpolation=cv2.INTER_NEAREST) > 0)
 
 
-def _overlap(outline: npt.NDArray[np.float64], moments: Moments) -> float:
+def _overlap(outline: npt.NDArray[np.float64], moments: AreaMoments) -> float:
     """Return the intersection over union of an outline and its ellipse."""
     t = np.linspace(0, 2 * math.pi, 120, endpoint=False)
     along, across = moments.semi_axes[:, None, None] * moments.axes[:, None, :]

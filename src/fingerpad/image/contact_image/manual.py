@@ -10,11 +10,12 @@ import numpy as np
 import numpy.typing as npt
 from scipy.spatial import cKDTree
 
-from fingerpad._arrays import BoolArray, FloatArray, as_float_array
+from fingerpad._arrays import BoolArray, as_float_array
 from fingerpad.exceptions import ImageError
 from fingerpad.image.contact_image._outline import ContactOutline, normals_of, resampled, smoothed, steps_of
 from fingerpad.image.contact_image._region import UInt8
 from fingerpad.image.contact_image._working_image import WorkingImage
+from fingerpad.image.ellipse import ImageEllipse
 
 Points: TypeAlias = npt.NDArray[np.float64]
 
@@ -46,34 +47,8 @@ class BrushStroke:
     radius: float
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ManualEllipse:
-    """A contact ellipse placed by hand.
-
-    Attributes
-    ----------
-    centre : (float, float)
-        (row, column), px.
-    semi_axes : (float, float)
-        Major and minor, px.
-    orientation : float
-        Angle of the major axis from straight up, counter-clockwise as seen on the screen, radians.
-    """
-
-    centre: tuple[float, float]
-    semi_axes: tuple[float, float]
-    orientation: float = 0.0
-
-    def points(self, count: int) -> FloatArray:
-        """Return points (row, column) round the ellipse, px."""
-        t = np.linspace(0, 2 * math.pi, count, endpoint=False)
-        sine, cosine = math.sin(self.orientation), math.cos(self.orientation)
-        local = np.stack([np.cos(t), np.sin(t)], axis=-1) * self.semi_axes
-        return np.asarray(local @ [[cosine, sine], [-sine, cosine]] + self.centre)
-
-
 def outline_of_ellipse(
-    ellipse: ManualEllipse, view: WorkingImage, *, noise: float
+    ellipse: ImageEllipse, view: WorkingImage, *, noise: float
 ) -> tuple[BoolArray, ContactOutline]:
     """Return the patch and the edge of an ellipse placed by hand.
 

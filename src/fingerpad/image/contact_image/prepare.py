@@ -20,11 +20,11 @@ from fingerpad.image.contact_image._ridges import Signal, ridge_amount, signal_o
 from fingerpad.image.contact_image._working_image import WorkingImage
 from fingerpad.image.contact_image.manual import (
     BrushStroke,
-    ManualEllipse,
     outline_after_strokes,
     outline_of_ellipse,
 )
 from fingerpad.image.contact_image.result import ContactImageResult
+from fingerpad.image.ellipse import ImageEllipse
 from fingerpad.image.scale import Scale
 
 _NOMINAL_RIDGE_PERIOD_MM = 0.45
@@ -64,7 +64,7 @@ class PreparedContactImage:
         return assemble_result(self._ridged, self._region, self.scale, edited=False)
 
     def with_corrections(
-        self, strokes: Sequence[BrushStroke] = (), ellipse: ManualEllipse | None = None
+        self, strokes: Sequence[BrushStroke] = (), ellipse: ImageEllipse | None = None
     ) -> ContactImageResult:
         """Measure the contact as a person corrects it.
 

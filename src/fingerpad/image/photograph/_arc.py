@@ -1,6 +1,7 @@
 """The part of a finger's outline that is pad: the longest arc round its middle that one ellipse fits."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import TypeAlias
@@ -10,13 +11,27 @@ import numpy.typing as npt
 
 from fingerpad._arrays import BoolArray, FloatArray
 from fingerpad.exceptions import FitError
+from fingerpad.geometry.faces import Face
 from fingerpad.image._orthogonal_fit import distances
 from fingerpad.image.photograph._edges import SubpixelOutline
-from fingerpad.image.photograph._face_frame import PAD_MIDDLE, PAD_REACH
-from fingerpad.image.photograph.faces import Face
 from fingerpad.image.photograph.outline_fit import OutlineFit, fit_outline_ellipse, parametric_angles
 
 IndexArray: TypeAlias = npt.NDArray[np.intp]
+
+# Middle of the pad's arc as parametric angle from x (across) towards y (along), radians.
+PAD_MIDDLE: Mapping[Face, float] = {
+    "palmar": math.pi / 2,
+    "distal": math.pi / 2,
+    "radial": math.pi / 6,
+    "ulnar": math.pi / 6,
+}
+# Widest arc that can be pad, on either side of its middle.
+PAD_REACH: Mapping[Face, float] = {
+    "palmar": math.radians(100),
+    "distal": math.radians(105),
+    "radial": math.radians(95),
+    "ulnar": math.radians(95),
+}
 
 # What an edge can be off without showing it (compression, light on the limb), alike all round and slowly
 # along it: a least value, px, and a share of the noise over the step; found on rendered photographs.
@@ -123,7 +138,7 @@ def longest_arc(points: FloatArray, order: IndexArray, middle: float, lean: tupl
                 trim = round(_END_MARGIN * (last - first))
                 arc = fitted_arc(points, order[first + trim : last - trim], lean, start=values)
                 arc = replace(arc, shared_px=_SHARED_FOUND_PX)
-                values = arc.fit.values
+                values = np.array(arc.fit.ellipse)
         except FitError:
             continue
         doubt = float((np.sqrt(np.diagonal(arc.fit.covariance))[2:4] / values[2:4]).max())
@@ -151,7 +166,7 @@ def fitted_arc(
         fit = fit_outline_ellipse(
             track[good], lean=lean[0], lean_std=lean[1], places=np.flatnonzero(good), start=values
         )
-        values, before = fit.values, good
+        values, before = np.array(fit.ellipse), good
         good = _standing(distances(values, track)[0])
         if good.sum() < _LEAST_POINTS or (good == before).all():
             break

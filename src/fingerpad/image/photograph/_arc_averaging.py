@@ -9,6 +9,7 @@ from scipy.special import softmax
 
 from fingerpad._arrays import FloatArray
 from fingerpad.image._orthogonal_fit import distances
+from fingerpad.image.ellipse import PlaneEllipse
 from fingerpad.image.photograph._arc import IndexArray, PadArc
 from fingerpad.image.photograph.outline_fit import (
     departure_covariance,
@@ -82,7 +83,7 @@ def averaged_over_ends(
     spacing : float
         Distance of the outline's neighbouring points, px.
     """
-    values = arc.fit.values
+    values = np.array(arc.fit.ellipse)
     semi = math.sqrt(values[2] * values[3])
     unit = np.array([semi, semi, semi, semi, 1.0])
     noise = arc.fit.residual_std * math.sqrt(arc.fit.correlation / _BLOCK)
@@ -98,15 +99,7 @@ def averaged_over_ends(
     change, covariance = change * unit, covariance * np.outer(unit, unit)
     if not (np.abs(change[2:4]) < _MOST_CHANGE * values[2:4]).all():
         return arc
-    x, y, semi_x, semi_y, angle = values + change
-    fit = replace(
-        arc.fit,
-        centre=np.array([x, y]),
-        semi_x=float(semi_x),
-        semi_y=float(semi_y),
-        lean=float(angle),
-        covariance=covariance,
-    )
+    fit = replace(arc.fit, ellipse=PlaneEllipse(*(values + change).tolist()), covariance=covariance)
     return replace(arc, fit=fit)
 
 

@@ -11,6 +11,7 @@ from scipy.ndimage import gaussian_filter1d
 from scipy.special import ndtr
 
 from fingerpad._arrays import BoolArray, FloatArray
+from fingerpad.image.ellipse import signed_area
 
 # Samples per pixel along a normal, and blurs (standard deviation, px) that are tried.
 _DENSITY = 2
@@ -96,9 +97,7 @@ def _resampled(contour: FloatArray, spacing: float, *, closed: bool) -> tuple[Fl
     else:
         tangent = np.gradient(points, axis=0)
     tangent /= np.maximum(np.linalg.norm(tangent, axis=1, keepdims=True), 1e-12)
-    row, column = points.T
-    area = float(np.sum(row * np.roll(column, -1) - column * np.roll(row, -1)))
-    normals = np.stack([tangent[:, 1], -tangent[:, 0]], axis=-1) * math.copysign(1.0, area)
+    normals = np.stack([tangent[:, 1], -tangent[:, 0]], axis=-1) * math.copysign(1.0, signed_area(points))
     return points, normals
 
 

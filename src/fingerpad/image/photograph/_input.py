@@ -7,10 +7,12 @@ import numpy as np
 import numpy.typing as npt
 
 from fingerpad._arrays import ArrayLike, FloatArray, as_float_array
+from fingerpad._srgb import linear_light
 from fingerpad.exceptions import ImageError
+from fingerpad.geometry.faces import Direction, Face
 from fingerpad.image._arguments import number_array, picture_array
+from fingerpad.image._levels import LUMA
 from fingerpad.image.photograph._edges import SubpixelOutline
-from fingerpad.image.photograph._face_frame import Direction
 from fingerpad.image.photograph._silhouette import Silhouette
 
 Window: TypeAlias = tuple[slice, slice]
@@ -18,6 +20,21 @@ IndexArray: TypeAlias = npt.NDArray[np.intp]
 
 # How far a mark may be off the outline, in widths of the finger.
 _MARK_REACH = 0.1
+
+
+def opponent_light(pixels: npt.NDArray[Any]) -> npt.NDArray[np.float32]:
+    """Return luma as light, then red and blue beyond it; luma alone for a grey picture.
+
+    Cameras' files keep luma sharp and colour at half the resolution: apart, each is trusted as it deserves.
+    """
+    if pixels.ndim == 2:
+        return linear_light(pixels)[..., None]
+    light = linear_light(pixels[..., :3])
+    luma = light @ LUMA
+    np.subtract(light[..., 0], luma, out=light[..., 1])
+    light[..., 2] -= luma
+    light[..., 0] = luma
+    return light
 
 
 def between(edges: SubpixelOutline, marks: FloatArray) -> IndexArray:
@@ -53,6 +70,11 @@ def within(edges: SubpixelOutline, window: Window) -> IndexArray:
     pieces = np.split(order, np.flatnonzero(np.diff(inside[order].astype(int))) + 1)
     longest: IndexArray = max((piece for piece in pieces if inside[piece[0]]), key=len, default=order[:0])
     return longest
+
+
+def pad_sides(face: Face, tip: Direction, palmar: Direction) -> tuple[Direction, ...]:
+    """Return the sides of the frame that the pad faces, where it must not be cut."""
+    return {"palmar": (tip,), "distal": (palmar,)}.get(face, (tip, palmar))
 
 
 def require_uncut(silhouette: Silhouette, sides: tuple[Direction, ...], tip: Direction) -> None:

@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from fingerpad._arrays import BoolArray, FloatArray
 from fingerpad.exceptions import ImageError
-from fingerpad.image.photograph._face_frame import STEPS, Direction
+from fingerpad.geometry.faces import STEPS, Direction
 
 _SIDE_PX = 900
 _LEAST_SIDE_PX = 32

@@ -6,7 +6,8 @@ import numpy as np
 
 from fingerpad._arrays import as_float_array
 from fingerpad.exceptions import ImageError
-from fingerpad.image.photograph.faces import Face, FaceSemiAxes
+from fingerpad.geometry.faces import Face
+from fingerpad.image.photograph.faces import FaceSemiAxes
 from fingerpad.image.scale import Scale
 
 

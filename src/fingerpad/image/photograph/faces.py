@@ -9,9 +9,8 @@ all of them (Peelle's pertinent puzzle).
 """
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Literal, TypeAlias
 
 import numpy as np
 from scipy.linalg import block_diag, solve_triangular
@@ -20,17 +19,7 @@ from scipy.stats import chi2
 
 from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, as_float_array
 from fingerpad.exceptions import FitError
-
-Face: TypeAlias = Literal["palmar", "distal", "radial", "ulnar"]
-
-SEMI_AXES = ("palmar", "distal", "radial_ulnar")
-# The semi-axes that (x, y), that is (across, along), show in a photograph of each face.
-FACE_AXES: Mapping[Face, tuple[str, str]] = {
-    "palmar": ("radial_ulnar", "distal"),
-    "distal": ("radial_ulnar", "palmar"),
-    "radial": ("palmar", "distal"),
-    "ulnar": ("palmar", "distal"),
-}
+from fingerpad.geometry.faces import FACE_AXES, SEMI_AXES, Face
 
 # Semi-axes of any finger pad lie between these.
 PLAUSIBLE_SEMI_AXIS_MM = (2.0, 40.0)

@@ -10,8 +10,9 @@ import numpy.typing as npt
 
 from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, as_float_array
 from fingerpad.exceptions import FitError, ImageError
-from fingerpad.image.photograph._face_frame import PAD_MIDDLE, Direction, face_axes, palmar_directions
-from fingerpad.image.photograph.faces import Face
+from fingerpad.geometry.faces import Direction, Face, face_axes, palmar_directions
+from fingerpad.image.ellipse import rotation
+from fingerpad.image.photograph._arc import PAD_MIDDLE
 from fingerpad.image.photograph.measure import PhotographFit, size_flags
 from fingerpad.image.photograph.outline_fit import fit_outline_ellipse, parametric_angles
 from fingerpad.image.scale import Scale
@@ -87,7 +88,7 @@ def photograph_from_ellipse(
         edge_covariance=2 * (own_std * scale.mm_per_px) ** 2 * np.eye(2),
         scale=scale,
         centre=(float(centre[0]), float(centre[1])),
-        directions=_turned(face_axes(face, tip, side), lean),
+        directions=rotation(lean).T @ face_axes(face, tip, side),
         lean=lean,
         lean_std=own_std / float(semi_px.max()),
         arc=(PAD_MIDDLE[face] - math.pi, PAD_MIDDLE[face] + math.pi),
@@ -199,7 +200,7 @@ def with_marked_points(
         return found
     left_out = np.concatenate([found.outliers, found.points[~kept]])
     points = np.concatenate([found.points[kept], marks])
-    axes = _turned(found.directions, -found.lean)
+    axes = rotation(found.lean) @ found.directions
     centre = as_float_array(found.centre)
     local = (points - centre) @ axes.T
     start = np.array([0.0, 0.0, *(found.semi_axes / found.scale.mm_per_px), found.lean])
@@ -210,15 +211,16 @@ def with_marked_points(
         local, lean=found.lean, lean_std=max(found.lean_std, 1e-3), places=places, start=start
     )
     shared = fit.shared_error_covariance(_SHARED_PX, _SHARED_PX, _SHARED_REACH)
-    place = fit.centre @ axes + centre
-    angles = _about_middle(parametric_angles(local, fit.values), found)
+    x, y, semi_x, semi_y, lean = fit.ellipse
+    place = np.array([x, y]) @ axes + centre
+    angles = _about_middle(parametric_angles(local, fit.ellipse), found)
     result = replace(
         found,
-        semi_axes=np.array([fit.semi_x, fit.semi_y]) * found.scale.mm_per_px,
+        semi_axes=np.array([semi_x, semi_y]) * found.scale.mm_per_px,
         edge_covariance=(fit.covariance + shared)[2:4, 2:4] * found.scale.mm_per_px**2,
         centre=(float(place[0]), float(place[1])),
-        directions=_turned(axes, fit.lean),
-        lean=fit.lean,
+        directions=rotation(lean).T @ axes,
+        lean=lean,
         lean_std=math.sqrt(fit.covariance[4, 4]),
         arc=(float(angles.min()), float(angles.max())),
         points=points,
@@ -233,12 +235,6 @@ def with_marked_points(
         )
     flags = found.flags - size_flags(found.semi_axes) | size_flags(result.semi_axes)
     return replace(result, flags=flags | {"by_hand"})
-
-
-def _turned(axes: FloatArray, lean: float) -> FloatArray:
-    """Return a face's axes turned from the first towards the second."""
-    turn = np.array([[math.cos(lean), math.sin(lean)], [-math.sin(lean), math.cos(lean)]])
-    return np.asarray(turn @ axes)
 
 
 def _in_order(local: FloatArray, start: FloatArray, found: PhotographFit) -> tuple[IntArray, IntArray]:

@@ -13,18 +13,19 @@ import numpy.typing as npt
 
 from fingerpad._arrays import ArrayLike, FloatArray
 from fingerpad.exceptions import FitError, ImageError
-from fingerpad.image.photograph._arc import PadArc, candidate_points, fitted_arc, longest_arc, widened
+from fingerpad.geometry.faces import FACE_AXES, Direction, Face, face_axes, opposite, palmar_directions
+from fingerpad.image.ellipse import rotation
+from fingerpad.image.photograph._arc import (
+    PAD_MIDDLE,
+    PadArc,
+    candidate_points,
+    fitted_arc,
+    longest_arc,
+    widened,
+)
 from fingerpad.image.photograph._arc_averaging import averaged_over_ends
 from fingerpad.image.photograph._arc_extension import with_flanks
 from fingerpad.image.photograph._edges import SubpixelOutline, locate_edges
-from fingerpad.image.photograph._face_frame import (
-    PAD_MIDDLE,
-    Direction,
-    face_axes,
-    opposite,
-    pad_sides,
-    palmar_directions,
-)
 from fingerpad.image.photograph._finger_axis import finger_lean
 from fingerpad.image.photograph._input import (
     Window,
@@ -32,12 +33,13 @@ from fingerpad.image.photograph._input import (
     checked_marks,
     checked_picture,
     checked_window,
+    opponent_light,
+    pad_sides,
     require_uncut,
     within,
 )
 from fingerpad.image.photograph._silhouette import Silhouette, find_silhouette
-from fingerpad.image.photograph._srgb import opponent_light
-from fingerpad.image.photograph.faces import FACE_AXES, Face, FaceSemiAxes, implausible_size
+from fingerpad.image.photograph.faces import FaceSemiAxes, implausible_size
 from fingerpad.image.photograph.outline_fit import parametric_angles
 from fingerpad.image.scale import Scale
 
@@ -297,20 +299,19 @@ def _result(
 ) -> PhotographFit:
     """Return what was fitted in the face's frame, as lengths and as places in the picture."""
     fit, (axes, place), (edges, silhouette) = arc.fit, frame, seen
-    turn = np.array([[math.cos(fit.lean), math.sin(fit.lean)], [-math.sin(fit.lean), math.cos(fit.lean)]])
-    centre = fit.centre @ axes + place
+    x, y, semi_x, semi_y, lean = fit.ellipse
+    centre = np.array([x, y]) @ axes + place
     middle = PAD_MIDDLE[face]
-    angles = parametric_angles((edges.points[arc.used] - place) @ axes.T, fit.values)
+    angles = parametric_angles((edges.points[arc.used] - place) @ axes.T, fit.ellipse)
     angles = middle + (angles - middle + math.pi) % (2 * math.pi) - math.pi
-    semi_px = np.array([fit.semi_x, fit.semi_y])
     found = PhotographFit(
         face=face,
-        semi_axes=semi_px * scale.mm_per_px,
+        semi_axes=np.array([semi_x, semi_y]) * scale.mm_per_px,
         edge_covariance=fit.covariance[2:4, 2:4] * scale.mm_per_px**2,
         scale=scale,
         centre=(float(centre[0]), float(centre[1])),
-        directions=turn @ axes,
-        lean=fit.lean,
+        directions=rotation(lean).T @ axes,
+        lean=lean,
         lean_std=math.sqrt(fit.covariance[4, 4]),
         arc=(float(angles.min()), float(angles.max())),
         points=edges.points[arc.used],

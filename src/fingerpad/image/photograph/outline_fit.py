@@ -21,7 +21,8 @@ from scipy.stats import t as student
 from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, as_float_array
 from fingerpad.exceptions import FitError
 from fingerpad.image._orthogonal_fit import Parameters, distances
-from fingerpad.image.ellipse_fit import fit_aligned_ellipse
+from fingerpad.image.ellipse import PlaneEllipse, rotation
+from fingerpad.image.ellipse_fit import EllipseFit, fit_aligned_ellipse
 
 _ROUNDS = 2
 # The window of the autocovariance's sum, in correlation lengths (Sokal 1997, section 3).
@@ -31,46 +32,27 @@ _TWO_SIDED_95 = 1.959964
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class OutlineFit:
-    """An ellipse that leans a little against x and y, fitted to ordered points.
+class OutlineFit(EllipseFit):
+    """An ellipse fitted to ordered points; its covariance allows for their correlated errors.
 
     Attributes
     ----------
-    centre : ndarray, (2,)
-        (x, y), in the unit of the points.
-    semi_x, semi_y : float
-        Semi-axes along x and y before the lean, never sorted.
-    lean : float
-        Turn from x towards y, radians.
-    covariance : ndarray, (5, 5)
-        Of (x, y, semi_x, semi_y, lean), correlated errors allowed for.
+    ellipse, covariance, residual_std
+        As of an `EllipseFit`; the residuals are those on the arc.
     residuals : ndarray, (n,)
         Signed orthogonal distances of all points, outwards positive.
     angles : ndarray, (n,)
         Parametric angle of each point's foot, radians.
-    residual_std : float
-        Standard deviation of the residuals on the arc.
     correlation : float
         Number of neighbouring points that count as one.
     influence : ndarray, (5, n)
         How far each parameter moves when a point moves outwards by one.
     """
 
-    centre: FloatArray
-    semi_x: float
-    semi_y: float
-    lean: float
-    covariance: FloatArray
     residuals: FloatArray
     angles: FloatArray
-    residual_std: float
     correlation: float
     influence: FloatArray
-
-    @property
-    def values(self) -> FloatArray:
-        """The parameters (x, y, semi_x, semi_y, lean)."""
-        return np.array([*self.centre, self.semi_x, self.semi_y, self.lean])
 
     def shared_error_covariance(self, alike_std: float, smooth_std: float, reach: float) -> FloatArray:
         """Return the covariance from errors that residuals cannot show, since an ellipse can follow them.
@@ -131,7 +113,7 @@ def fit_outline_ellipse(
     --------
     >>> from fingerpad.simulate import outline_points
     >>> fit = fit_outline_ellipse(outline_points(11.8, 13.8, count=200, arc=(0.5, 2.6), noise_std=0.01))
-    >>> round(fit.semi_x, 1), round(fit.semi_y, 1)
+    >>> round(fit.ellipse.semi_x, 1), round(fit.ellipse.semi_y, 1)
     (11.8, 13.8)
     """
     points = as_float_array(points)
@@ -164,11 +146,11 @@ def fit_outline_ellipse(
     covariance = widening * inverse * np.outer(unit, unit)
     # By convention a distance grows outwards and falls as the ellipse does.
     influence = -inverse @ errors.weighted(design).T * (unit / size)[:, None]
+    x, y = values[:2] * size + shift
     return OutlineFit(
-        centre=values[:2] * size + shift,
-        semi_x=float(values[2] * size),
-        semi_y=float(values[3] * size),
-        lean=float(values[4]),
+        ellipse=PlaneEllipse(
+            float(x), float(y), float(values[2] * size), float(values[3] * size), float(values[4])
+        ),
         covariance=np.asarray(covariance, dtype=np.float64),
         residuals=residuals * size,
         angles=parametric_angles(local, values),
@@ -236,23 +218,22 @@ def _end_radii(values: Parameters, arc: FloatArray) -> tuple[float, float]:
     return float(first), float(last)
 
 
-def radii_of_curvature(values: Parameters, angles: FloatArray) -> FloatArray:
+def radii_of_curvature(values: Parameters | PlaneEllipse, angles: FloatArray) -> FloatArray:
     """Return the radius of curvature (a² sin² t + b² cos² t)^(3/2) / (a b) at parametric angles t."""
     speed = np.hypot(values[2] * np.sin(angles), values[3] * np.cos(angles))
     return np.asarray(speed**3 / (values[2] * values[3]), dtype=np.float64)
 
 
-def parametric_angles(points: FloatArray, values: Parameters) -> FloatArray:
+def parametric_angles(points: FloatArray, values: Parameters | PlaneEllipse) -> FloatArray:
     """Return the parametric angle of points seen from an ellipse's centre, radians in (−π, π]."""
-    turn = np.array([[math.cos(values[4]), -math.sin(values[4])], [math.sin(values[4]), math.cos(values[4])]])
-    local = (points - values[:2]) @ turn
+    local = (points - values[:2]) @ rotation(values[4])
     return np.asarray(np.arctan2(local[:, 1] / values[3], local[:, 0] / values[2]), dtype=np.float64)
 
 
 def _start(points: FloatArray, lean: float) -> Parameters:
-    turn = np.array([[math.cos(lean), -math.sin(lean)], [math.sin(lean), math.cos(lean)]])
-    aligned = fit_aligned_ellipse(points @ turn)
-    return np.array([*(turn @ aligned.centre), aligned.semi_x, aligned.semi_y, lean])
+    turn = rotation(lean)
+    x, y, semi_x, semi_y, _ = fit_aligned_ellipse(points @ turn).ellipse
+    return np.array([*(turn @ (x, y)), semi_x, semi_y, lean])
 
 
 def _scaled(values: FloatArray, shift: FloatArray, size: float) -> Parameters:
