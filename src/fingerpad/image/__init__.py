@@ -6,6 +6,7 @@ from fingerpad.image.coin.measure import Coin, measure_coin
 from fingerpad.image.colour import read_colour_image
 from fingerpad.image.contact_image.manual import BrushStroke
 from fingerpad.image.contact_image.measure import measure_contact_image
+from fingerpad.image.contact_image.options import ContactImageOptions, MeasurementRegion
 from fingerpad.image.contact_image.overlay import draw_overlay, write_overlay
 from fingerpad.image.contact_image.prepare import PreparedContactImage, prepare_contact_image
 from fingerpad.image.contact_image.result import (
@@ -57,7 +58,6 @@ from fingerpad.image.sequence.measure import assign_times, measure_frames, measu
 from fingerpad.image.sequence.phases import PHASES, Phase, phases_of
 from fingerpad.image.sequence.result import FrameResult, SequenceSummary, sequence_summary
 from fingerpad.image.sequence.settings import (
-    MeasurementRegion,
     SequenceSettings,
     TextureScan,
     estimate_settings,
@@ -74,6 +74,7 @@ __all__ = [
     "SEMI_AXES",
     "BrushStroke",
     "Coin",
+    "ContactImageOptions",
     "ContactImageResult",
     "ContactImageSettings",
     "Direction",

@@ -54,6 +54,18 @@ def top_level(levels: Pixels) -> float | None:
     return {np.dtype(np.uint8): 255.0, np.dtype(np.uint16): 65535.0}.get(levels.dtype)
 
 
+def eight_bit(levels: Pixels) -> npt.NDArray[np.uint8]:
+    """Return levels of any depth as 8 bits."""
+    if levels.dtype == np.uint8:
+        return np.asarray(levels, dtype=np.uint8)
+    top = top_level(levels) or max(1.0, float(levels.max()))
+    eight = np.empty(levels.shape, dtype=np.uint8)
+    for start in range(0, len(levels), _BLOCK_ROWS):
+        rows = slice(start, start + _BLOCK_ROWS)
+        eight[rows] = np.clip(np.rint(levels[rows] * (255 / top)), 0, 255)
+    return eight
+
+
 def on_white(colour: npt.NDArray[Any], alpha: npt.NDArray[Any], *, premultiplied: bool = False) -> Pixels:
     """Return levels (rows, columns[, 3]) laid on white by their alpha (rows, columns)."""
     levels = storable(colour)

@@ -32,7 +32,7 @@ _READABLE = "PNG, TIFF, JPEG, BMP or PGM"
 _TIFF_STARTS: Final = (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")
 _ORIENTATION_TAG: Final = 274
 # Files without a true resolution carry 0 or 1 here.
-_LEAST_PPI = 10.0
+_MIN_PPI = 10.0
 # ImageJ keeps its scale as pixels per unit, and the unit in the description.
 _IMAGEJ_UNITS: Final = {"inch": 1.0, "cm": 2.54, "mm": 25.4, "um": 25400.0, "micron": 25400.0}
 
@@ -253,7 +253,7 @@ def _plausible_resolution(pair: Any) -> float | None:
         across, down = (float(value) for value in pair)
     except (TypeError, ValueError, ZeroDivisionError):
         return None
-    if not (math.isfinite(across) and across >= _LEAST_PPI) or not math.isclose(across, down, rel_tol=0.01):
+    if not (math.isfinite(across) and across >= _MIN_PPI) or not math.isclose(across, down, rel_tol=0.01):
         return None
     # PNG and BMP keep whole pixels per metre: 500 ppi comes back as 499.999.
     return round(across) if abs(across - round(across)) < 0.02 else across

@@ -24,7 +24,7 @@ _TILT_ROWS, _ZERO_ROWS = 4, 2
 # An area this near to contact, as a share of the depth, may be cut off at zero by its noise.
 _NEAR_CONTACT = 0.1
 _CONTACT_DEVIATIONS = 5.0
-_LEAST_LOADING = 5
+_MIN_LOADING = 5
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -48,10 +48,10 @@ def prepare(curve: LoadingCurve, poisson_ratio: float, cycle: int) -> Press:
     rows = np.arange(begin, chosen.loading.stop)
     full = saturated(curve, chosen.loading)
     rows = rows[np.append(np.zeros(before, dtype=bool), full) == 0]
-    if rows.size - before < _LEAST_LOADING:
+    if rows.size - before < _MIN_LOADING:
         raise FitError(
             f"{rows.size - before} rows in contact while the load grows (saturated ones left out); at least "
-            f"{_LEAST_LOADING} are needed"
+            f"{_MIN_LOADING} are needed"
         )
     smooth = smoothed(curve.indentation[begin : chosen.loading.stop])[rows - begin]
     contact = smooth[before] if before < smooth.size else smooth[-1]

@@ -15,7 +15,7 @@ from fingerpad.loading.least_squares import effective_count, fit_least_squares
 # Beyond these no finger pad lies, mm and MPa: a slip of units.
 PLAUSIBLE_RADIUS, PLAUSIBLE_MODULUS = (2.0, 100.0), (0.001, 5.0)
 # A given radius is doubted when the slope of the area is so many standard uncertainties away.
-_CONTRADICTED, _LEAST_AREAS = 4.0, 5
+_CONTRADICTED, _MIN_AREAS = 4.0, 5
 # An area at contact is doubtful from this many standard uncertainties on.
 _OFFSET_DEVIATIONS = 3.0
 _NO_RADIUS = (
@@ -90,7 +90,7 @@ def implausible(main: JointFit, given: float | Estimate | None, *, known: bool) 
     modulus = main.values["initial_modulus"] + main.values["load_coefficient"] * top_load(main)
     record = main.record
     contradicted = False
-    if given is not None and record.area.size >= _LEAST_AREAS:
+    if given is not None and record.area.size >= _MIN_AREAS:
         line = stats.linregress(np.pi * record.smooth_displacement[record.with_area], record.area)
         std = given.std if isinstance(given, Estimate) else 0.0
         contradicted = abs(line.slope - radius) > _CONTRADICTED * math.hypot(line.stderr, std, 0.02 * radius)

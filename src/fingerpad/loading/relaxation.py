@@ -19,9 +19,9 @@ from fingerpad.loading.least_squares import LeastSquaresFit, Residuals, effectiv
 from fingerpad.loading.segments import Cycle, smoothed
 
 # A term that takes off less than this share of the squares ends the search for more.
-_MOST_TERMS, _GAIN = 3, 0.995
+_MAX_TERMS, _GAIN = 3, 0.995
 _FINE = 500
-_MOST_ROWS = 600
+_MAX_ROWS = 600
 _PATIENCE = 150
 
 
@@ -101,7 +101,7 @@ def fit_relaxation(curve: LoadingCurve, cycle: Cycle, contact_offset: float) -> 
     parts = [smoothed(curve.indentation[part.rows]) for part in (cycle.loading, cycle.hold)]
     depth = np.maximum(np.concatenate(parts) - contact_offset, 0.0)
     ramp, whole = float(time[len(cycle.loading) - 1]), float(time[-1])
-    some = np.unique(np.linspace(0, load.size - 1, min(load.size, _MOST_ROWS)).astype(int))
+    some = np.unique(np.linspace(0, load.size - 1, min(load.size, _MAX_ROWS)).astype(int))
     time, load, depth = time[some], load[some], depth[some]
     fine = np.linspace(0, whole, _FINE)
     motion = np.interp(fine, time, depth / depth.max())
@@ -114,7 +114,7 @@ def fit_relaxation(curve: LoadingCurve, cycle: Cycle, contact_offset: float) -> 
 
     fits: list[LeastSquaresFit] = []
     start = [0.5 * top, 0.5]
-    for count in range(_MOST_TERMS + 1):
+    for count in range(_MAX_TERMS + 1):
         try:
             fits.append(_with_terms(lambda p: load - model(p), start, count, ramp, whole))
         except FitError:

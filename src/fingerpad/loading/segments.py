@@ -13,7 +13,7 @@ from fingerpad.exceptions import LoadingError
 from fingerpad.loading.estimate import Estimate
 
 # A platen slower than this share of its usual speed rests; phases shorter than this share are none.
-_RESTING, _LEAST = 0.2, 0.02
+_RESTING, _MIN_DURATION = 0.2, 0.02
 _RISE, _REST, _FALL = 1, 0, -1
 # Rows at the sensor's very maximum, while the platen still moves, that show it was saturated.
 _SATURATED_ROWS = 4
@@ -235,7 +235,7 @@ def _phases_over(curve: LoadingCurve, rows: int) -> npt.NDArray[np.int8]:
     rate = np.gradient(smooth)
     usual = float(np.average(np.abs(rate), weights=np.abs(rate)))
     phases = np.where(np.abs(rate) < _RESTING * usual, _REST, np.sign(rate)).astype(np.int8)
-    least = max(2, round(_LEAST * phases.size))
+    least = max(2, round(_MIN_DURATION * phases.size))
     while True:
         starts = np.flatnonzero(np.diff(phases, prepend=9))
         ends = np.append(starts[1:], phases.size)

@@ -13,7 +13,7 @@ from fingerpad.simulate.contact_image import Look, render_contact_image
 from fingerpad.units import MM_PER_INCH
 
 # Lighter contacts than this are a ground without a finger, mm.
-_LEAST_SEMI_AXIS = 0.05
+_MIN_SEMI_AXIS = 0.05
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -55,8 +55,8 @@ class SyntheticSequence:
     def pixels(self, index: int) -> npt.NDArray[np.uint8]:
         """Render one frame, (rows, columns); all have one size, and the contact in the middle."""
         major, minor = float(self.semi_major[index]), float(self.semi_minor[index])
-        if minor < _LEAST_SEMI_AXIS:
-            major = minor = _LEAST_SEMI_AXIS / 10
+        if minor < _MIN_SEMI_AXIS:
+            major = minor = _MIN_SEMI_AXIS / 10
         margin = 1.5 + float(self.semi_major.max()) - major
         rendered = render_contact_image(
             semi_major=major,

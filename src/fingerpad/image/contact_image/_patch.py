@@ -33,7 +33,7 @@ _HALVES = (slice(0, 128), slice(128, 256))
 _LEAN, _UPRIGHT = 2.12, -0.026
 _OWN, _LEANING, _NOISY = 0.31, 0.26, 0.058
 # Over windows of so many periods resolved ridges spread by more than so many levels.
-_WINDOW, _LEAST_SPREAD = 3.0, 76.0
+_WINDOW, _MIN_SPREAD = 3.0, 76.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -154,7 +154,7 @@ def _smeared(amount: UInt8, patch: BoolArray, period: float) -> BoolArray:
     part = np.ascontiguousarray(amount[::2, ::2])
     side = 2 * round(_WINDOW * period / 4) + 1
     mean, square = (box(part, cv2.CV_32F, (side, side)) for box in (cv2.boxFilter, cv2.sqrBoxFilter))
-    smooth = (square - mean * mean < _LEAST_SPREAD**2).astype(np.uint8)
+    smooth = (square - mean * mean < _MIN_SPREAD**2).astype(np.uint8)
     return patch & (cv2.resize(smooth, patch.shape[::-1], interpolation=cv2.INTER_NEAREST) > 0)
 
 

@@ -18,7 +18,7 @@ _STRIDE = 4
 # Periods that a 64 px window shows well at one level of the pyramid, px.
 _SHORTEST, _LONGEST, _MIDDLE = 4.0, 12.0, 7.0
 # A white-noise window puts about this share of its power into one spectral peak.
-_LEAST_CONCENTRATION = 0.14
+_MIN_CONCENTRATION = 0.14
 _LIVELY = 0.25
 
 # Of the spectrum, only what is no finer than the shortest period.
@@ -105,7 +105,7 @@ def _window_means(sparse: _Float32) -> _Float32:
 def _median_period(windows: npt.NDArray[Any]) -> tuple[float, float]:
     """Return the weighted median period of some windows, px, and how clearly they speak for it."""
     periods, shares = _window_periods(windows.astype(np.float32))
-    clear = shares > _LEAST_CONCENTRATION
+    clear = shares > _MIN_CONCENTRATION
     if np.count_nonzero(clear) < 3:
         return math.nan, 0.0
     return _weighted_median(periods[clear], shares[clear]), float(shares[clear].sum()) / shares.size

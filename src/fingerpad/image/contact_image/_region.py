@@ -15,12 +15,12 @@ HALF = 128
 # Radii in ridge periods.
 CLOSING_RADIUS = 1.1
 _OPENING_RADIUS = 0.8
-_LEAST_NOTCH = 1.0
+_MIN_NOTCH = 1.0
 # A neck is narrower than this share of the narrower of the widths on its two sides.
 _NECK_RATIO = 0.78
-_LEAST_PART = 0.03
+_MIN_PART = 0.03
 # Patches smaller than this share of the largest do not matter.
-_LEAST_SHARE = 0.1
+_MIN_SHARE = 0.1
 # Parts narrower than this share of the patch's width are not finger.
 _APPENDAGE_RATIO = 0.35
 _NEIGHBOURS = np.array([[1, 1, 1], [1, 0, 1], [1, 1, 1]], dtype=np.uint8)
@@ -68,7 +68,7 @@ def patches_of(closed: UInt8, period: float) -> list[BoolArray]:
     patches: list[BoolArray] = []
     contours, _ = cv2.findContours(opened.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
     areas = [cv2.contourArea(contour) for contour in contours]
-    least = max((3 * period) ** 2, _LEAST_SHARE * max(areas, default=0.0))
+    least = max((3 * period) ** 2, _MIN_SHARE * max(areas, default=0.0))
     for contour, area in zip(contours, areas, strict=True):
         if area < least:
             continue
@@ -140,7 +140,7 @@ def _split_at_necks(patch: BoolArray, period: float, depth: int = 4) -> list[Boo
         return [patch]
     canvas = patch.astype(np.uint8)
     cv2.line(canvas, cut[0], cut[1], 0, 1, cv2.LINE_4)
-    parts = _pieces(canvas > 0, share=_LEAST_PART)
+    parts = _pieces(canvas > 0, share=_MIN_PART)
     if len(parts) < 2:
         return [patch]
     return [piece for part in parts for piece in _split_at_necks(part, period, depth - 1)]
@@ -149,7 +149,7 @@ def _split_at_necks(patch: BoolArray, period: float, depth: int = 4) -> list[Boo
 def _neck(patch: BoolArray, period: float) -> tuple[tuple[int, int], tuple[int, int]] | None:
     """Return the ends (x, y) of the best cut across a neck, None where there is none."""
     contour = longest_contour(patch)
-    notches, depths = _notches(contour, _LEAST_NOTCH * period)
+    notches, depths = _notches(contour, _MIN_NOTCH * period)
     points = contour.reshape(-1, 2).astype(np.float64)
     best, best_ratio = None, _NECK_RATIO
     for start, depth in zip(notches, depths, strict=True):

@@ -17,13 +17,13 @@ _ROUNDS = 3
 # Weight of the whole picture's levels against a window's own, as a share of the window.
 _PRIOR = 0.03
 # Least rise from valley to ridge, as a share of the picture's contrast.
-_LEAST_RISE = 0.3
+_MIN_RISE = 0.3
 # Blocks and windows, and the smoothing, in ridge periods.
 _BLOCK, _WINDOW, _SMOOTHING = 1.35, 3.0, 0.09
 # Fewer quiet blocks than this show a level of the ground, but no slope.
-_LEAST_QUIET = 40
+_MIN_QUIET = 40
 # More than this are not needed.
-_MOST_QUIET = 300
+_MAX_QUIET = 300
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -94,7 +94,7 @@ def _contrast(flat: Float32Array, busy: BoolArray) -> float:
 def _thinned(quiet: BoolArray) -> npt.NDArray[np.intp]:
     """Return where some hundred quiet blocks are, as indices of the flat array."""
     places = np.flatnonzero(quiet)
-    return places[:: max(1, places.size // _MOST_QUIET)]
+    return places[:: max(1, places.size // _MAX_QUIET)]
 
 
 def _block_means(values: Float32Array | UInt8, side: int) -> Float32Array:
@@ -131,7 +131,7 @@ def _is_dark_on_light(means: Float32Array, ground: BoolArray, busy: BoolArray) -
 def _ground(means: Float32Array, quiet: npt.NDArray[np.intp], rim: BoolArray) -> Float32Array:
     """Return a quadratic surface through the lowest quiet blocks, and as near as those at the rim lie."""
     y, x = (np.linspace(-1, 1, n) for n in means.shape)
-    if quiet.size < _LEAST_QUIET:
+    if quiet.size < _MIN_QUIET:
         # With little ground to see, a constant is all that can be told.
         return np.full_like(means, np.percentile(means, 20))
     places = np.union1d(quiet, np.flatnonzero(rim))
@@ -198,7 +198,7 @@ def _levels(smooth: Float32Array, side: int, contrast: float) -> tuple[Float32Ar
         high = _window_means(np.multiply(inside, smooth, out=inside), side)
         valley = (whole - high) / ((1 + _PRIOR) - share)
         ridge = (high + _PRIOR * contrast) / (share + _PRIOR)
-        rise = np.maximum(ridge - valley, _LEAST_RISE * contrast)
+        rise = np.maximum(ridge - valley, _MIN_RISE * contrast)
         middle = valley + rise / 2
     return as_float32(valley), as_float32(rise)
 

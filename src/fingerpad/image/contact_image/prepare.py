@@ -127,12 +127,14 @@ def prepare_contact_image(
     mask: npt.ArrayLike | None = None,
     region_of_interest: tuple[int, int, int, int] | None = None,
 ) -> PreparedContactImage:
-    """Tell the ridges and the contact in a grey contact image, ready for a person's edits.
+    """Find the ridges and the contact in a grey contact image, ready for manual corrections.
 
     Parameters
     ----------
-    pixels, scale, **options
+    pixels, scale
         As for `measure_contact_image`.
+    dark_on_light, background, seed, threshold, contrast, ridge_period, mask, region_of_interest
+        See `ContactImageOptions`.
 
     Returns
     -------

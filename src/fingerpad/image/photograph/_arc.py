@@ -43,13 +43,13 @@ _SHARED_REACH = math.radians(25)
 _HYPOTHESES = 500
 _SPARSE = 240
 _BLOCKS = 72
-_LEAST_BLOCKS = 22
+_MIN_BLOCKS = 22
 # A block may be this many squared deviations off, on average, and still be worth having.
 _WORTH = 2.0
 _END_MARGIN = 0.04
 _SLACKS = (1.0, 2.0, 4.0, 8.0, 16.0)
 _GOOD_ENOUGH = 0.02
-_LEAST_POINTS = 24
+_MIN_POINTS = 24
 _REJECTION = 4.0
 _AXIS_RATIOS = (0.3, 3.0)
 
@@ -158,7 +158,7 @@ def fitted_arc(
 ) -> PadArc:
     """Fit an ellipse to all of an arc but the points that stand out from it."""
     track = points[order]
-    if len(track) < _LEAST_POINTS:
+    if len(track) < _MIN_POINTS:
         raise FitError(f"only {len(track)} points of the outline were found on the arc: give a longer arc")
     values = _consensus(track, lean) if start is None else start
     good = _standing(distances(values, track)[0])
@@ -168,7 +168,7 @@ def fitted_arc(
         )
         values, before = np.array(fit.ellipse), good
         good = _standing(distances(values, track)[0])
-        if good.sum() < _LEAST_POINTS or (good == before).all():
+        if good.sum() < _MIN_POINTS or (good == before).all():
             break
     return PadArc(fit=fit, used=order[before], rejected=order[~before])
 
@@ -187,7 +187,7 @@ def _standing(off: FloatArray) -> BoolArray:
     spread = 1.4826 * float(np.median(np.abs(off - centre))) + 0.02
     far = np.abs(off) > _REJECTION * spread
     wide = np.convolve(far, np.ones(7), mode="same") > 0
-    return np.asarray(~wide if (~wide).sum() >= _LEAST_POINTS else ~far, dtype=bool)
+    return np.asarray(~wide if (~wide).sum() >= _MIN_POINTS else ~far, dtype=bool)
 
 
 def _consensus(track: FloatArray, lean: tuple[float, float]) -> FloatArray:
@@ -283,7 +283,7 @@ def _longest_window(
     turns = np.abs((parametric_angles(track, values) - middle + math.pi) % (2 * math.pi) - math.pi)
     pivot = int(np.searchsorted(edges, np.argmin(turns), side="right")) - 1
     starts, ends = np.meshgrid(np.arange(0, pivot + 1), np.arange(pivot + 1, len(r) + 1), indexing="ij")
-    wide = ends - starts >= min(_LEAST_BLOCKS, len(r))
+    wide = ends - starts >= min(_MIN_BLOCKS, len(r))
     starts, ends = starts[wide], ends[wide]
     normal, side, square, count = (part[ends] - part[starts] for part in run)
     normal[:, 4, 4] += 1 / lean[1] ** 2

@@ -20,7 +20,7 @@ from fingerpad.image.photograph.outline_fit import (
 
 # Neighbouring points share the skin's roughness; blocks of so many hardly do.
 _BLOCK = 8
-_LEAST_BLOCKS = 12
+_MIN_BLOCKS = 12
 _OUTLYING = 6.0
 # Ends are tried from here on, on either side of the pad's middle.
 _FIRST_END = math.radians(45)
@@ -30,7 +30,7 @@ _SHARES = (0.03, 0.1, 0.3, 1.0)
 # Farther out, in radii of curvature, the outline may step aside (a nail, a fold), by this share of one.
 _REACH, _ASIDE = 0.25, 0.03
 # The fit is linear about the arc as found, and no good far from it.
-_MOST_CHANGE = 0.1
+_MAX_CHANGE = 0.1
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -89,7 +89,7 @@ def averaged_over_ends(
     noise = arc.fit.residual_std * math.sqrt(arc.fit.correlation / _BLOCK)
     blocks = _blocks(points, order[~np.isin(order, arc.rejected)], values, middle, spacing)
     blocks = replace(blocks, terms=blocks.terms * np.append(unit, 1) / noise)
-    if len(blocks.turns) < _LEAST_BLOCKS:
+    if len(blocks.turns) < _MIN_BLOCKS:
         return arc
     sides = [_side(blocks, values, middle, sign, noise) for sign in (-1, 1)]
     known = np.array([0, 0, 0, 0, 1, values[4] - lean[0]]) / lean[1]
@@ -97,7 +97,7 @@ def averaged_over_ends(
     logs = sides[0][1][:, None] + sides[1][1]
     change, covariance = _average(grams.reshape(-1, 6, 6), logs.ravel(), len(blocks.turns))
     change, covariance = change * unit, covariance * np.outer(unit, unit)
-    if not (np.abs(change[2:4]) < _MOST_CHANGE * values[2:4]).all():
+    if not (np.abs(change[2:4]) < _MAX_CHANGE * values[2:4]).all():
         return arc
     fit = replace(arc.fit, ellipse=PlaneEllipse(*(values + change).tolist()), covariance=covariance)
     return replace(arc, fit=fit)

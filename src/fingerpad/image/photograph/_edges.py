@@ -18,9 +18,9 @@ _DENSITY = 2
 _BLURS = np.geomspace(0.5, 6.0, 13)
 # Places tried along a normal, px apart.
 _TRY = 0.25
-_LEAST_STEP_RATIO = 3.0
+_MIN_STEP_RATIO = 3.0
 _ALONG_PX = 1.5
-_LEAST_VARIANCE = 1e-6
+_MIN_VARIANCE = 1e-6
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -78,7 +78,7 @@ def locate_edges(
     profiles = _profiles(light, points, normals, offsets, spacing, closed=closed)
     blurs, weights = _sharpness(profiles[:: max(1, len(profiles) // 150)], offsets, reach)
     places, ratio = _fitted(profiles, offsets, blurs, weights, reach)
-    found = np.isfinite(places) & (ratio > _LEAST_STEP_RATIO)
+    found = np.isfinite(places) & (ratio > _MIN_STEP_RATIO)
     moved = points + np.where(found, places, 0.0)[:, None] * normals
     return SubpixelOutline(
         points=moved, found=found, blur=float(blurs[0]), step_ratio=ratio, spacing=spacing, closed=closed
@@ -139,7 +139,7 @@ def _sharpness(profiles: FloatArray, offsets: FloatArray, reach: float) -> tuple
         left = [np.mean(_left(own, offsets, blur, reach)[0].min(axis=0)) for blur in _BLURS]
         blurs[k] = _BLURS[int(np.argmin(left))]
         # Rounding to 256 levels is the least noise there is.
-        weights[k] = 1 / (min(left) / freedom + _LEAST_VARIANCE)
+        weights[k] = 1 / (min(left) / freedom + _MIN_VARIANCE)
     return blurs, weights
 
 

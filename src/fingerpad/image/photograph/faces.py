@@ -24,11 +24,11 @@ from fingerpad.geometry.faces import FACE_AXES, SEMI_AXES, Face
 # Semi-axes of any finger pad lie between these.
 PLAUSIBLE_SEMI_AXIS_MM = (2.0, 40.0)
 # Relative standard uncertainty below which no semi-axis of a finger is known: a micrometre.
-_LEAST_RELATIVE_STD = 1e-4
+_MIN_RELATIVE_STD = 1e-4
 # Chance of a disagreement below which it is no accident.
 _DISAGREE = 0.01
 # Relative standard deviation between faces beyond which they cannot be those of one finger.
-_MOST_BETWEEN_STD = 0.3
+_MAX_BETWEEN_STD = 0.3
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -227,7 +227,7 @@ def _combined(faces: tuple[FaceSemiAxes, ...]) -> OutlineSemiAxes:
         between_variance = brentq(lambda tried: solved(tried)[2] - freedom, 0, most, xtol=1e-15 * most)
         shift, joint, _ = solved(between_variance)
     between_std = math.sqrt(between_variance)
-    if between_std > _MOST_BETWEEN_STD:
+    if between_std > _MAX_BETWEEN_STD:
         raise _contradiction(faces, design, off)
     semi_axes = np.exp(means + shift)
     palmar, distal, radial_ulnar = map(float, semi_axes)
@@ -251,7 +251,7 @@ def _relative_covariance(faces: tuple[FaceSemiAxes, ...], values: FloatArray) ->
     scale_std = np.repeat([one.relative_scale_std for one in faces], 2)
     covariance = block_diag(*(one.covariance for one in faces)) / np.outer(values, values)
     covariance += np.where(scale[:, None] == scale, np.outer(scale_std, scale_std), 0.0)
-    return np.asarray(covariance + _LEAST_RELATIVE_STD**2 * np.eye(values.size))
+    return np.asarray(covariance + _MIN_RELATIVE_STD**2 * np.eye(values.size))
 
 
 def _contradiction(faces: tuple[FaceSemiAxes, ...], design: FloatArray, off: FloatArray) -> FitError:

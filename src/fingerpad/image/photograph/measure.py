@@ -57,11 +57,11 @@ PHOTOGRAPH_FLAGS: Mapping[str, str] = {
 }
 
 _SHORT_ARC_DEG = 90.0
-_MOST_RELATIVE_STD = 0.4
+_MAX_RELATIVE_STD = 0.4
 # Step across the edge over the noise beside it.
 _LOW_CONTRAST = 30.0
-_LEAST_POINTS = 24
-_MOST_POINTS = 1000
+_MIN_POINTS = 24
+_MAX_POINTS = 1000
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -259,7 +259,7 @@ def _outline(light: npt.NDArray[np.float32], silhouette: Silhouette) -> Subpixel
         contour = coarse.points[coarse.found] if coarse.found.mean() > 0.5 else contour
     # Errors run together over several pixels: more points than these say nothing more.
     length = float(np.linalg.norm(np.diff(contour, axis=0), axis=1).sum())
-    return locate_edges(light, contour, reach=4.0, spacing=max(1.0, length / _MOST_POINTS))
+    return locate_edges(light, contour, reach=4.0, spacing=max(1.0, length / _MAX_POINTS))
 
 
 def _pad_arc(
@@ -277,7 +277,7 @@ def _pad_arc(
         order = candidate_points(local, face)
     found = order[edges.found[order]]
     middle = PAD_MIDDLE[face]
-    if len(found) < _LEAST_POINTS:
+    if len(found) < _MIN_POINTS:
         raise FitError(
             f"only {len(found)} points of the finger's outline lie on the {face} face's arc: "
             "widen region_of_interest, or mark points on the pad"
@@ -322,7 +322,7 @@ def _result(
         flags=frozenset(),
     )
     relative = float((np.sqrt(np.diagonal(found.edge_covariance)) / found.semi_axes).max())
-    if not relative < _MOST_RELATIVE_STD:
+    if not relative < _MAX_RELATIVE_STD:
         raise FitError(
             f"the {face} face's arc of {found.arc_deg:.0f} degrees leaves an axis unknown by {relative:.0%}: "
             "mark a longer arc, come nearer, or choose a backdrop of another colour than the skin"

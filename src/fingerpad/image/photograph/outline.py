@@ -79,7 +79,7 @@ def face_from_outline(face: Face, points: ArrayLike, relative_scale_std: float =
     return FaceSemiAxes(
         face=face,
         semi_axes=np.array([fit.ellipse.semi_x, fit.ellipse.semi_y]),
-        covariance=fit.covariance[2:, 2:],
+        covariance=fit.covariance[2:4, 2:4],
         relative_scale_std=relative_scale_std,
     )
 

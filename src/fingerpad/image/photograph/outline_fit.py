@@ -27,7 +27,7 @@ from fingerpad.image.ellipse_fit import EllipseFit, fit_aligned_ellipse
 _ROUNDS = 2
 # The window of the autocovariance's sum, in correlation lengths (Sokal 1997, section 3).
 _WINDOW = 5.0
-_LEAST_FREEDOM = 3.0
+_MIN_FREEDOM = 3.0
 _TWO_SIDED_95 = 1.959964
 
 
@@ -285,7 +285,7 @@ def _noise(residuals: FloatArray, places: npt.NDArray[np.int64]) -> tuple[float,
     last = int(np.argmax(enough)) if enough.any() else len(running) - 1
     correlation = float(np.clip(running[: last + 1].max(), 1, len(residuals) / 8))
     independent = len(residuals) / correlation
-    lost = independent / max(independent - 5, _LEAST_FREEDOM)
+    lost = independent / max(independent - 5, _MIN_FREEDOM)
     return mean_square * lost, correlation
 
 
@@ -298,4 +298,4 @@ def _lagged(values: FloatArray, most: int) -> FloatArray:
 
 def student_widening(freedom: float) -> float:
     """Return how much a variance from few degrees of freedom widens, so that 1.96 deviations hold 95 %."""
-    return float((student.ppf(0.975, max(freedom, _LEAST_FREEDOM)) / _TWO_SIDED_95) ** 2)
+    return float((student.ppf(0.975, max(freedom, _MIN_FREEDOM)) / _TWO_SIDED_95) ** 2)

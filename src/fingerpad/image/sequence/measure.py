@@ -12,6 +12,7 @@ from fingerpad._arrays import FloatArray
 from fingerpad.exceptions import ImageError, LoadingError
 from fingerpad.image._levels import Pixels
 from fingerpad.image.contact_image.measure import measure_contact_image
+from fingerpad.image.contact_image.options import MeasurementRegion
 from fingerpad.image.contact_image.result import ContactImageResult
 from fingerpad.image.scale import Scale
 from fingerpad.image.sequence.force import ForceSignal, FrameClock
@@ -19,7 +20,6 @@ from fingerpad.image.sequence.frames import Frame
 from fingerpad.image.sequence.phases import PHASES, Phase, phases_of
 from fingerpad.image.sequence.result import FrameResult
 from fingerpad.image.sequence.settings import (
-    MeasurementRegion,
     SequenceSettings,
     estimate_settings,
     texture_of,

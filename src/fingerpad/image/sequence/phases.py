@@ -16,7 +16,7 @@ _BEFORE, _LOADING, _HOLD, _UNLOADING, _AFTER = range(5)
 _CONTACT_LEVEL, _SMOOTHING = 0.02, 0.02
 # A hold changes slower than this share of the ramp's rate, lasts this share of the contact, and is no foot
 # of a ramp, which lies below this share of the range.
-_HOLD_RATE, _LEAST_DURATION, _FOOT = 0.2, 0.04, 0.3
+_HOLD_RATE, _MIN_DURATION, _FOOT = 0.2, 0.04, 0.3
 
 
 def phases_of(time: ArrayLike, values: ArrayLike) -> npt.NDArray[np.int8]:
@@ -56,7 +56,7 @@ def phases_of(time: ArrayLike, values: ArrayLike) -> npt.NDArray[np.int8]:
     window = _window(last - first + 1, _SMOOTHING)
     smooth = _smoothed(values, window)
     rate = _smoothed(np.gradient(smooth, time), window)[first : last + 1]
-    inside = _merged(_by_rate(rate), math.ceil(_LEAST_DURATION * rate.size))
+    inside = _merged(_by_rate(rate), math.ceil(_MIN_DURATION * rate.size))
     height = (smooth[first : last + 1] - low) / (high - low)
     labels[first : last + 1] = _without_feet(inside, height)
     return labels

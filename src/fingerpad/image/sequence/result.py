@@ -90,7 +90,7 @@ class SequenceSummary:
 
 
 # With fewer contacts than this nothing is said of how area and force go together.
-_LEAST_TO_COMPARE = 8
+_MIN_FRAMES_TO_COMPARE = 8
 _TOGETHER = 0.5
 # A film in which the load stays below this share of what the force reaches is timed wrongly, or cut.
 _SEEN = 0.1
@@ -146,7 +146,7 @@ def sequence_summary(results: Iterable[FrameResult], force: ForceSignal | None =
         )
     reach = 0.0 if force is None else _SEEN * float(force.load.max())
     together = bool(areas) and max(loads) >= reach and _go_together(loads, areas)
-    if len(areas) >= _LEAST_TO_COMPARE and not together:
+    if len(areas) >= _MIN_FRAMES_TO_COMPARE and not together:
         notes.append("area and force do not rise and fall together: check frame rate, trigger and force file")
     if counts["failed"]:
         notes.append(f"{counts['failed']} of {counts['all']} frames could not be read; first {reason}")

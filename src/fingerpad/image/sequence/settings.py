@@ -4,7 +4,7 @@ import math
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass
-from typing import Final, TypedDict, Unpack
+from typing import Final, Unpack
 
 import cv2
 import numpy as np
@@ -15,6 +15,7 @@ from fingerpad.exceptions import ImageError
 from fingerpad.image._levels import Pixels
 from fingerpad.image.contact_image._cropping import part_of
 from fingerpad.image.contact_image.measure import measure_contact_image
+from fingerpad.image.contact_image.options import MeasurementRegion
 from fingerpad.image.contact_image.result import ContactImageResult, ContactImageSettings
 from fingerpad.image.scale import Scale
 from fingerpad.image.sequence.frames import Frame, Frames
@@ -23,16 +24,7 @@ _TEACHERS: Final = 5
 # Wider than a ridge, narrower than a finger: what is left after it is texture.
 _TEXTURE_WINDOW_MM: Final = 1.5
 # Less texture than this share of the busiest frame's is no contact that could be measured.
-_LEAST_TEXTURE: Final = 0.01
-
-
-class MeasurementRegion(TypedDict, total=False):
-    """Where every frame is looked at, as keyword arguments of `measure_contact_image`."""
-
-    background: npt.ArrayLike | None
-    seed: tuple[float, float] | None
-    mask: npt.ArrayLike | None
-    region_of_interest: tuple[int, int, int, int] | None
+_MIN_TEXTURE: Final = 0.01
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -93,7 +85,7 @@ class SequenceSettings:
     @property
     def min_texture(self) -> float:
         """Texture below which a frame shows no contact that could be measured."""
-        return _LEAST_TEXTURE * float(np.nanmax(self.texture))
+        return _MIN_TEXTURE * float(np.nanmax(self.texture))
 
 
 def scan_texture(frames: Iterable[Frame], scale: Scale, **place: Unpack[MeasurementRegion]) -> TextureScan:
