@@ -1,4 +1,4 @@
-"""Baseline, loading, hold and unloading of each cycle, told apart by the platen's motion."""
+"""Baseline, loading, hold and unloading of each cycle, from the platen's motion."""
 
 from dataclasses import dataclass
 from typing import Final
@@ -9,12 +9,12 @@ from scipy import signal
 
 from fingerpad._arrays import BoolArray, FloatArray
 from fingerpad._loading_curve import LoadingCurve
+from fingerpad._motion import FALL, REST, RISE, find_motion, runs
 from fingerpad.exceptions import LoadingError
 from fingerpad.loading.estimate import Estimate
 
-# A platen slower than this share of its usual speed rests; phases shorter than this share are none.
-_RESTING, _MIN_DURATION = 0.2, 0.02
-_RISE, _REST, _FALL = 1, 0, -1
+# Shortest phase, as a share of the record.
+_MIN_DURATION = 0.02
 # Rows at the sensor's very maximum, while the platen still moves, that show it was saturated.
 _SATURATED_ROWS = 4
 _SMOOTHING = 50
@@ -88,10 +88,10 @@ def smoothed(values: FloatArray, rows: int | None = None) -> FloatArray:
 
 
 def find_cycles(curve: LoadingCurve) -> tuple[Cycle, ...]:
-    """Tell baseline, loading, hold and unloading of each cycle apart.
+    """Find baseline, loading, hold and unloading of each cycle.
 
     The platen's motion shows the phases: it moves into the pad, rests, or moves away. Within the way in,
-    contact parts baseline from loading where a line followed by a Hertzian rise fits the force best.
+    contact begins where a line followed by a Hertzian rise fits the force best.
 
     Raises
     ------
@@ -108,20 +108,19 @@ def find_cycles(curve: LoadingCurve) -> tuple[Cycle, ...]:
     """
     _require_usable(curve)
     phases = _phases(curve)
-    starts = np.flatnonzero(np.diff(phases, prepend=9))
-    ends = np.append(starts[1:], phases.size)
+    starts, ends = runs(phases)
     cycles = []
     for k, (start, end) in enumerate(zip(starts, ends, strict=True)):
-        if phases[start] != _RISE:
+        if phases[start] != RISE:
             continue
         later = [
             (int(phases[a]), Segment(start=int(a), stop=int(b)))
             for a, b in zip(starts[k + 1 :], ends[k + 1 :], strict=True)
         ]
-        hold = later[0][1] if later and later[0][0] == _REST else None
+        hold = later[0][1] if later and later[0][0] == REST else None
         after = later[1:] if hold else later
-        unloading = after[0][1] if after and after[0][0] == _FALL else None
-        before = start - 1 if k and phases[start - 1] == _REST else start
+        unloading = after[0][1] if after and after[0][0] == FALL else None
+        before = start - 1 if k and phases[start - 1] == REST else start
         begin = int(starts[k - 1]) if before < start else int(start)
         contact = begin + _contact_row(curve, begin, int(end))
         cycles.append(
@@ -224,7 +223,7 @@ def _require_usable(curve: LoadingCurve) -> None:
 def _phases(curve: LoadingCurve) -> npt.NDArray[np.int8]:
     """Return the phase of each row; a way in that is short beside holds is looked at more finely."""
     phases = _phases_over(curve, len(curve.load))
-    edges = np.flatnonzero(np.diff(phases == _RISE, prepend=False, append=False))
+    edges = np.flatnonzero(np.diff(phases == RISE, prepend=False, append=False))
     shortest = int(np.min(edges[1::2] - edges[::2])) if edges.size else len(curve.load)
     few = _PRESS * shortest
     return _phases_over(curve, few) if few < len(curve.load) else phases
@@ -232,17 +231,7 @@ def _phases(curve: LoadingCurve) -> npt.NDArray[np.int8]:
 
 def _phases_over(curve: LoadingCurve, rows: int) -> npt.NDArray[np.int8]:
     smooth = smoothed(curve.indentation, rows)
-    rate = np.gradient(smooth)
-    usual = float(np.average(np.abs(rate), weights=np.abs(rate)))
-    phases = np.where(np.abs(rate) < _RESTING * usual, _REST, np.sign(rate)).astype(np.int8)
-    least = max(2, round(_MIN_DURATION * phases.size))
-    while True:
-        starts = np.flatnonzero(np.diff(phases, prepend=9))
-        ends = np.append(starts[1:], phases.size)
-        k = int(np.argmin(ends - starts))
-        if starts.size == 1 or ends[k] - starts[k] >= least:
-            return phases
-        phases[starts[k] : ends[k]] = phases[starts[k] - 1] if k else phases[ends[k]]
+    return find_motion(np.gradient(smooth), max(2, round(_MIN_DURATION * smooth.size)))
 
 
 def _contact_row(curve: LoadingCurve, start: int, end: int) -> int:

@@ -7,8 +7,9 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from fingerpad._arrays import Float32Array, FloatArray
+from fingerpad._arrays import Float32Array
 from fingerpad.exceptions import CalibrationError, FitError
+from fingerpad.image._correlation import correlation_length
 from fingerpad.image.coin._circle_detection import (
     Outline,
     contour_ellipses,
@@ -265,7 +266,8 @@ def _coin(outline: Outline, shadow: float, band: float, shadowed: bool) -> Coin:
         fit = fit_ellipse(outline.points[outline.kept])
     except FitError as error:
         raise CalibrationError(f"no coin found: {error}") from error
-    correlated = _correlation_length(outline.ellipse.offsets(outline.points), outline.kept)
+    places = np.flatnonzero(outline.kept)
+    correlated = correlation_length(outline.ellipse.offsets(outline.points[places]), places)
     relative = math.hypot(_ROUNDING_STD, _SHADOW_STD * shadow, _BAND_STD * min(band, 1.0))
     x, y, semi_major, semi_minor, angle = fit.ellipse
     moved = math.hypot(_LENS_STD_PX, relative * semi_major)
@@ -300,14 +302,3 @@ def _beside_edge(image: Float32Array, ellipse: PlaneEllipse) -> tuple[float, flo
     missing = 1 - np.minimum(np.abs(near - coin), np.abs(beside - coin)) / contrast
     band = np.maximum(np.abs(ground - near), np.abs(ground - beside)) / contrast
     return max(0.0, float(np.quantile(missing, 0.9))), float(np.median(band))
-
-
-def _correlation_length(offsets: FloatArray, kept: npt.NDArray[np.bool_]) -> float:
-    """Return how many neighbours along the edge share one error: the sum of their correlations."""
-    values = np.where(kept, offsets, 0.0)
-    power = np.abs(np.fft.fft(values)) ** 2
-    pairs = np.fft.ifft(np.abs(np.fft.fft(kept.astype(float))) ** 2).real
-    correlation = np.fft.ifft(power).real / np.maximum(pairs, 1)
-    correlation = correlation[1 : kept.size // 8] / max(correlation[0], 1e-30)
-    negative = np.flatnonzero(correlation <= 0.05)
-    return float(1 + 2 * correlation[: negative[0] if negative.size else correlation.size].sum())

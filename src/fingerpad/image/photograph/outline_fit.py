@@ -20,13 +20,12 @@ from scipy.stats import t as student
 
 from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, as_float_array
 from fingerpad.exceptions import FitError
+from fingerpad.image._correlation import correlation_length
 from fingerpad.image._orthogonal_fit import Parameters, distances
 from fingerpad.image.ellipse import PlaneEllipse, rotation
 from fingerpad.image.ellipse_fit import EllipseFit, fit_aligned_ellipse
 
 _ROUNDS = 2
-# The window of the autocovariance's sum, in correlation lengths (Sokal 1997, section 3).
-_WINDOW = 5.0
 _MIN_FREEDOM = 3.0
 _TWO_SIDED_95 = 1.959964
 
@@ -266,34 +265,14 @@ def _refined(
 def _noise(residuals: FloatArray, places: npt.NDArray[np.int64]) -> tuple[float, float]:
     """Return the variance of single points and the number of neighbours that count as one.
 
-    The integrated autocorrelation 1 + 2 Σ ρ_k, summed as far as it is noise itself. The fit has taken five
-    degrees of freedom from the residuals, each worth one correlation length: they are given back.
+    The fit has taken five degrees of freedom from the residuals, each worth one correlation length.
     """
-    span = int(places[-1] - places[0]) + 1
-    filled, present = np.zeros(span), np.zeros(span)
-    filled[places - places[0]] = residuals - residuals.mean()
-    present[places - places[0]] = 1
-    most = max(2, span // 3)
-    sums = _lagged(filled, most)
-    pairs = np.maximum(_lagged(present, most), 1)
     mean_square = float(np.mean(residuals**2))
     if not mean_square > 0:
         return 1e-24, 1.0
-    shares = sums / pairs / (sums[0] / pairs[0])
-    running = 1 + 2 * np.cumsum(shares[1:])
-    enough = np.arange(1, len(running) + 1) >= _WINDOW * np.maximum(running, 1) / 2
-    last = int(np.argmax(enough)) if enough.any() else len(running) - 1
-    correlation = float(np.clip(running[: last + 1].max(), 1, len(residuals) / 8))
+    correlation = correlation_length(residuals, places)
     independent = len(residuals) / correlation
-    lost = independent / max(independent - 5, _MIN_FREEDOM)
-    return mean_square * lost, correlation
-
-
-def _lagged(values: FloatArray, most: int) -> FloatArray:
-    """Return the sums of products of values at lags 0 to most."""
-    size = 2 ** math.ceil(math.log2(2 * len(values)))
-    power = np.abs(np.fft.rfft(values, size)) ** 2
-    return np.asarray(np.fft.irfft(power, size)[: most + 1], dtype=np.float64)
+    return mean_square * (independent / max(independent - 5, _MIN_FREEDOM)), correlation
 
 
 def student_widening(freedom: float) -> float:
