@@ -33,14 +33,6 @@ def test_one_way_record_has_no_hold_and_no_unloading() -> None:
     assert len(cycle.baseline) + len(cycle.loading) == 300
 
 
-def test_slow_loading_before_a_quick_release_is_loading() -> None:
-    time = np.linspace(0, 3, 601)
-    depth = np.interp(time, [0, 0.3, 2.3, 2.8, 2.9, 3], [0, 0, 2, 2, 0, 0])
-    (cycle,) = find_cycles(LoadingCurve(time=time, load=depth**1.5, indentation=depth))
-    edges = time[[cycle.loading.start, cycle.loading.stop, cycle.unloading.start, cycle.unloading.stop]]
-    assert_allclose(edges, [0.3, 2.3, 2.8, 2.9], atol=0.05)
-
-
 def test_baseline_level_covers_the_zero() -> None:
     curve = simulate_loading_curve(points=400, force_offset=0.2, **NOISE)
     level = baseline_level(curve, find_cycles(curve)[0])

@@ -9,7 +9,7 @@ from scipy import signal
 
 from fingerpad._arrays import BoolArray, FloatArray
 from fingerpad._loading_curve import LoadingCurve
-from fingerpad._motion import FALL, REST, RISE, find_motion, runs
+from fingerpad._motion import FALL, REST, RISE, find_motion, runs, usual_rate
 from fingerpad.exceptions import LoadingError
 from fingerpad.loading.estimate import Estimate
 
@@ -231,7 +231,11 @@ def _phases(curve: LoadingCurve) -> npt.NDArray[np.int8]:
 
 def _phases_over(curve: LoadingCurve, rows: int) -> npt.NDArray[np.int8]:
     smooth = smoothed(curve.indentation, rows)
-    return find_motion(np.gradient(smooth), max(2, round(_MIN_DURATION * smooth.size)))
+    rate = np.gradient(smooth)
+    # One rate for both directions: in a record of one direction the other is noise.
+    usual = usual_rate(np.abs(rate))
+    least = max(2, round(_MIN_DURATION * smooth.size))
+    return find_motion(rate, rising=usual, falling=usual, min_samples=least)
 
 
 def _contact_row(curve: LoadingCurve, start: int, end: int) -> int:

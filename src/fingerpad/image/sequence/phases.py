@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fingerpad._arrays import ArrayLike, FloatArray, as_float_array
-from fingerpad._motion import FALL, REST, RISE, find_motion, runs
+from fingerpad._motion import FALL, REST, RISE, find_motion, runs, usual_rate
 
 Phase: TypeAlias = Literal["before", "loading", "hold", "unloading", "after"]
 PHASES: Final[tuple[Phase, ...]] = ("before", "loading", "hold", "unloading", "after")
@@ -56,7 +56,12 @@ def phases_of(time: ArrayLike, values: ArrayLike) -> npt.NDArray[np.int8]:
     window = _window(last - first + 1, _SMOOTHING)
     smooth = _moving_average(values, window)
     rate = _moving_average(np.gradient(smooth, time), window)[first : last + 1]
-    motion = find_motion(rate, math.ceil(_MIN_DURATION * rate.size))
+    motion = find_motion(
+        rate,
+        rising=usual_rate(np.maximum(rate, 0)),
+        falling=usual_rate(np.maximum(-rate, 0)),
+        min_samples=math.ceil(_MIN_DURATION * rate.size),
+    )
     height = (smooth[first : last + 1] - low) / (high - low)
     for start, end in zip(*runs(motion), strict=True):
         # The slow foot of a ramp belongs to the ramp.
