@@ -15,7 +15,7 @@ LUMA: Final = np.array([0.299, 0.587, 0.114], dtype=np.float32)
 # Rows converted at a time, so that copies in single precision stay small.
 _BLOCK_ROWS: Final = 64
 # How an array is brought upright, by the value of the EXIF and TIFF tag "Orientation".
-_UPRIGHT: Final = {
+_ORIENTATIONS: Final = {
     2: lambda array: array[:, ::-1],
     3: lambda array: array[::-1, ::-1],
     4: lambda array: array[::-1],
@@ -26,9 +26,9 @@ _UPRIGHT: Final = {
 }
 
 
-def upright(array: npt.NDArray[Any], orientation: int) -> npt.NDArray[Any]:
+def apply_orientation(array: npt.NDArray[Any], orientation: int) -> npt.NDArray[Any]:
     """Turn an array (rows, columns, ...) as its file's orientation tag says."""
-    return np.ascontiguousarray(_UPRIGHT[orientation](array)) if orientation in _UPRIGHT else array
+    return np.ascontiguousarray(_ORIENTATIONS[orientation](array)) if orientation in _ORIENTATIONS else array
 
 
 def storable(array: npt.NDArray[Any]) -> Pixels:

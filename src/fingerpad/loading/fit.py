@@ -174,7 +174,7 @@ def fit_loading_curve(
     _require_options(poisson_ratio, contact_point)
     try:
         with np.errstate(all="ignore"):
-            return _fitted(
+            return _fit_curve(
                 curve,
                 poisson_ratio,
                 loading_radius,
@@ -213,11 +213,11 @@ def contact_points(
     True
     """
     press = prepare(curve, poisson_ratio, cycle)
-    held = _held(press, loading_radius)
+    held = _fixed_quantities(press, loading_radius)
     return estimated_places(_growing_fit(press, held))
 
 
-def _fitted(
+def _fit_curve(
     curve: LoadingCurve,
     poisson_ratio: float,
     loading_radius: float | Estimate | None,
@@ -227,7 +227,7 @@ def _fitted(
     region: tuple[float, float] | None,
 ) -> LoadingFit:
     press = prepare(curve, poisson_ratio, cycle)
-    held = _held(press, loading_radius)
+    held = _fixed_quantities(press, loading_radius)
     main, limits, doubts = _main_fit(press, held, contact_point, region)
     models = _models(main)
     preferred = min(models, key=lambda name: models[name].aicc)
@@ -258,7 +258,7 @@ def _require_options(poisson_ratio: float, contact_point: str) -> None:
         raise LoadingError(f"contact_point must be joint, {', '.join(ESTIMATORS)}; found {contact_point!r}")
 
 
-def _held(press: Press, loading_radius: float | Estimate | None) -> dict[str, Estimate]:
+def _fixed_quantities(press: Press, loading_radius: float | Estimate | None) -> dict[str, Estimate]:
     """Return what is not fitted. Without area the radius is held at 1 mm: the place of contact needs none."""
     if loading_radius is None:
         return {} if press.record.area.size else {"loading_radius": Estimate.symmetric(1.0, 0.0)}

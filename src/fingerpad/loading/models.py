@@ -119,7 +119,7 @@ def local_area_exponent(
     return 2 / 3 * modulus / (modulus + coefficient * W)
 
 
-def searched_load(h: FloatArray, initial_modulus: float, load_coefficient: float) -> FloatArray:
+def clipped_load(h: FloatArray, initial_modulus: float, load_coefficient: float) -> FloatArray:
     """Return the load for a search among parameters: beyond its pole it goes on finite and very large."""
     return initial_modulus * h / np.maximum(1 - load_coefficient * h, _POLE)
 

@@ -56,7 +56,7 @@ def increasing_region(
     record = fit.record
     load = fit.load(record.smooth_displacement)
     whole = (0.0, float(load.max()))
-    low, high = given if given is not None else _found(fit, load, whole)
+    low, high = given if given is not None else _find_range(fit, load, whole)
     keep = (load <= 0) | ((load >= low) & (load <= high))
     if not (low < high and np.count_nonzero(keep & (load > 0)) >= _MIN_ROWS):
         raise LoadingError(
@@ -76,7 +76,7 @@ def increasing_region(
     )
 
 
-def _found(fit: JointFit, load: FloatArray, whole: tuple[float, float]) -> tuple[float, float]:
+def _find_range(fit: JointFit, load: FloatArray, whole: tuple[float, float]) -> tuple[float, float]:
     record, values = fit.record, fit.values
     depth = record.smooth_displacement - values["contact_offset"]
     rows = np.flatnonzero(depth > _NEAR_CONTACT * depth.max())

@@ -79,7 +79,7 @@ class Hysteresis:
     fraction: float
 
 
-def smoothed(values: FloatArray, rows: int | None = None) -> FloatArray:
+def moving_average(values: FloatArray, rows: int | None = None) -> FloatArray:
     """Return a moving average over a fiftieth of `rows`, all of them without it, straight at its ends."""
     window = 2 * ((len(values) if rows is None else rows) // (2 * _SMOOTHING)) + 1
     if window < 3:
@@ -156,7 +156,7 @@ def hysteresis(curve: LoadingCurve, cycle: Cycle) -> Hysteresis | None:
     return Hysteresis(energy=energy, fraction=energy / work) if work > 0 else None
 
 
-def saturated(curve: LoadingCurve, segment: Segment) -> BoolArray:
+def saturated_rows(curve: LoadingCurve, segment: Segment) -> BoolArray:
     """Return which rows of a loading lie at the sensor's limit: the very same maximum in several rows."""
     load = curve.load[segment.rows]
     at_top = load == load.max()
@@ -164,7 +164,7 @@ def saturated(curve: LoadingCurve, segment: Segment) -> BoolArray:
     return np.asarray(at_top & bool(many))
 
 
-def rising_start(
+def fit_contact_start(
     clock: FloatArray, load: FloatArray, displacement: FloatArray, *, tilt: bool
 ) -> tuple[float, FloatArray]:
     """Return the place of contact (mm) and coefficients of force = 1 (+ clock) + s + s², s = ξ^1.5.
@@ -189,11 +189,11 @@ def rising_start(
     return best(place + (grid[1] - grid[0]) * np.linspace(-1, 1, 11))
 
 
-def start_of_press(
+def contact_rise(
     clock: FloatArray, load: FloatArray, displacement: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Return the rise of the force over its zero by `rising_start`, and what is left of the force."""
-    place, parts = rising_start(clock, load, displacement, tilt=False)
+    """Return the rise of the force over its zero by `fit_contact_start`, and what is left of the force."""
+    place, parts = fit_contact_start(clock, load, displacement, tilt=False)
     s = np.maximum(displacement - place, 0) ** 1.5
     rise = parts[1] * s + parts[2] * s * s
     return rise, load - parts[0] - rise
@@ -204,8 +204,8 @@ def both_reversed(clock: FloatArray, load: FloatArray, displacement: FloatArray)
 
     A press grows ever steeper after a level baseline; upside down it ends in one.
     """
-    _, rest = start_of_press(clock, load, displacement)
-    rise, turned = start_of_press(clock, -load, -displacement)
+    _, rest = contact_rise(clock, load, displacement)
+    rise, turned = contact_rise(clock, -load, -displacement)
     rising = float(rise[np.argmax(np.abs(rise))]) > 0
     return rising and float(turned @ turned) < _UPSIDE_DOWN * float(rest @ rest)
 
@@ -230,7 +230,7 @@ def _phases(curve: LoadingCurve) -> npt.NDArray[np.int8]:
 
 
 def _phases_over(curve: LoadingCurve, rows: int) -> npt.NDArray[np.int8]:
-    smooth = smoothed(curve.indentation, rows)
+    smooth = moving_average(curve.indentation, rows)
     rate = np.gradient(smooth)
     # One rate for both directions: in a record of one direction the other is noise.
     usual = usual_rate(np.abs(rate))
@@ -240,8 +240,8 @@ def _phases_over(curve: LoadingCurve, rows: int) -> npt.NDArray[np.int8]:
 
 def _contact_row(curve: LoadingCurve, start: int, end: int) -> int:
     """Return how many rows of the way in lie before contact."""
-    displacement = smoothed(curve.indentation[start:end])
-    place, _ = rising_start(
+    displacement = moving_average(curve.indentation[start:end])
+    place, _ = fit_contact_start(
         curve.clock[start:end], curve.load[start:end], displacement, tilt=end - start > 12
     )
     return min(int(np.searchsorted(np.maximum.accumulate(displacement), place)), end - start - 1)

@@ -17,7 +17,7 @@ from fingerpad._arrays import BoolArray, Float32Array, FloatArray, as_float32
 from fingerpad.exceptions import GeometryError
 from fingerpad.geometry.ellipse import Ellipse
 from fingerpad.simulate._disturbances import creases as crease_lines
-from fingerpad.simulate._disturbances import smudged
+from fingerpad.simulate._disturbances import smudge
 from fingerpad.simulate._ridge_sheet import CELLS_PER_PERIOD, Pattern, ridge_sheet
 from fingerpad.units import MM_PER_INCH
 
@@ -156,7 +156,7 @@ def render_contact_image(
     skin = seed if ridge_seed is None else ridge_seed
     ridges = _ridges(along, across, radius, ridge_period=ridge_period, pattern=pattern, seed=skin)
     ridges &= ~crease_lines(along, across, semi_minor, creases, seed)
-    amount = smudged(
+    amount = smudge(
         ridges.astype(np.float32),
         radius <= 1,
         (along, across),

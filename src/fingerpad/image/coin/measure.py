@@ -139,7 +139,7 @@ def measure_coin(pixels: npt.ArrayLike) -> Coin:
     >>> abs(scale.mm_per_px / (23.25 / 240) - 1) < 0.002
     True
     """
-    values = _checked(pixels)
+    values = _grey_levels(pixels)
     step = max(1.0, max(values.shape) / _WORKING_SIDE)
     small = cv2.resize(values, None, fx=1 / step, fy=1 / step, interpolation=cv2.INTER_AREA)
     chosen, shadowed = _coin_outline(np.asarray(small, dtype=np.float32))
@@ -159,7 +159,7 @@ def measure_coin(pixels: npt.ArrayLike) -> Coin:
     return _coin(outline, shadow, band, shadowed)
 
 
-def _checked(pixels: npt.ArrayLike) -> Float32Array:
+def _grey_levels(pixels: npt.ArrayLike) -> Float32Array:
     array = np.asarray(pixels)
     if array.ndim != 2 or array.dtype.kind not in "buif" or min(array.shape) < _MIN_SIDE_PX:
         raise CalibrationError(
@@ -179,7 +179,7 @@ def _smooth(image: Float32Array) -> Float32Array:
 def _coin_outline(image: Float32Array) -> tuple[Outline, bool]:
     """Return the outline of the one coin, and whether a shadow's lies against it."""
     found = _outlines(image)
-    outlines = _likely(found, image)
+    outlines = _select_sharp(found, image)
     if not outlines:
         raise CalibrationError(
             "no coin found: show one whole coin, flat, sharp, on a plain ground, or draw a line instead"
@@ -208,11 +208,11 @@ def _coin_outline(image: Float32Array) -> tuple[Outline, bool]:
 def _outlines(image: Float32Array) -> list[Outline]:
     """Return the different outlines with an edge nearly all round, largest first."""
     smooth = _smooth(image)
-    found = _fitted(smooth, contour_ellipses(image))
+    found = _fit_edges(smooth, contour_ellipses(image))
     if found:
         # No grey level may separate a ring from an uneven ground where one separates its hole.
         clearest = max(found, key=lambda o: o.support * o.strength).ellipse
-        found += _fitted(smooth, [clearest.scaled(1.05**k) for k in range(1, 25)])
+        found += _fit_edges(smooth, [clearest.scaled(1.05**k) for k in range(1, 25)])
     different: list[Outline] = []
     for outline in sorted(found, key=lambda o: -o.support * o.strength):
         if all(difference(outline.ellipse, o.ellipse) > _SAME for o in different):
@@ -220,12 +220,12 @@ def _outlines(image: Float32Array) -> list[Outline]:
     return sorted(different, key=lambda o: -o.ellipse.size)
 
 
-def _fitted(smooth: Float32Array, ellipses: list[PlaneEllipse]) -> list[Outline]:
+def _fit_edges(smooth: Float32Array, ellipses: list[PlaneEllipse]) -> list[Outline]:
     fits = (fit_edge(smooth, e, max(3.0, 0.06 * e.size), 3.0) for e in ellipses)
     return [o for o in fits if o and o.support > _MIN_SUPPORT]
 
 
-def _likely(outlines: list[Outline], image: Float32Array) -> list[Outline]:
+def _select_sharp(outlines: list[Outline], image: Float32Array) -> list[Outline]:
     """Return the outlines whose edge is nearly complete, sharp, and not faint beside the others."""
     if not outlines:
         return []

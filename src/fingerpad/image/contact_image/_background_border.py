@@ -41,13 +41,13 @@ def content_mask(
         if cv2.countNonZero(even) < _MIN_BORDER * even.size:
             return np.ones(shape, dtype=bool)
         _, labels = cv2.connectedComponents(np.pad(even, 1, constant_values=1), connectivity=4)
-        card = _smoothed((labels != labels[0, 0])[1:-1, 1:-1])
+        card = _smooth_mask((labels != labels[0, 0])[1:-1, 1:-1])
         if card.any() and card.mean() < 1 - _MIN_BORDER and _is_polygon(card):
             return cv2.resize(card.astype(np.uint8), shape[::-1], interpolation=cv2.INTER_NEAREST) > 0
     return np.ones(shape, dtype=bool)
 
 
-def _smoothed(card: BoolArray) -> BoolArray:
+def _smooth_mask(card: BoolArray) -> BoolArray:
     """Close grain that runs into the border and drop letters that stick out."""
     pad = 32
     mask = np.pad(card, pad)

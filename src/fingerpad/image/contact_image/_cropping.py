@@ -61,21 +61,21 @@ def crop_image(
     inside = None if mask is None else _inside(mask, shape)
     box = _box(region_of_interest, shape)
     if inside is not None:
-        box = _narrowed(box, inside)
+        box = _crop_to_mask(box, inside)
         inside = inside[box]
     part = _finite(values[box], "pixels")
     if background is not None:
         ground = _grey(background, "background")
         if ground.shape != shape:
             raise ImageError(f"background must have the picture's shape {shape}, found {ground.shape}")
-        part = _divided(part, _finite(ground[box], "background"))
+        part = _divide_by_background(part, _finite(ground[box], "background"))
     low, high, _, _ = cv2.minMaxLoc(part)
     if not high - low > _MIN_RANGE:
         raise ImageError(f"no contact found: every pixel has the same level, {low:g}")
     return CroppedImage(pixels=part, inside=inside, corner=(box[0].start, box[1].start), shape=shape)
 
 
-def part_of(pixels: npt.ArrayLike, region_of_interest: tuple[int, int, int, int] | None) -> Pixels:
+def crop_grey(pixels: npt.ArrayLike, region_of_interest: tuple[int, int, int, int] | None) -> Pixels:
     """Check a picture and crop it to the region of interest.
 
     Raises
@@ -111,7 +111,7 @@ def _finite(values: npt.NDArray[np.number], name: str) -> Pixels:
     return single
 
 
-def _divided(part: Pixels, ground: Pixels) -> npt.NDArray[np.float32]:
+def _divide_by_background(part: Pixels, ground: Pixels) -> npt.NDArray[np.float32]:
     light = ground.astype(np.float32)
     middle = np.float32(np.median(light))
     if not (light > _MIN_RANGE * middle).all() or middle < _MIN_RANGE:
@@ -156,7 +156,7 @@ def _box(region: tuple[int, int, int, int] | None, shape: tuple[int, int]) -> tu
     return slice(row0, row1), slice(column0, column1)
 
 
-def _narrowed(box: tuple[slice, slice], inside: BoolArray) -> tuple[slice, slice]:
+def _crop_to_mask(box: tuple[slice, slice], inside: BoolArray) -> tuple[slice, slice]:
     """Crop to what a mask leaves of a box, at least the least side where the picture has room."""
     part = inside[box]
     if not part.any():

@@ -79,24 +79,24 @@ def contact_outline(
 ) -> ContactOutline:
     """Find the outline of a patch where the closed ridge amount falls through half."""
     contour = longest_contour(patch).reshape(-1, 2).astype(np.float64)
-    points = resampled(smoothed(contour, round(period / 2)))
+    points = resample_outline(running_mean(contour, round(period / 2)))
     # Beyond the patch lie whiskers and other patches: they do not count.
     grown = cv2.dilate(patch.astype(np.uint8), np.ones((3, 3), np.uint8))
     field = as_float32(cv2.GaussianBlur(as_float32(cv2.copyTo(closed, grown)), (3, 3), 0))
-    normals = normals_of(points, period)
+    normals = outward_normals(points, period)
     for _ in range(3):
         value, slope = _profile(field, points, normals)
         off = np.clip((value - _HALF_LEVEL) / np.maximum(slope, 10.0), -1, 1)
         points = points + normals * off[:, None]
-    points = resampled(smoothed(points, 2))
-    normals = normals_of(points, period)
+    points = resample_outline(running_mean(points, 2))
+    normals = outward_normals(points, period)
     levels = as_float32(amount)
     outer, inner = (_sample(levels, points - normals * (depth * period)) for depth in (0.3, 0.8))
-    along = smoothed((outer - inner)[:, None] / 255, round(_FOLLOWED * period))[:, 0]
+    along = running_mean((outer - inner)[:, None] / 255, round(_FOLLOWED * period))[:, 0]
     return ContactOutline(
         points=points,
         normals=normals,
-        steps=steps_of(points),
+        steps=point_spacings(points),
         along=along,
         period=period,
         noise=noise,
@@ -106,20 +106,20 @@ def contact_outline(
     )
 
 
-def steps_of(points: Points) -> FloatArray:
+def point_spacings(points: Points) -> FloatArray:
     """Return the length of a closed outline that each of its points stands for."""
     lengths = np.linalg.norm(np.roll(points, -1, axis=0) - points, axis=1)
     return np.asarray((lengths + np.roll(lengths, 1)) / 2)
 
 
-def smoothed(values: FloatArray, width: int) -> FloatArray:
+def running_mean(values: FloatArray, width: int) -> FloatArray:
     """Return running means along a closed sequence."""
     width = min(max(1, width) | 1, len(values) | 1)
     total = np.cumsum(np.concatenate([values[-(width // 2 + 1) :], values, values[: width // 2]]), axis=0)
     return np.asarray((total[width:] - total[:-width]) / width)
 
 
-def resampled(points: Points) -> Points:
+def resample_outline(points: Points) -> Points:
     """Return points one px apart along a closed outline."""
     closed = np.concatenate([points, points[:1]])
     place = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(closed, axis=0), axis=1))])
@@ -128,9 +128,9 @@ def resampled(points: Points) -> Points:
     return np.stack([np.interp(even, place, closed[:, k]) for k in (0, 1)], axis=-1)
 
 
-def normals_of(points: Points, period: float) -> Points:
+def outward_normals(points: Points, period: float) -> Points:
     """Return the outward normals of an outline seen at the scale of a ridge period."""
-    smooth = smoothed(points, round(period))
+    smooth = running_mean(points, round(period))
     tangent = np.roll(smooth, -2, axis=0) - np.roll(smooth, 2, axis=0)
     tangent /= np.maximum(np.linalg.norm(tangent, axis=1, keepdims=True), 1e-9)
     return np.stack([tangent[:, 1], -tangent[:, 0]], axis=-1) * (1.0 if signed_area(smooth) > 0 else -1.0)
@@ -193,7 +193,7 @@ def outline_covariance(edge: ContactOutline, weights: FloatArray) -> FloatArray:
     # Neighbours share their error over a stretch: a running mean spreads independent errors over it.
     response = weights * (edge.steps * own)[:, None]
     width = min(max(1, round(_STRETCH * edge.period)), len(response))
-    spread = smoothed(response, width)
+    spread = running_mean(response, width)
     noise = _NOISE * edge.noise * edge.period / 3
     unknown = np.zeros_like(along) if edge.resolved else _beyond_ridges(edge)
     alike = np.where(edge.by_hand, _BY_HAND * edge.period, np.hypot(noise, unknown))

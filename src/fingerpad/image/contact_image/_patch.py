@@ -30,8 +30,8 @@ _HALVES = (slice(0, 128), slice(128, 256))
 # lean, and of the noise. Fitted to rendered contacts (`ridge_calibration` in
 # benchmarks/contact_images.py prints
 # them).
-_LEAN, _UPRIGHT = 2.12, -0.026
-_OWN, _LEANING, _NOISY = 0.31, 0.26, 0.058
+_ASYMMETRY_SHIFT, _LEVEL_OFFSET = 2.12, -0.026
+_OWN, _ASYMMETRY_STD, _NOISY = 0.31, 0.26, 0.058
 # Over windows of so many periods resolved ridges spread by more than so many levels.
 _WINDOW, _MIN_SPREAD = 3.0, 76.0
 
@@ -68,7 +68,7 @@ def trace_patch(
 
     `resolved` says whether the ridge period was seen, `by_threshold` that the caller sets the ridges' level.
     """
-    ridges = _ridges_in(_counts(amount, patch), noise, view.period, by_threshold=by_threshold)
+    ridges = _ridge_level(_level_histogram(amount, patch), noise, view.period, by_threshold=by_threshold)
     edge = contact_outline(
         patch, closed, amount, view.period, noise=noise, softness=ridges.softness, resolved=resolved
     )
@@ -82,16 +82,16 @@ def measure_patch(
 ) -> Patch:
     """Measure a patch of the view inside its traced edge."""
     pixel = view.steps[0] * view.steps[1]
-    ridges = _ridges_in(_counts(amount, patch), edge.noise, view.period, by_threshold=by_threshold)
+    ridges = _ridge_level(_level_histogram(amount, patch), edge.noise, view.period, by_threshold=by_threshold)
     points = view.to_picture(edge.points)
     moments = polygon_moments(points)
     covariance = np.zeros((4, 4))
     weights = axis_weights(moments, points) * pixel
     covariance[:3, :3] = outline_covariance(edge, weights)
-    smeared = _smeared(amount, patch, view.period) if edge.resolved else patch
+    smeared = _blurred_ridges(amount, patch, view.period) if edge.resolved else patch
     unknown = np.count_nonzero(smeared)
     # Where ridges are not told apart any part may be ridge: half of it, uniform from none to all.
-    ridge_area = float(_counts(amount, patch & ~smeared) @ ridges.share) + unknown / 2
+    ridge_area = float(_level_histogram(amount, patch & ~smeared) @ ridges.share) + unknown / 2
     covariance[3, 3] = (ridges.std**2 + unknown**2 / 12) * pixel**2
     if edge.by_hand.any():
         # A hand that takes in too much skin takes in its ridges.
@@ -121,25 +121,25 @@ class _Ridges(NamedTuple):
     softness: float
 
 
-def _counts(amount: UInt8, where: BoolArray) -> FloatArray:
+def _level_histogram(amount: UInt8, where: BoolArray) -> FloatArray:
     """Return how many pixels of a place have each level."""
     return cv2.calcHist([amount], [0], where.astype(np.uint8), [256], [0, 256]).ravel().astype(np.float64)
 
 
-def _ridges_in(counts: FloatArray, noise: float, period: float, *, by_threshold: bool) -> _Ridges:
+def _ridge_level(counts: FloatArray, noise: float, period: float, *, by_threshold: bool) -> _Ridges:
     """Tell the area of ridges from the levels in a patch.
 
     Where blur fills the valleys, or cuts the crests, the local levels lie on one side of the true ones by an
     amount that the means of what is above and below the middle show: they lean to that side.
     """
     lean = level_asymmetry(counts)
-    off = 0.0 if by_threshold else _LEAN * lean + _UPRIGHT
+    off = 0.0 if by_threshold else _ASYMMETRY_SHIFT * lean + _LEVEL_OFFSET
     level = 127.5 + 255 * off
     share = np.clip((_LEVELS - level) / (2 * _RAMP) + 0.5, 0, 1)
     area = float(counts @ share)
     softness = float(counts[_NEAR_HALF].sum()) * 255 / _RAMP / max(area, 1.0)
     cells = counts.sum() / period**2
-    doubt = math.sqrt(_OWN**2 / cells + (_LEANING * lean) ** 2 + (_NOISY * noise) ** 2)
+    doubt = math.sqrt(_OWN**2 / cells + (_ASYMMETRY_STD * lean) ** 2 + (_NOISY * noise) ** 2)
     return _Ridges(level=level, share=share, std=doubt * softness * area, softness=softness)
 
 
@@ -149,7 +149,7 @@ def level_asymmetry(counts: FloatArray) -> float:
     return (low + high) / 255 - 1
 
 
-def _smeared(amount: UInt8, patch: BoolArray, period: float) -> BoolArray:
+def _blurred_ridges(amount: UInt8, patch: BoolArray, period: float) -> BoolArray:
     """Return where in a patch ridges are blurred into one another, as a quarter of its pixels shows."""
     part = np.ascontiguousarray(amount[::2, ::2])
     side = 2 * round(_WINDOW * period / 4) + 1

@@ -33,7 +33,7 @@ def disk(radius: float) -> UInt8:
     return np.asarray(rows**2 + columns**2 <= radius**2, dtype=np.uint8)
 
 
-def closed_over(amount: UInt8, period: float) -> UInt8:
+def close_ridges(amount: UInt8, period: float) -> UInt8:
     """Return the amount of ridge without specks, closed over the valleys."""
     closed = np.zeros_like(amount)
     x, y, columns, rows = cv2.boundingRect((amount >= HALF).astype(np.uint8))
@@ -50,7 +50,7 @@ def closed_over(amount: UInt8, period: float) -> UInt8:
     return closed
 
 
-def filled(mask: BoolArray) -> BoolArray:
+def fill_holes(mask: BoolArray) -> BoolArray:
     """Fill the holes."""
     contours, _ = cv2.findContours(mask.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
     canvas = np.zeros(mask.shape, dtype=np.uint8)
@@ -58,9 +58,9 @@ def filled(mask: BoolArray) -> BoolArray:
     return canvas > 0
 
 
-def patches_of(closed: UInt8, period: float) -> list[BoolArray]:
+def contact_patches(closed: UInt8, period: float) -> list[BoolArray]:
     """Return the patches of contact that matter, without holes and whiskers, cut at necks, largest first."""
-    plain = filled(closed >= HALF).astype(np.uint8)
+    plain = fill_holes(closed >= HALF).astype(np.uint8)
     # The frame counts as contact, so that a cut patch keeps its corners.
     pad = math.ceil(_OPENING_RADIUS * period) + 1
     padded = cv2.copyMakeBorder(plain, pad, pad, pad, pad, cv2.BORDER_REPLICATE)
@@ -81,7 +81,7 @@ def patches_of(closed: UInt8, period: float) -> list[BoolArray]:
     return sorted(patches, key=np.count_nonzero, reverse=True)
 
 
-def box_of(mask: BoolArray, margin: int) -> tuple[slice, slice]:
+def bounding_box(mask: BoolArray, margin: int) -> tuple[slice, slice]:
     """Return the box round a mask with a margin, inside the picture."""
     rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
     return (
@@ -90,9 +90,9 @@ def box_of(mask: BoolArray, margin: int) -> tuple[slice, slice]:
     )
 
 
-def without_appendages(patch: BoolArray, period: float) -> BoolArray:
+def remove_appendages(patch: BoolArray, period: float) -> BoolArray:
     """Drop what is much narrower than the patch: letters, pen marks, stubs of the next phalanx."""
-    box = box_of(patch, margin=2)
+    box = bounding_box(patch, margin=2)
     whole = patch[box]
     # Half the pixels show widths well enough.
     part, period = whole[::2, ::2], period / 2

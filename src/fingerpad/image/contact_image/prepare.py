@@ -15,8 +15,13 @@ from fingerpad.image.contact_image._assemble import LOW_CONTRAST, ContactRegion,
 from fingerpad.image.contact_image._cropping import crop_image
 from fingerpad.image.contact_image._patch import trace_patch
 from fingerpad.image.contact_image._period import ridge_period_px
-from fingerpad.image.contact_image._region import closed_over, longest_contour, patches_of, without_appendages
-from fingerpad.image.contact_image._ridges import Signal, ridge_amount, signal_of
+from fingerpad.image.contact_image._region import (
+    close_ridges,
+    contact_patches,
+    longest_contour,
+    remove_appendages,
+)
+from fingerpad.image.contact_image._ridges import Signal, ridge_amount, to_signal
 from fingerpad.image.contact_image._working_image import WorkingImage
 from fingerpad.image.contact_image.manual import (
     BrushStroke,
@@ -48,7 +53,7 @@ class PreparedContactImage:
     scale: Scale
     reason: str | None
     _ridged: RidgeImage
-    _region: ContactRegion | None
+    _find_region: ContactRegion | None
 
     @property
     def contact_image(self) -> ContactImageResult:
@@ -59,9 +64,9 @@ class PreparedContactImage:
         ImageError
             Where it found no contact.
         """
-        if self._region is None:
+        if self._find_region is None:
             raise ImageError(self.reason)
-        return assemble_result(self._ridged, self._region, self.scale, edited=False)
+        return assemble_result(self._ridged, self._find_region, self.scale, edited=False)
 
     def with_corrections(
         self, strokes: Sequence[BrushStroke] = (), ellipse: ImageEllipse | None = None
@@ -99,7 +104,7 @@ class PreparedContactImage:
         >>> prepared.with_corrections([bite]).gross_area < prepared.contact_image.gross_area
         True
         """
-        view, region = self._ridged.view, self._region
+        view, region = self._ridged.view, self._find_region
         if ellipse is not None:
             patch, edge = outline_of_ellipse(ellipse, view, noise=self._ridged.noise)
             several = False
@@ -164,9 +169,9 @@ def prepare_contact_image(
             f"measured, {frame.pixels.shape[0]} × {frame.pixels.shape[1]} px: check scale and ridge_period"
         )
     view = WorkingImage.of(frame, period)
-    _require_seed(seed, view)
-    signal = signal_of(view.values, view.inside, view.period, dark_on_light=dark_on_light, contrast=contrast)
-    reason = None if threshold is not None else _lack_of_contrast(signal, resolved=resolved)
+    _check_seed(seed, view)
+    signal = to_signal(view.values, view.inside, view.period, dark_on_light=dark_on_light, contrast=contrast)
+    reason = None if threshold is not None else _contrast_problem(signal, resolved=resolved)
     if reason is not None:
         # Ridges are then told from noise, should a person see a contact there.
         signal = replace(signal, contrast=max(signal.contrast, signal.noise, 1e-3))
@@ -185,19 +190,19 @@ def prepare_contact_image(
     region = None
     if reason is None:
         try:
-            region = _region(ridged, seed, resolved=resolved)
+            region = _find_region(ridged, seed, resolved=resolved)
         except ImageError as error:
             reason = str(error)
-    return PreparedContactImage(scale=scale, reason=reason, _ridged=ridged, _region=region)
+    return PreparedContactImage(scale=scale, reason=reason, _ridged=ridged, _find_region=region)
 
 
-def _region(ridged: RidgeImage, seed: tuple[float, float] | None, *, resolved: bool) -> ContactRegion:
+def _find_region(ridged: RidgeImage, seed: tuple[float, float] | None, *, resolved: bool) -> ContactRegion:
     """Return the contact that the program finds."""
     view = ridged.view
-    closed = closed_over(ridged.amount, view.period)
-    patches = patches_of(closed, view.period)
-    chosen = _chosen(patches, seed, view)
-    patch = without_appendages(patches[chosen], view.period)
+    closed = close_ridges(ridged.amount, view.period)
+    patches = contact_patches(closed, view.period)
+    chosen = _choose_patch(patches, seed, view)
+    patch = remove_appendages(patches[chosen], view.period)
     largest_other = max((np.count_nonzero(p) for k, p in enumerate(patches) if k != chosen), default=0)
     edge = trace_patch(
         view,
@@ -212,7 +217,7 @@ def _region(ridged: RidgeImage, seed: tuple[float, float] | None, *, resolved: b
     return ContactRegion(patch=patch, edge=edge, several=several)
 
 
-def _lack_of_contrast(signal: Signal, *, resolved: bool) -> str | None:
+def _contrast_problem(signal: Signal, *, resolved: bool) -> str | None:
     """Say that nothing stands out of the noise; None where something does."""
     if signal.contrast > (_NO_CONTRAST if resolved else LOW_CONTRAST) * signal.noise:
         return None
@@ -222,7 +227,7 @@ def _lack_of_contrast(signal: Signal, *, resolved: bool) -> str | None:
     )
 
 
-def _require_seed(seed: tuple[float, float] | None, view: WorkingImage) -> None:
+def _check_seed(seed: tuple[float, float] | None, view: WorkingImage) -> None:
     if seed is None:
         return
     place = number_array(seed, "seed")
@@ -230,7 +235,7 @@ def _require_seed(seed: tuple[float, float] | None, view: WorkingImage) -> None:
         raise ImageError(f"seed {seed} lies outside the picture of {view.shape} pixels")
 
 
-def _chosen(patches: list[BoolArray], seed: tuple[float, float] | None, view: WorkingImage) -> int:
+def _choose_patch(patches: list[BoolArray], seed: tuple[float, float] | None, view: WorkingImage) -> int:
     """Return the number of the wanted patch: at the seed, or the largest with preference for the centre."""
     if not patches:
         raise ImageError(

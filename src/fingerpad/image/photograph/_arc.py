@@ -84,7 +84,7 @@ def candidate_points(points: FloatArray, face: Face) -> IndexArray:
     face : Face
         The face.
     """
-    guess = _guess(points, face)
+    guess = _initial_ellipse(points, face)
     off = (parametric_angles(points, guess) - PAD_MIDDLE[face] + math.pi) % (2 * math.pi) - math.pi
     inside = np.abs(off) < PAD_REACH[face]
     # Turned so that the outline begins outside, and the run that holds the middle is one piece.
@@ -97,7 +97,7 @@ def candidate_points(points: FloatArray, face: Face) -> IndexArray:
     return order[first:last]
 
 
-def _guess(points: FloatArray, face: Face) -> FloatArray:
+def _initial_ellipse(points: FloatArray, face: Face) -> FloatArray:
     """Return a rough ellipse (x, y, semi_x, semi_y, lean) from the outline's extent near the pad's end."""
     end = points[:, 1].max()
     height = np.ptp(points[:, 1]) if face == "distal" else np.ptp(points[:, 0])
@@ -136,7 +136,7 @@ def longest_arc(points: FloatArray, order: IndexArray, middle: float, lean: tupl
             for _ in range(3):
                 first, last = _longest_window(track, values, middle, lean, slack)
                 trim = round(_END_MARGIN * (last - first))
-                arc = fitted_arc(points, order[first + trim : last - trim], lean, start=values)
+                arc = fit_arc(points, order[first + trim : last - trim], lean, start=values)
                 arc = replace(arc, shared_px=_SHARED_FOUND_PX)
                 values = np.array(arc.fit.ellipse)
         except FitError:
@@ -153,7 +153,7 @@ def longest_arc(points: FloatArray, order: IndexArray, middle: float, lean: tupl
     return min(arcs, key=lambda pair: pair[0])[1]
 
 
-def fitted_arc(
+def fit_arc(
     points: FloatArray, order: IndexArray, lean: tuple[float, float], start: FloatArray | None = None
 ) -> PadArc:
     """Fit an ellipse to all of an arc but the points that stand out from it."""
@@ -161,19 +161,19 @@ def fitted_arc(
     if len(track) < _MIN_POINTS:
         raise FitError(f"only {len(track)} points of the outline were found on the arc: give a longer arc")
     values = _consensus(track, lean) if start is None else start
-    good = _standing(distances(values, track)[0])
+    good = _inliers(distances(values, track)[0])
     for _ in range(3):
         fit = fit_outline_ellipse(
             track[good], lean=lean[0], lean_std=lean[1], places=np.flatnonzero(good), start=values
         )
         values, before = np.array(fit.ellipse), good
-        good = _standing(distances(values, track)[0])
+        good = _inliers(distances(values, track)[0])
         if good.sum() < _MIN_POINTS or (good == before).all():
             break
     return PadArc(fit=fit, used=order[before], rejected=order[~before])
 
 
-def widened(arc: PadArc, edges: SubpixelOutline) -> PadArc:
+def add_shared_errors(arc: PadArc, edges: SubpixelOutline) -> PadArc:
     """Widen the covariance by the errors that the points share."""
     fit, (least, by_noise) = arc.fit, arc.shared_px
     shared = least + by_noise / float(np.median(edges.step_ratio[arc.used]))
@@ -181,7 +181,7 @@ def widened(arc: PadArc, edges: SubpixelOutline) -> PadArc:
     return replace(arc, fit=replace(fit, covariance=fit.covariance + more))
 
 
-def _standing(off: FloatArray) -> BoolArray:
+def _inliers(off: FloatArray) -> BoolArray:
     """Return which points belong: not many robust deviations off, nor next to one that is."""
     centre = np.median(off)
     spread = 1.4826 * float(np.median(np.abs(off - centre))) + 0.02
@@ -211,14 +211,14 @@ def _consensus(track: FloatArray, lean: tuple[float, float]) -> FloatArray:
     tolerance = max(0.8, 0.004 * size) / size
     scores = np.minimum((_sampson(conics, local) / tolerance) ** 2, 1).sum(axis=1)
     a, b, c, d, e, f = conics[scores.argmin()]
-    centre, axes, angle = _ellipse_of(np.array([[a, b, c, d, e, f]]))
+    centre, axes, angle = _conic_parameters(np.array([[a, b, c, d, e, f]]))
     return np.array([*(centre[0] * size + shift), *(axes[0] * size), angle[0]])
 
 
 def _plausible(conics: FloatArray, lean: tuple[float, float]) -> BoolArray:
     """Return which conics are ellipses about as upright and as long as a finger pad's."""
     with np.errstate(all="ignore"):
-        centre, axes, angle = _ellipse_of(conics)
+        centre, axes, angle = _conic_parameters(conics)
         ratio = axes[:, 1] / axes[:, 0]
         # The rounder, the less is known of the direction.
         turn = np.abs(angle - lean[0]) * np.minimum(1, 4 * np.abs(np.log(ratio)))
@@ -227,7 +227,7 @@ def _plausible(conics: FloatArray, lean: tuple[float, float]) -> BoolArray:
     return np.asarray(good & np.isfinite(centre).all(axis=1), dtype=bool)
 
 
-def _ellipse_of(conics: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+def _conic_parameters(conics: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return centres, semi-axes (nearest to x, to y) and angle of x's axis of conics; NaN where none."""
     a, b, c, d, e, f = conics.T
     with np.errstate(all="ignore"):

@@ -52,7 +52,7 @@ class _Blocks:
     along: FloatArray
 
 
-def averaged_over_ends(
+def average_over_ends(
     points: FloatArray,
     order: IndexArray,
     arc: PadArc,

@@ -20,7 +20,7 @@ _REACH = 0.25
 _REJECTION = 4.0
 
 
-def with_flanks(points: FloatArray, edges: SubpixelOutline, arc: PadArc, lean: tuple[float, float]) -> PadArc:
+def extend_arc(points: FloatArray, edges: SubpixelOutline, arc: PadArc, lean: tuple[float, float]) -> PadArc:
     """Fit the arc's ellipse again, with the outline just beyond its ends.
 
     Parameters

@@ -77,7 +77,7 @@ def pad_sides(face: Face, tip: Direction, palmar: Direction) -> tuple[Direction,
     return {"palmar": (tip,), "distal": (palmar,)}.get(face, (tip, palmar))
 
 
-def require_uncut(silhouette: Silhouette, sides: tuple[Direction, ...], tip: Direction) -> None:
+def check_not_cut(silhouette: Silhouette, sides: tuple[Direction, ...], tip: Direction) -> None:
     """Refuse a finger whose pad lies on the frame."""
     rows, columns = np.nonzero(silhouette.mask)
     cuts = silhouette.cut_sides()
@@ -98,7 +98,7 @@ def require_uncut(silhouette: Silhouette, sides: tuple[Direction, ...], tip: Dir
             )
 
 
-def checked_picture(pixels: npt.ArrayLike) -> npt.NDArray[Any]:
+def check_image(pixels: npt.ArrayLike) -> npt.NDArray[Any]:
     """Return the picture, or say what is wrong with it."""
     values = picture_array(pixels, "pixels")
     if not (values.ndim == 2 or (values.ndim == 3 and values.shape[2] in (3, 4))) or not values.size:
@@ -112,7 +112,7 @@ def checked_picture(pixels: npt.ArrayLike) -> npt.NDArray[Any]:
     return values
 
 
-def checked_window(region: tuple[float, float, float, float], size: tuple[int, int]) -> Window:
+def check_window(region: tuple[float, float, float, float], size: tuple[int, int]) -> Window:
     """Return the region of interest as slices."""
     edges = number_array(region, "region_of_interest")
     if edges.shape != (4,) or not np.isfinite(edges).all():
@@ -128,7 +128,7 @@ def checked_window(region: tuple[float, float, float, float], size: tuple[int, i
     return rows, columns
 
 
-def checked_marks(points: ArrayLike, size: tuple[int, int]) -> FloatArray:
+def check_marks(points: ArrayLike, size: tuple[int, int]) -> FloatArray:
     """Return the marks, checked."""
     marks = number_array(points, "points")
     if marks.ndim != 2 or marks.shape[1] != 2 or len(np.unique(marks, axis=0)) < 2:

@@ -57,7 +57,7 @@ class Silhouette:
             k = int(np.argmax(stretches))
             longest = turned[cuts[k] + 1 : cuts[k] + stretches[k]]
             # The contour of a mask runs along its pixels' middles, half a pixel inside.
-        smooth = _smoothed(longest, closed=not framed.any())
+        smooth = _smooth_contour(longest, closed=not framed.any())
         return (smooth + 0.5) * self.reduction - 0.5
 
     def cut_sides(self) -> dict[Direction, tuple[float, float]]:
@@ -190,7 +190,7 @@ def _component(mask: BoolArray, window: tuple[slice, slice]) -> BoolArray:
     return np.asarray(filled > 0, dtype=bool)
 
 
-def _smoothed(points: FloatArray, *, closed: bool, sigma: float = 3.0) -> FloatArray:
+def _smooth_contour(points: FloatArray, *, closed: bool, sigma: float = 3.0) -> FloatArray:
     """Return a pixel contour without its stairs."""
     reach = math.ceil(4 * sigma)
     weights = np.exp(-0.5 * (np.arange(-reach, reach + 1) / sigma) ** 2)

@@ -171,7 +171,7 @@ def combine_faces(faces: Iterable[FaceSemiAxes]) -> OutlineSemiAxes:
     for one in given:
         _require_face(one)
     _require_every_axis(given)
-    return _combined(given)
+    return _combine(given)
 
 
 def _require_std(name: str, value: float) -> None:
@@ -201,7 +201,7 @@ def _require_every_axis(faces: tuple[FaceSemiAxes, ...]) -> None:
             raise FitError(f"no face given shows the {axis} semi-axis, found {found}: add one of {showing}")
 
 
-def _combined(faces: tuple[FaceSemiAxes, ...]) -> OutlineSemiAxes:
+def _combine(faces: tuple[FaceSemiAxes, ...]) -> OutlineSemiAxes:
     """Combine the semi-axes of all faces, once they are sound."""
     values = np.concatenate([one.semi_axes for one in faces])
     design = np.array([[axis == name for name in SEMI_AXES] for one in faces for axis in FACE_AXES[one.face]])

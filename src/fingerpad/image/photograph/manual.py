@@ -192,10 +192,10 @@ def with_marked_points(
     >>> len(fewer.points) < len(found.points), round(fewer.semi_axes_mm["radial_ulnar"])
     (True, 12)
     """
-    marks = _checked("added points", added)
+    marks = _check_points("added points", added)
     kept = np.ones(len(found.points), dtype=bool)
     for path, radius in erased:
-        kept &= ~_under(found.points, path, radius)
+        kept &= ~_points_under_stroke(found.points, path, radius)
     if not len(marks) and kept.all():
         return found
     left_out = np.concatenate([found.outliers, found.points[~kept]])
@@ -204,7 +204,7 @@ def with_marked_points(
     centre = as_float_array(found.centre)
     local = (points - centre) @ axes.T
     start = np.array([0.0, 0.0, *(found.semi_axes / found.scale.mm_per_px), found.lean])
-    order, places = _in_order(local, start, found)
+    order, places = _outline_order(local, start, found)
     points, local = points[order], local[order]
     # The sides of the finger told the lean of the program's fit: what it knew of that is kept.
     fit = fit_outline_ellipse(
@@ -213,7 +213,7 @@ def with_marked_points(
     shared = fit.shared_error_covariance(_SHARED_PX, _SHARED_PX, _SHARED_REACH)
     x, y, semi_x, semi_y, lean = fit.ellipse
     place = np.array([x, y]) @ axes + centre
-    angles = _about_middle(parametric_angles(local, fit.ellipse), found)
+    angles = _wrap_about_middle(parametric_angles(local, fit.ellipse), found)
     result = replace(
         found,
         semi_axes=np.array([semi_x, semi_y]) * found.scale.mm_per_px,
@@ -237,9 +237,9 @@ def with_marked_points(
     return replace(result, flags=flags | {"by_hand"})
 
 
-def _in_order(local: FloatArray, start: FloatArray, found: PhotographFit) -> tuple[IntArray, IntArray]:
+def _outline_order(local: FloatArray, start: FloatArray, found: PhotographFit) -> tuple[IntArray, IntArray]:
     """Return the points' order along the outline, and the place of each in steps of the outline."""
-    angles = _about_middle(parametric_angles(local, start), found)
+    angles = _wrap_about_middle(parametric_angles(local, start), found)
     order = np.argsort(angles, kind="stable")
     lengths = np.linalg.norm(np.diff(local[order], axis=0), axis=1)
     step = float(np.median(lengths[lengths > 0])) if (lengths > 0).any() else 1.0
@@ -248,12 +248,12 @@ def _in_order(local: FloatArray, start: FloatArray, found: PhotographFit) -> tup
     return order.astype(np.int64), places.astype(np.int64)
 
 
-def _about_middle(angles: FloatArray, found: PhotographFit) -> FloatArray:
+def _wrap_about_middle(angles: FloatArray, found: PhotographFit) -> FloatArray:
     middle = PAD_MIDDLE[found.face]
     return middle + (angles - middle + math.pi) % (2 * math.pi) - math.pi
 
 
-def _checked(what: str, points: ArrayLike) -> FloatArray:
+def _check_points(what: str, points: ArrayLike) -> FloatArray:
     values = as_float_array(points)
     values = values.reshape(0, 2) if values.size == 0 else values
     if values.ndim != 2 or values.shape[1] != 2 or not (np.abs(values) <= _FARTHEST_PX).all():
@@ -264,9 +264,9 @@ def _checked(what: str, points: ArrayLike) -> FloatArray:
     return values
 
 
-def _under(points: FloatArray, stroke: ArrayLike, radius: float) -> BoolArray:
+def _points_under_stroke(points: FloatArray, stroke: ArrayLike, radius: float) -> BoolArray:
     """Return which points lie under a stroke of a rubber."""
-    path = _checked("a stroke", stroke)
+    path = _check_points("a stroke", stroke)
     if not (len(path) and radius > 0 and math.isfinite(radius)):
         raise ImageError(f"a stroke needs a point and a positive radius, found {len(path)} and {radius}")
     start, end = (path, path) if len(path) == 1 else (path[:-1], path[1:])

@@ -18,24 +18,24 @@ from fingerpad.image.ellipse import rotation
 from fingerpad.image.photograph._arc import (
     PAD_MIDDLE,
     PadArc,
+    add_shared_errors,
     candidate_points,
-    fitted_arc,
+    fit_arc,
     longest_arc,
-    widened,
 )
-from fingerpad.image.photograph._arc_averaging import averaged_over_ends
-from fingerpad.image.photograph._arc_extension import with_flanks
+from fingerpad.image.photograph._arc_averaging import average_over_ends
+from fingerpad.image.photograph._arc_extension import extend_arc
 from fingerpad.image.photograph._edges import SubpixelOutline, locate_edges
 from fingerpad.image.photograph._finger_axis import finger_lean
 from fingerpad.image.photograph._input import (
     Window,
     between,
-    checked_marks,
-    checked_picture,
-    checked_window,
+    check_image,
+    check_marks,
+    check_not_cut,
+    check_window,
     opponent_light,
     pad_sides,
-    require_uncut,
     within,
 )
 from fingerpad.image.photograph._silhouette import Silhouette, find_silhouette
@@ -218,10 +218,10 @@ def measure_photograph(
     {'radial_ulnar': 12, 'distal': 14}
     """
     sides = palmar_directions(face, tip, palmar)
-    light = opponent_light(checked_picture(pixels))
+    light = opponent_light(check_image(pixels))
     size = (light.shape[0], light.shape[1])
-    window = None if region_of_interest is None else checked_window(region_of_interest, size)
-    marks = None if points is None else checked_marks(points, size)
+    window = None if region_of_interest is None else check_window(region_of_interest, size)
+    marks = None if points is None else check_marks(points, size)
     silhouette = find_silhouette(light, None if face == "distal" else opposite(tip), window)
     edges = _outline(light, silhouette)
     tried: list[PhotographFit] = []
@@ -229,7 +229,7 @@ def measure_photograph(
     for side in sides:
         try:
             if window is None and marks is None:
-                require_uncut(silhouette, pad_sides(face, tip, side), tip)
+                check_not_cut(silhouette, pad_sides(face, tip, side), tip)
             axes = face_axes(face, tip, side)
             arc, place = _pad_arc(edges, face, axes, window, marks)
             tried.append(_result(arc, (axes, place), (edges, silhouette), face, scale))
@@ -284,10 +284,10 @@ def _pad_arc(
         )
     if marks is None and window is None:
         arc = longest_arc(local, found, middle, lean)
-        arc = averaged_over_ends(local, found, arc, middle=middle, lean=lean, spacing=edges.spacing)
+        arc = average_over_ends(local, found, arc, middle=middle, lean=lean, spacing=edges.spacing)
     else:
-        arc = with_flanks(local, edges, fitted_arc(local, found, lean), lean)
-    return widened(arc, edges), place
+        arc = extend_arc(local, edges, fit_arc(local, found, lean), lean)
+    return add_shared_errors(arc, edges), place
 
 
 def _result(

@@ -128,13 +128,13 @@ def fit_outline_ellipse(
     shift = points.mean(axis=0)
     size = float(np.sqrt(np.mean((points - shift) ** 2)))
     local, past = (points - shift) / size, past / size
-    values = _start(local[on_arc], lean) if start is None else _scaled(as_float_array(start), shift, size)
-    values = _refined(local[on_arc], values, (lean, math.inf), np.asarray)
+    values = _start(local[on_arc], lean) if start is None else _normalise(as_float_array(start), shift, size)
+    values = _refine(local[on_arc], values, (lean, math.inf), np.asarray)
     for _ in range(_ROUNDS):
         variance, correlation = _noise(distances(values, local[on_arc])[0], rows[on_arc])
         spread = departure_covariance(past[~on_arc], _end_radii(values, local[on_arc]))
         errors = _Errors(on_arc=on_arc, density=variance * correlation, departure=spread)
-        values = _refined(local, values, (lean, lean_std), errors.whitened)
+        values = _refine(local, values, (lean, lean_std), errors.whitened)
     residuals, design = distances(values, local)
     white = errors.whitened(design)
     information = white.T @ white
@@ -235,11 +235,11 @@ def _start(points: FloatArray, lean: float) -> Parameters:
     return np.array([*(turn @ (x, y)), semi_x, semi_y, lean])
 
 
-def _scaled(values: FloatArray, shift: FloatArray, size: float) -> Parameters:
+def _normalise(values: FloatArray, shift: FloatArray, size: float) -> Parameters:
     return np.array([*((values[:2] - shift) / size), values[2] / size, values[3] / size, values[4]])
 
 
-def _refined(
+def _refine(
     points: FloatArray,
     start: Parameters,
     lean: tuple[float, float],

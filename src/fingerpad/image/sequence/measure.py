@@ -190,18 +190,18 @@ def assign_times(
     first_contact: int | None = None
     for result in results:
         if first_contact is not None:
-            yield _placed(result, first_contact, clock, force, record)
+            yield _assign_time(result, first_contact, clock, force, record)
             continue
         waiting.append(result)
         run = run + 1 if result.measures is not None else 0
         if run == PERSISTENCE:
             first_contact = waiting[-PERSISTENCE].index
-            yield from (_placed(held, first_contact, clock, force, record) for held in waiting)
+            yield from (_assign_time(held, first_contact, clock, force, record) for held in waiting)
             waiting.clear()
-    yield from (_placed(held, None, clock, force, record) for held in waiting)
+    yield from (_assign_time(held, None, clock, force, record) for held in waiting)
 
 
-def _placed(
+def _assign_time(
     result: FrameResult,
     first_contact: int | None,
     clock: FrameClock | None,

@@ -13,14 +13,14 @@ import numpy.typing as npt
 from fingerpad._arrays import FloatArray
 from fingerpad.exceptions import ImageError
 from fingerpad.image._levels import Pixels
-from fingerpad.image.contact_image._cropping import part_of
+from fingerpad.image.contact_image._cropping import crop_grey
 from fingerpad.image.contact_image.measure import measure_contact_image
 from fingerpad.image.contact_image.options import MeasurementRegion
 from fingerpad.image.contact_image.result import ContactImageResult, ContactImageSettings
 from fingerpad.image.scale import Scale
 from fingerpad.image.sequence.frames import Frame, Frames
 
-_TEACHERS: Final = 5
+_SETTINGS_FRAMES: Final = 5
 # Wider than a ridge, narrower than a finger: what is left after it is texture.
 _TEXTURE_WINDOW_MM: Final = 1.5
 # Less texture than this share of the busiest frame's is no contact that could be measured.
@@ -59,7 +59,7 @@ class TextureScan:
     def busiest(self) -> tuple[int, ...]:
         """The few frames of most texture, in their order: those of the largest contact."""
         seen = np.flatnonzero(np.isfinite(self.texture))
-        most = seen[np.argsort(-self.texture[seen], kind="stable")][:_TEACHERS]
+        most = seen[np.argsort(-self.texture[seen], kind="stable")][:_SETTINGS_FRAMES]
         return tuple(sorted(self.index[most].tolist()))
 
 
@@ -152,7 +152,7 @@ def estimate_settings(
         raise ImageError(f"no frame can be read: {scan.reason or 'there is none'}")
     seen: list[tuple[int, ContactImageResult]] = []
     reason: str | None = None
-    for frame in _chosen(frames, scan.busiest):
+    for frame in _frames_at(frames, scan.busiest):
         if frame.pixels is None:
             continue  # it could be read when it was surveyed
         try:
@@ -177,7 +177,7 @@ def estimate_settings(
     )
 
 
-def _chosen(frames: Iterable[Frame], indices: Collection[int]) -> Iterator[Frame]:
+def _frames_at(frames: Iterable[Frame], indices: Collection[int]) -> Iterator[Frame]:
     """Return some of the frames, in the sequence's order."""
     if isinstance(frames, Frames) and frames.kind != "video":  # a video is decoded up to each frame
         return map(frames.at, indices)
@@ -192,7 +192,7 @@ def texture_of(pixels: Pixels, scale: Scale, place: MeasurementRegion) -> float:
     ImageError
         If it is not a grey picture, or the region of interest misses it.
     """
-    values = part_of(pixels, place.get("region_of_interest")).astype(np.float32)
+    values = crop_grey(pixels, place.get("region_of_interest")).astype(np.float32)
     # In a picture narrower than the window all that differs from its mean is texture.
     side = 2 * round(min(_TEXTURE_WINDOW_MM / scale.mm_per_px, 2 * max(values.shape)) / 2) + 1
     fine = values - cv2.blur(values, (side, side))
