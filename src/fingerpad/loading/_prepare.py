@@ -19,7 +19,7 @@ from fingerpad.loading.segments import (
     saturated_rows,
 )
 
-# Rows before contact from which a drift, or a zero, can be told.
+# Rows before contact from which a drift, or a zero, can be estimated.
 _TILT_ROWS, _ZERO_ROWS = 4, 2
 # An area this near to contact, as a share of the depth, may be cut off at zero by its noise.
 _NEAR_CONTACT = 0.1

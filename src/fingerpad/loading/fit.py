@@ -200,7 +200,7 @@ def contact_points(
 ) -> dict[str, Quantity]:
     """Return the place of contact (mm) by each estimator of `ESTIMATORS`, and by the joint fit.
 
-    How far each errs is tried out on twenty records simulated from the joint fit with its noise: the root
+    The error of each is estimated from twenty records simulated from the joint fit with its noise: the root
     mean square error, bias included, is the standard uncertainty. The value itself is not corrected.
 
     Parameters and errors are those of `fit_loading_curve`.

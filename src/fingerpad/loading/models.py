@@ -76,7 +76,7 @@ def secant_modulus(
 
     Examples
     --------
-    The source's contact at 30° and 2 N:
+    The contact of Dzidek et al. (2017) at 30° and 2 N:
 
     >>> print(f"{1000 * secant_modulus(2.0, 1.806, loading_radius=20.5):.1f} kPa")
     102.4 kPa

@@ -1,4 +1,4 @@
-r"""The noise of a pressed pad's record: of force, of displacement and of area, and how it hangs together.
+r"""The noise of a pressed pad's record: of force, of displacement and of area, and its correlations.
 
 With :math:`e` the noise of displacement, :math:`s = dW/d\xi` and :math:`g = \pi R_g`, the residuals are
 :math:`r_F = f + w + s e` and :math:`r_A = a - g e`: noise of the displacement enters both (effective
@@ -211,7 +211,9 @@ def _maximise_likelihood(
 
 
 def _penalised_negative_log_likelihood(noise: Noise, force: FloatArray, area: FloatArray) -> float:
-    """Return the surprise less log σ of the displacement, which keeps that off zero (Chung et al. 2013).
+    """Return the negative log-likelihood less log σ of the displacement.
+
+    The second term keeps that σ off zero (Chung et al. 2013).
 
     Few rows cannot tell it from none, and its weights and their uncertainty would then be those of none.
     """
@@ -257,7 +259,7 @@ class NoiseUncertainty:
     def parameter_covariance(self, noise: Noise, jacobians: tuple[FloatArray, FloatArray]) -> FloatArray:
         """Return the covariance of the parameters, with what it costs that their weights are estimated.
 
-        A weight that errs adds the variance Λ = Σ C_ij (∂G/∂θ_i) V (∂G/∂θ_j)ᵀ to parameters p = G y, and the
+        A wrong weight adds the variance Λ = Σ C_ij (∂G/∂θ_i) V (∂G/∂θ_j)ᵀ to parameters p = G y, and the
         deviations found make the plain covariance look smaller by Λ again (Kenward & Roger 1997).
         """
         at = np.log([getattr(noise, name) for name in self.names])

@@ -1,6 +1,7 @@
 r"""What time does to a held contact: relaxation of the force, and growth of the ridges' area.
 
-A pad that is linearly viscoelastic in time bears :math:`W(t) = \int g(t - s)\,dW_e(s)`, with the elastic load
+A pad that is linearly viscoelastic in time has the load
+:math:`W(t) = \int g(t - s)\,dW_e(s)`, with the elastic load
 :math:`W_e = k\,\xi^{3/2}/(1 - b\,\xi^{3/2})` of the recorded motion and
 :math:`g = 1 - \sum_i g_i (1 - e^{-t/\tau_i})`. The ramp is in the integral: nothing need be instantaneous.
 """
@@ -73,7 +74,7 @@ def fit_relaxation(curve: LoadingCurve, cycle: Cycle, contact_offset: float) -> 
     """Fit a Prony series to loading and hold of one cycle, the ramp as it was; terms are chosen by AICc.
 
     No time faster than the ramp is known: such a term's effect is over before the hold begins, and what it
-    did meanwhile cannot be told from the pad's stiffness. Nor is a time longer than the hold.
+    did meanwhile is indistinguishable from the pad's stiffness. Nor is a time longer than the hold.
 
     Parameters
     ----------
@@ -97,7 +98,7 @@ def fit_relaxation(curve: LoadingCurve, cycle: Cycle, contact_offset: float) -> 
         )
     rows = slice(cycle.loading.start, cycle.hold.stop)
     time, load = curve.time[rows] - curve.time[rows][0], curve.load[rows]
-    # Each by itself: smoothed across, the end of the ramp would be rounded, which looks like relaxation.
+    # Each separately: smoothed across, the end of the ramp would be rounded, which looks like relaxation.
     parts = [moving_average(curve.indentation[part.rows]) for part in (cycle.loading, cycle.hold)]
     depth = np.maximum(np.concatenate(parts) - contact_offset, 0.0)
     ramp, whole = float(time[len(cycle.loading) - 1]), float(time[-1])

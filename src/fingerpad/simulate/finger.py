@@ -106,7 +106,8 @@ def render_finger(
     face : {"palmar", "distal", "radial", "ulnar"}
         The face that looks at the camera.
     semi_axes : (float, float), optional
-        Semi-axes across and along (see `FACE_AXES`), mm; those of the source's index finger if left out.
+        Semi-axes across and along (see `FACE_AXES`), mm; by default those of
+        the index finger in Dzidek et al. (2017).
     arc_deg : float
         Extent of the exactly elliptic arc round the pad, parametric degrees, 20 to 180.
     departure : float

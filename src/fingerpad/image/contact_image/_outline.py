@@ -21,7 +21,7 @@ _ENDS, _FOLLOWING, _NOISE = 0.084, 0.206, 0.192
 # error over `_STRETCH`.
 _IN_VALLEY, _BY_SOFTNESS, _STRETCH = 0.16, 0.092, 2.75
 # A hand draws the edge somewhere within one ridge period, uniformly: half of that variance it has everywhere
-# alike, as whoever paints generously does so all round.
+# alike, as a generous outline is generous all round.
 _BY_HAND = math.sqrt(1 / 12 / 2)
 
 

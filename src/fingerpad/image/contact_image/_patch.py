@@ -90,7 +90,7 @@ def measure_patch(
     covariance[:3, :3] = outline_covariance(edge, weights)
     smeared = _blurred_ridges(amount, patch, view.period) if edge.resolved else patch
     unknown = np.count_nonzero(smeared)
-    # Where ridges are not told apart any part may be ridge: half of it, uniform from none to all.
+    # Where ridges are not resolved any part may be ridge: half of it, uniform from none to all.
     ridge_area = float(_level_histogram(amount, patch & ~smeared) @ ridges.share) + unknown / 2
     covariance[3, 3] = (ridges.std**2 + unknown**2 / 12) * pixel**2
     if edge.by_hand.any():

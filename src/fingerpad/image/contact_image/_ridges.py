@@ -132,7 +132,7 @@ def _background_surface(means: Float32Array, quiet: npt.NDArray[np.intp], rim: B
     """Return a quadratic surface through the lowest quiet blocks, and as near as those at the rim lie."""
     y, x = (np.linspace(-1, 1, n) for n in means.shape)
     if quiet.size < _MIN_QUIET:
-        # With little ground to see, a constant is all that can be told.
+        # With few background blocks only a constant can be estimated.
         return np.full_like(means, np.percentile(means, 20))
     places = np.union1d(quiet, np.flatnonzero(rim))
     at_rim = rim.flat[places]

@@ -1,4 +1,4 @@
-"""A contact image made ready: ridges and contact told, for whatever a person may say of them."""
+"""Find the ridges and the contact in an image, ready for manual corrections."""
 
 import math
 from collections.abc import Sequence
@@ -33,21 +33,21 @@ from fingerpad.image.ellipse import ImageEllipse
 from fingerpad.image.scale import Scale
 
 _NOMINAL_RIDGE_PERIOD_MM = 0.45
-# Contrast over noise below which nothing can be told from noise.
+# Contrast over noise below which no contact is detectable.
 _NO_CONTRAST = 2.5
 _OTHER_REGION = 0.2
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class PreparedContactImage:
-    """A contact image up to where a person may have a say: cheap to measure again with other edits.
+    """A contact image with its ridges found: cheap to measure again with other corrections.
 
     Attributes
     ----------
     scale : Scale
         Millimetres per pixel.
     reason : str or None
-        Why the program found no contact; None where it did. A person can still draw one.
+        Why no contact was found automatically, or None. A manual outline can still be given.
     """
 
     scale: Scale
@@ -57,7 +57,7 @@ class PreparedContactImage:
 
     @property
     def contact_image(self) -> ContactImageResult:
-        """What the program measures.
+        """The automatic measurement.
 
         Raises
         ------
@@ -71,14 +71,14 @@ class PreparedContactImage:
     def with_corrections(
         self, strokes: Sequence[BrushStroke] = (), ellipse: ImageEllipse | None = None
     ) -> ContactImageResult:
-        """Measure the contact as a person corrects it.
+        """Measure the contact with manual corrections.
 
         Parameters
         ----------
         strokes : sequence of BrushStroke
-            Painted one after the other over the program's region; the largest piece that they leave is the
+            Painted one after the other over the automatic region; the largest piece that they leave is the
             contact, without holes.
-        ellipse : HandEllipse, optional
+        ellipse : ImageEllipse, optional
             The contact is this ellipse, whatever the region.
 
         Returns
@@ -173,7 +173,7 @@ def prepare_contact_image(
     signal = to_signal(view.values, view.inside, view.period, dark_on_light=dark_on_light, contrast=contrast)
     reason = None if threshold is not None else _contrast_problem(signal, resolved=resolved)
     if reason is not None:
-        # Ridges are then told from noise, should a person see a contact there.
+        # A manual outline can still be measured: ridges are then those above noise.
         signal = replace(signal, contrast=max(signal.contrast, signal.noise, 1e-3))
     amount, level = ridge_amount(signal, view.period, threshold)
     counted = view.card & view.inside
@@ -197,7 +197,7 @@ def prepare_contact_image(
 
 
 def _find_region(ridged: RidgeImage, seed: tuple[float, float] | None, *, resolved: bool) -> ContactRegion:
-    """Return the contact that the program finds."""
+    """Find the contact automatically."""
     view = ridged.view
     closed = close_ridges(ridged.amount, view.period)
     patches = contact_patches(closed, view.period)

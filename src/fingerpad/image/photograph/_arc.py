@@ -36,7 +36,7 @@ PAD_REACH: Mapping[Face, float] = {
 # What an edge can be off without showing it (compression, light on the limb), alike all round and slowly
 # along it: a least value, px, and a share of the noise over the step; found on rendered photographs.
 _SHARED_PX = (0.03, 3.0)
-# An arc that is found by itself may hold a little of what is beyond the pad.
+# An arc that is found automatically may extend a little beyond the pad.
 _SHARED_FOUND_PX = (0.045, 6.0)
 _SHARED_REACH = math.radians(25)
 

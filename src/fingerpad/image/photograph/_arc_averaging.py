@@ -1,4 +1,4 @@
-"""The pad's ellipse where nobody knows where its arc ends: an average over the ends, weighted by evidence."""
+"""The pad's ellipse where the ends of its arc are unknown: an average over them, weighted by evidence."""
 
 import math
 from dataclasses import dataclass, replace

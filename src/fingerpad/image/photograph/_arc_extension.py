@@ -30,7 +30,7 @@ def extend_arc(points: FloatArray, edges: SubpixelOutline, arc: PadArc, lean: tu
     edges : Edges
         The same outline in the picture.
     arc : PadArc
-        The arc, fitted by itself.
+        The arc, fitted alone.
     lean : (float, float)
         Lean of the finger's axis and its standard uncertainty, radians.
     """

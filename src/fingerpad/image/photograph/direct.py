@@ -22,7 +22,7 @@ def direct_semi_axes(
 ) -> FaceSemiAxes:
     """Measure two semi-axes directly, as the lengths from a marked centre to marked ends.
 
-    The source's first approach [ESM, Table 1, "Direct"].
+    The first approach of Dzidek et al. (2017) [ESM, Table 1, "Direct"].
 
     Parameters
     ----------

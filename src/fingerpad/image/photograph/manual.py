@@ -206,7 +206,7 @@ def with_marked_points(
     start = np.array([0.0, 0.0, *(found.semi_axes / found.scale.mm_per_px), found.lean])
     order, places = _outline_order(local, start, found)
     points, local = points[order], local[order]
-    # The sides of the finger told the lean of the program's fit: what it knew of that is kept.
+    # The lean of the automatic fit comes from the sides of the finger: it is kept as prior.
     fit = fit_outline_ellipse(
         local, lean=found.lean, lean_std=max(found.lean_std, 1e-3), places=places, start=start
     )

@@ -1,4 +1,4 @@
-"""Learn how to read a sequence: which frames show the largest contact, and what ridges look like there."""
+"""Estimate the settings of a sequence from the frames that show the largest contact."""
 
 import math
 from collections import Counter
@@ -124,7 +124,7 @@ def estimate_settings(
     """Learn from the frames of largest contact how to read a sequence: one relative level for all its frames.
 
     Ridges lie above half the local rise from valley to ridge, which a flicker of the light scales without
-    moving its half. What counts as a rise is told from the contrast of the largest contact in every frame,
+    moving its half. The contrast of the largest contact decides in every frame what counts as a rise,
     so that neither noise nor faint traces pass for a first contact.
 
     Parameters
