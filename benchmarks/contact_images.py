@@ -138,6 +138,7 @@ def edge_calibration(count: int) -> None:
     The errors of both axes and of the area, with the shift taken back, are linear in the three constants.
     """
     from fingerpad.image.contact_image import _outline, _patch  # noqa: PLC0415
+    from fingerpad.image.ellipse import polygon_moments  # noqa: PLC0415
 
     kept: list[_outline.ContactOutline] = []
     plain = _outline.edge_shift
@@ -151,7 +152,7 @@ def edge_calibration(count: int) -> None:
         with patch.object(_patch, "edge_shift", watched):
             found = values_of(measure_contact_image(truth.pixels, SCALE))[:3]
         edge, size = kept[-1], found / np.array([1, 1, 0.7])
-        moments = _outline.moments_of(edge.points)
+        moments = polygon_moments(edge.points)
         weights = (
             _outline.axis_weights(moments, edge.points)
             * edge.steps[:, None]
@@ -171,7 +172,7 @@ def ridge_calibration(count: int) -> None:
     from fingerpad.image.contact_image import _patch  # noqa: PLC0415
 
     kept: list[tuple[float, float, float]] = []
-    plain = _patch._ridges_in
+    plain = _patch._ridge_level
 
     def watched(counts: Numbers, noise: float, period: float, *, by_threshold: bool) -> _patch._Ridges:
         ridges = plain(counts, noise, period, by_threshold=by_threshold)
@@ -180,7 +181,7 @@ def ridge_calibration(count: int) -> None:
 
     leans, levels = [], []
     for truth in population(count, seed=7):
-        with patch.object(_patch, "_ridges_in", watched):
+        with patch.object(_patch, "_ridge_level", watched):
             found = measure_contact_image(truth.pixels, SCALE)
         lean, level, softness = kept[-1]
         leans.append(lean)
@@ -188,7 +189,9 @@ def ridge_calibration(count: int) -> None:
     fitted = np.polyfit(leans, levels, 1)
     print("Ridge level (lean, upright): fitted", np.round(fitted, 3), end=" ")
     print(
-        "in use", (_patch._LEAN, _patch._UPRIGHT), f"spread {np.std(levels - np.polyval(fitted, leans)):.4f}"
+        "in use",
+        (_patch._ASYMMETRY_SHIFT, _patch._LEVEL_OFFSET),
+        f"spread {np.std(levels - np.polyval(fitted, leans)):.4f}",
     )
 
 

@@ -4,6 +4,7 @@ import math
 from typing import Final
 
 KPA_PER_MPA: Final = 1000.0
+MM_PER_INCH: Final = 25.4
 
 # Factor that turns a value in the unit into the library's.
 FACTORS: Final = {

@@ -7,8 +7,8 @@ import pytest
 from tests.image.coin_scenes import KINDS, NOT_ONE_COIN, scene
 
 from fingerpad.exceptions import CalibrationError, GeometryError
-from fingerpad.image import measure_coin
-from fingerpad.image.coin._circle_detection import PixelEllipse, fit_edge
+from fingerpad.image import PlaneEllipse, measure_coin
+from fingerpad.image.coin._circle_detection import fit_edge
 from fingerpad.simulate import render_coin
 
 
@@ -126,7 +126,7 @@ def test_an_edge_is_fitted_without_its_outliers():
     # A strip laid over a fifth of the edge: its own steep edges lie up to 4 px off the circle.
     image[140:175, 243:256] = 220
     image[140:175, 240:243] = 20
-    outline = fit_edge(image.astype(np.float32), PixelEllipse(149.5, 149.5, 101.0, 100.0, 0.3), 6.0, 6.0)
+    outline = fit_edge(image.astype(np.float32), PlaneEllipse(149.5, 149.5, 101.0, 100.0, 0.3), 6.0, 6.0)
     # With the outliers the centre moves by 0.1 px.
     assert outline.ellipse.x == pytest.approx(149.5, abs=0.05)
     assert outline.ellipse.size == pytest.approx(100, abs=0.1)

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fingerpad.exceptions import ImageError
-from fingerpad.image import BrushStroke, ManualEllipse, Scale, measure_contact_image, prepare_contact_image
+from fingerpad.image import BrushStroke, ImageEllipse, Scale, measure_contact_image, prepare_contact_image
 from fingerpad.simulate import render_contact_image
 
 PPI_500 = Scale.of_ppi(500)
@@ -116,7 +116,7 @@ def test_a_disk_drawn_outside_adds_its_area(radius, angle):
 
 @pytest.mark.parametrize("orientation_deg", [0, 30, 90, -60])
 def test_an_ellipse_by_hand_is_that_ellipse(orientation_deg):
-    hand = ManualEllipse(
+    hand = ImageEllipse(
         centre=(CENTRE[0] + 3.3, CENTRE[1] - 2.6),
         semi_axes=(120.5, 80.25),
         orientation=math.radians(orientation_deg),
@@ -140,7 +140,7 @@ def test_a_hand_sees_what_the_program_does_not():
     assert "no contact found" in prepared.reason
     with pytest.raises(ImageError, match="no contact found"):
         prepared.with_corrections()
-    drawn = prepared.with_corrections(ellipse=ManualEllipse(centre=(150, 150), semi_axes=(90, 70)))
+    drawn = prepared.with_corrections(ellipse=ImageEllipse(centre=(150, 150), semi_axes=(90, 70)))
     assert drawn.gross_area == pytest.approx(math.pi * 90 * 70 * PPI_500.mm_per_px**2, rel=1e-3)
     painted = prepared.with_corrections([stroke("add", (150, 150), radius=60)])
     assert painted.gross_area == pytest.approx(math.pi * 60**2 * PPI_500.mm_per_px**2, rel=0.02)
@@ -154,12 +154,12 @@ BAD = {
     "no radius": ([stroke("add", CENTRE, radius=0)], None, "radius must be positive"),
     "huge radius": ([stroke("add", CENTRE, radius=1e6)], None, "no more than the picture"),
     "unknown action": ([stroke("smear", CENTRE)], None, "must add or remove"),
-    "minor first": ([], ManualEllipse(centre=CENTRE, semi_axes=(60, 80)), "larger first"),
-    "no axis": ([], ManualEllipse(centre=CENTRE, semi_axes=(60, 0)), "positive"),
-    "ellipse outside": ([], ManualEllipse(centre=(-5, 10), semi_axes=(60, 50)), "lies outside"),
+    "minor first": ([], ImageEllipse(centre=CENTRE, semi_axes=(60, 80)), "larger first"),
+    "no axis": ([], ImageEllipse(centre=CENTRE, semi_axes=(60, 0)), "positive"),
+    "ellipse outside": ([], ImageEllipse(centre=(-5, 10), semi_axes=(60, 50)), "lies outside"),
     "stroke from far away": ([stroke("add", (1e12, 0), CENTRE, radius=5)], None, "must not reach 1e\\+12 px"),
-    "huge ellipse": ([], ManualEllipse(centre=CENTRE, semi_axes=(1e200, 50)), "must not reach 1e\\+200 px"),
-    "ellipse nowhere": ([], ManualEllipse(centre=(math.inf, 10), semi_axes=(60, 50)), "finite"),
+    "huge ellipse": ([], ImageEllipse(centre=CENTRE, semi_axes=(1e200, 50)), "must not reach 1e\\+200 px"),
+    "ellipse nowhere": ([], ImageEllipse(centre=(math.inf, 10), semi_axes=(60, 50)), "finite"),
 }
 
 

@@ -27,14 +27,14 @@ def noisy(seed, *, arc_deg=140.0, std=0.01, reach=6.0, lean=0.0, count=240):
 @pytest.mark.parametrize("lean", [-0.15, 0.0, 0.1])
 def test_perfect_points_give_the_ellipse_back(arc_deg, lean):
     fit = fit_outline_ellipse(noisy(0, arc_deg=arc_deg, std=1e-12, lean=lean), lean=lean)
-    assert (fit.semi_x, fit.semi_y, fit.lean) == pytest.approx((11.8, 13.8, lean), rel=1e-4, abs=1e-5)
+    assert fit.ellipse[2:] == pytest.approx((11.8, 13.8, lean), rel=1e-4, abs=1e-5)
     assert np.ptp(fit.angles) == pytest.approx(math.radians(arc_deg), rel=0.01)
 
 
 @pytest.mark.parametrize("reach", [0.3, 4.0, 10.0])
 def test_correlated_errors_are_allowed_for(reach):
     fits = [fit_outline_ellipse(noisy(seed, reach=reach), lean_std=0.02) for seed in range(40)]
-    found = np.array([(fit.semi_x, fit.semi_y) for fit in fits])
+    found = np.array([fit.ellipse[2:4] for fit in fits])
     stated = np.array([np.sqrt(np.diagonal(fit.covariance))[2:4] for fit in fits])
     held = np.mean(np.abs(found - (11.8, 13.8)) < 1.96 * stated)
     assert 0.85 <= held <= 1.0
@@ -56,9 +56,9 @@ def test_agrees_with_a_second_implementation():
     fit = fit_outline_ellipse(points, lean=0.1, lean_std=10.0)
     model = EllipseModel.from_estimate(points)
     x, y, first, second, theta = (*model.center, *model.axis_lengths, model.theta)
-    assert sorted((fit.semi_x, fit.semi_y)) == pytest.approx(sorted((first, second)), rel=2e-3)
-    np.testing.assert_allclose(fit.centre, (x, y), atol=0.03)
-    assert math.sin(2 * (fit.lean - theta)) == pytest.approx(0, abs=0.03)
+    assert sorted(fit.ellipse[2:4]) == pytest.approx(sorted((first, second)), rel=2e-3)
+    np.testing.assert_allclose(fit.ellipse[:2], (x, y), atol=0.03)
+    assert math.sin(2 * (fit.ellipse.angle - theta)) == pytest.approx(0, abs=0.03)
     # Orthogonal distance: ours leaves no more.
     assert np.sum(fit.residuals**2) <= np.sum(model.residuals(points) ** 2) * (1 + 1e-6)
 
@@ -77,21 +77,24 @@ def test_places_left_out_do_not_matter():
     kept[150:200] = False
     whole = fit_outline_ellipse(points)
     broken = fit_outline_ellipse(points[kept], places=np.flatnonzero(kept))
-    assert broken.semi_y == pytest.approx(whole.semi_y, abs=4 * math.sqrt(broken.covariance[3, 3]))
+    assert broken.ellipse.semi_y == pytest.approx(
+        whole.ellipse.semi_y, abs=4 * math.sqrt(broken.covariance[3, 3])
+    )
     assert broken.correlation == pytest.approx(whole.correlation, rel=0.4)
 
 
 def test_influence_is_the_derivative():
     points = noisy(4, count=60)
     fit = fit_outline_ellipse(points, lean_std=0.05)
-    out = points - fit.centre
-    normal = out / np.array([fit.semi_x, fit.semi_y]) ** 2
+    out = points - fit.ellipse[:2]
+    normal = out / np.array(fit.ellipse[2:4]) ** 2
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     step = 1e-4
     for k in (5, 30, 55):
         moved = points.copy()
         moved[k] += step * normal[k]
-        change = (fit_outline_ellipse(moved, lean_std=0.05).values - fit.values) / step
+        refit = fit_outline_ellipse(moved, lean_std=0.05)
+        change = (np.array(refit.ellipse) - fit.ellipse) / step
         np.testing.assert_allclose(
             change[:4], fit.influence[:4, k], atol=0.12 * np.abs(fit.influence[:4]).max()
         )
@@ -143,7 +146,7 @@ def test_flanks_help_and_are_trusted_no_further_than_they_may(bend):
     for seed in range(12):
         points, beyond = flanked(seed, bend)
         fit = fit_outline_ellipse(points, beyond=beyond)
-        found.append((fit.semi_x, fit.semi_y))
+        found.append(fit.ellipse[2:4])
         stated.append(np.sqrt(np.diagonal(fit.covariance))[2:4])
         on_arc = beyond == 0
         arc = fit_outline_ellipse(points[on_arc])

@@ -7,8 +7,8 @@ import pytest
 from scipy.integrate import cumulative_simpson
 from scipy.ndimage import gaussian_filter1d
 
-from fingerpad.image.photograph._arc import fitted_arc, widened
-from fingerpad.image.photograph._arc_averaging import averaged_over_ends
+from fingerpad.image.photograph._arc import add_shared_errors, fit_arc
+from fingerpad.image.photograph._arc_averaging import average_over_ends
 from fingerpad.image.photograph._edges import SubpixelOutline
 
 SEMI_AXES = np.array([197.0, 230.0])
@@ -40,8 +40,8 @@ def outline(half_deg, departures, seed):
 def both(half_deg, departures, seed, found_deg):
     points, angles = outline(half_deg, departures, seed)
     every = np.arange(len(points))
-    arc = fitted_arc(points, every[np.abs(angles) < found_deg], LEAN)
-    return arc, averaged_over_ends(points, every, arc, middle=math.pi / 2, lean=LEAN, spacing=1.0)
+    arc = fit_arc(points, every[np.abs(angles) < found_deg], LEAN)
+    return arc, average_over_ends(points, every, arc, middle=math.pi / 2, lean=LEAN, spacing=1.0)
 
 
 def sharp_edges(count):
@@ -56,7 +56,7 @@ def sharp_edges(count):
 
 
 def off(arc):
-    return (arc.fit.values[2:4] - SEMI_AXES) / SEMI_AXES
+    return (np.array(arc.fit.ellipse[2:4]) - SEMI_AXES) / SEMI_AXES
 
 
 @pytest.mark.parametrize(
@@ -75,8 +75,8 @@ def test_stated_uncertainties_hold():
         rng = np.random.default_rng([seed, 7])
         half = rng.uniform(55, 85)
         _, arc = both(half, rng.normal(0, 0.6, 2), seed, half + rng.normal(0, 5))
-        fit = widened(arc, sharp_edges(1000)).fit
-        z.append((fit.semi_y - SEMI_AXES[1]) / math.sqrt(fit.covariance[3, 3]))
+        fit = add_shared_errors(arc, sharp_edges(1000)).fit
+        z.append((fit.ellipse.semi_y - SEMI_AXES[1]) / math.sqrt(fit.covariance[3, 3]))
     # Of 30 one or two lie beyond 1.96; seven would be a chance of one in a thousand.
     assert np.sum(np.abs(z) > 1.96) < 7
     assert np.median(np.abs(z)) > 0.2
@@ -92,13 +92,13 @@ def test_a_nail_beyond_the_arc_does_no_harm():
     points, angles = outline(70, (0.2, -0.3), 2)
     points[angles > 85] += (-4, 0)
     every = np.arange(len(points))
-    arc = fitted_arc(points, every[np.abs(angles) < 70], LEAN)
-    arc = averaged_over_ends(points, every, arc, middle=math.pi / 2, lean=LEAN, spacing=1.0)
+    arc = fit_arc(points, every[np.abs(angles) < 70], LEAN)
+    arc = average_over_ends(points, every, arc, middle=math.pi / 2, lean=LEAN, spacing=1.0)
     assert np.abs(off(arc)).max() < 0.01
 
 
 def test_too_little_to_average_leaves_the_arc():
     points, _ = outline(70, (0.2, 0.2), 3)
     every = np.arange(len(points))[::10]
-    arc = fitted_arc(points, every, LEAN)
-    assert averaged_over_ends(points, every, arc, middle=math.pi / 2, lean=LEAN, spacing=1.0) is arc
+    arc = fit_arc(points, every, LEAN)
+    assert average_over_ends(points, every, arc, middle=math.pi / 2, lean=LEAN, spacing=1.0) is arc

@@ -16,13 +16,13 @@ WITH_AREA = np.arange(COUNT) > 15
 G = np.pi * 15.0
 
 
-def noise(wander_std: float) -> Noise:
+def noise(drift_std: float) -> Noise:
     return Noise(
         force_std=0.003,
         displacement_std=0.005,
         area_std=1.0,
-        wander_std=wander_std,
-        wander_time=0.1,
+        drift_std=drift_std,
+        drift_time=0.1,
         slope=SLOPE,
         radius=15.0,
         steps=np.diff(TIME),
@@ -30,20 +30,20 @@ def noise(wander_std: float) -> Noise:
     )
 
 
-def written_out(wander_std: float) -> np.ndarray:
+def written_out(drift_std: float) -> np.ndarray:
     """Return the covariance of residuals of force and area from f + w + s e and a - g e."""
     rows = np.flatnonzero(WITH_AREA)
     displacement = np.concatenate([np.diag(SLOPE), -G * np.eye(COUNT)[rows]])
     whole = 0.005**2 * displacement @ displacement.T
     lags = np.abs(TIME[:, None] - TIME)
-    whole[:COUNT, :COUNT] += wander_std**2 * np.exp(-lags / 0.1) + 0.003**2 * np.eye(COUNT)
+    whole[:COUNT, :COUNT] += drift_std**2 * np.exp(-lags / 0.1) + 0.003**2 * np.eye(COUNT)
     whole[COUNT:, COUNT:] += np.eye(rows.size)
     return whole
 
 
-@pytest.mark.parametrize("wander_std", [0.0, 0.006])
-def test_likelihood_is_that_of_the_matrix(wander_std: float) -> None:
-    covariance = written_out(wander_std)
+@pytest.mark.parametrize("drift_std", [0.0, 0.006])
+def test_likelihood_is_that_of_the_matrix(drift_std: float) -> None:
+    covariance = written_out(drift_std)
     columns = np.random.default_rng(1).standard_normal((len(covariance), 4))
     residual, jacobian = columns[:, 0], columns[:, 1:]
     inverse = np.linalg.inv(covariance)
@@ -51,13 +51,13 @@ def test_likelihood_is_that_of_the_matrix(wander_std: float) -> None:
     left = residual - jacobian @ np.linalg.solve(information, jacobian.T @ inverse @ residual)
     expected = sum(np.linalg.slogdet(each)[1] for each in (covariance, information)) + left @ inverse @ left
     assert_allclose(
-        noise(wander_std).negative_log_likelihood(columns[:COUNT], columns[COUNT:]), expected / 2, rtol=1e-9
+        noise(drift_std).negative_log_likelihood(columns[:COUNT], columns[COUNT:]), expected / 2, rtol=1e-9
     )
 
 
-@pytest.mark.parametrize("wander_std", [0.0, 0.006])
-def test_parameter_covariance_is_the_sandwich_of_the_matrix(wander_std: float) -> None:
-    covariance, seen = written_out(wander_std), noise(wander_std)
+@pytest.mark.parametrize("drift_std", [0.0, 0.006])
+def test_parameter_covariance_is_the_sandwich_of_the_matrix(drift_std: float) -> None:
+    covariance, seen = written_out(drift_std), noise(drift_std)
     jacobian = np.random.default_rng(2).standard_normal((len(covariance), 3))
     identity = np.eye(len(covariance))
     scaling = seen.scaled(identity[:COUNT], identity[COUNT:])
@@ -109,16 +109,14 @@ def test_deviations_are_found_again() -> None:
             force_std=0.01,
             displacement_std=0.001,
             area_std=0.5,
-            wander_std=0.0,
-            wander_time=5.0,
+            drift_std=0.0,
+            drift_time=5.0,
             slope=slope,
             radius=15.0,
             steps=np.ones(count - 1),
             with_area=with_area,
         )
         seen = estimate_noise(start, (force, area), (line, line), drift=True)
-        found.append(
-            (seen.force_std, seen.displacement_std, seen.area_std, seen.wander_std, seen.wander_time)
-        )
+        found.append((seen.force_std, seen.displacement_std, seen.area_std, seen.drift_std, seen.drift_time))
     expected = (0.004, 0.005, 1.0, 0.004 / np.sqrt(1 - 0.81), -1 / np.log(0.9))
     assert_allclose(np.median(found, axis=0), expected, rtol=0.15)

@@ -17,11 +17,11 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
 from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, as_float_array, broadcast
 from fingerpad.exceptions import FingerpadError
+from fingerpad.units import MM_PER_INCH
 
 Arguments = ParamSpec("Arguments")
 Result = TypeVar("Result")
 
-MM_PER_INCH: Final = 25.4
 # Of PNG files: a tenth larger than by the usual 6, in half the time.
 _PNG_LEVEL: Final = 3
 

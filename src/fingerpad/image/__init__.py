@@ -1,10 +1,12 @@
 """Measure pictures: contact images, and photographs of a finger's faces."""
 
+from fingerpad.geometry.faces import FACE_AXES, SEMI_AXES, Direction, Face
 from fingerpad.image._memory import MEMORY_LIMIT
 from fingerpad.image.coin.measure import Coin, measure_coin
 from fingerpad.image.colour import read_colour_image
-from fingerpad.image.contact_image.manual import BrushStroke, ManualEllipse
+from fingerpad.image.contact_image.manual import BrushStroke
 from fingerpad.image.contact_image.measure import measure_contact_image
+from fingerpad.image.contact_image.options import ContactImageOptions, MeasurementRegion
 from fingerpad.image.contact_image.overlay import draw_overlay, write_overlay
 from fingerpad.image.contact_image.prepare import PreparedContactImage, prepare_contact_image
 from fingerpad.image.contact_image.result import (
@@ -13,20 +15,10 @@ from fingerpad.image.contact_image.result import (
     ContactImageResult,
     ContactImageSettings,
 )
-from fingerpad.image.ellipse_fit import (
-    AlignedEllipseFit,
-    EllipseFit,
-    RegionEllipse,
-    equal_area_ellipse,
-    fit_aligned_ellipse,
-    fit_ellipse,
-)
-from fingerpad.image.photograph._face_frame import Direction
+from fingerpad.image.ellipse import ImageEllipse, PlaneEllipse, ellipse_of_polygon, equal_area_ellipse
+from fingerpad.image.ellipse_fit import EllipseFit, fit_aligned_ellipse, fit_ellipse
 from fingerpad.image.photograph.direct import direct_semi_axes
 from fingerpad.image.photograph.faces import (
-    FACE_AXES,
-    SEMI_AXES,
-    Face,
     FaceSemiAxes,
     OutlineSemiAxes,
     combine_faces,
@@ -66,7 +58,6 @@ from fingerpad.image.sequence.measure import assign_times, measure_frames, measu
 from fingerpad.image.sequence.phases import PHASES, Phase, phases_of
 from fingerpad.image.sequence.result import FrameResult, SequenceSummary, sequence_summary
 from fingerpad.image.sequence.settings import (
-    MeasurementRegion,
     SequenceSettings,
     TextureScan,
     estimate_settings,
@@ -81,9 +72,9 @@ __all__ = [
     "PHOTOGRAPH_FLAGS",
     "PLAUSIBLE_RIDGE_PERIOD_MM",
     "SEMI_AXES",
-    "AlignedEllipseFit",
     "BrushStroke",
     "Coin",
+    "ContactImageOptions",
     "ContactImageResult",
     "ContactImageSettings",
     "Direction",
@@ -97,15 +88,15 @@ __all__ = [
     "FrameResult",
     "FrameStamps",
     "Frames",
-    "ManualEllipse",
+    "ImageEllipse",
     "MeasurementRegion",
     "OutlineFit",
     "OutlineSemiAxes",
     "Phase",
     "PhotographFit",
     "Picture",
+    "PlaneEllipse",
     "PreparedContactImage",
-    "RegionEllipse",
     "Scale",
     "SequenceSettings",
     "SequenceSummary",
@@ -115,6 +106,7 @@ __all__ = [
     "direct_semi_axes",
     "draw_overlay",
     "draw_photograph_overlay",
+    "ellipse_of_polygon",
     "equal_area_ellipse",
     "estimate_settings",
     "face_from_outline",

@@ -10,11 +10,12 @@ from fingerpad.exceptions import ImageError
 
 Pixels: TypeAlias = npt.NDArray[np.uint8] | npt.NDArray[np.uint16] | npt.NDArray[np.float32]
 
-_LUMA: Final = np.array([0.299, 0.587, 0.114], dtype=np.float32)
+# ITU-R BT.601, as in JPEG.
+LUMA: Final = np.array([0.299, 0.587, 0.114], dtype=np.float32)
 # Rows converted at a time, so that copies in single precision stay small.
 _BLOCK_ROWS: Final = 64
 # How an array is brought upright, by the value of the EXIF and TIFF tag "Orientation".
-_UPRIGHT: Final = {
+_ORIENTATIONS: Final = {
     2: lambda array: array[:, ::-1],
     3: lambda array: array[::-1, ::-1],
     4: lambda array: array[::-1],
@@ -25,9 +26,9 @@ _UPRIGHT: Final = {
 }
 
 
-def upright(array: npt.NDArray[Any], orientation: int) -> npt.NDArray[Any]:
+def apply_orientation(array: npt.NDArray[Any], orientation: int) -> npt.NDArray[Any]:
     """Turn an array (rows, columns, ...) as its file's orientation tag says."""
-    return np.ascontiguousarray(_UPRIGHT[orientation](array)) if orientation in _UPRIGHT else array
+    return np.ascontiguousarray(_ORIENTATIONS[orientation](array)) if orientation in _ORIENTATIONS else array
 
 
 def storable(array: npt.NDArray[Any]) -> Pixels:
@@ -53,6 +54,18 @@ def top_level(levels: Pixels) -> float | None:
     return {np.dtype(np.uint8): 255.0, np.dtype(np.uint16): 65535.0}.get(levels.dtype)
 
 
+def eight_bit(levels: Pixels) -> npt.NDArray[np.uint8]:
+    """Return levels of any depth as 8 bits."""
+    if levels.dtype == np.uint8:
+        return np.asarray(levels, dtype=np.uint8)
+    top = top_level(levels) or max(1.0, float(levels.max()))
+    eight = np.empty(levels.shape, dtype=np.uint8)
+    for start in range(0, len(levels), _BLOCK_ROWS):
+        rows = slice(start, start + _BLOCK_ROWS)
+        eight[rows] = np.clip(np.rint(levels[rows] * (255 / top)), 0, 255)
+    return eight
+
+
 def on_white(colour: npt.NDArray[Any], alpha: npt.NDArray[Any], *, premultiplied: bool = False) -> Pixels:
     """Return levels (rows, columns[, 3]) laid on white by their alpha (rows, columns)."""
     levels = storable(colour)
@@ -74,7 +87,7 @@ def luma(levels: Pixels) -> Pixels:
         return levels
     grey: Pixels = np.empty(levels.shape[:2], levels.dtype)
     for start in range(0, len(levels), _BLOCK_ROWS):
-        part = levels[start : start + _BLOCK_ROWS].astype(np.float32) @ _LUMA
+        part = levels[start : start + _BLOCK_ROWS].astype(np.float32) @ LUMA
         grey[start : start + _BLOCK_ROWS] = part if levels.dtype == np.float32 else part.round()
     return grey
 

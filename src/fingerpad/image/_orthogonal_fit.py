@@ -8,6 +8,7 @@ from scipy.optimize import least_squares
 
 from fingerpad._arrays import FloatArray
 from fingerpad.exceptions import FitError
+from fingerpad.image.ellipse import rotation
 
 # (x, y, semi_1, semi_2) and, unless the axes lie along x and y, the angle.
 Parameters: TypeAlias = FloatArray
@@ -43,7 +44,7 @@ def distances(values: Parameters, points: FloatArray) -> tuple[FloatArray, Float
     """Return signed orthogonal distances and their derivatives by (x, y, semi_1, semi_2, angle)."""
     x, y, semi_1, semi_2 = values[:4]
     angle = values[4] if values.size == 5 else 0.0
-    turn = np.array([[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]])
+    turn = rotation(angle)
     local = (points - (x, y)) @ turn
     foot = foot_points(local, abs(semi_1), abs(semi_2))
     normal = foot / (semi_1**2, semi_2**2)

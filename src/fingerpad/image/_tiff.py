@@ -17,7 +17,7 @@ from PIL import Image, ImageOps
 from tifffile import COMPRESSION, PHOTOMETRIC
 
 from fingerpad.exceptions import ImageError
-from fingerpad.image._levels import Pixels, levels_of_image, on_white, storable, upright
+from fingerpad.image._levels import Pixels, apply_orientation, levels_of_image, on_white, storable
 from fingerpad.image._memory import check_memory
 
 _WAY_OUT: Final = "convert the picture to PNG, or to TIFF with LZW or no compression"
@@ -129,9 +129,9 @@ def levels_of_page(path: Path, index: int, page: Any, memory_limit: int) -> Pixe
     check_memory(path, reach, memory_limit, channels=layout.samples, sample_bytes=-(-layout.bits // 8))
     _check_kind(layout, page)
     if layout.compression in _BY_PILLOW or layout.photometric not in _PLAIN:
-        return _decoded_by_pillow(path, index)
+        return _decode_by_pillow(path, index)
     levels = _levels(_samples_of(page, layout), layout, page)
-    return upright(levels, _tag(page, "Orientation", 1))
+    return apply_orientation(levels, _tag(page, "Orientation", 1))
 
 
 def _check_kind(layout: _Layout, page: Any) -> None:
@@ -195,7 +195,7 @@ def _samples_of(page: Any, layout: _Layout) -> npt.NDArray[Any]:
 
 def _segment(packed: bytes, rows: int, layout: _Layout, order: Literal["<", ">"]) -> npt.NDArray[Any]:
     """Return the samples of a strip or tile, (rows, columns, samples)."""
-    data = _unpacked(packed, rows, layout)
+    data = _unpack_rows(packed, rows, layout)
     if len(data) < rows * layout.row_bytes:
         raise ImageError("a strip or tile is cut short: copy the file again")
     lines = np.frombuffer(data, np.uint8, rows * layout.row_bytes).reshape(rows, layout.row_bytes)
@@ -216,7 +216,7 @@ def _segment(packed: bytes, rows: int, layout: _Layout, order: Literal["<", ">"]
     return lines.view(number.newbyteorder(order)).reshape(rows, width, count)
 
 
-def _unpacked(packed: bytes, rows: int, layout: _Layout) -> bytes:
+def _unpack_rows(packed: bytes, rows: int, layout: _Layout) -> bytes:
     if layout.compression == COMPRESSION.NONE:
         return packed
     if layout.compression in _DEFLATE:
@@ -260,7 +260,7 @@ def _levels(samples: npt.NDArray[Any], layout: _Layout, page: Any) -> Pixels:
     return storable(np.ascontiguousarray(colour))
 
 
-def _decoded_by_pillow(path: Path, index: int) -> Pixels:
+def _decode_by_pillow(path: Path, index: int) -> Pixels:
     with Image.open(path, formats=["TIFF"]) as image:
         image.seek(index)
         if image.mode not in _PILLOW_MODES:

@@ -1,4 +1,4 @@
-"""Ellipses from regions and from points.
+"""Ellipses fitted to points.
 
 Points are fitted in two steps: the direct least-squares ellipse of Halíř & Flusser (1998), which always is an
 ellipse, then the ellipse of least orthogonal distance from there, with the covariance of its parameters.
@@ -9,33 +9,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, as_float_array
-from fingerpad.exceptions import FitError, ImageError
-from fingerpad.geometry.ellipse import Ellipse
+from fingerpad._arrays import ArrayLike, FloatArray, as_float_array
+from fingerpad.exceptions import FitError
 from fingerpad.image._orthogonal_fit import Parameters, refine
+from fingerpad.image.ellipse import PlaneEllipse, half_turn
 
 # An angle of which nothing is known is uniform over half a turn.
 _ANGLE_VARIANCE_LIMIT = math.pi**2 / 12
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class RegionEllipse:
-    """The ellipse that stands for a region: its area, centroid and the shape of its second moments, in px.
-
-    Attributes
-    ----------
-    ellipse : Ellipse
-        Semi-axes, px.
-    centroid : (float, float)
-        (row, column), px; pixel centres are whole numbers.
-    orientation : float
-        Angle of the major axis from the image's row axis (straight up), counter-clockwise as seen on the
-        screen, in (−π/2, π/2].
-    """
-
-    ellipse: Ellipse
-    centroid: tuple[float, float]
-    orientation: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -44,111 +24,21 @@ class EllipseFit:
 
     Attributes
     ----------
-    centre : ndarray, (2,)
-        (x, y), in the unit of the points.
-    semi_major, semi_minor : float
-        Semi-axes, sorted.
-    angle : float
-        Angle of the major axis from x towards y, in (−π/2, π/2].
+    ellipse : PlaneEllipse
+        Centre, semi-axes and angle, in the unit of the points.
     covariance : ndarray, (5, 5)
-        Of (x, y, semi_major, semi_minor, angle), from the residuals.
+        Of (x, y, semi_x, semi_y, angle), from the residuals; zero for an angle that was not fitted.
     residual_std : float
         Standard deviation of the orthogonal distances.
     """
 
-    centre: FloatArray
-    semi_major: float
-    semi_minor: float
-    angle: float
+    ellipse: PlaneEllipse
     covariance: FloatArray
     residual_std: float
-
-    @property
-    def ellipse(self) -> Ellipse:
-        """The semi-axes as an `Ellipse`."""
-        return Ellipse.of(self.semi_major, self.semi_minor)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class AlignedEllipseFit:
-    """An ellipse with axes along x and y fitted to points.
-
-    Attributes
-    ----------
-    centre : ndarray, (2,)
-        (x, y), in the unit of the points.
-    semi_x, semi_y : float
-        Semi-axes along x and y, never sorted.
-    covariance : ndarray, (4, 4)
-        Of (x, y, semi_x, semi_y), from the residuals.
-    residual_std : float
-        Standard deviation of the orthogonal distances.
-    """
-
-    centre: FloatArray
-    semi_x: float
-    semi_y: float
-    covariance: FloatArray
-    residual_std: float
-
-
-def equal_area_ellipse(mask: BoolArray) -> RegionEllipse:
-    """Return the ellipse of a region: same area and centroid, axis ratio and direction of its second moments.
-
-    Raises
-    ------
-    ImageError
-        If the mask is not two-dimensional or has no pixel.
-
-    Examples
-    --------
-    >>> fitted = equal_area_ellipse(np.ones((40, 20), dtype=bool))
-    >>> round(float(fitted.ellipse.area), 6), fitted.centroid, fitted.orientation
-    (800.0, (19.5, 9.5), 0.0)
-    """
-    mask = np.asarray(mask, dtype=bool)
-    if mask.ndim != 2 or not mask.any():
-        raise ImageError(
-            f"the region must be a picture with at least one pixel set, found shape {mask.shape}, none set"
-        )
-    weights, row_index, column_index = mask.astype(np.float64), *map(np.arange, mask.shape)
-    area = weights.sum()
-    row, column = weights.sum(axis=1) @ row_index / area, weights.sum(axis=0) @ column_index / area
-    # A pixel is a square, not a point: 1/12 is its own second moment.
-    along_rows = weights.sum(axis=1) @ (row_index - row) ** 2 / area + 1 / 12
-    along_columns = weights.sum(axis=0) @ (column_index - column) ** 2 / area + 1 / 12
-    mixed = (row_index - row) @ weights @ (column_index - column) / area
-    return ellipse_of_moments(area=area, centroid=(row, column), moments=(along_rows, along_columns, mixed))
-
-
-def ellipse_of_moments(
-    *, area: float, centroid: tuple[float, float], moments: tuple[float, float, float]
-) -> RegionEllipse:
-    """Return the ellipse of an area, with the axis ratio and direction of central second moments.
-
-    Parameters
-    ----------
-    area : float
-        Area of the region.
-    centroid : (float, float)
-        Its (row, column).
-    moments : (float, float, float)
-        Variance along rows and along columns, and their covariance, over the region.
-    """
-    along_rows, along_columns, mixed = moments
-    half_sum, half_difference = (along_rows + along_columns) / 2, (along_rows - along_columns) / 2
-    spread = math.hypot(half_difference, mixed)
-    ratio = math.sqrt((half_sum - spread) / (half_sum + spread))
-    semi_major = math.sqrt(area / (math.pi * ratio))
-    return RegionEllipse(
-        ellipse=Ellipse.of(semi_major, semi_major * ratio),
-        centroid=(float(centroid[0]), float(centroid[1])),
-        orientation=_half_turn(0.5 * math.atan2(mixed, half_difference)),
-    )
 
 
 def fit_ellipse(points: ArrayLike) -> EllipseFit:
-    """Fit the ellipse of least orthogonal distance to points.
+    """Fit the ellipse of least orthogonal distance to points; `semi_x` is the major semi-axis.
 
     Parameters
     ----------
@@ -164,10 +54,10 @@ def fit_ellipse(points: ArrayLike) -> EllipseFit:
     --------
     >>> t = np.linspace(0, 2 * np.pi, 40, endpoint=False)
     >>> fit = fit_ellipse(np.stack([7.4 * np.cos(t), 5.0 * np.sin(t)], axis=-1))
-    >>> round(fit.semi_major, 6), round(fit.semi_minor, 6), abs(round(fit.angle, 6))
+    >>> round(fit.ellipse.semi_x, 6), round(fit.ellipse.semi_y, 6), abs(round(fit.ellipse.angle, 6))
     (7.4, 5.0, 0.0)
     """
-    points = _checked(points, least=5)
+    points = _check_points(points, min_count=5)
     shift, size = _frame(points)
     start = _direct_ellipse((points - shift) / size)
     values, covariance, residual_std = refine((points - shift) / size, start)
@@ -178,17 +68,14 @@ def fit_ellipse(points: ArrayLike) -> EllipseFit:
         values, covariance = values[order], covariance[np.ix_(order, order)]
         values[4] += math.pi / 2
     covariance[4, 4] = min(covariance[4, 4], _ANGLE_VARIANCE_LIMIT)
+    values[:2] += shift
+    values[4] = half_turn(values[4])
     return EllipseFit(
-        centre=values[:2] + shift,
-        semi_major=float(values[2]),
-        semi_minor=float(values[3]),
-        angle=_half_turn(float(values[4])),
-        covariance=covariance,
-        residual_std=residual_std * size,
+        ellipse=PlaneEllipse(*values.tolist()), covariance=covariance, residual_std=residual_std * size
     )
 
 
-def fit_aligned_ellipse(points: ArrayLike) -> AlignedEllipseFit:
+def fit_aligned_ellipse(points: ArrayLike) -> EllipseFit:
     """Fit the ellipse of least orthogonal distance whose axes lie along x and y.
 
     Parameters
@@ -205,33 +92,33 @@ def fit_aligned_ellipse(points: ArrayLike) -> AlignedEllipseFit:
     --------
     >>> t = np.linspace(0, np.pi, 30)
     >>> fit = fit_aligned_ellipse(np.stack([11.8 * np.cos(t), 13.8 * np.sin(t)], axis=-1))
-    >>> round(fit.semi_x, 6), round(fit.semi_y, 6)
+    >>> round(fit.ellipse.semi_x, 6), round(fit.ellipse.semi_y, 6)
     (11.8, 13.8)
     """
-    points = _checked(points, least=4)
+    points = _check_points(points, min_count=4)
     shift, size = _frame(points)
     values, covariance, residual_std = refine(
         (points - shift) / size, _direct_aligned((points - shift) / size)
     )
-    return AlignedEllipseFit(
-        centre=values[:2] * size + shift,
-        semi_x=float(values[2] * size),
-        semi_y=float(values[3] * size),
-        covariance=covariance * size**2,
+    values = values * size
+    values[:2] += shift
+    return EllipseFit(
+        ellipse=PlaneEllipse(*values.tolist()),
+        covariance=np.pad(covariance * size**2, (0, 1)),
         residual_std=residual_std * size,
     )
 
 
-def _checked(points: ArrayLike, least: int) -> FloatArray:
+def _check_points(points: ArrayLike, min_count: int) -> FloatArray:
     points = as_float_array(points)
     if points.ndim != 2 or points.shape[1] != 2:
         raise FitError(f"points must have shape (n, 2), found {points.shape}")
     if not np.isfinite(points).all():
         row = int(np.argwhere(~np.isfinite(points))[0, 0])
         raise FitError(f"points must be finite, found {points[row]} at row {row}: remove it")
-    if len(np.unique(points, axis=0)) < least:
+    if len(np.unique(points, axis=0)) < min_count:
         raise FitError(
-            f"an ellipse needs at least {least} different points, found {len(np.unique(points, axis=0))}"
+            f"an ellipse needs at least {min_count} different points, found {len(np.unique(points, axis=0))}"
         )
     spread = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
     if spread[1] < 1e-6 * spread[0]:
@@ -291,8 +178,3 @@ def _direct_aligned(points: FloatArray) -> Parameters:
     if not level > 0:
         raise FitError("the points do not lie on an ellipse: mark points round one outline")
     return np.array([-d / 2, -e / (2 * c), math.sqrt(level), math.sqrt(level / c)])
-
-
-def _half_turn(angle: float) -> float:
-    """Bring the direction of an axis into (−π/2, π/2]."""
-    return math.pi / 2 - (math.pi / 2 - angle) % math.pi

@@ -16,7 +16,14 @@ import tifffile
 from PIL import Image, ImageOps, UnidentifiedImageError
 
 from fingerpad.exceptions import ImageError
-from fingerpad.image._levels import Pixels, levels_of_image, luma, on_white, storable, upright
+from fingerpad.image._levels import (
+    Pixels,
+    apply_orientation,
+    levels_of_image,
+    luma,
+    on_white,
+    storable,
+)
 from fingerpad.image._memory import MEMORY_LIMIT, check_memory
 from fingerpad.image._tiff import (
     description_of_page,
@@ -32,7 +39,7 @@ _READABLE = "PNG, TIFF, JPEG, BMP or PGM"
 _TIFF_STARTS: Final = (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")
 _ORIENTATION_TAG: Final = 274
 # Files without a true resolution carry 0 or 1 here.
-_LEAST_PPI = 10.0
+_MIN_PPI = 10.0
 # ImageJ keeps its scale as pixels per unit, and the unit in the description.
 _IMAGEJ_UNITS: Final = {"inch": 1.0, "cm": 2.54, "mm": 25.4, "um": 25400.0, "micron": 25400.0}
 
@@ -110,11 +117,11 @@ def read_levels(path: str | PathLike[str], memory_limit: int) -> tuple[Pixels, f
         As for `read_image`.
     """
     path = Path(path)
-    start = _checked_start(path)
+    start = _read_start(path)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         try:
-            levels, resolution = (_tiff if start in _TIFF_STARTS else _decoded)(path, memory_limit)
+            levels, resolution = (_tiff if start in _TIFF_STARTS else _decode)(path, memory_limit)
         except UnidentifiedImageError as error:
             raise ImageError(
                 f"{path}: is not a picture this library reads: save it as {_READABLE}"
@@ -165,7 +172,7 @@ def check_regular(path: Path) -> None:
         raise ImageError(f"{path}: is a pipe or a device: save the pictures as a file")
 
 
-def _checked_start(path: Path) -> bytes:
+def _read_start(path: Path) -> bytes:
     """Return the first bytes of a file."""
     check_regular(path)
     if path.is_dir():
@@ -191,7 +198,7 @@ def _tiff(path: Path, memory_limit: int) -> tuple[Pixels, float | None]:
         return levels_of_page(path, 0, page, memory_limit), _tiff_resolution(page)
 
 
-def _decoded(path: Path, memory_limit: int) -> tuple[Pixels, float | None]:
+def _decode(path: Path, memory_limit: int) -> tuple[Pixels, float | None]:
     """Decode by Pillow, or by OpenCV the deep colour it would cut; the header passes the check first."""
     with Image.open(path, formats=_FORMATS) as image:
         deep = _is_deep_colour(image)
@@ -209,7 +216,7 @@ def _decoded(path: Path, memory_limit: int) -> tuple[Pixels, float | None]:
             return levels_of_image(ImageOps.exif_transpose(image)), resolution
         image.load()  # what is cut short or damaged is refused here
         tag = image.getexif().get(_ORIENTATION_TAG, 1)
-    return upright(_decoded_by_opencv(path), int(tag)), resolution
+    return apply_orientation(_decode_by_opencv(path), int(tag)), resolution
 
 
 def _is_deep_colour(image: Image.Image) -> bool:
@@ -221,7 +228,7 @@ def _is_deep_colour(image: Image.Image) -> bool:
     return any(";16" in layout or "65535" in layout for layout in layouts)
 
 
-def _decoded_by_opencv(path: Path) -> Pixels:
+def _decode_by_opencv(path: Path) -> Pixels:
     """Decode at full depth, without turning."""
     array: npt.NDArray[Any] | None = cv2.imdecode(np.fromfile(path, np.uint8), cv2.IMREAD_UNCHANGED)
     if array is None:
@@ -253,7 +260,7 @@ def _plausible_resolution(pair: Any) -> float | None:
         across, down = (float(value) for value in pair)
     except (TypeError, ValueError, ZeroDivisionError):
         return None
-    if not (math.isfinite(across) and across >= _LEAST_PPI) or not math.isclose(across, down, rel_tol=0.01):
+    if not (math.isfinite(across) and across >= _MIN_PPI) or not math.isclose(across, down, rel_tol=0.01):
         return None
     # PNG and BMP keep whole pixels per metre: 500 ppi comes back as 499.999.
     return round(across) if abs(across - round(across)) < 0.02 else across

@@ -9,9 +9,9 @@ import numpy as np
 from fingerpad._arrays import check_all
 from fingerpad.exceptions import CalibrationError
 from fingerpad.image.read import Picture
+from fingerpad.units import MM_PER_INCH
 
-MM_PER_INCH = 25.4
-# What cameras, editors and screens write where nobody has measured anything.
+# What cameras, editors and screens write without measuring.
 PLACEHOLDER_PPI = (72.0, 96.0)
 # Files keep whole dots per inch: half a dot either way, rectangular.
 _WHOLE_PPI_STD = 0.5 / math.sqrt(3)
@@ -75,8 +75,8 @@ class Scale:
     def of_picture(cls, picture: Picture) -> Self:
         """Make a scale from the resolution that a picture's own file states.
 
-        Its uncertainty is that of the rounding to whole dots per inch. Whether the number is meant at all
-        only the print can tell: `measure_contact_image` flags ``scale_doubtful`` where the ridge period is
+        Its uncertainty is that of the rounding to whole dots per inch. The number may be
+        meaningless: `measure_contact_image` flags ``scale_doubtful`` where the ridge period is
         none that a finger has.
 
         Raises

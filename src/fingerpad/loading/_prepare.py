@@ -4,27 +4,27 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fingerpad._loading_curve import LoadingCurve
 from fingerpad.exceptions import FitError, LoadingError
-from fingerpad.loading.curve import LoadingCurve
 from fingerpad.loading.joint import FitData
 from fingerpad.loading.models import hertz_stiffness
 from fingerpad.loading.segments import (
     BOTH_REVERSED,
     Cycle,
     both_reversed,
+    contact_rise,
     find_cycles,
-    rising_start,
-    saturated,
-    smoothed,
-    start_of_press,
+    fit_contact_start,
+    moving_average,
+    saturated_rows,
 )
 
-# Rows before contact from which a drift, or a zero, can be told.
+# Rows before contact from which a drift, or a zero, can be estimated.
 _TILT_ROWS, _ZERO_ROWS = 4, 2
 # An area this near to contact, as a share of the depth, may be cut off at zero by its noise.
 _NEAR_CONTACT = 0.1
 _CONTACT_DEVIATIONS = 5.0
-_LEAST_LOADING = 5
+_MIN_LOADING = 5
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -46,14 +46,14 @@ def prepare(curve: LoadingCurve, poisson_ratio: float, cycle: int) -> Press:
     begin = chosen.baseline.start if chosen.baseline else chosen.loading.start
     before = chosen.loading.start - begin
     rows = np.arange(begin, chosen.loading.stop)
-    full = saturated(curve, chosen.loading)
+    full = saturated_rows(curve, chosen.loading)
     rows = rows[np.append(np.zeros(before, dtype=bool), full) == 0]
-    if rows.size - before < _LEAST_LOADING:
+    if rows.size - before < _MIN_LOADING:
         raise FitError(
             f"{rows.size - before} rows in contact while the load grows (saturated ones left out); at least "
-            f"{_LEAST_LOADING} are needed"
+            f"{_MIN_LOADING} are needed"
         )
-    smooth = smoothed(curve.indentation[begin : chosen.loading.stop])[rows - begin]
+    smooth = moving_average(curve.indentation[begin : chosen.loading.stop])[rows - begin]
     contact = smooth[before] if before < smooth.size else smooth[-1]
     with_area = np.zeros(rows.size, dtype=bool)
     if curve.area is not None:
@@ -84,7 +84,7 @@ def start_values(press: Press, radius: float | None) -> dict[str, float]:
     """
     record = press.record
     tilt = press.baseline_rows >= _TILT_ROWS
-    place, parts = rising_start(record.clock, record.load, record.smooth_displacement, tilt=tilt)
+    place, parts = fit_contact_start(record.clock, record.load, record.smooth_displacement, tilt=tilt)
     linear, square = parts[-2:]
     top = float(np.maximum(record.smooth_displacement - place, 0).max()) ** 1.5
     if not linear > 0:
@@ -111,7 +111,7 @@ def start_values(press: Press, radius: float | None) -> dict[str, float]:
 
 def _require_contact(record: FitData) -> None:
     """Raise where the force does not rise out of its noise as the platen moves in, or falls."""
-    rise, rest = start_of_press(record.clock, record.load, record.smooth_displacement)
+    rise, rest = contact_rise(record.clock, record.load, record.smooth_displacement)
     noise = float(np.std(rest))
     size = float(rise[np.argmax(np.abs(rise))])
     if both_reversed(record.clock, record.load, record.smooth_displacement):

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fingerpad._loading_curve import LoadingCurve
 from fingerpad.exceptions import FitError
-from fingerpad.loading.curve import LoadingCurve
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -15,7 +15,7 @@ from fingerpad.exceptions import FitError
 from fingerpad.loading.estimate import Estimate, Quantity, Undetermined
 from fingerpad.loading.joint import JointFit
 from fingerpad.loading.least_squares import fit_least_squares
-from fingerpad.loading.segments import rising_start
+from fingerpad.loading.segments import fit_contact_start
 
 # Share of the way at the start that is taken to be free of contact, and deviations that noise does not reach.
 _FREE_SHARE, _DEVIATIONS, _IN_A_ROW = 0.1, 4.0, 3
@@ -62,7 +62,7 @@ def gradient(displacement: FloatArray, load: FloatArray) -> float:
 def power_law(displacement: FloatArray, load: FloatArray) -> float:
     """Return the start of the best power law, with free exponent and baseline, through the foot."""
     displacement, load = _foot(displacement, load)
-    place, parts = rising_start(np.arange(float(load.size)), load, displacement, tilt=False)
+    place, parts = fit_contact_start(np.arange(float(load.size)), load, displacement, tilt=False)
     top = float(np.ptp(load)) / max(float(displacement.max()) - place, 1e-9) ** 1.5
 
     def residuals(p: FloatArray) -> FloatArray:

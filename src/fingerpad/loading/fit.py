@@ -7,10 +7,10 @@ from typing import Any, Self
 
 import numpy as np
 
+from fingerpad._loading_curve import LoadingCurve
 from fingerpad.exceptions import FingerpadError, FitError, LoadingError
 from fingerpad.loading._prepare import Press, prepare, start_values
 from fingerpad.loading.contact_point import ESTIMATORS, estimated_places
-from fingerpad.loading.curve import LoadingCurve
 from fingerpad.loading.estimate import Estimate, Quantity, Undetermined, estimates_record
 from fingerpad.loading.joint import FittedForceModel, JointFit, fit_joint
 from fingerpad.loading.modulus_range import Secant, increasing_region, secant_of
@@ -174,7 +174,7 @@ def fit_loading_curve(
     _require_options(poisson_ratio, contact_point)
     try:
         with np.errstate(all="ignore"):
-            return _fitted(
+            return _fit_curve(
                 curve,
                 poisson_ratio,
                 loading_radius,
@@ -200,7 +200,7 @@ def contact_points(
 ) -> dict[str, Quantity]:
     """Return the place of contact (mm) by each estimator of `ESTIMATORS`, and by the joint fit.
 
-    How far each errs is tried out on twenty records simulated from the joint fit with its noise: the root
+    The error of each is estimated from twenty records simulated from the joint fit with its noise: the root
     mean square error, bias included, is the standard uncertainty. The value itself is not corrected.
 
     Parameters and errors are those of `fit_loading_curve`.
@@ -213,11 +213,11 @@ def contact_points(
     True
     """
     press = prepare(curve, poisson_ratio, cycle)
-    held = _held(press, loading_radius)
+    held = _fixed_quantities(press, loading_radius)
     return estimated_places(_growing_fit(press, held))
 
 
-def _fitted(
+def _fit_curve(
     curve: LoadingCurve,
     poisson_ratio: float,
     loading_radius: float | Estimate | None,
@@ -227,7 +227,7 @@ def _fitted(
     region: tuple[float, float] | None,
 ) -> LoadingFit:
     press = prepare(curve, poisson_ratio, cycle)
-    held = _held(press, loading_radius)
+    held = _fixed_quantities(press, loading_radius)
     main, limits, doubts = _main_fit(press, held, contact_point, region)
     models = _models(main)
     preferred = min(models, key=lambda name: models[name].aicc)
@@ -258,7 +258,7 @@ def _require_options(poisson_ratio: float, contact_point: str) -> None:
         raise LoadingError(f"contact_point must be joint, {', '.join(ESTIMATORS)}; found {contact_point!r}")
 
 
-def _held(press: Press, loading_radius: float | Estimate | None) -> dict[str, Estimate]:
+def _fixed_quantities(press: Press, loading_radius: float | Estimate | None) -> dict[str, Estimate]:
     """Return what is not fitted. Without area the radius is held at 1 mm: the place of contact needs none."""
     if loading_radius is None:
         return {} if press.record.area.size else {"loading_radius": Estimate.symmetric(1.0, 0.0)}

@@ -15,7 +15,7 @@ import numpy as np
 from fingerpad._arrays import BoolArray, FloatArray, as_float_array
 from fingerpad.loading.estimate import Estimate
 from fingerpad.loading.least_squares import LeastSquaresFit, fit_least_squares
-from fingerpad.loading.models import hertz_stiffness, load_slope, searched_load
+from fingerpad.loading.models import clipped_load, hertz_stiffness, load_slope
 from fingerpad.loading.noise import Noise, NoiseUncertainty, estimate_noise, noise_uncertainty
 
 Values = Mapping[str, float]
@@ -65,7 +65,7 @@ FORCE_MODELS: Final = {
     ),
     "load_dependent": ForceModel(
         names=("initial_modulus", "load_coefficient"),
-        load=lambda values, xi, c: searched_load(
+        load=lambda values, xi, c: clipped_load(
             c * xi**1.5, values["initial_modulus"], values["load_coefficient"]
         ),
     ),
@@ -96,7 +96,7 @@ class FittedForceModel:
 
     def load(self, displacement: FloatArray) -> FloatArray:
         """Return the fitted load W (N) at readings of the displacement."""
-        return _law_load(self.values, FORCE_MODELS[self.law], displacement, self.poisson_ratio)
+        return _load(self.values, FORCE_MODELS[self.law], displacement, self.poisson_ratio)
 
     def corrected_load(self, clock: FloatArray, load: FloatArray) -> FloatArray:
         """Return measured forces with zero and tilt removed, N."""
@@ -118,7 +118,7 @@ class JointFit:
     noise, noise_uncertainty : Noise, NoiseUncertainty
         Of the record.
     covariance : ndarray, (p, p)
-        Of the free parameters, with wandering noise and with the uncertainty of the noise itself.
+        Of the free parameters, with drifting noise and with the uncertainty of the noise itself.
     record : Record
         What was fitted.
     response : mapping of str to ndarray
@@ -159,9 +159,9 @@ class JointFit:
         record, noise = self.record, self.noise
         load = self.load(record.smooth_displacement) + _zero(self.values, record.clock)
         load = load + noise.force_std * rng.standard_normal(load.size)
-        kept = np.append(0.0, np.exp(-noise.steps / noise.wander_time))
-        drift = noise.wander_std * rng.standard_normal(load.size) * np.sqrt(1 - kept**2)
-        for row in range(1, load.size if noise.wander_std > 0 else 0):
+        kept = np.append(0.0, np.exp(-noise.steps / noise.drift_time))
+        drift = noise.drift_std * rng.standard_normal(load.size) * np.sqrt(1 - kept**2)
+        for row in range(1, load.size if noise.drift_std > 0 else 0):
             drift[row] += kept[row] * drift[row - 1]
         displacement = record.smooth_displacement + noise.displacement_std * rng.standard_normal(load.size)
         return displacement, load + drift
@@ -215,19 +215,19 @@ def fit_joint(
     """
     names = [name for name in start if name not in held]
     if noise is not None:
-        return _fitted(record, law, start, held, noise)
+        return _fit(record, law, start, held, noise)
     whole = {**start, **{name: given.value for name, given in held.items()}}
     noise = _first_noise(record, law, whole)
     for drift in (False, True, True):
         noise = replace(noise, slope=_slope(record, whole), radius=whole["loading_radius"])
         jacobians = _jacobians(record, law, names, whole)
         noise = estimate_noise(noise, _residuals(record, law, whole), jacobians, drift=drift)
-        found = _fitted(record, law, whole, held, noise)
+        found = _fit(record, law, whole, held, noise)
         whole = found.values
     return found
 
 
-def _law_load(values: Values, law: ForceModel, displacement: FloatArray, poisson_ratio: float) -> FloatArray:
+def _load(values: Values, law: ForceModel, displacement: FloatArray, poisson_ratio: float) -> FloatArray:
     xi = np.maximum(displacement - values["contact_offset"], 0.0)
     stiffness = hertz_stiffness(max(values["loading_radius"], 1e-9), poisson_ratio)
     return law.load(values, xi, stiffness)
@@ -238,14 +238,14 @@ def _zero(values: Values, clock: FloatArray) -> FloatArray:
 
 
 def _residuals(record: FitData, law: str, values: Values) -> tuple[FloatArray, FloatArray]:
-    load = _law_load(values, FORCE_MODELS[law], record.displacement, record.poisson_ratio)
+    load = _load(values, FORCE_MODELS[law], record.displacement, record.poisson_ratio)
     force = record.load - load - _zero(values, record.clock)
     depth = record.displacement[record.with_area] - values["contact_offset"]
     area = np.pi * values["loading_radius"] * depth + values.get("area_offset", 0.0)
     return force, record.area - area
 
 
-def _fitted(record: FitData, law: str, start: Values, held: Mapping[str, Estimate], noise: Noise) -> JointFit:
+def _fit(record: FitData, law: str, start: Values, held: Mapping[str, Estimate], noise: Noise) -> JointFit:
     names = [name for name in start if name not in held]
     given = {name: estimate.value for name, estimate in held.items()}
 
@@ -292,8 +292,8 @@ def _first_noise(record: FitData, law: str, values: Values) -> Noise:
         force_std=0.7 * spread,
         displacement_std=0.3 * spread / max(float(slope.max()), 1e-12),
         area_std=0.9 * (float(np.std(area)) or 1e-12) if area.size else 1.0,
-        wander_std=0.0,
-        wander_time=5 * float(np.median(np.diff(record.clock))) or 1.0,
+        drift_std=0.0,
+        drift_time=5 * float(np.median(np.diff(record.clock))) or 1.0,
         slope=slope,
         radius=values["loading_radius"],
         steps=np.diff(record.clock),

@@ -76,7 +76,7 @@ def secant_modulus(
 
     Examples
     --------
-    The source's contact at 30° and 2 N:
+    The contact of Dzidek et al. (2017) at 30° and 2 N:
 
     >>> print(f"{1000 * secant_modulus(2.0, 1.806, loading_radius=20.5):.1f} kPa")
     102.4 kPa
@@ -119,7 +119,7 @@ def local_area_exponent(
     return 2 / 3 * modulus / (modulus + coefficient * W)
 
 
-def searched_load(h: FloatArray, initial_modulus: float, load_coefficient: float) -> FloatArray:
+def clipped_load(h: FloatArray, initial_modulus: float, load_coefficient: float) -> FloatArray:
     """Return the load for a search among parameters: beyond its pole it goes on finite and very large."""
     return initial_modulus * h / np.maximum(1 - load_coefficient * h, _POLE)
 

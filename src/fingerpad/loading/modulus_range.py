@@ -9,7 +9,7 @@ from fingerpad.exceptions import LoadingError
 from fingerpad.loading.joint import FitData, JointFit
 from fingerpad.loading.models import secant_modulus
 
-_BINS, _LEAST_ROWS = 12, 5
+_BINS, _MIN_ROWS = 12, 5
 # Nearer to contact than this share of the depth its place decides the modulus.
 _NEAR_CONTACT = 0.2
 # A fall counts that is both this share of the modulus and this many standard uncertainties.
@@ -56,11 +56,11 @@ def increasing_region(
     record = fit.record
     load = fit.load(record.smooth_displacement)
     whole = (0.0, float(load.max()))
-    low, high = given if given is not None else _found(fit, load, whole)
+    low, high = given if given is not None else _find_range(fit, load, whole)
     keep = (load <= 0) | ((load >= low) & (load <= high))
-    if not (low < high and np.count_nonzero(keep & (load > 0)) >= _LEAST_ROWS):
+    if not (low < high and np.count_nonzero(keep & (load > 0)) >= _MIN_ROWS):
         raise LoadingError(
-            f"region must be two rising loads with at least {_LEAST_ROWS} rows between, found {low:g} to "
+            f"region must be two rising loads with at least {_MIN_ROWS} rows between, found {low:g} to "
             f"{high:g} N"
         )
     if keep.all():
@@ -76,13 +76,13 @@ def increasing_region(
     )
 
 
-def _found(fit: JointFit, load: FloatArray, whole: tuple[float, float]) -> tuple[float, float]:
+def _find_range(fit: JointFit, load: FloatArray, whole: tuple[float, float]) -> tuple[float, float]:
     record, values = fit.record, fit.values
     depth = record.smooth_displacement - values["contact_offset"]
     rows = np.flatnonzero(depth > _NEAR_CONTACT * depth.max())
-    if rows.size < 3 * _LEAST_ROWS:
+    if rows.size < 3 * _MIN_ROWS:
         return whole
-    bins = np.array_split(rows, min(_BINS, rows.size // _LEAST_ROWS))
+    bins = np.array_split(rows, min(_BINS, rows.size // _MIN_ROWS))
     # The zero of the rows before contact: where the law fails, the fitted tilt makes up for it.
     before = depth <= 0
     zero = float(record.load[before].mean()) if before.sum() > 1 else values.get("force_zero", 0.0)

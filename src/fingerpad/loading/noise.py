@@ -1,9 +1,9 @@
-r"""The noise of a pressed pad's record: of force, of displacement and of area, and how it hangs together.
+r"""The noise of a pressed pad's record: of force, of displacement and of area, and its correlations.
 
 With :math:`e` the noise of displacement, :math:`s = dW/d\xi` and :math:`g = \pi R_g`, the residuals are
 :math:`r_F = f + w + s e` and :math:`r_A = a - g e`: noise of the displacement enters both (effective
 variance).
-The force has white noise w and wandering noise f, which forgets exponentially in time. Given :math:`r_A`, the
+The force has white noise w and drifting noise f, which forgets exponentially in time. Given :math:`r_A`, the
 force's residuals have covariance :math:`B^{-1} T B^{-\mathsf T}`, with B the bidiagonal filter that makes f
 white and T tridiagonal, so that all of it is done in as many steps as there are rows.
 """
@@ -17,12 +17,12 @@ from scipy import linalg, optimize
 
 from fingerpad._arrays import BoolArray, FloatArray
 
-# Gain in log-likelihood from which the two parameters of wandering noise are believed (as by AIC).
+# Gain in log-likelihood from which the two parameters of drifting noise are believed (as by AIC).
 _GAIN = 2.0
 # A log-likelihood need not be known better than to a few hundredths.
 _ENOUGH: Final[Any] = {"ftol": 1e-6, "gtol": 1e-3}
 _WHITE: Final = ("force_std", "displacement_std", "area_std")
-_WANDERING: Final = ("wander_std", "wander_time")
+_DRIFT: Final = ("drift_std", "drift_time")
 _LOG_STEP = 0.1
 
 
@@ -34,8 +34,8 @@ class Noise:
     ----------
     force_std, displacement_std, area_std : float
         White noise of one row, N, mm, mm².
-    wander_std, wander_time : float
-        Standard deviation (N) and correlation time (s, or rows) of the force's wandering.
+    drift_std, drift_time : float
+        Standard deviation (N) and correlation time (s, or rows) of the force's drift.
     slope : ndarray, (n,)
         dW/dξ, N/mm.
     radius : float
@@ -49,8 +49,8 @@ class Noise:
     force_std: float
     displacement_std: float
     area_std: float
-    wander_std: float
-    wander_time: float
+    drift_std: float
+    drift_time: float
     slope: FloatArray
     radius: float
     steps: FloatArray
@@ -59,21 +59,21 @@ class Noise:
     def scaled(self, force: FloatArray, area: FloatArray) -> FloatArray:
         """Return columns of residuals divided by their spread, those of the area after those of the force.
 
-        Wandering counts by its density at zero frequency, where the parameters' traces lie. To filter it out
+        Drift counts by its density at zero frequency, where the parameters' traces lie. To filter it out
         of the fit would leave differences of neighbouring rows, which noise of the displacement biases.
         """
-        white, force, area_std = self._parted(force, area)
+        white, force, area_std = self._decorrelate(force, area)
         return np.concatenate([force / np.sqrt(white + self._slow_variance)[:, None], area / area_std])
 
     @property
     def _slow_variance(self) -> float:
-        step = float(np.median(self.steps)) / self.wander_time
-        return self.wander_std**2 * (1 + math.exp(-step)) / -math.expm1(-step)
+        step = float(np.median(self.steps)) / self.drift_time
+        return self.drift_std**2 * (1 + math.exp(-step)) / -math.expm1(-step)
 
     @property
     def inflation(self) -> float:
-        """How many rows of the force before contact are worth one that does not wander."""
-        return (self.force_std**2 + self._slow_variance) / (self.force_std**2 + self.wander_std**2)
+        """How many rows of the force before contact are worth one without drift."""
+        return (self.force_std**2 + self._slow_variance) / (self.force_std**2 + self.drift_std**2)
 
     def parameter_covariance(self, force: FloatArray, area: FloatArray) -> FloatArray:
         """Return the covariance of the weighed fit's parameters, from derivatives of the residuals."""
@@ -88,10 +88,10 @@ class Noise:
         length = np.linalg.norm(scaled, axis=0)
         inverse = np.linalg.inv((scaled / length).T @ (scaled / length)) / np.outer(length, length)
         answer = scaled @ inverse
-        white, told, area_std = self._parts
+        white, share_of_area, area_std = self._parts
         by_force = answer[: len(force)] / np.sqrt(white + self._slow_variance)[:, None]
         by_area = answer[len(force) :] / area_std
-        return by_force, by_area + told[:, None] * by_force[self.with_area][: len(area)]
+        return by_force, by_area + share_of_area[:, None] * by_force[self.with_area][: len(area)]
 
     def covariance_of(self, force: FloatArray, area: FloatArray) -> FloatArray:
         """Return the covariance of sums of residuals of force and area with weights (n, p) and (m, p)."""
@@ -100,12 +100,12 @@ class Noise:
             shared[self.with_area] -= np.pi * self.radius * area
         total = self.force_std**2 * force.T @ force + self.area_std**2 * area.T @ area
         total += self.displacement_std**2 * shared.T @ shared
-        if not self.wander_std > 0:
+        if not self.drift_std > 0:
             return np.asarray(total)
-        kept = np.exp(-self.steps / self.wander_time)
+        kept = np.exp(-self.steps / self.drift_time)
         band = np.stack([np.ones(len(force)), np.append(-kept, 0.0)])
         passed, _ = linalg.lapack.dtbtrs(band, force, uplo="L", trans="T", diag="U")
-        passed *= self.wander_std * np.sqrt(np.append(1.0, 1 - kept**2))[:, None]
+        passed *= self.drift_std * np.sqrt(np.append(1.0, 1 - kept**2))[:, None]
         return np.asarray(total + passed.T @ passed)
 
     def negative_log_likelihood(self, force: FloatArray, area: FloatArray) -> float:
@@ -113,7 +113,7 @@ class Noise:
 
         The first columns are the residuals, the others their derivatives by the parameters.
         """
-        force, area, volume = self._whitened(force, area)
+        force, area, volume = self._whiten(force, area)
         product = force.T @ force + area.T @ area
         length = np.sqrt(np.diagonal(product)).copy()
         length[0] = 1.0
@@ -132,26 +132,26 @@ class Noise:
         shared, g = self.displacement_std**2, np.pi * self.radius
         area_variance = self.area_std**2 + g**2 * shared
         left = np.where(self.with_area, self.area_std**2 / area_variance, 1.0) * shared
-        told = self.slope[self.with_area] * g * shared / area_variance
-        return self.force_std**2 + self.slope**2 * left, told, math.sqrt(area_variance)
+        share_of_area = self.slope[self.with_area] * g * shared / area_variance
+        return self.force_std**2 + self.slope**2 * left, share_of_area, math.sqrt(area_variance)
 
-    def _parted(self, force: FloatArray, area: FloatArray) -> tuple[FloatArray, FloatArray, float]:
+    def _decorrelate(self, force: FloatArray, area: FloatArray) -> tuple[FloatArray, FloatArray, float]:
         """Return variances of the force given the area, what the area does not tell of it, the area's std."""
-        white, told, area_std = self._parts
+        white, share_of_area, area_std = self._parts
         if area.size:
             force = force.copy()
-            force[self.with_area] += told[:, None] * area
+            force[self.with_area] += share_of_area[:, None] * area
         return white, force, area_std
 
-    def _whitened(self, force: FloatArray, area: FloatArray) -> tuple[FloatArray, FloatArray, float]:
+    def _whiten(self, force: FloatArray, area: FloatArray) -> tuple[FloatArray, FloatArray, float]:
         """Return both as independent ones of unit variance, and half the log of their determinant."""
-        white, force, area_std = self._parted(force, area)
+        white, force, area_std = self._decorrelate(force, area)
         volume = len(area) * math.log(area_std)
-        if not self.wander_std > 0:
+        if not self.drift_std > 0:
             volume += 0.5 * float(np.log(white).sum())
             return force / np.sqrt(white)[:, None], area / area_std, volume
-        kept = np.exp(-self.steps / self.wander_time)
-        diagonal = np.append(1.0, 1 - kept**2) * self.wander_std**2 + white
+        kept = np.exp(-self.steps / self.drift_time)
+        diagonal = np.append(1.0, 1 - kept**2) * self.drift_std**2 + white
         diagonal[1:] += kept**2 * white[:-1]
         pivots, below, _ = linalg.lapack.dpttrf(diagonal, -kept * white[:-1])
         filtered = force.copy()
@@ -168,37 +168,37 @@ def estimate_noise(
     *,
     drift: bool,
 ) -> Noise:
-    """Return the noise of greatest penalised likelihood, with or without a search for wandering.
+    """Return the noise of greatest penalised likelihood, with or without a search for drift.
 
     `first` gives slope, radius, steps and rows with area; its deviations are where the search begins.
     """
-    white = _found(
-        replace(first, wander_std=0.0), residuals, jacobians, _WHITE[: 3 if residuals[1].size else 2]
+    white = _maximise_likelihood(
+        replace(first, drift_std=0.0), residuals, jacobians, _WHITE[: 3 if residuals[1].size else 2]
     )
     if not drift:
         return white[0]
-    names = _WHITE[: 3 if residuals[1].size else 2] + _WANDERING
-    seen = replace(first, wander_std=first.wander_std or white[0].force_std)
-    both = _found(seen, residuals, jacobians, names)
+    names = _WHITE[: 3 if residuals[1].size else 2] + _DRIFT
+    seen = replace(first, drift_std=first.drift_std or white[0].force_std)
+    both = _maximise_likelihood(seen, residuals, jacobians, names)
     return both[0] if both[1] < white[1] - _GAIN else white[0]
 
 
-def _found(
+def _maximise_likelihood(
     first: Noise,
     residuals: tuple[FloatArray, FloatArray],
     jacobians: tuple[FloatArray, FloatArray],
     names: tuple[str, ...],
 ) -> tuple[Noise, float]:
-    most = _most(first, residuals)
+    bounds_by_name = _std_bounds(first, residuals)
     force, area = (np.column_stack(pair) for pair in zip(residuals, jacobians, strict=True))
-    bounds = [(math.log(most[name][0]), math.log(most[name][1])) for name in names]
+    bounds = [(math.log(bounds_by_name[name][0]), math.log(bounds_by_name[name][1])) for name in names]
     start = [
         min(max(math.log(getattr(first, name)), low), high)
         for name, (low, high) in zip(names, bounds, strict=True)
     ]
 
     def negative_log_likelihood(logs: FloatArray) -> float:
-        return _penalised(_with_logs(first, names, logs), force, area)
+        return _penalised_negative_log_likelihood(_with_logs(first, names, logs), force, area)
 
     found = optimize.minimize(
         negative_log_likelihood,
@@ -210,15 +210,17 @@ def _found(
     return _with_logs(first, names, found.x), float(found.fun)
 
 
-def _penalised(noise: Noise, force: FloatArray, area: FloatArray) -> float:
-    """Return the surprise less log σ of the displacement, which keeps that off zero (Chung et al. 2013).
+def _penalised_negative_log_likelihood(noise: Noise, force: FloatArray, area: FloatArray) -> float:
+    """Return the negative log-likelihood less log σ of the displacement.
+
+    The second term keeps that σ off zero (Chung et al. 2013).
 
     Few rows cannot tell it from none, and its weights and their uncertainty would then be those of none.
     """
     return noise.negative_log_likelihood(force, area) - math.log(noise.displacement_std)
 
 
-def _most(first: Noise, residuals: tuple[FloatArray, FloatArray]) -> dict[str, tuple[float, float]]:
+def _std_bounds(first: Noise, residuals: tuple[FloatArray, FloatArray]) -> dict[str, tuple[float, float]]:
     """Return the least and the largest deviation that residuals can show: below, one is as good as zero."""
     force, area = (float(np.std(part)) if part.size else 1.0 for part in residuals)
     displacement = force / max(float(first.slope.max()), 1e-12)
@@ -228,8 +230,8 @@ def _most(first: Noise, residuals: tuple[FloatArray, FloatArray]) -> dict[str, t
         "force_std": (0.02 * force + tiny, 3 * force + tiny),
         "displacement_std": (0.02 * displacement + tiny, 3 * displacement + tiny),
         "area_std": (0.02 * area + tiny, 3 * area + tiny),
-        "wander_std": (0.02 * force + tiny, 3 * force + tiny),
-        "wander_time": (0.5 * usual + tiny, max(0.1 * whole, usual) + tiny),
+        "drift_std": (0.02 * force + tiny, 3 * force + tiny),
+        "drift_time": (0.5 * usual + tiny, max(0.1 * whole, usual) + tiny),
     }
 
 
@@ -257,7 +259,7 @@ class NoiseUncertainty:
     def parameter_covariance(self, noise: Noise, jacobians: tuple[FloatArray, FloatArray]) -> FloatArray:
         """Return the covariance of the parameters, with what it costs that their weights are estimated.
 
-        A weight that errs adds the variance Λ = Σ C_ij (∂G/∂θ_i) V (∂G/∂θ_j)ᵀ to parameters p = G y, and the
+        A wrong weight adds the variance Λ = Σ C_ij (∂G/∂θ_i) V (∂G/∂θ_j)ᵀ to parameters p = G y, and the
         deviations found make the plain covariance look smaller by Λ again (Kenward & Roger 1997).
         """
         at = np.log([getattr(noise, name) for name in self.names])
@@ -274,12 +276,12 @@ def noise_uncertainty(
     noise: Noise, residuals: tuple[FloatArray, FloatArray], jacobians: tuple[FloatArray, FloatArray]
 ) -> NoiseUncertainty:
     """Return the uncertainty of a noise from the curvature of its penalised likelihood."""
-    names = _WHITE[: 3 if residuals[1].size else 2] + (_WANDERING if noise.wander_std > 0 else ())
+    names = _WHITE[: 3 if residuals[1].size else 2] + (_DRIFT if noise.drift_std > 0 else ())
     force, area = (np.column_stack(pair) for pair in zip(residuals, jacobians, strict=True))
     at, moves = np.log([getattr(noise, name) for name in names]), _LOG_STEP * np.eye(len(names))
 
     def negative_log_likelihood(move: FloatArray) -> float:
-        return _penalised(_with_logs(noise, names, at + move), force, area)
+        return _penalised_negative_log_likelihood(_with_logs(noise, names, at + move), force, area)
 
     middle, single = (
         negative_log_likelihood(0 * at),

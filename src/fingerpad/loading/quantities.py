@@ -14,7 +14,7 @@ from fingerpad.loading.least_squares import effective_count, fit_least_squares
 # Beyond these no finger pad lies, mm and MPa: a wrong unit.
 PLAUSIBLE_RADIUS, PLAUSIBLE_MODULUS = (2.0, 100.0), (0.001, 5.0)
 # A given radius is doubted when the slope of the area is so many standard uncertainties away.
-_CONTRADICTED, _LEAST_AREAS = 4.0, 5
+_CONTRADICTED, _MIN_AREAS = 4.0, 5
 # An area at contact is doubtful from this many standard uncertainties on.
 _OFFSET_DEVIATIONS = 3.0
 _NO_RADIUS = (
@@ -32,12 +32,12 @@ def quantities(main: JointFit, models: Mapping[str, JointFit], *, known: bool) -
     modulus: Quantity = youngs if known else Undetermined(_NO_RADIUS)
     need_radius = ("loading_radius", "initial_modulus", "load_coefficient")
     return {
-        **{name: _bounded(main, name) if known else Undetermined(_NO_RADIUS) for name in need_radius},
+        **{name: _quantity(main, name) if known else Undetermined(_NO_RADIUS) for name in need_radius},
         "reduced_modulus": modulus.times(1 / (1 - main.record.poisson_ratio**2)),
         "youngs_modulus": modulus,
-        "contact_offset": _bounded(main, "contact_offset"),
+        "contact_offset": _quantity(main, "contact_offset"),
         "load_exponent": (
-            _bounded(models["free_exponent"], "load_exponent")
+            _quantity(models["free_exponent"], "load_exponent")
             if "free_exponent" in models
             else Undetermined("a power law with free exponent does not fit the curve")
         ),
@@ -50,7 +50,7 @@ def top_load(main: JointFit) -> float:
     return float(main.load(np.array([main.record.smooth_displacement.max()]))[0])
 
 
-def _bounded(fit: JointFit, name: str) -> Quantity:
+def _quantity(fit: JointFit, name: str) -> Quantity:
     estimate = fit.estimate(name)
     if math.isfinite(estimate.lower) and math.isfinite(estimate.upper):
         return estimate
@@ -63,14 +63,14 @@ def _area_exponent(main: JointFit) -> Quantity:
     load = main.corrected_load(record.clock, record.load)[record.with_area]
     smooth = main.load(record.smooth_displacement)[record.with_area]
     used = smooth > max(
-        0.05 * float(smooth.max(initial=0.0)), 5 * math.hypot(noise.force_std, noise.wander_std)
+        0.05 * float(smooth.max(initial=0.0)), 5 * math.hypot(noise.force_std, noise.drift_std)
     )
     W, A = load[used], record.area[used]
     if W.size < 5:
         return Undetermined(
             _NO_RADIUS if not record.area.size else f"{W.size} areas under load; five are needed"
         )
-    spread = np.hypot(noise.area_std, 0.5 * A * math.hypot(noise.force_std, noise.wander_std) / smooth[used])
+    spread = np.hypot(noise.area_std, 0.5 * A * math.hypot(noise.force_std, noise.drift_std) / smooth[used])
 
     def residuals(p: FloatArray) -> FloatArray:
         grown = np.maximum(W / W.max(), 1e-9) ** float(np.clip(p[1], 0.02, 5.0))
@@ -89,7 +89,7 @@ def implausible(main: JointFit, given: float | Estimate | None, *, known: bool) 
     modulus = main.values["initial_modulus"] + main.values["load_coefficient"] * top_load(main)
     record = main.record
     contradicted = False
-    if given is not None and record.area.size >= _LEAST_AREAS:
+    if given is not None and record.area.size >= _MIN_AREAS:
         from scipy import stats  # noqa: PLC0415 (slow to import, seldom needed)
 
         line = stats.linregress(np.pi * record.smooth_displacement[record.with_area], record.area)

@@ -1,6 +1,7 @@
 r"""What time does to a held contact: relaxation of the force, and growth of the ridges' area.
 
-A pad that is linearly viscoelastic in time bears :math:`W(t) = \int g(t - s)\,dW_e(s)`, with the elastic load
+A pad that is linearly viscoelastic in time has the load
+:math:`W(t) = \int g(t - s)\,dW_e(s)`, with the elastic load
 :math:`W_e = k\,\xi^{3/2}/(1 - b\,\xi^{3/2})` of the recorded motion and
 :math:`g = 1 - \sum_i g_i (1 - e^{-t/\tau_i})`. The ramp is in the integral: nothing need be instantaneous.
 """
@@ -12,16 +13,16 @@ import numpy as np
 from scipy import signal
 
 from fingerpad._arrays import ArrayLike, FloatArray, as_float_array
+from fingerpad._loading_curve import LoadingCurve
 from fingerpad.exceptions import FitError
-from fingerpad.loading.curve import LoadingCurve
 from fingerpad.loading.estimate import Quantity, Undetermined
 from fingerpad.loading.least_squares import LeastSquaresFit, Residuals, effective_count, fit_least_squares
-from fingerpad.loading.segments import Cycle, smoothed
+from fingerpad.loading.segments import Cycle, moving_average
 
 # A term that takes off less than this share of the squares ends the search for more.
-_MOST_TERMS, _GAIN = 3, 0.995
+_MAX_TERMS, _GAIN = 3, 0.995
 _FINE = 500
-_MOST_ROWS = 600
+_MAX_ROWS = 600
 _PATIENCE = 150
 
 
@@ -73,7 +74,7 @@ def fit_relaxation(curve: LoadingCurve, cycle: Cycle, contact_offset: float) -> 
     """Fit a Prony series to loading and hold of one cycle, the ramp as it was; terms are chosen by AICc.
 
     No time faster than the ramp is known: such a term's effect is over before the hold begins, and what it
-    did meanwhile cannot be told from the pad's stiffness. Nor is a time longer than the hold.
+    did meanwhile is indistinguishable from the pad's stiffness. Nor is a time longer than the hold.
 
     Parameters
     ----------
@@ -97,11 +98,11 @@ def fit_relaxation(curve: LoadingCurve, cycle: Cycle, contact_offset: float) -> 
         )
     rows = slice(cycle.loading.start, cycle.hold.stop)
     time, load = curve.time[rows] - curve.time[rows][0], curve.load[rows]
-    # Each by itself: smoothed across, the end of the ramp would be rounded, which looks like relaxation.
-    parts = [smoothed(curve.indentation[part.rows]) for part in (cycle.loading, cycle.hold)]
+    # Each separately: smoothed across, the end of the ramp would be rounded, which looks like relaxation.
+    parts = [moving_average(curve.indentation[part.rows]) for part in (cycle.loading, cycle.hold)]
     depth = np.maximum(np.concatenate(parts) - contact_offset, 0.0)
     ramp, whole = float(time[len(cycle.loading) - 1]), float(time[-1])
-    some = np.unique(np.linspace(0, load.size - 1, min(load.size, _MOST_ROWS)).astype(int))
+    some = np.unique(np.linspace(0, load.size - 1, min(load.size, _MAX_ROWS)).astype(int))
     time, load, depth = time[some], load[some], depth[some]
     fine = np.linspace(0, whole, _FINE)
     motion = np.interp(fine, time, depth / depth.max())
@@ -109,14 +110,14 @@ def fit_relaxation(curve: LoadingCurve, cycle: Cycle, contact_offset: float) -> 
 
     def model(p: FloatArray) -> FloatArray:
         elastic = p[0] * motion**1.5 / np.maximum(1 - p[1] * motion**1.5, 0.02)
-        borne = _relaxed(fine, elastic, p[2::2], np.exp(np.clip(p[3::2], -15, 15)))
-        return np.asarray(np.interp(time, fine, borne))
+        relaxed = _relax(fine, elastic, p[2::2], np.exp(np.clip(p[3::2], -15, 15)))
+        return np.asarray(np.interp(time, fine, relaxed))
 
     fits: list[LeastSquaresFit] = []
     start = [0.5 * top, 0.5]
-    for count in range(_MOST_TERMS + 1):
+    for count in range(_MAX_TERMS + 1):
         try:
-            fits.append(_with_terms(lambda p: load - model(p), start, count, ramp, whole))
+            fits.append(_fit_terms(lambda p: load - model(p), start, count, ramp, whole))
         except FitError:
             break
         start = [*fits[-1].values]
@@ -138,7 +139,7 @@ def fit_relaxation(curve: LoadingCurve, cycle: Cycle, contact_offset: float) -> 
     )
 
 
-def _with_terms(
+def _fit_terms(
     residuals: Residuals, start: Sequence[float], count: int, ramp: float, whole: float
 ) -> LeastSquaresFit:
     """Fit `count` terms from the fit of one fewer, the new one tried at several times."""
@@ -177,7 +178,7 @@ def _terms(fit: LeastSquaresFit, ramp: float, hold: float) -> tuple[PronyTerm, .
     return tuple(term for _, term in sorted(terms, key=lambda pair: pair[0]))
 
 
-def _relaxed(time: FloatArray, elastic: FloatArray, shares: FloatArray, times: FloatArray) -> FloatArray:
+def _relax(time: FloatArray, elastic: FloatArray, shares: FloatArray, times: FloatArray) -> FloatArray:
     steps, step = np.diff(elastic, prepend=0.0), time[1] - time[0]
     load = (1 - shares.sum()) * elastic
     for share, tau in zip(shares, times, strict=True):

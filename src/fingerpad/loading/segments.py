@@ -1,4 +1,4 @@
-"""Baseline, loading, hold and unloading of each cycle, told apart by the platen's motion."""
+"""Baseline, loading, hold and unloading of each cycle, from the platen's motion."""
 
 from dataclasses import dataclass
 from typing import Final
@@ -8,13 +8,13 @@ import numpy.typing as npt
 from scipy import signal
 
 from fingerpad._arrays import BoolArray, FloatArray
+from fingerpad._loading_curve import LoadingCurve
+from fingerpad._motion import FALL, REST, RISE, find_motion, runs, usual_rate
 from fingerpad.exceptions import LoadingError
-from fingerpad.loading.curve import LoadingCurve
 from fingerpad.loading.estimate import Estimate
 
-# A platen slower than this share of its usual speed rests; phases shorter than this share are none.
-_RESTING, _LEAST = 0.2, 0.02
-_RISE, _REST, _FALL = 1, 0, -1
+# Shortest phase, as a share of the record.
+_MIN_DURATION = 0.02
 # Rows at the sensor's very maximum, while the platen still moves, that show it was saturated.
 _SATURATED_ROWS = 4
 _SMOOTHING = 50
@@ -79,7 +79,7 @@ class Hysteresis:
     fraction: float
 
 
-def smoothed(values: FloatArray, rows: int | None = None) -> FloatArray:
+def moving_average(values: FloatArray, rows: int | None = None) -> FloatArray:
     """Return a moving average over a fiftieth of `rows`, all of them without it, straight at its ends."""
     window = 2 * ((len(values) if rows is None else rows) // (2 * _SMOOTHING)) + 1
     if window < 3:
@@ -88,10 +88,10 @@ def smoothed(values: FloatArray, rows: int | None = None) -> FloatArray:
 
 
 def find_cycles(curve: LoadingCurve) -> tuple[Cycle, ...]:
-    """Tell baseline, loading, hold and unloading of each cycle apart.
+    """Find baseline, loading, hold and unloading of each cycle.
 
     The platen's motion shows the phases: it moves into the pad, rests, or moves away. Within the way in,
-    contact parts baseline from loading where a line followed by a Hertzian rise fits the force best.
+    contact begins where a line followed by a Hertzian rise fits the force best.
 
     Raises
     ------
@@ -108,20 +108,19 @@ def find_cycles(curve: LoadingCurve) -> tuple[Cycle, ...]:
     """
     _require_usable(curve)
     phases = _phases(curve)
-    starts = np.flatnonzero(np.diff(phases, prepend=9))
-    ends = np.append(starts[1:], phases.size)
+    starts, ends = runs(phases)
     cycles = []
     for k, (start, end) in enumerate(zip(starts, ends, strict=True)):
-        if phases[start] != _RISE:
+        if phases[start] != RISE:
             continue
         later = [
             (int(phases[a]), Segment(start=int(a), stop=int(b)))
             for a, b in zip(starts[k + 1 :], ends[k + 1 :], strict=True)
         ]
-        hold = later[0][1] if later and later[0][0] == _REST else None
+        hold = later[0][1] if later and later[0][0] == REST else None
         after = later[1:] if hold else later
-        unloading = after[0][1] if after and after[0][0] == _FALL else None
-        before = start - 1 if k and phases[start - 1] == _REST else start
+        unloading = after[0][1] if after and after[0][0] == FALL else None
+        before = start - 1 if k and phases[start - 1] == REST else start
         begin = int(starts[k - 1]) if before < start else int(start)
         contact = begin + _contact_row(curve, begin, int(end))
         cycles.append(
@@ -157,7 +156,7 @@ def hysteresis(curve: LoadingCurve, cycle: Cycle) -> Hysteresis | None:
     return Hysteresis(energy=energy, fraction=energy / work) if work > 0 else None
 
 
-def saturated(curve: LoadingCurve, segment: Segment) -> BoolArray:
+def saturated_rows(curve: LoadingCurve, segment: Segment) -> BoolArray:
     """Return which rows of a loading lie at the sensor's limit: the very same maximum in several rows."""
     load = curve.load[segment.rows]
     at_top = load == load.max()
@@ -165,7 +164,7 @@ def saturated(curve: LoadingCurve, segment: Segment) -> BoolArray:
     return np.asarray(at_top & bool(many))
 
 
-def rising_start(
+def fit_contact_start(
     clock: FloatArray, load: FloatArray, displacement: FloatArray, *, tilt: bool
 ) -> tuple[float, FloatArray]:
     """Return the place of contact (mm) and coefficients of force = 1 (+ clock) + s + s², s = ξ^1.5.
@@ -190,11 +189,11 @@ def rising_start(
     return best(place + (grid[1] - grid[0]) * np.linspace(-1, 1, 11))
 
 
-def start_of_press(
+def contact_rise(
     clock: FloatArray, load: FloatArray, displacement: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Return the rise of the force over its zero by `rising_start`, and what is left of the force."""
-    place, parts = rising_start(clock, load, displacement, tilt=False)
+    """Return the rise of the force over its zero by `fit_contact_start`, and what is left of the force."""
+    place, parts = fit_contact_start(clock, load, displacement, tilt=False)
     s = np.maximum(displacement - place, 0) ** 1.5
     rise = parts[1] * s + parts[2] * s * s
     return rise, load - parts[0] - rise
@@ -205,8 +204,8 @@ def both_reversed(clock: FloatArray, load: FloatArray, displacement: FloatArray)
 
     A press grows ever steeper after a level baseline; upside down it ends in one.
     """
-    _, rest = start_of_press(clock, load, displacement)
-    rise, turned = start_of_press(clock, -load, -displacement)
+    _, rest = contact_rise(clock, load, displacement)
+    rise, turned = contact_rise(clock, -load, -displacement)
     rising = float(rise[np.argmax(np.abs(rise))]) > 0
     return rising and float(turned @ turned) < _UPSIDE_DOWN * float(rest @ rest)
 
@@ -224,31 +223,25 @@ def _require_usable(curve: LoadingCurve) -> None:
 def _phases(curve: LoadingCurve) -> npt.NDArray[np.int8]:
     """Return the phase of each row; a way in that is short beside holds is looked at more finely."""
     phases = _phases_over(curve, len(curve.load))
-    edges = np.flatnonzero(np.diff(phases == _RISE, prepend=False, append=False))
+    edges = np.flatnonzero(np.diff(phases == RISE, prepend=False, append=False))
     shortest = int(np.min(edges[1::2] - edges[::2])) if edges.size else len(curve.load)
     few = _PRESS * shortest
     return _phases_over(curve, few) if few < len(curve.load) else phases
 
 
 def _phases_over(curve: LoadingCurve, rows: int) -> npt.NDArray[np.int8]:
-    smooth = smoothed(curve.indentation, rows)
+    smooth = moving_average(curve.indentation, rows)
     rate = np.gradient(smooth)
-    usual = float(np.average(np.abs(rate), weights=np.abs(rate)))
-    phases = np.where(np.abs(rate) < _RESTING * usual, _REST, np.sign(rate)).astype(np.int8)
-    least = max(2, round(_LEAST * phases.size))
-    while True:
-        starts = np.flatnonzero(np.diff(phases, prepend=9))
-        ends = np.append(starts[1:], phases.size)
-        k = int(np.argmin(ends - starts))
-        if starts.size == 1 or ends[k] - starts[k] >= least:
-            return phases
-        phases[starts[k] : ends[k]] = phases[starts[k] - 1] if k else phases[ends[k]]
+    # One rate for both directions: in a record of one direction the other is noise.
+    usual = usual_rate(np.abs(rate))
+    least = max(2, round(_MIN_DURATION * smooth.size))
+    return find_motion(rate, rising=usual, falling=usual, min_samples=least)
 
 
 def _contact_row(curve: LoadingCurve, start: int, end: int) -> int:
     """Return how many rows of the way in lie before contact."""
-    displacement = smoothed(curve.indentation[start:end])
-    place, _ = rising_start(
+    displacement = moving_average(curve.indentation[start:end])
+    place, _ = fit_contact_start(
         curve.clock[start:end], curve.load[start:end], displacement, tilt=end - start > 12
     )
     return min(int(np.searchsorted(np.maximum.accumulate(displacement), place)), end - start - 1)

@@ -22,7 +22,7 @@ def creases(along: FloatArray, across: FloatArray, semi_minor: float, count: int
     return lines
 
 
-def smudged(
+def smudge(
     amount: Float32Array,
     inside: BoolArray,
     places: tuple[FloatArray, FloatArray],

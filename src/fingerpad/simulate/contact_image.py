@@ -16,11 +16,10 @@ import numpy.typing as npt
 from fingerpad._arrays import BoolArray, Float32Array, FloatArray, as_float32
 from fingerpad.exceptions import GeometryError
 from fingerpad.geometry.ellipse import Ellipse
-from fingerpad.image.contact_image._outline import moments_of
-from fingerpad.image.scale import MM_PER_INCH
 from fingerpad.simulate._disturbances import creases as crease_lines
-from fingerpad.simulate._disturbances import smudged
+from fingerpad.simulate._disturbances import smudge
 from fingerpad.simulate._ridge_sheet import CELLS_PER_PERIOD, Pattern, ridge_sheet
+from fingerpad.units import MM_PER_INCH
 
 Look: TypeAlias = Literal["ink", "livescan", "prism"]
 
@@ -157,7 +156,7 @@ def render_contact_image(
     skin = seed if ridge_seed is None else ridge_seed
     ridges = _ridges(along, across, radius, ridge_period=ridge_period, pattern=pattern, seed=skin)
     ridges &= ~crease_lines(along, across, semi_minor, creases, seed)
-    amount = smudged(
+    amount = smudge(
         ridges.astype(np.float32),
         radius <= 1,
         (along, across),
@@ -177,23 +176,39 @@ def render_contact_image(
     if jpeg_quality is not None:
         _, code = cv2.imencode(".jpg", pixels, [cv2.IMWRITE_JPEG_QUALITY, jpeg_quality])
         pixels = np.asarray(cv2.imdecode(code, cv2.IMREAD_GRAYSCALE), dtype=np.uint8)
-    # (left, up) for (columns, rows): both run the other way, which leaves angles as they are.
-    truth = moments_of(outline[:, ::-1])
-    semi_axes = truth.semi_axes
+    centre, turn = np.zeros(2), 0.0
+    if irregularity:
+        centre, ellipse, turn = _equal_area_ellipse(ellipse, t, reach)
+    centre_up, centre_left = centre @ [[cosine, sine], [-sine, cosine]]
     return SyntheticContactImage(
         pixels=np.asarray(pixels, dtype=np.uint8),
-        ellipse=Ellipse.of(*semi_axes) if irregularity else ellipse,
-        orientation=truth.orientation
-        if irregularity
-        else math.pi / 2 - (math.pi / 2 - orientation) % math.pi,
-        centroid=(_place(truth.centroid[1], up[:, 0]), _place(truth.centroid[0], left[0])),
+        ellipse=ellipse,
+        orientation=math.pi / 2 - (math.pi / 2 - orientation - turn) % math.pi,
+        centroid=(_grid_index(centre_up, up[:, 0]), _grid_index(centre_left, left[0])),
         ridge_area=float(np.count_nonzero(ridges)) * mm_per_px**2,
         ridge_period=ridge_period,
         mm_per_px=mm_per_px,
     )
 
 
-def _place(length: float, grid: FloatArray) -> float:
+def _equal_area_ellipse(
+    ellipse: Ellipse, t: FloatArray, reach: FloatArray
+) -> tuple[FloatArray, Ellipse, float]:
+    """Return the centroid (along, across), equal-area ellipse and its turn of an irregular outline.
+
+    With the ellipse scaled to the unit circle, the integrals over the region are those of reach^n/n over the
+    angle t: n = 2 gives the area, 3 the centroid and 4 the second moments.
+    """
+    unit = np.stack([ellipse.semi_major * np.cos(t), ellipse.semi_minor * np.sin(t)])
+    share = (reach**2).mean()
+    centre = (reach**3 * unit).mean(axis=1) * 2 / 3 / share
+    second = (reach**4 * unit) @ unit.T / t.size / 2 / share - np.outer(centre, centre)
+    (minor, major), axes = np.linalg.eigh(second)
+    radius, stretch = math.sqrt(ellipse.semi_major * ellipse.semi_minor * share), (major / minor) ** 0.25
+    return centre, Ellipse.of(radius * stretch, radius / stretch), math.atan2(axes[1, 1], axes[0, 1])
+
+
+def _grid_index(length: float, grid: FloatArray) -> float:
     """Return the pixel at which an even grid takes a value."""
     return float((length - grid[0]) / (grid[1] - grid[0]))
 

@@ -11,10 +11,9 @@ import numpy.typing as npt
 from scipy.spatial import cKDTree
 
 from fingerpad._arrays import Float32Array, FloatArray, as_float32
+from fingerpad._srgb import linear_light, srgb_levels
 from fingerpad.exceptions import GeometryError
-from fingerpad.image.photograph._face_frame import Direction, face_axes, palmar_directions
-from fingerpad.image.photograph._srgb import encoded, linear_light
-from fingerpad.image.photograph.faces import Face
+from fingerpad.geometry.faces import Direction, Face, face_axes, palmar_directions
 from fingerpad.simulate._finger_shape import FingerShape, finger_shape, pad_arc
 
 Backdrop: TypeAlias = Literal["white", "grey", "black", "blue", "green", "cork"]
@@ -75,7 +74,7 @@ class SyntheticFinger:
         """Return true points (row, column), px, along the elliptic arc, ends included."""
         t = np.linspace(*self.arc, count)
         local = np.stack([self.semi_axes[0] * np.cos(t), self.semi_axes[1] * np.sin(t)], axis=-1)
-        axes = _turned_axes(self.face, self.tip, self.palmar, self.lean)
+        axes = _image_axes(self.face, self.tip, self.palmar, self.lean)
         return np.asarray(local @ axes / self.mm_per_px + self.centre, dtype=np.float64)
 
 
@@ -107,7 +106,8 @@ def render_finger(
     face : {"palmar", "distal", "radial", "ulnar"}
         The face that looks at the camera.
     semi_axes : (float, float), optional
-        Semi-axes across and along (see `FACE_AXES`), mm; those of the source's index finger if left out.
+        Semi-axes across and along (see `FACE_AXES`), mm; by default those of
+        the index finger in Dzidek et al. (2017).
     arc_deg : float
         Extent of the exactly elliptic arc round the pad, parametric degrees, 20 to 180.
     departure : float
@@ -160,15 +160,15 @@ def render_finger(
         face, semi_axes, extent=math.radians(arc_deg), departure=departure, texture=texture_mm, rng=rng
     )
     size, centre = _frame(face, tip, palmar, mm_per_px)
-    axes = _turned_axes(face, tip, palmar, math.radians(lean_deg))
+    axes = _image_axes(face, tip, palmar, math.radians(lean_deg))
     rows, columns = np.indices(size, dtype=np.float64)
     flat = np.stack([rows - centre[0], columns - centre[1]], axis=-1) @ axes.T * mm_per_px
-    to_face = _tilted(flat, math.radians(tilt_deg), rng)
+    to_face = _to_face_plane(flat, math.radians(tilt_deg), rng)
     depth, nail = _depths(to_face, shape, mm_per_px)
     look = (skin, backdrop, light_deg, shadow, mm_per_px)
-    light = _lit(face, (depth, nail), to_face, look, rng)
+    light = _light_from_pixels(face, (depth, nail), to_face, look, rng)
     return SyntheticFinger(
-        pixels=_exposed(light, blur_px, noise_std, jpeg_quality, rng),
+        pixels=_expose(light, blur_px, noise_std, jpeg_quality, rng),
         face=face,
         semi_axes=semi_axes,
         centre=centre,
@@ -195,12 +195,12 @@ def _frame(
     )
 
 
-def _turned_axes(face: Face, tip: Direction, palmar: Direction, lean: float) -> FloatArray:
+def _image_axes(face: Face, tip: Direction, palmar: Direction, lean: float) -> FloatArray:
     turn = np.array([[math.cos(lean), math.sin(lean)], [-math.sin(lean), math.cos(lean)]])
     return np.asarray(turn @ face_axes(face, tip, palmar), dtype=np.float64)
 
 
-def _tilted(seen: FloatArray, tilt: float, rng: np.random.Generator) -> FloatArray:
+def _to_face_plane(seen: FloatArray, tilt: float, rng: np.random.Generator) -> FloatArray:
     """Return the place (x, y) of each pixel in the face's plane, mm, tilted about a line of any direction."""
     direction = rng.uniform(0, 2 * math.pi)
     toward = np.array([math.cos(direction), math.sin(direction)])
@@ -246,7 +246,7 @@ def _inside(places: FloatArray, outline: FloatArray, mm_per_px: float) -> npt.ND
     return np.asarray(cv2.remap(chart, spots[..., 0], spots[..., 1], cv2.INTER_NEAREST), dtype=np.uint8)
 
 
-def _lit(
+def _light_from_pixels(
     face: Face,
     cover: tuple[Float32Array, Float32Array],
     places: FloatArray,
@@ -312,13 +312,13 @@ def _grain(rng: np.random.Generator, size: tuple[int, ...], mm_per_px: float) ->
     return _cloud(rng, size, 0.09 / mm_per_px) - 0.8 * _cloud(rng, size, 0.2 / mm_per_px)
 
 
-def _exposed(
+def _expose(
     light: Float32Array, blur: float, noise_std: float, jpeg_quality: int | None, rng: np.random.Generator
 ) -> npt.NDArray[np.uint8]:
     """Return what a camera makes of the light: blur, shot and read noise, sRGB, JPEG."""
     seen = cv2.GaussianBlur(light, (0, 0), blur) if blur > 0 else light
     # In grey levels the camera's noise is about even over the brighter tones.
-    levels = encoded(seen) + rng.normal(0, noise_std, seen.shape)
+    levels = srgb_levels(seen) + rng.normal(0, noise_std, seen.shape)
     pixels = np.clip(np.rint(levels), 0, 255).astype(np.uint8)
     if jpeg_quality is not None:
         _, file = cv2.imencode(".jpg", pixels[..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, jpeg_quality])

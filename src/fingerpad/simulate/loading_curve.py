@@ -6,12 +6,12 @@ import numpy as np
 from scipy import signal
 
 from fingerpad._arrays import FloatArray
+from fingerpad._loading_curve import LoadingCurve
+from fingerpad.contact import HertzGeometry, reduced_modulus
 from fingerpad.exceptions import LoadingError
-from fingerpad.loading.curve import LoadingCurve
-from fingerpad.loading.models import indentation_from_load, load_from_indentation
 
-# Steps of the memory integral over one record.
-_FINE = 4000
+# Time steps in which relaxation is integrated over one record.
+_RELAXATION_STEPS = 20_000
 
 
 def simulate_loading_curve(
@@ -41,8 +41,8 @@ def simulate_loading_curve(
 ) -> LoadingCurve:
     """Simulate the record of a pad pressed by a platen that moves at a constant rate.
 
-    The platen starts before contact, moves to where the pad bears `top_load`, may hold there and go back.
-    The elastic load is that of `load_from_indentation`, the area π R ξ.
+    The platen starts before contact, moves to where the load is `top_load`, may hold there and go back.
+    The elastic load is that of a Hertz contact whose modulus is E_0g + β W, the area π R ξ.
 
     Parameters
     ----------
@@ -100,13 +100,9 @@ def simulate_loading_curve(
             f"points, one cycle and relaxing shares below one in sum; found {positive}, {points}, "
             f"{cycles}, {relaxation}"
         )
-    pad = {
-        "loading_radius": loading_radius,
-        "initial_modulus": initial_modulus,
-        "load_coefficient": load_coefficient,
-        "poisson_ratio": poisson_ratio,
-    }
-    top = float(indentation_from_load(top_load, **pad))
+    sphere = HertzGeometry.of(loading_radius, loading_radius)
+    top_modulus = reduced_modulus(initial_modulus + load_coefficient * top_load, poisson_ratio)
+    top = float(sphere.under_load(top_load, reduced_modulus=top_modulus).indentation)
     way = (top + approach) / rate
     knots = np.cumsum([0.0, way, hold, way if unloading else 0.0])
     heights = [-approach, top, top, -approach if unloading else top]
@@ -117,12 +113,17 @@ def simulate_loading_curve(
         phase = np.minimum(at - knots[-1] * np.minimum(at // knots[-1], cycles - 1), knots[-1])
         xi = np.interp(phase, knots, heights)
         loss = np.where(phase > knots[2], hysteresis * (1 - xi / top), 0.0)
-        return xi, load_from_indentation(xi, **pad) * (1 - np.clip(loss, 0, 1))
+        # The load that unit Young's modulus would give: W = (E₀ + β W) times it.
+        unit = sphere.at_indentation(
+            np.maximum(xi, 0), reduced_modulus=reduced_modulus(1.0, poisson_ratio)
+        ).load
+        elastic = initial_modulus * unit / (1 - load_coefficient * unit)
+        return xi, elastic * (1 - np.clip(loss, 0, 1))
 
     xi, load = motion(time)
     if relaxation:
-        fine = np.linspace(0, time[-1], _FINE)
-        load = np.interp(time, fine, _relaxed(fine, motion(fine)[1], relaxation))
+        fine = np.linspace(0, time[-1], _RELAXATION_STEPS)
+        load = np.interp(time, fine, _relax(motion(fine)[1], fine[1], relaxation))
     rng = np.random.default_rng(seed)
     area = None
     if with_area:
@@ -152,11 +153,13 @@ def _force_noise(
     return std * np.asarray(signal.lfilter([1.0], [1.0, -kept], white))
 
 
-def _relaxed(time: FloatArray, elastic: FloatArray, terms: Sequence[tuple[float, float]]) -> FloatArray:
-    r"""Return :math:`\int g(t-s)\,dW_e(s)` with :math:`g = 1 - \sum g_i (1 - e^{-t/\tau_i})`."""
-    steps, step = np.diff(elastic, prepend=0.0), time[1] - time[0]
-    load = (1 - sum(share for share, _ in terms)) * elastic
+def _relax(elastic: FloatArray, step: float, terms: Sequence[tuple[float, float]]) -> FloatArray:
+    """Return the load of Maxwell arms (share g, time τ) in parallel with a spring, given the elastic load.
+
+    The dashpot of each arm takes off z, with τ dz/dt = g W − z, integrated by the trapezoidal rule.
+    """
+    load = elastic.copy()
     for share, tau in terms:
-        kept = np.exp(-step / tau)
-        load = load + share * signal.lfilter([tau / step * (1 - kept)], [1.0, -kept], steps)
-    return np.asarray(load)
+        half = step / (2 * tau)
+        load -= signal.lfilter([half, half], [1 + half, half - 1], share * elastic)
+    return load

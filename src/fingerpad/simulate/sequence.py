@@ -10,9 +10,10 @@ from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, check_all
 from fingerpad.contact import HertzGeometry
 from fingerpad.exceptions import GeometryError
 from fingerpad.simulate.contact_image import Look, render_contact_image
+from fingerpad.units import MM_PER_INCH
 
 # Lighter contacts than this are a ground without a finger, mm.
-_LEAST_SEMI_AXIS = 0.05
+_MIN_SEMI_AXIS = 0.05
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -54,8 +55,8 @@ class SyntheticSequence:
     def pixels(self, index: int) -> npt.NDArray[np.uint8]:
         """Render one frame, (rows, columns); all have one size, and the contact in the middle."""
         major, minor = float(self.semi_major[index]), float(self.semi_minor[index])
-        if minor < _LEAST_SEMI_AXIS:
-            major = minor = _LEAST_SEMI_AXIS / 10
+        if minor < _MIN_SEMI_AXIS:
+            major = minor = _MIN_SEMI_AXIS / 10
         margin = 1.5 + float(self.semi_major.max()) - major
         rendered = render_contact_image(
             semi_major=major,
@@ -75,7 +76,7 @@ class SyntheticSequence:
 
     @property
     def _columns(self) -> int:
-        return math.floor(2 * (float(self.semi_minor.max()) + 1.5) * self.ppi / 25.4) - 1
+        return math.floor(2 * (float(self.semi_minor.max()) + 1.5) * self.ppi / MM_PER_INCH) - 1
 
 
 def render_sequence(

@@ -9,7 +9,7 @@ from fingerpad.exceptions import ImageError
 from fingerpad.image import (
     ContactImageResult,
     ContactImageSettings,
-    ManualEllipse,
+    ImageEllipse,
     PreparedContactImage,
     SequenceSettings,
     estimate_settings,
@@ -177,7 +177,7 @@ def _drawn(contact_image: ContactImageResult, found: FoundScale) -> dict[str, An
         float(contact_image.ellipse.semi_major) / size,
         float(contact_image.ellipse.semi_minor) / size,
     )
-    hand = ManualEllipse(
+    hand = ImageEllipse(
         centre=contact_image.centroid, semi_axes=(major, minor), orientation=contact_image.orientation
     )
     # A quarter of the way round lies between two handles.

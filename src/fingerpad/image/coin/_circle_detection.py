@@ -7,6 +7,7 @@ import cv2
 import numpy as np
 
 from fingerpad._arrays import BoolArray, Float32Array, FloatArray, as_float_array
+from fingerpad.image.ellipse import PlaneEllipse
 
 MIN_AXIS_RATIO = 0.6
 _LEVELS = 16
@@ -17,47 +18,10 @@ _SAME = 0.025
 _WEAKEST = 0.35
 
 
-class PixelEllipse(NamedTuple):
-    """An ellipse in an image: centre (x, y), semi-axes along and across `angle` (from x towards y), px."""
-
-    x: float
-    y: float
-    first: float
-    second: float
-    angle: float
-
-    @property
-    def size(self) -> float:
-        """Geometric mean of the semi-axes."""
-        return math.sqrt(self.first * self.second)
-
-    def scaled(self, factor: float) -> "PixelEllipse":
-        """Return the concentric ellipse of `factor` times the size."""
-        return self._replace(first=self.first * factor, second=self.second * factor)
-
-    def offsets(self, points: FloatArray) -> FloatArray:
-        """Return the signed distances of points (n, 2) from the ellipse, to first order, px."""
-        cosine, sine = math.cos(self.angle), math.sin(self.angle)
-        right, down = points[:, 0] - self.x, points[:, 1] - self.y
-        u, v = (right * cosine + down * sine) / self.first, (down * cosine - right * sine) / self.second
-        radius = np.hypot(u, v) + 1e-12
-        return as_float_array((radius - 1) * radius / (np.hypot(u / self.first, v / self.second) + 1e-12))
-
-    def points(self, count: int) -> tuple[FloatArray, FloatArray]:
-        """Return `count` points (x, y) of the ellipse and the outward unit normals there."""
-        t = np.arange(count) * (2 * math.pi / count)
-        cosine, sine = math.cos(self.angle), math.sin(self.angle)
-        turn = np.array([[cosine, sine], [-sine, cosine]])
-        local = np.stack([self.first * np.cos(t), self.second * np.sin(t)], axis=-1)
-        normal = np.stack([np.cos(t) / self.first, np.sin(t) / self.second], axis=-1)
-        normal /= np.linalg.norm(normal, axis=1, keepdims=True)
-        return as_float_array(local @ turn + (self.x, self.y)), as_float_array(normal @ turn)
-
-
 class Outline(NamedTuple):
     """An ellipse through an edge: the edge's points, how steep they are, and which of them lie on it."""
 
-    ellipse: PixelEllipse
+    ellipse: PlaneEllipse
     points: FloatArray
     slope: FloatArray
     kept: BoolArray
@@ -73,14 +37,14 @@ class Outline(NamedTuple):
         return float(np.quantile(np.where(self.kept, self.slope, 0.0), _WEAKEST))
 
 
-def contour_ellipses(image: Float32Array) -> list[PixelEllipse]:
+def contour_ellipses(image: Float32Array) -> list[PlaneEllipse]:
     """Return the different ellipses through contours at many grey levels."""
     smooth = cv2.GaussianBlur(image, (0, 0), 1.5)
     slope = np.hypot(*(cv2.Sobel(smooth, cv2.CV_32F, *order, scale=1 / 8) for order in ((1, 0), (0, 1))))
     steep = slope > 2 * np.median(slope)
     low, high = np.percentile(smooth, [0.5, 99.5])
     rng = np.random.default_rng(0)
-    found: list[PixelEllipse] = []
+    found: list[PlaneEllipse] = []
     for level in np.linspace(low, high, _LEVELS + 2)[1:-1]:
         contours, _ = cv2.findContours(
             (smooth > level).astype(np.uint8), cv2.RETR_LIST, cv2.CHAIN_APPROX_NONE
@@ -95,7 +59,7 @@ def contour_ellipses(image: Float32Array) -> list[PixelEllipse]:
     return found
 
 
-def _through_contour(points: FloatArray, rng: np.random.Generator) -> PixelEllipse | None:
+def _through_contour(points: FloatArray, rng: np.random.Generator) -> PlaneEllipse | None:
     """Return the ellipse that most points of a contour lie on: it may run round a neighbour as well."""
     points = points[:: max(1, len(points) // 100)]
     best, most = None, 0.0
@@ -113,7 +77,7 @@ def _through_contour(points: FloatArray, rng: np.random.Generator) -> PixelEllip
     return best if most > 0.4 else None
 
 
-def ellipse_through(points: FloatArray) -> PixelEllipse | None:
+def ellipse_through(points: FloatArray) -> PlaneEllipse | None:
     """Return the least-squares ellipse through points, None where it cannot be a disc's image."""
     if len(points) < 6:
         return None
@@ -122,20 +86,20 @@ def ellipse_through(points: FloatArray) -> PixelEllipse | None:
         return None
     if min(first, second) < MIN_AXIS_RATIO * max(first, second):
         return None
-    return PixelEllipse(x, y, first / 2, second / 2, math.radians(degrees))
+    return PlaneEllipse(x, y, first / 2, second / 2, math.radians(degrees))
 
 
-def difference(ellipse: PixelEllipse, other: PixelEllipse) -> float:
+def difference(ellipse: PlaneEllipse, other: PlaneEllipse) -> float:
     """Return the largest distance between two ellipses over their size."""
     return float(np.abs(gaps(ellipse, other)).max())
 
 
-def gaps(ellipse: PixelEllipse, other: PixelEllipse) -> FloatArray:
+def gaps(ellipse: PlaneEllipse, other: PlaneEllipse) -> FloatArray:
     """Return the distance of `ellipse` outside `other` round the circumference, over their size."""
     return as_float_array(other.offsets(ellipse.points(72)[0]) / other.size)
 
 
-def fit_edge(image: Float32Array, ellipse: PixelEllipse, reach: float, closest: float) -> Outline | None:
+def fit_edge(image: Float32Array, ellipse: PlaneEllipse, reach: float, closest: float) -> Outline | None:
     """Fit an ellipse to the steepest places near another one, from within `reach` down to `closest`, px."""
     while True:
         points, slope, found = edge_points(image, ellipse, reach)
@@ -156,7 +120,7 @@ def fit_edge(image: Float32Array, ellipse: PixelEllipse, reach: float, closest: 
 
 
 def edge_points(
-    image: Float32Array, ellipse: PixelEllipse, reach: float
+    image: Float32Array, ellipse: PlaneEllipse, reach: float
 ) -> tuple[FloatArray, FloatArray, BoolArray]:
     """Return the steepest place across the ellipse on each of many normals, and where it is an edge."""
     count = int(np.clip(math.pi * ellipse.size, 120, 1440))

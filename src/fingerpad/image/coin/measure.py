@@ -7,17 +7,18 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from fingerpad._arrays import Float32Array, FloatArray
+from fingerpad._arrays import Float32Array
 from fingerpad.exceptions import CalibrationError, FitError
+from fingerpad.image._correlation import correlation_length
 from fingerpad.image.coin._circle_detection import (
     Outline,
-    PixelEllipse,
     contour_ellipses,
     difference,
     edge_points,
     fit_edge,
     gaps,
 )
+from fingerpad.image.ellipse import PlaneEllipse, orientation_of
 from fingerpad.image.ellipse_fit import fit_ellipse
 from fingerpad.image.scale import Scale
 
@@ -138,7 +139,7 @@ def measure_coin(pixels: npt.ArrayLike) -> Coin:
     >>> abs(scale.mm_per_px / (23.25 / 240) - 1) < 0.002
     True
     """
-    values = _checked(pixels)
+    values = _grey_levels(pixels)
     step = max(1.0, max(values.shape) / _WORKING_SIDE)
     small = cv2.resize(values, None, fx=1 / step, fy=1 / step, interpolation=cv2.INTER_AREA)
     chosen, shadowed = _coin_outline(np.asarray(small, dtype=np.float32))
@@ -158,7 +159,7 @@ def measure_coin(pixels: npt.ArrayLike) -> Coin:
     return _coin(outline, shadow, band, shadowed)
 
 
-def _checked(pixels: npt.ArrayLike) -> Float32Array:
+def _grey_levels(pixels: npt.ArrayLike) -> Float32Array:
     array = np.asarray(pixels)
     if array.ndim != 2 or array.dtype.kind not in "buif" or min(array.shape) < _MIN_SIDE_PX:
         raise CalibrationError(
@@ -178,7 +179,7 @@ def _smooth(image: Float32Array) -> Float32Array:
 def _coin_outline(image: Float32Array) -> tuple[Outline, bool]:
     """Return the outline of the one coin, and whether a shadow's lies against it."""
     found = _outlines(image)
-    outlines = _likely(found, image)
+    outlines = _select_sharp(found, image)
     if not outlines:
         raise CalibrationError(
             "no coin found: show one whole coin, flat, sharp, on a plain ground, or draw a line instead"
@@ -207,11 +208,11 @@ def _coin_outline(image: Float32Array) -> tuple[Outline, bool]:
 def _outlines(image: Float32Array) -> list[Outline]:
     """Return the different outlines with an edge nearly all round, largest first."""
     smooth = _smooth(image)
-    found = _fitted(smooth, contour_ellipses(image))
+    found = _fit_edges(smooth, contour_ellipses(image))
     if found:
         # No grey level may separate a ring from an uneven ground where one separates its hole.
         clearest = max(found, key=lambda o: o.support * o.strength).ellipse
-        found += _fitted(smooth, [clearest.scaled(1.05**k) for k in range(1, 25)])
+        found += _fit_edges(smooth, [clearest.scaled(1.05**k) for k in range(1, 25)])
     different: list[Outline] = []
     for outline in sorted(found, key=lambda o: -o.support * o.strength):
         if all(difference(outline.ellipse, o.ellipse) > _SAME for o in different):
@@ -219,12 +220,12 @@ def _outlines(image: Float32Array) -> list[Outline]:
     return sorted(different, key=lambda o: -o.ellipse.size)
 
 
-def _fitted(smooth: Float32Array, ellipses: list[PixelEllipse]) -> list[Outline]:
+def _fit_edges(smooth: Float32Array, ellipses: list[PlaneEllipse]) -> list[Outline]:
     fits = (fit_edge(smooth, e, max(3.0, 0.06 * e.size), 3.0) for e in ellipses)
     return [o for o in fits if o and o.support > _MIN_SUPPORT]
 
 
-def _likely(outlines: list[Outline], image: Float32Array) -> list[Outline]:
+def _select_sharp(outlines: list[Outline], image: Float32Array) -> list[Outline]:
     """Return the outlines whose edge is nearly complete, sharp, and not faint beside the others."""
     if not outlines:
         return []
@@ -265,19 +266,19 @@ def _coin(outline: Outline, shadow: float, band: float, shadowed: bool) -> Coin:
         fit = fit_ellipse(outline.points[outline.kept])
     except FitError as error:
         raise CalibrationError(f"no coin found: {error}") from error
-    correlated = _correlation_length(outline.ellipse.offsets(outline.points), outline.kept)
+    places = np.flatnonzero(outline.kept)
+    correlated = correlation_length(outline.ellipse.offsets(outline.points[places]), places)
     relative = math.hypot(_ROUNDING_STD, _SHADOW_STD * shadow, _BAND_STD * min(band, 1.0))
-    moved = math.hypot(_LENS_STD_PX, relative * fit.semi_major)
+    x, y, semi_major, semi_minor, angle = fit.ellipse
+    moved = math.hypot(_LENS_STD_PX, relative * semi_major)
     major_std, minor_std = (math.hypot(math.sqrt(correlated * fit.covariance[k, k]), moved) for k in (2, 3))
     return Coin(
-        centre=(float(fit.centre[1]), float(fit.centre[0])),
-        semi_major=fit.semi_major,
+        centre=(y, x),
+        semi_major=semi_major,
         semi_major_std=major_std,
-        semi_minor=fit.semi_minor,
+        semi_minor=semi_minor,
         semi_minor_std=minor_std,
-        # From x towards y, both as the image counts them, to from straight up towards the left.
-        orientation=math.pi / 2
-        - (math.pi / 2 - math.atan2(-math.cos(fit.angle), -math.sin(fit.angle))) % math.pi,
+        orientation=orientation_of((math.cos(angle), math.sin(angle))),
         residual_std=fit.residual_std,
         support=outline.support,
         shadow=shadow,
@@ -285,7 +286,7 @@ def _coin(outline: Outline, shadow: float, band: float, shadowed: bool) -> Coin:
     )
 
 
-def _beside_edge(image: Float32Array, ellipse: PixelEllipse) -> tuple[float, float]:
+def _beside_edge(image: Float32Array, ellipse: PlaneEllipse) -> tuple[float, float]:
     """Return how much less, and how else, the coin differs from what lies beside it than from the ground.
 
     The first is the share of the coin's contrast that a shadow takes: the edge is then pulled outward. The
@@ -301,14 +302,3 @@ def _beside_edge(image: Float32Array, ellipse: PixelEllipse) -> tuple[float, flo
     missing = 1 - np.minimum(np.abs(near - coin), np.abs(beside - coin)) / contrast
     band = np.maximum(np.abs(ground - near), np.abs(ground - beside)) / contrast
     return max(0.0, float(np.quantile(missing, 0.9))), float(np.median(band))
-
-
-def _correlation_length(offsets: FloatArray, kept: npt.NDArray[np.bool_]) -> float:
-    """Return how many neighbours along the edge share one error: the sum of their correlations."""
-    values = np.where(kept, offsets, 0.0)
-    power = np.abs(np.fft.fft(values)) ** 2
-    pairs = np.fft.ifft(np.abs(np.fft.fft(kept.astype(float))) ** 2).real
-    correlation = np.fft.ifft(power).real / np.maximum(pairs, 1)
-    correlation = correlation[1 : kept.size // 8] / max(correlation[0], 1e-30)
-    negative = np.flatnonzero(correlation <= 0.05)
-    return float(1 + 2 * correlation[: negative[0] if negative.size else correlation.size].sum())

@@ -15,7 +15,7 @@ from fingerpad.image.contact_image._working_image import WorkingImage
 from fingerpad.image.contact_image.result import FLAGS, PLAUSIBLE_RIDGE_PERIOD_MM, ContactImageResult
 from fingerpad.image.scale import Scale
 
-# Contrast over noise below which it is doubtful that anything can be told from noise.
+# Contrast over noise below which the contact hardly stands out from noise.
 LOW_CONTRAST = 5.0
 
 _POOR_OVERLAP = 0.85
@@ -23,7 +23,7 @@ _POOR_OVERLAP = 0.85
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class RidgeImage:
-    """A picture with its ridges told, whatever of them is contact; `period` in px of the picture or NaN."""
+    """An image with its ridges found, before the contact is chosen; `period` in px of the picture or NaN."""
 
     view: WorkingImage
     signal: Signal

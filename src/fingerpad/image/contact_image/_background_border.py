@@ -9,12 +9,12 @@ import numpy.typing as npt
 from fingerpad._arrays import BoolArray
 from fingerpad.image.contact_image._region import distance_to, largest, longest_contour
 
-_LEAST_BORDER = 0.02
+_MIN_BORDER = 0.02
 # Lossy compression leaves ripples in an even border.
 _TOLERANCE = 4 / 255
-_LEAST_CONVEXITY = 0.96
+_MIN_CONVEXITY = 0.96
 # An even ground behind a print also has one level, but a print has no straight sides.
-_LEAST_STRAIGHTNESS = 0.7
+_MIN_STRAIGHTNESS = 0.7
 _LONG_SIDE = 0.2
 _BLUNTNESS = 0.005
 _WORKING_SIDE = 400
@@ -38,16 +38,16 @@ def content_mask(
         even = cv2.inRange(small, level - width, level + width)
         # Noise that comes near one level here and there leaves no even piece.
         even = cv2.morphologyEx(even, cv2.MORPH_OPEN, np.ones((5, 5), np.uint8))
-        if cv2.countNonZero(even) < _LEAST_BORDER * even.size:
+        if cv2.countNonZero(even) < _MIN_BORDER * even.size:
             return np.ones(shape, dtype=bool)
         _, labels = cv2.connectedComponents(np.pad(even, 1, constant_values=1), connectivity=4)
-        card = _smoothed((labels != labels[0, 0])[1:-1, 1:-1])
-        if card.any() and card.mean() < 1 - _LEAST_BORDER and _is_polygon(card):
+        card = _smooth_mask((labels != labels[0, 0])[1:-1, 1:-1])
+        if card.any() and card.mean() < 1 - _MIN_BORDER and _is_polygon(card):
             return cv2.resize(card.astype(np.uint8), shape[::-1], interpolation=cv2.INTER_NEAREST) > 0
     return np.ones(shape, dtype=bool)
 
 
-def _smoothed(card: BoolArray) -> BoolArray:
+def _smooth_mask(card: BoolArray) -> BoolArray:
     """Close grain that runs into the border and drop letters that stick out."""
     pad = 32
     mask = np.pad(card, pad)
@@ -61,10 +61,10 @@ def _smoothed(card: BoolArray) -> BoolArray:
 
 def _is_polygon(card: BoolArray) -> bool:
     hull = cv2.convexHull(longest_contour(card))
-    if np.count_nonzero(card) < _LEAST_CONVEXITY * cv2.contourArea(hull):
+    if np.count_nonzero(card) < _MIN_CONVEXITY * cv2.contourArea(hull):
         return False
     # As a share of the picture: a print in a small one must not be straightened into a polygon.
     corners = cv2.approxPolyDP(hull, _BLUNTNESS * max(card.shape), True).reshape(-1, 2)
     sides = np.linalg.norm(corners - np.roll(corners, 1, axis=0), axis=1)
     straight = sides[sides > _LONG_SIDE * math.sqrt(card.size)].sum()
-    return bool(straight > _LEAST_STRAIGHTNESS * sides.sum())
+    return bool(straight > _MIN_STRAIGHTNESS * sides.sum())

@@ -13,9 +13,9 @@ from fingerpad.image._arguments import number_array, picture_array
 
 Pixels: TypeAlias = npt.NDArray[np.uint8] | npt.NDArray[np.float32]
 
-_LEAST_SIDE_PX = 16
+_MIN_SIDE_PX = 16
 # Squares of levels, and 1 over them, stay within single precision.
-_MOST_LEVEL, _LEAST_RANGE = 1e15, 1e-15
+_MAX_LEVEL, _MIN_RANGE = 1e15, 1e-15
 # Corners of a polygon become whole sixteenths of a pixel.
 _FARTHEST_CORNER_PX = 1e6
 
@@ -61,21 +61,21 @@ def crop_image(
     inside = None if mask is None else _inside(mask, shape)
     box = _box(region_of_interest, shape)
     if inside is not None:
-        box = _narrowed(box, inside)
+        box = _crop_to_mask(box, inside)
         inside = inside[box]
     part = _finite(values[box], "pixels")
     if background is not None:
         ground = _grey(background, "background")
         if ground.shape != shape:
             raise ImageError(f"background must have the picture's shape {shape}, found {ground.shape}")
-        part = _divided(part, _finite(ground[box], "background"))
+        part = _divide_by_background(part, _finite(ground[box], "background"))
     low, high, _, _ = cv2.minMaxLoc(part)
-    if not high - low > _LEAST_RANGE:
+    if not high - low > _MIN_RANGE:
         raise ImageError(f"no contact found: every pixel has the same level, {low:g}")
     return CroppedImage(pixels=part, inside=inside, corner=(box[0].start, box[1].start), shape=shape)
 
 
-def part_of(pixels: npt.ArrayLike, region_of_interest: tuple[int, int, int, int] | None) -> Pixels:
+def crop_grey(pixels: npt.ArrayLike, region_of_interest: tuple[int, int, int, int] | None) -> Pixels:
     """Check a picture and crop it to the region of interest.
 
     Raises
@@ -91,10 +91,10 @@ def _grey(pixels: npt.ArrayLike, name: str) -> npt.NDArray[np.number]:
     array = picture_array(pixels, name)
     if array.ndim != 2 or array.dtype.kind not in "buif":
         raise ImageError(f"{name} must be a grey (rows, columns) array of numbers, found shape {array.shape}")
-    if min(array.shape) < _LEAST_SIDE_PX:
+    if min(array.shape) < _MIN_SIDE_PX:
         raise ImageError(
             f"{name}: {array.shape[0]} × {array.shape[1]} px is too small to hold a contact: "
-            f"{_LEAST_SIDE_PX} px a side are the least"
+            f"{_MIN_SIDE_PX} px a side are the least"
         )
     return array
 
@@ -106,15 +106,15 @@ def _finite(values: npt.NDArray[np.number], name: str) -> Pixels:
         single = np.ascontiguousarray(values, dtype=np.float32)
     if not np.isfinite(values).all():
         raise ImageError(f"{name} holds NaN or infinite values: fill them before measuring")
-    if max(abs(float(single.min())), abs(float(single.max()))) > _MOST_LEVEL:
-        raise ImageError(f"{name} holds levels beyond ±{_MOST_LEVEL:g}: divide them by a constant")
+    if max(abs(float(single.min())), abs(float(single.max()))) > _MAX_LEVEL:
+        raise ImageError(f"{name} holds levels beyond ±{_MAX_LEVEL:g}: divide them by a constant")
     return single
 
 
-def _divided(part: Pixels, ground: Pixels) -> npt.NDArray[np.float32]:
+def _divide_by_background(part: Pixels, ground: Pixels) -> npt.NDArray[np.float32]:
     light = ground.astype(np.float32)
     middle = np.float32(np.median(light))
-    if not (light > _LEAST_RANGE * middle).all() or middle < _LEAST_RANGE:
+    if not (light > _MIN_RANGE * middle).all() or middle < _MIN_RANGE:
         raise ImageError("background must be positive everywhere, found zero: it cannot divide the picture")
     return np.asarray(part.astype(np.float32) / light * middle, dtype=np.float32)
 
@@ -149,14 +149,14 @@ def _box(region: tuple[int, int, int, int] | None, shape: tuple[int, int]) -> tu
         raise ImageError(f"region_of_interest must be (row0, column0, row1, column1), found {region}")
     row0, column0 = (max(0, int(edge)) for edge in edges[:2])
     row1, column1 = (min(n, int(edge)) for n, edge in zip(shape, edges[2:], strict=True))
-    if min(row1 - row0, column1 - column0) < _LEAST_SIDE_PX:
+    if min(row1 - row0, column1 - column0) < _MIN_SIDE_PX:
         raise ImageError(
-            f"region_of_interest {region} leaves less than {_LEAST_SIDE_PX} px of the picture of {shape}"
+            f"region_of_interest {region} leaves less than {_MIN_SIDE_PX} px of the picture of {shape}"
         )
     return slice(row0, row1), slice(column0, column1)
 
 
-def _narrowed(box: tuple[slice, slice], inside: BoolArray) -> tuple[slice, slice]:
+def _crop_to_mask(box: tuple[slice, slice], inside: BoolArray) -> tuple[slice, slice]:
     """Crop to what a mask leaves of a box, at least the least side where the picture has room."""
     part = inside[box]
     if not part.any():
@@ -165,7 +165,7 @@ def _narrowed(box: tuple[slice, slice], inside: BoolArray) -> tuple[slice, slice
     for axis, whole in enumerate(box):
         hits = np.flatnonzero(part.any(axis=1 - axis))
         start, stop = whole.start + int(hits[0]), whole.start + int(hits[-1]) + 1
-        spare = max(0, _LEAST_SIDE_PX - (stop - start))
+        spare = max(0, _MIN_SIDE_PX - (stop - start))
         start = max(whole.start, start - spare)
-        narrow.append(slice(start, min(whole.stop, max(stop, start + _LEAST_SIDE_PX))))
+        narrow.append(slice(start, min(whole.stop, max(stop, start + _MIN_SIDE_PX))))
     return narrow[0], narrow[1]

@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from fingerpad._arrays import BoolArray, FloatArray, as_float32
 from fingerpad.image.contact_image._region import UInt8, longest_contour
+from fingerpad.image.ellipse import AreaMoments, signed_area
 
 Points = npt.NDArray[np.float64]
 
@@ -20,55 +21,8 @@ _ENDS, _FOLLOWING, _NOISE = 0.084, 0.206, 0.192
 # error over `_STRETCH`.
 _IN_VALLEY, _BY_SOFTNESS, _STRETCH = 0.16, 0.092, 2.75
 # A hand draws the edge somewhere within one ridge period, uniformly: half of that variance it has everywhere
-# alike, as whoever paints generously does so all round.
+# alike, as a generous outline is generous all round.
 _BY_HAND = math.sqrt(1 / 12 / 2)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Moments:
-    """What a closed polygon (x, y) encloses.
-
-    `axes` holds the directions of the major and the minor axis as rows; `spread` the second moments of the
-    area along them, about the centroid.
-    """
-
-    area: float
-    centroid: Points
-    axes: Points
-    spread: Points
-
-    @property
-    def semi_axes(self) -> Points:
-        """Semi-axes of the ellipse of the same area and the same ratio of second moments."""
-        mean, ratio = math.sqrt(self.area / math.pi), (self.spread[0] / self.spread[1]) ** 0.25
-        return np.array([mean * ratio, mean / ratio])
-
-    @property
-    def orientation(self) -> float:
-        """Angle of the major axis from straight up, counter-clockwise as seen, in (−π/2, π/2]."""
-        x, y = self.axes[0]
-        return math.pi / 2 - (math.pi / 2 - math.atan2(x, y)) % math.pi
-
-
-def moments_of(points: Points) -> Moments:
-    """Return what a closed polygon (x, y) encloses, in either direction (Green's theorem)."""
-    origin = points.mean(axis=0)
-    p = points - origin
-    q = np.roll(p, -1, axis=0)
-    cross = p[:, 0] * q[:, 1] - q[:, 0] * p[:, 1]
-    area = cross.sum() / 2
-    centroid = ((p + q) * cross[:, None]).sum(axis=0) / (6 * area)
-    squares = ((p * p + p * q + q * q) * cross[:, None]).sum(axis=0) / 12
-    products = p[:, 0] * (2 * p[:, 1] + q[:, 1]) + q[:, 0] * (p[:, 1] + 2 * q[:, 1])
-    mixed = (products * cross).sum() / 24
-    second = np.array([[squares[0], mixed], [mixed, squares[1]]]) / area - np.outer(centroid, centroid)
-    spread, axes = np.linalg.eigh(second)
-    return Moments(
-        area=abs(float(area)),
-        centroid=centroid + origin,
-        axes=axes.T[::-1],
-        spread=spread[::-1] * abs(area),
-    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -125,24 +79,24 @@ def contact_outline(
 ) -> ContactOutline:
     """Find the outline of a patch where the closed ridge amount falls through half."""
     contour = longest_contour(patch).reshape(-1, 2).astype(np.float64)
-    points = resampled(smoothed(contour, round(period / 2)))
+    points = resample_outline(running_mean(contour, round(period / 2)))
     # Beyond the patch lie whiskers and other patches: they do not count.
     grown = cv2.dilate(patch.astype(np.uint8), np.ones((3, 3), np.uint8))
     field = as_float32(cv2.GaussianBlur(as_float32(cv2.copyTo(closed, grown)), (3, 3), 0))
-    normals = normals_of(points, period)
+    normals = outward_normals(points, period)
     for _ in range(3):
         value, slope = _profile(field, points, normals)
         off = np.clip((value - _HALF_LEVEL) / np.maximum(slope, 10.0), -1, 1)
         points = points + normals * off[:, None]
-    points = resampled(smoothed(points, 2))
-    normals = normals_of(points, period)
+    points = resample_outline(running_mean(points, 2))
+    normals = outward_normals(points, period)
     levels = as_float32(amount)
     outer, inner = (_sample(levels, points - normals * (depth * period)) for depth in (0.3, 0.8))
-    along = smoothed((outer - inner)[:, None] / 255, round(_FOLLOWED * period))[:, 0]
+    along = running_mean((outer - inner)[:, None] / 255, round(_FOLLOWED * period))[:, 0]
     return ContactOutline(
         points=points,
         normals=normals,
-        steps=steps_of(points),
+        steps=point_spacings(points),
         along=along,
         period=period,
         noise=noise,
@@ -152,20 +106,20 @@ def contact_outline(
     )
 
 
-def steps_of(points: Points) -> FloatArray:
+def point_spacings(points: Points) -> FloatArray:
     """Return the length of a closed outline that each of its points stands for."""
     lengths = np.linalg.norm(np.roll(points, -1, axis=0) - points, axis=1)
     return np.asarray((lengths + np.roll(lengths, 1)) / 2)
 
 
-def smoothed(values: FloatArray, width: int) -> FloatArray:
+def running_mean(values: FloatArray, width: int) -> FloatArray:
     """Return running means along a closed sequence."""
     width = min(max(1, width) | 1, len(values) | 1)
     total = np.cumsum(np.concatenate([values[-(width // 2 + 1) :], values, values[: width // 2]]), axis=0)
     return np.asarray((total[width:] - total[:-width]) / width)
 
 
-def resampled(points: Points) -> Points:
+def resample_outline(points: Points) -> Points:
     """Return points one px apart along a closed outline."""
     closed = np.concatenate([points, points[:1]])
     place = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(closed, axis=0), axis=1))])
@@ -174,14 +128,12 @@ def resampled(points: Points) -> Points:
     return np.stack([np.interp(even, place, closed[:, k]) for k in (0, 1)], axis=-1)
 
 
-def normals_of(points: Points, period: float) -> Points:
+def outward_normals(points: Points, period: float) -> Points:
     """Return the outward normals of an outline seen at the scale of a ridge period."""
-    smooth = smoothed(points, round(period))
+    smooth = running_mean(points, round(period))
     tangent = np.roll(smooth, -2, axis=0) - np.roll(smooth, 2, axis=0)
     tangent /= np.maximum(np.linalg.norm(tangent, axis=1, keepdims=True), 1e-9)
-    p, q = smooth, np.roll(smooth, -1, axis=0)
-    turn = 1.0 if (p[:, 0] * q[:, 1] - q[:, 0] * p[:, 1]).sum() > 0 else -1.0
-    return np.stack([tangent[:, 1], -tangent[:, 0]], axis=-1) * turn
+    return np.stack([tangent[:, 1], -tangent[:, 0]], axis=-1) * (1.0 if signed_area(smooth) > 0 else -1.0)
 
 
 def _profile(
@@ -215,7 +167,7 @@ def _beyond_ridges(edge: ContactOutline) -> FloatArray:
     return (_ENDS + _FOLLOWING * edge.along) * edge.period
 
 
-def axis_weights(moments: Moments, points: Points) -> FloatArray:
+def axis_weights(moments: AreaMoments, points: Points) -> FloatArray:
     """Return the change of (semi_major, semi_minor, area) for a unit of area added at each point, (n, 3)."""
     place = (points - moments.centroid) @ moments.axes.T
     stretch = (place[:, 0] ** 2 / moments.spread[0] - place[:, 1] ** 2 / moments.spread[1]) / 4
@@ -241,7 +193,7 @@ def outline_covariance(edge: ContactOutline, weights: FloatArray) -> FloatArray:
     # Neighbours share their error over a stretch: a running mean spreads independent errors over it.
     response = weights * (edge.steps * own)[:, None]
     width = min(max(1, round(_STRETCH * edge.period)), len(response))
-    spread = smoothed(response, width)
+    spread = running_mean(response, width)
     noise = _NOISE * edge.noise * edge.period / 3
     unknown = np.zeros_like(along) if edge.resolved else _beyond_ridges(edge)
     alike = np.where(edge.by_hand, _BY_HAND * edge.period, np.hypot(noise, unknown))

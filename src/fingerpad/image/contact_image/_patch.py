@@ -11,15 +11,14 @@ import numpy.typing as npt
 from fingerpad._arrays import BoolArray, FloatArray
 from fingerpad.image.contact_image._outline import (
     ContactOutline,
-    Moments,
     axis_weights,
     contact_outline,
     edge_shift,
-    moments_of,
     outline_covariance,
 )
 from fingerpad.image.contact_image._region import UInt8
 from fingerpad.image.contact_image._working_image import WorkingImage
+from fingerpad.image.ellipse import AreaMoments, polygon_moments
 
 # Half-way through a ramp of this many levels on each side, a pixel counts as half a ridge.
 _RAMP = 64
@@ -31,10 +30,10 @@ _HALVES = (slice(0, 128), slice(128, 256))
 # lean, and of the noise. Fitted to rendered contacts (`ridge_calibration` in
 # benchmarks/contact_images.py prints
 # them).
-_LEAN, _UPRIGHT = 2.12, -0.026
-_OWN, _LEANING, _NOISY = 0.31, 0.26, 0.058
+_ASYMMETRY_SHIFT, _LEVEL_OFFSET = 2.12, -0.026
+_OWN, _ASYMMETRY_STD, _NOISY = 0.31, 0.26, 0.058
 # Over windows of so many periods resolved ridges spread by more than so many levels.
-_WINDOW, _LEAST_SPREAD = 3.0, 76.0
+_WINDOW, _MIN_SPREAD = 3.0, 76.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -45,7 +44,7 @@ class Patch:
     255.
     """
 
-    moments: Moments
+    moments: AreaMoments
     outline: npt.NDArray[np.float64]
     ridge_area: float
     ridge_level: float
@@ -69,7 +68,7 @@ def trace_patch(
 
     `resolved` says whether the ridge period was seen, `by_threshold` that the caller sets the ridges' level.
     """
-    ridges = _ridges_in(_counts(amount, patch), noise, view.period, by_threshold=by_threshold)
+    ridges = _ridge_level(_level_histogram(amount, patch), noise, view.period, by_threshold=by_threshold)
     edge = contact_outline(
         patch, closed, amount, view.period, noise=noise, softness=ridges.softness, resolved=resolved
     )
@@ -83,16 +82,16 @@ def measure_patch(
 ) -> Patch:
     """Measure a patch of the view inside its traced edge."""
     pixel = view.steps[0] * view.steps[1]
-    ridges = _ridges_in(_counts(amount, patch), edge.noise, view.period, by_threshold=by_threshold)
+    ridges = _ridge_level(_level_histogram(amount, patch), edge.noise, view.period, by_threshold=by_threshold)
     points = view.to_picture(edge.points)
-    moments = moments_of(points)
+    moments = polygon_moments(points)
     covariance = np.zeros((4, 4))
     weights = axis_weights(moments, points) * pixel
     covariance[:3, :3] = outline_covariance(edge, weights)
-    smeared = _smeared(amount, patch, view.period) if edge.resolved else patch
+    smeared = _blurred_ridges(amount, patch, view.period) if edge.resolved else patch
     unknown = np.count_nonzero(smeared)
-    # Where ridges are not told apart any part may be ridge: half of it, uniform from none to all.
-    ridge_area = float(_counts(amount, patch & ~smeared) @ ridges.share) + unknown / 2
+    # Where ridges are not resolved any part may be ridge: half of it, uniform from none to all.
+    ridge_area = float(_level_histogram(amount, patch & ~smeared) @ ridges.share) + unknown / 2
     covariance[3, 3] = (ridges.std**2 + unknown**2 / 12) * pixel**2
     if edge.by_hand.any():
         # A hand that takes in too much skin takes in its ridges.
@@ -103,7 +102,7 @@ def measure_patch(
         ridge_area=ridge_area * pixel,
         ridge_level=ridges.level,
         covariance=covariance,
-        overlap=_overlap(edge.points, moments_of(edge.points)),
+        overlap=_overlap(edge.points, polygon_moments(edge.points)),
         touches_border=view.touches_border(edge.points, edge.steps),
         cut_by_mask=view.cut_by_mask(edge.points, edge.steps),
     )
@@ -122,25 +121,25 @@ class _Ridges(NamedTuple):
     softness: float
 
 
-def _counts(amount: UInt8, where: BoolArray) -> FloatArray:
+def _level_histogram(amount: UInt8, where: BoolArray) -> FloatArray:
     """Return how many pixels of a place have each level."""
     return cv2.calcHist([amount], [0], where.astype(np.uint8), [256], [0, 256]).ravel().astype(np.float64)
 
 
-def _ridges_in(counts: FloatArray, noise: float, period: float, *, by_threshold: bool) -> _Ridges:
+def _ridge_level(counts: FloatArray, noise: float, period: float, *, by_threshold: bool) -> _Ridges:
     """Tell the area of ridges from the levels in a patch.
 
     Where blur fills the valleys, or cuts the crests, the local levels lie on one side of the true ones by an
     amount that the means of what is above and below the middle show: they lean to that side.
     """
     lean = level_asymmetry(counts)
-    off = 0.0 if by_threshold else _LEAN * lean + _UPRIGHT
+    off = 0.0 if by_threshold else _ASYMMETRY_SHIFT * lean + _LEVEL_OFFSET
     level = 127.5 + 255 * off
     share = np.clip((_LEVELS - level) / (2 * _RAMP) + 0.5, 0, 1)
     area = float(counts @ share)
     softness = float(counts[_NEAR_HALF].sum()) * 255 / _RAMP / max(area, 1.0)
     cells = counts.sum() / period**2
-    doubt = math.sqrt(_OWN**2 / cells + (_LEANING * lean) ** 2 + (_NOISY * noise) ** 2)
+    doubt = math.sqrt(_OWN**2 / cells + (_ASYMMETRY_STD * lean) ** 2 + (_NOISY * noise) ** 2)
     return _Ridges(level=level, share=share, std=doubt * softness * area, softness=softness)
 
 
@@ -150,16 +149,16 @@ def level_asymmetry(counts: FloatArray) -> float:
     return (low + high) / 255 - 1
 
 
-def _smeared(amount: UInt8, patch: BoolArray, period: float) -> BoolArray:
+def _blurred_ridges(amount: UInt8, patch: BoolArray, period: float) -> BoolArray:
     """Return where in a patch ridges are blurred into one another, as a quarter of its pixels shows."""
     part = np.ascontiguousarray(amount[::2, ::2])
     side = 2 * round(_WINDOW * period / 4) + 1
     mean, square = (box(part, cv2.CV_32F, (side, side)) for box in (cv2.boxFilter, cv2.sqrBoxFilter))
-    smooth = (square - mean * mean < _LEAST_SPREAD**2).astype(np.uint8)
+    smooth = (square - mean * mean < _MIN_SPREAD**2).astype(np.uint8)
     return patch & (cv2.resize(smooth, patch.shape[::-1], interpolation=cv2.INTER_NEAREST) > 0)
 
 
-def _overlap(outline: npt.NDArray[np.float64], moments: Moments) -> float:
+def _overlap(outline: npt.NDArray[np.float64], moments: AreaMoments) -> float:
     """Return the intersection over union of an outline and its ellipse."""
     t = np.linspace(0, 2 * math.pi, 120, endpoint=False)
     along, across = moments.semi_axes[:, None, None] * moments.axes[:, None, :]

@@ -18,8 +18,8 @@ _STRIDE = 4
 # Periods that a 64 px window shows well at one level of the pyramid, px.
 _SHORTEST, _LONGEST, _MIDDLE = 4.0, 12.0, 7.0
 # A white-noise window puts about this share of its power into one spectral peak.
-_LEAST_CONCENTRATION = 0.14
-_LIVELY = 0.25
+_MIN_CONCENTRATION = 0.14
+_TEXTURED = 0.25
 
 # Of the spectrum, only what is no finer than the shortest period.
 _COLUMNS = round(_WINDOW / _SHORTEST) + 1
@@ -38,29 +38,29 @@ _Float32 = npt.NDArray[np.float32]
 def ridge_period_px(pixels: Pixels, inside: BoolArray | None, expected: float) -> float:
     """Return the median ridge period, px, NaN where no ridges are found.
 
-    Local spectra of lively 64 px windows, on the picture and on smaller copies of it; each window
+    Local spectra of textured 64 px windows, on the picture and on smaller copies of it; each window
     votes for its strongest ring with the share of its power found there. The copies are those that show the
     `expected` period (px) and half and twice as much, or all of them where these show nothing. The best is
     asked again with more windows.
     """
     copies = [(pixels, inside)]
     while min(copies[-1][0].shape) >= _WINDOW:
-        copies.append(_halved(*copies[-1]))
+        copies.append(_halve(*copies[-1]))
     middle = math.floor(math.log2(max(expected / _MIDDLE, 1.0)) + 0.5)
     likely = range(max(0, middle - 1), min(len(copies), middle + 2))
     for levels, count in ((likely, _FEW), (range(len(copies)), _MANY)):
         best, best_vote, windows = 0, 0.0, np.empty(0)
         for level in levels:
-            lively = _lively_windows(*copies[level])
-            vote = _median_period(_spread(lively, count))[1]
+            textured = _textured_windows(*copies[level])
+            vote = _median_period(_pick_evenly(textured, count))[1]
             if vote > 1.1 * best_vote:
-                best, best_vote, windows = level, vote, lively
+                best, best_vote, windows = level, vote, textured
         if best_vote:
             return 2.0**best * _median_period(windows)[0]
     return math.nan
 
 
-def _halved(pixels: Pixels, inside: BoolArray | None) -> tuple[Pixels, BoolArray | None]:
+def _halve(pixels: Pixels, inside: BoolArray | None) -> tuple[Pixels, BoolArray | None]:
     rows, columns = (n // 2 * 2 for n in pixels.shape)
     small = cv2.resize(pixels[:rows, :columns], None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA)
     return _as_pixels(small), None if inside is None else inside[:rows:2, :columns:2]
@@ -70,12 +70,12 @@ def _as_pixels(values: npt.NDArray[Any]) -> Pixels:
     return values if values.dtype == np.uint8 else np.asarray(values, dtype=np.float32)
 
 
-def _spread(items: npt.NDArray[Any], count: int) -> npt.NDArray[Any]:
+def _pick_evenly(items: npt.NDArray[Any], count: int) -> npt.NDArray[Any]:
     """Return not more than `count` of the items, evenly picked."""
     return np.asarray(items[np.linspace(0, len(items) - 1, min(count, len(items))).astype(int)])
 
 
-def _lively_windows(pixels: Pixels, inside: BoolArray | None) -> npt.NDArray[Any]:
+def _textured_windows(pixels: Pixels, inside: BoolArray | None) -> npt.NDArray[Any]:
     """Return windows of much variance, spread over the picture, (n, 64, 64)."""
     pad = [(0, max(0, _WINDOW - n)) for n in pixels.shape]
     if np.any(pad):
@@ -89,8 +89,8 @@ def _lively_windows(pixels: Pixels, inside: BoolArray | None) -> npt.NDArray[Any
     if inside is not None:
         variance[_window_means(inside[some].astype(np.float32)) < 0.9] = 0
     high = np.sort(variance, axis=None)[int(0.95 * (variance.size - 1))]
-    lively = np.argwhere(variance > _LIVELY * high)
-    rows, columns = _spread(lively if len(lively) else np.zeros((1, 2), dtype=np.intp), _MANY).T
+    textured = np.argwhere(variance > _TEXTURED * high)
+    rows, columns = _pick_evenly(textured if len(textured) else np.zeros((1, 2), dtype=np.intp), _MANY).T
     return np.asarray(windows[rows, columns])
 
 
@@ -105,7 +105,7 @@ def _window_means(sparse: _Float32) -> _Float32:
 def _median_period(windows: npt.NDArray[Any]) -> tuple[float, float]:
     """Return the weighted median period of some windows, px, and how clearly they speak for it."""
     periods, shares = _window_periods(windows.astype(np.float32))
-    clear = shares > _LEAST_CONCENTRATION
+    clear = shares > _MIN_CONCENTRATION
     if np.count_nonzero(clear) < 3:
         return math.nan, 0.0
     return _weighted_median(periods[clear], shares[clear]), float(shares[clear].sum()) / shares.size

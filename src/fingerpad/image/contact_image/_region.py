@@ -15,12 +15,12 @@ HALF = 128
 # Radii in ridge periods.
 CLOSING_RADIUS = 1.1
 _OPENING_RADIUS = 0.8
-_LEAST_NOTCH = 1.0
+_MIN_NOTCH = 1.0
 # A neck is narrower than this share of the narrower of the widths on its two sides.
 _NECK_RATIO = 0.78
-_LEAST_PART = 0.03
+_MIN_PART = 0.03
 # Patches smaller than this share of the largest do not matter.
-_LEAST_SHARE = 0.1
+_MIN_SHARE = 0.1
 # Parts narrower than this share of the patch's width are not finger.
 _APPENDAGE_RATIO = 0.35
 _NEIGHBOURS = np.array([[1, 1, 1], [1, 0, 1], [1, 1, 1]], dtype=np.uint8)
@@ -33,7 +33,7 @@ def disk(radius: float) -> UInt8:
     return np.asarray(rows**2 + columns**2 <= radius**2, dtype=np.uint8)
 
 
-def closed_over(amount: UInt8, period: float) -> UInt8:
+def close_ridges(amount: UInt8, period: float) -> UInt8:
     """Return the amount of ridge without specks, closed over the valleys."""
     closed = np.zeros_like(amount)
     x, y, columns, rows = cv2.boundingRect((amount >= HALF).astype(np.uint8))
@@ -50,7 +50,7 @@ def closed_over(amount: UInt8, period: float) -> UInt8:
     return closed
 
 
-def filled(mask: BoolArray) -> BoolArray:
+def fill_holes(mask: BoolArray) -> BoolArray:
     """Fill the holes."""
     contours, _ = cv2.findContours(mask.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
     canvas = np.zeros(mask.shape, dtype=np.uint8)
@@ -58,9 +58,9 @@ def filled(mask: BoolArray) -> BoolArray:
     return canvas > 0
 
 
-def patches_of(closed: UInt8, period: float) -> list[BoolArray]:
+def contact_patches(closed: UInt8, period: float) -> list[BoolArray]:
     """Return the patches of contact that matter, without holes and whiskers, cut at necks, largest first."""
-    plain = filled(closed >= HALF).astype(np.uint8)
+    plain = fill_holes(closed >= HALF).astype(np.uint8)
     # The frame counts as contact, so that a cut patch keeps its corners.
     pad = math.ceil(_OPENING_RADIUS * period) + 1
     padded = cv2.copyMakeBorder(plain, pad, pad, pad, pad, cv2.BORDER_REPLICATE)
@@ -68,7 +68,7 @@ def patches_of(closed: UInt8, period: float) -> list[BoolArray]:
     patches: list[BoolArray] = []
     contours, _ = cv2.findContours(opened.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
     areas = [cv2.contourArea(contour) for contour in contours]
-    least = max((3 * period) ** 2, _LEAST_SHARE * max(areas, default=0.0))
+    least = max((3 * period) ** 2, _MIN_SHARE * max(areas, default=0.0))
     for contour, area in zip(contours, areas, strict=True):
         if area < least:
             continue
@@ -81,7 +81,7 @@ def patches_of(closed: UInt8, period: float) -> list[BoolArray]:
     return sorted(patches, key=np.count_nonzero, reverse=True)
 
 
-def box_of(mask: BoolArray, margin: int) -> tuple[slice, slice]:
+def bounding_box(mask: BoolArray, margin: int) -> tuple[slice, slice]:
     """Return the box round a mask with a margin, inside the picture."""
     rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
     return (
@@ -90,9 +90,9 @@ def box_of(mask: BoolArray, margin: int) -> tuple[slice, slice]:
     )
 
 
-def without_appendages(patch: BoolArray, period: float) -> BoolArray:
+def remove_appendages(patch: BoolArray, period: float) -> BoolArray:
     """Drop what is much narrower than the patch: letters, pen marks, stubs of the next phalanx."""
-    box = box_of(patch, margin=2)
+    box = bounding_box(patch, margin=2)
     whole = patch[box]
     # Half the pixels show widths well enough.
     part, period = whole[::2, ::2], period / 2
@@ -140,7 +140,7 @@ def _split_at_necks(patch: BoolArray, period: float, depth: int = 4) -> list[Boo
         return [patch]
     canvas = patch.astype(np.uint8)
     cv2.line(canvas, cut[0], cut[1], 0, 1, cv2.LINE_4)
-    parts = _pieces(canvas > 0, share=_LEAST_PART)
+    parts = _pieces(canvas > 0, share=_MIN_PART)
     if len(parts) < 2:
         return [patch]
     return [piece for part in parts for piece in _split_at_necks(part, period, depth - 1)]
@@ -149,7 +149,7 @@ def _split_at_necks(patch: BoolArray, period: float, depth: int = 4) -> list[Boo
 def _neck(patch: BoolArray, period: float) -> tuple[tuple[int, int], tuple[int, int]] | None:
     """Return the ends (x, y) of the best cut across a neck, None where there is none."""
     contour = longest_contour(patch)
-    notches, depths = _notches(contour, _LEAST_NOTCH * period)
+    notches, depths = _notches(contour, _MIN_NOTCH * period)
     points = contour.reshape(-1, 2).astype(np.float64)
     best, best_ratio = None, _NECK_RATIO
     for start, depth in zip(notches, depths, strict=True):

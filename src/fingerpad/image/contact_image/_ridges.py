@@ -17,13 +17,13 @@ _ROUNDS = 3
 # Weight of the whole picture's levels against a window's own, as a share of the window.
 _PRIOR = 0.03
 # Least rise from valley to ridge, as a share of the picture's contrast.
-_LEAST_RISE = 0.3
+_MIN_RISE = 0.3
 # Blocks and windows, and the smoothing, in ridge periods.
 _BLOCK, _WINDOW, _SMOOTHING = 1.35, 3.0, 0.09
 # Fewer quiet blocks than this show a level of the ground, but no slope.
-_LEAST_QUIET = 40
+_MIN_QUIET = 40
 # More than this are not needed.
-_MOST_QUIET = 300
+_MAX_QUIET = 300
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -47,7 +47,7 @@ class Signal:
     dark_on_light: bool
 
 
-def signal_of(
+def to_signal(
     values: Float32Array,
     inside: BoolArray,
     period: float,
@@ -69,16 +69,16 @@ def signal_of(
         counted = whole
     limit = otsu_threshold(deviations[counted])
     quiet, busy = counted & (deviations <= limit), counted & (deviations > limit)
-    rim = _at_rim(quiet, values.shape[0] // side, values.shape[1] // side)
+    rim = _border_blocks(quiet, values.shape[0] // side, values.shape[1] // side)
     if dark_on_light is None:
         dark_on_light = _is_dark_on_light(means, rim, busy)
     sign = -1.0 if dark_on_light else 1.0
-    places = _thinned(quiet)
-    flat = sign * values - _enlarged(_ground(sign * means, places, rim), side, values.shape)
+    places = _sample_blocks(quiet)
+    flat = sign * values - _enlarge_blocks(_background_surface(sign * means, places, rim), side, values.shape)
     noise = float(np.median(deviations.flat[places])) if places.size else 0.0
     if contrast is None:
         contrast = _contrast(
-            flat, _enlarged(as_float32(busy if busy.any() else counted), side, values.shape) > 0.5
+            flat, _enlarge_blocks(as_float32(busy if busy.any() else counted), side, values.shape) > 0.5
         )
     return Signal(values=as_float32(flat), noise=noise, contrast=contrast, dark_on_light=dark_on_light)
 
@@ -91,10 +91,10 @@ def _contrast(flat: Float32Array, busy: BoolArray) -> float:
     return float(above.mean() - below.mean()) if above.size and below.size else 0.0
 
 
-def _thinned(quiet: BoolArray) -> npt.NDArray[np.intp]:
+def _sample_blocks(quiet: BoolArray) -> npt.NDArray[np.intp]:
     """Return where some hundred quiet blocks are, as indices of the flat array."""
     places = np.flatnonzero(quiet)
-    return places[:: max(1, places.size // _MOST_QUIET)]
+    return places[:: max(1, places.size // _MAX_QUIET)]
 
 
 def _block_means(values: Float32Array | UInt8, side: int) -> Float32Array:
@@ -105,13 +105,13 @@ def _block_means(values: Float32Array | UInt8, side: int) -> Float32Array:
     return as_float32(cv2.resize(whole, (columns, rows), interpolation=cv2.INTER_AREA))
 
 
-def _enlarged(blocks: Float32Array, side: int, shape: tuple[int, int]) -> Float32Array:
+def _enlarge_blocks(blocks: Float32Array, side: int, shape: tuple[int, int]) -> Float32Array:
     """Return values given by blocks at each pixel of a picture of this shape."""
     size = (blocks.shape[1] * side, blocks.shape[0] * side)
     return as_float32(cv2.resize(blocks, size, interpolation=cv2.INTER_LINEAR))[: shape[0], : shape[1]]
 
 
-def _at_rim(quiet: BoolArray, rows: int, columns: int) -> BoolArray:
+def _border_blocks(quiet: BoolArray, rows: int, columns: int) -> BoolArray:
     """Return the quiet blocks that are ground for sure: those at the rim of the picture's whole blocks.
 
     A smooth contact is quiet too.
@@ -128,11 +128,11 @@ def _is_dark_on_light(means: Float32Array, ground: BoolArray, busy: BoolArray) -
     return float(means[busy].mean()) < float(np.median(means[ground]))
 
 
-def _ground(means: Float32Array, quiet: npt.NDArray[np.intp], rim: BoolArray) -> Float32Array:
+def _background_surface(means: Float32Array, quiet: npt.NDArray[np.intp], rim: BoolArray) -> Float32Array:
     """Return a quadratic surface through the lowest quiet blocks, and as near as those at the rim lie."""
     y, x = (np.linspace(-1, 1, n) for n in means.shape)
-    if quiet.size < _LEAST_QUIET:
-        # With little ground to see, a constant is all that can be told.
+    if quiet.size < _MIN_QUIET:
+        # With few background blocks only a constant can be estimated.
         return np.full_like(means, np.percentile(means, 20))
     places = np.union1d(quiet, np.flatnonzero(rim))
     at_rim = rim.flat[places]
@@ -177,9 +177,9 @@ def ridge_amount(signal: Signal, period: float, threshold: float | None) -> tupl
     step = _LEVEL_STEP if period >= 2 * _LEVEL_STEP else 1
     side = max(1, round(_WINDOW * period / step / 3))
     valley, rise = _levels(as_float32(smooth[::step, ::step]), side, signal.contrast)
-    np.subtract(smooth, _enlarged(valley, side * step, smooth.shape), out=smooth)
+    np.subtract(smooth, _enlarge_blocks(valley, side * step, smooth.shape), out=smooth)
     amount = cv2.multiply(
-        smooth, _enlarged(as_float32(255 / rise), side * step, smooth.shape), dtype=cv2.CV_8U
+        smooth, _enlarge_blocks(as_float32(255 / rise), side * step, smooth.shape), dtype=cv2.CV_8U
     )
     return np.asarray(amount, dtype=np.uint8), as_float32(valley + rise / 2)
 
@@ -193,12 +193,12 @@ def _levels(smooth: Float32Array, side: int, contrast: float) -> tuple[Float32Ar
     # Where blur fills the valleys, only the local mean lies between the two levels.
     middle = np.maximum(whole, contrast / 2)
     for _ in range(_ROUNDS):
-        inside = as_float32(smooth > _enlarged(middle, side, smooth.shape))
+        inside = as_float32(smooth > _enlarge_blocks(middle, side, smooth.shape))
         share = _window_means(inside, side)
         high = _window_means(np.multiply(inside, smooth, out=inside), side)
         valley = (whole - high) / ((1 + _PRIOR) - share)
         ridge = (high + _PRIOR * contrast) / (share + _PRIOR)
-        rise = np.maximum(ridge - valley, _LEAST_RISE * contrast)
+        rise = np.maximum(ridge - valley, _MIN_RISE * contrast)
         middle = valley + rise / 2
     return as_float32(valley), as_float32(rise)
 

@@ -55,7 +55,7 @@ class WorkingImage:
         """Reduce a picture whose ridge period is known, px."""
         pixels, reduction = frame.pixels, max(1.0, period / WORKING_PERIOD_PX)
         rows, columns = (max(8, round(n / reduction)) for n in pixels.shape)
-        small = _reduced(pixels, rows, columns)
+        small = _reduce(pixels, rows, columns)
         inside = np.ones(small.shape, dtype=bool)
         if frame.inside is not None:
             share = cv2.resize(frame.inside.astype(np.float32), (columns, rows), interpolation=cv2.INTER_AREA)
@@ -137,7 +137,7 @@ class WorkingImage:
         return float(steps[near].sum())
 
 
-def _reduced(pixels: Pixels, rows: int, columns: int) -> npt.NDArray[Any]:
+def _reduce(pixels: Pixels, rows: int, columns: int) -> npt.NDArray[Any]:
     """Return area means at a smaller size.
 
     Means over whole numbers of pixels are many times faster: linear interpolation first brings the picture,

@@ -10,11 +10,18 @@ import numpy as np
 import numpy.typing as npt
 from scipy.spatial import cKDTree
 
-from fingerpad._arrays import BoolArray, FloatArray, as_float_array
+from fingerpad._arrays import BoolArray, as_float_array
 from fingerpad.exceptions import ImageError
-from fingerpad.image.contact_image._outline import ContactOutline, normals_of, resampled, smoothed, steps_of
+from fingerpad.image.contact_image._outline import (
+    ContactOutline,
+    outward_normals,
+    point_spacings,
+    resample_outline,
+    running_mean,
+)
 from fingerpad.image.contact_image._region import UInt8
 from fingerpad.image.contact_image._working_image import WorkingImage
+from fingerpad.image.ellipse import ImageEllipse
 
 Points: TypeAlias = npt.NDArray[np.float64]
 
@@ -24,7 +31,7 @@ _FINE: Final = 4
 _SAME: Final = 0.6
 _BITS: Final = 4
 # What reaches beyond so many pictures was drawn by no hand.
-_FARTHEST: Final = 10
+_MAX_REACH: Final = 10
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -46,34 +53,8 @@ class BrushStroke:
     radius: float
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ManualEllipse:
-    """A contact ellipse placed by hand.
-
-    Attributes
-    ----------
-    centre : (float, float)
-        (row, column), px.
-    semi_axes : (float, float)
-        Major and minor, px.
-    orientation : float
-        Angle of the major axis from straight up, counter-clockwise as seen on the screen, radians.
-    """
-
-    centre: tuple[float, float]
-    semi_axes: tuple[float, float]
-    orientation: float = 0.0
-
-    def points(self, count: int) -> FloatArray:
-        """Return points (row, column) round the ellipse, px."""
-        t = np.linspace(0, 2 * math.pi, count, endpoint=False)
-        sine, cosine = math.sin(self.orientation), math.cos(self.orientation)
-        local = np.stack([np.cos(t), np.sin(t)], axis=-1) * self.semi_axes
-        return np.asarray(local @ [[cosine, sine], [-sine, cosine]] + self.centre)
-
-
 def outline_of_ellipse(
-    ellipse: ManualEllipse, view: WorkingImage, *, noise: float
+    ellipse: ImageEllipse, view: WorkingImage, *, noise: float
 ) -> tuple[BoolArray, ContactOutline]:
     """Return the patch and the edge of an ellipse placed by hand.
 
@@ -93,8 +74,8 @@ def outline_of_ellipse(
     count = max(64, math.ceil(2 * math.pi * major / min(view.steps)))
     points = view.to_copy(ellipse.points(count)[:, ::-1])
     canvas = np.zeros(view.values.shape, dtype=np.uint8)
-    cv2.fillPoly(canvas, [_fixed(points)], 1, shift=_BITS)
-    return canvas > 0, _by_hand(points, view, noise)
+    cv2.fillPoly(canvas, [_to_fixed_point(points)], 1, shift=_BITS)
+    return canvas > 0, _manual_outline(points, view, noise)
 
 
 def outline_after_strokes(
@@ -128,12 +109,12 @@ def outline_after_strokes(
     patch = np.zeros(shape, np.uint8) if before is None else before[0].astype(np.uint8)
     fine = np.zeros((_FINE * shape[0], _FINE * shape[1]), dtype=np.uint8)
     if before is not None:
-        cv2.fillPoly(fine, [_fixed(_finer(before[1].points))], 1, shift=_BITS)
+        cv2.fillPoly(fine, [_to_fixed_point(_to_fine_canvas(before[1].points))], 1, shift=_BITS)
     for stroke in strokes:
-        points, radius = _checked(stroke, view)
+        points, radius = _check_stroke(stroke, view)
         level = int(stroke.action == "add")
         _draw(patch, points, radius, level)
-        _draw(fine, _finer(points), _FINE * radius, level)
+        _draw(fine, _to_fine_canvas(points), _FINE * radius, level)
     contours, _ = cv2.findContours(fine, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
     areas = [cv2.contourArea(contour) for contour in contours]
     if not max(areas, default=0.0) > (_FINE * view.period) ** 2:
@@ -141,14 +122,14 @@ def outline_after_strokes(
     chosen = int(np.argmax(areas))
     piece = np.zeros(shape, np.uint8)
     rough = (contours[chosen].reshape(-1, 2) + 0.5) / _FINE - 0.5
-    cv2.fillPoly(piece, [_fixed(rough)], 1, shift=_BITS)
+    cv2.fillPoly(piece, [_to_fixed_point(rough)], 1, shift=_BITS)
     other = max((area for k, area in enumerate(areas) if k != chosen), default=0.0) / areas[chosen]
-    outline = resampled(smoothed(rough, _FINE))
-    edge = _by_hand(outline, view, noise) if before is None else _rejoined(outline, before[1])
+    outline = resample_outline(running_mean(rough, _FINE))
+    edge = _manual_outline(outline, view, noise) if before is None else _restore_edge(outline, before[1])
     return (patch & piece) > 0, edge, other
 
 
-def _rejoined(outline: Points, edge: ContactOutline) -> ContactOutline:
+def _restore_edge(outline: Points, edge: ContactOutline) -> ContactOutline:
     """Return an edited outline, put back on the program's edge wherever it follows that."""
     nearest = cKDTree(edge.points).query(outline)[1]
     points, off = edge.points[nearest], np.full(len(outline), np.inf)
@@ -165,19 +146,19 @@ def _rejoined(outline: Points, edge: ContactOutline) -> ContactOutline:
     return replace(
         edge,
         points=points,
-        normals=normals_of(points, edge.period),
-        steps=steps_of(points),
+        normals=outward_normals(points, edge.period),
+        steps=point_spacings(points),
         along=np.where(same, edge.along[nearest], 0.0),
         by_hand=~same | edge.by_hand[nearest],
     )
 
 
-def _by_hand(points: Points, view: WorkingImage, noise: float) -> ContactOutline:
+def _manual_outline(points: Points, view: WorkingImage, noise: float) -> ContactOutline:
     """Return an edge that a person drew all round."""
     return ContactOutline(
         points=points,
-        normals=normals_of(points, view.period),
-        steps=steps_of(points),
+        normals=outward_normals(points, view.period),
+        steps=point_spacings(points),
         along=np.zeros(len(points)),
         period=view.period,
         noise=noise,
@@ -187,7 +168,7 @@ def _by_hand(points: Points, view: WorkingImage, noise: float) -> ContactOutline
     )
 
 
-def _checked(stroke: BrushStroke, view: WorkingImage) -> tuple[Points, float]:
+def _check_stroke(stroke: BrushStroke, view: WorkingImage) -> tuple[Points, float]:
     """Return a stroke's points (x, y) and radius in px of the copy."""
     points = as_float_array(stroke.points)
     if stroke.action not in {"add", "remove"}:
@@ -206,7 +187,7 @@ def _checked(stroke: BrushStroke, view: WorkingImage) -> tuple[Points, float]:
 
 def _require_near(what: str, reach: float, shape: tuple[int, int]) -> None:
     """Refuse what reaches too far beyond the picture."""
-    if reach > _FARTHEST * max(shape):
+    if reach > _MAX_REACH * max(shape):
         raise ImageError(
             f"{what} must not reach {reach:g} px: the picture has {shape[0]} rows, {shape[1]} columns"
         )
@@ -225,7 +206,7 @@ def _require_inside(what: str, points: Points, reach: float, shape: tuple[int, i
 
 def _draw(canvas: UInt8, points: Points, radius: float, level: int) -> None:
     """Paint a stroke; OpenCV rounds the ends and joints of a thick line."""
-    fixed = _fixed(points)
+    fixed = _to_fixed_point(points)
     if len(points) > 1:
         cv2.polylines(canvas, [fixed], False, level, max(1, round(2 * radius)), cv2.LINE_8, _BITS)
     else:
@@ -233,10 +214,10 @@ def _draw(canvas: UInt8, points: Points, radius: float, level: int) -> None:
         cv2.circle(canvas, (x, y), round(radius * 2**_BITS), level, cv2.FILLED, cv2.LINE_8, _BITS)
 
 
-def _finer(points: Points) -> Points:
+def _to_fine_canvas(points: Points) -> Points:
     """Return places on the fine canvas; pixel centres are whole numbers on both."""
     return np.asarray((points + 0.5) * _FINE - 0.5)
 
 
-def _fixed(points: Points) -> npt.NDArray[np.int32]:
+def _to_fixed_point(points: Points) -> npt.NDArray[np.int32]:
     return np.asarray(np.rint(points.clip(-2e4, 2e4) * 2**_BITS), dtype=np.int32)

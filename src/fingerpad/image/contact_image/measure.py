@@ -1,32 +1,25 @@
 """Measure a contact image: the contact ellipse, gross and ridge areas, and the ridge period."""
 
+from typing import Unpack
+
 import numpy.typing as npt
 
+from fingerpad.image.contact_image.options import ContactImageOptions
 from fingerpad.image.contact_image.prepare import prepare_contact_image
 from fingerpad.image.contact_image.result import ContactImageResult
 from fingerpad.image.scale import Scale
 
 
 def measure_contact_image(
-    pixels: npt.ArrayLike,
-    scale: Scale,
-    *,
-    dark_on_light: bool | None = None,
-    background: npt.ArrayLike | None = None,
-    seed: tuple[float, float] | None = None,
-    threshold: float | None = None,
-    contrast: float | None = None,
-    ridge_period: float | None = None,
-    mask: npt.ArrayLike | None = None,
-    region_of_interest: tuple[int, int, int, int] | None = None,
+    pixels: npt.ArrayLike, scale: Scale, **options: Unpack[ContactImageOptions]
 ) -> ContactImageResult:
     """Measure the contact patch in a grey contact image.
 
-    The ridge period comes from local spectra of the picture itself, which is then reduced so that a period
-    is 4.5 px. Light is evened by a smooth surface through the quiet ground. Ridges lie above half the local
-    contrast; closed with a disk of 1.1 ridge periods they give the gross region, which is cut at necks (joint
-    creases) and freed of appendages narrower than a third of it. Its outline is placed to parts of a pixel
-    where the closed ridges fall through half.
+    The ridge period is estimated from local spectra of the image, which is then reduced so that a period is
+    4.5 px. Uneven lighting is removed by a smooth surface through the background. Pixels above half the local
+    contrast are ridges; closed with a disk of 1.1 ridge periods they give the gross region, which is cut at
+    necks (joint creases) and freed of appendages narrower than a third of it. The outline is located to
+    a fraction of a pixel where the closed ridges fall through half.
 
     A region closed over ridges ends at their ends where the outline crosses them, and at the outer border of
     the last ridge where it follows one. There the outline is moved out: if the true edge falls at random on
@@ -38,25 +31,8 @@ def measure_contact_image(
         Grey levels of any real type.
     scale : Scale
         Millimetres per pixel.
-    dark_on_light : bool, optional
-        Whether contact is darker than the ground; found from the picture when None.
-    background : array_like, (rows, columns), optional
-        The same view without a finger, by which the picture is divided.
-    seed : (float, float), optional
-        (row, column) of a point in the wanted patch, px; without it, the largest, preferring the centre.
-    threshold : float, optional
-        Grey levels, from the even ground towards contact, beyond which a place is ridge everywhere in the
-        picture. Without it, half of the local contrast.
-    contrast : float, optional
-        Level of the contact above the ground, grey levels; found from the picture when None. Where nothing
-        rises above half of it there is no contact. One value for a whole sequence keeps its frames
-        comparable: `ContactImageResult.settings` of a good frame holds it.
-    ridge_period : float, optional
-        Ridge period, mm; found from the picture when None.
-    mask : array_like, optional
-        A polygon of (row, column) corners or a bool array of the picture's shape: outside nothing counts.
-    region_of_interest : (int, int, int, int), optional
-        First row, first column, last row, last column (excluded) of the part to look at.
+    **options
+        Polarity, threshold, region and so on: see `ContactImageOptions`.
 
     Returns
     -------
@@ -65,7 +41,7 @@ def measure_contact_image(
     Raises
     ------
     ImageError
-        If the array is not a grey picture, is not finite, shows no contact, or none at `seed`; or an option
+        If the array is not a grey image, is not finite, shows no contact, or none at `seed`; or an option
         is not as described.
 
     Examples
@@ -77,15 +53,4 @@ def measure_contact_image(
     >>> abs(contact_image.gross_area / truth.gross_area - 1) < 0.03, contact_image.flags
     (True, ())
     """
-    return prepare_contact_image(
-        pixels,
-        scale,
-        dark_on_light=dark_on_light,
-        background=background,
-        seed=seed,
-        threshold=threshold,
-        contrast=contrast,
-        ridge_period=ridge_period,
-        mask=mask,
-        region_of_interest=region_of_interest,
-    ).contact_image
+    return prepare_contact_image(pixels, scale, **options).contact_image

@@ -1,4 +1,4 @@
-"""A contact image made ready: ridges and contact told, for whatever a person may say of them."""
+"""Find the ridges and the contact in an image, ready for manual corrections."""
 
 import math
 from collections.abc import Sequence
@@ -15,65 +15,70 @@ from fingerpad.image.contact_image._assemble import LOW_CONTRAST, ContactRegion,
 from fingerpad.image.contact_image._cropping import crop_image
 from fingerpad.image.contact_image._patch import trace_patch
 from fingerpad.image.contact_image._period import ridge_period_px
-from fingerpad.image.contact_image._region import closed_over, longest_contour, patches_of, without_appendages
-from fingerpad.image.contact_image._ridges import Signal, ridge_amount, signal_of
+from fingerpad.image.contact_image._region import (
+    close_ridges,
+    contact_patches,
+    longest_contour,
+    remove_appendages,
+)
+from fingerpad.image.contact_image._ridges import Signal, ridge_amount, to_signal
 from fingerpad.image.contact_image._working_image import WorkingImage
 from fingerpad.image.contact_image.manual import (
     BrushStroke,
-    ManualEllipse,
     outline_after_strokes,
     outline_of_ellipse,
 )
 from fingerpad.image.contact_image.result import ContactImageResult
+from fingerpad.image.ellipse import ImageEllipse
 from fingerpad.image.scale import Scale
 
 _NOMINAL_RIDGE_PERIOD_MM = 0.45
-# Contrast over noise below which nothing can be told from noise.
+# Contrast over noise below which no contact is detectable.
 _NO_CONTRAST = 2.5
 _OTHER_REGION = 0.2
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class PreparedContactImage:
-    """A contact image up to where a person may have a say: cheap to measure again with other edits.
+    """A contact image with its ridges found: cheap to measure again with other corrections.
 
     Attributes
     ----------
     scale : Scale
         Millimetres per pixel.
     reason : str or None
-        Why the program found no contact; None where it did. A person can still draw one.
+        Why no contact was found automatically, or None. A manual outline can still be given.
     """
 
     scale: Scale
     reason: str | None
     _ridged: RidgeImage
-    _region: ContactRegion | None
+    _find_region: ContactRegion | None
 
     @property
     def contact_image(self) -> ContactImageResult:
-        """What the program measures.
+        """The automatic measurement.
 
         Raises
         ------
         ImageError
             Where it found no contact.
         """
-        if self._region is None:
+        if self._find_region is None:
             raise ImageError(self.reason)
-        return assemble_result(self._ridged, self._region, self.scale, edited=False)
+        return assemble_result(self._ridged, self._find_region, self.scale, edited=False)
 
     def with_corrections(
-        self, strokes: Sequence[BrushStroke] = (), ellipse: ManualEllipse | None = None
+        self, strokes: Sequence[BrushStroke] = (), ellipse: ImageEllipse | None = None
     ) -> ContactImageResult:
-        """Measure the contact as a person corrects it.
+        """Measure the contact with manual corrections.
 
         Parameters
         ----------
         strokes : sequence of BrushStroke
-            Painted one after the other over the program's region; the largest piece that they leave is the
+            Painted one after the other over the automatic region; the largest piece that they leave is the
             contact, without holes.
-        ellipse : HandEllipse, optional
+        ellipse : ImageEllipse, optional
             The contact is this ellipse, whatever the region.
 
         Returns
@@ -99,7 +104,7 @@ class PreparedContactImage:
         >>> prepared.with_corrections([bite]).gross_area < prepared.contact_image.gross_area
         True
         """
-        view, region = self._ridged.view, self._region
+        view, region = self._ridged.view, self._find_region
         if ellipse is not None:
             patch, edge = outline_of_ellipse(ellipse, view, noise=self._ridged.noise)
             several = False
@@ -127,12 +132,14 @@ def prepare_contact_image(
     mask: npt.ArrayLike | None = None,
     region_of_interest: tuple[int, int, int, int] | None = None,
 ) -> PreparedContactImage:
-    """Tell the ridges and the contact in a grey contact image, ready for a person's edits.
+    """Find the ridges and the contact in a grey contact image, ready for manual corrections.
 
     Parameters
     ----------
-    pixels, scale, **options
+    pixels, scale
         As for `measure_contact_image`.
+    dark_on_light, background, seed, threshold, contrast, ridge_period, mask, region_of_interest
+        See `ContactImageOptions`.
 
     Returns
     -------
@@ -162,11 +169,11 @@ def prepare_contact_image(
             f"measured, {frame.pixels.shape[0]} × {frame.pixels.shape[1]} px: check scale and ridge_period"
         )
     view = WorkingImage.of(frame, period)
-    _require_seed(seed, view)
-    signal = signal_of(view.values, view.inside, view.period, dark_on_light=dark_on_light, contrast=contrast)
-    reason = None if threshold is not None else _lack_of_contrast(signal, resolved=resolved)
+    _check_seed(seed, view)
+    signal = to_signal(view.values, view.inside, view.period, dark_on_light=dark_on_light, contrast=contrast)
+    reason = None if threshold is not None else _contrast_problem(signal, resolved=resolved)
     if reason is not None:
-        # Ridges are then told from noise, should a person see a contact there.
+        # A manual outline can still be measured: ridges are then those above noise.
         signal = replace(signal, contrast=max(signal.contrast, signal.noise, 1e-3))
     amount, level = ridge_amount(signal, view.period, threshold)
     counted = view.card & view.inside
@@ -183,19 +190,19 @@ def prepare_contact_image(
     region = None
     if reason is None:
         try:
-            region = _region(ridged, seed, resolved=resolved)
+            region = _find_region(ridged, seed, resolved=resolved)
         except ImageError as error:
             reason = str(error)
-    return PreparedContactImage(scale=scale, reason=reason, _ridged=ridged, _region=region)
+    return PreparedContactImage(scale=scale, reason=reason, _ridged=ridged, _find_region=region)
 
 
-def _region(ridged: RidgeImage, seed: tuple[float, float] | None, *, resolved: bool) -> ContactRegion:
-    """Return the contact that the program finds."""
+def _find_region(ridged: RidgeImage, seed: tuple[float, float] | None, *, resolved: bool) -> ContactRegion:
+    """Find the contact automatically."""
     view = ridged.view
-    closed = closed_over(ridged.amount, view.period)
-    patches = patches_of(closed, view.period)
-    chosen = _chosen(patches, seed, view)
-    patch = without_appendages(patches[chosen], view.period)
+    closed = close_ridges(ridged.amount, view.period)
+    patches = contact_patches(closed, view.period)
+    chosen = _choose_patch(patches, seed, view)
+    patch = remove_appendages(patches[chosen], view.period)
     largest_other = max((np.count_nonzero(p) for k, p in enumerate(patches) if k != chosen), default=0)
     edge = trace_patch(
         view,
@@ -210,7 +217,7 @@ def _region(ridged: RidgeImage, seed: tuple[float, float] | None, *, resolved: b
     return ContactRegion(patch=patch, edge=edge, several=several)
 
 
-def _lack_of_contrast(signal: Signal, *, resolved: bool) -> str | None:
+def _contrast_problem(signal: Signal, *, resolved: bool) -> str | None:
     """Say that nothing stands out of the noise; None where something does."""
     if signal.contrast > (_NO_CONTRAST if resolved else LOW_CONTRAST) * signal.noise:
         return None
@@ -220,7 +227,7 @@ def _lack_of_contrast(signal: Signal, *, resolved: bool) -> str | None:
     )
 
 
-def _require_seed(seed: tuple[float, float] | None, view: WorkingImage) -> None:
+def _check_seed(seed: tuple[float, float] | None, view: WorkingImage) -> None:
     if seed is None:
         return
     place = number_array(seed, "seed")
@@ -228,7 +235,7 @@ def _require_seed(seed: tuple[float, float] | None, view: WorkingImage) -> None:
         raise ImageError(f"seed {seed} lies outside the picture of {view.shape} pixels")
 
 
-def _chosen(patches: list[BoolArray], seed: tuple[float, float] | None, view: WorkingImage) -> int:
+def _choose_patch(patches: list[BoolArray], seed: tuple[float, float] | None, view: WorkingImage) -> int:
     """Return the number of the wanted patch: at the seed, or the largest with preference for the centre."""
     if not patches:
         raise ImageError(

@@ -1,6 +1,7 @@
 """The part of a finger's outline that is pad: the longest arc round its middle that one ellipse fits."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import TypeAlias
@@ -10,31 +11,45 @@ import numpy.typing as npt
 
 from fingerpad._arrays import BoolArray, FloatArray
 from fingerpad.exceptions import FitError
+from fingerpad.geometry.faces import Face
 from fingerpad.image._orthogonal_fit import distances
 from fingerpad.image.photograph._edges import SubpixelOutline
-from fingerpad.image.photograph._face_frame import PAD_MIDDLE, PAD_REACH
-from fingerpad.image.photograph.faces import Face
 from fingerpad.image.photograph.outline_fit import OutlineFit, fit_outline_ellipse, parametric_angles
 
 IndexArray: TypeAlias = npt.NDArray[np.intp]
 
+# Middle of the pad's arc as parametric angle from x (across) towards y (along), radians.
+PAD_MIDDLE: Mapping[Face, float] = {
+    "palmar": math.pi / 2,
+    "distal": math.pi / 2,
+    "radial": math.pi / 6,
+    "ulnar": math.pi / 6,
+}
+# Widest arc that can be pad, on either side of its middle.
+PAD_REACH: Mapping[Face, float] = {
+    "palmar": math.radians(100),
+    "distal": math.radians(105),
+    "radial": math.radians(95),
+    "ulnar": math.radians(95),
+}
+
 # What an edge can be off without showing it (compression, light on the limb), alike all round and slowly
 # along it: a least value, px, and a share of the noise over the step; found on rendered photographs.
 _SHARED_PX = (0.03, 3.0)
-# An arc that is found by itself may hold a little of what is beyond the pad.
+# An arc that is found automatically may extend a little beyond the pad.
 _SHARED_FOUND_PX = (0.045, 6.0)
 _SHARED_REACH = math.radians(25)
 
 _HYPOTHESES = 500
 _SPARSE = 240
 _BLOCKS = 72
-_LEAST_BLOCKS = 22
+_MIN_BLOCKS = 22
 # A block may be this many squared deviations off, on average, and still be worth having.
 _WORTH = 2.0
 _END_MARGIN = 0.04
 _SLACKS = (1.0, 2.0, 4.0, 8.0, 16.0)
 _GOOD_ENOUGH = 0.02
-_LEAST_POINTS = 24
+_MIN_POINTS = 24
 _REJECTION = 4.0
 _AXIS_RATIOS = (0.3, 3.0)
 
@@ -69,7 +84,7 @@ def candidate_points(points: FloatArray, face: Face) -> IndexArray:
     face : Face
         The face.
     """
-    guess = _guess(points, face)
+    guess = _initial_ellipse(points, face)
     off = (parametric_angles(points, guess) - PAD_MIDDLE[face] + math.pi) % (2 * math.pi) - math.pi
     inside = np.abs(off) < PAD_REACH[face]
     # Turned so that the outline begins outside, and the run that holds the middle is one piece.
@@ -82,7 +97,7 @@ def candidate_points(points: FloatArray, face: Face) -> IndexArray:
     return order[first:last]
 
 
-def _guess(points: FloatArray, face: Face) -> FloatArray:
+def _initial_ellipse(points: FloatArray, face: Face) -> FloatArray:
     """Return a rough ellipse (x, y, semi_x, semi_y, lean) from the outline's extent near the pad's end."""
     end = points[:, 1].max()
     height = np.ptp(points[:, 1]) if face == "distal" else np.ptp(points[:, 0])
@@ -121,9 +136,9 @@ def longest_arc(points: FloatArray, order: IndexArray, middle: float, lean: tupl
             for _ in range(3):
                 first, last = _longest_window(track, values, middle, lean, slack)
                 trim = round(_END_MARGIN * (last - first))
-                arc = fitted_arc(points, order[first + trim : last - trim], lean, start=values)
+                arc = fit_arc(points, order[first + trim : last - trim], lean, start=values)
                 arc = replace(arc, shared_px=_SHARED_FOUND_PX)
-                values = arc.fit.values
+                values = np.array(arc.fit.ellipse)
         except FitError:
             continue
         doubt = float((np.sqrt(np.diagonal(arc.fit.covariance))[2:4] / values[2:4]).max())
@@ -138,27 +153,27 @@ def longest_arc(points: FloatArray, order: IndexArray, middle: float, lean: tupl
     return min(arcs, key=lambda pair: pair[0])[1]
 
 
-def fitted_arc(
+def fit_arc(
     points: FloatArray, order: IndexArray, lean: tuple[float, float], start: FloatArray | None = None
 ) -> PadArc:
     """Fit an ellipse to all of an arc but the points that stand out from it."""
     track = points[order]
-    if len(track) < _LEAST_POINTS:
+    if len(track) < _MIN_POINTS:
         raise FitError(f"only {len(track)} points of the outline were found on the arc: give a longer arc")
     values = _consensus(track, lean) if start is None else start
-    good = _standing(distances(values, track)[0])
+    good = _inliers(distances(values, track)[0])
     for _ in range(3):
         fit = fit_outline_ellipse(
             track[good], lean=lean[0], lean_std=lean[1], places=np.flatnonzero(good), start=values
         )
-        values, before = fit.values, good
-        good = _standing(distances(values, track)[0])
-        if good.sum() < _LEAST_POINTS or (good == before).all():
+        values, before = np.array(fit.ellipse), good
+        good = _inliers(distances(values, track)[0])
+        if good.sum() < _MIN_POINTS or (good == before).all():
             break
     return PadArc(fit=fit, used=order[before], rejected=order[~before])
 
 
-def widened(arc: PadArc, edges: SubpixelOutline) -> PadArc:
+def add_shared_errors(arc: PadArc, edges: SubpixelOutline) -> PadArc:
     """Widen the covariance by the errors that the points share."""
     fit, (least, by_noise) = arc.fit, arc.shared_px
     shared = least + by_noise / float(np.median(edges.step_ratio[arc.used]))
@@ -166,13 +181,13 @@ def widened(arc: PadArc, edges: SubpixelOutline) -> PadArc:
     return replace(arc, fit=replace(fit, covariance=fit.covariance + more))
 
 
-def _standing(off: FloatArray) -> BoolArray:
+def _inliers(off: FloatArray) -> BoolArray:
     """Return which points belong: not many robust deviations off, nor next to one that is."""
     centre = np.median(off)
     spread = 1.4826 * float(np.median(np.abs(off - centre))) + 0.02
     far = np.abs(off) > _REJECTION * spread
     wide = np.convolve(far, np.ones(7), mode="same") > 0
-    return np.asarray(~wide if (~wide).sum() >= _LEAST_POINTS else ~far, dtype=bool)
+    return np.asarray(~wide if (~wide).sum() >= _MIN_POINTS else ~far, dtype=bool)
 
 
 def _consensus(track: FloatArray, lean: tuple[float, float]) -> FloatArray:
@@ -196,14 +211,14 @@ def _consensus(track: FloatArray, lean: tuple[float, float]) -> FloatArray:
     tolerance = max(0.8, 0.004 * size) / size
     scores = np.minimum((_sampson(conics, local) / tolerance) ** 2, 1).sum(axis=1)
     a, b, c, d, e, f = conics[scores.argmin()]
-    centre, axes, angle = _ellipse_of(np.array([[a, b, c, d, e, f]]))
+    centre, axes, angle = _conic_parameters(np.array([[a, b, c, d, e, f]]))
     return np.array([*(centre[0] * size + shift), *(axes[0] * size), angle[0]])
 
 
 def _plausible(conics: FloatArray, lean: tuple[float, float]) -> BoolArray:
     """Return which conics are ellipses about as upright and as long as a finger pad's."""
     with np.errstate(all="ignore"):
-        centre, axes, angle = _ellipse_of(conics)
+        centre, axes, angle = _conic_parameters(conics)
         ratio = axes[:, 1] / axes[:, 0]
         # The rounder, the less is known of the direction.
         turn = np.abs(angle - lean[0]) * np.minimum(1, 4 * np.abs(np.log(ratio)))
@@ -212,7 +227,7 @@ def _plausible(conics: FloatArray, lean: tuple[float, float]) -> BoolArray:
     return np.asarray(good & np.isfinite(centre).all(axis=1), dtype=bool)
 
 
-def _ellipse_of(conics: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+def _conic_parameters(conics: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return centres, semi-axes (nearest to x, to y) and angle of x's axis of conics; NaN where none."""
     a, b, c, d, e, f = conics.T
     with np.errstate(all="ignore"):
@@ -268,7 +283,7 @@ def _longest_window(
     turns = np.abs((parametric_angles(track, values) - middle + math.pi) % (2 * math.pi) - math.pi)
     pivot = int(np.searchsorted(edges, np.argmin(turns), side="right")) - 1
     starts, ends = np.meshgrid(np.arange(0, pivot + 1), np.arange(pivot + 1, len(r) + 1), indexing="ij")
-    wide = ends - starts >= min(_LEAST_BLOCKS, len(r))
+    wide = ends - starts >= min(_MIN_BLOCKS, len(r))
     starts, ends = starts[wide], ends[wide]
     normal, side, square, count = (part[ends] - part[starts] for part in run)
     normal[:, 4, 4] += 1 / lean[1] ** 2

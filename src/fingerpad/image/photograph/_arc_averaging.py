@@ -1,4 +1,4 @@
-"""The pad's ellipse where nobody knows where its arc ends: an average over the ends, weighted by evidence."""
+"""The pad's ellipse where the ends of its arc are unknown: an average over them, weighted by evidence."""
 
 import math
 from dataclasses import dataclass, replace
@@ -9,6 +9,7 @@ from scipy.special import softmax
 
 from fingerpad._arrays import FloatArray
 from fingerpad.image._orthogonal_fit import distances
+from fingerpad.image.ellipse import PlaneEllipse
 from fingerpad.image.photograph._arc import IndexArray, PadArc
 from fingerpad.image.photograph.outline_fit import (
     departure_covariance,
@@ -19,7 +20,7 @@ from fingerpad.image.photograph.outline_fit import (
 
 # Neighbouring points share the skin's roughness; blocks of so many hardly do.
 _BLOCK = 8
-_LEAST_BLOCKS = 12
+_MIN_BLOCKS = 12
 _OUTLYING = 6.0
 # Ends are tried from here on, on either side of the pad's middle.
 _FIRST_END = math.radians(45)
@@ -29,7 +30,7 @@ _SHARES = (0.03, 0.1, 0.3, 1.0)
 # Farther out, in radii of curvature, the outline may step aside (a nail, a fold), by this share of one.
 _REACH, _ASIDE = 0.25, 0.03
 # The fit is linear about the arc as found, and no good far from it.
-_MOST_CHANGE = 0.1
+_MAX_CHANGE = 0.1
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -51,7 +52,7 @@ class _Blocks:
     along: FloatArray
 
 
-def averaged_over_ends(
+def average_over_ends(
     points: FloatArray,
     order: IndexArray,
     arc: PadArc,
@@ -82,13 +83,13 @@ def averaged_over_ends(
     spacing : float
         Distance of the outline's neighbouring points, px.
     """
-    values = arc.fit.values
+    values = np.array(arc.fit.ellipse)
     semi = math.sqrt(values[2] * values[3])
     unit = np.array([semi, semi, semi, semi, 1.0])
     noise = arc.fit.residual_std * math.sqrt(arc.fit.correlation / _BLOCK)
     blocks = _blocks(points, order[~np.isin(order, arc.rejected)], values, middle, spacing)
     blocks = replace(blocks, terms=blocks.terms * np.append(unit, 1) / noise)
-    if len(blocks.turns) < _LEAST_BLOCKS:
+    if len(blocks.turns) < _MIN_BLOCKS:
         return arc
     sides = [_side(blocks, values, middle, sign, noise) for sign in (-1, 1)]
     known = np.array([0, 0, 0, 0, 1, values[4] - lean[0]]) / lean[1]
@@ -96,17 +97,9 @@ def averaged_over_ends(
     logs = sides[0][1][:, None] + sides[1][1]
     change, covariance = _average(grams.reshape(-1, 6, 6), logs.ravel(), len(blocks.turns))
     change, covariance = change * unit, covariance * np.outer(unit, unit)
-    if not (np.abs(change[2:4]) < _MOST_CHANGE * values[2:4]).all():
+    if not (np.abs(change[2:4]) < _MAX_CHANGE * values[2:4]).all():
         return arc
-    x, y, semi_x, semi_y, angle = values + change
-    fit = replace(
-        arc.fit,
-        centre=np.array([x, y]),
-        semi_x=float(semi_x),
-        semi_y=float(semi_y),
-        lean=float(angle),
-        covariance=covariance,
-    )
+    fit = replace(arc.fit, ellipse=PlaneEllipse(*(values + change).tolist()), covariance=covariance)
     return replace(arc, fit=fit)
 
 

@@ -20,7 +20,7 @@ _REACH = 0.25
 _REJECTION = 4.0
 
 
-def with_flanks(points: FloatArray, edges: SubpixelOutline, arc: PadArc, lean: tuple[float, float]) -> PadArc:
+def extend_arc(points: FloatArray, edges: SubpixelOutline, arc: PadArc, lean: tuple[float, float]) -> PadArc:
     """Fit the arc's ellipse again, with the outline just beyond its ends.
 
     Parameters
@@ -30,11 +30,11 @@ def with_flanks(points: FloatArray, edges: SubpixelOutline, arc: PadArc, lean: t
     edges : Edges
         The same outline in the picture.
     arc : PadArc
-        The arc, fitted by itself.
+        The arc, fitted alone.
     lean : (float, float)
         Lean of the finger's axis and its standard uncertainty, radians.
     """
-    values, ends = arc.fit.values, arc.used[[0, -1]]
+    values, ends = np.array(arc.fit.ellipse), arc.used[[0, -1]]
     first, last = radii_of_curvature(values, parametric_angles(points[ends], values))
     before = _flank(points, edges, arc, -first)[::-1]
     after = _flank(points, edges, arc, last)
@@ -65,7 +65,7 @@ def _flank(points: FloatArray, edges: SubpixelOutline, arc: PadArc, radius: floa
         order = order[(order >= 0) & (order < len(points))]
         away = away[: len(order)]
     spread = np.diagonal(departure_covariance(np.float64(edges.spacing) * away, (abs(radius), abs(radius))))
-    off = np.abs(distances(arc.fit.values, points[order])[0])
+    off = np.abs(distances(np.array(arc.fit.ellipse), points[order])[0])
     good: BoolArray = off < _REJECTION * np.sqrt(spread + arc.fit.residual_std**2)
     # What stands out is a hair, a nail or the frame, and so may be all that follows.
     good[np.argmin(good) :] &= good.all()

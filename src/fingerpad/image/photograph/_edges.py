@@ -11,15 +11,16 @@ from scipy.ndimage import gaussian_filter1d
 from scipy.special import ndtr
 
 from fingerpad._arrays import BoolArray, FloatArray
+from fingerpad.image.ellipse import signed_area
 
 # Samples per pixel along a normal, and blurs (standard deviation, px) that are tried.
 _DENSITY = 2
 _BLURS = np.geomspace(0.5, 6.0, 13)
 # Places tried along a normal, px apart.
-_TRY = 0.25
-_LEAST_STEP_RATIO = 3.0
+_TRIAL_STEP = 0.25
+_MIN_STEP_RATIO = 3.0
 _ALONG_PX = 1.5
-_LEAST_VARIANCE = 1e-6
+_MIN_VARIANCE = 1e-6
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -71,20 +72,20 @@ def locate_edges(
         Distance of the points, px.
     """
     closed = bool(np.linalg.norm(contour[0] - contour[-1]) < 3 * np.linalg.norm(contour[1] - contour[0]) + 2)
-    points, normals = _resampled(contour, spacing, closed=closed)
+    points, normals = _resample(contour, spacing, closed=closed)
     half = reach + 7.0
     offsets = np.arange(-half, half + 0.5 / _DENSITY, 1 / _DENSITY)
     profiles = _profiles(light, points, normals, offsets, spacing, closed=closed)
     blurs, weights = _sharpness(profiles[:: max(1, len(profiles) // 150)], offsets, reach)
-    places, ratio = _fitted(profiles, offsets, blurs, weights, reach)
-    found = np.isfinite(places) & (ratio > _LEAST_STEP_RATIO)
+    places, ratio = _fit_edges(profiles, offsets, blurs, weights, reach)
+    found = np.isfinite(places) & (ratio > _MIN_STEP_RATIO)
     moved = points + np.where(found, places, 0.0)[:, None] * normals
     return SubpixelOutline(
         points=moved, found=found, blur=float(blurs[0]), step_ratio=ratio, spacing=spacing, closed=closed
     )
 
 
-def _resampled(contour: FloatArray, spacing: float, *, closed: bool) -> tuple[FloatArray, FloatArray]:
+def _resample(contour: FloatArray, spacing: float, *, closed: bool) -> tuple[FloatArray, FloatArray]:
     """Return evenly spaced points of a contour and its outward unit normals."""
     path = np.concatenate([contour, contour[:1]]) if closed else contour
     along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))])
@@ -96,9 +97,7 @@ def _resampled(contour: FloatArray, spacing: float, *, closed: bool) -> tuple[Fl
     else:
         tangent = np.gradient(points, axis=0)
     tangent /= np.maximum(np.linalg.norm(tangent, axis=1, keepdims=True), 1e-12)
-    row, column = points.T
-    area = float(np.sum(row * np.roll(column, -1) - column * np.roll(row, -1)))
-    normals = np.stack([tangent[:, 1], -tangent[:, 0]], axis=-1) * math.copysign(1.0, area)
+    normals = np.stack([tangent[:, 1], -tangent[:, 0]], axis=-1) * math.copysign(1.0, signed_area(points))
     return points, normals
 
 
@@ -137,18 +136,18 @@ def _sharpness(profiles: FloatArray, offsets: FloatArray, reach: float) -> tuple
     freedom = len(offsets) - 5
     for k in range(profiles.shape[2]):
         own = profiles[..., k : k + 1]
-        left = [np.mean(_left(own, offsets, blur, reach)[0].min(axis=0)) for blur in _BLURS]
+        left = [np.mean(_residual_squares(own, offsets, blur, reach)[0].min(axis=0)) for blur in _BLURS]
         blurs[k] = _BLURS[int(np.argmin(left))]
         # Rounding to 256 levels is the least noise there is.
-        weights[k] = 1 / (min(left) / freedom + _LEAST_VARIANCE)
+        weights[k] = 1 / (min(left) / freedom + _MIN_VARIANCE)
     return blurs, weights
 
 
-def _left(
+def _residual_squares(
     profiles: FloatArray, offsets: FloatArray, blur: float, reach: float
 ) -> tuple[FloatArray, FloatArray]:
     """Return the squares that the model leaves with the edge at each place tried, and its squared step."""
-    tries = _tries(reach)
+    tries = _trial_offsets(reach)
     left = np.empty((len(tries), len(profiles)))
     steps = np.empty_like(left)
     total = np.einsum("nok,nok->n", profiles, profiles)
@@ -162,25 +161,25 @@ def _left(
     return left, steps
 
 
-def _tries(reach: float) -> FloatArray:
-    return np.arange(-reach, reach + _TRY / 2, _TRY)
+def _trial_offsets(reach: float) -> FloatArray:
+    return np.arange(-reach, reach + _TRIAL_STEP / 2, _TRIAL_STEP)
 
 
-def _fitted(
+def _fit_edges(
     profiles: FloatArray, offsets: FloatArray, blurs: FloatArray, weights: FloatArray, reach: float
 ) -> tuple[FloatArray, FloatArray]:
     """Return each profile's edge, NaN at the end of the reach, and its step over what its model leaves."""
-    each = [_left(profiles[..., k : k + 1], offsets, blur, reach) for k, blur in enumerate(blurs)]
+    each = [_residual_squares(profiles[..., k : k + 1], offsets, blur, reach) for k, blur in enumerate(blurs)]
     left = np.sum([weight * squares for weight, (squares, _) in zip(weights, each, strict=True)], axis=0)
     steps = np.sum([weight * step for weight, (_, step) in zip(weights, each, strict=True)], axis=0)
-    tries = _tries(reach)
+    tries = _trial_offsets(reach)
     best = np.clip(left.argmin(axis=0), 1, len(tries) - 2)
     which = np.arange(len(profiles))
     before, here, after = left[best - 1, which], left[best, which], left[best + 1, which]
     bend = before - 2 * here + after
     with np.errstate(divide="ignore", invalid="ignore"):
         shift = np.where(bend > 0, 0.5 * (before - after) / bend, np.nan)
-        places = np.where(np.abs(shift) <= 1, tries[best] + shift * _TRY, np.nan)
+        places = np.where(np.abs(shift) <= 1, tries[best] + shift * _TRIAL_STEP, np.nan)
         freedom = profiles.shape[2] * (len(offsets) - 4) - 1
         ratio = np.sqrt(steps[best, which] / np.maximum(here / freedom, 1e-12))
     return places, ratio

@@ -5,16 +5,16 @@ import math
 import numpy as np
 
 from fingerpad._arrays import FloatArray
-from fingerpad.image.photograph.faces import Face
+from fingerpad.geometry.faces import Face
 
 # From the tip in widths: where the sides begin to run along the finger.
 _SIDES_FROM = {"palmar": 1.15, "radial": 2.1, "ulnar": 2.1}
-_LEAST_LENGTH = 0.35
+_MIN_LENGTH = 0.35
 # How far the middle line of the sides can be off the ellipse's axis: a finger tapers unevenly.
 _AXIS_STD = {"palmar": math.radians(1.5), "radial": math.radians(3.0), "ulnar": math.radians(3.0)}
 # A finger held upright by eye.
 _UPRIGHT_STD = math.radians(5.0)
-_MOST = math.radians(35)
+_MAX_LEAN = math.radians(35)
 
 
 def finger_lean(points: FloatArray, face: Face) -> tuple[float, float]:
@@ -39,13 +39,13 @@ def finger_lean(points: FloatArray, face: Face) -> tuple[float, float]:
     first, second = points[:tip], points[tip:]
     top = end - _SIDES_FROM[face] * width
     bottom = max(first[:, 1].min(initial=end), second[:, 1].min(initial=end)) + 2
-    if top - bottom < _LEAST_LENGTH * width:
+    if top - bottom < _MIN_LENGTH * width:
         return 0.0, _UPRIGHT_STD
     levels = np.linspace(bottom, top, 40)
     middle = (_side(first, levels) + _side(second, levels)) / 2
     slope = np.polynomial.Polynomial.fit(levels, middle, 1).convert().coef[1]
     lean = -math.atan(float(slope))
-    if abs(lean) > _MOST:
+    if abs(lean) > _MAX_LEAN:
         return 0.0, _UPRIGHT_STD
     # A short stretch of the sides tells less of the axis.
     return lean, _AXIS_STD[face] * max(1.0, width / float(top - bottom))

@@ -7,10 +7,12 @@ import numpy as np
 import numpy.typing as npt
 
 from fingerpad._arrays import ArrayLike, FloatArray, as_float_array
+from fingerpad._srgb import linear_light
 from fingerpad.exceptions import ImageError
+from fingerpad.geometry.faces import Direction, Face
 from fingerpad.image._arguments import number_array, picture_array
+from fingerpad.image._levels import LUMA
 from fingerpad.image.photograph._edges import SubpixelOutline
-from fingerpad.image.photograph._face_frame import Direction
 from fingerpad.image.photograph._silhouette import Silhouette
 
 Window: TypeAlias = tuple[slice, slice]
@@ -18,6 +20,21 @@ IndexArray: TypeAlias = npt.NDArray[np.intp]
 
 # How far a mark may be off the outline, in widths of the finger.
 _MARK_REACH = 0.1
+
+
+def opponent_light(pixels: npt.NDArray[Any]) -> npt.NDArray[np.float32]:
+    """Return luma as light, then red and blue beyond it; luma alone for a grey picture.
+
+    Cameras' files keep luma sharp and colour at half the resolution: apart, each is trusted as it deserves.
+    """
+    if pixels.ndim == 2:
+        return linear_light(pixels)[..., None]
+    light = linear_light(pixels[..., :3])
+    luma = light @ LUMA
+    np.subtract(light[..., 0], luma, out=light[..., 1])
+    light[..., 2] -= luma
+    light[..., 0] = luma
+    return light
 
 
 def between(edges: SubpixelOutline, marks: FloatArray) -> IndexArray:
@@ -55,7 +72,12 @@ def within(edges: SubpixelOutline, window: Window) -> IndexArray:
     return longest
 
 
-def require_uncut(silhouette: Silhouette, sides: tuple[Direction, ...], tip: Direction) -> None:
+def pad_sides(face: Face, tip: Direction, palmar: Direction) -> tuple[Direction, ...]:
+    """Return the sides of the frame that the pad faces, where it must not be cut."""
+    return {"palmar": (tip,), "distal": (palmar,)}.get(face, (tip, palmar))
+
+
+def check_not_cut(silhouette: Silhouette, sides: tuple[Direction, ...], tip: Direction) -> None:
     """Refuse a finger whose pad lies on the frame."""
     rows, columns = np.nonzero(silhouette.mask)
     cuts = silhouette.cut_sides()
@@ -76,7 +98,7 @@ def require_uncut(silhouette: Silhouette, sides: tuple[Direction, ...], tip: Dir
             )
 
 
-def checked_picture(pixels: npt.ArrayLike) -> npt.NDArray[Any]:
+def check_image(pixels: npt.ArrayLike) -> npt.NDArray[Any]:
     """Return the picture, or say what is wrong with it."""
     values = picture_array(pixels, "pixels")
     if not (values.ndim == 2 or (values.ndim == 3 and values.shape[2] in (3, 4))) or not values.size:
@@ -90,7 +112,7 @@ def checked_picture(pixels: npt.ArrayLike) -> npt.NDArray[Any]:
     return values
 
 
-def checked_window(region: tuple[float, float, float, float], size: tuple[int, int]) -> Window:
+def check_window(region: tuple[float, float, float, float], size: tuple[int, int]) -> Window:
     """Return the region of interest as slices."""
     edges = number_array(region, "region_of_interest")
     if edges.shape != (4,) or not np.isfinite(edges).all():
@@ -106,7 +128,7 @@ def checked_window(region: tuple[float, float, float, float], size: tuple[int, i
     return rows, columns
 
 
-def checked_marks(points: ArrayLike, size: tuple[int, int]) -> FloatArray:
+def check_marks(points: ArrayLike, size: tuple[int, int]) -> FloatArray:
     """Return the marks, checked."""
     marks = number_array(points, "points")
     if marks.ndim != 2 or marks.shape[1] != 2 or len(np.unique(marks, axis=0)) < 2:

@@ -9,15 +9,15 @@ import numpy.typing as npt
 
 from fingerpad._arrays import BoolArray, FloatArray
 from fingerpad.exceptions import ImageError
-from fingerpad.image.photograph._face_frame import STEPS, Direction
+from fingerpad.geometry.faces import STEPS, Direction
 
 _SIDE_PX = 900
-_LEAST_SIDE_PX = 32
+_MIN_SIDE_PX = 32
 # Distances are counted in standard deviations of the backdrop.
-_LEAST_DISTANCE = 5.0
+_MIN_DISTANCE = 5.0
 _SHARE_OF_CONTRAST = 0.3
-_LEAST_AREA_SHARE = 0.004
-_MOST_AREA_SHARE = 0.92
+_MIN_AREA_SHARE = 0.004
+_MAX_AREA_SHARE = 0.92
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -57,7 +57,7 @@ class Silhouette:
             k = int(np.argmax(stretches))
             longest = turned[cuts[k] + 1 : cuts[k] + stretches[k]]
             # The contour of a mask runs along its pixels' middles, half a pixel inside.
-        smooth = _smoothed(longest, closed=not framed.any())
+        smooth = _smooth_contour(longest, closed=not framed.any())
         return (smooth + 0.5) * self.reduction - 0.5
 
     def cut_sides(self) -> dict[Direction, tuple[float, float]]:
@@ -95,10 +95,10 @@ def find_silhouette(
     """
     reduction = max(1.0, max(light.shape[:2]) / _SIDE_PX)
     rows, columns = (max(1, round(side / reduction)) for side in light.shape[:2])
-    if min(rows, columns) < _LEAST_SIDE_PX:
+    if min(rows, columns) < _MIN_SIDE_PX:
         raise ImageError(
             f"a photograph of {light.shape[0]} × {light.shape[1]} pixels is too small: "
-            f"{_LEAST_SIDE_PX} px a side are the least"
+            f"{_MIN_SIDE_PX} px a side are the least"
         )
     small = np.asarray(cv2.resize(light, (columns, rows), interpolation=cv2.INTER_AREA), dtype=np.float32)
     small = np.asarray(cv2.GaussianBlur(small, (0, 0), 1.2), dtype=np.float32).reshape(rows, columns, -1)
@@ -156,15 +156,15 @@ def _finger(distance: FloatArray) -> tuple[BoolArray, float]:
     """Return what stands out from the backdrop, and by how much."""
     level = np.clip(np.log1p(distance) * 40, 0, 255).astype(np.uint8)
     otsu, _ = cv2.threshold(level, 0, 255, cv2.THRESH_BINARY + cv2.THRESH_OTSU)
-    out = distance > max(_LEAST_DISTANCE, math.expm1(otsu / 40))
-    if out.mean() < _LEAST_AREA_SHARE:
+    out = distance > max(_MIN_DISTANCE, math.expm1(otsu / 40))
+    if out.mean() < _MIN_AREA_SHARE:
         raise ImageError(
             f"no finger found, {out.mean():.1%} of the photograph stands out from the backdrop: "
             "choose a backdrop of another colour than the skin, or come nearer"
         )
     contrast = float(np.median(distance[out]))
-    mask = distance > max(_LEAST_DISTANCE, _SHARE_OF_CONTRAST * contrast)
-    if mask.mean() > _MOST_AREA_SHARE:
+    mask = distance > max(_MIN_DISTANCE, _SHARE_OF_CONTRAST * contrast)
+    if mask.mean() > _MAX_AREA_SHARE:
         raise ImageError(f"{mask.mean():.0%} of the photograph would be finger: leave a margin of backdrop")
     return np.asarray(mask, dtype=bool), contrast
 
@@ -178,7 +178,7 @@ def _component(mask: BoolArray, window: tuple[slice, slice]) -> BoolArray:
     _, labels = cv2.connectedComponents(opened[size:-size, size:-size])
     counts = np.bincount(labels[window].ravel(), minlength=labels.max() + 1)
     counts[0] = 0
-    if counts.max() < _LEAST_AREA_SHARE * mask.size / 4:
+    if counts.max() < _MIN_AREA_SHARE * mask.size / 4:
         raise ImageError(
             "no finger found where it was looked for: move region_of_interest, or leave it out"
             if counts.max() < np.bincount(labels.ravel())[1:].max(initial=0)
@@ -190,7 +190,7 @@ def _component(mask: BoolArray, window: tuple[slice, slice]) -> BoolArray:
     return np.asarray(filled > 0, dtype=bool)
 
 
-def _smoothed(points: FloatArray, *, closed: bool, sigma: float = 3.0) -> FloatArray:
+def _smooth_contour(points: FloatArray, *, closed: bool, sigma: float = 3.0) -> FloatArray:
     """Return a pixel contour without its stairs."""
     reach = math.ceil(4 * sigma)
     weights = np.exp(-0.5 * (np.arange(-reach, reach + 1) / sigma) ** 2)

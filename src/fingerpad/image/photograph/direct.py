@@ -6,7 +6,8 @@ import numpy as np
 
 from fingerpad._arrays import as_float_array
 from fingerpad.exceptions import ImageError
-from fingerpad.image.photograph.faces import Face, FaceSemiAxes
+from fingerpad.geometry.faces import Face
+from fingerpad.image.photograph.faces import FaceSemiAxes
 from fingerpad.image.scale import Scale
 
 
@@ -21,7 +22,7 @@ def direct_semi_axes(
 ) -> FaceSemiAxes:
     """Measure two semi-axes directly, as the lengths from a marked centre to marked ends.
 
-    The source's first approach [ESM, Table 1, "Direct"].
+    The first approach of Dzidek et al. (2017) [ESM, Table 1, "Direct"].
 
     Parameters
     ----------

@@ -9,9 +9,8 @@ all of them (Peelle's pertinent puzzle).
 """
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Literal, TypeAlias
 
 import numpy as np
 from scipy import special
@@ -20,26 +19,16 @@ from scipy.optimize import brentq
 
 from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, as_float_array
 from fingerpad.exceptions import FitError
-
-Face: TypeAlias = Literal["palmar", "distal", "radial", "ulnar"]
-
-SEMI_AXES = ("palmar", "distal", "radial_ulnar")
-# The semi-axes that (x, y), that is (across, along), show in a photograph of each face.
-FACE_AXES: Mapping[Face, tuple[str, str]] = {
-    "palmar": ("radial_ulnar", "distal"),
-    "distal": ("radial_ulnar", "palmar"),
-    "radial": ("palmar", "distal"),
-    "ulnar": ("palmar", "distal"),
-}
+from fingerpad.geometry.faces import FACE_AXES, SEMI_AXES, Face
 
 # Semi-axes of any finger pad lie between these.
 PLAUSIBLE_SEMI_AXIS_MM = (2.0, 40.0)
 # Relative standard uncertainty below which no semi-axis of a finger is known: a micrometre.
-_LEAST_RELATIVE_STD = 1e-4
+_MIN_RELATIVE_STD = 1e-4
 # Chance of a disagreement below which it is no accident.
 _DISAGREE = 0.01
 # Relative standard deviation between faces beyond which they cannot be those of one finger.
-_MOST_BETWEEN_STD = 0.3
+_MAX_BETWEEN_STD = 0.3
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -182,7 +171,7 @@ def combine_faces(faces: Iterable[FaceSemiAxes]) -> OutlineSemiAxes:
     for one in given:
         _require_face(one)
     _require_every_axis(given)
-    return _combined(given)
+    return _combine(given)
 
 
 def _require_std(name: str, value: float) -> None:
@@ -212,7 +201,7 @@ def _require_every_axis(faces: tuple[FaceSemiAxes, ...]) -> None:
             raise FitError(f"no face given shows the {axis} semi-axis, found {found}: add one of {showing}")
 
 
-def _combined(faces: tuple[FaceSemiAxes, ...]) -> OutlineSemiAxes:
+def _combine(faces: tuple[FaceSemiAxes, ...]) -> OutlineSemiAxes:
     """Combine the semi-axes of all faces, once they are sound."""
     values = np.concatenate([one.semi_axes for one in faces])
     design = np.array([[axis == name for name in SEMI_AXES] for one in faces for axis in FACE_AXES[one.face]])
@@ -238,7 +227,7 @@ def _combined(faces: tuple[FaceSemiAxes, ...]) -> OutlineSemiAxes:
         between_variance = brentq(lambda tried: solved(tried)[2] - freedom, 0, most, xtol=1e-15 * most)
         shift, joint, _ = solved(between_variance)
     between_std = math.sqrt(between_variance)
-    if between_std > _MOST_BETWEEN_STD:
+    if between_std > _MAX_BETWEEN_STD:
         raise _contradiction(faces, design, off)
     semi_axes = np.exp(means + shift)
     palmar, distal, radial_ulnar = map(float, semi_axes)
@@ -262,7 +251,7 @@ def _relative_covariance(faces: tuple[FaceSemiAxes, ...], values: FloatArray) ->
     scale_std = np.repeat([one.relative_scale_std for one in faces], 2)
     covariance = block_diag(*(one.covariance for one in faces)) / np.outer(values, values)
     covariance += np.where(scale[:, None] == scale, np.outer(scale_std, scale_std), 0.0)
-    return np.asarray(covariance + _LEAST_RELATIVE_STD**2 * np.eye(values.size))
+    return np.asarray(covariance + _MIN_RELATIVE_STD**2 * np.eye(values.size))
 
 
 def _contradiction(faces: tuple[FaceSemiAxes, ...], design: FloatArray, off: FloatArray) -> FitError:

@@ -10,8 +10,9 @@ import numpy.typing as npt
 
 from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, as_float_array
 from fingerpad.exceptions import FitError, ImageError
-from fingerpad.image.photograph._face_frame import PAD_MIDDLE, Direction, face_axes, palmar_directions
-from fingerpad.image.photograph.faces import Face
+from fingerpad.geometry.faces import Direction, Face, face_axes, palmar_directions
+from fingerpad.image.ellipse import rotation
+from fingerpad.image.photograph._arc import PAD_MIDDLE
 from fingerpad.image.photograph.measure import PhotographFit, size_flags
 from fingerpad.image.photograph.outline_fit import fit_outline_ellipse, parametric_angles
 from fingerpad.image.scale import Scale
@@ -87,7 +88,7 @@ def photograph_from_ellipse(
         edge_covariance=2 * (own_std * scale.mm_per_px) ** 2 * np.eye(2),
         scale=scale,
         centre=(float(centre[0]), float(centre[1])),
-        directions=_turned(face_axes(face, tip, side), lean),
+        directions=rotation(lean).T @ face_axes(face, tip, side),
         lean=lean,
         lean_std=own_std / float(semi_px.max()),
         arc=(PAD_MIDDLE[face] - math.pi, PAD_MIDDLE[face] + math.pi),
@@ -191,34 +192,35 @@ def with_marked_points(
     >>> len(fewer.points) < len(found.points), round(fewer.semi_axes_mm["radial_ulnar"])
     (True, 12)
     """
-    marks = _checked("added points", added)
+    marks = _check_points("added points", added)
     kept = np.ones(len(found.points), dtype=bool)
     for path, radius in erased:
-        kept &= ~_under(found.points, path, radius)
+        kept &= ~_points_under_stroke(found.points, path, radius)
     if not len(marks) and kept.all():
         return found
     left_out = np.concatenate([found.outliers, found.points[~kept]])
     points = np.concatenate([found.points[kept], marks])
-    axes = _turned(found.directions, -found.lean)
+    axes = rotation(found.lean) @ found.directions
     centre = as_float_array(found.centre)
     local = (points - centre) @ axes.T
     start = np.array([0.0, 0.0, *(found.semi_axes / found.scale.mm_per_px), found.lean])
-    order, places = _in_order(local, start, found)
+    order, places = _outline_order(local, start, found)
     points, local = points[order], local[order]
-    # The sides of the finger told the lean of the program's fit: what it knew of that is kept.
+    # The lean of the automatic fit comes from the sides of the finger: it is kept as prior.
     fit = fit_outline_ellipse(
         local, lean=found.lean, lean_std=max(found.lean_std, 1e-3), places=places, start=start
     )
     shared = fit.shared_error_covariance(_SHARED_PX, _SHARED_PX, _SHARED_REACH)
-    place = fit.centre @ axes + centre
-    angles = _about_middle(parametric_angles(local, fit.values), found)
+    x, y, semi_x, semi_y, lean = fit.ellipse
+    place = np.array([x, y]) @ axes + centre
+    angles = _wrap_about_middle(parametric_angles(local, fit.ellipse), found)
     result = replace(
         found,
-        semi_axes=np.array([fit.semi_x, fit.semi_y]) * found.scale.mm_per_px,
+        semi_axes=np.array([semi_x, semi_y]) * found.scale.mm_per_px,
         edge_covariance=(fit.covariance + shared)[2:4, 2:4] * found.scale.mm_per_px**2,
         centre=(float(place[0]), float(place[1])),
-        directions=_turned(axes, fit.lean),
-        lean=fit.lean,
+        directions=rotation(lean).T @ axes,
+        lean=lean,
         lean_std=math.sqrt(fit.covariance[4, 4]),
         arc=(float(angles.min()), float(angles.max())),
         points=points,
@@ -235,15 +237,9 @@ def with_marked_points(
     return replace(result, flags=flags | {"by_hand"})
 
 
-def _turned(axes: FloatArray, lean: float) -> FloatArray:
-    """Return a face's axes turned from the first towards the second."""
-    turn = np.array([[math.cos(lean), math.sin(lean)], [-math.sin(lean), math.cos(lean)]])
-    return np.asarray(turn @ axes)
-
-
-def _in_order(local: FloatArray, start: FloatArray, found: PhotographFit) -> tuple[IntArray, IntArray]:
+def _outline_order(local: FloatArray, start: FloatArray, found: PhotographFit) -> tuple[IntArray, IntArray]:
     """Return the points' order along the outline, and the place of each in steps of the outline."""
-    angles = _about_middle(parametric_angles(local, start), found)
+    angles = _wrap_about_middle(parametric_angles(local, start), found)
     order = np.argsort(angles, kind="stable")
     lengths = np.linalg.norm(np.diff(local[order], axis=0), axis=1)
     step = float(np.median(lengths[lengths > 0])) if (lengths > 0).any() else 1.0
@@ -252,12 +248,12 @@ def _in_order(local: FloatArray, start: FloatArray, found: PhotographFit) -> tup
     return order.astype(np.int64), places.astype(np.int64)
 
 
-def _about_middle(angles: FloatArray, found: PhotographFit) -> FloatArray:
+def _wrap_about_middle(angles: FloatArray, found: PhotographFit) -> FloatArray:
     middle = PAD_MIDDLE[found.face]
     return middle + (angles - middle + math.pi) % (2 * math.pi) - math.pi
 
 
-def _checked(what: str, points: ArrayLike) -> FloatArray:
+def _check_points(what: str, points: ArrayLike) -> FloatArray:
     values = as_float_array(points)
     values = values.reshape(0, 2) if values.size == 0 else values
     if values.ndim != 2 or values.shape[1] != 2 or not (np.abs(values) <= _FARTHEST_PX).all():
@@ -268,9 +264,9 @@ def _checked(what: str, points: ArrayLike) -> FloatArray:
     return values
 
 
-def _under(points: FloatArray, stroke: ArrayLike, radius: float) -> BoolArray:
+def _points_under_stroke(points: FloatArray, stroke: ArrayLike, radius: float) -> BoolArray:
     """Return which points lie under a stroke of a rubber."""
-    path = _checked("a stroke", stroke)
+    path = _check_points("a stroke", stroke)
     if not (len(path) and radius > 0 and math.isfinite(radius)):
         raise ImageError(f"a stroke needs a point and a positive radius, found {len(path)} and {radius}")
     start, end = (path, path) if len(path) == 1 else (path[:-1], path[1:])

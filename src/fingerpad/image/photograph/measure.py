@@ -13,31 +13,33 @@ import numpy.typing as npt
 
 from fingerpad._arrays import ArrayLike, FloatArray
 from fingerpad.exceptions import FitError, ImageError
-from fingerpad.image.photograph._arc import PadArc, candidate_points, fitted_arc, longest_arc, widened
-from fingerpad.image.photograph._arc_averaging import averaged_over_ends
-from fingerpad.image.photograph._arc_extension import with_flanks
-from fingerpad.image.photograph._edges import SubpixelOutline, locate_edges
-from fingerpad.image.photograph._face_frame import (
+from fingerpad.geometry.faces import FACE_AXES, Direction, Face, face_axes, opposite, palmar_directions
+from fingerpad.image.ellipse import rotation
+from fingerpad.image.photograph._arc import (
     PAD_MIDDLE,
-    Direction,
-    face_axes,
-    opposite,
-    pad_sides,
-    palmar_directions,
+    PadArc,
+    add_shared_errors,
+    candidate_points,
+    fit_arc,
+    longest_arc,
 )
+from fingerpad.image.photograph._arc_averaging import average_over_ends
+from fingerpad.image.photograph._arc_extension import extend_arc
+from fingerpad.image.photograph._edges import SubpixelOutline, locate_edges
 from fingerpad.image.photograph._finger_axis import finger_lean
 from fingerpad.image.photograph._input import (
     Window,
     between,
-    checked_marks,
-    checked_picture,
-    checked_window,
-    require_uncut,
+    check_image,
+    check_marks,
+    check_not_cut,
+    check_window,
+    opponent_light,
+    pad_sides,
     within,
 )
 from fingerpad.image.photograph._silhouette import Silhouette, find_silhouette
-from fingerpad.image.photograph._srgb import opponent_light
-from fingerpad.image.photograph.faces import FACE_AXES, Face, FaceSemiAxes, implausible_size
+from fingerpad.image.photograph.faces import FaceSemiAxes, implausible_size
 from fingerpad.image.photograph.outline_fit import parametric_angles
 from fingerpad.image.scale import Scale
 
@@ -55,11 +57,11 @@ PHOTOGRAPH_FLAGS: Mapping[str, str] = {
 }
 
 _SHORT_ARC_DEG = 90.0
-_MOST_RELATIVE_STD = 0.4
+_MAX_RELATIVE_STD = 0.4
 # Step across the edge over the noise beside it.
 _LOW_CONTRAST = 30.0
-_LEAST_POINTS = 24
-_MOST_POINTS = 1000
+_MIN_POINTS = 24
+_MAX_POINTS = 1000
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -216,10 +218,10 @@ def measure_photograph(
     {'radial_ulnar': 12, 'distal': 14}
     """
     sides = palmar_directions(face, tip, palmar)
-    light = opponent_light(checked_picture(pixels))
+    light = opponent_light(check_image(pixels))
     size = (light.shape[0], light.shape[1])
-    window = None if region_of_interest is None else checked_window(region_of_interest, size)
-    marks = None if points is None else checked_marks(points, size)
+    window = None if region_of_interest is None else check_window(region_of_interest, size)
+    marks = None if points is None else check_marks(points, size)
     silhouette = find_silhouette(light, None if face == "distal" else opposite(tip), window)
     edges = _outline(light, silhouette)
     tried: list[PhotographFit] = []
@@ -227,7 +229,7 @@ def measure_photograph(
     for side in sides:
         try:
             if window is None and marks is None:
-                require_uncut(silhouette, pad_sides(face, tip, side), tip)
+                check_not_cut(silhouette, pad_sides(face, tip, side), tip)
             axes = face_axes(face, tip, side)
             arc, place = _pad_arc(edges, face, axes, window, marks)
             tried.append(_result(arc, (axes, place), (edges, silhouette), face, scale))
@@ -257,7 +259,7 @@ def _outline(light: npt.NDArray[np.float32], silhouette: Silhouette) -> Subpixel
         contour = coarse.points[coarse.found] if coarse.found.mean() > 0.5 else contour
     # Errors run together over several pixels: more points than these say nothing more.
     length = float(np.linalg.norm(np.diff(contour, axis=0), axis=1).sum())
-    return locate_edges(light, contour, reach=4.0, spacing=max(1.0, length / _MOST_POINTS))
+    return locate_edges(light, contour, reach=4.0, spacing=max(1.0, length / _MAX_POINTS))
 
 
 def _pad_arc(
@@ -275,17 +277,17 @@ def _pad_arc(
         order = candidate_points(local, face)
     found = order[edges.found[order]]
     middle = PAD_MIDDLE[face]
-    if len(found) < _LEAST_POINTS:
+    if len(found) < _MIN_POINTS:
         raise FitError(
             f"only {len(found)} points of the finger's outline lie on the {face} face's arc: "
             "widen region_of_interest, or mark points on the pad"
         )
     if marks is None and window is None:
         arc = longest_arc(local, found, middle, lean)
-        arc = averaged_over_ends(local, found, arc, middle=middle, lean=lean, spacing=edges.spacing)
+        arc = average_over_ends(local, found, arc, middle=middle, lean=lean, spacing=edges.spacing)
     else:
-        arc = with_flanks(local, edges, fitted_arc(local, found, lean), lean)
-    return widened(arc, edges), place
+        arc = extend_arc(local, edges, fit_arc(local, found, lean), lean)
+    return add_shared_errors(arc, edges), place
 
 
 def _result(
@@ -297,20 +299,19 @@ def _result(
 ) -> PhotographFit:
     """Return what was fitted in the face's frame, as lengths and as places in the picture."""
     fit, (axes, place), (edges, silhouette) = arc.fit, frame, seen
-    turn = np.array([[math.cos(fit.lean), math.sin(fit.lean)], [-math.sin(fit.lean), math.cos(fit.lean)]])
-    centre = fit.centre @ axes + place
+    x, y, semi_x, semi_y, lean = fit.ellipse
+    centre = np.array([x, y]) @ axes + place
     middle = PAD_MIDDLE[face]
-    angles = parametric_angles((edges.points[arc.used] - place) @ axes.T, fit.values)
+    angles = parametric_angles((edges.points[arc.used] - place) @ axes.T, fit.ellipse)
     angles = middle + (angles - middle + math.pi) % (2 * math.pi) - math.pi
-    semi_px = np.array([fit.semi_x, fit.semi_y])
     found = PhotographFit(
         face=face,
-        semi_axes=semi_px * scale.mm_per_px,
+        semi_axes=np.array([semi_x, semi_y]) * scale.mm_per_px,
         edge_covariance=fit.covariance[2:4, 2:4] * scale.mm_per_px**2,
         scale=scale,
         centre=(float(centre[0]), float(centre[1])),
-        directions=turn @ axes,
-        lean=fit.lean,
+        directions=rotation(lean).T @ axes,
+        lean=lean,
         lean_std=math.sqrt(fit.covariance[4, 4]),
         arc=(float(angles.min()), float(angles.max())),
         points=edges.points[arc.used],
@@ -321,7 +322,7 @@ def _result(
         flags=frozenset(),
     )
     relative = float((np.sqrt(np.diagonal(found.edge_covariance)) / found.semi_axes).max())
-    if not relative < _MOST_RELATIVE_STD:
+    if not relative < _MAX_RELATIVE_STD:
         raise FitError(
             f"the {face} face's arc of {found.arc_deg:.0f} degrees leaves an axis unknown by {relative:.0%}: "
             "mark a longer arc, come nearer, or choose a backdrop of another colour than the skin"

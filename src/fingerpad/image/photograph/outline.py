@@ -10,8 +10,9 @@ import numpy as np
 
 from fingerpad._arrays import ArrayLike, FloatArray
 from fingerpad.exceptions import FitError, ImageError
+from fingerpad.geometry.faces import Face
 from fingerpad.image.ellipse_fit import fit_aligned_ellipse
-from fingerpad.image.photograph.faces import Face, FaceSemiAxes, OutlineSemiAxes, combine_faces
+from fingerpad.image.photograph.faces import FaceSemiAxes, OutlineSemiAxes, combine_faces
 
 
 def semi_axes_from_outlines(
@@ -77,8 +78,8 @@ def face_from_outline(face: Face, points: ArrayLike, relative_scale_std: float =
         raise FitError(f"outline of the {face} face: four points leave no residual: mark five points or more")
     return FaceSemiAxes(
         face=face,
-        semi_axes=np.array([fit.semi_x, fit.semi_y]),
-        covariance=fit.covariance[2:, 2:],
+        semi_axes=np.array([fit.ellipse.semi_x, fit.ellipse.semi_y]),
+        covariance=fit.covariance[2:4, 2:4],
         relative_scale_std=relative_scale_std,
     )
 

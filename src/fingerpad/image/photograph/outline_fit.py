@@ -20,57 +20,38 @@ from scipy.optimize import least_squares
 
 from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, as_float_array
 from fingerpad.exceptions import FitError
+from fingerpad.image._correlation import correlation_length
 from fingerpad.image._orthogonal_fit import Parameters, distances
-from fingerpad.image.ellipse_fit import fit_aligned_ellipse
+from fingerpad.image.ellipse import PlaneEllipse, rotation
+from fingerpad.image.ellipse_fit import EllipseFit, fit_aligned_ellipse
 
 _ROUNDS = 2
-# The window of the autocovariance's sum, in correlation lengths (Sokal 1997, section 3).
-_WINDOW = 5.0
-_LEAST_FREEDOM = 3.0
+_MIN_FREEDOM = 3.0
 _TWO_SIDED_95 = 1.959964
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class OutlineFit:
-    """An ellipse that leans a little against x and y, fitted to ordered points.
+class OutlineFit(EllipseFit):
+    """An ellipse fitted to ordered points; its covariance allows for their correlated errors.
 
     Attributes
     ----------
-    centre : ndarray, (2,)
-        (x, y), in the unit of the points.
-    semi_x, semi_y : float
-        Semi-axes along x and y before the lean, never sorted.
-    lean : float
-        Turn from x towards y, radians.
-    covariance : ndarray, (5, 5)
-        Of (x, y, semi_x, semi_y, lean), correlated errors allowed for.
+    ellipse, covariance, residual_std
+        As of an `EllipseFit`; the residuals are those on the arc.
     residuals : ndarray, (n,)
         Signed orthogonal distances of all points, outwards positive.
     angles : ndarray, (n,)
         Parametric angle of each point's foot, radians.
-    residual_std : float
-        Standard deviation of the residuals on the arc.
     correlation : float
         Number of neighbouring points that count as one.
     influence : ndarray, (5, n)
         How far each parameter moves when a point moves outwards by one.
     """
 
-    centre: FloatArray
-    semi_x: float
-    semi_y: float
-    lean: float
-    covariance: FloatArray
     residuals: FloatArray
     angles: FloatArray
-    residual_std: float
     correlation: float
     influence: FloatArray
-
-    @property
-    def values(self) -> FloatArray:
-        """The parameters (x, y, semi_x, semi_y, lean)."""
-        return np.array([*self.centre, self.semi_x, self.semi_y, self.lean])
 
     def shared_error_covariance(self, alike_std: float, smooth_std: float, reach: float) -> FloatArray:
         """Return the covariance from errors that residuals cannot show, since an ellipse can follow them.
@@ -131,7 +112,7 @@ def fit_outline_ellipse(
     --------
     >>> from fingerpad.simulate import outline_points
     >>> fit = fit_outline_ellipse(outline_points(11.8, 13.8, count=200, arc=(0.5, 2.6), noise_std=0.01))
-    >>> round(fit.semi_x, 1), round(fit.semi_y, 1)
+    >>> round(fit.ellipse.semi_x, 1), round(fit.ellipse.semi_y, 1)
     (11.8, 13.8)
     """
     points = as_float_array(points)
@@ -147,13 +128,13 @@ def fit_outline_ellipse(
     shift = points.mean(axis=0)
     size = float(np.sqrt(np.mean((points - shift) ** 2)))
     local, past = (points - shift) / size, past / size
-    values = _start(local[on_arc], lean) if start is None else _scaled(as_float_array(start), shift, size)
-    values = _refined(local[on_arc], values, (lean, math.inf), np.asarray)
+    values = _start(local[on_arc], lean) if start is None else _normalise(as_float_array(start), shift, size)
+    values = _refine(local[on_arc], values, (lean, math.inf), np.asarray)
     for _ in range(_ROUNDS):
         variance, correlation = _noise(distances(values, local[on_arc])[0], rows[on_arc])
         spread = departure_covariance(past[~on_arc], _end_radii(values, local[on_arc]))
         errors = _Errors(on_arc=on_arc, density=variance * correlation, departure=spread)
-        values = _refined(local, values, (lean, lean_std), errors.whitened)
+        values = _refine(local, values, (lean, lean_std), errors.whitened)
     residuals, design = distances(values, local)
     white = errors.whitened(design)
     information = white.T @ white
@@ -164,11 +145,11 @@ def fit_outline_ellipse(
     covariance = widening * inverse * np.outer(unit, unit)
     # By convention a distance grows outwards and falls as the ellipse does.
     influence = -inverse @ errors.weighted(design).T * (unit / size)[:, None]
+    x, y = values[:2] * size + shift
     return OutlineFit(
-        centre=values[:2] * size + shift,
-        semi_x=float(values[2] * size),
-        semi_y=float(values[3] * size),
-        lean=float(values[4]),
+        ellipse=PlaneEllipse(
+            float(x), float(y), float(values[2] * size), float(values[3] * size), float(values[4])
+        ),
         covariance=np.asarray(covariance, dtype=np.float64),
         residuals=residuals * size,
         angles=parametric_angles(local, values),
@@ -236,30 +217,29 @@ def _end_radii(values: Parameters, arc: FloatArray) -> tuple[float, float]:
     return float(first), float(last)
 
 
-def radii_of_curvature(values: Parameters, angles: FloatArray) -> FloatArray:
+def radii_of_curvature(values: Parameters | PlaneEllipse, angles: FloatArray) -> FloatArray:
     """Return the radius of curvature (a² sin² t + b² cos² t)^(3/2) / (a b) at parametric angles t."""
     speed = np.hypot(values[2] * np.sin(angles), values[3] * np.cos(angles))
     return np.asarray(speed**3 / (values[2] * values[3]), dtype=np.float64)
 
 
-def parametric_angles(points: FloatArray, values: Parameters) -> FloatArray:
+def parametric_angles(points: FloatArray, values: Parameters | PlaneEllipse) -> FloatArray:
     """Return the parametric angle of points seen from an ellipse's centre, radians in (−π, π]."""
-    turn = np.array([[math.cos(values[4]), -math.sin(values[4])], [math.sin(values[4]), math.cos(values[4])]])
-    local = (points - values[:2]) @ turn
+    local = (points - values[:2]) @ rotation(values[4])
     return np.asarray(np.arctan2(local[:, 1] / values[3], local[:, 0] / values[2]), dtype=np.float64)
 
 
 def _start(points: FloatArray, lean: float) -> Parameters:
-    turn = np.array([[math.cos(lean), -math.sin(lean)], [math.sin(lean), math.cos(lean)]])
-    aligned = fit_aligned_ellipse(points @ turn)
-    return np.array([*(turn @ aligned.centre), aligned.semi_x, aligned.semi_y, lean])
+    turn = rotation(lean)
+    x, y, semi_x, semi_y, _ = fit_aligned_ellipse(points @ turn).ellipse
+    return np.array([*(turn @ (x, y)), semi_x, semi_y, lean])
 
 
-def _scaled(values: FloatArray, shift: FloatArray, size: float) -> Parameters:
+def _normalise(values: FloatArray, shift: FloatArray, size: float) -> Parameters:
     return np.array([*((values[:2] - shift) / size), values[2] / size, values[3] / size, values[4]])
 
 
-def _refined(
+def _refine(
     points: FloatArray,
     start: Parameters,
     lean: tuple[float, float],
@@ -285,36 +265,16 @@ def _refined(
 def _noise(residuals: FloatArray, places: npt.NDArray[np.int64]) -> tuple[float, float]:
     """Return the variance of single points and the number of neighbours that count as one.
 
-    The integrated autocorrelation 1 + 2 Σ ρ_k, summed as far as it is noise itself. The fit has taken five
-    degrees of freedom from the residuals, each worth one correlation length: they are given back.
+    The fit has taken five degrees of freedom from the residuals, each worth one correlation length.
     """
-    span = int(places[-1] - places[0]) + 1
-    filled, present = np.zeros(span), np.zeros(span)
-    filled[places - places[0]] = residuals - residuals.mean()
-    present[places - places[0]] = 1
-    most = max(2, span // 3)
-    sums = _lagged(filled, most)
-    pairs = np.maximum(_lagged(present, most), 1)
     mean_square = float(np.mean(residuals**2))
     if not mean_square > 0:
         return 1e-24, 1.0
-    shares = sums / pairs / (sums[0] / pairs[0])
-    running = 1 + 2 * np.cumsum(shares[1:])
-    enough = np.arange(1, len(running) + 1) >= _WINDOW * np.maximum(running, 1) / 2
-    last = int(np.argmax(enough)) if enough.any() else len(running) - 1
-    correlation = float(np.clip(running[: last + 1].max(), 1, len(residuals) / 8))
+    correlation = correlation_length(residuals, places)
     independent = len(residuals) / correlation
-    lost = independent / max(independent - 5, _LEAST_FREEDOM)
-    return mean_square * lost, correlation
-
-
-def _lagged(values: FloatArray, most: int) -> FloatArray:
-    """Return the sums of products of values at lags 0 to most."""
-    size = 2 ** math.ceil(math.log2(2 * len(values)))
-    power = np.abs(np.fft.rfft(values, size)) ** 2
-    return np.asarray(np.fft.irfft(power, size)[: most + 1], dtype=np.float64)
+    return mean_square * (independent / max(independent - 5, _MIN_FREEDOM)), correlation
 
 
 def student_widening(freedom: float) -> float:
     """Return how much a variance from few degrees of freedom widens, so that 1.96 deviations hold 95 %."""
-    return float((special.stdtrit(max(freedom, _LEAST_FREEDOM), 0.975) / _TWO_SIDED_95) ** 2)
+    return float((special.stdtrit(max(freedom, _MIN_FREEDOM), 0.975) / _TWO_SIDED_95) ** 2)

@@ -13,7 +13,7 @@ from fingerpad._arrays import ArrayLike, FloatArray, as_float_array
 from fingerpad._columns import read_columns
 from fingerpad.exceptions import LoadingError
 
-_LEAST_SAMPLES = 2
+_MIN_SAMPLES = 2
 # A signal that goes so many times further below zero than above has the wrong sign.
 _REVERSED = 2.0
 
@@ -57,9 +57,9 @@ class ForceSignal:
             {} if trigger is None else {"trigger": as_float_array(trigger)}
         )
         for name, values in channels.items():
-            if values.ndim != 1 or values.size < _LEAST_SAMPLES or values.shape != time.shape:
+            if values.ndim != 1 or values.size < _MIN_SAMPLES or values.shape != time.shape:
                 raise LoadingError(
-                    f"{name} must be a row of {max(time.size, _LEAST_SAMPLES)} samples like time, "
+                    f"{name} must be a row of {max(time.size, _MIN_SAMPLES)} samples like time, "
                     f"found shape {values.shape}"
                 )
             if not np.isfinite(values).all():

@@ -91,7 +91,7 @@ class Frames:
         A folder or a TIFF is entered where `start` lies; a video must be decoded up to there.
         """
         shape = None if start == 0 else self._first_shape()
-        for frame in self._decoded(start, min(stop, self.count)):
+        for frame in self._decode(start, min(stop, self.count)):
             if frame.pixels is not None and shape is None:
                 shape = frame.pixels.shape
             if frame.pixels is not None and frame.pixels.shape != shape:
@@ -110,13 +110,13 @@ class Frames:
         """
         if not 0 <= index < self.count:
             raise ImageError(f"{self.path}: has no frame {index}: there are {self.count}, counted from 0")
-        return next(self._decoded(index, index + 1))
+        return next(self._decode(index, index + 1))
 
     def _first_shape(self) -> tuple[int, ...] | None:
-        readable = (frame.pixels for frame in self._decoded(0, self.count) if frame.pixels is not None)
+        readable = (frame.pixels for frame in self._decode(0, self.count) if frame.pixels is not None)
         return next((pixels.shape for pixels in readable), None)
 
-    def _decoded(self, start: int, stop: int) -> Iterator[Frame]:
+    def _decode(self, start: int, stop: int) -> Iterator[Frame]:
         if self.kind == "folder":
             return _folder_frames(frame_files(self.path), start, stop, self.memory_limit)
         if self.kind == "tiff":
@@ -195,7 +195,7 @@ def _folder_frames(pictures: list[Path], start: int, stop: int, memory_limit: in
             yield Frame(index=index, pixels=pixels)
 
 
-def _walked(tiff: tifffile.TiffFile) -> tuple[int, str | None]:
+def _count_readable_pages(tiff: tifffile.TiffFile) -> tuple[int, str | None]:
     """Return the number of pages that can be reached, and what breaks their chain, if anything does."""
     with tifffile_warnings() as heard:
         return len(tiff.pages), heard[0] if heard else None
@@ -204,7 +204,7 @@ def _walked(tiff: tifffile.TiffFile) -> tuple[int, str | None]:
 def _count_pages(path: Path) -> int:
     """Return the number of frames; where the chain of pages is broken, one more stands for what is lost."""
     with _open_tiff(path) as tiff:
-        count, broken = _walked(tiff)
+        count, broken = _count_readable_pages(tiff)
     return count + (broken is not None)
 
 
@@ -223,7 +223,7 @@ def _open_tiff(path: Path) -> tifffile.TiffFile:
 def _tiff_frames(path: Path, start: int, stop: int, memory_limit: int) -> Iterator[Frame]:
     # Reading one IFD at a time: a list of all pages would grow with the film.
     with _open_tiff(path) as tiff:
-        count, broken = _walked(tiff)
+        count, broken = _count_readable_pages(tiff)
         for index in range(start, min(stop, count)):
             try:
                 with tifffile_warnings():

@@ -12,6 +12,7 @@ from fingerpad._arrays import FloatArray
 from fingerpad.exceptions import LoadingError, reason_of
 from fingerpad.image._levels import Pixels
 from fingerpad.image.contact_image.measure import measure_contact_image
+from fingerpad.image.contact_image.options import MeasurementRegion
 from fingerpad.image.contact_image.result import ContactImageResult
 from fingerpad.image.scale import Scale
 from fingerpad.image.sequence.force import ForceSignal, FrameClock
@@ -19,7 +20,6 @@ from fingerpad.image.sequence.frames import Frame
 from fingerpad.image.sequence.phases import PHASES, Phase, phases_of
 from fingerpad.image.sequence.result import FrameResult
 from fingerpad.image.sequence.settings import (
-    MeasurementRegion,
     SequenceSettings,
     estimate_settings,
     texture_of,
@@ -192,18 +192,18 @@ def assign_times(
     first_contact: int | None = None
     for result in results:
         if first_contact is not None:
-            yield _placed(result, first_contact, clock, force, record)
+            yield _assign_time(result, first_contact, clock, force, record)
             continue
         waiting.append(result)
         run = run + 1 if result.measures is not None else 0
         if run == PERSISTENCE:
             first_contact = waiting[-PERSISTENCE].index
-            yield from (_placed(held, first_contact, clock, force, record) for held in waiting)
+            yield from (_assign_time(held, first_contact, clock, force, record) for held in waiting)
             waiting.clear()
-    yield from (_placed(held, None, clock, force, record) for held in waiting)
+    yield from (_assign_time(held, None, clock, force, record) for held in waiting)
 
 
-def _placed(
+def _assign_time(
     result: FrameResult,
     first_contact: int | None,
     clock: FrameClock | None,

@@ -89,20 +89,20 @@ class SequenceSummary:
 
 
 # With fewer contacts than this nothing is said of how area and force go together.
-_LEAST_TO_COMPARE = 8
-_TOGETHER = 0.5
+_MIN_FRAMES_TO_COMPARE = 8
+_MIN_CORRELATION = 0.5
 # A film in which the load stays below this share of what the force reaches is timed wrongly, or cut.
-_SEEN = 0.1
+_MIN_LOAD_SHARE = 0.1
 
 
-def _go_together(loads: Sequence[float], areas: Sequence[float]) -> bool:
+def _area_follows_load(loads: Sequence[float], areas: Sequence[float]) -> bool:
     """Tell whether the area follows the load, whatever its law: by their rank correlation."""
     if not np.ptp(loads) > 0:
         return False
     from scipy import stats  # noqa: PLC0415 (slow to import, seldom needed)
 
     correlation, _ = stats.spearmanr(loads, areas)
-    return bool(correlation > _TOGETHER)
+    return bool(correlation > _MIN_CORRELATION)
 
 
 def sequence_summary(results: Iterable[FrameResult], force: ForceSignal | None = None) -> SequenceSummary:
@@ -145,9 +145,9 @@ def sequence_summary(results: Iterable[FrameResult], force: ForceSignal | None =
             f"{max(0.0, end - start):.4g} s (from {start:.4g} to {end:.4g} s): "
             f"{counts['no_force']} of {counts['all']} frames have no load"
         )
-    reach = 0.0 if force is None else _SEEN * float(force.load.max())
-    together = bool(areas) and max(loads) >= reach and _go_together(loads, areas)
-    if len(areas) >= _LEAST_TO_COMPARE and not together:
+    reach = 0.0 if force is None else _MIN_LOAD_SHARE * float(force.load.max())
+    together = bool(areas) and max(loads) >= reach and _area_follows_load(loads, areas)
+    if len(areas) >= _MIN_FRAMES_TO_COMPARE and not together:
         notes.append("area and force do not rise and fall together: check frame rate, trigger and force file")
     if counts["failed"]:
         notes.append(f"{counts['failed']} of {counts['all']} frames could not be read; first {reason}")

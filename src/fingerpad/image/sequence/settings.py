@@ -1,10 +1,10 @@
-"""Learn how to read a sequence: which frames show the largest contact, and what ridges look like there."""
+"""Estimate the settings of a sequence from the frames that show the largest contact."""
 
 import math
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass
-from typing import Final, TypedDict, Unpack
+from typing import Final, Unpack
 
 import cv2
 import numpy as np
@@ -13,26 +13,18 @@ import numpy.typing as npt
 from fingerpad._arrays import FloatArray
 from fingerpad.exceptions import ImageError
 from fingerpad.image._levels import Pixels
-from fingerpad.image.contact_image._cropping import part_of
+from fingerpad.image.contact_image._cropping import crop_grey
 from fingerpad.image.contact_image.measure import measure_contact_image
+from fingerpad.image.contact_image.options import MeasurementRegion
 from fingerpad.image.contact_image.result import ContactImageResult, ContactImageSettings
 from fingerpad.image.scale import Scale
 from fingerpad.image.sequence.frames import Frame, Frames
 
-_TEACHERS: Final = 5
+_SETTINGS_FRAMES: Final = 5
 # Wider than a ridge, narrower than a finger: what is left after it is texture.
 _TEXTURE_WINDOW_MM: Final = 1.5
 # Less texture than this share of the busiest frame's is no contact that could be measured.
-_LEAST_TEXTURE: Final = 0.01
-
-
-class MeasurementRegion(TypedDict, total=False):
-    """Where every frame is looked at, as keyword arguments of `measure_contact_image`."""
-
-    background: npt.ArrayLike | None
-    seed: tuple[float, float] | None
-    mask: npt.ArrayLike | None
-    region_of_interest: tuple[int, int, int, int] | None
+_MIN_TEXTURE: Final = 0.01
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -67,7 +59,7 @@ class TextureScan:
     def busiest(self) -> tuple[int, ...]:
         """The few frames of most texture, in their order: those of the largest contact."""
         seen = np.flatnonzero(np.isfinite(self.texture))
-        most = seen[np.argsort(-self.texture[seen], kind="stable")][:_TEACHERS]
+        most = seen[np.argsort(-self.texture[seen], kind="stable")][:_SETTINGS_FRAMES]
         return tuple(sorted(self.index[most].tolist()))
 
 
@@ -93,7 +85,7 @@ class SequenceSettings:
     @property
     def min_texture(self) -> float:
         """Texture below which a frame shows no contact that could be measured."""
-        return _LEAST_TEXTURE * float(np.nanmax(self.texture))
+        return _MIN_TEXTURE * float(np.nanmax(self.texture))
 
 
 def scan_texture(frames: Iterable[Frame], scale: Scale, **place: Unpack[MeasurementRegion]) -> TextureScan:
@@ -132,7 +124,7 @@ def estimate_settings(
     """Learn from the frames of largest contact how to read a sequence: one relative level for all its frames.
 
     Ridges lie above half the local rise from valley to ridge, which a flicker of the light scales without
-    moving its half. What counts as a rise is told from the contrast of the largest contact in every frame,
+    moving its half. The contrast of the largest contact decides in every frame what counts as a rise,
     so that neither noise nor faint traces pass for a first contact.
 
     Parameters
@@ -160,7 +152,7 @@ def estimate_settings(
         raise ImageError(f"no frame can be read: {scan.reason or 'there is none'}")
     seen: list[tuple[int, ContactImageResult]] = []
     reason: str | None = None
-    for frame in _chosen(frames, scan.busiest):
+    for frame in _frames_at(frames, scan.busiest):
         if frame.pixels is None:
             continue  # it could be read when it was surveyed
         try:
@@ -185,7 +177,7 @@ def estimate_settings(
     )
 
 
-def _chosen(frames: Iterable[Frame], indices: Collection[int]) -> Iterator[Frame]:
+def _frames_at(frames: Iterable[Frame], indices: Collection[int]) -> Iterator[Frame]:
     """Return some of the frames, in the sequence's order."""
     if isinstance(frames, Frames) and frames.kind != "video":  # a video is decoded up to each frame
         return map(frames.at, indices)
@@ -200,7 +192,7 @@ def texture_of(pixels: Pixels, scale: Scale, place: MeasurementRegion) -> float:
     ImageError
         If it is not a grey picture, or the region of interest misses it.
     """
-    values = part_of(pixels, place.get("region_of_interest")).astype(np.float32)
+    values = crop_grey(pixels, place.get("region_of_interest")).astype(np.float32)
     # In a picture narrower than the window all that differs from its mean is texture.
     side = 2 * round(min(_TEXTURE_WINDOW_MM / scale.mm_per_px, 2 * max(values.shape)) / 2) + 1
     fine = values - cv2.blur(values, (side, side))

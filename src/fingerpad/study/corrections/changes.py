@@ -5,7 +5,7 @@ from typing import Annotated, Any, Literal, Self, TypeAlias
 
 from pydantic import AfterValidator, Field, StringConstraints, model_validator
 
-from fingerpad.image import BrushStroke, ManualEllipse
+from fingerpad.image import BrushStroke, ImageEllipse
 from fingerpad.study.manifest.fingers import Side
 from fingerpad.study.manifest.tables import Box, Finite, ManifestModel, Pixel, Point, Positive, not_tiny
 
@@ -96,13 +96,13 @@ class ContactCorrection(_Judged):
         ]
 
     @property
-    def manual_ellipse(self) -> ManualEllipse | None:
+    def manual_ellipse(self) -> ImageEllipse | None:
         """The ellipse as `PreparedContactImage.with_corrections` takes it."""
         if self.ellipse_px is None:
             return None
         (row, column), (major, minor) = self.ellipse_px.centre, self.ellipse_px.semi_axes
         turn = self.ellipse_px.orientation_deg
-        return ManualEllipse(centre=(row, column), semi_axes=(major, minor), orientation=math.radians(turn))
+        return ImageEllipse(centre=(row, column), semi_axes=(major, minor), orientation=math.radians(turn))
 
     def outside(self, shape: tuple[int, int]) -> str | None:
         """Say what misses a picture of this shape altogether; None where nothing does."""

@@ -12,7 +12,7 @@ import numpy as np
 from roifile import ROI_OPTIONS, ROI_SUBTYPE, ROI_TYPE, ImagejRoi
 
 from fingerpad.exceptions import ImageError
-from fingerpad.image.polygon import ellipse_of_polygon
+from fingerpad.image import ellipse_of_polygon
 from fingerpad.study.fiji.ellipse import MeasuredEllipse, upward_deg
 
 _TRACED: Final = frozenset((ROI_TYPE.POLYGON, ROI_TYPE.FREEHAND, ROI_TYPE.TRACED))
@@ -150,7 +150,7 @@ def _traced(roi: ImagejRoi, label: str, place: str) -> MeasuredEllipse:
     return MeasuredEllipse(
         label=label,
         place=place,
-        semi_major=float(found.ellipse.semi_major),
-        semi_minor=float(found.ellipse.semi_minor),
+        semi_major=found.semi_axes[0],
+        semi_minor=found.semi_axes[1],
         orientation_deg=math.degrees(found.orientation),
     )

@@ -1,6 +1,5 @@
-"""The frame of a face: which way its two semi-axes point in a photograph, and where its pad lies."""
+"""The faces of a finger: which semi-axes each shows, and in which directions they lie in a photograph."""
 
-import math
 from collections.abc import Mapping
 from typing import Literal, TypeAlias
 
@@ -8,28 +7,21 @@ import numpy as np
 
 from fingerpad._arrays import FloatArray
 from fingerpad.exceptions import ImageError
-from fingerpad.image.photograph.faces import FACE_AXES, Face
 
+Face: TypeAlias = Literal["palmar", "distal", "radial", "ulnar"]
 Direction: TypeAlias = Literal["up", "down", "left", "right"]
 
-# Steps (row, column) on the screen.
+SEMI_AXES = ("palmar", "distal", "radial_ulnar")
+# The semi-axes that (x, y), that is (across, along), show in a photograph of each face.
+FACE_AXES: Mapping[Face, tuple[str, str]] = {
+    "palmar": ("radial_ulnar", "distal"),
+    "distal": ("radial_ulnar", "palmar"),
+    "radial": ("palmar", "distal"),
+    "ulnar": ("palmar", "distal"),
+}
+# One step in each direction, (row, column).
 STEPS: Mapping[Direction, tuple[int, int]] = {"up": (-1, 0), "right": (0, 1), "down": (1, 0), "left": (0, -1)}
 _TURNS: tuple[Direction, ...] = ("up", "right", "down", "left")
-
-# Middle of the pad's arc as parametric angle from x (across) towards y (along), radians.
-PAD_MIDDLE: Mapping[Face, float] = {
-    "palmar": math.pi / 2,
-    "distal": math.pi / 2,
-    "radial": math.pi / 6,
-    "ulnar": math.pi / 6,
-}
-# Widest arc that can be pad, on either side of its middle.
-PAD_REACH: Mapping[Face, float] = {
-    "palmar": math.radians(100),
-    "distal": math.radians(105),
-    "radial": math.radians(95),
-    "ulnar": math.radians(95),
-}
 
 
 def opposite(direction: Direction) -> Direction:
@@ -71,8 +63,3 @@ def face_axes(face: Face, tip: Direction, palmar: Direction) -> FloatArray:
     along = STEPS[palmar] if face == "distal" else STEPS[tip]
     across = STEPS[palmar] if face in ("radial", "ulnar") else (along[1], -along[0])
     return np.array([across, along], dtype=np.float64)
-
-
-def pad_sides(face: Face, tip: Direction, palmar: Direction) -> tuple[Direction, ...]:
-    """Return the sides of the frame that the pad faces, where it must not be cut."""
-    return {"palmar": (tip,), "distal": (palmar,)}.get(face, (tip, palmar))

@@ -1,0 +1,209 @@
+"""Ellipses in images, and the areas and second moments of regions.
+
+There are two descriptions. `ImageEllipse` is for users: centre (row, column), sorted semi-axes, and the
+orientation of the major axis from straight up, counter-clockwise as seen on the screen, in (−π/2, π/2].
+`PlaneEllipse` is for fits to points (x, y): unsorted semi-axes along and across an angle from x towards y.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, as_float_array
+from fingerpad.exceptions import ImageError
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ImageEllipse:
+    """An ellipse in an image.
+
+    Attributes
+    ----------
+    centre : (float, float)
+        (row, column), px; pixel centres are whole numbers.
+    semi_axes : (float, float)
+        Major and minor, px.
+    orientation : float
+        Angle of the major axis from straight up, counter-clockwise as seen on the screen, radians.
+    """
+
+    centre: tuple[float, float]
+    semi_axes: tuple[float, float]
+    orientation: float = 0.0
+
+    @property
+    def area(self) -> float:
+        """Area, px²."""
+        return math.pi * self.semi_axes[0] * self.semi_axes[1]
+
+    def points(self, count: int) -> FloatArray:
+        """Return `count` points (row, column) on the ellipse, px."""
+        t = np.linspace(0, 2 * math.pi, count, endpoint=False)
+        local = np.stack([np.cos(t), np.sin(t)], axis=-1) * self.semi_axes
+        return np.asarray(local @ rotation(self.orientation).T + self.centre)
+
+
+class PlaneEllipse(NamedTuple):
+    """An ellipse by its centre (x, y) and semi-axes along and across `angle` (from x towards y)."""
+
+    x: float
+    y: float
+    semi_x: float
+    semi_y: float
+    angle: float = 0.0
+
+    @property
+    def size(self) -> float:
+        """Geometric mean of the semi-axes."""
+        return math.sqrt(self.semi_x * self.semi_y)
+
+    def scaled(self, factor: float) -> "PlaneEllipse":
+        """Return the concentric ellipse of `factor` times the size."""
+        return self._replace(semi_x=self.semi_x * factor, semi_y=self.semi_y * factor)
+
+    def offsets(self, points: FloatArray) -> FloatArray:
+        """Return the signed distances of points (n, 2) from the ellipse, to first order."""
+        cosine, sine = math.cos(self.angle), math.sin(self.angle)
+        right, down = points[:, 0] - self.x, points[:, 1] - self.y
+        u, v = (right * cosine + down * sine) / self.semi_x, (down * cosine - right * sine) / self.semi_y
+        radius = np.hypot(u, v) + 1e-12
+        return as_float_array((radius - 1) * radius / (np.hypot(u / self.semi_x, v / self.semi_y) + 1e-12))
+
+    def points(self, count: int) -> tuple[FloatArray, FloatArray]:
+        """Return `count` points (x, y) of the ellipse and the outward unit normals there."""
+        t = np.arange(count) * (2 * math.pi / count)
+        turn = rotation(self.angle).T
+        local = np.stack([self.semi_x * np.cos(t), self.semi_y * np.sin(t)], axis=-1)
+        normal = np.stack([np.cos(t) / self.semi_x, np.sin(t) / self.semi_y], axis=-1)
+        normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+        return as_float_array(local @ turn + (self.x, self.y)), as_float_array(normal @ turn)
+
+
+def rotation(angle: float) -> FloatArray:
+    """Return the matrix that turns column vectors from the first axis towards the second."""
+    return np.array([[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]])
+
+
+def half_turn(angle: float) -> float:
+    """Return the direction of an axis in (−π/2, π/2]."""
+    return math.pi / 2 - (math.pi / 2 - angle) % math.pi
+
+
+def orientation_of(direction: tuple[float, float]) -> float:
+    """Return the angle of an axis (x right, y down) from straight up, counter-clockwise, in (−π/2, π/2]."""
+    return half_turn(math.atan2(*direction))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class AreaMoments:
+    """Area, centroid (x, y) and second moments of a region.
+
+    `axes` holds the directions of the major and the minor axis as rows; `spread` the second moments of the
+    area along them, about the centroid.
+    """
+
+    area: float
+    centroid: FloatArray
+    axes: FloatArray
+    spread: FloatArray
+
+    @property
+    def semi_axes(self) -> FloatArray:
+        """Semi-axes of the ellipse of the same area and the same ratio of second moments."""
+        mean, ratio = math.sqrt(self.area / math.pi), (self.spread[0] / self.spread[1]) ** 0.25
+        return np.array([mean * ratio, mean / ratio])
+
+    @property
+    def orientation(self) -> float:
+        """Angle of the major axis from straight up, counter-clockwise as seen, in (−π/2, π/2]."""
+        return orientation_of(self.axes[0])
+
+    @property
+    def ellipse(self) -> ImageEllipse:
+        """Ellipse of the same area and centroid, with the axis ratio and direction of the second moments."""
+        (x, y), (major, minor) = map(float, self.centroid), map(float, self.semi_axes)
+        return ImageEllipse(centre=(y, x), semi_axes=(major, minor), orientation=self.orientation)
+
+
+def _area_moments(area: float, centroid: FloatArray, second: FloatArray) -> AreaMoments:
+    """Return the moments of a region whose second moments per unit area are a matrix, (2, 2)."""
+    spread, axes = np.linalg.eigh(second)
+    return AreaMoments(area=area, centroid=centroid, axes=axes.T[::-1], spread=spread[::-1] * area)
+
+
+def signed_area(points: FloatArray) -> float:
+    """Return the area of a closed polygon (x, y), positive if it turns from x towards y."""
+    following = np.roll(points, -1, axis=0)
+    return float((points[:, 0] * following[:, 1] - following[:, 0] * points[:, 1]).sum()) / 2
+
+
+def polygon_moments(points: FloatArray) -> AreaMoments:
+    """Return the moments of a closed polygon (x, y), in either direction (Green's theorem)."""
+    origin = points.mean(axis=0)
+    p = points - origin
+    q = np.roll(p, -1, axis=0)
+    cross = p[:, 0] * q[:, 1] - q[:, 0] * p[:, 1]
+    area = cross.sum() / 2
+    centroid = ((p + q) * cross[:, None]).sum(axis=0) / (6 * area)
+    squares = ((p * p + p * q + q * q) * cross[:, None]).sum(axis=0) / 12
+    products = p[:, 0] * (2 * p[:, 1] + q[:, 1]) + q[:, 0] * (p[:, 1] + 2 * q[:, 1])
+    mixed = (products * cross).sum() / 24
+    second = np.array([[squares[0], mixed], [mixed, squares[1]]]) / area - np.outer(centroid, centroid)
+    return _area_moments(abs(float(area)), centroid + origin, second)
+
+
+def ellipse_of_polygon(corners: ArrayLike) -> ImageEllipse:
+    """Return the ellipse of a polygon: its area and centroid, ratio and direction of its second moments.
+
+    Parameters
+    ----------
+    corners : array_like, shape (n, 2)
+        (row, column) of the corners in order, open or closed, in either direction.
+
+    Raises
+    ------
+    ImageError
+        If the corners are too few, not finite, or enclose no area.
+
+    Examples
+    --------
+    >>> found = ellipse_of_polygon([(0, 0), (40, 0), (40, 20), (0, 20)])
+    >>> round(found.area, 9), found.centre, found.orientation
+    (800.0, (20.0, 10.0), 0.0)
+    """
+    points = as_float_array(corners)
+    if points.ndim != 2 or points.shape[-1] != 2 or len(points) < 3 or not np.isfinite(points).all():
+        raise ImageError(f"an outline needs three corners or more, all finite; found shape {points.shape}")
+    if not abs(signed_area(points - points.mean(axis=0))) > 1e-9 * np.ptp(points, axis=0).max() ** 2:
+        raise ImageError("the outline encloses no area: trace round the contact")
+    moments = polygon_moments(points[:, ::-1])
+    if not (moments.spread > 0).all():
+        raise ImageError("the outline crosses itself: trace once round the contact")
+    return moments.ellipse
+
+
+def equal_area_ellipse(mask: BoolArray) -> ImageEllipse:
+    """Return the ellipse of a region: same area and centroid, axis ratio and direction of its second moments.
+
+    Raises
+    ------
+    ImageError
+        If the mask is not two-dimensional or has no pixel.
+
+    Examples
+    --------
+    >>> fitted = equal_area_ellipse(np.ones((40, 20), dtype=bool))
+    >>> round(fitted.area, 6), fitted.centre, fitted.orientation
+    (800.0, (19.5, 9.5), 0.0)
+    """
+    mask = np.asarray(mask, dtype=bool)
+    if mask.ndim != 2 or not mask.any():
+        raise ImageError(
+            f"the region must be an image with at least one pixel set, found shape {mask.shape}, none set"
+        )
+    points = np.argwhere(mask)[:, ::-1].astype(np.float64)
+    # A pixel is a square, not a point: 1/12 is its own second moment.
+    second = np.cov(points, rowvar=False, bias=True) + np.eye(2) / 12
+    return _area_moments(float(len(points)), points.mean(axis=0), second).ellipse
