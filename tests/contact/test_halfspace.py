@@ -13,7 +13,7 @@ from fingerpad.geometry.ellipsoid import tangents
 
 pytest.importorskip("tamaas")
 
-PAD = Ellipsoid.of(palmar=7.9, distal=13.8, radial_ulnar=11.8)
+PAD = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
 PLACE = {"wedge_angle": np.radians(45), "roll_angle": np.radians(10)}
 
 
@@ -36,7 +36,7 @@ def test_the_true_ellipsoid_touches_less_and_sinks_deeper() -> None:
 
 def test_only_load_over_modulus_and_size_squared_matters() -> None:
     one = HalfSpaceContact.of(PAD, **PLACE, load=1.0, reduced_modulus=0.1, points=64)
-    double = Ellipsoid.of(*(2 * PAD.semi_axes))
+    double = Ellipsoid(*(2 * PAD.semi_axes))
     other = HalfSpaceContact.of(double, **PLACE, load=1.0, reduced_modulus=0.025, points=64)
     assert_allclose(other.indentation, 2 * one.indentation, rtol=1e-6)
     assert_allclose(other.area, 4 * one.area, rtol=1e-6)

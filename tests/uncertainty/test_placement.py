@@ -12,7 +12,7 @@ from fingerpad.uncertainty import PLACEMENT_OUTPUTS, placement_model, propagate,
 def test_it_is_the_placement(wedge_deg, roll_deg):
     axes, wedge, roll = (7.9, 13.8, 11.8), np.radians(wedge_deg), np.radians(roll_deg)
     found = dict(zip(PLACEMENT_OUTPUTS, placement_model(np.array([*axes, wedge, roll])), strict=True))
-    placement = Placement.of(Ellipsoid.of(*axes), wedge_angle=wedge, roll_angle=roll)
+    placement = Placement(Ellipsoid(*axes), wedge_angle=wedge, roll_angle=roll)
     for name in PLACEMENT_OUTPUTS[:-1]:
         assert found[name] == pytest.approx(float(getattr(placement.curvature, name)))
     assert found["u"] == pytest.approx(float(placement.u))

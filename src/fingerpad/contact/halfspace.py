@@ -96,7 +96,7 @@ class HalfSpaceContact:
         The source's pad at 2 N: the true ellipsoid curves away from the plate faster than its paraboloid.
 
         >>> import numpy as np
-        >>> pad = Ellipsoid.of(palmar=7.9, distal=13.8, radial_ulnar=11.8)
+        >>> pad = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
         >>> contact = HalfSpaceContact.of(
         ...     pad, wedge_angle=np.radians(30), load=2.0, reduced_modulus=0.1365, points=64
         ... )
@@ -107,7 +107,7 @@ class HalfSpaceContact:
             check_all(np.isfinite(value) and value > 0, name, value, "positive and finite", GeometryError)
         normal = platen_normal(wedge_angle, roll_angle)
         radii = pad.principal_radii_at_normal(normal)
-        hertz = HertzGeometry.of(radii[0], radii[1]).under_load(load, reduced_modulus=reduced_modulus)
+        hertz = HertzGeometry(radii[0], radii[1]).under_load(load, reduced_modulus=reduced_modulus)
         width = 2 * _WIDTH * float(hertz.semi_major)
         spacing = width / points
         along = (np.arange(points) + 0.5) * spacing - width / 2
@@ -144,7 +144,7 @@ def ellipsoid_gap(pad: Ellipsoid, normal: FloatArray, along: FloatArray, across:
     Examples
     --------
     >>> import numpy as np
-    >>> ball = Ellipsoid.of(10.0, 10.0, 10.0)
+    >>> ball = Ellipsoid(10.0, 10.0, 10.0)
     >>> ellipsoid_gap(ball, np.array([1.0, 0.0, 0.0]), np.array(6.0), np.array(0.0)).round(12)
     np.float64(2.0)
     """

@@ -66,7 +66,7 @@ class EllipseFit:
     @property
     def ellipse(self) -> Ellipse:
         """The semi-axes as an `Ellipse`."""
-        return Ellipse.of(self.semi_major, self.semi_minor)
+        return Ellipse(self.semi_major, self.semi_minor)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -141,7 +141,7 @@ def ellipse_of_moments(
     ratio = math.sqrt((half_sum - spread) / (half_sum + spread))
     semi_major = math.sqrt(area / (math.pi * ratio))
     return RegionEllipse(
-        ellipse=Ellipse.of(semi_major, semi_major * ratio),
+        ellipse=Ellipse(semi_major, semi_major * ratio),
         centroid=(float(centroid[0]), float(centroid[1])),
         orientation=_half_turn(0.5 * math.atan2(mixed, half_difference)),
     )

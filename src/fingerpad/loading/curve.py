@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from fingerpad._arrays import FloatArray, as_float_array
+from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, set_fields
 from fingerpad._columns import read_columns
 from fingerpad.exceptions import LoadingError
 
@@ -14,19 +14,19 @@ from fingerpad.exceptions import LoadingError
 _GAP = 10.0
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, slots=True, init=False, eq=False)
 class LoadingCurve:
     """One record of a finger pad pressed against a platen, row by row; it may hold several cycles.
 
     Attributes
     ----------
-    load : ndarray, (n,)
+    load : array_like, (n,)
         Normal force W, N, positive in compression, from whatever zero the sensor had.
-    indentation : ndarray, (n,)
+    indentation : array_like, (n,)
         Displacement of the platen ξ, mm, growing into the pad, from whatever zero the instrument had.
-    area : ndarray, (n,), or None
+    area : array_like, (n,), or None
         Contact area A, mm², where it was measured.
-    time : ndarray, (n,), or None
+    time : array_like, (n,), or None
         Times, s, where they were recorded; without them the samples are taken to be evenly spaced.
 
     Raises
@@ -37,12 +37,21 @@ class LoadingCurve:
 
     load: FloatArray
     indentation: FloatArray
-    area: FloatArray | None = None
-    time: FloatArray | None = None
+    area: FloatArray | None
+    time: FloatArray | None
 
-    def __post_init__(self) -> None:
-        columns = {"load": self.load, "indentation": self.indentation, "area": self.area, "time": self.time}
-        for name, values in columns.items():
+    def __init__(
+        self,
+        *,
+        load: ArrayLike,
+        indentation: ArrayLike,
+        area: ArrayLike | None = None,
+        time: ArrayLike | None = None,
+    ) -> None:
+        given = {"load": load, "indentation": indentation, "area": area, "time": time}
+        set_fields(self, **{name: None if it is None else as_float_array(it) for name, it in given.items()})
+        for name in given:
+            values: FloatArray | None = getattr(self, name)
             if values is None:
                 continue
             if np.ndim(values) != 1 or len(values) != len(self.load):
@@ -50,7 +59,7 @@ class LoadingCurve:
                     f"{name} has shape {np.shape(values)}; load has {np.shape(self.load)}: a curve has one "
                     "value of each quantity per row"
                 )
-            bad = np.flatnonzero(~np.isfinite(as_float_array(values)))
+            bad = np.flatnonzero(~np.isfinite(values))
             if bad.size:
                 raise LoadingError(f"{name} is not finite in row {bad[0] + 1}: leave such rows out")
         if self.time is not None and (np.diff(self.time) < 0).any():

@@ -13,7 +13,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from fingerpad._arrays import BoolArray, Float32Array, FloatArray, as_float32
+from fingerpad._arrays import BoolArray, Float32Array, FloatArray, as_float32, check_radians
 from fingerpad.exceptions import GeometryError
 from fingerpad.geometry.ellipse import Ellipse
 from fingerpad.image.contact_image._outline import moments_of
@@ -130,7 +130,7 @@ def render_contact_image(
     Raises
     ------
     GeometryError
-        If a length is not positive, or the semi-axes are swapped.
+        If a length is not positive, the semi-axes are swapped, or the orientation is beyond a full turn.
 
     Examples
     --------
@@ -138,7 +138,8 @@ def render_contact_image(
     >>> truth.pixels.dtype, round(truth.gross_area, 1)
     (dtype('uint8'), 150.8)
     """
-    ellipse = Ellipse.of(semi_major, semi_minor)
+    check_radians("orientation", orientation)
+    ellipse = Ellipse(semi_major, semi_minor)
     for name, value in (("ppi", ppi), ("ridge_period", ridge_period)):
         if not value > 0:
             raise GeometryError(f"{name} must be positive, found {value}")
@@ -182,7 +183,7 @@ def render_contact_image(
     semi_axes = truth.semi_axes
     return SyntheticContactImage(
         pixels=np.asarray(pixels, dtype=np.uint8),
-        ellipse=Ellipse.of(*semi_axes) if irregularity else ellipse,
+        ellipse=Ellipse(*semi_axes) if irregularity else ellipse,
         orientation=truth.orientation
         if irregularity
         else math.pi / 2 - (math.pi / 2 - orientation) % math.pi,

@@ -10,8 +10,9 @@ from typing import Final
 import numpy as np
 
 from fingerpad._arrays import FloatArray
-from fingerpad.contact import PadContact, pad_contact
-from fingerpad.geometry import Ellipsoid
+from fingerpad.contact.pad import PadContact, pad_contact_kernel
+from fingerpad.geometry.ellipsoid import principal_radii_kernel
+from fingerpad.geometry.placement import platen_normal_kernel
 
 # The contact ellipse enters by its size √(ℓd ℓe) and its elongation ln(ℓd/ℓe), which stays differentiable
 # where noise makes a near-circle's axes change places. The image scale is a factor on the size, one: it is
@@ -58,10 +59,8 @@ def pad_model(inputs: FloatArray) -> FloatArray:
         inputs, -1, 0
     )
     half = np.exp(0.5 * elongation)
-    contact = pad_contact(
-        Ellipsoid(palmar=palmar, distal=distal, radial_ulnar=radial_ulnar),
-        wedge_angle=wedge,
-        roll_angle=roll,
+    contact = pad_contact_kernel(
+        principal_radii_kernel(palmar, distal, radial_ulnar, normal=platen_normal_kernel(wedge, roll)),
         load=load,
         semi_major=scale * size * half,
         semi_minor=scale * size / half,

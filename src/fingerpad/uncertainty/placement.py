@@ -5,7 +5,8 @@ from typing import Final
 import numpy as np
 
 from fingerpad._arrays import FloatArray
-from fingerpad.geometry import Ellipsoid, platen_normal
+from fingerpad.geometry.ellipsoid import principal_radii_kernel
+from fingerpad.geometry.placement import platen_normal_kernel
 
 PLACEMENT_INPUTS: Final = ("palmar", "distal", "radial_ulnar", "wedge_angle", "roll_angle")
 PLACEMENT_OUTPUTS: Final = (
@@ -31,9 +32,9 @@ def placement_model(inputs: FloatArray) -> FloatArray:
     45.2
     """
     palmar, distal, radial_ulnar, wedge, roll = np.moveaxis(inputs, -1, 0)
-    normal = platen_normal(wedge, roll)
-    pad = Ellipsoid(palmar=palmar, distal=distal, radial_ulnar=radial_ulnar)
-    in_plane, transverse = np.moveaxis(pad.principal_radii_at_normal(normal), -1, 0)
+    normal = platen_normal_kernel(wedge, roll)
+    radii = principal_radii_kernel(palmar, distal, radial_ulnar, normal=normal)
+    in_plane, transverse = np.moveaxis(radii, -1, 0)
     x, y = palmar * normal[..., 0], distal * normal[..., 1]
     u = 2 * np.arctan(y / (x + np.sqrt(x * x + y * y)))  # arctan2, for complex steps too
     mean, geometric = 2 / (1 / in_plane + 1 / transverse), np.sqrt(in_plane * transverse)

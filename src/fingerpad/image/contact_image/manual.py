@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.spatial import cKDTree
 
-from fingerpad._arrays import BoolArray, FloatArray, as_float_array
+from fingerpad._arrays import BoolArray, FloatArray, as_float_array, check_radians
 from fingerpad.exceptions import ImageError
 from fingerpad.image.contact_image._outline import ContactOutline, normals_of, resampled, smoothed, steps_of
 from fingerpad.image.contact_image._region import UInt8
@@ -63,6 +63,9 @@ class ManualEllipse:
     centre: tuple[float, float]
     semi_axes: tuple[float, float]
     orientation: float = 0.0
+
+    def __post_init__(self) -> None:
+        check_radians("orientation", self.orientation)
 
     def points(self, count: int) -> FloatArray:
         """Return points (row, column) round the ellipse, px."""

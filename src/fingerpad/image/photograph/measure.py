@@ -211,7 +211,7 @@ def measure_photograph(
     >>> from fingerpad.image import Scale
     >>> from fingerpad.simulate import render_finger
     >>> truth = render_finger("palmar", semi_axes=(11.8, 13.8), seed=1)
-    >>> found = measure_photograph(truth.pixels, "palmar", Scale.of_mm_per_px(truth.mm_per_px))
+    >>> found = measure_photograph(truth.pixels, "palmar", Scale(truth.mm_per_px))
     >>> {name: round(value) for name, value in found.semi_axes_mm.items()}
     {'radial_ulnar': 12, 'distal': 14}
     """

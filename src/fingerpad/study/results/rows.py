@@ -275,8 +275,8 @@ def _modelled(
     value = dict(zip(PAD_OUTPUTS, modelled.value.T, strict=True))
     std = dict(zip(PAD_OUTPUTS, modelled.std.T, strict=True))
     semi_axes = np.reshape([pad.semi_axes for pad in pads], (-1, 3))
-    placement = Placement.of(
-        Ellipsoid.of(*semi_axes.T),
+    placement = Placement(
+        Ellipsoid(*semi_axes.T),
         wedge_angle=np.radians(seen["wedge_angle_deg"]),
         roll_angle=np.radians(seen["roll_angle_deg"]),
     )
