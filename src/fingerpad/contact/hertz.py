@@ -13,13 +13,14 @@ from fingerpad._arrays import (
     check_all,
     set_fields,
 )
+from fingerpad._display import Displayed
 from fingerpad.contact.elliptic import contact_ellipse_kernel, solve_contact_ellipse
 from fingerpad.exceptions import GeometryError
 from fingerpad.geometry import Ellipse
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class HertzContact:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class HertzContact(Displayed):
     """A loaded elliptical contact.
 
     Attributes
@@ -68,8 +69,8 @@ class HertzContact:
             return 1.5 * self.load / self.indentation
 
 
-@dataclass(frozen=True, slots=True, init=False, eq=False)
-class HertzGeometry:
+@dataclass(frozen=True, slots=True, init=False, eq=False, repr=False)
+class HertzGeometry(Displayed):
     r"""The undeformed gap of two bodies, with its contact ellipse solved once for all loads.
 
     The shape of the ellipse depends on the curvature ratio alone. Its size follows from

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fingerpad._arrays import ArrayLike, FloatArray, broadcast
+from fingerpad._display import Displayed
 from fingerpad.contact.elliptic import solve_contact_ellipse
 from fingerpad.contact.equivalent import equivalent_radius_ratios
 from fingerpad.contact.hertz import youngs_modulus
@@ -12,8 +13,8 @@ from fingerpad.geometry import Ellipsoid
 from fingerpad.geometry.placement import checked_placement, platen_normal_kernel
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class PadContact:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class PadContact(Displayed):
     """A finger pad on its wedge, and the contact seen under a load.
 
     Attributes

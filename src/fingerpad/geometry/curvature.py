@@ -13,11 +13,12 @@ from fingerpad._arrays import (
     check_radians,
     hypotenuse,
 )
+from fingerpad._display import Displayed
 from fingerpad.exceptions import GeometryError
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class SurfaceCurvature:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class SurfaceCurvature(Displayed):
     """Principal radii and directions of a surface at points of it.
 
     Attributes
@@ -47,12 +48,12 @@ class SurfaceCurvature:
     @property
     def in_plane_radius(self) -> FloatArray:
         """Principal radius along the finger."""
-        return self.principal_radii[..., 0]
+        return self.principal_radii[..., 0][()]
 
     @property
     def transverse_radius(self) -> FloatArray:
         """Principal radius across the finger."""
-        return self.principal_radii[..., 1]
+        return self.principal_radii[..., 1][()]
 
     @property
     def mean_curvature(self) -> FloatArray:
@@ -75,8 +76,8 @@ class SurfaceCurvature:
         return np.sqrt(self.in_plane_radius * self.transverse_radius)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class RelativeCurvature:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class RelativeCurvature(Displayed):
     """Curvature of the gap between two bodies at their point of contact.
 
     The gap is x²/(2R') + y²/(2R'') along the relative principal directions x, y.

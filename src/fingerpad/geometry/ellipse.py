@@ -5,11 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from fingerpad._arrays import ArrayLike, FloatArray, broadcast, check_all, set_fields
+from fingerpad._display import Displayed
 from fingerpad.exceptions import GeometryError
 
 
-@dataclass(frozen=True, slots=True, init=False, eq=False)
-class Ellipse:
+@dataclass(frozen=True, slots=True, init=False, eq=False, repr=False)
+class Ellipse(Displayed):
     """An ellipse by its semi-axes.
 
     Attributes

@@ -14,12 +14,13 @@ from fingerpad._arrays import (
     hypotenuse,
     set_fields,
 )
+from fingerpad._display import Displayed
 from fingerpad.exceptions import GeometryError
 from fingerpad.geometry.curvature import SurfaceCurvature, curvatures_of, principal_curvatures
 
 
-@dataclass(frozen=True, slots=True, init=False, eq=False)
-class Ellipsoid:
+@dataclass(frozen=True, slots=True, init=False, eq=False, repr=False)
+class Ellipsoid(Displayed):
     """The ellipsoid x²/ℓa² + y²/ℓb² + z²/ℓc² = 1.
 
     x points out of the palmar face, y out of the fingertip, z across the finger. The surface is

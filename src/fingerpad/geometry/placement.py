@@ -14,6 +14,7 @@ from fingerpad._arrays import (
     check_radians,
     set_fields,
 )
+from fingerpad._display import Displayed
 from fingerpad.exceptions import GeometryError
 from fingerpad.geometry.curvature import SurfaceCurvature
 from fingerpad.geometry.ellipsoid import Ellipsoid
@@ -66,8 +67,8 @@ def checked_placement(wedge_angle: ArrayLike, roll_angle: ArrayLike) -> tuple[Fl
     return wedge, roll
 
 
-@dataclass(frozen=True, slots=True, init=False, eq=False)
-class Placement:
+@dataclass(frozen=True, slots=True, init=False, eq=False, repr=False)
+class Placement(Displayed):
     """A finger pad resting on a flat platen.
 
     Parameters

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, as_float_array
+from fingerpad._display import Displayed
 from fingerpad.exceptions import FitError, ImageError
 from fingerpad.geometry.ellipse import Ellipse
 from fingerpad.image._orthogonal_fit import Parameters, refine
@@ -18,8 +19,8 @@ from fingerpad.image._orthogonal_fit import Parameters, refine
 _ANGLE_VARIANCE_LIMIT = math.pi**2 / 12
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class RegionEllipse:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class RegionEllipse(Displayed):
     """The ellipse that stands for a region: its area, centroid and the shape of its second moments, in px.
 
     Attributes
@@ -38,8 +39,8 @@ class RegionEllipse:
     orientation: float
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class EllipseFit:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class EllipseFit(Displayed):
     """An ellipse fitted to points (x, y).
 
     Attributes
@@ -69,8 +70,8 @@ class EllipseFit:
         return Ellipse(self.semi_major, self.semi_minor)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class AlignedEllipseFit:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class AlignedEllipseFit(Displayed):
     """An ellipse with axes along x and y fitted to points.
 
     Attributes

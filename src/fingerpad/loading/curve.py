@@ -2,20 +2,22 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from os import PathLike
 from pathlib import Path
 
 import numpy as np
 
 from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, set_fields
 from fingerpad._columns import read_columns
+from fingerpad._display import Displayed
 from fingerpad.exceptions import LoadingError
 
 # A step in time longer than this many usual ones is a gap.
 _GAP = 10.0
 
 
-@dataclass(frozen=True, slots=True, init=False, eq=False)
-class LoadingCurve:
+@dataclass(frozen=True, slots=True, init=False, eq=False, repr=False)
+class LoadingCurve(Displayed):
     """One record of a finger pad pressed against a platen, row by row; it may hold several cycles.
 
     Attributes
@@ -95,7 +97,7 @@ class LoadingCurve:
         return tuple(name for name, seen in found.items() if seen)
 
 
-def read_loading_curve(path: Path, columns: Mapping[str, str] | None = None) -> LoadingCurve:
+def read_loading_curve(path: str | PathLike[str], columns: Mapping[str, str] | None = None) -> LoadingCurve:
     """Read a loading curve from a CSV file.
 
     The header names a quantity and its unit, as in ``time_s, force_N, displacement_mm, area_mm2``;
@@ -104,7 +106,7 @@ def read_loading_curve(path: Path, columns: Mapping[str, str] | None = None) -> 
 
     Parameters
     ----------
-    path : Path
+    path : path-like
         The CSV file, with a header line.
     columns : mapping, optional
         From a quantity (``force``, ``displacement``, ``area``, ``time``) to ``"HEADER:UNIT"`` where the
@@ -116,6 +118,7 @@ def read_loading_curve(path: Path, columns: Mapping[str, str] | None = None) -> 
         If the file cannot be read, a column is missing or has an unknown unit, a cell is not a finite
         number, or time runs backwards. The message names file, column and line.
     """
+    path = Path(path)
     found = read_columns(path, ("force", "displacement"), ("area", "time"), columns=columns)
     try:
         return LoadingCurve(

@@ -12,6 +12,7 @@ import numpy as np
 from scipy import signal
 
 from fingerpad._arrays import ArrayLike, FloatArray, as_float_array
+from fingerpad._display import Displayed
 from fingerpad.exceptions import FitError
 from fingerpad.loading.curve import LoadingCurve
 from fingerpad.loading.estimate import Quantity, Undetermined
@@ -41,8 +42,8 @@ class PronyTerm:
     time: Quantity
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Relaxation:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class Relaxation(Displayed):
     """The relaxation of a held load.
 
     Attributes
@@ -186,8 +187,8 @@ def _relaxed(time: FloatArray, elastic: FloatArray, shares: FloatArray, times: F
     return np.asarray(load)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class RidgeGrowth:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class RidgeGrowth(Displayed):
     """Ridge area that grows as A∞ − (A∞ − A0) exp(−t/τ).
 
     Attributes

@@ -1,15 +1,18 @@
 """Measure a contact image: the contact ellipse, gross and ridge areas, and the ridge period."""
 
+from dataclasses import replace
+
+import numpy as np
 import numpy.typing as npt
 
 from fingerpad.image.contact_image.prepare import prepare_contact_image
 from fingerpad.image.contact_image.result import ContactImageResult
-from fingerpad.image.scale import Scale
+from fingerpad.image.inputs import ImageLike, ScaleLike, as_scale, grey_levels
 
 
 def measure_contact_image(
-    pixels: npt.ArrayLike,
-    scale: Scale,
+    image: ImageLike,
+    scale: ScaleLike,
     *,
     dark_on_light: bool | None = None,
     background: npt.ArrayLike | None = None,
@@ -34,9 +37,9 @@ def measure_contact_image(
 
     Parameters
     ----------
-    pixels : array_like, (rows, columns)
-        Grey levels of any real type.
-    scale : Scale
+    image : array_like, (rows, columns), path-like or Picture
+        Grey levels of any real type, or the file that holds them.
+    scale : Scale or float
         Millimetres per pixel.
     dark_on_light : bool, optional
         Whether contact is darker than the ground; found from the picture when None.
@@ -65,8 +68,10 @@ def measure_contact_image(
     Raises
     ------
     ImageError
-        If the array is not a grey picture, is not finite, shows no contact, or none at `seed`; or an option
+        If the image is not a grey picture, is not finite, shows no contact, or none at `seed`; or an option
         is not as described.
+    CalibrationError
+        If a number is no length of a pixel, mm.
 
     Examples
     --------
@@ -77,9 +82,10 @@ def measure_contact_image(
     >>> abs(contact_image.gross_area / truth.gross_area - 1) < 0.03, contact_image.flags
     (True, ())
     """
-    return prepare_contact_image(
+    pixels = grey_levels(image)
+    prepared = prepare_contact_image(
         pixels,
-        scale,
+        as_scale(scale),
         dark_on_light=dark_on_light,
         background=background,
         seed=seed,
@@ -88,4 +94,5 @@ def measure_contact_image(
         ridge_period=ridge_period,
         mask=mask,
         region_of_interest=region_of_interest,
-    ).contact_image
+    )
+    return replace(prepared.contact_image, _picture=np.asarray(pixels))

@@ -19,6 +19,7 @@ from scipy.optimize import brentq
 from scipy.stats import chi2
 
 from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, as_float_array
+from fingerpad._display import Displayed
 from fingerpad.exceptions import FitError
 
 Face: TypeAlias = Literal["palmar", "distal", "radial", "ulnar"]
@@ -42,8 +43,8 @@ _DISAGREE = 0.01
 _MOST_BETWEEN_STD = 0.3
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class FaceSemiAxes:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class FaceSemiAxes(Displayed):
     """The two semi-axes that one face shows, however they were measured.
 
     Attributes
@@ -67,8 +68,8 @@ class FaceSemiAxes:
     scale: str | None = None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class OutlineSemiAxes:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class OutlineSemiAxes(Displayed):
     """Semi-axes of a finger pad from two or more of its faces.
 
     Attributes

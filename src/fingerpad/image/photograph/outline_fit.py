@@ -19,6 +19,7 @@ from scipy.optimize import least_squares
 from scipy.stats import t as student
 
 from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, as_float_array
+from fingerpad._display import Displayed
 from fingerpad.exceptions import FitError
 from fingerpad.image._orthogonal_fit import Parameters, distances
 from fingerpad.image.ellipse_fit import fit_aligned_ellipse
@@ -30,8 +31,8 @@ _LEAST_FREEDOM = 3.0
 _TWO_SIDED_95 = 1.959964
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class OutlineFit:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class OutlineFit(Displayed):
     """An ellipse that leans a little against x and y, fitted to ordered points.
 
     Attributes

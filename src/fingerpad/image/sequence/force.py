@@ -11,6 +11,7 @@ import numpy as np
 
 from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, set_fields
 from fingerpad._columns import read_columns
+from fingerpad._display import Displayed
 from fingerpad.exceptions import LoadingError
 
 _LEAST_SAMPLES = 2
@@ -18,8 +19,8 @@ _LEAST_SAMPLES = 2
 _REVERSED = 2.0
 
 
-@dataclass(frozen=True, slots=True, init=False, eq=False)
-class ForceSignal:
+@dataclass(frozen=True, slots=True, init=False, eq=False, repr=False)
+class ForceSignal(Displayed):
     """Normal force against time, at a rate of its own.
 
     Attributes
@@ -169,8 +170,8 @@ class FrameRate:
         return math.nan if anchor is None else self.anchor_time + (index - anchor) / self.frames_per_second
 
 
-@dataclass(frozen=True, slots=True, init=False, eq=False)
-class FrameStamps:
+@dataclass(frozen=True, slots=True, init=False, eq=False, repr=False)
+class FrameStamps(Displayed):
     """Time stamps of the frames, on the time of the force signal.
 
     Attributes

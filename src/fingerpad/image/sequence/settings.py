@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fingerpad._arrays import FloatArray
+from fingerpad._display import Displayed
 from fingerpad.exceptions import ImageError
 from fingerpad.image._levels import Pixels
 from fingerpad.image.contact_image._cropping import part_of
@@ -35,8 +36,8 @@ class MeasurementRegion(TypedDict, total=False):
     region_of_interest: tuple[int, int, int, int] | None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class TextureScan:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class TextureScan(Displayed):
     """A first look at frames, before any is measured.
 
     Attributes
@@ -71,8 +72,8 @@ class TextureScan:
         return tuple(sorted(self.index[most].tolist()))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class SequenceSettings:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class SequenceSettings(Displayed):
     """How every frame of one sequence is read.
 
     Attributes

@@ -3,6 +3,7 @@
 import os
 import re
 from collections.abc import Callable, Mapping
+from os import PathLike
 from pathlib import Path
 from typing import Any, Final
 
@@ -18,14 +19,14 @@ from fingerpad.study.results.results_reader import ResultsTable
 _MATLAB_NAME: Final = re.compile(r"[A-Za-z]\w{0,62}", re.ASCII)
 
 
-def export_results(folder: Path, file: Path) -> None:
+def export_results(folder: str | PathLike[str], file: str | PathLike[str]) -> None:
     """Write the results of a finished run into one file, in the format that its suffix names.
 
     Parameters
     ----------
-    folder : Path
+    folder : path-like
         Output folder of the run.
-    file : Path
+    file : path-like
         ``.parquet`` or ``.mat``; one that is there is replaced, once the new one is whole.
 
     Raises
@@ -34,6 +35,7 @@ def export_results(folder: Path, file: Path) -> None:
         If the folder holds no finished run, the suffix is another, a package is missing, or the file cannot
         be written.
     """
+    folder, file = Path(folder), Path(file)
     write = _FORMATS.get(file.suffix.lower())
     if write is None:
         raise FingerpadError(

@@ -8,6 +8,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import islice
+from os import PathLike
 from pathlib import Path
 from typing import Any, Final, Self, TextIO
 
@@ -86,7 +87,7 @@ class ResultsTable:
     version: str
 
     @classmethod
-    def of(cls, folder: Path) -> Self:
+    def of(cls, folder: str | PathLike[str]) -> Self:
         """Open the output folder of a finished run.
 
         Raises
@@ -94,6 +95,7 @@ class ResultsTable:
         FingerpadError
             If the folder holds no finished run, or its files do not belong together.
         """
+        folder = Path(folder)
         require_result_set(folder)
         meanings = dict(_pairs(folder / "results_columns.csv"))
         with _opened(folder / "results.csv") as file:
