@@ -22,7 +22,7 @@ from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.measuring.measure import Measurement
 from fingerpad.study.results.rows import make_rows
 from fingerpad.study.results.summary import summaries
-from fingerpad.uncertainty import pool, pool_random_effects
+from fingerpad.uncertainty import pool, pool_random_effects, proportional_stds
 
 PAD = np.array([7.9, 13.8, 11.8])
 RADIUS = 14.0
@@ -74,7 +74,7 @@ def estimates(count: int, relative_std: float, repeats: int, seed: int = 0) -> S
     for _ in range(repeats):
         relative = relative_std * random.uniform(0.5, 1.5, count)
         values = RADIUS * (1 + relative * random.normal(size=count))
-        found = pool(values, relative * values, proportional=True)
+        found = pool(values, proportional_stds(values, relative * values))
         off = found.value - RADIUS
         rows.append((off, found.total_std, abs(off) < 1.96 * found.total_std))
     return _score(*np.array(rows).T)
@@ -88,7 +88,7 @@ def varying(count: int, relative_std: float, between: float, repeats: int, seed:
         truths = RADIUS * (1 + between * random.normal(size=count))
         values = truths * (1 + relative * random.normal(size=count)) * (1 + 0.01 * random.normal())
         shared = 0.01**2 * np.outer(values, values)
-        found = pool_random_effects(values, relative * values, shared, proportional=True)
+        found = pool_random_effects(values, proportional_stds(values, relative * values), shared)
         low, high = found.interval
         rows.append((found.value - RADIUS, found.total_std, low <= RADIUS <= high))
     return _score(*np.array(rows).T)

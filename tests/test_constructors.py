@@ -23,7 +23,7 @@ from fingerpad.image import (
 )
 from fingerpad.loading import LoadingCurve, read_loading_curve
 from fingerpad.simulate import render_coin, render_contact_image, render_finger
-from fingerpad.uncertainty.pad import PAD_INPUTS, pad_model
+from fingerpad.uncertainty import pad_model
 
 PAD = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
 
@@ -73,11 +73,16 @@ def test_frozen_objects_survive_pickle_and_replace() -> None:
 
 
 def test_monte_carlo_draws_are_not_refused() -> None:
-    inputs = np.array([7.9, 13.8, 11.8, 0.5, 0.0, 0.5, 1.0, 2.0, 6.0, 0.3])
-    draws = np.stack([inputs, inputs])
-    draws[1, PAD_INPUTS.index("palmar")] = np.nan
-    draws[1, PAD_INPUTS.index("roll_angle")] = 9.0
-    assert np.isnan(pad_model(draws)).any(axis=-1).tolist() == [False, True]
+    inputs = {
+        "distal": 13.8,
+        "radial_ulnar": 11.8,
+        "wedge_angle": 0.5,
+        "poisson_ratio": 0.5,
+        "image_scale": 1.0,
+    }
+    inputs |= {"load": 2.0, "contact_radius": 6.0, "elongation": 0.3}
+    draws = pad_model(palmar=np.array([7.9, np.nan]), roll_angle=np.array([9.0, 0.0]), **inputs)
+    assert np.isnan(draws["indentation"]).tolist() == [False, True]
 
 
 SCALARS = {

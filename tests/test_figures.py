@@ -235,7 +235,7 @@ def test_corrected_radius_beside_both_other_radii(axes) -> None:
     assert_allclose(markers(axes, "D"), [[2, 19.9]])
     low, high = axes.get_ylim()
     assert low < 18.7 < 20.5 < high
-    assert "printed in the source" in texts(axes)
+    assert "printed in Dzidek et al. (2017)" in texts(axes)
 
 
 def test_power_laws_pass_through_the_middle_of_the_data(axes) -> None:

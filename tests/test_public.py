@@ -75,6 +75,6 @@ def test_readme_lines_print_what_they_say(tmp_path: Path, monkeypatch: pytest.Mo
     monkeypatch.chdir(tmp_path)
     with contextlib.redirect_stdout(io.StringIO()) as printed:
         exec(code, {})
-    assert len(said) == 4
+    assert len(said) == 3
     assert printed.getvalue().splitlines() == said
     assert Path("overlay.png").read_bytes().startswith(b"\x89PNG")

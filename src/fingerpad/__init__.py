@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from fingerpad.loading import LoadingCurve, fit_loading_curve, read_loading_curve
     from fingerpad.study.pipeline import run_study
     from fingerpad.study.results.load import load_results
-    from fingerpad.uncertainty import pool, propagate, run_monte_carlo
+    from fingerpad.uncertainty import pad_uncertainty, pool, propagate, run_monte_carlo
 
 _MODULES = {
     "fingerpad.contact": ("HertzGeometry", "hertz_contact", "pad_contact"),
@@ -50,7 +50,7 @@ _MODULES = {
     "fingerpad.loading": ("LoadingCurve", "fit_loading_curve", "read_loading_curve"),
     "fingerpad.study.pipeline": ("run_study",),
     "fingerpad.study.results.load": ("load_results",),
-    "fingerpad.uncertainty": ("pool", "propagate", "run_monte_carlo"),
+    "fingerpad.uncertainty": ("pad_uncertainty", "pool", "propagate", "run_monte_carlo"),
 }
 _MODULE_OF = {name: module for module, names in _MODULES.items() for name in names}
 
@@ -74,6 +74,7 @@ __all__ = [
     "measure_sequence",
     "open_frames",
     "pad_contact",
+    "pad_uncertainty",
     "pool",
     "propagate",
     "read_force_signal",

@@ -474,7 +474,7 @@ def test_reproduce_lists_every_printed_number(tmp_path: Path) -> None:
     items = {record["item"]: record for record in records}
     table2 = [record for record in records if record["item"].startswith("Table 2")]
     assert len(table2) == 10
-    assert {record["verdict"] for record in table2} == {"reproduced", "reproduced with the known slip"}
+    assert {record["verdict"] for record in table2} == {"reproduced", "reproduced with the known misprint"}
     at_30 = items["Table 2, ellipse, u = 30°"]
     assert at_30["printed"] == 25.3
     assert at_30["computed"] == pytest.approx(17.11, abs=5e-3)

@@ -13,7 +13,7 @@ from fingerpad.geometry import Ellipsoid
 from fingerpad.published import AuditItem, Printed, audit, dzidek2017, radius_with_misprint
 
 REPRODUCED = "reproduced"
-SLIP = "reproduced with the known slip"
+MISPRINT = "reproduced with the known misprint"
 NOT = "not reproducible from what is printed"
 
 
@@ -52,8 +52,8 @@ def test_table_2(items, method, printed, true) -> None:
     row = [items[f"Table 2, {method}, u = {u}°"] for u in (0, 30, 45, 60, 90)]
     assert [item.printed for item in row] == printed
     assert_allclose([item.computed for item in row], true, atol=5e-3)
-    assert_allclose([item.with_slip for item in row], printed, atol=0.05)
-    assert [item.verdict for item in row] == [SLIP] * 4 + [REPRODUCED]
+    assert_allclose([item.with_misprint for item in row], printed, atol=0.05)
+    assert [item.verdict for item in row] == [MISPRINT] * 4 + [REPRODUCED]
     assert {item.unit for item in row} == {"mm"}
 
 
@@ -97,8 +97,8 @@ def test_measurements_have_no_computed_value(items) -> None:
     assert all(items[name].verdict == NOT and "measured input" in items[name].remark for name in measured)
 
 
-def test_slip_does_not_explain_the_radii_on_the_wedges(items) -> None:
-    found = [items[f"Table 4, θ = {angle}°, R_0g"].with_slip for angle in (30, 45)]
+def test_the_misprint_does_not_explain_the_radii_on_the_wedges(items) -> None:
+    found = [items[f"Table 4, θ = {angle}°, R_0g"].with_misprint for angle in (30, 45)]
     assert_allclose(found, [17.89, 11.55], atol=5e-3)
 
 
@@ -110,7 +110,7 @@ def test_range_holds_every_pad_that_rounds_to_the_printed_one(items) -> None:
     assert_allclose([item.low, item.high], [radii.min(), radii.max()], rtol=1e-9)
 
 
-def test_slip_is_no_slip_at_the_fingertip() -> None:
+def test_the_misprint_changes_nothing_at_the_fingertip() -> None:
     pad = dzidek2017().semi_axes["direct"].ellipsoid
     true = pad.curvature(np.pi / 2, np.pi / 2).mean_curvature_radius
     assert_allclose(radius_with_misprint(pad, np.pi / 2), true, rtol=1e-14)
@@ -126,7 +126,7 @@ def test_last_printed_digit_sets_the_rounding(digits, value, rounding) -> None:
 
 def test_records_survive_json(items) -> None:
     record = items["Table 2, direct, u = 0°"].as_record()
-    assert {"item", "printed", "computed", "unit", "verdict", "remark", "with_slip"} <= record.keys()
+    assert {"item", "printed", "computed", "unit", "verdict", "remark", "with_misprint"} <= record.keys()
     assert json.loads(json.dumps(record)) == record
     assert type(record["verdict"]) is str
     assert items["Table 4, θ = 30°, R_g"].as_record()["computed"] is None

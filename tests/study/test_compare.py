@@ -88,6 +88,15 @@ def test_one_person_tells_nothing_of_people() -> None:
     assert math.isnan(single.between_fingers_std)
 
 
+def test_the_scatter_between_fingers_is_weighted_by_degrees_of_freedom() -> None:
+    two = [value(13.0 + offset, 1e-6, finger=f"f{offset}") for offset in (0, 1)]
+    four = [value(13.0 + offset, 1e-6, person="P02", finger=f"f{offset}") for offset in (0, 2, 4, 6)]
+    (mean,) = means_of([*two, *four])
+    variances = [np.var([0, 1], ddof=1), np.var([0, 2, 4, 6], ddof=1)]
+    expected = np.sqrt(np.average(variances, weights=[1, 3]))
+    assert mean.between_fingers_std == pytest.approx(expected, rel=1e-6)
+
+
 def test_what_a_wedge_adds_does_not_average_away_within_a_study() -> None:
     def mean_std(studies: list[str]) -> float:
         values = [
@@ -208,6 +217,19 @@ def test_the_share_of_the_wedge_is_that_of_a_run_without_the_rest(tmp_path: Path
                 row["wedge_angle_deg"],
             ):
                 assert value.shared_std == pytest.approx(row["mean_curvature_radius_mm_std"], rel=0.01)
+
+
+def test_roll_is_shared_by_the_fingers_of_a_study_as_the_wedge_is(tmp_path: Path) -> None:
+    tilted = finger("l_index", 7.9).replace("wedge_angle_deg = ", "roll_angle_deg = 20\nwedge_angle_deg = ")
+    exact = tilted.replace("= 0.1,", "= 1e-9,").replace("= 0.1 }", "= 1e-9 }")
+    head = "title = 'Roll'\n[uncertainty]\nroll_angle_deg_std = 2.0\nwedge_angle_deg_std = 0.0\n"
+    (tmp_path / "study.toml").write_text(head + exact, encoding="utf-8")
+    run_study(tmp_path / "study.toml", tmp_path / "out")
+    found = compare_studies([tmp_path / "out"]).of("mean_curvature_radius_mm")[0]
+    assert len(found) == 2
+    for one in found:
+        assert one.std > 1e-3
+        assert one.shared_std == pytest.approx(one.std, rel=1e-6)
 
 
 def test_means_are_over_people_and_say_of_whom(runs: list[Path]) -> None:

@@ -1,4 +1,4 @@
-"""Runs of a study that people corrected: results follow the decisions, and nothing else is measured anew."""
+"""Runs of a study that people corrected: results follow the decisions, and nothing else is measured again."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""The digest of results: told apart by every value, and by nothing else."""
+"""The digest of results: distinguished by every value, and by nothing else."""
 
 from dataclasses import replace
 

@@ -407,9 +407,9 @@ def test_what_is_missing_is_said(tmp_path):
     changed(tmp_path, ("scale", "reader", {"ppi": 500}), ("finger", "left", {}))
     assert said(tmp_path)["finger", "left"] == "give its semi-axes, or photographs of its faces"
     changed(tmp_path, ("photograph", "left/a.png", {"scale": "reader"}))
-    assert said(tmp_path)["finger", "left"] == "a.png: which face it shows is still to be given"
+    assert said(tmp_path)["finger", "left"] == "a.png: which face it shows is missing"
     changed(tmp_path, ("photograph", "left/a.png", {"face": "palmar", "scale": None}))
-    assert said(tmp_path)["finger", "left"] == "a.png: its scale is still to be given"
+    assert said(tmp_path)["finger", "left"] == "a.png: its scale is missing"
     changed(tmp_path, ("photograph", "left/a.png", {"face": "palmar", "scale": "reader"}))
     words = said(tmp_path)
     assert "palmar semi-axis: add one of the distal or radial or ulnar face" in words["finger", "left"]
@@ -420,7 +420,7 @@ def test_what_is_missing_is_said(tmp_path):
         ("photograph", "left/b.png", {"face": "distal", "scale": "reader"}),
         ("observation", "p", {"finger": "left", "file": "c.png", "scale": "reader", "wedge_angle_deg": 30}),
     )
-    assert said(tmp_path) == {("observation", "p"): "the load is still to be given"}
+    assert said(tmp_path) == {("observation", "p"): "the load is missing"}
     changed(tmp_path, ("observation", "p", {"load_N": 1}))
     assert said(tmp_path) == {}
 

@@ -254,7 +254,7 @@ CELLS = "b,index,45,2,5,4,.1"
         (f"{HEADER}\nb,index,45,x,5,4,.1", "rows.csv, line 2: load_N: expected a valid number.*found 'x'"),
         (f"{HEADER}\n\nb,index,45,2,5,4", "rows.csv, line 3: ellipse_mm.std: required, but missing"),
         (f"{HEADER}\n{CELLS},extra", "rows.csv, line 2: more cells than the header has columns"),
-        (f"{HEADER.replace(',', ';')}\n{CELLS.replace(',', ';')}", "parted by semicolons"),
+        (f"{HEADER.replace(',', ';')}\n{CELLS.replace(',', ';')}", "separated by semicolons"),
         (CELLS, "rows.csv: no column finger, load_N, name, wedge_angle_deg in the first line"),
         ("", "rows.csv: no column"),
         (HEADER, "rows.csv: holds no rows"),

@@ -1,15 +1,25 @@
 """Pooled radii: what is shared stays, budgets add up, and the close look agrees with itself."""
 
 import shutil
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from benchmarks import pooling
 
 from fingerpad.exceptions import ManifestError
+from fingerpad.image import SEMI_AXES
+from fingerpad.study.manifest import Observation, Study
+from fingerpad.study.measuring.fingers import FingerResult
+from fingerpad.study.measuring.measure import Measurement
 from fingerpad.study.pipeline import run_study
+from fingerpad.study.results.model import GEOMETRY, PART_SOURCES, contact_inputs
+from fingerpad.study.results.pooling import PooledRadius
+from fingerpad.study.results.rows import Rows, make_rows
 from fingerpad.study.results.study_result import StudyResult
+from fingerpad.study.results.summary import area_exponent
 from fingerpad.uncertainty import PAD_SOURCES
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "dzidek2017" / "synthetic"
@@ -138,3 +148,127 @@ def test_an_unknown_method_is_refused(tmp_path: Path) -> None:
     (tmp_path / "study.toml").write_text(text)
     with pytest.raises(ManifestError, match="'first_order' or 'monte_carlo'"):
         run_study(tmp_path / "study.toml", tmp_path / "out")
+
+
+AXES = np.array([7.9, 13.8, 11.8])
+GIVEN_FINGER = {
+    "name": "f",
+    "semi_axes_mm": dict(zip(SEMI_AXES, AXES.tolist(), strict=True)),
+    "semi_axes_mm_std": dict.fromkeys(SEMI_AXES, 0.5),
+}
+STUDY = Study.model_validate({"title": "T", "fingers": [GIVEN_FINGER]})
+OUTPUT = "radius_from_indentation"
+
+
+def finger(scale: str | None) -> FingerResult:
+    """Return a finger whose photographs share a scale known to 4 %, besides 0.5 mm of each axis."""
+    covariance = 0.25 * np.eye(3) + (0.04**2 * np.outer(AXES, AXES) if scale else 0.0)
+    return FingerResult(name="f", semi_axes=AXES, covariance=covariance, source="photographs", scale=scale)
+
+
+def contact(number: int, scale: str | None = None, **more: Any) -> tuple[Observation, Measurement]:
+    name, axes = f"c{number}", np.array([7.0 + 0.2 * number, 5.0])
+    observation = Observation(name=name, finger="f", wedge_angle_deg=30, load_N=1.0, image="x.png", scale="s")
+    given: dict[str, Any] = {
+        "load": 1.0,
+        "semi_major": axes[0],
+        "semi_minor": axes[1],
+        "covariance": 0.01 * np.eye(2) + 0.04**2 * np.outer(axes, axes),
+        "scale": scale,
+        "relative_scale_std": 0.04,
+    }
+    return observation, Measurement(name=name, **{**given, **more})
+
+
+def pooled(rows: Rows, estimate: list[int]) -> PooledRadius:
+    return PooledRadius.of(rows, rows.table, np.array(estimate), OUTPUT)
+
+
+@pytest.mark.parametrize(
+    ("of_finger", "of_contact", "is_shared"),
+    [("a", "a", True), ("a", "b", False), ("a", None, False), (None, "a", False), (None, None, False)],
+)
+def test_only_one_and_the_same_named_scale_is_shared(
+    of_finger: str | None, of_contact: str | None, is_shared: bool
+) -> None:
+    inputs = contact_inputs(STUDY, {"f": finger(of_finger)}, [contact(0, of_contact)])
+    found = inputs.covariance[0, inputs.places(SEMI_AXES), inputs.places(["image_scale"])]
+    np.testing.assert_allclose(found, 0.04**2 * AXES if is_shared else 0.0)
+
+
+def test_the_scale_is_not_counted_twice_in_the_ellipse() -> None:
+    inputs = contact_inputs(STUDY, {"f": finger(None)}, [contact(0, "a")])
+    places = inputs.places(["contact_radius", "elongation"])
+    expected = np.hypot(0.1 / 7, 0.1 / 5)
+    np.testing.assert_allclose(inputs.std[0, places], [0.5 * np.sqrt(35) * expected, expected], rtol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("scales", "groups"),
+    [(("a", "a", "a"), 1), (("a", "b", "b"), 2), ((None, None, None), 3), (("a", None, None), 3)],
+)
+def test_contacts_share_the_error_of_a_scale_that_they_name(
+    scales: tuple[str | None, ...], groups: int
+) -> None:
+    seen = [contact(0, scale, covariance=0.01 * np.eye(2), relative_scale_std=0.0) for scale in scales]
+    rows = make_rows(STUDY, {"f": finger(None)}, seen)
+    parts = np.zeros_like(rows.parts)
+    parts[:, :, np.flatnonzero(PART_SOURCES == "image scale")[0]] = 0.3
+    parts[:, :, np.flatnonzero(PART_SOURCES == "contact ellipse")[1]] = 0.4
+    found = pooled(replace(rows, parts=parts), [0, 1, 2]).fixed
+    assert found.std == pytest.approx(0.4 / np.sqrt(3))
+    sizes = {1: [3], 2: [1, 2], 3: [1, 1, 1]}[groups]
+    shared = 0.3 * np.linalg.norm(sizes) / 3
+    assert found.total_std == pytest.approx(np.hypot(found.std, shared))
+
+
+def test_frames_of_a_sequence_have_the_weights_of_their_own_uncertainties() -> None:
+    rows = make_rows(STUDY, {"f": finger(None)}, [contact(number) for number in (0, 4, 8)])
+    parts = np.zeros_like(rows.parts)
+    parts[:, :, np.flatnonzero(PART_SOURCES == "contact ellipse")[1]] = 0.1
+    rows = replace(rows, parts=parts, elongation_std=np.array([0.01, 0.02, 0.05]))
+    radii = rows.table.column(f"{OUTPUT}_mm")
+    found = pooled(rows, [0, 0, 0])
+    assert found.count == 1
+    assert found.value == pytest.approx(np.average(radii, weights=[1 / 1, 1 / 4, 1 / 25]))
+    assert found.value != pytest.approx(radii.mean(), abs=1e-3)
+
+
+def test_a_fixed_geometry_leaves_out_the_geometry_only() -> None:
+    rows = make_rows(STUDY, {"f": finger(None)}, [contact(0), contact(1)])
+    parts = np.zeros_like(rows.parts)
+    for source, part in [(GEOMETRY[0], 0.5), ("Poisson's ratio", 0.3), ("contact ellipse", 0.4)]:
+        parts[:, :, np.flatnonzero(source == PART_SOURCES)[-1]] = part  # of second order
+    found = pooled(replace(rows, parts=parts, elongation_std=np.zeros(2)), [0, 1])
+    assert found.fixed_geometry == pytest.approx(np.hypot(found.fixed.std, 0.3))
+    assert found.std == pytest.approx(np.sqrt(found.fixed.std**2 + 0.3**2 + 0.5**2))
+
+
+@pytest.mark.parametrize(
+    ("flags", "counts"),
+    [
+        ((), True),
+        (("low_contrast",), True),
+        (("scale_doubtful",), False),
+        (("touches_border",), False),
+        (("low_contrast", "cut_by_mask"), False),
+    ],
+)
+def test_contacts_that_are_cut_or_of_a_doubtful_scale_are_not_pooled(
+    flags: tuple[str, ...], counts: bool
+) -> None:
+    rows = make_rows(STUDY, {"f": finger(None)}, [contact(0), contact(1, flags=flags)])
+    assert [row["status"] for row in rows.table] == ["measured", "measured"]
+    assert [row["pooled"] for row in rows.table] == [True, counts]
+    assert rows.pooled.tolist() == [0, 1][: 1 + counts]
+
+
+@pytest.mark.parametrize(("loads", "is_known"), [((1, 2), False), ((1, 2, 2), True), ((1, 2, 4), True)])
+def test_an_exponent_from_two_contacts_has_no_standard_uncertainty(
+    tmp_path: Path, loads: tuple[float, ...], is_known: bool
+) -> None:
+    majors = 6.5 * np.array(loads) ** 0.4
+    (summary,) = study(tmp_path, majors=majors + [0, 0, 0.1][: len(loads)], loads=loads).summaries
+    exponent = area_exponent(summary.rows)
+    assert 0.3 < exponent.value < 0.5
+    assert np.isfinite(exponent.std) == is_known

@@ -24,7 +24,7 @@ semi_axes_mm_std = {{ palmar = 1e-9, distal = 1e-9, radial_ulnar = 1e-9 }}
 name = "x"
 finger = "f"
 wedge_angle_deg = 30
-load_N = 2
+load_N = {load}
 {row}
 """
 ELLIPSE = "ellipse_mm = { semi_major = 7.4, semi_minor = 5.0, std = 1e-9, long_axis = 'along' }"
@@ -40,9 +40,12 @@ def row_of(
     load_std=0.0,
     top: str = "",
     more: str = "",
+    load: float = 2,
 ):
     (folder / "study.toml").write_text(
-        MANIFEST.format(row=row, finger=finger, wedge_std=wedge_std, load_std=load_std, top=top, more=more)
+        MANIFEST.format(
+            row=row, finger=finger, wedge_std=wedge_std, load_std=load_std, top=top, more=more, load=load
+        )
     )
     (row,) = run_study(folder / "study.toml", folder / "out").rows
     assert row["status"] == "measured"
@@ -121,7 +124,7 @@ def test_four_ways_to_say_a_scale(picture: Path) -> None:
 def test_a_coin_that_is_not_there_costs_its_rows(picture: Path) -> None:
     shared = 'file = "print.png"\nscale = "euro"\n[scales.euro]\ncoin = "print.png"\ndiameter_mm = 23.25'
     (picture / "study.toml").write_text(
-        MANIFEST.format(row=shared, finger="", wedge_std=0.0, load_std=0.0, top="", more="")
+        MANIFEST.format(row=shared, finger="", wedge_std=0.0, load_std=0.0, top="", more="", load=2)
     )
     result = run_study(picture / "study.toml", picture / "out")
     assert result.rows[0]["reason"].startswith("scale euro: print.png: no coin found")
@@ -177,3 +180,10 @@ def test_thickness_gives_the_second_range_note(tmp_path: Path) -> None:
     assert thin["indentation_over_thickness"] == pytest.approx(thin["indentation_mm"] / 6)
     assert "indentation_not_small" in thin["range_notes"]
     assert "indentation_not_small" not in row_of(tmp_path, finger="pad_thickness_mm = 60")["range_notes"]
+
+
+@pytest.mark.parametrize(("load", "notes"), [(0.01, True), (0.03, False), (90, False), (200, True)])
+def test_a_modulus_is_plausible_from_1_to_5000_kpa(tmp_path: Path, load: float, notes: bool) -> None:
+    row = row_of(tmp_path, load=load)
+    assert (not 1 < row["youngs_modulus_kpa"] < 5000) == notes
+    assert ("implausible_modulus" in row["range_notes"]) == notes

@@ -6,94 +6,110 @@ from numpy.testing import assert_allclose
 from scipy import stats
 
 from fingerpad.exceptions import UncertaintyError
-from fingerpad.uncertainty import pad_model, propagate, run_monte_carlo, validate_linear_approximation
-
-PAD = np.array([7.9, 13.8, 11.8, np.radians(30), 0.05, 0.5, 1.0, 2.0, 6.08, 0.39])
-PAD_COVARIANCE = np.diag(
-    np.square([0.1, 0.12, 0.08, np.radians(0.5), np.radians(1), 0.01, 0.01, 0.02, 0.07, 0.02])
+from fingerpad.uncertainty import (
+    Inputs,
+    pad_model,
+    pad_uncertainty,
+    run_monte_carlo,
+    validate_linear_approximation,
 )
+
+PAD = {
+    "palmar": (7.9, 0.1),
+    "distal": (13.8, 0.12),
+    "radial_ulnar": (11.8, 0.08),
+    "wedge_angle": np.radians((30, 0.5)),
+    "roll_angle": (0.05, np.radians(1)),
+    "poisson_ratio": (0.5, 0.01),
+    "image_scale": (1.0, 0.01),
+    "load": (2.0, 0.02),
+    "semi_major": (7.4, 0.11),
+    "semi_minor": (5.0, 0.08),
+}
+NORMAL = Inputs.of(x=(0.0, 1.0))
+
+
+def exponential(x: np.ndarray) -> dict[str, np.ndarray]:
+    return {"y": np.exp(x)}
+
+
+def square_root(x: np.ndarray) -> dict[str, np.ndarray]:
+    return {"y": np.sqrt(x)}
 
 
 def test_chi_square() -> None:
     result = run_monte_carlo(
-        lambda x: np.square(x).sum(axis=-1, keepdims=True), np.zeros(3), np.eye(3), min_draws=400_000
-    )
+        lambda a, b, c: {"y": a**2 + b**2 + c**2},
+        Inputs.of(a=(0.0, 1.0), b=(0.0, 1.0), c=(0.0, 1.0)),
+        min_draws=400_000,
+    )["y"]
     assert_allclose(result.value, 3, rtol=0.01)
     assert_allclose(result.std, np.sqrt(6), rtol=0.01)
-    assert_allclose(result.interval[0], stats.chi2(3).ppf([0.025, 0.975]), rtol=0.015)
+    assert_allclose(result.interval, stats.chi2(3).ppf([0.025, 0.975]), rtol=0.015)
 
 
 def test_correlated_inputs() -> None:
-    covariance = np.array([[4.0, -1.9], [-1.9, 1.0]])
-    result = run_monte_carlo(lambda x: np.stack([x.sum(axis=-1), x[..., 0]], axis=-1), [1.0, 2.0], covariance)
+    inputs = Inputs.of(a=(1.0, 2.0), b=(2.0, 1.0), correlations={("a", "b"): -0.95})
+    result = run_monte_carlo(lambda a, b: {"sum": a + b, "a": a}, inputs)
     assert_allclose(result.covariance, [[1.2, 2.1], [2.1, 4.0]], rtol=0.04)
 
 
 def test_the_wanted_digits_decide_when_it_stops() -> None:
-    rough = run_monte_carlo(pad_model, PAD, PAD_COVARIANCE, digits=1)
-    fine = run_monte_carlo(pad_model, PAD, PAD_COVARIANCE, digits=2)
+    first = pad_uncertainty(**PAD)
+    rough, fine = (run_monte_carlo(pad_model, first.inputs, digits=digits) for digits in (1, 2))
     assert rough.draws < fine.draws <= 1_000_000
-    assert rough.converged.all()
+    assert all(rough.converged.values())
     assert (fine.tolerance < rough.tolerance).all()
-    assert np.max(np.abs(fine.std / propagate(pad_model, PAD, PAD_COVARIANCE).std - 1)) < 0.02
+    assert np.max(np.abs(fine.std / first.std - 1)) < 0.02
 
 
 def test_tolerance_is_that_of_repeats() -> None:
-    def ends(seed: int) -> np.ndarray:
-        return run_monte_carlo(
-            np.exp, [0.0], [[1.0]], min_draws=50_000, max_draws=50_000, seed=seed
-        ).interval[0, 1]
+    def end(seed: int) -> float:
+        found = run_monte_carlo(exponential, NORMAL, min_draws=50_000, max_draws=50_000, seed=seed)
+        return float(found["y"].interval[1])
 
-    tolerance = run_monte_carlo(np.exp, [0.0], [[1.0]], min_draws=50_000, max_draws=50_000).tolerance[0]
-    scatter = np.std([ends(seed) for seed in range(30)])
+    tolerance = run_monte_carlo(exponential, NORMAL, min_draws=50_000, max_draws=50_000).tolerance[0]
+    scatter = np.std([end(seed) for seed in range(30)])
     assert 0.5 < tolerance / (2 * scatter) < 2.5
 
 
-def test_the_cap_is_kept_and_told() -> None:
-    result = run_monte_carlo(np.exp, [0.0], [[1.0]], digits=3, max_draws=40_000)
+def test_the_largest_number_of_draws_is_kept_and_reported() -> None:
+    result = run_monte_carlo(exponential, NORMAL, digits=3, max_draws=40_000)
     assert result.draws == 40_000
-    assert not result.converged.any()
+    assert result.converged == {"y": False}
 
 
 def test_same_seed_same_result() -> None:
-    one, other, third = (run_monte_carlo(np.exp, [0.0], [[0.1]], seed=seed).value for seed in (5, 5, 6))
+    one, other, third = (run_monte_carlo(exponential, NORMAL, seed=seed)["y"].value for seed in (5, 5, 6))
     assert one == other != third
 
 
-def test_draws_without_an_answer_are_counted() -> None:
-    with np.errstate(invalid="ignore"):
-        result = run_monte_carlo(np.sqrt, [1.0], [[1.0]])
+def test_draws_without_a_finite_output_are_counted() -> None:
+    result = run_monte_carlo(square_root, Inputs.of(x=(1.0, 1.0)))
     assert_allclose(result.undefined / (result.draws + result.undefined), stats.norm.cdf(-1), rtol=0.05)
     assert np.isfinite(result.std).all()
 
 
 @pytest.mark.parametrize(
-    ("mean", "covariance", "options", "message"),
+    ("inputs", "options", "message"),
     [
-        ([-3.0], [[1.0]], {}, "no answer for .* draws"),
-        ([1.0], np.eye(2), {}, "do not fit a covariance"),
-        ([1.0], [[-1.0]], {}, "variance must be positive or zero"),
-        ([1.0], [[1.0]], {"digits": 0}, "digits must be at least 1"),
-        ([1.0], [[1.0]], {"min_draws": 10, "max_draws": 5}, "at most max_draws, found 2, 10, 5"),
+        (Inputs.of(x=(-3.0, 1.0)), {}, "no finite output for .* draws"),
+        (Inputs.of(x=([1.0, 2.0], 1.0)), {}, r"one set of inputs, found the shape \(2,\)"),
+        (Inputs.of(x=1.0).with_covariance("x", [[-1.0]]), {}, "variance must be positive or zero"),
+        (NORMAL, {"digits": 0}, "digits must be at least 1"),
+        (NORMAL, {"min_draws": 10, "max_draws": 5}, "at most max_draws, found 2, 10, 5"),
     ],
 )
-def test_refuses(mean: list[float], covariance: np.ndarray, options: dict[str, int], message: str) -> None:
+def test_refuses(inputs: Inputs, options: dict[str, int], message: str) -> None:
     with pytest.raises(UncertaintyError, match=message):
-        run_monte_carlo(np.sqrt, mean, covariance, **options)
+        run_monte_carlo(square_root, inputs, **options)
 
 
-def test_first_order_is_valid_where_the_model_is_straight() -> None:
-    first, simulated = (
-        propagate(pad_model, PAD, PAD_COVARIANCE),
-        run_monte_carlo(pad_model, PAD, PAD_COVARIANCE),
-    )
-    assert validate_linear_approximation(first, simulated).valid.all()
-    wide = 900 * PAD_COVARIANCE[2:3, 2:3]
-
-    def one_radius(x: np.ndarray) -> np.ndarray:
-        others = np.broadcast_to(PAD, (*x.shape[:-1], 10)).astype(x.dtype)
-        return pad_model(np.concatenate([others[..., :2], x, others[..., 3:]], axis=-1))
-
-    with np.errstate(all="ignore"):  # draws of negative axes
-        first, simulated = propagate(one_radius, PAD[2:3], wide), run_monte_carlo(one_radius, PAD[2:3], wide)
-    assert not validate_linear_approximation(first, simulated).valid[0]
+def test_the_linear_approximation_is_valid_for_small_uncertainties_only() -> None:
+    first = pad_uncertainty(**PAD)
+    found = validate_linear_approximation(first, run_monte_carlo(pad_model, first.inputs))
+    assert set(found) == set(first.names)
+    assert all(each.valid for each in found.values())
+    wide = pad_uncertainty(**{**PAD, "radial_ulnar": (11.8, 2.4)})
+    found = validate_linear_approximation(wide, run_monte_carlo(pad_model, wide.inputs))
+    assert not found["mean_curvature_radius"].valid

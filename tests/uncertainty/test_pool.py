@@ -1,6 +1,5 @@
 """Pooling: textbook cases, invariants, and what must not average away."""
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -13,7 +12,21 @@ from scipy import stats
 from statsmodels.stats.meta_analysis import combine_effects
 
 from fingerpad.exceptions import UncertaintyError
-from fingerpad.uncertainty import SharedErrors, pool, pool_random_effects, variance_components
+from fingerpad.uncertainty import (
+    SharedErrors,
+    pool,
+    pool_random_effects,
+    proportional_stds,
+    variance_components,
+)
+
+
+def test_weights_are_inverse_variances() -> None:
+    pooled = pool([10.0, 13.0], [1.0, 0.5])
+    assert_allclose(pooled.weights, [0.2, 0.8])
+    assert_allclose(pooled.value, 12.4)
+    assert_allclose(pooled.birge_ratio, 3 / np.hypot(1.0, 0.5))
+    assert_allclose(pooled.std, pooled.birge_ratio / np.sqrt(1 / 1.0 + 1 / 0.25))
 
 
 def test_equal_weights_are_the_mean() -> None:
@@ -156,27 +169,33 @@ def test_shared_parts_are_the_matrix_without_it(seed: int) -> None:
     matrix = np.array(
         [[np.sum(parts[i] * parts[j] * (groups[i] == groups[j])) for j in range(7)] for i in range(7)]
     )
-    shared = SharedErrors(parts=parts, groups=groups)
+    shared = SharedErrors(sources=("axes", "scale", "axes"), parts=parts, groups=groups)
     for way in (pool, pool_random_effects):
         one, other = way(values, stds, shared), way(values, stds, matrix)
         assert_allclose(one.total_std, other.total_std, rtol=1e-12)
         assert one.total_std > one.std
-    assert_allclose(shared.variances(np.eye(7)[2]), parts[2] ** 2)
+    variances = shared.variances(np.eye(7)[2])
+    assert variances == pytest.approx(
+        {"axes": parts[2, 0] ** 2 + parts[2, 2] ** 2, "scale": parts[2, 1] ** 2}
+    )
 
 
 def test_a_hundred_thousand_estimates_take_no_matrix() -> None:
     count = 100_000  # whose matrix would take 80 GB
     parts = np.full((count, 1), 0.2)
-    pooled = pool(
-        np.full(count, 5.0), np.full(count, 0.1), SharedErrors(parts=parts, groups=np.zeros((1, 1), int))
-    )
+    shared = SharedErrors(sources=("wedge",), parts=parts, groups=np.zeros((1, 1), int))
+    pooled = pool(np.full(count, 5.0), np.full(count, 0.1), shared)
     assert_allclose(pooled.total_std, np.hypot(0.1 / np.sqrt(count), 0.2))
     assert pool(np.full(count, 5.0), np.full(count, 0.1)).count == count
 
 
 def test_parts_must_be_those_of_the_estimates() -> None:
     with pytest.raises(UncertaintyError, match="each estimate needs its parts, found 2 and 3"):
-        pool([1.0, 2.0], [0.1, 0.1], SharedErrors(parts=np.ones((3, 1)), groups=np.zeros((1, 1), int)))
+        pool(
+            [1.0, 2.0],
+            [0.1, 0.1],
+            SharedErrors(sources=("s",), parts=np.ones((3, 1)), groups=np.zeros((1, 1), int)),
+        )
 
 
 @pytest.mark.parametrize("relative_std", [0.01, 0.1])
@@ -193,21 +212,17 @@ def test_uncertainties_in_proportion_do_not_bias_random_effects(relative_std: fl
     assert 0.93 <= found.covered <= 0.97
 
 
-@pytest.mark.parametrize("pooled", [pool, pool_random_effects])
 @pytest.mark.parametrize("values", [(10.0, 10.4, 11.0), (8.0, 12.0, 16.0)])
-def test_proportional_uncertainties_are_those_at_the_mean(pooled: Callable[..., Any], values: Any) -> None:
+def test_proportional_uncertainties_are_those_at_the_mean(values: Any) -> None:
     relative = np.array([0.02, 0.05, 0.03])
-    found = pooled(values, relative * values, proportional=True)
-    again = pooled(values, relative * found.value)
-    assert_allclose((again.value, again.std), (found.value, found.std), rtol=1e-10)
-    assert_allclose(found.weights @ values, found.value, rtol=1e-14)
-    assert_allclose(found.weights.sum(), 1, rtol=1e-14)
+    stds = proportional_stds(values, relative * values)
+    pooled = pool(values, stds)
+    assert_allclose(stds, relative * pooled.value, rtol=1e-14)
+    assert_allclose(pooled.value, np.average(values, weights=relative**-2.0), rtol=1e-14)
 
 
-@pytest.mark.parametrize("pooled", [pool, pool_random_effects])
-def test_what_is_not_positive_has_no_relative_uncertainty(pooled: Callable[..., Any]) -> None:
-    values, stds = [-1.0, 0.0, 2.0], [0.5, 0.5, 1.0]
-    assert pooled(values, stds, proportional=True) == pooled(values, stds)
+def test_what_is_not_positive_has_no_relative_uncertainty() -> None:
+    assert_allclose(proportional_stds([-1.0, 0.0, 2.0], [0.5, 0.5, 1.0]), [0.5, 0.5, 1.0])
 
 
 @given(st.floats(-8, 8))

@@ -1,112 +1,194 @@
 """First-order propagation against closed forms and a Monte Carlo of its own."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
+from fingerpad.contact import pad_contact
 from fingerpad.exceptions import UncertaintyError
-from fingerpad.uncertainty import PAD_INPUTS, PAD_OUTPUTS, pad_model, propagate
+from fingerpad.geometry import Ellipsoid
+from fingerpad.uncertainty import Inputs, pad_inputs, pad_model, pad_uncertainty, propagate
+
+PAD: dict[str, Any] = {
+    "palmar": (7.9, 0.1),
+    "distal": (13.8, 0.12),
+    "radial_ulnar": (11.8, 0.08),
+    "wedge_angle": np.radians((30, 0.5)),
+    "roll_angle": (0.05, np.radians(1)),
+    "poisson_ratio": (0.5, 0.01),
+    "image_scale": (1.0, 0.01),
+    "load": (2.0, 0.02),
+    "semi_major": (7.4, 0.1),
+    "semi_minor": (5.0, 0.1),
+}
+EXACT = {name: float(pair[0]) for name, pair in PAD.items()}
+CIRCLE = {**EXACT, "semi_major": 5.0}
+
+
+def observed(
+    palmar: Any,
+    distal: Any,
+    radial_ulnar: Any,
+    image_scale: Any,
+    semi_major: Any,
+    semi_minor: Any,
+    **rest: Any,
+) -> Any:
+    """Return the contact of measured quantities, without `pad_model`."""
+    return pad_contact(
+        Ellipsoid(palmar=palmar, distal=distal, radial_ulnar=radial_ulnar),
+        semi_major=image_scale * semi_major,
+        semi_minor=image_scale * semi_minor,
+        **rest,
+    )
 
 
 @given(st.lists(st.floats(-5, 5), min_size=6, max_size=6), st.floats(0.01, 2))
 def test_linear_models_are_exact(entries: list[float], scale: float) -> None:
     matrix = np.reshape(entries, (2, 3))
     covariance = scale * np.array([[1.0, 0.3, 0.0], [0.3, 2.0, -0.5], [0.0, -0.5, 1.5]])
-    result = propagate(lambda x: x @ matrix.T, [1.0, -2.0, 0.0], covariance)
+    inputs = Inputs.of(a=1.0, b=-2.0, c=0.0).with_covariance("abc", covariance)
+    result = propagate(
+        lambda **x: {f"y{row}": sum(map(np.multiply, matrix[row], x.values())) for row in range(2)}, inputs
+    )
     assert_allclose(result.covariance, matrix @ covariance @ matrix.T, atol=1e-7)
     assert_allclose(result.jacobian, matrix, atol=1e-8)
 
 
 def test_products_add_relative_variances() -> None:
-    mean = np.array([3.0, 0.2, 50.0])
-    relative = np.array([0.01, 0.02, 0.03])
-    result = propagate(lambda x: x.prod(-1, keepdims=True), mean, np.diag((relative * mean) ** 2))
-    assert_allclose(result.std[0] / result.value[0], np.sqrt(np.sum(relative**2)), rtol=1e-9)
+    inputs = Inputs.of(a=(3.0, 0.03), b=(0.2, 0.004), c=(50.0, 1.5))
+    product = propagate(lambda a, b, c: {"product": a * b * c}, inputs)["product"]
+    assert_allclose(product.std / product.value, np.sqrt(0.01**2 + 0.02**2 + 0.03**2), rtol=1e-9)
 
 
 def test_many_at_once_equal_one_by_one() -> None:
     rng = np.random.default_rng(3)
-    means = np.array([7.9, 13.8, 11.8, 0.5, 0.1, 0.5, 1.0, 2.0, 6.08, 0.39]) * rng.uniform(
-        0.95, 1.05, (5, 10)
+    values = {name: pair[0] * rng.uniform(0.95, 1.05, 5) for name, pair in PAD.items()}
+    stds = {name: pair[1] * rng.uniform(0.5, 2, 5) for name, pair in PAD.items()}
+    correlations = {("palmar", "distal"): 0.9, ("semi_minor", "palmar"): 0.3}
+    together = pad_uncertainty(
+        **{name: (values[name], stds[name]) for name in PAD}, correlations=correlations
     )
-    covariances = np.stack([np.diag(rng.uniform(1e-4, 1e-2, 10)) for _ in range(5)])
-    together = propagate(pad_model, means, covariances)
     for index in range(5):
-        alone = propagate(pad_model, means[index], covariances[index])
+        alone = pad_uncertainty(
+            **{name: (values[name][index], stds[name][index]) for name in PAD}, correlations=correlations
+        )
         assert_allclose(together.covariance[index], alone.covariance, rtol=1e-10, atol=1e-14)
+        share = together.budget("radius_from_indentation")["wedge angle"][index]
+        assert_allclose(alone.budget("radius_from_indentation")["wedge angle"], share, rtol=1e-10)
 
 
-def test_pad_agrees_with_monte_carlo() -> None:
-    mean = np.array([7.9, 13.8, 11.8, np.radians(30), 0.05, 0.5, 1.0, 2.0, 6.08, 0.39])
-    std = np.array([0.1, 0.12, 0.08, np.radians(0.5), np.radians(1), 0.01, 0.01, 0.02, 0.07, 0.02])
-    correlation = np.eye(10)
-    correlation[8, 9] = correlation[9, 8] = 0.6
-    covariance = correlation * np.outer(std, std)
-    draws = np.random.default_rng(11).multivariate_normal(mean, covariance, 100_000)
-    expected = pad_model(draws).std(axis=0)
-    assert_allclose(propagate(pad_model, mean, covariance).std, expected, rtol=0.02)
+def test_pad_agrees_with_monte_carlo_of_measured_quantities() -> None:
+    mean, std = np.array([*PAD.values()], dtype=float).T
+    correlations = {
+        ("palmar", "distal"): 0.9,
+        ("semi_major", "semi_minor"): 0.6,
+        ("semi_major", "radial_ulnar"): -0.5,
+    }
+    correlation, names = np.eye(10), list(PAD)
+    for (one, other), value in correlations.items():
+        correlation[names.index(one), names.index(other)] = value
+        correlation[names.index(other), names.index(one)] = value
+    draws = np.random.default_rng(11).multivariate_normal(mean, correlation * np.outer(std, std), 100_000)
+    contact = observed(**dict(zip(names, draws.T, strict=True)))
+    result = pad_uncertainty(**PAD, correlations=correlations)
+    for name in result.names:
+        assert_allclose(result[name].std, getattr(contact, name).std(), rtol=0.02, err_msg=name)
 
 
-@pytest.mark.parametrize("shape", [(), (4,), (2, 3)])
-def test_model_broadcasts(shape: tuple[int, ...]) -> None:
-    inputs = np.broadcast_to(
-        [7.9, 13.8, 11.8, 0.5, 0.0, 0.5, 1.0, 2.0, 6.08, 0.39], (*shape, len(PAD_INPUTS))
-    )
-    assert pad_model(inputs).shape == (*shape, len(PAD_OUTPUTS))
+def test_values_are_those_of_the_contact() -> None:
+    result, contact = pad_uncertainty(**PAD), observed(**EXACT)
+    for name in result.names:
+        assert_allclose(result[name].value, getattr(contact, name), rtol=1e-12, err_msg=name)
 
 
 def test_flat_outputs_take_the_second_order() -> None:
     # z² of a standard normal z has variance 2; z₁² + z₂² twice that.
-    result = propagate(lambda x: (x**2).sum(-1, keepdims=True), [0.0, 0.0], np.eye(2))
+    result = propagate(lambda a, b: {"sum": a**2 + b**2}, Inputs.of(a=(0.0, 1.0), b=(0.0, 1.0)))
     assert_allclose(result.std, 2.0, rtol=1e-9)
 
 
-@pytest.mark.parametrize("elongation", [0.0, 0.01, 0.05])
-def test_corrected_radius_of_a_circular_contact(elongation: float) -> None:
-    mean = np.array([7.9, 13.8, 11.8, 0.5, 0.0, 0.5, 1.0, 2.0, 5.0, elongation])
-    covariance = np.zeros((10, 10))
-    covariance[9, 9] = 0.0283**2  # axes of 5 mm, each to 0.1 mm
-    draws = np.tile(mean, (200_000, 1))
-    draws[:, 9] += np.random.default_rng(2).normal(0, 0.0283, 200_000)
-    column = PAD_OUTPUTS.index("radius_from_indentation")
-    expected = pad_model(draws)[:, column].std()
-    assert_allclose(propagate(pad_model, mean, covariance).std[column], expected, rtol=0.02)
+@pytest.mark.parametrize("semi_major", [5.0, 5.05, 5.25])
+def test_corrected_radius_of_a_near_circle(semi_major: float) -> None:
+    given = {**EXACT, "semi_major": (semi_major, 0.1), "semi_minor": (5.0, 0.1)}
+    draws = np.random.default_rng(2).normal([semi_major, 5.0], 0.1, (200_000, 2)).T
+    contact = observed(**{**EXACT, "semi_major": draws[0], "semi_minor": draws[1]})
+    found = pad_uncertainty(**given)["radius_from_indentation"].std
+    assert_allclose(found, contact.radius_from_indentation.std(), rtol=0.02)
 
 
-def test_upright_finger_feels_the_wedge_angle() -> None:
-    mean = np.array([7.9, 13.8, 11.8, 0.0, 0.0, 0.5, 1.0, 2.0, 5.0, 0.2])
-    covariance = np.diag([0, 0, 0, np.radians(2) ** 2, np.radians(2) ** 2, 0, 0, 0, 0, 0])
-    draws = np.random.default_rng(4).multivariate_normal(mean, covariance, 100_000)
-    column = PAD_OUTPUTS.index("mean_curvature_radius")
-    expected = pad_model(draws)[:, column].std()
-    assert_allclose(propagate(pad_model, mean, covariance).std[column], expected, rtol=0.03)
+def test_semi_axes_that_only_change_the_elongation_have_no_area() -> None:
+    given = {**EXACT, "semi_major": (7.4, 0.074), "semi_minor": (5.0, 0.05)}
+    inputs = pad_uncertainty(**given, correlations={("semi_major", "semi_minor"): -1.0}).inputs
+    radius, elongation = inputs.std[inputs.places(["contact_radius", "elongation"])]
+    assert radius < 1e-9
+    assert_allclose(elongation, 0.02)
 
 
-def test_near_circle_is_differentiable() -> None:
-    mean = np.array([7.9, 13.8, 11.8, 0.5, 0.0, 0.5, 1.0, 2.0, 5.0, 0.0])
-    result = propagate(pad_model, mean, np.diag(np.full(10, 1e-4)))
-    assert np.isfinite(result.std).all()
+def test_upright_finger_depends_on_the_wedge_angle_to_second_order() -> None:
+    given = {**EXACT, "wedge_angle": np.radians((0, 2)), "roll_angle": np.radians((0, 2))}
+    wedge, roll = np.random.default_rng(4).normal(0, np.radians(2), (2, 100_000))
+    contact = observed(**{**EXACT, "wedge_angle": wedge, "roll_angle": roll})
+    found = pad_uncertainty(**given)["mean_curvature_radius"].std
+    assert_allclose(found, contact.mean_curvature_radius.std(), rtol=0.03)
 
 
 @pytest.mark.parametrize(
-    "mean",
+    "quantities",
     [
-        [7.9, 13.8, 11.8, np.radians(30), 0.05, 0.5, 1.0, 2.0, 6.08, 0.39],
-        [7.9, 13.8, 11.8, 0.0, 0.0, 0.5, 1.0, 2.0, 5.0, 0.2],  # flat on the platen
-        [7.9, 13.8, 11.8, np.pi / 2, 0.0, 0.5, 1.0, 2.0, 5.0, 0.0],  # on the tip, a circular contact
+        EXACT,
+        {**CIRCLE, "wedge_angle": 0.0, "roll_angle": 0.0},  # flat on the platen
+        {**CIRCLE, "wedge_angle": np.pi / 2, "roll_angle": 0.0},  # on the tip
     ],
 )
-def test_derivatives_agree_with_differences(mean: list[float]) -> None:
-    jacobian = propagate(pad_model, mean, np.eye(10) * 1e-6).jacobian
-    for column in range(10):
-        step = 1e-4 * np.eye(10)[column]
-        outer = pad_model(mean + 2 * step) - pad_model(mean - 2 * step)
-        inner = pad_model(mean + step) - pad_model(mean - step)
-        assert_allclose(jacobian[:, column], (8 * inner - outer) / 12e-4, rtol=1e-8, atol=1e-9)
+def test_derivatives_agree_with_differences(quantities: dict[str, float]) -> None:
+    result = pad_uncertainty(**quantities)
+    mean = result.inputs.mean
+
+    def at(offset: np.ndarray) -> np.ndarray:
+        return np.array([*pad_model(**dict(zip(result.inputs.names, mean + offset, strict=True))).values()])
+
+    for column in range(mean.size):
+        step = 1e-4 * np.eye(mean.size)[column]
+        outer, inner = at(2 * step) - at(-2 * step), at(step) - at(-step)
+        assert_allclose(result.jacobian[:, column], (8 * inner - outer) / 12e-4, rtol=1e-8, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("changed", "message"),
+    [
+        ({"load": (2.0, -0.1)}, "standard uncertainty of load must be positive or zero, found -0.1"),
+        ({"load": (2.0, np.nan)}, "covariance must be finite"),
+        ({"correlations": {("palmar", "distl"): 0.9}}, "no input 'distl'; there are palmar, distal,"),
+        (
+            {
+                "correlations": {
+                    ("palmar", "distal"): 0.9,
+                    ("distal", "radial_ulnar"): 0.9,
+                    ("palmar", "radial_ulnar"): -0.9,
+                }
+            },
+            "smallest eigenvalue",
+        ),
+    ],
+)
+def test_pad_refuses(changed: dict[str, Any], message: str) -> None:
+    with pytest.raises(UncertaintyError, match=message):
+        pad_uncertainty(**{**PAD, **changed})
+
+
+def test_pad_inputs_refuses_what_is_missing_or_impossible() -> None:
+    with pytest.raises(UncertaintyError, match="no input 'distal'; there are palmar"):
+        pad_inputs(Inputs.of(palmar=7.9))
+    measured = Inputs.of(**PAD).with_covariance(["semi_major", "semi_minor"], [[1.0, 2.0], [2.0, 1.0]])
+    with pytest.raises(UncertaintyError, match="covariance of semi_major and semi_minor .* found 2"):
+        pad_inputs(measured)
 
 
 def test_refuses_models_that_drop_the_complex_step() -> None:
-    with pytest.raises(UncertaintyError, match="real numbers for complex steps"):
-        propagate(np.abs, [1.0], [[1.0]])
+    with pytest.raises(UncertaintyError, match="real numbers for complex steps in size: leave out abs"):
+        propagate(lambda x: {"square": x**2, "size": np.abs(x)}, Inputs.of(x=(1.0, 1.0)))

@@ -331,6 +331,15 @@ def test_rows_are_filtered_sorted_and_paged(done):
     assert done.get("/api/results/rows", params={"sort": "nothing"}).status_code == 422
 
 
+@pytest.mark.parametrize("key", ["orientation_deg", "sequence"])
+@pytest.mark.parametrize("falling", [False, True])
+def test_rows_without_the_value_come_last_whichever_way_they_are_sorted(done, key, falling):
+    values = [row[key] for row in rows(done, sort=f"{'-' * falling}{key}", limit=2000)["rows"]]
+    known = [value for value in values if value is not None]
+    assert 0 < len(known) < len(values)
+    assert values == sorted(known, reverse=falling) + [None] * (len(values) - len(known))
+
+
 def test_plots_hold_each_row_once_and_their_lines(done):
     groups = done.get("/api/results/plot").json()["groups"]
     every = rows(done, limit=2000)["rows"]

@@ -131,11 +131,12 @@ def correct(
 
 def reproduce(
     figures: Annotated[
-        Path | None, typer.Option(help="Folder for the source's Figs 1, 4, 5 and 6, as SVG and PNG.")
+        Path | None,
+        typer.Option(help="Folder for Fig. 1 of Dzidek et al. (2017), 4, 5 and 6, as SVG and PNG."),
     ] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Compute every number printed in the source, and say which are reproduced."""
+    """Compute every number printed in Dzidek et al. (2017), and say which are reproduced."""
     from fingerpad.published import audit
 
     items = audit()

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 _BEGINNING = '{"time": '
 
 
-class Told:
+class ProgressDisplay:
     """A bar on the screen, and lines of JSON in a file."""
 
     def __init__(self, bar: "Bar", log: TextIO | None) -> None:
@@ -27,7 +27,7 @@ class Told:
         self._task = bar.add_task("Looking for what is to be measured", total=None, rate="", failed="")
         self._start, self._before = monotonic(), 0
 
-    def tell(self, progress: "Progress") -> None:
+    def update(self, progress: "Progress") -> None:
         """Show how far a run is."""
         if progress.status == "started":
             self._start, self._before = monotonic(), progress.pictures
@@ -61,7 +61,7 @@ def _words(progress: "Progress") -> str:
 
 
 @contextmanager
-def shown_progress(log: Path | None) -> Iterator[Told]:
+def progress_display(log: Path | None) -> Iterator[ProgressDisplay]:
     """Show progress on stderr, and add it to a file if one is given.
 
     Raises
@@ -83,10 +83,10 @@ def shown_progress(log: Path | None) -> Iterator[Told]:
     )
     try:
         with Progress(*columns, console=Console(stderr=True)) as bar:
-            yield Told(bar, file)
+            yield ProgressDisplay(bar, file)
     finally:
         if file is not None:
-            with suppress(OSError):  # what could not be written was told
+            with suppress(OSError):  # the error was reported when it occurred
                 file.close()
 
 

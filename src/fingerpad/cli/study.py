@@ -2,7 +2,7 @@
 
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, TypeAlias
 
 import typer
 
@@ -15,19 +15,32 @@ if TYPE_CHECKING:
     from fingerpad.study.status import Status
 
 
+Out: TypeAlias = Annotated[
+    Path | None, typer.Option(help="Output folder.", show_default="results beside the manifest")
+]
+
+
 def init(
     folder: Annotated[Path, typer.Argument(help="Folder to make, or an empty one.", show_default=False)],
+    example: Annotated[
+        bool, typer.Option("--example", help="Write a small synthetic study that runs as it is.")
+    ] = False,
 ) -> None:
-    """Write a commented study manifest to start from."""
+    """Write a commented study manifest to start from, or an example study."""
     from fingerpad.study.editing.template import write_template
 
+    if example:
+        from fingerpad.study.editing.example import write_example
+
+        typer.echo(f"Wrote a synthetic study. Run it: fingerpad run {write_example(folder)}")
+        return
     manifest = write_template(folder)
     typer.echo(f"Wrote {manifest}. Put your pictures beside it, fill it in, then: fingerpad run {manifest}")
 
 
 def run(
     study: Annotated[Path, typer.Argument(help="The study's manifest.", show_default=False)],
-    out: Annotated[Path, typer.Option(help="Folder for tables, figures and report.")] = Path("results"),
+    out: Out = None,
     workers: Annotated[int, typer.Option(min=1, help="Number of processes that measure.")] = 1,
     scheduler: Annotated[
         str | None,
@@ -40,7 +53,7 @@ def run(
         Path | None,
         typer.Option(help="File to which progress is added, one JSON object a line.", show_default=False),
     ] = None,
-    force: Annotated[bool, typer.Option("--force", help="Measure everything again.")] = False,
+    force: Annotated[bool, typer.Option("--force", help="Re-measure all.")] = False,
     time_limit_s: Annotated[
         float, typer.Option(help="Time that measuring one picture may take, s.")
     ] = DEFAULT_LIMITS.seconds,
@@ -51,15 +64,16 @@ def run(
     """Run a study: measure, model, pool, and write tables, figures and a report.
 
     What was measured before is kept in the output folder and measured again only where its picture, its
-    parameters or the program have changed. Interrupted, a run finishes what it has in hand; run again, it
+    parameters or the program have changed. Interrupted, a run finishes the tasks in progress; run again, it
     goes on where it stopped.
     """
-    from fingerpad.cli.progress import shown_progress
+    from fingerpad.cli.progress import progress_display
     from fingerpad.report import write_report
     from fingerpad.report.write import REPORT_NAME
     from fingerpad.study.pipeline import run_study
 
-    with shown_progress(log) as progress:
+    out = out or study.parent / "results"
+    with progress_display(log) as progress:
         require_positive("--time-limit-s", time_limit_s)
         require_positive("--memory-gb", memory_gb)
         try:
@@ -71,7 +85,7 @@ def run(
                 force=force,
                 limits=Limits(seconds=time_limit_s, memory_gb=memory_gb),
                 write_report=write_report,
-                on_progress=progress.tell,
+                on_progress=progress.update,
             )
         except KeyboardInterrupt:
             print_error("interrupted; what was measured is kept: run it again to go on")
@@ -83,13 +97,13 @@ def run(
 
 def status(
     study: Annotated[Path, typer.Argument(help="The study's manifest.", show_default=False)],
-    out: Annotated[Path, typer.Option(help="Folder that it was run into.")] = Path("results"),
+    out: Out = None,
     as_json: AsJson = False,
 ) -> None:
     """Tell how much of a study is measured, failed, stale or left."""
     from fingerpad.study.status import study_status
 
-    found = study_status(study, out)
+    found = study_status(study, out or study.parent / "results")
     record = {**asdict(found), "total": found.total, "seconds_left": found.seconds_left}
     if as_json:
         print_json(record)
@@ -110,7 +124,7 @@ def _print_status(found: "Status") -> None:
 
 def verify(
     study: Annotated[Path, typer.Argument(help="The study's manifest.", show_default=False)],
-    out: Annotated[Path, typer.Option(help="Folder of its results.")] = Path("results"),
+    out: Out = None,
     as_json: AsJson = False,
 ) -> None:
     """Check that all that is kept of a study is what was written: manifest, corrections, store, results.
@@ -119,7 +133,7 @@ def verify(
     """
     from fingerpad.study.verify import verify_study
 
-    found = verify_study(study, out)
+    found = verify_study(study, out or study.parent / "results")
     if as_json:
         print_json(asdict(found))
     else:

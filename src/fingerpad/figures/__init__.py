@@ -1,4 +1,4 @@
-"""All drawing: the source's figures and those of a study, on axes that the caller provides.
+"""All drawing: the figures of Dzidek et al. (2017) and those of a study, on axes that the caller provides.
 
 Every ``plot_*`` draws on Matplotlib axes and returns them; `new_figure` makes axes without any global state,
 `save_figure` and `figure_svg` write them.

@@ -1,4 +1,4 @@
-"""The source's own figures, as far as they follow from what it prints."""
+"""Figures of Dzidek et al. (2017), as far as they follow from its printed numbers."""
 
 from collections.abc import Iterator
 
@@ -16,7 +16,7 @@ from fingerpad.published import dzidek2017
 def dzidek2017_figures() -> Iterator[tuple[str, Figure, str]]:
     """Yield name, drawing and caption of the supplement's Figs 1, 4, 5 and 6.
 
-    Fig. 6 shows the one load, 2 N, of which the source prints numbers: R_g^corr from the printed R_0g and
+    Fig. 6 shows the one load, 2 N, of which Dzidek et al. print numbers: R_g^corr from the printed R_0g and
     contact ellipse through the right function, beside the printed value.
     """
     source = dzidek2017()

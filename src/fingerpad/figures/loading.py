@@ -255,7 +255,7 @@ def plot_relaxation(
     label : str
         What the legend says of it.
     ramp_time : float, optional
-        Duration of the ramp, s: nothing faster can be told from it.
+        Duration of the ramp, s: nothing faster can be resolved.
     time_constants : array_like
         Fitted time constants, s: ticks on the axis.
     synthetic : bool

@@ -23,7 +23,7 @@ from fingerpad.figures.style import (
 )
 from fingerpad.geometry import Ellipse, Ellipsoid, Placement
 
-# The caption of the source's Fig. 4.
+# The caption of Fig. 4 of Dzidek et al. (2017).
 POINT_COLOURS: Final = {0: YELLOW, 30: GREEN, 45: BLUE, 60: ORANGE, 90: VERMILLION}
 _SKIN: Final = to_rgb("#f3d9c6")
 _BACK: Final = to_rgb("#dfe3e8")
@@ -59,7 +59,7 @@ def plot_pad(
     u_deg: ArrayLike = (0, 30, 45, 60, 90),
     synthetic: bool = False,
 ) -> Axes:
-    """Draw the ellipsoid, its palmar cap, its axes, and points of given u, as in the source's Figs 1 and 4.
+    """Draw the ellipsoid, its palmar cap, axes and points of given u (Figs 1 and 4 of Dzidek et al. 2017).
 
     Parameters
     ----------
@@ -68,7 +68,7 @@ def plot_pad(
     pad : Ellipsoid
         One pad, mm.
     u_deg : array_like
-        Parametric angles of points to mark on the finger's midline, degrees; the source's five have the
+        Parametric angles of points to mark on the finger's midline, degrees; those of Dzidek et al. have the
         colours of its caption.
     synthetic : bool
         Whether to say that the pad is not a measured one.

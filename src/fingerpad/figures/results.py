@@ -42,7 +42,7 @@ def plot_corrected_radius(
     printed: PublishedWedge | None = None,
     synthetic: ArrayLike = False,
 ) -> Axes:
-    """Draw R_g^corr against load, as in the source's Fig. 6.
+    """Draw R_g^corr against load, as in Dzidek et al. (2017)'s Fig. 6.
 
     Parameters
     ----------
@@ -57,7 +57,7 @@ def plot_corrected_radius(
     mean_curvature_radius : float, optional
         R_0g of the undeformed pad, mm: dotted.
     printed : PublishedWedge, optional
-        Numbers of the source: its R_g^corr is drawn as a diamond, at its load.
+        Numbers of Dzidek et al. (2017): their R_g^corr is drawn as a diamond, at its load.
     synthetic : array_like of bool
         Points that are not measured: hollow.
     """
@@ -80,7 +80,7 @@ def plot_corrected_radius(
             color=VERMILLION,
             markersize=4.5,
             zorder=4,
-            label=r"$R_\mathrm{g}^\mathrm{corr}$, printed in the source",
+            label=r"$R_\mathrm{g}^\mathrm{corr}$, printed in Dzidek et al. (2017)",
         )
     _mark_levels(
         axes, [(r"$R_\mathrm{g}$", measured_radius, "--"), (r"$R_\mathrm{0g}$", mean_curvature_radius, ":")]

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, as_float_array, broadcast
 from fingerpad.figures.style import BLUE, GREY, VERMILLION, in_style, mark_synthetic
 
-# Told apart by colour and by shape.
+# Distinguished by colour and by shape.
 _PHASES: Final = (("loading", BLUE, "o"), ("hold", GREY, "s"), ("unloading", VERMILLION, "v"))
 
 
@@ -26,7 +26,7 @@ def plot_press(
     semi_minor: ArrayLike,
     synthetic: bool = False,
 ) -> Sequence[Axes]:
-    """Draw area and semi-axes of a contact against time and against force, loading and unloading told apart.
+    """Draw area and semi-axes of a contact against time and force, loading apart from unloading.
 
     Parameters
     ----------

@@ -26,7 +26,7 @@ MM_PER_INCH: Final = 25.4
 # Of PNG files: a tenth larger than by the usual 6, in half the time.
 _PNG_LEVEL: Final = 3
 
-# Okabe and Ito's palette, told apart with any kind of colour vision.
+# Okabe and Ito's palette, distinguished with any kind of colour vision.
 BLACK: Final = "#222222"
 GREY: Final = "#7a7a7a"
 ORANGE: Final = "#E69F00"

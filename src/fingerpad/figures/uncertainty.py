@@ -23,7 +23,7 @@ def plot_uncertainty_budget(
     axes : Axes
         Where to draw.
     first_order : mapping
-        From the name of a source to its share of the variance, as `variance_shares` gives it.
+        From the name of a source to its share of the variance, as `Propagated.budget` gives it.
     total : mapping, optional
         Sobol's total indices of the same sources, as `sobol_indices` gives them: narrow bars.
     synthetic : bool

@@ -1,4 +1,4 @@
-"""The finger on its wedge, in section through its long axis: the source's Fig. 5."""
+"""The finger on its wedge, in section through its long axis: Fig. 5 of Dzidek et al. (2017)."""
 
 from typing import Final
 
@@ -17,7 +17,7 @@ _TURN: Final = np.linspace(0, 2 * np.pi, 361)
 
 @in_style
 def plot_wedge(axes: Axes, pad: Ellipsoid, *, wedge_angle: float, synthetic: bool = False) -> Axes:
-    """Draw the finger on its wedge under a level platen, as in the upper part of the source's Fig. 5.
+    """Draw the finger on its wedge under a level platen (upper part of Fig. 5 of Dzidek et al. 2017).
 
     Parameters
     ----------
@@ -88,7 +88,7 @@ def _draw_support(axes: Axes, low: FloatArray, high: FloatArray, angle: float, *
 def plot_wedge_in_pad_axes(
     axes: Axes, pad: Ellipsoid, *, wedge_angle: float, synthetic: bool = False
 ) -> Axes:
-    """Draw the same section in the pad's own axes, as in the lower part of the source's Fig. 5.
+    """Draw the same section in the pad's own axes, as in the lower part of Fig. 5 of Dzidek et al. (2017).
 
     The platen is the tangent of gradient −cot θ. The dotted circle has the radius ℓa: the radius to it at
     the angle u ends below or above the place of contact, which is what makes u parametric and not polar.

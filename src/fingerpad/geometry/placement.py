@@ -42,14 +42,14 @@ def platen_normal(wedge_angle: ArrayLike, roll_angle: ArrayLike = 0.0) -> FloatA
     >>> platen_normal(0.0)
     array([1., 0., 0.])
     """
-    wedge, roll = broadcast(
+    return platen_normal_kernel(
         check_radians("wedge_angle", wedge_angle), check_radians("roll_angle", roll_angle)
     )
-    return platen_normal_kernel(wedge, roll)
 
 
-def platen_normal_kernel(wedge: FloatArray, roll: FloatArray) -> FloatArray:
+def platen_normal_kernel(wedge_angle: ArrayLike, roll_angle: ArrayLike) -> FloatArray:
     """Return `platen_normal` at angles that nothing has checked, as random draws of them are."""
+    wedge, roll = broadcast(wedge_angle, roll_angle)
     return np.stack([np.cos(wedge) * np.cos(roll), np.sin(wedge), np.cos(wedge) * np.sin(roll)], axis=-1)
 
 

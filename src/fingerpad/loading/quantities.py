@@ -12,7 +12,7 @@ from fingerpad.loading.estimate import Estimate, Quantity, Undetermined
 from fingerpad.loading.joint import JointFit, fit_joint
 from fingerpad.loading.least_squares import effective_count, fit_least_squares
 
-# Beyond these no finger pad lies, mm and MPa: a slip of units.
+# Beyond these no finger pad lies, mm and MPa: a wrong unit.
 PLAUSIBLE_RADIUS, PLAUSIBLE_MODULUS = (2.0, 100.0), (0.001, 5.0)
 # A given radius is doubted when the slope of the area is so many standard uncertainties away.
 _CONTRADICTED, _LEAST_AREAS = 4.0, 5

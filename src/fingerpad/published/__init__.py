@@ -1,4 +1,4 @@
-"""The numbers that the source prints, and the audit that sets them beside what its equations give."""
+"""The numbers printed by Dzidek et al. (2017), and an audit of them."""
 
 from fingerpad.published.audit import AuditItem, Verdict, audit, radius_with_misprint
 from fingerpad.published.dzidek2017 import Dzidek2017, Printed, PublishedWedge, SemiAxes, dzidek2017

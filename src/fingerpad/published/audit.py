@@ -1,9 +1,9 @@
-"""Every number that the source prints, beside what its equations give.
+"""Every number printed by Dzidek et al. (2017), beside what its equations give.
 
 A printed number stands for an interval, half a unit of its last digit to either side, and so does each
 printed number that goes into an equation. A value is reproduced if the interval that the equations give,
-over all inputs that would be printed like those in the source, meets the interval of the printed value.
-There is no other tolerance, and no constant is chosen to meet a printed value.
+over all inputs that would be printed alike, meets the interval of the printed value. There is no other
+tolerance, and no constant is chosen to meet a printed value.
 
 The extremes of the computed interval are taken at the corners of the box of inputs: over boxes as small as
 these every equation used here is monotonic in each input, or flat to far below the last digit.
@@ -24,7 +24,7 @@ from fingerpad.published.dzidek2017 import METHODS, Printed, PublishedWedge, Sem
 
 _MEAN_RADIUS: Final = "R_0g = 1/H, H from Eq. (1) at v = 90°"
 _PLACEMENT: Final = "tan u = (ℓb/ℓa) tan θ"
-_CORRECTION: Final = "R_corr = R_0g F₂⁻³, Johnson's F₂ ≤ 1: the source's F₁ with the factor (2/π) k^½"
+_CORRECTION: Final = "R_corr = R_0g F₂⁻³, Johnson's F₂ ≤ 1: their F₁ with the factor (2/π) k^½"
 _SLIP_REMARK: Final = "printed with cos 2u in Eq. (1) replaced by cos 2v = −1"
 _MEASURED: Final = "measured input; nothing is printed from which it could be computed"
 
@@ -35,7 +35,7 @@ class Verdict(StrEnum):
     """How a printed number fares against the equations."""
 
     REPRODUCED = "reproduced"
-    WITH_SLIP = "reproduced with the known slip"
+    WITH_MISPRINT = "reproduced with the known misprint"
     NOT_REPRODUCIBLE = "not reproducible from what is printed"
 
 
@@ -57,8 +57,8 @@ class AuditItem:
         What the equations give from the printed inputs; None for a measured input.
     low, high : float or None
         Range of the computed value over all inputs that round to the printed ones.
-    with_slip : float or None
-        The value with the known slip of Table 2, where the radius R_0g is concerned.
+    with_misprint : float or None
+        The value with the known misprint of Table 2, where the radius R_0g is concerned.
     formula : str
         The equation used; empty for a measured input.
     remark : str
@@ -72,7 +72,7 @@ class AuditItem:
     computed: float | None = None
     low: float | None = None
     high: float | None = None
-    with_slip: float | None = None
+    with_misprint: float | None = None
     formula: str = ""
     remark: str = ""
 
@@ -88,8 +88,8 @@ def audit() -> list[AuditItem]:
     --------
     >>> items = {item.item: item for item in audit()}
     >>> item = items["Table 2, ellipse, u = 30°"]
-    >>> item.printed, round(item.computed, 2), round(item.with_slip, 2), str(item.verdict)
-    (25.3, 17.11, 25.26, 'reproduced with the known slip')
+    >>> item.printed, round(item.computed, 2), round(item.with_misprint, 2), str(item.verdict)
+    (25.3, 17.11, 25.26, 'reproduced with the known misprint')
     """
     source = dzidek2017()
     items = [item for method in METHODS for item in _table_1(method, source.semi_axes[method])]
@@ -104,7 +104,7 @@ def audit() -> list[AuditItem]:
 
 
 def radius_with_misprint(ellipsoid: Ellipsoid, u: ArrayLike) -> FloatArray:
-    r"""Return the radius that the source's Table 2 prints in the place of R_0g = 1/H at v = π/2.
+    r"""Return the radius that Table 2 of Dzidek et al. (2017) prints in the place of R_0g = 1/H at v = π/2.
 
     With cos 2u in Eq. (1) replaced by cos 2v, −1 on the equator, 1/H becomes
     :math:`2\ell_c^2 S^{3/2}/(\ell_a\ell_b(\ell_a^2 + \ell_c^2))`, S = ℓb² cos²u + ℓa² sin²u. It is right at
@@ -150,7 +150,7 @@ def _table_2(method: str, axes: SemiAxes, u_deg: float, printed: Printed) -> Aud
         mean_curvature_radius,
         (axes.palmar, axes.distal, axes.radial_ulnar),
         formula=_MEAN_RADIUS,
-        with_slip=lambda *semi_axes: radius_with_misprint(Ellipsoid(*semi_axes), u),
+        with_misprint=lambda *semi_axes: radius_with_misprint(Ellipsoid(*semi_axes), u),
     )
 
 
@@ -233,7 +233,7 @@ def _placement(ellipsoid: Ellipsoid, wedge: PublishedWedge) -> Placement:
 def _placed_radius(name: str, printed: Printed, wedge: PublishedWedge, axes: SemiAxes) -> AuditItem:
     """Audit R_0g at the place of contact on a wedge."""
 
-    def slip(*semi_axes: FloatArray) -> FloatArray:
+    def misprint(*semi_axes: FloatArray) -> FloatArray:
         ellipsoid = Ellipsoid(*semi_axes)
         return radius_with_misprint(ellipsoid, _placement(ellipsoid, wedge).u)
 
@@ -244,7 +244,7 @@ def _placed_radius(name: str, printed: Printed, wedge: PublishedWedge, axes: Sem
         lambda *semi_axes: _placement(Ellipsoid(*semi_axes), wedge).curvature.mean_curvature_radius,
         (axes.palmar, axes.distal, axes.radial_ulnar),
         formula=f"{_MEAN_RADIUS}, {_PLACEMENT}",
-        with_slip=slip,
+        with_misprint=misprint,
     )
 
 
@@ -270,24 +270,24 @@ def _checked(
     inputs: tuple[Printed, ...],
     *,
     formula: str,
-    with_slip: Callable[..., FloatArray] | None = None,
+    with_misprint: Callable[..., FloatArray] | None = None,
     remark: str = "",
 ) -> AuditItem:
-    """Audit a number that an equation gives from printed inputs, and if it fails try the known slip."""
+    """Audit a number that an equation gives from printed inputs, and if it fails try the known misprint."""
     value, low, high = _over_rounding(equation, inputs)
-    slip = None if with_slip is None else _over_rounding(with_slip, inputs)
+    misprint = None if with_misprint is None else _over_rounding(with_misprint, inputs)
     verdict = Verdict.NOT_REPRODUCIBLE
     if _meets(printed, low, high):
         verdict = Verdict.REPRODUCED
-    elif slip is not None and _meets(printed, *slip[1:]):
-        verdict, remark = Verdict.WITH_SLIP, _SLIP_REMARK
+    elif misprint is not None and _meets(printed, *misprint[1:]):
+        verdict, remark = Verdict.WITH_MISPRINT, _SLIP_REMARK
     return AuditItem(
         item=name,
         printed=printed.value,
         computed=value,
         low=low,
         high=high,
-        with_slip=None if slip is None else slip[0],
+        with_misprint=None if misprint is None else misprint[0],
         unit=unit,
         verdict=verdict,
         formula=formula,

@@ -1,4 +1,4 @@
-"""The numbers that the source prints, as data with the precision to which they are printed."""
+"""The numbers printed by Dzidek et al. (2017), as data with the precision to which they are printed."""
 
 import tomllib
 from collections.abc import Mapping
@@ -74,7 +74,7 @@ class PublishedWedge:
     mean_curvature_radius_mm, corrected_radius_mm, measured_radius_mm : Printed
         R_0g, R_g^corr and R_g (Table 4).
     pooled_radius_mm, pooled_uncertainty_mm : Printed
-        R_g^corr combined over all loads, and its uncertainty, of a kind that the source does not name.
+        R_g^corr combined over all loads, and its uncertainty, of a kind that Dzidek et al. do not name.
     """
 
     wedge_angle_deg: int
@@ -93,7 +93,7 @@ class PublishedWedge:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Dzidek2017:
-    """The numbers of the source's supplement.
+    """The numbers of the supplement of Dzidek et al. (2017).
 
     Attributes
     ----------

@@ -77,7 +77,7 @@ def write_page(
     pages : mapping of str to str
         Addresses of the pages of fingers, for the page over them: it tables all and draws none.
     on_drawn : callable
-        Told the name of each figure that is drawn.
+        Called with the name of each figure as it is drawn.
     """
     environment = templates()
     filters: dict[str, Callable[..., Any]] = {

@@ -70,7 +70,7 @@ def summary_plots(result: StudyResult, summary: Summary) -> Iterator[Plot]:
         figure=_corrected_radius(rows, loading_radius_of(result, summary)),
         caption=(
             f"Corrected radius against load ({where}); bars: one standard uncertainty with the pad's "
-            "geometry held exact, as the source does. Dotted: undeformed pad. Dashed: loading data, if any."
+            "geometry held exact, as Dzidek et al. do. Dotted: undeformed pad. Dashed: loading data, if any."
         ),
     )
     if np.ptp(rows.column("load_N")) > 0:

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import cv2
 
-# A picture can be odd in ways that nobody has thought of: it costs its rows, never the run.
+# A picture can be odd in unforeseen ways: it costs its rows, never the run.
 RECOVERABLE_ERRORS = (ArithmeticError, MemoryError, OSError, ValueError, cv2.error)
 
 

@@ -52,7 +52,7 @@ def replace_files(folder: Path, texts: Mapping[str, str | None]) -> None:
 
 
 def complete(folder: Path) -> None:
-    """Complete a change that was begun, if there is one; the caller holds the study's lock.
+    """Complete a change that was started, if there is one; the caller holds the study's lock.
 
     Raises
     ------
@@ -86,7 +86,7 @@ def complete(folder: Path) -> None:
 
 
 def recover(folder: Path) -> None:
-    """Complete what a killed process has begun in a study folder.
+    """Complete the change that a killed process had started in a study folder.
 
     Raises
     ------

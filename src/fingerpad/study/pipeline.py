@@ -75,7 +75,7 @@ def run_study(
         Address of a Dask scheduler whose workers measure instead, as ``tcp://host:8786``; or ``local`` for
         one that is started here with so many workers.
     force : bool
-        Measure everything again, whatever is stored.
+        Re-measure all, whatever is stored.
     limits : Limits
         Time and memory that measuring one picture may take.
     write_report : callable, optional

@@ -1,7 +1,6 @@
-"""Uncertainty: the pad as a model of arrays, three ways of propagation through it, budgets, and pooling."""
+"""Uncertainty: models of named quantities, propagation through them, budgets, and pooling."""
 
-from fingerpad.uncertainty.budget import SobolIndices, sobol_indices, variance_shares
-from fingerpad.uncertainty.correlated import correlated_values, mean_and_covariance
+from fingerpad.uncertainty.correlated import correlated_values, inputs_from_ufloats
 from fingerpad.uncertainty.covariance import covariance_of, covariance_root
 from fingerpad.uncertainty.monte_carlo import (
     MonteCarloResult,
@@ -9,8 +8,8 @@ from fingerpad.uncertainty.monte_carlo import (
     run_monte_carlo,
     validate_linear_approximation,
 )
-from fingerpad.uncertainty.pad import PAD_INPUTS, PAD_OUTPUTS, PAD_SOURCES, pad_model
-from fingerpad.uncertainty.placement import PLACEMENT_INPUTS, PLACEMENT_OUTPUTS, placement_model
+from fingerpad.uncertainty.pad import PAD_OUTPUTS, PAD_SOURCES, pad_inputs, pad_model, pad_uncertainty
+from fingerpad.uncertainty.placement import placement_model
 from fingerpad.uncertainty.pool import (
     Pooled,
     RandomEffects,
@@ -18,18 +17,21 @@ from fingerpad.uncertainty.pool import (
     VarianceComponents,
     pool,
     pool_random_effects,
+    proportional_stds,
     variance_components,
 )
-from fingerpad.uncertainty.propagate import Model, Propagated, propagate
+from fingerpad.uncertainty.propagate import Propagated, propagate
+from fingerpad.uncertainty.quantities import Estimate, Inputs, Model, Outputs
+from fingerpad.uncertainty.sobol import SobolIndices, sobol_indices
 
 __all__ = [
-    "PAD_INPUTS",
     "PAD_OUTPUTS",
     "PAD_SOURCES",
-    "PLACEMENT_INPUTS",
-    "PLACEMENT_OUTPUTS",
+    "Estimate",
+    "Inputs",
     "Model",
     "MonteCarloResult",
+    "Outputs",
     "Pooled",
     "Propagated",
     "RandomEffects",
@@ -40,15 +42,17 @@ __all__ = [
     "correlated_values",
     "covariance_of",
     "covariance_root",
-    "mean_and_covariance",
+    "inputs_from_ufloats",
+    "pad_inputs",
     "pad_model",
+    "pad_uncertainty",
     "placement_model",
     "pool",
     "pool_random_effects",
     "propagate",
+    "proportional_stds",
     "run_monte_carlo",
     "sobol_indices",
     "validate_linear_approximation",
     "variance_components",
-    "variance_shares",
 ]

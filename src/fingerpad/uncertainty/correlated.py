@@ -1,72 +1,64 @@
 """Values with uncertainty from and for the `uncertainties` package, where that is installed."""
 
-from collections.abc import Iterable
 from typing import Any
 
-import numpy as np
-
-from fingerpad._arrays import ArrayLike, FloatArray, as_float_array
-from fingerpad.exceptions import UncertaintyError
-from fingerpad.uncertainty.covariance import covariance_of
+from fingerpad.uncertainty.quantities import Inputs, Outputs
 
 
-def mean_and_covariance(values: Iterable[Any]) -> tuple[FloatArray, FloatArray]:
-    """Return means and covariance of numbers, some of which may be objects of `uncertainties`.
+def inputs_from_ufloats(**values: Any) -> Inputs:
+    """Return inputs from numbers, some of which may be objects of `uncertainties`.
 
     Correlations between the objects are kept; a plain number is exact.
 
     Parameters
     ----------
-    values : iterable
-        Numbers, `uncertainties.ufloat` and what was computed from them.
+    **values : float or uncertainties.UFloat
+        One number each: `uncertainties.ufloat` and what was computed from them, or a plain number.
 
     Returns
     -------
-    mean : ndarray, shape (n,)
-    covariance : ndarray, shape (n, n)
+    Inputs
 
     Examples
     --------
     >>> from uncertainties import ufloat
     >>> scale = ufloat(1.0, 0.01)
-    >>> mean, covariance = mean_and_covariance([7.4 * scale, 5.0 * scale, 2.0])
-    >>> print(mean, covariance[0, 1].round(6))
+    >>> inputs = inputs_from_ufloats(semi_major=7.4 * scale, semi_minor=5.0 * scale, load=2.0)
+    >>> print(inputs.mean, inputs.covariance[0, 1].round(6))
     [7.4 5.  2. ] 0.0037
     """
     from uncertainties import UFloat, covariance_matrix, nominal_value
 
-    items = list(values)
-    uncertain = [place for place, item in enumerate(items) if isinstance(item, UFloat)]
-    covariance = np.zeros((len(items), len(items)))
-    if uncertain:
-        covariance[np.ix_(uncertain, uncertain)] = covariance_matrix([items[place] for place in uncertain])
-    return as_float_array([nominal_value(item) for item in items]), covariance
+    inputs = Inputs.of(**{name: nominal_value(value) for name, value in values.items()})
+    uncertain = {name: value for name, value in values.items() if isinstance(value, UFloat)}
+    if not uncertain:
+        return inputs
+    return inputs.with_covariance(uncertain, covariance_matrix(list(uncertain.values())))
 
 
-def correlated_values(value: ArrayLike, covariance: ArrayLike) -> tuple[Any, ...]:
-    """Return values as objects of `uncertainties` that know of their correlations.
+def correlated_values(outputs: Outputs) -> dict[str, Any]:
+    """Return outputs as objects of `uncertainties` that keep their correlations.
 
     Parameters
     ----------
-    value : array_like, shape (m,)
-        As in `Propagated.value` or `Simulated.value` of one set of inputs.
-    covariance : array_like, shape (m, m)
-        Their covariance.
+    outputs : Propagated or MonteCarloResult
+        From one set of inputs.
 
-    Raises
-    ------
-    UncertaintyError
-        If the shapes do not fit or `covariance` is none.
+    Returns
+    -------
+    dict of str to uncertainties.UFloat
 
     Examples
     --------
-    >>> radius, depth = correlated_values([13.8, 2.1], [[0.04, 0.02], [0.02, 0.04]])
-    >>> print(f"{radius * depth:.2u}")
-    29.0+/-3.0
+    >>> from fingerpad.uncertainty import propagate
+    >>> axes = Inputs.of(semi_major=(7.4, 0.1), semi_minor=(5.0, 0.1))
+    >>> values = correlated_values(
+    ...     propagate(lambda semi_major, semi_minor: {"a": semi_major, "b": semi_minor}, axes)
+    ... )
+    >>> print(f"{values['a'] / values['b']:.1u}")
+    1.48+/-0.04
     """
     import uncertainties
 
-    value, covariance = as_float_array(value), covariance_of(covariance)
-    if value.ndim != 1 or covariance.shape != (value.size, value.size):
-        raise UncertaintyError(f"values of shape {value.shape} do not fit a covariance of {covariance.shape}")
-    return tuple(uncertainties.correlated_values(value, covariance))
+    pairs = uncertainties.correlated_values(outputs.value, outputs.covariance)
+    return dict(zip(outputs.names, pairs, strict=True))

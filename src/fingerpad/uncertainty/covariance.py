@@ -1,4 +1,4 @@
-"""Covariance matrices: what makes one, its factors, and the groups of inputs that vary together."""
+"""Covariance matrices: validation and square roots."""
 
 import numpy as np
 
@@ -10,7 +10,16 @@ _ROUNDING = 1e-9
 
 
 def covariance_of(value: ArrayLike) -> FloatArray:
-    """Return `value` as covariance matrices, shape (..., n, n), or refuse it.
+    """Return `value` as covariance matrices, validated.
+
+    Parameters
+    ----------
+    value : array_like, shape (..., n, n)
+        One matrix or several.
+
+    Returns
+    -------
+    ndarray, shape (..., n, n)
 
     Raises
     ------
@@ -50,14 +59,31 @@ def covariance_of(value: ArrayLike) -> FloatArray:
 
 
 def covariance_root(covariance: FloatArray) -> FloatArray:
-    """Return F with F Fᵀ = `covariance`, which may be singular, shape (..., n, n).
+    """Return F with F Fᵀ = `covariance`, which may be singular.
 
-    In units of the standard deviations F is the symmetric root, the same for the same matrix wherever it
-    stands.
+    In units of the standard deviations F is the symmetric root, which does not depend on the order of the
+    inputs. Negative eigenvalues are taken to be zero, as those that rounding leaves.
+
+    Parameters
+    ----------
+    covariance : ndarray, shape (..., n, n)
+        One matrix or several.
+
+    Returns
+    -------
+    ndarray, shape (..., n, n)
+        NaN where a matrix is not finite.
+
+    Examples
+    --------
+    >>> covariance_root(np.array([[4.0, 0.0], [0.0, 9.0]]))
+    array([[2., 0.],
+           [0., 3.]])
     """
-    std = np.sqrt(np.diagonal(covariance, axis1=-2, axis2=-1))
-    unit = np.where(std > 0, std, 1.0)
-    size, direction = np.linalg.eigh(covariance / (unit[..., :, None] * unit[..., None, :]))
+    finite = np.isfinite(covariance).all(axis=(-2, -1), keepdims=True)
+    clean = np.where(finite, covariance, 0.0)
+    variance = np.diagonal(clean, axis1=-2, axis2=-1)
+    unit = np.sqrt(np.where(variance > 0, variance, 1.0))
+    size, direction = np.linalg.eigh(clean / (unit[..., :, None] * unit[..., None, :]))
     root = direction * np.sqrt(np.maximum(size, 0))[..., None, :] @ np.swapaxes(direction, -1, -2)
-    factor: FloatArray = unit[..., :, None] * root
-    return factor
+    return np.where(finite, unit[..., :, None] * root, np.nan)

@@ -1,71 +1,60 @@
-"""Propagation by Monte Carlo, and the check of the first order against it (GUM Supplement 1)."""
+"""Propagation by Monte Carlo, and validation of the linear approximation (GUM Supplement 1)."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, as_float_array
+from fingerpad._arrays import FloatArray
 from fingerpad.exceptions import UncertaintyError
 from fingerpad.uncertainty.covariance import covariance_of, covariance_root
-from fingerpad.uncertainty.propagate import Model, Propagated
+from fingerpad.uncertainty.propagate import Propagated
+from fingerpad.uncertainty.quantities import Inputs, Model, Outputs, evaluate
 
 _BATCH = 10_000  # GUM-S1 7.9.4, for a 95 % interval
 _TAIL = 0.025
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class MonteCarloResult:
-    """A model's outputs over draws of its inputs.
+class MonteCarloResult(Outputs):
+    """Outputs of a model over draws of its inputs.
 
     Attributes
     ----------
-    value : ndarray, shape (m,)
-        Mean of the draws.
-    covariance : ndarray, shape (m, m)
-        Their covariance.
-    interval : ndarray, shape (m, 2)
-        Ends of the probabilistically symmetric 95 % interval.
+    names, value, covariance, interval
+        As in `Outputs`: mean and covariance of the draws, and probabilistically symmetric 95 % intervals.
     tolerance : ndarray, shape (m,)
-        Twice the standard error of the least well known of mean, standard deviation and the two ends.
+        Twice the largest standard error among mean, standard deviation and the two ends of the interval.
     wanted_tolerance : ndarray, shape (m,)
         Half a unit of the last wanted digit of the standard uncertainty (GUM-S1 7.9.2).
     draws : int
-        Number of draws with an answer.
+        Number of draws with a finite output.
     undefined : int
-        Number of draws for which the model had no finite answer; they are left out.
+        Number of draws for which the model had no finite output; they are left out.
     """
 
-    value: FloatArray
-    covariance: FloatArray
-    interval: FloatArray
     tolerance: FloatArray
     wanted_tolerance: FloatArray
     draws: int
     undefined: int
 
     @property
-    def std(self) -> FloatArray:
-        """Standard uncertainty of each output, shape (m,)."""
-        return np.sqrt(np.diagonal(self.covariance))
-
-    @property
-    def converged(self) -> BoolArray:
-        """Whether the wanted digits of each output are reached, shape (m,)."""
-        return self.tolerance <= self.wanted_tolerance
+    def converged(self) -> dict[str, bool]:
+        """Whether the wanted digits are reached, by output."""
+        reached = self.tolerance <= self.wanted_tolerance
+        return dict(zip(self.names, map(bool, reached), strict=True))
 
 
 @np.errstate(all="ignore")
 def run_monte_carlo(
     model: Model,
-    mean: ArrayLike,
-    covariance: ArrayLike,
+    inputs: Inputs,
     *,
     digits: int = 2,
     min_draws: int = 20_000,
     max_draws: int = 1_000_000,
     seed: int = 0,
 ) -> MonteCarloResult:
-    """Propagate normal inputs through `model` by Monte Carlo, until the wanted digits stand still.
+    """Propagate normal inputs through `model` by Monte Carlo, until the wanted digits no longer change.
 
     The adaptive procedure of GUM-S1 7.9: batches of 10 000 draws are added until twice the standard error
     of each output's mean, standard deviation and interval ends is below half a unit of the last wanted digit
@@ -76,36 +65,35 @@ def run_monte_carlo(
     ----------
     model : callable
         As for `propagate`; it need not be analytic.
-    mean : array_like, shape (n,)
-        Best estimates of the inputs.
-    covariance : array_like, shape (n, n)
-        Their covariance.
+    inputs : Inputs
+        Best estimates and their covariance, one set.
     digits : int
         Significant digits wanted of the standard uncertainty.
     min_draws, max_draws : int
-        Fewest and most draws, in whole batches.
+        Smallest and largest number of draws, rounded up to whole batches.
     seed : int
         Of the random numbers: the same seed gives the same result.
 
     Returns
     -------
-    Simulated
+    MonteCarloResult
 
     Raises
     ------
     UncertaintyError
-        If `covariance` is none, a limit is not sensible, or the model has no answer for most draws.
+        If the covariance is not one, there are several sets of inputs, a limit is out of range, or the model
+        has no finite output for most draws.
 
     Examples
     --------
-    >>> import numpy as np
-    >>> cube = run_monte_carlo(lambda x: x**3, [2.0], [[0.1**2]])
-    >>> print(f"{cube.value[0]:.1f} ± {cube.std[0]:.1f}")
+    >>> result = run_monte_carlo(lambda side: {"volume": side**3}, Inputs.of(side=(2.0, 0.1)))
+    >>> print(f"{result['volume']:.1f}")
     8.1 ± 1.2
     """
-    mean, factor = as_float_array(mean), covariance_root(covariance_of(covariance))
-    if mean.ndim != 1 or factor.shape != (mean.size, mean.size):
-        raise UncertaintyError(f"means of shape {mean.shape} do not fit a covariance of {factor.shape}")
+    mean = inputs.mean
+    if mean.ndim != 1:
+        raise UncertaintyError(f"Monte Carlo takes one set of inputs, found the shape {mean.shape[:-1]}")
+    root = covariance_root(covariance_of(inputs.covariance))
     if not (digits >= 1 and 0 < min_draws <= max_draws):
         raise UncertaintyError(
             "digits must be at least 1 and min_draws at most max_draws, "
@@ -115,23 +103,24 @@ def run_monte_carlo(
     batches: list[tuple[FloatArray, ...]] = []
     draws = 0
     while len(batches) < max(2, -(-min_draws // _BATCH)) or len(batches) * _BATCH < max_draws:
-        outputs = model(mean + random.standard_normal((_BATCH, mean.size)) @ factor.T)
+        drawn = mean + random.standard_normal((_BATCH, mean.size)) @ root.T
+        names, outputs = evaluate(model, inputs.names, drawn)
         outputs = outputs[np.isfinite(outputs).all(axis=-1)]
         if 2 * len(outputs) < _BATCH:
             raise UncertaintyError(
-                f"the model has no answer for {_BATCH - len(outputs)} of {_BATCH} draws: "
+                f"the model has no finite output for {_BATCH - len(outputs)} of {_BATCH} draws: "
                 "are the standard uncertainties in the units of the means?"
             )
-        batches.append(_described(outputs))
+        batches.append(_batch_statistics(outputs))
         draws += len(outputs)
         if len(batches) >= max(2, -(-min_draws // _BATCH)):
-            result = _summed(batches, draws, digits)
-            if result.converged.all():
+            result = _combined(names, batches, draws, digits)
+            if all(result.converged.values()):
                 return result
-    return _summed(batches, draws, digits)
+    return _combined(names, batches, draws, digits)
 
 
-def _described(outputs: FloatArray) -> tuple[FloatArray, ...]:
+def _batch_statistics(outputs: FloatArray) -> tuple[FloatArray, ...]:
     """Return mean, covariance and the two interval ends of one batch."""
     rows = np.ascontiguousarray(outputs.T)
     centre = rows.mean(axis=-1)
@@ -141,7 +130,9 @@ def _described(outputs: FloatArray) -> tuple[FloatArray, ...]:
     return centre, off @ off.T / (len(outputs) - 1), ordered[:, lower], ordered[:, upper]
 
 
-def _summed(batches: list[tuple[FloatArray, ...]], draws: int, digits: int) -> MonteCarloResult:
+def _combined(
+    names: tuple[str, ...], batches: list[tuple[FloatArray, ...]], draws: int, digits: int
+) -> MonteCarloResult:
     """Return all batches as one result, with the scatter of the batches as its tolerance."""
     means, covariances, lower, upper = (np.stack(parts) for parts in zip(*batches, strict=True))
     stds = np.sqrt(np.diagonal(covariances, axis1=-2, axis2=-1))
@@ -149,6 +140,7 @@ def _summed(batches: list[tuple[FloatArray, ...]], draws: int, digits: int) -> M
     covariance = covariances.mean(axis=0) + shift.T @ shift / len(batches)
     scatter = np.stack([x.std(axis=0, ddof=1) for x in (means, stds, lower, upper)])
     return MonteCarloResult(
+        names=names,
         value=means.mean(axis=0),
         covariance=covariance,
         interval=np.stack([lower.mean(axis=0), upper.mean(axis=0)], axis=-1),
@@ -165,58 +157,64 @@ def _half_unit(std: FloatArray, digits: int) -> FloatArray:
     return np.where(std > 0, 0.5 * 10.0 ** (exponent + 1 - digits), 0.0)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Validation:
-    """The first-order 95 % interval held against the simulated one (GUM-S1, clause 8).
+    """The first-order 95 % interval of an output compared with the simulated one (GUM-S1, clause 8).
 
     Attributes
     ----------
-    lower_difference, upper_difference : ndarray, shape (m,)
-        By how much the ends of the two intervals differ.
-    tolerance : ndarray, shape (m,)
+    lower_difference, upper_difference : float
+        Absolute differences of the ends of the two intervals.
+    tolerance : float
         Half a unit of the last wanted digit of the standard uncertainty.
     """
 
-    lower_difference: FloatArray
-    upper_difference: FloatArray
-    tolerance: FloatArray
+    lower_difference: float
+    upper_difference: float
+    tolerance: float
 
     @property
-    def valid(self) -> BoolArray:
-        """Whether the first order will do for each output, shape (m,)."""
-        return np.maximum(self.lower_difference, self.upper_difference) <= self.tolerance
+    def valid(self) -> bool:
+        """Whether the linear approximation is valid."""
+        return max(self.lower_difference, self.upper_difference) <= self.tolerance
 
 
 def validate_linear_approximation(
     first: Propagated, simulated: MonteCarloResult, *, digits: int = 1
-) -> Validation:
+) -> dict[str, Validation]:
     """Compare first-order propagation with a simulation of the same model and inputs.
 
     Parameters
     ----------
     first : Propagated
         From `propagate`, of one set of inputs.
-    simulated : Simulated
+    simulated : MonteCarloResult
         From `run_monte_carlo`.
     digits : int
         Significant digits of the standard uncertainty that must agree.
+
+    Returns
+    -------
+    dict of str to Validation
+        By output.
 
     Examples
     --------
     A square is linear enough 20 standard uncertainties from zero, not at zero:
 
-    >>> import numpy as np
     >>> from fingerpad.uncertainty import propagate
+    >>> def square(x):
+    ...     return {"square": x**2}
     >>> def valid(mean):
-    ...     first = propagate(np.square, [mean], [[1.0]])
-    ...     drawn = run_monte_carlo(np.square, [mean], [[1.0]])
-    ...     return bool(validate_linear_approximation(first, drawn).valid[0])
+    ...     inputs = Inputs.of(x=(mean, 1.0))
+    ...     first, simulated = propagate(square, inputs), run_monte_carlo(square, inputs)
+    ...     return validate_linear_approximation(first, simulated)["square"].valid
     >>> valid(20.0), valid(0.0)
     (True, False)
     """
     difference = np.abs(first.interval - simulated.interval)
-    return Validation(
-        lower_difference=difference[..., 0],
-        upper_difference=difference[..., 1],
-        tolerance=_half_unit(first.std, digits),
-    )
+    columns = (*difference.T, _half_unit(first.std, digits))
+    return {
+        name: Validation(lower_difference=float(lower), upper_difference=float(upper), tolerance=float(most))
+        for name, lower, upper, most in zip(first.names, *columns, strict=True)
+    }

@@ -1,7 +1,4 @@
-"""The finger pad as one function of arrays: what goes in, what comes out, with uncertainty.
-
-Any way of propagating uncertainty can take `pad_model`, which broadcasts over its leading axes.
-"""
+"""The finger pad as a model of named quantities, and its uncertainty."""
 
 from collections.abc import Mapping
 from dataclasses import fields
@@ -9,61 +6,256 @@ from typing import Final
 
 import numpy as np
 
-from fingerpad._arrays import FloatArray
+from fingerpad._arrays import ArrayLike, FloatArray, check_all
 from fingerpad.contact.pad import PadContact, pad_contact_kernel
+from fingerpad.exceptions import UncertaintyError
 from fingerpad.geometry.ellipsoid import principal_radii_kernel
 from fingerpad.geometry.placement import platen_normal_kernel
+from fingerpad.uncertainty.covariance import covariance_root
+from fingerpad.uncertainty.propagate import Propagated, propagate
+from fingerpad.uncertainty.quantities import Groups, Inputs, Quantity
 
-# The contact ellipse enters by its size √(ℓd ℓe) and its elongation ln(ℓd/ℓe), which stays differentiable
-# where noise makes a near-circle's axes change places. The image scale is a factor on the size, one: it is
-# an input by itself because all images that it calibrates share it.
-PAD_INPUTS: Final = (
-    "palmar",
-    "distal",
-    "radial_ulnar",
-    "wedge_angle",
-    "roll_angle",
-    "poisson_ratio",
-    "image_scale",
-    "load",
-    "contact_radius_ratio",
-    "elongation",
-)
+# Sources of an uncertainty budget, by the names of their inputs.
+PAD_SOURCES: Final[Groups] = {
+    "semi-axes": ("palmar", "distal", "radial_ulnar"),
+    "wedge angle": ("wedge_angle",),
+    "roll angle": ("roll_angle",),
+    "Poisson's ratio": ("poisson_ratio",),
+    "image scale": ("image_scale",),
+    "load": ("load",),
+    "contact ellipse": ("contact_radius", "elongation"),
+}
 PAD_OUTPUTS: Final = tuple(field.name for field in fields(PadContact))
 
-# What an uncertainty budget tells apart: places in `PAD_INPUTS` by the name of the source.
-PAD_SOURCES: Final[Mapping[str, tuple[int, ...]]] = {
-    "semi-axes": (0, 1, 2),
-    "wedge angle": (3,),
-    "roll angle": (4,),
-    "Poisson's ratio": (5,),
-    "image scale": (6,),
-    "load": (7,),
-    "contact ellipse": (8, 9),
-}
+_ELLIPSE: Final = ("semi_major", "semi_minor")
+_PAD_INPUTS: Final = tuple(name for names in PAD_SOURCES.values() for name in names)
+_ROUNDING: Final = 1e-9
 
 
-def pad_model(inputs: FloatArray) -> FloatArray:
-    """Return the fields of `PadContact` along the last axis, from `PAD_INPUTS` along the last axis.
+def pad_model(
+    *,
+    palmar: FloatArray,
+    distal: FloatArray,
+    radial_ulnar: FloatArray,
+    wedge_angle: FloatArray,
+    roll_angle: FloatArray,
+    poisson_ratio: FloatArray,
+    image_scale: FloatArray,
+    load: FloatArray,
+    contact_radius: FloatArray,
+    elongation: FloatArray,
+) -> dict[str, FloatArray]:
+    """Return the fields of `PadContact` by name.
+
+    The contact ellipse enters by its radius √(ℓd ℓe) and elongation ln(ℓd/ℓe), which stays differentiable
+    where noise makes the axes of a near-circle change places.
+
+    Parameters
+    ----------
+    palmar, distal, radial_ulnar : ndarray
+        Semi-axes of the pad.
+    wedge_angle, roll_angle : ndarray
+        Placement, radians.
+    poisson_ratio : ndarray
+        ν of the pad.
+    image_scale : ndarray
+        Factor on the lengths of the contact ellipse, one: an input of its own, because all images that it
+        calibrates share it.
+    load : ndarray
+        Normal force W.
+    contact_radius : ndarray
+        √(ℓd ℓe).
+    elongation : ndarray
+        ln(ℓd/ℓe).
+
+    Returns
+    -------
+    dict of str to ndarray
 
     Examples
     --------
     >>> import numpy as np
-    >>> ellipse = np.sqrt(7.4 * 5.0), np.log(7.4 / 5.0)
-    >>> inputs = np.array([7.9, 13.8, 11.8, np.radians(30), 0.0, 0.5, 1.0, 2.0, *ellipse])
-    >>> outputs = pad_model(inputs)
-    >>> round(float(outputs[PAD_OUTPUTS.index("mean_curvature_radius")]), 3)
+    >>> outputs = pad_model(
+    ...     palmar=7.9,
+    ...     distal=13.8,
+    ...     radial_ulnar=11.8,
+    ...     wedge_angle=np.radians(30),
+    ...     roll_angle=0.0,
+    ...     poisson_ratio=0.5,
+    ...     image_scale=1.0,
+    ...     load=2.0,
+    ...     contact_radius=np.sqrt(7.4 * 5.0),
+    ...     elongation=np.log(7.4 / 5.0),
+    ... )
+    >>> print(f"{outputs['mean_curvature_radius']:.3f}")
     13.608
     """
-    palmar, distal, radial_ulnar, wedge, roll, poisson, scale, load, size, elongation = np.moveaxis(
-        inputs, -1, 0
-    )
     half = np.exp(0.5 * elongation)
+    normal = platen_normal_kernel(wedge_angle, roll_angle)
     contact = pad_contact_kernel(
-        principal_radii_kernel(palmar, distal, radial_ulnar, normal=platen_normal_kernel(wedge, roll)),
+        principal_radii_kernel(palmar, distal, radial_ulnar, normal=normal),
         load=load,
-        semi_major=scale * size * half,
-        semi_minor=scale * size / half,
-        poisson_ratio=poisson,
+        semi_major=image_scale * contact_radius * half,
+        semi_minor=image_scale * contact_radius / half,
+        poisson_ratio=poisson_ratio,
     )
-    return np.stack([getattr(contact, name) for name in PAD_OUTPUTS], axis=-1)
+    return {name: getattr(contact, name) for name in PAD_OUTPUTS}
+
+
+def pad_inputs(measured: Inputs) -> Inputs:
+    """Return the inputs of `pad_model` that follow from measured quantities.
+
+    The semi-axes of the contact ellipse become its radius and elongation, to first order; all else is kept.
+
+    Parameters
+    ----------
+    measured : Inputs
+        The parameters of `pad_uncertainty`, all of them.
+
+    Returns
+    -------
+    Inputs
+        With `PAD_SOURCES` as groups.
+
+    Raises
+    ------
+    UncertaintyError
+        If a quantity is missing, or the semi-axes correlate by more than one.
+
+    Examples
+    --------
+    >>> measured = Inputs.of(
+    ...     palmar=7.9,
+    ...     distal=13.8,
+    ...     radial_ulnar=11.8,
+    ...     wedge_angle=0.5,
+    ...     roll_angle=0.0,
+    ...     poisson_ratio=0.5,
+    ...     image_scale=1.0,
+    ...     load=2.0,
+    ...     semi_major=(7.4, 0.1),
+    ...     semi_minor=(5.0, 0.1),
+    ... )
+    >>> inputs = pad_inputs(measured)
+    >>> inputs.mean[inputs.places(["contact_radius", "elongation"])].round(3)
+    array([6.083, 0.392])
+    """
+    kept = [name for name in _PAD_INPUTS if name not in PAD_SOURCES["contact ellipse"]]
+    others, ellipse = measured.places(kept), measured.places(_ELLIPSE)
+    axes = measured.mean[..., ellipse]
+    block = measured.covariance[..., np.array(ellipse)[:, None], ellipse]
+    limit = (1 + _ROUNDING) * np.sqrt(block[..., 0, 0] * block[..., 1, 1])
+    check_all(
+        ~(np.abs(block[..., 0, 1]) > limit),
+        "covariance of semi_major and semi_minor",
+        block[..., 0, 1],
+        "that of a correlation within [-1, 1]",
+        UncertaintyError,
+    )
+    count = len(others)
+    mean = np.empty((*axes.shape[:-1], count + 2))
+    covariance = np.empty((*axes.shape[:-1], count + 2, count + 2))
+    with np.errstate(all="ignore"):
+        radius, elongation = np.sqrt(axes.prod(axis=-1)), np.log(axes[..., 0] / axes[..., 1])
+        derivatives = np.stack([0.5 * radius[..., None] / axes, [1, -1] / axes], axis=-2)
+        mean[..., :count] = measured.mean[..., others]
+        mean[..., count], mean[..., count + 1] = radius, elongation
+        # A product with its own transpose cannot get a negative variance by rounding.
+        root = derivatives @ covariance_root(block)
+        across = measured.covariance[..., np.array(others)[:, None], ellipse] @ _transpose(derivatives)
+        covariance[..., :count, :count] = measured.covariance[..., np.array(others)[:, None], others]
+        covariance[..., :count, count:], covariance[..., count:, :count] = across, _transpose(across)
+        covariance[..., count:, count:] = root @ _transpose(root)
+    return Inputs(names=_PAD_INPUTS, mean=mean, covariance=covariance, groups=PAD_SOURCES)
+
+
+def _transpose(matrices: FloatArray) -> FloatArray:
+    return np.swapaxes(matrices, -1, -2)
+
+
+def pad_uncertainty(
+    *,
+    palmar: Quantity,
+    distal: Quantity,
+    radial_ulnar: Quantity,
+    wedge_angle: Quantity,
+    load: Quantity,
+    semi_major: Quantity,
+    semi_minor: Quantity,
+    roll_angle: Quantity = 0.0,
+    poisson_ratio: Quantity = 0.5,
+    image_scale: Quantity = 1.0,
+    correlations: Mapping[tuple[str, str], ArrayLike] | None = None,
+) -> Propagated:
+    """Return everything that follows from an observed contact ellipse, with uncertainty.
+
+    Each quantity is an exact number, or a pair of a value and its standard uncertainty, either of which may
+    be an array; those of many contacts broadcast.
+
+    Parameters
+    ----------
+    palmar, distal, radial_ulnar : float, or pair of array_like
+        Semi-axes of the pad.
+    wedge_angle, roll_angle : float, or pair of array_like
+        Placement, radians.
+    load : float, or pair of array_like
+        Normal force W.
+    semi_major, semi_minor : float, or pair of array_like
+        Semi-axes of the contact ellipse, in either order, without the uncertainty of `image_scale`.
+    poisson_ratio : float, or pair of array_like
+        ν of the pad.
+    image_scale : float, or pair of array_like
+        Factor on both semi-axes of the contact ellipse, as (1, 0.01) for a scale known to 1 %.
+    correlations : mapping, optional
+        From pairs of these names to correlation coefficients.
+
+    Returns
+    -------
+    Propagated
+        Outputs by the names of the fields of `PadContact`.
+
+    Raises
+    ------
+    UncertaintyError
+        If a standard uncertainty is negative or NaN, or the correlations cannot be those of these quantities.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> result = pad_uncertainty(
+    ...     palmar=(7.9, 0.1),
+    ...     distal=(13.8, 0.1),
+    ...     radial_ulnar=(11.8, 0.1),
+    ...     wedge_angle=np.radians((30, 0.5)),
+    ...     load=(2, 0.02),
+    ...     semi_major=(7.4, 0.1),
+    ...     semi_minor=(5.0, 0.1),
+    ...     correlations={("palmar", "distal"): 0.9},
+    ... )
+    >>> print(f"{result['radius_from_indentation']:.2f} mm")
+    13.80 ± 0.18 mm
+    >>> shares = result.budget("radius_from_indentation")
+    >>> max(shares, key=shares.get)
+    'wedge angle'
+
+    The same inputs by Monte Carlo:
+
+    >>> from fingerpad.uncertainty import run_monte_carlo
+    >>> simulated = run_monte_carlo(pad_model, result.inputs)
+    >>> print(f"{simulated['radius_from_indentation']:.2f} mm")
+    13.80 ± 0.18 mm
+    """
+    measured = Inputs.of(
+        palmar=palmar,
+        distal=distal,
+        radial_ulnar=radial_ulnar,
+        wedge_angle=wedge_angle,
+        roll_angle=roll_angle,
+        poisson_ratio=poisson_ratio,
+        image_scale=image_scale,
+        load=load,
+        semi_major=semi_major,
+        semi_minor=semi_minor,
+        correlations=correlations,
+    )
+    return propagate(pad_model, pad_inputs(measured))

@@ -1,6 +1,4 @@
-"""Where a pad touches the platen and how it is curved there, as one function of arrays."""
-
-from typing import Final
+"""Where a pad touches the platen and how it is curved there, as a model of named quantities."""
 
 import numpy as np
 
@@ -8,34 +6,51 @@ from fingerpad._arrays import FloatArray
 from fingerpad.geometry.ellipsoid import principal_radii_kernel
 from fingerpad.geometry.placement import platen_normal_kernel
 
-PLACEMENT_INPUTS: Final = ("palmar", "distal", "radial_ulnar", "wedge_angle", "roll_angle")
-PLACEMENT_OUTPUTS: Final = (
-    "in_plane_radius",
-    "transverse_radius",
-    "mean_curvature_radius",
-    "geometric_mean_radius",
-    "u",
-)
 
+def placement_model(
+    *,
+    palmar: FloatArray,
+    distal: FloatArray,
+    radial_ulnar: FloatArray,
+    wedge_angle: FloatArray,
+    roll_angle: FloatArray,
+) -> dict[str, FloatArray]:
+    """Return radii of curvature and the angle u at the place of contact.
 
-def placement_model(inputs: FloatArray) -> FloatArray:
-    """Return radii and the angle u at the place of contact, from `PLACEMENT_INPUTS` along the last axis.
+    Parameters
+    ----------
+    palmar, distal, radial_ulnar : ndarray
+        Semi-axes of the pad, in any unit.
+    wedge_angle, roll_angle : ndarray
+        Placement, radians.
 
-    Any way of propagating uncertainty can take it; lengths in any unit, angles in radians.
+    Returns
+    -------
+    dict of str to ndarray
+        ``in_plane_radius``, ``transverse_radius``, ``mean_curvature_radius`` and ``geometric_mean_radius``
+        in the unit of the semi-axes, ``u`` in radians.
 
     Examples
     --------
-    >>> outputs = placement_model(np.array([7.9, 13.8, 11.8, np.radians(30), 0.0]))
-    >>> dict(zip(PLACEMENT_OUTPUTS, outputs.round(2).tolist()))["mean_curvature_radius"]
-    13.61
-    >>> print(f"{np.degrees(outputs[-1]):.1f}")
-    45.2
+    >>> from fingerpad.uncertainty import Inputs, propagate
+    >>> inputs = Inputs.of(
+    ...     palmar=(7.9, 0.1),
+    ...     distal=(13.8, 0.1),
+    ...     radial_ulnar=(11.8, 0.1),
+    ...     wedge_angle=np.radians((30, 0.5)),
+    ...     roll_angle=0.0,
+    ... )
+    >>> print(f"{propagate(placement_model, inputs)['mean_curvature_radius']:.2f}")
+    13.61 ± 0.18
     """
-    palmar, distal, radial_ulnar, wedge, roll = np.moveaxis(inputs, -1, 0)
-    normal = platen_normal_kernel(wedge, roll)
+    normal = platen_normal_kernel(wedge_angle, roll_angle)
     radii = principal_radii_kernel(palmar, distal, radial_ulnar, normal=normal)
     in_plane, transverse = np.moveaxis(radii, -1, 0)
     x, y = palmar * normal[..., 0], distal * normal[..., 1]
-    u = 2 * np.arctan(y / (x + np.sqrt(x * x + y * y)))  # arctan2, for complex steps too
-    mean, geometric = 2 / (1 / in_plane + 1 / transverse), np.sqrt(in_plane * transverse)
-    return np.stack([in_plane, transverse, mean, geometric, u], axis=-1)
+    return {
+        "in_plane_radius": in_plane,
+        "transverse_radius": transverse,
+        "mean_curvature_radius": 2 / (1 / in_plane + 1 / transverse),
+        "geometric_mean_radius": np.sqrt(in_plane * transverse),
+        "u": 2 * np.arctan(y / (x + np.sqrt(x * x + y * y))),  # arctan2, for complex steps too
+    }

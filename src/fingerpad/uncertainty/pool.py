@@ -11,9 +11,6 @@ from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, check_all
 from fingerpad.exceptions import UncertaintyError
 from fingerpad.uncertainty.covariance import covariance_of
 
-# Steps by which a mean and the uncertainties that are in proportion to it agree.
-_MOST_STEPS = 100
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Pooled:
@@ -24,12 +21,12 @@ class Pooled:
     value : float
         The inverse-variance weighted mean.
     std : float
-        Its standard uncertainty from the estimates' own, independent uncertainties, enlarged by the Birge
-        ratio where they scatter more than they should.
+        Its standard uncertainty from the estimates' own, independent uncertainties, multiplied by the Birge
+        ratio where that exceeds one.
     total_std : float
-        The same with the shared uncertainty added: what all estimates have in common does not average away.
+        The same with the shared uncertainty added, which does not average out.
     birge_ratio : float
-        √(χ²/(n − 1)) of the scatter about the mean, about one when the stated uncertainties explain it; NaN
+        √(χ²/(n − 1)) of the scatter about the mean, near one where the stated uncertainties explain it; NaN
         for a single estimate.
     count : int
         Number of estimates.
@@ -47,12 +44,14 @@ class Pooled:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SharedErrors:
-    """What estimates share, as signed parts of their uncertainty: C = Σ p pᵀ without the matrix.
+    """Errors that estimates share, as signed contributions: C = Σ p pᵀ without the matrix.
 
     Attributes
     ----------
+    sources : tuple of str, of length m
+        Name for each of m independent errors; several may have the same.
     parts : ndarray, shape (n, m)
-        What each of m independent errors, one standard uncertainty off, does to each estimate.
+        Change of each estimate by one standard uncertainty of each error.
     groups : ndarray of int, broadcasting to (n, m)
         Estimates share an error where their groups in its column, counted from 0, are the same.
 
@@ -61,27 +60,82 @@ class SharedErrors:
     Three estimates on two scales:
 
     >>> import numpy as np
-    >>> shared = SharedErrors(parts=np.full((3, 1), 0.2), groups=np.array([[0], [0], [1]]))
-    >>> shared.variances(np.full(3, 1 / 3)).round(6)
-    array([0.022222])
+    >>> shared = SharedErrors(
+    ...     sources=("scale",), parts=np.full((3, 1), 0.2), groups=np.array([[0], [0], [1]])
+    ... )
+    >>> {name: round(variance, 6) for name, variance in shared.variances(np.full(3, 1 / 3)).items()}
+    {'scale': 0.022222}
     """
 
+    sources: tuple[str, ...]
     parts: FloatArray
     groups: npt.NDArray[np.intp]
 
-    def variances(self, weights: FloatArray) -> FloatArray:
-        """Return the variance that each error brings to the weighted sum of the estimates, shape (m,)."""
+    def variances(self, weights: FloatArray) -> dict[str, float]:
+        """Return the variance of the weighted sum of the estimates from each source.
+
+        Parameters
+        ----------
+        weights : ndarray, shape (n,)
+            Weight of each estimate.
+
+        Returns
+        -------
+        dict of str to float
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> one = SharedErrors(sources=("load",), parts=np.array([[0.5]]), groups=np.zeros((1, 1), int))
+        >>> one.variances(np.ones(1))
+        {'load': 0.25}
+        """
+        variance = dict.fromkeys(self.sources, 0.0)
         groups = np.broadcast_to(self.groups, self.parts.shape)
-        sums = (
-            np.bincount(group, weights * part) for group, part in zip(groups.T, self.parts.T, strict=True)
-        )
-        return np.array([total @ total for total in sums])
+        for source, group, part in zip(self.sources, groups.T, self.parts.T, strict=True):
+            sums = np.bincount(group, weights * part)
+            variance[source] += float(sums @ sums)
+        return variance
 
 
 Shared: TypeAlias = ArrayLike | SharedErrors | None
 
 
-def pool(values: ArrayLike, stds: ArrayLike, shared: Shared = None, *, proportional: bool = False) -> Pooled:
+def proportional_stds(values: ArrayLike, stds: ArrayLike) -> FloatArray:
+    """Return standard uncertainties that are proportional to the values, at the common mean of these.
+
+    Standard uncertainties of lengths and moduli are proportional to them. An estimate that is low by chance
+    then states a small one, and weights from the stated ones bias the mean low. Pool with the relative
+    ones, times the mean, instead.
+
+    Parameters
+    ----------
+    values, stds : array_like, shape (n,)
+        Estimates of one quantity, and the standard uncertainty of each.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        `stds` unchanged if a value is not positive: it has no relative uncertainty.
+
+    Raises
+    ------
+    UncertaintyError
+        As `pool`.
+
+    Examples
+    --------
+    >>> proportional_stds([9.0, 11.0], [0.9, 1.1])
+    array([1., 1.])
+    """
+    values, stds = _estimates(values, stds)
+    if not (values > 0).all():
+        return stds
+    relative = _representable(values, stds) / values
+    return relative * (_inverse_variance_weights(relative) @ values)
+
+
+def pool(values: ArrayLike, stds: ArrayLike, shared: Shared = None) -> Pooled:
     """Pool estimates by inverse variance.
 
     Parameters
@@ -91,18 +145,17 @@ def pool(values: ArrayLike, stds: ArrayLike, shared: Shared = None, *, proportio
     stds : array_like, shape (n,)
         Standard uncertainty of each from what it does not share with the others.
     shared : array_like, shape (n, n), or SharedErrors, optional
-        Covariance from the inputs that they share; as parts where n is large.
-    proportional : bool
-        Whether standard uncertainties grow in proportion to the values, as those of lengths and moduli do.
-        An estimate that came out low by chance then states a small uncertainty, and weights of the stated
-        ones pull the mean low: the relative ones are taken, times the mean. Values that are not all positive
-        have none.
+        Covariance from the inputs that they share; as `SharedErrors` where n is large.
+
+    Returns
+    -------
+    Pooled
 
     Raises
     ------
     UncertaintyError
         If there is no estimate, a value or standard uncertainty is not finite, one is negative, or
-        `shared` is no covariance of theirs.
+        `shared` is not a covariance of these estimates.
 
     Examples
     --------
@@ -111,17 +164,12 @@ def pool(values: ArrayLike, stds: ArrayLike, shared: Shared = None, *, proportio
     20.0 ± 0.50, Birge ratio 1.41
     """
     values, stds = _estimates(values, stds)
-    proportional = proportional and bool((values > 0).all())
-    # No value is known better than a double holds it.
-    own = np.maximum(stds, np.spacing(np.abs(values)))
-    relative = own / values if proportional else own
-    weights = (relative.min() / relative) ** 2
-    weights /= weights.sum()
+    own = _representable(values, stds)
+    weights = _inverse_variance_weights(own)
     mean = float(weights @ values)
-    own = relative * mean if proportional else own
     count = values.size
     birge = float(np.sqrt(np.sum(((values - mean) / own) ** 2) / (count - 1))) if count > 1 else np.nan
-    variance = np.sum((weights * own) ** 2) * max(1.0, birge if count > 1 else 1.0) ** 2
+    variance = np.sum((weights * own) ** 2) * np.fmax(1.0, birge) ** 2
     return Pooled(
         value=mean,
         std=float(np.sqrt(variance)),
@@ -134,7 +182,7 @@ def pool(values: ArrayLike, stds: ArrayLike, shared: Shared = None, *, proportio
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RandomEffects:
-    """A weighted mean of estimates that differ by more than their uncertainty, as loads or fingers do.
+    """A weighted mean of estimates of a quantity that varies, as between loads or fingers.
 
     Attributes
     ----------
@@ -146,9 +194,9 @@ class RandomEffects:
         The same with the shared uncertainty added.
     interval : (float, float)
         95 % interval, with Student's t of n − 1 degrees of freedom for what is not shared; infinite for
-        one estimate, which tells nothing of τ.
+        one estimate, which does not determine τ.
     between_std : float
-        τ, the standard deviation of what differs between estimates beyond their stated uncertainty.
+        τ, the standard deviation between estimates beyond their stated uncertainty.
     count : int
         Number of estimates.
     weights : ndarray, shape (n,)
@@ -164,10 +212,8 @@ class RandomEffects:
     weights: FloatArray = field(repr=False, compare=False)
 
 
-def pool_random_effects(
-    values: ArrayLike, stds: ArrayLike, shared: Shared = None, *, proportional: bool = False
-) -> RandomEffects:
-    r"""Pool estimates of a quantity that itself varies from one to the other.
+def pool_random_effects(values: ArrayLike, stds: ArrayLike, shared: Shared = None) -> RandomEffects:
+    r"""Pool estimates of a quantity that varies from estimate to estimate.
 
     τ² solves Paule and Mandel's :math:`\sum w_i (y_i - \bar y)^2 = n - 1`, :math:`w_i = 1/(u_i^2 + \tau^2)`,
     and is zero where the estimates scatter less than stated. The variance of the mean is Hartung and
@@ -175,8 +221,12 @@ def pool_random_effects(
 
     Parameters
     ----------
-    values, stds, shared, proportional
+    values, stds, shared
         As for `pool`; the standard uncertainties must be positive.
+
+    Returns
+    -------
+    RandomEffects
 
     Raises
     ------
@@ -193,13 +243,6 @@ def pool_random_effects(
     check_all(stds > 0, "standard uncertainty", stds, "positive", UncertaintyError)
     count = values.size
     between_variance, value = _between_variance(values, stds)
-    if proportional and (values > 0).all():
-        relative = stds / values
-        for _ in range(_MOST_STEPS):
-            stds, before = relative * value, value
-            between_variance, value = _between_variance(values, stds)
-            if abs(value - before) <= 1e-12 * value:
-                break
     weights = 1 / (stds**2 + between_variance)
     variance = 1 / weights.sum()
     weights /= weights.sum()
@@ -232,24 +275,24 @@ def _between_variance(values: FloatArray, stds: FloatArray) -> tuple[float, floa
     mean, excess = mean_and_excess(0.0)
     if not (freedom and excess > 0):
         return 0.0, mean
-    max_draws = float(np.ptp(values) ** 2 * values.size)
+    upper = float(np.ptp(values) ** 2 * values.size)
     between_variance = optimize.brentq(
-        lambda tried: mean_and_excess(tried)[1], 0.0, max_draws, xtol=1e-12 * max_draws, rtol=1e-12
+        lambda variance: mean_and_excess(variance)[1], 0.0, upper, xtol=1e-12 * upper, rtol=1e-12
     )
     return float(between_variance), mean_and_excess(between_variance)[0]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class VarianceComponents:
-    """How values scatter within groups, as repeats at one load do, and between them.
+    """Standard deviations of values within groups, as of repeats at one load, and between groups.
 
     Attributes
     ----------
     within_std : float
         Standard deviation within groups; NaN if no group has two values.
     between_std : float
-        Standard deviation of the groups' own means, what repeats add taken off; NaN for one group or
-        where `within_std` is not known.
+        Standard deviation of the groups' true means, the contribution of the scatter within groups
+        subtracted; NaN for one group or where `within_std` is NaN.
     """
 
     within_std: float
@@ -257,14 +300,23 @@ class VarianceComponents:
 
 
 def variance_components(values: ArrayLike, groups: ArrayLike) -> VarianceComponents:
-    """Part the scatter of values into that within groups and that between them, by analysis of variance.
+    """Split the variance of values into that within groups and that between them, by analysis of variance.
 
     Parameters
     ----------
     values : array_like, shape (n,)
         Values of one quantity.
     groups : array_like, shape (n,)
-        Which group each belongs to, as the load under which it was measured.
+        Group of each value, as the load under which it was measured.
+
+    Returns
+    -------
+    VarianceComponents
+
+    Raises
+    ------
+    UncertaintyError
+        If a value is not finite or has no group.
 
     Examples
     --------
@@ -290,8 +342,19 @@ def variance_components(values: ArrayLike, groups: ArrayLike) -> VarianceCompone
     return VarianceComponents(within_std=float(np.sqrt(within)), between_std=float(between))
 
 
+def _representable(values: FloatArray, stds: FloatArray) -> FloatArray:
+    """Return standard uncertainties not below the spacing of doubles at the values, so that none is zero."""
+    return np.maximum(stds, np.spacing(np.abs(values)))
+
+
+def _inverse_variance_weights(stds: FloatArray) -> FloatArray:
+    """Return weights that add up to one, scaled before squaring against overflow."""
+    weights = (stds.min() / stds) ** 2
+    return as_float_array(weights / weights.sum())
+
+
 def _shared_variance(shared: Shared, weights: FloatArray) -> float:
-    """Return what estimates share of the variance of their weighted sum."""
+    """Return the variance of a weighted sum of estimates from the errors that they share."""
     if shared is None:
         return 0.0
     if not isinstance(shared, SharedErrors):
@@ -299,11 +362,11 @@ def _shared_variance(shared: Shared, weights: FloatArray) -> float:
         return float(weights @ matrix @ weights)
     if len(shared.parts) != weights.size:
         raise UncertaintyError(f"each estimate needs its parts, found {weights.size} and {len(shared.parts)}")
-    return float(shared.variances(weights).sum())
+    return sum(shared.variances(weights).values())
 
 
 def _estimates(values: ArrayLike, stds: ArrayLike) -> tuple[FloatArray, FloatArray]:
-    """Return estimates and their standard uncertainties, once they are sound."""
+    """Return estimates and their standard uncertainties as arrays, checked."""
     values, stds = as_float_array(values).reshape(-1), as_float_array(stds).reshape(-1)
     if values.size == 0:
         raise UncertaintyError("no estimates to pool; at least one row must have been measured")

@@ -10,7 +10,7 @@ from fingerpad._arrays import FloatArray
 from fingerpad.figures import figure_svg, new_figure, plot_pad_with_contact, plot_wedge
 from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.study.manifest.tables import Length
-from fingerpad.uncertainty import PLACEMENT_OUTPUTS, placement_model, propagate
+from fingerpad.uncertainty import Inputs, placement_model, propagate
 from fingerpad.web.drawing import DRAWING
 from fingerpad.web.endpoints import Endpoint, Params
 from fingerpad.web.errors import RequestError
@@ -99,16 +99,19 @@ def _placed(
     axes: FloatArray, covariance: FloatArray | None, angles: FloatArray, angle_stds: FloatArray
 ) -> dict[str, float | None]:
     """Return radii and u at the place of contact, with standard uncertainties where they are known."""
-    mean = np.concatenate([axes, angles])
-    whole = np.zeros((mean.size, mean.size))
-    whole[:3, :3] = 0.0 if covariance is None else covariance
-    whole[range(3, 5), range(3, 5)] = angle_stds**2
-    found = propagate(placement_model, mean, whole)
+    inputs = Inputs.of(
+        **dict(zip(_AXES, axes.tolist(), strict=True)),
+        wedge_angle=(angles[0], angle_stds[0]),
+        roll_angle=(angles[1], angle_stds[1]),
+    )
+    if covariance is not None:
+        inputs = inputs.with_covariance(_AXES, covariance)
+    found = propagate(placement_model, inputs)
     placed: dict[str, float | None] = {}
-    for name, value, std in zip(PLACEMENT_OUTPUTS, found.value, found.std, strict=True):
+    for name in found.names:
         key, factor = (f"{name}_deg", np.degrees(1.0)) if name == "u" else (f"{name}_mm", 1.0)
-        placed[key] = float(factor * value)
-        placed[f"{key}_std"] = None if covariance is None else float(factor * std)
+        placed[key] = float(factor * found[name].value)
+        placed[f"{key}_std"] = None if covariance is None else float(factor * found[name].std)
     return placed
 
 

@@ -124,5 +124,5 @@ def test_figures_budget_and_audit(tab: Tab) -> None:
     assert "61.8 %" in card.inner_text()
     page.keyboard.press("a")
     page.get_by_role("heading", name="Results").wait_for()
-    page.get_by_text("reproduced with the known slip").first.wait_for()
+    page.get_by_text("reproduced with the known misprint").first.wait_for()
     assert page.locator("table.audit tbody tr").count() == 36

@@ -17,7 +17,7 @@ _MOST_PX: Final = 1e9
 Overlay: TypeAlias = Annotated[Path | None, typer.Option(help="Folder for pictures of the measurement.")]
 DarkOnLight: TypeAlias = Annotated[
     bool | None,
-    typer.Option("--dark-on-light/--light-on-dark", help="Polarity, where it is not found by itself."),
+    typer.Option("--dark-on-light/--light-on-dark", help="Polarity, where it is not detected automatically."),
 ]
 Background: TypeAlias = Annotated[
     Path | None, typer.Option(help="Picture of the empty platen, which is divided out.")
@@ -28,7 +28,7 @@ Seed: TypeAlias = Annotated[
 Threshold: TypeAlias = Annotated[
     float | None,
     typer.Option(
-        min=1e-6, max=65535, help="Grey levels from the ground to a ridge, where half the contrast errs."
+        min=1e-6, max=65535, help="Grey levels from the ground to a ridge, where half the contrast is wrong."
     ),
 ]
 Mask: TypeAlias = Annotated[

@@ -19,7 +19,7 @@ def record_of(path: Path, measured: Callable[[Path], dict[str, Any]]) -> dict[st
     """Measure one picture; one that cannot be measured costs itself only."""
     try:
         return {"file": str(path), **measured(path)}
-    except Exception as error:  # a picture can be damaged in ways that nobody has thought of
+    except Exception as error:  # a picture can be damaged in unforeseen ways
         return {"file": str(path), "error": reason_of(error, f"{path}: cannot be measured")}
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fingerpad._arrays import FloatArray
-from fingerpad.exceptions import ImageError, LoadingError
+from fingerpad.exceptions import LoadingError, reason_of
 from fingerpad.image._levels import Pixels
 from fingerpad.image.contact_image.measure import measure_contact_image
 from fingerpad.image.contact_image.result import ContactImageResult
@@ -127,8 +127,10 @@ def measure_frames(
                 yield FrameResult(index=frame.index, reason=reason)
                 continue
             contact_image = measure_contact_image(frame.pixels, scale, **settings.settings, **place)
-        except ImageError as error:
-            yield FrameResult(index=frame.index, reason=str(error))
+        except MemoryError:  # the limit of the process, not a fault of this frame
+            raise
+        except Exception as error:  # whatever goes wrong costs this frame only
+            yield FrameResult(index=frame.index, reason=reason_of(error, "the frame cannot be measured"))
             continue
         if watch is not None:
             watch(frame.index, frame.pixels, contact_image)

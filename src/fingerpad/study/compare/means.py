@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fingerpad.study.compare.values import QUANTITIES, Person, Value
-from fingerpad.uncertainty import RandomEffects, pool_random_effects
+from fingerpad.uncertainty import RandomEffects, pool_random_effects, proportional_stds
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -156,6 +156,7 @@ def _pooled(levels: Sequence[_Level], proportional: bool) -> tuple[_Level, Rando
     own = np.maximum([level.own_std for level in levels], np.spacing(np.abs(value)))
     sources = list(dict.fromkeys(source for level in levels for source in level.shared))
     parts = np.array([[level.shared.get(source, 0.0) for source in sources] for level in levels])
-    pooled = pool_random_effects(value, own, parts @ parts.T, proportional=proportional)
+    stds = proportional_stds(value, own) if proportional else own
+    pooled = pool_random_effects(value, stds, parts @ parts.T)
     shared = dict(zip(sources, map(float, pooled.weights @ parts), strict=True))
     return _Level(pooled.value, pooled.std, shared), pooled

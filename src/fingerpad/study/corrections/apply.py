@@ -25,7 +25,7 @@ from fingerpad.study.corrections.changes import ContactCorrection, PhotographCor
 from fingerpad.study.manifest import CORRECTIONS, Contact, Photograph
 
 NOTHING = ContactCorrection()
-# Changes of these have the ridges told anew; strokes and ellipse are measured on what was told.
+# Changes of these have the ridges detected again; strokes and ellipse are measured on what was told.
 _OF_THE_READING = CORRECTIONS
 
 
@@ -40,7 +40,7 @@ class CorrectedContactImage:
     reason : str or None
         Why there is none.
     program : ContactImageResult or None
-        What the program measured by itself.
+        What was measured automatically.
     """
 
     contact_image: ContactImageResult | None
@@ -114,7 +114,7 @@ def corrected_contact_image(
     *,
     settings: ContactImageSettings | None = None,
 ) -> CorrectedContactImage:
-    """Measure a contact as a person wants it, and as the program does by itself; see `prepared_contact`.
+    """Measure a contact as a person wants it, and automatically; see `prepared_contact`.
 
     Raises
     ------

@@ -133,12 +133,10 @@ class CorrectionLog:
             record = record_of(line)
         except ValueError as error:
             raise StoreError(
-                f'{where} {error}: mend or remove it; if it is meant so, remove its "checksum"'
+                f'{where} {error}: fix or remove it; if it is meant so, remove its "checksum"'
             ) from None
         if record is None or record.id <= self._last_id:
-            raise StoreError(
-                f"{where} is no correction that follows those above it: mend or remove that line"
-            )
+            raise StoreError(f"{where} is no correction that follows those above it: fix or remove that line")
         self._last_id = record.id
         self._histories.setdefault(record.item, []).append(record)
 
@@ -359,7 +357,7 @@ def on_another_image(
     active_corrections : mapping
         What rules, by item.
     digest : callable
-        That of an item's picture as it is now, as of `picture_digest`.
+        That of an item's current picture, as of `picture_digest`.
     """
     return [
         item

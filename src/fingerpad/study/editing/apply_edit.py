@@ -49,7 +49,7 @@ def _apply(files: StudyFiles, edit: Edit) -> None:
 
 
 def _require_name(kind: Kind, name: str) -> None:
-    """Refuse a name that no study may have, before anything goes by it."""
+    """Refuse a name that no study may have, before anything refers to it."""
     try:
         _NAME.validate_python(name)
     except ValidationError:
@@ -175,7 +175,7 @@ def _refuse_rename(files: StudyFiles, edit: Edit) -> None:
 
 
 def _rename(files: StudyFiles, key: str, old: str, new: str) -> None:
-    """Let all that goes by a name go by the new one."""
+    """Change every reference to a name."""
     for doc in files.documents():
         tables = [table for name in LISTS.values() for table in doc.get(name, [])]
         tables += [photo for finger in doc.get("fingers", []) for photo in finger.get("photographs", [])]

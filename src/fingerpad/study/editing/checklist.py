@@ -91,11 +91,11 @@ def _words(one: IncompleteTable, fault: str) -> str:
         fault = found["fault"]
     field, _, said = fault.rpartition(": ")
     if said == "required, but missing" and field in _FIELD_WORDS:
-        return f"{of}{_FIELD_WORDS[field]} is still to be given"
+        return f"{of}{_FIELD_WORDS[field]} is missing"
     if said.startswith("give either semi_axes_mm or photographs"):
         return "give its semi-axes, or photographs of its faces"
     if " needs its scale" in said:
-        return f"{of}its scale is still to be given"
+        return f"{of}its scale is missing"
     return of + fault
 
 

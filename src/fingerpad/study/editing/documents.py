@@ -141,7 +141,7 @@ class StudyFiles:
         """Return the names that a table of the draft may go by, or may not have again."""
         home = {} if self.study is None else self.study
         waiting = self.draft.unwrap().get("scales", {})
-        nobody = Known(
+        no_names = Known(
             scales=frozenset(), waiting_scales=frozenset(), fingers=frozenset(), contacts=frozenset()
         )
         return Known(
@@ -149,7 +149,7 @@ class StudyFiles:
             waiting_scales=frozenset(
                 name
                 for name, table in waiting.items()
-                if not validation_errors("scale", name, table, known=nobody, folder=self.folder)
+                if not validation_errors("scale", name, table, known=no_names, folder=self.folder)
             ),
             fingers=frozenset(str(one["name"]) for one in home.get("fingers", [])),
             contacts=frozenset(
@@ -173,7 +173,7 @@ class StudyFiles:
             try:
                 self._checked = self._check()
             except ManifestError:
-                pass  # each is right by itself, and not together: they wait
+                pass  # each is valid alone, but not together: they wait
             else:
                 return
         elif was_study:

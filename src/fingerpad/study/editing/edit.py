@@ -1,7 +1,7 @@
 """Changing a study's manifest by program: comments and order stay, and nothing that is wrong is written.
 
 What is not complete yet cannot stand in ``study.toml``. It waits in ``draft.toml`` beside it, in the same
-layout, and moves over by itself as soon as the manifest takes it.
+layout, and moves over as soon as the manifest takes it.
 """
 
 from collections.abc import Sequence
@@ -42,7 +42,7 @@ def create_study(folder: Path, title: str) -> StudyState:
 
 
 def study_state(folder: Path) -> StudyState:
-    """Return a study as it is now.
+    """Return the current state of a study.
 
     Raises
     ------

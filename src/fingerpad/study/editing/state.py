@@ -59,7 +59,7 @@ class IncompleteTable:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StudyState:
-    """A study as it is now.
+    """The current state of a study.
 
     Attributes
     ----------

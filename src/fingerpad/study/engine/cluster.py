@@ -87,7 +87,7 @@ class ClusterExecutor:
         return self._sent[task.inputs]
 
 
-# A terminal interrupts workers that are started here too: what they have in hand would never be done.
+# A terminal interrupts workers that are started here too: their tasks in progress would be lost.
 _LEAVE_INTERRUPTS: Final = "import signal\nsignal.signal(signal.SIGINT, signal.SIG_IGN)\n"
 
 
@@ -177,7 +177,7 @@ def _pass_on(remote: Any, future: Future[TaskResult], file: str, limits: Limits)
     except (OSError, CancelledError):  # of the connection, and of all that depended on it
         gone = "the scheduler is gone: what was measured is kept; start it again and run again to go on"
         future.set_exception(ClusterError(gone))
-    except Exception as error:  # whatever went wrong with the task goes to whoever asked for it
+    except Exception as error:  # whatever went wrong with the task goes to the caller
         if type(error).__name__ == "KilledWorker":
             reason = f"{file}: several workers died while they measured it, perhaps for want of memory"
             future.set_result(TaskResult({"reason": reason}, {}, 0.0, limits))

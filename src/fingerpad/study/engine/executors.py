@@ -27,7 +27,7 @@ class Executor(Protocol):
         """Begin a task as soon as possible."""
 
     def require_workers(self) -> None:
-        """Raise `ClusterError` if nobody is left who could perform a task."""
+        """Raise `ClusterError` if no worker is left."""
 
 
 class LocalExecutor:

@@ -1,4 +1,4 @@
-"""How far a run is, told as it goes."""
+"""Progress of a run."""
 
 from dataclasses import dataclass
 from typing import Literal

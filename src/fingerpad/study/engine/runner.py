@@ -34,7 +34,7 @@ def run_plans(
 ) -> None:
     """Perform all tasks of some plans.
 
-    After an interrupt, by the keyboard or raised by `store_result`, no task is begun any more; those at work
+    After an interrupt, by the keyboard or raised by `store_result`, no further task is started; those at work
     are finished and stored. A second one by the keyboard does not wait for them.
 
     Parameters
@@ -53,7 +53,7 @@ def run_plans(
     KeyboardInterrupt
         After an interrupt.
     ClusterError
-        If nobody is left who could perform a task.
+        If no worker is left.
     """
     coming = iter(plans)
     ready: deque[tuple[Task, _Stage]] = deque()

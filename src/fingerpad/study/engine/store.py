@@ -143,7 +143,7 @@ class Store:
         StoreError
             If the file cannot be read, is no store, is damaged, or was written by another version.
         """
-        # Without a log beside it the file is complete by itself; a log's index is there while a run writes.
+        # Without a log beside it the file is complete; a log's index is there while a run writes.
         alone = not path.with_name(f"{path.name}-wal").exists()
         uri = f"{path.absolute().as_uri()}?{'immutable=1' if alone else 'mode=ro'}"
         with _plain_errors(path):
@@ -320,7 +320,7 @@ class Store:
         return digest
 
     def remember(self, path: Path, digest: str) -> None:
-        """Keep the SHA-256 of a file as it is now, for `digest`."""
+        """Keep the SHA-256 of the current file, for `digest`."""
         self._remember(str(path), _stamp(path), digest)
 
     def _remember(self, *values: str) -> None:

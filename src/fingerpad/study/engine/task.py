@@ -102,7 +102,7 @@ def perform(work: Work, file: str, folder: Path, limits: Limits) -> TaskResult:
             record = work(folder, Path(drawing))
         except StoreError:
             raise
-        # Files from anywhere can be damaged in ways that nobody has thought of.
+        # Files from anywhere can be damaged in unforeseen ways.
         except Exception as error:
             _raise_if_full(error)
             if _is_out_of_memory(error):
@@ -141,11 +141,6 @@ def _raise_if_full(error: BaseException | None) -> None:
         if isinstance(error, OSError) and error.errno == errno.ENOSPC:
             raise StoreError(f"{gettempdir()}: the disk is full: make room and run again to go on") from error
         error = error.__cause__
-
-
-def measuring_code() -> str:
-    """Return the digest of all code that measures pictures: a change of it makes every result stale."""
-    return code_digest("image", "study/corrections", "study/measuring")
 
 
 def working_code() -> str:

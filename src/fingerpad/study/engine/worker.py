@@ -265,7 +265,7 @@ def _answer(question: bytes, idle_bytes: int) -> bytes:
         work, file, folder, limits = pickle.loads(question)  # noqa: S301 (of our own parent)
         _limit_memory(idle_bytes, limits)
         return pickle.dumps(perform(work, file, folder, limits))
-    except Exception as error:  # raised again by whoever asked
+    except Exception as error:  # raised again by the caller
         return pickle.dumps(error)
 
 

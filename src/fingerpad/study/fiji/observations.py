@@ -17,7 +17,7 @@ from fingerpad.study.manifest.validation import validated
 # What an ellipse does not tell of its contact.
 FIELDS: Final = ("finger", "wedge_angle_deg", "load_N", "roll_angle_deg")
 _NEEDED: Final = FIELDS[:3]
-# Semi-major axes, mm, between which contacts of finger pads lie: beyond is a slip of units.
+# Semi-major axes, mm, between which contacts of finger pads lie: beyond, the unit is wrong.
 _PLAUSIBLE: Final = (0.5, 40.0)
 _HEADER: Final = (
     "name", *FIELDS, "semi_major_mm", "semi_minor_mm", "ellipse_mm_std", "long_axis", "synthetic", "notes",
@@ -107,7 +107,7 @@ class ManualObservation:
     ----------
     name : str
         Made from the label, like no other.
-    told : mapping
+    values : mapping
         Those of `FIELDS` that are known.
     semi_major_mm, semi_minor_mm, ellipse_mm_std : float
         The ellipse, and the standard uncertainty of either semi-axis.
@@ -120,7 +120,7 @@ class ManualObservation:
     """
 
     name: str
-    told: Mapping[str, str | float]
+    values: Mapping[str, str | float]
     semi_major_mm: float
     semi_minor_mm: float
     ellipse_mm_std: float
@@ -131,13 +131,13 @@ class ManualObservation:
     @property
     def missing(self) -> tuple[str, ...]:
         """Columns that a person must fill in before the study can be run."""
-        return tuple(name for name in _NEEDED if name not in self.told)
+        return tuple(name for name in _NEEDED if name not in self.values)
 
     def as_record(self) -> dict[str, Any]:
         """Return the row, None for what is not known."""
         return {
             "name": self.name,
-            **{name: self.told.get(name) for name in FIELDS},
+            **{name: self.values.get(name) for name in FIELDS},
             "semi_major_mm": self.semi_major_mm,
             "semi_minor_mm": self.semi_minor_mm,
             "ellipse_mm_std": self.ellipse_mm_std,
@@ -184,7 +184,7 @@ def manual_observations(
     CalibrationError
         If a semi-axis is none that a contact of a finger has.
     ManifestError
-        If no uncertainty is given, something is told twice, a number is none that a manifest takes, or the
+        If no uncertainty is given, something is given twice, a number is none that a manifest takes, or the
         pattern fits no label.
     """
     if not (semi_axis_mm_std > 0 and math.isfinite(semi_axis_mm_std)):
@@ -207,12 +207,12 @@ def manual_observations(
                 f"{ellipse.place}: a semi-major axis of {major:.3g} mm is none of a finger's contact; "
                 "check the unit or the scale (Fiji measures in px until a scale is set)"
             )
-        told = {**known, **(pattern.values_in(ellipse.label) if pattern else {})}
-        validated(_LabelValues, told, ellipse.place, strict=True)
+        values = {**known, **(pattern.values_in(ellipse.label) if pattern else {})}
+        validated(_LabelValues, values, ellipse.place, strict=True)
         rows.append(
             ManualObservation(
                 name=_name(ellipse.label, names),
-                told=told,
+                values=values,
                 semi_major_mm=major,
                 semi_minor_mm=minor,
                 ellipse_mm_std=math.hypot(semi_axis_mm_std, relative_scale_std * math.sqrt(major * minor)),

@@ -54,7 +54,7 @@ def read_rois(path: Path) -> list[MeasuredEllipse]:
         raise ImageError(f"{path}: cannot be read ({error.strerror})") from error
     except (zipfile.BadZipFile, zlib.error, RuntimeError, EOFError) as error:  # broken or encrypted
         raise ImageError(
-            f"{path}: cannot be read as a zip of ROIs ({error}); save it anew by the ROI Manager"
+            f"{path}: cannot be read as a zip of ROIs ({error}); save it again with the ROI Manager"
         ) from error
     if not found:
         raise ImageError(f"{path}: holds no ROIs; save them by the ROI Manager, More > Save")
@@ -68,10 +68,10 @@ def _members(archive: zipfile.ZipFile, path: Path) -> Iterator[tuple[str, str, b
         if name.is_absolute() or len(name.parts) > 1:
             raise ImageError(
                 f"{path}: holds {member.filename[:60]!r}, with a folder in its name; "
-                "the ROI Manager writes none: save the ROIs anew"
+                "the ROI Manager writes none: save the ROIs again"
             )
         if name.suffix.lower() != ".roi":
-            raise ImageError(f"{path}: holds {member.filename[:60]!r}, which is no ROI; save the ROIs anew")
+            raise ImageError(f"{path}: holds {member.filename[:60]!r}, which is no ROI; save the ROIs again")
         if member.file_size > _LARGEST:
             raise ImageError(f"{path}: {member.filename[:60]!r} would be {member.file_size} bytes: no ROI is")
         yield name.stem, f"{path.name}, {name.name}", archive.read(member)
@@ -108,7 +108,7 @@ def _upright(roi: ImagejRoi, label: str, place: str) -> MeasuredEllipse:
     if roi.subpixelrect:
         width, height = roi.widthd, roi.heightd
     if not (width > 0 and height > 0 and math.isfinite(width + height)):
-        raise ImageError(f"{place}: an oval of {width:g} × {height:g} px has no area; draw it anew")
+        raise ImageError(f"{place}: an oval of {width:g} × {height:g} px has no area; draw it again")
     return MeasuredEllipse(
         label=label,
         place=place,
@@ -131,7 +131,7 @@ def _rotated(roi: ImagejRoi, label: str, place: str) -> MeasuredEllipse:
     across, down = roi.x2 - roi.x1, roi.y2 - roi.y1
     major = math.hypot(across, down)
     if not (0 < ratio <= 1 and major > 0 and math.isfinite(major)):
-        raise ImageError(f"{place}: an ellipse of {major:g} px with axis ratio {ratio:g}; draw it anew")
+        raise ImageError(f"{place}: an ellipse of {major:g} px with axis ratio {ratio:g}; draw it again")
     return MeasuredEllipse(
         label=label,
         place=place,

@@ -19,7 +19,7 @@ _SAME_AREA: Final = 0.05
 def read_results_table(path: Path) -> list[MeasuredEllipse]:
     """Read the fitted ellipses of a Results table, in its own unit.
 
-    Cells may be parted by commas, tabs or semicolons, the latter two with decimal commas. Rows that Fiji's
+    Cells may be separated by commas, tabs or semicolons, the latter two with decimal commas. Rows that Fiji's
     *Summarize* appends are left out.
 
     Parameters

@@ -48,7 +48,9 @@ def read_rows(path: Path, on_read: Callable[[bytes], None] = lambda _: None) -> 
     header = [cell.strip() for cell in lines[0][1]] if lines else []
     missing = {"name", "finger", "wedge_angle_deg", "load_N"} - set(header)
     if missing:
-        hint = "; its cells are parted by semicolons, save it with commas" if ";" in "".join(header) else ""
+        hint = (
+            "; its cells are separated by semicolons, save it with commas" if ";" in "".join(header) else ""
+        )
         raise ManifestError(f"{path.name}: no column {', '.join(sorted(missing))} in the first line{hint}")
     repeated = sorted({title for title in header if title and header.count(title) > 1})
     if repeated:

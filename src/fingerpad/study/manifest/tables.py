@@ -12,7 +12,7 @@ def not_tiny(value: float) -> float:
     return value
 
 
-# Wide bounds that only a slip of units or of the keyboard crosses.
+# Wide bounds that only a wrong unit or a typing error exceeds.
 Positive = Annotated[float, Field(gt=0, le=1e6, allow_inf_nan=False), AfterValidator(not_tiny)]
 Length = Annotated[float, Field(gt=0, le=1000, allow_inf_nan=False), AfterValidator(not_tiny)]
 LengthStd = Annotated[float, Field(ge=1e-9, le=1000, allow_inf_nan=False)]

@@ -30,7 +30,8 @@ from fingerpad.loading import (
     read_loading_curve,
     shape_check,
 )
-from fingerpad.study.engine.task import Record, Task, code_digest
+from fingerpad.study.engine.task import Record, Task
+from fingerpad.study.engine.versions import versions_of
 from fingerpad.study.error_text import RECOVERABLE_ERRORS, in_study
 from fingerpad.study.manifest import Curve, Study
 from fingerpad.study.measuring.fingers import FingerResult, is_rejected, photograph_item
@@ -127,7 +128,7 @@ def curve_items(study: Study) -> Iterator[tuple[str, Curve]]:
 
 
 def curve_key(curve: Curve, keys: CacheKeys) -> str:
-    """Return the key of a curve: what is fitted, by what code, and the pad that it is compared with."""
+    """Return the key of a curve: what is fitted, by which version, and the pad that it is compared with."""
     pad = next(finger for finger in keys.study.fingers if finger.name == curve.finger)
     faces = [
         (
@@ -139,12 +140,12 @@ def curve_key(curve: Curve, keys: CacheKeys) -> str:
     axes = pad.model_dump(mode="json", include={"semi_axes_mm"})
     solved = find_spec("tamaas") is not None
     return cache_key(
-        keys.of(curve, curve.wedge_angle_deg, keys.study.poisson_ratio), axes, faces, solved, _fitting_code()
+        keys.of(curve, curve.wedge_angle_deg, keys.study.poisson_ratio),
+        axes,
+        faces,
+        solved,
+        versions_of("loading"),
     )
-
-
-def _fitting_code() -> str:
-    return code_digest("contact", "geometry", "loading", "uncertainty", "units.py", "_columns.py")
 
 
 def curve_tasks(finger: FingerResult, keys: CacheKeys) -> Iterator[Task]:
@@ -164,8 +165,8 @@ def curve_tasks(finger: FingerResult, keys: CacheKeys) -> Iterator[Task]:
 
 def _record(curve: Curve, pad: Ellipsoid | None, poisson_ratio: float, folder: Path, _out: Path) -> Record:
     found = curve_result(curve, pad, poisson_ratio, folder)
-    told = {name: to_plain(getattr(found, name)) for name in _FOUND}
-    return {"curve": told, "reason": found.reason if found.failed else None}
+    values = {name: to_plain(getattr(found, name)) for name in _FOUND}
+    return {"curve": values, "reason": found.reason if found.failed else None}
 
 
 def curve_results(keys: CacheKeys, record_of: Callable[[str, str, str | None], Record]) -> list[CurveResult]:
@@ -191,8 +192,8 @@ def _given(curve: Curve) -> CurveResult:
 def _known(curve: Curve, record: Record) -> CurveResult:
     if "curve" not in record:
         return CurveResult(manifest=curve, reason=record["reason"])
-    told: dict[str, Any] = {name: from_plain(value, _KINDS) for name, value in record["curve"].items()}
-    return CurveResult(manifest=curve, **told)
+    values: dict[str, Any] = {name: from_plain(value, _KINDS) for name, value in record["curve"].items()}
+    return CurveResult(manifest=curve, **values)
 
 
 def curve_result(curve: Curve, pad: Ellipsoid | None, poisson_ratio: float, folder: Path) -> CurveResult:

@@ -95,12 +95,12 @@ def measure_observation(
     folder, out : Path
         The study folder, and the folder of results.
     correction : ContactCorrection
-        What a person wants of it; what they think of it is told by `reviewed`.
+        What a person wants of it; their verdict is added by `reviewed`.
 
     Raises
     ------
     FingerpadError
-        If its scale or its picture cannot be had, or the overlay not be written. Where the picture shows no
+        If its scale or its picture is unavailable, or the overlay not be written. Where the picture shows no
         contact, the measurement says so itself.
     """
     if observation.ellipse_mm is not None:
@@ -137,7 +137,7 @@ def measure_observation(
 
 
 def contact_correction(active_correction: ActiveCorrection | None) -> ContactCorrection:
-    """Return what a person wants of a contact, nothing where nobody said anything."""
+    """Return what a person wants of a contact, an empty one by default."""
     return (
         active_correction.change
         if active_correction is not None and isinstance(active_correction.change, ContactCorrection)
@@ -206,5 +206,5 @@ def from_contact_image(
 
 
 def doubts_of(contact_image: ContactImageResult) -> tuple[str, ...]:
-    """Return what is doubtful about an imprint; that a person drew in it is not, and is told apart."""
+    """Return what is doubtful about an imprint; that a person drew in it is not, and is distinguished."""
     return tuple(flag for flag in contact_image.flags if flag != "edited_by_person")

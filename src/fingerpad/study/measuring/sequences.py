@@ -43,7 +43,7 @@ from fingerpad.study.measuring.tasks import CacheKeys, Scales, cache_key
 IN_CONTACT: Final = frozenset(("loading", "hold", "unloading"))
 # Below so many ridges from the centre to the nearest edge an ellipse is drawn by single ridges.
 LEAST_RIDGES: Final = 5
-# A piece is what an interrupted run loses at most. Each opens the film anew, so there are not too many.
+# A piece is what an interrupted run loses at most. Each opens the sequence again, so there are not too many.
 _FRAMES: Final = "frames"
 _LEAST_PIECE: Final = 50
 _MOST_PIECES: Final = 256
@@ -81,7 +81,7 @@ class Film:
 
     Attributes
     ----------
-    footage : SequenceImages
+    sequence_images : SequenceImages
         Its pictures.
     keys : Keys
         Keys of the study's tasks.
@@ -339,7 +339,7 @@ def film_plan(
         key, reason = "", CHANGED.format(sequence.file)  # never up to date: the next run measures it again
     except StoreError:
         raise
-    except Exception as error:  # a force table can be odd in ways that nobody has thought of
+    except Exception as error:  # a force table can be odd in unforeseen ways
         reason = in_study(reason_of(error, f"{sequence.file}: cannot be measured"), keys.folder)
     else:
         return

@@ -13,7 +13,8 @@ from pydantic import BaseModel
 from fingerpad._files import file_stem
 from fingerpad.study.corrections.changes import ContactCorrection
 from fingerpad.study.corrections.history import ActiveCorrection
-from fingerpad.study.engine.task import Record, Task, measuring_code
+from fingerpad.study.engine.task import Record, Task
+from fingerpad.study.engine.versions import versions_of
 from fingerpad.study.manifest import CoinScale, Finger, Observation, Photograph, ScaleTable, Study
 from fingerpad.study.measuring.fingers import face_record, is_rejected, photograph_item
 from fingerpad.study.measuring.measure import contact_correction, measure_observation
@@ -89,8 +90,8 @@ class CacheKeys:
 
 
 def cache_key(*parts: object) -> str:
-    """Return a digest of some parameters and of the code that measures."""
-    return hashlib.sha256(json.dumps([*parts, measuring_code()], sort_keys=True).encode()).hexdigest()
+    """Return a digest of some parameters and of the versions that images are measured with."""
+    return hashlib.sha256(json.dumps([*parts, versions_of("image")], sort_keys=True).encode()).hexdigest()
 
 
 def scale_tasks(keys: CacheKeys) -> list[Task]:
@@ -130,7 +131,7 @@ def _observed(
 
 
 def photograph_tasks(finger: Finger, keys: CacheKeys, scales: Scales) -> Iterator[Task]:
-    """Yield a task for each photograph of a finger that nobody rejected."""
+    """Yield a task for each photograph of a finger that is not rejected."""
     for number, photograph in enumerate(pictures_of(finger), start=1):
         item = photograph_item(finger, photograph)
         active_correction = keys.active_corrections.get(item)

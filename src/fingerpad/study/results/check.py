@@ -1,27 +1,23 @@
-"""The uncertainty of one contact looked at closely: does the first order hold, and who contributes what."""
+"""The uncertainty of one contact by all methods: validity of the linear approximation, and shares."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final, Self
 
 from fingerpad._arrays import FloatArray
-from fingerpad.study.results.model import Inputs
 from fingerpad.uncertainty import (
-    PAD_INPUTS,
-    PAD_OUTPUTS,
-    PAD_SOURCES,
+    Inputs,
     pad_model,
     propagate,
     run_monte_carlo,
     sobol_indices,
     validate_linear_approximation,
-    variance_shares,
 )
 
-_OUTPUT: Final = [PAD_OUTPUTS.index("radius_from_indentation")]
+_RADIUS: Final = "radius_from_indentation"
 
 
-def _corrected_radius(inputs: FloatArray) -> FloatArray:
-    return pad_model(inputs)[..., _OUTPUT]
+def _corrected_radius(**inputs: FloatArray) -> dict[str, FloatArray]:
+    return {_RADIUS: pad_model(**inputs)[_RADIUS]}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -39,9 +35,9 @@ class UncertaintyCheck:
     draws : int
         Draws that were made.
     converged : bool
-        Whether two digits of the standard uncertainty stand still.
+        Whether two digits of the standard uncertainty have converged.
     valid : bool
-        Whether the first order agrees with the simulation to one digit of the standard uncertainty.
+        Whether the two intervals agree to one digit of the standard uncertainty.
     shares, total : dict of str to float
         Share of each source in the variance: of first order, and Sobol's total index.
     """
@@ -60,34 +56,34 @@ class UncertaintyCheck:
 
     @classmethod
     def of(cls, observation: str, inputs: Inputs) -> Self:
-        """Propagate the inputs of one contact in all ways."""
-        sources = _independent_sources(inputs)
-        first = propagate(_corrected_radius, *inputs)
-        simulated = run_monte_carlo(_corrected_radius, *inputs)
-        shares = variance_shares(first, inputs.covariance, sources)
-        total = sobol_indices(_corrected_radius, *inputs, sources).total
+        """Propagate the inputs of one contact by first order and by Monte Carlo."""
+        inputs = _with_independent_groups(inputs)
+        first = propagate(_corrected_radius, inputs)
+        simulated = run_monte_carlo(_corrected_radius, inputs)
+        radius, drawn = first[_RADIUS], simulated[_RADIUS]
         return cls(
             observation=observation,
-            value=float(first.value[0]),
-            std=float(first.std[0]),
-            interval=_pair(first.interval),
-            simulated_std=float(simulated.std[0]),
-            simulated_interval=_pair(simulated.interval),
+            value=float(radius.value),
+            std=float(radius.std),
+            interval=_pair(radius.interval),
+            simulated_std=float(drawn.std),
+            simulated_interval=_pair(drawn.interval),
             draws=simulated.draws,
-            converged=bool(simulated.converged[0]),
-            valid=bool(validate_linear_approximation(first, simulated).valid[0]),
-            shares=dict(zip(sources, map(float, shares[0]), strict=True)),
-            total=dict(zip(sources, map(float, total[0]), strict=True)),
+            converged=simulated.converged[_RADIUS],
+            valid=validate_linear_approximation(first, simulated)[_RADIUS].valid,
+            shares={source: float(share) for source, share in first.budget(_RADIUS).items()},
+            total=sobol_indices(_corrected_radius, inputs)[_RADIUS].total,
         )
 
 
 def _pair(interval: FloatArray) -> tuple[float, float]:
-    return float(interval[0, 0]), float(interval[0, 1])
+    return float(interval[0]), float(interval[1])
 
 
-def _independent_sources(inputs: Inputs) -> dict[str, tuple[int, ...]]:
-    """Return the sources, semi-axes and scale as one where the same scale is in both."""
-    if not inputs.covariance[:3, PAD_INPUTS.index("image_scale")].any():
-        return dict(PAD_SOURCES)
-    rest = {name: places for name, places in PAD_SOURCES.items() if name not in {"semi-axes", "image scale"}}
-    return {"semi-axes and scale": PAD_SOURCES["semi-axes"] + PAD_SOURCES["image scale"], **rest}
+def _with_independent_groups(inputs: Inputs) -> Inputs:
+    """Return inputs with semi-axes and scale as one group where the same scale is in both."""
+    axes, scale = (inputs.groups[source] for source in ("semi-axes", "image scale"))
+    if not inputs.covariance[inputs.places(axes), inputs.places(scale)].any():
+        return inputs
+    rest = {source: names for source, names in inputs.groups.items() if names not in (axes, scale)}
+    return replace(inputs, groups={"semi-axes and scale": axes + scale, **rest})

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fingerpad.study.measuring.curves import CurveResult
-from fingerpad.uncertainty import pool
+from fingerpad.uncertainty import pool, proportional_stds
 
 
 class LoadingRadius(NamedTuple):
@@ -35,5 +35,5 @@ def loading_radius(
     values, stds = np.array([(each.loading_radius, each.loading_radius_std) for each in fitting]).T
     if not np.isfinite(stds).all():
         return LoadingRadius(float(values.mean()), math.nan, synthetic)
-    pooled = pool(values, stds, proportional=True)
+    pooled = pool(values, proportional_stds(values, stds))
     return LoadingRadius(pooled.value, pooled.total_std, synthetic)

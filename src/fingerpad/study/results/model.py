@@ -1,24 +1,26 @@
-"""The pad's model over all contacts of a study: values, uncertainty, and what of it contacts share.
+"""The pad's model over all contacts of a study: values and uncertainty, with the parts that contacts share.
 
-Every uncertain input is a source. What a source does to a contact's radii is kept as signed parts, one for
-each independent way in which it can be off, so that contacts which share a source can be pooled as such.
+Every uncertain input belongs to a source. The effect of a source on a contact's radii is kept as signed
+parts, one for each of its independent errors, so that contacts which share a source can be pooled as such.
 """
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Final, NamedTuple, Self
+from typing import Any, Final, Self, TypeAlias
 
 import numpy as np
 
 from fingerpad._arrays import BoolArray, FloatArray
+from fingerpad.image import SEMI_AXES
 from fingerpad.study.manifest import Contact, Study
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.measuring.measure import Measurement
 from fingerpad.uncertainty import (
-    PAD_INPUTS,
-    PAD_OUTPUTS,
     PAD_SOURCES,
+    Inputs,
+    Propagated,
     covariance_root,
+    pad_inputs,
     pad_model,
     propagate,
     run_monte_carlo,
@@ -31,59 +33,62 @@ POOLED_OUTPUTS: Final = ("radius_from_indentation", "radius_from_compliance")
 GEOMETRY: Final = ("semi-axes", "wedge angle", "roll angle")
 OF_THE_PLACEMENT: Final = (*GEOMETRY, "Poisson's ratio")
 
-_SCALE: Final = PAD_INPUTS.index("image_scale")
-_POOLED: Final = [PAD_OUTPUTS.index(name) for name in POOLED_OUTPUTS]
-_SOURCE_OF_INPUT: Final = [
-    next(name for name, places in PAD_SOURCES.items() if place in places) for place in range(len(PAD_INPUTS))
-]
 # Names of the columns of parts: first-order ones, then those of second order.
-PART_SOURCES: Final = np.array(2 * _SOURCE_OF_INPUT)
+PART_SOURCES: Final = np.array(2 * [source for source, names in PAD_SOURCES.items() for _ in names])
 # Draws for a row's own interval; GUM-S1 asks for 10⁶ where two digits must stand.
 _MOST_DRAWS: Final = 200_000
 
 
-class Inputs(NamedTuple):
-    """Mean, shape (..., inputs), and covariance, shape (..., inputs, inputs), of `PAD_INPUTS`."""
-
-    mean: FloatArray
-    covariance: FloatArray
-
-    def at(self, place: int) -> "Inputs":
-        """Return those of one of several contacts, which need not be kept for it."""
-        return Inputs(self.mean[place].copy(), self.covariance[place].copy())
-
-
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Modelled:
-    """The model's answer for some contacts, NaN where it has none.
+    """Outputs of the model for some contacts, NaN where it has none.
 
     Attributes
     ----------
-    value, std : ndarray, shape (contacts, outputs)
-        Model outputs and their standard uncertainties.
+    value, std : dict of str to ndarray, shape (contacts,)
+        Model outputs and their standard uncertainties, by name.
     parts : ndarray, shape (contacts, pooled outputs, parts)
         Signed contributions to the uncertainty of `POOLED_OUTPUTS`, of the sources `PART_SOURCES`; their
         squares add up to the variance.
     """
 
-    value: FloatArray
-    std: FloatArray
+    value: dict[str, FloatArray]
+    std: dict[str, FloatArray]
     parts: FloatArray
 
     @classmethod
     def of(cls, inputs: Inputs, method: str) -> Self:
         """Apply the model to some contacts, a thousand at most: its derivatives are far larger than that."""
-        value, std, parts = METHODS[method](inputs)
-        return cls(value=value, std=std, parts=parts)
+        finite = np.asarray(
+            np.isfinite(inputs.mean).all(axis=-1) & np.isfinite(inputs.covariance).all(axis=(-2, -1))
+        )
+        covariance = np.where(finite[:, None, None], inputs.covariance, 0.0)
+        with np.errstate(all="ignore"):
+            propagated = propagate(pad_model, replace(inputs, covariance=covariance))
+            parts = _parts(propagated)
+        has_output = np.isfinite(propagated.value).all(axis=-1) & np.isfinite(propagated.std).all(axis=-1)
+        answered = np.asarray(finite & has_output)
+        std = METHODS[method](propagated, answered)
+        names = propagated.names
+        return cls(
+            value=dict(zip(names, np.where(answered, propagated.value.T, np.nan), strict=True)),
+            std=dict(zip(names, np.where(answered, std.T, np.nan), strict=True)),
+            parts=np.where(np.reshape(answered, (-1, 1, 1)), parts, np.nan),
+        )
 
     @property
     def answered(self) -> BoolArray:
-        """Whether the model has an answer, shape (contacts,)."""
-        return np.asarray(np.isfinite(self.std).all(axis=-1))
+        """Whether the model has finite outputs, shape (contacts,)."""
+        return np.asarray(np.isfinite(list(self.std.values())).all(axis=0))
 
     def only(self, chosen: BoolArray) -> Self:
         """Return some of the contacts."""
-        return replace(self, value=self.value[chosen], std=self.std[chosen], parts=self.parts[chosen])
+        return replace(
+            self,
+            value={name: value[chosen] for name, value in self.value.items()},
+            std={name: std[chosen] for name, std in self.std.items()},
+            parts=self.parts[chosen],
+        )
 
     def std_of(self, output: str, sources: Sequence[str]) -> FloatArray:
         """Return the standard uncertainty of a pooled output from some sources alone, shape (contacts,)."""
@@ -91,96 +96,84 @@ class Modelled:
         return np.asarray(np.sqrt(np.sum(parts**2, axis=-1)))
 
 
-def pad_inputs(
+def contact_inputs(
     study: Study, fingers: Mapping[str, FingerResult], seen: Sequence[tuple[Contact, Measurement]]
 ) -> Inputs:
-    """Return mean and covariance of the model's inputs for some contacts."""
+    """Return the inputs of `pad_model` for some contacts."""
     given, count = study.uncertainty, len(seen)
     pads = [fingers[contact.finger] for contact, _ in seen]
     same_scale = [
         pad.scale is not None and pad.scale == one.scale for pad, (_, one) in zip(pads, seen, strict=True)
     ]
     semi_axes = np.reshape([pad.semi_axes for pad in pads], (count, 3))
-    angles = np.reshape(
-        [(contact.wedge_angle_deg, contact.roll_angle_deg) for contact, _ in seen], (count, 2)
-    )
+    wedge, roll = np.radians([(one.wedge_angle_deg, one.roll_angle_deg) for one, _ in seen]).reshape(-1, 2).T
     load, scale_std = np.reshape([(one.load, one.relative_scale_std) for _, one in seen], (count, 2)).T
     axes = np.reshape([(one.semi_major, one.semi_minor) for _, one in seen], (count, 2))
-    of_axes = np.reshape([one.covariance for _, one in seen], (count, 2, 2))
-    covariance = np.zeros((count, len(PAD_INPUTS), len(PAD_INPUTS)))
-    covariance[:, :3, :3] = np.reshape([pad.covariance for pad in pads], (count, 3, 3))
-    covariance[:, 3, 3] = np.radians(given.wedge_angle_deg_std) ** 2
-    covariance[:, 4, 4] = np.radians(given.roll_angle_deg_std) ** 2
-    covariance[:, 5, 5] = given.poisson_ratio_std**2
-    covariance[:, _SCALE, _SCALE] = scale_std**2
-    covariance[:, 7, 7] = (given.load_relative_std * load) ** 2
+    geometry = np.zeros((count, 4, 4))
+    geometry[:, :3, :3] = np.reshape([pad.covariance for pad in pads], (count, 3, 3))
+    geometry[:, 3, 3] = scale_std**2
+    geometry[:, :3, 3] = geometry[:, 3, :3] = np.where(same_scale, scale_std**2, 0.0)[:, None] * semi_axes
     with np.errstate(all="ignore"):
-        size, elongation = np.sqrt(axes.prod(axis=-1)), np.log(axes[:, 0] / axes[:, 1])
-        # The scale is an input of its own: what it does to the axes is taken out of theirs.
-        own = of_axes - (scale_std**2)[:, None, None] * axes[:, :, None] * axes[:, None, :]
-        to_size_and_elongation = np.stack([0.5 * size[:, None] / axes, [1, -1] / axes], axis=-2)
-        turned = to_size_and_elongation @ own @ np.swapaxes(to_size_and_elongation, -1, -2)
-    covariance[:, 8:, 8:] = _nearest_covariance(turned)
-    shared = np.where(np.array(same_scale, dtype=bool), scale_std**2, 0.0)[:, None] * semi_axes
-    covariance[:, :3, _SCALE] = covariance[:, _SCALE, :3] = shared
-    given_or_one = [np.full(count, study.poisson_ratio), np.ones(count)]
-    mean = np.column_stack([semi_axes, np.radians(angles), *given_or_one, load, size, elongation])
-    return Inputs(mean, covariance)
+        # The scale is an input of its own: its contribution to the covariance of the axes is subtracted.
+        own = np.reshape([one.covariance for _, one in seen], (count, 2, 2))
+        own = own - (scale_std**2)[:, None, None] * axes[:, :, None] * axes[:, None, :]
+        root = covariance_root(own)  # without the negative eigenvalues that a difference can have
+    lengths: dict[str, Any] = {name: (of, 0.0) for name, of in zip(SEMI_AXES, semi_axes.T, strict=True)}
+    measured = Inputs.of(
+        **lengths,
+        image_scale=(np.ones(count), 0.0),
+        wedge_angle=(wedge, np.radians(given.wedge_angle_deg_std)),
+        roll_angle=(roll, np.radians(given.roll_angle_deg_std)),
+        poisson_ratio=(study.poisson_ratio, given.poisson_ratio_std),
+        load=(load, given.load_relative_std * load),
+        semi_major=(axes[:, 0], 0.0),
+        semi_minor=(axes[:, 1], 0.0),
+    )
+    measured = measured.with_covariance((*SEMI_AXES, "image_scale"), geometry)
+    return pad_inputs(
+        measured.with_covariance(("semi_major", "semi_minor"), root @ np.swapaxes(root, -1, -2))
+    )
 
 
-def _nearest_covariance(matrices: FloatArray) -> FloatArray:
-    """Return matrices without the negative eigenvalues that a difference of covariances may be left with."""
-    nearest = matrices.copy()
-    sound = np.isfinite(matrices).all(axis=(-2, -1))
-    size, direction = np.linalg.eigh(matrices[sound])
-    nearest[sound] = direction * np.maximum(size, 0)[:, None, :] @ np.swapaxes(direction, -1, -2)
-    return nearest
+def _first_order(propagated: Propagated, _: BoolArray) -> FloatArray:
+    """Return standard uncertainties by first-order propagation, shape (contacts, outputs)."""
+    return propagated.std
 
 
-def _first_order(inputs: Inputs) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return values, standard uncertainties and parts by first-order propagation."""
-    mean = inputs.mean
-    with np.errstate(all="ignore"):
-        finite = np.isfinite(mean).all(axis=-1) & np.isfinite(inputs.covariance).all(axis=(-2, -1))
-        sound = np.asarray(finite)
-        covariance = np.where(sound[:, None, None], inputs.covariance, 0.0)
-        propagated = propagate(pad_model, mean, covariance)
-        first = propagated.jacobian[:, _POOLED] @ _by_source(covariance)
-        parts = np.concatenate([first, propagated.second_order[:, _POOLED]], axis=-1)
-    answers = np.isfinite(propagated.value) & np.isfinite(propagated.std)
-    answered = sound & np.asarray(answers.all(axis=-1))
-    value, std = (np.where(answered[:, None], x, np.nan) for x in (propagated.value, propagated.std))
-    return value, std, np.where(answered[:, None, None], parts, np.nan)
+def _monte_carlo(propagated: Propagated, answered: BoolArray) -> FloatArray:
+    """Return the same by Monte Carlo."""
+    std = propagated.std
+    for place in np.flatnonzero(answered).tolist():
+        std[place] = run_monte_carlo(pad_model, propagated.inputs.at(place), max_draws=_MOST_DRAWS).std
+    return std
 
 
-def _monte_carlo(inputs: Inputs) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return the same with standard uncertainties by Monte Carlo; parts stay those of the first order."""
-    value, std, parts = _first_order(inputs)
-    for place in np.flatnonzero(np.isfinite(std).all(axis=-1)):
-        std[place] = run_monte_carlo(pad_model, *inputs.at(int(place)), max_draws=_MOST_DRAWS).std
-    return value, std, parts
+Method: TypeAlias = Callable[[Propagated, BoolArray], FloatArray]
+METHODS: Final[dict[str, Method]] = {"first_order": _first_order, "monte_carlo": _monte_carlo}
 
 
-METHODS: Final[dict[str, Callable[[Inputs], tuple[FloatArray, FloatArray, FloatArray]]]] = {
-    "first_order": _first_order,
-    "monte_carlo": _monte_carlo,
-}
+def _parts(propagated: Propagated) -> FloatArray:
+    """Return the parts of `POOLED_OUTPUTS`, first-order ones and then those of second order."""
+    pooled = [propagated.place(name) for name in POOLED_OUTPUTS]
+    first = propagated.jacobian[:, pooled] @ _root_by_source(propagated.inputs)
+    return np.concatenate([first, propagated.second_order[:, pooled]], axis=-1)
 
 
-def _by_source(covariance: FloatArray) -> FloatArray:
-    """Return F with F Fᵀ = `covariance`, each column of which belongs to one input's source.
+def _root_by_source(inputs: Inputs) -> FloatArray:
+    """Return F with F Fᵀ = covariance, each column of which belongs to one input.
 
     Inputs of different sources do not correlate, but for the semi-axes where their photographs share the
-    contact's scale: that part is the scale's.
+    contact's scale: that part belongs to the scale.
     """
-    factor = np.zeros_like(covariance)
-    rest = covariance.copy()
-    scale_std = np.sqrt(covariance[:, _SCALE, _SCALE])
-    column = covariance[:, :, _SCALE] / np.where(scale_std > 0, scale_std, 1.0)[:, None]
-    factor[:, :, _SCALE] = column
-    rest -= column[:, :, None] * column[:, None, :]
-    for places in PAD_SOURCES.values():
-        if places != (_SCALE,):
-            block = slice(places[0], places[-1] + 1)
-            factor[:, block, block] = covariance_root(rest[:, block, block])
-    return factor
+    covariance = inputs.covariance
+    (scale,) = inputs.places(["image_scale"])
+    root = np.zeros_like(covariance)
+    scale_std = np.sqrt(covariance[:, scale, scale])
+    column = covariance[:, :, scale] / np.where(scale_std > 0, scale_std, 1.0)[:, None]
+    rest = covariance - column[:, :, None] * column[:, None, :]
+    for names in inputs.groups.values():
+        places = inputs.places(names)
+        block = slice(places[0], places[-1] + 1)
+        root[:, block, block] = covariance_root(rest[:, block, block])
+    root[:, :, scale] = column
+    return root

@@ -1,5 +1,6 @@
-"""One radius from the contacts of a finger at one angle, with what they share counted as shared."""
+"""One radius from the contacts of a finger at one angle, with their shared errors."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final, Self
 
@@ -34,10 +35,10 @@ class PooledRadius:
     fixed : Pooled
         All contacts taken to have one radius; the scatter beyond their uncertainties widens it (Birge).
     fixed_geometry : float
-        Its standard uncertainty with semi-axes and angles held exact, as the source does.
+        Its standard uncertainty with semi-axes and angles held exact, as in Dzidek et al. (2017).
     random : RandomEffects
-        Contacts taken to have radii of their own about a mean.
-    scatter : Scatter
+        Contacts taken to have different radii about a mean.
+    scatter : VarianceComponents
         Of contacts under one load, and between loads.
     budget : dict of str to float
         Share of each source in the variance of `fixed`, with ``"scatter"`` for what Birge's ratio adds.
@@ -61,7 +62,7 @@ class PooledRadius:
 
     @property
     def count(self) -> int:
-        """Number of contacts, a film counting as one."""
+        """Number of contacts, a sequence counting as one."""
         return self.fixed.count
 
     @classmethod
@@ -69,9 +70,9 @@ class PooledRadius:
         """Pool one of `POOLED_OUTPUTS`.
 
         A radius changes with the square of its contact's elongation, and its stated uncertainty with the
-        elongation: weights of the stated ones would be largest where a contact came out round, and pull the
-        mean to its side. So the slope is taken to be the same for all contacts; and the pooled radius is that
-        at the mean elongation, to second order, without what the mean of squares adds.
+        elongation: weights from the stated ones would be largest for contacts that are round by chance, and
+        bias the mean. So one slope is used for all contacts; and the pooled radius is that at the mean
+        elongation, to second order, without the bias of a mean of squares.
 
         Parameters
         ----------
@@ -81,8 +82,8 @@ class PooledRadius:
             Those of them to pool; all must count.
         estimate : ndarray of int
             Which estimate each belongs to, counted from 0: one for a single contact, one for all frames of
-            a film. The frames show the same skin, pressed once: their errors are taken to be the same
-            error, so that their mean is no better known than a frame is, however many there are.
+            a sequence. The frames show the same skin, pressed once: their errors are taken to be the same
+            error, so that their mean has the uncertainty of one frame, however many there are.
         output : str
             The radius.
         """
@@ -104,41 +105,45 @@ class PooledRadius:
         first[estimate[::-1]] = np.arange(estimate.size)[::-1]
         shared = _shared(parts, pooled.column("scale")[first])
         fixed = pool(value, own, shared)
-        variances = np.empty(len(PART_SOURCES))
-        variances[_OWN] = _shares(fixed.weights**2 @ parts[:, _OWN] ** 2) * (fixed.weights**2 @ own**2)
-        variances[~_OWN] = shared.variances(fixed.weights)
-        exact = np.sum(variances[~_OWN & ~np.isin(PART_SOURCES, GEOMETRY)])
+        variances = shared.variances(fixed.weights)
+        exact = sum(variance for source, variance in variances.items() if source not in GEOMETRY)
         return cls(
             fixed=fixed,
             fixed_geometry=float(np.hypot(fixed.std, np.sqrt(exact))),
             random=pool_random_effects(value, np.maximum(own, np.spacing(value)), shared),
             scatter=variance_components(value, pooled.column("load_N")[last]),
-            budget=_budget(fixed, variances),
+            budget=_budget(fixed, variances, parts[:, _OWN], own),
         )
 
 
 def _own_std(parts: FloatArray, elongation_std: FloatArray) -> FloatArray:
-    """Return what contacts' own errors add, the slope of the radius taken to be that of all of them."""
+    """Return the standard uncertainty from contacts' own errors, with one slope for all of them."""
     variance = np.sum(elongation_std**2)
     slope = np.sum(parts[:, _OWN & ~_SECOND] ** 2) / variance if variance > 0 else 0.0
     return as_float_array(np.sqrt(slope * elongation_std**2 + np.sum(parts[:, _OWN & _SECOND] ** 2, axis=-1)))
 
 
-def _shares(parts: FloatArray) -> FloatArray:
-    """Return each part of a sum over the sum; nothing has no parts."""
-    total = parts.sum()
-    return parts / total if total > 0 else parts
-
-
 def _shared(parts: FloatArray, scales: Column) -> SharedErrors:
-    """Return what estimates share: the placement all of them, a scale those that name it."""
+    """Return the errors that estimates share: of the placement all, of a scale those that name it."""
     scale = numbered((place,) if name is None else name for place, name in enumerate(scales))
     of_scale = PART_SOURCES[~_OWN] == "image scale"
-    return SharedErrors(parts=parts[:, ~_OWN], groups=np.where(of_scale, scale[:, None], 0))
+    return SharedErrors(
+        sources=tuple(PART_SOURCES[~_OWN].tolist()),
+        parts=parts[:, ~_OWN],
+        groups=np.where(of_scale, scale[:, None], 0),
+    )
 
 
-def _budget(fixed: Pooled, variances: FloatArray) -> dict[str, float]:
-    """Return each source's share in the variance of the pooled value."""
-    variance = {source: float(variances[source == PART_SOURCES].sum()) for source in PAD_SOURCES}
+def _budget(
+    fixed: Pooled, shared: Mapping[str, float], own_parts: FloatArray, own_std: FloatArray
+) -> dict[str, float]:
+    """Return the share of each source in the variance of the pooled value."""
+    own = fixed.weights**2 @ own_parts**2
+    total = own.sum()
+    own *= fixed.weights**2 @ own_std**2 / total if total > 0 else 1.0
+    variance = {
+        source: shared.get(source, float(own[source == PART_SOURCES[_OWN]].sum())) for source in PAD_SOURCES
+    }
     variance["scatter"] = max(0.0, fixed.total_std**2 - sum(variance.values()))
-    return dict(zip(variance, map(float, _shares(np.array(list(variance.values())))), strict=True))
+    total = sum(variance.values())
+    return {source: each / total if total > 0 else each for source, each in variance.items()}

@@ -5,10 +5,8 @@ from collections.abc import Callable, Iterable
 from datetime import UTC, datetime
 from typing import Any, Final
 
-import numpy as np
-import scipy
-
 import fingerpad
+from fingerpad.study.engine.versions import MEASUREMENT_VERSIONS, library_versions
 
 FORMULAS: Final = {
     "mean_curvature_radius": "R₀g = 1/H, H from the ellipsoid's shape operator; equals ESM Eq. (1)",
@@ -31,8 +29,8 @@ def provenance(files: Iterable[str], digest: Callable[[str], str]) -> dict[str, 
     return {
         "fingerpad": fingerpad.__version__,
         "python": platform.python_version(),
-        "numpy": np.__version__,
-        "scipy": scipy.__version__,
+        "libraries": library_versions(),
+        "measurement_versions": dict(MEASUREMENT_VERSIONS),
         "made": datetime.now(UTC).isoformat(timespec="seconds"),
         "inputs_sha256": {name: digest(name) for name in sorted(set(files))},
         "formulas": FORMULAS,

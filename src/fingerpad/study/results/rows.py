@@ -13,7 +13,8 @@ from fingerpad.image import implausible_size
 from fingerpad.study.manifest import CORRECTIONS, Contact, Observation, Study
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.measuring.measure import Measurement
-from fingerpad.study.results.model import GEOMETRY, PART_SOURCES, POOLED_OUTPUTS, Inputs, Modelled, pad_inputs
+from fingerpad.study.results.columns import COLUMNS
+from fingerpad.study.results.model import GEOMETRY, PART_SOURCES, POOLED_OUTPUTS, Modelled, contact_inputs
 from fingerpad.study.results.table import (
     Column,
     GrowingArray,
@@ -23,7 +24,7 @@ from fingerpad.study.results.table import (
     column_of,
     unknown,
 )
-from fingerpad.uncertainty import PAD_INPUTS, PAD_OUTPUTS, PAD_SOURCES
+from fingerpad.uncertainty import PAD_OUTPUTS, PAD_SOURCES, Inputs
 from fingerpad.units import KPA_PER_MPA
 
 # What the rows of one summary have in common.
@@ -50,10 +51,9 @@ RANGE_NOTES: Final = {
 }
 
 _NO_ANSWER: Final = "the model has no finite answer for these values; check their units"
-_ELONGATION: Final = PAD_INPUTS.index("elongation")
 _OF_THE_CONTACT: Final = tuple(source for source in PAD_SOURCES if source not in GEOMETRY)
-_IN_MM: Final = tuple(name for name in PAD_OUTPUTS if "radius" in name or name == "indentation")
-_IN_KPA: Final = ("reduced_modulus", "youngs_modulus", "mean_pressure")
+_IN_MM: Final = tuple(name for name in PAD_OUTPUTS if f"{name}_mm" in COLUMNS)
+_IN_KPA: Final = tuple(name for name in PAD_OUTPUTS if f"{name}_kpa" in COLUMNS)
 _OF_THE_PICTURE: Final = (
     "reviewed",
     "reviewed_by",
@@ -151,7 +151,7 @@ def make_rows(
         counts = done.columns["pooled"][done.good]
         pooled.add(start + done.good[counts])
         parts.add(done.modelled.parts[counts])
-        elongation_std.add(np.sqrt(done.inputs.covariance[counts, _ELONGATION, _ELONGATION]))
+        elongation_std.add(done.inputs.std[counts, done.inputs.places(["elongation"])])
         done.weigh(highest_load)
         start += len(batch)
     return Rows(
@@ -179,7 +179,7 @@ class _Batch:
             for contact, measured in seen
         ]
         sound = np.array([place for place, reason in enumerate(reasons) if reason is None], dtype=np.intp)
-        inputs = pad_inputs(study, fingers, [seen[place] for place in sound])
+        inputs = contact_inputs(study, fingers, [seen[place] for place in sound])
         modelled = Modelled.of(inputs, study.uncertainty.method)
         answered = modelled.answered
         for place in sound[~answered]:
@@ -195,7 +195,7 @@ class _Batch:
         return cls(
             columns=columns,
             good=good,
-            inputs=Inputs(inputs.mean[answered], inputs.covariance[answered]),
+            inputs=inputs.at(answered),
             modelled=modelled,
         )
 
@@ -272,8 +272,7 @@ def _modelled(
     seen: Mapping[str, Column], pads: Sequence[FingerResult], modelled: Modelled
 ) -> dict[str, Column]:
     """Return the columns that follow from the model for the rows `seen` on `pads`."""
-    value = dict(zip(PAD_OUTPUTS, modelled.value.T, strict=True))
-    std = dict(zip(PAD_OUTPUTS, modelled.std.T, strict=True))
+    value, std = modelled.value, modelled.std
     semi_axes = np.reshape([pad.semi_axes for pad in pads], (-1, 3))
     placement = Placement(
         Ellipsoid(*semi_axes.T),

@@ -11,7 +11,8 @@ from fingerpad._display import Displayed
 from fingerpad.study.engine.executors import Executor
 from fingerpad.study.engine.runner import records_of
 from fingerpad.study.engine.store import Store
-from fingerpad.study.engine.task import Record, Task, code_digest
+from fingerpad.study.engine.task import Record, Task
+from fingerpad.study.engine.versions import versions_of
 from fingerpad.study.manifest import Contact, Study
 from fingerpad.study.measuring.curves import CurveResult
 from fingerpad.study.measuring.fingers import FingerResult
@@ -193,13 +194,12 @@ def _checks(
     on_check: Callable[[str], None],
 ) -> list[UncertaintyCheck | None]:
     """Look closely at the uncertainty of some contacts."""
-    code = code_digest("contact", "geometry", "uncertainty", "study/results", "study/measuring/records.py")
     tasks = [
         Task(
             name=f"/check {one.observation}",  # no item's name begins like this
             item=one.observation,
             file=one.observation,
-            key=digest_of_values(one.observation, one.inputs, code),
+            key=digest_of_values(one.observation, one.inputs, versions_of("uncertainty")),
             work=partial(_checked, one),
             inputs=(),
             pictures=0,

@@ -5,7 +5,7 @@ import { h, place } from "../core/dom.js";
 import { plain, unitOf, withUnit } from "../core/quantity.js";
 import { chip } from "../parts/forms.js";
 
-const KIND = { reproduced: "good", "reproduced with the known slip": "accent" };
+const KIND = { reproduced: "good", "reproduced with the known misprint": "accent" };
 
 export class Audit {
   constructor(root) {
@@ -17,7 +17,7 @@ export class Audit {
     const count = (verdict) => items.filter((item) => item.verdict === verdict).length;
     place(
       this.root,
-      h("p.lead", null, `The supplement of Dzidek et al. 2017, from which the model comes: ${items.length} printed numbers beside what its equations give from its own printed inputs. ${count("reproduced")} are reproduced, ${count("reproduced with the known slip")} with a slip of the pen that is known, and the rest cannot be had from what is printed.`),
+      h("p.lead", null, `The supplement of Dzidek et al. 2017, from which the model comes: ${items.length} printed numbers beside what its equations give from its own printed inputs. ${count("reproduced")} are reproduced, ${count("reproduced with the known misprint")} with a known misprint, and the rest does not follow from the printed numbers.`),
       h(
         "div.table-wrap",
         { tabindex: 0, role: "region", "aria-label": "Audit of the printed tables" },

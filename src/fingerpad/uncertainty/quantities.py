@@ -1,0 +1,329 @@
+"""Named quantities with their joint covariance: inputs of a model, and its outputs."""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Self, TypeAlias
+
+import numpy as np
+
+from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, as_float_array, check_all
+from fingerpad.exceptions import UncertaintyError
+
+# Named arrays to named arrays, elementwise.
+Model: TypeAlias = Callable[..., Mapping[str, FloatArray]]
+
+# An exact number, or a value with its standard uncertainty; arrays only in such pairs.
+Quantity: TypeAlias = float | Sequence[ArrayLike] | FloatArray
+
+Groups: TypeAlias = Mapping[str, tuple[str, ...]]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Inputs:
+    """Best estimates of the named inputs of a model, with their joint covariance.
+
+    Leading axes are sets of inputs, as those of several contacts.
+
+    Attributes
+    ----------
+    names : tuple of str
+        Names of the n inputs, which are the model's keyword arguments.
+    mean : ndarray, shape (..., n)
+        Best estimates.
+    covariance : ndarray, shape (..., n, n)
+        Their covariance.
+    groups : mapping
+        From the name of a source of uncertainty to the names of its inputs, for budgets.
+    """
+
+    names: tuple[str, ...]
+    mean: FloatArray
+    covariance: FloatArray
+    groups: Groups
+
+    @classmethod
+    def of(
+        cls, *, correlations: Mapping[tuple[str, str], ArrayLike] | None = None, **quantities: Quantity
+    ) -> Self:
+        """Return inputs from values that broadcast; each input is a source of its own.
+
+        Parameters
+        ----------
+        correlations : mapping, optional
+            From pairs of names to correlation coefficients; other pairs are uncorrelated.
+        **quantities : float, or pair of array_like
+            An exact number, or a value and its standard uncertainty, either of which may be an array.
+
+        Returns
+        -------
+        Inputs
+
+        Raises
+        ------
+        UncertaintyError
+            If a standard uncertainty is negative, a correlation lies outside [−1, 1] or is not that of two
+            of the inputs, or nothing is given.
+
+        Examples
+        --------
+        >>> axes = Inputs.of(
+        ...     semi_major=(7.4, 0.1), semi_minor=(5.0, 0.2), correlations={("semi_major", "semi_minor"): 0.5}
+        ... )
+        >>> axes.covariance
+        array([[0.01, 0.01],
+               [0.01, 0.04]])
+        """
+        if not quantities:
+            raise UncertaintyError("no inputs: give each by name, as load=(2, 0.02)")
+        pairs = [_value_and_std(name, quantity) for name, quantity in quantities.items()]
+        arrays = np.broadcast_arrays(*(array for pair in pairs for array in pair))
+        mean, std = np.stack(arrays[::2], axis=-1), np.stack(arrays[1::2], axis=-1)
+        names = tuple(quantities)
+        inputs = cls(
+            names=names,
+            mean=mean,
+            covariance=std[..., :, None] ** 2 * np.eye(len(names)),
+            groups={name: (name,) for name in names},
+        )
+        for pair, given in (correlations or {}).items():
+            one, other = inputs.places(pair)
+            value = as_float_array(given)
+            if one == other:
+                raise UncertaintyError(f"a correlation is that of two inputs, found {pair[0]} with itself")
+            what = f"correlation of {pair[0]} and {pair[1]}"
+            check_all(np.abs(value) <= 1, what, value, "within [-1, 1]", UncertaintyError)
+            inputs.covariance[..., [one, other], [other, one]] = (value * std[..., one] * std[..., other])[
+                ..., None
+            ]
+        return inputs
+
+    @property
+    def std(self) -> FloatArray:
+        """Standard uncertainty of each input, shape (..., n)."""
+        return np.sqrt(np.diagonal(self.covariance, axis1=-2, axis2=-1))
+
+    def places(self, names: Iterable[str]) -> list[int]:
+        """Return the places of some inputs along the last axis.
+
+        Parameters
+        ----------
+        names : iterable of str
+            Their names.
+
+        Returns
+        -------
+        list of int
+
+        Raises
+        ------
+        UncertaintyError
+            If there is no input of that name.
+
+        Examples
+        --------
+        >>> Inputs.of(load=2.0, semi_major=7.4).places(["semi_major"])
+        [1]
+        """
+        wanted = list(names)
+        for name in wanted:
+            if name not in self.names:
+                raise UncertaintyError(f"no input {name!r}; there are {', '.join(self.names)}")
+        return [self.names.index(name) for name in wanted]
+
+    def at(self, index: int | slice | BoolArray) -> Self:
+        """Return some of several sets of inputs.
+
+        Parameters
+        ----------
+        index : int, slice or ndarray
+            Into the first axis.
+
+        Returns
+        -------
+        Inputs
+            A copy, which keeps none of the others alive.
+
+        Examples
+        --------
+        >>> Inputs.of(load=([1.0, 2.0], 0.02)).at(1).mean
+        array([2.])
+        """
+        return replace(self, mean=self.mean[index].copy(), covariance=self.covariance[index].copy())
+
+    def with_covariance(self, names: Iterable[str], covariance: ArrayLike) -> Self:
+        """Return the inputs with the covariance of some of them replaced.
+
+        Parameters
+        ----------
+        names : iterable of str
+            Names of k inputs.
+        covariance : array_like, shape (..., k, k)
+            Their covariance, in the order of `names`.
+
+        Returns
+        -------
+        Inputs
+
+        Raises
+        ------
+        UncertaintyError
+            If there is no input of that name, or `covariance` is not k × k.
+
+        Examples
+        --------
+        >>> axes = Inputs.of(semi_major=7.4, semi_minor=5.0)
+        >>> axes.with_covariance(["semi_major", "semi_minor"], [[0.04, 0.01], [0.01, 0.09]]).std
+        array([0.2, 0.3])
+        """
+        places, block = self.places(names), as_float_array(covariance)
+        if block.shape[-2:] != (len(places), len(places)):
+            raise UncertaintyError(
+                f"the covariance of {len(places)} inputs must be square, found the shape {block.shape}"
+            )
+        whole = self.covariance.copy()
+        whole[..., np.array(places)[:, None], places] = block
+        return replace(self, covariance=whole)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Estimate:
+    """One quantity with its uncertainty.
+
+    Attributes
+    ----------
+    value, std : ndarray, shape (...)
+        Best estimate and standard uncertainty.
+    interval : ndarray, shape (..., 2)
+        Lower and upper ends of the 95 % interval.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> print(f"{Estimate(value=np.array(13.8), std=np.array(0.3), interval=np.array([13.2, 14.4])):.1f}")
+    13.8 ± 0.3
+    """
+
+    value: FloatArray
+    std: FloatArray
+    interval: FloatArray
+
+    def __format__(self, spec: str) -> str:
+        return f"{self.value:{spec}} ± {self.std:{spec}}"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Outputs:
+    """Named outputs of a model with their joint covariance; ``outputs[name]`` is one `Estimate`.
+
+    Attributes
+    ----------
+    names : tuple of str
+        Names of the m outputs.
+    value : ndarray, shape (..., m)
+        Their values.
+    covariance : ndarray, shape (..., m, m)
+        Their covariance.
+    interval : ndarray, shape (..., m, 2)
+        Lower and upper ends of the 95 % interval of each.
+    """
+
+    names: tuple[str, ...]
+    value: FloatArray
+    covariance: FloatArray
+    interval: FloatArray
+
+    @property
+    def std(self) -> FloatArray:
+        """Standard uncertainty of each output, shape (..., m)."""
+        return np.sqrt(np.diagonal(self.covariance, axis1=-2, axis2=-1))
+
+    def place(self, name: str) -> int:
+        """Return the place of an output along the last axis.
+
+        Parameters
+        ----------
+        name : str
+            Its name.
+
+        Returns
+        -------
+        int
+
+        Raises
+        ------
+        UncertaintyError
+            If there is no output of that name.
+
+        Examples
+        --------
+        >>> from fingerpad.uncertainty import propagate
+        >>> propagate(lambda x: {"double": 2 * x, "square": x**2}, Inputs.of(x=3.0)).place("square")
+        1
+        """
+        if name not in self.names:
+            raise UncertaintyError(f"no output {name!r}; there are {', '.join(self.names)}")
+        return self.names.index(name)
+
+    def __getitem__(self, name: str) -> Estimate:
+        place = self.place(name)
+        return Estimate(
+            value=self.value[..., place], std=self.std[..., place], interval=self.interval[..., place, :]
+        )
+
+
+def evaluate(model: Model, names: tuple[str, ...], points: FloatArray) -> tuple[tuple[str, ...], FloatArray]:
+    """Evaluate a model at points given as one array.
+
+    Parameters
+    ----------
+    model : callable
+        Takes n arrays by keyword and returns a mapping of m arrays, elementwise.
+    names : tuple of str
+        Names of the n inputs.
+    points : ndarray, shape (..., n)
+        Values of the inputs.
+
+    Returns
+    -------
+    names : tuple of str
+        Names of the m outputs.
+    values : ndarray, shape (..., m)
+        Their values.
+
+    Raises
+    ------
+    UncertaintyError
+        If `points` are complex and an output is not: its derivatives would be lost.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> evaluate(lambda a, b: {"product": a * b}, ("a", "b"), np.array([[2.0, 3.0], [4.0, 5.0]]))
+    (('product',), array([[ 6.],
+           [20.]]))
+    """
+    outputs = model(**dict(zip(names, np.moveaxis(points, -1, 0), strict=True)))
+    real = [name for name, output in outputs.items() if not np.iscomplexobj(output)]
+    if real and np.iscomplexobj(points):
+        raise UncertaintyError(
+            f"the model returns real numbers for complex steps in {', '.join(real)}: "
+            "leave out abs, real and rounding, or propagate by Monte Carlo"
+        )
+    shape = points.shape[:-1]
+    return tuple(outputs), np.stack([np.broadcast_to(each, shape) for each in outputs.values()], axis=-1)
+
+
+def _value_and_std(name: str, quantity: Any) -> tuple[FloatArray, FloatArray]:
+    """Return a quantity as its value and standard uncertainty, zero where it is exact."""
+    if not isinstance(quantity, tuple) and np.ndim(quantity) == 0:
+        return as_float_array(quantity), np.zeros(())
+    parts = list(quantity)
+    if len(parts) != 2:
+        raise UncertaintyError(
+            f"{name}: give a number or (value, standard uncertainty), exact arrays as (values, 0); "
+            f"found {len(parts)} items"
+        )
+    value, std = map(as_float_array, parts)
+    # NaN is refused with the covariance, where that is propagated.
+    check_all(~(std < 0), f"standard uncertainty of {name}", std, "positive or zero", UncertaintyError)
+    return value, std

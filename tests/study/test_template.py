@@ -1,0 +1,28 @@
+"""What `fingerpad init` writes: a manifest with its schema, and an example that runs."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+
+from fingerpad.study.editing.example import write_example
+from fingerpad.study.editing.template import SCHEMA_NAME, write_template
+from fingerpad.study.manifest import Study
+from fingerpad.study.pipeline import run_study
+
+
+def test_the_example_runs_and_its_truth_is_covered(tmp_path: Path) -> None:
+    manifest = write_example(tmp_path / "example")
+    result = run_study(manifest, tmp_path / "example" / "results")
+    assert result.failures == []
+    assert all(row["synthetic"] for row in result.rows)
+    (finger,) = result.fingers.values()
+    stds = np.sqrt(np.diag(finger.covariance))
+    assert np.abs((finger.semi_axes - (7.9, 13.8, 11.8)) / stds).max() < 3
+
+
+def test_the_manifest_names_its_schema(tmp_path: Path) -> None:
+    manifest = write_template(tmp_path / "new")
+    assert manifest.read_text(encoding="utf-8").startswith(f"#:schema ./{SCHEMA_NAME}\n")
+    schema = json.loads(manifest.with_name(SCHEMA_NAME).read_text(encoding="utf-8"))
+    assert set(schema["properties"]) == set(Study.model_fields)

@@ -1,0 +1,120 @@
+"""Numbers that each measurement version stands for.
+
+A change that alters one of them must raise its version in `fingerpad.study.engine.versions`, so that stored
+results are measured again. Record the new numbers with ``python -m tests.study.test_versions``.
+"""
+
+import json
+import shutil
+import tempfile
+from pathlib import Path
+
+import pytest
+
+import fingerpad.study.engine.versions as versions
+from fingerpad.study.pipeline import run_study
+from fingerpad.study.status import study_status
+
+PINNED = Path(__file__).with_name("measured_numbers.json")
+DEMO = Path(__file__).parents[2] / "examples" / "dzidek2017" / "synthetic"
+STUDY = """
+title = "Pinned numbers"
+[uncertainty]
+wedge_angle_deg_std = 0.5
+load_relative_std = 0.01
+[scales.camera]
+mm_per_px = 0.05
+relative_std = 0.002
+[scales.reader]
+ppi = 500
+[[fingers]]
+name = "pad"
+synthetic = true
+photographs = [
+    { face = "palmar", file = "photograph_palmar.jpg", scale = "camera", synthetic = true },
+    { face = "distal", file = "photograph_distal.jpg", scale = "camera", synthetic = true },
+]
+[[observations]]
+name = "contact"
+finger = "pad"
+wedge_angle_deg = 30
+load_N = 2
+file = "synthetic_30deg_2N.png"
+scale = "reader"
+synthetic = true
+[[curves]]
+finger = "pad"
+wedge_angle_deg = 30
+file = "curve_30deg_2mm_per_s.csv"
+synthetic = true
+"""
+# Where in summary.json the numbers of each kind of measurement stand.
+PLACES = {"image": ("fingers",), "loading": ("curves",), "uncertainty": ("summaries",)}
+IMAGE_COLUMNS = ("semi_major_mm", "semi_minor_mm", "gross_area_mm2", "ridge_area_mm2", "ridge_period_mm")
+
+
+def make_study(folder: Path) -> Path:
+    for name in ("photograph_palmar.jpg", "photograph_distal.jpg", "synthetic_30deg_2N.png"):
+        shutil.copy(DEMO / name, folder)
+    shutil.copy(DEMO / "curve_30deg_2mm_per_s.csv", folder)
+    (folder / "study.toml").write_text(STUDY, encoding="utf-8")
+    return folder / "study.toml"
+
+
+def numbers(value: object, place: str = "") -> dict[str, float]:
+    if isinstance(value, dict):
+        return {k: v for key, one in value.items() for k, v in numbers(one, f"{place}/{key}").items()}
+    if isinstance(value, list):
+        return {k: v for index, one in enumerate(value) for k, v in numbers(one, f"{place}/{index}").items()}
+    return {place: value} if isinstance(value, float) else {}
+
+
+def measured(manifest: Path, out: Path) -> dict[str, dict[str, float]]:
+    run_study(manifest, out)
+    summary = json.loads((out / "summary.json").read_text(encoding="utf-8"))
+    (row,) = json.loads((out / "results.json").read_text(encoding="utf-8"))
+    found = {kind: numbers({key: summary[key] for key in keys}) for kind, keys in PLACES.items()}
+    found["image"] |= {f"/results/{name}": row[name] for name in IMAGE_COLUMNS}
+    return found
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("pinned")
+    manifest = make_study(folder)
+    return manifest, folder / "out", measured(manifest, folder / "out")
+
+
+@pytest.mark.parametrize("kind", versions.MEASUREMENT_VERSIONS)
+def test_a_version_stands_for_its_numbers(run, kind):
+    pinned = json.loads(PINNED.read_text(encoding="utf-8"))
+    version = versions.MEASUREMENT_VERSIONS[kind]
+    assert pinned[kind]["version"] == version, "record the numbers of the new version"
+    found = run[2][kind]
+    assert found == pytest.approx(pinned[kind]["numbers"], rel=1e-5, abs=1e-9), (
+        f"raise the version of {kind!r}, and record its numbers"
+    )
+
+
+@pytest.mark.parametrize("kind", ["image", "loading"])
+def test_a_new_version_measures_again(run, monkeypatch, kind):
+    manifest, out, _ = run
+    assert study_status(manifest, out).stale == 0
+    changed = versions.MEASUREMENT_VERSIONS | {kind: -1}
+    monkeypatch.setattr(versions, "MEASUREMENT_VERSIONS", changed)
+    assert study_status(manifest, out).stale > 0
+
+
+def test_another_release_of_a_library_measures_again(run, monkeypatch):
+    manifest, out, _ = run
+    monkeypatch.setattr(versions, "library_versions", lambda: {"opencv-python-headless": "another"})
+    assert study_status(manifest, out).stale == 4
+
+
+if __name__ == "__main__":
+    with tempfile.TemporaryDirectory() as scratch:
+        found = measured(make_study(Path(scratch)), Path(scratch) / "out")
+    record = {
+        kind: {"version": versions.MEASUREMENT_VERSIONS[kind], "numbers": found[kind]} for kind in found
+    }
+    PINNED.write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8")

@@ -1,0 +1,96 @@
+"""Budgets and Sobol indices: closed forms, SciPy's estimator, and what is refused."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from scipy import stats
+
+from fingerpad.exceptions import UncertaintyError
+from fingerpad.uncertainty import Inputs, propagate, sobol_indices
+
+MATRIX = np.array([[1.0, -2.0, 0.5], [0.0, 1.0, 1.0]])
+COVARIANCE = np.array([[2.0, 0.0, 0.0], [0.0, 1.0, 0.6], [0.0, 0.6, 1.5]])
+GROUPS = {"first": ("a",), "others": ("b", "c")}
+
+
+def given(groups: dict[str, tuple[str, ...]]) -> Inputs:
+    inputs = Inputs.of(a=0.0, b=0.0, c=0.0).with_covariance("abc", COVARIANCE)
+    return replace(inputs, groups=groups)
+
+
+def linear(**inputs: np.ndarray) -> dict[str, np.ndarray]:
+    return {
+        f"y{row}": sum(factor * inputs[name] for factor, name in zip(factors, "abc", strict=True))
+        for row, factors in enumerate(MATRIX)
+    }
+
+
+def expected_shares(row: int) -> dict[str, float]:
+    first = MATRIX[row, 0] ** 2 * 2.0 / (MATRIX[row] @ COVARIANCE @ MATRIX[row])
+    return {"first": first, "others": 1 - first}
+
+
+@pytest.mark.parametrize("row", [0, 1])
+def test_linear_models_have_known_shares(row: int) -> None:
+    budget = propagate(linear, given(GROUPS)).budget(f"y{row}")
+    assert {name: float(share) for name, share in budget.items()} == pytest.approx(expected_shares(row))
+
+
+@pytest.mark.parametrize("row", [0, 1])
+def test_sobol_indices_of_linear_models_are_their_shares(row: int) -> None:
+    indices = sobol_indices(linear, given(GROUPS))[f"y{row}"]
+    assert indices.first == pytest.approx(expected_shares(row), abs=0.003)
+    assert indices.total == pytest.approx(expected_shares(row), abs=0.003)
+
+
+def test_shares_sum_to_one_when_inputs_correlate_across_groups() -> None:
+    budget = propagate(linear, given({"first and second": ("a", "b"), "third": ("c",)})).budget("y0")
+    assert_allclose(sum(budget.values()), 1, rtol=1e-12)
+
+
+def test_the_second_order_term_belongs_to_its_input() -> None:
+    # x² at zero has no slope: its variance 2u⁴ = 2 is all of second order; y adds 6.
+    inputs = Inputs.of(x=(0.0, 1.0), y=(0.0, np.sqrt(6)))
+    budget = propagate(lambda x, y: {"z": x**2 + y}, inputs).budget("z")
+    assert {name: float(share) for name, share in budget.items()} == pytest.approx({"x": 0.25, "y": 0.75})
+
+
+def test_budgets_broadcast_and_are_nan_without_variance() -> None:
+    inputs = Inputs.of(x=(1.0, [0.1, 0.0]), y=(2.0, [0.1, 0.0]))
+    budget = propagate(lambda x, y: {"z": x + y}, inputs).budget("z")
+    assert_allclose(budget["x"], [0.5, np.nan])
+
+
+def test_agrees_with_scipy_where_inputs_interact() -> None:
+    def model(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> dict[str, np.ndarray]:
+        return {"y": a + b * c + 0.3 * c**3}
+
+    ours = sobol_indices(model, Inputs.of(a=(0.0, 1.0), b=(0.0, 1.0), c=(0.0, 1.0)))["y"]
+    theirs = stats.sobol_indices(
+        func=lambda x: model(*x)["y"], n=2**14, dists=[stats.norm()] * 3, rng=np.random.default_rng(1)
+    )
+    assert_allclose(list(ours.first.values()), theirs.first_order, atol=0.03)
+    assert_allclose(list(ours.total.values()), theirs.total_order, atol=0.03)
+    assert all(ours.total[name] > ours.first[name] + 0.1 for name in "bc")
+
+
+def test_errors_shrink_with_draws() -> None:
+    few, many = (sobol_indices(linear, given(GROUPS), draws=n)["y0"] for n in (64, 4096))
+    assert max(many.first_std.values()) < max(few.first_std.values()) / 4
+
+
+@pytest.mark.parametrize(
+    ("groups", "options", "message"),
+    [
+        ({"p": ("a", "b"), "q": ("b", "c")}, {}, "input 'b' is in two groups, 'p' and 'q'"),
+        ({"p": ("a",), "q": ("b",)}, {}, "input 'c' has a variance and belongs to no group"),
+        ({"p": ("a", "b"), "q": ("c",)}, {}, "inputs 'b' and 'c' are correlated but in different groups"),
+        ({"p": ("a", "b", "c", "d")}, {}, "no input 'd'; there are a, b, c"),
+        (GROUPS, {"draws": 1000}, "power of two, found 1000"),
+    ],
+)
+def test_refuses(groups: dict[str, tuple[str, ...]], options: dict[str, int], message: str) -> None:
+    with pytest.raises(UncertaintyError, match=message):
+        sobol_indices(linear, given(groups), **options)
