@@ -14,7 +14,7 @@ ELLIPSE = {"load": 2, "semi_major": 7.4, "semi_minor": 5.0}
 DEGREES = {
     "wedge of pad_contact": lambda: pad_contact(PAD, wedge_angle=30, **ELLIPSE),
     "roll of pad_contact": lambda: pad_contact(PAD, wedge_angle=0.5, roll_angle=-10, **ELLIPSE),
-    "one wedge of several": lambda: pad_contact(PAD, wedge_angle=[0.5, 2.0], **ELLIPSE),
+    "one wedge of several": lambda: pad_contact(PAD, wedge_angle=[0.5, 3.0], **ELLIPSE),
     "wedge of Placement": lambda: Placement(PAD, wedge_angle=30),
     "roll of Placement": lambda: Placement(PAD, wedge_angle=0.5, roll_angle=10),
     "wedge of platen_normal": lambda: platen_normal(30),
@@ -41,6 +41,13 @@ def test_degrees_are_refused_with_the_way_out(name: str) -> None:
 
 def test_a_full_turn_either_way_is_none_too_many() -> None:
     np.testing.assert_allclose(platen_normal(0.5, [2 * np.pi, -2 * np.pi, 0])[:, 0], np.cos(0.5))
+
+
+def test_draws_about_an_upright_finger_pass() -> None:
+    beyond = pad_contact(PAD, wedge_angle=np.pi / 2 + np.array([-0.1, 0.1]), **ELLIPSE)
+    np.testing.assert_allclose(*beyond.mean_curvature_radius)
+    with pytest.raises(GeometryError):
+        Placement(PAD, wedge_angle=np.pi / 2 + 0.1)
 
 
 def test_kernels_broadcast_over_nan() -> None:

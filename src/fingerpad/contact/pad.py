@@ -12,6 +12,9 @@ from fingerpad.contact.hertz import youngs_modulus
 from fingerpad.geometry import Ellipsoid
 from fingerpad.geometry.placement import checked_placement, platen_normal_kernel
 
+# Random draws and steps about a flat or an upright finger pass the ends of the range, degrees far more so.
+_WEDGE_MARGIN = 0.5
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class PadContact(Displayed):
@@ -73,7 +76,7 @@ def pad_contact(
     pad : Ellipsoid
         The undeformed pad.
     wedge_angle, roll_angle : array_like
-        Placement, radians: the wedge angle from 0 to π/2.
+        Placement, radians: the wedge angle from 0 to π/2, and up to 0.5 beyond for draws about the ends.
     load : array_like
         Normal force W.
     semi_major, semi_minor : array_like
@@ -99,7 +102,7 @@ def pad_contact(
     >>> print(f"{contact.mean_curvature_radius:.2f} mm, corrected {contact.radius_from_indentation:.2f} mm")
     13.61 mm, corrected 13.80 mm
     """
-    normal = platen_normal_kernel(*checked_placement(wedge_angle, roll_angle))
+    normal = platen_normal_kernel(*checked_placement(wedge_angle, roll_angle, margin=_WEDGE_MARGIN))
     radii = pad.principal_radii_at_normal(normal)
     return pad_contact_kernel(
         radii,

@@ -53,16 +53,18 @@ def platen_normal_kernel(wedge_angle: ArrayLike, roll_angle: ArrayLike) -> Float
     return np.stack([np.cos(wedge) * np.cos(roll), np.sin(wedge), np.cos(wedge) * np.sin(roll)], axis=-1)
 
 
-def checked_placement(wedge_angle: ArrayLike, roll_angle: ArrayLike) -> tuple[FloatArray, FloatArray]:
+def checked_placement(
+    wedge_angle: ArrayLike, roll_angle: ArrayLike, *, margin: float = 0.0
+) -> tuple[FloatArray, FloatArray]:
     """Return both angles of a placement, and refuse those that no finger on a wedge has. NaN passes.
 
     Raises
     ------
     GeometryError
-        If a wedge angle lies outside [0, π/2], or a roll beyond a full turn.
+        If a wedge angle lies outside [0, π/2] by more than the margin, or a roll beyond a full turn.
     """
     wedge, roll = broadcast(as_float_array(wedge_angle), check_radians("roll_angle", roll_angle))
-    outside = (wedge < 0) | (wedge > np.pi / 2)
+    outside = (wedge < -margin) | (wedge > np.pi / 2 + margin)
     check_all(~outside, "wedge_angle", wedge, f"between 0 and π/2 ({IN_RADIANS})", GeometryError)
     return wedge, roll
 
