@@ -67,7 +67,7 @@ def hertz_speed(count: int = 1_000_000) -> None:
     second = first * np.exp(rng.uniform(0, np.log(1e7), count))
     load, modulus = rng.uniform(0.1, 4, count), rng.uniform(0.05, 0.2, count)
     m = 1 - solve_contact_ellipse(first, second)[0] ** 2
-    geometry = HertzGeometry.of(first, second)
+    geometry = HertzGeometry(first, second)
     floor = best(lambda: (ellipk(m), ellipe(m)))
     print(f"\n{count:,} contacts, one thread; floor: SciPy ellipk + ellipe, {1e3 * floor:.0f} ms")
     for name, call in (
@@ -75,7 +75,7 @@ def hertz_speed(count: int = 1_000_000) -> None:
             "hertz_contact, all distinct (asked: 3)",
             lambda: hertz_contact(first, second, load, reduced_modulus=modulus),
         ),
-        ("HertzGeometry.of(...)", lambda: HertzGeometry.of(first, second)),
+        ("HertzGeometry(...)", lambda: HertzGeometry(first, second)),
         ("under_load on a solved geometry", lambda: geometry.under_load(load, reduced_modulus=modulus)),
     ):
         print(f"    {name:<40} {best(call) / floor:.2f} x floor")

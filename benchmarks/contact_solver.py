@@ -34,7 +34,7 @@ def exact_solutions() -> None:
     print(f"    {'':<28}{'cells':>6}{'area':>10}{'W or ξ':>10}{'peak p':>10}{'estimate':>10}")
     body = ElasticBody.of(reduced_modulus=_MODULUS)
     for ratio in (1.0, 1.3, 3.0, 10.0, 30.0):
-        hertz = HertzGeometry.of(_RADIUS, ratio * _RADIUS).under_load(0.5, reduced_modulus=_MODULUS)
+        hertz = HertzGeometry(_RADIUS, ratio * _RADIUS).under_load(0.5, reduced_modulus=_MODULUS)
         guess = float(hertz.semi_minor), float(hertz.semi_major)
         for points in _GRIDS:
             found = solve_contact(_paraboloid(ratio), body, half_widths=guess, load=0.5, points=points)
@@ -96,8 +96,8 @@ def _layer_ratios(ratio: float, poisson_ratio: float, points: int) -> tuple[floa
 
 def speed() -> None:
     """Print the time of the solver and of Tamaas, on the half-space, and of the solver on a layer."""
-    pad = Ellipsoid.of(palmar=7.9, distal=13.8, radial_ulnar=11.8)
-    hertz = HertzGeometry.of(_RADIUS, _RADIUS).under_load(0.5, reduced_modulus=_MODULUS)
+    pad = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
+    hertz = HertzGeometry(_RADIUS, _RADIUS).under_load(0.5, reduced_modulus=_MODULUS)
     radius, body = float(hertz.semi_major), ElasticBody.of(reduced_modulus=_MODULUS)
     gap = _paraboloid(1.0)
     print("\nOne contact, one thread, warm: seconds (relative error of area · of indentation)")

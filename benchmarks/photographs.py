@@ -69,7 +69,7 @@ def trial(seed: int, *, marked: bool) -> Trial | None:
         found = measure_photograph(
             truth.pixels,
             truth.face,
-            Scale.of_mm_per_px(truth.mm_per_px),
+            Scale(truth.mm_per_px),
             palmar=None if truth.face == "palmar" else truth.palmar,
             points=truth.arc_points(9) if marked else None,
         )

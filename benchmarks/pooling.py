@@ -116,7 +116,7 @@ def people(count: int, relative_std: float, repeats: int, seed: int = 0) -> Scor
 
 def contacts(count: int, relative_std: float, elongation: float, repeats: int, seed: int = 0) -> Score:
     """Score R_δ and R_Aξ pooled over contacts on a pad that is known exactly."""
-    curvature = Placement.of(Ellipsoid.of(*PAD), wedge_angle=np.radians(30)).curvature
+    curvature = Placement(Ellipsoid(*PAD), wedge_angle=np.radians(30)).curvature
     truth = np.array(
         [
             radius(curvature.mean_curvature_radius, np.exp(-elongation))

@@ -80,9 +80,9 @@ def press_accuracy() -> None:
                 for index in range(times.size):
                     tiff.write(press.pixels(index), photometric="minisblack", contiguous=False)
             frames = open_frames(path)
-            signal = ForceSignal.of(times, load)
+            signal = ForceSignal(times, load)
             start = time.perf_counter()
-            results = list(measure_sequence(frames, scale, clock=FrameRate.of(FPS), force=signal))
+            results = list(measure_sequence(frames, scale, clock=FrameRate(FPS), force=signal))
             spent = time.perf_counter() - start
             held: list[int] = []
             for phase in ("loading", "hold", "unloading"):
@@ -128,7 +128,7 @@ def sequence_memory() -> None:
 
 
 def _measure_film(path: Path) -> tuple[float, float, int]:
-    frames, scale = open_frames(path), Scale.of_mm_per_px(0.12)
+    frames, scale = open_frames(path), Scale(0.12)
     start = time.perf_counter()
     settings = estimate_settings(frames, scale)
     measured = sum(r.measures is not None for r in measure_sequence(frames, scale, settings=settings))

@@ -33,7 +33,7 @@ def simulated_study(seed: int) -> Scores:
     wedge, axes = rng.uniform(15, 60), rng.uniform([6, 11, 9], [9, 16, 13])
     elongation = rng.uniform(0.02, 0.5)
     true_wedge = np.radians(wedge + rng.normal(0, WEDGE_STD))
-    curvature = Placement.of(Ellipsoid.of(*axes), wedge_angle=true_wedge).curvature
+    curvature = Placement(Ellipsoid(*axes), wedge_angle=true_wedge).curvature
     truth = float(equivalent_radius_from_indentation(curvature.mean_curvature_radius, np.exp(-elongation)))
     study = Study.model_validate(
         {

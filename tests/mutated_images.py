@@ -26,7 +26,7 @@ from fingerpad.image import (
 )
 from fingerpad.simulate import render_contact_image, render_finger
 
-SCALE = Scale.of_mm_per_px(0.1)
+SCALE = Scale(0.1)
 _ODD_NUMBERS = (0, 1, 2, 3, 7, 255, 256, 32767, 65535, 10**5, 10**7, 2**31 - 1, 2**31, 2**32 - 1)
 
 

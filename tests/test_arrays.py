@@ -6,7 +6,7 @@ import pytest
 from fingerpad._arrays import as_float_array
 from fingerpad.contact import hertz_contact
 from fingerpad.exceptions import GeometryError, LoadingError, UncertaintyError
-from fingerpad.geometry import Ellipsoid, RelativeCurvature
+from fingerpad.geometry import Ellipsoid, relative_curvature
 from fingerpad.loading import LoadingCurve
 from fingerpad.uncertainty import pool, pool_random_effects
 
@@ -35,8 +35,8 @@ def test_what_checks_its_values_refuses_masked_ones() -> None:
     with pytest.raises(UncertaintyError, match="standard uncertainty must be .*, found nan at index 1"):
         pool_random_effects([10.0, 11.0, 12.0], MASKED)
     with pytest.raises(GeometryError, match="found nan"):
-        Ellipsoid.of(MASKED, 12.0, 13.0)
+        Ellipsoid(MASKED, 12.0, 13.0)
     with pytest.raises(GeometryError, match="found nan"):
-        RelativeCurvature.of(MASKED[:2])
+        relative_curvature(MASKED[:2])
     with pytest.raises(LoadingError, match="load is not finite in row 2"):
         LoadingCurve(load=MASKED, indentation=np.arange(3.0))

@@ -32,7 +32,7 @@ from fingerpad.figures.pad import Camera
 from fingerpad.geometry import Ellipse, Ellipsoid, Placement
 from fingerpad.published import dzidek2017
 
-PAD = Ellipsoid.of(palmar=7.9, distal=13.8, radial_ulnar=11.8)
+PAD = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
 LOAD = np.array([0.2, 0.5, 1.0, 2.0])
 VALUE = np.array([1.2, 1.3, 1.25, 1.4])
 WEDGE = np.radians(30)
@@ -142,7 +142,7 @@ def markers(axes, marker="o") -> list[np.ndarray]:
 
 def test_wedge_in_the_pads_axes(axes) -> None:
     plot_wedge_in_pad_axes(axes, PAD, wedge_angle=WEDGE)
-    point = Placement.of(PAD, wedge_angle=WEDGE).point[:2]
+    point = Placement(PAD, wedge_angle=WEDGE).point[:2]
     assert_allclose(markers(axes), [point])
     slopes = [
         np.diff(line.get_ydata())[0] / np.diff(line.get_xdata())[0]
@@ -195,8 +195,8 @@ def test_contact_ellipses_are_to_scale_and_turned_the_right_way(axes) -> None:
         axes,
         PAD,
         wedge_angle=WEDGE,
-        predicted=Ellipse.of(5.5, 5.1),
-        measured=Ellipse.of(7.4, 5.0),
+        predicted=Ellipse(5.5, 5.1),
+        measured=Ellipse(7.4, 5.0),
         measured_long_axis_angle=np.radians(30),
     )
     drawn = {line.get_label()[:11]: line.get_xydata() for line in axes.lines}
@@ -211,8 +211,8 @@ def test_contact_ellipses_are_to_scale_and_turned_the_right_way(axes) -> None:
 
 def test_rolled_finger_keeps_its_axis_upright(axes) -> None:
     roll = np.radians(25)
-    plot_pad_with_contact(axes, PAD, wedge_angle=WEDGE, roll_angle=roll, predicted=Ellipse.of(6.0, 3.0))
-    placement = Placement.of(PAD, wedge_angle=WEDGE, roll_angle=roll)
+    plot_pad_with_contact(axes, PAD, wedge_angle=WEDGE, roll_angle=roll, predicted=Ellipse(6.0, 3.0))
+    placement = Placement(PAD, wedge_angle=WEDGE, roll_angle=roll)
     # Angle on the platen from the finger's axis to the larger radius' direction, without any view.
     upright = np.array([0, 1, 0]) - placement.normal[1] * placement.normal
     long_axis = placement.curvature.principal_directions[np.argmax(placement.curvature.principal_radii)]

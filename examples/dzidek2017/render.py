@@ -17,7 +17,7 @@ from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.simulate import render_contact_image, render_finger, render_sequence, simulate_loading_curve
 
 FOLDER = Path(__file__).parent / "synthetic"
-PAD = Ellipsoid.of(palmar=7.9, distal=13.8, radial_ulnar=11.8)
+PAD = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
 REDUCED_MODULUS = 0.09
 LOADS = {30: (0.25, 0.5, 1.0, 2.0, 4.0), 45: (0.5, 1.0, 2.0, 4.0)}
 LOOKS = {30: "livescan", 45: "ink"}
@@ -43,8 +43,8 @@ def main() -> None:
 
 def hertz(wedge: float) -> HertzGeometry:
     """Return the gap between the pad on its wedge and the platen."""
-    radii = Placement.of(PAD, wedge_angle=np.radians(wedge)).curvature.principal_radii
-    return HertzGeometry.of(*radii)
+    radii = Placement(PAD, wedge_angle=np.radians(wedge)).curvature.principal_radii
+    return HertzGeometry(*radii)
 
 
 def render_images(wedge: int) -> list[dict[str, object]]:
@@ -119,7 +119,7 @@ def render_press(wedge: int) -> None:
     time = np.arange(FRAMES) / FRAMES_PER_SECOND
     load = np.interp(time, knots, loads)
     # The contact is longest along the larger radius, here across the finger; the renderer draws that upright.
-    radii = Placement.of(PAD, wedge_angle=np.radians(wedge)).curvature.principal_radii
+    radii = Placement(PAD, wedge_angle=np.radians(wedge)).curvature.principal_radii
     press = render_sequence(
         load,
         radii=(float(max(radii)), float(min(radii))),

@@ -1,3 +1,100 @@
-"""Contact mechanics of the human finger pad."""
+"""Contact mechanics of the human finger pad.
+
+The names that most people need are offered here, and imported when they are first used.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
 
 __version__ = "0.1.0"
+
+if TYPE_CHECKING:
+    from fingerpad.contact import HertzGeometry, hertz_contact, pad_contact
+    from fingerpad.exceptions import FingerpadError
+    from fingerpad.figures.show import show
+    from fingerpad.geometry import Ellipse, Ellipsoid, Placement
+    from fingerpad.image import (
+        ForceSignal,
+        Scale,
+        combine_faces,
+        measure_coin,
+        measure_contact_image,
+        measure_photograph,
+        measure_sequence,
+        open_frames,
+        read_force_signal,
+        read_image,
+    )
+    from fingerpad.loading import LoadingCurve, fit_loading_curve, read_loading_curve
+    from fingerpad.study.pipeline import run_study
+    from fingerpad.study.results.load import load_results
+    from fingerpad.uncertainty import pad_uncertainty, pool, propagate, run_monte_carlo
+
+_MODULES = {
+    "fingerpad.contact": ("HertzGeometry", "hertz_contact", "pad_contact"),
+    "fingerpad.exceptions": ("FingerpadError",),
+    "fingerpad.figures.show": ("show",),
+    "fingerpad.geometry": ("Ellipse", "Ellipsoid", "Placement"),
+    "fingerpad.image": (
+        "ForceSignal",
+        "Scale",
+        "combine_faces",
+        "measure_coin",
+        "measure_contact_image",
+        "measure_photograph",
+        "measure_sequence",
+        "open_frames",
+        "read_force_signal",
+        "read_image",
+    ),
+    "fingerpad.loading": ("LoadingCurve", "fit_loading_curve", "read_loading_curve"),
+    "fingerpad.study.pipeline": ("run_study",),
+    "fingerpad.study.results.load": ("load_results",),
+    "fingerpad.uncertainty": ("pad_uncertainty", "pool", "propagate", "run_monte_carlo"),
+}
+_MODULE_OF = {name: module for module, names in _MODULES.items() for name in names}
+
+__all__ = [
+    "Ellipse",
+    "Ellipsoid",
+    "FingerpadError",
+    "ForceSignal",
+    "HertzGeometry",
+    "LoadingCurve",
+    "Placement",
+    "Scale",
+    "__version__",
+    "combine_faces",
+    "fit_loading_curve",
+    "hertz_contact",
+    "load_results",
+    "measure_coin",
+    "measure_contact_image",
+    "measure_photograph",
+    "measure_sequence",
+    "open_frames",
+    "pad_contact",
+    "pad_uncertainty",
+    "pool",
+    "propagate",
+    "read_force_signal",
+    "read_image",
+    "read_loading_curve",
+    "run_monte_carlo",
+    "run_study",
+    "show",
+]
+
+
+if not TYPE_CHECKING:  # a type checker would take any name for one that is there
+
+    def __getattr__(name: str) -> Any:
+        """Import a name of `__all__` when it is first used."""
+        if name not in _MODULE_OF:
+            raise AttributeError(f"module 'fingerpad' has no attribute {name!r}")
+        value = globals()[name] = getattr(import_module(_MODULE_OF[name]), name)
+        return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

@@ -6,7 +6,7 @@ from typing import TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from fingerpad.exceptions import FingerpadError
+from fingerpad.exceptions import FingerpadError, GeometryError
 
 FloatArray: TypeAlias = npt.NDArray[np.float64]
 Float32Array: TypeAlias = npt.NDArray[np.float32]
@@ -60,6 +60,29 @@ def check_all(
     raise error(f"{name} must be {expected}, found {values[tuple(first)]:g}{place}")
 
 
+IN_RADIANS = "angles are in radians; for degrees use np.radians(30)"
+
+
+def check_radians(name: str, angle: ArrayLike) -> FloatArray:
+    """Return `angle` as an array, and refuse what lies beyond a full turn, as degrees do. NaN passes.
+
+    Raises
+    ------
+    GeometryError
+        If an angle is larger than 2π either way.
+    """
+    values = as_float_array(angle)
+    expected = f"a number of radians between -2π and 2π ({IN_RADIANS})"
+    check_all(~(np.abs(values.real) > 2 * np.pi), name, values.real, expected, GeometryError)
+    return values
+
+
+def set_fields(frozen: object, **values: object) -> None:
+    """Set the fields of a frozen dataclass from its own ``__init__``; arrays without axes become numbers."""
+    for name, value in values.items():
+        object.__setattr__(frozen, name, value[()] if isinstance(value, np.ndarray) else value)
+
+
 # Small enough that a kernel's temporaries stay in cache, large enough to hide the cost of each call.
 _BLOCK = 12_000
 
@@ -84,7 +107,7 @@ def apply_blockwise(
     Returns
     -------
     tuple of ndarray
-        The kernel's results in the broadcast shape of the inputs.
+        The kernel's results in the broadcast shape of the inputs; numbers where all inputs are.
     """
     arrays = broadcast(*values)
     shape = arrays[0].shape
@@ -96,4 +119,4 @@ def apply_blockwise(
             block = slice(start, start + _BLOCK)
             for result, part in zip(results, kernel(*(array[block] for array in flat)), strict=True):
                 result[block] = part
-    return tuple(result.reshape(shape) for result in results)
+    return tuple(result.reshape(shape)[()] for result in results)

@@ -2,31 +2,33 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from os import PathLike
 from pathlib import Path
 
 import numpy as np
 
-from fingerpad._arrays import FloatArray, as_float_array
+from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, set_fields
 from fingerpad._columns import read_columns
+from fingerpad._display import Displayed
 from fingerpad.exceptions import LoadingError
 
 # A step in time longer than this many usual ones is a gap.
 _GAP = 10.0
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class LoadingCurve:
+@dataclass(frozen=True, slots=True, init=False, eq=False, repr=False)
+class LoadingCurve(Displayed):
     """One record of a finger pad pressed against a platen, row by row; it may hold several cycles.
 
     Attributes
     ----------
-    load : ndarray, (n,)
+    load : array_like, (n,)
         Normal force W, N, positive in compression, from whatever zero the sensor had.
-    indentation : ndarray, (n,)
+    indentation : array_like, (n,)
         Displacement of the platen ξ, mm, growing into the pad, from whatever zero the instrument had.
-    area : ndarray, (n,), or None
+    area : array_like, (n,), or None
         Contact area A, mm², where it was measured.
-    time : ndarray, (n,), or None
+    time : array_like, (n,), or None
         Times, s, where they were recorded; without them the samples are taken to be evenly spaced.
 
     Raises
@@ -37,12 +39,21 @@ class LoadingCurve:
 
     load: FloatArray
     indentation: FloatArray
-    area: FloatArray | None = None
-    time: FloatArray | None = None
+    area: FloatArray | None
+    time: FloatArray | None
 
-    def __post_init__(self) -> None:
-        columns = {"load": self.load, "indentation": self.indentation, "area": self.area, "time": self.time}
-        for name, values in columns.items():
+    def __init__(
+        self,
+        *,
+        load: ArrayLike,
+        indentation: ArrayLike,
+        area: ArrayLike | None = None,
+        time: ArrayLike | None = None,
+    ) -> None:
+        given = {"load": load, "indentation": indentation, "area": area, "time": time}
+        set_fields(self, **{name: None if it is None else as_float_array(it) for name, it in given.items()})
+        for name in given:
+            values: FloatArray | None = getattr(self, name)
             if values is None:
                 continue
             if np.ndim(values) != 1 or len(values) != len(self.load):
@@ -50,7 +61,7 @@ class LoadingCurve:
                     f"{name} has shape {np.shape(values)}; load has {np.shape(self.load)}: a curve has one "
                     "value of each quantity per row"
                 )
-            bad = np.flatnonzero(~np.isfinite(as_float_array(values)))
+            bad = np.flatnonzero(~np.isfinite(values))
             if bad.size:
                 raise LoadingError(f"{name} is not finite in row {bad[0] + 1}: leave such rows out")
         if self.time is not None and (np.diff(self.time) < 0).any():
@@ -86,7 +97,7 @@ class LoadingCurve:
         return tuple(name for name, seen in found.items() if seen)
 
 
-def read_loading_curve(path: Path, columns: Mapping[str, str] | None = None) -> LoadingCurve:
+def read_loading_curve(path: str | PathLike[str], columns: Mapping[str, str] | None = None) -> LoadingCurve:
     """Read a loading curve from a CSV file.
 
     The header names a quantity and its unit, as in ``time_s, force_N, displacement_mm, area_mm2``;
@@ -95,7 +106,7 @@ def read_loading_curve(path: Path, columns: Mapping[str, str] | None = None) -> 
 
     Parameters
     ----------
-    path : Path
+    path : path-like
         The CSV file, with a header line.
     columns : mapping, optional
         From a quantity (``force``, ``displacement``, ``area``, ``time``) to ``"HEADER:UNIT"`` where the
@@ -107,6 +118,7 @@ def read_loading_curve(path: Path, columns: Mapping[str, str] | None = None) -> 
         If the file cannot be read, a column is missing or has an unknown unit, a cell is not a finite
         number, or time runs backwards. The message names file, column and line.
     """
+    path = Path(path)
     found = read_columns(path, ("force", "displacement"), ("area", "time"), columns=columns)
     try:
         return LoadingCurve(

@@ -13,7 +13,7 @@ from fingerpad.exceptions import GeometryError
 from fingerpad.geometry import Ellipsoid, platen_normal
 from fingerpad.geometry.ellipsoid import tangents
 
-PAD = Ellipsoid.of(palmar=7.9, distal=13.8, radial_ulnar=11.8)
+PAD = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
 PLACE = {"wedge_angle": np.radians(45), "roll_angle": np.radians(10)}
 
 
@@ -35,7 +35,7 @@ def test_gap_ends_on_the_ellipsoid(wedge: float, roll: float, along: float, acro
 
 
 def test_gap_is_missing_beyond_either_silhouette() -> None:
-    ball, normal = Ellipsoid.of(10, 10, 10), np.array([1.0, 0.0, 0.0])
+    ball, normal = Ellipsoid(10, 10, 10), np.array([1.0, 0.0, 0.0])
     far, near = np.array([11.0, 3.0]), np.zeros(2)
     assert np.isnan(ellipsoid_gap(ball, normal, far, near)).tolist() == [True, False]
     assert np.isnan(ellipsoid_gap(ball, normal, far, near, Counterface.sphere(2.0))).all()
@@ -70,7 +70,7 @@ def test_small_contacts_with_curved_bodies_are_hertzian(counterface: Counterface
     angle = counterface.axis_angle
     across = np.eye(2) if angle is None else np.outer(*2 * [[-math.sin(angle), math.cos(angle)]])
     values, vectors = np.linalg.eigh(curvature + across / counterface.radius)
-    expected = HertzGeometry.of(*(1 / values)).under_load(1e-4, reduced_modulus=0.1)
+    expected = HertzGeometry(*(1 / values)).under_load(1e-4, reduced_modulus=0.1)
     assert_allclose(hertz.semi_major, expected.semi_major, rtol=1e-12)
     assert_allclose(found.semi_major, expected.semi_major, rtol=1e-3)
     assert_allclose(found.semi_minor, expected.semi_minor, rtol=1e-3)
@@ -91,7 +91,7 @@ def test_the_true_ellipsoid_touches_less_and_sinks_deeper() -> None:
 
 def test_only_load_over_modulus_and_size_squared_matters() -> None:
     one = EllipsoidContact.of(PAD, **PLACE, load=1.0, reduced_modulus=0.1, thickness=6.0, points=64).solution
-    double = Ellipsoid.of(*(2 * PAD.semi_axes))
+    double = Ellipsoid(*(2 * PAD.semi_axes))
     other = EllipsoidContact.of(
         double, **PLACE, load=1.0, reduced_modulus=0.025, thickness=12.0, points=64
     ).solution

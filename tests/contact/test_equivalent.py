@@ -15,7 +15,7 @@ from fingerpad.contact import (
 
 @pytest.mark.parametrize("radii", [(10.0, 10.0), (8.361, 12.384), (3.0, 40.0)])
 def test_each_sphere_does_what_its_name_says(radii: tuple[float, float]) -> None:
-    geometry = HertzGeometry.of(*radii)
+    geometry = HertzGeometry(*radii)
     ellipse = geometry.under_load(2.0, reduced_modulus=0.1)
     base, k = geometry.geometric_mean_radius, geometry.axis_ratio
 

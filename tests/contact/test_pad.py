@@ -8,13 +8,13 @@ from numpy.testing import assert_allclose
 from fingerpad.contact import HertzGeometry, pad_contact, youngs_modulus
 from fingerpad.geometry import Ellipsoid, Placement
 
-PAD = Ellipsoid.of(palmar=7.9, distal=13.8, radial_ulnar=11.8)
+PAD = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
 
 
 @given(st.floats(0, 1.5), st.floats(-1, 1), st.floats(0.1, 5), st.floats(0.02, 0.5))
 def test_a_hertzian_pad_is_read_back(wedge: float, roll: float, load: float, modulus: float) -> None:
-    radii = Placement.of(PAD, wedge_angle=wedge, roll_angle=roll).curvature.principal_radii
-    geometry = HertzGeometry.of(radii[0], radii[1])
+    radii = Placement(PAD, wedge_angle=wedge, roll_angle=roll).curvature.principal_radii
+    geometry = HertzGeometry(radii[0], radii[1])
     truth = geometry.under_load(load, reduced_modulus=modulus)
     seen = pad_contact(
         PAD,
@@ -44,7 +44,7 @@ def test_published_values_at_two_newton() -> None:
     ):
         circle = np.sqrt(area / np.pi)
         seen = pad_contact(
-            Ellipsoid.of(radius, radius, radius),
+            Ellipsoid(radius, radius, radius),
             wedge_angle=0.5,
             roll_angle=0.0,
             load=2.0,

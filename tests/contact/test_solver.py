@@ -33,7 +33,7 @@ def on_layer(thickness: float, poisson_ratio: float, *, points: int = 128, **giv
 @pytest.mark.parametrize("ratio", [1.0, 1.07, 2.0, 5.0, 20.0])
 @pytest.mark.parametrize("points", [64, 128, 256])
 def test_paraboloids_are_hertzian(ratio: float, points: int) -> None:
-    hertz = HertzGeometry.of(RADIUS, ratio * RADIUS).under_load(0.5, reduced_modulus=0.1)
+    hertz = HertzGeometry(RADIUS, ratio * RADIUS).under_load(0.5, reduced_modulus=0.1)
     guess = float(hertz.semi_minor), float(hertz.semi_major)
     found = solve_contact(
         paraboloid(RADIUS, ratio * RADIUS), HALF_SPACE, half_widths=guess, load=0.5, points=points
@@ -156,7 +156,7 @@ def test_an_oblique_contact_keeps_its_direction() -> None:
     along = lambda x, y: x * math.cos(turn) + y * math.sin(turn)  # noqa: E731
     across = lambda x, y: y * math.cos(turn) - x * math.sin(turn)  # noqa: E731
     ellipse = paraboloid(2 * RADIUS, RADIUS)
-    hertz = HertzGeometry.of(2 * RADIUS, RADIUS).under_load(0.5, reduced_modulus=0.1)
+    hertz = HertzGeometry(2 * RADIUS, RADIUS).under_load(0.5, reduced_modulus=0.1)
     for angle in (0.0, turn, 1.2):
         found = solve_contact(
             lambda x, y: ellipse(along(x - 1, y), across(x - 1, y)),

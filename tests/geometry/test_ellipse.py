@@ -9,13 +9,13 @@ from fingerpad.geometry import Ellipse
 
 
 def test_source_ellipses() -> None:
-    ellipse = Ellipse.of([5.3, 7.4], [4.2, 5.0])
+    ellipse = Ellipse([5.3, 7.4], [4.2, 5.0])
     assert_allclose(ellipse.eccentricity, [0.6099332, 0.7371990], atol=6e-8)
     assert_allclose(ellipse.area, [69.93, 116.24], atol=5e-3)
 
 
 def test_circle() -> None:
-    circle = Ellipse.of(3, 3)
+    circle = Ellipse(3, 3)
     assert circle.eccentricity == 0
     assert circle.axis_ratio == 1
 
@@ -33,4 +33,4 @@ def test_circle() -> None:
 )
 def test_refuses(axes, message: str) -> None:
     with pytest.raises(GeometryError, match=message):
-        Ellipse.of(*axes)
+        Ellipse(*axes)

@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose
 from fingerpad.exceptions import GeometryError
 from fingerpad.geometry import Ellipsoid, platen_normal
 
-PAD = Ellipsoid.of(palmar=7.9, distal=13.8, radial_ulnar=11.8)
+PAD = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
 axis = st.floats(1.0, 50.0)
 u_angle = st.floats(-np.pi, np.pi)
 v_angle = st.floats(0.0, np.pi)
@@ -44,7 +44,7 @@ def fundamental_form_curvatures(axes: tuple[float, float, float], u: float, v: f
 
 @given(axis, axis, axis, u_angle, v_angle)
 def test_mean_curvature_is_the_printed_equation(a: float, b: float, c: float, u: float, v: float) -> None:
-    curvature = Ellipsoid.of(a, b, c).curvature(u, v)
+    curvature = Ellipsoid(a, b, c).curvature(u, v)
     assert_allclose(curvature.mean_curvature, printed_mean_curvature((a, b, c), u, v), rtol=1e-10)
 
 
@@ -52,7 +52,7 @@ def test_mean_curvature_is_the_printed_equation(a: float, b: float, c: float, u:
 def test_curvatures_follow_from_the_fundamental_forms(
     a: float, b: float, c: float, u: float, v: float
 ) -> None:
-    curvature = Ellipsoid.of(a, b, c).curvature(u, v)
+    curvature = Ellipsoid(a, b, c).curvature(u, v)
     mean, gaussian = fundamental_form_curvatures((a, b, c), u, v)
     assert_allclose(curvature.mean_curvature, abs(mean), rtol=1e-8)
     assert_allclose(curvature.gaussian_curvature, gaussian, rtol=1e-8)
@@ -60,7 +60,7 @@ def test_curvatures_follow_from_the_fundamental_forms(
 
 @given(axis, axis, axis, u_angle, v_angle)
 def test_principal_directions_are_an_orthonormal_tangent_pair(a, b, c, u, v) -> None:
-    pad = Ellipsoid.of(a, b, c)
+    pad = Ellipsoid(a, b, c)
     normal = pad.normal(u, v)
     first, second = pad.curvature(u, v).principal_directions
     frame = np.stack([normal, first, second])
@@ -71,7 +71,7 @@ def test_principal_directions_are_an_orthonormal_tangent_pair(a, b, c, u, v) -> 
 @given(axis, axis, axis, u_angle, v_angle)
 def test_normal_sections_bend_with_the_principal_radii(a, b, c, u, v) -> None:
     # Walk a small step along each direction and drop back along the normal: sagitta = step²/2R.
-    pad = Ellipsoid.of(a, b, c)
+    pad = Ellipsoid(a, b, c)
     point, normal, curvature = pad.point(u, v), pad.normal(u, v), pad.curvature(u, v)
     for radius, direction in zip(curvature.principal_radii, curvature.principal_directions, strict=True):
         step = 1e-3 * min(float(radius), a, b, c)
@@ -104,29 +104,29 @@ def test_equator_has_the_closed_form_radii() -> None:
 
 @given(st.floats(0.1, 100), u_angle, v_angle)
 def test_sphere_is_a_sphere(radius: float, u: float, v: float) -> None:
-    sphere = Ellipsoid.of(radius, radius, radius)
+    sphere = Ellipsoid(radius, radius, radius)
     assert_allclose(sphere.curvature(u, v).principal_radii, radius, rtol=1e-13)
     assert_allclose(np.linalg.norm(sphere.point(u, v)), radius, rtol=1e-13)
 
 
 @given(axis, axis, axis, u_angle, v_angle)
 def test_contact_point_undoes_the_normal(a, b, c, u, v) -> None:
-    pad = Ellipsoid.of(a, b, c)
+    pad = Ellipsoid(a, b, c)
     normal = pad.normal(u, v)
     assert_allclose(pad.contact_point(normal), pad.point(u, v), atol=1e-9)
     assert_allclose(pad.point(*pad.parametric_angles(normal)), pad.point(u, v), atol=1e-9)
 
 
 def test_swapping_axes_swaps_radii() -> None:
-    curvature = Ellipsoid.of(7.9, 13.8, 11.8).curvature_at_normal([1.0, 0, 0])
-    swapped = Ellipsoid.of(7.9, 11.8, 13.8).curvature_at_normal([1.0, 0, 0])
+    curvature = Ellipsoid(7.9, 13.8, 11.8).curvature_at_normal([1.0, 0, 0])
+    swapped = Ellipsoid(7.9, 11.8, 13.8).curvature_at_normal([1.0, 0, 0])
     assert_allclose(curvature.principal_radii, swapped.principal_radii[::-1])
 
 
 @given(axis, axis, axis, st.floats(0, 1.5), st.floats(-np.pi, np.pi))
 def test_first_direction_is_the_one_nearer_to_the_finger(a, b, c, wedge, roll) -> None:
     normal = platen_normal(wedge, roll)
-    first, second = Ellipsoid.of(a, b, c).curvature_at_normal(normal).principal_directions
+    first, second = Ellipsoid(a, b, c).curvature_at_normal(normal).principal_directions
     finger = np.array([0.0, 1.0, 0.0]) - normal * normal[1]
     assert abs(first @ finger) >= abs(second @ finger) - 1e-9
 
@@ -138,14 +138,14 @@ def test_on_its_side_the_finger_still_knows_its_axis() -> None:
 
 
 def test_everything_broadcasts() -> None:
-    pads = Ellipsoid.of([7.9, 7.5], [13.8, 14.7], 11.8)
+    pads = Ellipsoid([7.9, 7.5], [13.8, 14.7], 11.8)
     u = np.radians([[0.0], [45.0], [90.0]])
     assert pads.point(u, np.pi / 2).shape == (3, 2, 3)
     curvature = pads.curvature(u, np.pi / 2)
     assert curvature.principal_radii.shape == (3, 2, 2)
     assert curvature.principal_directions.shape == (3, 2, 2, 3)
     assert curvature.mean_curvature_radius.shape == (3, 2)
-    one = Ellipsoid.of(7.5, 14.7, 11.8).curvature(np.radians(45.0), np.pi / 2)
+    one = Ellipsoid(7.5, 14.7, 11.8).curvature(np.radians(45.0), np.pi / 2)
     assert_allclose(curvature.principal_radii[1, 1], one.principal_radii, rtol=1e-15)
 
 
@@ -154,4 +154,4 @@ def test_everything_broadcasts() -> None:
 def test_refuses_impossible_axes(name: str, bad: float) -> None:
     axes = {"palmar": 7.9, "distal": 13.8, "radial_ulnar": 11.8} | {name: bad}
     with pytest.raises(GeometryError, match=f"semi-axis {name} must be positive and finite, found"):
-        Ellipsoid.of(**axes)
+        Ellipsoid(**axes)

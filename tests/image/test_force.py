@@ -69,22 +69,22 @@ def test_bad_files_are_named(tmp_path, text, words):
 )
 def test_bad_samples_are_named(time, load, words):
     with pytest.raises(LoadingError, match=words):
-        ForceSignal.of(time, load)
+        ForceSignal(time, load)
 
 
 @given(st.floats(-5, 5), st.floats(0.1, 3), st.floats(0, 1))
 def test_a_straight_signal_is_interpolated_exactly_and_never_beyond(start, step, share):
-    signal = ForceSignal.of(start + step * np.arange(5), 2.0 * np.arange(5))
+    signal = ForceSignal(start + step * np.arange(5), 2.0 * np.arange(5))
     low, high = signal.span
     assert signal.load_at(low + share * (high - low)) == pytest.approx(8 * share, abs=1e-9)
     assert np.isnan(signal.load_at([low - 1e-6, high + 1e-6])).all()
 
 
 def test_clocks():
-    assert FrameRate.of(100, anchor_time=2.0, anchor_frame=50).time_of(0, None) == pytest.approx(1.5)
-    assert math.isnan(FrameRate.of(100, anchor_frame=None).time_of(3, None))
-    assert FrameRate.of(100, anchor_time=1.0, anchor_frame=None).time_of(13, 3) == pytest.approx(1.1)
-    stamps = FrameStamps.of([0.1, 0.4])
+    assert FrameRate(100, anchor_time=2.0, anchor_frame=50).time_of(0, None) == pytest.approx(1.5)
+    assert math.isnan(FrameRate(100, anchor_frame=None).time_of(3, None))
+    assert FrameRate(100, anchor_time=1.0, anchor_frame=None).time_of(13, 3) == pytest.approx(1.1)
+    stamps = FrameStamps([0.1, 0.4])
     assert stamps.time_of(1, None) == 0.4
     assert math.isnan(stamps.time_of(2, None))
 
@@ -92,7 +92,7 @@ def test_clocks():
 def test_trigger_and_contact_anchor_the_frames():
     time = np.arange(0, 1, 0.001)
     load = np.maximum(0, time - 0.4)
-    signal = ForceSignal.of(time, load, np.where(time >= 0.2505, 5.0, 0.02))
+    signal = ForceSignal(time, load, np.where(time >= 0.2505, 5.0, 0.02))
     assert FrameRate.of_trigger(100, signal).time_of(10, None) == pytest.approx(0.3505, abs=6e-4)
     assert FrameRate.of_contact(100, signal, 0.05).time_of(7, 7) == pytest.approx(0.45, abs=1e-6)
 
@@ -100,26 +100,26 @@ def test_trigger_and_contact_anchor_the_frames():
 def test_a_spike_is_no_contact():
     load = np.zeros(50)
     load[5], load[20:] = 1.0, 1.0
-    assert ForceSignal.of(np.arange(50.0), load).contact_time(0.5) == pytest.approx(19.5)
+    assert ForceSignal(np.arange(50.0), load).contact_time(0.5) == pytest.approx(19.5)
 
 
 @pytest.mark.parametrize(
     ("ask", "words"),
     [
         (lambda s: s.trigger_time(), "no trigger column"),
-        (lambda s: ForceSignal.of(s.time, s.load, np.full(4, 3.0)).trigger_time(), "never rises: it stays"),
-        (lambda s: ForceSignal.of(s.time, s.load, [5, 5, 0, 0]).trigger_time(), "never rises"),
+        (lambda s: ForceSignal(s.time, s.load, np.full(4, 3.0)).trigger_time(), "never rises: it stays"),
+        (lambda s: ForceSignal(s.time, s.load, [5, 5, 0, 0]).trigger_time(), "never rises"),
         (lambda s: s.contact_time(9.0), "never rises through 9 N"),
-        (lambda s: FrameRate.of(0), "frames_per_second must be positive"),
-        (lambda s: FrameRate.of(math.nan), "frames_per_second must be positive"),
-        (lambda s: FrameRate.of(10, anchor_time=math.inf), "anchor_time must be finite"),
-        (lambda s: FrameStamps.of([1.0, 1.0]), "is repeated"),
-        (lambda s: FrameStamps.of([1.0, math.nan]), "finite"),
+        (lambda s: FrameRate(0), "frames_per_second must be positive"),
+        (lambda s: FrameRate(math.nan), "frames_per_second must be positive"),
+        (lambda s: FrameRate(10, anchor_time=math.inf), "anchor_time must be finite"),
+        (lambda s: FrameStamps([1.0, 1.0]), "is repeated"),
+        (lambda s: FrameStamps([1.0, math.nan]), "finite"),
     ],
 )
 def test_what_cannot_be_aligned_is_said(ask, words):
     with pytest.raises(LoadingError, match=words):
-        ask(ForceSignal.of([0, 1, 2, 3], [0, 1, 2, 3]))
+        ask(ForceSignal([0, 1, 2, 3], [0, 1, 2, 3]))
 
 
 def test_stamps_from_a_file(tmp_path):
@@ -129,8 +129,8 @@ def test_stamps_from_a_file(tmp_path):
 
 
 def test_the_clock_takes_the_best_that_is_known():
-    plain = ForceSignal.of([5.0, 6.0, 7.0, 8.0, 9.0], [0.0, 0.0, 1.0, 2.0, 2.0])
-    triggered = ForceSignal.of(plain.time, plain.load, trigger=[0, 0, 5, 5, 5])
+    plain = ForceSignal([5.0, 6.0, 7.0, 8.0, 9.0], [0.0, 0.0, 1.0, 2.0, 2.0])
+    triggered = ForceSignal(plain.time, plain.load, trigger=[0, 0, 5, 5, 5])
     assert frame_clock(10).time_of(3, None) == pytest.approx(0.3)
     assert frame_clock(10, plain).time_of(3, None) == pytest.approx(5.3)
     assert frame_clock(10, triggered).time_of(3, None) == pytest.approx(6.8)

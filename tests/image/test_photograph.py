@@ -29,7 +29,7 @@ def rendered(face="palmar", **changes):
 
 def measured(truth, **changes):
     given = {"tip": truth.tip, "palmar": None if truth.face == "palmar" else truth.palmar} | changes
-    return measure_photograph(truth.pixels, truth.face, Scale.of_mm_per_px(truth.mm_per_px), **given)
+    return measure_photograph(truth.pixels, truth.face, Scale(truth.mm_per_px), **given)
 
 
 TRUTH = {face: rendered(face) for face in SEMI_AXES}
@@ -60,7 +60,7 @@ def test_any_skin_before_another_colour(skin, backdrop):
 def test_grey_pictures_are_measured_too():
     truth = rendered(backdrop="white", skin=0.6)
     grey = np.rint(truth.pixels @ [0.299, 0.587, 0.114]).astype(np.uint8)
-    found = measure_photograph(grey, "palmar", Scale.of_mm_per_px(0.06))
+    found = measure_photograph(grey, "palmar", Scale(0.06))
     np.testing.assert_allclose(found.semi_axes, truth.semi_axes, rtol=0.015)
 
 
@@ -82,7 +82,7 @@ def test_the_palmar_side_is_found_in_a_side_face(tip, palmar):
 
 def test_depth_and_type_do_not_matter():
     truth = TRUTH["palmar"]
-    scale = Scale.of_mm_per_px(0.06)
+    scale = Scale(0.06)
     for pixels in (
         truth.pixels.astype(np.uint16) * 257,
         truth.pixels / 255.0,
@@ -94,7 +94,7 @@ def test_depth_and_type_do_not_matter():
 
 def test_the_scale_stretches_and_widens():
     truth = TRUTH["palmar"]
-    wide = measure_photograph(truth.pixels, "palmar", Scale.of_mm_per_px(0.12, 0.012))
+    wide = measure_photograph(truth.pixels, "palmar", Scale(0.12, 0.012))
     np.testing.assert_allclose(wide.semi_axes, 2 * FOUND["palmar"].semi_axes)
     np.testing.assert_allclose(wide.edge_covariance, 4 * FOUND["palmar"].edge_covariance)
     assert wide.semi_axes_mm_std["distal"] == pytest.approx(0.1 * wide.semi_axes_mm["distal"], rel=0.01)
@@ -128,7 +128,7 @@ def test_a_hair_across_the_edge_is_left_out():
     pixels = truth.pixels.copy()
     row, column = (int(place) for place in truth.arc_points(9)[3])
     pixels[row - 14 : row + 5, column - 5 : column + 4] = (50, 40, 35)
-    found = measure_photograph(pixels, "palmar", Scale.of_mm_per_px(0.06))
+    found = measure_photograph(pixels, "palmar", Scale(0.06))
     assert 0 < found.outlier_fraction < 0.2
     near = np.linalg.norm(found.outliers - (row, column), axis=1).min()
     assert near < 12
@@ -179,7 +179,7 @@ def test_three_silhouettes_of_one_mesh():
     x, y, z = np.eye(3)
     tip = faces[(local[faces][:, :, 1] > -22).all(axis=1)]
     views = {"palmar": (faces, z, y), "distal": (tip, z, -x), "radial": (faces, x, y)}
-    scale = Scale.of_mm_per_px(hand_mesh.MM_PER_PX)
+    scale = Scale(hand_mesh.MM_PER_PX)
     # From the fingertip round to the pad, as one would mark it: no nail tells where the pad begins.
     marks = {"radial": hand_mesh.outermost(local, chosen, x, y, [(0.05, -1), (8, 1), (16, 1)])}
     found = {
@@ -213,9 +213,7 @@ def test_a_photograph_of_a_whole_hand_gives_flags_or_reasons(region):
     pixels = read_colour_image(HAND)
     reasons, flags = "", frozenset()
     try:
-        flags = measure_photograph(
-            pixels, "palmar", Scale.of_mm_per_px(0.4), tip="right", region_of_interest=region
-        ).flags
+        flags = measure_photograph(pixels, "palmar", Scale(0.4), tip="right", region_of_interest=region).flags
     except (ImageError, FitError) as error:
         reasons = str(error)
     assert flags or ": " in reasons
@@ -259,7 +257,7 @@ def test_bad_input_is_named(changes, words):
     given = {"pixels": TRUTH["palmar"].pixels, "face": "palmar"} | changes
     pixels, face = given.pop("pixels"), given.pop("face")
     with pytest.raises(ImageError, match=words) as caught:
-        measure_photograph(pixels, face, Scale.of_mm_per_px(0.06), **given)
+        measure_photograph(pixels, face, Scale(0.06), **given)
     assert len(str(caught.value)) > 20
 
 
@@ -273,13 +271,13 @@ def test_a_pad_cut_by_the_frame_is_refused():
     truth = TRUTH["palmar"]
     cut = truth.pixels[int(truth.arc_points(3)[1][0]) + 60 :]
     with pytest.raises(ImageError, match="up side"):
-        measure_photograph(cut, "palmar", Scale.of_mm_per_px(0.06))
+        measure_photograph(cut, "palmar", Scale(0.06))
 
 
 def test_direct_lengths_and_their_uncertainty():
     found = direct_semi_axes(
         "distal",
-        Scale.of_mm_per_px(0.05, 0.0005),
+        Scale(0.05, 0.0005),
         centre=(100, 100),
         across_end=(103, 336),
         along_end=(258, 98),
@@ -302,7 +300,7 @@ def test_direct_lengths_and_their_uncertainty():
 def test_bad_direct_marks_are_named(changes, words):
     given = {"centre": (100, 100), "across_end": (100, 300), "along_end": (300, 100)} | changes
     with pytest.raises(ImageError, match=words):
-        direct_semi_axes("palmar", Scale.of_mm_per_px(0.05), **given)
+        direct_semi_axes("palmar", Scale(0.05), **given)
 
 
 def test_colour_files_are_read_as_they_look(tmp_path):

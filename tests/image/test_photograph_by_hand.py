@@ -19,13 +19,13 @@ from fingerpad.image import (
 from fingerpad.simulate import render_finger
 
 TRUTH = render_finger("palmar", semi_axes=(11.8, 13.8), seed=4)
-SCALE = Scale.of_mm_per_px(TRUTH.mm_per_px, 0.01 * TRUTH.mm_per_px)
+SCALE = Scale(TRUTH.mm_per_px, 0.01 * TRUTH.mm_per_px)
 FOUND = measure_photograph(TRUTH.pixels, "palmar", SCALE)
 
 
 def placed(face="palmar", **others):
     given = {"centre": (300.0, 200.0), "semi_axes": (236.0, 276.0)} | others
-    return photograph_from_ellipse(face, Scale.of_mm_per_px(0.05, 0.0005), **given)
+    return photograph_from_ellipse(face, Scale(0.05, 0.0005), **given)
 
 
 @pytest.mark.parametrize(
@@ -68,7 +68,7 @@ def test_what_was_fitted_can_be_placed_again():
 
 
 def test_a_hands_face_joins_the_others():
-    scale = Scale.of_mm_per_px(0.05)
+    scale = Scale(0.05)
     faces = [
         photograph_from_ellipse(face, scale, centre=(300, 300), semi_axes=axes).face_semi_axes
         for face, axes in (("palmar", (236, 276)), ("distal", (236, 158)), ("radial", (158, 276)))
@@ -79,9 +79,7 @@ def test_a_hands_face_joins_the_others():
 
 
 def test_the_size_of_a_pad_is_checked_by_hand_too():
-    large = photograph_from_ellipse(
-        "palmar", Scale.of_mm_per_px(0.5), centre=(300, 300), semi_axes=(236, 276)
-    )
+    large = photograph_from_ellipse("palmar", Scale(0.5), centre=(300, 300), semi_axes=(236, 276))
     assert large.flags == {"by_hand", "implausible_size"}
     doubted = replace(FOUND, flags=FOUND.flags | {"implausible_size"}, semi_axes=10 * FOUND.semi_axes)
     back = with_marked_points(doubted, erased=[(FOUND.points[:1], 20.0)])

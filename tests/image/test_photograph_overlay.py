@@ -10,7 +10,7 @@ from fingerpad.image.photograph.overlay import POINT_COLOUR
 from fingerpad.simulate import render_finger
 
 TRUTH = render_finger("palmar", arc_deg=160, mm_per_px=0.08, seed=2)
-FOUND = measure_photograph(TRUTH.pixels, "palmar", Scale.of_mm_per_px(0.08))
+FOUND = measure_photograph(TRUTH.pixels, "palmar", Scale(0.08))
 
 
 def near(canvas, colour, tolerance=12):

@@ -39,7 +39,7 @@ def test_careless_ends_make_the_scale_uncertain():
     "make",
     [
         Scale.of_ppi,
-        Scale.of_mm_per_px,
+        Scale,
         lambda value: Scale(mm_per_px=value),
         lambda value: Scale.of_line(value, (0, 0), (0, 9)),
     ],
@@ -54,7 +54,7 @@ def test_impossible_uncertainties_are_refused(bad):
     with pytest.raises(CalibrationError, match="ppi_std"):
         Scale.of_ppi(500, bad)
     with pytest.raises(CalibrationError, match="mm_per_px_std"):
-        Scale.of_mm_per_px(0.05, bad)
+        Scale(0.05, bad)
 
 
 def test_a_line_without_length_is_refused():

@@ -51,7 +51,7 @@ def frames(press, tmp_path_factory):
 def signal():
     time = np.arange(-0.2, 4, 0.001)
     noise = np.random.default_rng(0).normal(0, 0.004, time.size)
-    return ForceSignal.of(time, true_load(time) + noise, np.where(time > 0, 5.0, 0.0))
+    return ForceSignal(time, true_load(time) + noise, np.where(time > 0, 5.0, 0.0))
 
 
 @pytest.fixture(scope="module")
@@ -129,8 +129,8 @@ def test_a_film_that_contradicts_its_force_is_told(results, signal):
 
 
 def test_a_short_force_flags_the_rest(frames, settings, signal):
-    short = ForceSignal.of(*(values[signal.time < 1.02] for values in (signal.time, signal.load)))
-    covered = list(measure_sequence(frames, SCALE, clock=FrameRate.of(FPS), force=short, settings=settings))
+    short = ForceSignal(*(values[signal.time < 1.02] for values in (signal.time, signal.load)))
+    covered = list(measure_sequence(frames, SCALE, clock=FrameRate(FPS), force=short, settings=settings))
     for result in covered:
         outside = result.time > 1.02
         assert ("no_force" in result.flags) == outside == math.isnan(result.load)
@@ -143,7 +143,7 @@ def test_a_short_force_flags_the_rest(frames, settings, signal):
 
 
 def test_stamps_that_run_out_are_flagged(frames, settings, signal):
-    clock = FrameStamps.of(TIME[:40])
+    clock = FrameStamps(TIME[:40])
     stamped = list(measure_sequence(frames, SCALE, clock=clock, force=signal, settings=settings))
     assert [r.index for r in stamped if "no_time" in r.flags] == list(range(40, 49))
 

@@ -8,7 +8,7 @@ from fingerpad.contact import HertzGeometry, equivalent_radius_from_compliance
 from fingerpad.exceptions import FitError
 from fingerpad.loading import LoadingCurve, fit_contact_compliance
 
-GEOMETRY = HertzGeometry.of(12.955, 14.330)
+GEOMETRY = HertzGeometry(12.955, 14.330)
 TRUE_RADIUS = float(equivalent_radius_from_compliance(GEOMETRY.geometric_mean_radius, GEOMETRY.axis_ratio))
 
 

@@ -106,7 +106,7 @@ def test_range_holds_every_pad_that_rounds_to_the_printed_one(items) -> None:
     item = items["Table 2, ellipse, u = 30°"]
     steps = np.linspace(-0.05, 0.05, 11)
     a, b, c = np.meshgrid(7.9 + steps, 13.8 + steps, 11.8 + steps)
-    radii = Ellipsoid.of(a, b, c).curvature(np.radians(30), np.pi / 2).mean_curvature_radius
+    radii = Ellipsoid(a, b, c).curvature(np.radians(30), np.pi / 2).mean_curvature_radius
     assert_allclose([item.low, item.high], [radii.min(), radii.max()], rtol=1e-9)
 
 

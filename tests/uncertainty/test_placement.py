@@ -13,7 +13,7 @@ def test_it_is_the_placement(wedge_deg, roll_deg):
     axes = {"palmar": 7.9, "distal": 13.8, "radial_ulnar": 11.8}
     angles = {"wedge_angle": np.radians(wedge_deg), "roll_angle": np.radians(roll_deg)}
     found = placement_model(**axes, **angles)
-    placement = Placement.of(Ellipsoid.of(**axes), **angles)
+    placement = Placement(Ellipsoid(**axes), **angles)
     for name in found.keys() - {"u"}:
         assert found[name] == pytest.approx(float(getattr(placement.curvature, name)))
     assert found["u"] == pytest.approx(float(placement.u))

@@ -239,8 +239,8 @@ def test_geometry_is_that_of_the_library(standing):
         "detail": 8,
     }
     found = standing.post("/api/geometry", json=params).json()
-    pad = Ellipsoid.of(palmar=7.9, distal=13.8, radial_ulnar=11.8)
-    placement = Placement.of(pad, wedge_angle=np.radians(30))
+    pad = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
+    placement = Placement(pad, wedge_angle=np.radians(30))
     assert found["u_deg"] == pytest.approx(np.degrees(placement.u))
     assert found["mean_curvature_radius_mm"] == pytest.approx(placement.curvature.mean_curvature_radius)
     assert found["mean_curvature_radius_mm_std"] is None

@@ -22,7 +22,7 @@ def geometry(
         float, typer.Option(min=0, max=90, help="Wedge angle, degrees: 0 is flat, 90 on the fingertip.")
     ],
     roll_deg: Annotated[
-        float | None, typer.Option(help="Roll about the finger's long axis, degrees.")
+        float | None, typer.Option(min=-360, max=360, help="Roll about the finger's long axis, degrees.")
     ] = None,
     as_json: AsJson = False,
 ) -> None:
@@ -31,8 +31,8 @@ def geometry(
 
     for semi_axis in semi_axes_mm:
         require_positive("--semi-axes-mm", semi_axis)
-    placement = Placement.of(
-        Ellipsoid.of(*semi_axes_mm), wedge_angle=np.radians(wedge_deg), roll_angle=np.radians(roll_deg or 0.0)
+    placement = Placement(
+        Ellipsoid(*semi_axes_mm), wedge_angle=np.radians(wedge_deg), roll_angle=np.radians(roll_deg or 0.0)
     )
     curvature = placement.curvature
     record = {
@@ -76,7 +76,7 @@ def hertz(
         require_positive(flag, value)
     for radius in radii_mm:
         require_positive("--radii-mm", radius)
-    pair = HertzGeometry.of(*radii_mm)
+    pair = HertzGeometry(*radii_mm)
     modulus = modulus_kpa / KPA_PER_MPA
     if load_n is not None:
         contact = pair.under_load(load_n, reduced_modulus=modulus)
@@ -112,7 +112,7 @@ def correct(
 
     for semi_axis in ellipse_mm:
         require_positive("--ellipse-mm", semi_axis)
-    observed = Ellipse.of(*ellipse_mm)
+    observed = Ellipse(*ellipse_mm)
     require_positive("--radius-mm", radius_mm)
     k = observed.axis_ratio
     first, b, d = contact.complete_integrals(k)

@@ -93,7 +93,7 @@ class EllipsoidContact:
         paraboloid; on 8 mm of tissue over bone it is pressed in less, too.
 
         >>> import numpy as np
-        >>> pad = Ellipsoid.of(palmar=7.9, distal=13.8, radial_ulnar=11.8)
+        >>> pad = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
         >>> for thickness in (None, 8.0):
         ...     contact = EllipsoidContact.of(
         ...         pad,
@@ -116,7 +116,7 @@ class EllipsoidContact:
         normal = platen_normal(wedge_angle, roll_angle)
         tensor = relative_curvature_tensor(pad, normal, rigid)
         curvatures, angle = principal_curvatures(tensor[0, 0], tensor[1, 1], tensor[0, 1])
-        geometry = HertzGeometry.of(*(1 / curvatures))
+        geometry = HertzGeometry(*(1 / curvatures))
         solution = solve_contact(
             partial(ellipsoid_gap, pad, normal, counterface=rigid),
             body,

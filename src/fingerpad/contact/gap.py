@@ -112,7 +112,7 @@ def ellipsoid_gap(
 
     Examples
     --------
-    >>> ball = Ellipsoid.of(10.0, 10.0, 10.0)
+    >>> ball = Ellipsoid(10.0, 10.0, 10.0)
     >>> ellipsoid_gap(ball, np.array([1.0, 0.0, 0.0]), np.array(6.0), np.array(0.0)).round(12)
     np.float64(2.0)
     """

@@ -1,18 +1,26 @@
 """Elliptical Hertz contact, forward and inverse (Johnson 1985, section 4.2)."""
 
-from dataclasses import dataclass
-from typing import Self
+from dataclasses import dataclass, field
 
 import numpy as np
 
-from fingerpad._arrays import ArrayLike, FloatArray, apply_blockwise, as_float_array, broadcast, check_all
+from fingerpad._arrays import (
+    ArrayLike,
+    FloatArray,
+    apply_blockwise,
+    as_float_array,
+    broadcast,
+    check_all,
+    set_fields,
+)
+from fingerpad._display import Displayed
 from fingerpad.contact.elliptic import contact_ellipse_kernel, solve_contact_ellipse
 from fingerpad.exceptions import GeometryError
 from fingerpad.geometry import Ellipse
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class HertzContact:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class HertzContact(Displayed):
     """A loaded elliptical contact.
 
     Attributes
@@ -35,7 +43,7 @@ class HertzContact:
 
     @property
     def ellipse(self) -> Ellipse:
-        """The contact ellipse."""
+        """The contact ellipse; a `GeometryError` where a contact has no size, as without load."""
         return Ellipse(semi_major=self.semi_major, semi_minor=self.semi_minor)
 
     @property
@@ -61,28 +69,36 @@ class HertzContact:
             return 1.5 * self.load / self.indentation
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class HertzGeometry:
+@dataclass(frozen=True, slots=True, init=False, eq=False, repr=False)
+class HertzGeometry(Displayed):
     r"""The undeformed gap of two bodies, with its contact ellipse solved once for all loads.
 
     The shape of the ellipse depends on the curvature ratio alone. Its size follows from
     :math:`\ell_d^3 = 3WR'D/(\pi E^*)` and the indentation from :math:`\xi = 3WK/(2\pi E^*\ell_d)`, R' being
     the larger relative radius: Johnson's Eqs 4.26 rearranged so that nothing cancels at the circle.
 
+    Parameters
+    ----------
+    first_radius, second_radius : array_like
+        Relative principal radii, in either order of size, of any shapes that broadcast.
+
     Attributes
     ----------
-    first_radius, second_radius : ndarray
-        Relative principal radii, in the order given.
     axis_ratio : ndarray
         k = ℓe/ℓd of the contact ellipse, at any load.
     K, D : ndarray
         Complete elliptic integrals of modulus √(1 − k²).
 
+    Raises
+    ------
+    GeometryError
+        If a radius is not positive and finite.
+
     Examples
     --------
     A pad of the source's Table 1 on a 30° wedge, under 2 N (mm, N, MPa):
 
-    >>> geometry = HertzGeometry.of(12.955, 14.330)
+    >>> geometry = HertzGeometry(12.955, 14.330)
     >>> contact = geometry.under_load(2.0, reduced_modulus=0.1365)
     >>> print(f"{contact.semi_major:.3f} × {contact.semi_minor:.3f} mm, {contact.indentation:.3f} mm")
     5.491 × 5.134 mm, 2.069 mm
@@ -92,35 +108,22 @@ class HertzGeometry:
 
     first_radius: FloatArray
     second_radius: FloatArray
-    axis_ratio: FloatArray
-    K: FloatArray
-    D: FloatArray
+    axis_ratio: FloatArray = field(init=False)
+    K: FloatArray = field(init=False)
+    D: FloatArray = field(init=False)
 
-    @classmethod
-    def of(cls, first_radius: ArrayLike, second_radius: ArrayLike) -> Self:
-        """Solve the contact ellipse for relative principal radii of any shapes that broadcast.
-
-        Parameters
-        ----------
-        first_radius, second_radius : array_like
-            Relative principal radii, in either order of size.
-
-        Raises
-        ------
-        GeometryError
-            If a radius is not positive and finite.
-        """
+    def __init__(self, first_radius: ArrayLike, second_radius: ArrayLike) -> None:
         first, second = broadcast(first_radius, second_radius)
         for name, radius in (("first_radius", first), ("second_radius", second)):
             check_all(np.isfinite(radius) & (radius > 0), name, radius, "positive and finite", GeometryError)
         k, K, D = solve_contact_ellipse(first, second)
-        return cls(first_radius=first, second_radius=second, axis_ratio=k, K=K, D=D)
+        set_fields(self, first_radius=first, second_radius=second, axis_ratio=k, K=K, D=D)
 
     @property
     def long_axis(self) -> FloatArray:
         """Index of the principal direction along which the long axis lies: 0 or 1, NaN for a circle."""
         sign = np.sign(self.second_radius - self.first_radius)
-        return np.where(sign == 0, np.nan, (sign + 1) / 2)
+        return np.where(sign == 0, np.nan, (sign + 1) / 2)[()]
 
     @property
     def geometric_mean_radius(self) -> FloatArray:
@@ -190,7 +193,7 @@ def hertz_contact(
 ) -> HertzContact:
     """Return the contacts of distinct geometries, each under its own load, in one pass over the arrays.
 
-    The same as ``HertzGeometry.of(first_radius, second_radius).under_load(load, ...)``, faster where
+    The same as ``HertzGeometry(first_radius, second_radius).under_load(load, ...)``, faster where
     every contact has its own geometry. It is a kernel: NaN, not an error, where a value is out of range.
 
     Parameters
@@ -226,7 +229,7 @@ def _size_under_load(
 
 
 def _contact(*values: ArrayLike) -> HertzContact:
-    load, modulus, major, minor, indentation = broadcast(*values)
+    load, modulus, major, minor, indentation = (value[()] for value in broadcast(*values))
     return HertzContact(
         load=load, reduced_modulus=modulus, semi_major=major, semi_minor=minor, indentation=indentation
     )

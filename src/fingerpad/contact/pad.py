@@ -5,14 +5,19 @@ from dataclasses import dataclass
 import numpy as np
 
 from fingerpad._arrays import ArrayLike, FloatArray, broadcast
+from fingerpad._display import Displayed
 from fingerpad.contact.elliptic import solve_contact_ellipse
 from fingerpad.contact.equivalent import equivalent_radius_ratios
 from fingerpad.contact.hertz import youngs_modulus
-from fingerpad.geometry import Ellipsoid, platen_normal
+from fingerpad.geometry import Ellipsoid
+from fingerpad.geometry.placement import checked_placement, platen_normal_kernel
+
+# Random draws and steps about a flat or an upright finger pass the ends of the range, degrees far more so.
+_WEDGE_MARGIN = 0.5
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class PadContact:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class PadContact(Displayed):
     """A finger pad on its wedge, and the contact seen under a load.
 
     Attributes
@@ -54,12 +59,11 @@ class PadContact:
     predicted_elongation: FloatArray
 
 
-@np.errstate(all="ignore")
 def pad_contact(
     pad: Ellipsoid,
     *,
     wedge_angle: ArrayLike,
-    roll_angle: ArrayLike,
+    roll_angle: ArrayLike = 0.0,
     load: ArrayLike,
     semi_major: ArrayLike,
     semi_minor: ArrayLike,
@@ -72,7 +76,7 @@ def pad_contact(
     pad : Ellipsoid
         The undeformed pad.
     wedge_angle, roll_angle : array_like
-        Placement, radians.
+        Placement, radians: the wedge angle from 0 to π/2, and up to 0.5 beyond for draws about the ends.
     load : array_like
         Normal force W.
     semi_major, semi_minor : array_like
@@ -81,22 +85,46 @@ def pad_contact(
     poisson_ratio : array_like
         ν of the pad.
 
+    Raises
+    ------
+    GeometryError
+        If an angle cannot be one in radians. All else that is out of range, and NaN, gives NaN.
+
     Examples
     --------
     The source's measurement at 30° and 2 N:
 
     >>> import numpy as np
-    >>> pad = Ellipsoid.of(palmar=7.9, distal=13.8, radial_ulnar=11.8)
+    >>> pad = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
     >>> contact = pad_contact(
     ...     pad, wedge_angle=np.radians(30), roll_angle=0, load=2, semi_major=7.4, semi_minor=5.0
     ... )
     >>> print(f"{contact.mean_curvature_radius:.2f} mm, corrected {contact.radius_from_indentation:.2f} mm")
     13.61 mm, corrected 13.80 mm
     """
-    major, minor, load = broadcast(semi_major, semi_minor, load)
-    in_plane, transverse = np.moveaxis(
-        pad.principal_radii_at_normal(platen_normal(wedge_angle, roll_angle)), -1, 0
+    normal = platen_normal_kernel(*checked_placement(wedge_angle, roll_angle, margin=_WEDGE_MARGIN))
+    radii = pad.principal_radii_at_normal(normal)
+    return pad_contact_kernel(
+        radii,
+        load=load,
+        semi_major=semi_major,
+        semi_minor=semi_minor,
+        poisson_ratio=poisson_ratio,
     )
+
+
+@np.errstate(all="ignore")
+def pad_contact_kernel(
+    principal_radii: FloatArray,
+    *,
+    load: ArrayLike,
+    semi_major: ArrayLike,
+    semi_minor: ArrayLike,
+    poisson_ratio: ArrayLike,
+) -> PadContact:
+    """Return `pad_contact` from the pad's principal radii at the place of contact, shape (..., 2)."""
+    major, minor, load = broadcast(semi_major, semi_minor, load)
+    in_plane, transverse = np.moveaxis(principal_radii, -1, 0)
     axis_ratio = np.minimum(major, minor) / np.maximum(major, minor)
     base, exact = 2 / (1 / in_plane + 1 / transverse), np.sqrt(in_plane * transverse)
     size, area = np.sqrt(major * minor), np.pi * major * minor

@@ -29,6 +29,13 @@ from fingerpad.units import KPA_PER_MPA, value_with_uncertainty
 
 Line: TypeAlias = tuple[ArrayLike, ArrayLike]
 
+# As legends give them.
+FORCE_MODEL_NAMES: Final = {
+    "load_dependent": "modulus growing with load",
+    "hertz": "Hertz",
+    "free_exponent": "free exponent",
+}
+
 _PHASE_COLOURS: Final = {"baseline": GREY, "loading": BLUE, "hold": GREEN, "unloading": VERMILLION}
 _LINE_STYLES: Final = ((ORANGE, "-"), (BLACK, "--"), (SKY, "-."))
 

@@ -8,7 +8,7 @@ import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
 
-from fingerpad._arrays import ArrayLike, FloatArray, as_float_array
+from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, check_radians
 from fingerpad.figures.style import (
     BLACK,
     BLUE,
@@ -131,7 +131,7 @@ def plot_pad_with_contact(
     synthetic : bool
         Whether to say that the contact is not a measured one.
     """
-    placement = Placement.of(pad, wedge_angle=wedge_angle, roll_angle=roll_angle)
+    placement = Placement(pad, wedge_angle=wedge_angle, roll_angle=roll_angle)
     # The finger's axis as it lies on the platen, ∂n/∂θ: regular even where the finger stands on its tip.
     rise = np.array([-np.sin(wedge_angle) * np.cos(roll_angle), np.cos(wedge_angle)])
     view = Camera.of(placement.normal, up=(*rise, -np.sin(wedge_angle) * np.sin(roll_angle)))
@@ -140,7 +140,7 @@ def plot_pad_with_contact(
     radii = placement.curvature.principal_radii
     _draw_directions(axes, centre, _draw_surface(axes, pad, view), directions, radii)
     if measured is not None:
-        angle = measured_long_axis_angle
+        angle = float(check_radians("measured_long_axis_angle", measured_long_axis_angle))
         _draw_contact(axes, centre, measured, angle, colour=BLUE, style="-", label="contact measured")
     if predicted is not None:
         long_axis = directions[np.argmax(radii)]

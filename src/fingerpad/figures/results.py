@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import EllipseCollection
 
-from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, broadcast
+from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, broadcast, check_radians
 from fingerpad.figures.style import (
     BLACK,
     BLUE,
@@ -212,7 +212,10 @@ def plot_aspect_ratio(
         Contacts that are not measured: hollow.
     """
     W, ratio, angle, flags = (
-        array.ravel() for array in broadcast(load, aspect_ratio, long_axis_angle, synthetic)
+        array.ravel()
+        for array in broadcast(
+            load, aspect_ratio, check_radians("long_axis_angle", long_axis_angle), synthetic
+        )
     )
     draw_points(axes, W, ratio, y_std=aspect_ratio_std, synthetic=flags)
     for mask, face in ((flags == 0, "#cfe3f1"), (flags != 0, "white")):

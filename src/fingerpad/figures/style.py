@@ -5,6 +5,7 @@ import io
 import re
 from collections.abc import Callable
 from functools import wraps
+from os import PathLike
 from pathlib import Path
 from typing import Any, Final, ParamSpec, TypeVar
 
@@ -140,7 +141,7 @@ def figure_svg(figure: Figure, name: str, *, description: str = "") -> str:
 
 @in_style
 def save_figure(
-    figure: Figure, path: Path, *, description: str = "", dpi: float = 300.0
+    figure: Figure, path: str | PathLike[str], *, description: str = "", dpi: float = 300.0
 ) -> tuple[Path, Path]:
     """Write `path`.svg and `path`.png, the same bytes for the same drawing.
 
@@ -148,7 +149,7 @@ def save_figure(
     ----------
     figure : Figure
         The figure.
-    path : Path
+    path : path-like
         File name without suffix; its last part also goes into the ids of the SVG.
     description : str
         Text for those who cannot see the figure; goes into the SVG.

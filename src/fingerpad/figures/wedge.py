@@ -30,7 +30,7 @@ def plot_wedge(axes: Axes, pad: Ellipsoid, *, wedge_angle: float, synthetic: boo
     synthetic : bool
         Whether to say that the pad is not a measured one.
     """
-    placement = Placement.of(pad, wedge_angle=wedge_angle)
+    placement = Placement(pad, wedge_angle=wedge_angle)
     sine, cosine = np.sin(wedge_angle), np.cos(wedge_angle)
 
     def level(x: FloatArray | float, y: FloatArray | float) -> FloatArray:
@@ -104,7 +104,7 @@ def plot_wedge_in_pad_axes(
     synthetic : bool
         Whether to say that the pad is not a measured one.
     """
-    placement = Placement.of(pad, wedge_angle=wedge_angle)
+    placement = Placement(pad, wedge_angle=wedge_angle)
     a, b, u = float(pad.palmar), float(pad.distal), float(placement.u)
     _draw_section(axes, np.column_stack([a * np.cos(_TURN), b * np.sin(_TURN)]))
     axes.plot(a * np.cos(_TURN), a * np.sin(_TURN), ":", color=BLUE, linewidth=0.9)

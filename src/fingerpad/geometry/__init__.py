@@ -1,6 +1,11 @@
 """The finger pad as a surface: ellipsoid, curvature, placement on a wedge, and the plane ellipse."""
 
-from fingerpad.geometry.curvature import RelativeCurvature, SurfaceCurvature, principal_curvatures
+from fingerpad.geometry.curvature import (
+    RelativeCurvature,
+    SurfaceCurvature,
+    principal_curvatures,
+    relative_curvature,
+)
 from fingerpad.geometry.ellipse import Ellipse
 from fingerpad.geometry.ellipsoid import Ellipsoid
 from fingerpad.geometry.placement import Placement, platen_normal
@@ -13,4 +18,5 @@ __all__ = [
     "SurfaceCurvature",
     "platen_normal",
     "principal_curvatures",
+    "relative_curvature",
 ]

@@ -1,16 +1,24 @@
 """Principal curvatures of one surface at a point, and the relative curvature of two that touch there."""
 
 from dataclasses import dataclass
-from typing import Self
 
 import numpy as np
 
-from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, broadcast, check_all, hypotenuse
+from fingerpad._arrays import (
+    ArrayLike,
+    FloatArray,
+    as_float_array,
+    broadcast,
+    check_all,
+    check_radians,
+    hypotenuse,
+)
+from fingerpad._display import Displayed
 from fingerpad.exceptions import GeometryError
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class SurfaceCurvature:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class SurfaceCurvature(Displayed):
     """Principal radii and directions of a surface at points of it.
 
     Attributes
@@ -26,7 +34,7 @@ class SurfaceCurvature:
     --------
     >>> import numpy as np
     >>> from fingerpad.geometry import Ellipsoid
-    >>> pad = Ellipsoid.of(palmar=7.9, distal=13.8, radial_ulnar=11.8)
+    >>> pad = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
     >>> curvature = pad.curvature(u=np.pi / 4, v=np.pi / 2)
     >>> curvature.principal_radii.round(2)
     array([13.04, 14.36])
@@ -40,12 +48,12 @@ class SurfaceCurvature:
     @property
     def in_plane_radius(self) -> FloatArray:
         """Principal radius along the finger."""
-        return self.principal_radii[..., 0]
+        return self.principal_radii[..., 0][()]
 
     @property
     def transverse_radius(self) -> FloatArray:
         """Principal radius across the finger."""
-        return self.principal_radii[..., 1]
+        return self.principal_radii[..., 1][()]
 
     @property
     def mean_curvature(self) -> FloatArray:
@@ -68,8 +76,8 @@ class SurfaceCurvature:
         return np.sqrt(self.in_plane_radius * self.transverse_radius)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class RelativeCurvature:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class RelativeCurvature(Displayed):
     """Curvature of the gap between two bodies at their point of contact.
 
     The gap is x²/(2R') + y²/(2R'') along the relative principal directions x, y.
@@ -87,67 +95,6 @@ class RelativeCurvature:
     principal_radii: FloatArray
     angle: FloatArray
 
-    @classmethod
-    def of(
-        cls,
-        first: ArrayLike,
-        second: ArrayLike = (np.inf, np.inf),
-        *,
-        angle: ArrayLike = 0.0,
-    ) -> Self:
-        r"""Combine the principal radii of two bodies.
-
-        The curvature tensors add (Johnson 1985, Eq. 4.5; source, H = 1/R1 + 1/R2).
-
-        Parameters
-        ----------
-        first, second : array_like, shape (..., 2)
-            Principal radii of each body: both equal for a sphere, (R, inf) for a cylinder, (inf, inf) for a
-            flat plate (the default second body), negative for a hollow.
-        angle : array_like
-            Angle from the first body's first principal direction to the second body's, in radians.
-
-        Raises
-        ------
-        GeometryError
-            If a radius is zero or NaN, or the angle is not finite.
-
-        Examples
-        --------
-        Two equal cylinders crossed at a right angle touch as a sphere does on a plate:
-
-        >>> import numpy as np
-        >>> RelativeCurvature.of((10, np.inf), (10, np.inf), angle=np.pi / 2).principal_radii
-        array([10., 10.])
-        """
-        first_1, first_2, second_1, second_2, turn = broadcast(
-            *np.moveaxis(as_float_array(first), -1, 0),
-            *np.moveaxis(as_float_array(second), -1, 0),
-            angle,
-        )
-        for name, radius in (
-            ("first", first_1),
-            ("first", first_2),
-            ("second", second_1),
-            ("second", second_2),
-        ):
-            check_all(
-                np.abs(radius) > 0,
-                f"{name} body's principal radius",
-                radius,
-                "a non-zero number",
-                GeometryError,
-            )
-        check_all(np.isfinite(turn), "angle", turn, "finite (radians)", GeometryError)
-        cosine, sine = np.cos(turn), np.sin(turn)
-        curvatures, angle_ = principal_curvatures(
-            1 / first_1 + cosine**2 / second_1 + sine**2 / second_2,
-            1 / first_2 + sine**2 / second_1 + cosine**2 / second_2,
-            cosine * sine * (1 / second_1 - 1 / second_2),
-        )
-        curvatures = np.where((curvatures > 0).all(axis=-1, keepdims=True), curvatures, np.nan)
-        return cls(principal_radii=1 / curvatures, angle=angle_)
-
     @property
     def mean_curvature_radius(self) -> FloatArray:
         """Radius 1/H of the gap, H = (1/R' + 1/R'')/2."""
@@ -158,6 +105,66 @@ class RelativeCurvature:
     def geometric_mean_radius(self) -> FloatArray:
         """Johnson's R_e = √(R'R'')."""
         return np.sqrt(self.principal_radii[..., 0] * self.principal_radii[..., 1])
+
+
+def relative_curvature(
+    first: ArrayLike,
+    second: ArrayLike = (np.inf, np.inf),
+    *,
+    angle: ArrayLike = 0.0,
+) -> RelativeCurvature:
+    r"""Combine the principal radii of two bodies.
+
+    The curvature tensors add (Johnson 1985, Eq. 4.5; source, H = 1/R1 + 1/R2).
+
+    Parameters
+    ----------
+    first, second : array_like, shape (..., 2)
+        Principal radii of each body: both equal for a sphere, (R, inf) for a cylinder, (inf, inf) for a
+        flat plate (the default second body), negative for a hollow.
+    angle : array_like
+        Angle from the first body's first principal direction to the second body's, in radians.
+
+    Raises
+    ------
+    GeometryError
+        If a radius is zero or NaN, or the angle is not finite or beyond a full turn.
+
+    Examples
+    --------
+    Two equal cylinders crossed at a right angle touch as a sphere does on a plate:
+
+    >>> import numpy as np
+    >>> relative_curvature((10, np.inf), (10, np.inf), angle=np.pi / 2).principal_radii
+    array([10., 10.])
+    """
+    first_1, first_2, second_1, second_2, turn = broadcast(
+        *np.moveaxis(as_float_array(first), -1, 0),
+        *np.moveaxis(as_float_array(second), -1, 0),
+        angle,
+    )
+    for name, radius in (
+        ("first", first_1),
+        ("first", first_2),
+        ("second", second_1),
+        ("second", second_2),
+    ):
+        check_all(
+            np.abs(radius) > 0,
+            f"{name} body's principal radius",
+            radius,
+            "a non-zero number",
+            GeometryError,
+        )
+    check_all(np.isfinite(check_radians("angle", turn)), "angle", turn, "finite", GeometryError)
+    cosine, sine = np.cos(turn), np.sin(turn)
+    curvatures, angle_ = principal_curvatures(
+        1 / first_1 + cosine**2 / second_1 + sine**2 / second_2,
+        1 / first_2 + sine**2 / second_1 + cosine**2 / second_2,
+        cosine * sine * (1 / second_1 - 1 / second_2),
+    )
+    curvatures = np.where((curvatures > 0).all(axis=-1, keepdims=True), curvatures, np.nan)
+    return RelativeCurvature(principal_radii=1 / curvatures, angle=angle_[()])
 
 
 def principal_curvatures(

@@ -1,28 +1,33 @@
 """The plane ellipse: the outline of a contact, or of one face of the finger."""
 
 from dataclasses import dataclass
-from typing import Self
 
 import numpy as np
 
-from fingerpad._arrays import ArrayLike, FloatArray, broadcast, check_all
+from fingerpad._arrays import ArrayLike, FloatArray, broadcast, check_all, set_fields
+from fingerpad._display import Displayed
 from fingerpad.exceptions import GeometryError
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Ellipse:
+@dataclass(frozen=True, slots=True, init=False, eq=False, repr=False)
+class Ellipse(Displayed):
     """An ellipse by its semi-axes.
 
     Attributes
     ----------
-    semi_major, semi_minor : ndarray
-        Semi-axes, ``semi_major >= semi_minor > 0``, in one unit of length.
+    semi_major, semi_minor : array_like
+        Semi-axes, ``semi_major >= semi_minor > 0``, in one unit of length, of any shapes that broadcast.
+
+    Raises
+    ------
+    GeometryError
+        If an axis is not positive and finite, or the minor axis exceeds the major.
 
     Examples
     --------
     The contact of the source's Table 3 at a wedge angle of 30°:
 
-    >>> ellipse = Ellipse.of(7.4, 5.0)
+    >>> ellipse = Ellipse(7.4, 5.0)
     >>> round(float(ellipse.area), 1), round(float(ellipse.eccentricity), 4)
     (116.2, 0.7372)
     """
@@ -30,15 +35,7 @@ class Ellipse:
     semi_major: FloatArray
     semi_minor: FloatArray
 
-    @classmethod
-    def of(cls, semi_major: ArrayLike, semi_minor: ArrayLike) -> Self:
-        """Make ellipses from semi-axes of any shapes that broadcast.
-
-        Raises
-        ------
-        GeometryError
-            If an axis is not positive and finite, or the minor axis exceeds the major.
-        """
+    def __init__(self, semi_major: ArrayLike, semi_minor: ArrayLike) -> None:
         major, minor = broadcast(semi_major, semi_minor)
         check_all(np.isfinite(major) & (major > 0), "semi_major", major, "positive and finite", GeometryError)
         check_all(np.isfinite(minor) & (minor > 0), "semi_minor", minor, "positive and finite", GeometryError)
@@ -49,7 +46,7 @@ class Ellipse:
             "no longer than semi_major (are the two swapped?)",
             GeometryError,
         )
-        return cls(semi_major=major, semi_minor=minor)
+        set_fields(self, semi_major=major, semi_minor=minor)
 
     @property
     def axis_ratio(self) -> FloatArray:

@@ -1,17 +1,26 @@
 """The finger pad as an ellipsoidal cap."""
 
 from dataclasses import dataclass
-from typing import Self
 
 import numpy as np
 
-from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, broadcast, check_all, hypotenuse
+from fingerpad._arrays import (
+    ArrayLike,
+    FloatArray,
+    as_float_array,
+    broadcast,
+    check_all,
+    check_radians,
+    hypotenuse,
+    set_fields,
+)
+from fingerpad._display import Displayed
 from fingerpad.exceptions import GeometryError
 from fingerpad.geometry.curvature import SurfaceCurvature, curvatures_of, principal_curvatures
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Ellipsoid:
+@dataclass(frozen=True, slots=True, init=False, eq=False, repr=False)
+class Ellipsoid(Displayed):
     """The ellipsoid x²/ℓa² + y²/ℓb² + z²/ℓc² = 1.
 
     x points out of the palmar face, y out of the fingertip, z across the finger. The surface is
@@ -19,12 +28,18 @@ class Ellipsoid:
 
     Attributes
     ----------
-    palmar, distal, radial_ulnar : ndarray
-        Semi-axes ℓa, ℓb, ℓc, in one unit of length. They keep their anatomical names and are never sorted.
+    palmar, distal, radial_ulnar : array_like
+        Semi-axes ℓa, ℓb, ℓc, in one unit of length, of any shapes that broadcast. They keep their anatomical
+        names and are never sorted.
+
+    Raises
+    ------
+    GeometryError
+        If a semi-axis is not positive and finite.
 
     Examples
     --------
-    >>> pad = Ellipsoid.of(palmar=7.9, distal=13.8, radial_ulnar=11.8)
+    >>> pad = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
     >>> pad.point(u=0.0, v=np.pi / 2).round(3) + 0.0
     array([7.9, 0. , 0. ])
     """
@@ -33,17 +48,10 @@ class Ellipsoid:
     distal: FloatArray
     radial_ulnar: FloatArray
 
-    @classmethod
-    def of(cls, palmar: ArrayLike, distal: ArrayLike, radial_ulnar: ArrayLike) -> Self:
-        """Make ellipsoids from semi-axes of any shapes that broadcast.
-
-        Raises
-        ------
-        GeometryError
-            If a semi-axis is not positive and finite.
-        """
-        axes = broadcast(palmar, distal, radial_ulnar)
-        for name, axis in zip(("palmar", "distal", "radial_ulnar"), axes, strict=True):
+    def __init__(self, palmar: ArrayLike, distal: ArrayLike, radial_ulnar: ArrayLike) -> None:
+        names = ("palmar", "distal", "radial_ulnar")
+        axes = dict(zip(names, broadcast(palmar, distal, radial_ulnar), strict=True))
+        for name, axis in axes.items():
             check_all(
                 np.isfinite(axis) & (axis > 0),
                 f"semi-axis {name}",
@@ -51,7 +59,7 @@ class Ellipsoid:
                 "positive and finite",
                 GeometryError,
             )
-        return cls(palmar=axes[0], distal=axes[1], radial_ulnar=axes[2])
+        set_fields(self, **axes)
 
     @property
     def semi_axes(self) -> FloatArray:
@@ -60,7 +68,7 @@ class Ellipsoid:
 
     def point(self, u: ArrayLike, v: ArrayLike) -> FloatArray:
         """Return the surface points at parametric angles u, v (radians), shape (..., 3)."""
-        u, v = broadcast(u, v)
+        u, v = broadcast(check_radians("u", u), check_radians("v", v))
         direction: FloatArray = np.stack([np.cos(u) * np.sin(v), np.sin(u) * np.sin(v), np.cos(v)], axis=-1)
         return self.semi_axes * direction
 
@@ -109,28 +117,52 @@ class Ellipsoid:
 
     def principal_radii_at_normal(self, normal: ArrayLike) -> FloatArray:
         """Return the radii of `curvature_at_normal` alone, shape (..., 2), at a third of the cost."""
-        return 1 / curvatures_of(*self._curvature_tensor(as_float_array(normal)))
-
-    def _curvature_tensor(self, normal: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return the curvatures along and across the finger, and the mixed one.
-
-        The shape operator of the level surface ½ pᵀQp, Q = diag(1/ℓ²), is the tangential part of
-        Q/‖Qp‖, and 1/‖Qp‖ is the support function h(n) = √(Σ ℓ²n²).
-        """
-        y, radius, cosine, sine = _parts(normal)
-        support = self._support(normal)
-        flatness_x, flatness_y, flatness_z = 1 / self.palmar**2, 1 / self.distal**2, 1 / self.radial_ulnar**2
-        return (
-            support * (y**2 * (cosine**2 * flatness_x + sine**2 * flatness_z) + radius**2 * flatness_y),
-            support * (sine**2 * flatness_x + cosine**2 * flatness_z),
-            support * y * cosine * sine * (flatness_x - flatness_z),
+        return principal_radii_kernel(
+            self.palmar, self.distal, self.radial_ulnar, normal=as_float_array(normal)
         )
 
+    def _curvature_tensor(self, normal: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        return _curvature_tensor(self.palmar, self.distal, self.radial_ulnar, normal)
+
     def _support(self, normal: FloatArray) -> FloatArray:
-        """Return the support function h(n), the distance from the centre to the tangent plane."""
-        x, y, z = np.moveaxis(normal, -1, 0)
-        squared: FloatArray = (self.palmar * x) ** 2 + (self.distal * y) ** 2 + (self.radial_ulnar * z) ** 2
-        return np.sqrt(squared)
+        return _support(self.palmar, self.distal, self.radial_ulnar, normal)
+
+
+def principal_radii_kernel(
+    palmar: FloatArray, distal: FloatArray, radial_ulnar: FloatArray, *, normal: FloatArray
+) -> FloatArray:
+    """Return `Ellipsoid.principal_radii_at_normal` for semi-axes that nothing has checked.
+
+    Random draws and complex steps of an uncertainty need it: no single draw may stop the others.
+    """
+    return 1 / curvatures_of(*_curvature_tensor(palmar, distal, radial_ulnar, normal))
+
+
+def _curvature_tensor(
+    palmar: FloatArray, distal: FloatArray, radial_ulnar: FloatArray, normal: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return the curvatures along and across the finger, and the mixed one.
+
+    The shape operator of the level surface ½ pᵀQp, Q = diag(1/ℓ²), is the tangential part of
+    Q/‖Qp‖, and 1/‖Qp‖ is the support function h(n) = √(Σ ℓ²n²).
+    """
+    y, radius, cosine, sine = _parts(normal)
+    support = _support(palmar, distal, radial_ulnar, normal)
+    flatness_x, flatness_y, flatness_z = 1 / palmar**2, 1 / distal**2, 1 / radial_ulnar**2
+    return (
+        support * (y**2 * (cosine**2 * flatness_x + sine**2 * flatness_z) + radius**2 * flatness_y),
+        support * (sine**2 * flatness_x + cosine**2 * flatness_z),
+        support * y * cosine * sine * (flatness_x - flatness_z),
+    )
+
+
+def _support(
+    palmar: FloatArray, distal: FloatArray, radial_ulnar: FloatArray, normal: FloatArray
+) -> FloatArray:
+    """Return the support function h(n), the distance from the centre to the tangent plane."""
+    x, y, z = np.moveaxis(normal, -1, 0)
+    squared: FloatArray = (palmar * x) ** 2 + (distal * y) ** 2 + (radial_ulnar * z) ** 2
+    return np.sqrt(squared)
 
 
 def _parts(normal: FloatArray) -> tuple[FloatArray, ...]:

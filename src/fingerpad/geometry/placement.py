@@ -1,11 +1,20 @@
 """Where on the pad a flat platen touches, from the wedge on which the finger rests."""
 
-from dataclasses import dataclass
-from typing import Self
+from dataclasses import dataclass, field
 
 import numpy as np
 
-from fingerpad._arrays import ArrayLike, FloatArray, broadcast, check_all
+from fingerpad._arrays import (
+    IN_RADIANS,
+    ArrayLike,
+    FloatArray,
+    as_float_array,
+    broadcast,
+    check_all,
+    check_radians,
+    set_fields,
+)
+from fingerpad._display import Displayed
 from fingerpad.exceptions import GeometryError
 from fingerpad.geometry.curvature import SurfaceCurvature
 from fingerpad.geometry.ellipsoid import Ellipsoid
@@ -23,18 +32,53 @@ def platen_normal(wedge_angle: ArrayLike, roll_angle: ArrayLike = 0.0) -> FloatA
     roll_angle : array_like
         Roll φ of the finger about its own long axis, radians.
 
+    Raises
+    ------
+    GeometryError
+        If an angle is beyond a full turn either way, as degrees are. NaN gives NaN.
+
     Examples
     --------
     >>> platen_normal(0.0)
     array([1., 0., 0.])
     """
+    return platen_normal_kernel(
+        check_radians("wedge_angle", wedge_angle), check_radians("roll_angle", roll_angle)
+    )
+
+
+def platen_normal_kernel(wedge_angle: ArrayLike, roll_angle: ArrayLike) -> FloatArray:
+    """Return `platen_normal` at angles that nothing has checked, as random draws of them are."""
     wedge, roll = broadcast(wedge_angle, roll_angle)
     return np.stack([np.cos(wedge) * np.cos(roll), np.sin(wedge), np.cos(wedge) * np.sin(roll)], axis=-1)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Placement:
+def checked_placement(
+    wedge_angle: ArrayLike, roll_angle: ArrayLike, *, margin: float = 0.0
+) -> tuple[FloatArray, FloatArray]:
+    """Return both angles of a placement, and refuse those that no finger on a wedge has. NaN passes.
+
+    Raises
+    ------
+    GeometryError
+        If a wedge angle lies outside [0, π/2] by more than the margin, or a roll beyond a full turn.
+    """
+    wedge, roll = broadcast(as_float_array(wedge_angle), check_radians("roll_angle", roll_angle))
+    outside = (wedge < -margin) | (wedge > np.pi / 2 + margin)
+    check_all(~outside, "wedge_angle", wedge, f"between 0 and π/2 ({IN_RADIANS})", GeometryError)
+    return wedge, roll
+
+
+@dataclass(frozen=True, slots=True, init=False, eq=False, repr=False)
+class Placement(Displayed):
     """A finger pad resting on a flat platen.
+
+    Parameters
+    ----------
+    ellipsoid : Ellipsoid
+        The pad.
+    wedge_angle, roll_angle : array_like
+        Wedge angle in [0, π/2] and roll, radians, as for `platen_normal`.
 
     Attributes
     ----------
@@ -42,43 +86,46 @@ class Placement:
         Outward unit normal of the pad at the place of contact.
     point : ndarray, shape (..., 3)
         Place of contact in the pad's own axes.
-    u, v : ndarray
+    u, v : ndarray or float
         Its parametric angles, radians.
     curvature : SurfaceCurvature
         Principal radii and directions there.
 
+    Raises
+    ------
+    GeometryError
+        If the wedge angle lies outside [0, π/2], the roll beyond a full turn, or an angle is not finite.
+
     Examples
     --------
-    >>> pad = Ellipsoid.of(palmar=7.9, distal=13.8, radial_ulnar=11.8)
-    >>> placement = Placement.of(pad, wedge_angle=np.radians(30))
+    >>> pad = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
+    >>> placement = Placement(pad, wedge_angle=np.radians(30))
     >>> round(float(np.degrees(placement.u)), 6)
     45.243495
     >>> round(float(placement.curvature.mean_curvature_radius), 6)
     13.607666
     """
 
-    normal: FloatArray
-    point: FloatArray
-    u: FloatArray
-    v: FloatArray
-    curvature: SurfaceCurvature
+    ellipsoid: Ellipsoid
+    wedge_angle: FloatArray
+    roll_angle: FloatArray
+    normal: FloatArray = field(init=False)
+    point: FloatArray = field(init=False)
+    u: FloatArray = field(init=False)
+    v: FloatArray = field(init=False)
+    curvature: SurfaceCurvature = field(init=False)
 
-    @classmethod
-    def of(cls, ellipsoid: Ellipsoid, *, wedge_angle: ArrayLike, roll_angle: ArrayLike = 0.0) -> Self:
-        """Place `ellipsoid` on a wedge of angle in [0, π/2]; angles in radians, as for `platen_normal`.
-
-        Raises
-        ------
-        GeometryError
-            If the wedge angle lies outside [0, π/2] or an angle is not finite.
-        """
-        wedge, roll = broadcast(wedge_angle, roll_angle)
-        inside = (wedge >= 0) & (wedge <= np.pi / 2)
-        check_all(inside, "wedge angle (in degrees)", np.degrees(wedge), "between 0° and 90°", GeometryError)
-        check_all(np.isfinite(roll), "roll angle (in degrees)", np.degrees(roll), "finite", GeometryError)
-        normal = platen_normal(wedge, roll)
+    def __init__(self, ellipsoid: Ellipsoid, *, wedge_angle: ArrayLike, roll_angle: ArrayLike = 0.0) -> None:
+        wedge, roll = checked_placement(wedge_angle, roll_angle)
+        for name, angle in (("wedge_angle", wedge), ("roll_angle", roll)):
+            check_all(np.isfinite(angle), name, angle, "finite", GeometryError)
+        normal = platen_normal_kernel(wedge, roll)
         u, v = ellipsoid.parametric_angles(normal)
-        return cls(
+        set_fields(
+            self,
+            ellipsoid=ellipsoid,
+            wedge_angle=wedge,
+            roll_angle=roll,
             normal=normal,
             point=ellipsoid.contact_point(normal),
             u=u,

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fingerpad._arrays import ArrayLike, FloatArray, as_float_array
+from fingerpad._display import Displayed
 from fingerpad.exceptions import FitError
 from fingerpad.image._orthogonal_fit import Parameters, refine
 from fingerpad.image.ellipse import PlaneEllipse, half_turn
@@ -18,8 +19,8 @@ from fingerpad.image.ellipse import PlaneEllipse, half_turn
 _ANGLE_VARIANCE_LIMIT = math.pi**2 / 12
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class EllipseFit:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class EllipseFit(Displayed):
     """An ellipse fitted to points (x, y).
 
     Attributes

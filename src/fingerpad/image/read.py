@@ -15,6 +15,7 @@ import numpy.typing as npt
 import tifffile
 from PIL import Image, ImageOps, UnidentifiedImageError
 
+from fingerpad._display import Displayed
 from fingerpad.exceptions import ImageError
 from fingerpad.image._levels import (
     Pixels,
@@ -44,8 +45,8 @@ _MIN_PPI = 10.0
 _IMAGEJ_UNITS: Final = {"inch": 1.0, "cm": 2.54, "mm": 25.4, "um": 25400.0, "micron": 25400.0}
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Picture:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class Picture(Displayed):
     """A grey picture and what its file says of its scale.
 
     Attributes

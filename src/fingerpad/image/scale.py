@@ -17,7 +17,7 @@ PLACEHOLDER_PPI = (72.0, 96.0)
 _WHOLE_PPI_STD = 0.5 / math.sqrt(3)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class Scale:
     """Millimetres per pixel.
 
@@ -27,6 +27,11 @@ class Scale:
         Length of one pixel's side, mm.
     mm_per_px_std : float
         Its standard uncertainty, mm, zero when not known.
+
+    Raises
+    ------
+    CalibrationError
+        If the length is not positive and finite, or its uncertainty negative or not finite.
 
     Examples
     --------
@@ -59,17 +64,6 @@ class Scale:
         _require_std(ppi_std, "ppi_std")
         mm_per_px = MM_PER_INCH / ppi
         return cls(mm_per_px=mm_per_px, mm_per_px_std=mm_per_px * (ppi_std / ppi))
-
-    @classmethod
-    def of_mm_per_px(cls, mm_per_px: float, mm_per_px_std: float = 0.0) -> Self:
-        """Make a scale from millimetres per pixel.
-
-        Raises
-        ------
-        CalibrationError
-            If `mm_per_px` is not positive and finite, or its uncertainty negative or not finite.
-        """
-        return cls(mm_per_px=float(mm_per_px), mm_per_px_std=float(mm_per_px_std))
 
     @classmethod
     def of_picture(cls, picture: Picture) -> Self:
@@ -167,7 +161,7 @@ class Scale:
 
         Examples
         --------
-        >>> Scale.of_mm_per_px(0.05, 0.001).length((0, 0), (0, 200))
+        >>> Scale(0.05, 0.001).length((0, 0), (0, 200))
         (10.0, 0.2)
         """
         length_px = math.dist(start, end)

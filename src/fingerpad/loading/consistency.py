@@ -5,10 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from fingerpad._arrays import ArrayLike, FloatArray, broadcast
+from fingerpad._display import Displayed
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class ShapeCheck:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class ShapeCheck(Displayed):
     """Reduced moduli that agree where the contact is that of one Hertzian sphere.
 
     Attributes

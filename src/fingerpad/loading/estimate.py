@@ -7,9 +7,11 @@ from typing import Any, TypeAlias
 
 from scipy import special
 
+from fingerpad._display import Displayed
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Estimate:
+
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
+class Estimate(Displayed):
     """A value with its standard uncertainty and 95 % interval (GUM, 2.3).
 
     Attributes

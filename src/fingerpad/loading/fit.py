@@ -7,7 +7,9 @@ from typing import Any, Self
 
 import numpy as np
 
+from fingerpad._display import Displayed
 from fingerpad._loading_curve import LoadingCurve
+from fingerpad._records import record_text
 from fingerpad.exceptions import FingerpadError, FitError, LoadingError
 from fingerpad.loading._prepare import Press, prepare, start_values
 from fingerpad.loading.contact_point import ESTIMATORS, estimated_places
@@ -22,8 +24,8 @@ from fingerpad.units import KPA_PER_MPA
 _DECISIVE = 10.0
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class LoadingFit:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class LoadingFit(Displayed):
     """What a loading curve tells of the pad. Quantities are an `Estimate`, or `Undetermined` with the reason.
 
     Attributes
@@ -99,6 +101,10 @@ class LoadingFit:
             load_coefficient=self.load_coefficient.over(coefficient),
             flags=(*self.flags, "constraint_assumed"),
         )
+
+    def summary(self) -> str:
+        """Return the fitted numbers in words, one line each."""
+        return record_text("Fit of a loading curve", self.as_record())
 
     def as_record(self) -> dict[str, Any]:
         """Return the numbers under names with units, each with _std and _ci95, null where not known."""

@@ -13,6 +13,7 @@ from typing import Final
 import numpy as np
 
 from fingerpad._arrays import BoolArray, FloatArray, as_float_array
+from fingerpad._display import Displayed
 from fingerpad.loading.estimate import Estimate
 from fingerpad.loading.least_squares import LeastSquaresFit, fit_least_squares
 from fingerpad.loading.models import clipped_load, hertz_stiffness, load_slope
@@ -21,8 +22,8 @@ from fingerpad.loading.noise import Noise, NoiseUncertainty, estimate_noise, noi
 Values = Mapping[str, float]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class FitData:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class FitData(Displayed):
     """The rows of one press that a fit uses: baseline and loading.
 
     Attributes
@@ -73,8 +74,8 @@ FORCE_MODELS: Final = {
 }
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class FittedForceModel:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class FittedForceModel(Displayed):
     """A law with the values that fit a record.
 
     Attributes
@@ -103,8 +104,8 @@ class FittedForceModel:
         return load - _zero(self.values, clock)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class JointFit:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class JointFit(Displayed):
     """A law fitted to a record, with all that its uncertainty follows from.
 
     Attributes

@@ -10,6 +10,7 @@ import numpy as np
 from scipy import linalg, optimize, special
 
 from fingerpad._arrays import ArrayLike, FloatArray, as_float_array
+from fingerpad._display import Displayed
 from fingerpad.exceptions import FitError
 from fingerpad.loading.estimate import Estimate
 
@@ -22,8 +23,8 @@ _HIGHEST_ORDER = 3
 _FARTHEST = 50.0
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class LeastSquaresFit:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class LeastSquaresFit(Displayed):
     """Parameters that minimise a sum of squares.
 
     Attributes

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fingerpad._arrays import FloatArray
+from fingerpad._display import Displayed
 from fingerpad.exceptions import LoadingError
 from fingerpad.loading.joint import FitData, JointFit
 from fingerpad.loading.models import secant_modulus
@@ -16,8 +17,8 @@ _NEAR_CONTACT = 0.2
 _FALL, _DEVIATIONS = 0.1, 3.0
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Secant:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class Secant(Displayed):
     """E_g (MPa) of rows in contact against indentation ξ (mm) and load W (N)."""
 
     load: FloatArray

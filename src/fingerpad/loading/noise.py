@@ -16,6 +16,7 @@ import numpy as np
 from scipy import linalg, optimize
 
 from fingerpad._arrays import BoolArray, FloatArray
+from fingerpad._display import Displayed
 
 # Gain in log-likelihood from which the two parameters of drifting noise are believed (as by AIC).
 _GAIN = 2.0
@@ -26,8 +27,8 @@ _DRIFT: Final = ("drift_std", "drift_time")
 _LOG_STEP = 0.1
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Noise:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class Noise(Displayed):
     """Noise of a record of n rows, m of them with an area.
 
     Attributes
@@ -235,8 +236,8 @@ def _std_bounds(first: Noise, residuals: tuple[FloatArray, FloatArray]) -> dict[
     }
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class NoiseUncertainty:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class NoiseUncertainty(Displayed):
     """How well a noise is known: names of its estimated deviations and the covariance of their logarithms."""
 
     names: tuple[str, ...]

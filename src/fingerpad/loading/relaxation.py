@@ -13,6 +13,7 @@ import numpy as np
 from scipy import signal
 
 from fingerpad._arrays import ArrayLike, FloatArray, as_float_array
+from fingerpad._display import Displayed
 from fingerpad._loading_curve import LoadingCurve
 from fingerpad.exceptions import FitError
 from fingerpad.loading.estimate import Quantity, Undetermined
@@ -42,8 +43,8 @@ class PronyTerm:
     time: Quantity
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Relaxation:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class Relaxation(Displayed):
     """The relaxation of a held load.
 
     Attributes
@@ -187,8 +188,8 @@ def _relax(time: FloatArray, elastic: FloatArray, shares: FloatArray, times: Flo
     return np.asarray(load)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class RidgeGrowth:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class RidgeGrowth(Displayed):
     """Ridge area that grows as A∞ − (A∞ − A0) exp(−t/τ).
 
     Attributes

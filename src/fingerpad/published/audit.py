@@ -119,7 +119,7 @@ def radius_with_misprint(ellipsoid: Ellipsoid, u: ArrayLike) -> FloatArray:
 
     Examples
     --------
-    >>> pad = Ellipsoid.of(palmar=7.9, distal=13.8, radial_ulnar=11.8)
+    >>> pad = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
     >>> float(radius_with_misprint(pad, 0.0).round(1))
     33.3
     """
@@ -141,7 +141,7 @@ def _table_2(method: str, axes: SemiAxes, u_deg: float, printed: Printed) -> Aud
     u = np.radians(u_deg)
 
     def mean_curvature_radius(*semi_axes: FloatArray) -> FloatArray:
-        return Ellipsoid.of(*semi_axes).curvature(u, np.pi / 2).mean_curvature_radius
+        return Ellipsoid(*semi_axes).curvature(u, np.pi / 2).mean_curvature_radius
 
     return _checked(
         f"Table 2, {method}, u = {u_deg:g}°",
@@ -150,7 +150,7 @@ def _table_2(method: str, axes: SemiAxes, u_deg: float, printed: Printed) -> Aud
         mean_curvature_radius,
         (axes.palmar, axes.distal, axes.radial_ulnar),
         formula=_MEAN_RADIUS,
-        with_misprint=lambda *semi_axes: radius_with_misprint(Ellipsoid.of(*semi_axes), u),
+        with_misprint=lambda *semi_axes: radius_with_misprint(Ellipsoid(*semi_axes), u),
     )
 
 
@@ -167,7 +167,7 @@ def _table_3(wedge: PublishedWedge, axes: SemiAxes) -> Iterator[AuditItem]:
         f"{name}, area",
         wedge.area_mm2,
         "mm²",
-        lambda major, minor: Ellipse.of(major, minor).area,
+        lambda major, minor: Ellipse(major, minor).area,
         (wedge.semi_major_mm, wedge.semi_minor_mm),
         formula="π ℓd ℓe",
     )
@@ -176,7 +176,7 @@ def _table_3(wedge: PublishedWedge, axes: SemiAxes) -> Iterator[AuditItem]:
         f"{name}, u",
         wedge.u_deg,
         "°",
-        lambda *semi_axes: np.degrees(_placement(Ellipsoid.of(*semi_axes), wedge).u),
+        lambda *semi_axes: np.degrees(_placement(Ellipsoid(*semi_axes), wedge).u),
         (axes.palmar, axes.distal, axes.radial_ulnar),
         formula=_PLACEMENT,
         remark=f"ellipse semi-axes; the direct ones give {np.degrees(_placement(direct, wedge).u):.2f}°",
@@ -227,21 +227,21 @@ def _pooled(wedge: PublishedWedge, _: SemiAxes) -> Iterator[AuditItem]:
 
 
 def _placement(ellipsoid: Ellipsoid, wedge: PublishedWedge) -> Placement:
-    return Placement.of(ellipsoid, wedge_angle=np.radians(wedge.wedge_angle_deg))
+    return Placement(ellipsoid, wedge_angle=np.radians(wedge.wedge_angle_deg))
 
 
 def _placed_radius(name: str, printed: Printed, wedge: PublishedWedge, axes: SemiAxes) -> AuditItem:
     """Audit R_0g at the place of contact on a wedge."""
 
     def misprint(*semi_axes: FloatArray) -> FloatArray:
-        ellipsoid = Ellipsoid.of(*semi_axes)
+        ellipsoid = Ellipsoid(*semi_axes)
         return radius_with_misprint(ellipsoid, _placement(ellipsoid, wedge).u)
 
     return _checked(
         name,
         printed,
         "mm",
-        lambda *semi_axes: _placement(Ellipsoid.of(*semi_axes), wedge).curvature.mean_curvature_radius,
+        lambda *semi_axes: _placement(Ellipsoid(*semi_axes), wedge).curvature.mean_curvature_radius,
         (axes.palmar, axes.distal, axes.radial_ulnar),
         formula=f"{_MEAN_RADIUS}, {_PLACEMENT}",
         with_misprint=misprint,
@@ -249,7 +249,7 @@ def _placed_radius(name: str, printed: Printed, wedge: PublishedWedge, axes: Sem
 
 
 def _corrected_radius(radius: FloatArray, semi_major: FloatArray, semi_minor: FloatArray) -> FloatArray:
-    return equivalent_radius_from_indentation(radius, Ellipse.of(semi_major, semi_minor).axis_ratio)
+    return equivalent_radius_from_indentation(radius, Ellipse(semi_major, semi_minor).axis_ratio)
 
 
 def _measured(name: str, printed: Printed, unit: str) -> AuditItem:

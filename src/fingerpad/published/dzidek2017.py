@@ -52,7 +52,7 @@ class SemiAxes:
     @property
     def ellipsoid(self) -> Ellipsoid:
         """The pad with these semi-axes."""
-        return Ellipsoid.of(self.palmar.value, self.distal.value, self.radial_ulnar.value)
+        return Ellipsoid(self.palmar.value, self.distal.value, self.radial_ulnar.value)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -14,15 +14,10 @@ from fingerpad.figures import (
     plot_relaxation,
     plot_secant_modulus,
 )
+from fingerpad.figures.loading import FORCE_MODEL_NAMES
 from fingerpad.loading import Estimate, LoadingCurve, LoadingFit, Relaxation, fit_relaxation, shape_check
 from fingerpad.report.plot import Plot
 from fingerpad.units import KPA_PER_MPA, value_with_uncertainty
-
-_LAWS = {
-    "load_dependent": "modulus growing with load",
-    "hertz": "Hertz",
-    "free_exponent": "free exponent",
-}
 
 
 def loading_plots(
@@ -114,8 +109,8 @@ class _Drawn:
     def laws(self) -> dict[str, tuple[FloatArray, FloatArray]]:
         """Return each fitted law as a line, the one that AICc prefers first."""
         depth = np.linspace(0, float(self.indentation.max()), 200)
-        order = sorted(self.fit.models, key=lambda law: self.fit.models[law].aicc)
-        return {_LAWS[law]: (depth, self.fit.models[law].load(depth + self.offset)) for law in order}
+        models = sorted(self.fit.models.values(), key=lambda model: model.aicc)
+        return {FORCE_MODEL_NAMES[model.law]: (depth, model.load(depth + self.offset)) for model in models}
 
     def relaxation(self) -> Relaxation | None:
         """Return the relaxation of the hold, None where there is none to fit."""

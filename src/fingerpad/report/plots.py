@@ -236,12 +236,12 @@ def thinned(rows: ResultsTable, most: int) -> ResultsTable:
 
 
 def _pad(result: StudyResult, summary: Summary, row: Row) -> Figure:
-    pad = Ellipsoid.of(*result.fingers[summary.finger].semi_axes)
+    pad = Ellipsoid(*result.fingers[summary.finger].semi_axes)
     wedge, roll = np.radians([summary.wedge_angle_deg, summary.roll_angle_deg])
-    radii = Placement.of(pad, wedge_angle=wedge, roll_angle=roll).curvature.principal_radii
+    radii = Placement(pad, wedge_angle=wedge, roll_angle=roll).curvature.principal_radii
     area = np.pi * row["semi_major_mm"] * row["semi_minor_mm"]
-    predicted = HertzGeometry.of(radii[0], radii[1]).at_area(area, reduced_modulus=1.0).ellipse
-    measured = Ellipse.of(row["semi_major_mm"], row["semi_minor_mm"]) if row["long_axis"] else None
+    predicted = HertzGeometry(radii[0], radii[1]).at_area(area, reduced_modulus=1.0).ellipse
+    measured = Ellipse(row["semi_major_mm"], row["semi_minor_mm"]) if row["long_axis"] else None
     angle = (
         row["orientation_deg"]
         if row["orientation_deg"] is not None

@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from fingerpad._arrays import Float32Array, FloatArray
+from fingerpad._arrays import Float32Array, FloatArray, check_radians
 from fingerpad.exceptions import GeometryError
 from fingerpad.geometry.ellipse import Ellipse
 
@@ -89,6 +89,8 @@ def render_coin(
     >>> coin.pixels.shape, round(float(coin.ellipse.semi_minor), 3)
     ((480, 640), 92.106)
     """
+    check_radians("orientation", orientation)
+    check_radians("tilt", tilt)
     if not radius > 0 or not abs(tilt) < math.pi / 2:
         raise GeometryError(f"a coin needs a positive radius and a tilt below 90°, found {radius} and {tilt}")
     rng = np.random.default_rng(seed)
@@ -104,7 +106,7 @@ def render_coin(
     exposed = small + rng.normal(0, noise_std, shape)
     return SyntheticCoin(
         pixels=np.clip(np.rint(exposed), 0, 255).astype(np.uint8),
-        ellipse=Ellipse.of(radius, radius * math.cos(tilt)),
+        ellipse=Ellipse(radius, radius * math.cos(tilt)),
         orientation=math.pi / 2 - (math.pi / 2 - orientation) % math.pi,
         centre=centre,
     )

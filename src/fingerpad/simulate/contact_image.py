@@ -13,7 +13,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from fingerpad._arrays import BoolArray, Float32Array, FloatArray, as_float32
+from fingerpad._arrays import BoolArray, Float32Array, FloatArray, as_float32, check_radians
 from fingerpad.exceptions import GeometryError
 from fingerpad.geometry.ellipse import Ellipse
 from fingerpad.simulate._disturbances import creases as crease_lines
@@ -129,7 +129,7 @@ def render_contact_image(
     Raises
     ------
     GeometryError
-        If a length is not positive, or the semi-axes are swapped.
+        If a length is not positive, the semi-axes are swapped, or the orientation is beyond a full turn.
 
     Examples
     --------
@@ -137,7 +137,8 @@ def render_contact_image(
     >>> truth.pixels.dtype, round(truth.gross_area, 1)
     (dtype('uint8'), 150.8)
     """
-    ellipse = Ellipse.of(semi_major, semi_minor)
+    check_radians("orientation", orientation)
+    ellipse = Ellipse(semi_major, semi_minor)
     for name, value in (("ppi", ppi), ("ridge_period", ridge_period)):
         if not value > 0:
             raise GeometryError(f"{name} must be positive, found {value}")
@@ -205,7 +206,7 @@ def _equal_area_ellipse(
     second = (reach**4 * unit) @ unit.T / t.size / 2 / share - np.outer(centre, centre)
     (minor, major), axes = np.linalg.eigh(second)
     radius, stretch = math.sqrt(ellipse.semi_major * ellipse.semi_minor * share), (major / minor) ** 0.25
-    return centre, Ellipse.of(radius * stretch, radius / stretch), math.atan2(axes[1, 1], axes[0, 1])
+    return centre, Ellipse(radius * stretch, radius / stretch), math.atan2(axes[1, 1], axes[0, 1])
 
 
 def _grid_index(length: float, grid: FloatArray) -> float:

@@ -100,7 +100,7 @@ def simulate_loading_curve(
             f"points, one cycle and relaxing shares below one in sum; found {positive}, {points}, "
             f"{cycles}, {relaxation}"
         )
-    sphere = HertzGeometry.of(loading_radius, loading_radius)
+    sphere = HertzGeometry(loading_radius, loading_radius)
     top_modulus = reduced_modulus(initial_modulus + load_coefficient * top_load, poisson_ratio)
     top = float(sphere.under_load(top_load, reduced_modulus=top_modulus).indentation)
     way = (top + approach) / rate

@@ -118,7 +118,7 @@ def render_sequence(
     check_all(np.isfinite(load) & (load >= 0), "load", load, "zero or positive, and finite", GeometryError)
     if radii[1] > radii[0]:
         raise GeometryError(f"the larger radius comes first, found {radii}")
-    contact = HertzGeometry.of(*radii).under_load(load, reduced_modulus=reduced_modulus)
+    contact = HertzGeometry(*radii).under_load(load, reduced_modulus=reduced_modulus)
     return SyntheticSequence(
         load=load,
         semi_major=contact.semi_major,

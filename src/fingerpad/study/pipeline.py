@@ -4,6 +4,7 @@ import hashlib
 from collections.abc import Callable, Iterable
 from dataclasses import asdict, replace
 from functools import cache
+from os import PathLike
 from pathlib import Path
 from typing import Final, TypeAlias
 
@@ -47,8 +48,8 @@ _DAMAGED: Final = f"{STORE_NAME}: the stored result of {{}} was damaged and is m
 
 
 def run_study(
-    manifest: Path,
-    out: Path,
+    manifest: str | PathLike[str],
+    out: str | PathLike[str],
     *,
     workers: int = 1,
     scheduler: str | None = None,
@@ -64,9 +65,9 @@ def run_study(
 
     Parameters
     ----------
-    manifest : Path
+    manifest : path-like
         The study's TOML file, or its folder.
-    out : Path
+    out : path-like
         Folder for results; made if it is not there.
     workers : int
         Number of processes that measure on this machine.
@@ -93,7 +94,7 @@ def run_study(
     ClusterError
         If the scheduler or its workers cannot be used.
     """
-    manifest = manifest_in(manifest)
+    manifest, out = manifest_in(Path(manifest)), Path(out)
     folder = manifest.absolute().parent
     parsed: dict[str, str] = {}
     study = read_study(manifest, lambda name, text: parsed.update({name: hashlib.sha256(text).hexdigest()}))

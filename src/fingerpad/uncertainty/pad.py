@@ -7,9 +7,10 @@ from typing import Final
 import numpy as np
 
 from fingerpad._arrays import ArrayLike, FloatArray, check_all
-from fingerpad.contact import PadContact, pad_contact
+from fingerpad.contact.pad import PadContact, pad_contact_kernel
 from fingerpad.exceptions import UncertaintyError
-from fingerpad.geometry import Ellipsoid
+from fingerpad.geometry.ellipsoid import principal_radii_kernel
+from fingerpad.geometry.placement import platen_normal_kernel
 from fingerpad.uncertainty.covariance import covariance_root
 from fingerpad.uncertainty.propagate import Propagated, propagate
 from fingerpad.uncertainty.quantities import Groups, Inputs, Quantity
@@ -90,10 +91,9 @@ def pad_model(
     13.608
     """
     half = np.exp(0.5 * elongation)
-    contact = pad_contact(
-        Ellipsoid(palmar=palmar, distal=distal, radial_ulnar=radial_ulnar),
-        wedge_angle=wedge_angle,
-        roll_angle=roll_angle,
+    normal = platen_normal_kernel(wedge_angle, roll_angle)
+    contact = pad_contact_kernel(
+        principal_radii_kernel(palmar, distal, radial_ulnar, normal=normal),
         load=load,
         semi_major=image_scale * contact_radius * half,
         semi_minor=image_scale * contact_radius / half,

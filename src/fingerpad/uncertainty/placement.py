@@ -3,7 +3,8 @@
 import numpy as np
 
 from fingerpad._arrays import FloatArray
-from fingerpad.geometry import Ellipsoid, platen_normal
+from fingerpad.geometry.ellipsoid import principal_radii_kernel
+from fingerpad.geometry.placement import platen_normal_kernel
 
 
 def placement_model(
@@ -42,9 +43,9 @@ def placement_model(
     >>> print(f"{propagate(placement_model, inputs)['mean_curvature_radius']:.2f}")
     13.61 ± 0.18
     """
-    normal = platen_normal(wedge_angle, roll_angle)
-    pad = Ellipsoid(palmar=palmar, distal=distal, radial_ulnar=radial_ulnar)
-    in_plane, transverse = np.moveaxis(pad.principal_radii_at_normal(normal), -1, 0)
+    normal = platen_normal_kernel(wedge_angle, roll_angle)
+    radii = principal_radii_kernel(palmar, distal, radial_ulnar, normal=normal)
+    in_plane, transverse = np.moveaxis(radii, -1, 0)
     x, y = palmar * normal[..., 0], distal * normal[..., 1]
     return {
         "in_plane_radius": in_plane,

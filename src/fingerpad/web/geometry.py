@@ -50,9 +50,9 @@ class GeometryParams(PadParams):
 def geometry(workspace: Workspace, _: Any, params: GeometryParams) -> dict[str, Any]:
     """Return where the platen touches, how the pad is curved there, and what to draw."""
     axes, covariance, angle_stds = _pad(workspace, params)
-    pad = Ellipsoid.of(*axes)
+    pad = Ellipsoid(*axes)
     wedge, roll = np.radians([params.wedge_angle_deg, params.roll_angle_deg])
-    placement = Placement.of(pad, wedge_angle=wedge, roll_angle=roll)
+    placement = Placement(pad, wedge_angle=wedge, roll_angle=roll)
     turn = np.linspace(0, 2 * np.pi, 2 * params.detail + 1)
     height = np.linspace(0, np.pi, params.detail + 1)
     mesh = pad.point(turn[:, None], height)
@@ -156,7 +156,7 @@ def pad_svg(workspace: Workspace, params: PadParams, _: Any) -> Response:
         figure, (panel,) = new_figure(height_mm=95)
         plot_pad_with_contact(
             panel,
-            Ellipsoid.of(*axes),
+            Ellipsoid(*axes),
             wedge_angle=float(np.radians(params.wedge_angle_deg)),
             roll_angle=float(np.radians(params.roll_angle_deg)),
             synthetic=params.synthetic,
@@ -171,7 +171,7 @@ def wedge_svg(workspace: Workspace, params: PadParams, _: Any) -> Response:
     with DRAWING:
         figure, (panel,) = new_figure(height_mm=95)
         wedge = float(np.radians(params.wedge_angle_deg))
-        plot_wedge(panel, Ellipsoid.of(*axes), wedge_angle=wedge, synthetic=params.synthetic)
+        plot_wedge(panel, Ellipsoid(*axes), wedge_angle=wedge, synthetic=params.synthetic)
         words = f"The finger on its wedge of {params.wedge_angle_deg:g}°, in section"
         return _svg(figure_svg(figure, "wedge", description=words))
 

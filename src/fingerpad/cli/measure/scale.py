@@ -75,7 +75,7 @@ def scale_of_flags(
     if ppi is not None:
         return Scale.of_ppi(ppi, ppi * relative)
     if mm_per_px is not None:
-        return Scale.of_mm_per_px(mm_per_px, mm_per_px * relative)
+        return Scale(mm_per_px, mm_per_px * relative)
     if scale_line is not None:
         return _of_line(scale_line, line_mm, line_mm_std or 0.0, line_px_std or 0.0)
     return None if coin is None else _of_coin(coin, coin_mm, coin_mm_std or 0.0)

@@ -20,6 +20,7 @@ from fingerpad.image.coin._circle_detection import (
 )
 from fingerpad.image.ellipse import PlaneEllipse, orientation_of
 from fingerpad.image.ellipse_fit import fit_ellipse
+from fingerpad.image.inputs import ImageLike, grey_levels
 from fingerpad.image.scale import Scale
 
 _WORKING_SIDE = 640
@@ -102,7 +103,7 @@ class Coin:
         )
 
 
-def measure_coin(pixels: npt.ArrayLike) -> Coin:
+def measure_coin(image: ImageLike) -> Coin:
     """Find the one coin in a picture, to a fraction of a pixel.
 
     Ellipses are fitted through contours at many grey levels, then through the steepest places along their
@@ -112,8 +113,8 @@ def measure_coin(pixels: npt.ArrayLike) -> Coin:
 
     Parameters
     ----------
-    pixels : array_like, (rows, columns)
-        Grey levels of any real type.
+    image : array_like, (rows, columns), path-like or Picture
+        Grey levels of any real type, or the file that holds them.
 
     Returns
     -------
@@ -139,7 +140,7 @@ def measure_coin(pixels: npt.ArrayLike) -> Coin:
     >>> abs(scale.mm_per_px / (23.25 / 240) - 1) < 0.002
     True
     """
-    values = _grey_levels(pixels)
+    values = _grey_levels(grey_levels(image))
     step = max(1.0, max(values.shape) / _WORKING_SIDE)
     small = cv2.resize(values, None, fx=1 / step, fy=1 / step, interpolation=cv2.INTER_AREA)
     chosen, shadowed = _coin_outline(np.asarray(small, dtype=np.float32))

@@ -66,7 +66,7 @@ def assemble_result(
     (semi_major, semi_minor, gross_area, ridge_area), covariance = _in_mm(contact, scale)
     column, row = contact.moments.centroid
     return ContactImageResult(
-        ellipse=Ellipse.of(semi_major, semi_minor),
+        ellipse=Ellipse(semi_major, semi_minor),
         orientation=contact.moments.orientation,
         centroid=(float(row), float(column)),
         outline=contact.outline[:, ::-1],

@@ -1,17 +1,18 @@
 """Measure a contact image: the contact ellipse, gross and ridge areas, and the ridge period."""
 
+from dataclasses import replace
 from typing import Unpack
 
-import numpy.typing as npt
+import numpy as np
 
 from fingerpad.image.contact_image.options import ContactImageOptions
 from fingerpad.image.contact_image.prepare import prepare_contact_image
 from fingerpad.image.contact_image.result import ContactImageResult
-from fingerpad.image.scale import Scale
+from fingerpad.image.inputs import ImageLike, ScaleLike, as_scale, grey_levels
 
 
 def measure_contact_image(
-    pixels: npt.ArrayLike, scale: Scale, **options: Unpack[ContactImageOptions]
+    image: ImageLike, scale: ScaleLike, **options: Unpack[ContactImageOptions]
 ) -> ContactImageResult:
     """Measure the contact patch in a grey contact image.
 
@@ -27,9 +28,9 @@ def measure_contact_image(
 
     Parameters
     ----------
-    pixels : array_like, (rows, columns)
-        Grey levels of any real type.
-    scale : Scale
+    image : array_like, (rows, columns), path-like or Picture
+        Grey levels of any real type, or the file that holds them.
+    scale : Scale or float
         Millimetres per pixel.
     **options
         Polarity, threshold, region and so on: see `ContactImageOptions`.
@@ -41,8 +42,10 @@ def measure_contact_image(
     Raises
     ------
     ImageError
-        If the array is not a grey image, is not finite, shows no contact, or none at `seed`; or an option
+        If the image is not a grey picture, is not finite, shows no contact, or none at `seed`; or an option
         is not as described.
+    CalibrationError
+        If a number is no length of a pixel, mm.
 
     Examples
     --------
@@ -53,4 +56,6 @@ def measure_contact_image(
     >>> abs(contact_image.gross_area / truth.gross_area - 1) < 0.03, contact_image.flags
     (True, ())
     """
-    return prepare_contact_image(pixels, scale, **options).contact_image
+    pixels = grey_levels(image)
+    prepared = prepare_contact_image(pixels, as_scale(scale), **options)
+    return replace(prepared.contact_image, _picture=np.asarray(pixels))

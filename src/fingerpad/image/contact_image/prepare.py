@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fingerpad._arrays import BoolArray
+from fingerpad._display import Displayed
 from fingerpad.exceptions import ImageError
 from fingerpad.image._arguments import number_array
 from fingerpad.image.contact_image._assemble import LOW_CONTRAST, ContactRegion, RidgeImage, assemble_result
@@ -38,8 +39,8 @@ _NO_CONTRAST = 2.5
 _OTHER_REGION = 0.2
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class PreparedContactImage:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class PreparedContactImage(Displayed):
     """A contact image with its ridges found: cheap to measure again with other corrections.
 
     Attributes

@@ -6,8 +6,11 @@ from typing import Any, TypedDict
 
 import cv2
 import numpy as np
+import numpy.typing as npt
 
 from fingerpad._arrays import BoolArray, FloatArray
+from fingerpad._display import Displayed
+from fingerpad._records import record_text
 from fingerpad.geometry.ellipse import Ellipse
 from fingerpad.image.contact_image._region import UInt8
 from fingerpad.image.contact_image._working_image import WorkingImage
@@ -33,8 +36,8 @@ class ContactImageSettings(TypedDict):
     dark_on_light: bool
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class ContactImageResult:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class ContactImageResult(Displayed):
     """What a contact image shows of one contact.
 
     Attributes
@@ -85,6 +88,16 @@ class ContactImageResult:
     _view: WorkingImage
     _amount: UInt8
     _ridge_level: float
+    _picture: npt.NDArray[Any] | None = None
+
+    @property
+    def picture(self) -> npt.NDArray[Any] | None:
+        """The grey levels that were measured, None where they are not kept."""
+        return self._picture
+
+    def summary(self) -> str:
+        """Return the measured numbers in words, one line each."""
+        return record_text("Contact image", self.as_record())
 
     def as_record(self) -> dict[str, Any]:
         """Return the numbers under names with units, for tables and scripts."""

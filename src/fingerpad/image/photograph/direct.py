@@ -43,7 +43,7 @@ def direct_semi_axes(
     Examples
     --------
     >>> marks = {"centre": (300, 200), "across_end": (300, 436), "along_end": (24, 200)}
-    >>> direct_semi_axes("palmar", Scale.of_mm_per_px(0.05), **marks).semi_axes.tolist()
+    >>> direct_semi_axes("palmar", Scale(0.05), **marks).semi_axes.tolist()
     [11.8, 13.8]
     """
     ends = as_float_array([across_end, along_end]) - as_float_array(centre)

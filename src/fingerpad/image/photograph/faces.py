@@ -18,6 +18,7 @@ from scipy.linalg import block_diag, solve_triangular
 from scipy.optimize import brentq
 
 from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, as_float_array
+from fingerpad._display import Displayed
 from fingerpad.exceptions import FitError
 from fingerpad.geometry.faces import FACE_AXES, SEMI_AXES, Face
 
@@ -31,8 +32,8 @@ _DISAGREE = 0.01
 _MAX_BETWEEN_STD = 0.3
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class FaceSemiAxes:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class FaceSemiAxes(Displayed):
     """The two semi-axes that one face shows, however they were measured.
 
     Attributes
@@ -56,8 +57,8 @@ class FaceSemiAxes:
     scale: str | None = None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class OutlineSemiAxes:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class OutlineSemiAxes(Displayed):
     """Semi-axes of a finger pad from two or more of its faces.
 
     Attributes

@@ -8,7 +8,7 @@ from typing import TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, as_float_array
+from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, as_float_array, check_radians
 from fingerpad.exceptions import FitError, ImageError
 from fingerpad.geometry.faces import Direction, Face, face_axes, palmar_directions
 from fingerpad.image.ellipse import rotation
@@ -64,11 +64,13 @@ def photograph_from_ellipse(
     ------
     ImageError
         If a number is not finite, a semi-axis not positive, or face and directions do not agree.
+    GeometryError
+        If the lean is beyond a full turn, as degrees are.
 
     Examples
     --------
     >>> fit = photograph_from_ellipse(
-    ...     "palmar", Scale.of_mm_per_px(0.05), centre=(300, 200), semi_axes=(236, 276)
+    ...     "palmar", Scale(0.05), centre=(300, 200), semi_axes=(236, 276)
     ... )
     >>> {name: round(value, 3) for name, value in fit.semi_axes_mm.items()}
     {'radial_ulnar': 11.8, 'distal': 13.8}
@@ -78,6 +80,7 @@ def photograph_from_ellipse(
             f"an ellipse needs a finite centre and lean and two positive semi-axes, found {centre}, "
             f"{math.degrees(lean):g} degrees, {semi_axes}"
         )
+    check_radians("lean", lean)
     side = palmar_directions(face, tip, palmar)[0]
     semi_px = as_float_array(semi_axes)
     semi_mm = semi_px * scale.mm_per_px
@@ -129,7 +132,7 @@ def photograph_from_handles(
 
     Examples
     --------
-    >>> scale = Scale.of_mm_per_px(0.05)
+    >>> scale = Scale(0.05)
     >>> fit = photograph_from_handles(
     ...     "palmar", scale, centre=(300, 200), across_end=(300, 436), along_end=(24, 200)
     ... )
@@ -187,7 +190,7 @@ def with_marked_points(
     >>> from fingerpad.image import measure_photograph
     >>> from fingerpad.simulate import render_finger
     >>> truth = render_finger("palmar", semi_axes=(11.8, 13.8), seed=1)
-    >>> found = measure_photograph(truth.pixels, "palmar", Scale.of_mm_per_px(truth.mm_per_px))
+    >>> found = measure_photograph(truth.pixels, "palmar", Scale(truth.mm_per_px))
     >>> fewer = with_marked_points(found, erased=[([found.points[0]], 20)])
     >>> len(fewer.points) < len(found.points), round(fewer.semi_axes_mm["radial_ulnar"])
     (True, 12)

@@ -7,14 +7,18 @@ that is pad chosen, and an ellipse along the finger's axis fitted to it by least
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import Any, Self
 
 import numpy as np
 import numpy.typing as npt
 
 from fingerpad._arrays import ArrayLike, FloatArray
+from fingerpad._display import Displayed
+from fingerpad._records import record_text
 from fingerpad.exceptions import FitError, ImageError
 from fingerpad.geometry.faces import FACE_AXES, Direction, Face, face_axes, opposite, palmar_directions
 from fingerpad.image.ellipse import rotation
+from fingerpad.image.inputs import ImageLike, ScaleLike, as_scale, colour_levels
 from fingerpad.image.photograph._arc import (
     PAD_MIDDLE,
     PadArc,
@@ -64,8 +68,8 @@ _MIN_POINTS = 24
 _MAX_POINTS = 1000
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class PhotographFit:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class PhotographFit(Displayed):
     """The ellipse of a finger pad in a photograph of one face.
 
     Attributes
@@ -111,6 +115,24 @@ class PhotographFit:
     residual_px_std: float
     blur_px: float
     flags: frozenset[str]
+    _picture: npt.NDArray[Any] | None = None
+
+    @property
+    def picture(self) -> npt.NDArray[Any] | None:
+        """The photograph that was measured, None where it is not kept."""
+        return self._picture
+
+    def summary(self) -> str:
+        """Return the measured numbers in words, one line each."""
+        stds = self.semi_axes_mm_std
+        axes = {
+            key: number
+            for name, value in self.semi_axes_mm.items()
+            for key, number in ((f"{name}_mm", value), (f"{name}_mm_std", stds[name]))
+        }
+        return record_text(
+            f"Photograph of the {self.face} face", {**axes, "arc_deg": self.arc_deg, "flags": self.flags}
+        )
 
     @property
     def covariance(self) -> FloatArray:
@@ -155,6 +177,10 @@ class PhotographFit:
         ends = self.directions * self.semi_axes[:, None] / self.scale.mm_per_px
         return np.stack([centre, *(centre + ends)])
 
+    def without_picture(self) -> Self:
+        """Return the same without the picture that was measured, which takes memory where many are kept."""
+        return replace(self, _picture=None)
+
     def ellipse_points(self, count: int = 361) -> FloatArray:
         """Return points (row, column) round the ellipse, px."""
         t = np.linspace(0, 2 * math.pi, count)
@@ -163,9 +189,9 @@ class PhotographFit:
 
 
 def measure_photograph(
-    pixels: npt.ArrayLike,
+    image: ImageLike,
     face: Face,
-    scale: Scale,
+    scale: ScaleLike,
     *,
     tip: Direction = "up",
     palmar: Direction | None = None,
@@ -181,12 +207,12 @@ def measure_photograph(
 
     Parameters
     ----------
-    pixels : array_like, (rows, columns) or (rows, columns, 3)
-        Grey levels or red, green, blue, sRGB. A fourth channel is left aside.
+    image : array_like, (rows, columns) or (rows, columns, 3), path-like or Picture
+        Grey levels or red, green, blue, sRGB, or the file that holds them. A fourth channel is left aside.
     face : {"palmar", "distal", "radial", "ulnar"}
         The face that looks at the camera.
-    scale : Scale
-        Scale of the photograph.
+    scale : Scale or float
+        Millimetres per pixel.
     tip : {"up", "down", "left", "right"}
         Where the fingertip points.
     palmar : {"up", "down", "left", "right"}, optional
@@ -207,17 +233,20 @@ def measure_photograph(
         If the picture, region or marks are no good, no finger stands out, or the frame cuts the pad.
     FitError
         If the outline found does not determine an ellipse.
+    CalibrationError
+        If a number is no length of a pixel, mm.
 
     Examples
     --------
     >>> from fingerpad.image import Scale
     >>> from fingerpad.simulate import render_finger
     >>> truth = render_finger("palmar", semi_axes=(11.8, 13.8), seed=1)
-    >>> found = measure_photograph(truth.pixels, "palmar", Scale.of_mm_per_px(truth.mm_per_px))
+    >>> found = measure_photograph(truth.pixels, "palmar", Scale(truth.mm_per_px))
     >>> {name: round(value) for name, value in found.semi_axes_mm.items()}
     {'radial_ulnar': 12, 'distal': 14}
     """
     sides = palmar_directions(face, tip, palmar)
+    pixels, scale = colour_levels(image), as_scale(scale)
     light = opponent_light(check_image(pixels))
     size = (light.shape[0], light.shape[1])
     window = None if region_of_interest is None else check_window(region_of_interest, size)
@@ -237,7 +266,7 @@ def measure_photograph(
             errors.append(error)
     if not tried:
         raise errors[0]
-    return max(tried, key=_merit)
+    return replace(max(tried, key=_merit), _picture=np.asarray(pixels))
 
 
 def _merit(found: PhotographFit) -> float:

@@ -30,7 +30,7 @@ _MIN_FREEDOM = 3.0
 _TWO_SIDED_95 = 1.959964
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class OutlineFit(EllipseFit):
     """An ellipse fitted to ordered points; its covariance allows for their correlated errors.
 

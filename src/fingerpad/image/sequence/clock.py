@@ -34,7 +34,7 @@ def frame_clock(
 
     Examples
     --------
-    >>> force = ForceSignal.of([2.0, 2.1, 2.2], [0.0, 1.0, 2.0], trigger=[0.0, 5.0, 5.0])
+    >>> force = ForceSignal([2.0, 2.1, 2.2], [0.0, 1.0, 2.0], trigger=[0.0, 5.0, 5.0])
     >>> [round(frame_clock(10, force, start_time=t).time_of(0, None), 3) for t in (None, 1.0)]
     [2.05, 1.0]
     """
@@ -46,4 +46,4 @@ def frame_clock(
         if force.trigger is not None:
             return FrameRate.of_trigger(frames_per_second, force)
         start_time = force.span[0]
-    return FrameRate.of(frames_per_second, anchor_time=start_time or 0.0)
+    return FrameRate(frames_per_second, anchor_time=start_time or 0.0)

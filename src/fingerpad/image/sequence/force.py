@@ -2,15 +2,16 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from os import PathLike
 from pathlib import Path
 from typing import Self, TypeAlias
 
 import numpy as np
 
-from fingerpad._arrays import ArrayLike, FloatArray, as_float_array
+from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, set_fields
 from fingerpad._columns import read_columns
+from fingerpad._display import Displayed
 from fingerpad.exceptions import LoadingError
 
 _MIN_SAMPLES = 2
@@ -18,40 +19,37 @@ _MIN_SAMPLES = 2
 _REVERSED = 2.0
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class ForceSignal:
+@dataclass(frozen=True, slots=True, init=False, eq=False, repr=False)
+class ForceSignal(Displayed):
     """Normal force against time, at a rate of its own.
 
     Attributes
     ----------
-    time : ndarray, (n,)
+    time : array_like, (n,)
         Times of the samples, s, strictly increasing.
-    load : ndarray, (n,)
+    load : array_like, (n,)
         Normal force W, N, from the instrument's own zero, positive in compression.
-    trigger : ndarray or None, (n,)
+    trigger : array_like or None, (n,)
         Level of the line that starts the camera, V, where it was recorded.
+
+    Raises
+    ------
+    LoadingError
+        If there are fewer than two samples, the lengths differ, a value is not finite, or time does not
+        increase from each sample to the next.
 
     Examples
     --------
-    >>> signal = ForceSignal.of([0.0, 0.1, 0.2], [0.0, 1.0, 2.0])
+    >>> signal = ForceSignal([0.0, 0.1, 0.2], [0.0, 1.0, 2.0])
     >>> signal.load_at([0.05, 0.25])
     array([0.5, nan])
     """
 
     time: FloatArray
     load: FloatArray
-    trigger: FloatArray | None = None
+    trigger: FloatArray | None
 
-    @classmethod
-    def of(cls, time: ArrayLike, load: ArrayLike, trigger: ArrayLike | None = None) -> Self:
-        """Check samples and make a signal of them.
-
-        Raises
-        ------
-        LoadingError
-            If there are fewer than two samples, the lengths differ, a value is not finite, or time does not
-            increase from each sample to the next.
-        """
+    def __init__(self, time: ArrayLike, load: ArrayLike, trigger: ArrayLike | None = None) -> None:
         time, load = as_float_array(time), as_float_array(load)
         channels = {"time": time, "load": load} | (
             {} if trigger is None else {"trigger": as_float_array(trigger)}
@@ -67,7 +65,7 @@ class ForceSignal:
                     f"{name} is not finite at sample {_first(~np.isfinite(values))}: fill it or cut it off"
                 )
         _require_increasing(time, "time")
-        return cls(time=time, load=load, trigger=channels.get("trigger"))
+        set_fields(self, time=time, load=load, trigger=channels.get("trigger"))
 
     @property
     def span(self) -> tuple[float, float]:
@@ -76,7 +74,8 @@ class ForceSignal:
 
     def load_at(self, time: ArrayLike) -> FloatArray:
         """Return the load at some times by linear interpolation, NaN outside the signal."""
-        return np.asarray(np.interp(as_float_array(time), self.time, self.load, left=np.nan, right=np.nan))
+        found = np.interp(as_float_array(time), self.time, self.load, left=np.nan, right=np.nan)
+        return np.asarray(found)[()]
 
     def trigger_time(self) -> float:
         """Return when the trigger first rises through half of its range, s.
@@ -114,7 +113,7 @@ class ForceSignal:
         return found
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class FrameRate:
     """A camera's steady clock on the time of the force signal.
 
@@ -127,39 +126,34 @@ class FrameRate:
     anchor_frame : int or None
         Number of the anchor frame; None for the first-contact frame, found in the pictures.
 
+    Raises
+    ------
+    LoadingError
+        If the rate is not positive and finite, or the time not finite.
+
     Examples
     --------
-    >>> FrameRate.of(1000, anchor_time=0.5).time_of(250, first_contact=None)
+    >>> FrameRate(1000, anchor_time=0.5).time_of(250, first_contact=None)
     0.75
     """
 
     frames_per_second: float
-    anchor_time: float = 0.0
-    anchor_frame: int | None = 0
+    anchor_time: float = field(default=0.0, kw_only=True)
+    anchor_frame: int | None = field(default=0, kw_only=True)
 
-    @classmethod
-    def of(cls, frames_per_second: float, *, anchor_time: float = 0.0, anchor_frame: int | None = 0) -> Self:
-        """Check a rate and an anchor.
-
-        Raises
-        ------
-        LoadingError
-            If the rate is not positive and finite, or the time not finite.
-        """
-        if not (math.isfinite(frames_per_second) and frames_per_second > 0):
-            raise LoadingError(f"frames_per_second must be positive and finite, found {frames_per_second}")
-        if not math.isfinite(anchor_time):
-            raise LoadingError(f"anchor_time must be finite, found {anchor_time}")
-        return cls(
-            frames_per_second=float(frames_per_second),
-            anchor_time=float(anchor_time),
-            anchor_frame=anchor_frame,
-        )
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.frames_per_second) and self.frames_per_second > 0):
+            raise LoadingError(
+                f"frames_per_second must be positive and finite, found {self.frames_per_second}"
+            )
+        if not math.isfinite(self.anchor_time):
+            raise LoadingError(f"anchor_time must be finite, found {self.anchor_time}")
+        set_fields(self, frames_per_second=float(self.frames_per_second), anchor_time=float(self.anchor_time))
 
     @classmethod
     def of_trigger(cls, frames_per_second: float, signal: ForceSignal, *, frame: int = 0) -> Self:
         """Put the frame that the trigger starts at the trigger's rise."""
-        return cls.of(frames_per_second, anchor_time=signal.trigger_time(), anchor_frame=frame)
+        return cls(frames_per_second, anchor_time=signal.trigger_time(), anchor_frame=frame)
 
     @classmethod
     def of_contact(cls, frames_per_second: float, signal: ForceSignal, threshold: float) -> Self:
@@ -168,7 +162,7 @@ class FrameRate:
         The pictures show contact from some ridges on: the frame is late by that and by up to one frame, and
         so are all the times.
         """
-        return cls.of(frames_per_second, anchor_time=signal.contact_time(threshold), anchor_frame=None)
+        return cls(frames_per_second, anchor_time=signal.contact_time(threshold), anchor_frame=None)
 
     def time_of(self, index: int, first_contact: int | None) -> float:
         """Return the time of a frame, s, NaN while its anchor is unknown."""
@@ -176,32 +170,29 @@ class FrameRate:
         return math.nan if anchor is None else self.anchor_time + (index - anchor) / self.frames_per_second
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class FrameStamps:
+@dataclass(frozen=True, slots=True, init=False, eq=False, repr=False)
+class FrameStamps(Displayed):
     """Time stamps of the frames, on the time of the force signal.
 
     Attributes
     ----------
-    time : ndarray, (n,)
+    time : array_like, (n,)
         One for each frame, s, strictly increasing.
+
+    Raises
+    ------
+    LoadingError
+        If one is not finite or time does not increase.
     """
 
     time: FloatArray
 
-    @classmethod
-    def of(cls, time: ArrayLike) -> Self:
-        """Check time stamps.
-
-        Raises
-        ------
-        LoadingError
-            If one is not finite or time does not increase.
-        """
+    def __init__(self, time: ArrayLike) -> None:
         time = as_float_array(time)
         if time.ndim != 1 or not time.size or not np.isfinite(time).all():
             raise LoadingError(f"time stamps must be a row of finite times, found shape {time.shape}")
         _require_increasing(time, "time of the frames")
-        return cls(time=time)
+        set_fields(self, time=time)
 
     def time_of(self, index: int, first_contact: int | None) -> float:  # noqa: ARG002
         """Return the time of a frame, s, NaN past the last stamp."""
@@ -230,7 +221,7 @@ def read_force_signal(path: str | PathLike[str], columns: Mapping[str, str] | No
     path = Path(path)
     found = read_columns(path, ("time", "force"), ("trigger",), columns=columns)
     try:
-        signal = ForceSignal.of(found["time"], found["force"], found.get("trigger"))
+        signal = ForceSignal(found["time"], found["force"], found.get("trigger"))
     except LoadingError as error:
         raise LoadingError(f"{path}: {error}") from error
     low, high = float(signal.load.min()), float(signal.load.max())
@@ -254,7 +245,7 @@ def read_frame_stamps(path: str | PathLike[str], columns: Mapping[str, str] | No
     """
     path = Path(path)
     try:
-        return FrameStamps.of(read_columns(path, ("time",), columns=columns)["time"])
+        return FrameStamps(read_columns(path, ("time",), columns=columns)["time"])
     except LoadingError as error:
         raise LoadingError(str(error) if str(path) in str(error) else f"{path}: {error}") from error
 

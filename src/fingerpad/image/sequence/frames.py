@@ -13,6 +13,7 @@ import cv2
 import numpy as np
 import tifffile
 
+from fingerpad._display import Displayed
 from fingerpad.exceptions import ImageError
 from fingerpad.image._levels import Pixels, luma
 from fingerpad.image._memory import MEMORY_LIMIT, check_memory
@@ -25,8 +26,8 @@ PICTURE_SUFFIXES: Final = frozenset({".png", ".tif", ".tiff", ".jpg", ".jpeg", "
 _TIFF_SUFFIXES: Final = frozenset({".tif", ".tiff"})
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Frame:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class Frame(Displayed):
     """One frame of a sequence.
 
     Attributes

@@ -14,6 +14,7 @@ from fingerpad.image._levels import Pixels
 from fingerpad.image.contact_image.measure import measure_contact_image
 from fingerpad.image.contact_image.options import MeasurementRegion
 from fingerpad.image.contact_image.result import ContactImageResult
+from fingerpad.image.inputs import ScaleLike, as_scale
 from fingerpad.image.scale import Scale
 from fingerpad.image.sequence.force import ForceSignal, FrameClock
 from fingerpad.image.sequence.frames import Frame
@@ -34,7 +35,7 @@ PERSISTENCE: Final = 3
 
 def measure_sequence(
     frames: Iterable[Frame],
-    scale: Scale,
+    scale: ScaleLike,
     *,
     clock: FrameClock | None = None,
     force: ForceSignal | None = None,
@@ -58,7 +59,7 @@ def measure_sequence(
     ----------
     frames : iterable of Frame
         The sequence, as `open_frames` returns it: it must be possible to go through it twice.
-    scale : Scale
+    scale : Scale or float
         Millimetres per pixel.
     clock : FrameRate or FrameStamps, optional
         Times of the frames on the clock of the force signal. Without it times are NaN.
@@ -86,6 +87,7 @@ def measure_sequence(
     """
     if force is not None and clock is None:
         raise LoadingError("a force signal needs the times of the frames: give frames per second, or stamps")
+    scale = as_scale(scale)
     if settings is None:
         settings = estimate_settings(frames, scale, dark_on_light=dark_on_light, threshold=threshold, **place)
     measured = measure_frames(frames, scale, settings, watch=watch, **place)

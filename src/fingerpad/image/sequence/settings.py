@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fingerpad._arrays import FloatArray
+from fingerpad._display import Displayed
 from fingerpad.exceptions import ImageError
 from fingerpad.image._levels import Pixels
 from fingerpad.image.contact_image._cropping import crop_grey
@@ -27,8 +28,8 @@ _TEXTURE_WINDOW_MM: Final = 1.5
 _MIN_TEXTURE: Final = 0.01
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class TextureScan:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class TextureScan(Displayed):
     """A first look at frames, before any is measured.
 
     Attributes
@@ -63,8 +64,8 @@ class TextureScan:
         return tuple(sorted(self.index[most].tolist()))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class SequenceSettings:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class SequenceSettings(Displayed):
     """How every frame of one sequence is read.
 
     Attributes

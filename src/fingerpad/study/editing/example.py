@@ -12,7 +12,7 @@ from fingerpad.image import FACE_AXES, Face
 from fingerpad.simulate import render_contact_image, render_finger, simulate_loading_curve
 from fingerpad.study.editing.template import write_manifest
 
-_PAD: Final = Ellipsoid.of(palmar=7.9, distal=13.8, radial_ulnar=11.8)
+_PAD: Final = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
 _FACES: Final[tuple[Face, ...]] = ("palmar", "distal", "radial")
 _WEDGE_DEG: Final = 30
 _LOADS: Final = (0.5, 1.0, 2.0)
@@ -65,8 +65,8 @@ def write_example(folder: Path) -> Path:
         across, along = (float(getattr(_PAD, axis)) for axis in FACE_AXES[face])
         photograph = render_finger(face, semi_axes=(across, along), mm_per_px=_MM_PER_PX, seed=seed)
         Image.fromarray(photograph.pixels).save(folder / f"photograph_{face}.jpg", quality=92)
-    radii = Placement.of(_PAD, wedge_angle=np.radians(_WEDGE_DEG)).curvature.principal_radii
-    geometry = HertzGeometry.of(*radii)
+    radii = Placement(_PAD, wedge_angle=np.radians(_WEDGE_DEG)).curvature.principal_radii
+    geometry = HertzGeometry(*radii)
     for seed, load in enumerate(_LOADS):
         contact = geometry.under_load(load, reduced_modulus=_REDUCED_MODULUS)
         image = render_contact_image(

@@ -147,7 +147,7 @@ def curve_key(curve: Curve, keys: CacheKeys) -> str:
 
 def curve_tasks(finger: FingerResult, keys: CacheKeys) -> Iterator[Task]:
     """Yield a task for each loading curve of a finger whose photographs are measured."""
-    pad = None if finger.reason is not None else Ellipsoid.of(*finger.semi_axes)
+    pad = None if finger.reason is not None else Ellipsoid(*finger.semi_axes)
     for item, curve in curve_items(keys.study):
         if curve.finger == finger.name:
             yield Task(
@@ -272,7 +272,7 @@ def _shape(pad: Ellipsoid | None, curve: Curve, fit: LoadingFit, poisson_ratio: 
     if pad is None or not isinstance(initial, Estimate) or not isinstance(growth, Estimate):
         return None
     wedge = math.radians(curve.wedge_angle_deg)
-    radius = float(Placement.of(pad, wedge_angle=wedge).curvature.geometric_mean_radius)
+    radius = float(Placement(pad, wedge_angle=wedge).curvature.geometric_mean_radius)
     loads = np.linspace(0, fit.modulus_load, _SHAPE_LOADS + 1)[1:]
     moduli = reduced_modulus(initial.value + growth.value * loads, poisson_ratio)
     try:

@@ -89,7 +89,7 @@ def _found(table: ScaleTable, folder: Path, name: str | None = None) -> FoundSca
             point_px_std=table.ends_px_std,
         )
     elif isinstance(table, PitchScale):
-        scale = Scale.of_mm_per_px(table.mm_per_px, table.mm_per_px * table.relative_std)
+        scale = Scale(table.mm_per_px, table.mm_per_px * table.relative_std)
     else:
         scale = Scale.of_ppi(table.ppi, table.ppi * table.relative_std)
     return FoundScale(scale=scale, name=name)

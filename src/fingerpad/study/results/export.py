@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Callable, Mapping
+from os import PathLike
 from pathlib import Path
 from typing import Final
 
@@ -16,14 +17,14 @@ from fingerpad.study.results.results_reader import read_batches, read_summary, r
 _ROW_GROUP: Final = 5000
 
 
-def export_results(folder: Path, file: Path) -> None:
+def export_results(folder: str | PathLike[str], file: str | PathLike[str]) -> None:
     """Write the results of a finished run into one file, in the format that its suffix names.
 
     Parameters
     ----------
-    folder : Path
+    folder : path-like
         Output folder of the run.
-    file : Path
+    file : path-like
         ``.parquet`` or ``.mat``; one that is there is replaced, once the new one is whole.
 
     Raises
@@ -32,6 +33,7 @@ def export_results(folder: Path, file: Path) -> None:
         If the folder holds no finished run, the suffix is another, a package is missing, or the file cannot
         be written.
     """
+    folder, file = Path(folder), Path(file)
     write = _FORMATS.get(file.suffix.lower())
     if write is None:
         raise FingerpadError(

@@ -246,8 +246,8 @@ def _modelled(
     """Return the columns that follow from the model for the rows `seen` on `pads`."""
     value, std = modelled.value, modelled.std
     semi_axes = np.reshape([pad.semi_axes for pad in pads], (-1, 3))
-    placement = Placement.of(
-        Ellipsoid.of(*semi_axes.T),
+    placement = Placement(
+        Ellipsoid(*semi_axes.T),
         wedge_angle=np.radians(seen["wedge_angle_deg"]),
         roll_angle=np.radians(seen["roll_angle_deg"]),
     )

@@ -7,6 +7,7 @@ from itertools import compress
 from pathlib import Path
 from typing import Any
 
+from fingerpad._display import Displayed
 from fingerpad.study.engine.executors import Executor
 from fingerpad.study.engine.runner import records_of
 from fingerpad.study.engine.store import Store
@@ -26,8 +27,8 @@ from fingerpad.study.results.summary import Summary, summaries
 from fingerpad.study.results.table import ResultsTable
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class StudyResult:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class StudyResult(Displayed):
     """Everything that a run found.
 
     Attributes

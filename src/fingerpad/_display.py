@@ -1,0 +1,75 @@
+"""How results show themselves: a short ``repr``, a summary in words, and HTML in notebooks."""
+
+import base64
+import html
+from collections.abc import Mapping
+from dataclasses import fields
+from typing import Any
+
+import numpy as np
+
+from fingerpad.exceptions import FingerpadError
+
+_MAX_ITEMS, _MAX_TEXT = 4, 60
+
+
+class Displayed:
+    """Base of dataclasses that show themselves in few words, whatever the size of their arrays."""
+
+    __slots__ = ()
+
+    def __repr__(self) -> str:
+        shown = ", ".join(f"{name}={short_text(value)}" for name, value in _shown_fields(self))
+        return f"{type(self).__name__}({shown})"
+
+    def summary(self) -> str:
+        """Return the contents in words, one line each."""
+        return "\n".join([type(self).__name__, *aligned(_shown_fields(self))])
+
+    def _repr_html_(self) -> str:
+        """Return the summary for a notebook, with a drawing where there is one of its kind."""
+        text = f"<pre>{html.escape(self.summary())}</pre>"
+        try:
+            from fingerpad.figures.show import draw  # noqa: PLC0415 (drawing needs packages that the rest does not)
+
+            image = base64.b64encode(draw(self).png).decode("ascii")
+        except (FingerpadError, ImportError):
+            return text
+        return f'<img src="data:image/png;base64,{image}" style="max-width: 560px" alt="">{text}'
+
+
+def _shown_fields(shown: Any) -> list[tuple[str, Any]]:
+    names = (field.name for field in fields(shown) if not field.name.startswith("_"))
+    return [(name, getattr(shown, name)) for name in names]
+
+
+def aligned(values: list[tuple[str, Any]]) -> list[str]:
+    """Return names and values as lines, the values below each other."""
+    width = max((len(name) for name, _ in values), default=0)
+    return [f"  {name:<{width}}  {short_text(value)}" for name, value in values]
+
+
+def short_text(value: Any) -> str:
+    """Return a value in few words: small arrays by their items, others by their shape.
+
+    Examples
+    --------
+    >>> short_text(np.float64(12.3456789)), short_text(np.arange(3.0)), short_text(np.zeros((512, 2)))
+    ('12.3457', '[0, 1, 2]', '<array (512, 2)>')
+    """
+    if isinstance(value, np.ndarray):
+        few = value.ndim <= 1 and value.size <= _MAX_ITEMS
+        return short_text(value.tolist()) if few else f"<array {value.shape}>"
+    if isinstance(value, Mapping | list | tuple | frozenset):
+        return f"<{len(value)} items>" if len(value) > _MAX_ITEMS else _few_items(value)
+    if isinstance(value, float | np.floating):
+        return f"{value:.6g}"
+    text = value if isinstance(value, str) else repr(value)
+    return text if isinstance(value, Displayed) or len(text) <= _MAX_TEXT else f"{text[:_MAX_TEXT]}…"
+
+
+def _few_items(values: Mapping[Any, Any] | list[Any] | tuple[Any, ...] | frozenset[Any]) -> str:
+    items = [short_text(value) for value in values]
+    if isinstance(values, frozenset):
+        items.sort()
+    return f"[{', '.join(items)}]" if isinstance(values, list) else f"({', '.join(items)})"

@@ -1,0 +1,30 @@
+"""Records, whose keys carry units, as lines for a reader."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from fingerpad._display import short_text
+from fingerpad.units import value_with_uncertainty
+
+
+def record_text(title: str, record: Mapping[str, Any]) -> str:
+    """Return a record as lines: numbers with their standard uncertainty, what is unknown left out.
+
+    Examples
+    --------
+    >>> print(record_text("Contact", {"area_mm2": 116.24, "area_mm2_std": 2.3, "period_mm": None}))
+    Contact
+      area_mm2  116.2 ± 2.3
+    """
+    empty: tuple[Any, ...] = (None, (), [], {}, frozenset())
+    shown = {
+        name: _value(value, record.get(f"{name}_std"))
+        for name, value in record.items()
+        if value not in empty and not name.endswith(("_std", "_ci95"))
+    }
+    width = max((len(name) for name in shown), default=0)
+    return "\n".join([title, *(f"  {name:<{width}}  {text}" for name, text in shown.items())])
+
+
+def _value(value: Any, std: float | None) -> str:
+    return value_with_uncertainty(value, std) if isinstance(value, float) else short_text(value)

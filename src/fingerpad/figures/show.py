@@ -1,0 +1,193 @@
+"""Draw a result by itself: the overlay of a picture, or the plot of a fit or a contact."""
+
+import io
+from dataclasses import dataclass
+from functools import singledispatch
+from os import PathLike
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from PIL import Image
+
+from fingerpad._arrays import broadcast
+from fingerpad.contact import HertzContact
+from fingerpad.exceptions import FingerpadError
+from fingerpad.figures.loading import FORCE_MODEL_NAMES, plot_load_indentation
+from fingerpad.figures.style import BLUE, in_style, new_figure
+from fingerpad.figures.wedge import plot_wedge
+from fingerpad.geometry import Placement
+from fingerpad.image import ContactImageResult, PhotographFit, draw_overlay, draw_photograph_overlay
+from fingerpad.loading import LoadingFit
+
+# More contacts than these make no readable figure.
+_MAX_CONTACTS: Final = 20
+_DPI: Final = 144.0
+_PREVIEW_PX: Final = 640
+
+
+@dataclass(frozen=True, slots=True)
+class Drawing:
+    """A drawing of a result, which a notebook shows.
+
+    Attributes
+    ----------
+    content : Figure or Image
+        Matplotlib's figure, or the overlay.
+    """
+
+    content: Figure | Image.Image
+
+    def __repr__(self) -> str:
+        return "<Drawing: a notebook shows it; fp.show(result, 'file.png') saves it>"
+
+    @property
+    def png(self) -> bytes:
+        """The drawing as a PNG file of a size for a notebook."""
+        content, buffer = self.content, io.BytesIO()
+        if isinstance(content, Image.Image):
+            content = content.copy()
+            content.thumbnail((_PREVIEW_PX, _PREVIEW_PX))
+        Drawing(content)._write(buffer, "png")
+        return buffer.getvalue()
+
+    def _repr_png_(self) -> bytes:
+        return self.png
+
+    def save(self, path: str | PathLike[str]) -> Path:
+        """Write the drawing in the format that the file's ending names.
+
+        Raises
+        ------
+        FingerpadError
+            If there is no such format, or the file cannot be written.
+        """
+        path = Path(path)
+        try:
+            self._write(path, path.suffix.lstrip(".").lower() or "png")
+        except (OSError, ValueError, KeyError) as error:
+            raise FingerpadError(
+                f"{path}: cannot be written ({error}): check the folder and end the name in .png"
+            ) from error
+        return path
+
+    def _write(self, target: Path | io.BytesIO, suffix: str) -> None:
+        if isinstance(self.content, Figure):
+            in_style(self.content.savefig)(target, format=suffix, dpi=_DPI)
+        else:
+            self.content.save(target, format={"jpg": "jpeg", "tif": "tiff"}.get(suffix, suffix))
+
+
+def show(result: object, path: str | PathLike[str] | None = None) -> Drawing:
+    """Draw a result: in a notebook as the last line of a cell, or into a file.
+
+    A measured picture is drawn with its overlay, a fitted loading curve with its laws, a Hertz contact by
+    its ellipse and its pressure, a placement by the finger on its wedge.
+
+    Parameters
+    ----------
+    result : ContactImageResult, PhotographFit, LoadingFit, HertzContact or Placement
+        What `measure_contact_image`, `measure_photograph`, `fit_loading_curve` or `hertz_contact` return.
+    path : path-like, optional
+        File to write: PNG for all, SVG and PDF for plots, JPEG and TIFF for overlays, by its ending.
+
+    Returns
+    -------
+    Drawing
+
+    Raises
+    ------
+    FingerpadError
+        If there is no drawing of such a result, or the file cannot be written.
+
+    Examples
+    --------
+    >>> from fingerpad.contact import hertz_contact
+    >>> show(hertz_contact(12.955, 14.330, 2.0, reduced_modulus=0.1365))
+    <Drawing: a notebook shows it; fp.show(result, 'file.png') saves it>
+    """
+    drawing = draw(result)
+    if path is not None:
+        drawing.save(path)
+    return drawing
+
+
+@singledispatch
+def draw(result: Any) -> Drawing:
+    """Return the drawing of a result.
+
+    Raises
+    ------
+    FingerpadError
+        If there is none of such a result.
+    """
+    raise FingerpadError(
+        f"no drawing of a {type(result).__name__}: give a measured image or photograph, a fitted loading "
+        "curve, a Hertz contact or a placement"
+    )
+
+
+_NO_PICTURE: Final = "the picture is not kept with this result: draw it by {}"
+
+
+@draw.register
+def _(result: ContactImageResult) -> Drawing:
+    if result.picture is None:
+        raise FingerpadError(_NO_PICTURE.format("draw_overlay(pixels, result)"))
+    return Drawing(Image.fromarray(draw_overlay(result.picture, result)))
+
+
+@draw.register
+def _(result: PhotographFit) -> Drawing:
+    if result.picture is None:
+        raise FingerpadError(_NO_PICTURE.format("draw_photograph_overlay(pixels, result)"))
+    return Drawing(Image.fromarray(draw_photograph_overlay(result.picture, result)))
+
+
+@draw.register
+def _(result: LoadingFit) -> Drawing:
+    figure, (axes,) = new_figure()
+    depth = np.linspace(0, float(result.secant.indentation.max()), 200)
+    displacement = depth + result.models["load_dependent"].values["contact_offset"]  # the secant's zero
+    models = sorted(result.models.values(), key=lambda model: model.aicc)
+    lines = {FORCE_MODEL_NAMES[model.law]: (depth, model.load(displacement)) for model in models}
+    phase = np.full(result.secant.load.shape, "loading")
+    plot_load_indentation(axes, result.secant.indentation, result.secant.load, phase=phase, fits=lines)
+    return Drawing(figure)
+
+
+@draw.register
+def _(result: Placement) -> Drawing:
+    if result.wedge_angle.ndim:
+        raise FingerpadError(f"one placement can be drawn, found {result.wedge_angle.size}: give one of them")
+    figure, (axes,) = new_figure()
+    plot_wedge(axes, result.ellipsoid, wedge_angle=float(result.wedge_angle))
+    return Drawing(figure)
+
+
+@draw.register
+def _(result: HertzContact) -> Drawing:
+    contacts = [array.ravel() for array in broadcast(result.semi_major, result.semi_minor, result.load)]
+    if contacts[0].size > _MAX_CONTACTS:
+        raise FingerpadError(f"up to {_MAX_CONTACTS} contacts can be drawn, found {contacts[0].size}")
+    figure, (ellipses, pressures) = new_figure(width_mm=140, columns=2)
+    _plot_contacts(ellipses, pressures, *contacts)
+    return Drawing(figure)
+
+
+@in_style
+def _plot_contacts(ellipses: Axes, pressures: Axes, majors: Any, minors: Any, loads: Any) -> None:
+    """Draw contact ellipses, and the pressure p0 √(1 − x²/ℓd²) along their long axes."""
+    t = np.linspace(0, 2 * np.pi, 181)
+    for major, minor, load in zip(majors, minors, loads, strict=True):
+        ellipses.plot(minor * np.cos(t), major * np.sin(t), color=BLUE)
+        peak = 1.5 * load / (np.pi * major * minor)
+        pressures.plot(major * np.cos(t[:91]), peak * np.sin(t[:91]), color=BLUE)
+    ellipses.set_aspect("equal")
+    ellipses.set_xlabel("short axis (unit of the radii)")
+    ellipses.set_ylabel("long axis (unit of the radii)")
+    pressures.set_xlabel("along the long axis (unit of the radii)")
+    pressures.set_ylabel("pressure (unit of E*)")
+    pressures.set_ylim(bottom=0)

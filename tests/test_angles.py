@@ -1,0 +1,56 @@
+"""Degrees given where radians are meant are refused; NaN is not."""
+
+import numpy as np
+import pytest
+
+from fingerpad.contact import pad_contact
+from fingerpad.exceptions import GeometryError
+from fingerpad.geometry import Ellipsoid, Placement, platen_normal, relative_curvature
+from fingerpad.image import ManualEllipse, Scale, photograph_from_ellipse
+from fingerpad.simulate import render_coin, render_contact_image
+
+PAD = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
+ELLIPSE = {"load": 2, "semi_major": 7.4, "semi_minor": 5.0}
+DEGREES = {
+    "wedge of pad_contact": lambda: pad_contact(PAD, wedge_angle=30, **ELLIPSE),
+    "roll of pad_contact": lambda: pad_contact(PAD, wedge_angle=0.5, roll_angle=-10, **ELLIPSE),
+    "one wedge of several": lambda: pad_contact(PAD, wedge_angle=[0.5, 3.0], **ELLIPSE),
+    "wedge of Placement": lambda: Placement(PAD, wedge_angle=30),
+    "roll of Placement": lambda: Placement(PAD, wedge_angle=0.5, roll_angle=10),
+    "wedge of platen_normal": lambda: platen_normal(30),
+    "roll of platen_normal": lambda: platen_normal(0.5, 10),
+    "u of a point": lambda: PAD.point(45, 1.5),
+    "v of a normal": lambda: PAD.normal(0.5, 90),
+    "u of a curvature": lambda: PAD.curvature(45, 1.5),
+    "turn of relative_curvature": lambda: relative_curvature((10, 12), (8, 9), angle=45),
+    "orientation of an ellipse": lambda: ManualEllipse(centre=(1, 1), semi_axes=(9, 8), orientation=20),
+    "lean of a photograph": lambda: photograph_from_ellipse(
+        "palmar", Scale(0.05), centre=(300, 200), semi_axes=(236, 276), lean=12
+    ),
+    "orientation of a rendered contact": lambda: render_contact_image(orientation=20),
+    "orientation of a rendered coin": lambda: render_coin(orientation=20),
+    "tilt of a rendered coin": lambda: render_coin(tilt=10),
+}
+
+
+@pytest.mark.parametrize("name", DEGREES)
+def test_degrees_are_refused_with_the_way_out(name: str) -> None:
+    with pytest.raises(GeometryError, match=r"in radians; for degrees use np.radians\(30\)\), found"):
+        DEGREES[name]()
+
+
+def test_a_full_turn_either_way_is_none_too_many() -> None:
+    np.testing.assert_allclose(platen_normal(0.5, [2 * np.pi, -2 * np.pi, 0])[:, 0], np.cos(0.5))
+
+
+def test_draws_about_an_upright_finger_pass() -> None:
+    beyond = pad_contact(PAD, wedge_angle=np.pi / 2 + np.array([-0.1, 0.1]), **ELLIPSE)
+    np.testing.assert_allclose(*beyond.mean_curvature_radius)
+    with pytest.raises(GeometryError):
+        Placement(PAD, wedge_angle=np.pi / 2 + 0.1)
+
+
+def test_kernels_broadcast_over_nan() -> None:
+    seen = pad_contact(PAD, wedge_angle=[0.5, np.nan], roll_angle=[[0.0], [np.nan]], **ELLIPSE)
+    assert np.isnan(seen.indentation).tolist() == [[False, True], [True, True]]
+    assert np.isnan(platen_normal([0.5, np.nan])).any(axis=-1).tolist() == [False, True]

@@ -1,0 +1,112 @@
+"""Results in notebooks: a short repr, a summary, and a drawing."""
+
+import base64
+import io
+import re
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import fingerpad as fp
+from fingerpad.image import Picture, prepare_contact_image
+from fingerpad.simulate import render_contact_image, render_finger, simulate_loading_curve
+
+PAD = fp.Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
+CURVE = simulate_loading_curve(points=200, force_std=0.005, area_std=0.5, seed=1)
+CONTACT = render_contact_image(semi_major=5.0, semi_minor=4.0, ppi=250, seed=2)
+FINGER = render_finger("palmar", semi_axes=(11.8, 13.8), mm_per_px=0.1, seed=1)
+
+
+@pytest.fixture(scope="module")
+def results() -> dict[str, object]:
+    return {
+        "contact image": fp.measure_contact_image(CONTACT.pixels, fp.Scale.of_ppi(250)),
+        "photograph": fp.measure_photograph(FINGER.pixels, "palmar", 0.1),
+        "fit": fp.fit_loading_curve(CURVE),
+        "contact": fp.hertz_contact(12.955, 14.330, [1.0, 2.0], reduced_modulus=0.1365),
+        "placement": fp.Placement(PAD, wedge_angle=0.5),
+        "curve": CURVE,
+        "many": fp.HertzGeometry(np.linspace(10, 12, 1000), 14.0),
+        "pad contact": fp.pad_contact(PAD, wedge_angle=0.5, load=2, semi_major=7.4, semi_minor=5.0),
+        "picture": Picture(pixels=CONTACT.pixels, dots_per_inch=250),
+    }
+
+
+DRAWN = ("contact image", "photograph", "fit", "contact", "placement")
+
+
+def test_reprs_are_short(results: dict[str, object]) -> None:
+    assert {name: len(repr(result)) for name, result in results.items() if len(repr(result)) > 1200} == {}
+    assert repr(results["curve"]).startswith("LoadingCurve(load=<array (200,)>, indentation=<array (200,)>")
+    assert "_view" not in repr(results["contact image"])
+
+
+def test_summaries_name_values_with_their_uncertainty(results: dict[str, object]) -> None:
+    image, fit = results["contact image"], results["fit"]
+    line = next(line for line in image.summary().splitlines() if "gross_area_mm2" in line)
+    assert re.fullmatch(r"  gross_area_mm2 +\d+\.\d+ ± \d\.\d+", line)
+    assert f"{image.gross_area:.1f}" in line
+    assert re.search(r"youngs_modulus_kpa +[\d.]+ ± ", fit.summary())
+    assert re.search(r"distal_mm +13\.\d+ ± ", results["photograph"].summary())
+    assert "indentation" in results["pad contact"].summary()
+
+
+def test_notebooks_show_a_drawing_where_there_is_one(results: dict[str, object]) -> None:
+    for name, result in results.items():
+        html = result._repr_html_()
+        assert "<pre>" in html
+        assert ("<img" in html) is (name in DRAWN), name
+        assert len(html) < 1_500_000
+    data = re.search(r"base64,([^\"]+)", results["contact image"]._repr_html_())[1]
+    shown = np.array(Image.open(io.BytesIO(base64.b64decode(data))).convert("RGB")).astype(int)
+    green = (abs(shown - (0, 158, 115)) < 60).all(axis=-1)
+    assert green.any()  # the outline of the contact
+
+
+def test_without_packages_for_drawing_there_is_text(results, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "fingerpad.figures.show", None)
+    assert results["fit"]._repr_html_().startswith("<pre>Fit of a loading curve")
+
+
+@pytest.mark.parametrize(
+    ("name", "file", "start"),
+    [
+        ("contact image", "a.png", b"\x89PNG"),
+        ("photograph", "a.jpg", b"\xff\xd8"),
+        ("fit", "a.svg", b"<?xml"),
+        ("contact", "a.pdf", b"%PDF"),
+        ("placement", "a.png", b"\x89PNG"),
+    ],
+)
+def test_show_saves_by_the_ending(results, tmp_path: Path, name: str, file: str, start: bytes) -> None:
+    drawing = fp.show(results[name], str(tmp_path / file))
+    assert (tmp_path / file).read_bytes().startswith(start)
+    assert drawing._repr_png_().startswith(b"\x89PNG")
+    assert len(repr(drawing)) < 100
+
+
+def test_the_saved_overlay_is_that_of_the_picture(results, tmp_path: Path) -> None:
+    fp.show(results["contact image"], tmp_path / "a.png")
+    overlay = fp.image.draw_overlay(CONTACT.pixels, results["contact image"])
+    np.testing.assert_array_equal(np.array(Image.open(tmp_path / "a.png")), overlay)
+
+
+def test_what_cannot_be_shown_or_written_is_named(results, tmp_path: Path) -> None:
+    with pytest.raises(fp.FingerpadError, match="no drawing of a LoadingCurve: give a measured image"):
+        fp.show(CURVE)
+    for file in ("a.xyz", "no-folder/a.png"):
+        with pytest.raises(fp.FingerpadError, match=f"{file}: cannot be written"):
+            fp.show(results["fit"], tmp_path / file)
+    with pytest.raises(fp.FingerpadError, match="a.xyz: cannot be written"):
+        fp.show(results["photograph"], tmp_path / "a.xyz")
+    with pytest.raises(fp.FingerpadError, match="up to 20 contacts can be drawn, found 30"):
+        fp.show(fp.hertz_contact(12, 14, np.ones(30), reduced_modulus=0.1))
+    with pytest.raises(fp.FingerpadError, match="one placement can be drawn, found 2"):
+        fp.show(fp.Placement(PAD, wedge_angle=[0.4, 0.5]))
+    prepared = prepare_contact_image(CONTACT.pixels, fp.Scale.of_ppi(250))
+    with pytest.raises(fp.FingerpadError, match=r"not kept .* draw_overlay\(pixels, result\)"):
+        fp.show(prepared.contact_image)
+    assert prepared.contact_image._repr_html_().startswith("<pre>")

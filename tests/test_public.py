@@ -1,0 +1,80 @@
+"""The names at the top of the package, and the lines of the README."""
+
+import ast
+import contextlib
+import io
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import fingerpad as fp
+
+ROOT = Path(__file__).parents[1]
+
+
+def output_of(script: str) -> str:
+    return subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True).stdout
+
+
+def test_every_name_is_offered_and_documented() -> None:
+    assert set(fp.__all__) <= set(dir(fp))
+    for name in set(fp.__all__) - {"__version__"}:
+        assert getattr(fp, name).__doc__, name
+        assert getattr(fp, name).__name__ == name
+
+
+def test_type_checkers_see_the_names_that_are_imported() -> None:
+    tree = ast.parse(Path(fp.__file__).read_text(encoding="utf-8"))
+    imports = {
+        alias.name: node.module
+        for node in ast.walk(tree)
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("fingerpad")
+        for alias in node.names
+    }
+    assert imports == fp._MODULE_OF
+    assert sorted(fp.__all__) == sorted(["__version__", *imports])
+
+
+def test_other_names_are_none() -> None:
+    with pytest.raises(AttributeError, match="no attribute 'elipsoid'"):
+        fp.elipsoid  # noqa: B018
+
+
+def test_import_is_light() -> None:
+    script = (
+        "import sys, time\n"
+        "start = time.perf_counter(); import fingerpad; own = time.perf_counter() - start\n"
+        "assert not {'numpy', 'scipy', 'cv2', 'matplotlib'} & set(sys.modules)\n"
+        "assert not [name for name in sys.modules if name.startswith('fingerpad.')]\n"
+        "start = time.perf_counter(); import numpy; print(own / (time.perf_counter() - start))\n"
+    )
+    ratios = [float(output_of(script)) for _ in range(3)]
+    assert min(ratios) < 0.5
+
+
+def test_geometry_needs_no_image_or_plotting_package() -> None:
+    script = (
+        "import sys\n"
+        "for name in ('cv2', 'PIL', 'matplotlib', 'pydantic', 'pandas'): sys.modules[name] = None\n"
+        "import fingerpad as fp\n"
+        "contact = fp.hertz_contact(12, 14, 2, reduced_modulus=0.1)\n"
+        "print(contact._repr_html_())\n"
+    )
+    shown = output_of(script)
+    assert "semi_major" in shown
+    assert "<img" not in shown
+
+
+def test_readme_lines_print_what_they_say(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (code,) = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(encoding="utf-8"), re.DOTALL)
+    said = re.findall(r"^print\(.*\)  # (.*)$", code, re.MULTILINE)
+    (tmp_path / "examples").symlink_to(ROOT / "examples")
+    monkeypatch.chdir(tmp_path)
+    with contextlib.redirect_stdout(io.StringIO()) as printed:
+        exec(code, {})
+    assert len(said) == 3
+    assert printed.getvalue().splitlines() == said
+    assert Path("overlay.png").read_bytes().startswith(b"\x89PNG")
