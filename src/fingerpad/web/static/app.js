@@ -1,10 +1,10 @@
 // The page: the steps of the work on the left, the step that is open on the right.
 
-import { bench } from "./core/workspace.js";
 import { h, place } from "./core/dom.js";
 import { bindEverywhere, bindHere, listen, showHelp } from "./core/keys.js";
 import { complain } from "./core/messages.js";
 import { drawRail } from "./core/sidebar.js";
+import { bench } from "./core/workspace.js";
 import * as contacts from "./views/contacts.js";
 import * as pad from "./views/pad.js";
 import * as photographs from "./views/photographs.js";
@@ -45,7 +45,9 @@ function show({ fresh = false } = {}) {
     place(work);
     const view = wanted === "welcome" ? welcome : STEPS.find(([key]) => key === wanted)[2];
     open = view.open(work, rest);
-    document.title = bench.study ? `${STEPS.find(([key]) => key === name)[1]} – ${bench.study.title || bench.study.name}` : "fingerpad";
+    document.title = bench.study
+      ? `${STEPS.find(([key]) => key === name)[1]} – ${bench.study.title || bench.study.name}`
+      : "fingerpad";
   }
   drawRail(wanted, STEPS);
 }
@@ -58,8 +60,17 @@ function failed(error) {
       { role: "alert" },
       h("h1", null, "The bench cannot be opened"),
       h("p", null, error.message),
-      error.status === 403 && h("p", null, "This page was opened without the launch's own address. Copy the whole address that the terminal shows."),
-      h("div.actions", null, h("button.primary", { type: "button", onclick: () => location.reload() }, "Try again")),
+      error.status === 403 &&
+        h(
+          "p",
+          null,
+          "This page was opened without the launch's own address. Copy the whole address that the terminal shows.",
+        ),
+      h(
+        "div.actions",
+        null,
+        h("button.primary", { type: "button", onclick: () => location.reload() }, "Try again"),
+      ),
     ),
   );
 }

@@ -2,7 +2,10 @@
 
 export class ApiError extends Error {
   constructor(status, body) {
-    super(body?.error ?? (status ? `The program answered ${status}.` : "The program does not answer. Is it still running?"));
+    super(
+      body?.error ??
+        (status ? `The program answered ${status}.` : "The program does not answer. Is it still running?"),
+    );
     this.status = status;
     this.body = body ?? {};
   }
@@ -15,7 +18,10 @@ export class ApiError extends Error {
 /** The study that requests are about, and who hears that another window has opened another one. */
 export const about = { study: null, overtaken: () => {} };
 
-const studyHeader = (path) => (about.study === null || path.startsWith("/api/session") ? {} : { "fingerpad-study": encodeURIComponent(about.study) });
+const studyHeader = (path) =>
+  about.study === null || path.startsWith("/api/session")
+    ? {}
+    : { "fingerpad-study": encodeURIComponent(about.study) };
 
 async function ask(method, path, { body, query, signal } = {}) {
   const address = query ? `${path}?${new URLSearchParams(clean(query))}` : path;
@@ -38,7 +44,9 @@ async function ask(method, path, { body, query, signal } = {}) {
 }
 
 function clean(query) {
-  return Object.fromEntries(Object.entries(query).filter(([, value]) => value !== undefined && value !== null && value !== ""));
+  return Object.fromEntries(
+    Object.entries(query).filter(([, value]) => value !== undefined && value !== null && value !== ""),
+  );
 }
 
 export const get = (path, query, signal) => ask("GET", path, { query, signal });
@@ -46,17 +54,22 @@ export const post = (path, body = {}, signal) => ask("POST", path, { body, signa
 export const put = (path, body) => ask("PUT", path, { body });
 export const remove = (path, body) => ask("DELETE", path, { body });
 
-export const picture = (kind, item, more = {}) => `/api/picture/${kind}?${new URLSearchParams({ item, ...clean(more) })}`;
+export const picture = (kind, item, more = {}) =>
+  `/api/picture/${kind}?${new URLSearchParams({ item, ...clean(more) })}`;
 
 /** Send one file as it is; `progress` hears the share sent. */
 export function upload(file, { folder, progress } = {}) {
   return new Promise((resolve, reject) => {
     const request = new XMLHttpRequest();
     request.open("POST", `/api/files?${new URLSearchParams(clean({ name: file.name, folder }))}`);
-    for (const [name, value] of Object.entries(studyHeader("/api/files"))) request.setRequestHeader(name, value);
+    for (const [name, value] of Object.entries(studyHeader("/api/files")))
+      request.setRequestHeader(name, value);
     request.responseType = "json";
     request.upload.onprogress = (event) => event.lengthComputable && progress?.(event.loaded / event.total);
-    request.onload = () => (request.status < 300 ? resolve(request.response) : reject(new ApiError(request.status, request.response)));
+    request.onload = () =>
+      request.status < 300
+        ? resolve(request.response)
+        : reject(new ApiError(request.status, request.response));
     request.onerror = () => reject(new ApiError(0));
     request.send(file);
   });

@@ -1,9 +1,9 @@
 // Corrections of one picture: each is on the disk before it is shown as kept.
 
 import { ApiError, get, post } from "./api.js";
-import { bench, who } from "./workspace.js";
-import { question } from "./messages.js";
 import { h } from "./dom.js";
+import { question } from "./messages.js";
+import { bench, who } from "./workspace.js";
 
 export class Corrections {
   /** `changed()` hears of every new state of the picture's corrections, `overtaken()` of those of another window. */
@@ -51,7 +51,9 @@ export class Corrections {
    * other, so that quick work does not overtake itself; asked again upon what another window kept meanwhile.
    */
   keep(edit) {
-    return this.#next(() => this.#send("/api/corrections", async () => ({ change: await edit(structuredClone(this.change)) })));
+    return this.#next(() =>
+      this.#send("/api/corrections", async () => ({ change: await edit(structuredClone(this.change)) })),
+    );
   }
 
   undo() {
@@ -69,7 +71,8 @@ export class Corrections {
   }
 
   async #send(path, body) {
-    const send = async () => post(path, { item: this.item, expected: this.document.last_id, who: who(), ...(await body()) });
+    const send = async () =>
+      post(path, { item: this.item, expected: this.document.last_id, who: who(), ...(await body()) });
     try {
       return this.#take(await send());
     } catch (error) {
@@ -78,7 +81,13 @@ export class Corrections {
       const theirs = this.document.history.at(-1);
       const answer = await question(
         "Another window corrected this picture",
-        h("p", null, theirs ? `${theirs.who || "Someone"} kept ${wordsOf(theirs)} just now. It is shown behind this question; yours is not kept yet.` : "It was changed just now."),
+        h(
+          "p",
+          null,
+          theirs
+            ? `${theirs.who || "Someone"} kept ${wordsOf(theirs)} just now. It is shown behind this question; yours is not kept yet.`
+            : "It was changed just now.",
+        ),
         [
           ["theirs", "Leave theirs"],
           ["both", "Keep mine on top", "primary"],
@@ -114,5 +123,15 @@ export function wordsOf({ action, change }) {
 
 /** A correction without what says nothing. */
 export function plainChange(change) {
-  return Object.fromEntries(Object.entries(change).filter(([, value]) => value !== null && value !== undefined && value !== false && !(Array.isArray(value) && !value.length)).concat(change.dark_on_light === false ? [["dark_on_light", false]] : []));
+  return Object.fromEntries(
+    Object.entries(change)
+      .filter(
+        ([, value]) =>
+          value !== null &&
+          value !== undefined &&
+          value !== false &&
+          !(Array.isArray(value) && !value.length),
+      )
+      .concat(change.dark_on_light === false ? [["dark_on_light", false]] : []),
+  );
 }

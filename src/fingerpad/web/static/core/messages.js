@@ -9,8 +9,13 @@ export function say(words, { kind = "info", action, stays = kind === "error" } =
     `div.message.${kind}`,
     null,
     h("p", null, words),
-    action && h("button.link", { type: "button", onclick: () => (action.do(), message.remove()) }, action.words),
-    h("button.icon", { type: "button", "aria-label": "Close this message", onclick: () => message.remove() }, "×"),
+    action &&
+      h("button.link", { type: "button", onclick: () => (action.do(), message.remove()) }, action.words),
+    h(
+      "button.icon",
+      { type: "button", "aria-label": "Close this message", onclick: () => message.remove() },
+      "×",
+    ),
   );
   box.append(message);
   while (box.children.length > 4) box.firstElementChild.remove();
@@ -24,7 +29,10 @@ export const complain = (error) => error.name === "AbortError" || say(error.mess
 export function question(title, body, buttons) {
   const giveBack = rememberFocus();
   return new Promise((resolve) => {
-    const dialog = h("dialog.question", { "aria-label": title, onclose: () => (dialog.remove(), giveBack(), resolve(dialog.returnValue || null)) });
+    const dialog = h("dialog.question", {
+      "aria-label": title,
+      onclose: () => (dialog.remove(), giveBack(), resolve(dialog.returnValue || null)),
+    });
     place(
       dialog,
       h("h2", null, title),
@@ -33,7 +41,16 @@ export function question(title, body, buttons) {
         "div.actions",
         null,
         buttons.map(([value, words, kind = ""]) =>
-          h("button", { class: kind, type: "button", autofocus: kind === "primary", onclick: () => dialog.close(value) }, words),
+          h(
+            "button",
+            {
+              class: kind,
+              type: "button",
+              autofocus: kind === "primary",
+              onclick: () => dialog.close(value),
+            },
+            words,
+          ),
         ),
       ),
     );

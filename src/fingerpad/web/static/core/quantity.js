@@ -17,7 +17,10 @@ const fixed = (value, decimals) => round(value, decimals).toFixed(Math.max(decim
 /** Four significant digits; below one three decimals, and three digits at least. */
 export function plain(value) {
   if (value === null || value === undefined || !Number.isFinite(value)) return EN;
-  if (value !== 0 && Math.abs(value) < 1) return value.toFixed(Math.min(9, Math.max(3, 2 - Math.floor(Math.log10(Math.abs(value)))))).replace("-", "−");
+  if (value !== 0 && Math.abs(value) < 1)
+    return value
+      .toFixed(Math.min(9, Math.max(3, 2 - Math.floor(Math.log10(Math.abs(value))))))
+      .replace("-", "−");
   return String(Number(value.toPrecision(4))).replace("-", "−");
 }
 
@@ -58,12 +61,21 @@ export function reading(label, text, { was, mark, title } = {}) {
     "div.reading",
     { title },
     h("dt", null, mark && h("span.swatch", { "data-of": mark }), label),
-    h("dd", null, h("span.number", null, text), was && was !== text && h("span.was", null, h("span.sr", null, "program: "), was)),
+    h(
+      "dd",
+      null,
+      h("span.number", null, text),
+      was && was !== text && h("span.was", null, h("span.sr", null, "program: "), was),
+    ),
   );
 }
 
 /** Who measured, in words. */
-export const BY = { program: "by the program", "program with corrections": "corrected", person: "by a person" };
+export const BY = {
+  program: "by the program",
+  "program with corrections": "corrected",
+  person: "by a person",
+};
 
 export const probability = (p) => (p < 0.001 ? "p < 0.001" : `p = ${p.toPrecision(2)}`);
 

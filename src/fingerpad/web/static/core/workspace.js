@@ -1,6 +1,6 @@
 // The study on the bench: one state document, kept fresh, and edits of its manifest.
 
-import { about, ApiError, get, post } from "./api.js";
+import { ApiError, about, get, post } from "./api.js";
 import { say } from "./messages.js";
 
 class Workspace extends EventTarget {
@@ -43,7 +43,12 @@ class Workspace extends EventTarget {
   async follow() {
     const { study } = (this.session = await get("/api/session"));
     if (study?.name === this.study?.name) return;
-    say(study ? `Another window opened the study ${study.title || study.name}: it is shown here too.` : "Another window closed the study.", { kind: "error" });
+    say(
+      study
+        ? `Another window opened the study ${study.title || study.name}: it is shown here too.`
+        : "Another window closed the study.",
+      { kind: "error" },
+    );
     this.#leave();
     if (study) await this.reload();
     else this.tell("study", { first: true });
@@ -132,7 +137,8 @@ class Workspace extends EventTarget {
   edit(...edits) {
     const { name } = this.study;
     const mine = this.#editing.then(() => {
-      if (this.study?.name !== name) throw new ApiError(409, { error: `The study ${name} is not open any more: this was not kept.` });
+      if (this.study?.name !== name)
+        throw new ApiError(409, { error: `The study ${name} is not open any more: this was not kept.` });
       return this.#edit(edits);
     });
     this.#editing = mine.catch(() => {});
@@ -140,7 +146,8 @@ class Workspace extends EventTarget {
   }
 
   async #edit(edits) {
-    const send = async () => this.#take(await post("/api/study/edits", { expected: this.study.digest, edits }));
+    const send = async () =>
+      this.#take(await post("/api/study/edits", { expected: this.study.digest, edits }));
     const before = edits.map((edit) => tableOf(this.study, edit));
     try {
       return await send();
@@ -148,7 +155,10 @@ class Workspace extends EventTarget {
       if (!(error instanceof ApiError) || error.status !== 409 || !error.body.digest) throw error;
       await this.reload();
       if (edits.some((edit, index) => tableOf(this.study, edit) !== before[index])) {
-        say("Another window changed this entry just now. Its values are shown; enter yours again if they should stand.", { kind: "error" });
+        say(
+          "Another window changed this entry just now. Its values are shown; enter yours again if they should stand.",
+          { kind: "error" },
+        );
         return this.study;
       }
       return send();
@@ -160,7 +170,10 @@ class Workspace extends EventTarget {
 function tableOf(study, { kind, key }) {
   if (kind === "study") return JSON.stringify([study.title, study.description, study.poisson_ratio]);
   if (kind === "uncertainty") return JSON.stringify(study.uncertainty);
-  if (kind === "photograph") return JSON.stringify(study.fingers.flatMap(({ photographs }) => photographs).find(({ item }) => item === key) ?? null);
+  if (kind === "photograph")
+    return JSON.stringify(
+      study.fingers.flatMap(({ photographs }) => photographs).find(({ item }) => item === key) ?? null,
+    );
   const found = study[`${kind}s`].find((entry) => (entry.item ?? entry.key ?? entry.name) === key);
   return JSON.stringify(found ?? null);
 }
@@ -173,5 +186,10 @@ export const setWho = (name) => localStorage.setItem("fingerpad.who", name.trim(
 /** Words for a flag or note, from the library. */
 export function wordsFor(code) {
   const words = bench.study?.words ?? {};
-  return words.flags?.[code] ?? words.photograph_flags?.[code] ?? words.range_notes?.[code] ?? code.replaceAll("_", " ");
+  return (
+    words.flags?.[code] ??
+    words.photograph_flags?.[code] ??
+    words.range_notes?.[code] ??
+    code.replaceAll("_", " ")
+  );
 }

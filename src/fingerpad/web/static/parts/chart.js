@@ -8,7 +8,10 @@ function load() {
   loading ??= new Promise((resolve, reject) => {
     const script = h("script", { src: "/static/vendor/plotly.min.js" });
     script.onload = () => resolve(window.Plotly);
-    script.onerror = () => reject(new Error("The charts' script could not be read from this machine; the report's figures are below."));
+    script.onerror = () =>
+      reject(
+        new Error("The charts' script could not be read from this machine; the report's figures are below."),
+      );
     document.head.append(script);
   });
   return loading;
@@ -26,7 +29,18 @@ export function colour(name) {
 export async function chart(root, traces, { x, y, shapes = [], annotations = [], chosen, ranges = {} }) {
   const plotly = await load();
   const [ink, soft, line, panel] = ["ink", "soft", "line", "panel"].map(colour);
-  const axis = (title, range) => ({ title: { text: title, standoff: 8, font: { size: 12.5 } }, color: ink, gridcolor: line, linecolor: soft, zeroline: false, ticks: "outside", tickcolor: soft, automargin: true, rangemode: "tozero", ...(range ?? {}) });
+  const axis = (title, range) => ({
+    title: { text: title, standoff: 8, font: { size: 12.5 } },
+    color: ink,
+    gridcolor: line,
+    linecolor: soft,
+    zeroline: false,
+    ticks: "outside",
+    tickcolor: soft,
+    automargin: true,
+    rangemode: "tozero",
+    ...(range ?? {}),
+  });
   const layout = {
     font: { family: getComputedStyle(document.body).fontFamily, size: 12.5, color: ink },
     paper_bgcolor: panel,
@@ -41,7 +55,13 @@ export async function chart(root, traces, { x, y, shapes = [], annotations = [],
     shapes,
     annotations: annotations.map((each) => ({ font: { color: ink, size: 12 }, showarrow: false, ...each })),
   };
-  await plotly.react(root, traces, layout, { displaylogo: false, responsive: true, displayModeBar: false, showSendToCloud: false, plotlyServerURL: "" });
+  await plotly.react(root, traces, layout, {
+    displaylogo: false,
+    responsive: true,
+    displayModeBar: false,
+    showSendToCloud: false,
+    plotlyServerURL: "",
+  });
   if (chosen && !root.dataset.heard) {
     root.dataset.heard = "1";
     root.on("plotly_click", ({ points }) => chosen(points[0]));

@@ -1,9 +1,9 @@
 // Files dropped on the page, or chosen: sent one after the other, each with its progress.
 
 import { upload } from "../core/api.js";
-import { bench } from "../core/workspace.js";
 import { h, place } from "../core/dom.js";
 import { complain, say } from "../core/messages.js";
+import { bench } from "../core/workspace.js";
 import { button } from "./forms.js";
 
 /** Files of a drop, with the folder that holds each (the frames of a film are dropped as one folder). */
@@ -19,7 +19,11 @@ async function filesOf(transfer) {
         const some = await new Promise((done, failed) => reader.readEntries(done, failed));
         if (!some.length) break;
         for (const each of some) {
-          if (each.isFile) found.push({ folder: entry.name, file: await new Promise((done, failed) => each.file(done, failed)) });
+          if (each.isFile)
+            found.push({
+              folder: entry.name,
+              file: await new Promise((done, failed) => each.file(done, failed)),
+            });
         }
       }
     }
@@ -30,12 +34,28 @@ async function filesOf(transfer) {
 export class Drop {
   constructor({ sent }) {
     this.sent = sent;
-    this.chooser = h("input", { type: "file", multiple: true, hidden: true, tabindex: -1, "aria-label": "Files to add", onchange: () => this.send([...this.chooser.files].map((file) => ({ file }))) });
+    this.chooser = h("input", {
+      type: "file",
+      multiple: true,
+      hidden: true,
+      tabindex: -1,
+      "aria-label": "Files to add",
+      onchange: () => this.send([...this.chooser.files].map((file) => ({ file }))),
+    });
     this.progress = h("div.sending", { role: "status", "aria-live": "polite" });
     this.root = h(
       "div.drop",
       null,
-      h("div", null, h("strong", null, "Drop photographs, contact images, films and curves here"), h("p.soft", null, "PNG, JPEG, TIFF (8 or 16 bit), a folder of frames, CSV. They stay on this machine.")),
+      h(
+        "div",
+        null,
+        h("strong", null, "Drop photographs, contact images, films and curves here"),
+        h(
+          "p.soft",
+          null,
+          "PNG, JPEG, TIFF (8 or 16 bit), a folder of frames, CSV. They stay on this machine.",
+        ),
+      ),
       button("Choose files", () => this.chooser.click(), { kind: "primary" }),
       this.chooser,
       this.progress,
@@ -75,7 +95,8 @@ export class Drop {
     await bench.reload().catch(complain);
     const used = new Set(bench.study?.files.filter((each) => each.used).map((each) => each.file));
     const again = kept.filter(({ file }) => used.has(file));
-    if (again.length) say(`In the study already: ${again.map(({ file }) => file.split("/").at(-1)).join(", ")}.`);
+    if (again.length)
+      say(`In the study already: ${again.map(({ file }) => file.split("/").at(-1)).join(", ")}.`);
     if (kept.length) this.sent(kept);
   }
 }

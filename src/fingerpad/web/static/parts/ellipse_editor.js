@@ -55,7 +55,9 @@ export class EllipseEditor {
       "axis",
       (place) => {
         const [row, column] = this.shape.directions[axis];
-        stretch(side * ((place[0] - this.shape.centre[0]) * row + (place[1] - this.shape.centre[1]) * column));
+        stretch(
+          side * ((place[0] - this.shape.centre[0]) * row + (place[1] - this.shape.centre[1]) * column),
+        );
       },
       ([row, column], size) => stretch(this.shape.lengths[axis] + (column || -row) * size),
     );
@@ -73,7 +75,10 @@ export class EllipseEditor {
 
   #turn(angle) {
     const [cos, sin] = [Math.cos(angle), Math.sin(angle)];
-    this.shape.directions = this.shape.directions.map(([row, column]) => [row * cos + column * sin, column * cos - row * sin]);
+    this.shape.directions = this.shape.directions.map(([row, column]) => [
+      row * cos + column * sin,
+      column * cos - row * sin,
+    ]);
   }
 
   /** Show the ellipse with these ends: all places as [row, column]. */
@@ -81,7 +86,11 @@ export class EllipseEditor {
     const arm = (end) => [end[0] - centre[0], end[1] - centre[1]];
     const arms = [arm(firstEnd), arm(secondEnd)];
     const lengths = arms.map(([row, column]) => Math.hypot(row, column));
-    this.shape = { centre: [...centre], lengths, directions: arms.map(([row, column], index) => [row / lengths[index], column / lengths[index]]) };
+    this.shape = {
+      centre: [...centre],
+      lengths,
+      directions: arms.map(([row, column], index) => [row / lengths[index], column / lengths[index]]),
+    };
     this.#visible("visible");
     this.#draw();
   }
@@ -97,7 +106,10 @@ export class EllipseEditor {
 
   end(axis, side = 1) {
     const { centre, lengths, directions } = this.shape;
-    return [centre[0] + side * lengths[axis] * directions[axis][0], centre[1] + side * lengths[axis] * directions[axis][1]];
+    return [
+      centre[0] + side * lengths[axis] * directions[axis][0],
+      centre[1] + side * lengths[axis] * directions[axis][1],
+    ];
   }
 
   /** Where the first axis points, degrees counter-clockwise on the screen from straight up. */
@@ -110,7 +122,13 @@ export class EllipseEditor {
     const { centre, lengths, directions } = this.shape;
     const turn = (Math.atan2(directions[0][0], directions[0][1]) * 180) / Math.PI;
     for (const curve of this.curve) {
-      attributes(curve, { cx: centre[1], cy: centre[0], rx: lengths[0], ry: lengths[1], transform: `rotate(${turn} ${centre[1]} ${centre[0]})` });
+      attributes(curve, {
+        cx: centre[1],
+        cy: centre[0],
+        rx: lengths[0],
+        ry: lengths[1],
+        transform: `rotate(${turn} ${centre[1]} ${centre[0]})`,
+      });
     }
     const ends = [this.end(0), this.end(0, -1), this.end(1), this.end(1, -1)];
     this.axes.forEach((axis, index) => {

@@ -17,7 +17,11 @@ export class Filmstrip {
     this.wanted = wanted;
     this.at = -1;
     this.track = h("div.track", { role: "presentation" });
-    this.root = h("div.filmstrip", { tabindex: 0, role: "listbox", "aria-label": label, "aria-orientation": "horizontal" }, this.track);
+    this.root = h(
+      "div.filmstrip",
+      { tabindex: 0, role: "listbox", "aria-label": label, "aria-orientation": "horizontal" },
+      this.track,
+    );
     this.root.addEventListener("scroll", () => this.#schedule(), { passive: true });
     this.root.addEventListener("wheel", (event) => this.#wheel(event), { passive: false });
     this.root.addEventListener("click", (event) => {
@@ -37,7 +41,14 @@ export class Filmstrip {
 
   #key(event) {
     const page = Math.max(1, Math.floor(this.root.clientWidth / CELL) - 1);
-    const step = { ArrowLeft: -1, ArrowRight: 1, PageUp: -page, PageDown: page, Home: -Infinity, End: Infinity }[event.key];
+    const step = {
+      ArrowLeft: -1,
+      ArrowRight: 1,
+      PageUp: -page,
+      PageDown: page,
+      Home: -Infinity,
+      End: Infinity,
+    }[event.key];
     if (!step || event.ctrlKey) return;
     event.preventDefault();
     event.stopPropagation();
@@ -62,7 +73,10 @@ export class Filmstrip {
     const left = index * CELL;
     const { scrollLeft, clientWidth } = this.root;
     if (left < scrollLeft + CELL || left > scrollLeft + clientWidth - 2 * CELL) {
-      this.root.scrollTo({ left: left - clientWidth / 2 + CELL / 2, behavior: smooth ? "smooth" : "instant" });
+      this.root.scrollTo({
+        left: left - clientWidth / 2 + CELL / 2,
+        behavior: smooth ? "smooth" : "instant",
+      });
     }
     this.#draw();
     this.refresh();
@@ -98,7 +112,17 @@ export class Filmstrip {
   }
 
   #cell(index) {
-    const cell = h("div.cell", { role: "option", "data-index": index, "aria-setsize": this.entries.length, "aria-posinset": index + 1 }, h("div.thumb"), h("div.cell-label"));
+    const cell = h(
+      "div.cell",
+      {
+        role: "option",
+        "data-index": index,
+        "aria-setsize": this.entries.length,
+        "aria-posinset": index + 1,
+      },
+      h("div.thumb"),
+      h("div.cell-label"),
+    );
     cell.id = `cell-${index}`;
     cell.style.transform = `translateX(${index * CELL}px)`;
     this.#label(cell, index);
@@ -113,7 +137,10 @@ export class Filmstrip {
     cell.setAttribute("aria-label", name);
     cell.title = name;
     cell.dataset.state = state;
-    cell.lastChild.replaceChildren(h("span.cell-name", null, label), ...marks.map(([kind, title]) => h("span.dot", { "data-kind": kind, title })));
+    cell.lastChild.replaceChildren(
+      h("span.cell-name", null, label),
+      ...marks.map(([kind, title]) => h("span.dot", { "data-kind": kind, title })),
+    );
     if (index === this.at) this.root.setAttribute("aria-activedescendant", cell.id);
   }
 
@@ -126,7 +153,12 @@ export class Filmstrip {
       const item = this.entries[index]?.item;
       if (!item || cell.dataset.loaded) continue;
       cell.dataset.loaded = "1";
-      const image = h("img", { alt: "", loading: "lazy", decoding: "async", src: picture("thumbnail", item) });
+      const image = h("img", {
+        alt: "",
+        loading: "lazy",
+        decoding: "async",
+        src: picture("thumbnail", item),
+      });
       image.onload = () => cell.classList.add("there");
       image.onerror = () => cell.classList.add("broken");
       cell.firstChild.append(image);

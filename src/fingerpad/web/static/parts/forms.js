@@ -19,7 +19,17 @@ export function field(label, control, { unit, hint, wide } = {}) {
 
 /** Hears a number once it is confirmed (Enter or leaving the field); null when it was emptied. */
 export function number({ value, onset, min, max, step = "any", placeholder, disabled, label }) {
-  const input = h("input.number", { type: "number", inputmode: "decimal", min, max, step, placeholder, disabled, value: value ?? "", "aria-label": label });
+  const input = h("input.number", {
+    type: "number",
+    inputmode: "decimal",
+    min,
+    max,
+    step,
+    placeholder,
+    disabled,
+    value: value ?? "",
+    "aria-label": label,
+  });
   let last = input.value;
   const set = () => {
     if (!input.reportValidity() || input.value === last) return;
@@ -32,7 +42,17 @@ export function number({ value, onset, min, max, step = "any", placeholder, disa
 }
 
 export function text({ value, onset, placeholder, list, disabled, required, label }) {
-  const input = h("input", { type: "text", placeholder, list, disabled, required, value: value ?? "", spellcheck: "false", autocomplete: "off", "aria-label": label });
+  const input = h("input", {
+    type: "text",
+    placeholder,
+    list,
+    disabled,
+    required,
+    value: value ?? "",
+    spellcheck: "false",
+    autocomplete: "off",
+    "aria-label": label,
+  });
   if (onset) input.addEventListener("change", () => onset(input.value.trim()));
   return input;
 }
@@ -68,7 +88,12 @@ export function check(label, { checked, onset, disabled } = {}) {
 }
 
 export function button(words, onclick, { kind = "", key, disabled, title, label } = {}) {
-  return h("button", { type: "button", class: kind, onclick, disabled, title, "aria-label": label, "aria-keyshortcuts": key }, words, key && h("kbd", { "aria-hidden": "true" }, key));
+  return h(
+    "button",
+    { type: "button", class: kind, onclick, disabled, title, "aria-label": label, "aria-keyshortcuts": key },
+    words,
+    key && h("kbd", { "aria-hidden": "true" }, key),
+  );
 }
 
 /** Work that is not begun again while it goes on: who clicks or presses Enter twice means it once. */
@@ -83,7 +108,11 @@ export function alone(work) {
 
 /** A row of buttons of which one is on: tools, ways, filters. Arrow keys move along it. */
 export function segments(label, options, value, onset, { vertical = false } = {}) {
-  const row = h(vertical ? "div.tools" : "div.segments", { role: "radiogroup", "aria-label": label, "aria-orientation": vertical ? "vertical" : "horizontal" });
+  const row = h(vertical ? "div.tools" : "div.segments", {
+    role: "radiogroup",
+    "aria-label": label,
+    "aria-orientation": vertical ? "vertical" : "horizontal",
+  });
   const buttons = options.map(([key, words, { icon, shortcut, title } = {}]) =>
     h(
       "button",
@@ -124,7 +153,13 @@ export function segments(label, options, value, onset, { vertical = false } = {}
 
 /** What an empty place says: a heading, words, and a way on. */
 export function empty(title, words, ...actions) {
-  return h("div.empty", null, h("h2", null, title), h("p", null, words), actions.length > 0 && h("div.actions", null, actions));
+  return h(
+    "div.empty",
+    null,
+    h("h2", null, title),
+    h("p", null, words),
+    actions.length > 0 && h("div.actions", null, actions),
+  );
 }
 
 export const chip = (words, kind = "", title) => h("span", { class: `chip ${kind}`, title }, words);
@@ -132,5 +167,15 @@ export const synthetic = (yes) => yes && h("span.synthetic", null, "synthetic");
 
 /** Faults of a refused edit, at the field if it can be found. */
 export function faultList(error) {
-  return h("div.faults", { role: "alert" }, error.faults?.length > 0 ? h("ul", null, error.faults.map(({ place, words }) => h("li", null, h("code", null, place), ` ${words}`))) : h("p", null, error.message));
+  return h(
+    "div.faults",
+    { role: "alert" },
+    error.faults?.length > 0
+      ? h(
+          "ul",
+          null,
+          error.faults.map(({ place, words }) => h("li", null, h("code", null, place), ` ${words}`)),
+        )
+      : h("p", null, error.message),
+  );
 }

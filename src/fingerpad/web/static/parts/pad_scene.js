@@ -24,13 +24,16 @@ function flat(vertices, faces) {
   const normals = [];
   const triangles = [];
   for (const face of faces) {
-    const normal = unit(cross(subtract(vertices[face[1]], vertices[face[0]]), subtract(vertices[face[2]], vertices[face[0]])));
+    const normal = unit(
+      cross(subtract(vertices[face[1]], vertices[face[0]]), subtract(vertices[face[2]], vertices[face[0]])),
+    );
     const first = positions.length / 3;
     for (const index of face) {
       positions.push(...vertices[index]);
       normals.push(...normal);
     }
-    for (let index = 2; index < face.length; index += 1) triangles.push(first, first + index - 1, first + index);
+    for (let index = 2; index < face.length; index += 1)
+      triangles.push(first, first + index - 1, first + index);
   }
   return [positions, normals, triangles];
 }
@@ -39,12 +42,17 @@ function flat(vertices, faces) {
 function sharp({ vertices_mm: vertices, faces }) {
   const seen = new Map();
   for (const face of faces) {
-    const normal = unit(cross(subtract(vertices[face[1]], vertices[face[0]]), subtract(vertices[face[2]], vertices[face[0]])));
+    const normal = unit(
+      cross(subtract(vertices[face[1]], vertices[face[0]]), subtract(vertices[face[2]], vertices[face[0]])),
+    );
     face.forEach((from, index) => {
       const to = face[(index + 1) % face.length];
       const key = from < to ? `${from} ${to}` : `${to} ${from}`;
       const other = seen.get(key);
-      const flush = other && Math.abs(other.normal[0] * normal[0] + other.normal[1] * normal[1] + other.normal[2] * normal[2]) > 0.999;
+      const flush =
+        other &&
+        Math.abs(other.normal[0] * normal[0] + other.normal[1] * normal[1] + other.normal[2] * normal[2]) >
+          0.999;
       seen.set(key, { normal, ends: [vertices[from], vertices[to]], flush });
     });
   }
@@ -67,11 +75,17 @@ function grid(x, y, z) {
       let normal = cross(subtract(down, up), subtract(right, left));
       if (Math.hypot(...normal) < 1e-9) normal = here;
       // Outwards, so that neighbours never cancel where the grid closes.
-      if (normal[0] * here[0] + normal[1] * here[1] + normal[2] * here[2] < 0) normal = normal.map((value) => -value);
+      if (normal[0] * here[0] + normal[1] * here[1] + normal[2] * here[2] < 0)
+        normal = normal.map((value) => -value);
       positions.push(...here);
       normals.push(...unit(normal));
       if (row && column) {
-        const [a, b, c, d] = [(row - 1) * columns + column - 1, (row - 1) * columns + column, row * columns + column - 1, row * columns + column];
+        const [a, b, c, d] = [
+          (row - 1) * columns + column - 1,
+          (row - 1) * columns + column,
+          row * columns + column - 1,
+          row * columns + column,
+        ];
         triangles.push(a, c, b, b, c, d);
       }
     }
@@ -115,7 +129,9 @@ export class PadScene {
     this.root.addEventListener("pointerup", release);
     this.root.addEventListener("pointercancel", release);
     this.root.addEventListener("keydown", (event) => {
-      const step = { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, -0.1], ArrowDown: [0, 0.1] }[event.key];
+      const step = { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, -0.1], ArrowDown: [0, 0.1] }[
+        event.key
+      ];
       if (step) this.#turn(...step);
       else if (event.key === "0") this.look(START);
       else return;
@@ -140,10 +156,15 @@ export class PadScene {
     this.root.setAttribute("aria-label", label);
     const { x_mm: x, y_mm: y, z_mm: z } = scene.mesh;
     const all = scene.platen.corners_mm.concat(scene.wedge.vertices_mm);
-    this.meshes = { pad: grid(x, y, z), platen: flat(scene.platen.corners_mm, [[0, 1, 2, 3]]), wedge: flat(scene.wedge.vertices_mm, scene.wedge.faces) };
+    this.meshes = {
+      pad: grid(x, y, z),
+      platen: flat(scene.platen.corners_mm, [[0, 1, 2, 3]]),
+      wedge: flat(scene.wedge.vertices_mm, scene.wedge.faces),
+    };
     this.edges = sharp(scene.wedge);
     this.far = Math.max(...all.map((point) => Math.hypot(...point)));
-    if (this.painter) for (const [name, mesh] of Object.entries(this.meshes)) this.painter.keep(name, ...mesh);
+    if (this.painter)
+      for (const [name, mesh] of Object.entries(this.meshes)) this.painter.keep(name, ...mesh);
     this.reach = 0.93 * this.far;
     this.draw();
   }
@@ -181,13 +202,17 @@ export class PadScene {
 
   #paint([right, up, eye], scale, width, height) {
     const ratio = window.devicePixelRatio || 1;
-    if (this.canvas.width !== Math.round(width * ratio) || this.canvas.height !== Math.round(height * ratio)) {
+    if (
+      this.canvas.width !== Math.round(width * ratio) ||
+      this.canvas.height !== Math.round(height * ratio)
+    ) {
       this.canvas.width = Math.round(width * ratio);
       this.canvas.height = Math.round(height * ratio);
     }
     const [sx, sy, sz] = [(2 * scale) / width, (2 * scale) / height, 1 / (3 * this.far)];
     const place = [];
-    for (let column = 0; column < 3; column += 1) place.push(right[column] * sx, up[column] * sy, -eye[column] * sz, 0);
+    for (let column = 0; column < 3; column += 1)
+      place.push(right[column] * sx, up[column] * sy, -eye[column] * sz, 0);
     place.push(0, 0, 0, 1);
     const turn = [];
     for (let column = 0; column < 3; column += 1) turn.push(right[column], up[column], eye[column]);
@@ -223,15 +248,30 @@ export class PadScene {
       faces.map(([, seen, base, normal, opacity]) => {
         const tip = this.project(normal);
         const light = Math.min(1, 0.62 + 0.38 * Math.abs(tip[2] - origin[2]));
-        const fill = `rgb(${base.slice(0, 3).map((value) => Math.round(value * light * 255)).join(" ")})`;
-        return s("path", { d: `M${seen.map(([x, y]) => `${x.toFixed(1)} ${y.toFixed(1)}`).join("L")}Z`, fill, stroke: opacity === 1 ? fill : "none", "stroke-width": 0.6, "fill-opacity": opacity });
+        const fill = `rgb(${base
+          .slice(0, 3)
+          .map((value) => Math.round(value * light * 255))
+          .join(" ")})`;
+        return s("path", {
+          d: `M${seen.map(([x, y]) => `${x.toFixed(1)} ${y.toFixed(1)}`).join("L")}Z`,
+          fill,
+          stroke: opacity === 1 ? fill : "none",
+          "stroke-width": 0.6,
+          "fill-opacity": opacity,
+        });
       }),
     );
   }
 
   #names() {
     const { scene, project } = this;
-    const line = (points, kind) => s(`path.${kind}`, { d: `M${points.map(project).map(([x, y]) => `${x} ${y}`).join("L")}` });
+    const line = (points, kind) =>
+      s(`path.${kind}`, {
+        d: `M${points
+          .map(project)
+          .map(([x, y]) => `${x} ${y}`)
+          .join("L")}`,
+      });
     const label = (point, words, kind = "") => {
       const [x, y] = project(point);
       return s("text", { x, y, class: kind, "text-anchor": "middle" }, words);
@@ -245,12 +285,24 @@ export class PadScene {
       scene.lines.map(({ name, points_mm: points }) => {
         const kind = { "principal direction along": "along", "principal direction across": "across" }[name];
         if (!kind) return line(points, `aid.${name.replace(" ", "-")}`);
-        return [line(points, `direction.${kind}`), label(ends(points), kind === "across" ? `across ${scene.transverse_radius_mm.toFixed(1)} mm` : `along ${scene.in_plane_radius_mm.toFixed(1)} mm`, kind)];
+        return [
+          line(points, `direction.${kind}`),
+          label(
+            ends(points),
+            kind === "across"
+              ? `across ${scene.transverse_radius_mm.toFixed(1)} mm`
+              : `along ${scene.in_plane_radius_mm.toFixed(1)} mm`,
+            kind,
+          ),
+        ];
       }),
       s("circle.contact", { cx: x, cy: y, r: 5 }),
       scene.points?.map(({ u_deg: u, point_mm: point }) => {
         const [px, py] = project(point);
-        return [s("circle.station", { cx: px, cy: py, r: 2.6 }), s("text.station-name", { x: px + 6, y: py - 4 }, `${u}°`)];
+        return [
+          s("circle.station", { cx: px, cy: py, r: 2.6 }),
+          s("text.station-name", { x: px + 6, y: py - 4 }, `${u}°`),
+        ];
       }),
     );
   }

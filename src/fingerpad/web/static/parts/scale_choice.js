@@ -19,5 +19,10 @@ export function scaleChoice({ value, onset, label = "Scale" }) {
   const own = value && typeof value === "object";
   const options = [["", "– none yet –"], ...scaleNames().map((name) => [name, name])];
   if (own) options.push(["\u0000own", `own: ${scaleWords(value)}`]);
-  return choose({ value: own ? "\u0000own" : (value ?? ""), options, label, onset: (key) => key !== "\u0000own" && onset(key || null) });
+  return choose({
+    value: own ? "\u0000own" : (value ?? ""),
+    options,
+    label,
+    onset: (key) => key !== "\u0000own" && onset(key || null),
+  });
 }

@@ -17,8 +17,18 @@ export class Stage {
     this.fixed = new Set();
     this.picture = h("img.picture", { alt: "", draggable: "false" });
     this.world = s("g.world");
-    this.crosshair = s("g.crosshair", { visibility: "hidden" }, s("path.casing", { d: "M-14 0H14M0-14V14" }), s("path", { d: "M-14 0H14M0-14V14" }));
-    this.overlay = s("svg.overlay", { "aria-hidden": "false", role: "group", "aria-label": "Marks on the picture" }, this.world, this.crosshair);
+    this.crosshair = s(
+      "g.crosshair",
+      { visibility: "hidden" },
+      s("path.casing", { d: "M-14 0H14M0-14V14" }),
+      s("path", { d: "M-14 0H14M0-14V14" }),
+    );
+    this.overlay = s(
+      "svg.overlay",
+      { "aria-hidden": "false", role: "group", "aria-label": "Marks on the picture" },
+      this.world,
+      this.crosshair,
+    );
     this.bar = h("div.scale-bar", { hidden: true }, h("i"), h("span.number"));
     this.where = h("span.number.where");
     this.note = h("div.stage-note", { role: "status" });
@@ -39,12 +49,23 @@ export class Stage {
   }
 
   #zoomButtons() {
-    const make = (words, label, act) => h("button", { type: "button", "aria-label": label, title: label, onclick: act, tabindex: -1 }, words);
+    const make = (words, label, act) =>
+      h("button", { type: "button", "aria-label": label, title: label, onclick: act, tabindex: -1 }, words);
     return h(
       "div.zoom",
       null,
       make("−", "Zoom out (−)", () => this.zoomBy(1 / 1.4)),
-      (this.percent = h("button.number", { type: "button", title: "Fit the picture (0)", "aria-label": "Fit the picture", tabindex: -1, onclick: () => this.fit() }, "100 %")),
+      (this.percent = h(
+        "button.number",
+        {
+          type: "button",
+          title: "Fit the picture (0)",
+          "aria-label": "Fit the picture",
+          tabindex: -1,
+          onclick: () => this.fit(),
+        },
+        "100 %",
+      )),
       make("+", "Zoom in (+)", () => this.zoomBy(1.4)),
     );
   }
@@ -60,7 +81,9 @@ export class Stage {
     this.root.classList.add("waiting");
     const ready = new Promise((resolve) => {
       this.picture.onload = () => (this.root.classList.remove("waiting"), resolve());
-      this.picture.onerror = () => (this.root.classList.remove("waiting"), this.say("This picture cannot be shown.", "bad"), resolve());
+      this.picture.onerror = () => (
+        this.root.classList.remove("waiting"), this.say("This picture cannot be shown.", "bad"), resolve()
+      );
     });
     this.picture.src = address;
     if (!same || this.fitted !== false) this.fit();
@@ -172,7 +195,8 @@ export class Stage {
         this.pan(event.clientX - last[0], event.clientY - last[1]);
         last = [event.clientX, event.clientY];
       } else if (mode === "tool") {
-        for (const each of event.getCoalescedEvents?.() ?? [event]) this.tool?.move?.(this.placeOf(each), true);
+        for (const each of event.getCoalescedEvents?.() ?? [event])
+          this.tool?.move?.(this.placeOf(each), true);
         if (!event.getCoalescedEvents?.().length) this.tool?.move?.(at, true);
       } else this.tool?.move?.(at, false);
     });
@@ -246,7 +270,10 @@ export class Stage {
 
   #showPen() {
     const [row, column] = this.pen;
-    attributes(this.crosshair, { visibility: "visible", transform: `translate(${this.x + column * this.zoom} ${this.y + row * this.zoom})` });
+    attributes(this.crosshair, {
+      visibility: "visible",
+      transform: `translate(${this.x + column * this.zoom} ${this.y + row * this.zoom})`,
+    });
   }
 
   #hidePen() {

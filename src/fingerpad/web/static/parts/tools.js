@@ -43,7 +43,8 @@ export class Brush {
 
   up(place) {
     if (!this.points) return;
-    if (place && Math.hypot(place[0] - this.points.at(-1)[0], place[1] - this.points.at(-1)[1]) > 0.5) this.points.push(place);
+    if (place && Math.hypot(place[0] - this.points.at(-1)[0], place[1] - this.points.at(-1)[1]) > 0.5)
+      this.points.push(place);
     const points = this.points.map((place) => place.map((value) => Math.round(value * 100) / 100));
     this.points = null;
     this.done({ action: this.now, points_px: points, radius_px: this.radius });
@@ -77,7 +78,12 @@ export class Line {
     this.stage = stage;
     this.changed = changed;
     this.ends = null;
-    this.layer = s("g.line", { visibility: "hidden" }, (this.casing = s("path.casing")), (this.stroke = s("path.measure")));
+    this.layer = s(
+      "g.line",
+      { visibility: "hidden" },
+      (this.casing = s("path.casing")),
+      (this.stroke = s("path.measure")),
+    );
     this.label = s("text.measure-label", { "text-anchor": "middle" });
     this.handles = [0, 1].map((index) =>
       handle(stage, {
@@ -135,10 +141,14 @@ export class Line {
 
   #draw() {
     const [from, to] = this.ends;
-    for (const path of [this.casing, this.stroke]) path.setAttribute("d", `M${from[1]} ${from[0]}L${to[1]} ${to[0]}`);
+    for (const path of [this.casing, this.stroke])
+      path.setAttribute("d", `M${from[1]} ${from[0]}L${to[1]} ${to[0]}`);
     this.handles.forEach((each, index) => each.put(this.ends[index]));
     const [row, column] = [(from[0] + to[0]) / 2, (from[1] + to[1]) / 2];
-    this.label.setAttribute("transform", `translate(${column} ${row}) scale(${1 / this.stage.zoom}) translate(0 -12)`);
+    this.label.setAttribute(
+      "transform",
+      `translate(${column} ${row}) scale(${1 / this.stage.zoom}) translate(0 -12)`,
+    );
   }
 
   remove() {
@@ -156,7 +166,12 @@ export class Box {
     this.stage = stage;
     this.changed = changed;
     this.box = null;
-    this.layer = s("g.box", { visibility: "hidden" }, (this.casing = s("path.casing")), (this.stroke = s("path.roi")));
+    this.layer = s(
+      "g.box",
+      { visibility: "hidden" },
+      (this.casing = s("path.casing")),
+      (this.stroke = s("path.roi")),
+    );
     this.handles = [
       [0, 1],
       [0, 3],
@@ -213,7 +228,12 @@ export class Box {
     const [row0, column0, row1, column1] = this.box;
     this.#draw();
     if (!final) return;
-    this.box = [Math.min(row0, row1), Math.min(column0, column1), Math.max(row0, row1), Math.max(column0, column1)];
+    this.box = [
+      Math.min(row0, row1),
+      Math.min(column0, column1),
+      Math.max(row0, row1),
+      Math.max(column0, column1),
+    ];
     this.kept = [...this.box];
     this.#draw();
     this.layer.setAttribute("visibility", "visible");
@@ -222,7 +242,8 @@ export class Box {
 
   #draw() {
     const [row0, column0, row1, column1] = this.box;
-    for (const path of [this.casing, this.stroke]) path.setAttribute("d", `M${column0} ${row0}H${column1}V${row1}H${column0}Z`);
+    for (const path of [this.casing, this.stroke])
+      path.setAttribute("d", `M${column0} ${row0}H${column1}V${row1}H${column0}Z`);
     const corners = [
       [row0, column0],
       [row0, column1],

@@ -51,7 +51,12 @@ export class Painter {
     gl.linkProgram(program);
     if (!gl.getProgramParameter(program, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(program));
     this.program = program;
-    this.at = Object.fromEntries(["place", "turn", "colour", "rings", "back", "cut"].map((name) => [name, gl.getUniformLocation(program, name)]));
+    this.at = Object.fromEntries(
+      ["place", "turn", "colour", "rings", "back", "cut"].map((name) => [
+        name,
+        gl.getUniformLocation(program, name),
+      ]),
+    );
     this.meshes = new Map();
   }
 

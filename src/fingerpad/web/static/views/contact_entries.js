@@ -1,7 +1,7 @@
 // What the filmstrip shows of contact images and frames, and which of them.
 
-import { wordsFor } from "../core/workspace.js";
 import { plain } from "../core/quantity.js";
+import { wordsFor } from "../core/workspace.js";
 import { decisions } from "./review.js";
 
 export const FILTERS = [
@@ -27,10 +27,22 @@ export function describe(entry) {
   if (entry.flags?.length) marks.push(["flag", entry.flags.map(wordsFor).join("; ")]);
   if (entry.status === "failed") marks.push(["failed", entry.reason ?? "failed"]);
   marks.push(...decisions(entry));
-  const load = entry.load_N === null || entry.load_N === undefined ? "" : `${Number(entry.load_N.toPrecision(3))} N`;
+  const load =
+    entry.load_N === null || entry.load_N === undefined ? "" : `${Number(entry.load_N.toPrecision(3))} N`;
   return {
-    label: film ? `${entry.frame}${load ? ` · ${load}` : ""}` : load ? `${load} · ${plain(entry.wedge_angle_deg)}°` : entry.item,
-    name: [film ? `Frame ${entry.frame}` : entry.item, load, ...marks.map(([, title]) => title), state === "none" ? "no contact seen, or not run yet" : ""].filter(Boolean).join(", "),
+    label: film
+      ? `${entry.frame}${load ? ` · ${load}` : ""}`
+      : load
+        ? `${load} · ${plain(entry.wedge_angle_deg)}°`
+        : entry.item,
+    name: [
+      film ? `Frame ${entry.frame}` : entry.item,
+      load,
+      ...marks.map(([, title]) => title),
+      state === "none" ? "no contact seen, or not run yet" : "",
+    ]
+      .filter(Boolean)
+      .join(", "),
     state,
     marks,
   };

@@ -1,8 +1,8 @@
 // The numbers of one contact beside the program's own, its settings, its decision and its history.
 
-import { wordsFor } from "../core/workspace.js";
 import { h, place, symbol } from "../core/dom.js";
 import { BY, plain, quantityText, reading } from "../core/quantity.js";
+import { wordsFor } from "../core/workspace.js";
 import { check, chip, choose, field, number, synthetic } from "../parts/forms.js";
 import { Inspector } from "./inspector.js";
 
@@ -14,9 +14,21 @@ const READINGS = [
 ];
 
 const MODEL = [
-  ["mean_curvature_radius_mm", () => ["Undeformed pad ", symbol("R", "0g")], "1/H of the undeformed pad where it touches"],
-  ["radius_from_compliance_mm", () => ["Same area and depth ", symbol("R", "Aξ")], "sphere of the same area at the same indentation: to compare with the radius from loading data"],
-  ["indentation_mm", () => ["Indentation ", symbol("ξ")], "indentation that Hertz theory gives for load and ellipse"],
+  [
+    "mean_curvature_radius_mm",
+    () => ["Undeformed pad ", symbol("R", "0g")],
+    "1/H of the undeformed pad where it touches",
+  ],
+  [
+    "radius_from_compliance_mm",
+    () => ["Same area and depth ", symbol("R", "Aξ")],
+    "sphere of the same area at the same indentation: to compare with the radius from loading data",
+  ],
+  [
+    "indentation_mm",
+    () => ["Indentation ", symbol("ξ")],
+    "indentation that Hertz theory gives for load and ellipse",
+  ],
   ["youngs_modulus_kpa", () => ["Young's modulus ", symbol("E")], "Young's modulus that Hertz theory gives"],
 ];
 
@@ -32,7 +44,10 @@ const FORGET = [
 export class ContactInspector extends Inspector {
   tools = {
     add: { brush: "Brush that adds: radius", hint: "[ and ] change it. Hold Alt for the other brush." },
-    remove: { brush: "Brush that takes away: radius", hint: "[ and ] change it. Hold Alt for the other brush." },
+    remove: {
+      brush: "Brush that takes away: radius",
+      hint: "[ and ] change it. Hold Alt for the other brush.",
+    },
     seed: { words: h("p.soft", null, "Click a point inside the right patch.") },
     box: { words: h("p.soft", null, "Draw a box round what should be measured.") },
   };
@@ -45,7 +60,12 @@ export class ContactInspector extends Inspector {
     const { entry, lines } = this.view.context();
     place(
       this.parts.head,
-      h("div.headline", null, h("h2", null, entry.frame === undefined ? entry.item : `Frame ${entry.frame}`), h("span", null, synthetic(entry.synthetic ?? this.view.film?.synthetic))),
+      h(
+        "div.headline",
+        null,
+        h("h2", null, entry.frame === undefined ? entry.item : `Frame ${entry.frame}`),
+        h("span", null, synthetic(entry.synthetic ?? this.view.film?.synthetic)),
+      ),
       h("p.context", null, lines.join(" · ")),
     );
   }
@@ -58,13 +78,27 @@ export class ContactInspector extends Inspector {
 
   show(answer, problem) {
     if (!answer) {
-      place(this.parts.numbers, h("h3", null, "Result"), h("p.note.bad", { role: "alert" }, problem), h("p.soft", null, "Another threshold, polarity, seed point or a brush may help; otherwise reject the picture."));
+      place(
+        this.parts.numbers,
+        h("h3", null, "Result"),
+        h("p.note.bad", { role: "alert" }, problem),
+        h(
+          "p.soft",
+          null,
+          "Another threshold, polarity, seed point or a brush may help; otherwise reject the picture.",
+        ),
+      );
       this.settings(null);
       return;
     }
     const { numbers, program, model } = answer;
     const corrected = answer.by !== "program";
-    const line = ([key, label, words, mark]) => reading(label(), quantityText(numbers, key), { mark, title: words, was: corrected && program ? quantityText(program.numbers ?? program, key) : undefined });
+    const line = ([key, label, words, mark]) =>
+      reading(label(), quantityText(numbers, key), {
+        mark,
+        title: words,
+        was: corrected && program ? quantityText(program.numbers ?? program, key) : undefined,
+      });
     place(
       this.parts.numbers,
       model &&
@@ -72,20 +106,66 @@ export class ContactInspector extends Inspector {
           "div.headline.main-number",
           null,
           h("span", null, "Corrected radius ", symbol("R", "g", "corr")),
-          h("span.figure-big.number", { "data-live": "radius" }, quantityText(model, "radius_from_indentation_mm")),
+          h(
+            "span.figure-big.number",
+            { "data-live": "radius" },
+            quantityText(model, "radius_from_indentation_mm"),
+          ),
         ),
-      h("div.headline", null, h("h3", null, "Contact"), chip(BY[answer.by] ?? answer.by, corrected ? "accent" : "")),
+      h(
+        "div.headline",
+        null,
+        h("h3", null, "Contact"),
+        chip(BY[answer.by] ?? answer.by, corrected ? "accent" : ""),
+      ),
       h(
         "dl.readings",
         { "data-live": "numbers" },
         READINGS.map(line),
         reading("Ridge period", quantityText(numbers, "ridge_period_mm")),
-        reading("Ellipse over region", numbers.ellipse_iou === null || numbers.ellipse_iou === undefined ? "–" : plain(numbers.ellipse_iou), { title: "area common to both over the area that either covers: 1 is perfect" }),
+        reading(
+          "Ellipse over region",
+          numbers.ellipse_iou === null || numbers.ellipse_iou === undefined
+            ? "–"
+            : plain(numbers.ellipse_iou),
+          { title: "area common to both over the area that either covers: 1 is perfect" },
+        ),
       ),
-      model && [h("h3", null, "Model"), h("dl.readings", null, MODEL.map(([key, label, words]) => reading(label(), quantityText(model, key), { title: words })))],
-      !model && h("p.soft", null, "The corrected radius appears once the finger's semi-axes are known: run the study."),
-      answer.flags.length > 0 && h("div.note", null, h("ul", null, answer.flags.map((flag) => h("li", null, wordsFor(flag))))),
-      notesOf(model).length > 0 && h("details", null, h("summary", null, `Where the model ends (${notesOf(model).length})`), h("ul.note", null, notesOf(model).map((code) => h("li", null, wordsFor(code))))),
+      model && [
+        h("h3", null, "Model"),
+        h(
+          "dl.readings",
+          null,
+          MODEL.map(([key, label, words]) => reading(label(), quantityText(model, key), { title: words })),
+        ),
+      ],
+      !model &&
+        h(
+          "p.soft",
+          null,
+          "The corrected radius appears once the finger's semi-axes are known: run the study.",
+        ),
+      answer.flags.length > 0 &&
+        h(
+          "div.note",
+          null,
+          h(
+            "ul",
+            null,
+            answer.flags.map((flag) => h("li", null, wordsFor(flag))),
+          ),
+        ),
+      notesOf(model).length > 0 &&
+        h(
+          "details",
+          null,
+          h("summary", null, `Where the model ends (${notesOf(model).length})`),
+          h(
+            "ul.note",
+            null,
+            notesOf(model).map((code) => h("li", null, wordsFor(code))),
+          ),
+        ),
     );
     this.settings(answer);
   }
@@ -102,9 +182,17 @@ export class ContactInspector extends Inspector {
         field(
           "Polarity",
           choose({
-            value: change.dark_on_light === undefined || change.dark_on_light === null ? "" : String(change.dark_on_light),
+            value:
+              change.dark_on_light === undefined || change.dark_on_light === null
+                ? ""
+                : String(change.dark_on_light),
             options: [
-              ["", used.dark_on_light === undefined ? "program's choice" : `program: ${used.dark_on_light ? "dark" : "light"}`],
+              [
+                "",
+                used.dark_on_light === undefined
+                  ? "program's choice"
+                  : `program: ${used.dark_on_light ? "dark" : "light"}`,
+              ],
               ["true", "dark ridges on light"],
               ["false", "light ridges on dark"],
             ],
@@ -113,7 +201,15 @@ export class ContactInspector extends Inspector {
         ),
         field(
           "Threshold",
-          number({ value: change.threshold ?? null, min: 0, placeholder: used.threshold === undefined || used.threshold === null ? "program's" : `program: ${plain(used.threshold)}`, onset: (value) => this.view.set("threshold", value) }),
+          number({
+            value: change.threshold ?? null,
+            min: 0,
+            placeholder:
+              used.threshold === undefined || used.threshold === null
+                ? "program's"
+                : `program: ${plain(used.threshold)}`,
+            onset: (value) => this.view.set("threshold", value),
+          }),
         ),
       ),
       this.forgetting(FORGET),
@@ -122,4 +218,7 @@ export class ContactInspector extends Inspector {
   }
 }
 
-const notesOf = (model) => (Array.isArray(model?.range_notes) ? model.range_notes : (model?.range_notes ?? "").split(" ").filter(Boolean));
+const notesOf = (model) =>
+  Array.isArray(model?.range_notes)
+    ? model.range_notes
+    : (model?.range_notes ?? "").split(" ").filter(Boolean);

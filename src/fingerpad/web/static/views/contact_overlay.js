@@ -7,7 +7,12 @@ export class ContactOverlay {
   #region = s("path.region");
   #strokes = s("g.kept-strokes");
   #own = s("path.own");
-  #mark = s("g.seed", { visibility: "hidden" }, s("circle", { r: 7, class: "seed" }), s("path.seed", { d: "M-12 0H-4M4 0H12M0-12V-4M0 4V12" }));
+  #mark = s(
+    "g.seed",
+    { visibility: "hidden" },
+    s("circle", { r: 7, class: "seed" }),
+    s("path.seed", { d: "M-12 0H-4M4 0H12M0-12V-4M0 4V12" }),
+  );
   #seed = null;
 
   constructor(stage) {
@@ -34,7 +39,12 @@ export class ContactOverlay {
   correction({ strokes, seed_px: seed }) {
     place(
       this.#strokes,
-      (strokes ?? []).map(({ action, points_px: points, radius_px: radius }) => s(`path.stroke.${action}`, { d: pathOf(points.length > 1 ? points : [points[0], points[0]], false), "stroke-width": 2 * radius })),
+      (strokes ?? []).map(({ action, points_px: points, radius_px: radius }) =>
+        s(`path.stroke.${action}`, {
+          d: pathOf(points.length > 1 ? points : [points[0], points[0]], false),
+          "stroke-width": 2 * radius,
+        }),
+      ),
     );
     this.#seed = seed ?? null;
     this.#drawSeed();
@@ -42,6 +52,10 @@ export class ContactOverlay {
 
   #drawSeed() {
     this.#mark.setAttribute("visibility", this.#seed ? "visible" : "hidden");
-    if (this.#seed) this.#mark.setAttribute("transform", `translate(${this.#seed[1]} ${this.#seed[0]}) scale(${1 / this.#stage.zoom})`);
+    if (this.#seed)
+      this.#mark.setAttribute(
+        "transform",
+        `translate(${this.#seed[1]} ${this.#seed[0]}) scale(${1 / this.#stage.zoom})`,
+      );
   }
 }

@@ -1,11 +1,11 @@
 // Contact images and frames: what the program found, what a person says of it, and on to the next.
 
 import { get, post } from "../core/api.js";
-import { bench } from "../core/workspace.js";
-import { h, place } from "../core/dom.js";
 import { plainChange } from "../core/corrections.js";
+import { h, place } from "../core/dom.js";
 import { say } from "../core/messages.js";
 import { plain } from "../core/quantity.js";
+import { bench } from "../core/workspace.js";
 import { choose, empty } from "../parts/forms.js";
 import { icons } from "../parts/icons.js";
 import { scaleWords } from "../parts/scale_choice.js";
@@ -24,8 +24,12 @@ const TOOLS = [
 ];
 
 class Contacts extends Review {
-  nothing = "There is no contact to accept here. Reject the picture, or set the threshold, polarity or seed point.";
-  last = ["That was the last picture. Run the study to see what follows.", { kind: "good", action: { words: "Run", do: () => (location.hash = "#/run") } }];
+  nothing =
+    "There is no contact to accept here. Reject the picture, or set the threshold, polarity or seed point.";
+  last = [
+    "That was the last picture. Run the study to see what follows.",
+    { kind: "good", action: { words: "Run", do: () => (location.hash = "#/run") } },
+  ];
 
   constructor(root, rest) {
     super();
@@ -41,7 +45,9 @@ class Contacts extends Review {
     const images = bench.study.observations.filter(({ file }) => file).length;
     return [
       ...(images ? [["images", `Contact images (${images})`]] : []),
-      ...bench.study.sequences.filter(({ file }) => file).map(({ name, frames }) => [`film:${name}`, `Film ${name}${frames ? ` (${frames})` : ""}`]),
+      ...bench.study.sequences
+        .filter(({ file }) => file)
+        .map(({ name, frames }) => [`film:${name}`, `Film ${name}${frames ? ` (${frames})` : ""}`]),
     ];
   }
 
@@ -59,8 +65,18 @@ class Contacts extends Review {
 
   #build() {
     this.count = h("span.count.number", { role: "status" });
-    this.sourceChoice = choose({ value: this.source, label: "Pictures", options: this.#sources(), onset: (key) => (location.hash = `#/contacts/${encodeURIComponent(key)}`) });
-    this.filterChoice = choose({ value: this.filter, label: "Show", options: FILTERS, onset: (key) => this.#filter(key) });
+    this.sourceChoice = choose({
+      value: this.source,
+      label: "Pictures",
+      options: this.#sources(),
+      onset: (key) => (location.hash = `#/contacts/${encodeURIComponent(key)}`),
+    });
+    this.filterChoice = choose({
+      value: this.filter,
+      label: "Show",
+      options: FILTERS,
+      onset: (key) => this.#filter(key),
+    });
     this.lay({
       title: "Contacts",
       words: "Check each region and its ellipse. Enter accepts and goes on.",
@@ -71,7 +87,13 @@ class Contacts extends Review {
       ask: (change) => post("/api/measure/contact", { item: this.entry.item, change }),
       describe,
       inspector: new ContactInspector(this),
-      bar: h("div.film-bar", null, h("label", null, "Pictures", this.sourceChoice), h("label", null, "Show", this.filterChoice), this.count),
+      bar: h(
+        "div.film-bar",
+        null,
+        h("label", null, "Pictures", this.sourceChoice),
+        h("label", null, "Show", this.filterChoice),
+        this.count,
+      ),
     });
     this.bind([
       ["b", "Brush: add (Alt: take away)", () => this.use("add")],
@@ -152,7 +174,13 @@ class Contacts extends Review {
     const next = this.entries[this.at + 1];
     if (!next) return;
     clearTimeout(this.soon);
-    this.soon = setTimeout(() => get("/api/picture/info", { item: next.item }).then((info) => (new Image().src = info.preview)).catch(() => {}), 300);
+    this.soon = setTimeout(
+      () =>
+        get("/api/picture/info", { item: next.item })
+          .then((info) => (new Image().src = info.preview))
+          .catch(() => {}),
+      300,
+    );
   }
 
   async measure(item, newest) {
@@ -181,7 +209,9 @@ class Contacts extends Review {
   instrument(tool) {
     if (tool === "seed") return new Click((at) => this.set("seed_px", at));
     if (tool === "ellipse") return null;
-    return this.paint(tool, (stroke) => this.keep((change) => ({ ...this.freed(change), strokes: [...(change.strokes ?? []), stroke] })));
+    return this.paint(tool, (stroke) =>
+      this.keep((change) => ({ ...this.freed(change), strokes: [...(change.strokes ?? []), stroke] })),
+    );
   }
 
   #ellipse() {
@@ -195,7 +225,12 @@ class Contacts extends Review {
   }
 
   dragged() {
-    return plainChange({ ...this.corrections.change, ellipse_px: this.#ellipse(), rejected: null, accepted: false });
+    return plainChange({
+      ...this.corrections.change,
+      ellipse_px: this.#ellipse(),
+      rejected: null,
+      accepted: false,
+    });
   }
 
   dropped() {
@@ -228,7 +263,9 @@ class Contacts extends Review {
         `θ ${plain(of.wedge_angle_deg)}°`,
         ...(of.roll_angle_deg ? [`φ ${plain(of.roll_angle_deg)}°`] : []),
         ...(entry.load_N === null || entry.load_N === undefined ? [] : [`${plain(entry.load_N)} N`]),
-        ...(entry.time_s === undefined || entry.time_s === null ? [] : [`${plain(entry.time_s)} s${entry.phase ? `, ${entry.phase}` : ""}`]),
+        ...(entry.time_s === undefined || entry.time_s === null
+          ? []
+          : [`${plain(entry.time_s)} s${entry.phase ? `, ${entry.phase}` : ""}`]),
         `scale ${scaleWords(of.scale)}`,
         ...(this.info?.bits > 8 ? [`${this.info.bits} bit, shown in 8`] : []),
       ],

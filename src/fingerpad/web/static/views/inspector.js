@@ -8,11 +8,25 @@ import { button, chip, slider, text } from "../parts/forms.js";
 export class Inspector {
   constructor(view, parts, reasons) {
     this.view = view;
-    this.parts = Object.fromEntries(["head", "tool", ...parts, "settings", "history"].map((name) => [name, h("section", { "data-part": name })]));
+    this.parts = Object.fromEntries(
+      ["head", "tool", ...parts, "settings", "history"].map((name) => [
+        name,
+        h("section", { "data-part": name }),
+      ]),
+    );
     this.parts.tool.hidden = true;
     this.why = text({ value: "", placeholder: "why it is no good", list: "reasons" });
     this.why.addEventListener("keydown", (event) => event.key === "Enter" && this.view.reject());
-    this.root = h("div.stack", { "aria-busy": "true" }, Object.values(this.parts), h("datalist", { id: "reasons" }, reasons.map((value) => h("option", { value }))));
+    this.root = h(
+      "div.stack",
+      { "aria-busy": "true" },
+      Object.values(this.parts),
+      h(
+        "datalist",
+        { id: "reasons" },
+        reasons.map((value) => h("option", { value })),
+      ),
+    );
     this.footer = h("div.footer", null, this.#decision());
   }
 
@@ -22,10 +36,16 @@ export class Inspector {
       undo: button("Undo", () => this.view.undo(), { key: "u" }),
       redo: button("Redo", () => this.view.redo(), { key: "r" }),
       reject: button("Reject", () => this.view.reject(), { kind: "bad", key: "x" }),
-      revert: button("Back to the program", () => this.view.revert(), { kind: "small", title: "Take back all corrections of this picture; they stay in its history" }),
+      revert: button("Back to the program", () => this.view.revert(), {
+        kind: "small",
+        title: "Take back all corrections of this picture; they stay in its history",
+      }),
     };
     const { accept, undo, redo, reject } = this.buttons;
-    return [h("div.decision", null, accept, undo, redo, reject), h("label.why", null, h("span", null, "Reason to reject"), this.why)];
+    return [
+      h("div.decision", null, accept, undo, redo, reject),
+      h("label.why", null, h("span", null, "Reason to reject"), this.why),
+    ];
   }
 
   reason() {
@@ -36,7 +56,16 @@ export class Inspector {
   tool() {
     const { tool, radius } = this.view;
     const { words, brush, hint } = this.tools[tool] ?? {};
-    this.radius = brush && slider(brush, { value: radius, min: 1, max: 100, unit: "px", hint, onset: (value) => this.view.setRadius(value) });
+    this.radius =
+      brush &&
+      slider(brush, {
+        value: radius,
+        min: 1,
+        max: 100,
+        unit: "px",
+        hint,
+        onset: (value) => this.view.setRadius(value),
+      });
     this.parts.tool.hidden = !brush && !words;
     place(this.parts.tool, brush ? this.radius : words);
   }
@@ -48,7 +77,10 @@ export class Inspector {
     return h(
       "div.actions",
       null,
-      parts.map(([key, words]) => made(change[key]) && button(words, () => this.view.set(key, null), { kind: "small" })),
+      parts.map(
+        ([key, words]) =>
+          made(change[key]) && button(words, () => this.view.set(key, null), { kind: "small" }),
+      ),
     );
   }
 
@@ -57,16 +89,45 @@ export class Inspector {
     this.buttons.undo.disabled = !document.can_undo;
     this.buttons.redo.disabled = !document.can_redo;
     this.buttons.revert.disabled = !Object.keys(change).length;
-    place(this.buttons.reject, change.rejected ? "Take back" : "Reject", h("kbd", { "aria-hidden": "true" }, "x"));
+    place(
+      this.buttons.reject,
+      change.rejected ? "Take back" : "Reject",
+      h("kbd", { "aria-hidden": "true" }, "x"),
+    );
     this.buttons.accept.classList.toggle("accepted", Boolean(change.accepted));
     const records = [...document.history].reverse();
     place(
       this.parts.history,
       h("div.headline", null, h("h3", null, "History"), this.buttons.revert),
-      document.on_another_image && h("p.note.bad", { role: "alert" }, "This was corrected on another picture than the one that is there now. Look at it again, and accept it or go back to the program."),
-      h("div.chips", null, change.accepted && chip("accepted", "good"), change.rejected && chip(`rejected: ${change.rejected}`, "bad")),
+      document.on_another_image &&
+        h(
+          "p.note.bad",
+          { role: "alert" },
+          "This was corrected on another picture than the one that is there now. Look at it again, and accept it or go back to the program.",
+        ),
+      h(
+        "div.chips",
+        null,
+        change.accepted && chip("accepted", "good"),
+        change.rejected && chip(`rejected: ${change.rejected}`, "bad"),
+      ),
       records.length
-        ? h("ol.history", { tabindex: 0, "aria-label": "History of corrections" }, records.map((record) => h("li", null, h("span", null, wordsOf(record)), h("time", { datetime: record.when, title: record.when }, `${record.who || "unknown"}, ${ago(record.when)}`))))
+        ? h(
+            "ol.history",
+            { tabindex: 0, "aria-label": "History of corrections" },
+            records.map((record) =>
+              h(
+                "li",
+                null,
+                h("span", null, wordsOf(record)),
+                h(
+                  "time",
+                  { datetime: record.when, title: record.when },
+                  `${record.who || "unknown"}, ${ago(record.when)}`,
+                ),
+              ),
+            ),
+          )
         : h("p.soft", null, "As the program measured it."),
     );
   }

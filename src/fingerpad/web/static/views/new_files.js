@@ -1,10 +1,10 @@
 // Files that no table names yet: say what each is, all at once if they are alike.
 
 import { get, post, remove } from "../core/api.js";
-import { bench } from "../core/workspace.js";
 import { h, place, redraw } from "../core/dom.js";
 import { complain, say } from "../core/messages.js";
 import { bytes } from "../core/quantity.js";
+import { bench } from "../core/workspace.js";
 import { button, check, choose, faultList, number, text } from "../parts/forms.js";
 import { scaleNames } from "../parts/scale_choice.js";
 
@@ -26,7 +26,10 @@ const FACES = ["palmar", "distal", "radial", "ulnar"];
 
 /** What a file's name says of itself: a proposal, to be seen and changed. */
 export function readName(file, kind) {
-  const name = file.split("/").at(-1).replace(/\.[^.]+$/, "");
+  const name = file
+    .split("/")
+    .at(-1)
+    .replace(/\.[^.]+$/, "");
   const face = FACES.find((each) => name.toLowerCase().includes(each));
   const found = (pattern) => (name.match(pattern) ? Number(name.match(pattern)[1]) : undefined);
   const fingers = bench.study.fingers.map((finger) => finger.name);
@@ -34,8 +37,14 @@ export function readName(file, kind) {
   return {
     name,
     face,
-    as: /ruler|scale|coin|euro|cent|force/i.test(name) ? "" : face && kind === "picture" ? "photograph" : KINDS[kind][0][0],
-    finger: fingers.find((finger) => name.includes(finger)) ?? (said ? `${said[1]}_${said[2]}`.toLowerCase() : fingers.length === 1 ? fingers[0] : ""),
+    as: /ruler|scale|coin|euro|cent|force/i.test(name)
+      ? ""
+      : face && kind === "picture"
+        ? "photograph"
+        : KINDS[kind][0][0],
+    finger:
+      fingers.find((finger) => name.includes(finger)) ??
+      (said ? `${said[1]}_${said[2]}`.toLowerCase() : fingers.length === 1 ? fingers[0] : ""),
     // "0-5N" may have been "0,5N": what is not sure is left to be typed
     wedge_angle_deg: found(/(?<!\d[.-]?)(\d+(?:\.\d+)?)[ _-]?(?:deg|°)/i),
     load_N: found(/(?:^|[_ ]|(?<!\d)-)(\d+(?:\.\d+)?)[ _-]?N(?![a-z])/),
@@ -78,8 +87,16 @@ export class NewFiles {
         "header",
         null,
         h("h2", null, `${files.length} new file${files.length > 1 ? "s" : ""}`),
-        h("span.soft", null, "Say what each is. What stands here was read from the names; change what is wrong."),
-        h("div.actions", null, button("Use them", () => this.#use(), { kind: "primary" })),
+        h(
+          "span.soft",
+          null,
+          "Say what each is. What stands here was read from the names; change what is wrong.",
+        ),
+        h(
+          "div.actions",
+          null,
+          button("Use them", () => this.#use(), { kind: "primary" }),
+        ),
       ),
       this.problem,
       this.#common(),
@@ -89,20 +106,62 @@ export class NewFiles {
         h(
           "table",
           null,
-          h("thead", null, h("tr", null, ["", "File", "It is a", "Finger", "Face", "Wedge, °", "Load, N", "Scale", ""].map((words) => h("th", { scope: "col" }, words)))),
-          h("tbody", null, shown.map((file) => this.#row(file))),
+          h(
+            "thead",
+            null,
+            h(
+              "tr",
+              null,
+              ["", "File", "It is a", "Finger", "Face", "Wedge, °", "Load, N", "Scale", ""].map((words) =>
+                h("th", { scope: "col" }, words),
+              ),
+            ),
+          ),
+          h(
+            "tbody",
+            null,
+            shown.map((file) => this.#row(file)),
+          ),
         ),
       ),
-      files.length > shown.length && h("p.soft", null, `${files.length - shown.length} more follow once these are in use; "Use them" takes all.`),
-      check("These files were rendered or simulated, not taken of a finger", { checked: this.shared.synthetic, onset: (on) => (this.shared.synthetic = on) }),
-      h("datalist", { id: "fingers" }, bench.study.fingers.map(({ name }) => h("option", { value: name }))),
+      files.length > shown.length &&
+        h(
+          "p.soft",
+          null,
+          `${files.length - shown.length} more follow once these are in use; "Use them" takes all.`,
+        ),
+      check("These files were rendered or simulated, not taken of a finger", {
+        checked: this.shared.synthetic,
+        onset: (on) => (this.shared.synthetic = on),
+      }),
+      h(
+        "datalist",
+        { id: "fingers" },
+        bench.study.fingers.map(({ name }) => h("option", { value: name })),
+      ),
     );
   }
 
   /** Files that lie in the study's folder, and that nobody sent from this page. */
   #drawRest(files) {
     this.rest.hidden = !files.length;
-    place(this.rest, h("summary", null, `${files.length} more file${files.length > 1 ? "s" : ""} in the study's folder, not in use`), h("ul.rest", null, files.slice(0, 200).map(({ file, bytes: size }) => h("li", null, h("code", null, file), " ", h("span.soft.number", null, bytes(size))))));
+    place(
+      this.rest,
+      h(
+        "summary",
+        null,
+        `${files.length} more file${files.length > 1 ? "s" : ""} in the study's folder, not in use`,
+      ),
+      h(
+        "ul.rest",
+        null,
+        files
+          .slice(0, 200)
+          .map(({ file, bytes: size }) =>
+            h("li", null, h("code", null, file), " ", h("span.soft.number", null, bytes(size))),
+          ),
+      ),
+    );
   }
 
   async #learn(file) {
@@ -123,28 +182,96 @@ export class NewFiles {
         if (control) control.value = value ?? "";
       }
     };
-    const finger = text({ value: this.shared.finger, placeholder: "e.g. left_index", list: "fingers", label: "Finger of all new files", onset: (value) => value && every("finger", value) });
-    const scale = choose({ value: this.shared.scale ?? "", options: [["", "–"], ...scaleNames()], label: "Scale of all new pictures", onset: (value) => value && every("scale", value) });
-    const wedge = number({ value: this.shared.wedge_angle_deg, min: 0, max: 90, label: "Wedge angle of all new files, degrees", onset: (value) => every("wedge_angle_deg", value ?? undefined) });
-    return this.drafts.size > 1 && h("div.common", null, h("span.soft", null, "For all:"), h("label", null, "finger", finger), h("label", null, "wedge °", wedge), h("label", null, "scale", scale));
+    const finger = text({
+      value: this.shared.finger,
+      placeholder: "e.g. left_index",
+      list: "fingers",
+      label: "Finger of all new files",
+      onset: (value) => value && every("finger", value),
+    });
+    const scale = choose({
+      value: this.shared.scale ?? "",
+      options: [["", "–"], ...scaleNames()],
+      label: "Scale of all new pictures",
+      onset: (value) => value && every("scale", value),
+    });
+    const wedge = number({
+      value: this.shared.wedge_angle_deg,
+      min: 0,
+      max: 90,
+      label: "Wedge angle of all new files, degrees",
+      onset: (value) => every("wedge_angle_deg", value ?? undefined),
+    });
+    return (
+      this.drafts.size > 1 &&
+      h(
+        "div.common",
+        null,
+        h("span.soft", null, "For all:"),
+        h("label", null, "finger", finger),
+        h("label", null, "wedge °", wedge),
+        h("label", null, "scale", scale),
+      )
+    );
   }
 
   #row({ file, kind, bytes: size }) {
     const draft = this.drafts.get(file);
     const put = (key) => (value) => (draft[key] = value ?? undefined);
     const name = file.split("/").at(-1);
-    const as = choose({ value: draft.as, options: KINDS[kind], label: `What ${name} is`, onset: (value) => ((draft.as = value), redraw(() => this.draw())) });
-    const finger = text({ value: draft.finger, placeholder: "e.g. left_index", list: "fingers", label: `Finger on ${name}`, onset: put("finger") });
+    const as = choose({
+      value: draft.as,
+      options: KINDS[kind],
+      label: `What ${name} is`,
+      onset: (value) => ((draft.as = value), redraw(() => this.draw())),
+    });
+    const finger = text({
+      value: draft.finger,
+      placeholder: "e.g. left_index",
+      list: "fingers",
+      label: `Finger on ${name}`,
+      onset: put("finger"),
+    });
     finger.addEventListener("input", () => (draft.finger = finger.value.trim()));
-    const face = choose({ value: draft.face ?? "", options: [["", "–"], ...FACES], label: `Face on ${name}`, onset: (value) => (draft.face = value || undefined) });
-    const wedge = number({ value: draft.wedge_angle_deg, min: 0, max: 90, label: `Wedge angle of ${name}, degrees`, onset: put("wedge_angle_deg") });
-    const load = number({ value: draft.load_N, min: 0, label: `Load of ${name}, newtons`, onset: put("load_N") });
-    for (const [control, key] of [[finger, "finger"], [wedge, "wedge_angle_deg"]]) control.dataset.field = `${file}:${key}`;
+    const face = choose({
+      value: draft.face ?? "",
+      options: [["", "–"], ...FACES],
+      label: `Face on ${name}`,
+      onset: (value) => (draft.face = value || undefined),
+    });
+    const wedge = number({
+      value: draft.wedge_angle_deg,
+      min: 0,
+      max: 90,
+      label: `Wedge angle of ${name}, degrees`,
+      onset: put("wedge_angle_deg"),
+    });
+    const load = number({
+      value: draft.load_N,
+      min: 0,
+      label: `Load of ${name}, newtons`,
+      onset: put("load_N"),
+    });
+    for (const [control, key] of [
+      [finger, "finger"],
+      [wedge, "wedge_angle_deg"],
+    ])
+      control.dataset.field = `${file}:${key}`;
     const placed = ["observation", "sequence", "curve"].includes(draft.as);
     return h(
       "tr",
       null,
-      h("td", null, kind === "picture" ? h("img.small-thumb", { src: `/api/picture/thumbnail?${new URLSearchParams({ item: `file:${file}` })}`, alt: "", loading: "lazy" }) : h("span.chip", null, kind)),
+      h(
+        "td",
+        null,
+        kind === "picture"
+          ? h("img.small-thumb", {
+              src: `/api/picture/thumbnail?${new URLSearchParams({ item: `file:${file}` })}`,
+              alt: "",
+              loading: "lazy",
+            })
+          : h("span.chip", null, kind),
+      ),
       h("td", null, h("strong", null, name), h("div.soft", null, this.#about(file, size))),
       h("td", null, as),
       h("td", null, draft.as && finger),
@@ -152,7 +279,11 @@ export class NewFiles {
       h("td", null, placed && wedge),
       h("td", null, draft.as === "observation" && load),
       h("td", null, ["observation", "photograph", "sequence"].includes(draft.as) && this.#scale(file)),
-      h("td", null, button("×", () => this.#forget(file), { kind: "icon", label: `Take ${name} away` })),
+      h(
+        "td",
+        null,
+        button("×", () => this.#forget(file), { kind: "icon", label: `Take ${name} away` }),
+      ),
     );
   }
 
@@ -171,7 +302,12 @@ export class NewFiles {
     draft.scale ??= names.length === 1 ? names[0] : "";
     const options = [["", "– later –"], ...names.map((name) => [name, name])];
     if (ppi) options.push([`ppi:${ppi}`, `${Number(ppi.toFixed(1))} ppi, says the file`]);
-    const select = choose({ value: draft.scale, options, label: `Scale of ${file}`, onset: (value) => (draft.scale = value) });
+    const select = choose({
+      value: draft.scale,
+      options,
+      label: `Scale of ${file}`,
+      onset: (value) => (draft.scale = value),
+    });
     select.dataset.field = `${file}:scale`;
     return select;
   }
@@ -180,7 +316,11 @@ export class NewFiles {
     const draft = this.drafts.get(file);
     try {
       const { removed } = await remove("/api/files", { file });
-      say(`${file.split("/").at(-1)} was taken away.`, { kind: "good", action: { words: "Undo", do: () => this.#restore(removed, draft) }, stays: true });
+      say(`${file.split("/").at(-1)} was taken away.`, {
+        kind: "good",
+        action: { words: "Undo", do: () => this.#restore(removed, draft) },
+        stays: true,
+      });
     } catch (error) {
       complain(error);
     }
@@ -202,15 +342,21 @@ export class NewFiles {
     const wrong = this.root.querySelector("input:invalid");
     if (wrong) return wrong.reportValidity();
     const edits = [];
-    const taken = new Set([...bench.study.observations.map(({ item }) => item), ...bench.study.sequences.map(({ name }) => name)]);
+    const taken = new Set([
+      ...bench.study.observations.map(({ item }) => item),
+      ...bench.study.sequences.map(({ name }) => name),
+    ]);
     const fingers = new Set(bench.study.fingers.map(({ name }) => name));
     let curves = bench.study.curves.length;
     for (const file of this.files) {
       const draft = this.drafts.get(file);
       if (!draft.as || !draft.finger) continue;
-      const scale = draft.scale?.startsWith("ppi:") ? { ppi: Number(draft.scale.slice(4)) } : draft.scale || undefined;
+      const scale = draft.scale?.startsWith("ppi:")
+        ? { ppi: Number(draft.scale.slice(4)) }
+        : draft.scale || undefined;
       const synthetic = this.shared.synthetic || undefined;
-      const said = (set) => Object.fromEntries(Object.entries(set).filter(([, value]) => value !== undefined && value !== ""));
+      const said = (set) =>
+        Object.fromEntries(Object.entries(set).filter(([, value]) => value !== undefined && value !== ""));
       if (!fingers.has(draft.finger) && ["photograph", "outline"].includes(draft.as)) {
         edits.push({ kind: "finger", key: draft.finger, set: {} });
         fingers.add(draft.finger);
@@ -218,19 +364,61 @@ export class NewFiles {
       let name = draft.name;
       for (let number = 2; taken.has(name); number += 1) name = `${draft.name}_${number}`;
       if (draft.as === "observation") {
-        edits.push({ kind: "observation", key: name, set: said({ finger: draft.finger, image: file, wedge_angle_deg: draft.wedge_angle_deg, load_N: draft.load_N, scale, synthetic }) });
+        edits.push({
+          kind: "observation",
+          key: name,
+          set: said({
+            finger: draft.finger,
+            image: file,
+            wedge_angle_deg: draft.wedge_angle_deg,
+            load_N: draft.load_N,
+            scale,
+            synthetic,
+          }),
+        });
         taken.add(name);
-      } else if (draft.as === "photograph") edits.push({ kind: "photograph", key: `${draft.finger}/${file}`, set: said({ face: draft.face, scale, synthetic }) });
-      else if (draft.as === "outline") edits.push({ kind: "photograph", key: `${draft.finger}/${file}`, set: said({ face: draft.face, outline: file, synthetic }) });
+      } else if (draft.as === "photograph")
+        edits.push({
+          kind: "photograph",
+          key: `${draft.finger}/${file}`,
+          set: said({ face: draft.face, scale, synthetic }),
+        });
+      else if (draft.as === "outline")
+        edits.push({
+          kind: "photograph",
+          key: `${draft.finger}/${file}`,
+          set: said({ face: draft.face, outline: file, synthetic }),
+        });
       else if (draft.as === "sequence") {
-        const force = bench.study.files.find((other) => !other.used && other.kind === "table" && /force/i.test(other.file))?.file;
-        edits.push({ kind: "sequence", key: name, set: said({ finger: draft.finger, path: file, wedge_angle_deg: draft.wedge_angle_deg, scale, force, synthetic }) });
+        const force = bench.study.files.find(
+          (other) => !other.used && other.kind === "table" && /force/i.test(other.file),
+        )?.file;
+        edits.push({
+          kind: "sequence",
+          key: name,
+          set: said({
+            finger: draft.finger,
+            path: file,
+            wedge_angle_deg: draft.wedge_angle_deg,
+            scale,
+            force,
+            synthetic,
+          }),
+        });
         taken.add(name);
-      } else if (draft.as === "curve") edits.push({ kind: "curve", key: String(curves++), set: said({ finger: draft.finger, wedge_angle_deg: draft.wedge_angle_deg, file, synthetic }) });
+      } else if (draft.as === "curve")
+        edits.push({
+          kind: "curve",
+          key: String(curves++),
+          set: said({ finger: draft.finger, wedge_angle_deg: draft.wedge_angle_deg, file, synthetic }),
+        });
     }
     place(this.problem);
     if (!edits.length) {
-      place(this.problem, h("div.faults", { role: "alert" }, h("p", null, "Say at least which finger the files show.")));
+      place(
+        this.problem,
+        h("div.faults", { role: "alert" }, h("p", null, "Say at least which finger the files show.")),
+      );
       return undefined;
     }
     try {

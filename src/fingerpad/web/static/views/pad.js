@@ -1,10 +1,10 @@
 // The pad: where it touches, how it is curved there, on which wedge.
 
 import { Newest, post } from "../core/api.js";
-import { bench } from "../core/workspace.js";
 import { h, place, symbol } from "../core/dom.js";
 import { bindHere } from "../core/keys.js";
 import { plain, quantityText, reading, withStd } from "../core/quantity.js";
+import { bench } from "../core/workspace.js";
 import { button, choose, field, number, synthetic } from "../parts/forms.js";
 import { PadScene } from "../parts/pad_scene.js";
 
@@ -31,13 +31,33 @@ class PadView {
     this.roll = placed?.roll_angle_deg ?? 0;
     this.scene = new PadScene({ forceSvg: new URLSearchParams(location.search).has("svg") });
     this.numbers = h("section");
-    this.live = new Newest((asked) => post("/api/geometry", asked), (answer) => this.#show(answer), (error) => place(this.numbers, h("p.note.bad", { role: "alert" }, error.message)), this.numbers);
+    this.live = new Newest(
+      (asked) => post("/api/geometry", asked),
+      (answer) => this.#show(answer),
+      (error) => place(this.numbers, h("p.note.bad", { role: "alert" }, error.message)),
+      this.numbers,
+    );
     this.side = h("div.stack");
     this.caption = h("div.pad-caption");
     place(
       root,
-      h("header.head", null, h("div", null, h("h1", null, "Pad"), h("p", null, "The ellipsoid that the photographs give, on its wedge under the platen.")), h("div.actions", null, ...this.#views())),
-      h("div.bench.no-tools.pad-bench", null, h("div.pad-main", null, this.scene.root, this.caption), h("aside.inspector", { "aria-label": "Placement", tabindex: 0 }, this.side)),
+      h(
+        "header.head",
+        null,
+        h(
+          "div",
+          null,
+          h("h1", null, "Pad"),
+          h("p", null, "The ellipsoid that the photographs give, on its wedge under the platen."),
+        ),
+        h("div.actions", null, ...this.#views()),
+      ),
+      h(
+        "div.bench.no-tools.pad-bench",
+        null,
+        h("div.pad-main", null, this.scene.root, this.caption),
+        h("aside.inspector", { "aria-label": "Placement", tabindex: 0 }, this.side),
+      ),
     );
     bindHere([
       ["w", "Wedge angle up", () => this.#nudge("wedge", 1)],
@@ -53,7 +73,12 @@ class PadView {
 
   #views() {
     const look = (words, view) => button(words, () => this.scene.look(view), { kind: "small" });
-    return [look("Aslant", { turn: -0.62, tilt: 0.42 }), look("From the side", { turn: 0, tilt: 0 }), look("From the tip", { turn: Math.PI / 2, tilt: 0 }), look("Through the platen", { turn: -Math.PI / 2, tilt: 1.5 })];
+    return [
+      look("Aslant", { turn: -0.62, tilt: 0.42 }),
+      look("From the side", { turn: 0, tilt: 0 }),
+      look("From the tip", { turn: Math.PI / 2, tilt: 0 }),
+      look("Through the platen", { turn: -Math.PI / 2, tilt: 1.5 }),
+    ];
   }
 
   #draw() {
@@ -62,29 +87,85 @@ class PadView {
     const finger = bench.study.fingers.find(({ name }) => name === this.finger);
     const axes = finger?.semi_axes_mm ?? this.axes;
     const angle = (key, words, min, max) => {
-      const slider = h("input", { type: "range", min, max, step: 0.5, value: this[key], oninput: () => set(Number(slider.value)) });
-      const typed = number({ value: this[key], min, max, onset: (value) => set(value ?? 0), label: `${words}, degrees` });
+      const slider = h("input", {
+        type: "range",
+        min,
+        max,
+        step: 0.5,
+        value: this[key],
+        oninput: () => set(Number(slider.value)),
+      });
+      const typed = number({
+        value: this[key],
+        min,
+        max,
+        onset: (value) => set(value ?? 0),
+        label: `${words}, degrees`,
+      });
       const set = (value) => {
         this[key] = value;
         slider.value = typed.value = value;
         this.#ask();
       };
       this[`set_${key}`] = set;
-      return h("div.angle", null, field(words, slider), h("div.control", null, typed, h("span.unit", null, "°")));
+      return h(
+        "div.angle",
+        null,
+        field(words, slider),
+        h("div.control", null, typed, h("span.unit", null, "°")),
+      );
     };
     place(
       this.side,
       h("h2.sr", null, "Pad and placement"),
-      h("section", null, field("Finger", choose({ value: this.finger, options, onset: (value) => ((this.finger = value), this.#draw(), this.#ask()) })), finger?.synthetic && h("div", null, synthetic(true))),
+      h(
+        "section",
+        null,
+        field(
+          "Finger",
+          choose({
+            value: this.finger,
+            options,
+            onset: (value) => ((this.finger = value), this.#draw(), this.#ask()),
+          }),
+        ),
+        finger?.synthetic && h("div", null, synthetic(true)),
+      ),
       h(
         "section",
         null,
         h("h3", null, "Semi-axes"),
         finger
-          ? h("dl.readings", null, AXES.map(([axis, words]) => reading(words, `${withStd(axes[axis], finger.semi_axes_mm_std?.[axis])} mm`)))
-          : h("div.fields", null, AXES.map(([axis, words]) => field(words, number({ value: this.axes[axis], min: 0.1, onset: (value) => value && ((this.axes[axis] = value), this.#ask()) }), { unit: "mm" }))),
+          ? h(
+              "dl.readings",
+              null,
+              AXES.map(([axis, words]) =>
+                reading(words, `${withStd(axes[axis], finger.semi_axes_mm_std?.[axis])} mm`),
+              ),
+            )
+          : h(
+              "div.fields",
+              null,
+              AXES.map(([axis, words]) =>
+                field(
+                  words,
+                  number({
+                    value: this.axes[axis],
+                    min: 0.1,
+                    onset: (value) => value && ((this.axes[axis] = value), this.#ask()),
+                  }),
+                  { unit: "mm" },
+                ),
+              ),
+            ),
       ),
-      h("section", null, h("h3", null, "Placement"), angle("wedge", "Wedge angle θ", 0, 90), angle("roll", "Roll angle φ", -60, 60)),
+      h(
+        "section",
+        null,
+        h("h3", null, "Placement"),
+        angle("wedge", "Wedge angle θ", 0, 90),
+        angle("roll", "Roll angle φ", -60, 60),
+      ),
       this.numbers,
     );
   }
@@ -94,12 +175,17 @@ class PadView {
   }
 
   #ask() {
-    const which = this.finger ? { finger: this.finger } : { palmar_mm: this.axes.palmar, distal_mm: this.axes.distal, radial_ulnar_mm: this.axes.radial_ulnar };
+    const which = this.finger
+      ? { finger: this.finger }
+      : { palmar_mm: this.axes.palmar, distal_mm: this.axes.distal, radial_ulnar_mm: this.axes.radial_ulnar };
     this.live.ask({ ...which, wedge_angle_deg: this.wedge, roll_angle_deg: this.roll, detail: 40 });
   }
 
   #show(answer) {
-    this.scene.show(answer, `The pad on a wedge of ${plain(this.wedge)}°, touching at u = ${plain(answer.u_deg)}°`);
+    this.scene.show(
+      answer,
+      `The pad on a wedge of ${plain(this.wedge)}°, touching at u = ${plain(answer.u_deg)}°`,
+    );
     place(
       this.caption,
       h("span", null, h("i.key.along"), "principal direction along the finger"),
@@ -110,10 +196,26 @@ class PadView {
     );
     place(
       this.numbers,
-      h("div.headline", null, h("span", null, "Touches at ", symbol("u")), h("span.figure-big.number", { "data-live": "u" }, quantityText(answer, "u_deg"))),
-      answer.v_deg !== null && Math.abs(answer.v_deg - 90) > 0.005 && h("p.soft.number", null, `v = ${quantityText(answer, "v_deg")}`),
-      h("dl.readings", { "data-live": "radii" }, READINGS.map(([key, label]) => reading(label(), quantityText(answer, key)))),
-      !this.finger && h("p.soft", null, "No uncertainty: these semi-axes are typed in for a look, and belong to no finger of the study."),
+      h(
+        "div.headline",
+        null,
+        h("span", null, "Touches at ", symbol("u")),
+        h("span.figure-big.number", { "data-live": "u" }, quantityText(answer, "u_deg")),
+      ),
+      answer.v_deg !== null &&
+        Math.abs(answer.v_deg - 90) > 0.005 &&
+        h("p.soft.number", null, `v = ${quantityText(answer, "v_deg")}`),
+      h(
+        "dl.readings",
+        { "data-live": "radii" },
+        READINGS.map(([key, label]) => reading(label(), quantityText(answer, key))),
+      ),
+      !this.finger &&
+        h(
+          "p.soft",
+          null,
+          "No uncertainty: these semi-axes are typed in for a look, and belong to no finger of the study.",
+        ),
     );
   }
 

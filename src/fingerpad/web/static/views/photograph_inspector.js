@@ -1,8 +1,8 @@
 // The numbers of one face, and of the pad that all faces of the finger give together.
 
-import { wordsFor } from "../core/workspace.js";
 import { h, place, s } from "../core/dom.js";
 import { BY, plain, probability, quantityText, reading, withStd } from "../core/quantity.js";
+import { wordsFor } from "../core/workspace.js";
 import { chip, choose, field, synthetic } from "../parts/forms.js";
 import { scaleWords } from "../parts/scale_choice.js";
 import { Inspector } from "./inspector.js";
@@ -26,10 +26,18 @@ const FORGET = [
 
 export class PhotographInspector extends Inspector {
   tools = {
-    points: { words: h("p.soft", null, "Click on the pad's outline. A point added can be dragged; Delete takes it away.") },
+    points: {
+      words: h(
+        "p.soft",
+        null,
+        "Click on the pad's outline. A point added can be dragged; Delete takes it away.",
+      ),
+    },
     erase: { brush: "Rubber: radius", hint: "[ and ] change it." },
     box: { words: h("p.soft", null, "Draw a box round the fingertip.") },
-    length: { words: [h("h3", null, "Length"), h("p.soft", { "data-live": "length" }, "Draw a line on the picture.")] },
+    length: {
+      words: [h("h3", null, "Length"), h("p.soft", { "data-live": "length" }, "Draw a line on the picture.")],
+    },
   };
 
   constructor(view) {
@@ -38,7 +46,11 @@ export class PhotographInspector extends Inspector {
 
   wait() {
     const { finger, face, scale, file, synthetic: made } = this.view.entry;
-    place(this.parts.head, h("div.headline", null, h("h2", null, `${finger}, ${face} face`), synthetic(made)), h("p.soft", null, `${file} · scale ${scaleWords(scale)}`));
+    place(
+      this.parts.head,
+      h("div.headline", null, h("h2", null, `${finger}, ${face} face`), synthetic(made)),
+      h("p.soft", null, `${file} · scale ${scaleWords(scale)}`),
+    );
     place(this.parts.face, h("p.loading", null, "Finding the outline …"));
     place(this.parts.pad);
     this.tool();
@@ -46,7 +58,11 @@ export class PhotographInspector extends Inspector {
 
   show(answer, problem) {
     if (!answer) {
-      place(this.parts.face, h("p.note.bad", { role: "alert" }, problem), h("p.soft", null, "Draw a region of interest round the fingertip, or add points on its outline."));
+      place(
+        this.parts.face,
+        h("p.note.bad", { role: "alert" }, problem),
+        h("p.soft", null, "Draw a region of interest round the fingertip, or add points on its outline."),
+      );
       place(this.parts.pad);
       this.settings();
       return;
@@ -54,20 +70,40 @@ export class PhotographInspector extends Inspector {
     const { program } = answer;
     place(
       this.parts.face,
-      h("div.headline", null, h("h3", null, "This face"), chip(BY[answer.by] ?? answer.by, program ? "accent" : "")),
+      h(
+        "div.headline",
+        null,
+        h("h3", null, "This face"),
+        chip(BY[answer.by] ?? answer.by, program ? "accent" : ""),
+      ),
       h(
         "dl.readings",
         { "data-live": "face" },
         answer.axes.map((axis) =>
-          reading(`${NAMES[axis]} semi-axis`, `${withStd(answer.semi_axes_mm[axis], answer.semi_axes_mm_std?.[axis])} mm`, {
-            mark: "face",
-            was: program ? `${withStd(program.semi_axes_mm[axis], program.semi_axes_mm_std?.[axis])} mm` : undefined,
-          }),
+          reading(
+            `${NAMES[axis]} semi-axis`,
+            `${withStd(answer.semi_axes_mm[axis], answer.semi_axes_mm_std?.[axis])} mm`,
+            {
+              mark: "face",
+              was: program
+                ? `${withStd(program.semi_axes_mm[axis], program.semi_axes_mm_std?.[axis])} mm`
+                : undefined,
+            },
+          ),
         ),
         reading("Arc that is pad", answer.arc_deg === null ? "–" : `${plain(answer.arc_deg)}°`),
         reading("Lean", answer.lean_deg === null ? "–" : `${plain(answer.lean_deg)}°`),
       ),
-      answer.flags.length > 0 && h("div.note", null, h("ul", null, answer.flags.map((flag) => h("li", null, wordsFor(flag))))),
+      answer.flags.length > 0 &&
+        h(
+          "div.note",
+          null,
+          h(
+            "ul",
+            null,
+            answer.flags.map((flag) => h("li", null, wordsFor(flag))),
+          ),
+        ),
     );
     this.#pad(answer);
     this.settings();
@@ -75,48 +111,105 @@ export class PhotographInspector extends Inspector {
 
   #pad({ finger, finger_error: problem }) {
     if (finger === undefined || (finger === null && !problem)) {
-      if (!this.parts.pad.querySelector("[data-live]")) place(this.parts.pad, h("h3", null, "All faces together"), h("p.soft", null, "Measuring the other faces …"));
+      if (!this.parts.pad.querySelector("[data-live]"))
+        place(
+          this.parts.pad,
+          h("h3", null, "All faces together"),
+          h("p.soft", null, "Measuring the other faces …"),
+        );
       return;
     }
     if (!finger) {
-      place(this.parts.pad, h("h3", null, "All faces together"), h("p.soft", null, problem ?? "Two faces are the least for a pad."));
+      place(
+        this.parts.pad,
+        h("h3", null, "All faces together"),
+        h("p.soft", null, problem ?? "Two faces are the least for a pad."),
+      );
       return;
     }
     const agree = finger.degrees_of_freedom > 0 ? !finger.disagree : null;
     place(
       this.parts.pad,
-      h("div.headline", null, h("h3", null, "All faces together"), agree === null ? null : agree ? chip("the faces agree", "good") : chip("the faces disagree", "warn")),
+      h(
+        "div.headline",
+        null,
+        h("h3", null, "All faces together"),
+        agree === null ? null : agree ? chip("the faces agree", "good") : chip("the faces disagree", "warn"),
+      ),
       h(
         "dl.readings",
         { "data-live": "finger" },
-        Object.entries(NAMES).map(([axis, words]) => reading(`${words} semi-axis`, h("strong.figure", null, `${withStd(finger.semi_axes_mm[axis], finger.semi_axes_mm_std?.[axis])} mm`))),
-        finger.degrees_of_freedom > 0 && reading("Agreement", `χ² = ${finger.chi_square.toPrecision(3)} for ${finger.degrees_of_freedom}, ${probability(finger.p_value)}`),
+        Object.entries(NAMES).map(([axis, words]) =>
+          reading(
+            `${words} semi-axis`,
+            h(
+              "strong.figure",
+              null,
+              `${withStd(finger.semi_axes_mm[axis], finger.semi_axes_mm_std?.[axis])} mm`,
+            ),
+          ),
+        ),
+        finger.degrees_of_freedom > 0 &&
+          reading(
+            "Agreement",
+            `χ² = ${finger.chi_square.toPrecision(3)} for ${finger.degrees_of_freedom}, ${probability(finger.p_value)}`,
+          ),
       ),
-      finger.disagreements?.length > 0 && h("details", { open: true }, h("summary", null, "Each face against all"), differences(finger.disagreements)),
+      finger.disagreements?.length > 0 &&
+        h(
+          "details",
+          { open: true },
+          h("summary", null, "Each face against all"),
+          differences(finger.disagreements),
+        ),
     );
   }
 
   settings() {
     const { change } = this.view.corrections;
-    const side = (key, label) => field(label, choose({ value: change[key] ?? "", options: SIDES, onset: (value) => this.view.set(key, value || null) }));
+    const side = (key, label) =>
+      field(
+        label,
+        choose({
+          value: change[key] ?? "",
+          options: SIDES,
+          onset: (value) => this.view.set(key, value || null),
+        }),
+      );
     place(
       this.parts.settings,
       h("h3", null, "How it is read"),
-      h("div.fields", null, side("tip", "Fingertip points"), ["distal", "radial", "ulnar"].includes(this.view.entry.face) && side("palmar_side", "Palmar side lies")),
+      h(
+        "div.fields",
+        null,
+        side("tip", "Fingertip points"),
+        ["distal", "radial", "ulnar"].includes(this.view.entry.face) &&
+          side("palmar_side", "Palmar side lies"),
+      ),
       this.forgetting(FORGET),
     );
   }
 
   length(answer) {
     const line = this.parts.tool.querySelector("[data-live=length]");
-    if (line) place(line, h("span.figure-big.number", null, quantityText(answer, "length_mm")), h("br"), "each end sure to 1 px");
+    if (line)
+      place(
+        line,
+        h("span.figure-big.number", null, quantityText(answer, "length_mm")),
+        h("br"),
+        "each end sure to 1 px",
+      );
   }
 }
 
 /** Bars left and right of zero: each face's semi-axis against that of all faces. */
 function differences(faces) {
   const axes = Object.keys(NAMES);
-  const rows = faces.flatMap((face) => axes.filter((axis) => Number.isFinite(face[axis])).map((axis) => [`${face.face}: ${NAMES[axis].toLowerCase()}`, face[axis]]));
+  const rows = faces.flatMap((face) =>
+    axes
+      .filter((axis) => Number.isFinite(face[axis]))
+      .map((axis) => [`${face.face}: ${NAMES[axis].toLowerCase()}`, face[axis]]),
+  );
   const most = Math.max(...rows.map(([, value]) => Math.abs(value)), 1e-9);
   return h(
     "div.differences",
@@ -127,7 +220,12 @@ function differences(faces) {
         "div.difference",
         null,
         h("span", null, label),
-        s("svg", { viewBox: "-50 0 100 10", width: 100, height: 10, "aria-hidden": "true" }, s("path", { d: "M0 0V10", class: "zero" }), s("rect", { x: value < 0 ? -width : 0, y: 2, width, height: 6 })),
+        s(
+          "svg",
+          { viewBox: "-50 0 100 10", width: 100, height: 10, "aria-hidden": "true" },
+          s("path", { d: "M0 0V10", class: "zero" }),
+          s("rect", { x: value < 0 ? -width : 0, y: 2, width, height: 6 }),
+        ),
         h("span.number", null, `${value < 0 ? "−" : "+"}${(100 * Math.abs(value)).toFixed(1)} %`),
       );
     }),

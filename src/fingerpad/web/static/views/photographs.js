@@ -1,9 +1,9 @@
 // Photographs of the finger's faces: the outline found, the ellipse fitted, and all faces together as one pad.
 
 import { Newest, post } from "../core/api.js";
-import { bench } from "../core/workspace.js";
 import { h, place, s } from "../core/dom.js";
 import { quantityText } from "../core/quantity.js";
+import { bench } from "../core/workspace.js";
 import { empty } from "../parts/forms.js";
 import { handle } from "../parts/handle.js";
 import { icons } from "../parts/icons.js";
@@ -21,7 +21,10 @@ const TOOLS = [
 
 class Photographs extends Review {
   nothing = "There is no outline to accept. Draw a region of interest, add points, or drag the axes.";
-  last = ["That was the last photograph.", { kind: "good", action: { words: "To the contacts", do: () => (location.hash = "#/contacts") } }];
+  last = [
+    "That was the last photograph.",
+    { kind: "good", action: { words: "To the contacts", do: () => (location.hash = "#/contacts") } },
+  ];
   added = [];
 
   constructor(root, rest) {
@@ -33,7 +36,15 @@ class Photographs extends Review {
   }
 
   #photographs() {
-    return bench.study.fingers.flatMap((finger) => (finger.photographs ?? []).filter(({ outline }) => !outline).map((photograph) => ({ ...photograph, finger: finger.name, synthetic: finger.synthetic || photograph.synthetic })));
+    return bench.study.fingers.flatMap((finger) =>
+      (finger.photographs ?? [])
+        .filter(({ outline }) => !outline)
+        .map((photograph) => ({
+          ...photograph,
+          finger: finger.name,
+          synthetic: finger.synthetic || photograph.synthetic,
+        })),
+    );
   }
 
   #nothing() {
@@ -74,7 +85,12 @@ class Photographs extends Review {
       ["l", "Measure a length", () => this.use("length")],
     ]);
     this.strip.set(this.entries);
-    this.choose(Math.max(0, this.entries.findIndex(({ item }) => item === wanted)));
+    this.choose(
+      Math.max(
+        0,
+        this.entries.findIndex(({ item }) => item === wanted),
+      ),
+    );
   }
 
   underlay() {
@@ -142,8 +158,16 @@ class Photographs extends Review {
       const mark = handle(this.stage, {
         label: `Point ${index + 1} added; Delete takes it away`,
         move: (to) => mark.put((now = to)),
-        commit: () => this.keep((change) => ({ ...change, added_points_px: change.added_points_px.map((point, other) => (other === index ? now : point)) })),
-        remove: () => this.keep((change) => ({ ...change, added_points_px: change.added_points_px.filter((_, other) => other !== index) })),
+        commit: () =>
+          this.keep((change) => ({
+            ...change,
+            added_points_px: change.added_points_px.map((point, other) => (other === index ? now : point)),
+          })),
+        remove: () =>
+          this.keep((change) => ({
+            ...change,
+            added_points_px: change.added_points_px.filter((_, other) => other !== index),
+          })),
       });
       this.stage.world.append(mark.node);
       mark.put(at);
@@ -152,8 +176,20 @@ class Photographs extends Review {
   }
 
   instrument(tool) {
-    if (tool === "points") return new Click((at) => this.keep((change) => ({ ...this.freed(change), added_points_px: [...(change.added_points_px ?? []), at] })));
-    if (tool === "erase") return this.paint("remove", ({ points_px, radius_px }) => this.keep((change) => ({ ...this.freed(change), erased: [...(change.erased ?? []), { points_px, radius_px }] })));
+    if (tool === "points")
+      return new Click((at) =>
+        this.keep((change) => ({
+          ...this.freed(change),
+          added_points_px: [...(change.added_points_px ?? []), at],
+        })),
+      );
+    if (tool === "erase")
+      return this.paint("remove", ({ points_px, radius_px }) =>
+        this.keep((change) => ({
+          ...this.freed(change),
+          erased: [...(change.erased ?? []), { points_px, radius_px }],
+        })),
+      );
     return tool === "length" ? this.line : null;
   }
 
@@ -163,7 +199,11 @@ class Photographs extends Review {
   }
 
   #handles() {
-    return { centre_px: [...this.editor.shape.centre], across_end_px: this.editor.end(0), along_end_px: this.editor.end(1) };
+    return {
+      centre_px: [...this.editor.shape.centre],
+      across_end_px: this.editor.end(0),
+      along_end_px: this.editor.end(1),
+    };
   }
 
   dragged() {
@@ -204,7 +244,12 @@ const dots = (points) => (points ?? []).map(([row, column]) => `M${column} ${row
 
 function describe(entry) {
   const marks = [...(entry.flags?.length ? [["flag", entry.flags.join(", ")]] : []), ...decisions(entry)];
-  return { label: entry.face, name: [`${entry.finger}, ${entry.face} face`, ...marks.map(([, words]) => words)].join(", "), state: entry.rejected ? "rejected" : "done", marks };
+  return {
+    label: entry.face,
+    name: [`${entry.finger}, ${entry.face} face`, ...marks.map(([, words]) => words)].join(", "),
+    state: entry.rejected ? "rejected" : "done",
+    marks,
+  };
 }
 
 export const open = (root, rest) => new Photographs(root, rest);

@@ -1,8 +1,8 @@
 // What follows: the corrected radius against load, and everything behind it.
 
-import { bench } from "../core/workspace.js";
 import { h, place } from "../core/dom.js";
 import { bindHere } from "../core/keys.js";
+import { bench } from "../core/workspace.js";
 import { empty, segments } from "../parts/forms.js";
 import { Audit } from "./results_audit.js";
 import { Budget } from "./results_budget.js";
@@ -22,8 +22,23 @@ class Results {
   constructor(root, rest) {
     this.body = h("div.scroll.results", { tabindex: 0, role: "region", "aria-label": "Results" });
     this.banner = h("div");
-    this.tabs = segments("Parts of the results", PARTS.map(([key, words]) => [key, words]), "plot", (key) => (location.hash = `#/results/${key}`));
-    place(root, h("header.head", null, h("div", null, h("h1", null, "Results"), h("p", null, "Values ± one standard uncertainty.")), h("div.actions", null, this.tabs)), this.banner, this.body);
+    this.tabs = segments(
+      "Parts of the results",
+      PARTS.map(([key, words]) => [key, words]),
+      "plot",
+      (key) => (location.hash = `#/results/${key}`),
+    );
+    place(
+      root,
+      h(
+        "header.head",
+        null,
+        h("div", null, h("h1", null, "Results"), h("p", null, "Values ± one standard uncertainty.")),
+        h("div.actions", null, this.tabs),
+      ),
+      this.banner,
+      this.body,
+    );
     bindHere([
       ["p", "Corrected radius against load", () => (location.hash = "#/results/plot")],
       ["t", "Table", () => (location.hash = "#/results/table")],
@@ -67,8 +82,14 @@ class Results {
         this.body,
         empty(
           "No results yet",
-          bench.study.ready ? "The study is complete and can run. What is measured is kept, so that a second run only does what changed." : "Something is still missing in the study; the Study page says what.",
-          h("a.button.primary", { href: bench.study.ready ? "#/run/start" : "#/study" }, bench.study.ready ? "Run the study" : "To the study"),
+          bench.study.ready
+            ? "The study is complete and can run. What is measured is kept, so that a second run only does what changed."
+            : "Something is still missing in the study; the Study page says what.",
+          h(
+            "a.button.primary",
+            { href: bench.study.ready ? "#/run/start" : "#/study" },
+            bench.study.ready ? "Run the study" : "To the study",
+          ),
           h("a.button", { href: "#/results/audit" }, "See the audit of the printed tables"),
         ),
       );
@@ -78,13 +99,49 @@ class Results {
     const home = h("div", null, h("div.loading", { role: "status" }, "Reading the results …"));
     place(this.body, home);
     this.part = new Part(home);
-    this.part.load().catch((error) => place(home, h("div.empty", { role: "alert" }, h("h2", null, "This could not be shown"), h("p", null, error.message))));
+    this.part
+      .load()
+      .catch((error) =>
+        place(
+          home,
+          h(
+            "div.empty",
+            { role: "alert" },
+            h("h2", null, "This could not be shown"),
+            h("p", null, error.message),
+          ),
+        ),
+      );
   }
 
   #sayFresh() {
     const { results } = bench.study;
     const exact = bench.study.taken_as_exact;
-    place(this.banner, results?.there && this.key !== "audit" && exact.length > 0 && h("div.banner.note", null, `Taken as exact, since no uncertainty is given: ${exact.join(", ")}. Every ± is too small by what that would add. `, "Give it under ", h("a", { href: "#/study" }, "Study"), " or ", h("a", { href: "#/scale" }, "Scale"), "."), results?.there && !results.fresh && h("div.banner.note", null, "The study has changed since these results were made. ", h("a", { href: "#/run" }, "Run again"), " to bring them up to date; only what changed is measured."));
+    place(
+      this.banner,
+      results?.there &&
+        this.key !== "audit" &&
+        exact.length > 0 &&
+        h(
+          "div.banner.note",
+          null,
+          `Taken as exact, since no uncertainty is given: ${exact.join(", ")}. Every ± is too small by what that would add. `,
+          "Give it under ",
+          h("a", { href: "#/study" }, "Study"),
+          " or ",
+          h("a", { href: "#/scale" }, "Scale"),
+          ".",
+        ),
+      results?.there &&
+        !results.fresh &&
+        h(
+          "div.banner.note",
+          null,
+          "The study has changed since these results were made. ",
+          h("a", { href: "#/run" }, "Run again"),
+          " to bring them up to date; only what changed is measured.",
+        ),
+    );
   }
 
   update() {

@@ -17,14 +17,29 @@ export class Audit {
     const count = (verdict) => items.filter((item) => item.verdict === verdict).length;
     place(
       this.root,
-      h("p.lead", null, `The supplement of Dzidek et al. 2017, from which the model comes: ${items.length} printed numbers beside what its equations give from its own printed inputs. ${count("reproduced")} are reproduced, ${count("reproduced with the known slip")} with a slip of the pen that is known, and the rest cannot be had from what is printed.`),
+      h(
+        "p.lead",
+        null,
+        `The supplement of Dzidek et al. 2017, from which the model comes: ${items.length} printed numbers beside what its equations give from its own printed inputs. ${count("reproduced")} are reproduced, ${count("reproduced with the known slip")} with a slip of the pen that is known, and the rest cannot be had from what is printed.`,
+      ),
       h(
         "div.table-wrap",
         { tabindex: 0, role: "region", "aria-label": "Audit of the printed tables" },
         h(
           "table.audit",
           null,
-          h("thead", null, h("tr", null, ["Item", "Printed", "Computed", "Range of rounding", "With the slip", "Verdict", "How"].map((words, index) => h("th", { scope: "col", class: index > 0 && index < 5 ? "number" : undefined }, words)))),
+          h(
+            "thead",
+            null,
+            h(
+              "tr",
+              null,
+              ["Item", "Printed", "Computed", "Range of rounding", "With the slip", "Verdict", "How"].map(
+                (words, index) =>
+                  h("th", { scope: "col", class: index > 0 && index < 5 ? "number" : undefined }, words),
+              ),
+            ),
+          ),
           h(
             "tbody",
             null,
@@ -36,8 +51,20 @@ export class Audit {
   }
 }
 
-function row({ item, printed, computed, low, high, with_slip: slip, verdict, formula, remark, unit = unitOf(item) }) {
-  const number = (words, known) => h("td.number", null, known === null || known === undefined ? "–" : withUnit(words, unit));
+function row({
+  item,
+  printed,
+  computed,
+  low,
+  high,
+  with_slip: slip,
+  verdict,
+  formula,
+  remark,
+  unit = unitOf(item),
+}) {
+  const number = (words, known) =>
+    h("td.number", null, known === null || known === undefined ? "–" : withUnit(words, unit));
   return h(
     "tr",
     null,

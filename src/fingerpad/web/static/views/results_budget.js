@@ -16,13 +16,25 @@ export class Budget {
     const { groups } = await get("/api/results/budget");
     place(
       this.root,
-      h("p.lead", null, "Shares of the variance of the corrected radius ", symbol("R", "g", "corr"), ": of the pooled value, and of the highest_load contact by first order and by Sobol's total index, which counts interactions."),
-      h("div.plot-grid", null, groups.map((group) => this.#group(group))),
+      h(
+        "p.lead",
+        null,
+        "Shares of the variance of the corrected radius ",
+        symbol("R", "g", "corr"),
+        ": of the pooled value, and of the highest_load contact by first order and by Sobol's total index, which counts interactions.",
+      ),
+      h(
+        "div.plot-grid",
+        null,
+        groups.map((group) => this.#group(group)),
+      ),
     );
   }
 
   #group({ finger, wedge_angle_deg: wedge, roll_angle_deg: roll, synthetic: made, pooled, check }) {
-    const sources = Object.keys(pooled ?? check?.shares ?? {}).sort((a, b) => (pooled ?? check.shares)[b] - (pooled ?? check.shares)[a]);
+    const sources = Object.keys(pooled ?? check?.shares ?? {}).sort(
+      (a, b) => (pooled ?? check.shares)[b] - (pooled ?? check.shares)[a],
+    );
     const columns = [
       ["pooled", pooled, "measured"],
       ["highest_load, first order", check?.shares, "compliance"],
@@ -31,13 +43,34 @@ export class Budget {
     return h(
       "section.card",
       { "aria-label": `${finger}, wedge ${wedge}°` },
-      h("header", null, h("h2", null, `${finger}, θ = ${plain(wedge)}°${roll ? `, φ = ${plain(roll)}°` : ""}`), synthetic(made)),
-      check && h("p", null, h("span.number", null, `${check.observation}: ${withStd(check.value, check.std)} mm`), " ", check.valid ? chip("the first order holds", "good") : chip("the first order does not hold", "warn")),
+      h(
+        "header",
+        null,
+        h("h2", null, `${finger}, θ = ${plain(wedge)}°${roll ? `, φ = ${plain(roll)}°` : ""}`),
+        synthetic(made),
+      ),
+      check &&
+        h(
+          "p",
+          null,
+          h("span.number", null, `${check.observation}: ${withStd(check.value, check.std)} mm`),
+          " ",
+          check.valid ? chip("the first order holds", "good") : chip("the first order does not hold", "warn"),
+        ),
       sources.length
         ? h(
             "table.budget",
             null,
-            h("thead", null, h("tr", null, h("th", { scope: "col" }, "Source"), columns.map(([words]) => h("th.number", { scope: "col" }, words)))),
+            h(
+              "thead",
+              null,
+              h(
+                "tr",
+                null,
+                h("th", { scope: "col" }, "Source"),
+                columns.map(([words]) => h("th.number", { scope: "col" }, words)),
+              ),
+            ),
             h(
               "tbody",
               null,
@@ -48,7 +81,19 @@ export class Budget {
                   h("th", { scope: "row" }, source),
                   columns.map(([, shares, mark]) => {
                     const share = shares[source];
-                    return h("td.number", null, share === undefined || share === null ? "–" : [h("span", null, percent(share)), h("i.share", { "data-of": mark, style: { width: `${Math.max(0, Math.min(1, share)) * 100}%` } })]);
+                    return h(
+                      "td.number",
+                      null,
+                      share === undefined || share === null
+                        ? "–"
+                        : [
+                            h("span", null, percent(share)),
+                            h("i.share", {
+                              "data-of": mark,
+                              style: { width: `${Math.max(0, Math.min(1, share)) * 100}%` },
+                            }),
+                          ],
+                    );
                   }),
                 ),
               ),

@@ -23,7 +23,10 @@ export class Figures {
     ];
     this.grid = h("div.figure-grid");
     const draw = (kind) => {
-      const shown = figures.filter(({ name }) => !kind || (["curve", "sequence"].includes(kind) ? name.startsWith(kind) : name.endsWith(kind)));
+      const shown = figures.filter(
+        ({ name }) =>
+          !kind || (["curve", "sequence"].includes(kind) ? name.startsWith(kind) : name.endsWith(kind)),
+      );
       place(
         this.grid,
         shown.map(({ name, caption, svg, png }) =>
@@ -31,13 +34,28 @@ export class Figures {
             "figure.card",
             null,
             h("img", { src: svg, alt: caption || name.replaceAll("_", " "), loading: "lazy" }),
-            h("figcaption", null, h("p", null, caption || name.replaceAll("_", " ")), h("p", null, h("a", { href: `${svg}?attachment=1`, "aria-label": `SVG of ${name}` }, "SVG"), " · ", h("a", { href: `${png}?attachment=1`, "aria-label": `PNG of ${name}` }, "PNG"))),
+            h(
+              "figcaption",
+              null,
+              h("p", null, caption || name.replaceAll("_", " ")),
+              h(
+                "p",
+                null,
+                h("a", { href: `${svg}?attachment=1`, "aria-label": `SVG of ${name}` }, "SVG"),
+                " · ",
+                h("a", { href: `${png}?attachment=1`, "aria-label": `PNG of ${name}` }, "PNG"),
+              ),
+            ),
           ),
         ),
         !shown.length && h("p.soft", null, "There is no such figure in this study."),
       );
     };
-    place(this.root, h("div.plot-bar", null, field("Show", choose({ options: kinds, onset: draw }))), this.grid);
+    place(
+      this.root,
+      h("div.plot-bar", null, field("Show", choose({ options: kinds, onset: draw }))),
+      this.grid,
+    );
     draw("");
   }
 }

@@ -33,7 +33,15 @@ export class Plots {
     this.groups = (await get("/api/results/plot")).groups;
     const fingers = [...new Set(this.groups.map(({ finger }) => finger))];
     if (!this.groups.length) {
-      place(this.root, h("p.lead", null, "No contact is in these results: a plot needs one that is measured, with its finger, angle, load and scale. ", h("a", { href: "#/study" }, "The study says what is missing.")));
+      place(
+        this.root,
+        h(
+          "p.lead",
+          null,
+          "No contact is in these results: a plot needs one that is measured, with its finger, angle, load and scale. ",
+          h("a", { href: "#/study" }, "The study says what is missing."),
+        ),
+      );
       return;
     }
     this.grid = h("div.plot-grid");
@@ -42,22 +50,43 @@ export class Plots {
       h(
         "div.plot-bar",
         null,
-        field("Against load", choose({ value: this.quantity, options: QUANTITIES, onset: (value) => ((this.quantity = value), this.#draw()) })),
-        field("Finger", choose({ value: "", options: [["", "all fingers"], ...fingers], onset: (value) => ((this.finger = value), this.#draw()) })),
-        field("Bars: one standard uncertainty", choose({ value: this.bars, options: BARS, onset: (value) => ((this.bars = value), this.#draw()) })),
+        field(
+          "Against load",
+          choose({
+            value: this.quantity,
+            options: QUANTITIES,
+            onset: (value) => ((this.quantity = value), this.#draw()),
+          }),
+        ),
+        field(
+          "Finger",
+          choose({
+            value: "",
+            options: [["", "all fingers"], ...fingers],
+            onset: (value) => ((this.finger = value), this.#draw()),
+          }),
+        ),
+        field(
+          "Bars: one standard uncertainty",
+          choose({ value: this.bars, options: BARS, onset: (value) => ((this.bars = value), this.#draw()) }),
+        ),
         h(
           "div.legend",
           { "aria-label": "What the marks mean" },
           h("span", null, h("i.dot-mark"), symbol("R", "g", "corr")),
           h("span", null, h("i.square-mark"), symbol("R", "Aξ"), ", to compare with ", symbol("R", "g")),
           h("span", null, h("i.line-mark.dotted"), symbol("R", "0g"), ", undeformed pad"),
-          this.groups.some((group) => group.loading_radius_mm != null) && h("span", null, h("i.line-mark.dashed"), symbol("R", "g"), ", from loading data"),
+          this.groups.some((group) => group.loading_radius_mm != null) &&
+            h("span", null, h("i.line-mark.dashed"), symbol("R", "g"), ", from loading data"),
           this.groups.some((group) => group.synthetic) && h("span", null, "hollow: synthetic"),
         ),
       ),
       this.grid,
     );
-    this.watcher = new IntersectionObserver((seen) => seen.forEach(({ isIntersecting, target }) => isIntersecting && this.#plot(target)), { rootMargin: "400px" });
+    this.watcher = new IntersectionObserver(
+      (seen) => seen.forEach(({ isIntersecting, target }) => isIntersecting && this.#plot(target)),
+      { rootMargin: "400px" },
+    );
     this.#draw();
   }
 
@@ -75,20 +104,57 @@ export class Plots {
   #card(group) {
     const node = h("div.chart", { role: "img", "aria-label": this.#words(group) });
     node.group = group;
-    const fact = (label, value, std, mark) => value !== null && value !== undefined && h("div", null, h("dt", null, label), h("dd.number", null, withStd(value, std), " mm", mark));
+    const fact = (label, value, std, mark) =>
+      value !== null &&
+      value !== undefined &&
+      h("div", null, h("dt", null, label), h("dd.number", null, withStd(value, std), " mm", mark));
     return h(
       "section.card.plot-card",
       { "aria-label": `${group.finger}, wedge ${group.wedge_angle_deg}°` },
-      h("header", null, h("h2", null, group.finger, `, θ = ${plain(group.wedge_angle_deg)}°`, group.roll_angle_deg ? `, φ = ${plain(group.roll_angle_deg)}°` : ""), synthetic(group.synthetic)),
+      h(
+        "header",
+        null,
+        h(
+          "h2",
+          null,
+          group.finger,
+          `, θ = ${plain(group.wedge_angle_deg)}°`,
+          group.roll_angle_deg ? `, φ = ${plain(group.roll_angle_deg)}°` : "",
+        ),
+        synthetic(group.synthetic),
+      ),
       h(
         "dl.facts",
         null,
-        group.radius_from_indentation_mm !== null && h("div.main-fact", null, h("dt", null, symbol("R", "g", "corr"), ", pooled"), h("dd.number", null, withStd(group.radius_from_indentation_mm, group.radius_from_indentation_mm_std), " mm")),
+        group.radius_from_indentation_mm !== null &&
+          h(
+            "div.main-fact",
+            null,
+            h("dt", null, symbol("R", "g", "corr"), ", pooled"),
+            h(
+              "dd.number",
+              null,
+              withStd(group.radius_from_indentation_mm, group.radius_from_indentation_mm_std),
+              " mm",
+            ),
+          ),
         fact(symbol("R", "0g"), group.mean_curvature_radius_mm, group.mean_curvature_radius_mm_std),
         fact(symbol("R", "g"), group.loading_radius_mm, group.loading_radius_mm_std),
       ),
       node,
-      group.range_notes?.length > 0 && h("details.range", null, h("summary", null, `Where the model ends (${group.range_notes.length})`), h("ul.note", null, group.range_notes.map(({ words, rows }) => h("li", null, `In ${rows} of ${group.rows.item.length} contacts and frames ${words}.`)))),
+      group.range_notes?.length > 0 &&
+        h(
+          "details.range",
+          null,
+          h("summary", null, `Where the model ends (${group.range_notes.length})`),
+          h(
+            "ul.note",
+            null,
+            group.range_notes.map(({ words, rows }) =>
+              h("li", null, `In ${rows} of ${group.rows.item.length} contacts and frames ${words}.`),
+            ),
+          ),
+        ),
     );
   }
 
@@ -114,7 +180,12 @@ export class Plots {
         y: rows.radius_from_compliance_mm,
         mode: "markers",
         type: "scatter",
-        marker: { symbol: "square", color: group.synthetic ? panel : compliance, size: crowded ? 3 : 6, line: { color: compliance, width: 1.2 } },
+        marker: {
+          symbol: "square",
+          color: group.synthetic ? panel : compliance,
+          size: crowded ? 3 : 6,
+          line: { color: compliance, width: 1.2 },
+        },
         hovertemplate: "%{text}<br>W = %{x:.3g} N<br>R_Aξ = %{y:.2f} mm<extra></extra>",
         text: rows.item,
       },
@@ -124,22 +195,46 @@ export class Plots {
         error_y: std && { type: "data", array: std, color: measured, thickness: 1.4, width: crowded ? 0 : 4 },
         mode: "markers",
         type: "scatter",
-        marker: { color: group.synthetic ? panel : measured, size: crowded ? 4 : 8.5, line: { color: measured, width: 1.6 }, opacity: rows.pooled ? rows.pooled.map((pooled) => (pooled ? 1 : 0.45)) : 1 },
-        hovertemplate: rows.item.map((_, index) => `${"%{text}"}<br>W = %{x:.3g} N<br>${words}: ${withUnit(withStd(rows[key][index], std?.[index]), unitOf(key))}<extra></extra>`),
+        marker: {
+          color: group.synthetic ? panel : measured,
+          size: crowded ? 4 : 8.5,
+          line: { color: measured, width: 1.6 },
+          opacity: rows.pooled ? rows.pooled.map((pooled) => (pooled ? 1 : 0.45)) : 1,
+        },
+        hovertemplate: rows.item.map(
+          (_, index) =>
+            `${"%{text}"}<br>W = %{x:.3g} N<br>${words}: ${withUnit(withStd(rows[key][index], std?.[index]), unitOf(key))}<extra></extra>`,
+        ),
         text: rows.item,
       },
     ].filter(Boolean);
-    const lines = !radius ? [] : [
-      ["<i>R</i><sub>0g</sub>", group.mean_curvature_radius_mm, "dot"],
-      ["<i>R</i><sub>g</sub>", group.loading_radius_mm, "dash"],
-    ].filter(([, value]) => value !== null && value !== undefined);
+    const lines = !radius
+      ? []
+      : [
+          ["<i>R</i><sub>0g</sub>", group.mean_curvature_radius_mm, "dot"],
+          ["<i>R</i><sub>g</sub>", group.loading_radius_mm, "dash"],
+        ].filter(([, value]) => value !== null && value !== undefined);
     try {
       await chart(node, traces, {
         x: "normal load W (N)",
         y: title,
         ranges: logarithmic ? { x: { type: "log" }, y: { type: "log" } } : {},
-        shapes: lines.map(([, value, dash]) => ({ type: "line", xref: "paper", x0: 0, x1: 1, y0: value, y1: value, line: { color: ink, width: 1.3, dash } })),
-        annotations: lines.map(([label, value]) => ({ xref: "paper", x: 1.01, xanchor: "left", y: value, text: `${label} ${plain(value)}` })),
+        shapes: lines.map(([, value, dash]) => ({
+          type: "line",
+          xref: "paper",
+          x0: 0,
+          x1: 1,
+          y0: value,
+          y1: value,
+          line: { color: ink, width: 1.3, dash },
+        })),
+        annotations: lines.map(([label, value]) => ({
+          xref: "paper",
+          x: 1.01,
+          xanchor: "left",
+          y: value,
+          text: `${label} ${plain(value)}`,
+        })),
         chosen: ({ pointIndex }) => {
           const item = name(pointIndex);
           const source = item.includes("#") ? `film:${item.split("#")[0]}` : "images";

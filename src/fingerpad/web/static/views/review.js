@@ -8,15 +8,19 @@ import { complain, say } from "../core/messages.js";
 import { EllipseEditor } from "../parts/ellipse_editor.js";
 import { Filmstrip } from "../parts/filmstrip.js";
 import { segments } from "../parts/forms.js";
+import { whoButton } from "../parts/person.js";
 import { Stage } from "../parts/stage.js";
 import { Box, Brush } from "../parts/tools.js";
-import { whoButton } from "../parts/person.js";
 
 const VERDICTS = ["accepted", "rejected"];
 
 /** What a person did about a picture, as marks of its thumbnail: [kind, words]. */
 export function decisions({ corrected, accepted, rejected }) {
-  return [corrected && ["corrected", "corrected by a person"], accepted && ["accepted", "accepted"], rejected && ["rejected", `rejected: ${rejected}`]].filter(Boolean);
+  return [
+    corrected && ["corrected", "corrected by a person"],
+    accepted && ["accepted", "accepted"],
+    rejected && ["rejected", `rejected: ${rejected}`],
+  ].filter(Boolean);
 }
 
 /**
@@ -44,17 +48,31 @@ export class Review {
     this.box = new Box(this.stage, (box) => this.set("region_of_interest_px", box));
     this.toolbar = segments("Tools", tools, this.tool, (tool) => this.use(tool), { vertical: true });
     this.strip = new Filmstrip({ label: "Pictures", chosen: (index) => this.choose(index), describe });
-    this.live = new Newest(ask, (answer) => this.show(answer, { live: true }), (error) => this.stage.say(error.message, "bad"));
+    this.live = new Newest(
+      ask,
+      (answer) => this.show(answer, { live: true }),
+      (error) => this.stage.say(error.message, "bad"),
+    );
     this.inspector = inspector;
     place(
       this.root,
-      h("header.head", null, h("div", null, h("h1", null, title), h("p", null, words)), h("div.actions", null, whoButton())),
+      h(
+        "header.head",
+        null,
+        h("div", null, h("h1", null, title), h("p", null, words)),
+        h("div.actions", null, whoButton()),
+      ),
       h(
         "div.bench",
         null,
         this.toolbar,
         this.stage.root,
-        h("aside.inspector", { "aria-label": "The picture that is open", tabindex: 0 }, inspector.root, inspector.footer),
+        h(
+          "aside.inspector",
+          { "aria-label": "The picture that is open", tabindex: 0 },
+          inspector.root,
+          inspector.footer,
+        ),
         h("section.film", { "aria-label": "All pictures" }, bar, this.strip.root),
       ),
     );
@@ -72,7 +90,11 @@ export class Review {
       ["v", "Look and drag the ellipse", () => this.use("ellipse")],
       ["o", "Region of interest", () => this.use("box")],
       ...own,
-      ["[ ]", "Smaller or larger brush", ({ key }) => this.setRadius(key === "]" ? this.radius * 1.25 + 0.5 : this.radius * 0.8 - 0.5)],
+      [
+        "[ ]",
+        "Smaller or larger brush",
+        ({ key }) => this.setRadius(key === "]" ? this.radius * 1.25 + 0.5 : this.radius * 0.8 - 0.5),
+      ],
       ["+ - 0", "Zoom in, zoom out, fit the picture", null],
       ["Tab", "To the handles; arrow keys move one, Shift ×10, Alt ×⅕", null],
       ["Space", "Press or lift the tool at the cross-hair", null],
@@ -93,7 +115,10 @@ export class Review {
     this.strip.choose(index);
     history.replaceState(null, "", this.address(item));
     this.corrections?.close();
-    this.corrections = new Corrections(item, { changed: () => this.#corrected(), overtaken: () => this.#overtaken() });
+    this.corrections = new Corrections(item, {
+      changed: () => this.#corrected(),
+      overtaken: () => this.#overtaken(),
+    });
     this.#turned();
     this.measured = null;
     this.editor.hide();
@@ -214,7 +239,9 @@ export class Review {
 
   /** Keep a change of what is measured: it takes back an earlier accept or reject. */
   keep(edit) {
-    return this.#change((mine) => mine.keep(async (change) => plainChange({ ...(await edit(change)), accepted: false, rejected: null })));
+    return this.#change((mine) =>
+      mine.keep(async (change) => plainChange({ ...(await edit(change)), accepted: false, rejected: null })),
+    );
   }
 
   /** A correction whose ellipse follows the picture again: said where a hand had set it. */
@@ -244,7 +271,8 @@ export class Review {
   async accept() {
     const mine = this.corrections;
     if (!this.measured) return say(this.nothing, { kind: "error" });
-    if (!mine.change.accepted) await mine.keep((change) => plainChange({ ...change, accepted: true, rejected: null })).catch(complain);
+    if (!mine.change.accepted)
+      await mine.keep((change) => plainChange({ ...change, accepted: true, rejected: null })).catch(complain);
     if (this.corrections !== mine) return;
     if (this.entries[this.at + 1]) this.step(1);
     else say(...this.last);

@@ -1,18 +1,33 @@
 // Run everything that is missing or changed, watch it, stop it, and take the results away.
 
 import { get, post } from "../core/api.js";
-import { bench } from "../core/workspace.js";
 import { h, place } from "../core/dom.js";
 import { bindHere } from "../core/keys.js";
 import { bytes } from "../core/quantity.js";
+import { bench } from "../core/workspace.js";
 import { alone, button, check, chip, choose, faultList, field } from "../parts/forms.js";
 
-const STATES = { idle: "Nothing is running", running: "Running", cancelling: "Stopping: the pictures in hand are finished first", done: "Finished", cancelled: "Stopped. What was measured is kept", failed: "The run failed" };
+const STATES = {
+  idle: "Nothing is running",
+  running: "Running",
+  cancelling: "Stopping: the pictures in hand are finished first",
+  done: "Finished",
+  cancelled: "Stopped. What was measured is kept",
+  failed: "The run failed",
+};
 const PHASES = { measuring: "measuring", tables: "writing tables", report: "writing the report" };
 
 const FILES = [
-  ["report.html", "Report", "One page that needs nothing else: figures, overlays, tables, provenance. Open it, or send it to a colleague. Many fingers have a page each, in the ZIP of the study folder."],
-  ["study.zip", "Study folder", "Pictures, manifest, corrections and results as one ZIP that opens on another machine with the same results."],
+  [
+    "report.html",
+    "Report",
+    "One page that needs nothing else: figures, overlays, tables, provenance. Open it, or send it to a colleague. Many fingers have a page each, in the ZIP of the study folder.",
+  ],
+  [
+    "study.zip",
+    "Study folder",
+    "Pictures, manifest, corrections and results as one ZIP that opens on another machine with the same results.",
+  ],
   ["results.csv", "Results as CSV", "One row for each contact and frame; units and _std in the headers."],
   ["results_columns.csv", "What the columns mean", "The data dictionary beside the CSV."],
   ["results.json", "Results for scripts", "The same rows as JSON."],
@@ -27,7 +42,20 @@ class Run {
     this.status = h("section.card.run-status", { "aria-label": "The run" });
     this.exports = h("div.exports");
     this.leftOut = h("div");
-    place(root, h("header.head", null, h("div", null, h("h1", null, "Run & export"), h("p", null, "A run measures only what is missing or changed."))), h("div.scroll.stack", null, this.status, this.exports));
+    place(
+      root,
+      h(
+        "header.head",
+        null,
+        h(
+          "div",
+          null,
+          h("h1", null, "Run & export"),
+          h("p", null, "A run measures only what is missing or changed."),
+        ),
+      ),
+      h("div.scroll.stack", null, this.status, this.exports),
+    );
     this.heard = () => this.#draw();
     bench.addEventListener("run", this.heard);
     bindHere([
@@ -82,27 +110,92 @@ class Run {
     const hadFocus = this.status.contains(document.activeElement);
     place(
       this.status,
-      h("header", null, h("h2", null, STATES[run.state] ?? run.state), h("span.sr", { role: "status" }, STATES[run.state] ?? run.state), run.state === "done" && bench.study.results?.fresh && chip("up to date", "good"), run.state === "failed" && chip("failed", "bad")),
+      h(
+        "header",
+        null,
+        h("h2", null, STATES[run.state] ?? run.state),
+        h("span.sr", { role: "status" }, STATES[run.state] ?? run.state),
+        run.state === "done" && bench.study.results?.fresh && chip("up to date", "good"),
+        run.state === "failed" && chip("failed", "bad"),
+      ),
       this.busy
-        ? [(this.bar = h("progress", { "aria-label": "Progress of the run" })), (this.line = h("p.run-line.number")), h("div.actions", null, (this.main = button("Stop", () => this.#cancel(), { kind: "bad", key: "c" })))]
+        ? [
+            (this.bar = h("progress", { "aria-label": "Progress of the run" })),
+            (this.line = h("p.run-line.number")),
+            h(
+              "div.actions",
+              null,
+              (this.main = button("Stop", () => this.#cancel(), { kind: "bad", key: "c" })),
+            ),
+          ]
         : [
             run.error && h("div.note.bad", { role: "alert" }, run.error),
             h(
               "p",
               null,
-              counts ? [h("strong.number", null, counts.done), " measured, ", h("strong.number", null, counts.left + counts.stale), " to do", counts.failed > 0 && [", ", h("strong.number", null, counts.failed), " failed"], "."] : "",
+              counts
+                ? [
+                    h("strong.number", null, counts.done),
+                    " measured, ",
+                    h("strong.number", null, counts.left + counts.stale),
+                    " to do",
+                    counts.failed > 0 && [", ", h("strong.number", null, counts.failed), " failed"],
+                    ".",
+                  ]
+                : "",
             ),
-            ready && missing.length > 0 && h("div.note", null, `${missing.length} ${missing.length === 1 ? "entry is" : "entries are"} not complete and left out of runs. `, h("a", { href: "#/study" }, "The study says what.")),
-            !ready && h("div.note", null, "Something is still missing. ", h("a", { href: "#/study" }, "The study says what.")),
+            ready &&
+              missing.length > 0 &&
+              h(
+                "div.note",
+                null,
+                `${missing.length} ${missing.length === 1 ? "entry is" : "entries are"} not complete and left out of runs. `,
+                h("a", { href: "#/study" }, "The study says what."),
+              ),
+            !ready &&
+              h(
+                "div.note",
+                null,
+                "Something is still missing. ",
+                h("a", { href: "#/study" }, "The study says what."),
+              ),
             h(
               "div.run-options",
               null,
-              field("Processes", choose({ value: String(this.workers), options: ["1", "2", "4", "8"], onset: (value) => (this.workers = Number(value)) })),
+              field(
+                "Processes",
+                choose({
+                  value: String(this.workers),
+                  options: ["1", "2", "4", "8"],
+                  onset: (value) => (this.workers = Number(value)),
+                }),
+              ),
               check("Measure everything anew", { checked: this.fresh, onset: (on) => (this.fresh = on) }),
             ),
-            h("div.actions", null, (this.main = button("Run", () => this.#start(), { kind: "primary", key: "Enter", disabled: !ready })), ["done", "cancelled"].includes(run.state) && bench.study.results?.there && h("a.button", { href: "#/results" }, "See the results")),
+            h(
+              "div.actions",
+              null,
+              (this.main = button("Run", () => this.#start(), {
+                kind: "primary",
+                key: "Enter",
+                disabled: !ready,
+              })),
+              ["done", "cancelled"].includes(run.state) &&
+                bench.study.results?.there &&
+                h("a.button", { href: "#/results" }, "See the results"),
+            ),
           ],
-      run.failures?.length > 0 && h("div.note.bad.failures", { tabindex: 0, role: "region", "aria-label": "What failed" }, h("strong", null, `${run.failures.length} failed`), h("ul", null, run.failures.slice(0, 50).map((words) => h("li", null, words)))),
+      run.failures?.length > 0 &&
+        h(
+          "div.note.bad.failures",
+          { tabindex: 0, role: "region", "aria-label": "What failed" },
+          h("strong", null, `${run.failures.length} failed`),
+          h(
+            "ul",
+            null,
+            run.failures.slice(0, 50).map((words) => h("li", null, words)),
+          ),
+        ),
       this.problem,
     );
     if (this.busy) this.#progress(run);
@@ -117,8 +210,21 @@ class Run {
     const left = run.seconds_left ? `, about ${duration(run.seconds_left)} left` : "";
     place(
       this.line,
-      h("span", null, `${run.done ?? 0} of ${run.total ?? 0}${run.frames ? `, ${run.frames} frames` : ""} · ${duration(run.seconds ?? 0)}${left}`),
-      h("span", null, `${PHASES[run.phase] ?? run.phase ?? ""} `, h("strong", { "data-live": "file" }, run.file || fileOf(run.current) || (run.phase === "measuring" ? "photographs and scales" : ""))),
+      h(
+        "span",
+        null,
+        `${run.done ?? 0} of ${run.total ?? 0}${run.frames ? `, ${run.frames} frames` : ""} · ${duration(run.seconds ?? 0)}${left}`,
+      ),
+      h(
+        "span",
+        null,
+        `${PHASES[run.phase] ?? run.phase ?? ""} `,
+        h(
+          "strong",
+          { "data-live": "file" },
+          run.file || fileOf(run.current) || (run.phase === "measuring" ? "photographs and scales" : ""),
+        ),
+      ),
     );
   }
 
@@ -127,7 +233,17 @@ class Run {
     const there = results?.there;
     place(
       this.exports,
-      h("div.headline", null, h("h2", null, "Take away"), there && h("span.soft", null, results.fresh ? "up to date" : "as of the last run; the study has changed since")),
+      h(
+        "div.headline",
+        null,
+        h("h2", null, "Take away"),
+        there &&
+          h(
+            "span.soft",
+            null,
+            results.fresh ? "up to date" : "as of the last run; the study has changed since",
+          ),
+      ),
       h(
         "div.export-grid",
         null,
@@ -142,12 +258,36 @@ class Run {
             h(
               "div.actions",
               null,
-              can ? h("a.button", { href: `/api/download/${file}?attachment=1`, download: "", "aria-label": `Download ${title}` }, "Download") : h("span.soft", null, "after the first run"),
-              can && file === "report.html" && h("a.button", { href: `/api/download/${file}`, target: "_blank", rel: "noopener" }, "Open"),
+              can
+                ? h(
+                    "a.button",
+                    {
+                      href: `/api/download/${file}?attachment=1`,
+                      download: "",
+                      "aria-label": `Download ${title}`,
+                    },
+                    "Download",
+                  )
+                : h("span.soft", null, "after the first run"),
+              can &&
+                file === "report.html" &&
+                h("a.button", { href: `/api/download/${file}`, target: "_blank", rel: "noopener" }, "Open"),
             ),
           );
         }),
-        h("section.card.export", { "aria-label": "Figures" }, h("h3", null, "Figures"), h("p.soft", null, "Each figure of the report as SVG and PNG."), h("div.actions", null, there ? h("a.button", { href: "#/results/figures" }, "Choose figures") : h("span.soft", null, "after the first run"))),
+        h(
+          "section.card.export",
+          { "aria-label": "Figures" },
+          h("h3", null, "Figures"),
+          h("p.soft", null, "Each figure of the report as SVG and PNG."),
+          h(
+            "div.actions",
+            null,
+            there
+              ? h("a.button", { href: "#/results/figures" }, "Choose figures")
+              : h("span.soft", null, "after the first run"),
+          ),
+        ),
       ),
     );
   }
@@ -163,7 +303,12 @@ class Run {
           "details",
           null,
           h("summary", null, `${left.length} left out`),
-          h("ul.rest.left-out", { tabindex: 0 }, left.slice(0, 200).map(({ file, why }) => h("li", null, h("code", null, file), `: ${why}`)), left.length > 200 && h("li.soft", null, `and ${left.length - 200} more, all listed in the ZIP`)),
+          h(
+            "ul.rest.left-out",
+            { tabindex: 0 },
+            left.slice(0, 200).map(({ file, why }) => h("li", null, h("code", null, file), `: ${why}`)),
+            left.length > 200 && h("li.soft", null, `and ${left.length - 200} more, all listed in the ZIP`),
+          ),
         ),
     );
   }
@@ -184,7 +329,11 @@ class Run {
 /** The file of the contact at work. */
 function fileOf(name) {
   const { observations, sequences } = bench.study;
-  return observations.find(({ item }) => item === name)?.file ?? sequences.find((film) => film.name === name)?.file ?? name;
+  return (
+    observations.find(({ item }) => item === name)?.file ??
+    sequences.find((film) => film.name === name)?.file ??
+    name
+  );
 }
 
 function duration(seconds) {

@@ -1,11 +1,11 @@
 // Scales: a line on a ruler, a coin, or a resolution; one scale for many pictures.
 
 import { get, Newest, post } from "../core/api.js";
-import { bench, wordsFor } from "../core/workspace.js";
 import { h, pathOf, place, s } from "../core/dom.js";
 import { bindHere } from "../core/keys.js";
 import { complain, say } from "../core/messages.js";
 import { plain, withStd } from "../core/quantity.js";
+import { bench, wordsFor } from "../core/workspace.js";
 import { button, chip, choose, faultList, field, number, segments, text } from "../parts/forms.js";
 import { Stage } from "../parts/stage.js";
 import { Line } from "../parts/tools.js";
@@ -40,7 +40,9 @@ let begun = null;
 class Scales {
   constructor(root, rest) {
     this.root = root;
-    this.stage = new Stage("Picture of a ruler or coin. Arrow keys move the cross-hair, space starts and ends the line.");
+    this.stage = new Stage(
+      "Picture of a ruler or coin. Arrow keys move the cross-hair, space starts and ends the line.",
+    );
     this.line = new Line(this.stage, (ends) => this.#drawn(ends));
     this.coin = s("path.coin");
     this.stage.world.append(this.coin);
@@ -48,11 +50,54 @@ class Scales {
     this.result = h("div.result", { "aria-live": "polite" });
     this.form = h("div.stack");
     this.list = h("div.scale-list");
-    this.live = new Newest((table) => post("/api/measure/scale", { table }), (answer) => this.#found(answer), (error) => this.#refused(error), this.result);
+    this.live = new Newest(
+      (table) => post("/api/measure/scale", { table }),
+      (answer) => this.#found(answer),
+      (error) => this.#refused(error),
+      this.result,
+    );
     place(
       root,
-      h("header.head", null, h("div", null, h("h1", null, "Scale"), h("p", null, "Every picture needs one. Pictures that share a scale by its name share its uncertainty too.")), h("div.actions", null, button("New scale", () => this.#start(null), { key: "n" }))),
-      h("div.bench.no-tools.scale-bench", null, h("div.scale-main", null, this.list, this.stage.root, (this.plainWords = h("div.empty", { hidden: true }, h("h2", null, "This scale is a number"), h("p", null, "No picture is needed. The scanner or the camera's data sheet says it; give its uncertainty too, it goes into every result.")))), h("aside.inspector", { "aria-label": "The scale that is open", tabindex: 0 }, this.form)),
+      h(
+        "header.head",
+        null,
+        h(
+          "div",
+          null,
+          h("h1", null, "Scale"),
+          h(
+            "p",
+            null,
+            "Every picture needs one. Pictures that share a scale by its name share its uncertainty too.",
+          ),
+        ),
+        h(
+          "div.actions",
+          null,
+          button("New scale", () => this.#start(null), { key: "n" }),
+        ),
+      ),
+      h(
+        "div.bench.no-tools.scale-bench",
+        null,
+        h(
+          "div.scale-main",
+          null,
+          this.list,
+          this.stage.root,
+          (this.plainWords = h(
+            "div.empty",
+            { hidden: true },
+            h("h2", null, "This scale is a number"),
+            h(
+              "p",
+              null,
+              "No picture is needed. The scanner or the camera's data sheet says it; give its uncertainty too, it goes into every result.",
+            ),
+          )),
+        ),
+        h("aside.inspector", { "aria-label": "The scale that is open", tabindex: 0 }, this.form),
+      ),
     );
     bindHere([
       ["n", "New scale", () => this.#start(null)],
@@ -85,7 +130,9 @@ class Scales {
   #pictures() {
     const study = bench.study;
     const used = [
-      ...study.fingers.flatMap(({ photographs }) => (photographs ?? []).filter(({ outline }) => !outline).map(({ file }) => file)),
+      ...study.fingers.flatMap(({ photographs }) =>
+        (photographs ?? []).filter(({ outline }) => !outline).map(({ file }) => file),
+      ),
       ...study.observations.map(({ file }) => file),
       ...study.scales.map(({ table }) => table.coin),
       ...study.files.filter(({ kind }) => kind === "picture").map(({ file }) => file),
@@ -104,31 +151,84 @@ class Scales {
       bench.study.scales.map(({ name, table, used_by: uses }) =>
         h(
           "button.scale-item",
-          { type: "button", "aria-pressed": String(this.old?.name === name), onclick: () => this.#start(bench.study.scales.find((scale) => scale.name === name)) },
+          {
+            type: "button",
+            "aria-pressed": String(this.old?.name === name),
+            onclick: () => this.#start(bench.study.scales.find((scale) => scale.name === name)),
+          },
           h("strong", null, name),
           h("span.soft", null, words(table)),
           chip(`${uses} picture${uses === 1 ? "" : "s"}`),
         ),
       ),
-      h("button.scale-item.new", { type: "button", "aria-pressed": String(!this.old), onclick: () => this.#start(null) }, h("strong", null, "+ New scale"), h("span.soft", null, "ruler, coin or resolution")),
+      h(
+        "button.scale-item.new",
+        { type: "button", "aria-pressed": String(!this.old), onclick: () => this.#start(null) },
+        h("strong", null, "+ New scale"),
+        h("span.soft", null, "ruler, coin or resolution"),
+      ),
     );
   }
 
   #drawForm() {
     const pictures = this.#pictures();
     this.fields = h("div.fields");
-    this.nameField = text({ value: this.name, onset: (value) => (this.name = value), placeholder: "reader, camera …" });
+    this.nameField = text({
+      value: this.name,
+      onset: (value) => (this.name = value),
+      placeholder: "reader, camera …",
+    });
     this.nameField.addEventListener("input", () => (this.name = this.nameField.value.trim()));
     place(
       this.form,
-      h("section", null, h("h2", null, this.old ? `Scale ${this.old.name}` : "New scale"), field("Name", this.nameField, { hint: this.old ? "Another name makes another scale." : undefined })),
-      h("section", null, h("h3", null, "How it is known"), segments("How the scale is known", WAYS, this.way, (way) => this.#choose(way))),
+      h(
+        "section",
+        null,
+        h("h2", null, this.old ? `Scale ${this.old.name}` : "New scale"),
+        field("Name", this.nameField, { hint: this.old ? "Another name makes another scale." : undefined }),
+      ),
+      h(
+        "section",
+        null,
+        h("h3", null, "How it is known"),
+        segments("How the scale is known", WAYS, this.way, (way) => this.#choose(way)),
+      ),
       ["line", "coin"].includes(this.way) &&
-        h("section", null, field("Picture", choose({ value: this.file, options: pictures.length ? pictures : [["", "no picture yet"]], onset: (file) => this.#take(file) }), { hint: this.way === "line" ? "Draw a line between two marks of the ruler." : "A coin seen whole and flat, on a plain ground." })),
+        h(
+          "section",
+          null,
+          field(
+            "Picture",
+            choose({
+              value: this.file,
+              options: pictures.length ? pictures : [["", "no picture yet"]],
+              onset: (file) => this.#take(file),
+            }),
+            {
+              hint:
+                this.way === "line"
+                  ? "Draw a line between two marks of the ruler."
+                  : "A coin seen whole and flat, on a plain ground.",
+            },
+          ),
+        ),
       h("section", null, this.fields),
       h("section", null, this.result),
       h("section", null, this.#uses()),
-      h("section", null, h("div.actions", null, (this.keepButton = button("Keep this scale", () => this.#keep(), { kind: "primary", key: "Ctrl+Enter" })), this.old && button("Delete", () => this.#delete(), { kind: "bad" })), (this.problem = h("div"))),
+      h(
+        "section",
+        null,
+        h(
+          "div.actions",
+          null,
+          (this.keepButton = button("Keep this scale", () => this.#keep(), {
+            kind: "primary",
+            key: "Ctrl+Enter",
+          })),
+          this.old && button("Delete", () => this.#delete(), { kind: "bad" }),
+        ),
+        (this.problem = h("div")),
+      ),
     );
     this.#drawFields();
     this.stage.root.hidden = !["line", "coin"].includes(this.way);
@@ -149,12 +249,30 @@ class Scales {
         field("Each end is sure to", of("ends_px_std", { placeholder: "not said" }), { unit: "px" }),
       ],
       coin: () => [
-        field("Which coin", choose({ value: String(this.table.diameter_mm ?? ""), options: COINS, onset: (value) => value && (set("diameter_mm")(Number(value)), this.#drawFields()) }), { wide: true }),
+        field(
+          "Which coin",
+          choose({
+            value: String(this.table.diameter_mm ?? ""),
+            options: COINS,
+            onset: (value) => value && (set("diameter_mm")(Number(value)), this.#drawFields()),
+          }),
+          { wide: true },
+        ),
         field("Diameter", of("diameter_mm"), { unit: "mm" }),
         field("Its uncertainty", of("diameter_mm_std", { placeholder: "not said" }), { unit: "mm" }),
       ],
-      ppi: () => [field("Pixels per inch", of("ppi"), { unit: "ppi" }), field("Relative uncertainty", of("relative_std", { placeholder: "not said", max: 1 }), { hint: "0.01 is one per cent" })],
-      mm_per_px: () => [field("Millimetres per pixel", of("mm_per_px"), { unit: "mm/px" }), field("Relative uncertainty", of("relative_std", { placeholder: "not said", max: 1 }), { hint: "0.01 is one per cent" })],
+      ppi: () => [
+        field("Pixels per inch", of("ppi"), { unit: "ppi" }),
+        field("Relative uncertainty", of("relative_std", { placeholder: "not said", max: 1 }), {
+          hint: "0.01 is one per cent",
+        }),
+      ],
+      mm_per_px: () => [
+        field("Millimetres per pixel", of("mm_per_px"), { unit: "mm/px" }),
+        field("Relative uncertainty", of("relative_std", { placeholder: "not said", max: 1 }), {
+          hint: "0.01 is one per cent",
+        }),
+      ],
     };
     place(this.fields, ways[this.way]());
   }
@@ -189,7 +307,8 @@ class Scales {
   }
 
   async #show(file) {
-    if (!file) return this.stage.say("Drop a picture of a ruler or a coin on the Study page, or give the resolution.");
+    if (!file)
+      return this.stage.say("Drop a picture of a ruler or a coin on the Study page, or give the resolution.");
     try {
       const info = await get("/api/picture/info", { item: `file:${file}` });
       if (file === this.file) this.stage.show(info.preview, info.rows_px, info.columns_px, file);
@@ -206,12 +325,24 @@ class Scales {
 
   /** What the library would take: the keys of this way that are filled in. */
   #asked() {
-    const keys = { line: ["line", "length_mm", "length_mm_std", "ends_px_std"], coin: ["coin", "diameter_mm", "diameter_mm_std"], ppi: ["ppi", "relative_std"], mm_per_px: ["mm_per_px", "relative_std"] }[this.way];
-    return Object.fromEntries(keys.filter((key) => this.table[key] !== undefined).map((key) => [key, this.table[key]]));
+    const keys = {
+      line: ["line", "length_mm", "length_mm_std", "ends_px_std"],
+      coin: ["coin", "diameter_mm", "diameter_mm_std"],
+      ppi: ["ppi", "relative_std"],
+      mm_per_px: ["mm_per_px", "relative_std"],
+    }[this.way];
+    return Object.fromEntries(
+      keys.filter((key) => this.table[key] !== undefined).map((key) => [key, this.table[key]]),
+    );
   }
 
   #ready() {
-    const needs = { line: ["line", "length_mm"], coin: ["coin", "diameter_mm"], ppi: ["ppi"], mm_per_px: ["mm_per_px"] }[this.way];
+    const needs = {
+      line: ["line", "length_mm"],
+      coin: ["coin", "diameter_mm"],
+      ppi: ["ppi"],
+      mm_per_px: ["mm_per_px"],
+    }[this.way];
     return needs.every((key) => this.table[key] !== undefined && this.table[key] !== "");
   }
 
@@ -219,7 +350,12 @@ class Scales {
     if (this.#ready()) this.live.ask(this.#asked());
     else {
       this.live.drop();
-      const next = { line: this.table.line ? "Now type how long the line is." : "Draw a line on the ruler.", coin: "Say which coin it is.", ppi: "Type the resolution.", mm_per_px: "Type the size of a pixel." }[this.way];
+      const next = {
+        line: this.table.line ? "Now type how long the line is." : "Draw a line on the ruler.",
+        coin: "Say which coin it is.",
+        ppi: "Type the resolution.",
+        mm_per_px: "Type the size of a pixel.",
+      }[this.way];
       place(this.result, h("p.soft", null, next));
       this.line.write("");
     }
@@ -233,10 +369,32 @@ class Scales {
     place(
       this.result,
       h("h3", null, "Scale"),
-      h("p.figure-big.number", { "data-live": "scale" }, withStd(answer.mm_per_px, answer.mm_per_px_std), h("span.unit", null, " mm/px")),
-      h("p.soft.number", null, `${plain(answer.resolution_ppi)} ppi`, answer.relative_std > 0 ? `, known to ${plain(answer.relative_std * 100)} %` : ", its uncertainty not said"),
-      answer.coin && h("p.soft.number", null, `coin: radius ${withStd(answer.coin.radius_px, answer.coin.radius_px_std)} px`),
-      answer.flags?.length > 0 && h("div.note", null, answer.flags.map((flag) => h("p", null, wordsFor(flag)))),
+      h(
+        "p.figure-big.number",
+        { "data-live": "scale" },
+        withStd(answer.mm_per_px, answer.mm_per_px_std),
+        h("span.unit", null, " mm/px"),
+      ),
+      h(
+        "p.soft.number",
+        null,
+        `${plain(answer.resolution_ppi)} ppi`,
+        answer.relative_std > 0
+          ? `, known to ${plain(answer.relative_std * 100)} %`
+          : ", its uncertainty not said",
+      ),
+      answer.coin &&
+        h(
+          "p.soft.number",
+          null,
+          `coin: radius ${withStd(answer.coin.radius_px, answer.coin.radius_px_std)} px`,
+        ),
+      answer.flags?.length > 0 &&
+        h(
+          "div.note",
+          null,
+          answer.flags.map((flag) => h("p", null, wordsFor(flag))),
+        ),
     );
   }
 
@@ -249,8 +407,14 @@ class Scales {
   #uses() {
     const study = bench.study;
     const rows = [
-      ...study.fingers.flatMap((finger) => (finger.photographs ?? []).filter(({ outline }) => !outline).map((each) => ["photograph", each.item, `${finger.name}, ${each.face ?? "?"} face`, each.scale])),
-      ...study.observations.filter(({ file, from_csv: csv }) => file && !csv).map((each) => ["observation", each.item, each.item, each.scale]),
+      ...study.fingers.flatMap((finger) =>
+        (finger.photographs ?? [])
+          .filter(({ outline }) => !outline)
+          .map((each) => ["photograph", each.item, `${finger.name}, ${each.face ?? "?"} face`, each.scale]),
+      ),
+      ...study.observations
+        .filter(({ file, from_csv: csv }) => file && !csv)
+        .map((each) => ["observation", each.item, each.item, each.scale]),
       ...study.sequences.map((each) => ["sequence", each.name, `film ${each.name}`, each.scale]),
     ];
     this.takers = new Map();
@@ -260,7 +424,17 @@ class Scales {
       const mine = this.old && scale === this.old.name;
       const box = h("input", { type: "checkbox", checked: mine || (!this.old && !scale && oneKind) });
       this.takers.set(box, { kind, key, scale });
-      return h("label.check", { "data-kind": kind }, box, h("span", null, label), h("span.soft", null, scale ? (mine ? "" : typeof scale === "string" ? scale : "its own") : "none yet"));
+      return h(
+        "label.check",
+        { "data-kind": kind },
+        box,
+        h("span", null, label),
+        h(
+          "span.soft",
+          null,
+          scale ? (mine ? "" : typeof scale === "string" ? scale : "its own") : "none yet",
+        ),
+      );
     });
     const only = (kind) => {
       for (const [box, taker] of this.takers) box.checked = taker.kind === kind;
@@ -268,8 +442,15 @@ class Scales {
     const has = (kind) => rows.some(([other]) => other === kind);
     return [
       h("h3", null, "Pictures with this scale"),
-      rows.length ? h("div.takers", { tabindex: 0, role: "group", "aria-label": "Pictures with this scale" }, boxes) : h("p.soft", null, "No picture is in use yet; choose this scale where you say what a picture is."),
-      h("div.actions", null, has("photograph") && button("Only photographs", () => only("photograph"), { kind: "small" }), has("observation") && button("Only contact images", () => only("observation"), { kind: "small" })),
+      rows.length
+        ? h("div.takers", { tabindex: 0, role: "group", "aria-label": "Pictures with this scale" }, boxes)
+        : h("p.soft", null, "No picture is in use yet; choose this scale where you say what a picture is."),
+      h(
+        "div.actions",
+        null,
+        has("photograph") && button("Only photographs", () => only("photograph"), { kind: "small" }),
+        has("observation") && button("Only contact images", () => only("observation"), { kind: "small" }),
+      ),
     ];
   }
 
@@ -283,7 +464,10 @@ class Scales {
     }
     try {
       await bench.edit(...edits);
-      say(`Scale ${this.name} is kept${edits.length > 1 ? ` and used by ${edits.length - 1} more picture${edits.length > 2 ? "s" : ""}` : ""}.`, { kind: "good" });
+      say(
+        `Scale ${this.name} is kept${edits.length > 1 ? ` and used by ${edits.length - 1} more picture${edits.length > 2 ? "s" : ""}` : ""}.`,
+        { kind: "good" },
+      );
       this.#start(bench.study.scales.find(({ name }) => name === this.name) ?? null);
     } catch (error) {
       place(this.problem, faultList(error));
@@ -296,7 +480,8 @@ class Scales {
   }
 
   async #delete() {
-    if (this.old.used_by) return this.#wrong(`${this.old.used_by} pictures still use this scale. Give them another one first.`);
+    if (this.old.used_by)
+      return this.#wrong(`${this.old.used_by} pictures still use this scale. Give them another one first.`);
     await bench.edit({ kind: "scale", key: this.old.name, set: null }).catch(complain);
     this.#start(bench.study.scales[0] ?? null);
   }
@@ -306,7 +491,8 @@ class Scales {
   }
 
   close() {
-    if (!this.old && (this.name || JSON.stringify(this.table) !== JSON.stringify(FRESH[this.way] ?? {}))) begun = { study: bench.study?.name, name: this.name, way: this.way, table: this.table };
+    if (!this.old && (this.name || JSON.stringify(this.table) !== JSON.stringify(FRESH[this.way] ?? {})))
+      begun = { study: bench.study?.name, name: this.name, way: this.way, table: this.table };
     this.live.drop();
     this.stage.close();
   }

@@ -1,8 +1,8 @@
 // The study: what goes into it, what is missing, and what holds for all of it.
 
-import { bench } from "../core/workspace.js";
 import { h, place, redraw } from "../core/dom.js";
 import { bindHere } from "../core/keys.js";
+import { bench } from "../core/workspace.js";
 import { Drop } from "../parts/drop.js";
 import { choose, faultList, field, number, text } from "../parts/forms.js";
 import { NewFiles } from "./new_files.js";
@@ -20,10 +20,22 @@ class StudyView {
         this.files.root.querySelector("select, input")?.focus();
       },
     });
-    this.side = h("aside.stack.study-side", { "aria-label": "What is missing, and what holds for the whole study" });
+    this.side = h("aside.stack.study-side", {
+      "aria-label": "What is missing, and what holds for the whole study",
+    });
     this.heading = h("div");
     this.ready = h("div.actions");
-    place(root, h("header.head", null, this.heading, this.ready), h("div.scroll.study-grid", this.#whileTyping(), h("div.stack.across", null, this.drop.root, this.files.root), h("div.stack", null, this.tables.root, this.files.rest), this.side));
+    place(
+      root,
+      h("header.head", null, this.heading, this.ready),
+      h(
+        "div.scroll.study-grid",
+        this.#whileTyping(),
+        h("div.stack.across", null, this.drop.root, this.files.root),
+        h("div.stack", null, this.tables.root, this.files.rest),
+        this.side,
+      ),
+    );
     this.drop.watch(root);
     bindHere([
       ["a", "Add files", () => this.drop.chooser.click()],
@@ -53,9 +65,18 @@ class StudyView {
     place(
       this.heading,
       h("h1", null, study.title || study.name),
-      h("p", null, `${count(study.fingers.length, "finger")}, ${count(study.observations.length, "contact")}${study.sequences.length ? `, ${count(study.sequences.length, "film")}` : ""}${study.curves.length ? `, ${count(study.curves.length, "loading entry", "loading entries")}` : ""}`),
+      h(
+        "p",
+        null,
+        `${count(study.fingers.length, "finger")}, ${count(study.observations.length, "contact")}${study.sequences.length ? `, ${count(study.sequences.length, "film")}` : ""}${study.curves.length ? `, ${count(study.curves.length, "loading entry", "loading entries")}` : ""}`,
+      ),
     );
-    place(this.ready, study.ready ? h("a.button.primary", { href: "#/run/start" }, "Run the study") : h("span.soft", null, "Not ready to run yet"));
+    place(
+      this.ready,
+      study.ready
+        ? h("a.button.primary", { href: "#/run/start" }, "Run the study")
+        : h("span.soft", null, "Not ready to run yet"),
+    );
     this.files.draw();
     this.tables.draw();
     place(this.side, this.#missing(), this.#uncertainty(), this.#settings());
@@ -64,16 +85,49 @@ class StudyView {
   #missing() {
     const { missing, ready, observations, sequences } = bench.study;
     if (ready && !missing.length) {
-      if (observations.length + sequences.length) return h("section.card", null, h("div.note.good", null, h("strong", null, "Nothing is missing."), " The study can run."));
-      return h("section.card", null, h("div.note", null, h("strong", null, "No contact yet."), " Drop images of the contact, or the film of a press, and say finger, angle and load."));
+      if (observations.length + sequences.length)
+        return h(
+          "section.card",
+          null,
+          h("div.note.good", null, h("strong", null, "Nothing is missing."), " The study can run."),
+        );
+      return h(
+        "section.card",
+        null,
+        h(
+          "div.note",
+          null,
+          h("strong", null, "No contact yet."),
+          " Drop images of the contact, or the film of a press, and say finger, angle and load.",
+        ),
+      );
     }
     return h(
       "section.card",
       { "aria-label": "What is missing" },
       h("header", null, h("h2", null, "Still missing"), h("span.soft", null, missing.length)),
       missing.length
-        ? h("ul.missing", { tabindex: 0 }, missing.slice(0, 40).map(({ kind, key, words }) => h("li", null, h("strong", null, key || kind), h("span", null, words), /scale/.test(words) && kind !== "scale" && h("a", { href: "#/scale" }, "Set the scale"))), missing.length > 40 && h("li.soft", null, `and ${missing.length - 40} more`))
-        : h("p.soft", null, "Drop the files of the study to begin: photographs of the finger and images of its contact."),
+        ? h(
+            "ul.missing",
+            { tabindex: 0 },
+            missing
+              .slice(0, 40)
+              .map(({ kind, key, words }) =>
+                h(
+                  "li",
+                  null,
+                  h("strong", null, key || kind),
+                  h("span", null, words),
+                  /scale/.test(words) && kind !== "scale" && h("a", { href: "#/scale" }, "Set the scale"),
+                ),
+              ),
+            missing.length > 40 && h("li.soft", null, `and ${missing.length - 40} more`),
+          )
+        : h(
+            "p.soft",
+            null,
+            "Drop the files of the study to begin: photographs of the finger and images of its contact.",
+          ),
       ready && h("p.soft", null, "The rest of the study can run; what is listed here is left out."),
     );
   }
@@ -90,12 +144,23 @@ class StudyView {
   #uncertainty() {
     const now = bench.study.uncertainty;
     const problem = h("div");
-    const of = (key, max) => number({ value: now[key], min: 0, max, placeholder: "0", onset: (value) => this.#change("uncertainty", { [key]: value ?? 0 }, problem) });
+    const of = (key, max) =>
+      number({
+        value: now[key],
+        min: 0,
+        max,
+        placeholder: "0",
+        onset: (value) => this.#change("uncertainty", { [key]: value ?? 0 }, problem),
+      });
     return h(
       "section.card",
       { "aria-label": "Uncertainty common to all" },
       h("header", null, h("h2", null, "Uncertainty common to all")),
-      h("p.soft", null, "One standard uncertainty each. What is left at 0 makes every ± of the results too small."),
+      h(
+        "p.soft",
+        null,
+        "One standard uncertainty each. What is left at 0 makes every ± of the results too small.",
+      ),
       h(
         "div.fields.two",
         null,
@@ -130,10 +195,24 @@ class StudyView {
       h(
         "div.fields.two",
         null,
-        field("Title", text({ value: study.title, onset: (title) => title && this.#change("study", { title }, problem) }), { wide: true }),
-        field("Poisson's ratio", number({ value: study.poisson_ratio, placeholder: "0.5", min: 0, max: 0.5, onset: (value) => value !== null && this.#change("study", { poisson_ratio: value }, problem) })),
+        field(
+          "Title",
+          text({ value: study.title, onset: (title) => title && this.#change("study", { title }, problem) }),
+          { wide: true },
+        ),
+        field(
+          "Poisson's ratio",
+          number({
+            value: study.poisson_ratio,
+            placeholder: "0.5",
+            min: 0,
+            max: 0.5,
+            onset: (value) => value !== null && this.#change("study", { poisson_ratio: value }, problem),
+          }),
+        ),
       ),
-      study.description && h("details", null, h("summary", null, "Description"), h("p.soft", null, study.description)),
+      study.description &&
+        h("details", null, h("summary", null, "Description"), h("p.soft", null, study.description)),
       problem,
       h("p.soft.folder", null, "Folder: ", h("code", null, study.name)),
     );

@@ -1,9 +1,9 @@
 // What the study consists of, to be seen and changed in place: fingers, contacts, films, curves.
 
-import { bench, wordsFor } from "../core/workspace.js";
 import { h, place, redraw, symbol } from "../core/dom.js";
 import { question } from "../core/messages.js";
 import { plain, withStd } from "../core/quantity.js";
+import { bench, wordsFor } from "../core/workspace.js";
 import { button, chip, choose, faultList, field, number, synthetic, text } from "../parts/forms.js";
 import { scaleChoice, scaleWords } from "../parts/scale_choice.js";
 
@@ -13,9 +13,17 @@ const AXES = [
   ["distal", "Distal"],
   ["radial_ulnar", "Radial–ulnar"],
 ];
-const STATUS = { done: ["measured", "good"], left: ["to do", ""], stale: ["changed", "warn"], failed: ["failed", "bad"], given: ["given", ""], rejected: ["rejected", "bad"] };
+const STATUS = {
+  done: ["measured", "good"],
+  left: ["to do", ""],
+  stale: ["changed", "warn"],
+  failed: ["failed", "bad"],
+  given: ["given", ""],
+  rejected: ["rejected", "bad"],
+};
 
-const statusChip = ({ status, reason }) => chip(...(STATUS[status] ?? [status ?? "", ""]), reason ?? undefined);
+const statusChip = ({ status, reason }) =>
+  chip(...(STATUS[status] ?? [status ?? "", ""]), reason ?? undefined);
 const incomplete = ({ complete }) => complete === false && chip("not complete", "warn");
 
 export class StudyTables {
@@ -27,7 +35,14 @@ export class StudyTables {
 
   draw() {
     const { fingers, observations, sequences, curves } = bench.study;
-    place(this.root, this.problem, this.#fingers(fingers), this.#observations(observations), (sequences.length > 0 || null) && this.#sequences(sequences), this.#curves(curves));
+    place(
+      this.root,
+      this.problem,
+      this.#fingers(fingers),
+      this.#observations(observations),
+      (sequences.length > 0 || null) && this.#sequences(sequences),
+      this.#curves(curves),
+    );
   }
 
   async change(kind, key, set) {
@@ -42,10 +57,14 @@ export class StudyTables {
   }
 
   async #remove(kind, key, words) {
-    const answer = await question(`Take ${words} out of the study?`, h("p", null, "Its file stays in the study's folder."), [
-      ["", "Keep it"],
-      ["yes", "Take it out", "bad"],
-    ]);
+    const answer = await question(
+      `Take ${words} out of the study?`,
+      h("p", null, "Its file stays in the study's folder."),
+      [
+        ["", "Keep it"],
+        ["yes", "Take it out", "bad"],
+      ],
+    );
     if (answer === "yes") this.change(kind, key, null);
   }
 
@@ -53,7 +72,17 @@ export class StudyTables {
     return h(
       "section.card",
       { "aria-label": "Fingers" },
-      h("header", null, h("h2", null, "Fingers"), h("span.soft", null, "semi-axes from photographs, or typed in"), h("div.actions", null, button("Add a finger", () => this.#addFinger(), { kind: "small" }))),
+      h(
+        "header",
+        null,
+        h("h2", null, "Fingers"),
+        h("span.soft", null, "semi-axes from photographs, or typed in"),
+        h(
+          "div.actions",
+          null,
+          button("Add a finger", () => this.#addFinger(), { kind: "small" }),
+        ),
+      ),
       fingers.length
         ? h(
             "div.table-wrap",
@@ -61,11 +90,30 @@ export class StudyTables {
             h(
               "table.tight",
               null,
-              h("thead", null, h("tr", null, h("th", { scope: "col" }, "Finger"), AXES.map(([, words]) => h("th.number", { scope: "col" }, `${words}, mm`)), h("th", { scope: "col" }, "Photographs"), h("th", { scope: "col" }, h("span.sr", null, "Actions")))),
-              h("tbody", null, fingers.map((finger) => this.#finger(finger))),
+              h(
+                "thead",
+                null,
+                h(
+                  "tr",
+                  null,
+                  h("th", { scope: "col" }, "Finger"),
+                  AXES.map(([, words]) => h("th.number", { scope: "col" }, `${words}, mm`)),
+                  h("th", { scope: "col" }, "Photographs"),
+                  h("th", { scope: "col" }, h("span.sr", null, "Actions")),
+                ),
+              ),
+              h(
+                "tbody",
+                null,
+                fingers.map((finger) => this.#finger(finger)),
+              ),
             ),
           )
-        : h("p.soft", null, "None yet. A finger comes into being with its first photograph, or by typing its semi-axes."),
+        : h(
+            "p.soft",
+            null,
+            "None yet. A finger comes into being with its first photograph, or by typing its semi-axes.",
+          ),
     );
   }
 
@@ -74,13 +122,27 @@ export class StudyTables {
     return h(
       "tr",
       null,
-      h("td", null, h("strong", null, finger.name), " ", synthetic(finger.synthetic), " ", incomplete(finger)),
-      AXES.map(([axis]) => h("td.number", null, withStd(finger.semi_axes_mm?.[axis], finger.semi_axes_mm_std?.[axis]))),
+      h(
+        "td",
+        null,
+        h("strong", null, finger.name),
+        " ",
+        synthetic(finger.synthetic),
+        " ",
+        incomplete(finger),
+      ),
+      AXES.map(([axis]) =>
+        h("td.number", null, withStd(finger.semi_axes_mm?.[axis], finger.semi_axes_mm_std?.[axis])),
+      ),
       h(
         "td",
         null,
         finger.photographs?.length
-          ? h("div.faces", null, finger.photographs.map((photograph) => this.#face(photograph)))
+          ? h(
+              "div.faces",
+              null,
+              finger.photographs.map((photograph) => this.#face(photograph)),
+            )
           : typed
             ? h("span.soft", null, "typed in")
             : h("span.soft", null, "none"),
@@ -88,16 +150,43 @@ export class StudyTables {
       h(
         "td",
         null,
-        h("div.actions", null, !finger.photographs?.length && button("Semi-axes", () => this.#semiAxes(finger), { kind: "small", label: `Semi-axes of ${finger.name}` }), button("✎", () => this.#rename(finger), { kind: "icon", label: `Rename ${finger.name}`, title: "Rename" }), button("×", () => this.#remove("finger", finger.name, finger.name), { kind: "icon", label: `Take ${finger.name} out` })),
+        h(
+          "div.actions",
+          null,
+          !finger.photographs?.length &&
+            button("Semi-axes", () => this.#semiAxes(finger), {
+              kind: "small",
+              label: `Semi-axes of ${finger.name}`,
+            }),
+          button("✎", () => this.#rename(finger), {
+            kind: "icon",
+            label: `Rename ${finger.name}`,
+            title: "Rename",
+          }),
+          button("×", () => this.#remove("finger", finger.name, finger.name), {
+            kind: "icon",
+            label: `Take ${finger.name} out`,
+          }),
+        ),
       ),
     );
   }
 
   #face(photograph) {
     const words = `${photograph.face ?? "which face?"}${photograph.scale ? "" : ", no scale"}`;
-    const kind = photograph.complete === false || photograph.rejected ? "warn" : photograph.accepted ? "good" : "";
+    const kind =
+      photograph.complete === false || photograph.rejected ? "warn" : photograph.accepted ? "good" : "";
     if (photograph.outline) return chip(`${words}, outline`, kind);
-    return h("a.face-link", { href: `#/photographs/${encodeURIComponent(photograph.item)}`, title: photograph.file }, h("img.small-thumb", { src: `/api/picture/thumbnail?${new URLSearchParams({ item: photograph.item })}`, alt: "", loading: "lazy" }), chip(words, kind));
+    return h(
+      "a.face-link",
+      { href: `#/photographs/${encodeURIComponent(photograph.item)}`, title: photograph.file },
+      h("img.small-thumb", {
+        src: `/api/picture/thumbnail?${new URLSearchParams({ item: photograph.item })}`,
+        alt: "",
+        loading: "lazy",
+      }),
+      chip(words, kind),
+    );
   }
 
   /** Ask for the name of a finger: what was typed, empty where nothing shall be done. */
@@ -126,12 +215,28 @@ export class StudyTables {
 
   async #semiAxes(finger) {
     const { semi_axes_mm: now = {}, semi_axes_mm_std: std = {} } = finger.table ?? {};
-    const inputs = AXES.map(([axis, words]) => [axis, words, number({ value: now[axis], min: 0 }), number({ value: std[axis], min: 0 })]);
+    const inputs = AXES.map(([axis, words]) => [
+      axis,
+      words,
+      number({ value: now[axis], min: 0 }),
+      number({ value: std[axis], min: 0 }),
+    ]);
     const body = h(
       "div.stack",
       null,
-      h("p", null, "Half-lengths of the pad, and one standard uncertainty each. Leave them empty if photographs will follow."),
-      h("div.fields.two", null, inputs.map(([, words, value, its]) => [field(words, value, { unit: "mm" }), field("± (standard uncertainty)", its, { unit: "mm" })])),
+      h(
+        "p",
+        null,
+        "Half-lengths of the pad, and one standard uncertainty each. Leave them empty if photographs will follow.",
+      ),
+      h(
+        "div.fields.two",
+        null,
+        inputs.map(([, words, value, its]) => [
+          field(words, value, { unit: "mm" }),
+          field("± (standard uncertainty)", its, { unit: "mm" }),
+        ]),
+      ),
     );
     const answer = await question(`Semi-axes of ${finger.name}`, body, [
       ["", "Cancel"],
@@ -146,14 +251,21 @@ export class StudyTables {
   }
 
   #observations(observations) {
-    const rolled = observations.some(({ roll_angle_deg: roll }) => roll) || bench.study.uncertainty.roll_angle_deg_std > 0;
+    const rolled =
+      observations.some(({ roll_angle_deg: roll }) => roll) || bench.study.uncertainty.roll_angle_deg_std > 0;
     const pages = Math.max(1, Math.ceil(observations.length / PAGE));
     this.page = Math.min(this.page, pages - 1);
     const shown = observations.slice(this.page * PAGE, (this.page + 1) * PAGE);
     return h(
       "section.card",
       { "aria-label": "Contacts" },
-      h("header", null, h("h2", null, "Contacts"), h("span.soft", null, `${observations.length} in all`), pages > 1 && this.#pager(pages)),
+      h(
+        "header",
+        null,
+        h("h2", null, "Contacts"),
+        h("span.soft", null, `${observations.length} in all`),
+        pages > 1 && this.#pager(pages),
+      ),
       observations.length
         ? h(
             "div.table-wrap",
@@ -161,8 +273,29 @@ export class StudyTables {
             h(
               "table.tight",
               null,
-              h("thead", null, h("tr", null, ["Contact", "Finger", "Wedge, °", ...(rolled ? ["Roll, °"] : []), "Load, N", "Scale", "Status", ""].map((words) => h("th", { scope: "col" }, words || h("span.sr", null, "Actions"))))),
-              h("tbody", null, shown.map((observation) => this.#observation(observation, rolled))),
+              h(
+                "thead",
+                null,
+                h(
+                  "tr",
+                  null,
+                  [
+                    "Contact",
+                    "Finger",
+                    "Wedge, °",
+                    ...(rolled ? ["Roll, °"] : []),
+                    "Load, N",
+                    "Scale",
+                    "Status",
+                    "",
+                  ].map((words) => h("th", { scope: "col" }, words || h("span.sr", null, "Actions"))),
+                ),
+              ),
+              h(
+                "tbody",
+                null,
+                shown.map((observation) => this.#observation(observation, rolled)),
+              ),
             ),
           )
         : h("p.soft", null, "None yet. Drop contact images above; each is one contact at one load."),
@@ -174,26 +307,78 @@ export class StudyTables {
       this.page += by;
       this.draw();
     };
-    return h("div.actions", null, button("‹", go(-1), { kind: "small", disabled: this.page === 0, label: "Page before" }), h("span.number", null, `${this.page + 1} of ${pages}`), button("›", go(1), { kind: "small", disabled: this.page === pages - 1, label: "Next page" }));
+    return h(
+      "div.actions",
+      null,
+      button("‹", go(-1), { kind: "small", disabled: this.page === 0, label: "Page before" }),
+      h("span.number", null, `${this.page + 1} of ${pages}`),
+      button("›", go(1), { kind: "small", disabled: this.page === pages - 1, label: "Next page" }),
+    );
   }
 
   #observation(one, rolled) {
     const fixed = one.from_csv;
     const set = (key) => (value) => this.change("observation", one.item, { [key]: value });
-    const num = (key, words, more) => h("td", null, number({ value: one[key], min: 0, label: `${words} of ${one.item}`, onset: set(key), disabled: fixed, ...more }));
+    const num = (key, words, more) =>
+      h(
+        "td",
+        null,
+        number({
+          value: one[key],
+          min: 0,
+          label: `${words} of ${one.item}`,
+          onset: set(key),
+          disabled: fixed,
+          ...more,
+        }),
+      );
     return h(
       "tr",
       null,
-      h("td", null, one.file ? h("a", { href: `#/contacts/images/${encodeURIComponent(one.item)}` }, one.item) : one.item, " ", synthetic(one.synthetic), one.flags.length > 0 && [" ", chip("flagged", "warn", one.flags.map(wordsFor).join("; "))]),
+      h(
+        "td",
+        null,
+        one.file ? h("a", { href: `#/contacts/images/${encodeURIComponent(one.item)}` }, one.item) : one.item,
+        " ",
+        synthetic(one.synthetic),
+        one.flags.length > 0 && [" ", chip("flagged", "warn", one.flags.map(wordsFor).join("; "))],
+      ),
       fixed
         ? h("td", null, one.finger)
-        : h("td", null, choose({ value: one.finger ?? "", options: [...(one.finger ? [] : [["", "– which? –"]]), ...bench.study.fingers.map(({ name }) => name)], label: `Finger of ${one.item}`, onset: set("finger") })),
+        : h(
+            "td",
+            null,
+            choose({
+              value: one.finger ?? "",
+              options: [
+                ...(one.finger ? [] : [["", "– which? –"]]),
+                ...bench.study.fingers.map(({ name }) => name),
+              ],
+              label: `Finger of ${one.item}`,
+              onset: set("finger"),
+            }),
+          ),
       num("wedge_angle_deg", "Wedge angle", { max: 90 }),
       rolled && num("roll_angle_deg", "Roll angle", { min: undefined }),
       num("load_N", "Load"),
-      fixed || !one.file ? h("td.soft", null, one.file ? scaleWords(one.scale) : "ellipse given") : h("td", null, scaleChoice({ value: one.scale, label: `Scale of ${one.item}`, onset: set("scale") })),
+      fixed || !one.file
+        ? h("td.soft", null, one.file ? scaleWords(one.scale) : "ellipse given")
+        : h(
+            "td",
+            null,
+            scaleChoice({ value: one.scale, label: `Scale of ${one.item}`, onset: set("scale") }),
+          ),
       h("td", null, incomplete(one) || statusChip(one)),
-      h("td", null, fixed ? h("span.soft", { title: "This row stands in the study's spreadsheet" }, "CSV") : button("×", () => this.#remove("observation", one.item, one.item), { kind: "icon", label: `Take ${one.item} out` })),
+      h(
+        "td",
+        null,
+        fixed
+          ? h("span.soft", { title: "This row stands in the study's spreadsheet" }, "CSV")
+          : button("×", () => this.#remove("observation", one.item, one.item), {
+              kind: "icon",
+              label: `Take ${one.item} out`,
+            }),
+      ),
     );
   }
 
@@ -209,7 +394,17 @@ export class StudyTables {
         h(
           "table.tight",
           null,
-          h("thead", null, h("tr", null, ["Film", "Finger", "Wedge, °", "Force and clock", "Scale", "Status", ""].map((words) => h("th", { scope: "col" }, words || h("span.sr", null, "Actions"))))),
+          h(
+            "thead",
+            null,
+            h(
+              "tr",
+              null,
+              ["Film", "Finger", "Wedge, °", "Force and clock", "Scale", "Status", ""].map((words) =>
+                h("th", { scope: "col" }, words || h("span.sr", null, "Actions")),
+              ),
+            ),
+          ),
           h(
             "tbody",
             null,
@@ -219,18 +414,70 @@ export class StudyTables {
               return h(
                 "tr",
                 null,
-                h("td", null, h("a", { href: `#/contacts/${encodeURIComponent(`film:${one.name}`)}` }, one.name), " ", synthetic(one.synthetic), one.frames && h("div.soft.number", null, `${one.frames} frames`)),
-                h("td", null, choose({ value: one.finger ?? "", options: bench.study.fingers.map(({ name }) => name), label: `Finger of ${one.name}`, onset: set("finger") })),
-                h("td", null, number({ value: one.wedge_angle_deg, min: 0, max: 90, label: `Wedge angle of ${one.name}`, onset: set("wedge_angle_deg") })),
                 h(
                   "td",
                   null,
-                  choose({ value: one.force ?? "", options: [["", "– which CSV? –"], ...force.map((file) => [file, file.split("/").at(-1)])], label: `Force of ${one.name}`, onset: set("force") }),
-                  h("div.control.below", null, number({ value: one.table?.frames_per_second, min: 0, label: `Frames per second of ${one.name}`, onset: set("frames_per_second") }), h("span.unit", null, "frames/s")),
+                  h("a", { href: `#/contacts/${encodeURIComponent(`film:${one.name}`)}` }, one.name),
+                  " ",
+                  synthetic(one.synthetic),
+                  one.frames && h("div.soft.number", null, `${one.frames} frames`),
                 ),
-                h("td", null, scaleChoice({ value: one.scale, label: `Scale of ${one.name}`, onset: set("scale") })),
+                h(
+                  "td",
+                  null,
+                  choose({
+                    value: one.finger ?? "",
+                    options: bench.study.fingers.map(({ name }) => name),
+                    label: `Finger of ${one.name}`,
+                    onset: set("finger"),
+                  }),
+                ),
+                h(
+                  "td",
+                  null,
+                  number({
+                    value: one.wedge_angle_deg,
+                    min: 0,
+                    max: 90,
+                    label: `Wedge angle of ${one.name}`,
+                    onset: set("wedge_angle_deg"),
+                  }),
+                ),
+                h(
+                  "td",
+                  null,
+                  choose({
+                    value: one.force ?? "",
+                    options: [["", "– which CSV? –"], ...force.map((file) => [file, file.split("/").at(-1)])],
+                    label: `Force of ${one.name}`,
+                    onset: set("force"),
+                  }),
+                  h(
+                    "div.control.below",
+                    null,
+                    number({
+                      value: one.table?.frames_per_second,
+                      min: 0,
+                      label: `Frames per second of ${one.name}`,
+                      onset: set("frames_per_second"),
+                    }),
+                    h("span.unit", null, "frames/s"),
+                  ),
+                ),
+                h(
+                  "td",
+                  null,
+                  scaleChoice({ value: one.scale, label: `Scale of ${one.name}`, onset: set("scale") }),
+                ),
                 h("td", null, incomplete(one) || statusChip(one)),
-                h("td", null, button("×", () => this.#remove("sequence", one.name, one.name), { kind: "icon", label: `Take ${one.name} out` })),
+                h(
+                  "td",
+                  null,
+                  button("×", () => this.#remove("sequence", one.name, one.name), {
+                    kind: "icon",
+                    label: `Take ${one.name} out`,
+                  }),
+                ),
               );
             }),
           ),
@@ -243,7 +490,26 @@ export class StudyTables {
     return h(
       "section.card",
       { "aria-label": "Loading data" },
-      h("header", null, h("h2", null, "Loading data"), h("span.soft", null, "curves of force against displacement, or ", symbol("R", "g"), " as found elsewhere"), h("div.actions", null, button(h("span", null, "Add ", symbol("R", "g"), " from elsewhere"), () => this.#addRadius(), { kind: "small", disabled: !bench.study.fingers.length }))),
+      h(
+        "header",
+        null,
+        h("h2", null, "Loading data"),
+        h(
+          "span.soft",
+          null,
+          "curves of force against displacement, or ",
+          symbol("R", "g"),
+          " as found elsewhere",
+        ),
+        h(
+          "div.actions",
+          null,
+          button(h("span", null, "Add ", symbol("R", "g"), " from elsewhere"), () => this.#addRadius(), {
+            kind: "small",
+            disabled: !bench.study.fingers.length,
+          }),
+        ),
+      ),
       curves.length
         ? h(
             "div.table-wrap",
@@ -251,7 +517,21 @@ export class StudyTables {
             h(
               "table.tight",
               null,
-              h("thead", null, h("tr", null, ["Source", "Finger", "Wedge, °", "R_g, mm", "Status", ""].map((words) => h("th", { scope: "col", class: words.startsWith("R") ? "number" : undefined }, words || h("span.sr", null, "Actions"))))),
+              h(
+                "thead",
+                null,
+                h(
+                  "tr",
+                  null,
+                  ["Source", "Finger", "Wedge, °", "R_g, mm", "Status", ""].map((words) =>
+                    h(
+                      "th",
+                      { scope: "col", class: words.startsWith("R") ? "number" : undefined },
+                      words || h("span.sr", null, "Actions"),
+                    ),
+                  ),
+                ),
+              ),
               h(
                 "tbody",
                 null,
@@ -261,27 +541,68 @@ export class StudyTables {
                     null,
                     h("td", null, one.file ?? "found elsewhere", " ", synthetic(one.table?.synthetic)),
                     h("td", null, one.finger ?? "–"),
-                    h("td", null, number({ value: one.wedge_angle_deg, min: 0, max: 90, label: `Wedge angle of curve ${one.key}`, onset: (value) => this.change("curve", one.key, { wedge_angle_deg: value }) })),
-                    h("td.number", null, one.loading_radius_mm ? withStd(one.loading_radius_mm, one.table?.loading_radius_mm_std) : one.file ? "from the curve" : plain(null)),
+                    h(
+                      "td",
+                      null,
+                      number({
+                        value: one.wedge_angle_deg,
+                        min: 0,
+                        max: 90,
+                        label: `Wedge angle of curve ${one.key}`,
+                        onset: (value) => this.change("curve", one.key, { wedge_angle_deg: value }),
+                      }),
+                    ),
+                    h(
+                      "td.number",
+                      null,
+                      one.loading_radius_mm
+                        ? withStd(one.loading_radius_mm, one.table?.loading_radius_mm_std)
+                        : one.file
+                          ? "from the curve"
+                          : plain(null),
+                    ),
                     h("td", null, incomplete(one) || statusChip(one)),
-                    h("td", null, button("×", () => this.#remove("curve", one.key, one.file ?? "this radius"), { kind: "icon", label: `Take curve ${one.key} out` })),
+                    h(
+                      "td",
+                      null,
+                      button("×", () => this.#remove("curve", one.key, one.file ?? "this radius"), {
+                        kind: "icon",
+                        label: `Take curve ${one.key} out`,
+                      }),
+                    ),
                   ),
                 ),
               ),
             ),
           )
-        : h("p.soft", null, "None. The study runs without; ", symbol("R", "g"), " is then not drawn beside the corrected radius."),
+        : h(
+            "p.soft",
+            null,
+            "None. The study runs without; ",
+            symbol("R", "g"),
+            " is then not drawn beside the corrected radius.",
+          ),
     );
   }
 
   async #addRadius() {
-    const finger = choose({ value: bench.study.fingers[0].name, options: bench.study.fingers.map(({ name }) => name) });
+    const finger = choose({
+      value: bench.study.fingers[0].name,
+      options: bench.study.fingers.map(({ name }) => name),
+    });
     const wedge = number({ min: 0, max: 90 });
     const radius = number({ min: 0 });
     const std = number({ min: 0 });
     const answer = await question(
       "R_g from loading data",
-      h("div.fields", null, field("Finger", finger), field("Wedge angle", wedge, { unit: "°" }), field("R_g", radius, { unit: "mm" }), field("± (standard uncertainty)", std, { unit: "mm" })),
+      h(
+        "div.fields",
+        null,
+        field("Finger", finger),
+        field("Wedge angle", wedge, { unit: "°" }),
+        field("R_g", radius, { unit: "mm" }),
+        field("± (standard uncertainty)", std, { unit: "mm" }),
+      ),
       [
         ["", "Cancel"],
         ["yes", "Add", "primary"],
@@ -294,4 +615,3 @@ export class StudyTables {
     this.change("curve", String(bench.study.curves.length), set);
   }
 }
-
