@@ -11,9 +11,8 @@ import uvicorn
 
 from fingerpad.report import write_report
 from fingerpad.study.pipeline import run_study
-from fingerpad.web.app import make_app
+from fingerpad.web.app import listening, make_app
 from fingerpad.web.security import Access
-from fingerpad.web.server import listening
 from fingerpad.web.workspace import Workspace
 
 DEMO = Path(__file__).parents[2] / "examples" / "dzidek2017"

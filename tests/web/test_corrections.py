@@ -41,8 +41,8 @@ def test_a_correction_is_kept_with_who_and_when_and_undone_and_redone(client, it
     found = kept.json()
     assert found == now(client, item)
     assert found["change"] == change
-    assert found["ruling"]["who"] == "ada"
-    assert found["ruling"]["when"].startswith("20")
+    assert found["history"][-1]["who"] == "ada"
+    assert found["history"][-1]["when"].startswith("20")
     step = {"item": item, "who": "bob"}
     undone = client.post("/api/corrections/undo", json=step | {"expected": found["last_id"]}).json()
     assert (undone["change"], undone["can_undo"], undone["can_redo"]) == ({}, False, True)

@@ -109,7 +109,7 @@ def test_results_that_are_something_else_are_told(client, folder, name, content)
     (folder / "results" / f"{name}.json").write_text(content)
     write_sums(folder / "results")
     assert "not such as a run writes" in client.get("/api/study").json()["results"]["faults"][0]
-    assert client.get("/api/results/summary").status_code == 409
+    assert client.get("/api/results/plot").status_code == 409
 
 
 DRAFTS = {

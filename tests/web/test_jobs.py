@@ -363,13 +363,6 @@ def test_figures_are_listed_with_captions_and_can_be_fetched(done):
             assert answer.headers["content-type"].startswith(media)
 
 
-def test_overlays_are_those_of_the_report(done):
-    for item in ("synthetic_30deg_2N", "synthetic_pad/synthetic/photograph_palmar.jpg"):
-        answer = done.get("/api/picture/overlay", params={"item": item})
-        assert answer.status_code == 200, answer.text
-        assert answer.content.startswith(b"\x89PNG")
-
-
 def test_a_download_can_be_saved_under_its_name(done):
     answer = done.get("/api/download/results.csv", params={"attachment": True})
     assert answer.headers["content-disposition"] == 'attachment; filename="results.csv"'

@@ -10,7 +10,7 @@ from fingerpad.cli.shared import plain_errors
 from fingerpad.exceptions import FingerpadError, ManifestError
 
 if TYPE_CHECKING:
-    from fingerpad.web.server import Launch
+    from fingerpad.web.app import Launch
 
 _NEEDED = {"plotly", "starlette", "tomlkit", "uvicorn"}
 
@@ -32,7 +32,7 @@ def app(
     """
     with plain_errors():
         try:
-            from fingerpad.web.server import serve
+            from fingerpad.web.app import serve
             from fingerpad.web.workspace import Workspace
         except ModuleNotFoundError as error:
             if (error.name or "").partition(".")[0] not in _NEEDED:

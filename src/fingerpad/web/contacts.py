@@ -22,11 +22,10 @@ from fingerpad.study.manifest import Contact, ContactSequence, Observation, Scal
 from fingerpad.study.measuring.measure import Measurement, contact_correction, doubts_of, from_contact_image
 from fingerpad.study.measuring.scales import FoundScale
 from fingerpad.study.results.rows import make_rows
-from fingerpad.web.endpoints import Endpoint, Params
+from fingerpad.web import answers
+from fingerpad.web.endpoints import Endpoint, Item, Params
 from fingerpad.web.errors import RequestError
-from fingerpad.web.fields import Item
-from fingerpad.web.fingers import known_finger
-from fingerpad.web.last_results import last_results
+from fingerpad.web.last_results import known_finger, last_results
 from fingerpad.web.pictures import Cache, ImageLocation
 from fingerpad.web.scales import scale_of
 from fingerpad.web.study_session import StudySession
@@ -63,13 +62,12 @@ def measure(workspace: Workspace, _: Any, params: ContactParams) -> dict[str, An
         "by": _by(change),
         **_drawn(contact_image, found),
         "numbers": numbers(contact_image),
-        "program": own and {**numbers(own), **_drawn(own, found)},
+        "program": own and {**numbers(own), "outline_px": own.outline.round(2)},
         "program_error": error,
         "model": _model(opened, params.item, contact, contact_image, found),
         "settings": {
             "dark_on_light": contact_image.dark_on_light,
             "threshold": contact_image.threshold,
-            "contrast": contact_image.contrast,
         },
         "flags": [*doubts_of(contact_image), *found.flags],
         "mm_per_px": found.scale.mm_per_px,
@@ -164,10 +162,7 @@ def _by(change: ContactCorrection) -> str:
 def numbers(contact_image: ContactImageResult) -> dict[str, Any]:
     """Return an imprint's numbers, without what is drawn of it."""
     record = contact_image.as_record()
-    return {
-        **{key: value for key, value in record.items() if key not in {"centroid_px", "flags"}},
-        "axis_ratio": float(contact_image.ellipse.axis_ratio),
-    }
+    return {name: record[name] for name in answers.ContactNumbers.model_fields}
 
 
 def _drawn(contact_image: ContactImageResult, found: FoundScale) -> dict[str, Any]:
@@ -209,7 +204,8 @@ def _model(
         return None
     measured = Measurement(name=item, load=load, **from_contact_image(contact_image, contact, found))
     row = make_rows(opened.study(), {finger.name: finger}, [(contact, measured)]).table[0]
-    return {**row, "range_notes": (row["range_notes"] or "").split(), "flags": row["flags"].split()}
+    found_model = {name: row[name] for name in answers.ContactModel.model_fields}
+    return found_model | {"range_notes": (row["range_notes"] or "").split()}
 
 
 def _load_of_frame(opened: StudySession, item: str) -> float | None:
@@ -223,6 +219,7 @@ ENDPOINTS: Final = (
         method="POST",
         path="/api/measure/contact",
         answer=measure,
+        model=answers.ContactMeasurement,
         summary="Measure a contact image under a correction, without storing it",
         body=ContactParams,
     ),

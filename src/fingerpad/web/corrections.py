@@ -9,9 +9,9 @@ from pydantic import Field
 from fingerpad.exceptions import CorrectionConflict
 from fingerpad.study.corrections.history import Record
 from fingerpad.study.corrections.log import kind_of, on_another_image
-from fingerpad.web.endpoints import Endpoint, Params
+from fingerpad.web import answers
+from fingerpad.web.endpoints import Endpoint, Item, Params, Person
 from fingerpad.web.errors import RequestError
-from fingerpad.web.fields import Item, Person
 from fingerpad.web.study_session import StudySession
 from fingerpad.web.workspace import Workspace
 
@@ -47,7 +47,6 @@ def document(opened: StudySession, item: str) -> dict[str, Any]:
         "item": item,
         "last_id": history.last_id,
         "change": {} if active_correction is None else active_correction.change.as_json(),
-        "ruling": active_correction and {"who": active_correction.who, "when": active_correction.when},
         "on_another_image": bool(elsewhere),
         "can_undo": history.can_undo,
         "can_redo": history.can_redo,
@@ -103,7 +102,7 @@ def _kept(workspace: Workspace, params: StepParams, keep: Callable[[], object]) 
         now = document(opened, params.item)
         raise RequestError.conflict(str(conflict), latest=latest, corrections=now) from conflict
     found = document(opened, params.item)
-    workspace.events.tell("corrections", {"item": params.item, "last_id": found["last_id"]})
+    workspace.events.send("corrections", {"item": params.item, "last_id": found["last_id"]})
     return found
 
 
@@ -112,6 +111,7 @@ ENDPOINTS: Final = (
         method="GET",
         path="/api/corrections",
         answer=show,
+        model=answers.Corrections,
         query=ItemParams,
         summary="What people corrected in an item",
     ),
@@ -119,6 +119,7 @@ ENDPOINTS: Final = (
         method="POST",
         path="/api/corrections",
         answer=add,
+        model=answers.Corrections,
         body=ChangeParams,
         status=HTTPStatus.CREATED,
         summary="Correct an item",
@@ -127,6 +128,7 @@ ENDPOINTS: Final = (
         method="POST",
         path="/api/corrections/undo",
         answer=undo,
+        model=answers.Corrections,
         body=StepParams,
         status=HTTPStatus.CREATED,
         summary="Take the newest change back",
@@ -135,6 +137,7 @@ ENDPOINTS: Final = (
         method="POST",
         path="/api/corrections/redo",
         answer=redo,
+        model=answers.Corrections,
         body=StepParams,
         status=HTTPStatus.CREATED,
         summary="Put back what was taken back",

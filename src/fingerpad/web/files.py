@@ -19,9 +19,10 @@ from starlette.requests import Request
 from starlette.responses import FileResponse, Response, StreamingResponse
 
 from fingerpad.study.editing.state import named_files
+from fingerpad.web import answers
 from fingerpad.web.archive import pack, unpack
 from fingerpad.web.bundle import Bundle
-from fingerpad.web.endpoints import Endpoint, Params, json_response
+from fingerpad.web.endpoints import Endpoint, Params
 from fingerpad.web.errors import RequestError
 from fingerpad.web.security import FRAMED_HEADERS
 from fingerpad.web.state import document
@@ -77,14 +78,16 @@ class RestoreParams(Params):
     removed: Annotated[str, Field(pattern=r"^\d{8}T\d{6}-[0-9a-f]{8}$")]
 
 
-async def upload(workspace: Workspace, params: UploadParams, request: Request) -> Response:
+async def upload(
+    workspace: Workspace, params: UploadParams, request: Request
+) -> tuple[dict[str, Any], HTTPStatus]:
     """Keep a file in the study."""
     opened = workspace.study
     name = plain_name(params.name)
     target = opened.folder / FOLDER if params.folder is None else opened.folder / FOLDER / params.folder
     path, digest = await stored(request, workspace.upload_limit, target)
 
-    def keep() -> Response:
+    def keep() -> tuple[dict[str, Any], HTTPStatus]:
         try:
             record, new = kept(opened, path, digest, name)
         finally:
@@ -94,21 +97,21 @@ async def upload(workspace: Workspace, params: UploadParams, request: Request) -
             if new:
                 (opened.folder / record["file"]).unlink(missing_ok=True)
             raise RequestError.impossible(record["problem"])
-        workspace.events.tell("study", {"digest": opened.read().digest})
-        return json_response(record, HTTPStatus.CREATED if new else HTTPStatus.OK)
+        workspace.events.send("study", {"digest": opened.read().digest})
+        return record, HTTPStatus.CREATED if new else HTTPStatus.OK
 
     return await run_in_threadpool(keep)
 
 
-async def bring(workspace: Workspace, params: ImportParams, request: Request) -> Response:
+async def import_study(workspace: Workspace, params: ImportParams, request: Request) -> dict[str, Any]:
     """Make a study of a ZIP, and open it."""
     folder = workspace.new_folder(params.name)
     path, _ = await stored(request, workspace.room, workspace.workspace)
 
-    def open_it() -> Response:
+    def open_it() -> dict[str, Any]:
         try:
             unpack(path, folder, workspace.room)
-            return json_response(document(workspace.open_folder(folder)), HTTPStatus.CREATED)
+            return document(workspace.open_folder(folder))
         finally:
             path.unlink(missing_ok=True)
 
@@ -227,12 +230,14 @@ ENDPOINTS: Final = (
         method="GET",
         path="/api/study/bundle",
         answer=bundle,
+        model=answers.BundleContents,
         summary="What the study's ZIP holds, and what it leaves out",
     ),
     Endpoint(
         method="POST",
         path="/api/files",
         answer=upload,
+        model=answers.UploadedFile,
         query=UploadParams,
         status=HTTPStatus.CREATED,
         streamed=True,
@@ -241,7 +246,8 @@ ENDPOINTS: Final = (
     Endpoint(
         method="POST",
         path="/api/session/import",
-        answer=bring,
+        answer=import_study,
+        model=answers.State,
         query=ImportParams,
         status=HTTPStatus.CREATED,
         streamed=True,
@@ -259,6 +265,7 @@ ENDPOINTS: Final = (
         method="DELETE",
         path="/api/files",
         answer=remove,
+        model=answers.StateAfterRemoval,
         body=RemoveParams,
         summary="Remove an uploaded file that nothing names; it is kept aside",
     ),
@@ -266,6 +273,7 @@ ENDPOINTS: Final = (
         method="POST",
         path="/api/files/restore",
         answer=restore,
+        model=answers.StateAfterRestore,
         body=RestoreParams,
         summary="Put a removed file back",
     ),
@@ -274,7 +282,6 @@ ENDPOINTS: Final = (
         path="/api/download/{path:path}",
         answer=download,
         query=DownloadParams,
-        media="application/octet-stream",
         summary="A file that the run wrote, or the whole study as study.zip",
     ),
 )

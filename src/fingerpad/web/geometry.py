@@ -4,21 +4,18 @@ from typing import Annotated, Any, Final, Self
 
 import numpy as np
 from pydantic import Field, model_validator
-from starlette.responses import Response
 
 from fingerpad._arrays import FloatArray
-from fingerpad.figures import figure_svg, new_figure, plot_pad_with_contact, plot_wedge
 from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.study.manifest.tables import Length
 from fingerpad.uncertainty import PLACEMENT_OUTPUTS, placement_model, propagate
-from fingerpad.web.drawing import DRAWING
+from fingerpad.web import answers
 from fingerpad.web.endpoints import Endpoint, Params
 from fingerpad.web.errors import RequestError
-from fingerpad.web.fingers import known_finger
+from fingerpad.web.last_results import known_finger
 from fingerpad.web.workspace import Workspace
 
 _Angles = Annotated[list[Annotated[float, Field(ge=-180, le=180)]], Field(max_length=50)]
-_AXES: Final = ("palmar", "distal", "radial_ulnar")
 
 
 class PadParams(Params):
@@ -30,7 +27,6 @@ class PadParams(Params):
     radial_ulnar_mm: Length | None = None
     wedge_angle_deg: Annotated[float, Field(ge=0, le=90)] = 30.0
     roll_angle_deg: Annotated[float, Field(ge=-180, le=180)] = 0.0
-    synthetic: bool = False
 
     @model_validator(mode="after")
     def _one_pad(self) -> Self:
@@ -58,16 +54,10 @@ def geometry(workspace: Workspace, _: Any, params: GeometryParams) -> dict[str, 
     mesh = pad.point(turn[:, None], height)
     return {
         **_placed(axes, covariance, np.array([wedge, roll]), angle_stds),
-        "synthetic": params.synthetic,
         "v_deg": np.degrees(placement.v),
         "contact_point_mm": placement.point,
         "normal": placement.normal,
         "principal_directions": placement.curvature.principal_directions,
-        "principal_radii_mm": placement.curvature.principal_radii,
-        "semi_axes_mm": dict(zip(_AXES, axes, strict=True)),
-        "semi_axes_mm_std": None
-        if covariance is None
-        else dict(zip(_AXES, np.sqrt(np.diagonal(covariance)), strict=True)),
         "mesh": {f"{name}_mm": mesh[..., k] for k, name in enumerate("xyz")},
         "lines": [
             {"name": name, "points_mm": points} for name, points in _lines(pad, placement, float(max(axes)))
@@ -146,59 +136,13 @@ def _wedge(pad: Ellipsoid, placement: Placement) -> dict[str, Any]:
     return {"vertices_mm": vertices, "faces": faces}
 
 
-def pad_svg(workspace: Workspace, params: PadParams, _: Any) -> Response:
-    """Draw the pad as seen through the platen."""
-    axes, _, _ = _pad(workspace, params)
-    with DRAWING:
-        figure, (panel,) = new_figure(height_mm=95)
-        plot_pad_with_contact(
-            panel,
-            Ellipsoid.of(*axes),
-            wedge_angle=float(np.radians(params.wedge_angle_deg)),
-            roll_angle=float(np.radians(params.roll_angle_deg)),
-            synthetic=params.synthetic,
-        )
-        words = f"The pad seen through the platen, wedge {params.wedge_angle_deg:g}°"
-        return _svg(figure_svg(figure, "pad", description=words))
-
-
-def wedge_svg(workspace: Workspace, params: PadParams, _: Any) -> Response:
-    """Draw the finger on its wedge, in section."""
-    axes, _, _ = _pad(workspace, params)
-    with DRAWING:
-        figure, (panel,) = new_figure(height_mm=95)
-        wedge = float(np.radians(params.wedge_angle_deg))
-        plot_wedge(panel, Ellipsoid.of(*axes), wedge_angle=wedge, synthetic=params.synthetic)
-        words = f"The finger on its wedge of {params.wedge_angle_deg:g}°, in section"
-        return _svg(figure_svg(figure, "wedge", description=words))
-
-
-def _svg(drawing: str) -> Response:
-    return Response(drawing, media_type="image/svg+xml")
-
-
 ENDPOINTS: Final = (
     Endpoint(
         method="POST",
         path="/api/geometry",
         answer=geometry,
+        model=answers.PadGeometry,
         summary="A pad on its wedge: place of contact, curvature, and what to draw in three dimensions",
         body=GeometryParams,
-    ),
-    Endpoint(
-        method="GET",
-        path="/api/geometry/pad.svg",
-        answer=pad_svg,
-        summary="The pad seen through the platen",
-        query=PadParams,
-        media="image/svg+xml",
-    ),
-    Endpoint(
-        method="GET",
-        path="/api/geometry/wedge.svg",
-        answer=wedge_svg,
-        summary="The finger on its wedge, in section",
-        query=PadParams,
-        media="image/svg+xml",
     ),
 )

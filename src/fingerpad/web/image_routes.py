@@ -5,12 +5,10 @@ from typing import Annotated, Any, Final
 from urllib.parse import urlencode
 
 from pydantic import Field
-from starlette.responses import FileResponse, Response
+from starlette.responses import Response
 
-from fingerpad.web.endpoints import Endpoint, Params
-from fingerpad.web.errors import RequestError
-from fingerpad.web.fields import Item
-from fingerpad.web.item_status import overlay_of
+from fingerpad.web import answers
+from fingerpad.web.endpoints import Endpoint, Item, Params
 from fingerpad.web.pictures import PREVIEW_PX, ImageLocation, is_film
 from fingerpad.web.workspace import Workspace
 
@@ -69,20 +67,12 @@ def thumbnail(workspace: Workspace, params: PictureParams, _: Any) -> Response:
     return Response(drawn, media_type="image/webp", headers=_FOR_EVER if params.v else _NOW)
 
 
-def overlay(workspace: Workspace, params: PictureParams, _: Any) -> Response:
-    """Return the measurement drawn on the picture, as the last run wrote it."""
-    opened = workspace.study
-    path = overlay_of(opened, params.item)
-    if path is None or not path.resolve().is_relative_to(opened.out.resolve()):
-        raise RequestError.not_there(f"{params.item}: no overlay is drawn: run the study")
-    return FileResponse(path, media_type="image/png", headers=_NOW)
-
-
 ENDPOINTS: Final = (
     Endpoint(
         method="GET",
         path="/api/picture/info",
         answer=info,
+        model=answers.PictureInfo,
         query=PictureParams,
         summary="What a picture is",
     ),
@@ -101,13 +91,5 @@ ENDPOINTS: Final = (
         query=PictureParams,
         media="image/webp",
         summary="A small picture",
-    ),
-    Endpoint(
-        method="GET",
-        path="/api/picture/overlay",
-        answer=overlay,
-        query=PictureParams,
-        media="image/png",
-        summary="The measurement drawn on the picture",
     ),
 )

@@ -5,9 +5,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Final, Self, TypeAlias
 
+import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from fingerpad.study.manifest.tables import Length
+from fingerpad.study.measuring.fingers import FingerResult, finger_result
 from fingerpad.study.results.columns import BOOL_COLUMNS, COLUMNS, INT_COLUMNS, TEXT_COLUMNS
 from fingerpad.study.results.result_set import quick_faults
 from fingerpad.web.study_session import StudySession
@@ -40,12 +42,28 @@ class _Finger(_Record):
         return self
 
 
+class _Check(_Record):
+    observation: str
+    value: float
+    std: float
+    valid: bool
+    shares: dict[str, float | None]
+    total: dict[str, float | None]
+
+
 class _Placement(_Record):
     finger: str
     wedge_angle_deg: float
     roll_angle_deg: float
     synthetic: bool
-    uncertainty_check: dict[str, Any] | None
+    radius_from_indentation_mm: float | None
+    radius_from_indentation_mm_std: float | None = None
+    radius_from_indentation_variance_shares: dict[str, float | None] | None = None
+    mean_curvature_radius_mm: float | None
+    mean_curvature_radius_mm_std: float | None
+    loading_radius_mm: float | None
+    loading_radius_mm_std: float | None
+    uncertainty_check: _Check | None
 
 
 class _Curve(_Record):
@@ -174,3 +192,25 @@ def _read(out: Path) -> Results | str | None:
     _READ.clear()
     _READ[out] = known
     return known[1]
+
+
+def known_finger(opened: StudySession, name: str) -> FingerResult | None:
+    """Return a finger's semi-axes, None where they are not known yet."""
+    finger = next((one for one in opened.study().fingers if one.name == name), None)
+    if finger is None:
+        return None
+    if finger.semi_axes_mm is not None:
+        return finger_result(finger, {}, opened.folder, {})  # nothing to measure
+    found = last_results(opened)
+    record = found and next((one for one in found.summary["fingers"] if one["finger"] == name), None)
+    if not record or record["palmar_mm"] is None:
+        return None
+    return FingerResult(
+        name=name,
+        semi_axes=np.array([record[f"{axis}_mm"] for axis in ("palmar", "distal", "radial_ulnar")]),
+        covariance=np.array(record["covariance_mm2"]),
+        source="photographs",
+        scale=record.get("scale"),
+        pad_thickness=finger.pad_thickness_mm,
+        synthetic=record["synthetic"],
+    )

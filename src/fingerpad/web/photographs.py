@@ -23,9 +23,9 @@ from fingerpad.study.corrections.apply import corrected_photograph
 from fingerpad.study.corrections.changes import PhotographCorrection
 from fingerpad.study.manifest import Finger, Photograph, ScaleKey
 from fingerpad.study.measuring.fingers import photograph_item
-from fingerpad.web.endpoints import Endpoint, Params
+from fingerpad.web import answers
+from fingerpad.web.endpoints import Endpoint, Item, Params, Point
 from fingerpad.web.errors import RequestError
-from fingerpad.web.fields import Item, Spot, as_pair
 from fingerpad.web.pictures import Cache
 from fingerpad.web.scales import scale_of
 from fingerpad.web.study_session import StudySession
@@ -33,7 +33,6 @@ from fingerpad.web.workspace import Workspace
 
 _FITS: Final[Cache[PhotographFit]] = Cache(60, lambda _: 1)
 _PROGRAM: Final[Cache[PhotographFit | None]] = Cache(60, lambda _: 1)
-_CURVE_POINTS: Final = 181
 # An ellipse placed by hand needs none.
 _NO_PICTURE: Final = np.zeros((1, 1), dtype=np.uint8)
 
@@ -41,9 +40,9 @@ _NO_PICTURE: Final = np.zeros((1, 1), dtype=np.uint8)
 class Handles(Params):
     """The ends of an ellipse's semi-axes as dragged."""
 
-    centre_px: Spot
-    across_end_px: Spot
-    along_end_px: Spot
+    centre_px: Point
+    across_end_px: Point
+    along_end_px: Point
 
 
 class PhotographParams(Params):
@@ -117,7 +116,6 @@ def described(fit: PhotographFit) -> dict[str, Any]:
             "lean_deg": math.degrees(fit.lean),
         },
         "handles": {"centre_px": centre, "across_end_px": across, "along_end_px": along},
-        "curve_px": fit.ellipse_points(_CURVE_POINTS).round(2),
         "points_px": fit.points.round(2),
         "outliers_px": fit.outliers.round(2),
         "arc_deg": fit.arc_deg,
@@ -160,9 +158,9 @@ def _fit(
         return photograph_from_handles(
             photograph.face,
             scale,
-            centre=as_pair(handles.centre_px),
-            across_end=as_pair(handles.across_end_px),
-            along_end=as_pair(handles.along_end_px),
+            centre=handles.centre_px,
+            across_end=handles.across_end_px,
+            along_end=handles.along_end_px,
             tip=change.tip or photograph.tip,
             palmar=change.palmar_side or photograph.palmar_side,
         )
@@ -209,7 +207,7 @@ def _joint(found: OutlineSemiAxes, items: list[str]) -> dict[str, Any]:
         "disagree": found.disagree,
         "between_relative_std": found.between_relative_std,
         "disagreements": [
-            {"item": item, "face": face.face, **off}
+            {"item": item, "face": face.face} | {axis: off.get(axis) for axis in SEMI_AXES}
             for item, face, off in zip(items, found.faces, found.disagreements, strict=True)
         ],
     }
@@ -220,6 +218,7 @@ ENDPOINTS: Final = (
         method="POST",
         path="/api/measure/photograph",
         answer=measure,
+        model=answers.PhotographMeasurement,
         summary="Measure a photograph under a correction, without storing it",
         body=PhotographParams,
     ),

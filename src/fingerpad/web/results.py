@@ -11,34 +11,13 @@ from fingerpad.published import audit
 from fingerpad.study.results.columns import COLUMNS
 from fingerpad.study.results.result_set import result_files
 from fingerpad.study.results.rows import RANGE_NOTES
+from fingerpad.web import answers
 from fingerpad.web.endpoints import Endpoint, Params
 from fingerpad.web.errors import RequestError
 from fingerpad.web.last_results import Results, last_results, results_faults
 from fingerpad.web.workspace import Workspace
 
 _UNITS: Final = ("mm2", "mm", "N", "kpa", "deg", "px", "s")
-_PLOTTED: Final = (
-    "item",
-    "load_N",
-    "radius_from_indentation_mm",
-    "radius_from_indentation_mm_std",
-    "radius_from_indentation_mm_fixed_geometry_std",
-    "radius_from_compliance_mm",
-    "radius_from_compliance_mm_std",
-    "semi_major_mm",
-    "semi_minor_mm",
-    "gross_area_mm2",
-    "gross_area_mm2_std",
-    "aspect_ratio",
-    "indentation_mm",
-    "indentation_mm_std",
-    "youngs_modulus_kpa",
-    "youngs_modulus_kpa_std",
-    "flags",
-    "pooled",
-    "sequence",
-    "phase",
-)
 _CAPTION: Final = re.compile(r'aria-label="([^"]*)"')
 
 
@@ -111,11 +90,6 @@ def _column(name: str) -> dict[str, Any]:
     return {"key": name, "words": COLUMNS[name], "unit": "kPa" if unit == "kpa" else unit, "std": std}
 
 
-def summary(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
-    """Return the content of ``summary.json``."""
-    return _results(workspace).summary
-
-
 class PlotParams(Params):
     """Which finger."""
 
@@ -139,8 +113,8 @@ def _group(of: Mapping[str, Any], every: list[dict[str, Any]]) -> dict[str, Any]
     members = [row for row in members if all(row[key] == of[key] for key in keys)]
     codes = [code for row in members for code in (row["range_notes"] or "").split()]
     return {
-        **of,
-        "rows": {name: [row[name] for row in members] for name in _PLOTTED},
+        **{name: of.get(name) for name in answers.PlottedGroup.model_fields},
+        "rows": {name: [row[name] for row in members] for name in answers.PlottedRows.model_fields},
         "range_notes": [
             {"code": code, "words": RANGE_NOTES[code], "rows": codes.count(code)}
             for code in RANGE_NOTES
@@ -156,7 +130,8 @@ def budget(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
             {
                 **{key: one[key] for key in ("finger", "wedge_angle_deg", "roll_angle_deg", "synthetic")},
                 "pooled": one.get("radius_from_indentation_variance_shares"),
-                "check": one["uncertainty_check"],
+                "check": (check := one["uncertainty_check"])
+                and {name: check[name] for name in answers.BudgetCheck.model_fields},
             }
             for one in _results(workspace).summary["summaries"]
         ]
@@ -192,15 +167,40 @@ def published(_: Workspace, __: Any, ___: Any) -> dict[str, Any]:
 
 ENDPOINTS: Final = (
     Endpoint(
-        method="GET", path="/api/results/rows", answer=rows, query=RowsParams, summary="Rows of the results"
+        method="GET",
+        path="/api/results/rows",
+        answer=rows,
+        model=answers.Rows,
+        query=RowsParams,
+        summary="Rows of the results",
     ),
     Endpoint(
-        method="GET", path="/api/results/summary", answer=summary, summary="Summaries, fingers, provenance"
+        method="GET",
+        path="/api/results/plot",
+        answer=plot,
+        model=answers.Plot,
+        query=PlotParams,
+        summary="What to plot",
     ),
-    Endpoint(method="GET", path="/api/results/plot", answer=plot, query=PlotParams, summary="What to plot"),
     Endpoint(
-        method="GET", path="/api/results/budget", answer=budget, summary="Who contributes what uncertainty"
+        method="GET",
+        path="/api/results/budget",
+        answer=budget,
+        model=answers.Budget,
+        summary="Who contributes what uncertainty",
     ),
-    Endpoint(method="GET", path="/api/results/figures", answer=figures, summary="The report's figures"),
-    Endpoint(method="GET", path="/api/published", answer=published, summary="Audit of the printed tables"),
+    Endpoint(
+        method="GET",
+        path="/api/results/figures",
+        answer=figures,
+        model=answers.Figures,
+        summary="The report's figures",
+    ),
+    Endpoint(
+        method="GET",
+        path="/api/published",
+        answer=published,
+        model=answers.Audit,
+        summary="Audit of the printed tables",
+    ),
 )

@@ -12,11 +12,12 @@ from fingerpad.report import write_report
 from fingerpad.study.engine.progress import Progress
 from fingerpad.study.pipeline import Draw, run_study
 from fingerpad.study.results.study_result import StudyResult
-from fingerpad.web.drawing import DRAWING
 from fingerpad.web.errors import RequestError
 from fingerpad.web.events import Events
 
 _EVERY_S: Final = 0.2
+# Matplotlib's settings belong to the process: one report at a time, also while a closed study ends its run.
+_DRAWING: Final = Lock()
 _AT_WORK: Final = frozenset(("running", "cancelling"))
 _NOTHING: Final[dict[str, Any]] = {
     "state": "idle",
@@ -35,7 +36,7 @@ _NOTHING: Final[dict[str, Any]] = {
 
 
 def _write_report(result: StudyResult, folder: Path, draw: Draw, on_drawn: Callable[[str], None]) -> None:
-    with DRAWING:
+    with _DRAWING:
         write_report(result, folder, draw, on_drawn)
 
 
@@ -156,4 +157,4 @@ class RunJob:
             self._tell()
 
     def _tell(self) -> None:
-        self._events.tell("run", self.describe())
+        self._events.send("run", self.describe())

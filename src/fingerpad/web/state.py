@@ -3,30 +3,36 @@
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict
-from typing import Annotated, Any, Final, Literal
+from functools import cache
+from typing import Annotated, Any, Final
 
 import numpy as np
 from pydantic import BaseModel, Field
 
-from fingerpad.image import PHOTOGRAPH_FLAGS
+from fingerpad._files import digest_of
+from fingerpad.exceptions import StoreError
+from fingerpad.image import FACE_AXES, PHOTOGRAPH_FLAGS
 from fingerpad.report.text import FLAG_WORDS
 from fingerpad.report.write import REPORT_NAME
-from fingerpad.study.corrections.history import ActiveCorrection
+from fingerpad.study.corrections.history import CORRECTIONS_NAME, ActiveCorrection
 from fingerpad.study.corrections.log import frames_of
+from fingerpad.study.editing.documents import STUDY_NAME
+from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.manifest import Contact, Finger, Study
 from fingerpad.study.measuring.curves import curve_items
 from fingerpad.study.measuring.fingers import is_rejected
+from fingerpad.study.measuring.run import items_of
+from fingerpad.study.measuring.tasks import CacheKeys
 from fingerpad.study.results.columns import COLUMNS
 from fingerpad.study.results.rows import RANGE_NOTES
+from fingerpad.web import answers
 from fingerpad.web.endpoints import Endpoint, Params
-from fingerpad.web.errors import RequestError
-from fingerpad.web.fingers import known_finger
-from fingerpad.web.item_status import item_states, said_the_same
-from fingerpad.web.last_results import Results, last_results, results_faults
+from fingerpad.web.last_results import Results, known_finger, last_results, results_faults
 from fingerpad.web.pictures import kind_of_file
 from fingerpad.web.study_session import Manifest, StudySession
 from fingerpad.web.workspace import Workspace
 
+_UNREADABLE: Final = (OSError, StoreError)
 _WORDS: Final[Mapping[str, Any]] = {
     "flags": dict(FLAG_WORDS),
     "photograph_flags": dict(PHOTOGRAPH_FLAGS),
@@ -40,7 +46,7 @@ def document(opened: StudySession) -> dict[str, Any]:
     manifest = opened.read()
     study = manifest.study
     active_corrections = opened.corrections.active_corrections()
-    states: dict[str, str] = {} if study is None else item_states(study, opened, active_corrections)
+    states: dict[str, str] = {} if study is None else _item_states(study, opened, active_corrections)
     found = last_results(opened)
     seen = found.contacts if found else {}
     counts = Counter(states.values())
@@ -74,7 +80,7 @@ def document(opened: StudySession) -> dict[str, Any]:
             **{name: counts[name] for name in ("done", "failed", "stale", "left")},
             "total": len(states),
         },
-        "run": opened.running.describe(),
+        "run": opened.run_job.describe(),
         "results": {
             "there": found is not None,
             "faults": results_faults(opened),
@@ -91,11 +97,47 @@ def _is_fresh(
     """Tell whether a run would give the same results again, its report included."""
     if study is None or found is None or counts["stale"] + counts["left"] or not _has_report(opened):
         return False
-    return said_the_same(opened, study, found.summary["provenance"])
+    return _same_inputs(opened, study, found.summary["provenance"])
 
 
 def _has_report(opened: StudySession) -> bool:
     return (opened.out / REPORT_NAME).is_file()
+
+
+def _item_states(
+    study: Study, opened: StudySession, active_corrections: Mapping[str, ActiveCorrection]
+) -> dict[str, str]:
+    """Return for each item whether it is done, failed, stale or left.
+
+    An item that is not in the store is left, whatever its file holds: 2,000 pictures are not read to say so.
+    """
+    keys = CacheKeys(study=study, folder=opened.folder, digest=str, active_corrections=active_corrections)
+    states = {name: "left" for name, _ in items_of(keys)}
+    path = opened.out / STORE_NAME
+    if not path.is_file():
+        return states
+    try:
+        with Store.reading(path) as store:
+            statuses = store.statuses()
+            keys = CacheKeys(
+                study=study,
+                folder=opened.folder,
+                digest=cache(store.digest),
+                active_corrections=active_corrections,
+            )
+            for name, key in items_of(keys):
+                if (status := statuses.get(name)) is not None:
+                    states[name] = status.status if status.key == key() else "stale"
+    except _UNREADABLE:
+        return states  # the run says what is wrong with it
+    return states
+
+
+def _same_inputs(opened: StudySession, study: Study, provenance: Mapping[str, Any]) -> bool:
+    """Tell whether manifest, spreadsheet and corrections are those of a run, by its provenance."""
+    names = [STUDY_NAME, *([study.observations_csv] if study.observations_csv else []), CORRECTIONS_NAME]
+    known = provenance["inputs_sha256"]
+    return all(digest_of(opened.folder / name) == known.get(name, "") for name in names)
 
 
 def review_record(active_correction: ActiveCorrection | None) -> dict[str, Any]:
@@ -111,6 +153,23 @@ def review_record(active_correction: ActiveCorrection | None) -> dict[str, Any]:
 def stated(table: BaseModel) -> dict[str, Any]:
     """Return what the manifest says in a table, without defaults."""
     return table.model_dump(mode="json", exclude_unset=True)
+
+
+def _values(table: Mapping[str, Any], kinds: type | tuple[type, ...], *names: str) -> dict[str, Any]:
+    """Return values of a table by name, None where one is missing or of another type.
+
+    A table that is not complete yet may hold anything.
+    """
+    values = {name: table.get(name) for name in names}
+    return {
+        name: value if isinstance(value, kinds) and not isinstance(value, bool) else None
+        for name, value in values.items()
+    }
+
+
+def _text(table: Mapping[str, Any], name: str) -> str | None:
+    value: str | None = _values(table, str, name)[name]
+    return value
 
 
 def _tables(manifest: Manifest, kind: str) -> Iterator[tuple[str, dict[str, Any], bool]]:
@@ -153,7 +212,7 @@ def _finger(
         "name": name,
         "table": table,
         "complete": complete,
-        "synthetic": table.get("synthetic", False),
+        "synthetic": table.get("synthetic") is True,
         "semi_axes_mm": known and dict(zip(axes, known.semi_axes.tolist(), strict=True)),
         "semi_axes_mm_std": known
         and dict(zip(axes, np.sqrt(known.covariance.diagonal()).tolist(), strict=True)),
@@ -169,14 +228,17 @@ def _photograph(
     states: Mapping[str, str],
     active_corrections: Mapping[str, ActiveCorrection],
 ) -> dict[str, Any]:
-    file = table.get("image") or table.get("outline")
+    file = _text(table, "image") or _text(table, "outline")
+    face = _text(table, "face")
     return {
         "item": f"{finger}/{file}",
         "file": file,
         "outline": "outline" in table,
         "status": "given" if "outline" in table else _status(f"{finger}/{file}", states, active_corrections),
-        **{key: table.get(key) for key in ("face", "scale", "tip", "palmar_side")},
-        "synthetic": table.get("synthetic", False),
+        "face": face if face in FACE_AXES else None,
+        **_values(table, str, "tip", "palmar_side"),
+        **_values(table, (str, dict), "scale"),
+        "synthetic": table.get("synthetic") is True,
         **review_record(active_corrections.get(f"{finger}/{file}")),
     }
 
@@ -193,11 +255,12 @@ def _observation(
     row = seen.get(name, {})
     return {
         "item": name,
-        **{key: table.get(key) for key in ("finger", "wedge_angle_deg", "load_N", "scale")},
-        "roll_angle_deg": table.get("roll_angle_deg", 0.0),
-        "file": table.get("image"),
-        "notes": table.get("notes", ""),
-        "synthetic": table.get("synthetic", False),
+        **_values(table, str, "finger"),
+        **_values(table, (int, float), "wedge_angle_deg", "roll_angle_deg", "load_N"),
+        **_values(table, (str, dict), "scale"),
+        "file": _text(table, "image"),
+        "notes": _text(table, "notes") or "",
+        "synthetic": table.get("synthetic") is True,
         "status": "given" if "ellipse_mm" in table else _status(name, states, active_corrections),
         "flags": (row.get("flags") or "").split(),
         "reason": row.get("reason"),
@@ -225,55 +288,40 @@ def _sequence(
     of_frames = frames_of(active_corrections, name).values()
     return {
         "name": name,
-        **{key: table.get(key) for key in ("finger", "wedge_angle_deg", "force", "scale")},
-        "roll_angle_deg": table.get("roll_angle_deg", 0.0),
-        "file": table.get("path"),
-        "synthetic": table.get("synthetic", False),
+        **_values(table, str, "finger", "force"),
+        **_values(table, (int, float), "wedge_angle_deg", "roll_angle_deg", "frames_per_second"),
+        **_values(table, (str, dict), "scale"),
+        "file": _text(table, "path"),
+        "synthetic": table.get("synthetic") is True,
         "status": states.get(name, "left"),
         "frames": opened.count_frames(opened.sequence(name)) if complete else None,
         "flags": Counter(flag for row in rows for flag in row["flags"].split()),
         "corrected": sum(bool(active_correction.change.edits) for active_correction in of_frames),
         "rejected": sum(active_correction.change.rejected is not None for active_correction in of_frames),
         "reviewed": len(of_frames),
-        "table": table,
         "complete": complete,
     }
 
 
 def _curves(manifest: Manifest, states: Mapping[str, str], found: Results | None) -> list[dict[str, Any]]:
-    shown = ("finger", "wedge_angle_deg", "file", "loading_radius_mm")
+    place = ("finger", "wedge_angle_deg", "file")
     items = iter(() if manifest.study is None else curve_items(manifest.study))
     seen = found.summary["curves"] if found else []
-    reasons = {tuple(one[name] for name in shown[:3]): one["reason"] for one in seen}
+    reasons = {tuple(one[name] for name in place): one["reason"] for one in seen}
 
     def described(key: str, table: dict[str, Any], complete: bool) -> dict[str, Any]:
         item = next(items)[0] if complete and table.get("file") else ""
         return {
             "key": key,
-            **{name: table.get(name) for name in shown},
-            "synthetic": table.get("synthetic", False),
-            "table": table,
+            **_values(table, str, "finger", "file"),
+            **_values(table, (int, float), "wedge_angle_deg", "loading_radius_mm", "loading_radius_mm_std"),
+            "synthetic": table.get("synthetic") is True,
             "complete": complete,
             "status": states.get(item, "given"),
-            "reason": reasons.get(tuple(table.get(name) for name in shown[:3])) if complete else None,
+            "reason": reasons.get(tuple(table.get(name) for name in place)) if complete else None,
         }
 
     return [described(*one) for one in _tables(manifest, "curve")]
-
-
-class TableParams(Params):
-    """A table of the manifest."""
-
-    kind: Literal["finger", "observation", "sequence", "curve"]
-    key: Annotated[str, Field(max_length=1000)]
-
-
-def table(workspace: Workspace, params: TableParams, _: Any) -> dict[str, Any]:
-    """Return what the manifest says in one table."""
-    for key, content, complete in _tables(workspace.study.read(), params.kind):
-        if key == params.key:
-            return {"table": content, "complete": complete}
-    raise RequestError.not_there(f"no {params.kind} is named {params.key!r}")
 
 
 def _files(opened: StudySession, manifest: Manifest) -> list[dict[str, Any]]:
@@ -336,18 +384,16 @@ def _frame(
 ENDPOINTS: Final = (
     Endpoint(
         method="GET",
-        path="/api/study/table",
-        answer=table,
-        query=TableParams,
-        summary="What the manifest says in one table",
-    ),
-    Endpoint(
-        method="GET", path="/api/study", answer=state, summary="What is there, what is missing, how far"
+        path="/api/study",
+        answer=state,
+        model=answers.State,
+        summary="What is there, what is missing, how far",
     ),
     Endpoint(
         method="GET",
         path="/api/study/frames",
         answer=frames,
+        model=answers.Frames,
         query=FramesParams,
         summary="Frames of a film",
     ),

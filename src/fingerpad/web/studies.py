@@ -11,6 +11,7 @@ from fingerpad.study.editing.documents import STUDY_NAME
 from fingerpad.study.editing.edit import create_study
 from fingerpad.study.editing.incomplete import Kind
 from fingerpad.study.editing.state import Edit
+from fingerpad.web import answers
 from fingerpad.web.endpoints import Endpoint, Params
 from fingerpad.web.errors import RequestError
 from fingerpad.web.state import document
@@ -80,7 +81,7 @@ def edit(workspace: Workspace, _: Any, params: EditsParams) -> dict[str, Any]:
     except EditConflict as conflict:
         raise RequestError.conflict(str(conflict), digest=opened.read().digest) from conflict
     found = document(opened)
-    workspace.events.tell("study", {"digest": found["digest"]})
+    workspace.events.send("study", {"digest": found["digest"]})
     return found
 
 
@@ -95,45 +96,62 @@ def run(workspace: Workspace, _: Any, params: RunParams) -> dict[str, Any]:
     opened = workspace.study
     opened.study()
     workers = min(params.workers, os.cpu_count() or 1)
-    return opened.running.start(
+    return opened.run_job.start(
         opened.folder / STUDY_NAME,
         opened.out,
         workers=workers,
         fresh=params.fresh,
-        when_done=lambda: workspace.events.tell("study", {"digest": opened.read().digest}),
+        when_done=lambda: workspace.events.send("study", {"digest": opened.read().digest}),
     )
 
 
 def progress(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
     """Return how far the run is."""
-    return workspace.study.running.describe()
+    return workspace.study.run_job.describe()
 
 
 def cancel(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
     """Stop the run; what it has measured is kept."""
-    return workspace.study.running.cancel()
+    return workspace.study.run_job.cancel()
 
 
 ENDPOINTS: Final = (
     Endpoint(
-        method="GET", path="/api/session", answer=session, summary="What is open, and what there is to open"
+        method="GET",
+        path="/api/session",
+        answer=session,
+        model=answers.Session,
+        summary="What is open, and what there is to open",
     ),
     Endpoint(
         method="POST",
         path="/api/session/new",
         answer=new,
+        model=answers.State,
         body=NewParams,
         status=HTTPStatus.CREATED,
         summary="Start a study",
     ),
     Endpoint(
-        method="POST", path="/api/session/open", answer=open_study, body=OpenParams, summary="Open a study"
+        method="POST",
+        path="/api/session/open",
+        answer=open_study,
+        model=answers.State,
+        body=OpenParams,
+        summary="Open a study",
     ),
-    Endpoint(method="POST", path="/api/session/close", answer=close, summary="Close the study"),
+    Endpoint(
+        method="POST",
+        path="/api/session/close",
+        answer=close,
+        model=answers.Session,
+        summary="Close the study",
+    ),
     Endpoint(
         method="POST",
         path="/api/study/edits",
         answer=edit,
+        model=answers.State,
         body=EditsParams,
         summary="Change the manifest: all edits or none",
     ),
@@ -141,15 +159,19 @@ ENDPOINTS: Final = (
         method="POST",
         path="/api/run",
         answer=run,
+        model=answers.RunStatus,
         body=RunParams,
         status=HTTPStatus.ACCEPTED,
         summary="Run the study",
     ),
-    Endpoint(method="GET", path="/api/run", answer=progress, summary="How far the run is"),
+    Endpoint(
+        method="GET", path="/api/run", answer=progress, model=answers.RunStatus, summary="How far the run is"
+    ),
     Endpoint(
         method="POST",
         path="/api/run/cancel",
         answer=cancel,
+        model=answers.RunStatus,
         status=HTTPStatus.ACCEPTED,
         summary="Stop the run; what is done is kept",
     ),

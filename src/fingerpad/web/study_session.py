@@ -12,6 +12,7 @@ from pydantic import BaseModel
 from fingerpad._files import digest_of
 from fingerpad.exceptions import ImageError, ManifestError
 from fingerpad.image import Frame, open_frames
+from fingerpad.study.corrections.log import CorrectionLog
 from fingerpad.study.editing.checklist import Missing, missing_of
 from fingerpad.study.editing.documents import DRAFT_NAME, STUDY_NAME
 from fingerpad.study.editing.edit import change_study, study_state
@@ -26,7 +27,6 @@ from fingerpad.study.manifest import (
     Study,
 )
 from fingerpad.study.manifest.read import file_inside
-from fingerpad.web.correction_log import Corrections
 from fingerpad.web.errors import RequestError
 from fingerpad.web.events import Events
 from fingerpad.web.pictures import Cache, ImageLocation, Pictures
@@ -80,8 +80,8 @@ class StudySession:
         self.events = events
         self.pixel_limit = pixel_limit
         self.pictures = Pictures(pixel_limit)
-        self.running = RunJob(events)
-        self.corrections = Corrections(folder)
+        self.run_job = RunJob(events)
+        self.corrections = CorrectionLog(folder)
         self._counts: Cache[int] = Cache(10_000, lambda _: 1)
         self._digests: Cache[str] = Cache(10_000, lambda _: 1)
         self._read: tuple[object, Manifest] | None = None
@@ -95,8 +95,8 @@ class StudySession:
 
     def close(self) -> None:
         """Stop what is at work, and wait until it has put down what it had in hand."""
-        self.running.cancel()
-        self.running.wait(_PATIENCE_S)
+        self.run_job.cancel()
+        self.run_job.wait(_PATIENCE_S)
 
     def read(self) -> Manifest:
         """Return what the manifest says, read again when a file of it has changed."""

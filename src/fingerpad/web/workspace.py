@@ -102,7 +102,7 @@ class Workspace:
             if self._study is not None:
                 self._study.close()
             self._study = opened
-            self.events.tell("session", {"study": self._study.name})
+            self.events.send("session", {"study": self._study.name})
             return self._study
 
     def close(self) -> None:
@@ -111,7 +111,7 @@ class Workspace:
             if self._study is not None:
                 self._study.close()
             self._study = None
-            self.events.tell("session", {"study": None})
+            self.events.send("session", {"study": None})
 
     @property
     def room(self) -> int:
