@@ -2,6 +2,7 @@
 
 import shutil
 from concurrent.futures import ThreadPoolExecutor
+from importlib.metadata import version
 
 import httpx
 import pytest
@@ -286,7 +287,9 @@ def test_a_body_that_is_too_large_is_refused(standing):
 
 
 def test_plotly_comes_from_this_machine_and_is_kept(standing):
-    answer = standing.get("/static/vendor/plotly.min.js")
+    address = standing.get("/api/session").json()["plotly"]
+    assert version("plotly") in address
+    answer = standing.get(address)
     assert answer.status_code == 200
     assert len(answer.content) > 1_000_000
     assert "max-age" in answer.headers["cache-control"]

@@ -63,13 +63,14 @@ class Limits(Answer):
 
 
 class Session(Answer):
-    """What is open, and what can be opened."""
+    """What is open, what can be opened, and the address of Plotly's script."""
 
     version: str
     study: StudyName | None
     workspace: str
     studies: list[StudyName]
     who: str
+    plotly: str
     limits: Limits
 
 
@@ -422,6 +423,8 @@ class ContactSettings(Answer):
 class ContactModel(Answer):
     """What the contact model gives for a contact: keys as in ``results.csv``."""
 
+    load_N: float  # noqa: N815
+    u_deg: float | None
     mean_curvature_radius_mm: float | None
     mean_curvature_radius_mm_std: float | None
     radius_from_indentation_mm: float | None

@@ -6,6 +6,7 @@ import shutil
 import socket
 from collections.abc import Callable
 from contextlib import suppress
+from importlib.metadata import distribution
 from pathlib import Path
 from tempfile import mkdtemp
 from typing import Final, NamedTuple
@@ -35,10 +36,10 @@ from fingerpad.web import (
 )
 from fingerpad.web.endpoints import Endpoint, openapi
 from fingerpad.web.security import START, Access, Guard, cookie_name
-from fingerpad.web.workspace import Workspace
+from fingerpad.web.workspace import PLOTLY_ADDRESS, Workspace
 
 STATIC: Final = Path(__file__).parent / "static"
-_YEAR_S: Final = 31_536_000
+_IMMUTABLE: Final = {"cache-control": "private, max-age=31536000, immutable"}
 _ROUTES: Final = (
     studies,
     state,
@@ -87,7 +88,7 @@ def make_app(workspace: Workspace, access: Access) -> ASGIApp:
             Route(START, start),
             Route("/", _page),
             Route("/favicon.ico", _icon),
-            Route("/static/vendor/plotly.min.js", _plotly),
+            Route(PLOTLY_ADDRESS, _plotly),
             Route("/api/openapi.json", document),
             *(operation.route(workspace) for operation in ENDPOINTS),
             Mount("/static", _Static(directory=STATIC)),
@@ -126,12 +127,10 @@ def _icon(_: Request) -> Response:
 
 
 def _plotly(_: Request) -> Response:
-    """Return Plotly's script from the installed package: nothing comes from elsewhere."""
-    import plotly  # noqa: PLC0415 (large, and needed for this file only)
-
-    script = Path(plotly.__file__).parent / "package_data" / "plotly.min.js"
-    headers = {"cache-control": f"private, max-age={_YEAR_S}"}
-    return FileResponse(script, media_type="text/javascript", headers=headers)
+    """Return Plotly's script from the installed package: nothing is loaded from the network."""
+    package = distribution("plotly")
+    script = str(package.locate_file("plotly/package_data/plotly.min.js"))
+    return FileResponse(script, media_type="text/javascript", headers=_IMMUTABLE)
 
 
 def _not_there(request: Request, error: Exception) -> Response:

@@ -5,6 +5,7 @@ import os
 import re
 import shutil
 from http import HTTPStatus
+from importlib.metadata import version
 from pathlib import Path
 from threading import Lock
 from typing import Any, Final
@@ -19,6 +20,8 @@ from fingerpad.web.study_session import StudySession
 UPLOAD_LIMIT: Final = 4 * 2**30
 # A folder's name holds letters, digits and . _ + - only, as all names of a study.
 NAME: Final = r"^\w[\w.+-]{0,59}$"
+# The version changes the address, so that browsers may keep the script.
+PLOTLY_ADDRESS: Final = f"/static/vendor/plotly-{version('plotly')}.min.js"
 _MANIFESTS: Final = (STUDY_NAME, DRAFT_NAME)
 
 
@@ -72,6 +75,7 @@ class Workspace:
             "workspace": self.workspace.name,
             "studies": [{"name": name, "title": title_of(self.workspace / name)} for name in self.studies()],
             "who": _login(),
+            "plotly": PLOTLY_ADDRESS,
             "limits": {"upload_bytes": self.upload_limit, "picture_px": self.pixel_limit},
         }
 

@@ -2,30 +2,42 @@
 
 import { ApiError, get, post } from "./api.js";
 import { h } from "./dom.js";
-import { question } from "./messages.js";
-import { bench, who } from "./workspace.js";
+import { ask } from "./messages.js";
+import { who, workspace } from "./workspace.js";
 
 export class Corrections {
-  /** `changed()` hears of every new state of the picture's corrections, `overtaken()` of those of another window. */
-  constructor(item, { changed, overtaken }) {
+  /** `changed()` hears of every new state of the picture's corrections, `conflict()` of those of another window. */
+  constructor(item, { changed, conflict }) {
     this.item = item;
     this.changed = changed;
-    this.overtaken = overtaken;
-    this.document = { last_id: 0, change: {}, ruling: null, history: [], can_undo: false, can_redo: false };
+    this.conflict = conflict;
+    /** @type {Answers["Corrections"]} */
+    this.document = {
+      item,
+      last_id: 0,
+      change: {},
+      on_another_image: false,
+      history: [],
+      can_undo: false,
+      can_redo: false,
+    };
+    this.rejecting = false;
+    /** @type {Promise<any>} */
     this.queue = Promise.resolve();
-    this.heard = ({ detail }) => detail.item === item && this.#next(() => this.#follow(detail.last_id));
-    bench.addEventListener("corrections", this.heard);
+    this.removeListener = workspace.on("corrections", (detail) => {
+      if (detail.item === item) this.#next(() => this.#follow(detail.last_id));
+    });
   }
 
   close() {
-    bench.removeEventListener("corrections", this.heard);
-    this.changed = this.overtaken = () => {};
+    this.removeListener();
+    this.changed = this.conflict = () => {};
   }
 
   async #follow(id) {
     if (id === this.document.last_id) return;
     await this.#read();
-    this.overtaken();
+    this.conflict();
   }
 
   load() {
@@ -36,6 +48,7 @@ export class Corrections {
     return this.#take(await get("/api/corrections", { item: this.item }));
   }
 
+  /** @returns {Partial<Change>} */
   get change() {
     return this.document.change;
   }
@@ -79,13 +92,13 @@ export class Corrections {
       if (!(error instanceof ApiError) || error.status !== 409 || error.body.study !== undefined) throw error;
       await this.#read();
       const theirs = this.document.history.at(-1);
-      const answer = await question(
+      const answer = await ask(
         "Another window corrected this picture",
         h(
           "p",
           null,
           theirs
-            ? `${theirs.who || "Someone"} kept ${wordsOf(theirs)} just now. It is shown behind this question; yours is not kept yet.`
+            ? `${theirs.who || "Someone"} kept ${describeChange(theirs)} just now. It is shown behind this question; yours is not kept yet.`
             : "It was changed just now.",
         ),
         [
@@ -115,14 +128,14 @@ const WORDS = {
 };
 
 /** What a record holds, in words. */
-export function wordsOf({ action, change }) {
+export function describeChange({ action, change }) {
   if (action !== "change") return action;
   const parts = Object.keys(change).filter((key) => change[key] !== null && change[key] !== false);
   return parts.length ? parts.map((key) => WORDS[key] ?? key).join(", ") : "back to the program";
 }
 
 /** A correction without what says nothing. */
-export function plainChange(change) {
+export function withoutDefaults(change) {
   return Object.fromEntries(
     Object.entries(change)
       .filter(

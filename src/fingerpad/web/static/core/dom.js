@@ -17,7 +17,14 @@ function fill(node, properties, children) {
   return node;
 }
 
-/** Make an HTML element: h("p.soft", {title: "…"}, "text", child). */
+/**
+ * Make an HTML element: h("p.soft", { title: "…" }, "text", child).
+ *
+ * @param {string} name
+ * @param {Record<string, any> | null} [properties]
+ * @param {...any} children
+ * @returns {any}
+ */
 export function h(name, properties, ...children) {
   const [tag, ...classes] = name.split(".");
   const node = document.createElement(tag || "div");
@@ -25,7 +32,14 @@ export function h(name, properties, ...children) {
   return fill(node, properties, children);
 }
 
-/** Make an SVG element. */
+/**
+ * Make an SVG element.
+ *
+ * @param {string} name
+ * @param {Record<string, any> | null} [properties]
+ * @param {...any} children
+ * @returns {any}
+ */
 export function s(name, properties, ...children) {
   const [tag, ...classes] = name.split(".");
   const node = document.createElementNS(SVG, tag);
@@ -33,7 +47,7 @@ export function s(name, properties, ...children) {
   return fill(node, properties, children);
 }
 
-export function place(node, ...children) {
+export function render(node, ...children) {
   node.replaceChildren(
     ...children.flat(Infinity).filter((child) => child !== null && child !== undefined && child !== false),
   );
@@ -46,10 +60,13 @@ const nameOf = (node) => node.getAttribute("aria-label") ?? node.labels?.[0]?.te
  * Remember what has the focus; the answer gives it back, to what has the same name if all was drawn anew since. What
  * stands in a field is selected then, as by Tab.
  */
-export function rememberFocus() {
-  const before = document.activeElement;
+export function saveFocus() {
+  const before = /** @type {HTMLInputElement} */ (document.activeElement);
   const name = nameOf(before);
-  const alike = () => [...document.querySelectorAll(before.tagName)].filter((node) => nameOf(node) === name);
+  const alike = () =>
+    /** @type {HTMLInputElement[]} */ ([...document.querySelectorAll(before.tagName)]).filter(
+      (node) => nameOf(node) === name,
+    );
   const at = alike().indexOf(before);
   return () => {
     if (before.isConnected) return;
@@ -61,9 +78,9 @@ export function rememberFocus() {
 
 /** Draw anew, and leave the focus where it was. */
 export function redraw(draw) {
-  const giveBack = rememberFocus();
+  const restoreFocus = saveFocus();
   draw();
-  giveBack();
+  restoreFocus();
 }
 
 /** Set attributes of an SVG element that change many times a second. */

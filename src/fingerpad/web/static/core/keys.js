@@ -1,6 +1,6 @@
 // The keyboard map: each view says what its keys do, and the help overlay shows just that.
 
-import { h, place } from "./dom.js";
+import { h, render } from "./dom.js";
 
 const everywhere = [];
 let here = [];
@@ -30,7 +30,7 @@ export function listen() {
     if (typing(event.target) && !["Escape", "Ctrl+Enter"].includes(name)) return;
     if (
       (name === "Enter" || name === "Space") &&
-      event.target.closest("button, a, summary, [role=tab], input")
+      /** @type {Element} */ (event.target).closest("button, a, summary, [role=tab], input")
     )
       return;
     for (const [keys, , action] of [...here, ...everywhere]) {
@@ -75,7 +75,7 @@ function table(title, keys) {
 
 export function showHelp() {
   const dialog = h("dialog.help", { "aria-label": "Keys", onclose: () => dialog.remove() });
-  place(
+  render(
     dialog,
     h(
       "header",

@@ -1,9 +1,14 @@
 // Short messages in the corner, and questions that must be answered.
 
-import { h, place, rememberFocus } from "./dom.js";
+import { h, render, saveFocus } from "./dom.js";
 
-/** Say something for a while; errors, and what `stays`, stay until they are put away. */
-export function say(words, { kind = "info", action, stays = kind === "error" } = {}) {
+/**
+ * Show a message for some seconds; errors, and messages with `stays`, stay until they are closed.
+ *
+ * @param {string} words
+ * @param {{ kind?: string, action?: { words: string, do: () => any }, stays?: boolean }} [options]
+ */
+export function toast(words, { kind = "info", action, stays = kind === "error" } = {}) {
   const box = document.getElementById("messages");
   const message = h(
     `div.message.${kind}`,
@@ -23,17 +28,17 @@ export function say(words, { kind = "info", action, stays = kind === "error" } =
   return message;
 }
 
-export const complain = (error) => error.name === "AbortError" || say(error.message, { kind: "error" });
+export const showError = (error) => error.name === "AbortError" || toast(error.message, { kind: "error" });
 
 /** Ask one thing; resolves to the value of the button, or null. Enter in a field presses the primary button. */
-export function question(title, body, buttons) {
-  const giveBack = rememberFocus();
+export function ask(title, body, buttons) {
+  const restoreFocus = saveFocus();
   return new Promise((resolve) => {
     const dialog = h("dialog.question", {
       "aria-label": title,
-      onclose: () => (dialog.remove(), giveBack(), resolve(dialog.returnValue || null)),
+      onclose: () => (dialog.remove(), restoreFocus(), resolve(dialog.returnValue || null)),
     });
-    place(
+    render(
       dialog,
       h("h2", null, title),
       h("div.body", null, body),

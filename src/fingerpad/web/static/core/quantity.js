@@ -55,8 +55,14 @@ export function quantityText(numbers, key) {
   return withUnit(withStd(numbers?.[key], numbers?.[`${key}_std`]), unitOf(key));
 }
 
-/** One line of an inspector: label left, number right; `was` shows what the program found. */
-export function reading(label, text, { was, mark, title } = {}) {
+/**
+ * A quantity with its label; `was` is the value of the automatic measurement.
+ *
+ * @param {any} label
+ * @param {any} text
+ * @param {{ was?: string, mark?: string, title?: string }} [options]
+ */
+export function quantityRow(label, text, { was, mark, title } = {}) {
   return h(
     "div.reading",
     { title },

@@ -1,14 +1,19 @@
 // The steps of the work with what each still wants, and the switches that hold for the whole page.
 
-import { h, place, s } from "./dom.js";
+import { h, render, s } from "./dom.js";
 import { showHelp } from "./keys.js";
-import { bench } from "./workspace.js";
+import { workspace } from "./workspace.js";
 
-const rail = document.getElementById("rail");
+const sidebar = document.getElementById("sidebar");
 
-/** What a step still wants: [words, kind]. */
-function wants(step) {
-  const study = bench.study;
+/**
+ * The status of a step: text and kind.
+ *
+ * @param {string} step
+ * @returns {[words: string, kind: string]}
+ */
+function stepStatus(step) {
+  const study = workspace.study;
   if (!study) return ["", ""];
   const missing = study.missing.length;
   const contacts = study.observations.filter(({ file }) => file);
@@ -16,7 +21,7 @@ function wants(step) {
     (entry) => entry.flags.length && !entry.accepted && !entry.rejected,
   ).length;
   const photographs = study.fingers.flatMap((finger) => finger.photographs ?? []);
-  const run = bench.run;
+  const run = workspace.run;
   const busy = run && ["running", "cancelling"].includes(run.state);
   return {
     study: missing ? [`${missing} missing`, "warn"] : ["complete", "good"],
@@ -29,25 +34,25 @@ function wants(step) {
           "",
         ],
     pad: [`${study.fingers.length || ""}`, ""],
-    results: study.results?.there
+    results: study.results.there
       ? study.results.fresh
         ? ["up to date", "good"]
         : ["out of date", "warn"]
-      : study.results?.faults?.length
+      : study.results.faults?.length
         ? ["damaged", "bad"]
         : ["none yet", ""],
     run: busy
       ? [`${run.done} of ${run.total}`, "busy"]
-      : study.counts?.failed
+      : study.counts.failed
         ? [`${study.counts.failed} failed`, "bad"]
         : ["", ""],
   }[step];
 }
 
-export function drawRail(open, steps) {
-  const study = bench.study;
-  place(
-    rail,
+export function drawSidebar(open, steps) {
+  const study = workspace.study;
+  render(
+    sidebar,
     h(
       "a.brand",
       { href: "#/study", "aria-label": "fingerpad, to the study" },
@@ -60,14 +65,18 @@ export function drawRail(open, steps) {
         null,
         h("span.eyebrow", null, "Study"),
         h("strong", { title: study.title }, study.title || study.name),
-        h("button.link", { type: "button", onclick: () => bench.close().catch(() => {}) }, "Other studies"),
+        h(
+          "button.link",
+          { type: "button", onclick: () => workspace.close().catch(() => {}) },
+          "Other studies",
+        ),
       ),
     study &&
       h(
         "ol.steps",
         null,
         steps.map(([key, words], index) => {
-          const [wanting, kind] = wants(key);
+          const [wanting, kind] = stepStatus(key);
           return h(
             "li",
             null,
@@ -98,7 +107,7 @@ export function drawRail(open, steps) {
         h("kbd", null, "?"),
       ),
     ),
-    h("p.version", null, `fingerpad ${bench.session?.version ?? ""} · on this machine only`),
+    h("p.version", null, `fingerpad ${workspace.session?.version ?? ""} · on this machine only`),
   );
 }
 
@@ -123,7 +132,7 @@ function themeSwitch() {
         const fresh = themeSwitch();
         event.currentTarget.replaceWith(fresh);
         fresh.focus();
-        bench.tell("theme");
+        workspace.emit("theme");
       },
     },
     s(

@@ -1,24 +1,45 @@
-// The study on the bench: one state document, kept fresh, and edits of its manifest.
+// The study on the workspace: one state document, kept fresh, and edits of its manifest.
 
-import { ApiError, about, get, post } from "./api.js";
-import { say } from "./messages.js";
+import { ApiError, context, get, post } from "./api.js";
+import { toast } from "./messages.js";
 
 class Workspace extends EventTarget {
+  /** @type {Answers["Session"] | null} */
   session = null;
+  /** @type {State | null} */
   study = null;
+  /** @type {Answers["RunStatus"] | null} */
   run = null;
+  /** @type {EventSource | null} */
   #stream = null;
   #reloading = null;
   #news = 0;
   #rest = null;
+  /** @type {Promise<any>} */
   #editing = Promise.resolve();
 
-  tell(kind, detail) {
+  /**
+   * @param {string} kind
+   * @param {any} [detail]
+   */
+  emit(kind, detail) {
     this.dispatchEvent(new CustomEvent(kind, { detail }));
   }
 
+  /**
+   * Call a listener with the detail of each event of a kind; the function returned removes it.
+   *
+   * @param {string} kind
+   * @param {(detail: any) => void} listener
+   */
+  on(kind, listener) {
+    const heard = (event) => listener(event.detail);
+    this.addEventListener(kind, heard);
+    return () => this.removeEventListener(kind, heard);
+  }
+
   async start() {
-    about.overtaken = () => this.follow().catch(() => {});
+    context.conflict = () => this.follow().catch(() => {});
     this.session = await get("/api/session");
     if (this.session.study) await this.reload();
   }
@@ -29,7 +50,7 @@ class Workspace extends EventTarget {
     return (this.#reloading ??= this.#read().finally(() => (this.#reloading = null)));
   }
 
-  /** An answer that was overtaken by something newer while it came is asked for again. */
+  /** An answer that was conflict by something newer while it came is asked for again. */
   async #read() {
     let document, known;
     do {
@@ -43,7 +64,7 @@ class Workspace extends EventTarget {
   async follow() {
     const { study } = (this.session = await get("/api/session"));
     if (study?.name === this.study?.name) return;
-    say(
+    toast(
       study
         ? `Another window opened the study ${study.title || study.name}: it is shown here too.`
         : "Another window closed the study.",
@@ -51,7 +72,7 @@ class Workspace extends EventTarget {
     );
     this.#leave();
     if (study) await this.reload();
-    else this.tell("study", { first: true });
+    else this.emit("study", { first: true });
   }
 
   /** Forget the study, and hear no more of it. */
@@ -59,23 +80,24 @@ class Workspace extends EventTarget {
     this.#stream?.close();
     clearTimeout(this.#rest);
     this.#news += 1;
-    this.study = this.run = about.study = null;
+    this.study = this.run = context.study = null;
     location.hash = "#/study";
   }
 
+  /** @param {State} document */
   #take(document) {
     this.#news += 1;
-    about.study = document.name;
+    context.study = document.name;
     const first = this.study?.name !== document.name;
     // Files that nothing names are shown where files are; nothing is missing for their sake.
     const missing = document.missing.filter(({ kind }) => kind !== "file");
-    this.study = { ...document, missing, uncertainty: document.uncertainty ?? {} };
+    this.study = { ...document, missing, uncertainty: document.uncertainty };
     if (first) {
       this.run = null;
       this.#listen();
     }
     this.#hear(document.run);
-    this.tell("study", { first });
+    this.emit("study", { first });
     return document;
   }
 
@@ -88,13 +110,13 @@ class Workspace extends EventTarget {
     on("session", ({ study }) => study !== this.study?.name && this.follow().catch(() => {}));
     on("run", (run) => this.takeRun(run));
     on("corrections", (detail) => {
-      this.tell("corrections", detail);
+      this.emit("corrections", detail);
       // What a correction means for the whole study is asked for once the hand rests.
       clearTimeout(this.#rest);
       this.#rest = setTimeout(() => this.reload().catch(() => {}), 1500);
     });
-    this.#stream.onerror = () => this.tell("link", { there: false });
-    this.#stream.onopen = () => this.tell("link", { there: true });
+    this.#stream.onerror = () => this.emit("link", { there: false });
+    this.#stream.onopen = () => this.emit("link", { there: true });
   }
 
   /** How the run stands, unless a later state of it is known. */
@@ -104,10 +126,11 @@ class Workspace extends EventTarget {
     return true;
   }
 
+  /** @param {Answers["RunStatus"]} run */
   takeRun(run) {
     const ended = this.run?.state === "running" && run.state !== "running";
     if (!this.#hear(run)) return;
-    this.tell("run", run);
+    this.emit("run", run);
     if (ended || (run.state === "done" && !this.study.results?.fresh)) this.reload().catch(() => {});
   }
 
@@ -122,7 +145,7 @@ class Workspace extends EventTarget {
   async close() {
     this.#leave();
     this.session = await post("/api/session/close");
-    this.tell("study", { first: true });
+    this.emit("study", { first: true });
   }
 
   take(document) {
@@ -145,6 +168,7 @@ class Workspace extends EventTarget {
     return mine;
   }
 
+  /** @param {Edit[]} edits */
   async #edit(edits) {
     const send = async () =>
       this.#take(await post("/api/study/edits", { expected: this.study.digest, edits }));
@@ -155,7 +179,7 @@ class Workspace extends EventTarget {
       if (!(error instanceof ApiError) || error.status !== 409 || !error.body.digest) throw error;
       await this.reload();
       if (edits.some((edit, index) => tableOf(this.study, edit) !== before[index])) {
-        say(
+        toast(
           "Another window changed this entry just now. Its values are shown; enter yours again if they should stand.",
           { kind: "error" },
         );
@@ -166,7 +190,12 @@ class Workspace extends EventTarget {
   }
 }
 
-/** What the state says of an edit's table, as text to compare. */
+/**
+ * The state of the table that an edit changes, as text to compare.
+ *
+ * @param {State} study
+ * @param {Edit} edit
+ */
 function tableOf(study, { kind, key }) {
   if (kind === "study") return JSON.stringify([study.title, study.description, study.poisson_ratio]);
   if (kind === "uncertainty") return JSON.stringify(study.uncertainty);
@@ -174,22 +203,24 @@ function tableOf(study, { kind, key }) {
     return JSON.stringify(
       study.fingers.flatMap(({ photographs }) => photographs).find(({ item }) => item === key) ?? null,
     );
-  const found = study[`${kind}s`].find((entry) => (entry.item ?? entry.key ?? entry.name) === key);
+  /** @type {any[]} */
+  const tables = study[`${kind}s`];
+  const found = tables.find((entry) => (entry.item ?? entry.key ?? entry.name) === key);
   return JSON.stringify(found ?? null);
 }
 
-export const bench = new Workspace();
+export const workspace = new Workspace();
 
-export const who = () => localStorage.getItem("fingerpad.who") || bench.session?.who || "";
+export const who = () => localStorage.getItem("fingerpad.who") || workspace.session?.who || "";
 export const setWho = (name) => localStorage.setItem("fingerpad.who", name.trim());
 
 /** Words for a flag or note, from the library. */
-export function wordsFor(code) {
-  const words = bench.study?.words ?? {};
+export function describeCode(code) {
+  const words = workspace.study?.words;
   return (
-    words.flags?.[code] ??
-    words.photograph_flags?.[code] ??
-    words.range_notes?.[code] ??
+    words?.flags[code] ??
+    words?.photograph_flags[code] ??
+    words?.range_notes[code] ??
     code.replaceAll("_", " ")
   );
 }

@@ -1,12 +1,13 @@
 // Plotly, in the page's colours, fetched from this machine when the first chart is drawn.
 
 import { h } from "../core/dom.js";
+import { workspace } from "../core/workspace.js";
 
 let loading = null;
 
 function load() {
   loading ??= new Promise((resolve, reject) => {
-    const script = h("script", { src: "/static/vendor/plotly.min.js" });
+    const script = h("script", { src: workspace.session.plotly });
     script.onload = () => resolve(window.Plotly);
     script.onerror = () =>
       reject(
@@ -26,6 +27,12 @@ export function colour(name) {
   return value;
 }
 
+/**
+ * @param {any} root
+ * @param {object[]} traces
+ * @param {{ x: string, y: string, shapes?: object[], annotations?: object[],
+ *   chosen?: (point: { pointIndex: number }) => void, ranges?: { x?: object, y?: object } }} options
+ */
 export async function chart(root, traces, { x, y, shapes = [], annotations = [], chosen, ranges = {} }) {
   const plotly = await load();
   const [ink, soft, line, panel] = ["ink", "soft", "line", "panel"].map(colour);
@@ -62,8 +69,8 @@ export async function chart(root, traces, { x, y, shapes = [], annotations = [],
     showSendToCloud: false,
     plotlyServerURL: "",
   });
-  if (chosen && !root.dataset.heard) {
-    root.dataset.heard = "1";
+  if (chosen && !root.dataset.listener) {
+    root.dataset.listener = "1";
     root.on("plotly_click", ({ points }) => chosen(points[0]));
   }
 }

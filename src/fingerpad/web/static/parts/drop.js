@@ -1,9 +1,9 @@
 // Files dropped on the page, or chosen: sent one after the other, each with its progress.
 
 import { upload } from "../core/api.js";
-import { h, place } from "../core/dom.js";
-import { complain, say } from "../core/messages.js";
-import { bench } from "../core/workspace.js";
+import { h, render } from "../core/dom.js";
+import { showError, toast } from "../core/messages.js";
+import { workspace } from "../core/workspace.js";
 import { button } from "./forms.js";
 
 /** Files of a drop, with the folder that holds each (the frames of a film are dropped as one folder). */
@@ -73,7 +73,7 @@ export class Drop {
       event.preventDefault();
       depth = 0;
       over(false);
-      this.send(await filesOf(event.dataTransfer).catch((error) => (complain(error), [])));
+      this.send(await filesOf(event.dataTransfer).catch((error) => (showError(error), [])));
     });
   }
 
@@ -82,7 +82,7 @@ export class Drop {
     const refused = [];
     for (const [index, { file, folder }] of files.entries()) {
       const bar = h("progress", { max: 1, value: 0, "aria-label": `Sending ${file.name}` });
-      place(this.progress, h("span", null, `${index + 1} of ${files.length}: ${file.name}`), bar);
+      render(this.progress, h("span", null, `${index + 1} of ${files.length}: ${file.name}`), bar);
       try {
         kept.push(await upload(file, { folder, progress: (share) => (bar.value = share) }));
       } catch (error) {
@@ -90,13 +90,13 @@ export class Drop {
       }
     }
     this.chooser.value = "";
-    place(this.progress);
-    if (refused.length) say(refused.slice(0, 5).join("\n"), { kind: "error" });
-    await bench.reload().catch(complain);
-    const used = new Set(bench.study?.files.filter((each) => each.used).map((each) => each.file));
+    render(this.progress);
+    if (refused.length) toast(refused.slice(0, 5).join("\n"), { kind: "error" });
+    await workspace.reload().catch(showError);
+    const used = new Set(workspace.study?.files.filter((each) => each.used).map((each) => each.file));
     const again = kept.filter(({ file }) => used.has(file));
     if (again.length)
-      say(`In the study already: ${again.map(({ file }) => file.split("/").at(-1)).join(", ")}.`);
+      toast(`In the study already: ${again.map(({ file }) => file.split("/").at(-1)).join(", ")}.`);
     if (kept.length) this.sent(kept);
   }
 }

@@ -9,12 +9,14 @@ const SETTLE_MS = 70;
 
 export class Filmstrip {
   /** `chosen(index)` hears what a person picks; `describe(entry)` gives {label, top, state, marks}. */
-  constructor({ label, chosen, describe, wanted }) {
+  /**
+   * @param {{ label: string, chosen: (index: number) => void, describe: (entry: any) => any }} options
+   */
+  constructor({ label, chosen, describe }) {
     this.entries = [];
     this.cells = new Map();
     this.chosen = chosen;
     this.describe = describe;
-    this.wanted = wanted;
     this.at = -1;
     this.track = h("div.track", { role: "presentation" });
     this.root = h(
@@ -106,7 +108,6 @@ export class Filmstrip {
         this.track.append(cell);
       }
     }
-    this.wanted?.(first, last);
     clearTimeout(this.settle);
     this.settle = setTimeout(() => this.#load(), SETTLE_MS);
   }

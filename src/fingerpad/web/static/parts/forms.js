@@ -2,7 +2,13 @@
 
 import { h, newId } from "../core/dom.js";
 
-/** A labelled field around a control; `unit` stands behind it, `hint` below. */
+/**
+ * A labelled field around a control, with its unit and a hint.
+ *
+ * @param {any} label
+ * @param {any} control
+ * @param {{ unit?: string, hint?: any, wide?: boolean }} [options]
+ */
 export function field(label, control, { unit, hint, wide } = {}) {
   const id = control.id || newId();
   control.id = id;
@@ -17,7 +23,13 @@ export function field(label, control, { unit, hint, wide } = {}) {
   );
 }
 
-/** Hears a number once it is confirmed (Enter or leaving the field); null when it was emptied. */
+/**
+ * A field for a number. `onset` is called once it is confirmed by Enter or by leaving the field, with null if it
+ * was emptied.
+ *
+ * @param {{ value?: number | null, onset?: (value: number | null) => any, min?: number, max?: number,
+ *   step?: number | "any", placeholder?: string, disabled?: boolean, label?: string }} options
+ */
 export function number({ value, onset, min, max, step = "any", placeholder, disabled, label }) {
   const input = h("input.number", {
     type: "number",
@@ -41,6 +53,10 @@ export function number({ value, onset, min, max, step = "any", placeholder, disa
   return input;
 }
 
+/**
+ * @param {{ value?: string | null, onset?: (value: string) => any, placeholder?: string, list?: string,
+ *   disabled?: boolean, required?: boolean, label?: string }} options
+ */
 export function text({ value, onset, placeholder, list, disabled, required, label }) {
   const input = h("input", {
     type: "text",
@@ -57,7 +73,12 @@ export function text({ value, onset, placeholder, list, disabled, required, labe
   return input;
 }
 
-/** `options`: [value, words] pairs or plain values. */
+/**
+ * A drop-down list; `options` are values, or pairs of value and text.
+ *
+ * @param {{ value?: string | null, options: (string | any[])[], onset?: (value: any) => any,
+ *   disabled?: boolean, label?: string }} options
+ */
 export function choose({ value, options, onset, disabled, label }) {
   const select = h(
     "select",
@@ -82,11 +103,20 @@ export function slider(label, { value, min, max, unit, hint, onset }) {
   return root;
 }
 
+/**
+ * @param {string} label
+ * @param {{ checked?: boolean, onset?: (checked: boolean) => any, disabled?: boolean }} [options]
+ */
 export function check(label, { checked, onset, disabled } = {}) {
   const box = h("input", { type: "checkbox", checked, disabled, onchange: () => onset?.(box.checked) });
   return h("label.check", null, box, h("span", null, label));
 }
 
+/**
+ * @param {any} words
+ * @param {() => any} onclick
+ * @param {{ kind?: string, key?: string, disabled?: boolean, title?: string, label?: string }} [options]
+ */
 export function button(words, onclick, { kind = "", key, disabled, title, label } = {}) {
   return h(
     "button",
@@ -96,8 +126,8 @@ export function button(words, onclick, { kind = "", key, disabled, title, label 
   );
 }
 
-/** Work that is not begun again while it goes on: who clicks or presses Enter twice means it once. */
-export function alone(work) {
+/** Work that is not unsaved again while it goes on: who clicks or presses Enter twice means it once. */
+export function withoutOverlap(work) {
   let busy = false;
   return async () => {
     if (busy) return;
@@ -106,7 +136,15 @@ export function alone(work) {
   };
 }
 
-/** A row of buttons of which one is on: tools, ways, filters. Arrow keys move along it. */
+/**
+ * A group of buttons of which one is selected. Arrow keys move along it.
+ *
+ * @param {string} label
+ * @param {[key: string, words: string, options?: { icon?: Element, shortcut?: string, title?: string }][]} options
+ * @param {string} value
+ * @param {(value: string) => any} onset
+ * @param {{ vertical?: boolean }} [layout]
+ */
 export function segments(label, options, value, onset, { vertical = false } = {}) {
   const row = h(vertical ? "div.tools" : "div.segments", {
     role: "radiogroup",

@@ -3,8 +3,12 @@
 import { s } from "../core/dom.js";
 
 /**
- * A point that can be dragged, or moved by arrow keys when it has the focus (Shift: ten times as far, Alt: a
- * fifth). `step` may turn an arrow into a move of its own; `commit` is called when the hand that moved it is off.
+ * A point that can be dragged, or moved by arrow keys while it has the focus (with Shift ten times as far, with
+ * Alt a fifth). `step` replaces the move of an arrow key; `commit` is called at the end of a move.
+ *
+ * @param {import("./stage.js").Stage} stage
+ * @param {{ label: string, kind?: string, move: (point: Point) => void, commit?: () => void,
+ *   step?: (arrow: Point, size: number) => void, remove?: () => void }} options
  */
 export function handle(stage, { label, kind = "", move, commit, step, remove }) {
   const node = s(
@@ -14,6 +18,7 @@ export function handle(stage, { label, kind = "", move, commit, step, remove }) 
     shapeOf(kind),
     s("title", null, label),
   );
+  /** @type {Point} */
   let at = [0, 0];
   const draw = (scale) => node.setAttribute("transform", `translate(${at[1]} ${at[0]}) scale(${scale})`);
   const forget = stage.keepSize(draw);
@@ -32,16 +37,16 @@ export function handle(stage, { label, kind = "", move, commit, step, remove }) 
     event.stopPropagation();
     node.focus({ preventScroll: true });
     node.setPointerCapture(event.pointerId);
-    const place = stage.placeOf(event);
-    offset = [at[0] - place[0], at[1] - place[1]];
+    const point = stage.pointAt(event);
+    offset = [at[0] - point[0], at[1] - point[1]];
     moved = false;
     node.classList.add("held");
   });
   node.addEventListener("pointermove", (event) => {
     if (!offset) return;
-    const place = stage.placeOf(event);
+    const point = stage.pointAt(event);
     moved = true;
-    move([place[0] + offset[0], place[1] + offset[1]]);
+    move([point[0] + offset[0], point[1] + offset[1]]);
   });
   const release = () => {
     if (!offset) return;
@@ -71,8 +76,8 @@ export function handle(stage, { label, kind = "", move, commit, step, remove }) 
   node.addEventListener("blur", confirm);
   return {
     node,
-    put(place) {
-      at = place;
+    put(point) {
+      at = point;
       draw(1 / stage.zoom);
     },
     remove() {

@@ -2,7 +2,7 @@
 // and wedge. It is only looked at from another side here; nothing is computed. Lines and names lie over the shaded
 // surface as SVG, which also draws the surface where WebGL is missing.
 
-import { attributes, h, place, s } from "../core/dom.js";
+import { attributes, h, render, s } from "../core/dom.js";
 import { Painter } from "./webgl.js";
 
 const SKIN = [0.95, 0.85, 0.775, 1];
@@ -11,11 +11,17 @@ const PLATEN = [0.34, 0.7, 0.91, 0.3];
 const WEDGE = [0.56, 0.62, 0.7, 0.55];
 const START = { turn: -0.62, tilt: 0.42 };
 
+/** @typedef {[number, number, number]} Vector */
+/** @type {(a: Vector, b: Vector) => Vector} */
 const subtract = (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+/** @type {(a: Vector, b: Vector) => Vector} */
 const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+/** @type {(p: number, a: Vector, q: number, b: Vector) => Vector} */
+const sum = (p, a, q, b) => [p * a[0] + q * b[0], p * a[1] + q * b[1], p * a[2] + q * b[2]];
+/** @type {(a: Vector) => Vector} */
 const unit = (a) => {
   const length = Math.hypot(...a) || 1;
-  return a.map((value) => value / length);
+  return [a[0] / length, a[1] / length, a[2] / length];
 };
 
 /** Flat faces as triangles with a normal each. */
@@ -63,6 +69,7 @@ function sharp({ vertices_mm: vertices, faces }) {
 function grid(x, y, z) {
   const rows = x.length;
   const columns = x[0].length;
+  /** @type {(row: number, column: number) => Vector} */
   const at = (row, column) => [x[row][column], y[row][column], z[row][column]];
   const positions = [];
   const normals = [];
@@ -76,7 +83,7 @@ function grid(x, y, z) {
       if (Math.hypot(...normal) < 1e-9) normal = here;
       // Outwards, so that neighbours never cancel where the grid closes.
       if (normal[0] * here[0] + normal[1] * here[1] + normal[2] * here[2] < 0)
-        normal = normal.map((value) => -value);
+        normal = [-normal[0], -normal[1], -normal[2]];
       positions.push(...here);
       normals.push(...unit(normal));
       if (row && column) {
@@ -96,6 +103,8 @@ function grid(x, y, z) {
 export class PadScene {
   constructor({ forceSvg = false } = {}) {
     this.view = { ...START };
+    /** @type {any} */
+    this.meshes = {};
     this.canvas = h("canvas");
     this.surface = s("g.surface");
     this.marks = s("g.marks");
@@ -111,10 +120,10 @@ export class PadScene {
     this.root.dataset.drawn = this.painter ? "webgl" : "svg";
     this.observer = new ResizeObserver(() => this.draw());
     this.observer.observe(this.root);
-    this.#hands();
+    this.#listen();
   }
 
-  #hands() {
+  #listen() {
     let last = null;
     this.root.addEventListener("pointerdown", (event) => {
       last = [event.clientX, event.clientY];
@@ -132,7 +141,7 @@ export class PadScene {
       const step = { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, -0.1], ArrowDown: [0, 0.1] }[
         event.key
       ];
-      if (step) this.#turn(...step);
+      if (step) this.#turn(step[0], step[1]);
       else if (event.key === "0") this.look(START);
       else return;
       event.preventDefault();
@@ -140,6 +149,10 @@ export class PadScene {
     });
   }
 
+  /**
+   * @param {number} by
+   * @param {number} tilt
+   */
   #turn(by, tilt) {
     this.view.turn += by;
     this.view.tilt = Math.max(-1.5, Math.min(1.5, this.view.tilt + tilt));
@@ -151,6 +164,10 @@ export class PadScene {
     this.draw();
   }
 
+  /**
+   * @param {Answers["PadGeometry"]} scene
+   * @param {string} label
+   */
   show(scene, label) {
     this.scene = scene;
     this.root.setAttribute("aria-label", label);
@@ -169,15 +186,19 @@ export class PadScene {
     this.draw();
   }
 
-  /** Rows of the turn: right, up and towards the eye. The platen lies on top, as it is pressed onto the pad. */
+  /**
+   * Directions on the screen: right, up and towards the viewer. The platen is on top.
+   *
+   * @returns {[Vector, Vector, Vector]}
+   */
   #axes() {
     const { turn, tilt } = this.view;
     const { up } = this;
     const [cos, sin] = [Math.cos(turn), Math.sin(turn)];
     const side = unit(cross(this.along, up));
-    const away = this.along.map((value, index) => value * sin + side[index] * cos);
+    const away = sum(sin, this.along, cos, side);
     const right = unit(cross(up, away));
-    const eye = away.map((value, index) => value * Math.cos(tilt) + up[index] * Math.sin(tilt));
+    const eye = sum(Math.cos(tilt), away, Math.sin(tilt), up);
     return [right, unit(cross(eye, right)), eye];
   }
 
@@ -187,7 +208,7 @@ export class PadScene {
     if (!scene || !width || !height) return;
     this.up = scene.normal;
     this.along = unit(scene.principal_directions[0]);
-    if (this.along[1] < 0) this.along = this.along.map((value) => -value);
+    if (this.along[1] < 0) this.along = [-this.along[0], -this.along[1], -this.along[2]];
     const axes = this.#axes();
     const scale = Math.min(width, height) / 2 / this.reach;
     this.project = (point) => {
@@ -197,7 +218,7 @@ export class PadScene {
     attributes(this.svg, { viewBox: `0 0 ${width} ${height}`, width, height });
     if (this.painter) this.#paint(axes, scale, width, height);
     else this.#polygons();
-    this.#names(axes);
+    this.#names();
   }
 
   #paint([right, up, eye], scale, width, height) {
@@ -225,6 +246,7 @@ export class PadScene {
 
   #polygons() {
     const faces = [];
+    /** @type {(mesh: any, colour: number[], back: number[], opacity: number) => void} */
     const add = ([positions, normals, triangles], colour, back, opacity) => {
       for (let index = 0; index < triangles.length; index += 3) {
         const corners = [0, 1, 2].map((offset) => {
@@ -243,7 +265,7 @@ export class PadScene {
     add(this.meshes.platen, PLATEN, PLATEN, 0.35);
     faces.sort((a, b) => a[0] - b[0]);
     const origin = this.project([0, 0, 0]);
-    place(
+    render(
       this.surface,
       faces.map(([, seen, base, normal, opacity]) => {
         const tip = this.project(normal);
@@ -278,7 +300,7 @@ export class PadScene {
     };
     const ends = (points) => points[points.length - 1];
     const [x, y] = project(scene.contact_point_mm);
-    place(
+    render(
       this.marks,
       line([...scene.platen.corners_mm, scene.platen.corners_mm[0]], "platen-edge"),
       this.edges.map((edge) => line(edge, "wedge-edge")),

@@ -1,8 +1,9 @@
 // The scale of a picture in a form: a named one, or one of its own.
 
-import { bench } from "../core/workspace.js";
+import { workspace } from "../core/workspace.js";
 import { choose } from "./forms.js";
 
+/** @param {string | ScaleTable | null | undefined} scale */
 export function scaleWords(scale) {
   if (!scale) return "no scale";
   if (typeof scale === "string") return scale;
@@ -12,7 +13,7 @@ export function scaleWords(scale) {
   return scale.coin ? `coin of ${scale.diameter_mm} mm` : "its own";
 }
 
-export const scaleNames = () => bench.study?.scales.map(({ name }) => name) ?? [];
+export const scaleNames = () => workspace.study?.scales.map(({ name }) => name) ?? [];
 
 /** A choice among the named scales; a scale of the picture's own stays as it is. */
 export function scaleChoice({ value, onset, label = "Scale" }) {

@@ -25,27 +25,27 @@ export class Brush {
     this.tip.setAttribute("r", radius);
   }
 
-  down(place, event) {
-    this.points = [place];
+  down(point, event) {
+    this.points = [point];
     this.now = event?.altKey ? { add: "remove", remove: "add" }[this.action] : this.action;
     this.trace.setAttribute("class", `stroke ${this.now}`);
     this.#draw();
   }
 
-  move(place, down) {
-    attributes(this.tip, { cx: place[1], cy: place[0], visibility: "visible" });
+  move(point, down) {
+    attributes(this.tip, { cx: point[1], cy: point[0], visibility: "visible" });
     if (!down || !this.points) return;
     const last = this.points.at(-1);
-    if (Math.hypot(place[0] - last[0], place[1] - last[1]) < Math.max(0.5, this.radius / 8)) return;
-    this.points.push(place);
+    if (Math.hypot(point[0] - last[0], point[1] - last[1]) < Math.max(0.5, this.radius / 8)) return;
+    this.points.push(point);
     this.#draw();
   }
 
-  up(place) {
+  up(point) {
     if (!this.points) return;
-    if (place && Math.hypot(place[0] - this.points.at(-1)[0], place[1] - this.points.at(-1)[1]) > 0.5)
-      this.points.push(place);
-    const points = this.points.map((place) => place.map((value) => Math.round(value * 100) / 100));
+    if (point && Math.hypot(point[0] - this.points.at(-1)[0], point[1] - this.points.at(-1)[1]) > 0.5)
+      this.points.push(point);
+    const points = this.points.map((point) => point.map((value) => Math.round(value * 100) / 100));
     this.points = null;
     this.done({ action: this.now, points_px: points, radius_px: this.radius });
   }
@@ -88,11 +88,11 @@ export class Line {
     this.handles = [0, 1].map((index) =>
       handle(stage, {
         label: index ? "End of the line" : "Start of the line",
-        move: (place) => {
-          this.ends[index] = place;
-          this.#tell(false);
+        move: (point) => {
+          this.ends[index] = point;
+          this.#report(false);
         },
-        commit: () => this.#tell(true),
+        commit: () => this.#report(true),
       }),
     );
     this.layer.append(this.label, ...this.handles.map(({ node }) => node));
@@ -101,7 +101,7 @@ export class Line {
   }
 
   set(ends) {
-    this.ends = ends && ends.map((place) => [...place]);
+    this.ends = ends?.map((point) => [...point]);
     this.layer.setAttribute("visibility", ends ? "visible" : "hidden");
     if (ends) this.#draw();
   }
@@ -110,32 +110,32 @@ export class Line {
     this.label.textContent = words;
   }
 
-  down(place) {
+  down(point) {
     this.drawing = true;
-    this.set([place, place]);
+    this.set([point, point]);
   }
 
-  move(place, down) {
+  move(point, down) {
     if (!down || !this.drawing) return;
-    this.ends[1] = place;
-    this.#tell(false);
+    this.ends[1] = point;
+    this.#report(false);
   }
 
-  up(place) {
+  up(point) {
     if (!this.drawing) return;
     this.drawing = false;
-    this.ends[1] = place;
+    this.ends[1] = point;
     const [from, to] = this.ends;
     if (Math.hypot(to[0] - from[0], to[1] - from[1]) * this.stage.zoom < 4) {
       this.set(this.kept ?? null);
       return;
     }
-    this.#tell(true);
+    this.#report(true);
   }
 
-  #tell(final) {
+  #report(final) {
     this.#draw();
-    if (final) this.kept = this.ends.map((place) => [...place]);
+    if (final) this.kept = this.ends.map((point) => [...point]);
     this.changed(this.ends, final);
   }
 
@@ -143,7 +143,9 @@ export class Line {
     const [from, to] = this.ends;
     for (const path of [this.casing, this.stroke])
       path.setAttribute("d", `M${from[1]} ${from[0]}L${to[1]} ${to[0]}`);
-    this.handles.forEach((each, index) => each.put(this.ends[index]));
+    this.handles.forEach((each, index) => {
+      each.put(this.ends[index]);
+    });
     const [row, column] = [(from[0] + to[0]) / 2, (from[1] + to[1]) / 2];
     this.label.setAttribute(
       "transform",
@@ -181,11 +183,11 @@ export class Box {
       handle(stage, {
         label: `${row ? "Lower" : "Upper"} ${column === 3 ? "right" : "left"} corner of the region of interest`,
         kind: "axis",
-        move: (place) => {
-          [this.box[row], this.box[column]] = this.#inside(place);
-          this.#tell(false);
+        move: (point) => {
+          [this.box[row], this.box[column]] = this.#inside(point);
+          this.#report(false);
         },
-        commit: () => this.#tell(true),
+        commit: () => this.#report(true),
       }),
     );
     this.layer.append(...this.handles.map(({ node }) => node));
@@ -204,27 +206,27 @@ export class Box {
     if (box) this.#draw();
   }
 
-  down(place) {
-    this.from = this.#inside(place);
+  down(point) {
+    this.from = this.#inside(point);
   }
 
-  move(place, down) {
+  move(point, down) {
     if (!down || !this.from) return;
-    this.set([...this.from, ...this.#inside(place)]);
+    this.set([...this.from, ...this.#inside(point)]);
   }
 
-  up(place) {
+  up(point) {
     if (!this.from) return;
-    const to = this.#inside(place);
+    const to = this.#inside(point);
     const far = Math.abs(to[0] - this.from[0]) > 4 && Math.abs(to[1] - this.from[1]) > 4;
     if (far) {
       this.box = [...this.from, ...to];
-      this.#tell(true);
+      this.#report(true);
     } else this.set(this.kept ?? null);
     this.from = null;
   }
 
-  #tell(final) {
+  #report(final) {
     const [row0, column0, row1, column1] = this.box;
     this.#draw();
     if (!final) return;
@@ -250,7 +252,9 @@ export class Box {
       [row1, column0],
       [row1, column1],
     ];
-    this.handles.forEach((each, index) => each.put(corners[index]));
+    this.handles.forEach((each, index) => {
+      each.put(corners[index]);
+    });
   }
 
   remove() {
@@ -260,7 +264,7 @@ export class Box {
   }
 }
 
-/** One click, one place. */
+/** One click, one point. */
 export class Click {
   cursor = "crosshair";
   once = true;
@@ -269,7 +273,7 @@ export class Click {
     this.done = done;
   }
 
-  down(place) {
-    this.done(place.map((value) => Math.round(value * 10) / 10));
+  down(point) {
+    this.done(point.map((value) => Math.round(value * 10) / 10));
   }
 }

@@ -1,8 +1,8 @@
 // What the filmstrip shows of contact images and frames, and which of them.
 
 import { plain } from "../core/quantity.js";
-import { wordsFor } from "../core/workspace.js";
-import { decisions } from "./review.js";
+import { describeCode } from "../core/workspace.js";
+import { reviewMarks } from "./review.js";
 
 export const FILTERS = [
   ["", "all"],
@@ -12,7 +12,7 @@ export const FILTERS = [
   ["rejected", "rejected"],
 ];
 
-export const WANTED = {
+export const FILTER_TESTS = {
   "": () => true,
   todo: (entry) => !entry.accepted && !entry.rejected && entry.status !== "none",
   flagged: (entry) => entry.flags?.length > 0,
@@ -20,13 +20,14 @@ export const WANTED = {
   rejected: (entry) => Boolean(entry.rejected),
 };
 
+/** @param {Partial<Omit<Observation, "status" | "file"> & Frame>} entry */
 export function describe(entry) {
   const film = entry.frame !== undefined;
   const state = entry.rejected ? "rejected" : entry.status;
   const marks = [];
-  if (entry.flags?.length) marks.push(["flag", entry.flags.map(wordsFor).join("; ")]);
+  if (entry.flags?.length) marks.push(["flag", entry.flags.map(describeCode).join("; ")]);
   if (entry.status === "failed") marks.push(["failed", entry.reason ?? "failed"]);
-  marks.push(...decisions(entry));
+  marks.push(...reviewMarks(entry));
   const load =
     entry.load_N === null || entry.load_N === undefined ? "" : `${Number(entry.load_N.toPrecision(3))} N`;
   return {

@@ -1,18 +1,20 @@
 // The numbers of one contact beside the program's own, its settings, its decision and its history.
 
-import { h, place, symbol } from "../core/dom.js";
-import { BY, plain, quantityText, reading } from "../core/quantity.js";
-import { wordsFor } from "../core/workspace.js";
+import { h, render, symbol } from "../core/dom.js";
+import { BY, plain, quantityRow, quantityText } from "../core/quantity.js";
+import { describeCode } from "../core/workspace.js";
 import { check, chip, choose, field, number, synthetic } from "../parts/forms.js";
 import { Inspector } from "./inspector.js";
 
-const READINGS = [
+/** @type {[key: string, label: () => any, title: string, mark: string][]} */
+const QUANTITIES_SHOWN = [
   ["semi_major_mm", () => ["Semi-major ", symbol("ℓ", "d")], "semi-major axis of the ellipse", "ellipse"],
   ["semi_minor_mm", () => ["Semi-minor ", symbol("ℓ", "e")], "semi-minor axis of the ellipse", "ellipse"],
   ["gross_area_mm2", () => "Gross area", "inside the outline of the contact", "region"],
   ["ridge_area_mm2", () => "Ridge area", "area of the ridges in contact", "ridges"],
 ];
 
+/** @type {[key: string, label: () => any, title: string][]} */
 const MODEL = [
   [
     "mean_curvature_radius_mm",
@@ -34,7 +36,7 @@ const MODEL = [
 
 const REASONS = ["smeared", "slipped", "cut off", "wrong finger", "no contact"];
 
-const FORGET = [
+const RESETS = [
   ["seed_px", "Forget seed point"],
   ["region_of_interest_px", "Forget region of interest"],
   ["ellipse_px", "Ellipse from region"],
@@ -58,7 +60,7 @@ export class ContactInspector extends Inspector {
 
   head() {
     const { entry, lines } = this.view.context();
-    place(
+    render(
       this.parts.head,
       h(
         "div.headline",
@@ -72,13 +74,17 @@ export class ContactInspector extends Inspector {
 
   wait() {
     this.head();
-    place(this.parts.numbers, h("p.loading", null, "Measuring …"));
+    render(this.parts.numbers, h("p.loading", null, "Measuring …"));
     this.tool();
   }
 
+  /**
+   * @param {ContactMeasurement | null} answer
+   * @param {string} [problem]
+   */
   show(answer, problem) {
     if (!answer) {
-      place(
+      render(
         this.parts.numbers,
         h("h3", null, "Result"),
         h("p.note.bad", { role: "alert" }, problem),
@@ -94,12 +100,12 @@ export class ContactInspector extends Inspector {
     const { numbers, program, model } = answer;
     const corrected = answer.by !== "program";
     const line = ([key, label, words, mark]) =>
-      reading(label(), quantityText(numbers, key), {
+      quantityRow(label(), quantityText(numbers, key), {
         mark,
         title: words,
-        was: corrected && program ? quantityText(program.numbers ?? program, key) : undefined,
+        was: corrected && program ? quantityText(program, key) : undefined,
       });
-    place(
+    render(
       this.parts.numbers,
       model &&
         h(
@@ -121,9 +127,9 @@ export class ContactInspector extends Inspector {
       h(
         "dl.readings",
         { "data-live": "numbers" },
-        READINGS.map(line),
-        reading("Ridge period", quantityText(numbers, "ridge_period_mm")),
-        reading(
+        QUANTITIES_SHOWN.map(line),
+        quantityRow("Ridge period", quantityText(numbers, "ridge_period_mm")),
+        quantityRow(
           "Ellipse over region",
           numbers.ellipse_iou === null || numbers.ellipse_iou === undefined
             ? "–"
@@ -136,7 +142,9 @@ export class ContactInspector extends Inspector {
         h(
           "dl.readings",
           null,
-          MODEL.map(([key, label, words]) => reading(label(), quantityText(model, key), { title: words })),
+          MODEL.map(([key, label, words]) =>
+            quantityRow(label(), quantityText(model, key), { title: words }),
+          ),
         ),
       ],
       !model &&
@@ -152,7 +160,7 @@ export class ContactInspector extends Inspector {
           h(
             "ul",
             null,
-            answer.flags.map((flag) => h("li", null, wordsFor(flag))),
+            answer.flags.map((flag) => h("li", null, describeCode(flag))),
           ),
         ),
       notesOf(model).length > 0 &&
@@ -163,17 +171,18 @@ export class ContactInspector extends Inspector {
           h(
             "ul.note",
             null,
-            notesOf(model).map((code) => h("li", null, wordsFor(code))),
+            notesOf(model).map((code) => h("li", null, describeCode(code))),
           ),
         ),
     );
     this.settings(answer);
   }
 
+  /** @param {ContactMeasurement | null} answer */
   settings(answer) {
     const { change } = this.view.corrections;
-    const used = answer?.settings ?? {};
-    place(
+    const used = answer?.settings;
+    render(
       this.parts.settings,
       h("h3", null, "How it is read"),
       h(
@@ -189,9 +198,7 @@ export class ContactInspector extends Inspector {
             options: [
               [
                 "",
-                used.dark_on_light === undefined
-                  ? "program's choice"
-                  : `program: ${used.dark_on_light ? "dark" : "light"}`,
+                used === undefined ? "program's choice" : `program: ${used.dark_on_light ? "dark" : "light"}`,
               ],
               ["true", "dark ridges on light"],
               ["false", "light ridges on dark"],
@@ -204,21 +211,16 @@ export class ContactInspector extends Inspector {
           number({
             value: change.threshold ?? null,
             min: 0,
-            placeholder:
-              used.threshold === undefined || used.threshold === null
-                ? "program's"
-                : `program: ${plain(used.threshold)}`,
+            placeholder: used?.threshold == null ? "program's" : `program: ${plain(used.threshold)}`,
             onset: (value) => this.view.set("threshold", value),
           }),
         ),
       ),
-      this.forgetting(FORGET),
-      check("Show the program's own outline", { onset: (on) => this.view.showOwn(on) }),
+      this.resetButtons(RESETS),
+      check("Show the program's own outline", { onset: (on) => this.view.showAutomatic(on) }),
     );
   }
 }
 
-const notesOf = (model) =>
-  Array.isArray(model?.range_notes)
-    ? model.range_notes
-    : (model?.range_notes ?? "").split(" ").filter(Boolean);
+/** @param {ContactMeasurement["model"]} model */
+const notesOf = (model) => model?.range_notes ?? [];

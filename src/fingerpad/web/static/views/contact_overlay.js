@@ -1,6 +1,6 @@
 // What lies over a contact image: region, the person's brush, the seed point, and the program's own outline.
 
-import { pathOf, place, s } from "../core/dom.js";
+import { pathOf, render, s } from "../core/dom.js";
 
 export class ContactOverlay {
   #stage;
@@ -24,7 +24,7 @@ export class ContactOverlay {
   clear() {
     this.region(null);
     this.own(null);
-    place(this.#strokes);
+    render(this.#strokes);
   }
 
   region(outline) {
@@ -37,7 +37,7 @@ export class ContactOverlay {
 
   /** Show the strokes and the seed point of a correction. */
   correction({ strokes, seed_px: seed }) {
-    place(
+    render(
       this.#strokes,
       (strokes ?? []).map(({ action, points_px: points, radius_px: radius }) =>
         s(`path.stroke.${action}`, {

@@ -1,11 +1,14 @@
 // What stands beside a picture: parts of its own, the decision about it, and the history of its corrections.
 
-import { wordsOf } from "../core/corrections.js";
-import { h, place } from "../core/dom.js";
+import { describeChange } from "../core/corrections.js";
+import { h, render } from "../core/dom.js";
 import { ago } from "../core/quantity.js";
 import { button, chip, slider, text } from "../parts/forms.js";
 
 export class Inspector {
+  /** @type {Record<string, { words?: any, brush?: string, hint?: string }>} */
+  tools = {};
+
   constructor(view, parts, reasons) {
     this.view = view;
     this.parts = Object.fromEntries(
@@ -67,11 +70,11 @@ export class Inspector {
         onset: (value) => this.view.setRadius(value),
       });
     this.parts.tool.hidden = !brush && !words;
-    place(this.parts.tool, brush ? this.radius : words);
+    render(this.parts.tool, brush ? this.radius : words);
   }
 
   /** Buttons that take back one part of a correction each. */
-  forgetting(parts) {
+  resetButtons(parts) {
     const { change } = this.view.corrections;
     const made = (value) => (Array.isArray(value) ? value.length > 0 : Boolean(value));
     return h(
@@ -89,14 +92,14 @@ export class Inspector {
     this.buttons.undo.disabled = !document.can_undo;
     this.buttons.redo.disabled = !document.can_redo;
     this.buttons.revert.disabled = !Object.keys(change).length;
-    place(
+    render(
       this.buttons.reject,
       change.rejected ? "Take back" : "Reject",
       h("kbd", { "aria-hidden": "true" }, "x"),
     );
     this.buttons.accept.classList.toggle("accepted", Boolean(change.accepted));
     const records = [...document.history].reverse();
-    place(
+    render(
       this.parts.history,
       h("div.headline", null, h("h3", null, "History"), this.buttons.revert),
       document.on_another_image &&
@@ -119,7 +122,7 @@ export class Inspector {
               h(
                 "li",
                 null,
-                h("span", null, wordsOf(record)),
+                h("span", null, describeChange(record)),
                 h(
                   "time",
                   { datetime: record.when, title: record.when },

@@ -1,10 +1,10 @@
 // Files that no table names yet: say what each is, all at once if they are alike.
 
 import { get, post, remove } from "../core/api.js";
-import { h, place, redraw } from "../core/dom.js";
-import { complain, say } from "../core/messages.js";
+import { h, redraw, render } from "../core/dom.js";
+import { showError, toast } from "../core/messages.js";
 import { bytes } from "../core/quantity.js";
-import { bench } from "../core/workspace.js";
+import { workspace } from "../core/workspace.js";
 import { button, check, choose, faultList, number, text } from "../parts/forms.js";
 import { scaleNames } from "../parts/scale_choice.js";
 
@@ -32,7 +32,7 @@ export function readName(file, kind) {
     .replace(/\.[^.]+$/, "");
   const face = FACES.find((each) => name.toLowerCase().includes(each));
   const found = (pattern) => (name.match(pattern) ? Number(name.match(pattern)[1]) : undefined);
-  const fingers = bench.study.fingers.map((finger) => finger.name);
+  const fingers = workspace.study.fingers.map((finger) => finger.name);
   const said = name.match(/(left|right)[ _-]?(thumb|index|middle|ring|little)/i);
   return {
     name,
@@ -53,7 +53,9 @@ export function readName(file, kind) {
 
 export class NewFiles {
   constructor() {
+    this.problem = h("div");
     this.drafts = new Map();
+    /** @type {Map<string, Partial<Answers["UploadedFile"]>>} */
     this.info = new Map();
     this.shared = {};
     this.root = h("section.card.new-files", { hidden: true, "aria-label": "New files" });
@@ -66,7 +68,7 @@ export class NewFiles {
   }
 
   draw() {
-    const unused = bench.study.files.filter(({ used, kind }) => !used && kind !== "other");
+    const unused = workspace.study.files.filter(({ used, kind }) => !used && kind !== "other");
     const files = unused.filter(({ file }) => file.startsWith("uploads/"));
     this.#drawRest(unused.filter(({ file }) => !file.startsWith("uploads/")));
     this.root.hidden = !files.length;
@@ -80,8 +82,7 @@ export class NewFiles {
     this.files = files.map(({ file }) => file);
     for (const file of this.drafts.keys()) if (!this.files.includes(file)) this.drafts.delete(file);
     const shown = files.slice(0, 60);
-    this.problem ??= h("div");
-    place(
+    render(
       this.root,
       h(
         "header",
@@ -137,7 +138,7 @@ export class NewFiles {
       h(
         "datalist",
         { id: "fingers" },
-        bench.study.fingers.map(({ name }) => h("option", { value: name })),
+        workspace.study.fingers.map(({ name }) => h("option", { value: name })),
       ),
     );
   }
@@ -145,7 +146,7 @@ export class NewFiles {
   /** Files that lie in the study's folder, and that nobody sent from this page. */
   #drawRest(files) {
     this.rest.hidden = !files.length;
-    place(
+    render(
       this.rest,
       h(
         "summary",
@@ -166,7 +167,8 @@ export class NewFiles {
 
   async #learn(file) {
     this.info.set(file, {});
-    const info = await get("/api/picture/info", { item: `file:${file}` }).catch(() => ({}));
+    const info = await get("/api/picture/info", { item: `file:${file}` }).catch(() => null);
+    if (info === null) return;
     this.info.set(file, info);
     const select = this.root.querySelector(`[data-field="${CSS.escape(`${file}:scale`)}"]`);
     if (select && info.resolution_ppi) select.replaceWith(this.#scale(file));
@@ -316,26 +318,26 @@ export class NewFiles {
     const draft = this.drafts.get(file);
     try {
       const { removed } = await remove("/api/files", { file });
-      say(`${file.split("/").at(-1)} was taken away.`, {
+      toast(`${file.split("/").at(-1)} was taken away.`, {
         kind: "good",
         action: { words: "Undo", do: () => this.#restore(removed, draft) },
         stays: true,
       });
     } catch (error) {
-      complain(error);
+      showError(error);
     }
-    await bench.reload().catch(complain);
+    await workspace.reload().catch(showError);
   }
 
   async #restore(removed, draft) {
     try {
       const { restored } = await post("/api/files/restore", { removed });
       this.drafts.set(restored, draft); // with what was typed
-      say(`${restored.split("/").at(-1)} is back.`, { kind: "good" });
+      toast(`${restored.split("/").at(-1)} is back.`, { kind: "good" });
     } catch (error) {
-      complain(error);
+      showError(error);
     }
-    await bench.reload().catch(complain);
+    await workspace.reload().catch(showError);
   }
 
   async #use() {
@@ -343,11 +345,11 @@ export class NewFiles {
     if (wrong) return wrong.reportValidity();
     const edits = [];
     const taken = new Set([
-      ...bench.study.observations.map(({ item }) => item),
-      ...bench.study.sequences.map(({ name }) => name),
+      ...workspace.study.observations.map(({ item }) => item),
+      ...workspace.study.sequences.map(({ name }) => name),
     ]);
-    const fingers = new Set(bench.study.fingers.map(({ name }) => name));
-    let curves = bench.study.curves.length;
+    const fingers = new Set(workspace.study.fingers.map(({ name }) => name));
+    let curves = workspace.study.curves.length;
     for (const file of this.files) {
       const draft = this.drafts.get(file);
       if (!draft.as || !draft.finger) continue;
@@ -390,7 +392,7 @@ export class NewFiles {
           set: said({ face: draft.face, outline: file, synthetic }),
         });
       else if (draft.as === "sequence") {
-        const force = bench.study.files.find(
+        const force = workspace.study.files.find(
           (other) => !other.used && other.kind === "table" && /force/i.test(other.file),
         )?.file;
         edits.push({
@@ -413,19 +415,19 @@ export class NewFiles {
           set: said({ finger: draft.finger, wedge_angle_deg: draft.wedge_angle_deg, file, synthetic }),
         });
     }
-    place(this.problem);
+    render(this.problem);
     if (!edits.length) {
-      place(
+      render(
         this.problem,
         h("div.faults", { role: "alert" }, h("p", null, "Say at least which finger the files show.")),
       );
       return undefined;
     }
     try {
-      await bench.edit(...edits);
-      return say(inUse(edits.filter(({ kind }) => kind !== "finger").length), { kind: "good" });
+      await workspace.edit(...edits);
+      return toast(inUse(edits.filter(({ kind }) => kind !== "finger").length), { kind: "good" });
     } catch (error) {
-      place(this.problem, faultList(error));
+      render(this.problem, faultList(error));
       return undefined;
     }
   }

@@ -1,10 +1,10 @@
 // The pad: where it touches, how it is curved there, on which wedge.
 
-import { Newest, post } from "../core/api.js";
-import { h, place, symbol } from "../core/dom.js";
+import { LatestRequest, post } from "../core/api.js";
+import { h, render, symbol } from "../core/dom.js";
 import { bindHere } from "../core/keys.js";
-import { plain, quantityText, reading, withStd } from "../core/quantity.js";
-import { bench } from "../core/workspace.js";
+import { plain, quantityRow, quantityText, withStd } from "../core/quantity.js";
+import { workspace } from "../core/workspace.js";
 import { button, choose, field, number, synthetic } from "../parts/forms.js";
 import { PadScene } from "../parts/pad_scene.js";
 
@@ -14,7 +14,8 @@ const AXES = [
   ["radial_ulnar", "Radial–ulnar"],
 ];
 
-const READINGS = [
+/** @type {[key: string, label: () => any][]} */
+const QUANTITIES_SHOWN = [
   ["in_plane_radius_mm", () => "Radius along the finger"],
   ["transverse_radius_mm", () => "Radius across it"],
   ["mean_curvature_radius_mm", () => symbol("R", "0g")],
@@ -23,23 +24,23 @@ const READINGS = [
 
 class PadView {
   constructor(root, rest) {
-    const known = bench.study.fingers.filter(({ semi_axes_mm: axes }) => axes);
+    const known = workspace.study.fingers.filter(({ semi_axes_mm: axes }) => axes);
     this.finger = (known.find(({ name }) => name === rest[0]) ?? known[0])?.name ?? "";
     this.axes = { palmar: 8, distal: 14, radial_ulnar: 12 };
-    const placed = bench.study.observations.find(({ finger }) => finger === this.finger);
+    const placed = workspace.study.observations.find(({ finger }) => finger === this.finger);
     this.wedge = placed?.wedge_angle_deg ?? 30;
     this.roll = placed?.roll_angle_deg ?? 0;
     this.scene = new PadScene({ forceSvg: new URLSearchParams(location.search).has("svg") });
     this.numbers = h("section");
-    this.live = new Newest(
+    this.live = new LatestRequest(
       (asked) => post("/api/geometry", asked),
       (answer) => this.#show(answer),
-      (error) => place(this.numbers, h("p.note.bad", { role: "alert" }, error.message)),
+      (error) => render(this.numbers, h("p.note.bad", { role: "alert" }, error.message)),
       this.numbers,
     );
     this.side = h("div.stack");
     this.caption = h("div.pad-caption");
-    place(
+    render(
       root,
       h(
         "header.head",
@@ -53,7 +54,7 @@ class PadView {
         h("div.actions", null, ...this.#views()),
       ),
       h(
-        "div.bench.no-tools.pad-bench",
+        "div.panes.no-tools.pad-panes",
         null,
         h("div.pad-main", null, this.scene.root, this.caption),
         h("aside.inspector", { "aria-label": "Placement", tabindex: 0 }, this.side),
@@ -82,9 +83,9 @@ class PadView {
   }
 
   #draw() {
-    const known = bench.study.fingers.filter(({ semi_axes_mm: axes }) => axes);
+    const known = workspace.study.fingers.filter(({ semi_axes_mm: axes }) => axes);
     const options = [...known.map(({ name }) => [name, name]), ["", "typed in here"]];
-    const finger = bench.study.fingers.find(({ name }) => name === this.finger);
+    const finger = workspace.study.fingers.find(({ name }) => name === this.finger);
     const axes = finger?.semi_axes_mm ?? this.axes;
     const angle = (key, words, min, max) => {
       const slider = h("input", {
@@ -115,7 +116,7 @@ class PadView {
         h("div.control", null, typed, h("span.unit", null, "°")),
       );
     };
-    place(
+    render(
       this.side,
       h("h2.sr", null, "Pad and placement"),
       h(
@@ -140,7 +141,7 @@ class PadView {
               "dl.readings",
               null,
               AXES.map(([axis, words]) =>
-                reading(words, `${withStd(axes[axis], finger.semi_axes_mm_std?.[axis])} mm`),
+                quantityRow(words, `${withStd(axes[axis], finger.semi_axes_mm_std?.[axis])} mm`),
               ),
             )
           : h(
@@ -178,15 +179,16 @@ class PadView {
     const which = this.finger
       ? { finger: this.finger }
       : { palmar_mm: this.axes.palmar, distal_mm: this.axes.distal, radial_ulnar_mm: this.axes.radial_ulnar };
-    this.live.ask({ ...which, wedge_angle_deg: this.wedge, roll_angle_deg: this.roll, detail: 40 });
+    this.live.request({ ...which, wedge_angle_deg: this.wedge, roll_angle_deg: this.roll, detail: 40 });
   }
 
+  /** @param {Answers["PadGeometry"]} answer */
   #show(answer) {
     this.scene.show(
       answer,
       `The pad on a wedge of ${plain(this.wedge)}°, touching at u = ${plain(answer.u_deg)}°`,
     );
-    place(
+    render(
       this.caption,
       h("span", null, h("i.key.along"), "principal direction along the finger"),
       h("span", null, h("i.key.across"), "across it"),
@@ -194,7 +196,7 @@ class PadView {
       h("span", null, h("i.key.platen"), "platen"),
       h("span", null, h("i.key.wedge"), "wedge"),
     );
-    place(
+    render(
       this.numbers,
       h(
         "div.headline",
@@ -208,7 +210,7 @@ class PadView {
       h(
         "dl.readings",
         { "data-live": "radii" },
-        READINGS.map(([key, label]) => reading(label(), quantityText(answer, key))),
+        QUANTITIES_SHOWN.map(([key, label]) => quantityRow(label(), quantityText(answer, key))),
       ),
       !this.finger &&
         h(
@@ -220,7 +222,7 @@ class PadView {
   }
 
   close() {
-    this.live.drop();
+    this.live.cancel();
     this.scene.close();
   }
 }

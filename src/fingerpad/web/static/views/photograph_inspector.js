@@ -1,8 +1,8 @@
 // The numbers of one face, and of the pad that all faces of the finger give together.
 
-import { h, place, s } from "../core/dom.js";
-import { BY, plain, probability, quantityText, reading, withStd } from "../core/quantity.js";
-import { wordsFor } from "../core/workspace.js";
+import { h, render, s } from "../core/dom.js";
+import { BY, plain, probability, quantityRow, quantityText, withStd } from "../core/quantity.js";
+import { describeCode } from "../core/workspace.js";
 import { chip, choose, field, synthetic } from "../parts/forms.js";
 import { scaleWords } from "../parts/scale_choice.js";
 import { Inspector } from "./inspector.js";
@@ -17,7 +17,7 @@ const SIDES = [
 ];
 
 const REASONS = ["blurred", "wrong finger", "not square to the camera"];
-const FORGET = [
+const RESETS = [
   ["ellipse_px", "Ellipse from outline"],
   ["added_points_px", "Forget points added"],
   ["erased", "Forget rubbing out"],
@@ -46,29 +46,33 @@ export class PhotographInspector extends Inspector {
 
   wait() {
     const { finger, face, scale, file, synthetic: made } = this.view.entry;
-    place(
+    render(
       this.parts.head,
       h("div.headline", null, h("h2", null, `${finger}, ${face} face`), synthetic(made)),
       h("p.soft", null, `${file} · scale ${scaleWords(scale)}`),
     );
-    place(this.parts.face, h("p.loading", null, "Finding the outline …"));
-    place(this.parts.pad);
+    render(this.parts.face, h("p.loading", null, "Finding the outline …"));
+    render(this.parts.pad);
     this.tool();
   }
 
+  /**
+   * @param {PhotographMeasurement | null} answer
+   * @param {string} [problem]
+   */
   show(answer, problem) {
     if (!answer) {
-      place(
+      render(
         this.parts.face,
         h("p.note.bad", { role: "alert" }, problem),
         h("p.soft", null, "Draw a region of interest round the fingertip, or add points on its outline."),
       );
-      place(this.parts.pad);
+      render(this.parts.pad);
       this.settings();
       return;
     }
     const { program } = answer;
-    place(
+    render(
       this.parts.face,
       h(
         "div.headline",
@@ -80,7 +84,7 @@ export class PhotographInspector extends Inspector {
         "dl.readings",
         { "data-live": "face" },
         answer.axes.map((axis) =>
-          reading(
+          quantityRow(
             `${NAMES[axis]} semi-axis`,
             `${withStd(answer.semi_axes_mm[axis], answer.semi_axes_mm_std?.[axis])} mm`,
             {
@@ -91,8 +95,8 @@ export class PhotographInspector extends Inspector {
             },
           ),
         ),
-        reading("Arc that is pad", answer.arc_deg === null ? "–" : `${plain(answer.arc_deg)}°`),
-        reading("Lean", answer.lean_deg === null ? "–" : `${plain(answer.lean_deg)}°`),
+        quantityRow("Arc that is pad", answer.arc_deg === null ? "–" : `${plain(answer.arc_deg)}°`),
+        quantityRow("Lean", answer.lean_deg === null ? "–" : `${plain(answer.lean_deg)}°`),
       ),
       answer.flags.length > 0 &&
         h(
@@ -101,7 +105,7 @@ export class PhotographInspector extends Inspector {
           h(
             "ul",
             null,
-            answer.flags.map((flag) => h("li", null, wordsFor(flag))),
+            answer.flags.map((flag) => h("li", null, describeCode(flag))),
           ),
         ),
     );
@@ -109,10 +113,11 @@ export class PhotographInspector extends Inspector {
     this.settings();
   }
 
+  /** @param {PhotographMeasurement} answer */
   #pad({ finger, finger_error: problem }) {
     if (finger === undefined || (finger === null && !problem)) {
       if (!this.parts.pad.querySelector("[data-live]"))
-        place(
+        render(
           this.parts.pad,
           h("h3", null, "All faces together"),
           h("p.soft", null, "Measuring the other faces …"),
@@ -120,7 +125,7 @@ export class PhotographInspector extends Inspector {
       return;
     }
     if (!finger) {
-      place(
+      render(
         this.parts.pad,
         h("h3", null, "All faces together"),
         h("p.soft", null, problem ?? "Two faces are the least for a pad."),
@@ -128,7 +133,7 @@ export class PhotographInspector extends Inspector {
       return;
     }
     const agree = finger.degrees_of_freedom > 0 ? !finger.disagree : null;
-    place(
+    render(
       this.parts.pad,
       h(
         "div.headline",
@@ -140,7 +145,7 @@ export class PhotographInspector extends Inspector {
         "dl.readings",
         { "data-live": "finger" },
         Object.entries(NAMES).map(([axis, words]) =>
-          reading(
+          quantityRow(
             `${words} semi-axis`,
             h(
               "strong.figure",
@@ -150,7 +155,7 @@ export class PhotographInspector extends Inspector {
           ),
         ),
         finger.degrees_of_freedom > 0 &&
-          reading(
+          quantityRow(
             "Agreement",
             `χ² = ${finger.chi_square.toPrecision(3)} for ${finger.degrees_of_freedom}, ${probability(finger.p_value)}`,
           ),
@@ -176,7 +181,7 @@ export class PhotographInspector extends Inspector {
           onset: (value) => this.view.set(key, value || null),
         }),
       );
-    place(
+    render(
       this.parts.settings,
       h("h3", null, "How it is read"),
       h(
@@ -186,14 +191,15 @@ export class PhotographInspector extends Inspector {
         ["distal", "radial", "ulnar"].includes(this.view.entry.face) &&
           side("palmar_side", "Palmar side lies"),
       ),
-      this.forgetting(FORGET),
+      this.resetButtons(RESETS),
     );
   }
 
+  /** @param {Answers["LengthMeasurement"]} answer */
   length(answer) {
     const line = this.parts.tool.querySelector("[data-live=length]");
     if (line)
-      place(
+      render(
         line,
         h("span.figure-big.number", null, quantityText(answer, "length_mm")),
         h("br"),
@@ -202,7 +208,11 @@ export class PhotographInspector extends Inspector {
   }
 }
 
-/** Bars left and right of zero: each face's semi-axis against that of all faces. */
+/**
+ * Bars left and right of zero: each face's semi-axis against that of all faces.
+ *
+ * @param {Answers["FaceDifference"][]} faces
+ */
 function differences(faces) {
   const axes = Object.keys(NAMES);
   const rows = faces.flatMap((face) =>

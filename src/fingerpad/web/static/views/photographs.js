@@ -1,16 +1,17 @@
 // Photographs of the finger's faces: the outline found, the ellipse fitted, and all faces together as one pad.
 
-import { Newest, post } from "../core/api.js";
-import { h, place, s } from "../core/dom.js";
+import { LatestRequest, post } from "../core/api.js";
+import { h, render, s } from "../core/dom.js";
 import { quantityText } from "../core/quantity.js";
-import { bench } from "../core/workspace.js";
+import { workspace } from "../core/workspace.js";
 import { empty } from "../parts/forms.js";
 import { handle } from "../parts/handle.js";
 import { icons } from "../parts/icons.js";
 import { Click, Line } from "../parts/tools.js";
 import { PhotographInspector } from "./photograph_inspector.js";
-import { decisions, Review } from "./review.js";
+import { Review, reviewMarks } from "./review.js";
 
+/** @type {Parameters<typeof import("../parts/forms.js").segments>[1]} */
 const TOOLS = [
   ["ellipse", "Look, drag the axes and turn", { icon: icons.ellipse, shortcut: "v" }],
   ["points", "Add points on the outline", { icon: icons.points, shortcut: "b" }],
@@ -20,7 +21,10 @@ const TOOLS = [
 ];
 
 class Photographs extends Review {
-  nothing = "There is no outline to accept. Draw a region of interest, add points, or drag the axes.";
+  /** @type {Photograph[]} */
+  entries = [];
+
+  nothingToAccept = "There is no outline to accept. Draw a region of interest, add points, or drag the axes.";
   last = [
     "That was the last photograph.",
     { kind: "good", action: { words: "To the contacts", do: () => (location.hash = "#/contacts") } },
@@ -35,8 +39,9 @@ class Photographs extends Review {
     else this.#build(rest[0]);
   }
 
+  /** @returns {Photograph[]} */
   #photographs() {
-    return bench.study.fingers.flatMap((finger) =>
+    return workspace.study.fingers.flatMap((finger) =>
       (finger.photographs ?? [])
         .filter(({ outline }) => !outline)
         .map((photograph) => ({
@@ -48,7 +53,7 @@ class Photographs extends Review {
   }
 
   #nothing() {
-    place(
+    render(
       this.root,
       h("header.head", null, h("h1", null, "Photographs")),
       empty(
@@ -60,23 +65,24 @@ class Photographs extends Review {
   }
 
   #build(wanted) {
-    this.lay({
+    this.layOut({
       title: "Photographs",
       words: "Drag the ellipse onto the arc that is pad; the three faces together give the semi-axes.",
       label: "Photograph of a finger. Arrow keys move the cross-hair of a tool, space presses it.",
       axes: ["semi-axis across", "semi-axis along"],
       tools: TOOLS,
       radius: 12,
-      ask: (asked) => post("/api/measure/photograph", { item: this.entry.item, with_finger: true, ...asked }),
+      measureDragged: (asked) =>
+        post("/api/measure/photograph", { item: this.entry.item, with_finger: true, ...asked }),
       describe,
       inspector: new PhotographInspector(this),
     });
     this.stage.root.classList.add("face");
-    this.line = new Line(this.stage, (ends) => this.lengths.ask(ends));
-    this.lengths = new Newest(
+    this.line = new Line(this.stage, (ends) => this.lengths.request(ends));
+    this.lengths = new LatestRequest(
       (ends) => post("/api/measure/length", { scale: this.entry.scale, line_px: ends, ends_px_std: 1 }),
       (answer) => this.#length(answer),
-      (error) => this.stage.say(error.message, "bad"),
+      (error) => this.stage.setMessage(error.message, "bad"),
       this.inspector.parts.tool,
     );
     this.bind([
@@ -93,7 +99,7 @@ class Photographs extends Review {
     );
   }
 
-  underlay() {
+  addOverlay() {
     this.used = s("path.arc-points");
     this.out = s("path.out-points");
     this.stage.world.append(this.used, this.out);
@@ -107,14 +113,14 @@ class Photographs extends Review {
     return `Photograph, ${this.entry.face} face of ${this.entry.finger}`;
   }
 
-  blank() {
-    this.lengths.drop();
+  clearOverlay() {
+    this.lengths.cancel();
     this.line.set(null);
     this.used.setAttribute("d", "");
     this.out.setAttribute("d", "");
   }
 
-  arrived() {
+  showInfo() {
     this.mark.hidden = !this.entry.synthetic;
   }
 
@@ -127,12 +133,16 @@ class Photographs extends Review {
     if (newest()) this.show(whole, { live: true });
   }
 
+  /**
+   * @param {PhotographMeasurement} answer
+   * @param {{ live?: boolean }} [options]
+   */
   show(answer, { live = false } = {}) {
     this.measured = answer;
     this.stage.setScale(answer.mm_per_px);
     if (!live) {
       const { centre_px: centre, across_end_px: across, along_end_px: along } = answer.handles;
-      this.stage.say("");
+      this.stage.setMessage("");
       this.editor.show(centre, across, along);
       this.used.setAttribute("d", dots(answer.points_px));
       this.out.setAttribute("d", dots(answer.outliers_px));
@@ -142,6 +152,7 @@ class Photographs extends Review {
     this.inspector.show(answer);
   }
 
+  /** @param {Answers["LengthMeasurement"]} answer */
   #length(answer) {
     this.line.write(quantityText(answer, "length_mm"));
     this.inspector.length(answer);
@@ -175,18 +186,18 @@ class Photographs extends Review {
     });
   }
 
-  instrument(tool) {
+  makeTool(tool) {
     if (tool === "points")
       return new Click((at) =>
         this.keep((change) => ({
-          ...this.freed(change),
+          ...this.withoutEllipse(change),
           added_points_px: [...(change.added_points_px ?? []), at],
         })),
       );
     if (tool === "erase")
       return this.paint("remove", ({ points_px, radius_px }) =>
         this.keep((change) => ({
-          ...this.freed(change),
+          ...this.withoutEllipse(change),
           erased: [...(change.erased ?? []), { points_px, radius_px }],
         })),
       );
@@ -198,9 +209,10 @@ class Photographs extends Review {
     this.line.layer.style.display = this.tool === "length" ? "" : "none";
   }
 
+  /** @returns {NonNullable<BodyOf<"/api/measure/photograph", "post">["handles"]>} */
   #handles() {
     return {
-      centre_px: [...this.editor.shape.centre],
+      centre_px: this.editor.shape.centre,
       across_end_px: this.editor.end(0),
       along_end_px: this.editor.end(1),
     };
@@ -220,7 +232,7 @@ class Photographs extends Review {
     });
   }
 
-  turn([wanted]) {
+  navigate([wanted]) {
     this.choose(this.entries.findIndex(({ item }) => item === wanted));
     return true;
   }
@@ -228,22 +240,27 @@ class Photographs extends Review {
   update() {
     if (!this.stage && this.#photographs().length) {
       this.entries = this.#photographs();
-      place(this.root);
+      render(this.root);
       this.#build();
     }
   }
 
   close() {
-    this.lengths?.drop();
+    this.lengths?.cancel();
     super.close();
   }
 }
 
-/** Many points as one path: a stroke of no length with round ends is a dot. */
+/**
+ * Many points as one path: a stroke without length, with round ends, is a dot.
+ *
+ * @param {Points} points
+ */
 const dots = (points) => (points ?? []).map(([row, column]) => `M${column} ${row}h.01`).join("");
 
+/** @param {Photograph} entry */
 function describe(entry) {
-  const marks = [...(entry.flags?.length ? [["flag", entry.flags.join(", ")]] : []), ...decisions(entry)];
+  const marks = reviewMarks(entry);
   return {
     label: entry.face,
     name: [`${entry.finger}, ${entry.face} face`, ...marks.map(([, words]) => words)].join(", "),

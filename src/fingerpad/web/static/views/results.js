@@ -1,8 +1,8 @@
 // What follows: the corrected radius against load, and everything behind it.
 
-import { h, place } from "../core/dom.js";
+import { h, render } from "../core/dom.js";
 import { bindHere } from "../core/keys.js";
-import { bench } from "../core/workspace.js";
+import { workspace } from "../core/workspace.js";
 import { empty, segments } from "../parts/forms.js";
 import { Audit } from "./results_audit.js";
 import { Budget } from "./results_budget.js";
@@ -10,6 +10,8 @@ import { Figures } from "./results_figures.js";
 import { Plots } from "./results_plots.js";
 import { Table } from "./results_table.js";
 
+/** @typedef {View & { load(): Promise<void>, search?(): void, theme?(): void }} Part */
+/** @type {[key: string, title: string, part: new (root: Element) => Part][]} */
 const PARTS = [
   ["plot", "Corrected radius", Plots],
   ["table", "Table", Table],
@@ -19,6 +21,9 @@ const PARTS = [
 ];
 
 class Results {
+  /** @type {Part | null} */
+  part = null;
+
   constructor(root, rest) {
     this.body = h("div.scroll.results", { tabindex: 0, role: "region", "aria-label": "Results" });
     this.banner = h("div");
@@ -28,7 +33,7 @@ class Results {
       "plot",
       (key) => (location.hash = `#/results/${key}`),
     );
-    place(
+    render(
       root,
       h(
         "header.head",
@@ -47,27 +52,26 @@ class Results {
       ["a", "Audit of the printed tables", () => (location.hash = "#/results/audit")],
       ["/", "Search the table", () => this.part?.search?.()],
     ]);
-    this.theme = () => this.part?.theme?.();
-    bench.addEventListener("theme", this.theme);
-    this.turn(rest);
+    this.removeListener = workspace.on("theme", () => this.part?.theme?.());
+    this.navigate(rest);
   }
 
-  turn([part]) {
+  navigate([part]) {
     this.#show(part);
     return true;
   }
 
   #show(part) {
-    this.finished = bench.study.results?.finished;
+    this.finished = workspace.study.results?.finished;
     const [key, , Part] = PARTS.find(([name]) => name === part) ?? PARTS[0];
     this.key = key;
     this.tabs.show(key);
     this.part?.close?.();
     this.part = null;
     this.#sayFresh();
-    const { results } = bench.study;
+    const { results } = workspace.study;
     if (results?.faults?.length && key !== "audit") {
-      place(
+      render(
         this.body,
         empty(
           "The results are damaged",
@@ -78,17 +82,17 @@ class Results {
       return;
     }
     if (!results?.there && key !== "audit") {
-      place(
+      render(
         this.body,
         empty(
           "No results yet",
-          bench.study.ready
+          workspace.study.ready
             ? "The study is complete and can run. What is measured is kept, so that a second run only does what changed."
             : "Something is still missing in the study; the Study page says what.",
           h(
             "a.button.primary",
-            { href: bench.study.ready ? "#/run/start" : "#/study" },
-            bench.study.ready ? "Run the study" : "To the study",
+            { href: workspace.study.ready ? "#/run/start" : "#/study" },
+            workspace.study.ready ? "Run the study" : "To the study",
           ),
           h("a.button", { href: "#/results/audit" }, "See the audit of the printed tables"),
         ),
@@ -97,12 +101,12 @@ class Results {
     }
     // Each part has a home of its own: what it still draws once it is left is drawn nowhere.
     const home = h("div", null, h("div.loading", { role: "status" }, "Reading the results …"));
-    place(this.body, home);
+    render(this.body, home);
     this.part = new Part(home);
     this.part
       .load()
       .catch((error) =>
-        place(
+        render(
           home,
           h(
             "div.empty",
@@ -115,9 +119,9 @@ class Results {
   }
 
   #sayFresh() {
-    const { results } = bench.study;
-    const exact = bench.study.taken_as_exact;
-    place(
+    const { results } = workspace.study;
+    const exact = workspace.study.taken_as_exact;
+    render(
       this.banner,
       results?.there &&
         this.key !== "audit" &&
@@ -146,11 +150,11 @@ class Results {
 
   update() {
     this.#sayFresh();
-    if (bench.study.results?.finished !== this.finished) this.#show(this.key);
+    if (workspace.study.results?.finished !== this.finished) this.#show(this.key);
   }
 
   close() {
-    bench.removeEventListener("theme", this.theme);
+    this.removeListener();
     this.part?.close?.();
   }
 }

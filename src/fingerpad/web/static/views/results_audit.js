@@ -1,7 +1,7 @@
 // The printed numbers of the source beside what its own equations give.
 
 import { get } from "../core/api.js";
-import { h, place } from "../core/dom.js";
+import { h, render } from "../core/dom.js";
 import { plain, unitOf, withUnit } from "../core/quantity.js";
 import { chip } from "../parts/forms.js";
 
@@ -15,12 +15,12 @@ export class Audit {
   async load() {
     const { items } = await get("/api/published");
     const count = (verdict) => items.filter((item) => item.verdict === verdict).length;
-    place(
+    render(
       this.root,
       h(
         "p.lead",
         null,
-        `The supplement of Dzidek et al. 2017, from which the model comes: ${items.length} printed numbers beside what its equations give from its own printed inputs. ${count("reproduced")} are reproduced, ${count("reproduced with the known slip")} with a slip of the pen that is known, and the rest cannot be had from what is printed.`,
+        `The supplement of Dzidek et al. 2017, from which the model comes: ${items.length} printed numbers beside what its equations give from its own printed inputs. ${count("reproduced")} are reproduced, ${count("reproduced with the known slip")} with a slip of the cursor that is known, and the rest cannot be had from what is printed.`,
       ),
       h(
         "div.table-wrap",
@@ -51,6 +51,7 @@ export class Audit {
   }
 }
 
+/** @param {Answers["AuditedNumber"]} item */
 function row({
   item,
   printed,

@@ -1,7 +1,7 @@
 // Who contributes what to the uncertainty of the corrected radius.
 
 import { get } from "../core/api.js";
-import { h, place, symbol } from "../core/dom.js";
+import { h, render, symbol } from "../core/dom.js";
 import { plain, withStd } from "../core/quantity.js";
 import { chip, synthetic } from "../parts/forms.js";
 
@@ -14,7 +14,7 @@ export class Budget {
 
   async load() {
     const { groups } = await get("/api/results/budget");
-    place(
+    render(
       this.root,
       h(
         "p.lead",
@@ -31,6 +31,7 @@ export class Budget {
     );
   }
 
+  /** @param {Answers["BudgetGroup"]} group */
   #group({ finger, wedge_angle_deg: wedge, roll_angle_deg: roll, synthetic: made, pooled, check }) {
     const sources = Object.keys(pooled ?? check?.shares ?? {}).sort(
       (a, b) => (pooled ?? check.shares)[b] - (pooled ?? check.shares)[a],

@@ -1,7 +1,7 @@
 // Every figure of the report, as it stands there.
 
 import { get } from "../core/api.js";
-import { h, place } from "../core/dom.js";
+import { h, render } from "../core/dom.js";
 import { choose, field } from "../parts/forms.js";
 
 export class Figures {
@@ -27,7 +27,7 @@ export class Figures {
         ({ name }) =>
           !kind || (["curve", "sequence"].includes(kind) ? name.startsWith(kind) : name.endsWith(kind)),
       );
-      place(
+      render(
         this.grid,
         shown.map(({ name, caption, svg, png }) =>
           h(
@@ -51,7 +51,7 @@ export class Figures {
         !shown.length && h("p.soft", null, "There is no such figure in this study."),
       );
     };
-    place(
+    render(
       this.root,
       h("div.plot-bar", null, field("Show", choose({ options: kinds, onset: draw }))),
       this.grid,

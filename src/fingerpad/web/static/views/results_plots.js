@@ -1,12 +1,13 @@
 // The corrected radius against load, one chart for each finger and placement, with R_0g and R_g as lines.
 
 import { get } from "../core/api.js";
-import { h, place, symbol } from "../core/dom.js";
+import { h, render, symbol } from "../core/dom.js";
 import { plain, unitOf, withStd, withUnit } from "../core/quantity.js";
 import { chart, colour, forget } from "../parts/chart.js";
 import { choose, field, synthetic } from "../parts/forms.js";
 
 // What is drawn against load: key, words, axis, and whether both axes are logarithmic.
+/** @type {[key: string, name: string, axis: string, logarithmic?: boolean][]} */
 const QUANTITIES = [
   ["radius_from_indentation_mm", "corrected radius", "corrected radius of curvature (mm)"],
   ["gross_area_mm2", "contact area", "gross area (mm²)", true],
@@ -21,6 +22,9 @@ const BARS = [
 ];
 
 export class Plots {
+  /** @type {Answers["PlottedGroup"][]} */
+  groups = [];
+
   constructor(root) {
     this.root = root;
     this.finger = "";
@@ -33,7 +37,7 @@ export class Plots {
     this.groups = (await get("/api/results/plot")).groups;
     const fingers = [...new Set(this.groups.map(({ finger }) => finger))];
     if (!this.groups.length) {
-      place(
+      render(
         this.root,
         h(
           "p.lead",
@@ -45,7 +49,7 @@ export class Plots {
       return;
     }
     this.grid = h("div.plot-grid");
-    place(
+    render(
       this.root,
       h(
         "div.plot-bar",
@@ -84,7 +88,9 @@ export class Plots {
       this.grid,
     );
     this.watcher = new IntersectionObserver(
-      (seen) => seen.forEach(({ isIntersecting, target }) => isIntersecting && this.#plot(target)),
+      (entries) => {
+        for (const { isIntersecting, target } of entries) if (isIntersecting) this.#plot(target);
+      },
       { rootMargin: "400px" },
     );
     this.#draw();
@@ -94,13 +100,14 @@ export class Plots {
     for (const node of this.drawn) forget(node);
     this.drawn.clear();
     const groups = this.groups.filter(({ finger }) => !this.finger || finger === this.finger);
-    place(
+    render(
       this.grid,
       groups.map((group) => this.#card(group)),
     );
     for (const node of this.grid.querySelectorAll(".chart")) this.watcher.observe(node);
   }
 
+  /** @param {Answers["PlottedGroup"]} group */
   #card(group) {
     const node = h("div.chart", { role: "img", "aria-label": this.#words(group) });
     node.group = group;
@@ -142,7 +149,7 @@ export class Plots {
         fact(symbol("R", "g"), group.loading_radius_mm, group.loading_radius_mm_std),
       ),
       node,
-      group.range_notes?.length > 0 &&
+      group.range_notes.length > 0 &&
         h(
           "details.range",
           null,
@@ -158,6 +165,7 @@ export class Plots {
     );
   }
 
+  /** @param {Answers["PlottedGroup"]} group */
   #words(group) {
     const radii = group.rows.radius_from_indentation_mm.filter((value) => value !== null);
     return `Corrected radius against load: ${radii.length} contacts from ${plain(Math.min(...radii))} to ${plain(Math.max(...radii))} mm`;
@@ -166,8 +174,10 @@ export class Plots {
   async #plot(node) {
     if (this.drawn.has(node)) return;
     this.drawn.add(node);
-    const { group } = node;
-    const { rows } = group;
+    /** @type {Answers["PlottedGroup"]} */
+    const group = node.group;
+    /** @type {Record<string, any[]>} */
+    const rows = group.rows;
     const [measured, compliance, panel, ink] = ["measured", "compliance", "panel", "undeformed"].map(colour);
     const radius = this.quantity === QUANTITIES[0][0];
     const [key, words, title, logarithmic] = QUANTITIES.find(([each]) => each === this.quantity);
@@ -199,7 +209,7 @@ export class Plots {
           color: group.synthetic ? panel : measured,
           size: crowded ? 4 : 8.5,
           line: { color: measured, width: 1.6 },
-          opacity: rows.pooled ? rows.pooled.map((pooled) => (pooled ? 1 : 0.45)) : 1,
+          opacity: rows.pooled.map((pooled) => (pooled ? 1 : 0.45)),
         },
         hovertemplate: rows.item.map(
           (_, index) =>
@@ -242,7 +252,7 @@ export class Plots {
         },
       });
     } catch (error) {
-      place(node, h("p.note.bad", null, error.message));
+      render(node, h("p.note.bad", null, error.message));
     }
   }
 

@@ -1,9 +1,9 @@
 // Every row of the results: filter, sort, status.
 
 import { get } from "../core/api.js";
-import { h, place } from "../core/dom.js";
+import { h, render } from "../core/dom.js";
 import { plain, withStd } from "../core/quantity.js";
-import { bench, wordsFor } from "../core/workspace.js";
+import { describeCode, workspace } from "../core/workspace.js";
 import { button, check, chip, choose, field, synthetic } from "../parts/forms.js";
 
 const LIMIT = 100;
@@ -61,7 +61,7 @@ export class Table {
   }
 
   async load() {
-    const { study } = bench;
+    const { study } = workspace;
     const set = (key) => (value) => this.#ask({ [key]: value, offset: 0 });
     const angles = [
       ...new Set([...study.observations, ...study.sequences].map((each) => each.wedge_angle_deg)),
@@ -79,7 +79,7 @@ export class Table {
     this.count = h("span.soft.number", { role: "status" });
     this.table = h("div.table-wrap.results-table", { tabindex: 0, role: "region", "aria-label": "Rows" });
     this.pager = h("div.actions");
-    place(
+    render(
       this.root,
       h(
         "div.filters",
@@ -128,7 +128,11 @@ export class Table {
     Object.assign(this.asked, change);
     const number = (this.number = (this.number ?? 0) + 1);
     this.table.classList.add("waiting");
-    const answer = await get("/api/results/rows", this.asked);
+    const { wedge_angle_deg: wedge, ...asked } = this.asked;
+    const answer = await get("/api/results/rows", {
+      ...asked,
+      wedge_angle_deg: wedge === "" ? null : Number(wedge),
+    });
     if (number !== this.number) return;
     this.answer = answer;
     this.table.classList.remove("waiting");
@@ -144,7 +148,7 @@ export class Table {
       ? columns.filter(({ key }) => !stds.has(key) && key !== "observation")
       : SHOWN.map((key) => known.get(key)).filter(Boolean);
     this.count.textContent = `${matching} of ${total} rows${matching > LIMIT ? `, ${offset + 1} to ${Math.min(matching, offset + LIMIT)} shown` : ""}`;
-    place(
+    render(
       this.pager,
       matching > LIMIT && [
         button("‹", () => this.#ask({ offset: Math.max(0, offset - LIMIT) }), {
@@ -160,11 +164,11 @@ export class Table {
       ],
     );
     if (!rows.length) {
-      place(this.table, h("p.soft.no-rows", null, "No row matches. Loosen a filter."));
+      render(this.table, h("p.soft.no-rows", null, "No row matches. Loosen a filter."));
       return;
     }
     const numeric = (key) => rows.some((row) => typeof row[key] === "number");
-    place(
+    render(
       this.table,
       h(
         "table.tight",
@@ -191,12 +195,12 @@ export class Table {
                 { scope: "row" },
                 this.#link(row),
                 " ",
-                synthetic(row.synthetic === true || row.synthetic === "yes"),
+                synthetic(row.synthetic),
                 " ",
-                (row.flags ?? "")
+                String(row.flags ?? "")
                   .split(" ")
                   .filter(Boolean)
-                  .map((flag) => chip(flag.replaceAll("_", " "), "warn", wordsFor(flag))),
+                  .map((flag) => chip(flag.replaceAll("_", " "), "warn", describeCode(flag))),
               ),
               shown.map((column) => this.#cell(row, column)),
             ),
@@ -206,6 +210,7 @@ export class Table {
     );
   }
 
+  /** @param {Answers["Rows"]["rows"][number]} row */
   #link(row) {
     if (!row.item || !row.image) return h("span", null, row.observation);
     const source = row.sequence ? `film:${row.sequence}` : "images";
@@ -216,6 +221,10 @@ export class Table {
     );
   }
 
+  /**
+   * @param {{ key: string, words: string, unit?: string | null }} column
+   * @param {boolean} number
+   */
   #header({ key, words, unit }, number) {
     const { sort } = this.asked;
     const way = sort === key ? "ascending" : sort === `-${key}` ? "descending" : undefined;
@@ -239,6 +248,10 @@ export class Table {
     );
   }
 
+  /**
+   * @param {Answers["Rows"]["rows"][number]} row
+   * @param {Answers["Column"]} column
+   */
   #cell(row, { key, std }) {
     const value = row[key];
     if (key === "status")

@@ -1,10 +1,10 @@
 // A picture under review: what the program found, what a person makes of it, and on to the next one.
 
-import { get, Newest, picture } from "../core/api.js";
-import { Corrections, plainChange } from "../core/corrections.js";
-import { h, place } from "../core/dom.js";
+import { get, LatestRequest, picture } from "../core/api.js";
+import { Corrections, withoutDefaults } from "../core/corrections.js";
+import { h, render } from "../core/dom.js";
 import { bindHere } from "../core/keys.js";
-import { complain, say } from "../core/messages.js";
+import { showError, toast } from "../core/messages.js";
 import { EllipseEditor } from "../parts/ellipse_editor.js";
 import { Filmstrip } from "../parts/filmstrip.js";
 import { segments } from "../parts/forms.js";
@@ -14,8 +14,12 @@ import { Box, Brush } from "../parts/tools.js";
 
 const VERDICTS = ["accepted", "rejected"];
 
-/** What a person did about a picture, as marks of its thumbnail: [kind, words]. */
-export function decisions({ corrected, accepted, rejected }) {
+/**
+ * Marks of a thumbnail for what a person did: kind and text.
+ *
+ * @param {Partial<Pick<Answers["FrameEntry"], "corrected" | "accepted" | "rejected">>} entry
+ */
+export function reviewMarks({ corrected, accepted, rejected }) {
   return [
     corrected && ["corrected", "corrected by a person"],
     accepted && ["accepted", "accepted"],
@@ -31,30 +35,72 @@ export function decisions({ corrected, accepted, rejected }) {
  * one is dropped. Until the newest is shown the inspector is `aria-busy`.
  */
 export class Review {
+  /** @type {Element} */
+  root;
+  /** @type {any[]} */
   entries = [];
+  /** @type {string} */
+  nothingToAccept;
+  /** @type {any[]} */
+  last;
+  /** @type {Corrections | null} */
+  corrections = null;
+  /** @type {Brush | null} */
+  brush = null;
   at = -1;
   tool = "ellipse";
   measured = null;
   #turn = 0;
 
-  /** Lay the bench out; `ask(state)` is sent while a handle is dragged, `bar` stands over the filmstrip. */
-  lay({ title, words, label, axes, tools, radius, ask, describe, inspector, bar }) {
+  // What a view of its own kind does.
+  addOverlay() {}
+  clearOverlay() {}
+  /** @param {Answers["PictureInfo"]} _info */
+  showInfo(_info) {}
+  /** @param {Partial<Change>} _change */
+  draw(_change) {}
+  /** @returns {any} */
+  makeTool(_tool) {}
+  /** @param {() => boolean} _latest whether no newer measurement was requested */
+  async measure(_item, _latest) {}
+  /** @param {{ live?: boolean }} [_options] */
+  show(_answer, _options) {}
+  /** @returns {object} */
+  dragged() {
+    return {};
+  }
+  dropped() {}
+  address(_item) {
+    return "";
+  }
+  title() {
+    return "";
+  }
+
+  /**
+   * Lay out the view; `measureDragged` is called while a handle is dragged.
+   *
+   * @param {{ title: string, words: string, label: string, axes: string[],
+   *   tools: Parameters<typeof segments>[1], radius: number, measureDragged: (state: any) => Promise<any>,
+   *   describe: (entry: any) => any, inspector: any, bar?: Element }} options
+   */
+  layOut({ title, words, label, axes, tools, radius, measureDragged, describe, inspector, bar }) {
     this.radius = radius;
     this.stage = new Stage(label);
     this.mark = h("span.synthetic.stage-synthetic", { hidden: true }, "synthetic");
     this.stage.root.append(this.mark);
-    this.underlay();
+    this.addOverlay();
     this.editor = new EllipseEditor(this.stage, axes, (_, final) => this.#dragged(final));
     this.box = new Box(this.stage, (box) => this.set("region_of_interest_px", box));
     this.toolbar = segments("Tools", tools, this.tool, (tool) => this.use(tool), { vertical: true });
     this.strip = new Filmstrip({ label: "Pictures", chosen: (index) => this.choose(index), describe });
-    this.live = new Newest(
-      ask,
+    this.live = new LatestRequest(
+      measureDragged,
       (answer) => this.show(answer, { live: true }),
-      (error) => this.stage.say(error.message, "bad"),
+      (error) => this.stage.setMessage(error.message, "bad"),
     );
     this.inspector = inspector;
-    place(
+    render(
       this.root,
       h(
         "header.head",
@@ -63,7 +109,7 @@ export class Review {
         h("div.actions", null, whoButton()),
       ),
       h(
-        "div.bench",
+        "div.panes",
         null,
         this.toolbar,
         this.stage.root,
@@ -117,20 +163,20 @@ export class Review {
     this.corrections?.close();
     this.corrections = new Corrections(item, {
       changed: () => this.#corrected(),
-      overtaken: () => this.#overtaken(),
+      conflict: () => this.#conflict(),
     });
     this.#turned();
     this.measured = null;
     this.editor.hide();
     this.box.set(null);
-    this.blank();
+    this.clearOverlay();
     this.inspector.wait();
     this.inspector.why.value = "";
     const mine = this.corrections;
     try {
       const [info] = await Promise.all([get("/api/picture/info", { item }), mine.load()]);
       if (this.corrections !== mine) return;
-      this.arrived(info);
+      this.showInfo(info);
       this.stage.show(info.preview ?? picture("preview", item), info.rows_px, info.columns_px, this.title());
       await this.remeasure();
     } catch (error) {
@@ -144,7 +190,7 @@ export class Review {
 
   /** From now on answers to what was asked before are dropped. */
   #turned() {
-    this.live.drop();
+    this.live.cancel();
     this.#busy(true);
     return (this.#turn += 1);
   }
@@ -167,8 +213,8 @@ export class Review {
   #failed(error) {
     this.measured = null;
     this.editor.hide();
-    this.blank();
-    this.stage.say(error.message, "bad");
+    this.clearOverlay();
+    this.stage.setMessage(error.message, "bad");
     this.inspector.show(null, error.message);
     this.#busy(false);
   }
@@ -179,7 +225,7 @@ export class Review {
     if (entry) {
       entry.accepted = Boolean(change.accepted);
       entry.rejected = change.rejected ?? null;
-      entry.corrected = Object.keys(plainChange(change)).some((key) => !VERDICTS.includes(key));
+      entry.corrected = Object.keys(withoutDefaults(change)).some((key) => !VERDICTS.includes(key));
       this.strip.refresh();
     }
     this.stage.root.classList.toggle("rejected", Boolean(change.rejected));
@@ -193,7 +239,7 @@ export class Review {
     this.tool = tool;
     this.toolbar.show(tool);
     this.brush = null;
-    this.stage.use(tool === "box" ? this.box : this.instrument(tool));
+    this.stage.use(tool === "box" ? this.box : this.makeTool(tool));
     this.showTool();
     this.inspector.tool();
     this.stage.root.focus({ preventScroll: true });
@@ -221,7 +267,7 @@ export class Review {
   }
 
   /** Another window corrected this picture: what a hand holds stays in it, and is kept on top of that. */
-  #overtaken() {
+  #conflict() {
     if (!this.held) this.remeasure();
   }
 
@@ -230,7 +276,7 @@ export class Review {
     if (final) return this.dropped();
     this.#turn += 1;
     this.#busy(true);
-    this.live.ask(this.dragged());
+    this.live.request(this.dragged());
   }
 
   set(key, value) {
@@ -240,13 +286,15 @@ export class Review {
   /** Keep a change of what is measured: it takes back an earlier accept or reject. */
   keep(edit) {
     return this.#change((mine) =>
-      mine.keep(async (change) => plainChange({ ...(await edit(change)), accepted: false, rejected: null })),
+      mine.keep(async (change) =>
+        withoutDefaults({ ...(await edit(change)), accepted: false, rejected: null }),
+      ),
     );
   }
 
   /** A correction whose ellipse follows the picture again: said where a hand had set it. */
-  freed(change) {
-    if (change.ellipse_px) say("The ellipse that was set by hand gives way to this; Undo brings it back.");
+  withoutEllipse(change) {
+    if (change.ellipse_px) toast("The ellipse that was set by hand gives way to this; Undo brings it back.");
     return { ...change, ellipse_px: null };
   }
 
@@ -264,18 +312,20 @@ export class Review {
 
   async #change(send) {
     const turn = this.#turned();
-    await send(this.corrections).catch(complain);
+    await send(this.corrections).catch(showError);
     if (turn === this.#turn) await this.remeasure(turn);
   }
 
   async accept() {
     const mine = this.corrections;
-    if (!this.measured) return say(this.nothing, { kind: "error" });
+    if (!this.measured) return toast(this.nothingToAccept, { kind: "error" });
     if (!mine.change.accepted)
-      await mine.keep((change) => plainChange({ ...change, accepted: true, rejected: null })).catch(complain);
+      await mine
+        .keep((change) => withoutDefaults({ ...change, accepted: true, rejected: null }))
+        .catch(showError);
     if (this.corrections !== mine) return;
     if (this.entries[this.at + 1]) this.step(1);
-    else say(...this.last);
+    else toast(this.last[0], this.last[1]);
   }
 
   async reject() {
@@ -283,19 +333,20 @@ export class Review {
     if (mine.rejecting) return;
     mine.rejecting = true;
     const rejected = mine.change.rejected ? null : this.inspector.reason();
-    await mine.keep((change) => plainChange({ ...change, accepted: false, rejected })).catch(complain);
+    await mine.keep((change) => withoutDefaults({ ...change, accepted: false, rejected })).catch(showError);
     mine.rejecting = false;
     if (rejected && this.corrections === mine) this.step(1);
   }
 
   /** What a hand still holds is kept; what is answered after that finds nobody. */
   close() {
-    if (document.activeElement?.closest(".handle")) document.activeElement.blur();
+    if (document.activeElement?.closest(".handle"))
+      /** @type {HTMLElement} */ (document.activeElement).blur();
     this.closed = true;
     this.#turn += 1;
     this.corrections?.close();
     this.corrections = null;
-    this.live?.drop();
+    this.live?.cancel();
     this.stage?.close();
     this.strip?.close();
   }

@@ -1,11 +1,11 @@
 // Run everything that is missing or changed, watch it, stop it, and take the results away.
 
 import { get, post } from "../core/api.js";
-import { h, place } from "../core/dom.js";
+import { h, render } from "../core/dom.js";
 import { bindHere } from "../core/keys.js";
 import { bytes } from "../core/quantity.js";
-import { bench } from "../core/workspace.js";
-import { alone, button, check, chip, choose, faultList, field } from "../parts/forms.js";
+import { workspace } from "../core/workspace.js";
+import { button, check, chip, choose, faultList, field, withoutOverlap } from "../parts/forms.js";
 
 const STATES = {
   idle: "Nothing is running",
@@ -42,7 +42,7 @@ class Run {
     this.status = h("section.card.run-status", { "aria-label": "The run" });
     this.exports = h("div.exports");
     this.leftOut = h("div");
-    place(
+    render(
       root,
       h(
         "header.head",
@@ -56,8 +56,7 @@ class Run {
       ),
       h("div.scroll.stack", null, this.status, this.exports),
     );
-    this.heard = () => this.#draw();
-    bench.addEventListener("run", this.heard);
+    this.removeListener = workspace.on("run", () => this.#draw());
     bindHere([
       ["Enter", "Run", () => this.#start()],
       ["c", "Stop the run", () => this.#cancel()],
@@ -73,22 +72,22 @@ class Run {
   }
 
   get busy() {
-    return ["running", "cancelling"].includes(bench.run?.state);
+    return ["running", "cancelling"].includes(workspace.run?.state);
   }
 
-  #start = alone(async () => {
-    if (this.busy || !bench.study.ready) return;
-    place(this.problem);
+  #start = withoutOverlap(async () => {
+    if (this.busy || !workspace.study.ready) return;
+    render(this.problem);
     try {
       await post("/api/run", { workers: this.workers, fresh: this.fresh });
       await this.#look();
     } catch (error) {
-      place(this.problem, faultList(error));
+      render(this.problem, faultList(error));
     }
   });
 
   async #cancel() {
-    if (bench.run?.state !== "running") return;
+    if (workspace.run?.state !== "running") return;
     await post("/api/run/cancel");
     await this.#look();
   }
@@ -96,26 +95,26 @@ class Run {
   /** Events may overtake an answer, or be cut off: ask how the run stands until it has ended. */
   async #look() {
     clearTimeout(this.again);
-    bench.takeRun(await get("/api/run"));
+    workspace.takeRun(await get("/api/run"));
     if (this.busy) this.again = setTimeout(() => this.#look().catch(() => {}), 1000);
   }
 
   #draw() {
-    const run = bench.run ?? { state: "idle" };
-    const { ready, counts, missing, results } = bench.study;
+    const run = workspace.run ?? workspace.study.run;
+    const { ready, counts, missing, results } = workspace.study;
     // Drawn anew only when something else is to be seen: a bar that is moved keeps the focus where it is.
     const shape = `${run.state}|${ready}|${missing.length}|${results?.fresh}|${run.failures?.length}`;
     if (shape === this.shape && this.busy) return this.#progress(run);
     this.shape = shape;
     const hadFocus = this.status.contains(document.activeElement);
-    place(
+    render(
       this.status,
       h(
         "header",
         null,
         h("h2", null, STATES[run.state] ?? run.state),
         h("span.sr", { role: "status" }, STATES[run.state] ?? run.state),
-        run.state === "done" && bench.study.results?.fresh && chip("up to date", "good"),
+        run.state === "done" && workspace.study.results?.fresh && chip("up to date", "good"),
         run.state === "failed" && chip("failed", "bad"),
       ),
       this.busy
@@ -181,7 +180,7 @@ class Run {
                 disabled: !ready,
               })),
               ["done", "cancelled"].includes(run.state) &&
-                bench.study.results?.there &&
+                workspace.study.results?.there &&
                 h("a.button", { href: "#/results" }, "See the results"),
             ),
           ],
@@ -203,18 +202,15 @@ class Run {
     return undefined;
   }
 
+  /** @param {Answers["RunStatus"]} run */
   #progress(run) {
     this.bar.max = Math.max(1, run.total || 1);
     if (run.phase && run.phase !== "measuring") this.bar.removeAttribute("value");
     else this.bar.value = run.done ?? 0;
     const left = run.seconds_left ? `, about ${duration(run.seconds_left)} left` : "";
-    place(
+    render(
       this.line,
-      h(
-        "span",
-        null,
-        `${run.done ?? 0} of ${run.total ?? 0}${run.frames ? `, ${run.frames} frames` : ""} · ${duration(run.seconds ?? 0)}${left}`,
-      ),
+      h("span", null, `${run.done ?? 0} of ${run.total ?? 0} · ${duration(run.seconds ?? 0)}${left}`),
       h(
         "span",
         null,
@@ -229,9 +225,9 @@ class Run {
   }
 
   #drawExports() {
-    const { results } = bench.study;
+    const { results } = workspace.study;
     const there = results?.there;
-    place(
+    render(
       this.exports,
       h(
         "div.headline",
@@ -295,7 +291,7 @@ class Run {
   /** What the ZIP of the study folder holds, and what it leaves out. */
   async #listBundle() {
     const { files, bytes: size, left_out: left } = await get("/api/study/bundle");
-    place(
+    render(
       this.leftOut,
       h("p.soft.number", null, `${files} files, ${bytes(size)}`),
       left.length > 0 &&
@@ -322,13 +318,13 @@ class Run {
 
   close() {
     clearTimeout(this.again);
-    bench.removeEventListener("run", this.heard);
+    this.removeListener();
   }
 }
 
 /** The file of the contact at work. */
 function fileOf(name) {
-  const { observations, sequences } = bench.study;
+  const { observations, sequences } = workspace.study;
   return (
     observations.find(({ item }) => item === name)?.file ??
     sequences.find((film) => film.name === name)?.file ??

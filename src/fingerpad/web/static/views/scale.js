@@ -1,15 +1,16 @@
 // Scales: a line on a ruler, a coin, or a resolution; one scale for many pictures.
 
-import { get, Newest, post } from "../core/api.js";
-import { h, pathOf, place, s } from "../core/dom.js";
+import { get, LatestRequest, post } from "../core/api.js";
+import { h, pathOf, render, s } from "../core/dom.js";
 import { bindHere } from "../core/keys.js";
-import { complain, say } from "../core/messages.js";
+import { showError, toast } from "../core/messages.js";
 import { plain, withStd } from "../core/quantity.js";
-import { bench, wordsFor } from "../core/workspace.js";
+import { describeCode, workspace } from "../core/workspace.js";
 import { button, chip, choose, faultList, field, number, segments, text } from "../parts/forms.js";
 import { Stage } from "../parts/stage.js";
 import { Line } from "../parts/tools.js";
 
+/** @type {[key: string, words: string][]} */
 const WAYS = [
   ["line", "Ruler"],
   ["coin", "Coin"],
@@ -18,7 +19,7 @@ const WAYS = [
 ];
 
 // What a new scale begins with, to be seen and changed: a hand marks a line's end to about a pixel.
-const FRESH = { line: { ends_px_std: 1 } };
+const DEFAULTS = { line: { ends_px_std: 1 } };
 
 const COINS = [
   ["", "– type or choose –"],
@@ -34,8 +35,8 @@ const COINS = [
   ["20.3", "UK penny, 20.3 mm"],
 ];
 
-// A scale that was begun and not kept, while other steps are looked at.
-let begun = null;
+// A scale that was unsaved and not kept, while other steps are looked at.
+let unsaved = null;
 
 class Scales {
   constructor(root, rest) {
@@ -50,13 +51,13 @@ class Scales {
     this.result = h("div.result", { "aria-live": "polite" });
     this.form = h("div.stack");
     this.list = h("div.scale-list");
-    this.live = new Newest(
+    this.live = new LatestRequest(
       (table) => post("/api/measure/scale", { table }),
       (answer) => this.#found(answer),
       (error) => this.#refused(error),
       this.result,
     );
-    place(
+    render(
       root,
       h(
         "header.head",
@@ -78,7 +79,7 @@ class Scales {
         ),
       ),
       h(
-        "div.bench.no-tools.scale-bench",
+        "div.panes.no-tools.scale-panes",
         null,
         h(
           "div.scale-main",
@@ -105,17 +106,19 @@ class Scales {
       ["+ - 0", "Zoom in, zoom out, fit the picture", null],
       ["Space", "Start and end the line at the cross-hair", null],
     ]);
-    const first = bench.study.scales.find(({ name }) => name === rest[0]) ?? bench.study.scales[0];
-    this.#start(begun?.study === bench.study.name ? null : (first ?? null));
+    const first = workspace.study.scales.find(({ name }) => name === rest[0]) ?? workspace.study.scales[0];
+    this.#start(unsaved?.study === workspace.study.name ? null : (first ?? null));
   }
 
+  /** @param {State["scales"][number] | null} scale */
   #start(scale) {
-    this.live.drop();
+    this.live.cancel();
     this.old = scale;
-    const draft = !scale && begun?.study === bench.study.name ? begun : null;
-    begun = null;
+    const draft = !scale && unsaved?.study === workspace.study.name ? unsaved : null;
+    unsaved = null;
     this.name = scale?.name ?? draft?.name ?? "";
-    this.table = structuredClone(scale?.table ?? draft?.table ?? FRESH.line);
+    /** @type {ScaleTable} */
+    this.table = structuredClone(scale?.table ?? draft?.table ?? DEFAULTS.line);
     this.way = draft?.way ?? this.#wayOf(this.table) ?? "line";
     this.answer = null;
     this.file = this.table.coin ?? this.#guess();
@@ -128,13 +131,13 @@ class Scales {
   }
 
   #pictures() {
-    const study = bench.study;
+    const study = workspace.study;
     const used = [
       ...study.fingers.flatMap(({ photographs }) =>
         (photographs ?? []).filter(({ outline }) => !outline).map(({ file }) => file),
       ),
       ...study.observations.map(({ file }) => file),
-      ...study.scales.map(({ table }) => table.coin),
+      ...study.scales.map(({ table }) => /** @type {string | undefined} */ (table.coin)),
       ...study.files.filter(({ kind }) => kind === "picture").map(({ file }) => file),
     ];
     return [...new Set(used.filter(Boolean))];
@@ -146,15 +149,15 @@ class Scales {
   }
 
   #drawList() {
-    place(
+    render(
       this.list,
-      bench.study.scales.map(({ name, table, used_by: uses }) =>
+      workspace.study.scales.map(({ name, table, used_by: uses }) =>
         h(
           "button.scale-item",
           {
             type: "button",
             "aria-pressed": String(this.old?.name === name),
-            onclick: () => this.#start(bench.study.scales.find((scale) => scale.name === name)),
+            onclick: () => this.#start(workspace.study.scales.find((scale) => scale.name === name)),
           },
           h("strong", null, name),
           h("span.soft", null, words(table)),
@@ -179,7 +182,7 @@ class Scales {
       placeholder: "reader, camera …",
     });
     this.nameField.addEventListener("input", () => (this.name = this.nameField.value.trim()));
-    place(
+    render(
       this.form,
       h(
         "section",
@@ -274,13 +277,14 @@ class Scales {
         }),
       ],
     };
-    place(this.fields, ways[this.way]());
+    render(this.fields, ways[this.way]());
   }
 
   #choose(way) {
-    this.live.drop();
+    this.live.cancel();
     this.way = way;
-    this.table = way === this.#wayOf(this.old?.table) ? structuredClone(this.old.table) : { ...FRESH[way] };
+    this.table =
+      way === this.#wayOf(this.old?.table) ? structuredClone(this.old.table) : { ...DEFAULTS[way] };
     if (way === "coin") this.table.coin = this.file;
     this.answer = null;
     this.#drawForm();
@@ -297,7 +301,7 @@ class Scales {
   }
 
   #take(file) {
-    this.live.drop();
+    this.live.cancel();
     this.file = file;
     if (this.way === "coin") this.table.coin = file;
     this.line.set(null);
@@ -308,17 +312,19 @@ class Scales {
 
   async #show(file) {
     if (!file)
-      return this.stage.say("Drop a picture of a ruler or a coin on the Study page, or give the resolution.");
+      return this.stage.setMessage(
+        "Drop a picture of a ruler or a coin on the Study page, or give the resolution.",
+      );
     try {
       const info = await get("/api/picture/info", { item: `file:${file}` });
       if (file === this.file) this.stage.show(info.preview, info.rows_px, info.columns_px, file);
     } catch (error) {
-      if (file === this.file) this.stage.say(error.message, "bad");
+      if (file === this.file) this.stage.setMessage(error.message, "bad");
     }
   }
 
   #drawn(ends) {
-    this.table.line = ends.map((place) => place.map((value) => Math.round(value * 100) / 100));
+    this.table.line = ends.map((point) => point.map((value) => Math.round(value * 100) / 100));
     if (this.table.length_mm === undefined) this.fields.querySelector("input")?.focus();
     this.#ask();
   }
@@ -347,26 +353,27 @@ class Scales {
   }
 
   #ask() {
-    if (this.#ready()) this.live.ask(this.#asked());
+    if (this.#ready()) this.live.request(this.#asked());
     else {
-      this.live.drop();
+      this.live.cancel();
       const next = {
         line: this.table.line ? "Now type how long the line is." : "Draw a line on the ruler.",
         coin: "Say which coin it is.",
         ppi: "Type the resolution.",
         mm_per_px: "Type the size of a pixel.",
       }[this.way];
-      place(this.result, h("p.soft", null, next));
+      render(this.result, h("p.soft", null, next));
       this.line.write("");
     }
   }
 
+  /** @param {ScaleMeasurement} answer */
   #found(answer) {
     this.answer = answer;
     this.stage.setScale(answer.mm_per_px);
     this.coin.setAttribute("d", pathOf(answer.coin?.outline_px));
     if (this.way === "line") this.line.write(`${plain(this.table.length_mm)} mm`);
-    place(
+    render(
       this.result,
       h("h3", null, "Scale"),
       h(
@@ -393,19 +400,19 @@ class Scales {
         h(
           "div.note",
           null,
-          answer.flags.map((flag) => h("p", null, wordsFor(flag))),
+          answer.flags.map((flag) => h("p", null, describeCode(flag))),
         ),
     );
   }
 
   #refused(error) {
     this.answer = null;
-    place(this.result, faultList(error));
+    render(this.result, faultList(error));
   }
 
   /** Which pictures take this scale. */
   #uses() {
-    const study = bench.study;
+    const study = workspace.study;
     const rows = [
       ...study.fingers.flatMap((finger) =>
         (finger.photographs ?? [])
@@ -413,7 +420,7 @@ class Scales {
           .map((each) => ["photograph", each.item, `${finger.name}, ${each.face ?? "?"} face`, each.scale]),
       ),
       ...study.observations
-        .filter(({ file, from_csv: csv }) => file && !csv)
+        .filter(({ file }) => file)
         .map((each) => ["observation", each.item, each.item, each.scale]),
       ...study.sequences.map((each) => ["sequence", each.name, `film ${each.name}`, each.scale]),
     ];
@@ -455,7 +462,7 @@ class Scales {
   }
 
   async #keep() {
-    place(this.problem);
+    render(this.problem);
     if (!this.name) return this.#wrong("Give the scale a name, as in reader or camera.", this.nameField);
     if (!this.#ready()) return this.#wrong("The scale is not complete yet.");
     const edits = [{ kind: "scale", key: this.name, set: this.#asked() }];
@@ -463,27 +470,27 @@ class Scales {
       if (box.checked && scale !== this.name) edits.push({ kind, key, set: { scale: this.name } });
     }
     try {
-      await bench.edit(...edits);
-      say(
+      await workspace.edit(...edits);
+      toast(
         `Scale ${this.name} is kept${edits.length > 1 ? ` and used by ${edits.length - 1} more picture${edits.length > 2 ? "s" : ""}` : ""}.`,
         { kind: "good" },
       );
-      this.#start(bench.study.scales.find(({ name }) => name === this.name) ?? null);
+      this.#start(workspace.study.scales.find(({ name }) => name === this.name) ?? null);
     } catch (error) {
-      place(this.problem, faultList(error));
+      render(this.problem, faultList(error));
     }
   }
 
   #wrong(words, control) {
-    place(this.problem, h("div.faults", { role: "alert" }, h("p", null, words)));
+    render(this.problem, h("div.faults", { role: "alert" }, h("p", null, words)));
     control?.focus();
   }
 
   async #delete() {
     if (this.old.used_by)
       return this.#wrong(`${this.old.used_by} pictures still use this scale. Give them another one first.`);
-    await bench.edit({ kind: "scale", key: this.old.name, set: null }).catch(complain);
-    this.#start(bench.study.scales[0] ?? null);
+    await workspace.edit({ kind: "scale", key: this.old.name, set: null }).catch(showError);
+    this.#start(workspace.study.scales[0] ?? null);
   }
 
   update() {
@@ -491,13 +498,14 @@ class Scales {
   }
 
   close() {
-    if (!this.old && (this.name || JSON.stringify(this.table) !== JSON.stringify(FRESH[this.way] ?? {})))
-      begun = { study: bench.study?.name, name: this.name, way: this.way, table: this.table };
-    this.live.drop();
+    if (!this.old && (this.name || JSON.stringify(this.table) !== JSON.stringify(DEFAULTS[this.way] ?? {})))
+      unsaved = { study: workspace.study?.name, name: this.name, way: this.way, table: this.table };
+    this.live.cancel();
     this.stage.close();
   }
 }
 
+/** @param {ScaleTable} table */
 function words(table) {
   if (table.ppi !== undefined) return `${table.ppi} ppi`;
   if (table.mm_per_px !== undefined) return `${table.mm_per_px} mm/px`;

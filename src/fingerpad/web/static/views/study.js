@@ -1,8 +1,8 @@
 // The study: what goes into it, what is missing, and what holds for all of it.
 
-import { h, place, redraw } from "../core/dom.js";
+import { h, redraw, render } from "../core/dom.js";
 import { bindHere } from "../core/keys.js";
-import { bench } from "../core/workspace.js";
+import { workspace } from "../core/workspace.js";
 import { Drop } from "../parts/drop.js";
 import { choose, faultList, field, number, text } from "../parts/forms.js";
 import { NewFiles } from "./new_files.js";
@@ -25,7 +25,7 @@ class StudyView {
     });
     this.heading = h("div");
     this.ready = h("div.actions");
-    place(
+    render(
       root,
       h("header.head", null, this.heading, this.ready),
       h(
@@ -59,10 +59,10 @@ class StudyView {
   }
 
   #draw() {
-    const { study } = bench;
+    const { study } = workspace;
     const all = study.observations.length + study.sequences.length;
     this.drop.root.classList.toggle("slim", study.fingers.length + all > 0);
-    place(
+    render(
       this.heading,
       h("h1", null, study.title || study.name),
       h(
@@ -71,7 +71,7 @@ class StudyView {
         `${count(study.fingers.length, "finger")}, ${count(study.observations.length, "contact")}${study.sequences.length ? `, ${count(study.sequences.length, "film")}` : ""}${study.curves.length ? `, ${count(study.curves.length, "loading entry", "loading entries")}` : ""}`,
       ),
     );
-    place(
+    render(
       this.ready,
       study.ready
         ? h("a.button.primary", { href: "#/run/start" }, "Run the study")
@@ -79,11 +79,11 @@ class StudyView {
     );
     this.files.draw();
     this.tables.draw();
-    place(this.side, this.#missing(), this.#uncertainty(), this.#settings());
+    render(this.side, this.#missing(), this.#uncertainty(), this.#settings());
   }
 
   #missing() {
-    const { missing, ready, observations, sequences } = bench.study;
+    const { missing, ready, observations, sequences } = workspace.study;
     if (ready && !missing.length) {
       if (observations.length + sequences.length)
         return h(
@@ -133,16 +133,16 @@ class StudyView {
   }
 
   async #change(kind, set, problem) {
-    place(problem);
+    render(problem);
     try {
-      await bench.edit({ kind, key: "", set });
+      await workspace.edit({ kind, key: "", set });
     } catch (error) {
-      place(problem, faultList(error));
+      render(problem, faultList(error));
     }
   }
 
   #uncertainty() {
-    const now = bench.study.uncertainty;
+    const now = workspace.study.uncertainty;
     const problem = h("div");
     const of = (key, max) =>
       number({
@@ -186,7 +186,7 @@ class StudyView {
   }
 
   #settings() {
-    const { study } = bench;
+    const { study } = workspace;
     const problem = h("div");
     return h(
       "section.card",

@@ -1,11 +1,11 @@
 // What the study consists of, to be seen and changed in place: fingers, contacts, films, curves.
 
-import { h, place, redraw, symbol } from "../core/dom.js";
-import { question } from "../core/messages.js";
+import { h, redraw, render, symbol } from "../core/dom.js";
+import { ask } from "../core/messages.js";
 import { plain, withStd } from "../core/quantity.js";
-import { bench, wordsFor } from "../core/workspace.js";
+import { describeCode, workspace } from "../core/workspace.js";
 import { button, chip, choose, faultList, field, number, synthetic, text } from "../parts/forms.js";
-import { scaleChoice, scaleWords } from "../parts/scale_choice.js";
+import { scaleChoice } from "../parts/scale_choice.js";
 
 const PAGE = 50;
 const AXES = [
@@ -22,6 +22,7 @@ const STATUS = {
   rejected: ["rejected", "bad"],
 };
 
+/** @param {{ status: string, reason?: string | null }} entry */
 const statusChip = ({ status, reason }) =>
   chip(...(STATUS[status] ?? [status ?? "", ""]), reason ?? undefined);
 const incomplete = ({ complete }) => complete === false && chip("not complete", "warn");
@@ -34,8 +35,8 @@ export class StudyTables {
   }
 
   draw() {
-    const { fingers, observations, sequences, curves } = bench.study;
-    place(
+    const { fingers, observations, sequences, curves } = workspace.study;
+    render(
       this.root,
       this.problem,
       this.#fingers(fingers),
@@ -46,18 +47,18 @@ export class StudyTables {
   }
 
   async change(kind, key, set) {
-    place(this.problem);
+    render(this.problem);
     try {
-      await bench.edit({ kind, key, set });
+      await workspace.edit({ kind, key, set });
     } catch (error) {
       redraw(() => this.draw()); // what was refused does not stay in its field
-      place(this.problem, faultList(error));
+      render(this.problem, faultList(error));
       this.problem.scrollIntoView({ block: "nearest" });
     }
   }
 
   async #remove(kind, key, words) {
-    const answer = await question(
+    const answer = await ask(
       `Take ${words} out of the study?`,
       h("p", null, "Its file stays in the study's folder."),
       [
@@ -68,6 +69,7 @@ export class StudyTables {
     if (answer === "yes") this.change(kind, key, null);
   }
 
+  /** @param {Finger[]} fingers */
   #fingers(fingers) {
     return h(
       "section.card",
@@ -117,8 +119,9 @@ export class StudyTables {
     );
   }
 
+  /** @param {Finger} finger */
   #finger(finger) {
-    const typed = finger.table?.semi_axes_mm;
+    const typed = finger.table.semi_axes_mm;
     return h(
       "tr",
       null,
@@ -172,10 +175,10 @@ export class StudyTables {
     );
   }
 
+  /** @param {Finger["photographs"][number]} photograph */
   #face(photograph) {
     const words = `${photograph.face ?? "which face?"}${photograph.scale ? "" : ", no scale"}`;
-    const kind =
-      photograph.complete === false || photograph.rejected ? "warn" : photograph.accepted ? "good" : "";
+    const kind = photograph.rejected ? "warn" : photograph.accepted ? "good" : "";
     if (photograph.outline) return chip(`${words}, outline`, kind);
     return h(
       "a.face-link",
@@ -193,7 +196,7 @@ export class StudyTables {
   async #askName(words, doing, value = "") {
     const name = text({ placeholder: "left_index", value });
     const body = h("div", null, field("Name of the finger", name, { hint: "Letters, digits, - and _." }));
-    const answer = await question(words, body, [
+    const answer = await ask(words, body, [
       ["", "Cancel"],
       ["yes", doing, "primary"],
     ]);
@@ -204,15 +207,17 @@ export class StudyTables {
     const name = await this.#askName("Add a finger", "Add");
     if (!name) return;
     await this.change("finger", name, {});
-    const made = bench.study.fingers.find((finger) => finger.name === name);
+    const made = workspace.study.fingers.find((finger) => finger.name === name);
     if (made && !made.photographs?.length) this.#semiAxes(made);
   }
 
+  /** @param {Finger} finger */
   async #rename(finger) {
     const name = await this.#askName(`Rename ${finger.name}`, "Rename", finger.name);
     if (name && name !== finger.name) this.change("finger", finger.name, { name });
   }
 
+  /** @param {Finger} finger */
   async #semiAxes(finger) {
     const { semi_axes_mm: now = {}, semi_axes_mm_std: std = {} } = finger.table ?? {};
     const inputs = AXES.map(([axis, words]) => [
@@ -238,7 +243,7 @@ export class StudyTables {
         ]),
       ),
     );
-    const answer = await question(`Semi-axes of ${finger.name}`, body, [
+    const answer = await ask(`Semi-axes of ${finger.name}`, body, [
       ["", "Cancel"],
       ["yes", "Keep", "primary"],
     ]);
@@ -250,9 +255,11 @@ export class StudyTables {
     });
   }
 
+  /** @param {Observation[]} observations */
   #observations(observations) {
     const rolled =
-      observations.some(({ roll_angle_deg: roll }) => roll) || bench.study.uncertainty.roll_angle_deg_std > 0;
+      observations.some(({ roll_angle_deg: roll }) => roll) ||
+      workspace.study.uncertainty.roll_angle_deg_std > 0;
     const pages = Math.max(1, Math.ceil(observations.length / PAGE));
     this.page = Math.min(this.page, pages - 1);
     const shown = observations.slice(this.page * PAGE, (this.page + 1) * PAGE);
@@ -316,8 +323,11 @@ export class StudyTables {
     );
   }
 
+  /**
+   * @param {Observation} one
+   * @param {boolean} rolled
+   */
   #observation(one, rolled) {
-    const fixed = one.from_csv;
     const set = (key) => (value) => this.change("observation", one.item, { [key]: value });
     const num = (key, words, more) =>
       h(
@@ -328,7 +338,6 @@ export class StudyTables {
           min: 0,
           label: `${words} of ${one.item}`,
           onset: set(key),
-          disabled: fixed,
           ...more,
         }),
       );
@@ -341,49 +350,42 @@ export class StudyTables {
         one.file ? h("a", { href: `#/contacts/images/${encodeURIComponent(one.item)}` }, one.item) : one.item,
         " ",
         synthetic(one.synthetic),
-        one.flags.length > 0 && [" ", chip("flagged", "warn", one.flags.map(wordsFor).join("; "))],
+        one.flags.length > 0 && [" ", chip("flagged", "warn", one.flags.map(describeCode).join("; "))],
       ),
-      fixed
-        ? h("td", null, one.finger)
-        : h(
-            "td",
-            null,
-            choose({
-              value: one.finger ?? "",
-              options: [
-                ...(one.finger ? [] : [["", "– which? –"]]),
-                ...bench.study.fingers.map(({ name }) => name),
-              ],
-              label: `Finger of ${one.item}`,
-              onset: set("finger"),
-            }),
-          ),
+      h(
+        "td",
+        null,
+        choose({
+          value: one.finger ?? "",
+          options: [
+            ...(one.finger ? [] : [["", "– which? –"]]),
+            ...workspace.study.fingers.map(({ name }) => name),
+          ],
+          label: `Finger of ${one.item}`,
+          onset: set("finger"),
+        }),
+      ),
       num("wedge_angle_deg", "Wedge angle", { max: 90 }),
       rolled && num("roll_angle_deg", "Roll angle", { min: undefined }),
       num("load_N", "Load"),
-      fixed || !one.file
-        ? h("td.soft", null, one.file ? scaleWords(one.scale) : "ellipse given")
-        : h(
-            "td",
-            null,
-            scaleChoice({ value: one.scale, label: `Scale of ${one.item}`, onset: set("scale") }),
-          ),
+      one.file
+        ? h("td", null, scaleChoice({ value: one.scale, label: `Scale of ${one.item}`, onset: set("scale") }))
+        : h("td.soft", null, "ellipse given"),
       h("td", null, incomplete(one) || statusChip(one)),
       h(
         "td",
         null,
-        fixed
-          ? h("span.soft", { title: "This row stands in the study's spreadsheet" }, "CSV")
-          : button("×", () => this.#remove("observation", one.item, one.item), {
-              kind: "icon",
-              label: `Take ${one.item} out`,
-            }),
+        button("×", () => this.#remove("observation", one.item, one.item), {
+          kind: "icon",
+          label: `Take ${one.item} out`,
+        }),
       ),
     );
   }
 
+  /** @param {Sequence[]} sequences */
   #sequences(sequences) {
-    const tables = bench.study.files.filter(({ kind }) => kind === "table").map(({ file }) => file);
+    const tables = workspace.study.files.filter(({ kind }) => kind === "table").map(({ file }) => file);
     return h(
       "section.card",
       { "aria-label": "Films" },
@@ -427,7 +429,7 @@ export class StudyTables {
                   null,
                   choose({
                     value: one.finger ?? "",
-                    options: bench.study.fingers.map(({ name }) => name),
+                    options: workspace.study.fingers.map(({ name }) => name),
                     label: `Finger of ${one.name}`,
                     onset: set("finger"),
                   }),
@@ -456,7 +458,7 @@ export class StudyTables {
                     "div.control.below",
                     null,
                     number({
-                      value: one.table?.frames_per_second,
+                      value: one.frames_per_second,
                       min: 0,
                       label: `Frames per second of ${one.name}`,
                       onset: set("frames_per_second"),
@@ -486,6 +488,7 @@ export class StudyTables {
     );
   }
 
+  /** @param {State["curves"]} curves */
   #curves(curves) {
     return h(
       "section.card",
@@ -506,7 +509,7 @@ export class StudyTables {
           null,
           button(h("span", null, "Add ", symbol("R", "g"), " from elsewhere"), () => this.#addRadius(), {
             kind: "small",
-            disabled: !bench.study.fingers.length,
+            disabled: !workspace.study.fingers.length,
           }),
         ),
       ),
@@ -539,7 +542,7 @@ export class StudyTables {
                   h(
                     "tr",
                     null,
-                    h("td", null, one.file ?? "found elsewhere", " ", synthetic(one.table?.synthetic)),
+                    h("td", null, one.file ?? "found elsewhere", " ", synthetic(one.synthetic)),
                     h("td", null, one.finger ?? "–"),
                     h(
                       "td",
@@ -556,7 +559,7 @@ export class StudyTables {
                       "td.number",
                       null,
                       one.loading_radius_mm
-                        ? withStd(one.loading_radius_mm, one.table?.loading_radius_mm_std)
+                        ? withStd(one.loading_radius_mm, one.loading_radius_mm_std)
                         : one.file
                           ? "from the curve"
                           : plain(null),
@@ -587,13 +590,13 @@ export class StudyTables {
 
   async #addRadius() {
     const finger = choose({
-      value: bench.study.fingers[0].name,
-      options: bench.study.fingers.map(({ name }) => name),
+      value: workspace.study.fingers[0].name,
+      options: workspace.study.fingers.map(({ name }) => name),
     });
     const wedge = number({ min: 0, max: 90 });
     const radius = number({ min: 0 });
     const std = number({ min: 0 });
-    const answer = await question(
+    const answer = await ask(
       "R_g from loading data",
       h(
         "div.fields",
@@ -612,6 +615,6 @@ export class StudyTables {
     const set = { finger: finger.value, loading_radius_mm: Number(radius.value) };
     if (wedge.value !== "") set.wedge_angle_deg = Number(wedge.value);
     if (std.value !== "") set.loading_radius_mm_std = Number(std.value);
-    this.change("curve", String(bench.study.curves.length), set);
+    this.change("curve", String(workspace.study.curves.length), set);
   }
 }

@@ -1,14 +1,14 @@
 // Before a study is open: begin one, open one, or bring one from another machine.
 
 import { ApiError } from "../core/api.js";
-import { h, place } from "../core/dom.js";
-import { complain } from "../core/messages.js";
-import { bench } from "../core/workspace.js";
-import { alone, button, faultList, field, text } from "../parts/forms.js";
+import { h, render } from "../core/dom.js";
+import { showError } from "../core/messages.js";
+import { workspace } from "../core/workspace.js";
+import { button, faultList, field, text, withoutOverlap } from "../parts/forms.js";
 
 class Welcome {
   constructor(root) {
-    const { studies, workspace } = bench.session;
+    const { studies, workspace: folder } = workspace.session;
     this.problem = h("div");
     this.title = text({ placeholder: "Index fingers, spring 2026", required: true });
     this.chooser = h("input", {
@@ -20,7 +20,7 @@ class Welcome {
       onchange: () => this.#import(this.chooser.files[0]),
     });
     this.title.addEventListener("keydown", (event) => event.key === "Enter" && this.#create());
-    place(
+    render(
       root,
       h(
         "div.scroll.welcome",
@@ -32,7 +32,7 @@ class Welcome {
           h(
             "div",
             null,
-            h("h1", null, "The bench"),
+            h("h1", null, "The workspace"),
             h(
               "p.soft",
               null,
@@ -47,7 +47,7 @@ class Welcome {
             "section.card.stack",
             null,
             h("h2", null, "Begin a study"),
-            field("What it is about", this.title, { hint: `A folder of its own is made in ${workspace}.` }),
+            field("What it is about", this.title, { hint: `A folder of its own is made in ${folder}.` }),
             h(
               "div.actions",
               null,
@@ -69,20 +69,20 @@ class Welcome {
                       null,
                       h(
                         "button",
-                        { type: "button", onclick: () => bench.open(name).catch(complain) },
+                        { type: "button", onclick: () => workspace.open(name).catch(showError) },
                         h("strong", null, title || name),
                         title && h("code", null, name),
                       ),
                     ),
                   ),
                 )
-              : h("p.soft", null, `There is none in ${workspace} yet.`),
+              : h("p.soft", null, `There is none in ${folder} yet.`),
           ),
           h(
             "section.card.stack",
             null,
             h("h2", null, "Bring a study"),
-            h("p.soft", null, "The ZIP that another bench exported: pictures, corrections and results."),
+            h("p.soft", null, "The ZIP that another workspace exported: pictures, corrections and results."),
             h(
               "div.actions",
               null,
@@ -106,7 +106,7 @@ class Welcome {
     this.title.focus();
   }
 
-  #create = alone(async () => {
+  #create = withoutOverlap(async () => {
     const title = this.title.value.trim();
     if (!title) return this.title.focus();
     const name =
@@ -117,12 +117,12 @@ class Welcome {
         .replace(/[^a-z0-9]+/g, "-")
         .replace(/^-+|-+$/g, "")
         .slice(0, 60) || "study";
-    place(this.problem);
+    render(this.problem);
     try {
-      await bench.create(name, title);
+      await workspace.create(name, title);
       location.hash = "#/study";
     } catch (error) {
-      place(this.problem, faultList(error));
+      render(this.problem, faultList(error));
     }
     return undefined;
   });
@@ -135,7 +135,7 @@ class Welcome {
         .replace(/[^A-Za-z0-9._-]+/g, "-")
         .replace(/^[.-]+/, "")
         .slice(0, 56) || "study";
-    const taken = new Set(bench.session.studies.map((study) => study.name));
+    const taken = new Set(workspace.session.studies.map((study) => study.name));
     let name = stem;
     for (let number = 2; taken.has(name); number += 1) name = `${stem}-${number}`;
     const response = await fetch(`/api/session/import?${new URLSearchParams({ name })}`, {
@@ -144,9 +144,10 @@ class Welcome {
       body: file,
     });
     const answer = await response.json().catch(() => null);
-    if (!response.ok) return complain(new ApiError(response.status, answer));
-    bench.take(answer);
+    if (!response.ok) return showError(new ApiError(response.status, answer));
+    workspace.take(answer);
   }
 }
 
-export const open = (root) => new Welcome(root);
+/** @returns {View} */
+export const open = (root) => /** @type {any} */ (new Welcome(root));
