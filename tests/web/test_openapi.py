@@ -1,5 +1,6 @@
 """The API fuzzed from its own description: whatever is asked, no answer is a fault of the server."""
 
+import re
 import shutil
 
 import pytest
@@ -9,7 +10,8 @@ from schemathesis import GenerationMode
 from tests.web.conftest import DEMO, serving, shorten
 
 import fingerpad
-from fingerpad.web.app import ENDPOINTS
+from fingerpad.study.results.columns import COLUMNS
+from fingerpad.web.app import ENDPOINTS, STATIC
 from fingerpad.web.endpoints import openapi
 from fingerpad.web.workspace import Workspace
 
@@ -18,6 +20,12 @@ APART = ("/api/session/", "/api/run", "/api/events")
 KNOWN = {(one.method, one.plain_path) for one in ENDPOINTS}
 EXAMPLES = 12
 PATIENCE_S = 120  # machines that test are busy
+# Names of Plotly and WebGL, of files, and an example.
+OF_OTHERS = {"paper_bgcolor", "plot_bgcolor", "plotly_click", "error_y", "gl_Position"} | {
+    "corrected_radius",
+    "left_index",
+    "results_columns",
+}
 PHOTO = "synthetic_pad/synthetic/photograph_palmar.jpg"
 
 
@@ -103,6 +111,40 @@ def test_the_description_is_served_and_names_every_operation(fuzzed):
     document = fuzzed.get("/api/openapi.json").json()
     served = {(method.upper(), path) for path, methods in document["paths"].items() for method in methods}
     assert served == KNOWN
+
+
+def test_every_answer_in_json_has_a_model():
+    document = openapi(ENDPOINTS, fingerpad.__version__)
+    for path, methods in document["paths"].items():
+        for method, described in methods.items():
+            success = next(answer for status, answer in described["responses"].items() if status != "4XX")
+            if (content := success["content"].get("application/json")) is not None:
+                name = content["schema"]["$ref"].rpartition("/")[2]
+                assert document["components"]["schemas"][name]["properties"], (method, path)
+
+
+def names_in(value):
+    """Yield every property, parameter and constant of an OpenAPI document."""
+    if isinstance(value, dict):
+        yield from value.get("properties", ())
+        yield from (one for one in value.get("enum", ()) if isinstance(one, str))
+        yield from (one["name"] for one in value.get("parameters", ()))
+        for part in value.values():
+            yield from names_in(part)
+    elif isinstance(value, list):
+        for part in value:
+            yield from names_in(part)
+
+
+def test_every_key_that_the_scripts_use_is_declared():
+    """The scripts' own names are in camel case: one with an underscore is a key of the API or a column."""
+    declared = {*names_in(openapi(ENDPOINTS, fingerpad.__version__)), *COLUMNS}
+    for script in sorted((STATIC).rglob("*.js")):
+        code = re.sub(
+            r"/\*.*?\*/|^\s*//[^\n]*|from \"[^\n]*", "", script.read_text(), flags=re.DOTALL | re.MULTILINE
+        )
+        used = set(re.findall(r"\b[a-z][a-z0-9]*(?:_[A-Za-z0-9]+)+\b", code))
+        assert used - declared - OF_OTHERS == set(), script.name
 
 
 def test_what_is_not_described_is_not_there(fuzzed):

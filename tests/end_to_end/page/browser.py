@@ -76,7 +76,7 @@ class Tab:
 
     def open(self, step: str = "study") -> Page:
         self.page.goto(self.server.address)
-        self.page.locator("#rail .brand").wait_for()
+        self.page.locator("#sidebar .brand").wait_for()
         if step != "study":
             self.go(step)
         return self.page

@@ -126,13 +126,13 @@ def test_two_windows_do_not_lose_each_others_corrections(tab: Tab, browser, demo
     assert set(last["change"]) == {"ellipse_px", "threshold"}
 
 
-@pytest.mark.parametrize("events", ["heard", "cut off"])
+@pytest.mark.parametrize("events", ["heard", "cropped"])
 def test_a_window_changes_no_study_that_another_one_opened(tab: Tab, demo, events: str) -> None:
     shutil.copytree(demo, demo.parent / "other")
     manifest = demo.parent / "other" / "study.toml"
     manifest.write_text(manifest.read_text().replace("Left index finger pad of", "The other pad of"))
     before = (demo / "study.toml").read_text(), manifest.read_text()
-    if events == "cut off":
+    if events == "cropped":
         tab.context.route("**/api/events", lambda route: route.abort())
         tab.expected += ["ERR_FAILED", "409"]
     one = tab.open("study")
@@ -141,10 +141,10 @@ def test_a_window_changes_no_study_that_another_one_opened(tab: Tab, demo, event
     two.get_by_role("button", name="Other studies").click()
     if events == "heard":
         one.get_by_text("Another window closed the study.").wait_for()
-        one.get_by_role("heading", name="Open a study").wait_for()
+        one.get_by_role("heading", name="Open study").wait_for()
     two.get_by_role("button", name="The other pad").click()
     two.get_by_role("heading", name="The other pad").wait_for()
-    if events == "cut off":
+    if events == "cropped":
         one.get_by_label("Roll angle ±").fill("0.7")
         one.get_by_label("Roll angle ±").press("Enter")
         one.get_by_text("Another window opened the study The other pad").wait_for()
@@ -188,8 +188,8 @@ def test_a_window_that_did_not_hear_of_it_is_asked(tab: Tab, demo) -> None:
     changed(two, before)
     one.get_by_label("Threshold").fill("70")
     one.get_by_label("Threshold").press("Enter")
-    one.get_by_role("dialog", name="Another window corrected this picture").wait_for()
-    one.get_by_role("button", name="Keep mine on top").click()
+    one.get_by_role("dialog", name="Another window corrected this image").wait_for()
+    one.get_by_role("button", name="Apply mine as well").click()
     one.wait_for_function("() => document.querySelectorAll('.history li').length === 2")
     last = json.loads((demo / "corrections.jsonl").read_text().splitlines()[-1])
     assert set(last["change"]) == {"ellipse_px", "threshold"}
@@ -219,14 +219,14 @@ def test_killed_in_the_middle_of_an_edit_loses_nothing_confirmed(browser, demo) 
     with served(demo.parent, str(demo / "study.toml")) as server:
         tab = Tab(browser, server)
         page = tab.open(f"contacts/images/{PRINT}")
-        page.get_by_text("by a person", exact=True).wait_for()
+        page.get_by_text("manual", exact=True).wait_for()
         assert numbers(page) == confirmed
         tab.close()
 
 
 def test_two_thousand_frames_open_at_once_and_scroll(browser, tmp_path) -> None:
     study = tmp_path / "long"
-    (study / "film").mkdir(parents=True)
+    (study / "sequence").mkdir(parents=True)
     frame = Image.open(DEMO / "synthetic" / "synthetic_30deg_1N.png").convert("L")
     frame.save(study / "film" / "f0000.png")
     for number in range(1, 2000):

@@ -120,7 +120,7 @@ def test_figures_budget_and_audit(tab: Tab) -> None:
     page.locator("h1").click()
     page.keyboard.press("b")
     card = page.locator("section.card").first
-    card.get_by_text("the first order holds").wait_for()
+    card.get_by_text("linear approximation valid").wait_for()
     assert "61.8 %" in card.inner_text()
     page.keyboard.press("a")
     page.get_by_role("heading", name="Results").wait_for()

@@ -60,14 +60,9 @@ function failed(error) {
     h(
       "div.empty",
       { role: "alert" },
-      h("h1", null, "The workspace cannot be opened"),
+      h("h1", null, "The page cannot be loaded"),
       h("p", null, error.message),
-      error.status === 403 &&
-        h(
-          "p",
-          null,
-          "This page was opened without the launch's own address. Copy the whole address that the terminal shows.",
-        ),
+      error.status === 403 && h("p", null, "Open the complete address that the terminal shows."),
       h(
         "div.actions",
         null,
@@ -79,12 +74,8 @@ function failed(error) {
 
 bindEverywhere(
   ...STEPS.map(([key, words], index) => [String(index + 1), words, () => (location.hash = `#/${key}`)]),
-  ["?", "These keys", () => showHelp()],
-  [
-    "Escape",
-    "Let go of a field or a mark",
-    () => /** @type {HTMLElement} */ (document.activeElement)?.blur(),
-  ],
+  ["?", "Show the keys", () => showHelp()],
+  ["Escape", "Leave a field or a handle", () => /** @type {HTMLElement} */ (document.activeElement)?.blur()],
 );
 
 listen();

@@ -8,7 +8,9 @@ export class ApiError extends Error {
   constructor(status, body) {
     super(
       body?.error ??
-        (status ? `The program answered ${status}.` : "The program does not answer. Is it still running?"),
+        (status
+          ? `The server responded with status ${status}.`
+          : "fingerpad does not respond. Is it still running?"),
     );
     this.status = status;
     /** @type {Partial<Answers["Refusal"]>} */

@@ -93,17 +93,17 @@ export class Corrections {
       await this.#read();
       const theirs = this.document.history.at(-1);
       const answer = await ask(
-        "Another window corrected this picture",
+        "Another window corrected this image",
         h(
           "p",
           null,
           theirs
-            ? `${theirs.who || "Someone"} kept ${describeChange(theirs)} just now. It is shown behind this question; yours is not kept yet.`
+            ? `${theirs.who || "Someone"} saved ${describeChange(theirs)} just now. Yours is not saved yet.`
             : "It was changed just now.",
         ),
         [
-          ["theirs", "Leave theirs"],
-          ["both", "Keep mine on top", "primary"],
+          ["theirs", "Keep their correction"],
+          ["both", "Apply mine as well", "primary"],
         ],
       );
       return answer === "both" ? this.#take(await send()) : this.document;
@@ -121,7 +121,7 @@ const WORDS = {
   ellipse_px: "ellipse",
   added_points_px: "points added",
   erased: "points erased",
-  tip: "fingertip's side",
+  tip: "side of the fingertip",
   palmar_side: "palmar side",
   accepted: "accepted",
   rejected: "rejected",
@@ -131,7 +131,7 @@ const WORDS = {
 export function describeChange({ action, change }) {
   if (action !== "change") return action;
   const parts = Object.keys(change).filter((key) => change[key] !== null && change[key] !== false);
-  return parts.length ? parts.map((key) => WORDS[key] ?? key).join(", ") : "back to the program";
+  return parts.length ? parts.map((key) => WORDS[key] ?? key).join(", ") : "reset to automatic";
 }
 
 /** A correction without what says nothing. */

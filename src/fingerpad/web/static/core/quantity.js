@@ -71,16 +71,16 @@ export function quantityRow(label, text, { was, mark, title } = {}) {
       "dd",
       null,
       h("span.number", null, text),
-      was && was !== text && h("span.was", null, h("span.sr", null, "program: "), was),
+      was && was !== text && h("span.was", null, h("span.sr", null, "automatic: "), was),
     ),
   );
 }
 
 /** Who measured, in words. */
 export const BY = {
-  program: "by the program",
+  program: "automatic",
   "program with corrections": "corrected",
-  person: "by a person",
+  person: "manual",
 };
 
 export const probability = (p) => (p < 0.001 ? "p < 0.001" : `p = ${p.toPrecision(2)}`);

@@ -30,7 +30,7 @@ function stepStatus(step) {
     contacts: doubtful
       ? [`${doubtful} doubtful`, "warn"]
       : [
-          `${contacts.length}${study.sequences.length ? ` + ${study.sequences.length} film${study.sequences.length > 1 ? "s" : ""}` : ""}`,
+          `${contacts.length}${study.sequences.length ? ` + ${study.sequences.length} sequence${study.sequences.length > 1 ? "s" : ""}` : ""}`,
           "",
         ],
     pad: [`${study.fingers.length || ""}`, ""],
@@ -95,7 +95,7 @@ export function drawSidebar(open, steps) {
         }),
       ),
     h("div.grow"),
-    h("p.cut-note", { role: "status" }, "The program does not answer. What you confirmed is on the disk."),
+    h("p.cut-note", { role: "status" }, "fingerpad does not respond. Confirmed changes are saved."),
     h(
       "div.switches",
       null,
@@ -107,7 +107,7 @@ export function drawSidebar(open, steps) {
         h("kbd", null, "?"),
       ),
     ),
-    h("p.version", null, `fingerpad ${workspace.session?.version ?? ""} · on this machine only`),
+    h("p.version", null, `fingerpad ${workspace.session?.version ?? ""} · local only`),
   );
 }
 

@@ -66,7 +66,7 @@ class Workspace extends EventTarget {
     if (study?.name === this.study?.name) return;
     toast(
       study
-        ? `Another window opened the study ${study.title || study.name}: it is shown here too.`
+        ? `Another window opened the study ${study.title || study.name}; this window follows.`
         : "Another window closed the study.",
       { kind: "error" },
     );
@@ -161,7 +161,7 @@ class Workspace extends EventTarget {
     const { name } = this.study;
     const mine = this.#editing.then(() => {
       if (this.study?.name !== name)
-        throw new ApiError(409, { error: `The study ${name} is not open any more: this was not kept.` });
+        throw new ApiError(409, { error: `The study ${name} is no longer open; the change was not saved.` });
       return this.#edit(edits);
     });
     this.#editing = mine.catch(() => {});
@@ -180,7 +180,7 @@ class Workspace extends EventTarget {
       await this.reload();
       if (edits.some((edit, index) => tableOf(this.study, edit) !== before[index])) {
         toast(
-          "Another window changed this entry just now. Its values are shown; enter yours again if they should stand.",
+          "Another window changed this entry just now. Its values are shown; enter yours again if needed.",
           { kind: "error" },
         );
         return this.study;

@@ -10,9 +10,7 @@ function load() {
     const script = h("script", { src: workspace.session.plotly });
     script.onload = () => resolve(window.Plotly);
     script.onerror = () =>
-      reject(
-        new Error("The charts' script could not be read from this machine; the report's figures are below."),
-      );
+      reject(new Error("The script for charts could not be loaded; see the figures of the report."));
     document.head.append(script);
   });
   return loading;

@@ -49,11 +49,11 @@ export class Drop {
       h(
         "div",
         null,
-        h("strong", null, "Drop photographs, contact images, films and curves here"),
+        h("strong", null, "Drop photographs, contact images, sequences and curves here"),
         h(
           "p.soft",
           null,
-          "PNG, JPEG, TIFF (8 or 16 bit), a folder of frames, CSV. They stay on this machine.",
+          "PNG, JPEG, TIFF (8 or 16 bit), a folder of frames, CSV. Files stay on this computer.",
         ),
       ),
       button("Choose files", () => this.chooser.click(), { kind: "primary" }),
@@ -96,7 +96,7 @@ export class Drop {
     const used = new Set(workspace.study?.files.filter((each) => each.used).map((each) => each.file));
     const again = kept.filter(({ file }) => used.has(file));
     if (again.length)
-      toast(`In the study already: ${again.map(({ file }) => file.split("/").at(-1)).join(", ")}.`);
+      toast(`Already in the study: ${again.map(({ file }) => file.split("/").at(-1)).join(", ")}.`);
     if (kept.length) this.sent(kept);
   }
 }

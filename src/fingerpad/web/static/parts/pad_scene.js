@@ -1,4 +1,4 @@
-// The pad in three dimensions as the library describes it: surface, place of contact, principal directions, platen
+// The pad in three dimensions as the library describes it: surface, point of contact, principal directions, platen
 // and wedge. It is only looked at from another side here; nothing is computed. Lines and names lie over the shaded
 // surface as SVG, which also draws the surface where WebGL is missing.
 

@@ -6,7 +6,7 @@ import { setWho, who } from "../core/workspace.js";
 import { button, field, text } from "./forms.js";
 
 export function whoButton() {
-  const shown = button("", askName, { kind: "small", title: "Kept with every correction" });
+  const shown = button("", askName, { kind: "small", title: "Saved with each correction" });
   const show = () => render(shown, h("span.soft", null, "Corrections by"), h("strong", null, who() || "…"));
   async function askName() {
     const name = text({ value: who() });
@@ -15,11 +15,11 @@ export function whoButton() {
       (event) => event.key === "Enter" && name.closest("dialog").close("keep"),
     );
     const answer = await ask(
-      "Who corrects?",
-      field("Your name or initials", name, { hint: "Stands beside every correction, with the time." }),
+      "Your name",
+      field("Name or initials", name, { hint: "Saved with each correction." }),
       [
         ["", "Cancel"],
-        ["keep", "Keep", "primary"],
+        ["keep", "Save", "primary"],
       ],
     );
     if (answer === "keep") setWho(name.value);

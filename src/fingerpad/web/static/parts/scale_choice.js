@@ -10,7 +10,7 @@ export function scaleWords(scale) {
   if (scale.ppi !== undefined) return `${scale.ppi} ppi`;
   if (scale.mm_per_px !== undefined) return `${scale.mm_per_px} mm/px`;
   if (scale.line) return `line of ${scale.length_mm} mm`;
-  return scale.coin ? `coin of ${scale.diameter_mm} mm` : "its own";
+  return scale.coin ? `coin of ${scale.diameter_mm} mm` : "own scale";
 }
 
 export const scaleNames = () => workspace.study?.scales.map(({ name }) => name) ?? [];

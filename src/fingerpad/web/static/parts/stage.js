@@ -29,7 +29,7 @@ export class Stage {
     );
     this.overlay = s(
       "svg.overlay",
-      { "aria-hidden": "false", role: "group", "aria-label": "Marks on the picture" },
+      { "aria-hidden": "false", role: "group", "aria-label": "Overlay of the image" },
       this.world,
       this.crosshair,
     );
@@ -63,8 +63,8 @@ export class Stage {
         "button.number",
         {
           type: "button",
-          title: "Fit the picture (0)",
-          "aria-label": "Fit the picture",
+          title: "Fit the image (0)",
+          "aria-label": "Fit the image",
           tabindex: -1,
           onclick: () => this.fit(),
         },
@@ -87,7 +87,7 @@ export class Stage {
       this.picture.onload = () => (this.root.classList.remove("waiting"), resolve());
       this.picture.onerror = () => (
         this.root.classList.remove("waiting"),
-        this.setMessage("This picture cannot be shown.", "bad"),
+        this.setMessage("This image cannot be shown.", "bad"),
         resolve()
       );
     });

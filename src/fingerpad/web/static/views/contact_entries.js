@@ -6,7 +6,7 @@ import { reviewMarks } from "./review.js";
 
 export const FILTERS = [
   ["", "all"],
-  ["todo", "not looked at"],
+  ["todo", "not reviewed"],
   ["flagged", "flagged"],
   ["corrected", "corrected"],
   ["rejected", "rejected"],
@@ -40,7 +40,7 @@ export function describe(entry) {
       film ? `Frame ${entry.frame}` : entry.item,
       load,
       ...marks.map(([, title]) => title),
-      state === "none" ? "no contact seen, or not run yet" : "",
+      state === "none" ? "no contact found, or not run yet" : "",
     ]
       .filter(Boolean)
       .join(", "),

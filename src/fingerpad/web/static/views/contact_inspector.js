@@ -10,7 +10,7 @@ import { Inspector } from "./inspector.js";
 const QUANTITIES_SHOWN = [
   ["semi_major_mm", () => ["Semi-major ", symbol("ℓ", "d")], "semi-major axis of the ellipse", "ellipse"],
   ["semi_minor_mm", () => ["Semi-minor ", symbol("ℓ", "e")], "semi-minor axis of the ellipse", "ellipse"],
-  ["gross_area_mm2", () => "Gross area", "inside the outline of the contact", "region"],
+  ["gross_area_mm2", () => "Gross area", "area inside the outline of the contact", "region"],
   ["ridge_area_mm2", () => "Ridge area", "area of the ridges in contact", "ridges"],
 ];
 
@@ -19,39 +19,42 @@ const MODEL = [
   [
     "mean_curvature_radius_mm",
     () => ["Undeformed pad ", symbol("R", "0g")],
-    "1/H of the undeformed pad where it touches",
+    "1/H of the undeformed pad at the contact",
   ],
   [
     "radius_from_compliance_mm",
-    () => ["Same area and depth ", symbol("R", "Aξ")],
-    "sphere of the same area at the same indentation: to compare with the radius from loading data",
+    () => ["Equivalent sphere ", symbol("R", "Aξ")],
+    "sphere with the same area at the same indentation; compare with the radius from loading data",
   ],
   [
     "indentation_mm",
     () => ["Indentation ", symbol("ξ")],
-    "indentation that Hertz theory gives for load and ellipse",
+    "indentation by Hertz theory from load and ellipse",
   ],
-  ["youngs_modulus_kpa", () => ["Young's modulus ", symbol("E")], "Young's modulus that Hertz theory gives"],
+  ["youngs_modulus_kpa", () => ["Young's modulus ", symbol("E")], "Young's modulus by Hertz theory"],
 ];
 
-const REASONS = ["smeared", "slipped", "cut off", "wrong finger", "no contact"];
+const REASONS = ["smeared", "slipped", "cropped", "wrong finger", "no contact"];
 
 const RESETS = [
-  ["seed_px", "Forget seed point"],
-  ["region_of_interest_px", "Forget region of interest"],
-  ["ellipse_px", "Ellipse from region"],
-  ["strokes", "Forget brush"],
+  ["seed_px", "Reset seed point"],
+  ["region_of_interest_px", "Reset region of interest"],
+  ["ellipse_px", "Reset ellipse"],
+  ["strokes", "Reset brush"],
 ];
 
 export class ContactInspector extends Inspector {
   tools = {
-    add: { brush: "Brush that adds: radius", hint: "[ and ] change it. Hold Alt for the other brush." },
-    remove: {
-      brush: "Brush that takes away: radius",
-      hint: "[ and ] change it. Hold Alt for the other brush.",
+    add: {
+      brush: "Radius of the brush that adds",
+      hint: "[ and ] change it; Alt switches between adding and removing.",
     },
-    seed: { words: h("p.soft", null, "Click a point inside the right patch.") },
-    box: { words: h("p.soft", null, "Draw a box round what should be measured.") },
+    remove: {
+      brush: "Radius of the brush that removes",
+      hint: "[ and ] change it; Alt switches between adding and removing.",
+    },
+    seed: { words: h("p.soft", null, "Click a point inside the contact.") },
+    box: { words: h("p.soft", null, "Draw a box around the contact.") },
   };
 
   constructor(view) {
@@ -91,7 +94,7 @@ export class ContactInspector extends Inspector {
         h(
           "p.soft",
           null,
-          "Another threshold, polarity, seed point or a brush may help; otherwise reject the picture.",
+          "Try another threshold, polarity, seed point or the brush; otherwise reject the image.",
         ),
       );
       this.settings(null);
@@ -130,11 +133,11 @@ export class ContactInspector extends Inspector {
         QUANTITIES_SHOWN.map(line),
         quantityRow("Ridge period", quantityText(numbers, "ridge_period_mm")),
         quantityRow(
-          "Ellipse over region",
+          "IoU of ellipse and region",
           numbers.ellipse_iou === null || numbers.ellipse_iou === undefined
             ? "–"
             : plain(numbers.ellipse_iou),
-          { title: "area common to both over the area that either covers: 1 is perfect" },
+          { title: "intersection over union; 1 is a perfect match" },
         ),
       ),
       model && [
@@ -147,12 +150,7 @@ export class ContactInspector extends Inspector {
           ),
         ),
       ],
-      !model &&
-        h(
-          "p.soft",
-          null,
-          "The corrected radius appears once the finger's semi-axes are known: run the study.",
-        ),
+      !model && h("p.soft", null, "The corrected radius needs the finger's semi-axes: run the study."),
       answer.flags.length > 0 &&
         h(
           "div.note",
@@ -167,7 +165,7 @@ export class ContactInspector extends Inspector {
         h(
           "details",
           null,
-          h("summary", null, `Where the model ends (${notesOf(model).length})`),
+          h("summary", null, `Outside model validity (${notesOf(model).length})`),
           h(
             "ul.note",
             null,
@@ -184,7 +182,7 @@ export class ContactInspector extends Inspector {
     const used = answer?.settings;
     render(
       this.parts.settings,
-      h("h3", null, "How it is read"),
+      h("h3", null, "Settings"),
       h(
         "div.fields",
         null,
@@ -196,10 +194,7 @@ export class ContactInspector extends Inspector {
                 ? ""
                 : String(change.dark_on_light),
             options: [
-              [
-                "",
-                used === undefined ? "program's choice" : `program: ${used.dark_on_light ? "dark" : "light"}`,
-              ],
+              ["", used === undefined ? "automatic" : `automatic: ${used.dark_on_light ? "dark" : "light"}`],
               ["true", "dark ridges on light"],
               ["false", "light ridges on dark"],
             ],
@@ -211,13 +206,13 @@ export class ContactInspector extends Inspector {
           number({
             value: change.threshold ?? null,
             min: 0,
-            placeholder: used?.threshold == null ? "program's" : `program: ${plain(used.threshold)}`,
+            placeholder: used?.threshold == null ? "automatic" : `automatic: ${plain(used.threshold)}`,
             onset: (value) => this.view.set("threshold", value),
           }),
         ),
       ),
       this.resetButtons(RESETS),
-      check("Show the program's own outline", { onset: (on) => this.view.showAutomatic(on) }),
+      check("Show the automatic outline", { onset: (on) => this.view.showAutomatic(on) }),
     );
   }
 }

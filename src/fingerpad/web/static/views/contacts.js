@@ -17,10 +17,10 @@ import { Review } from "./review.js";
 
 /** @type {Parameters<typeof import("../parts/forms.js").segments>[1]} */
 const TOOLS = [
-  ["ellipse", "Look and drag the ellipse", { icon: icons.ellipse, shortcut: "v" }],
+  ["ellipse", "Drag the ellipse", { icon: icons.ellipse, shortcut: "v" }],
   ["add", "Brush: add to the region", { icon: icons.add, shortcut: "b" }],
-  ["remove", "Brush: take from the region", { icon: icons.remove, shortcut: "e" }],
-  ["seed", "Seed point inside the right patch", { icon: icons.seed, shortcut: "s" }],
+  ["remove", "Brush: remove from the region", { icon: icons.remove, shortcut: "e" }],
+  ["seed", "Seed point inside the contact", { icon: icons.seed, shortcut: "s" }],
   ["box", "Region of interest", { icon: icons.box, shortcut: "o" }],
 ];
 
@@ -32,10 +32,9 @@ class Contacts extends Review {
   /** @type {Sequence | undefined} */
   film;
 
-  nothing =
-    "There is no contact to accept here. Reject the picture, or set the threshold, polarity or seed point.";
+  nothing = "No contact was found. Reject the image, or set threshold, polarity or seed point.";
   last = [
-    "That was the last picture. Run the study to see what follows.",
+    "This was the last image. Run the study to see the results.",
     { kind: "good", action: { words: "Run", do: () => (location.hash = "#/run") } },
   ];
 
@@ -55,7 +54,7 @@ class Contacts extends Review {
       ...(images ? [["images", `Contact images (${images})`]] : []),
       ...workspace.study.sequences
         .filter(({ file }) => file)
-        .map(({ name, frames }) => [`film:${name}`, `Film ${name}${frames ? ` (${frames})` : ""}`]),
+        .map(({ name, frames }) => [`film:${name}`, `Sequence ${name}${frames ? ` (${frames})` : ""}`]),
     ];
   }
 
@@ -65,8 +64,8 @@ class Contacts extends Review {
       h("header.head", null, h("h1", null, "Contacts")),
       empty(
         "No contact images yet",
-        "Drop pictures of the contact, or the frames of a film, on the Study page and say finger, angle and load.",
-        h("a.button.primary", { href: "#/study" }, "To the study"),
+        "Drop contact images or the frames of a sequence on the Study page, and enter finger, angle and load.",
+        h("a.button.primary", { href: "#/study" }, "Go to study"),
       ),
     );
   }
@@ -75,7 +74,7 @@ class Contacts extends Review {
     this.count = h("span.count.number", { role: "status" });
     this.sourceChoice = choose({
       value: this.source,
-      label: "Pictures",
+      label: "Images",
       options: this.#sources(),
       onset: (key) => (location.hash = `#/contacts/${encodeURIComponent(key)}`),
     });
@@ -87,7 +86,7 @@ class Contacts extends Review {
     });
     this.layOut({
       title: "Contacts",
-      words: "Check each region and its ellipse. Enter accepts and goes on.",
+      words: "Check each region and its ellipse. Enter accepts and goes to the next image.",
       label: "Contact image. Arrow keys move the cross-hair of a brush, space presses it.",
       axes: ["semi-major axis", "semi-minor axis"],
       tools: TOOLS,
@@ -98,17 +97,17 @@ class Contacts extends Review {
       bar: h(
         "div.film-bar",
         null,
-        h("label", null, "Pictures", this.sourceChoice),
+        h("label", null, "Images", this.sourceChoice),
         h("label", null, "Show", this.filterChoice),
         this.count,
       ),
     });
     this.bind([
-      ["b", "Brush: add (Alt: take away)", () => this.use("add")],
-      ["e", "Brush: take away", () => this.use("remove")],
+      ["b", "Brush: add (Alt: remove)", () => this.use("add")],
+      ["e", "Brush: remove", () => this.use("remove")],
       ["s", "Seed point", () => this.use("seed")],
-      ["n", "Next flagged picture", () => this.#nextFlagged()],
-      ["p", "Hold: the program's own result", () => this.showAutomatic(true)],
+      ["n", "Next flagged image", () => this.#nextFlagged()],
+      ["p", "Hold: show the automatic outline", () => this.showAutomatic(true)],
     ]);
     this.keyup = (event) => event.key === "p" && this.showAutomatic(false);
     document.addEventListener("keyup", this.keyup);
@@ -146,7 +145,7 @@ class Contacts extends Review {
     if (!this.entries.length) {
       this.count.textContent = `none of ${this.all.length}`;
       this.stage.setMessage(
-        this.all.length ? "No picture is left under this filter." : "This film has no frames.",
+        this.all.length ? "No image matches this filter." : "This sequence has no frames.",
       );
       return;
     }
@@ -259,7 +258,7 @@ class Contacts extends Review {
     const order = [...this.entries.slice(from), ...this.entries.slice(0, from)];
     const next = order.find((entry) => entry.flags?.length && !entry.accepted && !entry.rejected);
     if (next) this.choose(this.entries.indexOf(next));
-    else toast("No flagged picture is left to look at.", { kind: "good" });
+    else toast("No flagged images left to review.", { kind: "good" });
   }
 
   showAutomatic(show) {
@@ -267,7 +266,7 @@ class Contacts extends Review {
     this.overlay.own(show && own ? own.outline_px : null);
     this.stage.root.classList.toggle("comparing", show);
     if (show && !own)
-      this.stage.setMessage(this.measured?.program_error ?? "The program found no contact here.");
+      this.stage.setMessage(this.measured?.program_error ?? "No contact was found automatically.");
     else if (!show) this.stage.setMessage("");
   }
 
@@ -277,7 +276,7 @@ class Contacts extends Review {
     return {
       entry,
       lines: [
-        of.finger ?? "which finger?",
+        of.finger ?? "finger missing",
         `θ ${plain(of.wedge_angle_deg)}°`,
         ...(of.roll_angle_deg ? [`φ ${plain(of.roll_angle_deg)}°`] : []),
         ...(entry.load_N === null || entry.load_N === undefined ? [] : [`${plain(entry.load_N)} N`]),

@@ -18,7 +18,7 @@ export class Inspector {
       ]),
     );
     this.parts.tool.hidden = true;
-    this.why = text({ value: "", placeholder: "why it is no good", list: "reasons" });
+    this.why = text({ value: "", placeholder: "reason", list: "reasons" });
     this.why.addEventListener("keydown", (event) => event.key === "Enter" && this.view.reject());
     this.root = h(
       "div.stack",
@@ -39,9 +39,9 @@ export class Inspector {
       undo: button("Undo", () => this.view.undo(), { key: "u" }),
       redo: button("Redo", () => this.view.redo(), { key: "r" }),
       reject: button("Reject", () => this.view.reject(), { kind: "bad", key: "x" }),
-      revert: button("Back to the program", () => this.view.revert(), {
+      revert: button("Reset to automatic", () => this.view.revert(), {
         kind: "small",
-        title: "Take back all corrections of this picture; they stay in its history",
+        title: "Remove all corrections of this image; the history keeps them",
       }),
     };
     const { accept, undo, redo, reject } = this.buttons;
@@ -52,7 +52,7 @@ export class Inspector {
   }
 
   reason() {
-    return this.why.value.trim() || "rejected by eye";
+    return this.why.value.trim() || "rejected on inspection";
   }
 
   /** What a tool needs: a slider for the radius of a brush, or words. */
@@ -94,7 +94,7 @@ export class Inspector {
     this.buttons.revert.disabled = !Object.keys(change).length;
     render(
       this.buttons.reject,
-      change.rejected ? "Take back" : "Reject",
+      change.rejected ? "Undo rejection" : "Reject",
       h("kbd", { "aria-hidden": "true" }, "x"),
     );
     this.buttons.accept.classList.toggle("accepted", Boolean(change.accepted));
@@ -106,7 +106,7 @@ export class Inspector {
         h(
           "p.note.bad",
           { role: "alert" },
-          "This was corrected on another picture than the one that is there now. Look at it again, and accept it or go back to the program.",
+          "The image file has changed since this correction. Check it, then accept or reset it.",
         ),
       h(
         "div.chips",
@@ -131,7 +131,7 @@ export class Inspector {
               ),
             ),
           )
-        : h("p.soft", null, "As the program measured it."),
+        : h("p.soft", null, "Measured automatically."),
     );
   }
 }

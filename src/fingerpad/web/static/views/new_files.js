@@ -14,13 +14,13 @@ const KINDS = {
     ["photograph", "photograph"],
     ["", "ruler or coin, later"],
   ],
-  film: [["sequence", "film of a press"]],
+  film: [["sequence", "sequence"]],
   table: [
     ["curve", "loading curve"],
     ["outline", "outline of a face"],
-    ["", "force of a film, later"],
+    ["", "force of a sequence, later"],
   ],
-  other: [["", "not known"]],
+  other: [["", "unknown"]],
 };
 const FACES = ["palmar", "distal", "radial", "ulnar"];
 
@@ -91,12 +91,12 @@ export class NewFiles {
         h(
           "span.soft",
           null,
-          "Say what each is. What stands here was read from the names; change what is wrong.",
+          "Enter what each file is. The values were read from the file names; correct them where needed.",
         ),
         h(
           "div.actions",
           null,
-          button("Use them", () => this.#use(), { kind: "primary" }),
+          button("Add to study", () => this.#use(), { kind: "primary" }),
         ),
       ),
       this.problem,
@@ -113,7 +113,7 @@ export class NewFiles {
             h(
               "tr",
               null,
-              ["", "File", "It is a", "Finger", "Face", "Wedge, °", "Load, N", "Scale", ""].map((words) =>
+              ["", "File", "Type", "Finger", "Face", "Wedge, °", "Load, N", "Scale", ""].map((words) =>
                 h("th", { scope: "col" }, words),
               ),
             ),
@@ -129,9 +129,9 @@ export class NewFiles {
         h(
           "p.soft",
           null,
-          `${files.length - shown.length} more follow once these are in use; "Use them" takes all.`,
+          `${files.length - shown.length} more files are not listed; "Add to study" adds all.`,
         ),
-      check("These files were rendered or simulated, not taken of a finger", {
+      check("These files are synthetic (rendered or simulated)", {
         checked: this.shared.synthetic,
         onset: (on) => (this.shared.synthetic = on),
       }),
@@ -151,7 +151,7 @@ export class NewFiles {
       h(
         "summary",
         null,
-        `${files.length} more file${files.length > 1 ? "s" : ""} in the study's folder, not in use`,
+        `${files.length} more file${files.length > 1 ? "s" : ""} in the study folder, not used`,
       ),
       h(
         "ul.rest",
@@ -209,7 +209,7 @@ export class NewFiles {
       h(
         "div.common",
         null,
-        h("span.soft", null, "For all:"),
+        h("span.soft", null, "All files:"),
         h("label", null, "finger", finger),
         h("label", null, "wedge °", wedge),
         h("label", null, "scale", scale),
@@ -224,7 +224,7 @@ export class NewFiles {
     const as = choose({
       value: draft.as,
       options: KINDS[kind],
-      label: `What ${name} is`,
+      label: `Type of ${name}`,
       onset: (value) => ((draft.as = value), redraw(() => this.draw())),
     });
     const finger = text({
@@ -284,7 +284,7 @@ export class NewFiles {
       h(
         "td",
         null,
-        button("×", () => this.#forget(file), { kind: "icon", label: `Take ${name} away` }),
+        button("×", () => this.#forget(file), { kind: "icon", label: `Remove ${name}` }),
       ),
     );
   }
@@ -303,7 +303,7 @@ export class NewFiles {
     const names = scaleNames();
     draft.scale ??= names.length === 1 ? names[0] : "";
     const options = [["", "– later –"], ...names.map((name) => [name, name])];
-    if (ppi) options.push([`ppi:${ppi}`, `${Number(ppi.toFixed(1))} ppi, says the file`]);
+    if (ppi) options.push([`ppi:${ppi}`, `${Number(ppi.toFixed(1))} ppi (from file)`]);
     const select = choose({
       value: draft.scale,
       options,
@@ -318,7 +318,7 @@ export class NewFiles {
     const draft = this.drafts.get(file);
     try {
       const { removed } = await remove("/api/files", { file });
-      toast(`${file.split("/").at(-1)} was taken away.`, {
+      toast(`${file.split("/").at(-1)} was removed.`, {
         kind: "good",
         action: { words: "Undo", do: () => this.#restore(removed, draft) },
         stays: true,
@@ -333,7 +333,7 @@ export class NewFiles {
     try {
       const { restored } = await post("/api/files/restore", { removed });
       this.drafts.set(restored, draft); // with what was typed
-      toast(`${restored.split("/").at(-1)} is back.`, { kind: "good" });
+      toast(`${restored.split("/").at(-1)} was restored.`, { kind: "good" });
     } catch (error) {
       showError(error);
     }
@@ -419,7 +419,7 @@ export class NewFiles {
     if (!edits.length) {
       render(
         this.problem,
-        h("div.faults", { role: "alert" }, h("p", null, "Say at least which finger the files show.")),
+        h("div.faults", { role: "alert" }, h("p", null, "Enter at least the finger of the files.")),
       );
       return undefined;
     }
@@ -433,4 +433,4 @@ export class NewFiles {
   }
 }
 
-const inUse = (count) => `${count} file${count === 1 ? " is" : "s are"} in use.`;
+const inUse = (count) => `${count} file${count === 1 ? "" : "s"} added.`;

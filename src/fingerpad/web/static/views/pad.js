@@ -17,7 +17,7 @@ const AXES = [
 /** @type {[key: string, label: () => any][]} */
 const QUANTITIES_SHOWN = [
   ["in_plane_radius_mm", () => "Radius along the finger"],
-  ["transverse_radius_mm", () => "Radius across it"],
+  ["transverse_radius_mm", () => "Radius across the finger"],
   ["mean_curvature_radius_mm", () => symbol("R", "0g")],
   ["geometric_mean_radius_mm", () => symbol("R", "e")],
 ];
@@ -49,7 +49,7 @@ class PadView {
           "div",
           null,
           h("h1", null, "Pad"),
-          h("p", null, "The ellipsoid that the photographs give, on its wedge under the platen."),
+          h("p", null, "The ellipsoidal pad on its wedge under the platen."),
         ),
         h("div.actions", null, ...this.#views()),
       ),
@@ -63,10 +63,10 @@ class PadView {
     bindHere([
       ["w", "Wedge angle up", () => this.#nudge("wedge", 1)],
       ["W", "Wedge angle down", () => this.#nudge("wedge", -1)],
-      ["f", "Look from the side", () => this.scene.look({ turn: 0, tilt: 0 })],
-      ["t", "Look along the platen's normal", () => this.scene.look({ turn: -Math.PI / 2, tilt: 1.5 })],
-      ["ArrowLeft ArrowRight ArrowUp ArrowDown", "Turn the pad, when it has the focus", null],
-      ["0", "Back to the first view, when it has the focus", null],
+      ["f", "View from the side", () => this.scene.look({ turn: 0, tilt: 0 })],
+      ["t", "View along the platen normal", () => this.scene.look({ turn: -Math.PI / 2, tilt: 1.5 })],
+      ["ArrowLeft ArrowRight ArrowUp ArrowDown", "Rotate the pad (when focused)", null],
+      ["0", "Reset the view (when focused)", null],
     ]);
     this.#draw();
     this.#ask();
@@ -75,16 +75,16 @@ class PadView {
   #views() {
     const look = (words, view) => button(words, () => this.scene.look(view), { kind: "small" });
     return [
-      look("Aslant", { turn: -0.62, tilt: 0.42 }),
-      look("From the side", { turn: 0, tilt: 0 }),
-      look("From the tip", { turn: Math.PI / 2, tilt: 0 }),
-      look("Through the platen", { turn: -Math.PI / 2, tilt: 1.5 }),
+      look("Oblique", { turn: -0.62, tilt: 0.42 }),
+      look("Side", { turn: 0, tilt: 0 }),
+      look("Tip", { turn: Math.PI / 2, tilt: 0 }),
+      look("Through platen", { turn: -Math.PI / 2, tilt: 1.5 }),
     ];
   }
 
   #draw() {
     const known = workspace.study.fingers.filter(({ semi_axes_mm: axes }) => axes);
-    const options = [...known.map(({ name }) => [name, name]), ["", "typed in here"]];
+    const options = [...known.map(({ name }) => [name, name]), ["", "semi-axes entered here"]];
     const finger = workspace.study.fingers.find(({ name }) => name === this.finger);
     const axes = finger?.semi_axes_mm ?? this.axes;
     const angle = (key, words, min, max) => {
@@ -191,8 +191,8 @@ class PadView {
     render(
       this.caption,
       h("span", null, h("i.key.along"), "principal direction along the finger"),
-      h("span", null, h("i.key.across"), "across it"),
-      h("span", null, h("i.key.contact"), "place of contact"),
+      h("span", null, h("i.key.across"), "across the finger"),
+      h("span", null, h("i.key.contact"), "point of contact"),
       h("span", null, h("i.key.platen"), "platen"),
       h("span", null, h("i.key.wedge"), "wedge"),
     );
@@ -201,7 +201,7 @@ class PadView {
       h(
         "div.headline",
         null,
-        h("span", null, "Touches at ", symbol("u")),
+        h("span", null, "Contact at ", symbol("u")),
         h("span.figure-big.number", { "data-live": "u" }, quantityText(answer, "u_deg")),
       ),
       answer.v_deg !== null &&
@@ -212,12 +212,7 @@ class PadView {
         { "data-live": "radii" },
         QUANTITIES_SHOWN.map(([key, label]) => quantityRow(label(), quantityText(answer, key))),
       ),
-      !this.finger &&
-        h(
-          "p.soft",
-          null,
-          "No uncertainty: these semi-axes are typed in for a look, and belong to no finger of the study.",
-        ),
+      !this.finger && h("p.soft", null, "No uncertainty: these semi-axes belong to no finger of the study."),
     );
   }
 

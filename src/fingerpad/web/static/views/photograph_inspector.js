@@ -9,19 +9,19 @@ import { Inspector } from "./inspector.js";
 
 const NAMES = { palmar: "Palmar", distal: "Distal", radial_ulnar: "Radial–ulnar" };
 const SIDES = [
-  ["", "as the study says"],
+  ["", "as in the study"],
   ["up", "up"],
   ["down", "down"],
   ["left", "left"],
   ["right", "right"],
 ];
 
-const REASONS = ["blurred", "wrong finger", "not square to the camera"];
+const REASONS = ["blurred", "wrong finger", "not parallel to the image plane"];
 const RESETS = [
-  ["ellipse_px", "Ellipse from outline"],
-  ["added_points_px", "Forget points added"],
-  ["erased", "Forget rubbing out"],
-  ["region_of_interest_px", "Forget region of interest"],
+  ["ellipse_px", "Reset ellipse"],
+  ["added_points_px", "Reset added points"],
+  ["erased", "Reset erased points"],
+  ["region_of_interest_px", "Reset region of interest"],
 ];
 
 export class PhotographInspector extends Inspector {
@@ -30,11 +30,11 @@ export class PhotographInspector extends Inspector {
       words: h(
         "p.soft",
         null,
-        "Click on the pad's outline. A point added can be dragged; Delete takes it away.",
+        "Click on the outline of the pad. Added points can be dragged; Delete removes them.",
       ),
     },
-    erase: { brush: "Rubber: radius", hint: "[ and ] change it." },
-    box: { words: h("p.soft", null, "Draw a box round the fingertip.") },
+    erase: { brush: "Eraser radius", hint: "[ and ] change it." },
+    box: { words: h("p.soft", null, "Draw a box around the fingertip.") },
     length: {
       words: [h("h3", null, "Length"), h("p.soft", { "data-live": "length" }, "Draw a line on the picture.")],
     },
@@ -95,8 +95,8 @@ export class PhotographInspector extends Inspector {
             },
           ),
         ),
-        quantityRow("Arc that is pad", answer.arc_deg === null ? "–" : `${plain(answer.arc_deg)}°`),
-        quantityRow("Lean", answer.lean_deg === null ? "–" : `${plain(answer.lean_deg)}°`),
+        quantityRow("Arc of the pad", answer.arc_deg === null ? "–" : `${plain(answer.arc_deg)}°`),
+        quantityRow("Tilt", answer.lean_deg === null ? "–" : `${plain(answer.lean_deg)}°`),
       ),
       answer.flags.length > 0 &&
         h(
@@ -119,7 +119,7 @@ export class PhotographInspector extends Inspector {
       if (!this.parts.pad.querySelector("[data-live]"))
         render(
           this.parts.pad,
-          h("h3", null, "All faces together"),
+          h("h3", null, "All faces combined"),
           h("p.soft", null, "Measuring the other faces …"),
         );
       return;
@@ -127,8 +127,8 @@ export class PhotographInspector extends Inspector {
     if (!finger) {
       render(
         this.parts.pad,
-        h("h3", null, "All faces together"),
-        h("p.soft", null, problem ?? "Two faces are the least for a pad."),
+        h("h3", null, "All faces combined"),
+        h("p.soft", null, problem ?? "At least two faces are needed."),
       );
       return;
     }
@@ -138,8 +138,8 @@ export class PhotographInspector extends Inspector {
       h(
         "div.headline",
         null,
-        h("h3", null, "All faces together"),
-        agree === null ? null : agree ? chip("the faces agree", "good") : chip("the faces disagree", "warn"),
+        h("h3", null, "All faces combined"),
+        agree === null ? null : agree ? chip("faces agree", "good") : chip("faces disagree", "warn"),
       ),
       h(
         "dl.readings",
@@ -164,7 +164,7 @@ export class PhotographInspector extends Inspector {
         h(
           "details",
           { open: true },
-          h("summary", null, "Each face against all"),
+          h("summary", null, "Deviation of each face"),
           differences(finger.disagreements),
         ),
     );
@@ -183,13 +183,12 @@ export class PhotographInspector extends Inspector {
       );
     render(
       this.parts.settings,
-      h("h3", null, "How it is read"),
+      h("h3", null, "Settings"),
       h(
         "div.fields",
         null,
         side("tip", "Fingertip points"),
-        ["distal", "radial", "ulnar"].includes(this.view.entry.face) &&
-          side("palmar_side", "Palmar side lies"),
+        ["distal", "radial", "ulnar"].includes(this.view.entry.face) && side("palmar_side", "Palmar side"),
       ),
       this.resetButtons(RESETS),
     );
@@ -203,7 +202,7 @@ export class PhotographInspector extends Inspector {
         line,
         h("span.figure-big.number", null, quantityText(answer, "length_mm")),
         h("br"),
-        "each end sure to 1 px",
+        "uncertainty of each end: 1 px",
       );
   }
 }

@@ -13,9 +13,9 @@ import { Review, reviewMarks } from "./review.js";
 
 /** @type {Parameters<typeof import("../parts/forms.js").segments>[1]} */
 const TOOLS = [
-  ["ellipse", "Look, drag the axes and turn", { icon: icons.ellipse, shortcut: "v" }],
+  ["ellipse", "Drag axes and rotation", { icon: icons.ellipse, shortcut: "v" }],
   ["points", "Add points on the outline", { icon: icons.points, shortcut: "b" }],
-  ["erase", "Rub out points of the outline", { icon: icons.eraser, shortcut: "e" }],
+  ["erase", "Erase points of the outline", { icon: icons.eraser, shortcut: "e" }],
   ["box", "Region of interest", { icon: icons.box, shortcut: "o" }],
   ["length", "Measure a length", { icon: icons.ruler, shortcut: "l" }],
 ];
@@ -24,10 +24,10 @@ class Photographs extends Review {
   /** @type {Photograph[]} */
   entries = [];
 
-  nothingToAccept = "There is no outline to accept. Draw a region of interest, add points, or drag the axes.";
+  nothingToAccept = "No outline was found. Draw a region of interest, add points, or drag the axes.";
   last = [
-    "That was the last photograph.",
-    { kind: "good", action: { words: "To the contacts", do: () => (location.hash = "#/contacts") } },
+    "This was the last photograph.",
+    { kind: "good", action: { words: "Go to contacts", do: () => (location.hash = "#/contacts") } },
   ];
   added = [];
 
@@ -58,8 +58,8 @@ class Photographs extends Review {
       h("header.head", null, h("h1", null, "Photographs")),
       empty(
         "No photographs yet",
-        "Photograph two or three faces of the finger (palmar, distal, radial or ulnar) before a plain backdrop, with a ruler or a coin beside it, and drop the pictures on the Study page. A finger may also have its semi-axes typed in.",
-        h("a.button.primary", { href: "#/study" }, "To the study"),
+        "Photograph two or three faces of the finger (palmar, distal, radial or ulnar) on a plain background next to a ruler or coin, and drop the images on the Study page. Semi-axes can also be entered.",
+        h("a.button.primary", { href: "#/study" }, "Go to study"),
       ),
     );
   }
@@ -67,7 +67,7 @@ class Photographs extends Review {
   #build(wanted) {
     this.layOut({
       title: "Photographs",
-      words: "Drag the ellipse onto the arc that is pad; the three faces together give the semi-axes.",
+      words: "Fit the ellipse to the arc of the pad; all faces together give the semi-axes.",
       label: "Photograph of a finger. Arrow keys move the cross-hair of a tool, space presses it.",
       axes: ["semi-axis across", "semi-axis along"],
       tools: TOOLS,
@@ -87,7 +87,7 @@ class Photographs extends Review {
     );
     this.bind([
       ["b", "Add points on the outline", () => this.use("points")],
-      ["e", "Rub out points", () => this.use("erase")],
+      ["e", "Erase points", () => this.use("erase")],
       ["l", "Measure a length", () => this.use("length")],
     ]);
     this.strip.set(this.entries);
@@ -167,7 +167,7 @@ class Photographs extends Review {
     this.added = points.map((at, index) => {
       let now = at;
       const mark = handle(this.stage, {
-        label: `Point ${index + 1} added; Delete takes it away`,
+        label: `Point ${index + 1} added; Delete removes it`,
         move: (to) => mark.put((now = to)),
         commit: () =>
           this.keep((change) => ({

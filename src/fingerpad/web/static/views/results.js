@@ -38,7 +38,7 @@ class Results {
       h(
         "header.head",
         null,
-        h("div", null, h("h1", null, "Results"), h("p", null, "Values ± one standard uncertainty.")),
+        h("div", null, h("h1", null, "Results"), h("p", null, "Values ± standard uncertainty.")),
         h("div.actions", null, this.tabs),
       ),
       this.banner,
@@ -49,7 +49,7 @@ class Results {
       ["t", "Table", () => (location.hash = "#/results/table")],
       ["f", "All figures of the report", () => (location.hash = "#/results/figures")],
       ["b", "Uncertainty budget", () => (location.hash = "#/results/budget")],
-      ["a", "Audit of the printed tables", () => (location.hash = "#/results/audit")],
+      ["a", "Audit of the published tables", () => (location.hash = "#/results/audit")],
       ["/", "Search the table", () => this.part?.search?.()],
     ]);
     this.removeListener = workspace.on("theme", () => this.part?.theme?.());
@@ -75,7 +75,7 @@ class Results {
         this.body,
         empty(
           "The results are damaged",
-          `${results.faults.slice(0, 5).join("; ")}. Run the study again: nothing that was measured is measured again.`,
+          `${results.faults.slice(0, 5).join("; ")}. Run the study again: finished measurements are reused.`,
           h("a.button.primary", { href: "#/run/start" }, "Run the study"),
         ),
       );
@@ -87,14 +87,14 @@ class Results {
         empty(
           "No results yet",
           workspace.study.ready
-            ? "The study is complete and can run. What is measured is kept, so that a second run only does what changed."
-            : "Something is still missing in the study; the Study page says what.",
+            ? "The study is complete and can run. A later run measures only what has changed."
+            : "The study is incomplete; see the Study page.",
           h(
             "a.button.primary",
             { href: workspace.study.ready ? "#/run/start" : "#/study" },
-            workspace.study.ready ? "Run the study" : "To the study",
+            workspace.study.ready ? "Run the study" : "Go to study",
           ),
-          h("a.button", { href: "#/results/audit" }, "See the audit of the printed tables"),
+          h("a.button", { href: "#/results/audit" }, "See the audit of the published tables"),
         ),
       );
       return;
@@ -111,7 +111,7 @@ class Results {
           h(
             "div.empty",
             { role: "alert" },
-            h("h2", null, "This could not be shown"),
+            h("h2", null, "This cannot be shown"),
             h("p", null, error.message),
           ),
         ),
@@ -129,8 +129,8 @@ class Results {
         h(
           "div.banner.note",
           null,
-          `Taken as exact, since no uncertainty is given: ${exact.join(", ")}. Every ± is too small by what that would add. `,
-          "Give it under ",
+          `Taken as exact, as no uncertainty is given: ${exact.join(", ")}. The uncertainties are too small. `,
+          "Enter it under ",
           h("a", { href: "#/study" }, "Study"),
           " or ",
           h("a", { href: "#/scale" }, "Scale"),
@@ -141,9 +141,9 @@ class Results {
         h(
           "div.banner.note",
           null,
-          "The study has changed since these results were made. ",
+          "The study has changed since the last run. ",
           h("a", { href: "#/run" }, "Run again"),
-          " to bring them up to date; only what changed is measured.",
+          " to update the results; only what has changed is measured.",
         ),
     );
   }

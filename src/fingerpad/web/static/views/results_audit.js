@@ -1,11 +1,12 @@
-// The printed numbers of the source beside what its own equations give.
+// The numbers printed by Dzidek et al. (2017) compared with what their equations give.
 
 import { get } from "../core/api.js";
 import { h, render } from "../core/dom.js";
 import { plain, unitOf, withUnit } from "../core/quantity.js";
 import { chip } from "../parts/forms.js";
 
-const KIND = { reproduced: "good", "reproduced with the known slip": "accent" };
+const MISPRINT = "reproduced with the known slip";
+const KIND = { reproduced: "good", [MISPRINT]: "accent" };
 
 export class Audit {
   constructor(root) {
@@ -24,7 +25,7 @@ export class Audit {
       ),
       h(
         "div.table-wrap",
-        { tabindex: 0, role: "region", "aria-label": "Audit of the printed tables" },
+        { tabindex: 0, role: "region", "aria-label": "Audit of the published tables" },
         h(
           "table.audit",
           null,
@@ -34,7 +35,7 @@ export class Audit {
             h(
               "tr",
               null,
-              ["Item", "Printed", "Computed", "Range of rounding", "With the slip", "Verdict", "How"].map(
+              ["Item", "Printed", "Computed", "Rounding range", "With misprint", "Verdict", "Formula"].map(
                 (words, index) =>
                   h("th", { scope: "col", class: index > 0 && index < 5 ? "number" : undefined }, words),
               ),

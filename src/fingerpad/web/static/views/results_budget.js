@@ -21,7 +21,7 @@ export class Budget {
         null,
         "Shares of the variance of the corrected radius ",
         symbol("R", "g", "corr"),
-        ": of the pooled value, and of the highest_load contact by first order and by Sobol's total index, which counts interactions.",
+        ": of the pooled value, and of the highest-load contact by linear approximation and by Sobol's total index, which includes interactions.",
       ),
       h(
         "div.plot-grid",
@@ -38,8 +38,8 @@ export class Budget {
     );
     const columns = [
       ["pooled", pooled, "measured"],
-      ["highest_load, first order", check?.shares, "compliance"],
-      ["highest_load, Sobol", check?.total, "predicted"],
+      ["highest load, linear", check?.shares, "compliance"],
+      ["highest load, Sobol", check?.total, "predicted"],
     ].filter(([, shares]) => shares);
     return h(
       "section.card",
@@ -56,7 +56,9 @@ export class Budget {
           null,
           h("span.number", null, `${check.observation}: ${withStd(check.value, check.std)} mm`),
           " ",
-          check.valid ? chip("the first order holds", "good") : chip("the first order does not hold", "warn"),
+          check.valid
+            ? chip("linear approximation valid", "good")
+            : chip("linear approximation not valid", "warn"),
         ),
       sources.length
         ? h(
@@ -100,7 +102,7 @@ export class Budget {
               ),
             ),
           )
-        : h("p.soft", null, "No contact here is sound enough to be pooled."),
+        : h("p.soft", null, "No contacts can be pooled."),
     );
   }
 }

@@ -19,7 +19,7 @@ export class Figures {
       ["aspect_ratio", "aspect ratio"],
       ["budget", "uncertainty budget"],
       ["curve", "loading curves"],
-      ["sequence", "films"],
+      ["sequence", "sequences"],
     ];
     this.grid = h("div.figure-grid");
     const draw = (kind) => {
@@ -48,7 +48,7 @@ export class Figures {
             ),
           ),
         ),
-        !shown.length && h("p.soft", null, "There is no such figure in this study."),
+        !shown.length && h("p.soft", null, "There are no such figures in this study."),
       );
     };
     render(

@@ -17,8 +17,8 @@ const QUANTITIES = [
 ];
 
 const BARS = [
-  ["all", "everything that is uncertain"],
-  ["given", "pad's geometry held exact, as in the source"],
+  ["all", "all uncertainties"],
+  ["given", "fixed pad geometry, as in Dzidek et al. (2017)"],
 ];
 
 export class Plots {
@@ -42,8 +42,8 @@ export class Plots {
         h(
           "p.lead",
           null,
-          "No contact is in these results: a plot needs one that is measured, with its finger, angle, load and scale. ",
-          h("a", { href: "#/study" }, "The study says what is missing."),
+          "There are no contacts in these results: a plot needs a measured contact with finger, angle, load and scale. ",
+          h("a", { href: "#/study" }, "See the Study page."),
         ),
       );
       return;
@@ -71,14 +71,14 @@ export class Plots {
           }),
         ),
         field(
-          "Bars: one standard uncertainty",
+          "Error bars (standard uncertainty)",
           choose({ value: this.bars, options: BARS, onset: (value) => ((this.bars = value), this.#draw()) }),
         ),
         h(
           "div.legend",
-          { "aria-label": "What the marks mean" },
+          { "aria-label": "Legend" },
           h("span", null, h("i.dot-mark"), symbol("R", "g", "corr")),
-          h("span", null, h("i.square-mark"), symbol("R", "Aξ"), ", to compare with ", symbol("R", "g")),
+          h("span", null, h("i.square-mark"), symbol("R", "Aξ"), ", compare with ", symbol("R", "g")),
           h("span", null, h("i.line-mark.dotted"), symbol("R", "0g"), ", undeformed pad"),
           this.groups.some((group) => group.loading_radius_mm != null) &&
             h("span", null, h("i.line-mark.dashed"), symbol("R", "g"), ", from loading data"),
@@ -153,12 +153,12 @@ export class Plots {
         h(
           "details.range",
           null,
-          h("summary", null, `Where the model ends (${group.range_notes.length})`),
+          h("summary", null, `Outside model validity (${group.range_notes.length})`),
           h(
             "ul.note",
             null,
             group.range_notes.map(({ words, rows }) =>
-              h("li", null, `In ${rows} of ${group.rows.item.length} contacts and frames ${words}.`),
+              h("li", null, `${rows} of ${group.rows.item.length} contacts and frames: ${words}.`),
             ),
           ),
         ),

@@ -104,7 +104,7 @@ export class Table {
           "Flag",
           choose({
             options: [
-              ["", "any or none"],
+              ["", "any"],
               ...Object.keys(study.words?.flags ?? {}).map((code) => [code, code.replaceAll("_", " ")]),
             ],
             onset: set("flag"),
@@ -154,7 +154,7 @@ export class Table {
         button("‹", () => this.#ask({ offset: Math.max(0, offset - LIMIT) }), {
           kind: "small",
           disabled: !offset,
-          label: "Rows before",
+          label: "Previous rows",
         }),
         button("›", () => this.#ask({ offset: offset + LIMIT }), {
           kind: "small",
@@ -164,7 +164,7 @@ export class Table {
       ],
     );
     if (!rows.length) {
-      render(this.table, h("p.soft.no-rows", null, "No row matches. Loosen a filter."));
+      render(this.table, h("p.soft.no-rows", null, "No rows match the filters."));
       return;
     }
     const numeric = (key) => rows.some((row) => typeof row[key] === "number");

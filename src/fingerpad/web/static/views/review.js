@@ -21,7 +21,7 @@ const VERDICTS = ["accepted", "rejected"];
  */
 export function reviewMarks({ corrected, accepted, rejected }) {
   return [
-    corrected && ["corrected", "corrected by a person"],
+    corrected && ["corrected", "corrected"],
     accepted && ["accepted", "accepted"],
     rejected && ["rejected", `rejected: ${rejected}`],
   ].filter(Boolean);
@@ -93,7 +93,7 @@ export class Review {
     this.editor = new EllipseEditor(this.stage, axes, (_, final) => this.#dragged(final));
     this.box = new Box(this.stage, (box) => this.set("region_of_interest_px", box));
     this.toolbar = segments("Tools", tools, this.tool, (tool) => this.use(tool), { vertical: true });
-    this.strip = new Filmstrip({ label: "Pictures", chosen: (index) => this.choose(index), describe });
+    this.strip = new Filmstrip({ label: "Images", chosen: (index) => this.choose(index), describe });
     this.live = new LatestRequest(
       measureDragged,
       (answer) => this.show(answer, { live: true }),
@@ -115,11 +115,11 @@ export class Review {
         this.stage.root,
         h(
           "aside.inspector",
-          { "aria-label": "The picture that is open", tabindex: 0 },
+          { "aria-label": "Selected image", tabindex: 0 },
           inspector.root,
           inspector.footer,
         ),
-        h("section.film", { "aria-label": "All pictures" }, bar, this.strip.root),
+        h("section.film", { "aria-label": "All images" }, bar, this.strip.root),
       ),
     );
   }
@@ -127,13 +127,13 @@ export class Review {
   /** Keys that every review has, around those of its own. */
   bind(own) {
     bindHere([
-      ["Enter", "Accept and go to the next", () => this.accept()],
-      ["ArrowRight .", "Next picture", () => this.step(1)],
-      ["ArrowLeft ,", "Picture before", () => this.step(-1)],
-      ["x", "Reject, or take back", () => this.reject()],
+      ["Enter", "Accept, next image", () => this.accept()],
+      ["ArrowRight .", "Next image", () => this.step(1)],
+      ["ArrowLeft ,", "Previous image", () => this.step(-1)],
+      ["x", "Reject, or undo the rejection", () => this.reject()],
       ["u Ctrl+z", "Undo", () => this.undo()],
       ["r Ctrl+y Ctrl+Z", "Redo", () => this.redo()],
-      ["v", "Look and drag the ellipse", () => this.use("ellipse")],
+      ["v", "Drag the ellipse", () => this.use("ellipse")],
       ["o", "Region of interest", () => this.use("box")],
       ...own,
       [
@@ -141,9 +141,9 @@ export class Review {
         "Smaller or larger brush",
         ({ key }) => this.setRadius(key === "]" ? this.radius * 1.25 + 0.5 : this.radius * 0.8 - 0.5),
       ],
-      ["+ - 0", "Zoom in, zoom out, fit the picture", null],
-      ["Tab", "To the handles; arrow keys move one, Shift ×10, Alt ×⅕", null],
-      ["Space", "Press or lift the tool at the cross-hair", null],
+      ["+ - 0", "Zoom in, zoom out, fit the image", null],
+      ["Tab", "Select a handle; arrow keys move it, Shift ×10, Alt ×⅕", null],
+      ["Space", "Use the tool at the cross-hair", null],
     ]);
   }
 
@@ -266,7 +266,7 @@ export class Review {
     this.inspector.radius?.show(this.radius);
   }
 
-  /** Another window corrected this picture: what a hand holds stays in it, and is kept on top of that. */
+  /** Another window corrected this image: what a hand holds stays in it, and is kept on top of that. */
   #conflict() {
     if (!this.held) this.remeasure();
   }
@@ -294,7 +294,7 @@ export class Review {
 
   /** A correction whose ellipse follows the picture again: said where a hand had set it. */
   withoutEllipse(change) {
-    if (change.ellipse_px) toast("The ellipse that was set by hand gives way to this; Undo brings it back.");
+    if (change.ellipse_px) toast("This replaces the manual ellipse; Undo restores it.");
     return { ...change, ellipse_px: null };
   }
 

@@ -10,9 +10,9 @@ import { button, check, chip, choose, faultList, field, withoutOverlap } from ".
 const STATES = {
   idle: "Nothing is running",
   running: "Running",
-  cancelling: "Stopping: the pictures in hand are finished first",
+  cancelling: "Stopping after the current images",
   done: "Finished",
-  cancelled: "Stopped. What was measured is kept",
+  cancelled: "Stopped. Finished measurements are kept",
   failed: "The run failed",
 };
 const PHASES = { measuring: "measuring", tables: "writing tables", report: "writing the report" };
@@ -21,17 +21,17 @@ const FILES = [
   [
     "report.html",
     "Report",
-    "One page that needs nothing else: figures, overlays, tables, provenance. Open it, or send it to a colleague. Many fingers have a page each, in the ZIP of the study folder.",
+    "A single HTML file with figures, overlays, tables and provenance. For studies of many fingers, the ZIP of the study folder holds a page for each.",
   ],
   [
     "study.zip",
     "Study folder",
-    "Pictures, manifest, corrections and results as one ZIP that opens on another machine with the same results.",
+    "Images, manifest, corrections and results as a ZIP file, to import on another computer.",
   ],
-  ["results.csv", "Results as CSV", "One row for each contact and frame; units and _std in the headers."],
-  ["results_columns.csv", "What the columns mean", "The data dictionary beside the CSV."],
-  ["results.json", "Results for scripts", "The same rows as JSON."],
-  ["summary.json", "Summary for scripts", "Pooled radii, versions, hashes of every input, formulas."],
+  ["results.csv", "Results as CSV", "One row per contact and frame; units and _std in the headers."],
+  ["results_columns.csv", "Column descriptions", "Data dictionary of the CSV."],
+  ["results.json", "Results as JSON", "The same rows as JSON."],
+  ["summary.json", "Summary as JSON", "Pooled radii, versions, hashes of all inputs, formulas."],
 ];
 
 class Run {
@@ -51,7 +51,7 @@ class Run {
           "div",
           null,
           h("h1", null, "Run & export"),
-          h("p", null, "A run measures only what is missing or changed."),
+          h("p", null, "A run measures only what is new or has changed."),
         ),
       ),
       h("div.scroll.stack", null, this.status, this.exports),
@@ -148,15 +148,15 @@ class Run {
               h(
                 "div.note",
                 null,
-                `${missing.length} ${missing.length === 1 ? "entry is" : "entries are"} not complete and left out of runs. `,
-                h("a", { href: "#/study" }, "The study says what."),
+                `${missing.length} ${missing.length === 1 ? "entry is" : "entries are"} incomplete and left out of runs. `,
+                h("a", { href: "#/study" }, "See the Study page."),
               ),
             !ready &&
               h(
                 "div.note",
                 null,
-                "Something is still missing. ",
-                h("a", { href: "#/study" }, "The study says what."),
+                "The study is incomplete. ",
+                h("a", { href: "#/study" }, "See the Study page."),
               ),
             h(
               "div.run-options",
@@ -169,7 +169,7 @@ class Run {
                   onset: (value) => (this.workers = Number(value)),
                 }),
               ),
-              check("Measure everything anew", { checked: this.fresh, onset: (on) => (this.fresh = on) }),
+              check("Re-measure all", { checked: this.fresh, onset: (on) => (this.fresh = on) }),
             ),
             h(
               "div.actions",
@@ -187,7 +187,7 @@ class Run {
       run.failures?.length > 0 &&
         h(
           "div.note.bad.failures",
-          { tabindex: 0, role: "region", "aria-label": "What failed" },
+          { tabindex: 0, role: "region", "aria-label": "Failures" },
           h("strong", null, `${run.failures.length} failed`),
           h(
             "ul",
@@ -232,12 +232,12 @@ class Run {
       h(
         "div.headline",
         null,
-        h("h2", null, "Take away"),
+        h("h2", null, "Export"),
         there &&
           h(
             "span.soft",
             null,
-            results.fresh ? "up to date" : "as of the last run; the study has changed since",
+            results.fresh ? "up to date" : "from the last run; the study has changed since",
           ),
       ),
       h(
@@ -264,7 +264,7 @@ class Run {
                     },
                     "Download",
                   )
-                : h("span.soft", null, "after the first run"),
+                : h("span.soft", null, "available after a run"),
               can &&
                 file === "report.html" &&
                 h("a.button", { href: `/api/download/${file}`, target: "_blank", rel: "noopener" }, "Open"),
@@ -280,8 +280,8 @@ class Run {
             "div.actions",
             null,
             there
-              ? h("a.button", { href: "#/results/figures" }, "Choose figures")
-              : h("span.soft", null, "after the first run"),
+              ? h("a.button", { href: "#/results/figures" }, "Show figures")
+              : h("span.soft", null, "available after a run"),
           ),
         ),
       ),

@@ -22,7 +22,7 @@ const WAYS = [
 const DEFAULTS = { line: { ends_px_std: 1 } };
 
 const COINS = [
-  ["", "– type or choose –"],
+  ["", "– other –"],
   ["16.25", "1 euro cent, 16.25 mm"],
   ["18.75", "2 euro cent, 18.75 mm"],
   ["21.25", "5 euro cent, 21.25 mm"],
@@ -42,7 +42,7 @@ class Scales {
   constructor(root, rest) {
     this.root = root;
     this.stage = new Stage(
-      "Picture of a ruler or coin. Arrow keys move the cross-hair, space starts and ends the line.",
+      "Image of a ruler or coin. Arrow keys move the cross-hair, space starts and ends the line.",
     );
     this.line = new Line(this.stage, (ends) => this.#drawn(ends));
     this.coin = s("path.coin");
@@ -66,11 +66,7 @@ class Scales {
           "div",
           null,
           h("h1", null, "Scale"),
-          h(
-            "p",
-            null,
-            "Every picture needs one. Pictures that share a scale by its name share its uncertainty too.",
-          ),
+          h("p", null, "Every image needs a scale. Images that share a named scale share its uncertainty."),
         ),
         h(
           "div.actions",
@@ -89,21 +85,17 @@ class Scales {
           (this.plainWords = h(
             "div.empty",
             { hidden: true },
-            h("h2", null, "This scale is a number"),
-            h(
-              "p",
-              null,
-              "No picture is needed. The scanner or the camera's data sheet says it; give its uncertainty too, it goes into every result.",
-            ),
+            h("h2", null, "This scale needs no image"),
+            h("p", null, "See the data sheet of the scanner or camera. Uncertainty enters every result."),
           )),
         ),
-        h("aside.inspector", { "aria-label": "The scale that is open", tabindex: 0 }, this.form),
+        h("aside.inspector", { "aria-label": "Selected scale", tabindex: 0 }, this.form),
       ),
     );
     bindHere([
       ["n", "New scale", () => this.#start(null)],
-      ["Ctrl+Enter", "Keep the scale", () => this.#keep()],
-      ["+ - 0", "Zoom in, zoom out, fit the picture", null],
+      ["Ctrl+Enter", "Save scale", () => this.#keep()],
+      ["+ - 0", "Zoom in, zoom out, fit the image", null],
       ["Space", "Start and end the line at the cross-hair", null],
     ]);
     const first = workspace.study.scales.find(({ name }) => name === rest[0]) ?? workspace.study.scales[0];
@@ -161,7 +153,7 @@ class Scales {
           },
           h("strong", null, name),
           h("span.soft", null, words(table)),
-          chip(`${uses} picture${uses === 1 ? "" : "s"}`),
+          chip(`${uses} image${uses === 1 ? "" : "s"}`),
         ),
       ),
       h(
@@ -188,13 +180,13 @@ class Scales {
         "section",
         null,
         h("h2", null, this.old ? `Scale ${this.old.name}` : "New scale"),
-        field("Name", this.nameField, { hint: this.old ? "Another name makes another scale." : undefined }),
+        field("Name", this.nameField, { hint: this.old ? "A new name creates a new scale." : undefined }),
       ),
       h(
         "section",
         null,
-        h("h3", null, "How it is known"),
-        segments("How the scale is known", WAYS, this.way, (way) => this.#choose(way)),
+        h("h3", null, "Type of scale"),
+        segments("Type of scale", WAYS, this.way, (way) => this.#choose(way)),
       ),
       ["line", "coin"].includes(this.way) &&
         h(
@@ -204,14 +196,14 @@ class Scales {
             "Picture",
             choose({
               value: this.file,
-              options: pictures.length ? pictures : [["", "no picture yet"]],
+              options: pictures.length ? pictures : [["", "no images"]],
               onset: (file) => this.#take(file),
             }),
             {
               hint:
                 this.way === "line"
                   ? "Draw a line between two marks of the ruler."
-                  : "A coin seen whole and flat, on a plain ground.",
+                  : "The whole coin, parallel to the image plane, on a plain background.",
             },
           ),
         ),
@@ -224,7 +216,7 @@ class Scales {
         h(
           "div.actions",
           null,
-          (this.keepButton = button("Keep this scale", () => this.#keep(), {
+          (this.keepButton = button("Save scale", () => this.#keep(), {
             kind: "primary",
             key: "Ctrl+Enter",
           })),
@@ -248,12 +240,12 @@ class Scales {
     const ways = {
       line: () => [
         field("Length of the line", of("length_mm"), { unit: "mm" }),
-        field("Its uncertainty", of("length_mm_std", { placeholder: "not said" }), { unit: "mm" }),
-        field("Each end is sure to", of("ends_px_std", { placeholder: "not said" }), { unit: "px" }),
+        field("Uncertainty", of("length_mm_std", { placeholder: "not stated" }), { unit: "mm" }),
+        field("Uncertainty of each end", of("ends_px_std", { placeholder: "not stated" }), { unit: "px" }),
       ],
       coin: () => [
         field(
-          "Which coin",
+          "Coin type",
           choose({
             value: String(this.table.diameter_mm ?? ""),
             options: COINS,
@@ -262,18 +254,18 @@ class Scales {
           { wide: true },
         ),
         field("Diameter", of("diameter_mm"), { unit: "mm" }),
-        field("Its uncertainty", of("diameter_mm_std", { placeholder: "not said" }), { unit: "mm" }),
+        field("Uncertainty", of("diameter_mm_std", { placeholder: "not stated" }), { unit: "mm" }),
       ],
       ppi: () => [
         field("Pixels per inch", of("ppi"), { unit: "ppi" }),
-        field("Relative uncertainty", of("relative_std", { placeholder: "not said", max: 1 }), {
-          hint: "0.01 is one per cent",
+        field("Relative uncertainty", of("relative_std", { placeholder: "not stated", max: 1 }), {
+          hint: "0.01 is 1 %",
         }),
       ],
       mm_per_px: () => [
         field("Millimetres per pixel", of("mm_per_px"), { unit: "mm/px" }),
-        field("Relative uncertainty", of("relative_std", { placeholder: "not said", max: 1 }), {
-          hint: "0.01 is one per cent",
+        field("Relative uncertainty", of("relative_std", { placeholder: "not stated", max: 1 }), {
+          hint: "0.01 is 1 %",
         }),
       ],
     };
@@ -313,7 +305,7 @@ class Scales {
   async #show(file) {
     if (!file)
       return this.stage.setMessage(
-        "Drop a picture of a ruler or a coin on the Study page, or give the resolution.",
+        "Drop an image of a ruler or a coin on the Study page, or enter the resolution.",
       );
     try {
       const info = await get("/api/picture/info", { item: `file:${file}` });
@@ -357,10 +349,10 @@ class Scales {
     else {
       this.live.cancel();
       const next = {
-        line: this.table.line ? "Now type how long the line is." : "Draw a line on the ruler.",
-        coin: "Say which coin it is.",
-        ppi: "Type the resolution.",
-        mm_per_px: "Type the size of a pixel.",
+        line: this.table.line ? "Enter the length of the line." : "Draw a line on the ruler.",
+        coin: "Select or enter the coin's diameter.",
+        ppi: "Enter the resolution.",
+        mm_per_px: "Enter the size of a pixel.",
       }[this.way];
       render(this.result, h("p.soft", null, next));
       this.line.write("");
@@ -387,8 +379,8 @@ class Scales {
         null,
         `${plain(answer.resolution_ppi)} ppi`,
         answer.relative_std > 0
-          ? `, known to ${plain(answer.relative_std * 100)} %`
-          : ", its uncertainty not said",
+          ? `, relative uncertainty ${plain(answer.relative_std * 100)} %`
+          : ", uncertainty not stated",
       ),
       answer.coin &&
         h(
@@ -422,7 +414,7 @@ class Scales {
       ...study.observations
         .filter(({ file }) => file)
         .map((each) => ["observation", each.item, each.item, each.scale]),
-      ...study.sequences.map((each) => ["sequence", each.name, `film ${each.name}`, each.scale]),
+      ...study.sequences.map((each) => ["sequence", each.name, `sequence ${each.name}`, each.scale]),
     ];
     this.takers = new Map();
     // Photographs and contact images seldom come from one camera: only pictures of one kind are taken unasked.
@@ -439,7 +431,7 @@ class Scales {
         h(
           "span.soft",
           null,
-          scale ? (mine ? "" : typeof scale === "string" ? scale : "its own") : "none yet",
+          scale ? (mine ? "" : typeof scale === "string" ? scale : "own scale") : "none yet",
         ),
       );
     });
@@ -448,10 +440,10 @@ class Scales {
     };
     const has = (kind) => rows.some(([other]) => other === kind);
     return [
-      h("h3", null, "Pictures with this scale"),
+      h("h3", null, "Images with this scale"),
       rows.length
-        ? h("div.takers", { tabindex: 0, role: "group", "aria-label": "Pictures with this scale" }, boxes)
-        : h("p.soft", null, "No picture is in use yet; choose this scale where you say what a picture is."),
+        ? h("div.takers", { tabindex: 0, role: "group", "aria-label": "Images with this scale" }, boxes)
+        : h("p.soft", null, "No images yet; choose this scale when you add them."),
       h(
         "div.actions",
         null,
@@ -463,8 +455,8 @@ class Scales {
 
   async #keep() {
     render(this.problem);
-    if (!this.name) return this.#wrong("Give the scale a name, as in reader or camera.", this.nameField);
-    if (!this.#ready()) return this.#wrong("The scale is not complete yet.");
+    if (!this.name) return this.#wrong("Enter a name for the scale, for example camera.", this.nameField);
+    if (!this.#ready()) return this.#wrong("The scale is incomplete yet.");
     const edits = [{ kind: "scale", key: this.name, set: this.#asked() }];
     for (const [box, { kind, key, scale }] of this.takers) {
       if (box.checked && scale !== this.name) edits.push({ kind, key, set: { scale: this.name } });
@@ -488,7 +480,7 @@ class Scales {
 
   async #delete() {
     if (this.old.used_by)
-      return this.#wrong(`${this.old.used_by} pictures still use this scale. Give them another one first.`);
+      return this.#wrong(`${this.old.used_by} images use this scale. Choose another scale for them first.`);
     await workspace.edit({ kind: "scale", key: this.old.name, set: null }).catch(showError);
     this.#start(workspace.study.scales[0] ?? null);
   }
@@ -511,7 +503,7 @@ function words(table) {
   if (table.mm_per_px !== undefined) return `${table.mm_per_px} mm/px`;
   if (table.line) return `line of ${table.length_mm} mm`;
   if (table.coin) return `coin of ${table.diameter_mm} mm`;
-  return "not complete";
+  return "incomplete";
 }
 
 export const open = (root, rest) => new Scales(root, rest);

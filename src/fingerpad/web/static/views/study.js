@@ -21,7 +21,7 @@ class StudyView {
       },
     });
     this.side = h("aside.stack.study-side", {
-      "aria-label": "What is missing, and what holds for the whole study",
+      "aria-label": "Missing entries and settings of the study",
     });
     this.heading = h("div");
     this.ready = h("div.actions");
@@ -39,7 +39,7 @@ class StudyView {
     this.drop.watch(root);
     bindHere([
       ["a", "Add files", () => this.drop.chooser.click()],
-      ["g", "To what is missing", () => this.side.querySelector("a, button, input")?.focus()],
+      ["g", "Go to missing entries", () => this.side.querySelector("a, button, input")?.focus()],
     ]);
     this.update();
   }
@@ -68,14 +68,14 @@ class StudyView {
       h(
         "p",
         null,
-        `${count(study.fingers.length, "finger")}, ${count(study.observations.length, "contact")}${study.sequences.length ? `, ${count(study.sequences.length, "film")}` : ""}${study.curves.length ? `, ${count(study.curves.length, "loading entry", "loading entries")}` : ""}`,
+        `${count(study.fingers.length, "finger")}, ${count(study.observations.length, "contact")}${study.sequences.length ? `, ${count(study.sequences.length, "sequence")}` : ""}${study.curves.length ? `, ${count(study.curves.length, "loading data set")}` : ""}`,
       ),
     );
     render(
       this.ready,
       study.ready
         ? h("a.button.primary", { href: "#/run/start" }, "Run the study")
-        : h("span.soft", null, "Not ready to run yet"),
+        : h("span.soft", null, "Not ready to run"),
     );
     this.files.draw();
     this.tables.draw();
@@ -97,15 +97,15 @@ class StudyView {
         h(
           "div.note",
           null,
-          h("strong", null, "No contact yet."),
-          " Drop images of the contact, or the film of a press, and say finger, angle and load.",
+          h("strong", null, "No contacts yet."),
+          " Drop contact images or a sequence, and enter finger, angle and load.",
         ),
       );
     }
     return h(
       "section.card",
-      { "aria-label": "What is missing" },
-      h("header", null, h("h2", null, "Still missing"), h("span.soft", null, missing.length)),
+      { "aria-label": "Missing" },
+      h("header", null, h("h2", null, "Missing"), h("span.soft", null, missing.length)),
       missing.length
         ? h(
             "ul.missing",
@@ -123,12 +123,8 @@ class StudyView {
               ),
             missing.length > 40 && h("li.soft", null, `and ${missing.length - 40} more`),
           )
-        : h(
-            "p.soft",
-            null,
-            "Drop the files of the study to begin: photographs of the finger and images of its contact.",
-          ),
-      ready && h("p.soft", null, "The rest of the study can run; what is listed here is left out."),
+        : h("p.soft", null, "Start by dropping files: photographs of the finger and contact images."),
+      ready && h("p.soft", null, "The rest of the study can run; the entries listed here are skipped."),
     );
   }
 
@@ -154,26 +150,26 @@ class StudyView {
       });
     return h(
       "section.card",
-      { "aria-label": "Uncertainty common to all" },
-      h("header", null, h("h2", null, "Uncertainty common to all")),
+      { "aria-label": "Common uncertainties" },
+      h("header", null, h("h2", null, "Common uncertainties")),
       h(
         "p.soft",
         null,
-        "One standard uncertainty each. What is left at 0 makes every ± of the results too small.",
+        "Standard uncertainties. A value of 0 makes the uncertainties of the results too small.",
       ),
       h(
         "div.fields.two",
         null,
         field("Wedge angle ±", of("wedge_angle_deg_std"), { unit: "°" }),
         field("Roll angle ±", of("roll_angle_deg_std"), { unit: "°" }),
-        field("Load, relative ±", of("load_relative_std", 1), { hint: "0.01 is one per cent" }),
+        field("Load, relative ±", of("load_relative_std", 1), { hint: "0.01 is 1 %" }),
         field("Poisson's ratio ±", of("poisson_ratio_std", 0.5)),
         field(
-          "Each row's uncertainty by",
+          "Propagation of uncertainty",
           choose({
             value: now.method ?? "first_order",
             options: [
-              ["first_order", "first order"],
+              ["first_order", "linear (first order)"],
               ["monte_carlo", "Monte Carlo"],
             ],
             onset: (value) => this.#change("uncertainty", { method: value }, problem),
@@ -190,8 +186,8 @@ class StudyView {
     const problem = h("div");
     return h(
       "section.card",
-      { "aria-label": "About this study" },
-      h("header", null, h("h2", null, "About")),
+      { "aria-label": "Study settings" },
+      h("header", null, h("h2", null, "Settings")),
       h(
         "div.fields.two",
         null,

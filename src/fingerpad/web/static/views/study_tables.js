@@ -15,7 +15,7 @@ const AXES = [
 ];
 const STATUS = {
   done: ["measured", "good"],
-  left: ["to do", ""],
+  left: ["not measured", ""],
   stale: ["changed", "warn"],
   failed: ["failed", "bad"],
   given: ["given", ""],
@@ -25,7 +25,7 @@ const STATUS = {
 /** @param {{ status: string, reason?: string | null }} entry */
 const statusChip = ({ status, reason }) =>
   chip(...(STATUS[status] ?? [status ?? "", ""]), reason ?? undefined);
-const incomplete = ({ complete }) => complete === false && chip("not complete", "warn");
+const incomplete = ({ complete }) => complete === false && chip("incomplete", "warn");
 
 export class StudyTables {
   constructor() {
@@ -59,11 +59,11 @@ export class StudyTables {
 
   async #remove(kind, key, words) {
     const answer = await ask(
-      `Take ${words} out of the study?`,
-      h("p", null, "Its file stays in the study's folder."),
+      `Remove ${words} from the study?`,
+      h("p", null, "Its file stays in the study folder."),
       [
-        ["", "Keep it"],
-        ["yes", "Take it out", "bad"],
+        ["", "Cancel"],
+        ["yes", "Remove", "bad"],
       ],
     );
     if (answer === "yes") this.change(kind, key, null);
@@ -78,7 +78,7 @@ export class StudyTables {
         "header",
         null,
         h("h2", null, "Fingers"),
-        h("span.soft", null, "semi-axes from photographs, or typed in"),
+        h("span.soft", null, "semi-axes from photographs or entered"),
         h(
           "div.actions",
           null,
@@ -111,11 +111,7 @@ export class StudyTables {
               ),
             ),
           )
-        : h(
-            "p.soft",
-            null,
-            "None yet. A finger comes into being with its first photograph, or by typing its semi-axes.",
-          ),
+        : h("p.soft", null, "No fingers yet. Add a photograph, or enter the semi-axes."),
     );
   }
 
@@ -147,7 +143,7 @@ export class StudyTables {
               finger.photographs.map((photograph) => this.#face(photograph)),
             )
           : typed
-            ? h("span.soft", null, "typed in")
+            ? h("span.soft", null, "entered")
             : h("span.soft", null, "none"),
       ),
       h(
@@ -168,7 +164,7 @@ export class StudyTables {
           }),
           button("×", () => this.#remove("finger", finger.name, finger.name), {
             kind: "icon",
-            label: `Take ${finger.name} out`,
+            label: `Remove ${finger.name}`,
           }),
         ),
       ),
@@ -177,7 +173,7 @@ export class StudyTables {
 
   /** @param {Finger["photographs"][number]} photograph */
   #face(photograph) {
-    const words = `${photograph.face ?? "which face?"}${photograph.scale ? "" : ", no scale"}`;
+    const words = `${photograph.face ?? "face missing"}${photograph.scale ? "" : ", no scale"}`;
     const kind = photograph.rejected ? "warn" : photograph.accepted ? "good" : "";
     if (photograph.outline) return chip(`${words}, outline`, kind);
     return h(
@@ -232,7 +228,7 @@ export class StudyTables {
       h(
         "p",
         null,
-        "Half-lengths of the pad, and one standard uncertainty each. Leave them empty if photographs will follow.",
+        "Semi-axes of the pad with standard uncertainties. Leave them empty if photographs follow.",
       ),
       h(
         "div.fields.two",
@@ -245,7 +241,7 @@ export class StudyTables {
     );
     const answer = await ask(`Semi-axes of ${finger.name}`, body, [
       ["", "Cancel"],
-      ["yes", "Keep", "primary"],
+      ["yes", "Save", "primary"],
     ]);
     const value = (input) => (input.value === "" ? undefined : Number(input.value));
     if (answer !== "yes" || inputs.every(([, , input]) => input.value === "")) return;
@@ -305,7 +301,7 @@ export class StudyTables {
               ),
             ),
           )
-        : h("p.soft", null, "None yet. Drop contact images above; each is one contact at one load."),
+        : h("p.soft", null, "No contacts yet. Drop contact images above; each is one contact at one load."),
     );
   }
 
@@ -317,7 +313,7 @@ export class StudyTables {
     return h(
       "div.actions",
       null,
-      button("‹", go(-1), { kind: "small", disabled: this.page === 0, label: "Page before" }),
+      button("‹", go(-1), { kind: "small", disabled: this.page === 0, label: "Previous page" }),
       h("span.number", null, `${this.page + 1} of ${pages}`),
       button("›", go(1), { kind: "small", disabled: this.page === pages - 1, label: "Next page" }),
     );
@@ -358,7 +354,7 @@ export class StudyTables {
         choose({
           value: one.finger ?? "",
           options: [
-            ...(one.finger ? [] : [["", "– which? –"]]),
+            ...(one.finger ? [] : [["", "– select –"]]),
             ...workspace.study.fingers.map(({ name }) => name),
           ],
           label: `Finger of ${one.item}`,
@@ -377,7 +373,7 @@ export class StudyTables {
         null,
         button("×", () => this.#remove("observation", one.item, one.item), {
           kind: "icon",
-          label: `Take ${one.item} out`,
+          label: `Remove ${one.item}`,
         }),
       ),
     );
@@ -388,11 +384,11 @@ export class StudyTables {
     const tables = workspace.study.files.filter(({ kind }) => kind === "table").map(({ file }) => file);
     return h(
       "section.card",
-      { "aria-label": "Films" },
-      h("header", null, h("h2", null, "Films"), h("span.soft", null, "of one press, with its force")),
+      { "aria-label": "Sequences" },
+      h("header", null, h("h2", null, "Sequences"), h("span.soft", null, "contact images with force")),
       h(
         "div.table-wrap",
-        { tabindex: 0, role: "group", "aria-label": "Films" },
+        { tabindex: 0, role: "group", "aria-label": "Sequences" },
         h(
           "table.tight",
           null,
@@ -402,7 +398,7 @@ export class StudyTables {
             h(
               "tr",
               null,
-              ["Film", "Finger", "Wedge, °", "Force and clock", "Scale", "Status", ""].map((words) =>
+              ["Sequence", "Finger", "Wedge, °", "Force, frame rate", "Scale", "Status", ""].map((words) =>
                 h("th", { scope: "col" }, words || h("span.sr", null, "Actions")),
               ),
             ),
@@ -450,7 +446,7 @@ export class StudyTables {
                   null,
                   choose({
                     value: one.force ?? "",
-                    options: [["", "– which CSV? –"], ...force.map((file) => [file, file.split("/").at(-1)])],
+                    options: [["", "– select CSV –"], ...force.map((file) => [file, file.split("/").at(-1)])],
                     label: `Force of ${one.name}`,
                     onset: set("force"),
                   }),
@@ -477,7 +473,7 @@ export class StudyTables {
                   null,
                   button("×", () => this.#remove("sequence", one.name, one.name), {
                     kind: "icon",
-                    label: `Take ${one.name} out`,
+                    label: `Remove ${one.name}`,
                   }),
                 ),
               );
@@ -497,13 +493,7 @@ export class StudyTables {
         "header",
         null,
         h("h2", null, "Loading data"),
-        h(
-          "span.soft",
-          null,
-          "curves of force against displacement, or ",
-          symbol("R", "g"),
-          " as found elsewhere",
-        ),
+        h("span.soft", null, "force–displacement curves, or ", symbol("R", "g"), " from elsewhere"),
         h(
           "div.actions",
           null,
@@ -542,7 +532,7 @@ export class StudyTables {
                   h(
                     "tr",
                     null,
-                    h("td", null, one.file ?? "found elsewhere", " ", synthetic(one.synthetic)),
+                    h("td", null, one.file ?? "from elsewhere", " ", synthetic(one.synthetic)),
                     h("td", null, one.finger ?? "–"),
                     h(
                       "td",
@@ -570,7 +560,7 @@ export class StudyTables {
                       null,
                       button("×", () => this.#remove("curve", one.key, one.file ?? "this radius"), {
                         kind: "icon",
-                        label: `Take curve ${one.key} out`,
+                        label: `Remove curve ${one.key}`,
                       }),
                     ),
                   ),
@@ -581,9 +571,9 @@ export class StudyTables {
         : h(
             "p.soft",
             null,
-            "None. The study runs without; ",
+            "None. The study runs without them; ",
             symbol("R", "g"),
-            " is then not drawn beside the corrected radius.",
+            " is then not compared with the corrected radius.",
           ),
     );
   }

@@ -16,7 +16,7 @@ class Welcome {
       accept: ".zip,application/zip",
       hidden: true,
       tabindex: -1,
-      "aria-label": "ZIP of a study",
+      "aria-label": "ZIP file of a study",
       onchange: () => this.#import(this.chooser.files[0]),
     });
     this.title.addEventListener("keydown", (event) => event.key === "Enter" && this.#create());
@@ -32,7 +32,7 @@ class Welcome {
           h(
             "div",
             null,
-            h("h1", null, "The workspace"),
+            h("h1", null, "fingerpad"),
             h(
               "p.soft",
               null,
@@ -46,19 +46,19 @@ class Welcome {
           h(
             "section.card.stack",
             null,
-            h("h2", null, "Begin a study"),
-            field("What it is about", this.title, { hint: `A folder of its own is made in ${folder}.` }),
+            h("h2", null, "New study"),
+            field("Title", this.title, { hint: `A new folder is created in ${folder}.` }),
             h(
               "div.actions",
               null,
-              button("Begin", () => this.#create(), { kind: "primary" }),
+              button("Create study", () => this.#create(), { kind: "primary" }),
             ),
             this.problem,
           ),
           h(
             "section.card.stack",
             null,
-            h("h2", null, "Open a study"),
+            h("h2", null, "Open study"),
             studies.length
               ? h(
                   "ul.studies",
@@ -76,17 +76,17 @@ class Welcome {
                     ),
                   ),
                 )
-              : h("p.soft", null, `There is none in ${folder} yet.`),
+              : h("p.soft", null, `There are no studies in ${folder} yet.`),
           ),
           h(
             "section.card.stack",
             null,
-            h("h2", null, "Bring a study"),
-            h("p.soft", null, "The ZIP that another workspace exported: pictures, corrections and results."),
+            h("h2", null, "Import study"),
+            h("p.soft", null, "A ZIP file exported by fingerpad: images, corrections and results."),
             h(
               "div.actions",
               null,
-              button("Choose a ZIP", () => this.chooser.click()),
+              button("Choose ZIP file", () => this.chooser.click()),
               this.chooser,
             ),
           ),
@@ -98,7 +98,7 @@ class Welcome {
             "Drop photographs and contact images",
             "Set the scale",
             "Check outlines and contacts",
-            "Run, and read the corrected radius against load",
+            "Run, and plot the corrected radius against load",
           ].map((words) => h("li", null, words)),
         ),
       ),
