@@ -1,4 +1,4 @@
-// The page: the steps of the work on the left, the step that is open on the right.
+// The page: steps in the sidebar, and the view of the current step.
 
 import { h, render } from "./core/dom.js";
 import { bindEverywhere, bindHere, listen, showHelp } from "./core/keys.js";
@@ -38,7 +38,7 @@ function route() {
 function show({ fresh = false } = {}) {
   const { name, rest } = route();
   const wanted = workspace.study ? name : "welcome";
-  // A view that can turn to what is wanted need not be opened anew.
+  // A view that can show the rest of the address is kept.
   if (fresh || wanted !== openName || !open?.navigate?.(rest)) {
     open?.close?.();
     bindHere([]);

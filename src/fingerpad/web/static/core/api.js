@@ -22,7 +22,7 @@ export class ApiError extends Error {
   }
 }
 
-/** Name of the study that requests are about; `conflict` is called if another window has opened another one. */
+/** Name of the study of all requests; `conflict` is called if another window opened another one. */
 export const context = { study: /** @type {string | null} */ (null), conflict: () => {} };
 
 const studyHeader = (path) =>

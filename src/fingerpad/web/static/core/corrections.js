@@ -1,4 +1,4 @@
-// Corrections of one picture: each is on the disk before it is shown as kept.
+// Corrections of one image; each is shown once it is saved.
 
 import { ApiError, get, post } from "./api.js";
 import { h } from "./dom.js";
@@ -6,7 +6,7 @@ import { ask } from "./messages.js";
 import { who, workspace } from "./workspace.js";
 
 export class Corrections {
-  /** `changed()` hears of every new state of the picture's corrections, `conflict()` of those of another window. */
+  /** `changed` is called on every new state, `conflict` also if another window corrected the image. */
   constructor(item, { changed, conflict }) {
     this.item = item;
     this.changed = changed;
@@ -60,8 +60,8 @@ export class Corrections {
   }
 
   /**
-   * Keep a correction: `edit(change)` gives the whole wanted correction from the one that rules. One after the
-   * other, so that quick work does not overtake itself; asked again upon what another window kept meanwhile.
+   * Save a correction: `edit` returns it from the active one. Corrections are saved one after the other; if
+   * another window saved one in the meantime, the user is asked.
    */
   keep(edit) {
     return this.#next(() =>
@@ -127,14 +127,14 @@ const WORDS = {
   rejected: "rejected",
 };
 
-/** What a record holds, in words. */
+/** Describe a record of the history. */
 export function describeChange({ action, change }) {
   if (action !== "change") return action;
   const parts = Object.keys(change).filter((key) => change[key] !== null && change[key] !== false);
   return parts.length ? parts.map((key) => WORDS[key] ?? key).join(", ") : "reset to automatic";
 }
 
-/** A correction without what says nothing. */
+/** A correction without default values. */
 export function withoutDefaults(change) {
   return Object.fromEntries(
     Object.entries(change)

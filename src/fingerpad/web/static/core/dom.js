@@ -1,4 +1,4 @@
-// Elements made by hand: whatever a person typed becomes text, never markup.
+// HTML and SVG elements; strings become text, never markup.
 
 const SVG = "http://www.w3.org/2000/svg";
 
@@ -57,8 +57,7 @@ export function render(node, ...children) {
 const nameOf = (node) => node.getAttribute("aria-label") ?? node.labels?.[0]?.textContent ?? node.textContent;
 
 /**
- * Remember what has the focus; the answer gives it back, to what has the same name if all was drawn anew since. What
- * stands in a field is selected then, as by Tab.
+ * Save the focus; the function returned restores it, to the element of the same name if all were redrawn.
  */
 export function saveFocus() {
   const before = /** @type {HTMLInputElement} */ (document.activeElement);
@@ -76,14 +75,14 @@ export function saveFocus() {
   };
 }
 
-/** Draw anew, and leave the focus where it was. */
+/** Redraw and keep the focus. */
 export function redraw(draw) {
   const restoreFocus = saveFocus();
   draw();
   restoreFocus();
 }
 
-/** Set attributes of an SVG element that change many times a second. */
+/** Set attributes of an SVG element. */
 export function attributes(node, values) {
   for (const [key, value] of Object.entries(values)) node.setAttribute(key, value);
 }

@@ -1,14 +1,14 @@
-// The keyboard map: each view says what its keys do, and the help overlay shows just that.
+// Keyboard shortcuts: each view binds its own, and the help dialog lists them.
 
 import { h, render } from "./dom.js";
 
 const everywhere = [];
 let here = [];
 
-/** Keys of the whole page: [keys, words, action]. */
+/** Bind keys on all views: [keys, description, action]. */
 export const bindEverywhere = (...keys) => everywhere.push(...keys);
 
-/** Keys of the view that is open; forgotten when the next one opens. */
+/** Bind keys of the current view. */
 export const bindHere = (keys) => (here = keys);
 
 const typing = (target) =>

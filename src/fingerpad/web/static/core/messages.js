@@ -1,4 +1,4 @@
-// Short messages in the corner, and questions that must be answered.
+// Messages in the corner, and modal questions.
 
 import { h, render, saveFocus } from "./dom.js";
 
@@ -30,7 +30,7 @@ export function toast(words, { kind = "info", action, stays = kind === "error" }
 
 export const showError = (error) => error.name === "AbortError" || toast(error.message, { kind: "error" });
 
-/** Ask one thing; resolves to the value of the button, or null. Enter in a field presses the primary button. */
+/** Ask a question; resolves to the button's value or null. Enter in a field presses the primary button. */
 export function ask(title, body, buttons) {
   const restoreFocus = saveFocus();
   return new Promise((resolve) => {
@@ -67,6 +67,6 @@ export function ask(title, body, buttons) {
     });
     document.body.append(dialog);
     dialog.showModal();
-    dialog.querySelector(".body input, .body select")?.focus(); // what is asked is typed at once
+    dialog.querySelector(".body input, .body select")?.focus();
   });
 }

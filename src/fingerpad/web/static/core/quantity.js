@@ -1,5 +1,4 @@
-// Numbers as people read them: value ± one standard uncertainty with two digits (GUM 7.2.6), and the unit.
-// The same rule as fingerpad.units.value_with_uncertainty.
+// Values with standard uncertainty to two digits (GUM 7.2.6), as in fingerpad.units.value_with_uncertainty.
 
 import { h } from "./dom.js";
 
@@ -14,7 +13,7 @@ function decimalsOf(std) {
 const round = (value, decimals) => Math.round(value * 10 ** decimals) / 10 ** decimals;
 const fixed = (value, decimals) => round(value, decimals).toFixed(Math.max(decimals, 0)).replace("-", "−");
 
-/** Four significant digits; below one three decimals, and three digits at least. */
+/** Four significant digits; below one three decimals, and at least three digits. */
 export function plain(value) {
   if (value === null || value === undefined || !Number.isFinite(value)) return EN;
   if (value !== 0 && Math.abs(value) < 1)
@@ -50,7 +49,7 @@ export function unitOf(key) {
 
 export const withUnit = (text, unit) => (unit ? (unit === "°" ? `${text}°` : `${text} ${unit}`) : text);
 
-/** A number of a result, found by its key with the `_std` beside it. */
+/** A quantity by its key, with its standard uncertainty. */
 export function quantityText(numbers, key) {
   return withUnit(withStd(numbers?.[key], numbers?.[`${key}_std`]), unitOf(key));
 }
@@ -76,7 +75,7 @@ export function quantityRow(label, text, { was, mark, title } = {}) {
   );
 }
 
-/** Who measured, in words. */
+/** Description of how a result was measured. */
 export const BY = {
   program: "automatic",
   "program with corrections": "corrected",

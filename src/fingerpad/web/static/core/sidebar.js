@@ -1,4 +1,4 @@
-// The steps of the work with what each still wants, and the switches that hold for the whole page.
+// The sidebar: the steps with their status, and switches for the whole page.
 
 import { h, render, s } from "./dom.js";
 import { showHelp } from "./keys.js";
@@ -30,7 +30,9 @@ function stepStatus(step) {
     contacts: doubtful
       ? [`${doubtful} doubtful`, "warn"]
       : [
-          `${contacts.length}${study.sequences.length ? ` + ${study.sequences.length} sequence${study.sequences.length > 1 ? "s" : ""}` : ""}`,
+          [contacts.length, ...(study.sequences.length ? [`${study.sequences.length} seq.`] : [])].join(
+            " + ",
+          ),
           "",
         ],
     pad: [`${study.fingers.length || ""}`, ""],

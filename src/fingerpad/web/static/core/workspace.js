@@ -1,4 +1,4 @@
-// The study on the workspace: one state document, kept fresh, and edits of its manifest.
+// The open study: its state, kept up to date, and edits of its manifest.
 
 import { ApiError, context, get, post } from "./api.js";
 import { toast } from "./messages.js";
@@ -13,8 +13,8 @@ class Workspace extends EventTarget {
   /** @type {EventSource | null} */
   #stream = null;
   #reloading = null;
-  #news = 0;
-  #rest = null;
+  #version = 0;
+  #reloadTimer = null;
   /** @type {Promise<any>} */
   #editing = Promise.resolve();
 
@@ -33,9 +33,9 @@ class Workspace extends EventTarget {
    * @param {(detail: any) => void} listener
    */
   on(kind, listener) {
-    const heard = (event) => listener(event.detail);
-    this.addEventListener(kind, heard);
-    return () => this.removeEventListener(kind, heard);
+    const handler = (event) => listener(event.detail);
+    this.addEventListener(kind, handler);
+    return () => this.removeEventListener(kind, handler);
   }
 
   async start() {
@@ -44,23 +44,23 @@ class Workspace extends EventTarget {
     if (this.session.study) await this.reload();
   }
 
-  /** Take a state that is not older than this call. */
+  /** Load a state that is not older than this call. */
   reload() {
-    this.#news += 1;
+    this.#version += 1;
     return (this.#reloading ??= this.#read().finally(() => (this.#reloading = null)));
   }
 
-  /** An answer that was conflict by something newer while it came is asked for again. */
+  /** Load the state again if it changed while it was loaded. */
   async #read() {
     let document, known;
     do {
-      known = this.#news;
+      known = this.#version;
       document = await get("/api/study");
-    } while (known !== this.#news);
-    return this.#take(document);
+    } while (known !== this.#version);
+    return this.#update(document);
   }
 
-  /** Another window opened another study, or closed this one: there is one at a time, and this window follows. */
+  /** Follow another window that opened another study or closed this one: one is open at a time. */
   async follow() {
     const { study } = (this.session = await get("/api/session"));
     if (study?.name === this.study?.name) return;
@@ -75,33 +75,33 @@ class Workspace extends EventTarget {
     else this.emit("study", { first: true });
   }
 
-  /** Forget the study, and hear no more of it. */
+  /** Leave the study. */
   #leave() {
     this.#stream?.close();
-    clearTimeout(this.#rest);
-    this.#news += 1;
+    clearTimeout(this.#reloadTimer);
+    this.#version += 1;
     this.study = this.run = context.study = null;
     location.hash = "#/study";
   }
 
   /** @param {State} document */
-  #take(document) {
-    this.#news += 1;
+  #update(document) {
+    this.#version += 1;
     context.study = document.name;
     const first = this.study?.name !== document.name;
-    // Files that nothing names are shown where files are; nothing is missing for their sake.
+    // Unused files are listed as files, not as missing entries.
     const missing = document.missing.filter(({ kind }) => kind !== "file");
     this.study = { ...document, missing, uncertainty: document.uncertainty };
     if (first) {
       this.run = null;
       this.#listen();
     }
-    this.#hear(document.run);
+    this.#updateRun(document.run);
     this.emit("study", { first });
     return document;
   }
 
-  /** Follow what other windows and the run do. */
+  /** Listen to other windows and to the run. */
   #listen() {
     this.#stream?.close();
     this.#stream = new EventSource("/api/events");
@@ -111,16 +111,16 @@ class Workspace extends EventTarget {
     on("run", (run) => this.takeRun(run));
     on("corrections", (detail) => {
       this.emit("corrections", detail);
-      // What a correction means for the whole study is asked for once the hand rests.
-      clearTimeout(this.#rest);
-      this.#rest = setTimeout(() => this.reload().catch(() => {}), 1500);
+      // The state of the whole study is reloaded once corrections pause.
+      clearTimeout(this.#reloadTimer);
+      this.#reloadTimer = setTimeout(() => this.reload().catch(() => {}), 1500);
     });
     this.#stream.onerror = () => this.emit("link", { there: false });
     this.#stream.onopen = () => this.emit("link", { there: true });
   }
 
-  /** How the run stands, unless a later state of it is known. */
-  #hear(run) {
+  /** Update the status of the run unless a later one is known. */
+  #updateRun(run) {
     if (run.version < this.run?.version) return false;
     this.run = run;
     return true;
@@ -129,17 +129,17 @@ class Workspace extends EventTarget {
   /** @param {Answers["RunStatus"]} run */
   takeRun(run) {
     const ended = this.run?.state === "running" && run.state !== "running";
-    if (!this.#hear(run)) return;
+    if (!this.#updateRun(run)) return;
     this.emit("run", run);
     if (ended || (run.state === "done" && !this.study.results?.fresh)) this.reload().catch(() => {});
   }
 
   async open(name) {
-    this.#take(await post("/api/session/open", { name }));
+    this.#update(await post("/api/session/open", { name }));
   }
 
   async create(name, title) {
-    this.#take(await post("/api/session/new", { name, title }));
+    this.#update(await post("/api/session/new", { name, title }));
   }
 
   async close() {
@@ -148,14 +148,15 @@ class Workspace extends EventTarget {
     this.emit("study", { first: true });
   }
 
-  take(document) {
-    return this.#take(document);
+  update(document) {
+    return this.#update(document);
   }
 
   /**
-   * Change the manifest: edits are {kind, key, set}, all of them or none. Another window may have changed the study
-   * just before: then its state is taken, and ours asked again, if it is about other tables than those that changed.
-   * One's own follow each other: each is made on what the one before it left.
+   * Change the manifest by all edits or none, one call after the other. If another window changed the study
+   * just before, the edits are sent again unless they are about the same tables.
+   *
+   * @param {...Edit} edits
    */
   edit(...edits) {
     const { name } = this.study;
@@ -171,7 +172,7 @@ class Workspace extends EventTarget {
   /** @param {Edit[]} edits */
   async #edit(edits) {
     const send = async () =>
-      this.#take(await post("/api/study/edits", { expected: this.study.digest, edits }));
+      this.#update(await post("/api/study/edits", { expected: this.study.digest, edits }));
     const before = edits.map((edit) => tableOf(this.study, edit));
     try {
       return await send();
@@ -214,7 +215,7 @@ export const workspace = new Workspace();
 export const who = () => localStorage.getItem("fingerpad.who") || workspace.session?.who || "";
 export const setWho = (name) => localStorage.setItem("fingerpad.who", name.trim());
 
-/** Words for a flag or note, from the library. */
+/** Description of a flag or note. */
 export function describeCode(code) {
   const words = workspace.study?.words;
   return (

@@ -1,4 +1,4 @@
-// Plotly, in the page's colours, fetched from this machine when the first chart is drawn.
+// Charts by Plotly in the colours of the theme; its script is loaded with the first chart.
 
 import { h } from "../core/dom.js";
 import { workspace } from "../core/workspace.js";
@@ -16,7 +16,7 @@ function load() {
   return loading;
 }
 
-/** A colour of the style sheet, as the theme has it now. */
+/** A colour of the current theme. */
 export function colour(name) {
   const probe = h("span", { style: { color: `var(--${name})`, display: "none" } });
   document.body.append(probe);

@@ -1,4 +1,4 @@
-// Files dropped on the page, or chosen: sent one after the other, each with its progress.
+// Upload of files that are dropped on the page or chosen, one after the other.
 
 import { upload } from "../core/api.js";
 import { h, render } from "../core/dom.js";
@@ -6,7 +6,7 @@ import { showError, toast } from "../core/messages.js";
 import { workspace } from "../core/workspace.js";
 import { button } from "./forms.js";
 
-/** Files of a drop, with the folder that holds each (the frames of a film are dropped as one folder). */
+/** Files of a drop, with the folder of each: the frames of a sequence are dropped as one folder. */
 async function filesOf(transfer) {
   const entries = [...transfer.items].map((item) => item.webkitGetAsEntry?.()).filter(Boolean);
   if (!entries.some((entry) => entry.isDirectory)) return [...transfer.files].map((file) => ({ file }));
@@ -62,7 +62,7 @@ export class Drop {
     );
   }
 
-  /** Let the whole of `area` take drops. */
+  /** Accept drops on all of `area`. */
   watch(area) {
     let depth = 0;
     const over = (on) => this.root.classList.toggle("over", on);

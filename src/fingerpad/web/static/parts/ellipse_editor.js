@@ -1,4 +1,4 @@
-// An ellipse with handles: centre, ends of both semi-axes, rotation. It draws and moves; the library fits.
+// An ellipse with handles for centre, semi-axes and rotation.
 
 import { attributes, s } from "../core/dom.js";
 import { handle } from "./handle.js";
@@ -6,7 +6,7 @@ import { handle } from "./handle.js";
 const TURN_PX = 30;
 
 export class EllipseEditor {
-  /** `names`: of the first and second semi-axis. `changed(shape, final)` hears every move of a hand. */
+  /** `names` are those of the semi-axes; `changed(shape, final)` is called on every move. */
   constructor(stage, names, changed) {
     this.stage = stage;
     this.changed = changed;
@@ -128,7 +128,7 @@ export class EllipseEditor {
     ];
   }
 
-  /** Where the first axis points, degrees counter-clockwise on the screen from straight up. */
+  /** Angle of the first semi-axis from straight up, degrees counter-clockwise on the screen. */
   get fromUp() {
     const [row, column] = this.shape.directions[0];
     return (Math.atan2(-column, -row) * 180) / Math.PI;

@@ -1,4 +1,4 @@
-// A strip of thumbnails of which only those in sight exist: two thousand frames scroll like twenty.
+// A strip of thumbnails; only visible ones are created, so that thousands of frames scroll smoothly.
 
 import { picture } from "../core/api.js";
 import { h } from "../core/dom.js";
@@ -8,7 +8,6 @@ const BEYOND = 6;
 const SETTLE_MS = 70;
 
 export class Filmstrip {
-  /** `chosen(index)` hears what a person picks; `describe(entry)` gives {label, top, state, marks}. */
   /**
    * @param {{ label: string, chosen: (index: number) => void, describe: (entry: any) => any }} options
    */
@@ -65,7 +64,7 @@ export class Filmstrip {
     this.#draw();
   }
 
-  /** Draw again those in sight, after an entry changed. */
+  /** Redraw visible thumbnails after an entry has changed. */
   refresh() {
     for (const [index, cell] of this.cells) this.#label(cell, index);
   }
@@ -145,7 +144,7 @@ export class Filmstrip {
     if (index === this.at) this.root.setAttribute("aria-activedescendant", cell.id);
   }
 
-  /** Ask for the thumbnails in sight only once the strip has come to rest. */
+  /** Load visible thumbnails once scrolling has stopped. */
   #load() {
     const { scrollLeft, clientWidth } = this.root;
     for (const [index, cell] of this.cells) {

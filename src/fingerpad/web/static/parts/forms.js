@@ -1,4 +1,4 @@
-// Fields: every one has its label, its unit, and room for what is wrong with it.
+// Form controls with labels and units.
 
 import { h, newId } from "../core/dom.js";
 
@@ -24,8 +24,8 @@ export function field(label, control, { unit, hint, wide } = {}) {
 }
 
 /**
- * A field for a number. `onset` is called once it is confirmed by Enter or by leaving the field, with null if it
- * was emptied.
+ * A field for a number. `onset` is called once it is confirmed by Enter or by leaving the field, with null if
+ * it was emptied.
  *
  * @param {{ value?: number | null, onset?: (value: number | null) => any, min?: number, max?: number,
  *   step?: number | "any", placeholder?: string, disabled?: boolean, label?: string }} options
@@ -92,7 +92,7 @@ export function choose({ value, options, onset, disabled, label }) {
   return select;
 }
 
-/** A slider with its value written behind it; `show` follows a value set elsewhere. */
+/** A slider with its value; `show` sets another value. */
 export function slider(label, { value, min, max, unit, hint, onset }) {
   const input = h("input", { type: "range", min, max, value, oninput: () => onset(Number(input.value)) });
   const root = field(label, input, { unit: `${value} ${unit}`, hint });
@@ -126,7 +126,7 @@ export function button(words, onclick, { kind = "", key, disabled, title, label 
   );
 }
 
-/** Work that is not unsaved again while it goes on: who clicks or presses Enter twice means it once. */
+/** Ignore calls of an async function while it runs, as on a double click. */
 export function withoutOverlap(work) {
   let busy = false;
   return async () => {
@@ -140,7 +140,8 @@ export function withoutOverlap(work) {
  * A group of buttons of which one is selected. Arrow keys move along it.
  *
  * @param {string} label
- * @param {[key: string, words: string, options?: { icon?: Element, shortcut?: string, title?: string }][]} options
+ * @param {[key: string, words: string,
+ *   options?: { icon?: Element, shortcut?: string, title?: string }][]} options
  * @param {string} value
  * @param {(value: string) => any} onset
  * @param {{ vertical?: boolean }} [layout]
@@ -189,7 +190,7 @@ export function segments(label, options, value, onset, { vertical = false } = {}
   return row;
 }
 
-/** What an empty place says: a heading, words, and a way on. */
+/** A notice with actions, shown where there is nothing else. */
 export function empty(title, words, ...actions) {
   return h(
     "div.empty",
@@ -203,7 +204,7 @@ export function empty(title, words, ...actions) {
 export const chip = (words, kind = "", title) => h("span", { class: `chip ${kind}`, title }, words);
 export const synthetic = (yes) => yes && h("span.synthetic", null, "synthetic");
 
-/** Faults of a refused edit, at the field if it can be found. */
+/** List the errors of a refused edit. */
 export function faultList(error) {
   return h(
     "div.faults",

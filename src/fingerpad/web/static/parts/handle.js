@@ -1,10 +1,10 @@
-// A mark on a picture that a hand moves, by pointer or by arrow keys.
+// A handle on an image, moved by pointer or by arrow keys.
 
 import { s } from "../core/dom.js";
 
 /**
- * A point that can be dragged, or moved by arrow keys while it has the focus (with Shift ten times as far, with
- * Alt a fifth). `step` replaces the move of an arrow key; `commit` is called at the end of a move.
+ * A point that can be dragged, or moved by arrow keys while it has the focus (with Shift ten times as far,
+ * with Alt a fifth). `step` replaces the move of an arrow key; `commit` is called at the end of a move.
  *
  * @param {import("./stage.js").Stage} stage
  * @param {{ label: string, kind?: string, move: (point: Point) => void, commit?: () => void,
@@ -66,7 +66,7 @@ export function handle(stage, { label, kind = "", move, commit, step, remove }) 
       timer = setTimeout(confirm, 450);
     } else if ((event.key === "Delete" || event.key === "Backspace") && remove) remove();
     else {
-      // Another key asks for something else: what was moved comes first.
+      // Another key may trigger an action: commit the move first.
       if (!["Shift", "Alt"].includes(event.key)) confirm();
       return;
     }

@@ -1,6 +1,5 @@
-// The pad in three dimensions as the library describes it: surface, point of contact, principal directions, platen
-// and wedge. It is only looked at from another side here; nothing is computed. Lines and names lie over the shaded
-// surface as SVG, which also draws the surface where WebGL is missing.
+// The pad in three dimensions: surface, point of contact, principal directions, platen and wedge. Lines and
+// labels are SVG over the shaded surface; where WebGL is missing, the surface is SVG too.
 
 import { attributes, h, render, s } from "../core/dom.js";
 import { Painter } from "./webgl.js";
@@ -24,7 +23,7 @@ const unit = (a) => {
   return [a[0] / length, a[1] / length, a[2] / length];
 };
 
-/** Flat faces as triangles with a normal each. */
+/** Flat faces as triangles with normals. */
 function flat(vertices, faces) {
   const positions = [];
   const normals = [];
@@ -44,7 +43,7 @@ function flat(vertices, faces) {
   return [positions, normals, triangles];
 }
 
-/** Edges of a solid, without those between two triangles of one flat side. */
+/** Edges of a solid, without those inside a flat face. */
 function sharp({ vertices_mm: vertices, faces }) {
   const seen = new Map();
   for (const face of faces) {
@@ -65,7 +64,7 @@ function sharp({ vertices_mm: vertices, faces }) {
   return [...seen.values()].filter(({ flush }) => !flush).map(({ ends }) => ends);
 }
 
-/** A grid of points as triangles; the normal of a point from its neighbours. */
+/** A grid of points as triangles; normals follow from neighbouring points. */
 function grid(x, y, z) {
   const rows = x.length;
   const columns = x[0].length;
@@ -81,7 +80,7 @@ function grid(x, y, z) {
       const [left, right] = [at(row, Math.max(column - 1, 0)), at(row, Math.min(column + 1, columns - 1))];
       let normal = cross(subtract(down, up), subtract(right, left));
       if (Math.hypot(...normal) < 1e-9) normal = here;
-      // Outwards, so that neighbours never cancel where the grid closes.
+      // Normals point outwards, so that they do not cancel where the grid closes.
       if (normal[0] * here[0] + normal[1] * here[1] + normal[2] * here[2] < 0)
         normal = [-normal[0], -normal[1], -normal[2]];
       positions.push(...here);

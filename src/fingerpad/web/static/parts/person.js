@@ -1,4 +1,4 @@
-// Whose corrections these are: asked once, kept by this browser, said with every correction.
+// The name saved with corrections; the browser remembers it.
 
 import { h, render } from "../core/dom.js";
 import { ask } from "../core/messages.js";

@@ -1,4 +1,4 @@
-// The scale of a picture in a form: a named one, or one of its own.
+// Choice of an image's scale: a named scale, or its own.
 
 import { workspace } from "../core/workspace.js";
 import { choose } from "./forms.js";
@@ -15,10 +15,10 @@ export function scaleWords(scale) {
 
 export const scaleNames = () => workspace.study?.scales.map(({ name }) => name) ?? [];
 
-/** A choice among the named scales; a scale of the picture's own stays as it is. */
+/** A drop-down list of named scales; an image's own scale is kept. */
 export function scaleChoice({ value, onset, label = "Scale" }) {
   const own = value && typeof value === "object";
-  const options = [["", "– none yet –"], ...scaleNames().map((name) => [name, name])];
+  const options = [["", "– none –"], ...scaleNames().map((name) => [name, name])];
   if (own) options.push(["\u0000own", `own: ${scaleWords(value)}`]);
   return choose({
     value: own ? "\u0000own" : (value ?? ""),

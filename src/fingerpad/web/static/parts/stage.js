@@ -1,5 +1,5 @@
-// A picture under an overlay: zoom, pan, tools by pointer and by keyboard. Places are [row, column] in pixels of
-// the full picture, pixel centres at whole numbers.
+// An image with an overlay: zoom, pan, and tools used by pointer or keyboard. Points are [row, column] in pixels
+// of the full image; pixel centres are whole numbers.
 
 import { attributes, h, render, s } from "../core/dom.js";
 
@@ -16,7 +16,7 @@ export class Stage {
     /** @type {any} */
     this.tool = null;
     /** @type {Point | null} */
-    this.cursor = null; // where the keyboard's cursor is
+    this.cursor = null;
     this.cursorDown = false;
     this.fixed = new Set();
     this.picture = h("img.picture", { alt: "", draggable: "false" });
@@ -74,7 +74,7 @@ export class Stage {
     );
   }
 
-  /** Show a picture of `rows` × `columns`; the zoom stays if the size does. */
+  /** Show an image of `rows` × `columns`; the zoom is kept if the size is the same. */
   show(address, rows, columns, alt = "") {
     const same = this.size && this.size[0] === rows && this.size[1] === columns;
     this.size = [rows, columns];
@@ -101,7 +101,7 @@ export class Stage {
     this.note.textContent = words;
   }
 
-  /** Draw a scale bar from the library's mm per pixel. */
+  /** Draw a scale bar. */
   setScale(mmPerPx) {
     this.mmPerPx = mmPerPx;
     this.#draw();
@@ -170,14 +170,14 @@ export class Stage {
     return [(event.clientY - box.top - this.y) / this.zoom, (event.clientX - box.left - this.x) / this.zoom];
   }
 
-  /** Keep something the same size on the screen whatever the zoom: `draw` hears 1/zoom. */
+  /** Keep the size of a drawing on the screen: `draw` is called with 1/zoom whenever the zoom changes. */
   keepSize(draw) {
     this.fixed.add(draw);
     draw(1 / this.zoom);
     return () => this.fixed.delete(draw);
   }
 
-  /** A tool is {cursor, down(point, event), move(point, down), up(point), leave()}; null pans. */
+  /** Set the tool: {cursor, down(point, event), move(point, down), up(point), leave()}, or null to pan. */
   use(tool) {
     this.tool?.leave?.();
     this.tool = tool;

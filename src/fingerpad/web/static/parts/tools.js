@@ -1,9 +1,9 @@
-// What a hand does on a picture: brush, line, box, single points. Each is a tool for a Stage.
+// Tools of a Stage: brush, line, box, and single points.
 
 import { attributes, pathOf, s } from "../core/dom.js";
 import { handle } from "./handle.js";
 
-/** Paint a stroke; `done({action, points_px, radius_px})` hears it when the hand is lifted. */
+/** A brush; `done` is called with each finished stroke. */
 export class Brush {
   cursor = "none";
 
@@ -54,7 +54,7 @@ export class Brush {
     this.tip.setAttribute("visibility", "hidden");
   }
 
-  /** Called when the new region is drawn: the paint has become region. */
+  /** Remove the stroke once the new region is shown. */
   dry() {
     if (!this.points) this.trace.setAttribute("d", "");
   }
@@ -70,7 +70,7 @@ export class Brush {
   }
 }
 
-/** A straight line with two ends; `changed([from, to], final)`. */
+/** A straight line; `changed([from, to], final)` is called on every move. */
 export class Line {
   cursor = "crosshair";
 
@@ -160,7 +160,7 @@ export class Line {
   }
 }
 
-/** A box [row0, column0, row1, column1]; `changed(box, final)`. */
+/** A box [row0, column0, row1, column1]; `changed(box)` is called once it is drawn. */
 export class Box {
   cursor = "crosshair";
 
@@ -181,7 +181,7 @@ export class Box {
       [2, 3],
     ].map(([row, column]) =>
       handle(stage, {
-        label: `${row ? "Lower" : "Upper"} ${column === 3 ? "right" : "left"} corner of the region of interest`,
+        label: `${row ? "Lower" : "Upper"} ${column === 3 ? "right" : "left"} corner of the region`,
         kind: "axis",
         move: (point) => {
           [this.box[row], this.box[column]] = this.#inside(point);
@@ -264,7 +264,7 @@ export class Box {
   }
 }
 
-/** One click, one point. */
+/** A tool for single points. */
 export class Click {
   cursor = "crosshair";
   once = true;

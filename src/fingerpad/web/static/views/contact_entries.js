@@ -1,4 +1,4 @@
-// What the filmstrip shows of contact images and frames, and which of them.
+// Labels and filters of the filmstrip of contact images.
 
 import { plain } from "../core/quantity.js";
 import { describeCode } from "../core/workspace.js";

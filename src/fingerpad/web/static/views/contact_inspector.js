@@ -1,4 +1,4 @@
-// The numbers of one contact beside the program's own, its settings, its decision and its history.
+// Results, settings and history of a contact image, with the automatic result to compare.
 
 import { h, render, symbol } from "../core/dom.js";
 import { BY, plain, quantityRow, quantityText } from "../core/quantity.js";

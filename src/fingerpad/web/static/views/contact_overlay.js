@@ -1,4 +1,4 @@
-// What lies over a contact image: region, the person's brush, the seed point, and the program's own outline.
+// Overlay of a contact image: region, brush strokes, seed point, and the automatic outline.
 
 import { pathOf, render, s } from "../core/dom.js";
 

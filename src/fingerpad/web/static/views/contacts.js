@@ -1,4 +1,4 @@
-// Contact images and frames: what the program found, what a person says of it, and on to the next.
+// Review of contact images and frames.
 
 import { get, post } from "../core/api.js";
 import { withoutDefaults } from "../core/corrections.js";
@@ -64,7 +64,7 @@ class Contacts extends Review {
       h("header.head", null, h("h1", null, "Contacts")),
       empty(
         "No contact images yet",
-        "Drop contact images or the frames of a sequence on the Study page, and enter finger, angle and load.",
+        "Drop contact images or frames of a sequence on the Study page, and enter finger, angle and load.",
         h("a.button.primary", { href: "#/study" }, "Go to study"),
       ),
     );
@@ -168,7 +168,8 @@ class Contacts extends Review {
 
   clearOverlay() {
     this.overlay.clear();
-    this.count.textContent = `${this.at + 1} of ${this.entries.length}${this.filter ? ` shown, ${this.all.length} in all` : ""}`;
+    const all = this.filter ? ` shown, ${this.all.length} in all` : "";
+    this.count.textContent = `${this.at + 1} of ${this.entries.length}${all}`;
   }
 
   showInfo(info) {
@@ -178,7 +179,7 @@ class Contacts extends Review {
     this.#ahead();
   }
 
-  /** Have the next picture at hand before it is asked for. */
+  /** Preload the next image. */
   #ahead() {
     const next = this.entries[this.at + 1];
     if (!next) return;

@@ -1,4 +1,4 @@
-// What stands beside a picture: parts of its own, the decision about it, and the history of its corrections.
+// The panel beside an image: results, accept and reject, and the history of corrections.
 
 import { describeChange } from "../core/corrections.js";
 import { h, render } from "../core/dom.js";
@@ -55,7 +55,7 @@ export class Inspector {
     return this.why.value.trim() || "rejected on inspection";
   }
 
-  /** What a tool needs: a slider for the radius of a brush, or words. */
+  /** Show the options of the tool: the radius of a brush, or an explanation. */
   tool() {
     const { tool, radius } = this.view;
     const { words, brush, hint } = this.tools[tool] ?? {};
@@ -73,7 +73,7 @@ export class Inspector {
     render(this.parts.tool, brush ? this.radius : words);
   }
 
-  /** Buttons that take back one part of a correction each. */
+  /** Buttons that reset one part of a correction each. */
   resetButtons(parts) {
     const { change } = this.view.corrections;
     const made = (value) => (Array.isArray(value) ? value.length > 0 : Boolean(value));

@@ -1,4 +1,4 @@
-// Files that no table names yet: say what each is, all at once if they are alike.
+// New files: what each of them is, entered one by one or for all.
 
 import { get, post, remove } from "../core/api.js";
 import { h, redraw, render } from "../core/dom.js";
@@ -24,7 +24,7 @@ const KINDS = {
 };
 const FACES = ["palmar", "distal", "radial", "ulnar"];
 
-/** What a file's name says of itself: a proposal, to be seen and changed. */
+/** Values read from a file name, as a proposal. */
 export function readName(file, kind) {
   const name = file
     .split("/")
@@ -45,7 +45,7 @@ export function readName(file, kind) {
     finger:
       fingers.find((finger) => name.includes(finger)) ??
       (said ? `${said[1]}_${said[2]}`.toLowerCase() : fingers.length === 1 ? fingers[0] : ""),
-    // "0-5N" may have been "0,5N": what is not sure is left to be typed
+    // "0-5N" may mean 0.5 N: uncertain values are left empty
     wedge_angle_deg: found(/(?<!\d[.-]?)(\d+(?:\.\d+)?)[ _-]?(?:deg|°)/i),
     load_N: found(/(?:^|[_ ]|(?<!\d)-)(\d+(?:\.\d+)?)[ _-]?N(?![a-z])/),
   };
@@ -62,8 +62,8 @@ export class NewFiles {
     this.rest = h("details.card", { hidden: true });
   }
 
-  /** Column names and resolution that the library read while the file was sent. */
-  learn(files) {
+  /** Store what was found in uploaded files. */
+  addInfo(files) {
     for (const each of files) this.info.set(each.file, each);
   }
 
@@ -76,7 +76,7 @@ export class NewFiles {
     for (const { file, kind } of files) {
       if (!this.drafts.has(file)) {
         this.drafts.set(file, { kind, ...readName(file, kind) });
-        if (kind === "picture" && !this.info.has(file)) this.#learn(file);
+        if (kind === "picture" && !this.info.has(file)) this.#loadInfo(file);
       }
     }
     this.files = files.map(({ file }) => file);
@@ -143,7 +143,7 @@ export class NewFiles {
     );
   }
 
-  /** Files that lie in the study's folder, and that nobody sent from this page. */
+  /** List unused files of the study folder that were not uploaded. */
   #drawRest(files) {
     this.rest.hidden = !files.length;
     render(
@@ -165,7 +165,7 @@ export class NewFiles {
     );
   }
 
-  async #learn(file) {
+  async #loadInfo(file) {
     this.info.set(file, {});
     const info = await get("/api/picture/info", { item: `file:${file}` }).catch(() => null);
     if (info === null) return;
@@ -175,7 +175,7 @@ export class NewFiles {
   }
 
   #common() {
-    // in place: a table drawn anew would take away the field that was just clicked
+    // in place: redrawing would remove the field that was just clicked
     const every = (key, value) => {
       this.shared[key] = value;
       for (const [file, draft] of this.drafts) {
@@ -332,7 +332,7 @@ export class NewFiles {
   async #restore(removed, draft) {
     try {
       const { restored } = await post("/api/files/restore", { removed });
-      this.drafts.set(restored, draft); // with what was typed
+      this.drafts.set(restored, draft);
       toast(`${restored.split("/").at(-1)} was restored.`, { kind: "good" });
     } catch (error) {
       showError(error);
@@ -343,6 +343,7 @@ export class NewFiles {
   async #use() {
     const wrong = this.root.querySelector("input:invalid");
     if (wrong) return wrong.reportValidity();
+    /** @type {Edit[]} */
     const edits = [];
     const taken = new Set([
       ...workspace.study.observations.map(({ item }) => item),

@@ -1,4 +1,4 @@
-// The pad: where it touches, how it is curved there, on which wedge.
+// The pad on its wedge: point of contact and curvature.
 
 import { LatestRequest, post } from "../core/api.js";
 import { h, render, symbol } from "../core/dom.js";

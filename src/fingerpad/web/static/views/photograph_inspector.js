@@ -1,4 +1,4 @@
-// The numbers of one face, and of the pad that all faces of the finger give together.
+// Results of one face, and of all faces of the finger combined.
 
 import { h, render, s } from "../core/dom.js";
 import { BY, plain, probability, quantityRow, quantityText, withStd } from "../core/quantity.js";
@@ -157,7 +157,8 @@ export class PhotographInspector extends Inspector {
         finger.degrees_of_freedom > 0 &&
           quantityRow(
             "Agreement",
-            `χ² = ${finger.chi_square.toPrecision(3)} for ${finger.degrees_of_freedom}, ${probability(finger.p_value)}`,
+            `χ² = ${finger.chi_square.toPrecision(3)}, df = ${finger.degrees_of_freedom}, ` +
+              probability(finger.p_value),
           ),
       ),
       finger.disagreements?.length > 0 &&
@@ -208,7 +209,7 @@ export class PhotographInspector extends Inspector {
 }
 
 /**
- * Bars left and right of zero: each face's semi-axis against that of all faces.
+ * Bars of the deviation of each face from all faces combined.
  *
  * @param {Answers["FaceDifference"][]} faces
  */

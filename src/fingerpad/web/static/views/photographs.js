@@ -1,4 +1,4 @@
-// Photographs of the finger's faces: the outline found, the ellipse fitted, and all faces together as one pad.
+// Review of the photographs of a finger's faces.
 
 import { LatestRequest, post } from "../core/api.js";
 import { h, render, s } from "../core/dom.js";
@@ -58,7 +58,8 @@ class Photographs extends Review {
       h("header.head", null, h("h1", null, "Photographs")),
       empty(
         "No photographs yet",
-        "Photograph two or three faces of the finger (palmar, distal, radial or ulnar) on a plain background next to a ruler or coin, and drop the images on the Study page. Semi-axes can also be entered.",
+        "Photograph two or three faces of the finger (palmar, distal, radial or ulnar) on a plain " +
+          "background next to a ruler or coin, and drop the images on the Study page. Semi-axes can also be entered.",
         h("a.button.primary", { href: "#/study" }, "Go to study"),
       ),
     );
@@ -125,7 +126,7 @@ class Photographs extends Review {
   }
 
   async measure(item, newest) {
-    // This face first: the other faces of the finger may still have to be measured.
+    // Show this face first: the other faces may take longer.
     const face = await post("/api/measure/photograph", { item });
     if (!newest()) return;
     this.show(face);
@@ -222,7 +223,7 @@ class Photographs extends Review {
     return { change: this.corrections.change, handles: this.#handles() };
   }
 
-  /** The library turns handles into the ellipse that is kept. */
+  /** Save the ellipse of the handles. */
   dropped() {
     const { item } = this.corrections;
     const handles = this.#handles();

@@ -1,4 +1,4 @@
-// What follows: the corrected radius against load, and everything behind it.
+// Results: plots, table, figures, uncertainty budget and audit.
 
 import { h, render } from "../core/dom.js";
 import { bindHere } from "../core/keys.js";
@@ -99,7 +99,7 @@ class Results {
       );
       return;
     }
-    // Each part has a home of its own: what it still draws once it is left is drawn nowhere.
+    // Each part has its own element, so that late answers of another part are not shown.
     const home = h("div", null, h("div.loading", { role: "status" }, "Reading the results …"));
     render(this.body, home);
     this.part = new Part(home);
@@ -129,7 +129,7 @@ class Results {
         h(
           "div.banner.note",
           null,
-          `Taken as exact, as no uncertainty is given: ${exact.join(", ")}. The uncertainties are too small. `,
+          `No uncertainty is given for ${exact.join(", ")}: the uncertainties shown are too small. `,
           "Enter it under ",
           h("a", { href: "#/study" }, "Study"),
           " or ",

@@ -21,7 +21,9 @@ export class Audit {
       h(
         "p.lead",
         null,
-        `The supplement of Dzidek et al. 2017, from which the model comes: ${items.length} printed numbers beside what its equations give from its own printed inputs. ${count("reproduced")} are reproduced, ${count("reproduced with the known slip")} with a slip of the cursor that is known, and the rest cannot be had from what is printed.`,
+        `Supplement of Dzidek et al. (2017): ${items.length} published numbers compared with the values ` +
+          `that its equations give. ${count("reproduced")} are reproduced, ${count(MISPRINT)} with a ` +
+          "known misprint, and the others are not reproducible from the published values.",
       ),
       h(
         "div.table-wrap",

@@ -1,4 +1,4 @@
-// Who contributes what to the uncertainty of the corrected radius.
+// Uncertainty budget of the corrected radius.
 
 import { get } from "../core/api.js";
 import { h, render, symbol } from "../core/dom.js";
@@ -21,7 +21,8 @@ export class Budget {
         null,
         "Shares of the variance of the corrected radius ",
         symbol("R", "g", "corr"),
-        ": of the pooled value, and of the highest-load contact by linear approximation and by Sobol's total index, which includes interactions.",
+        ": of the pooled value, and of the highest-load contact by linear approximation and by Sobol's " +
+          "total index, which includes interactions.",
       ),
       h(
         "div.plot-grid",

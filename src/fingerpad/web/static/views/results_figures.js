@@ -1,4 +1,4 @@
-// Every figure of the report, as it stands there.
+// Figures of the report.
 
 import { get } from "../core/api.js";
 import { h, render } from "../core/dom.js";

@@ -1,4 +1,4 @@
-// The corrected radius against load, one chart for each finger and placement, with R_0g and R_g as lines.
+// Charts of each finger and placement against load, with R_0g and R_g as lines.
 
 import { get } from "../core/api.js";
 import { h, render, symbol } from "../core/dom.js";
@@ -6,7 +6,7 @@ import { plain, unitOf, withStd, withUnit } from "../core/quantity.js";
 import { chart, colour, forget } from "../parts/chart.js";
 import { choose, field, synthetic } from "../parts/forms.js";
 
-// What is drawn against load: key, words, axis, and whether both axes are logarithmic.
+// Quantities plotted against load: key, name, axis title, and whether the axes are logarithmic.
 /** @type {[key: string, name: string, axis: string, logarithmic?: boolean][]} */
 const QUANTITIES = [
   ["radius_from_indentation_mm", "corrected radius", "corrected radius of curvature (mm)"],
@@ -42,7 +42,7 @@ export class Plots {
         h(
           "p.lead",
           null,
-          "There are no contacts in these results: a plot needs a measured contact with finger, angle, load and scale. ",
+          "There are no contacts in these results: a plot needs finger, angle, load and scale. ",
           h("a", { href: "#/study" }, "See the Study page."),
         ),
       );
@@ -168,7 +168,8 @@ export class Plots {
   /** @param {Answers["PlottedGroup"]} group */
   #words(group) {
     const radii = group.rows.radius_from_indentation_mm.filter((value) => value !== null);
-    return `Corrected radius against load: ${radii.length} contacts from ${plain(Math.min(...radii))} to ${plain(Math.max(...radii))} mm`;
+    const range = `${plain(Math.min(...radii))} to ${plain(Math.max(...radii))} mm`;
+    return `Corrected radius against load: ${radii.length} contacts from ${range}`;
   }
 
   async #plot(node) {
@@ -213,7 +214,8 @@ export class Plots {
         },
         hovertemplate: rows.item.map(
           (_, index) =>
-            `${"%{text}"}<br>W = %{x:.3g} N<br>${words}: ${withUnit(withStd(rows[key][index], std?.[index]), unitOf(key))}<extra></extra>`,
+            `${"%{text}"}<br>W = %{x:.3g} N<br>${words}: ` +
+            `${withUnit(withStd(rows[key][index], std?.[index]), unitOf(key))}<extra></extra>`,
         ),
         text: rows.item,
       },

@@ -1,4 +1,4 @@
-// Every row of the results: filter, sort, status.
+// The results as a table that can be filtered and sorted.
 
 import { get } from "../core/api.js";
 import { h, render } from "../core/dom.js";
@@ -147,7 +147,8 @@ export class Table {
     const shown = this.all
       ? columns.filter(({ key }) => !stds.has(key) && key !== "observation")
       : SHOWN.map((key) => known.get(key)).filter(Boolean);
-    this.count.textContent = `${matching} of ${total} rows${matching > LIMIT ? `, ${offset + 1} to ${Math.min(matching, offset + LIMIT)} shown` : ""}`;
+    const range = `, ${offset + 1} to ${Math.min(matching, offset + LIMIT)} shown`;
+    this.count.textContent = `${matching} of ${total} rows${matching > LIMIT ? range : ""}`;
     render(
       this.pager,
       matching > LIMIT && [

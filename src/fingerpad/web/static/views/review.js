@@ -1,4 +1,4 @@
-// A picture under review: what the program found, what a person makes of it, and on to the next one.
+// Review of images: measure, correct, accept or reject, and go to the next one.
 
 import { get, LatestRequest, picture } from "../core/api.js";
 import { Corrections, withoutDefaults } from "../core/corrections.js";
@@ -28,11 +28,10 @@ export function reviewMarks({ corrected, accepted, rejected }) {
 }
 
 /**
- * What contact images and photographs have in common. A view of its own says how one is measured (`measure`), shown
- * (`show`, `blank`), drawn over (`draw`), what its tools do (`instrument`), and where it is found (`address`, `title`).
+ * Base class of the views of contact images and of photographs.
  *
- * Numbers on the page belong to the newest state: whatever a person does takes a new turn, and an answer to an older
- * one is dropped. Until the newest is shown the inspector is `aria-busy`.
+ * Every action of the user starts a new turn, and answers to earlier ones are ignored. The inspector is
+ * `aria-busy` until the latest answer is shown.
  */
 export class Review {
   /** @type {Element} */
@@ -52,7 +51,7 @@ export class Review {
   measured = null;
   #turn = 0;
 
-  // What a view of its own kind does.
+  // Methods that subclasses override.
   addOverlay() {}
   clearOverlay() {}
   /** @param {Answers["PictureInfo"]} _info */
@@ -124,7 +123,7 @@ export class Review {
     );
   }
 
-  /** Keys that every review has, around those of its own. */
+  /** Bind the keys of all reviews and those of the subclass. */
   bind(own) {
     bindHere([
       ["Enter", "Accept, next image", () => this.accept()],
@@ -153,7 +152,7 @@ export class Review {
 
   async choose(index) {
     if (index === this.at || !this.entries[index]) return;
-    // A handle that keys have moved keeps what it has when it loses the focus.
+    // A handle moved by keys commits when it loses the focus.
     if (document.activeElement?.closest(".handle")) this.stage.root.focus({ preventScroll: true });
     this.at = index;
     this.held = false;
@@ -188,7 +187,7 @@ export class Review {
     this.choose(this.at + by);
   }
 
-  /** From now on answers to what was asked before are dropped. */
+  /** Start a turn: answers to earlier requests are ignored. */
   #turned() {
     this.live.cancel();
     this.#busy(true);
@@ -199,7 +198,7 @@ export class Review {
     this.inspector.root.setAttribute("aria-busy", String(yes));
   }
 
-  /** Measure under the correction that rules. */
+  /** Measure under the active correction. */
   async remeasure(turn = this.#turned()) {
     const newest = () => this.#turn === turn;
     try {
@@ -245,7 +244,7 @@ export class Review {
     this.stage.root.focus({ preventScroll: true });
   }
 
-  /** A brush as the stage's tool; `done(stroke)` hears what it painted. */
+  /** Make a brush; `done` is called with each stroke. */
   paint(action, done) {
     this.brush = new Brush(this.stage, { action, radius: this.radius, done });
     return this.brush;
@@ -266,7 +265,7 @@ export class Review {
     this.inspector.radius?.show(this.radius);
   }
 
-  /** Another window corrected this image: what a hand holds stays in it, and is kept on top of that. */
+  /** Show a correction of another window unless a handle is being dragged. */
   #conflict() {
     if (!this.held) this.remeasure();
   }
@@ -283,7 +282,7 @@ export class Review {
     return this.keep((change) => ({ ...change, [key]: value }));
   }
 
-  /** Keep a change of what is measured: it takes back an earlier accept or reject. */
+  /** Save a correction; it resets an earlier accept or reject. */
   keep(edit) {
     return this.#change((mine) =>
       mine.keep(async (change) =>
@@ -292,7 +291,7 @@ export class Review {
     );
   }
 
-  /** A correction whose ellipse follows the picture again: said where a hand had set it. */
+  /** Remove the manual ellipse from a correction, with a message if there is one. */
   withoutEllipse(change) {
     if (change.ellipse_px) toast("This replaces the manual ellipse; Undo restores it.");
     return { ...change, ellipse_px: null };
@@ -338,7 +337,7 @@ export class Review {
     if (rejected && this.corrections === mine) this.step(1);
   }
 
-  /** What a hand still holds is kept; what is answered after that finds nobody. */
+  /** Commit a handle that is being moved, and ignore later answers. */
   close() {
     if (document.activeElement?.closest(".handle"))
       /** @type {HTMLElement} */ (document.activeElement).blur();

@@ -1,4 +1,4 @@
-// Run everything that is missing or changed, watch it, stop it, and take the results away.
+// Run the study, show its progress, and export the results.
 
 import { get, post } from "../core/api.js";
 import { h, render } from "../core/dom.js";
@@ -21,7 +21,8 @@ const FILES = [
   [
     "report.html",
     "Report",
-    "A single HTML file with figures, overlays, tables and provenance. For studies of many fingers, the ZIP of the study folder holds a page for each.",
+    "A single HTML file with figures, overlays, tables and provenance. For studies of many fingers, the " +
+      "ZIP of the study folder holds a page for each.",
   ],
   [
     "study.zip",
@@ -61,7 +62,7 @@ class Run {
       ["Enter", "Run", () => this.#start()],
       ["c", "Stop the run", () => this.#cancel()],
     ]);
-    this.#look().catch(() => {});
+    this.#poll().catch(() => {});
     this.#draw();
     this.#drawExports();
     this.#listBundle().catch(() => {});
@@ -80,7 +81,7 @@ class Run {
     render(this.problem);
     try {
       await post("/api/run", { workers: this.workers, fresh: this.fresh });
-      await this.#look();
+      await this.#poll();
     } catch (error) {
       render(this.problem, faultList(error));
     }
@@ -89,20 +90,20 @@ class Run {
   async #cancel() {
     if (workspace.run?.state !== "running") return;
     await post("/api/run/cancel");
-    await this.#look();
+    await this.#poll();
   }
 
-  /** Events may overtake an answer, or be cut off: ask how the run stands until it has ended. */
-  async #look() {
+  /** Poll the status until the run has ended, as events may be lost. */
+  async #poll() {
     clearTimeout(this.again);
     workspace.takeRun(await get("/api/run"));
-    if (this.busy) this.again = setTimeout(() => this.#look().catch(() => {}), 1000);
+    if (this.busy) this.again = setTimeout(() => this.#poll().catch(() => {}), 1000);
   }
 
   #draw() {
     const run = workspace.run ?? workspace.study.run;
     const { ready, counts, missing, results } = workspace.study;
-    // Drawn anew only when something else is to be seen: a bar that is moved keeps the focus where it is.
+    // Redraw only if the structure has changed, so that the focus is kept.
     const shape = `${run.state}|${ready}|${missing.length}|${results?.fresh}|${run.failures?.length}`;
     if (shape === this.shape && this.busy) return this.#progress(run);
     this.shape = shape;
@@ -148,7 +149,7 @@ class Run {
               h(
                 "div.note",
                 null,
-                `${missing.length} ${missing.length === 1 ? "entry is" : "entries are"} incomplete and left out of runs. `,
+                `${missing.length} incomplete ${missing.length === 1 ? "entry is" : "entries are"} skipped. `,
                 h("a", { href: "#/study" }, "See the Study page."),
               ),
             !ready &&
@@ -288,7 +289,7 @@ class Run {
     );
   }
 
-  /** What the ZIP of the study folder holds, and what it leaves out. */
+  /** Show the contents of the ZIP and the files left out. */
   async #listBundle() {
     const { files, bytes: size, left_out: left } = await get("/api/study/bundle");
     render(
@@ -322,7 +323,7 @@ class Run {
   }
 }
 
-/** The file of the contact at work. */
+/** The file of the item being measured. */
 function fileOf(name) {
   const { observations, sequences } = workspace.study;
   return (

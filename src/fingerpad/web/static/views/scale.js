@@ -1,4 +1,4 @@
-// Scales: a line on a ruler, a coin, or a resolution; one scale for many pictures.
+// Scales: by a line on a ruler, a coin, or a resolution.
 
 import { get, LatestRequest, post } from "../core/api.js";
 import { h, pathOf, render, s } from "../core/dom.js";
@@ -18,7 +18,7 @@ const WAYS = [
   ["mm_per_px", "mm/px"],
 ];
 
-// What a new scale begins with, to be seen and changed: a hand marks a line's end to about a pixel.
+// Defaults of a new scale: the ends of a line are drawn to about one pixel.
 const DEFAULTS = { line: { ends_px_std: 1 } };
 
 const COINS = [
@@ -35,7 +35,7 @@ const COINS = [
   ["20.3", "UK penny, 20.3 mm"],
 ];
 
-// A scale that was unsaved and not kept, while other steps are looked at.
+// A scale that is not saved yet, kept while other steps are shown.
 let unsaved = null;
 
 class Scales {
@@ -53,8 +53,8 @@ class Scales {
     this.list = h("div.scale-list");
     this.live = new LatestRequest(
       (table) => post("/api/measure/scale", { table }),
-      (answer) => this.#found(answer),
-      (error) => this.#refused(error),
+      (answer) => this.#showResult(answer),
+      (error) => this.#failed(error),
       this.result,
     );
     render(
@@ -193,7 +193,7 @@ class Scales {
           "section",
           null,
           field(
-            "Picture",
+            "Image",
             choose({
               value: this.file,
               options: pictures.length ? pictures : [["", "no images"]],
@@ -321,8 +321,8 @@ class Scales {
     this.#ask();
   }
 
-  /** What the library would take: the keys of this way that are filled in. */
-  #asked() {
+  /** The table with the keys of this type of scale that are filled in. */
+  #definition() {
     const keys = {
       line: ["line", "length_mm", "length_mm_std", "ends_px_std"],
       coin: ["coin", "diameter_mm", "diameter_mm_std"],
@@ -345,7 +345,7 @@ class Scales {
   }
 
   #ask() {
-    if (this.#ready()) this.live.request(this.#asked());
+    if (this.#ready()) this.live.request(this.#definition());
     else {
       this.live.cancel();
       const next = {
@@ -360,7 +360,7 @@ class Scales {
   }
 
   /** @param {ScaleMeasurement} answer */
-  #found(answer) {
+  #showResult(answer) {
     this.answer = answer;
     this.stage.setScale(answer.mm_per_px);
     this.coin.setAttribute("d", pathOf(answer.coin?.outline_px));
@@ -397,12 +397,12 @@ class Scales {
     );
   }
 
-  #refused(error) {
+  #failed(error) {
     this.answer = null;
     render(this.result, faultList(error));
   }
 
-  /** Which pictures take this scale. */
+  /** Choice of the images with this scale. */
   #uses() {
     const study = workspace.study;
     const rows = [
@@ -417,7 +417,7 @@ class Scales {
       ...study.sequences.map((each) => ["sequence", each.name, `sequence ${each.name}`, each.scale]),
     ];
     this.takers = new Map();
-    // Photographs and contact images seldom come from one camera: only pictures of one kind are taken unasked.
+    // Photographs and contact images rarely share a camera: select all only if there is one kind.
     const oneKind = new Set(rows.filter((row) => !row[3]).map(([kind]) => kind)).size === 1;
     const boxes = rows.map(([kind, key, label, scale]) => {
       const mine = this.old && scale === this.old.name;
@@ -457,14 +457,17 @@ class Scales {
     render(this.problem);
     if (!this.name) return this.#wrong("Enter a name for the scale, for example camera.", this.nameField);
     if (!this.#ready()) return this.#wrong("The scale is incomplete yet.");
-    const edits = [{ kind: "scale", key: this.name, set: this.#asked() }];
+    /** @type {Edit[]} */
+    const edits = [{ kind: "scale", key: this.name, set: this.#definition() }];
     for (const [box, { kind, key, scale }] of this.takers) {
       if (box.checked && scale !== this.name) edits.push({ kind, key, set: { scale: this.name } });
     }
     try {
       await workspace.edit(...edits);
       toast(
-        `Scale ${this.name} is kept${edits.length > 1 ? ` and used by ${edits.length - 1} more picture${edits.length > 2 ? "s" : ""}` : ""}.`,
+        edits.length > 1
+          ? `Scale ${this.name} saved and set for ${edits.length - 1} image${edits.length > 2 ? "s" : ""}.`
+          : `Scale ${this.name} saved.`,
         { kind: "good" },
       );
       this.#start(workspace.study.scales.find(({ name }) => name === this.name) ?? null);

@@ -1,4 +1,4 @@
-// The study: what goes into it, what is missing, and what holds for all of it.
+// The study: its contents, missing entries, and settings.
 
 import { h, redraw, render } from "../core/dom.js";
 import { bindHere } from "../core/keys.js";
@@ -14,7 +14,7 @@ class StudyView {
     this.tables = new StudyTables();
     this.drop = new Drop({
       sent: (files) => {
-        this.files.learn(files);
+        this.files.addInfo(files);
         this.files.draw();
         this.files.root.scrollIntoView({ block: "nearest" });
         this.files.root.querySelector("select, input")?.focus();
@@ -44,7 +44,7 @@ class StudyView {
     this.update();
   }
 
-  /** What is being typed is not drawn over: what is new waits until it is confirmed or left. */
+  /** Delay updates while the user types. */
   #whileTyping() {
     const done = () => {
       this.typing = null;
@@ -68,7 +68,14 @@ class StudyView {
       h(
         "p",
         null,
-        `${count(study.fingers.length, "finger")}, ${count(study.observations.length, "contact")}${study.sequences.length ? `, ${count(study.sequences.length, "sequence")}` : ""}${study.curves.length ? `, ${count(study.curves.length, "loading data set")}` : ""}`,
+        [
+          count(study.fingers.length, "finger"),
+          count(study.observations.length, "contact"),
+          study.sequences.length && count(study.sequences.length, "sequence"),
+          study.curves.length && count(study.curves.length, "loading data set"),
+        ]
+          .filter(Boolean)
+          .join(", "),
       ),
     );
     render(
@@ -215,6 +222,6 @@ class StudyView {
   }
 }
 
-const count = (number, one, many = `${one}s`) => `${number} ${number === 1 ? one : many}`;
+const count = (number, noun) => `${number} ${noun}${number === 1 ? "" : "s"}`;
 
 export const open = (root) => new StudyView(root);

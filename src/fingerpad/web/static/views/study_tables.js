@@ -1,4 +1,4 @@
-// What the study consists of, to be seen and changed in place: fingers, contacts, films, curves.
+// Tables of fingers, contacts, sequences and loading data, edited in place.
 
 import { h, redraw, render, symbol } from "../core/dom.js";
 import { ask } from "../core/messages.js";
@@ -51,7 +51,7 @@ export class StudyTables {
     try {
       await workspace.edit({ kind, key, set });
     } catch (error) {
-      redraw(() => this.draw()); // what was refused does not stay in its field
+      redraw(() => this.draw()); // fields show the stored values again
       render(this.problem, faultList(error));
       this.problem.scrollIntoView({ block: "nearest" });
     }
@@ -188,7 +188,7 @@ export class StudyTables {
     );
   }
 
-  /** Ask for the name of a finger: what was typed, empty where nothing shall be done. */
+  /** Ask for the name of a finger; empty if cancelled. */
   async #askName(words, doing, value = "") {
     const name = text({ placeholder: "left_index", value });
     const body = h("div", null, field("Name of the finger", name, { hint: "Letters, digits, - and _." }));

@@ -1,4 +1,4 @@
-// Before a study is open: begin one, open one, or bring one from another machine.
+// The start page: create, open or import a study.
 
 import { ApiError } from "../core/api.js";
 import { h, render } from "../core/dom.js";
@@ -145,7 +145,7 @@ class Welcome {
     });
     const answer = await response.json().catch(() => null);
     if (!response.ok) return showError(new ApiError(response.status, answer));
-    workspace.take(answer);
+    workspace.update(answer);
   }
 }
 
