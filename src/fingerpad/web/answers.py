@@ -254,7 +254,7 @@ class State(Answer):
     description: str
     digest: str
     poisson_ratio: float
-    uncertainty: Uncertainty | None
+    uncertainty: Uncertainty
     taken_as_exact: list[str]
     ready: bool
     missing: list[MissingEntry]

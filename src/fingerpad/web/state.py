@@ -19,6 +19,7 @@ from fingerpad.study.corrections.log import frames_of
 from fingerpad.study.editing.documents import STUDY_NAME
 from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.manifest import Contact, Finger, Study
+from fingerpad.study.manifest.study import Uncertainty
 from fingerpad.study.measuring.curves import curve_items
 from fingerpad.study.measuring.fingers import is_rejected
 from fingerpad.study.measuring.run import items_of
@@ -56,7 +57,7 @@ def document(opened: StudySession) -> dict[str, Any]:
         "description": study.description if study else "",
         "digest": manifest.digest,
         "poisson_ratio": study.poisson_ratio if study else 0.5,
-        "uncertainty": study.uncertainty.model_dump() if study else None,
+        "uncertainty": (study.uncertainty if study else Uncertainty()).model_dump(),
         "taken_as_exact": study.taken_as_exact() if study else [],
         "ready": study is not None,
         "missing": [asdict(one) for one in manifest.missing],

@@ -190,7 +190,7 @@ def begin_with_print(page, picture, scale: str, way: str) -> None:
     page.get_by_label(f"Load of {picture.name}, newtons").fill("1")
     page.keyboard.press("Tab")
     page.get_by_role("button", name="Add to study").click()
-    page.get_by_text("1 files are in use").or_(page.get_by_text("1 file is in use")).wait_for()
+    page.get_by_text("1 file added").wait_for()
     page.get_by_role("button", name="Add a finger").click()
     page.get_by_label("Name of the finger").fill("right_index")
     page.get_by_role("button", name="Add", exact=True).click()

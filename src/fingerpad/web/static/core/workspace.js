@@ -91,7 +91,7 @@ class Workspace extends EventTarget {
     const first = this.study?.name !== document.name;
     // Unused files are listed as files, not as missing entries.
     const missing = document.missing.filter(({ kind }) => kind !== "file");
-    this.study = { ...document, missing, uncertainty: document.uncertainty };
+    this.study = { ...document, missing };
     if (first) {
       this.run = null;
       this.#listen();

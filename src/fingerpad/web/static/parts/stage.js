@@ -1,5 +1,5 @@
-// An image with an overlay: zoom, pan, and tools used by pointer or keyboard. Points are [row, column] in pixels
-// of the full image; pixel centres are whole numbers.
+// An image with an overlay: zoom, pan, and tools used by pointer or keyboard. Points are [row, column] in
+// pixels of the full image; pixel centres are whole numbers.
 
 import { attributes, h, render, s } from "../core/dom.js";
 

@@ -59,7 +59,8 @@ class Photographs extends Review {
       empty(
         "No photographs yet",
         "Photograph two or three faces of the finger (palmar, distal, radial or ulnar) on a plain " +
-          "background next to a ruler or coin, and drop the images on the Study page. Semi-axes can also be entered.",
+          "background next to a ruler or coin, and drop the images on the Study page. Semi-axes can " +
+          "also be entered.",
         h("a.button.primary", { href: "#/study" }, "Go to study"),
       ),
     );
