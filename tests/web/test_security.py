@@ -121,7 +121,7 @@ def test_two_at_once_cannot_use_one_code():
     access = Access()
     code = access.new_code(60)
     with ThreadPoolExecutor(8) as pool:
-        assert sum(pool.map(lambda _: access.opens(token="", code=code), range(64))) == 1
+        assert sum(pool.map(lambda _: access.accepts(token="", code=code), range(64))) == 1
 
 
 def test_the_cookie_of_one_launch_does_not_serve_another():

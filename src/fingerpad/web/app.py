@@ -60,19 +60,19 @@ def make_app(workspace: Workspace, access: Access) -> ASGIApp:
 
     Parameters
     ----------
-    bench : Workspace
-        What it works on.
+    workspace : Workspace
+        Its studies.
     access : Access
-        What opens it.
+        Its access control.
     """
 
     def start(request: Request) -> Response:
-        """Exchange the token or the code of the start address for a cookie, and lead to the page."""
+        """Exchange the token or the code of the start address for a cookie, and redirect to the page."""
         params = request.query_params
         answer = RedirectResponse("/", status_code=303)
-        if access.knows(request.headers):
+        if access.has_token(request.headers):
             return answer
-        if request.method != "GET" or not access.opens(
+        if request.method != "GET" or not access.accepts(
             token=params.get("token", ""), code=params.get("code", "")
         ):
             return HTMLResponse(_CLOSED, status_code=403)
@@ -99,17 +99,17 @@ def make_app(workspace: Workspace, access: Access) -> ASGIApp:
 
 
 _CLOSED: Final = """<!doctype html>
-<html lang="en"><head><meta charset="utf-8"><title>This address opens nothing</title>
+<html lang="en"><head><meta charset="utf-8"><title>This address is not valid</title>
 <meta name="color-scheme" content="light dark">
 <style>body { font: 1rem/1.6 sans-serif; margin: 12vh auto; max-width: 40rem; padding: 1rem }</style></head>
-<body><h1>This address opens nothing</h1>
-<p>It has been used, is of another launch, or is not whole. Open the address that
+<body><h1>This address is not valid</h1>
+<p>It has been used, belongs to another launch, or is incomplete. Open the address that
 <code>fingerpad app</code> printed in the terminal.</p></body></html>
 """
 
 
 class _Static(StaticFiles):
-    """The page's own files, asked for anew each time, so that an upgrade is seen at once."""
+    """The page's files, revalidated on every request, so that an upgrade takes effect at once."""
 
     async def get_response(self, path: str, scope: Scope) -> Response:
         answer = await super().get_response(path, scope)
@@ -140,22 +140,22 @@ def _not_there(request: Request, error: Exception) -> Response:
 
 
 LOOPBACK: Final = "127.0.0.1"
-# In which the browser has to come up.
+# Time for the browser to start.
 _TO_OPEN_S: Final = 120.0
 
 
 class Launch(NamedTuple):
-    """How the page of one launch is reached.
+    """Addresses of the page of one launch.
 
     Attributes
     ----------
     address : str
         For the user to open; it holds the token.
     browser_address : str
-        For this program to open in the browser: good once, within a short time. Other users of the machine
+        Opened in the browser by this program; valid once, for a short time. Other users of the machine
         may see it in the list of processes.
     token_file : Path
-        Holds the token for scripts; nobody else can read it.
+        Holds the token for scripts; only this user can read it.
     """
 
     address: str
@@ -168,17 +168,17 @@ def serve(workspace: Workspace, *, port: int, on_ready: Callable[[Launch], None]
 
     Parameters
     ----------
-    bench : Workspace
-        What it works on.
+    workspace : Workspace
+        Its studies.
     port : int
-        Where to listen; 0 takes one that is free.
+        Port; 0 for any free one.
     on_ready : callable
-        Told how the page is reached, when it can be.
+        Called with the addresses once the server is ready.
 
     Raises
     ------
     FingerpadError
-        If the port cannot be had.
+        If the port is not available.
     """
     listener = listening(port)
     page = f"http://{LOOPBACK}:{listener.getsockname()[1]}{START}"
@@ -194,7 +194,7 @@ def serve(workspace: Workspace, *, port: int, on_ready: Callable[[Launch], None]
 
         async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
             workspace.events.end()
-            # An answer that is cut off is no fault to print.
+            # Responses cut off by the shutdown are not errors to print.
             logging.getLogger("uvicorn.error").setLevel(logging.CRITICAL + 1)
             await super().shutdown(sockets)
 
@@ -232,9 +232,9 @@ def listening(port: int) -> socket.socket:
     Raises
     ------
     FingerpadError
-        If the port cannot be had.
+        If the port is not available.
     """
-    # Only of a socket that says TCP does asyncio send small parts at once; else each answer waits for 40 ms.
+    # With the protocol stated, asyncio sets TCP_NODELAY; otherwise each response waits for 40 ms.
     listener = socket.socket(socket.AF_INET, socket.SOCK_STREAM, socket.IPPROTO_TCP)
     try:
         if os.name == "posix":
@@ -244,6 +244,6 @@ def listening(port: int) -> socket.socket:
     except OSError as error:
         listener.close()
         raise FingerpadError(
-            f"port {port} of {LOOPBACK} cannot be had ({error.strerror}): choose another with --port"
+            f"port {port} of {LOOPBACK} is not available ({error.strerror}): choose another with --port"
         ) from error
     return listener

@@ -1,4 +1,4 @@
-"""What people correct: kept by the library with who and when, undone and redone, lost by no second page."""
+"""Corrections of items: saved with author and time, undone and redone."""
 
 from collections.abc import Callable
 from http import HTTPStatus
@@ -19,13 +19,13 @@ _Seen = Annotated[int, Field(ge=0, le=2**53)]
 
 
 class ItemParams(Params):
-    """Which item."""
+    """An item."""
 
     item: Item
 
 
 class StepParams(Params):
-    """Whose step back or forth, after which record."""
+    """Author of an undo or redo, and the last record that they have seen."""
 
     item: Item
     expected: _Seen
@@ -33,13 +33,13 @@ class StepParams(Params):
 
 
 class ChangeParams(StepParams):
-    """All that is wanted of an item."""
+    """The whole correction of an item."""
 
     change: dict[str, Any]
 
 
 def document(opened: StudySession, item: str) -> dict[str, Any]:
-    """Return all decisions about an item."""
+    """Return the corrections of an item."""
     history = opened.corrections.history(item)
     active_correction = history.active_correction
     elsewhere = active_correction and on_another_image({item: active_correction}, opened.picture_digest)
@@ -55,18 +55,18 @@ def document(opened: StudySession, item: str) -> dict[str, Any]:
 
 
 def show(workspace: Workspace, params: ItemParams, _: Any) -> dict[str, Any]:
-    """Return all decisions about an item."""
+    """Return the corrections of an item."""
     opened = workspace.study
     kind_of(params.item, opened.study())
     return document(opened, params.item)
 
 
 def add(workspace: Workspace, _: Any, params: ChangeParams) -> dict[str, Any]:
-    """Keep a change; it is on the disk when this is answered."""
+    """Save a correction; it is on the disk before the response."""
     opened = workspace.study
     study = opened.study()
     kind_of(params.item, study)
-    return _kept(
+    return _save(
         workspace,
         params,
         lambda: opened.corrections.append(
@@ -82,18 +82,18 @@ def add(workspace: Workspace, _: Any, params: ChangeParams) -> dict[str, Any]:
 
 
 def undo(workspace: Workspace, _: Any, params: StepParams) -> dict[str, Any]:
-    """Take the newest change back."""
+    """Undo the last correction."""
     log = workspace.study.corrections
-    return _kept(workspace, params, lambda: log.undo(params.item, who=params.who, expected=params.expected))
+    return _save(workspace, params, lambda: log.undo(params.item, who=params.who, expected=params.expected))
 
 
 def redo(workspace: Workspace, _: Any, params: StepParams) -> dict[str, Any]:
-    """Put the change back that was taken back last."""
+    """Redo the correction that was undone last."""
     log = workspace.study.corrections
-    return _kept(workspace, params, lambda: log.redo(params.item, who=params.who, expected=params.expected))
+    return _save(workspace, params, lambda: log.redo(params.item, who=params.who, expected=params.expected))
 
 
-def _kept(workspace: Workspace, params: StepParams, keep: Callable[[], object]) -> dict[str, Any]:
+def _save(workspace: Workspace, params: StepParams, keep: Callable[[], object]) -> dict[str, Any]:
     opened = workspace.study
     try:
         keep()
@@ -113,7 +113,7 @@ ENDPOINTS: Final = (
         answer=show,
         model=answers.Corrections,
         query=ItemParams,
-        summary="What people corrected in an item",
+        summary="Corrections of an item",
     ),
     Endpoint(
         method="POST",
@@ -131,7 +131,7 @@ ENDPOINTS: Final = (
         model=answers.Corrections,
         body=StepParams,
         status=HTTPStatus.CREATED,
-        summary="Take the newest change back",
+        summary="Undo the last correction",
     ),
     Endpoint(
         method="POST",
@@ -140,6 +140,6 @@ ENDPOINTS: Final = (
         model=answers.Corrections,
         body=StepParams,
         status=HTTPStatus.CREATED,
-        summary="Put back what was taken back",
+        summary="Redo what was undone",
     ),
 )

@@ -1,4 +1,4 @@
-"""The pad in three dimensions on its wedge under its platen: places, curvatures, and drawings."""
+"""The pad in three dimensions: point of contact, curvature, wedge and platen."""
 
 from typing import Annotated, Any, Final, Self
 
@@ -19,7 +19,7 @@ _Angles = Annotated[list[Annotated[float, Field(ge=-180, le=180)]], Field(max_le
 
 
 class PadParams(Params):
-    """A pad on a wedge: by the name of its finger, or by its semi-axes."""
+    """A pad on a wedge, by its finger or its semi-axes."""
 
     finger: str | None = None
     palmar_mm: Length | None = None
@@ -37,14 +37,14 @@ class PadParams(Params):
 
 
 class GeometryParams(PadParams):
-    """The same, and how finely to draw it."""
+    """The same, and the resolution of the drawing."""
 
     detail: Annotated[int, Field(ge=4, le=120)] = 32
     u_deg: _Angles = Field(default=[0, 30, 45, 60, 90])
 
 
 def geometry(workspace: Workspace, _: Any, params: GeometryParams) -> dict[str, Any]:
-    """Return where the platen touches, how the pad is curved there, and what to draw."""
+    """Return the point of contact, the curvature there, and the drawing."""
     axes, covariance, angle_stds = _pad(workspace, params)
     pad = Ellipsoid.of(*axes)
     wedge, roll = np.radians([params.wedge_angle_deg, params.roll_angle_deg])
@@ -69,7 +69,7 @@ def geometry(workspace: Workspace, _: Any, params: GeometryParams) -> dict[str, 
 
 
 def _pad(workspace: Workspace, params: PadParams) -> tuple[FloatArray, FloatArray | None, FloatArray]:
-    """Return semi-axes (mm), their covariance if it is known, and the angles' standard uncertainties."""
+    """Return semi-axes (mm), their covariance if known, and standard uncertainties of the angles."""
     if params.finger is None:
         given = np.array([params.palmar_mm, params.distal_mm, params.radial_ulnar_mm], dtype=float)
         return given, None, np.zeros(2)
@@ -88,7 +88,7 @@ def _pad(workspace: Workspace, params: PadParams) -> tuple[FloatArray, FloatArra
 def _placed(
     axes: FloatArray, covariance: FloatArray | None, angles: FloatArray, angle_stds: FloatArray
 ) -> dict[str, float | None]:
-    """Return radii and u at the place of contact, with standard uncertainties where they are known."""
+    """Return u and the radii at the point of contact, with standard uncertainties if known."""
     mean = np.concatenate([axes, angles])
     whole = np.zeros((mean.size, mean.size))
     whole[:3, :3] = 0.0 if covariance is None else covariance
@@ -103,7 +103,7 @@ def _placed(
 
 
 def _lines(pad: Ellipsoid, placement: Placement, size: float) -> list[tuple[str, FloatArray]]:
-    """Return what is drawn as lines: principal directions, the normal, the finger's axis, the midline."""
+    """Return lines: principal directions, normal, finger axis and midline."""
     point, reach = placement.point, 0.6 * size
     along, across = placement.curvature.principal_directions
     midline = pad.point(np.linspace(-np.pi / 2, np.pi / 2, 61), np.pi / 2)
@@ -117,14 +117,14 @@ def _lines(pad: Ellipsoid, placement: Placement, size: float) -> list[tuple[str,
 
 
 def _platen(placement: Placement, size: float) -> FloatArray:
-    """Return the corners of the platen, a square in the tangent plane at the place of contact."""
+    """Return the corners of the platen, a square in the tangent plane at the point of contact."""
     along, across = placement.curvature.principal_directions
     corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * size
     return np.asarray(placement.point + corners @ np.stack([along, across]))
 
 
 def _wedge(pad: Ellipsoid, placement: Placement) -> dict[str, Any]:
-    """Return the wedge behind the finger: its incline lies along the back of the pad, its foot is level."""
+    """Return the wedge: its incline touches the back of the pad, and its base is horizontal."""
     a, b, c = pad.semi_axes
     low, high = np.array([-a, -1.15 * b, 0.0]), np.array([-a, b, 0.0])
     level = np.array([placement.normal[0], placement.normal[1], 0.0])
@@ -142,7 +142,7 @@ ENDPOINTS: Final = (
         path="/api/geometry",
         answer=geometry,
         model=answers.PadGeometry,
-        summary="A pad on its wedge: place of contact, curvature, and what to draw in three dimensions",
+        summary="A pad on its wedge: point of contact, curvature, and drawing",
         body=GeometryParams,
     ),
 )

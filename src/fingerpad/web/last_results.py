@@ -1,4 +1,4 @@
-"""The tables that the last run wrote, checked before they are used: they may come from elsewhere."""
+"""The results of the last run, validated on reading, as they may be imported or damaged."""
 
 import json
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ _Triple: TypeAlias = Annotated[list[float], Field(min_length=3, max_length=3)]
 
 
 class _Record(BaseModel):
-    """A record of ``summary.json``: what the page needs of it; it may hold more."""
+    """A record of ``summary.json``; keys that the page does not need are not checked."""
 
     model_config = ConfigDict(extra="allow", strict=True)
 
@@ -87,7 +87,7 @@ class _Summary(_Record):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Results:
-    """The tables that the last run wrote.
+    """The tables of the last run.
 
     Attributes
     ----------
@@ -111,19 +111,19 @@ class Results:
 
     @classmethod
     def of(cls, rows: Any, summary: Any) -> Self:
-        """Check the tables, and put them in order.
+        """Validate the tables, and index their rows.
 
         Raises
         ------
         ValueError
-            Naming the file, and what is not as a run writes it.
+            If they are not as a run writes them; the message names the file.
         """
         _require_rows(rows)
         try:
             _Summary.model_validate(summary)
         except ValidationError as error:
             fault = error.errors(include_url=False)[0]
-            place = ".".join(map(str, fault["loc"])) or "the whole"
+            place = ".".join(map(str, fault["loc"])) or "the document"
             raise ValueError(f"summary.json: {place}: {fault['msg']}") from error
         contacts: dict[str, dict[str, Any]] = {}
         frames: dict[str, dict[int, dict[str, Any]]] = {}
@@ -164,20 +164,20 @@ _READ: dict[Path, tuple[object, Results | str]] = {}
 
 
 def last_results(opened: StudySession) -> Results | None:
-    """Return the last run's tables, None before the first and where they are damaged."""
+    """Return the tables of the last run, None if there are none or they are damaged."""
     found = _read(opened.out)
     return found if isinstance(found, Results) and not results_faults(opened) else None
 
 
 def results_faults(opened: StudySession) -> list[str]:
-    """Return what is wrong with the files of the last run; overlays are checked when they are shown."""
+    """Return what is wrong with the files of the last run, except overlays."""
     faults = quick_faults(opened.out, lambda name: not name.startswith("overlays/"))
     found = _read(opened.out)
     return faults or ([found] if isinstance(found, str) else [])
 
 
 def _read(out: Path) -> Results | str | None:
-    """Return the tables in a folder, or what is wrong with them; read again only when they are new."""
+    """Return the tables in a folder, or what is wrong with them; read again if they have changed."""
     paths = [out / f"{name}.json" for name in ("results", "summary")]
     try:
         stamp = [(status.st_mtime_ns, status.st_size) for status in (path.stat() for path in paths)]
@@ -195,7 +195,7 @@ def _read(out: Path) -> Results | str | None:
 
 
 def known_finger(opened: StudySession, name: str) -> FingerResult | None:
-    """Return a finger's semi-axes, None where they are not known yet."""
+    """Return a finger's semi-axes, entered or of the last run; None where they are unknown."""
     finger = next((one for one in opened.study().fingers if one.name == name), None)
     if finger is None:
         return None

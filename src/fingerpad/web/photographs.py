@@ -1,4 +1,4 @@
-"""Photographs of a finger's faces measured while a person corrects them, and what they say together."""
+"""Photographs of a finger's faces, measured under corrections, and their combination."""
 
 import math
 import time
@@ -33,12 +33,12 @@ from fingerpad.web.workspace import Workspace
 
 _FITS: Final[Cache[PhotographFit]] = Cache(60, lambda _: 1)
 _PROGRAM: Final[Cache[PhotographFit | None]] = Cache(60, lambda _: 1)
-# An ellipse placed by hand needs none.
+# A manual ellipse needs none.
 _NO_PICTURE: Final = np.zeros((1, 1), dtype=np.uint8)
 
 
 class Handles(Params):
-    """The ends of an ellipse's semi-axes as dragged."""
+    """The handles of an ellipse."""
 
     centre_px: Point
     across_end_px: Point
@@ -46,7 +46,7 @@ class Handles(Params):
 
 
 class PhotographParams(Params):
-    """Which photograph, and the correction under which it is measured."""
+    """A photograph, and the correction under which it is measured."""
 
     item: Item
     change: PhotographCorrection | None = None
@@ -57,7 +57,7 @@ class PhotographParams(Params):
 
 
 def measure(workspace: Workspace, _: Any, params: PhotographParams) -> dict[str, Any]:
-    """Measure a photograph as it is being corrected; nothing is stored."""
+    """Measure a photograph under a correction; nothing is stored."""
     began = time.perf_counter()
     opened = workspace.study
     finger, photograph = _table(opened, params)
@@ -85,13 +85,13 @@ def measure(workspace: Workspace, _: Any, params: PhotographParams) -> dict[str,
 
 
 def _table(opened: StudySession, params: PhotographParams) -> tuple[Finger | None, Photograph]:
-    """Return a photograph's table with what stands in for parts of it, and its finger if it has one."""
+    """Return the table of a photograph, with the face and scale requested, and its finger."""
     if not params.item.startswith("file:"):
         finger, photograph = opened.photograph(params.item)
         stated = {"face": params.face, "scale": params.scale}
         return finger, photograph.model_copy(update={k: v for k, v in stated.items() if v is not None})
     if params.face is None or params.scale is None:
-        raise RequestError.impossible(f"{params.item}: say its face and its scale first")
+        raise RequestError.impossible(f"{params.item}: state its face and its scale")
     return None, Photograph(face=params.face, image=params.item.removeprefix("file:"), scale=params.scale)
 
 
@@ -104,7 +104,7 @@ def _change(opened: StudySession, params: PhotographParams) -> PhotographCorrect
 
 
 def described(fit: PhotographFit) -> dict[str, Any]:
-    """Return a fit's numbers, and what is drawn of it."""
+    """Return the numbers and the drawing of a fit."""
     centre, across, along = fit.handles
     return {
         "face": fit.face,
@@ -131,7 +131,7 @@ def _semi_axes(fit: PhotographFit) -> dict[str, Any]:
 
 
 def _program(opened: StudySession, item: str, photograph: Photograph) -> PhotographFit | None:
-    """Return what the program finds by itself; None where it finds no finger."""
+    """Return the automatic fit, None where no finger is found."""
     assert photograph.scale is not None  # the manifest's own rule
     scale = scale_of(opened, photograph.scale).scale
 
@@ -151,7 +151,7 @@ def _fit(
     change: PhotographCorrection,
     handles: Handles | None = None,
 ) -> PhotographFit:
-    """Return the ellipse as drawn, or as found and corrected by points: found once, corrected often."""
+    """Return the manual ellipse, or the fitted one; outlines that were found are cached."""
     assert photograph.scale is not None  # the manifest's own rule
     scale = scale_of(opened, photograph.scale).scale
     if handles is not None:
@@ -177,7 +177,7 @@ def _fit(
 
 
 def _together(opened: StudySession, finger: Finger, item: str, fit: PhotographFit) -> dict[str, Any]:
-    """Return the finger's semi-axes with one face as it is being corrected."""
+    """Return the finger's semi-axes with the current fit of one face."""
     faces = {}
     for one in finger.photographs:
         own = photograph_item(finger, one)

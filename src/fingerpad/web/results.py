@@ -1,4 +1,4 @@
-"""What the last run found: rows, summaries, what to plot, figures, and the audit of the printed tables."""
+"""Results of the last run: rows, plots, uncertainty budgets, figures, and the audit of published numbers."""
 
 import re
 from collections.abc import Iterable, Iterator, Mapping
@@ -32,7 +32,7 @@ def _results(workspace: Workspace) -> Results:
 
 
 class RowsParams(Params):
-    """Which rows, in which order."""
+    """Filters, order and columns of rows."""
 
     offset: Annotated[int, Field(ge=0, le=10**9)] = 0
     limit: Annotated[int, Field(ge=1, le=2000)] = 100
@@ -49,14 +49,14 @@ class RowsParams(Params):
 def rows(workspace: Workspace, params: RowsParams, _: Any) -> dict[str, Any]:
     """Return some rows of the results."""
     found = _results(workspace)
-    chosen = [row for row in found.rows if _is_meant(row, params)]
+    chosen = [row for row in found.rows if _matches(row, params)]
     if params.sort:
-        key, falling = params.sort.lstrip("-"), params.sort.startswith("-")
+        key, descending = params.sort.lstrip("-"), params.sort.startswith("-")
         if key not in COLUMNS:
             raise RequestError.impossible(f"no column is named {key!r}")
         known = [row for row in chosen if row[key] is not None]
         unknown = [row for row in chosen if row[key] is None]  # last, whichever way
-        chosen = sorted(known, key=lambda row: row[key], reverse=falling) + unknown
+        chosen = sorted(known, key=lambda row: row[key], reverse=descending) + unknown
     columns = [name for name in params.columns.split(",") if name in COLUMNS] or list(COLUMNS)
     return {
         "total": len(found.rows),
@@ -69,7 +69,7 @@ def rows(workspace: Workspace, params: RowsParams, _: Any) -> dict[str, Any]:
     }
 
 
-def _is_meant(row: Mapping[str, Any], params: RowsParams) -> bool:
+def _matches(row: Mapping[str, Any], params: RowsParams) -> bool:
     same = (
         ("finger", params.finger),
         ("status", params.status),
@@ -91,13 +91,13 @@ def _column(name: str) -> dict[str, Any]:
 
 
 class PlotParams(Params):
-    """Which finger."""
+    """A finger."""
 
     finger: str | None = None
 
 
 def plot(workspace: Workspace, params: PlotParams, _: Any) -> dict[str, Any]:
-    """Return what to plot of each finger at each placement."""
+    """Return the data to plot for each finger and placement."""
     found = _results(workspace)
     groups = [
         _group(one, found.rows)
@@ -124,7 +124,7 @@ def _group(of: Mapping[str, Any], every: list[dict[str, Any]]) -> dict[str, Any]
 
 
 def budget(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
-    """Return who contributes what to each pooled radius and to the highest_load contact's."""
+    """Return the uncertainty budgets of pooled radii and of the highest-load contacts."""
     return {
         "groups": [
             {
@@ -161,7 +161,7 @@ def _figures(drawings: Iterable[Path]) -> Iterator[dict[str, str]]:
 
 
 def published(_: Workspace, __: Any, ___: Any) -> dict[str, Any]:
-    """Return the audit of the numbers that the source prints."""
+    """Return the audit of the numbers that Dzidek et al. (2017) print."""
     return {"items": [item.as_record() for item in audit()]}
 
 
@@ -180,14 +180,14 @@ ENDPOINTS: Final = (
         answer=plot,
         model=answers.Plot,
         query=PlotParams,
-        summary="What to plot",
+        summary="Data to plot",
     ),
     Endpoint(
         method="GET",
         path="/api/results/budget",
         answer=budget,
         model=answers.Budget,
-        summary="Who contributes what uncertainty",
+        summary="Uncertainty budgets",
     ),
     Endpoint(
         method="GET",
@@ -201,6 +201,6 @@ ENDPOINTS: Final = (
         path="/api/published",
         answer=published,
         model=answers.Audit,
-        summary="Audit of the printed tables",
+        summary="Audit of the published tables",
     ),
 )

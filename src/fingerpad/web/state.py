@@ -1,4 +1,4 @@
-"""The state of a study in one document: what is there, what is missing, how far each item is."""
+"""The state of a study: its contents, missing entries, and the status of each item."""
 
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
@@ -43,7 +43,7 @@ _WORDS: Final[Mapping[str, Any]] = {
 
 
 def document(opened: StudySession) -> dict[str, Any]:
-    """Return the state document; nothing is measured for it."""
+    """Return the state of a study; nothing is measured."""
     manifest = opened.read()
     study = manifest.study
     active_corrections = opened.corrections.active_corrections()
@@ -95,7 +95,7 @@ def document(opened: StudySession) -> dict[str, Any]:
 def _is_fresh(
     opened: StudySession, study: Study | None, found: Results | None, counts: Mapping[str, int]
 ) -> bool:
-    """Tell whether a run would give the same results again, its report included."""
+    """Tell whether the results and the report are up to date."""
     if study is None or found is None or counts["stale"] + counts["left"] or not _has_report(opened):
         return False
     return _same_inputs(opened, study, found.summary["provenance"])
@@ -108,9 +108,9 @@ def _has_report(opened: StudySession) -> bool:
 def _item_states(
     study: Study, opened: StudySession, active_corrections: Mapping[str, ActiveCorrection]
 ) -> dict[str, str]:
-    """Return for each item whether it is done, failed, stale or left.
+    """Return the status of each item: done, failed, stale or left.
 
-    An item that is not in the store is left, whatever its file holds: 2,000 pictures are not read to say so.
+    An item that is not in the store is left; its file is not read.
     """
     keys = CacheKeys(study=study, folder=opened.folder, digest=str, active_corrections=active_corrections)
     states = {name: "left" for name, _ in items_of(keys)}
@@ -130,19 +130,19 @@ def _item_states(
                 if (status := statuses.get(name)) is not None:
                     states[name] = status.status if status.key == key() else "stale"
     except _UNREADABLE:
-        return states  # the run says what is wrong with it
+        return states  # the run reports what is wrong with it
     return states
 
 
 def _same_inputs(opened: StudySession, study: Study, provenance: Mapping[str, Any]) -> bool:
-    """Tell whether manifest, spreadsheet and corrections are those of a run, by its provenance."""
+    """Tell whether manifest, spreadsheet and corrections are those of a run."""
     names = [STUDY_NAME, *([study.observations_csv] if study.observations_csv else []), CORRECTIONS_NAME]
     known = provenance["inputs_sha256"]
     return all(digest_of(opened.folder / name) == known.get(name, "") for name in names)
 
 
 def review_record(active_correction: ActiveCorrection | None) -> dict[str, Any]:
-    """Return what a person has said of an item."""
+    """Return the review of an item."""
     return {
         "corrected": active_correction is not None and bool(active_correction.change.edits),
         "accepted": active_correction is not None and active_correction.change.accepted,
@@ -152,7 +152,7 @@ def review_record(active_correction: ActiveCorrection | None) -> dict[str, Any]:
 
 
 def stated(table: BaseModel) -> dict[str, Any]:
-    """Return what the manifest says in a table, without defaults."""
+    """Return the keys that the manifest states in a table."""
     return table.model_dump(mode="json", exclude_unset=True)
 
 
@@ -271,7 +271,7 @@ def _observation(
 
 
 def _status(item: str, states: Mapping[str, str], active_corrections: Mapping[str, ActiveCorrection]) -> str:
-    """Return how far an item is; what a person rejected is nothing else."""
+    """Return the status of an item; rejected items are only that."""
     return "rejected" if is_rejected(active_corrections.get(item)) else states.get(item, "left")
 
 
@@ -340,12 +340,12 @@ def _files(opened: StudySession, manifest: Manifest) -> list[dict[str, Any]]:
 
 
 def state(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
-    """Return the state of the study that is open."""
+    """Return the state of the open study."""
     return document(workspace.study)
 
 
 class FramesParams(Params):
-    """Which frames of which film."""
+    """Frames of a sequence."""
 
     sequence: Annotated[str, Field(max_length=100)]
     offset: Annotated[int, Field(ge=0, le=10**9)] = 0
@@ -353,7 +353,7 @@ class FramesParams(Params):
 
 
 def frames(workspace: Workspace, params: FramesParams, _: Any) -> dict[str, Any]:
-    """Return the frames of a film, as far as the last run has seen them."""
+    """Return frames of a sequence, with the results of the last run."""
     opened = workspace.study
     sequence = opened.sequence(params.sequence)
     found = last_results(opened)
@@ -388,7 +388,7 @@ ENDPOINTS: Final = (
         path="/api/study",
         answer=state,
         model=answers.State,
-        summary="What is there, what is missing, how far",
+        summary="State of the study",
     ),
     Endpoint(
         method="GET",
@@ -396,6 +396,6 @@ ENDPOINTS: Final = (
         answer=frames,
         model=answers.Frames,
         query=FramesParams,
-        summary="Frames of a film",
+        summary="Frames of a sequence",
     ),
 )

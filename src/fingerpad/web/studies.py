@@ -1,4 +1,4 @@
-"""Starting, opening and closing studies, and running the one that is open."""
+"""Create, open, close, edit and run studies."""
 
 import os
 from http import HTTPStatus
@@ -21,32 +21,32 @@ _Name = Annotated[str, Field(pattern=NAME, max_length=60)]
 
 
 class NewParams(Params):
-    """A study to start."""
+    """Name and title of a new study."""
 
     name: _Name
     title: Annotated[str, Field(max_length=200)] = ""
 
 
 class OpenParams(Params):
-    """A study of the workspace."""
+    """Name of a study of the workspace."""
 
     name: Annotated[str, Field(min_length=1, max_length=255)]
 
 
 class RunParams(Params):
-    """How to run."""
+    """Options of a run."""
 
     workers: Annotated[int, Field(ge=1, le=64)] = 1
     fresh: bool = False
 
 
 def session(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
-    """Return what there is to open, and what is open."""
+    """Return the studies of the workspace and the open one."""
     return workspace.describe()
 
 
 def new(workspace: Workspace, _: Any, params: NewParams) -> dict[str, Any]:
-    """Start a study in a new folder."""
+    """Create a study in a new folder."""
     folder = workspace.new_folder(params.name)
     create_study(folder, params.title or params.name)
     return document(workspace.open_folder(folder))
@@ -58,7 +58,7 @@ def open_study(workspace: Workspace, _: Any, params: OpenParams) -> dict[str, An
 
 
 class EditParams(Params):
-    """One change of the manifest."""
+    """One edit of the manifest."""
 
     kind: Kind
     key: Annotated[str, Field(max_length=1000)]
@@ -66,14 +66,14 @@ class EditParams(Params):
 
 
 class EditsParams(Params):
-    """Some changes of the manifest as it was last seen."""
+    """Edits of the manifest, whose digest is `expected`."""
 
     expected: Annotated[str, Field(max_length=100)]
     edits: Annotated[list[EditParams], Field(min_length=1, max_length=10_000)]
 
 
 def edit(workspace: Workspace, _: Any, params: EditsParams) -> dict[str, Any]:
-    """Change the manifest: all edits or none."""
+    """Apply all edits to the manifest, or none."""
     opened = workspace.study
     edits = [Edit(kind=one.kind, key=one.key, set=one.set) for one in params.edits]
     try:
@@ -92,7 +92,7 @@ def close(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
 
 
 def run(workspace: Workspace, _: Any, params: RunParams) -> dict[str, Any]:
-    """Begin to run the study."""
+    """Start a run of the study."""
     opened = workspace.study
     opened.study()
     workers = min(params.workers, os.cpu_count() or 1)
@@ -106,12 +106,12 @@ def run(workspace: Workspace, _: Any, params: RunParams) -> dict[str, Any]:
 
 
 def progress(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
-    """Return how far the run is."""
+    """Return the status of the run."""
     return workspace.study.run_job.describe()
 
 
 def cancel(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
-    """Stop the run; what it has measured is kept."""
+    """Stop the run; finished measurements are kept."""
     return workspace.study.run_job.cancel()
 
 
@@ -121,7 +121,7 @@ ENDPOINTS: Final = (
         path="/api/session",
         answer=session,
         model=answers.Session,
-        summary="What is open, and what there is to open",
+        summary="The open study, and the studies of the workspace",
     ),
     Endpoint(
         method="POST",
@@ -130,7 +130,7 @@ ENDPOINTS: Final = (
         model=answers.State,
         body=NewParams,
         status=HTTPStatus.CREATED,
-        summary="Start a study",
+        summary="Create a study",
     ),
     Endpoint(
         method="POST",
@@ -165,7 +165,7 @@ ENDPOINTS: Final = (
         summary="Run the study",
     ),
     Endpoint(
-        method="GET", path="/api/run", answer=progress, model=answers.RunStatus, summary="How far the run is"
+        method="GET", path="/api/run", answer=progress, model=answers.RunStatus, summary="Status of the run"
     ),
     Endpoint(
         method="POST",
@@ -173,6 +173,6 @@ ENDPOINTS: Final = (
         answer=cancel,
         model=answers.RunStatus,
         status=HTTPStatus.ACCEPTED,
-        summary="Stop the run; what is done is kept",
+        summary="Stop the run; finished measurements are kept",
     ),
 )

@@ -1,4 +1,4 @@
-"""The bench of one launch: the workspace, the study that is open, and who listens."""
+"""The workspace: its studies, the open one, and the listeners to its events."""
 
 import getpass
 import os
@@ -26,7 +26,7 @@ _MANIFESTS: Final = (STUDY_NAME, DRAFT_NAME)
 
 
 class Workspace:
-    """What one launch of the page works on.
+    """A folder of studies, one of which can be open.
 
     Parameters
     ----------
@@ -35,7 +35,7 @@ class Workspace:
     upload_limit : int
         The most bytes of one file.
     import_limit : int or None
-        The most bytes of a study that is brought as a ZIP; None for what the disk has room for.
+        The most bytes of an imported study; None for the free space of the disk.
     pixel_limit : int
         The most pixels of one picture.
     """
@@ -56,18 +56,18 @@ class Workspace:
 
     @property
     def study(self) -> StudySession:
-        """The study that is open."""
+        """The open study."""
         if self._study is None:
-            raise RequestError.not_there("no study is open: start one, or open one")
+            raise RequestError.not_there("no study is open: create one, or open one")
         return self._study
 
     @property
     def name(self) -> str | None:
-        """Name of the study that is open."""
+        """Name of the open study, None if there is none."""
         return None if self._study is None else self._study.name
 
     def describe(self) -> dict[str, Any]:
-        """Return what there is to open, and what is open."""
+        """Return the studies of the workspace and the open one."""
         study = self._study
         return {
             "version": fingerpad.__version__,
@@ -110,7 +110,7 @@ class Workspace:
             return self._study
 
     def close(self) -> None:
-        """Close the study that is open; a run at work is stopped, and what it has is kept."""
+        """Close the open study; a run is stopped, and its finished measurements are kept."""
         with self._lock:
             if self._study is not None:
                 self._study.close()
@@ -119,12 +119,12 @@ class Workspace:
 
     @property
     def room(self) -> int:
-        """The most bytes of a study that can be brought now."""
+        """The most bytes of a study that can be imported now."""
         free = shutil.disk_usage(self.workspace).free
         return free if self.import_limit is None else min(free, self.import_limit)
 
     def new_folder(self, name: str) -> Path:
-        """Return the path of a sub-folder of the workspace that is not there yet."""
+        """Return the path of a new sub-folder of the workspace."""
         if not re.fullmatch(NAME, name):
             raise RequestError(
                 HTTPStatus.BAD_REQUEST, f"{name!r}: write the name with letters, digits and . _ + - only"
@@ -136,7 +136,7 @@ class Workspace:
 
 
 def _login() -> str:
-    """Return the name under which this person works here; some machines have none."""
+    """Return the user's login name, empty on systems without one."""
     try:
         return getpass.getuser()
     except (OSError, KeyError):
