@@ -1,4 +1,4 @@
-"""Every question of the API, asked well and asked badly."""
+"""Every endpoint of the API with valid and invalid requests."""
 
 import math
 
@@ -28,7 +28,7 @@ def test_the_session_names_what_is_open(standing):
     assert session["limits"]["picture_px"] > 0
 
 
-def test_the_state_tells_each_item_once(standing):
+def test_the_state_lists_each_item_once(standing):
     state = standing.get("/api/study").json()
     items = {one["item"]: one for one in state["observations"]}
     assert (
@@ -60,7 +60,7 @@ def test_the_state_tells_each_item_once(standing):
     assert not state["results"]["there"]
 
 
-def test_frames_are_told_in_parts(standing):
+def test_frames_are_paged(standing):
     whole = standing.get("/api/study/frames", params={"sequence": "synthetic_press_30deg"}).json()
     part = standing.get(
         "/api/study/frames", params={"sequence": "synthetic_press_30deg", "offset": 20, "limit": 10}
@@ -97,7 +97,7 @@ def test_frames_are_shown_one_by_one(standing):
     assert shown[0] != shown[1]
 
 
-def test_an_address_with_a_version_is_kept_and_one_without_is_asked_anew(standing):
+def test_images_with_a_version_are_cached_and_others_are_revalidated(standing):
     info = standing.get("/api/picture/info", params={"item": PRINT}).json()
     assert "immutable" in standing.get(info["thumbnail"]).headers["cache-control"]
     assert (
@@ -141,7 +141,7 @@ def test_a_contact_is_measured_and_modelled(standing):
     assert one["model"] is None  # the finger is not measured yet
 
 
-def test_an_ellipse_sent_back_as_it_came_changes_nothing(standing):
+def test_an_unchanged_ellipse_changes_nothing(standing):
     one = measured(standing)
     again = measured(standing, change={"ellipse_px": one["ellipse_px"]})
     assert again["by"] == "person"
@@ -150,7 +150,7 @@ def test_an_ellipse_sent_back_as_it_came_changes_nothing(standing):
     assert again["program"]["semi_major_mm"] == one["numbers"]["semi_major_mm"]
 
 
-def test_a_brush_changes_the_region_and_the_programs_own_stays_beside_it(standing):
+def test_a_brush_changes_the_region_and_the_automatic_result_is_kept(standing):
     row, column = measured(standing)["ellipse_px"]["centre"]
     bite = {"action": "remove", "points_px": [[row - 100, column]], "radius_px": 30}
     one = measured(standing, change={"strokes": [bite]})
@@ -158,13 +158,13 @@ def test_a_brush_changes_the_region_and_the_programs_own_stays_beside_it(standin
     assert measured(standing)["by"] == "program"  # nothing was stored
 
 
-def test_the_wrong_polarity_is_refused_in_words_with_what_would_do(standing):
+def test_the_wrong_polarity_is_refused_with_a_hint(standing):
     answer = standing.post("/api/measure/contact", json={"item": PRINT, "change": {"seed_px": [1, 1]}})
     assert answer.status_code == 422
     assert "no contact found at seed" in answer.json()["error"]
 
 
-def test_a_file_without_a_table_is_measured_when_its_scale_is_said(standing):
+def test_an_unused_file_is_measured_with_a_scale(standing):
     item = "file:synthetic/synthetic_30deg_2N.png"
     assert standing.post("/api/measure/contact", json={"item": item}).status_code == 422
     one = measured(standing, item, scale={"ppi": 500})
@@ -193,7 +193,7 @@ def test_a_photograph_gives_two_semi_axes_and_its_finger_three(standing):
     assert longer["finger"]["semi_axes_mm"]["distal"] > one["finger"]["semi_axes_mm"]["distal"]
 
 
-def test_points_rubbed_out_are_left_out(standing):
+def test_erased_points_are_left_out(standing):
     one = measured(standing, PHOTO, "photograph")
     rubber = {"points_px": [one["points_px"][0]], "radius_px": 25}
     fewer = measured(standing, PHOTO, "photograph", change={"erased": [rubber]})
@@ -201,7 +201,7 @@ def test_points_rubbed_out_are_left_out(standing):
     assert fewer["by"] == "program with corrections"
 
 
-def test_scales_in_all_ways(standing):
+def test_scales_of_all_types(standing):
     ask = lambda table: standing.post("/api/measure/scale", json={"table": table})  # noqa: E731
     assert ask({"ppi": 254}).json()["mm_per_px"] == pytest.approx(0.1)
     assert ask("reader").json()["resolution_ppi"] == pytest.approx(500)
@@ -257,7 +257,7 @@ def test_geometry_is_that_of_the_library(standing):
     assert by_name["u_deg_std"] > 0
 
 
-def test_the_audit_of_the_printed_tables_needs_no_study(standing):
+def test_the_audit_of_the_published_tables_needs_no_study(standing):
     items = standing.get("/api/published").json()["items"]
     assert {item["verdict"] for item in items} == {
         "reproduced",
@@ -323,7 +323,7 @@ BAD = [
 
 
 @pytest.mark.parametrize(("method", "path", "body", "status"), BAD)
-def test_bad_questions_get_words(standing, method, path, body, status):
+def test_bad_requests_get_messages(standing, method, path, body, status):
     answer = standing.request(method, path, json=body)
     assert answer.status_code == status, answer.text
     assert answer.json()["error"]
@@ -334,7 +334,7 @@ def test_bad_questions_get_words(standing, method, path, body, status):
     "content",
     [b"", b"{", b"[]", b"null", b"\xff\xfe", b'{"item": NaN}', b'{"item": "a", "item": ' + b"[" * 5000],
 )
-def test_a_body_that_is_no_question_gets_words(standing, content):
+def test_malformed_bodies_get_messages(standing, content):
     answer = standing.post("/api/measure/contact", content=content)
     assert answer.status_code == 400
     assert answer.json()["error"]
@@ -346,7 +346,7 @@ def edit(client, state, *edits):
     return answer.json()
 
 
-def test_a_study_grows_from_nothing_and_says_what_is_missing(client, studies_folder):
+def test_a_new_study_lists_missing_entries_until_it_is_complete(client, studies_folder):
     state = client.post("/api/session/new", json={"name": "mine", "title": "Mine"}).json()
     assert (state["title"], state["ready"]) == ("Mine", False)
     assert state["missing"]
@@ -392,14 +392,14 @@ def test_a_study_grows_from_nothing_and_says_what_is_missing(client, studies_fol
     assert client.get("/api/study").json()["digest"] == state["digest"]
 
 
-def test_without_a_study_there_is_only_the_way_to_one(client):
+def test_without_a_study_one_can_be_opened(client):
     assert client.post("/api/session/close").json()["study"] is None
     assert client.get("/api/study").status_code == 404
     assert client.post("/api/run", json={}).status_code == 404
     assert client.post("/api/session/open", json={"name": "demo"}).json()["name"] == "demo"
 
 
-def test_a_manifest_spoilt_by_hand_opens_and_says_where(client, studies_folder):
+def test_an_invalid_manifest_opens_and_names_the_error(client, studies_folder):
     manifest = studies_folder / "demo/study.toml"
     manifest.write_text(manifest.read_text().replace("poisson_ratio = 0.5", "poisson_ratio = 5"))
     state = client.get("/api/study").json()
@@ -408,7 +408,7 @@ def test_a_manifest_spoilt_by_hand_opens_and_says_where(client, studies_folder):
 
 
 @pytest.mark.parametrize("meant", ["another", "%C3%BCbung"])
-def test_what_is_meant_for_another_study_changes_nothing(client, studies_folder, meant: str):
+def test_requests_for_another_study_change_nothing(client, studies_folder, meant: str):
     before = (studies_folder / "demo" / "study.toml").read_bytes()
     body = {
         "expected": client.get("/api/study").json()["digest"],

@@ -1,4 +1,4 @@
-"""Beginning: a study from loose files, its scale, its run, and what is taken away."""
+"""New studies: files, scale, run, export and import."""
 
 import re
 import shutil
@@ -77,7 +77,7 @@ def test_six_files_become_a_plot(empty_tab: Tab) -> None:
     assert "wedge_angle_deg_std = 0.5" in manifest
 
 
-def test_who_presses_twice_means_it_once(empty_tab: Tab) -> None:
+def test_a_double_press_creates_one_study(empty_tab: Tab) -> None:
     page = empty_tab.open()
     late = Late(page, "**/api/session/new")
     page.get_by_label("Title").fill("Once")
@@ -106,12 +106,12 @@ def test_files_dropped_on_the_page(empty_tab: Tab) -> None:
     )
 
 
-def test_file_taken_away_comes_back_with_what_was_typed(tab: Tab, demo, tmp_path) -> None:
+def test_removed_file_is_restored_with_its_entries(tab: Tab, demo, tmp_path) -> None:
     page = tab.open()
     shutil.copy(demo / "synthetic" / "synthetic_30deg_1N.png", tmp_path / "print.png")
     page.locator("input[type=file]").set_input_files([tmp_path / "print.png"])
     page.get_by_label("Finger on print.png").fill("synthetic_pad")
-    page.get_by_role("button", name="Take print.png away").click()
+    page.get_by_role("button", name="Remove print.png").click()
     page.get_by_text("print.png was removed.").wait_for()
     page.locator(".new-files").wait_for(state="hidden")
     assert not (demo / "uploads" / "print.png").exists()
@@ -121,7 +121,7 @@ def test_file_taken_away_comes_back_with_what_was_typed(tab: Tab, demo, tmp_path
     assert (demo / "uploads" / "print.png").read_bytes() == (tmp_path / "print.png").read_bytes()
 
 
-def test_wrong_value_is_refused_in_words_and_nothing_is_lost(tab: Tab, demo) -> None:
+def test_wrong_value_is_refused_with_a_message(tab: Tab, demo) -> None:
     tab.expected.append("422")
     before = (demo / "study.toml").read_text()
     page = tab.open()
@@ -132,7 +132,7 @@ def test_wrong_value_is_refused_in_words_and_nothing_is_lost(tab: Tab, demo) -> 
     assert (demo / "study.toml").read_text() == before
 
 
-def test_finger_is_renamed_with_all_that_goes_by_it(tab: Tab, demo) -> None:
+def test_finger_is_renamed_with_its_contacts(tab: Tab, demo) -> None:
     tab.expected.append("422")
     page = tab.open()
     for name in ("synthetic_pad", "right_middle"):  # the first is another finger's
@@ -148,7 +148,7 @@ def test_finger_is_renamed_with_all_that_goes_by_it(tab: Tab, demo) -> None:
     assert rows.count(",right_middle,") == 2
 
 
-def test_what_is_not_complete_is_named_and_left_out(tab: Tab, demo, tmp_path) -> None:
+def test_incomplete_entries_are_named_and_skipped(tab: Tab, demo, tmp_path) -> None:
     page = tab.open()
     shutil.copy(demo / "synthetic" / "synthetic_30deg_1N.png", tmp_path / "print.png")
     page.locator("input[type=file]").set_input_files([tmp_path / "print.png"])
@@ -164,14 +164,14 @@ def test_what_is_not_complete_is_named_and_left_out(tab: Tab, demo, tmp_path) ->
     page.get_by_text("The rest of the study can run").wait_for()
     page.get_by_role("link", name="Run the study").wait_for()
     tab.go("run")
-    page.get_by_text("1 entry is incomplete and left out of runs").wait_for()
+    page.get_by_text("1 incomplete entry is skipped").wait_for()
 
 
 def test_line_on_a_ruler_by_pointer_then_by_keyboard(tab: Tab, demo) -> None:
     page = tab.open("scale")
     page.get_by_role("button", name="+ New scale").click()
     page.get_by_role("radio", name="Ruler").click()
-    page.get_by_label("Picture", exact=True).select_option("synthetic/photograph_palmar.jpg")
+    page.get_by_label("Image", exact=True).select_option("synthetic/photograph_palmar.jpg")
     page.wait_for_function(PICTURE_THERE)
     x, y = middle(page.locator(".stage"))
     stroke(page, (x - 150, y), (x + 150, y))
@@ -203,7 +203,7 @@ def test_coin_gives_the_scale(tab: Tab, demo) -> None:
     page = tab.open("scale")
     page.get_by_role("button", name="+ New scale").click()
     page.get_by_role("radio", name="Coin").click()
-    page.get_by_label("Picture", exact=True).select_option("coin.png")
+    page.get_by_label("Image", exact=True).select_option("coin.png")
     page.wait_for_function(PICTURE_THERE)
     page.get_by_label("Diameter").fill("24")
     page.get_by_label("Diameter").press("Enter")
@@ -245,7 +245,7 @@ def test_run_names_its_file_and_can_be_stopped(tab: Tab) -> None:
     )
 
 
-def test_report_and_folder_are_taken_away(tab: Tab, run_demo, tmp_path) -> None:
+def test_report_and_study_folder_are_exported(tab: Tab, run_demo, tmp_path) -> None:
     page = tab.open("run")
     with page.expect_download() as report:
         page.get_by_role("link", name="Download Report").click()
@@ -261,7 +261,7 @@ def test_report_and_folder_are_taken_away(tab: Tab, run_demo, tmp_path) -> None:
     assert tab.page.locator("#sidebar .step-state.good").first.inner_text() == "complete"
 
 
-def test_what_the_folder_leaves_out_is_listed_and_it_comes_back(tab: Tab, demo, tmp_path) -> None:
+def test_files_left_out_are_listed_and_the_export_is_imported(tab: Tab, demo, tmp_path) -> None:
     (tmp_path / "outside.png").write_bytes(b"x")
     (demo / "outside.png").symlink_to(tmp_path / "outside.png")
     (demo / "a:b.png").write_bytes(b"odd")

@@ -1,4 +1,4 @@
-"""Contact images and frames: looked at, corrected, accepted, by pointer and by keyboard."""
+"""Review of contact images and frames by pointer and by keyboard."""
 
 import json
 import re
@@ -21,7 +21,7 @@ def value(text: str, unit: str) -> float:
     return float(re.search(rf"([\d.]+) ± [\d.]+ {unit}", text).group(1))
 
 
-def test_dragged_handle_gives_new_numbers_beside_the_programs_own(tab: Tab, demo) -> None:
+def test_dragged_handle_gives_new_numbers_beside_the_automatic_ones(tab: Tab, demo) -> None:
     page = tab.open(f"contacts/images/{PRINT}")
     before = numbers(page)
     drag(page, page.get_by_role("button", name="End of the semi-major axis", exact=True), -30, 0)
@@ -39,7 +39,7 @@ def test_dragged_handle_gives_new_numbers_beside_the_programs_own(tab: Tab, demo
     assert numbers(page) == after
 
 
-def test_keyboard_alone_moves_a_handle_accepts_and_goes_on(tab: Tab, demo) -> None:
+def test_keyboard_moves_a_handle_and_accepts(tab: Tab, demo) -> None:
     page = tab.open(f"contacts/images/{PRINT}")
     before = numbers(page)
     handle = focus(page, "End of the semi-minor axis")
@@ -54,7 +54,7 @@ def test_keyboard_alone_moves_a_handle_accepts_and_goes_on(tab: Tab, demo) -> No
     page.get_by_text("accepted", exact=True).wait_for()
 
 
-def test_brush_by_pointer_takes_and_gives_region(tab: Tab, demo) -> None:
+def test_brush_by_pointer_removes_and_adds_region(tab: Tab, demo) -> None:
     page = tab.open(f"contacts/images/{PRINT}")
     before = numbers(page)
     page.keyboard.press("e")
@@ -113,7 +113,7 @@ def test_threshold_polarity_seed_and_region_of_interest(tab: Tab, demo) -> None:
     assert page.get_by_text("automatic", exact=True).is_visible()
 
 
-def test_an_address_leads_to_its_picture_from_any_other(tab: Tab) -> None:
+def test_an_address_opens_its_image_from_any_view(tab: Tab) -> None:
     page = tab.open(f"contacts/images/{PRINT}")
     numbers(page)
     for item, source in {
@@ -132,7 +132,7 @@ def test_an_address_leads_to_its_picture_from_any_other(tab: Tab) -> None:
         assert numbers(page) == before
 
 
-def test_reject_with_a_reason_and_take_it_back(tab: Tab, demo) -> None:
+def test_reject_with_a_reason_and_undo(tab: Tab, demo) -> None:
     page = tab.open(f"contacts/images/{PRINT}")
     numbers(page)
     page.get_by_label("Reason to reject").fill("smeared")
@@ -148,7 +148,7 @@ def test_reject_with_a_reason_and_take_it_back(tab: Tab, demo) -> None:
     assert corrections(demo)[-1]["change"] == {}
 
 
-def test_frames_of_a_film(tab: Tab, demo) -> None:
+def test_frames_of_a_sequence(tab: Tab, demo) -> None:
     page = tab.open("contacts/film:synthetic_press_30deg")
     numbers(page)
     page.keyboard.press(".")
@@ -217,7 +217,7 @@ def begin_with_print(page, picture, scale: str, way: str) -> None:
 
 @pytest.mark.skipif(not PRINTS.exists(), reason="the real prints are not on this machine")
 @pytest.mark.parametrize("name", ["right_index_500ppi.png", "left_ring_500ppi.png"])
-def test_real_print_is_corrected_and_accepted(empty_tab: Tab, name: str) -> None:
+def test_real_contact_image_is_corrected_and_accepted(empty_tab: Tab, name: str) -> None:
     page = empty_tab.open()
     begin_with_print(page, PRINTS / name, "500", way="Resolution")
     before = numbers(page)

@@ -1,4 +1,4 @@
-"""Photographs of a finger's faces: outline, axes, points, region, lengths, and the pad they give together."""
+"""Review of photographs: outline, axes, points, region, lengths, and the combined pad."""
 
 import json
 import re
@@ -63,7 +63,7 @@ def test_axes_and_rotation_by_keyboard(tab: Tab, demo) -> None:
     assert last_change(demo)["accepted"] is True
 
 
-def test_points_are_added_moved_and_rubbed_out(tab: Tab, demo) -> None:
+def test_points_are_added_moved_and_erased(tab: Tab, demo) -> None:
     page = tab.open("photographs")
     before = numbers(page, "face")
     page.keyboard.press("e")
@@ -105,7 +105,7 @@ def test_region_of_interest_by_keyboard(tab: Tab, demo) -> None:
     assert numbers(page, "face") == before
 
 
-def test_a_late_answer_does_not_take_the_place_of_a_newer_one(tab: Tab) -> None:
+def test_a_late_answer_does_not_replace_a_newer_one(tab: Tab) -> None:
     page = tab.open("photographs")
     before = numbers(page, "face")
     handle = focus(page, "End of the semi-axis across")
