@@ -86,7 +86,7 @@ class Scales {
             "div.empty",
             { hidden: true },
             h("h2", null, "This scale needs no image"),
-            h("p", null, "See the data sheet of the scanner or camera. Uncertainty enters every result."),
+            h("p", null, "See the data sheet of the scanner or camera. The uncertainty enters every result."),
           )),
         ),
         h("aside.inspector", { "aria-label": "Selected scale", tabindex: 0 }, this.form),
