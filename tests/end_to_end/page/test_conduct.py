@@ -226,7 +226,7 @@ def test_confirmed_edits_survive_a_killed_server(browser, demo) -> None:
 
 def test_two_thousand_frames_open_at_once_and_scroll(browser, tmp_path) -> None:
     study = tmp_path / "long"
-    (study / "sequence").mkdir(parents=True)
+    (study / "film").mkdir(parents=True)
     frame = Image.open(DEMO / "synthetic" / "synthetic_30deg_1N.png").convert("L")
     frame.save(study / "film" / "f0000.png")
     for number in range(1, 2000):

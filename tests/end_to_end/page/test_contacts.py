@@ -198,7 +198,7 @@ def begin_with_print(page, picture, scale: str, way: str) -> None:
     boxes = page.locator("dialog input")
     for index, words in enumerate(["7.9", "0.2", "13.8", "0.2", "11.8", "0.2"]):
         boxes.nth(index).fill(words)
-    page.get_by_role("button", name="Keep", exact=True).click()
+    page.get_by_role("button", name="Save", exact=True).click()
     page.get_by_text("13.80 ± 0.20").wait_for()
     page.locator("h1").click()
     page.keyboard.press("2")
