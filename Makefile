@@ -26,11 +26,12 @@ test: setup ## Run all tests
 	sh tools/find-chromium
 	$(BIN)/python -m pytest -n auto --dist worksteal
 
-check: setup ## Lint, type-check and check the layers
+check: setup ## Lint and type-check Python and the page's scripts, and check the layers
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+	sh tools/check-page
 
 docs: setup ## Build the documentation into docs/_build
 	rm -rf docs/_generated
@@ -40,4 +41,4 @@ bench: setup ## Measure accuracy and speed and print the tables
 	$(BIN)/python -m benchmarks
 
 clean: ## Remove everything that the other targets made
-	rm -rf .venv demo-report docs/_build docs/_generated .pytest_cache .mypy_cache .ruff_cache .hypothesis dist
+	rm -rf .venv node_modules build demo-report docs/_build docs/_generated .pytest_cache .mypy_cache .ruff_cache .hypothesis dist

@@ -44,15 +44,6 @@ ODD: Final[tuple[Any, ...]] = (
 )  # fmt: skip
 # What to ask of routes that need to be asked something.
 QUERIES: Final[dict[str, tuple[dict[str, Any], ...]]] = {
-    "/api/study/table": tuple(
-        {"kind": kind, "key": key}
-        for kind, key in (
-            ("finger", "synthetic_pad"),
-            ("observation", "synthetic_30deg_2N"),
-            ("sequence", "synthetic_press_30deg"),
-            ("curve", "0"),
-        )
-    ),
     "/api/study/frames": ({"sequence": "synthetic_press_30deg"},),
     **{
         f"/api/picture/{kind}": tuple(
@@ -64,19 +55,15 @@ QUERIES: Final[dict[str, tuple[dict[str, Any], ...]]] = {
                 "synthetic_press_30deg#3",
             )
         )
-        for kind, more in (("info", {}), ("preview", {"longest_px": 64}), ("thumbnail", {}), ("overlay", {}))
+        for kind, more in (("info", {}), ("preview", {"longest_px": 64}), ("thumbnail", {}))
     },
     "/api/corrections": ({"item": "synthetic_30deg_2N"}, {"item": "synthetic_press_30deg#3"}),
     "/api/results/rows": ({}, {"sort": "load_N", "status": "measured"}, {"sort": "-reason", "text": "a"}),
     "/api/results/plot": ({}, {"finger": "synthetic_pad"}),
-    "/api/geometry/pad.svg": ({"finger": "synthetic_pad"},),
-    "/api/geometry/wedge.svg": ({"finger": "left_index_ellipse"},),
     "/api/download/{path}": ({"path": "results.csv"}, {"path": "study.zip"}, {"path": "figures/x.svg"}),
 }
 # They cost much, whatever the study says: asked of some studies only.
-SLOW: Final = frozenset(
-    ("/api/geometry/pad.svg", "/api/geometry/wedge.svg", "/api/published", "/api/download/study.zip")
-)
+SLOW: Final = frozenset(("/api/published", "/api/download/study.zip"))
 
 
 def make_study(folder: Path) -> None:

@@ -20,9 +20,8 @@ import cv2
 import uvicorn
 
 from fingerpad.simulate import render_contact_image, render_finger
-from fingerpad.web.app import make_app
+from fingerpad.web.app import listening, make_app
 from fingerpad.web.security import Access
-from fingerpad.web.server import listening
 from fingerpad.web.workspace import Workspace
 
 TOKEN = "benchmark"

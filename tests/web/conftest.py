@@ -1,4 +1,4 @@
-"""A bench on a copy of the demo study, asked as the page asks it."""
+"""A server on a copy of the demo study, and a client."""
 
 import shutil
 import threading
@@ -11,9 +11,8 @@ import uvicorn
 
 from fingerpad.report import write_report
 from fingerpad.study.pipeline import run_study
-from fingerpad.web.app import make_app
+from fingerpad.web.app import listening, make_app
 from fingerpad.web.security import Access
-from fingerpad.web.server import listening
 from fingerpad.web.workspace import Workspace
 
 DEMO = Path(__file__).parents[2] / "examples" / "dzidek2017"
@@ -32,7 +31,7 @@ def shorten(folder):
 
 @contextmanager
 def serving(workspace, access=None):
-    """Serve a bench on a port of this machine, and yield a client that knows the token."""
+    """Serve a workspace on a local port, and yield a client with its token."""
     listener = listening(0)
     server = uvicorn.Server(
         uvicorn.Config(
@@ -76,7 +75,7 @@ def client(workspace):
 
 @pytest.fixture(scope="session")
 def standing(tmp_path_factory):
-    """Return a client of a bench on the demo study that has not been run; tests must not change it."""
+    """Return a client on the demo study before a run; tests must not change it."""
     studies_folder = tmp_path_factory.mktemp("standing")
     shutil.copytree(DEMO, studies_folder / "demo")
     workspace = Workspace(studies_folder)
@@ -97,7 +96,7 @@ def run_once(tmp_path_factory):
 
 @pytest.fixture(scope="session")
 def done(run_once):
-    """Return a client of a bench on the demo study after its run; tests must not change it."""
+    """Return a client on the demo study after its run; tests must not change it."""
     workspace = Workspace(run_once.parent)
     workspace.open_folder(run_once)
     with serving(workspace) as client:

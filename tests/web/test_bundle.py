@@ -1,4 +1,4 @@
-"""A study as one ZIP: what goes out comes back, whatever it is called, and what stays behind is listed."""
+"""Export and import of a study as a ZIP."""
 
 import json
 import os
@@ -149,7 +149,7 @@ def contents(folder, *, hidden=False):
         dict.fromkeys(ODD_NAMES, "used"),
     )
 )
-def test_what_goes_out_comes_back(tmp_path_factory, study):
+def test_an_exported_study_is_imported_unchanged(tmp_path_factory, study):
     folder = tmp_path_factory.mktemp("bundle") / "study"
     used = write(folder, *study)
     _, other = round_trip(folder)
@@ -161,7 +161,7 @@ def test_what_goes_out_comes_back(tmp_path_factory, study):
     assert set(contents(other, hidden=True)) >= set(used)
 
 
-def test_what_stays_behind_is_listed(tmp_path):
+def test_files_left_out_are_listed(tmp_path):
     folder = tmp_path / "study"
     write(folder, {"a.png": (b"a", 0.0), "b.png": (b"b", 0.0)}, set(), {"a.png": "unused", "b.png": "linked"})
     (tmp_path / "outside.png").write_bytes(b"secret")
@@ -250,7 +250,7 @@ def test_a_name_that_goes_up_and_down_leads_to_its_file(tmp_path):
     assert read_study(other / "study.toml") == read_study(folder / "study.toml")
 
 
-def test_a_name_that_is_absolute_is_told(tmp_path):
+def test_an_absolute_name_is_listed(tmp_path):
     folder = tmp_path / "study"
     write(folder, {"a.png": (b"a", 0.0)}, set(), {"a.png": "unused"})
     one = {**OBSERVATION, "name": "o", "file": str(folder / "a.png")}
@@ -348,7 +348,7 @@ def test_an_index_of_another_shape_is_refused(tmp_path, index):
     assert answer.json()["error"]
 
 
-def test_the_page_says_what_its_zip_leaves_out_and_takes_it_back(tmp_path):
+def test_the_bundle_lists_files_left_out_and_is_imported(tmp_path):
     folder = tmp_path / "study"
     write(folder, ODD_FILES, {"empty: folder"}, dict.fromkeys(ODD_FILES, "used"))
     (folder / os.fsdecode(b"\xff.png")).write_bytes(b"no text")

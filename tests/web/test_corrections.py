@@ -1,4 +1,4 @@
-"""Corrections by the page: nothing confirmed is lost, by two pages or by a kill."""
+"""Corrections: none is lost by concurrent pages or a killed server."""
 
 import json
 import os
@@ -34,15 +34,15 @@ def now(client, item):
         (PHOTO, {"ellipse_px": {"centre": [300.0, 300.0], "semi_axes": [230.0, 270.0]}}),
     ],
 )
-def test_a_correction_is_kept_with_who_and_when_and_undone_and_redone(client, item, change):
+def test_a_correction_is_saved_with_author_and_time_undone_and_redone(client, item, change):
     assert now(client, item) | {"last_id": 0, "change": {}, "can_undo": False} == now(client, item)
     kept = correct(client, item, 0, change)
     assert kept.status_code == 201, kept.text
     found = kept.json()
     assert found == now(client, item)
     assert found["change"] == change
-    assert found["ruling"]["who"] == "ada"
-    assert found["ruling"]["when"].startswith("20")
+    assert found["history"][-1]["who"] == "ada"
+    assert found["history"][-1]["when"].startswith("20")
     step = {"item": item, "who": "bob"}
     undone = client.post("/api/corrections/undo", json=step | {"expected": found["last_id"]}).json()
     assert (undone["change"], undone["can_undo"], undone["can_redo"]) == ({}, False, True)
@@ -54,7 +54,7 @@ def test_a_correction_is_kept_with_who_and_when_and_undone_and_redone(client, it
     )
 
 
-def test_the_state_shows_what_people_said(client):
+def test_the_state_shows_reviews(client):
     correct(client, PRINT, 0, {"accepted": True})
     correct(client, FRAME, 0, {"rejected": "smeared"})
     correct(client, PHOTO, 0, {"tip": "up", "rejected": "nail in view"})
@@ -83,7 +83,7 @@ def test_two_pages_do_not_lose_each_others_corrections(client):
     ]
 
 
-def test_a_picture_that_was_replaced_is_told_until_it_is_looked_at_again(client, studies_folder):
+def test_a_replaced_image_is_reported_until_it_is_reviewed(client, studies_folder):
     last = correct(client, PRINT, 0, {"accepted": True}).json()["last_id"]
     assert now(client, PRINT)["on_another_image"] is False
     picture = next((studies_folder / "demo").rglob(f"{PRINT}.png"))
@@ -93,7 +93,7 @@ def test_a_picture_that_was_replaced_is_told_until_it_is_looked_at_again(client,
     assert now(client, PRINT)["on_another_image"] is False
 
 
-def test_of_many_pages_at_once_each_gets_its_turn_or_is_told(client):
+def test_concurrent_corrections_are_saved_or_refused(client):
     """Eight pages write ten corrections each, each on what it saw last: all that were confirmed are there."""
     confirmed, conflicts = [], []
 
@@ -125,7 +125,7 @@ def test_of_many_pages_at_once_each_gets_its_turn_or_is_told(client):
     assert conflicts  # they did meet
 
 
-def test_another_page_hears_of_a_correction(client):
+def test_corrections_are_sent_to_other_pages(client):
     heard = []
 
     def listen():

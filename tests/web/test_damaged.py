@@ -1,4 +1,4 @@
-"""Studies that are damaged: every route answers, and says in words what it cannot."""
+"""Damaged studies: every route responds, with a message where it fails."""
 
 import json
 import os
@@ -37,7 +37,7 @@ def require_words(client, *, slow=False):
             assert answer.json()["error"]
 
 
-def test_a_finger_without_a_name_is_told_and_every_route_answers(client, folder):
+def test_a_finger_without_a_name_is_reported_and_every_route_answers(client, folder):
     manifest = folder / "study.toml"
     manifest.write_text(manifest.read_text().replace('name = "left_index_direct"\n', ""))
     state = client.get("/api/study").json()
@@ -121,7 +121,7 @@ def test_results_that_are_something_else_are_told(client, folder, name, content)
     (folder / "results" / name).write_text(content)
     write_sums(folder / "results")
     assert name in client.get("/api/study").json()["results"]["faults"][0]
-    assert client.get("/api/results/summary").status_code == 409
+    assert client.get("/api/results/plot").status_code == 409
 
 
 DRAFTS = {
@@ -132,19 +132,19 @@ DRAFTS = {
 
 
 @pytest.mark.parametrize("kind", DRAFTS)
-def test_an_odd_draft_is_told_and_every_route_answers(client, folder, kind):
+def test_an_odd_draft_is_reported_and_every_route_answers(client, folder, kind):
     (folder / "draft.toml").write_text(DRAFTS[kind])
     require_words(client)
 
 
-def test_an_odd_correction_is_told_and_every_route_answers(client, folder):
+def test_an_odd_correction_is_reported_and_every_route_answers(client, folder):
     record = {"id": 1, "item": "a", "when": "", "who": "", "action": ["change"], "change": {}, "picture": ""}
     (folder / "corrections.jsonl").write_text(json.dumps(record) + "\n")
     assert "line 1 is no correction" in client.get("/api/study").json()["error"]
     require_words(client)
 
 
-def test_a_study_that_cannot_be_opened_leaves_the_one_that_is(client, folder):
+def test_a_study_that_cannot_be_opened_leaves_the_current_one_open(client, folder):
     shutil.copytree(folder, folder.parent / "other", ignore=shutil.ignore_patterns("results"))
     (folder.parent / "other" / "corrections.jsonl").write_text("{}\n")
     answer = client.post("/api/session/open", json={"name": "other"})

@@ -1,4 +1,4 @@
-"""Files that come and go: uploads, ZIPs, downloads."""
+"""Uploads, imports and downloads."""
 
 import io
 import stat
@@ -34,7 +34,7 @@ def upload(client, name, content, **query):
     return client.post("/api/files", params={"name": name, **query}, content=content)
 
 
-def test_a_picture_is_kept_and_told(client, studies_folder):
+def test_an_uploaded_image_is_stored_and_described(client, studies_folder):
     answer = upload(client, "a1.png", png())
     assert answer.status_code == 201, answer.text
     record = answer.json()
@@ -101,7 +101,7 @@ def test_names_of_files_never_become_paths(client, studies_folder, name, kept):
         ("x.png", huge_png(60_000, 60_000), 422),
     ],
 )
-def test_what_cannot_be_used_is_refused_and_leaves_nothing(client, studies_folder, name, content, status):
+def test_unusable_files_are_refused_and_removed(client, studies_folder, name, content, status):
     answer = upload(client, name, content)
     assert answer.status_code == status, answer.text
     assert answer.json()["error"]
@@ -132,7 +132,7 @@ def test_a_file_beyond_the_limit_is_cut_off_whether_it_says_its_size_or_not(stud
     assert not list((studies_folder / "demo/uploads").iterdir())
 
 
-def test_a_film_is_told_from_a_picture(client):
+def test_sequences_and_images_are_distinguished(client):
     file = io.BytesIO()
     tifffile.imwrite(file, np.zeros((5, 20, 30), np.uint16), photometric="minisblack")
     record = upload(client, "press.tif", file.getvalue()).json()
@@ -143,7 +143,7 @@ def test_a_film_is_told_from_a_picture(client):
     assert (record["kind"], record["rows_px"]) == ("picture", 20)
 
 
-def test_a_table_tells_its_columns(client):
+def test_columns_of_a_table_are_listed(client):
     assert upload(client, "f.csv", b"time_s, force_N\n0,1\n").json()["columns"] == ["time_s", "force_N"]
 
 
@@ -158,7 +158,7 @@ def test_only_unused_uploads_are_removed(client, studies_folder):
     assert not (studies_folder / "demo" / file).exists()
 
 
-def test_a_removed_file_comes_back(client, studies_folder):
+def test_a_removed_file_is_restored(client, studies_folder):
     folder = studies_folder / "demo/uploads"
     remove = lambda name: client.request("DELETE", "/api/files", json={"file": name})  # noqa: E731
     restore = lambda number: client.post("/api/files/restore", json={"removed": number})  # noqa: E731
@@ -177,7 +177,7 @@ def test_a_removed_file_comes_back(client, studies_folder):
     assert not [path for path in (studies_folder / "demo/.removed").rglob("*") if path.is_file()]
 
 
-def test_a_removed_frame_comes_back_to_its_film(client, studies_folder):
+def test_a_removed_frame_is_restored_to_its_sequence(client, studies_folder):
     upload(client, "1.png", png(), folder="press1")
     file = {"file": "uploads/press1/1.png"}
     number = client.request("DELETE", "/api/files", json=file).json()["removed"]

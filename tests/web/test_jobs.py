@@ -1,4 +1,4 @@
-"""A whole study by the page: run, cancel, results, downloads, and the same on another machine."""
+"""Runs of a study through the API: progress, cancellation, results and downloads."""
 
 import io
 import json
@@ -99,7 +99,7 @@ def test_the_page_writes_what_the_command_line_writes(client, study, tmp_path):
             assert client.get(f"/api/download/{name}").content == (study / "results" / name).read_bytes()
 
 
-def test_a_study_that_travels_gives_the_same_results_and_measures_nothing_anew(client, study, tmp_path):
+def test_an_imported_study_gives_the_same_results_without_measuring(client, study, tmp_path):
     correction = {"item": "o2", "expected": 0, "who": "ada", "change": {"accepted": True}}
     assert client.post("/api/corrections", json=correction).status_code == 201
     run_of(client)
@@ -156,7 +156,7 @@ def test_a_correction_makes_a_result_stale_and_the_next_run_takes_it(client):
     assert client.get("/api/study").json()["results"]["fresh"]
 
 
-def test_what_changes_no_measurement_changes_results_all_the_same(client):
+def test_results_change_without_new_measurements(client):
     """A load or a rejection leaves each item done, and yet the results are no longer those of the study."""
     run_of(client)
     state = client.get("/api/study").json()
@@ -176,7 +176,7 @@ def test_what_changes_no_measurement_changes_results_all_the_same(client):
     assert (rows["o4"]["status"], rows["o4"]["pooled"], rows["o2"]["load_N"]) == ("rejected", False, 2.5)
 
 
-def test_what_the_page_shows_is_what_the_run_finds(client):
+def test_live_results_equal_those_of_the_run(client):
     live = client.post("/api/measure/contact", json={"item": "o2"}).json()
     run_of(client)
     row = client.get("/api/results/rows", params={"text": "o2"}).json()["rows"][0]
@@ -191,7 +191,7 @@ def test_what_the_page_shows_is_what_the_run_finds(client):
         assert live["model"][key] == pytest.approx(row[key])
 
 
-def test_one_run_at_a_time_and_events_tell_of_it(client):
+def test_one_run_at_a_time_with_events(client):
     heard = []
 
     def listen():
@@ -219,7 +219,7 @@ def test_one_run_at_a_time_and_events_tell_of_it(client):
     assert {run["phase"] for run in runs} >= {"measuring", "tables", "report"}
 
 
-def test_a_run_that_is_cancelled_keeps_what_it_has_and_goes_on(studies_folder):
+def test_a_cancelled_run_keeps_its_measurements_and_resumes(studies_folder):
     shorten(studies_folder / "demo")
     workspace = Workspace(studies_folder)
     workspace.open_folder(studies_folder / "demo")
@@ -272,7 +272,7 @@ def test_closing_the_study_stops_its_run(studies_folder):
         assert study.running.describe()["state"] in {"cancelled", "done"}
 
 
-def test_the_page_answers_while_a_run_is_at_work(studies_folder):
+def test_the_page_responds_during_a_run(studies_folder):
     workspace = Workspace(studies_folder)
     workspace.open_folder(studies_folder / "demo")
     with serving(workspace) as client:
@@ -281,7 +281,7 @@ def test_the_page_answers_while_a_run_is_at_work(studies_folder):
     assert states[0] == "running"
 
 
-def test_a_store_that_another_run_holds_is_said_in_words(client, study):
+def test_a_store_locked_by_another_run_is_reported(client, study):
     (study / "results").mkdir()
     with FileLock(study / "results/store.lock"):
         run = run_of(client)
@@ -290,7 +290,7 @@ def test_a_store_that_another_run_holds_is_said_in_words(client, study):
 
 
 @pytest.mark.filterwarnings("ignore::pytest.PytestUnhandledThreadExceptionWarning")
-def test_a_fault_of_the_program_is_said_in_words(client, monkeypatch):
+def test_a_bug_in_a_run_is_reported(client, monkeypatch):
     def broken(*_, **__):
         raise KeyError("palmar")
 
@@ -386,13 +386,6 @@ def test_figures_are_listed_with_captions_and_can_be_fetched(done):
             assert answer.headers["content-type"].startswith(media)
 
 
-def test_overlays_are_those_of_the_report(done):
-    for item in ("synthetic_30deg_2N", "synthetic_pad/synthetic/photograph_palmar.jpg"):
-        answer = done.get("/api/picture/overlay", params={"item": item})
-        assert answer.status_code == 200, answer.text
-        assert answer.content.startswith(b"\x89PNG")
-
-
 def test_a_download_can_be_saved_under_its_name(done):
     answer = done.get("/api/download/results.csv", params={"attachment": True})
     assert answer.headers["content-disposition"] == 'attachment; filename="results.csv"'
@@ -428,14 +421,14 @@ def test_frames_know_their_rows_after_a_run(done):
     assert live["numbers"]["gross_area_mm2"] == pytest.approx(row["gross_area_mm2"])
 
 
-def test_results_that_do_not_belong_together_are_named(client, study):
+def test_inconsistent_results_are_named(client, study):
     run_of(client)
     other = (study / "results" / "results.csv").read_bytes()
     (study / "results" / "results.csv").write_bytes(other[: len(other) // 2])
     results = client.get("/api/study").json()["results"]
     assert results["faults"] == ["results.csv: is not the file that the last run wrote"]
     assert not results["there"]
-    for route in ("rows", "summary", "plot", "figures"):
+    for route in ("rows", "plot", "figures"):
         answer = client.get(f"/api/results/{route}")
         assert answer.status_code == 409
         assert "results.csv: is not the file" in answer.json()["error"]

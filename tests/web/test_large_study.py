@@ -1,4 +1,4 @@
-"""A study of very many pictures: opened without decoding one of them, in a document that stays small."""
+"""A study of thousands of images opens without decoding any of them."""
 
 import pytest
 from tests.web.conftest import serving

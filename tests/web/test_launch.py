@@ -1,4 +1,4 @@
-"""`fingerpad app`: it says where it is, serves this machine only, and ends when it is told to."""
+"""`fingerpad app`: printed address, local access only, and shutdown."""
 
 import os
 import signal
@@ -32,7 +32,7 @@ def ended(process):
     assert process.returncode == 0
 
 
-def test_the_page_says_where_it_is_and_ends_cleanly(studies_folder):
+def test_the_address_is_printed_and_the_server_stops_cleanly(studies_folder):
     process = launched("demo", cwd=studies_folder)
     address = process.stdout.readline().split()[-1]
     try:
@@ -128,7 +128,7 @@ def test_it_listens_on_this_machine_only(studies_folder):
         (["--port", "99999"], "port"),
     ],
 )
-def test_a_wrong_call_says_so(studies_folder, arguments, words):
+def test_wrong_arguments_are_reported(studies_folder, arguments, words):
     process = launched(*arguments, cwd=studies_folder)
     out, errors = process.communicate(timeout=30)
     assert process.returncode == 2
@@ -137,7 +137,7 @@ def test_a_wrong_call_says_so(studies_folder, arguments, words):
     assert not out
 
 
-def test_a_port_that_is_taken_is_said_in_words(studies_folder):
+def test_a_port_in_use_is_reported(studies_folder):
     with socket.create_server(("127.0.0.1", 0)) as taken:
         process = launched("demo", "--port", taken.getsockname()[1], cwd=studies_folder)
         _, errors = process.communicate(timeout=30)

@@ -1,5 +1,6 @@
-"""The API fuzzed from its own description: whatever is asked, no answer is a fault of the server."""
+"""The API fuzzed from its OpenAPI document: no request causes a server error."""
 
+import re
 import shutil
 
 import pytest
@@ -9,15 +10,22 @@ from schemathesis import GenerationMode
 from tests.web.conftest import DEMO, serving, shorten
 
 import fingerpad
-from fingerpad.web.app import ENDPOINTS
+from fingerpad.study.results.columns import COLUMNS
+from fingerpad.web.app import ENDPOINTS, STATIC
 from fingerpad.web.endpoints import openapi
 from fingerpad.web.workspace import Workspace
 
-# They change which study is open, set work going, or never end.
-APART = ("/api/session/", "/api/run", "/api/events")
+# They change the open study, start a run, or do not end.
+STATEFUL = ("/api/session/", "/api/run", "/api/events")
 KNOWN = {(one.method, one.plain_path) for one in ENDPOINTS}
 EXAMPLES = 12
-PATIENCE_S = 120  # machines that test are busy
+PATIENCE_S = 120  # test machines may be slow
+# Names of Plotly and WebGL, of files, and an example.
+OF_OTHERS = {"paper_bgcolor", "plot_bgcolor", "plotly_click", "error_y", "gl_Position"} | {
+    "corrected_radius",
+    "left_index",
+    "results_columns",
+}
 PHOTO = "synthetic_pad/synthetic/photograph_palmar.jpg"
 
 
@@ -26,7 +34,7 @@ def described():
     return [found.ok() for found in schema.get_all_operations()]
 
 
-def bench_of(tmp_path_factory):
+def make_workspace(tmp_path_factory):
     studies_folder = tmp_path_factory.mktemp("fuzzed")
     shutil.copytree(DEMO, studies_folder / "demo")
     shorten(studies_folder / "demo")
@@ -37,12 +45,12 @@ def bench_of(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def fuzzed(tmp_path_factory):
-    with serving(bench_of(tmp_path_factory)) as client:
+    with serving(make_workspace(tmp_path_factory)) as client:
         yield client
 
 
-def mean_something(case):
-    """Let a question be of what is there, which chance does not find, and of what this machine can bear."""
+def use_known_names(case):
+    """Use names that exist, which fuzzing does not find, and few workers."""
     kind = "photograph" if "photograph" in case.path else "contact"
     known = {
         "item": {"contact": "synthetic_30deg_2N", "photograph": PHOTO}[kind],
@@ -57,7 +65,7 @@ def mean_something(case):
 
 
 def fuzz(client, operation, mode):
-    """Ask an operation what its description allows, or what it does not."""
+    """Send requests that the document allows, or that it does not."""
     headers = {"authorization": client.headers["authorization"]}
 
     @settings(
@@ -71,7 +79,7 @@ def fuzz(client, operation, mode):
     @given(case=operation.as_strategy(mode))
     def ask(case):
         if mode is GenerationMode.POSITIVE:
-            mean_something(case)
+            use_known_names(case)
         answer = case.call(base_url=str(client.base_url).rstrip("/"), headers=headers, timeout=PATIENCE_S)
         assert answer.status_code < 500, f"{case.as_curl_command()}\n{answer.text}"
         if answer.status_code >= 400:
@@ -83,29 +91,63 @@ def fuzz(client, operation, mode):
 @pytest.mark.parametrize("mode", list(GenerationMode), ids=lambda mode: mode.value)
 @pytest.mark.parametrize(
     "operation",
-    [one for one in described() if not one.path.startswith(APART)],
+    [one for one in described() if not one.path.startswith(STATEFUL)],
     ids=lambda one: f"{one.method} {one.path}",
 )
-def test_no_question_is_too_much_for_the_server(fuzzed, operation, mode):
+def test_no_request_causes_a_server_error(fuzzed, operation, mode):
     fuzz(fuzzed, operation, mode)
 
 
 @pytest.mark.parametrize("mode", list(GenerationMode), ids=lambda mode: mode.value)
-def test_nor_any_order_of_opening_running_and_closing(tmp_path_factory, mode):
-    with serving(bench_of(tmp_path_factory)) as client:
+def test_no_order_of_opening_running_and_closing_causes_a_server_error(tmp_path_factory, mode):
+    with serving(make_workspace(tmp_path_factory)) as client:
         for operation in described():
-            if operation.path.startswith(APART) and operation.path != "/api/events":
+            if operation.path.startswith(STATEFUL) and operation.path != "/api/events":
                 fuzz(client, operation, mode)
         assert client.get("/api/session").status_code == 200
 
 
-def test_the_description_is_served_and_names_every_operation(fuzzed):
+def test_the_openapi_document_is_served_and_names_every_endpoint(fuzzed):
     document = fuzzed.get("/api/openapi.json").json()
     served = {(method.upper(), path) for path, methods in document["paths"].items() for method in methods}
     assert served == KNOWN
 
 
-def test_what_is_not_described_is_not_there(fuzzed):
+def test_every_answer_in_json_has_a_model():
+    document = openapi(ENDPOINTS, fingerpad.__version__)
+    for path, methods in document["paths"].items():
+        for method, described in methods.items():
+            success = next(answer for status, answer in described["responses"].items() if status != "4XX")
+            if (content := success["content"].get("application/json")) is not None:
+                name = content["schema"]["$ref"].rpartition("/")[2]
+                assert document["components"]["schemas"][name]["properties"], (method, path)
+
+
+def names_in(value):
+    """Yield every property, parameter and constant of an OpenAPI document."""
+    if isinstance(value, dict):
+        yield from value.get("properties", ())
+        yield from (one for one in value.get("enum", ()) if isinstance(one, str))
+        yield from (one["name"] for one in value.get("parameters", ()))
+        for part in value.values():
+            yield from names_in(part)
+    elif isinstance(value, list):
+        for part in value:
+            yield from names_in(part)
+
+
+def test_every_key_that_the_scripts_use_is_declared():
+    """The scripts' own names are in camel case: one with an underscore is a key of the API or a column."""
+    declared = {*names_in(openapi(ENDPOINTS, fingerpad.__version__)), *COLUMNS}
+    for script in sorted((STATIC).rglob("*.js")):
+        code = re.sub(
+            r"/\*.*?\*/|^\s*//[^\n]*|from \"[^\n]*", "", script.read_text(), flags=re.DOTALL | re.MULTILINE
+        )
+        used = set(re.findall(r"\b[a-z][a-z0-9]*(?:_[A-Za-z0-9]+)+\b", code))
+        assert used - declared - OF_OTHERS == set(), script.name
+
+
+def test_undocumented_methods_are_not_allowed(fuzzed):
     for method, path in KNOWN:
         for other in {"GET", "POST", "PUT", "DELETE", "PATCH"} - {m for m, p in KNOWN if p == path}:
             answer = fuzzed.request(other, path.replace("{path}", "x"))

@@ -1,7 +1,8 @@
-"""Who is let in, and what no request may reach."""
+"""Access control, and files that no request may reach."""
 
 import shutil
 from concurrent.futures import ThreadPoolExecutor
+from importlib.metadata import version
 
 import httpx
 import pytest
@@ -28,7 +29,7 @@ def bare(client, **headers):
         "a@127.0.0.1",
     ],
 )
-def test_a_foreign_host_is_misdirected(standing, host):
+def test_a_foreign_host_is_refused(standing, host):
     answer = standing.get("/api/session", headers={"host": host})
     assert answer.status_code in {421, 400}  # an empty Host never reaches the application
     assert "study" not in answer.text
@@ -47,7 +48,7 @@ def test_the_loopback_answers_by_each_of_its_names(standing, name):
 @pytest.mark.parametrize(
     "headers", [{}, {"authorization": "Bearer no"}, {"authorization": "Basic eDp5"}, {"cookie": "x=y"}]
 )
-def test_without_the_token_nothing_is_told(standing, path, headers):
+def test_without_the_token_requests_are_refused(standing, path, headers):
     with bare(standing, **headers) as stranger:
         answer = stranger.get(path)
     assert answer.status_code == 403
@@ -55,7 +56,7 @@ def test_without_the_token_nothing_is_told(standing, path, headers):
     assert "demo" not in answer.text
 
 
-def test_a_token_with_letters_of_another_alphabet_is_wrong_and_no_fault(standing):
+def test_a_token_that_is_not_ascii_is_refused(standing):
     with bare(standing) as stranger:
         answer = stranger.get("/api/session", headers={"authorization": "Bearer é".encode("latin-1")})
         assert answer.status_code == 403
@@ -90,7 +91,7 @@ def test_the_start_address_gives_a_cookie_that_scripts_and_other_sites_cannot_us
     assert page.get("/api/session").status_code == 200
 
 
-def test_a_code_is_good_once_and_the_second_browser_is_shown_the_way(opened):
+def test_a_code_is_valid_once_and_reuse_is_explained(opened):
     access, page = opened
     code = {"code": access.new_code(60)}
     assert page.head("/start", params=code).status_code == 403  # a look at it is no use of it
@@ -106,7 +107,7 @@ def test_a_code_is_good_once_and_the_second_browser_is_shown_the_way(opened):
         assert other.get("/start", params={"token": access.token}).status_code == 303
 
 
-def test_a_code_for_a_short_time_comes_too_late_after_it(opened, clock):
+def test_an_expired_code_is_refused(opened, clock):
     access, page = opened
     in_time, late = access.new_code(120), access.new_code(120)
     clock[0] += 119
@@ -120,7 +121,7 @@ def test_two_at_once_cannot_use_one_code():
     access = Access()
     code = access.new_code(60)
     with ThreadPoolExecutor(8) as pool:
-        assert sum(pool.map(lambda _: access.opens(token="", code=code), range(64))) == 1
+        assert sum(pool.map(lambda _: access.accepts(token="", code=code), range(64))) == 1
 
 
 def test_the_cookie_of_one_launch_does_not_serve_another():
@@ -154,7 +155,7 @@ def test_the_page_itself_may_ask(client):
 
 
 @pytest.mark.parametrize("path", ["/", "/api/session", "/static/index.html", "/nowhere"])
-def test_every_answer_carries_the_guarding_headers(standing, path):
+def test_every_response_has_the_security_headers(standing, path):
     headers = standing.get(path).headers
     policy = headers["content-security-policy"]
     assert "default-src 'none'" in policy
@@ -285,8 +286,10 @@ def test_a_body_that_is_too_large_is_refused(standing):
     assert answer.status_code == 413
 
 
-def test_plotly_comes_from_this_machine_and_is_kept(standing):
-    answer = standing.get("/static/vendor/plotly.min.js")
+def test_plotly_is_served_locally_and_cached(standing):
+    address = standing.get("/api/session").json()["plotly"]
+    assert version("plotly") in address
+    answer = standing.get(address)
     assert answer.status_code == 200
     assert len(answer.content) > 1_000_000
     assert "max-age" in answer.headers["cache-control"]

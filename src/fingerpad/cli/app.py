@@ -9,7 +9,7 @@ import typer
 from fingerpad.exceptions import FingerpadError, ManifestError
 
 if TYPE_CHECKING:
-    from fingerpad.web.server import Launch
+    from fingerpad.web.app import Launch
 
 _NEEDED = {"plotly", "starlette", "tomlkit", "uvicorn"}
 
@@ -30,7 +30,7 @@ def app(
     offers those in the current folder. Ctrl-C ends it.
     """
     try:
-        from fingerpad.web.server import serve
+        from fingerpad.web.app import serve
         from fingerpad.web.workspace import Workspace
     except ModuleNotFoundError as error:
         if (error.name or "").partition(".")[0] not in _NEEDED:

@@ -1,8 +1,17 @@
-"""The application: the guard, the API, the page's files."""
+"""The application and its server: access control, the API, the page's files, on this machine only."""
 
+import logging
+import os
+import shutil
+import socket
+from collections.abc import Callable
+from contextlib import suppress
+from importlib.metadata import distribution
 from pathlib import Path
-from typing import Final
+from tempfile import mkdtemp
+from typing import Final, NamedTuple
 
+import uvicorn
 from starlette.applications import Starlette
 from starlette.exceptions import HTTPException
 from starlette.requests import Request
@@ -12,6 +21,7 @@ from starlette.staticfiles import StaticFiles
 from starlette.types import ASGIApp, Scope
 
 import fingerpad
+from fingerpad.exceptions import FingerpadError
 from fingerpad.web import (
     contacts,
     corrections,
@@ -20,21 +30,21 @@ from fingerpad.web import (
     image_routes,
     photographs,
     results,
-    scale_routes,
+    scales,
     state,
     studies,
 )
 from fingerpad.web.endpoints import Endpoint, openapi
 from fingerpad.web.security import START, Access, Guard, cookie_name
-from fingerpad.web.workspace import Workspace
+from fingerpad.web.workspace import PLOTLY_ADDRESS, Workspace
 
 STATIC: Final = Path(__file__).parent / "static"
-_YEAR_S: Final = 31_536_000
+_IMMUTABLE: Final = {"cache-control": "private, max-age=31536000, immutable"}
 _ROUTES: Final = (
     studies,
     state,
     image_routes,
-    scale_routes,
+    scales,
     photographs,
     contacts,
     corrections,
@@ -50,19 +60,19 @@ def make_app(workspace: Workspace, access: Access) -> ASGIApp:
 
     Parameters
     ----------
-    bench : Workspace
-        What it works on.
+    workspace : Workspace
+        Its studies.
     access : Access
-        What opens it.
+        Its access control.
     """
 
     def start(request: Request) -> Response:
-        """Exchange the token or the code of the start address for a cookie, and lead to the page."""
+        """Exchange the token or the code of the start address for a cookie, and redirect to the page."""
         params = request.query_params
         answer = RedirectResponse("/", status_code=303)
-        if access.knows(request.headers):
+        if access.has_token(request.headers):
             return answer
-        if request.method != "GET" or not access.opens(
+        if request.method != "GET" or not access.accepts(
             token=params.get("token", ""), code=params.get("code", "")
         ):
             return HTMLResponse(_CLOSED, status_code=403)
@@ -78,7 +88,7 @@ def make_app(workspace: Workspace, access: Access) -> ASGIApp:
             Route(START, start),
             Route("/", _page),
             Route("/favicon.ico", _icon),
-            Route("/static/vendor/plotly.min.js", _plotly),
+            Route(PLOTLY_ADDRESS, _plotly),
             Route("/api/openapi.json", document),
             *(operation.route(workspace) for operation in ENDPOINTS),
             Mount("/static", _Static(directory=STATIC)),
@@ -89,17 +99,17 @@ def make_app(workspace: Workspace, access: Access) -> ASGIApp:
 
 
 _CLOSED: Final = """<!doctype html>
-<html lang="en"><head><meta charset="utf-8"><title>This address opens nothing</title>
+<html lang="en"><head><meta charset="utf-8"><title>This address is not valid</title>
 <meta name="color-scheme" content="light dark">
 <style>body { font: 1rem/1.6 sans-serif; margin: 12vh auto; max-width: 40rem; padding: 1rem }</style></head>
-<body><h1>This address opens nothing</h1>
-<p>It has been used, is of another launch, or is not whole. Open the address that
+<body><h1>This address is not valid</h1>
+<p>It has been used, belongs to another launch, or is incomplete. Open the address that
 <code>fingerpad app</code> printed in the terminal.</p></body></html>
 """
 
 
 class _Static(StaticFiles):
-    """The page's own files, asked for anew each time, so that an upgrade is seen at once."""
+    """The page's files, revalidated on every request, so that an upgrade takes effect at once."""
 
     async def get_response(self, path: str, scope: Scope) -> Response:
         answer = await super().get_response(path, scope)
@@ -117,15 +127,123 @@ def _icon(_: Request) -> Response:
 
 
 def _plotly(_: Request) -> Response:
-    """Return Plotly's script from the installed package: nothing comes from elsewhere."""
-    import plotly  # noqa: PLC0415 (large, and needed for this file only)
-
-    script = Path(plotly.__file__).parent / "package_data" / "plotly.min.js"
-    headers = {"cache-control": f"private, max-age={_YEAR_S}"}
-    return FileResponse(script, media_type="text/javascript", headers=headers)
+    """Return Plotly's script from the installed package: nothing is loaded from the network."""
+    package = distribution("plotly")
+    script = str(package.locate_file("plotly/package_data/plotly.min.js"))
+    return FileResponse(script, media_type="text/javascript", headers=_IMMUTABLE)
 
 
 def _not_there(request: Request, error: Exception) -> Response:
     assert isinstance(error, HTTPException)
     words = f"{request.method} {request.url.path}: {error.detail}"
     return JSONResponse({"error": words}, status_code=error.status_code, headers=error.headers)
+
+
+LOOPBACK: Final = "127.0.0.1"
+# Time for the browser to start.
+_TO_OPEN_S: Final = 120.0
+
+
+class Launch(NamedTuple):
+    """Addresses of the page of one launch.
+
+    Attributes
+    ----------
+    address : str
+        For the user to open; it holds the token.
+    browser_address : str
+        Opened in the browser by this program; valid once, for a short time. Other users of the machine
+        may see it in the list of processes.
+    token_file : Path
+        Holds the token for scripts; only this user can read it.
+    """
+
+    address: str
+    browser_address: str
+    token_file: Path
+
+
+def serve(workspace: Workspace, *, port: int, on_ready: Callable[[Launch], None]) -> None:
+    """Serve the page until it is interrupted.
+
+    Parameters
+    ----------
+    workspace : Workspace
+        Its studies.
+    port : int
+        Port; 0 for any free one.
+    on_ready : callable
+        Called with the addresses once the server is ready.
+
+    Raises
+    ------
+    FingerpadError
+        If the port is not available.
+    """
+    listener = listening(port)
+    page = f"http://{LOOPBACK}:{listener.getsockname()[1]}{START}"
+    folder, access = _private_folder(), Access()
+    token_file = folder / "token"
+    _write_private(token_file, access.token)
+
+    class Server(uvicorn.Server):
+        async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+            await super().startup(sockets)
+            browser_address = f"{page}?code={access.new_code(_TO_OPEN_S)}"
+            on_ready(Launch(f"{page}?token={access.token}", browser_address, token_file))
+
+        async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+            workspace.events.end()
+            # Responses cut off by the shutdown are not errors to print.
+            logging.getLogger("uvicorn.error").setLevel(logging.CRITICAL + 1)
+            await super().shutdown(sockets)
+
+    config = uvicorn.Config(
+        make_app(workspace, access),
+        log_level="warning",
+        access_log=False,
+        server_header=False,
+        timeout_graceful_shutdown=1,
+    )
+    with listener:
+        try:
+            with suppress(KeyboardInterrupt):  # the way to end it
+                Server(config).run(sockets=[listener])
+        finally:
+            workspace.close()
+            shutil.rmtree(folder, ignore_errors=True)
+
+
+def _private_folder() -> Path:
+    """Return a new folder that this user alone can enter."""
+    runtime = os.environ.get("XDG_RUNTIME_DIR", "")
+    return Path(mkdtemp(prefix="fingerpad-", dir=runtime if os.access(runtime, os.W_OK) else None))
+
+
+def _write_private(path: Path, text: str) -> None:
+    """Write a new file that this user alone can read."""
+    with open(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w", encoding="ascii") as file:
+        file.write(f"{text}\n")
+
+
+def listening(port: int) -> socket.socket:
+    """Return a socket that listens on this machine only.
+
+    Raises
+    ------
+    FingerpadError
+        If the port is not available.
+    """
+    # With the protocol stated, asyncio sets TCP_NODELAY; otherwise each response waits for 40 ms.
+    listener = socket.socket(socket.AF_INET, socket.SOCK_STREAM, socket.IPPROTO_TCP)
+    try:
+        if os.name == "posix":
+            listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        listener.bind((LOOPBACK, port))
+        listener.listen()
+    except OSError as error:
+        listener.close()
+        raise FingerpadError(
+            f"port {port} of {LOOPBACK} is not available ({error.strerror}): choose another with --port"
+        ) from error
+    return listener

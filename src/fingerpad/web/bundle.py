@@ -1,4 +1,4 @@
-"""What a study's ZIP holds, and what it leaves out."""
+"""Contents of a study's ZIP, and files left out."""
 
 import os
 import stat
@@ -16,7 +16,7 @@ from fingerpad.study.results.result_set import OUTPUT_NAMES
 RESULTS: Final = "results"
 _DOCUMENTS: Final = (STUDY_NAME, DRAFT_NAME, CORRECTIONS_NAME)
 _OF_A_RUN: Final = OUTPUT_NAMES | {STORE_NAME, "results.parquet", "results.mat"}
-# They belong to programs at work, and say nothing.
+# Lock files of running programs.
 _LOCKS: Final = frozenset((LOCK_NAME, ".corrections.lock"))
 _BESIDE_A_STORE: Final = frozenset((f"{STORE_NAME}-wal", f"{STORE_NAME}-shm", "store.lock"))
 

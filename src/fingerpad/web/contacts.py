@@ -1,4 +1,4 @@
-"""Contact images measured while a person corrects them: prepared once, then a few milliseconds each."""
+"""Contact images measured under corrections: prepared once, then measured in milliseconds."""
 
 import time
 from typing import Any, Final
@@ -22,25 +22,24 @@ from fingerpad.study.manifest import Contact, ContactSequence, Observation, Scal
 from fingerpad.study.measuring.measure import Measurement, contact_correction, doubts_of, from_contact_image
 from fingerpad.study.measuring.scales import FoundScale
 from fingerpad.study.results.rows import make_rows
-from fingerpad.web.endpoints import Endpoint, Params
+from fingerpad.web import answers
+from fingerpad.web.endpoints import Endpoint, Item, Params
 from fingerpad.web.errors import RequestError
-from fingerpad.web.fields import Item
-from fingerpad.web.fingers import known_finger
-from fingerpad.web.last_results import last_results
+from fingerpad.web.last_results import known_finger, last_results
 from fingerpad.web.pictures import Cache, ImageLocation
 from fingerpad.web.scales import scale_of
 from fingerpad.web.study_session import StudySession
 from fingerpad.web.workspace import Workspace
 
 _PREPARED: Final[Cache[PreparedContactImage]] = Cache(12, lambda _: 1)
-_READINGS: Final[Cache[SequenceSettings | None]] = Cache(50, lambda _: 1)
-# A film may have thousands of frames, and the page waits: some show as well how it is to be read.
-_TEACHING_FRAMES: Final = 200
+_SETTINGS: Final[Cache[SequenceSettings | None]] = Cache(50, lambda _: 1)
+# A sequence may have thousands of frames; some of them suffice to estimate its settings.
+_SAMPLED_FRAMES: Final = 200
 _NO_TABLE: Final = "none"
 
 
 class ContactParams(Params):
-    """Which contact image, and the correction under which it is measured."""
+    """A contact image, and the correction under which it is measured."""
 
     item: Item
     change: ContactCorrection | None = None
@@ -48,7 +47,7 @@ class ContactParams(Params):
 
 
 def measure(workspace: Workspace, _: Any, params: ContactParams) -> dict[str, Any]:
-    """Measure a contact image as it is being corrected; nothing is stored."""
+    """Measure a contact image under a correction; nothing is stored."""
     began = time.perf_counter()
     opened = workspace.study
     contact = _contact(opened, params)
@@ -63,13 +62,12 @@ def measure(workspace: Workspace, _: Any, params: ContactParams) -> dict[str, An
         "by": _by(change),
         **_drawn(contact_image, found),
         "numbers": numbers(contact_image),
-        "program": own and {**numbers(own), **_drawn(own, found)},
+        "program": own and {**numbers(own), "outline_px": own.outline.round(2)},
         "program_error": error,
         "model": _model(opened, params.item, contact, contact_image, found),
         "settings": {
             "dark_on_light": contact_image.dark_on_light,
             "threshold": contact_image.threshold,
-            "contrast": contact_image.contrast,
         },
         "flags": [*doubts_of(contact_image), *found.flags],
         "mm_per_px": found.scale.mm_per_px,
@@ -79,11 +77,11 @@ def measure(workspace: Workspace, _: Any, params: ContactParams) -> dict[str, An
 
 
 def _contact(opened: StudySession, params: ContactParams) -> Contact:
-    """Return the table that an item belongs to; a file that none names yet gets one for the moment."""
+    """Return the table of an item, or a temporary one for a file that is not used yet."""
     item = params.item
     if item.startswith("file:"):
         if params.scale is None:
-            raise RequestError.impossible(f"{item}: say its scale first")
+            raise RequestError.impossible(f"{item}: state its scale")
         file = item.removeprefix("file:")
         return Observation(
             name=_NO_TABLE, finger=_NO_TABLE, wedge_angle_deg=0, load_N=1, file=file, scale=params.scale
@@ -97,12 +95,12 @@ def _contact(opened: StudySession, params: ContactParams) -> Contact:
 def _prepared(
     opened: StudySession, item: str, contact: Contact, found: FoundScale, change: ContactCorrection
 ) -> PreparedContactImage:
-    """Return a picture with its ridges told; strokes and ellipse need that only once."""
+    """Return a prepared contact image; strokes and a manual ellipse do not change it."""
     place = opened.place_of(item)
     reading = change.model_copy(
         update={"strokes": [], "ellipse_px": None, "accepted": False, "rejected": None}
     )
-    settings = reading_of(opened, contact, found) if isinstance(contact, ContactSequence) else None
+    settings = sequence_settings(opened, contact, found) if isinstance(contact, ContactSequence) else None
     background = None if contact.background is None else ImageLocation(opened.file(contact.background)).stamp
     return _PREPARED.get(
         (place.stamp, found.scale, contact.model_dump_json(), reading.model_dump_json(), background),
@@ -117,16 +115,16 @@ def _prepared(
     )
 
 
-def reading_of(
+def sequence_settings(
     opened: StudySession, sequence: ContactSequence, found: FoundScale
 ) -> ContactImageSettings | None:
-    """Return how a film is read, learnt from some of its frames; None where they teach nothing."""
+    """Return the settings of a sequence, estimated from some frames; None where that fails."""
     place = ImageLocation(opened.folder / sequence.file)
 
     def learn() -> SequenceSettings | None:
         frames = open_frames(place.path, memory_limit=opened.memory_limit)
         some = np.unique(
-            np.linspace(0, frames.count - 1, min(frames.count, _TEACHING_FRAMES)).round().astype(int)
+            np.linspace(0, frames.count - 1, min(frames.count, _SAMPLED_FRAMES)).round().astype(int)
         )
         where = place_of(sequence, opened.folder)
         try:
@@ -141,14 +139,14 @@ def reading_of(
         except ImageError:
             return None
 
-    reading = _READINGS.get((place.stamp, found.scale, sequence.model_dump_json()), learn)
+    reading = _SETTINGS.get((place.stamp, found.scale, sequence.model_dump_json()), learn)
     return None if reading is None else reading.settings
 
 
 def _program(
     opened: StudySession, item: str, contact: Contact, found: FoundScale
 ) -> tuple[ContactImageResult | None, str | None]:
-    """Return what the program measures by itself, or why it does not."""
+    """Return the automatic measurement, or why it failed."""
     try:
         return _prepared(opened, item, contact, found, ContactCorrection()).contact_image, None
     except ImageError as error:
@@ -162,16 +160,13 @@ def _by(change: ContactCorrection) -> str:
 
 
 def numbers(contact_image: ContactImageResult) -> dict[str, Any]:
-    """Return an imprint's numbers, without what is drawn of it."""
+    """Return the numbers of a contact."""
     record = contact_image.as_record()
-    return {
-        **{key: value for key, value in record.items() if key not in {"centroid_px", "flags"}},
-        "axis_ratio": float(contact_image.ellipse.axis_ratio),
-    }
+    return {name: record[name] for name in answers.ContactNumbers.model_fields}
 
 
 def _drawn(contact_image: ContactImageResult, found: FoundScale) -> dict[str, Any]:
-    """Return an imprint's outline, ellipse and handles on its picture."""
+    """Return outline, ellipse and handles of a contact in pixels."""
     size = found.scale.mm_per_px
     major, minor = (
         float(contact_image.ellipse.semi_major) / size,
@@ -180,7 +175,7 @@ def _drawn(contact_image: ContactImageResult, found: FoundScale) -> dict[str, An
     hand = ImageEllipse(
         centre=contact_image.centroid, semi_axes=(major, minor), orientation=contact_image.orientation
     )
-    # A quarter of the way round lies between two handles.
+    # Four points: the ends of both axes.
     top, left, bottom, right = hand.points(4)
     return {
         "outline_px": contact_image.outline.round(2),
@@ -200,7 +195,7 @@ def _drawn(contact_image: ContactImageResult, found: FoundScale) -> dict[str, An
 def _model(
     opened: StudySession, item: str, contact: Contact, contact_image: ContactImageResult, found: FoundScale
 ) -> dict[str, Any] | None:
-    """Return what the model makes of a contact: the row that the results would have."""
+    """Return what the contact model gives, as in the results."""
     finger = None if item.startswith("file:") else known_finger(opened, contact.finger)
     if finger is None:
         return None
@@ -209,7 +204,8 @@ def _model(
         return None
     measured = Measurement(name=item, load=load, **from_contact_image(contact_image, contact, found))
     row = make_rows(opened.study(), {finger.name: finger}, [(contact, measured)]).table[0]
-    return {**row, "range_notes": (row["range_notes"] or "").split(), "flags": row["flags"].split()}
+    found_model = {name: row[name] for name in answers.ContactModel.model_fields}
+    return found_model | {"range_notes": (row["range_notes"] or "").split()}
 
 
 def _load_of_frame(opened: StudySession, item: str) -> float | None:
@@ -223,6 +219,7 @@ ENDPOINTS: Final = (
         method="POST",
         path="/api/measure/contact",
         answer=measure,
+        model=answers.ContactMeasurement,
         summary="Measure a contact image under a correction, without storing it",
         body=ContactParams,
     ),

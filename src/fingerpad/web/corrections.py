@@ -1,4 +1,4 @@
-"""What people correct: kept by the library with who and when, undone and redone, lost by no second page."""
+"""Corrections of items: saved with author and time, undone and redone."""
 
 from collections.abc import Callable
 from http import HTTPStatus
@@ -9,9 +9,9 @@ from pydantic import Field
 from fingerpad.exceptions import CorrectionConflict
 from fingerpad.study.corrections.history import Record
 from fingerpad.study.corrections.log import kind_of, on_another_image
-from fingerpad.web.endpoints import Endpoint, Params
+from fingerpad.web import answers
+from fingerpad.web.endpoints import Endpoint, Item, Params, Person
 from fingerpad.web.errors import RequestError
-from fingerpad.web.fields import Item, Person
 from fingerpad.web.study_session import StudySession
 from fingerpad.web.workspace import Workspace
 
@@ -19,13 +19,13 @@ _Seen = Annotated[int, Field(ge=0, le=2**53)]
 
 
 class ItemParams(Params):
-    """Which item."""
+    """An item."""
 
     item: Item
 
 
 class StepParams(Params):
-    """Whose step back or forth, after which record."""
+    """Author of an undo or redo, and the last record that they have seen."""
 
     item: Item
     expected: _Seen
@@ -33,13 +33,13 @@ class StepParams(Params):
 
 
 class ChangeParams(StepParams):
-    """All that is wanted of an item."""
+    """The whole correction of an item."""
 
     change: dict[str, Any]
 
 
 def document(opened: StudySession, item: str) -> dict[str, Any]:
-    """Return all decisions about an item."""
+    """Return the corrections of an item."""
     history = opened.corrections.history(item)
     active_correction = history.active_correction
     elsewhere = active_correction and on_another_image({item: active_correction}, opened.picture_digest)
@@ -47,7 +47,6 @@ def document(opened: StudySession, item: str) -> dict[str, Any]:
         "item": item,
         "last_id": history.last_id,
         "change": {} if active_correction is None else active_correction.change.as_json(),
-        "ruling": active_correction and {"who": active_correction.who, "when": active_correction.when},
         "on_another_image": bool(elsewhere),
         "can_undo": history.can_undo,
         "can_redo": history.can_redo,
@@ -56,18 +55,18 @@ def document(opened: StudySession, item: str) -> dict[str, Any]:
 
 
 def show(workspace: Workspace, params: ItemParams, _: Any) -> dict[str, Any]:
-    """Return all decisions about an item."""
+    """Return the corrections of an item."""
     opened = workspace.study
     kind_of(params.item, opened.study())
     return document(opened, params.item)
 
 
 def add(workspace: Workspace, _: Any, params: ChangeParams) -> dict[str, Any]:
-    """Keep a change; it is on the disk when this is answered."""
+    """Save a correction; it is on the disk before the response."""
     opened = workspace.study
     study = opened.study()
     kind_of(params.item, study)
-    return _kept(
+    return _save(
         workspace,
         params,
         lambda: opened.corrections.append(
@@ -83,18 +82,18 @@ def add(workspace: Workspace, _: Any, params: ChangeParams) -> dict[str, Any]:
 
 
 def undo(workspace: Workspace, _: Any, params: StepParams) -> dict[str, Any]:
-    """Take the newest change back."""
+    """Undo the last correction."""
     log = workspace.study.corrections
-    return _kept(workspace, params, lambda: log.undo(params.item, who=params.who, expected=params.expected))
+    return _save(workspace, params, lambda: log.undo(params.item, who=params.who, expected=params.expected))
 
 
 def redo(workspace: Workspace, _: Any, params: StepParams) -> dict[str, Any]:
-    """Put the change back that was taken back last."""
+    """Redo the correction that was undone last."""
     log = workspace.study.corrections
-    return _kept(workspace, params, lambda: log.redo(params.item, who=params.who, expected=params.expected))
+    return _save(workspace, params, lambda: log.redo(params.item, who=params.who, expected=params.expected))
 
 
-def _kept(workspace: Workspace, params: StepParams, keep: Callable[[], object]) -> dict[str, Any]:
+def _save(workspace: Workspace, params: StepParams, keep: Callable[[], object]) -> dict[str, Any]:
     opened = workspace.study
     try:
         keep()
@@ -103,7 +102,7 @@ def _kept(workspace: Workspace, params: StepParams, keep: Callable[[], object]) 
         now = document(opened, params.item)
         raise RequestError.conflict(str(conflict), latest=latest, corrections=now) from conflict
     found = document(opened, params.item)
-    workspace.events.tell("corrections", {"item": params.item, "last_id": found["last_id"]})
+    workspace.events.send("corrections", {"item": params.item, "last_id": found["last_id"]})
     return found
 
 
@@ -112,13 +111,15 @@ ENDPOINTS: Final = (
         method="GET",
         path="/api/corrections",
         answer=show,
+        model=answers.Corrections,
         query=ItemParams,
-        summary="What people corrected in an item",
+        summary="Corrections of an item",
     ),
     Endpoint(
         method="POST",
         path="/api/corrections",
         answer=add,
+        model=answers.Corrections,
         body=ChangeParams,
         status=HTTPStatus.CREATED,
         summary="Correct an item",
@@ -127,16 +128,18 @@ ENDPOINTS: Final = (
         method="POST",
         path="/api/corrections/undo",
         answer=undo,
+        model=answers.Corrections,
         body=StepParams,
         status=HTTPStatus.CREATED,
-        summary="Take the newest change back",
+        summary="Undo the last correction",
     ),
     Endpoint(
         method="POST",
         path="/api/corrections/redo",
         answer=redo,
+        model=answers.Corrections,
         body=StepParams,
         status=HTTPStatus.CREATED,
-        summary="Put back what was taken back",
+        summary="Redo what was undone",
     ),
 )

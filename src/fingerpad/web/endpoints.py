@@ -1,4 +1,4 @@
-"""What the API can be asked: each operation with its question, its answer, and its OpenAPI description."""
+"""The endpoints of the API: parameters, answers, and the OpenAPI document that describes them."""
 
 import json
 import os
@@ -6,11 +6,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from http import HTTPStatus
 from pathlib import PurePath
-from typing import Any, Final, Literal
+from typing import Annotated, Any, Final, Literal, TypeAlias
 from urllib.parse import unquote
 
 import cv2
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic.json_schema import models_json_schema
 from starlette.concurrency import run_in_threadpool
 from starlette.requests import Request
 from starlette.responses import Response
@@ -18,95 +19,111 @@ from starlette.routing import Route
 
 from fingerpad._json import dumps
 from fingerpad.exceptions import FingerpadError, ManifestError
+from fingerpad.study.manifest.tables import Pixel
+from fingerpad.web.answers import EVENTS, Answer, Refusal
 from fingerpad.web.errors import RequestError
 from fingerpad.web.workspace import Workspace
 
 BODY_LIMIT: Final = 8_000_000
-# Says of which study a request is, percent-encoded.
+# Name of the study that a request is about, percent-encoded.
 STUDY_HEADER: Final = "fingerpad-study"
-# A picture or a number can be odd in ways that nobody has thought of: it costs its answer, never the page.
+# Odd pictures and numbers may raise these: the request fails, and the page goes on.
 _RECOVERABLE_ERRORS: Final = (ArithmeticError, MemoryError, ValueError, cv2.error)
 
 
 class Params(BaseModel):
-    """What a request says: no key that is not known, no number that is not finite."""
+    """Parameters of a request: no unknown key, and finite numbers only."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
 
+Point: TypeAlias = tuple[Pixel, Pixel]
+Item: TypeAlias = Annotated[str, Field(min_length=1, max_length=1000)]
+Person: TypeAlias = Annotated[str, Field(max_length=60)]
+
+
 class NoParams(Params):
-    """A question without keys."""
+    """No parameters."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Endpoint:
-    """One operation of the API.
+    """An endpoint of the API.
 
     Attributes
     ----------
     method, path : str
-        Where it is asked.
+        Method and path of its requests.
     answer : callable
-        Takes the workspace, the checked query and body (`NoParams` where there is none), and returns what
-        JSON can hold or a `Response`. It runs on a thread of its own, so that it may take its time.
+        Takes the workspace, the validated query and body, and returns the content of `model` or a
+        `Response`. It runs on a thread of its own, so that it may take long.
     summary : str
         One line of the OpenAPI document.
+    model : type of Answer or None
+        Model of the answer, None where it is not JSON.
     query, body : type of Params
-        What is asked.
+        Models of the query and of the body.
     status : int
-        Of an answer in JSON.
+        Status of an answer in JSON.
     media : str
-        Type of the answer.
+        Media type of an answer that is not JSON.
     streamed : bool
-        Whether body or answer come in parts: `answer` is then a coroutine, and takes the request as it comes
-        in place of a body.
+        Whether body or answer are streamed: `answer` is then a coroutine, and takes the request in place of
+        a body.
     """
 
     method: Literal["GET", "POST", "PUT", "DELETE"]
     path: str
     answer: Callable[[Workspace, Any, Any], Any]
     summary: str
+    model: type[Answer] | None = None
     query: type[Params] = NoParams
     body: type[Params] = NoParams
     status: HTTPStatus = HTTPStatus.OK
-    media: str = "application/json"
+    media: str = "application/octet-stream"
     streamed: bool = False
 
     @property
     def plain_path(self) -> str:
-        """The path without Starlette's types of its parts."""
+        """The path without Starlette's converters."""
         return self.path.replace(":path}", "}")
 
     def route(self, workspace: Workspace) -> Route:
-        """Return the route that answers for `workspace`."""
+        """Return the route of this endpoint for a workspace."""
 
         async def respond(request: Request) -> Response:
             try:
-                _same_study(workspace, request)
+                _require_same_study(workspace, request)
                 query = validated_query(self.query, {**request.query_params, **request.path_params})
                 if self.streamed:
-                    return await self._answered_in_parts(workspace, query, request)
+                    with plain_errors():
+                        return self._response(await self.answer(workspace, query, request))
                 body = NoParams() if self.body is NoParams else await _body(self.body, request)
-                return await run_in_threadpool(self._answered, workspace, query, body)
-            except RequestError as refusal:
-                return error_response(refusal)
+                return await run_in_threadpool(self._answer, workspace, query, body)
+            except RequestError as error:
+                return error_response(error)
 
         return Route(self.path, respond, methods=[self.method])
 
-    async def _answered_in_parts(self, workspace: Workspace, query: Params, request: Request) -> Response:
-        with plain_errors():
-            answer: Response = await self.answer(workspace, query, request)
-        return answer
-
-    def _answered(self, workspace: Workspace, query: Params, body: Params) -> Response:
-        """Ask the library; what it refuses becomes the same words in the answer."""
+    def _answer(self, workspace: Workspace, query: Params, body: Params) -> Response:
+        """Call the library; its errors become answers with the same text."""
         with plain_errors():
             found = self.answer(workspace, query, body)
-        return found if isinstance(found, Response) else json_response(found, self.status)
+        return self._response(found)
+
+    def _response(self, found: Any) -> Response:
+        """Validate an answer by its model and return it; one that does not fit is a fault of the program."""
+        if isinstance(found, Response):
+            return found
+        assert self.model is not None
+        content, status = found if isinstance(found, tuple) else (found, self.status)
+        text = _encoded(content)
+        self.model.model_validate_json(text)
+        return Response(text, status_code=status, media_type="application/json")
 
 
-def _same_study(workspace: Workspace, request: Request) -> None:
-    """Refuse what is asked of another study than the one that is open: another window has opened that."""
+def _require_same_study(workspace: Workspace, request: Request) -> None:
+    """Refuse a request for another study than the open one: another window has opened that."""
     meant, name = request.headers.get(STUDY_HEADER), workspace.name
     if meant is not None and unquote(meant) != name:
         words = "closed the study" if name is None else f"opened the study {name!r}"
@@ -114,13 +131,13 @@ def _same_study(workspace: Workspace, request: Request) -> None:
 
 
 class plain_errors:  # noqa: N801 (used as a statement)
-    """Turn the library's errors into refusals."""
+    """Turn the library's errors into those of a request."""
 
     def __enter__(self) -> None:
-        """Begin."""
+        """Do nothing."""
 
     def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
-        """Say the library's words."""
+        """Raise a `RequestError` with the same text."""
         if isinstance(error, ManifestError):
             raise RequestError.impossible(str(error), faults=validation_errors(error)) from error
         if isinstance(error, FingerpadError):
@@ -132,13 +149,13 @@ class plain_errors:  # noqa: N801 (used as a statement)
 
 
 def _name_of(error: OSError) -> str:
-    """Return the name of the file that an error is about, as the beginning of a sentence."""
+    """Return the name of an error's file, as the start of a sentence."""
     name = error.filename
     return f"{PurePath(os.fsdecode(name)).name}: " if isinstance(name, str | bytes) else ""
 
 
 def validation_errors(error: ManifestError) -> list[dict[str, str]]:
-    """Return the faults of a manifest, each with its place in it."""
+    """Return the errors of a manifest, each with its place."""
     found = []
     for line in str(error).splitlines():
         where, _, rest = line.partition(": ")
@@ -147,20 +164,19 @@ def validation_errors(error: ManifestError) -> list[dict[str, str]]:
     return found
 
 
-def json_response(content: Any, status: int = HTTPStatus.OK) -> Response:
-    """Return an answer in JSON, what is not a number as null."""
-    # A file's name may hold bytes that are no text.
-    text = dumps(content).encode(errors="replace")
-    return Response(text, status_code=status, media_type="application/json")
+def _encoded(content: Any) -> bytes:
+    """Return JSON in UTF-8; NaN and infinity become null."""
+    return dumps(content).encode(errors="replace")  # a file's name may hold bytes that are not text
 
 
-def error_response(refusal: RequestError) -> Response:
-    """Return the answer that something is not granted."""
-    return json_response({"error": refusal.words, **refusal.more}, refusal.status)
+def error_response(error: RequestError) -> Response:
+    """Return the response to a request that failed."""
+    text = _encoded({"error": error.words, **error.more})
+    return Response(text, status_code=error.status, media_type="application/json")
 
 
 def validated_query(model: type[Params], content: Any) -> Params:
-    """Return what a query asks, if it is as it should be; its values are text."""
+    """Validate a query, whose values are text."""
     try:
         return model.model_validate(content, strict=False)
     except ValidationError as error:
@@ -200,7 +216,13 @@ async def limited_body(request: Request, limit: int) -> bytes:
 
 
 def openapi(operations: Sequence[Endpoint], version: str) -> dict[str, Any]:
-    """Return the OpenAPI 3.1 document of the operations."""
+    """Return the OpenAPI 3.1 document of the endpoints."""
+    models: set[type[Answer]] = {Refusal, *EVENTS.values()}
+    models.update(one.model for one in operations if one.model is not None)
+    ordered = sorted(models, key=lambda model: model.__name__)
+    _, schemas = models_json_schema(
+        [(model, "serialization") for model in ordered], ref_template="#/components/schemas/{model}"
+    )
     paths: dict[str, dict[str, Any]] = {}
     for operation in operations:
         paths.setdefault(operation.plain_path, {})[operation.method.lower()] = _described(operation)
@@ -211,7 +233,10 @@ def openapi(operations: Sequence[Endpoint], version: str) -> dict[str, Any]:
             "version": version,
             "description": "The API under the page of fingerpad app.",
         },
-        "components": {"securitySchemes": {"token": {"type": "http", "scheme": "bearer"}}},
+        "components": {
+            "securitySchemes": {"token": {"type": "http", "scheme": "bearer"}},
+            "schemas": schemas["$defs"],
+        },
         "security": [{"token": []}],
         "paths": paths,
     }
@@ -229,7 +254,11 @@ def _described(operation: Endpoint) -> dict[str, Any]:
         }
         for name, what in schema.get("properties", {}).items()
     ]
-    content: dict[str, Any] = {operation.media: {"schema": {}}}
+    content: dict[str, Any] = (
+        {operation.media: {"schema": {"type": "string"}}}
+        if operation.model is None
+        else {"application/json": {"schema": _reference(operation.model)}}
+    )
     described: dict[str, Any] = {
         "summary": operation.summary,
         "operationId": f"{operation.method.lower()}{operation.plain_path.replace('/', '_')}",
@@ -237,16 +266,8 @@ def _described(operation: Endpoint) -> dict[str, Any]:
         "responses": {
             str(int(operation.status)): {"description": "the answer", "content": content},
             "4XX": {
-                "description": "refused, in words",
-                "content": {
-                    "application/json": {
-                        "schema": {
-                            "type": "object",
-                            "required": ["error"],
-                            "properties": {"error": {"type": "string"}},
-                        }
-                    }
-                },
+                "description": "why the request failed",
+                "content": {"application/json": {"schema": _reference(Refusal)}},
             },
         },
     }
@@ -262,8 +283,12 @@ def _described(operation: Endpoint) -> dict[str, Any]:
     return described
 
 
+def _reference(model: type[Answer]) -> dict[str, str]:
+    return {"$ref": f"#/components/schemas/{model.__name__}"}
+
+
 def _flat(schema: dict[str, Any]) -> dict[str, Any]:
-    """Put what a schema refers to in its place, so that it stands alone."""
+    """Replace the references of a schema by what they refer to."""
     known = schema.pop("$defs", {})
 
     def put(value: Any) -> Any:

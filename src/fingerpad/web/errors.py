@@ -1,20 +1,20 @@
-"""Answers that are no: a status and words for people."""
+"""Errors of requests: a status and a message."""
 
 from http import HTTPStatus
 from typing import Any
 
 
 class RequestError(Exception):
-    """A request that is not granted.
+    """A request that failed.
 
     Attributes
     ----------
     status : HTTPStatus
-        Of the answer.
+        HTTP status.
     words : str
-        What is wrong, and the way out.
+        What is wrong, and what to do.
     more : dict
-        What else the answer holds, beside ``"error"``.
+        Further keys of the response.
     """
 
     def __init__(self, status: HTTPStatus, words: str, **more: Any) -> None:
@@ -23,15 +23,15 @@ class RequestError(Exception):
 
     @classmethod
     def not_there(cls, words: str) -> "RequestError":
-        """Return the answer that something is not there."""
+        """Return the error that something does not exist."""
         return cls(HTTPStatus.NOT_FOUND, words)
 
     @classmethod
     def conflict(cls, words: str, **more: Any) -> "RequestError":
-        """Return the answer that something else came first."""
+        """Return the error that another request came first."""
         return cls(HTTPStatus.CONFLICT, words, **more)
 
     @classmethod
     def impossible(cls, words: str, **more: Any) -> "RequestError":
-        """Return the answer that a request is understood but cannot be done."""
+        """Return the error that a valid request cannot be done."""
         return cls(HTTPStatus.UNPROCESSABLE_ENTITY, words, **more)

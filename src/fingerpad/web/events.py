@@ -1,4 +1,4 @@
-"""Telling every open page what has changed, as server-sent events."""
+"""Server-sent events: every open page hears what has changed."""
 
 import asyncio
 from collections.abc import AsyncIterator
@@ -6,27 +6,30 @@ from threading import Lock
 from typing import Any, Final
 
 from fingerpad._json import dumps
+from fingerpad.web.answers import EVENTS
 
-_STILL_HERE_S: Final = 15.0
-_MOST_WAITING: Final = 200
+_KEEP_ALIVE_S: Final = 15.0
+_MAX_WAITING: Final = 200
 
 
 class Events:
-    """What has happened, sent to every listener; any thread may tell."""
+    """Events for all listeners, sent from any thread."""
 
     def __init__(self) -> None:
         self._listeners: dict[asyncio.Queue[str | None], asyncio.AbstractEventLoop] = {}
         self._lock = Lock()
 
-    def tell(self, event: str, data: Any) -> None:
-        """Send an event to all who listen."""
-        self._send(f"event: {event}\ndata: {dumps(data)}\n\n")
+    def send(self, event: str, data: Any) -> None:
+        """Send an event to all listeners."""
+        text = dumps(data)
+        EVENTS[event].model_validate_json(text.encode(errors="replace"))
+        self._put_all(f"event: {event}\ndata: {text}\n\n")
 
     def end(self) -> None:
-        """Let every listener go, lest it hold the server up."""
-        self._send(None)
+        """Disconnect all listeners, so that the server can stop."""
+        self._put_all(None)
 
-    def _send(self, message: str | None) -> None:
+    def _put_all(self, message: str | None) -> None:
         with self._lock:
             listeners = list(self._listeners.items())
         for queue, loop in listeners:
@@ -34,15 +37,15 @@ class Events:
                 loop.call_soon_threadsafe(_put, queue, message)
 
     async def listen(self) -> AsyncIterator[str]:
-        """Yield events as they come, and a remark where nothing comes for long."""
-        queue: asyncio.Queue[str | None] = asyncio.Queue(_MOST_WAITING)
+        """Yield events as they come, and comments in between to keep the connection open."""
+        queue: asyncio.Queue[str | None] = asyncio.Queue(_MAX_WAITING)
         with self._lock:
             self._listeners[queue] = asyncio.get_running_loop()
         try:
             yield ": here\n\n"
             while True:
                 try:
-                    message = await asyncio.wait_for(queue.get(), _STILL_HERE_S)
+                    message = await asyncio.wait_for(queue.get(), _KEEP_ALIVE_S)
                 except TimeoutError:
                     message = ": still here\n\n"
                 if message is None:
@@ -54,7 +57,7 @@ class Events:
 
 
 def _put(queue: asyncio.Queue[str | None], message: str | None) -> None:
-    """Add a message; a listener that hangs loses the oldest ones."""
+    """Add a message; a listener that does not keep up loses the oldest ones."""
     if queue.full():
         queue.get_nowait()
     queue.put_nowait(message)

@@ -1,4 +1,4 @@
-"""Files in and out: uploads, a study as a ZIP, and what the run wrote."""
+"""Uploads, import and export of a study as a ZIP, and downloads of results."""
 
 import os
 import re
@@ -19,9 +19,10 @@ from starlette.requests import Request
 from starlette.responses import FileResponse, Response, StreamingResponse
 
 from fingerpad.study.editing.state import named_files
+from fingerpad.web import answers
 from fingerpad.web.archive import pack, unpack
 from fingerpad.web.bundle import Bundle
-from fingerpad.web.endpoints import Endpoint, Params, json_response
+from fingerpad.web.endpoints import Endpoint, Params
 from fingerpad.web.errors import RequestError
 from fingerpad.web.security import FRAMED_HEADERS
 from fingerpad.web.state import document
@@ -29,7 +30,7 @@ from fingerpad.web.study_session import StudySession
 from fingerpad.web.uploads import FOLDER, kept, placed, plain_name, stored
 from fingerpad.web.workspace import NAME, Workspace
 
-# Hidden, so that nothing in it counts as a file of the study.
+# Hidden, so that its contents do not count as files of the study.
 _REMOVED: Final = ".removed"
 _TABLES: Final = (
     "report.html",
@@ -53,14 +54,14 @@ _DRAWN: Final = re.compile(
 
 
 class UploadParams(Params):
-    """Name of a file, and the folder that collects a film's frames."""
+    """Name of a file, and the folder for the frames of a sequence."""
 
     name: Annotated[str, Field(min_length=1, max_length=500)]
     folder: Annotated[str, Field(pattern=NAME)] | None = None
 
 
 class ImportParams(Params):
-    """Name of the study to make of a ZIP."""
+    """Name of the imported study."""
 
     name: Annotated[str, Field(pattern=NAME)]
 
@@ -72,19 +73,21 @@ class RemoveParams(Params):
 
 
 class RestoreParams(Params):
-    """A removed file, by the number that its removal gave it."""
+    """Number of a removed file."""
 
     removed: Annotated[str, Field(pattern=r"^\d{8}T\d{6}-[0-9a-f]{8}$")]
 
 
-async def upload(workspace: Workspace, params: UploadParams, request: Request) -> Response:
-    """Keep a file in the study."""
+async def upload(
+    workspace: Workspace, params: UploadParams, request: Request
+) -> tuple[dict[str, Any], HTTPStatus]:
+    """Add a file to the study."""
     opened = workspace.study
     name = plain_name(params.name)
     target = opened.folder / FOLDER if params.folder is None else opened.folder / FOLDER / params.folder
     path, digest = await stored(request, workspace.upload_limit, target)
 
-    def keep() -> Response:
+    def keep() -> tuple[dict[str, Any], HTTPStatus]:
         try:
             record, new = kept(opened, path, digest, name)
         finally:
@@ -94,21 +97,21 @@ async def upload(workspace: Workspace, params: UploadParams, request: Request) -
             if new:
                 (opened.folder / record["file"]).unlink(missing_ok=True)
             raise RequestError.impossible(record["problem"])
-        workspace.events.tell("study", {"digest": opened.read().digest})
-        return json_response(record, HTTPStatus.CREATED if new else HTTPStatus.OK)
+        workspace.events.send("study", {"digest": opened.read().digest})
+        return record, HTTPStatus.CREATED if new else HTTPStatus.OK
 
     return await run_in_threadpool(keep)
 
 
-async def bring(workspace: Workspace, params: ImportParams, request: Request) -> Response:
-    """Make a study of a ZIP, and open it."""
+async def import_study(workspace: Workspace, params: ImportParams, request: Request) -> dict[str, Any]:
+    """Import a study from a ZIP, and open it."""
     folder = workspace.new_folder(params.name)
     path, _ = await stored(request, workspace.room, workspace.workspace)
 
-    def open_it() -> Response:
+    def open_it() -> dict[str, Any]:
         try:
             unpack(path, folder, workspace.room)
-            return json_response(document(workspace.open_folder(folder)), HTTPStatus.CREATED)
+            return document(workspace.open_folder(folder))
         finally:
             path.unlink(missing_ok=True)
 
@@ -116,12 +119,12 @@ async def bring(workspace: Workspace, params: ImportParams, request: Request) ->
 
 
 async def listen(workspace: Workspace, _: Any, __: Request) -> Response:
-    """Tell what happens as it happens."""
+    """Stream events."""
     return StreamingResponse(workspace.events.listen(), media_type="text/event-stream")
 
 
 def remove(workspace: Workspace, _: Any, params: RemoveParams) -> dict[str, Any]:
-    """Move a file that was uploaded and that no table names into a folder of what was removed."""
+    """Move an uploaded file that is not used into a hidden folder."""
     opened = workspace.study
     path = opened.file(params.file)
     found = opened.read()
@@ -141,7 +144,7 @@ def remove(workspace: Workspace, _: Any, params: RemoveParams) -> dict[str, Any]
 
 
 def restore(workspace: Workspace, _: Any, params: RestoreParams) -> dict[str, Any]:
-    """Put a file back that was removed, under another name if its own is taken by now."""
+    """Restore a removed file, under another name if its own is taken."""
     opened = workspace.study
     home = opened.folder / _REMOVED / params.removed
     kept = next((path for path in home.rglob("*") if path.is_file()), None)
@@ -155,19 +158,19 @@ def restore(workspace: Workspace, _: Any, params: RestoreParams) -> dict[str, An
 
 
 class DownloadParams(Params):
-    """A file that the run wrote; its name leads to no other."""
+    """Path of a file of the results."""
 
     path: Annotated[str, Field(max_length=300)]
     attachment: bool = False
 
 
 def download(workspace: Workspace, params: DownloadParams, _: Any) -> Response:
-    """Return a file that the run wrote."""
+    """Return a file of the results."""
     opened = workspace.study
     if params.path == "study.zip":
         return _zipped(workspace)
     if params.path not in _TABLES and not _DRAWN.fullmatch(params.path):
-        raise RequestError.not_there(f"no file {params.path[:80]!r} can be fetched here")
+        raise RequestError.not_there(f"no file {params.path[:80]!r} can be downloaded here")
     path = opened.out / params.path
     if not path.is_file() or not path.resolve().is_relative_to(opened.out.resolve()):
         raise RequestError.not_there(f"{params.path}: not there yet: run the study")
@@ -178,7 +181,7 @@ def download(workspace: Workspace, params: DownloadParams, _: Any) -> Response:
 
 
 def bundle(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
-    """Return what the study's ZIP holds, and what it leaves out."""
+    """Return the contents of the study's ZIP, and the files left out."""
     found = _bundle(workspace.study)
     return {
         "files": len(found.files),
@@ -227,25 +230,28 @@ ENDPOINTS: Final = (
         method="GET",
         path="/api/study/bundle",
         answer=bundle,
-        summary="What the study's ZIP holds, and what it leaves out",
+        model=answers.BundleContents,
+        summary="Contents of the study's ZIP, and files left out",
     ),
     Endpoint(
         method="POST",
         path="/api/files",
         answer=upload,
+        model=answers.UploadedFile,
         query=UploadParams,
         status=HTTPStatus.CREATED,
         streamed=True,
-        summary="Keep a file in the study",
+        summary="Add a file to the study",
     ),
     Endpoint(
         method="POST",
         path="/api/session/import",
-        answer=bring,
+        answer=import_study,
+        model=answers.State,
         query=ImportParams,
         status=HTTPStatus.CREATED,
         streamed=True,
-        summary="Make a study of a ZIP, and open it",
+        summary="Import a study from a ZIP, and open it",
     ),
     Endpoint(
         method="GET",
@@ -253,28 +259,29 @@ ENDPOINTS: Final = (
         answer=listen,
         media="text/event-stream",
         streamed=True,
-        summary="What happens, as it happens",
+        summary="Server-sent events",
     ),
     Endpoint(
         method="DELETE",
         path="/api/files",
         answer=remove,
+        model=answers.StateAfterRemoval,
         body=RemoveParams,
-        summary="Remove an uploaded file that nothing names; it is kept aside",
+        summary="Remove an uploaded file that is not used; it can be restored",
     ),
     Endpoint(
         method="POST",
         path="/api/files/restore",
         answer=restore,
+        model=answers.StateAfterRestore,
         body=RestoreParams,
-        summary="Put a removed file back",
+        summary="Restore a removed file",
     ),
     Endpoint(
         method="GET",
         path="/api/download/{path:path}",
         answer=download,
         query=DownloadParams,
-        media="application/octet-stream",
-        summary="A file that the run wrote, or the whole study as study.zip",
+        summary="A file of the results, or the whole study as study.zip",
     ),
 )

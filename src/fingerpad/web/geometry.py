@@ -1,28 +1,26 @@
-"""The pad in three dimensions on its wedge under its platen: places, curvatures, and drawings."""
+"""The pad in three dimensions: point of contact, curvature, wedge and platen."""
 
 from typing import Annotated, Any, Final, Self
 
 import numpy as np
 from pydantic import Field, model_validator
-from starlette.responses import Response
 
 from fingerpad._arrays import FloatArray
-from fingerpad.figures import figure_svg, new_figure, plot_pad_with_contact, plot_wedge
 from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.study.manifest.tables import Length
 from fingerpad.uncertainty import Inputs, placement_model, propagate
-from fingerpad.web.drawing import DRAWING
+from fingerpad.web import answers
 from fingerpad.web.endpoints import Endpoint, Params
 from fingerpad.web.errors import RequestError
-from fingerpad.web.fingers import known_finger
+from fingerpad.web.last_results import known_finger
 from fingerpad.web.workspace import Workspace
 
-_Angles = Annotated[list[Annotated[float, Field(ge=-180, le=180)]], Field(max_length=50)]
 _AXES: Final = ("palmar", "distal", "radial_ulnar")
+_Angles = Annotated[list[Annotated[float, Field(ge=-180, le=180)]], Field(max_length=50)]
 
 
 class PadParams(Params):
-    """A pad on a wedge: by the name of its finger, or by its semi-axes."""
+    """A pad on a wedge, by its finger or its semi-axes."""
 
     finger: str | None = None
     palmar_mm: Length | None = None
@@ -30,7 +28,6 @@ class PadParams(Params):
     radial_ulnar_mm: Length | None = None
     wedge_angle_deg: Annotated[float, Field(ge=0, le=90)] = 30.0
     roll_angle_deg: Annotated[float, Field(ge=-180, le=180)] = 0.0
-    synthetic: bool = False
 
     @model_validator(mode="after")
     def _one_pad(self) -> Self:
@@ -41,14 +38,14 @@ class PadParams(Params):
 
 
 class GeometryParams(PadParams):
-    """The same, and how finely to draw it."""
+    """The same, and the resolution of the drawing."""
 
     detail: Annotated[int, Field(ge=4, le=120)] = 32
     u_deg: _Angles = Field(default=[0, 30, 45, 60, 90])
 
 
 def geometry(workspace: Workspace, _: Any, params: GeometryParams) -> dict[str, Any]:
-    """Return where the platen touches, how the pad is curved there, and what to draw."""
+    """Return the point of contact, the curvature there, and the drawing."""
     axes, covariance, angle_stds = _pad(workspace, params)
     pad = Ellipsoid(*axes)
     wedge, roll = np.radians([params.wedge_angle_deg, params.roll_angle_deg])
@@ -58,16 +55,10 @@ def geometry(workspace: Workspace, _: Any, params: GeometryParams) -> dict[str, 
     mesh = pad.point(turn[:, None], height)
     return {
         **_placed(axes, covariance, np.array([wedge, roll]), angle_stds),
-        "synthetic": params.synthetic,
         "v_deg": np.degrees(placement.v),
         "contact_point_mm": placement.point,
         "normal": placement.normal,
         "principal_directions": placement.curvature.principal_directions,
-        "principal_radii_mm": placement.curvature.principal_radii,
-        "semi_axes_mm": dict(zip(_AXES, axes, strict=True)),
-        "semi_axes_mm_std": None
-        if covariance is None
-        else dict(zip(_AXES, np.sqrt(np.diagonal(covariance)), strict=True)),
         "mesh": {f"{name}_mm": mesh[..., k] for k, name in enumerate("xyz")},
         "lines": [
             {"name": name, "points_mm": points} for name, points in _lines(pad, placement, float(max(axes)))
@@ -79,7 +70,7 @@ def geometry(workspace: Workspace, _: Any, params: GeometryParams) -> dict[str, 
 
 
 def _pad(workspace: Workspace, params: PadParams) -> tuple[FloatArray, FloatArray | None, FloatArray]:
-    """Return semi-axes (mm), their covariance if it is known, and the angles' standard uncertainties."""
+    """Return semi-axes (mm), their covariance if known, and standard uncertainties of the angles."""
     if params.finger is None:
         given = np.array([params.palmar_mm, params.distal_mm, params.radial_ulnar_mm], dtype=float)
         return given, None, np.zeros(2)
@@ -98,7 +89,7 @@ def _pad(workspace: Workspace, params: PadParams) -> tuple[FloatArray, FloatArra
 def _placed(
     axes: FloatArray, covariance: FloatArray | None, angles: FloatArray, angle_stds: FloatArray
 ) -> dict[str, float | None]:
-    """Return radii and u at the place of contact, with standard uncertainties where they are known."""
+    """Return u and the radii at the point of contact, with standard uncertainties if known."""
     inputs = Inputs.of(
         **dict(zip(_AXES, axes.tolist(), strict=True)),
         wedge_angle=(angles[0], angle_stds[0]),
@@ -116,7 +107,7 @@ def _placed(
 
 
 def _lines(pad: Ellipsoid, placement: Placement, size: float) -> list[tuple[str, FloatArray]]:
-    """Return what is drawn as lines: principal directions, the normal, the finger's axis, the midline."""
+    """Return lines: principal directions, normal, finger axis and midline."""
     point, reach = placement.point, 0.6 * size
     along, across = placement.curvature.principal_directions
     midline = pad.point(np.linspace(-np.pi / 2, np.pi / 2, 61), np.pi / 2)
@@ -130,14 +121,14 @@ def _lines(pad: Ellipsoid, placement: Placement, size: float) -> list[tuple[str,
 
 
 def _platen(placement: Placement, size: float) -> FloatArray:
-    """Return the corners of the platen, a square in the tangent plane at the place of contact."""
+    """Return the corners of the platen, a square in the tangent plane at the point of contact."""
     along, across = placement.curvature.principal_directions
     corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * size
     return np.asarray(placement.point + corners @ np.stack([along, across]))
 
 
 def _wedge(pad: Ellipsoid, placement: Placement) -> dict[str, Any]:
-    """Return the wedge behind the finger: its incline lies along the back of the pad, its foot is level."""
+    """Return the wedge: its incline touches the back of the pad, and its base is horizontal."""
     a, b, c = pad.semi_axes
     low, high = np.array([-a, -1.15 * b, 0.0]), np.array([-a, b, 0.0])
     level = np.array([placement.normal[0], placement.normal[1], 0.0])
@@ -149,59 +140,13 @@ def _wedge(pad: Ellipsoid, placement: Placement) -> dict[str, Any]:
     return {"vertices_mm": vertices, "faces": faces}
 
 
-def pad_svg(workspace: Workspace, params: PadParams, _: Any) -> Response:
-    """Draw the pad as seen through the platen."""
-    axes, _, _ = _pad(workspace, params)
-    with DRAWING:
-        figure, (panel,) = new_figure(height_mm=95)
-        plot_pad_with_contact(
-            panel,
-            Ellipsoid(*axes),
-            wedge_angle=float(np.radians(params.wedge_angle_deg)),
-            roll_angle=float(np.radians(params.roll_angle_deg)),
-            synthetic=params.synthetic,
-        )
-        words = f"The pad seen through the platen, wedge {params.wedge_angle_deg:g}°"
-        return _svg(figure_svg(figure, "pad", description=words))
-
-
-def wedge_svg(workspace: Workspace, params: PadParams, _: Any) -> Response:
-    """Draw the finger on its wedge, in section."""
-    axes, _, _ = _pad(workspace, params)
-    with DRAWING:
-        figure, (panel,) = new_figure(height_mm=95)
-        wedge = float(np.radians(params.wedge_angle_deg))
-        plot_wedge(panel, Ellipsoid(*axes), wedge_angle=wedge, synthetic=params.synthetic)
-        words = f"The finger on its wedge of {params.wedge_angle_deg:g}°, in section"
-        return _svg(figure_svg(figure, "wedge", description=words))
-
-
-def _svg(drawing: str) -> Response:
-    return Response(drawing, media_type="image/svg+xml")
-
-
 ENDPOINTS: Final = (
     Endpoint(
         method="POST",
         path="/api/geometry",
         answer=geometry,
-        summary="A pad on its wedge: place of contact, curvature, and what to draw in three dimensions",
+        model=answers.PadGeometry,
+        summary="A pad on its wedge: point of contact, curvature, and drawing",
         body=GeometryParams,
-    ),
-    Endpoint(
-        method="GET",
-        path="/api/geometry/pad.svg",
-        answer=pad_svg,
-        summary="The pad seen through the platen",
-        query=PadParams,
-        media="image/svg+xml",
-    ),
-    Endpoint(
-        method="GET",
-        path="/api/geometry/wedge.svg",
-        answer=wedge_svg,
-        summary="The finger on its wedge, in section",
-        query=PadParams,
-        media="image/svg+xml",
     ),
 )

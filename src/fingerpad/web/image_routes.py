@@ -1,39 +1,37 @@
-"""The pictures of items: what they are, previews, thumbnails, and overlays as the report shows them."""
+"""Images of items: size, previews and thumbnails."""
 
 import hashlib
 from typing import Annotated, Any, Final
 from urllib.parse import urlencode
 
 from pydantic import Field
-from starlette.responses import FileResponse, Response
+from starlette.responses import Response
 
-from fingerpad.web.endpoints import Endpoint, Params
-from fingerpad.web.errors import RequestError
-from fingerpad.web.fields import Item
-from fingerpad.web.item_status import overlay_of
+from fingerpad.web import answers
+from fingerpad.web.endpoints import Endpoint, Item, Params
 from fingerpad.web.pictures import PREVIEW_PX, ImageLocation, is_film
 from fingerpad.web.workspace import Workspace
 
-# Its address changes with the picture.
-_FOR_EVER: Final = {"cache-control": "private, max-age=31536000, immutable"}
-_NOW: Final = {"cache-control": "private, no-cache"}
+# The address changes with the image.
+_IMMUTABLE: Final = {"cache-control": "private, max-age=31536000, immutable"}
+_NO_CACHE: Final = {"cache-control": "private, no-cache"}
 
 
 class PictureParams(Params):
-    """Which item; `v` stands for the picture as it was when its address was given."""
+    """An item, and the version `v` of its image."""
 
     item: Item
     v: Annotated[str, Field(max_length=40)] = ""
 
 
 class PreviewParams(PictureParams):
-    """The same, and how large."""
+    """The same, and the size of the preview."""
 
     longest_px: Annotated[int, Field(ge=16, le=8192)] = PREVIEW_PX
 
 
 def info(workspace: Workspace, params: PictureParams, _: Any) -> dict[str, Any]:
-    """Return what a picture is, and where its previews are."""
+    """Return the size of an image and the addresses of its previews."""
     opened = workspace.study
     place = opened.place_of(params.item)
     film = place.colour and is_film(place.path)
@@ -52,30 +50,21 @@ def info(workspace: Workspace, params: PictureParams, _: Any) -> dict[str, Any]:
 
 
 def version(place: ImageLocation) -> str:
-    """Return what stands for a picture as it is now."""
+    """Return the version of an image, a hash of its file's state."""
     return hashlib.sha256(repr(place.stamp).encode()).hexdigest()[:16]
 
 
 def preview(workspace: Workspace, params: PreviewParams, _: Any) -> Response:
-    """Return a picture for the browser."""
+    """Return a preview of an image."""
     place = workspace.study.place_of(params.item)
     drawn, kind = workspace.study.pictures.preview(place, params.longest_px)
-    return Response(drawn, media_type=kind, headers=_FOR_EVER if params.v else _NOW)
+    return Response(drawn, media_type=kind, headers=_IMMUTABLE if params.v else _NO_CACHE)
 
 
 def thumbnail(workspace: Workspace, params: PictureParams, _: Any) -> Response:
-    """Return a small picture."""
+    """Return a thumbnail."""
     drawn = workspace.study.pictures.thumbnail(workspace.study.place_of(params.item))
-    return Response(drawn, media_type="image/webp", headers=_FOR_EVER if params.v else _NOW)
-
-
-def overlay(workspace: Workspace, params: PictureParams, _: Any) -> Response:
-    """Return the measurement drawn on the picture, as the last run wrote it."""
-    opened = workspace.study
-    path = overlay_of(opened, params.item)
-    if path is None or not path.resolve().is_relative_to(opened.out.resolve()):
-        raise RequestError.not_there(f"{params.item}: no overlay is drawn: run the study")
-    return FileResponse(path, media_type="image/png", headers=_NOW)
+    return Response(drawn, media_type="image/webp", headers=_IMMUTABLE if params.v else _NO_CACHE)
 
 
 ENDPOINTS: Final = (
@@ -83,8 +72,9 @@ ENDPOINTS: Final = (
         method="GET",
         path="/api/picture/info",
         answer=info,
+        model=answers.PictureInfo,
         query=PictureParams,
-        summary="What a picture is",
+        summary="Size of an image",
     ),
     Endpoint(
         method="GET",
@@ -92,7 +82,7 @@ ENDPOINTS: Final = (
         answer=preview,
         query=PreviewParams,
         media="image/png",
-        summary="A picture in 8 bits",
+        summary="An image in 8 bits",
     ),
     Endpoint(
         method="GET",
@@ -100,14 +90,6 @@ ENDPOINTS: Final = (
         answer=thumbnail,
         query=PictureParams,
         media="image/webp",
-        summary="A small picture",
-    ),
-    Endpoint(
-        method="GET",
-        path="/api/picture/overlay",
-        answer=overlay,
-        query=PictureParams,
-        media="image/png",
-        summary="The measurement drawn on the picture",
+        summary="A thumbnail",
     ),
 )

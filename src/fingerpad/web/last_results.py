@@ -1,4 +1,4 @@
-"""The tables that the last run wrote, checked before they are used: they may come from elsewhere."""
+"""The results of the last run, validated on reading, as they may be imported or damaged."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,6 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_valida
 
 from fingerpad.exceptions import FingerpadError
 from fingerpad.study.manifest.tables import Length
+from fingerpad.study.measuring.fingers import FingerResult, finger_result
 from fingerpad.study.results.result_set import RERUN, quick_faults
 from fingerpad.study.results.results_reader import read_summary, read_table
 from fingerpad.study.results.table import ResultsTable, Row
@@ -19,7 +20,7 @@ _OF_FRAMES: Final = ("status", "flags", "phase", "time_s", "load_N", "pooled")
 
 
 class _Record(BaseModel):
-    """A record of ``summary.json``: what the page needs of it; it may hold more."""
+    """A record of ``summary.json``; keys that the page does not need are not checked."""
 
     model_config = ConfigDict(extra="allow", strict=True)
 
@@ -43,12 +44,28 @@ class _Finger(_Record):
         return self
 
 
+class _Check(_Record):
+    observation: str
+    value: float
+    std: float
+    valid: bool
+    shares: dict[str, float | None]
+    total: dict[str, float | None]
+
+
 class _Placement(_Record):
     finger: str
     wedge_angle_deg: float
     roll_angle_deg: float
     synthetic: bool
-    uncertainty_check: dict[str, Any] | None
+    radius_from_indentation_mm: float | None
+    radius_from_indentation_mm_std: float | None = None
+    radius_from_indentation_variance_shares: dict[str, float | None] | None = None
+    mean_curvature_radius_mm: float | None
+    mean_curvature_radius_mm_std: float | None
+    loading_radius_mm: float | None
+    loading_radius_mm_std: float | None
+    uncertainty_check: _Check | None
 
 
 class _Curve(_Record):
@@ -72,7 +89,7 @@ class _Summary(_Record):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Results:
-    """The tables that the last run wrote.
+    """The tables of the last run.
 
     Attributes
     ----------
@@ -128,20 +145,20 @@ _READ: dict[Path, tuple[object, Results | str]] = {}
 
 
 def last_results(opened: StudySession) -> Results | None:
-    """Return the last run's tables, None before the first and where they are damaged."""
+    """Return the tables of the last run, None if there are none or they are damaged."""
     found = _read(opened.out)
     return found if isinstance(found, Results) and not results_faults(opened) else None
 
 
 def results_faults(opened: StudySession) -> list[str]:
-    """Return what is wrong with the files of the last run; overlays are checked when they are shown."""
+    """Return what is wrong with the files of the last run, except overlays."""
     faults = quick_faults(opened.out, lambda name: not name.startswith("overlays/"))
     found = _read(opened.out)
     return faults or ([found] if isinstance(found, str) else [])
 
 
 def _read(out: Path) -> Results | str | None:
-    """Return the tables in a folder, or what is wrong with them; read again only when they are new."""
+    """Return the tables in a folder, or what is wrong with them; read again if they have changed."""
     paths = [out / name for name in ("results.csv", "summary.json")]
     try:
         stamp = [(status.st_mtime_ns, status.st_size) for status in (path.stat() for path in paths)]
@@ -155,3 +172,25 @@ def _read(out: Path) -> Results | str | None:
     _READ.clear()
     _READ[out] = known
     return known[1]
+
+
+def known_finger(opened: StudySession, name: str) -> FingerResult | None:
+    """Return a finger's semi-axes, entered or of the last run; None where they are unknown."""
+    finger = next((one for one in opened.study().fingers if one.name == name), None)
+    if finger is None:
+        return None
+    if finger.semi_axes_mm is not None:
+        return finger_result(finger, {}, opened.folder, {})  # nothing to measure
+    found = last_results(opened)
+    record = found and next((one for one in found.summary["fingers"] if one["finger"] == name), None)
+    if not record or record["palmar_mm"] is None:
+        return None
+    return FingerResult(
+        name=name,
+        semi_axes=np.array([record[f"{axis}_mm"] for axis in ("palmar", "distal", "radial_ulnar")]),
+        covariance=np.array(record["covariance_mm2"]),
+        source="photographs",
+        scale=record.get("scale"),
+        pad_thickness=finger.pad_thickness_mm,
+        synthetic=record["synthetic"],
+    )

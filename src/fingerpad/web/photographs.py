@@ -1,4 +1,4 @@
-"""Photographs of a finger's faces measured while a person corrects them, and what they say together."""
+"""Photographs of a finger's faces, measured under corrections, and their combination."""
 
 import math
 import time
@@ -23,9 +23,9 @@ from fingerpad.study.corrections.apply import corrected_photograph
 from fingerpad.study.corrections.changes import PhotographCorrection
 from fingerpad.study.manifest import Finger, Photograph, ScaleKey
 from fingerpad.study.measuring.fingers import photograph_item
-from fingerpad.web.endpoints import Endpoint, Params
+from fingerpad.web import answers
+from fingerpad.web.endpoints import Endpoint, Item, Params, Point
 from fingerpad.web.errors import RequestError
-from fingerpad.web.fields import Item, Spot, as_pair
 from fingerpad.web.pictures import Cache
 from fingerpad.web.scales import scale_of
 from fingerpad.web.study_session import StudySession
@@ -33,21 +33,20 @@ from fingerpad.web.workspace import Workspace
 
 _FITS: Final[Cache[PhotographFit]] = Cache(60, lambda _: 1)
 _PROGRAM: Final[Cache[PhotographFit | None]] = Cache(60, lambda _: 1)
-_CURVE_POINTS: Final = 181
-# An ellipse placed by hand needs none.
+# A manual ellipse needs none.
 _NO_PICTURE: Final = np.zeros((1, 1), dtype=np.uint8)
 
 
 class Handles(Params):
-    """The ends of an ellipse's semi-axes as dragged."""
+    """The handles of an ellipse."""
 
-    centre_px: Spot
-    across_end_px: Spot
-    along_end_px: Spot
+    centre_px: Point
+    across_end_px: Point
+    along_end_px: Point
 
 
 class PhotographParams(Params):
-    """Which photograph, and the correction under which it is measured."""
+    """A photograph, and the correction under which it is measured."""
 
     item: Item
     change: PhotographCorrection | None = None
@@ -58,7 +57,7 @@ class PhotographParams(Params):
 
 
 def measure(workspace: Workspace, _: Any, params: PhotographParams) -> dict[str, Any]:
-    """Measure a photograph as it is being corrected; nothing is stored."""
+    """Measure a photograph under a correction; nothing is stored."""
     began = time.perf_counter()
     opened = workspace.study
     finger, photograph = _table(opened, params)
@@ -86,13 +85,13 @@ def measure(workspace: Workspace, _: Any, params: PhotographParams) -> dict[str,
 
 
 def _table(opened: StudySession, params: PhotographParams) -> tuple[Finger | None, Photograph]:
-    """Return a photograph's table with what stands in for parts of it, and its finger if it has one."""
+    """Return the table of a photograph, with the face and scale requested, and its finger."""
     if not params.item.startswith("file:"):
         finger, photograph = opened.photograph(params.item)
         stated = {"face": params.face, "scale": params.scale}
         return finger, photograph.model_copy(update={k: v for k, v in stated.items() if v is not None})
     if params.face is None or params.scale is None:
-        raise RequestError.impossible(f"{params.item}: say its face and its scale first")
+        raise RequestError.impossible(f"{params.item}: state its face and its scale")
     return None, Photograph(face=params.face, file=params.item.removeprefix("file:"), scale=params.scale)
 
 
@@ -105,7 +104,7 @@ def _change(opened: StudySession, params: PhotographParams) -> PhotographCorrect
 
 
 def described(fit: PhotographFit) -> dict[str, Any]:
-    """Return a fit's numbers, and what is drawn of it."""
+    """Return the numbers and the drawing of a fit."""
     centre, across, along = fit.handles
     return {
         "face": fit.face,
@@ -117,7 +116,6 @@ def described(fit: PhotographFit) -> dict[str, Any]:
             "lean_deg": math.degrees(fit.lean),
         },
         "handles": {"centre_px": centre, "across_end_px": across, "along_end_px": along},
-        "curve_px": fit.ellipse_points(_CURVE_POINTS).round(2),
         "points_px": fit.points.round(2),
         "outliers_px": fit.outliers.round(2),
         "arc_deg": fit.arc_deg,
@@ -133,7 +131,7 @@ def _semi_axes(fit: PhotographFit) -> dict[str, Any]:
 
 
 def _program(opened: StudySession, item: str, photograph: Photograph) -> PhotographFit | None:
-    """Return what the program finds by itself; None where it finds no finger."""
+    """Return the automatic fit, None where no finger is found."""
     assert photograph.scale is not None  # the manifest's own rule
     scale = scale_of(opened, photograph.scale).scale
 
@@ -153,16 +151,16 @@ def _fit(
     change: PhotographCorrection,
     handles: Handles | None = None,
 ) -> PhotographFit:
-    """Return the ellipse as drawn, or as found and corrected by points: found once, corrected often."""
+    """Return the manual ellipse, or the fitted one; outlines that were found are cached."""
     assert photograph.scale is not None  # the manifest's own rule
     scale = scale_of(opened, photograph.scale).scale
     if handles is not None:
         return photograph_from_handles(
             photograph.face,
             scale,
-            centre=as_pair(handles.centre_px),
-            across_end=as_pair(handles.across_end_px),
-            along_end=as_pair(handles.along_end_px),
+            centre=handles.centre_px,
+            across_end=handles.across_end_px,
+            along_end=handles.along_end_px,
             tip=change.tip or photograph.tip,
             palmar=change.palmar_side or photograph.palmar_side,
         )
@@ -179,7 +177,7 @@ def _fit(
 
 
 def _together(opened: StudySession, finger: Finger, item: str, fit: PhotographFit) -> dict[str, Any]:
-    """Return the finger's semi-axes with one face as it is being corrected."""
+    """Return the finger's semi-axes with the current fit of one face."""
     faces = {}
     for one in finger.photographs:
         own = photograph_item(finger, one)
@@ -209,7 +207,7 @@ def _joint(found: OutlineSemiAxes, items: list[str]) -> dict[str, Any]:
         "disagree": found.disagree,
         "between_relative_std": found.between_relative_std,
         "disagreements": [
-            {"item": item, "face": face.face, **off}
+            {"item": item, "face": face.face} | {axis: off.get(axis) for axis in SEMI_AXES}
             for item, face, off in zip(items, found.faces, found.disagreements, strict=True)
         ],
     }
@@ -220,6 +218,7 @@ ENDPOINTS: Final = (
         method="POST",
         path="/api/measure/photograph",
         answer=measure,
+        model=answers.PhotographMeasurement,
         summary="Measure a photograph under a correction, without storing it",
         body=PhotographParams,
     ),

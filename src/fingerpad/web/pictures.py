@@ -1,4 +1,4 @@
-"""Pictures of any depth as a browser can show them: previews and thumbnails, made when asked for and kept."""
+"""Previews and thumbnails of images of any depth, made on request and cached."""
 
 from collections import OrderedDict
 from collections.abc import Callable, Hashable
@@ -32,7 +32,7 @@ Kept = TypeVar("Kept")
 
 @dataclass(frozen=True, slots=True)
 class ImageLocation:
-    """Where a picture is: a file, or a frame of a film.
+    """Location of an image: a file, or a frame of a sequence.
 
     Attributes
     ----------
@@ -50,7 +50,7 @@ class ImageLocation:
 
     @property
     def stamp(self) -> Hashable:
-        """What changes when the file does: of a frame in a folder, its own file."""
+        """A stamp that changes with the file, or with the frame's own file in a folder."""
         path = self.path
         try:
             if self.frame is not None and path.is_dir():
@@ -64,12 +64,12 @@ class ImageLocation:
 
 @lru_cache(maxsize=8)
 def _frame_files(folder: Path, _changed_ns: int) -> list[Path]:
-    """Return the frames of a folder, listed again only when a file came or went."""
+    """Return the frames of a folder, listed again when it has changed."""
     return frame_files(folder)
 
 
 class Cache(Generic[Kept]):
-    """The values asked for last, up to a size; a value is made once, however many ask for it at a time."""
+    """A cache of the values used last, up to a total size; concurrent requests make a value once."""
 
     def __init__(self, limit: int, size: Callable[[Kept], int]) -> None:
         self._limit, self._size = limit, size
@@ -78,7 +78,7 @@ class Cache(Generic[Kept]):
         self._total, self._lock = 0, Lock()
 
     def get(self, key: Hashable, make: Callable[[], Kept]) -> Kept:
-        """Return the value of `key`, made now unless it is kept."""
+        """Return the value of `key`, made now unless it is cached."""
         with self._lock:
             if key in self._kept:
                 self._kept.move_to_end(key)
@@ -102,7 +102,7 @@ class Cache(Generic[Kept]):
 
 
 class Pictures:
-    """The pictures of an open study."""
+    """The images of the open study."""
 
     def __init__(self, memory_limit: int) -> None:
         self._memory_limit = memory_limit
@@ -113,12 +113,12 @@ class Pictures:
         self._decoding = RLock()
 
     def grey(self, place: ImageLocation) -> Picture:
-        """Return a picture as contact images are measured on."""
+        """Return an image in grey levels, as for contact images."""
         with self._decoding:
             return self._decoded.get(place.stamp, lambda: self._read(place))
 
     def colour(self, place: ImageLocation) -> npt.NDArray[np.uint8]:
-        """Return a picture as photographs are measured on."""
+        """Return an image in colour, as for photographs."""
         with self._decoding:
             return self._colours.get(
                 place.stamp, lambda: read_colour_image(place.path, memory_limit=self._memory_limit)
@@ -133,7 +133,7 @@ class Pictures:
         return Picture(pixels=frame.pixels, dots_per_inch=None)
 
     def shown(self, place: ImageLocation) -> npt.NDArray[np.uint8]:
-        """Return a picture's levels as 8 bits, in colour where that matters."""
+        """Return an image in 8 bits, in colour where that matters."""
         if place.colour and not is_film(place.path):
             return self.colour(place)
         if place.colour:
@@ -141,12 +141,12 @@ class Pictures:
         return eight_bit(self.grey(place).pixels)
 
     def preview(self, place: ImageLocation, longest_px: int) -> tuple[bytes, str]:
-        """Return a picture for the browser and its type: photographs as JPEG, the rest without loss."""
+        """Return a preview and its media type: photographs as JPEG, other images as PNG."""
         kind, ending, options = ("image/jpeg", ".jpg", _JPEG) if place.colour else ("image/png", ".png", _PNG)
         return self._drawn(place, longest_px, ending, options), kind
 
     def thumbnail(self, place: ImageLocation) -> bytes:
-        """Return a small picture as WebP."""
+        """Return a thumbnail as WebP."""
         return self._drawn(place, THUMBNAIL_PX, ".webp", _WEBP)
 
     def _drawn(self, place: ImageLocation, longest_px: int, ending: str, options: list[int]) -> bytes:
@@ -154,7 +154,7 @@ class Pictures:
             pixels = reduced(self.shown(place), longest_px)
             done, drawn = cv2.imencode(ending, pixels[..., ::-1] if pixels.ndim == 3 else pixels, options)
             if not done:
-                raise ImageError(f"{place.path.name}: cannot be drawn")
+                raise ImageError(f"{place.path.name}: cannot be encoded")
             return drawn.tobytes()
 
         return self._encoded.get((place.stamp, longest_px, ending), draw)
@@ -166,7 +166,7 @@ def is_film(path: Path) -> bool:
 
 
 def kind_of_file(name: str) -> str:
-    """Return what a file may serve as, by its name: picture, film, table or other.
+    """Return the kind of a file by its name: picture, film, table or other.
 
     Examples
     --------
@@ -182,7 +182,7 @@ def kind_of_file(name: str) -> str:
 
 
 def eight_bit(pixels: npt.NDArray[Any]) -> npt.NDArray[np.uint8]:
-    """Return grey levels as 8 bits: those of deeper pictures stretched from the darkest to the brightest."""
+    """Return grey levels in 8 bits; deeper images are stretched from darkest to brightest."""
     if pixels.dtype == np.uint8:
         return pixels
     low, high = float(pixels.min()), float(pixels.max())
@@ -191,7 +191,7 @@ def eight_bit(pixels: npt.NDArray[Any]) -> npt.NDArray[np.uint8]:
 
 
 def reduced(pixels: npt.NDArray[np.uint8], longest_px: int) -> npt.NDArray[np.uint8]:
-    """Return a picture of at most `longest_px` on its longer side."""
+    """Return an image of at most `longest_px` on its longer side."""
     zoom = longest_px / max(pixels.shape[:2])
     if zoom >= 1:
         return pixels

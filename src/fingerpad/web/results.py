@@ -1,4 +1,4 @@
-"""What the last run found: rows, summaries, what to plot, figures, and the audit of the printed tables."""
+"""Results of the last run: rows, plots, uncertainty budgets, figures, and the audit of published numbers."""
 
 import re
 from collections import Counter
@@ -15,32 +15,12 @@ from fingerpad.study.results.columns import COLUMNS, Column
 from fingerpad.study.results.result_set import RERUN, result_files
 from fingerpad.study.results.rows import PLACEMENT, RANGE_NOTES
 from fingerpad.study.results.table import ResultsTable
+from fingerpad.web import answers
 from fingerpad.web.endpoints import Endpoint, Params
 from fingerpad.web.errors import RequestError
 from fingerpad.web.last_results import Results, last_results, results_faults
 from fingerpad.web.workspace import Workspace
 
-_PLOTTED: Final = (
-    "load_N",
-    "radius_from_indentation_mm",
-    "radius_from_indentation_mm_std",
-    "radius_from_indentation_mm_fixed_geometry_std",
-    "radius_from_compliance_mm",
-    "radius_from_compliance_mm_std",
-    "semi_major_mm",
-    "semi_minor_mm",
-    "gross_area_mm2",
-    "gross_area_mm2_std",
-    "aspect_ratio",
-    "indentation_mm",
-    "indentation_mm_std",
-    "youngs_modulus_kpa",
-    "youngs_modulus_kpa_std",
-    "flags",
-    "pooled",
-    "sequence",
-    "phase",
-)
 _CAPTION: Final = re.compile(r'aria-label="([^"]*)"')
 
 
@@ -55,7 +35,7 @@ def _results(workspace: Workspace) -> Results:
 
 
 class RowsParams(Params):
-    """Which rows, in which order."""
+    """Filters, order and columns of rows."""
 
     offset: Annotated[int, Field(ge=0, le=10**9)] = 0
     limit: Annotated[int, Field(ge=1, le=2000)] = 100
@@ -115,19 +95,14 @@ def _column(column: Column) -> dict[str, Any]:
     }
 
 
-def summary(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
-    """Return the content of ``summary.json``."""
-    return _results(workspace).summary
-
-
 class PlotParams(Params):
-    """Which finger."""
+    """A finger."""
 
     finger: str | None = None
 
 
 def plot(workspace: Workspace, params: PlotParams, _: Any) -> dict[str, Any]:
-    """Return what to plot of each finger at each placement."""
+    """Return the data to plot for each finger and placement."""
     found = _results(workspace)
     groups = [
         _group(one, found.table)
@@ -144,8 +119,11 @@ def _group(of: Mapping[str, Any], table: ResultsTable) -> dict[str, Any]:
     rows = table.at(chosen)
     codes = Counter(code for notes in rows.items("range_notes") for code in (notes or "").split())
     return {
-        **of,
-        "rows": {"item": rows.items("observation"), **{name: rows.items(name) for name in _PLOTTED}},
+        **{name: of.get(name) for name in answers.PlottedGroup.model_fields},
+        "rows": {
+            name: rows.items("observation" if name == "item" else name)
+            for name in answers.PlottedRows.model_fields
+        },
         "range_notes": [
             {"code": code, "words": words, "rows": codes[code]}
             for code, words in RANGE_NOTES.items()
@@ -155,13 +133,14 @@ def _group(of: Mapping[str, Any], table: ResultsTable) -> dict[str, Any]:
 
 
 def budget(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
-    """Return who contributes what to each pooled radius and to the highest_load contact's."""
+    """Return the uncertainty budgets of pooled radii and of the highest-load contacts."""
     return {
         "groups": [
             {
                 **{key: one[key] for key in PLACEMENT},
                 "pooled": one.get("radius_from_indentation_variance_shares"),
-                "check": one["uncertainty_check"],
+                "check": (check := one["uncertainty_check"])
+                and {name: check[name] for name in answers.BudgetCheck.model_fields},
             }
             for one in _results(workspace).summary["summaries"]
         ]
@@ -191,21 +170,46 @@ def _figures(drawings: Iterable[Path]) -> Iterator[dict[str, str]]:
 
 
 def published(_: Workspace, __: Any, ___: Any) -> dict[str, Any]:
-    """Return the audit of the numbers that the source prints."""
+    """Return the audit of the numbers that Dzidek et al. (2017) print."""
     return {"items": [item.as_record() for item in audit()]}
 
 
 ENDPOINTS: Final = (
     Endpoint(
-        method="GET", path="/api/results/rows", answer=rows, query=RowsParams, summary="Rows of the results"
+        method="GET",
+        path="/api/results/rows",
+        answer=rows,
+        model=answers.Rows,
+        query=RowsParams,
+        summary="Rows of the results",
     ),
     Endpoint(
-        method="GET", path="/api/results/summary", answer=summary, summary="Summaries, fingers, provenance"
+        method="GET",
+        path="/api/results/plot",
+        answer=plot,
+        model=answers.Plot,
+        query=PlotParams,
+        summary="Data to plot",
     ),
-    Endpoint(method="GET", path="/api/results/plot", answer=plot, query=PlotParams, summary="What to plot"),
     Endpoint(
-        method="GET", path="/api/results/budget", answer=budget, summary="Who contributes what uncertainty"
+        method="GET",
+        path="/api/results/budget",
+        answer=budget,
+        model=answers.Budget,
+        summary="Uncertainty budgets",
     ),
-    Endpoint(method="GET", path="/api/results/figures", answer=figures, summary="The report's figures"),
-    Endpoint(method="GET", path="/api/published", answer=published, summary="Audit of the printed tables"),
+    Endpoint(
+        method="GET",
+        path="/api/results/figures",
+        answer=figures,
+        model=answers.Figures,
+        summary="The report's figures",
+    ),
+    Endpoint(
+        method="GET",
+        path="/api/published",
+        answer=published,
+        model=answers.Audit,
+        summary="Audit of the published tables",
+    ),
 )

@@ -1,4 +1,4 @@
-"""The run of a study on a thread of its own: its progress for all who listen, and its end by request."""
+"""The run of a study on its own thread, with progress events and cancellation."""
 
 import time
 from collections.abc import Callable
@@ -12,12 +12,13 @@ from fingerpad.report import write_report
 from fingerpad.study.engine.progress import Progress
 from fingerpad.study.pipeline import Draw, run_study
 from fingerpad.study.results.study_result import StudyResult
-from fingerpad.web.drawing import DRAWING
 from fingerpad.web.errors import RequestError
 from fingerpad.web.events import Events
 
-_EVERY_S: Final = 0.2
-_AT_WORK: Final = frozenset(("running", "cancelling"))
+_INTERVAL_S: Final = 0.2
+# Matplotlib's settings belong to the process: one report at a time, also while a closed study ends its run.
+_DRAWING: Final = Lock()
+_ACTIVE: Final = frozenset(("running", "cancelling"))
 _NOTHING: Final[dict[str, Any]] = {
     "state": "idle",
     "phase": None,
@@ -30,55 +31,55 @@ _NOTHING: Final[dict[str, Any]] = {
     "seconds_left": None,
     "error": None,
     "failures": [],
-    "version": 0,  # counts the changes, so that a page knows an older answer from a newer one
+    "version": 0,  # counts the changes, so that a page can ignore older answers
 }
 
 
 def _write_report(result: StudyResult, folder: Path, draw: Draw, on_drawn: Callable[[str], None]) -> None:
-    with DRAWING:
+    with _DRAWING:
         write_report(result, folder, draw, on_drawn)
 
 
 class RunJob:
-    """One run at a time."""
+    """Runs of a study, one at a time."""
 
     def __init__(self, events: Events) -> None:
         self._events = events
         self._now = dict(_NOTHING)
-        self._started = self._told = 0.0
+        self._started = self._sent_at = 0.0
         self._before = 0
         self._stop = Event()
         self._lock = Lock()
         self._thread: Thread | None = None
 
     def describe(self) -> dict[str, Any]:
-        """Return how far the run is."""
+        """Return the status of the run."""
         with self._lock:
             now = dict(self._now)
-        if now["state"] in _AT_WORK:
+        if now["state"] in _ACTIVE:
             now["seconds"] = time.monotonic() - self._started
         return now
 
     def start(
         self, manifest: Path, out: Path, *, workers: int, force: bool, when_done: Callable[[], None]
     ) -> dict[str, Any]:
-        """Begin a run."""
+        """Start a run."""
         with self._lock:
-            if self._now["state"] in _AT_WORK:
-                raise RequestError.conflict("a run is at work: wait for it to end, or cancel it")
-            begun = {"state": "running", "phase": "measuring", "version": self._now["version"] + 1}
-            self._now = {**_NOTHING, **begun}
-            self._started, self._told = time.monotonic(), 0.0
+            if self._now["state"] in _ACTIVE:
+                raise RequestError.conflict("a run is in progress: wait for it to end, or cancel it")
+            started = {"state": "running", "phase": "measuring", "version": self._now["version"] + 1}
+            self._now = {**_NOTHING, **started}
+            self._started, self._sent_at = time.monotonic(), 0.0
             self._stop.clear()
             self._thread = Thread(
                 target=self._work, args=(manifest, out, workers, force, when_done), name="run", daemon=True
             )
             self._thread.start()
-        self._tell()
+        self._send()
         return self.describe()
 
     def cancel(self) -> dict[str, Any]:
-        """Ask the run to stop; what it has measured is kept."""
+        """Cancel the run; finished measurements are kept."""
         with self._lock:
             if self._now["state"] == "running":
                 self._now |= {"state": "cancelling", "version": self._now["version"] + 1}
@@ -108,7 +109,7 @@ class RunJob:
             end = {"state": "cancelled"}
         except (FingerpadError, OSError) as error:
             end = {"state": "failed", "error": str(error)}
-        except Exception as error:  # a fault of the program: the terminal shows where
+        except Exception as error:  # a bug: the terminal shows the traceback
             end = {
                 "state": "failed",
                 "error": f"the run ended with a fault ({type(error).__name__}: {error})",
@@ -118,20 +119,20 @@ class RunJob:
             with suppress(Exception):
                 when_done()
             self._set(
-                **end, phase=None, current="", file="", seconds=time.monotonic() - self._started, told=True
+                **end, phase=None, current="", file="", seconds=time.monotonic() - self._started, force=True
             )
 
-    def _go_on(self) -> None:
+    def _check_cancelled(self) -> None:
         if self._stop.is_set():
             raise KeyboardInterrupt
 
     def _progress(self, now: Progress) -> None:
-        """Take note of how far the run is, and stop it where that was asked for."""
+        """Record the progress of the run, and stop it if it was cancelled."""
         if now.status == "written":
             if now.item in {"tables", "report"}:
                 self._set(phase=now.item)
             self._set(current=now.item, file="")
-            self._go_on()
+            self._check_cancelled()
             return
         if now.status == "started":
             self._before = now.pictures
@@ -144,16 +145,16 @@ class RunJob:
             file=now.file,
             seconds_left=gone / new * (now.total - now.pictures) if new else None,
         )
-        self._go_on()
+        self._check_cancelled()
 
-    def _set(self, *, told: bool = False, **changes: Any) -> None:
+    def _set(self, *, force: bool = False, **changes: Any) -> None:
         with self._lock:
             self._now |= {**changes, "version": self._now["version"] + 1}
             now = time.monotonic()
-            due = told or "phase" in changes or now - self._told > _EVERY_S
-            self._told = now if due else self._told
+            due = force or "phase" in changes or now - self._sent_at > _INTERVAL_S
+            self._sent_at = now if due else self._sent_at
         if due:
-            self._tell()
+            self._send()
 
-    def _tell(self) -> None:
-        self._events.tell("run", self.describe())
+    def _send(self) -> None:
+        self._events.send("run", self.describe())

@@ -1,4 +1,4 @@
-"""Who may ask: this machine's own page and scripts that know the launch's token, and nobody else.
+"""Access control: only the local page, and scripts that know the token of this launch.
 
 A page on the internet can make a browser send requests to this machine. It cannot read the token,
 set a foreign Host to the loopback's name, or hide the Origin from which it asks. Other people on this machine
@@ -43,7 +43,7 @@ FRAMED_HEADERS: Final = {
 
 
 class Access:
-    """What opens one launch: its token, and codes that are exchanged for it once.
+    """The token of one launch, and single-use codes that are exchanged for it.
 
     Parameters
     ----------
@@ -60,20 +60,20 @@ class Access:
         self._lock = Lock()
 
     def new_code(self, seconds: float) -> str:
-        """Return a code for one use within some time."""
+        """Return a code that is valid once, within some time."""
         code = secrets.token_urlsafe(32)
         with self._lock:
             self._ends[code] = self._clock() + seconds
         return code
 
-    def opens(self, *, token: str, code: str) -> bool:
-        """Tell whether the token is right or the code is good, which it is not again."""
+    def accepts(self, *, token: str, code: str) -> bool:
+        """Tell whether the token or the code is valid; a code is valid once."""
         with self._lock:
             end = self._ends.pop(code, -math.inf)
         return _same(token, self.token) or self._clock() <= end
 
-    def knows(self, headers: Mapping[str, str]) -> bool:
-        """Tell whether a request holds the token: a script's as bearer, a browser's as cookie."""
+    def has_token(self, headers: Mapping[str, str]) -> bool:
+        """Tell whether a request has the token, as bearer token or as cookie."""
         kind, _, given = headers.get("authorization", "").partition(" ")
         if kind.lower() == "bearer" and _same(given.strip(), self.token):
             return True
@@ -85,21 +85,21 @@ class Access:
 
 
 class Guard:
-    """ASGI middleware that lets through what comes from this launch's own page or scripts.
+    """ASGI middleware that passes requests of the local page and of scripts only.
 
     Parameters
     ----------
     app : ASGIApp
-        What is guarded.
+        The application.
     access : Access
-        What opens it.
+        Its access control.
     """
 
     def __init__(self, app: ASGIApp, access: Access) -> None:
         self._app, self._access = app, access
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Refuse a request, or hand it on and add the headers of every answer."""
+        """Refuse a request, or pass it on and add headers to its response."""
         if scope["type"] != "http":
             await self._app(scope, receive, send)
             return
@@ -132,7 +132,7 @@ class Guard:
             return
         if site not in {"same-origin", "none"}:
             raise RequestError(HTTPStatus.FORBIDDEN, "requests from other pages are refused")
-        if not self._access.knows(headers):
+        if not self._access.has_token(headers):
             raise RequestError(
                 HTTPStatus.FORBIDDEN,
                 "this launch's token is missing: open the address that fingerpad app printed when it started",
@@ -140,12 +140,12 @@ class Guard:
 
 
 def _same(given: str, token: str) -> bool:
-    """Tell whether two tokens are the same, in a time that tells nothing of them."""
+    """Compare two tokens in constant time."""
     return secrets.compare_digest(given.encode(), token.encode())
 
 
 def cookie_name(host: str) -> str:
-    """Return the cookie's name: browsers do not part cookies by port, and two launches must not mix."""
+    """Return the cookie's name, with the port: browsers share cookies between the ports of a host."""
     return f"fingerpad-{host.rpartition(':')[2] if ':' in host else 80}"
 
 

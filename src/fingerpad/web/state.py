@@ -1,32 +1,39 @@
-"""The state of a study in one document: what is there, what is missing, how far each item is."""
+"""The state of a study: its contents, missing entries, and the status of each item."""
 
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict
-from typing import Annotated, Any, Final, Literal
+from functools import cache
+from typing import Annotated, Any, Final
 
 import numpy as np
 from pydantic import BaseModel, Field
 
-from fingerpad.image import PHOTOGRAPH_FLAGS
+from fingerpad._files import digest_of
+from fingerpad.exceptions import StoreError
+from fingerpad.image import FACE_AXES, PHOTOGRAPH_FLAGS
 from fingerpad.report.text import FLAG_WORDS
 from fingerpad.report.write import REPORT_NAME
-from fingerpad.study.corrections.history import ActiveCorrection
+from fingerpad.study.corrections.history import CORRECTIONS_NAME, ActiveCorrection
 from fingerpad.study.corrections.log import frames_of
+from fingerpad.study.editing.documents import STUDY_NAME
+from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.manifest import Contact, Finger, Study
+from fingerpad.study.manifest.study import Uncertainty
 from fingerpad.study.measuring.curves import curve_items
 from fingerpad.study.measuring.fingers import is_rejected
+from fingerpad.study.measuring.run import items_of
+from fingerpad.study.measuring.tasks import CacheKeys
 from fingerpad.study.results.columns import COLUMNS
 from fingerpad.study.results.rows import RANGE_NOTES
+from fingerpad.web import answers
 from fingerpad.web.endpoints import Endpoint, Params
-from fingerpad.web.errors import RequestError
-from fingerpad.web.fingers import known_finger
-from fingerpad.web.item_status import item_states, said_the_same
-from fingerpad.web.last_results import Results, last_results, results_faults
+from fingerpad.web.last_results import Results, known_finger, last_results, results_faults
 from fingerpad.web.pictures import kind_of_file
 from fingerpad.web.study_session import Manifest, StudySession
 from fingerpad.web.workspace import Workspace
 
+_UNREADABLE: Final = (OSError, StoreError)
 _WORDS: Final[Mapping[str, Any]] = {
     "flags": dict(FLAG_WORDS),
     "photograph_flags": dict(PHOTOGRAPH_FLAGS),
@@ -36,11 +43,11 @@ _WORDS: Final[Mapping[str, Any]] = {
 
 
 def document(opened: StudySession) -> dict[str, Any]:
-    """Return the state document; nothing is measured for it."""
+    """Return the state of a study; nothing is measured."""
     manifest = opened.read()
     study = manifest.study
     active_corrections = opened.corrections.active_corrections()
-    states: dict[str, str] = {} if study is None else item_states(study, opened, active_corrections)
+    states: dict[str, str] = {} if study is None else _item_states(study, opened, active_corrections)
     found = last_results(opened)
     seen = found.contacts() if found else {}
     counts = Counter(states.values())
@@ -50,7 +57,7 @@ def document(opened: StudySession) -> dict[str, Any]:
         "description": study.description if study else "",
         "digest": manifest.digest,
         "poisson_ratio": study.poisson_ratio if study else 0.5,
-        "uncertainty": study.uncertainty.model_dump() if study else None,
+        "uncertainty": (study.uncertainty if study else Uncertainty()).model_dump(),
         "taken_as_exact": study.taken_as_exact() if study else [],
         "ready": study is not None,
         "missing": [asdict(one) for one in manifest.missing],
@@ -74,7 +81,7 @@ def document(opened: StudySession) -> dict[str, Any]:
             **{name: counts[name] for name in ("done", "failed", "stale", "left")},
             "total": len(states),
         },
-        "run": opened.running.describe(),
+        "run": opened.run_job.describe(),
         "results": {
             "there": found is not None,
             "faults": results_faults(opened),
@@ -88,18 +95,54 @@ def document(opened: StudySession) -> dict[str, Any]:
 def _is_fresh(
     opened: StudySession, study: Study | None, found: Results | None, counts: Mapping[str, int]
 ) -> bool:
-    """Tell whether a run would give the same results again, its report included."""
+    """Tell whether the results and the report are up to date."""
     if study is None or found is None or counts["stale"] + counts["left"] or not _has_report(opened):
         return False
-    return said_the_same(opened, study, found.summary["provenance"])
+    return _same_inputs(opened, study, found.summary["provenance"])
 
 
 def _has_report(opened: StudySession) -> bool:
     return (opened.out / REPORT_NAME).is_file()
 
 
+def _item_states(
+    study: Study, opened: StudySession, active_corrections: Mapping[str, ActiveCorrection]
+) -> dict[str, str]:
+    """Return the status of each item: done, failed, stale or left.
+
+    An item that is not in the store is left; its file is not read.
+    """
+    keys = CacheKeys(study=study, folder=opened.folder, digest=str, active_corrections=active_corrections)
+    states = {name: "left" for name, _ in items_of(keys)}
+    path = opened.out / STORE_NAME
+    if not path.is_file():
+        return states
+    try:
+        with Store.reading(path) as store:
+            statuses = store.statuses()
+            keys = CacheKeys(
+                study=study,
+                folder=opened.folder,
+                digest=cache(store.digest),
+                active_corrections=active_corrections,
+            )
+            for name, key in items_of(keys):
+                if (status := statuses.get(name)) is not None:
+                    states[name] = status.status if status.key == key() else "stale"
+    except _UNREADABLE:
+        return states  # the run reports what is wrong with it
+    return states
+
+
+def _same_inputs(opened: StudySession, study: Study, provenance: Mapping[str, Any]) -> bool:
+    """Tell whether manifest, spreadsheet and corrections are those of a run."""
+    names = [STUDY_NAME, *([study.observations_csv] if study.observations_csv else []), CORRECTIONS_NAME]
+    known = provenance["inputs_sha256"]
+    return all(digest_of(opened.folder / name) == known.get(name, "") for name in names)
+
+
 def review_record(active_correction: ActiveCorrection | None) -> dict[str, Any]:
-    """Return what a person has said of an item."""
+    """Return the review of an item."""
     return {
         "corrected": active_correction is not None and bool(active_correction.change.edits),
         "accepted": active_correction is not None and active_correction.change.accepted,
@@ -109,8 +152,25 @@ def review_record(active_correction: ActiveCorrection | None) -> dict[str, Any]:
 
 
 def stated(table: BaseModel) -> dict[str, Any]:
-    """Return what the manifest says in a table, without defaults."""
+    """Return the keys that the manifest states in a table."""
     return table.model_dump(mode="json", exclude_unset=True)
+
+
+def _values(table: Mapping[str, Any], kinds: type | tuple[type, ...], *names: str) -> dict[str, Any]:
+    """Return values of a table by name, None where one is missing or of another type.
+
+    A table that is not complete yet may hold anything.
+    """
+    values = {name: table.get(name) for name in names}
+    return {
+        name: value if isinstance(value, kinds) and not isinstance(value, bool) else None
+        for name, value in values.items()
+    }
+
+
+def _text(table: Mapping[str, Any], name: str) -> str | None:
+    value: str | None = _values(table, str, name)[name]
+    return value
 
 
 def _tables(manifest: Manifest, kind: str) -> Iterator[tuple[str, dict[str, Any], bool]]:
@@ -153,7 +213,7 @@ def _finger(
         "name": name,
         "table": table,
         "complete": complete,
-        "synthetic": table.get("synthetic", False),
+        "synthetic": table.get("synthetic") is True,
         "semi_axes_mm": known and dict(zip(axes, known.semi_axes.tolist(), strict=True)),
         "semi_axes_mm_std": known
         and dict(zip(axes, np.sqrt(known.covariance.diagonal()).tolist(), strict=True)),
@@ -169,14 +229,17 @@ def _photograph(
     states: Mapping[str, str],
     active_corrections: Mapping[str, ActiveCorrection],
 ) -> dict[str, Any]:
-    file = table.get("file") or table.get("outline")
+    file = _text(table, "file") or _text(table, "outline")
+    face = _text(table, "face")
     return {
         "item": f"{finger}/{file}",
         "file": file,
         "outline": "outline" in table,
         "status": "given" if "outline" in table else _status(f"{finger}/{file}", states, active_corrections),
-        **{key: table.get(key) for key in ("face", "scale", "tip", "palmar_side")},
-        "synthetic": table.get("synthetic", False),
+        "face": face if face in FACE_AXES else None,
+        **_values(table, str, "tip", "palmar_side"),
+        **_values(table, (str, dict), "scale"),
+        "synthetic": table.get("synthetic") is True,
         **review_record(active_corrections.get(f"{finger}/{file}")),
     }
 
@@ -193,11 +256,12 @@ def _observation(
     row = seen.get(name, {})
     return {
         "item": name,
-        **{key: table.get(key) for key in ("finger", "wedge_angle_deg", "load_N", "scale")},
-        "roll_angle_deg": table.get("roll_angle_deg", 0.0),
-        "file": table.get("file"),
-        "notes": table.get("notes", ""),
-        "synthetic": table.get("synthetic", False),
+        **_values(table, str, "finger"),
+        **_values(table, (int, float), "wedge_angle_deg", "roll_angle_deg", "load_N"),
+        **_values(table, (str, dict), "scale"),
+        "file": _text(table, "file"),
+        "notes": _text(table, "notes") or "",
+        "synthetic": table.get("synthetic") is True,
         "status": "given" if "ellipse_mm" in table else _status(name, states, active_corrections),
         "flags": (row.get("flags") or "").split(),
         "reason": row.get("reason"),
@@ -207,7 +271,7 @@ def _observation(
 
 
 def _status(item: str, states: Mapping[str, str], active_corrections: Mapping[str, ActiveCorrection]) -> str:
-    """Return how far an item is; what a person rejected is nothing else."""
+    """Return the status of an item; rejected items are only that."""
     return "rejected" if is_rejected(active_corrections.get(item)) else states.get(item, "left")
 
 
@@ -225,55 +289,40 @@ def _sequence(
     of_frames = frames_of(active_corrections, name).values()
     return {
         "name": name,
-        **{key: table.get(key) for key in ("finger", "wedge_angle_deg", "force", "scale")},
-        "roll_angle_deg": table.get("roll_angle_deg", 0.0),
-        "file": table.get("file"),
-        "synthetic": table.get("synthetic", False),
+        **_values(table, str, "finger", "force"),
+        **_values(table, (int, float), "wedge_angle_deg", "roll_angle_deg", "frames_per_second"),
+        **_values(table, (str, dict), "scale"),
+        "file": _text(table, "file"),
+        "synthetic": table.get("synthetic") is True,
         "status": states.get(name, "left"),
         "frames": opened.count_frames(opened.sequence(name)) if complete else None,
         "flags": Counter(flag for row in rows for flag in (row["flags"] or "").split()),
         "corrected": sum(bool(active_correction.change.edits) for active_correction in of_frames),
         "rejected": sum(active_correction.change.rejected is not None for active_correction in of_frames),
         "reviewed": len(of_frames),
-        "table": table,
         "complete": complete,
     }
 
 
 def _curves(manifest: Manifest, states: Mapping[str, str], found: Results | None) -> list[dict[str, Any]]:
-    shown = ("finger", "wedge_angle_deg", "file", "loading_radius_mm")
+    place = ("finger", "wedge_angle_deg", "file")
     items = iter(() if manifest.study is None else curve_items(manifest.study))
     seen = found.summary["curves"] if found else []
-    reasons = {tuple(one[name] for name in shown[:3]): one["reason"] for one in seen}
+    reasons = {tuple(one[name] for name in place): one["reason"] for one in seen}
 
     def described(key: str, table: dict[str, Any], complete: bool) -> dict[str, Any]:
         item = next(items)[0] if complete and table.get("file") else ""
         return {
             "key": key,
-            **{name: table.get(name) for name in shown},
-            "synthetic": table.get("synthetic", False),
-            "table": table,
+            **_values(table, str, "finger", "file"),
+            **_values(table, (int, float), "wedge_angle_deg", "loading_radius_mm", "loading_radius_mm_std"),
+            "synthetic": table.get("synthetic") is True,
             "complete": complete,
             "status": states.get(item, "given"),
-            "reason": reasons.get(tuple(table.get(name) for name in shown[:3])) if complete else None,
+            "reason": reasons.get(tuple(table.get(name) for name in place)) if complete else None,
         }
 
     return [described(*one) for one in _tables(manifest, "curve")]
-
-
-class TableParams(Params):
-    """A table of the manifest."""
-
-    kind: Literal["finger", "observation", "sequence", "curve"]
-    key: Annotated[str, Field(max_length=1000)]
-
-
-def table(workspace: Workspace, params: TableParams, _: Any) -> dict[str, Any]:
-    """Return what the manifest says in one table."""
-    for key, content, complete in _tables(workspace.study.read(), params.kind):
-        if key == params.key:
-            return {"table": content, "complete": complete}
-    raise RequestError.not_there(f"no {params.kind} is named {params.key!r}")
 
 
 def _files(opened: StudySession, manifest: Manifest) -> list[dict[str, Any]]:
@@ -291,12 +340,12 @@ def _files(opened: StudySession, manifest: Manifest) -> list[dict[str, Any]]:
 
 
 def state(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
-    """Return the state of the study that is open."""
+    """Return the state of the open study."""
     return document(workspace.study)
 
 
 class FramesParams(Params):
-    """Which frames of which film."""
+    """Frames of a sequence."""
 
     sequence: Annotated[str, Field(max_length=100)]
     offset: Annotated[int, Field(ge=0, le=10**9)] = 0
@@ -304,7 +353,7 @@ class FramesParams(Params):
 
 
 def frames(workspace: Workspace, params: FramesParams, _: Any) -> dict[str, Any]:
-    """Return the frames of a film, as far as the last run has seen them."""
+    """Return frames of a sequence, with the results of the last run."""
     opened = workspace.study
     sequence = opened.sequence(params.sequence)
     found = last_results(opened)
@@ -336,19 +385,17 @@ def _frame(
 ENDPOINTS: Final = (
     Endpoint(
         method="GET",
-        path="/api/study/table",
-        answer=table,
-        query=TableParams,
-        summary="What the manifest says in one table",
-    ),
-    Endpoint(
-        method="GET", path="/api/study", answer=state, summary="What is there, what is missing, how far"
+        path="/api/study",
+        answer=state,
+        model=answers.State,
+        summary="State of the study",
     ),
     Endpoint(
         method="GET",
         path="/api/study/frames",
         answer=frames,
+        model=answers.Frames,
         query=FramesParams,
-        summary="Frames of a film",
+        summary="Frames of a sequence",
     ),
 )

@@ -1,4 +1,4 @@
-"""Starting, opening and closing studies, and running the one that is open."""
+"""Create, open, close, edit and run studies."""
 
 import os
 from http import HTTPStatus
@@ -11,6 +11,7 @@ from fingerpad.study.editing.documents import STUDY_NAME
 from fingerpad.study.editing.edit import create_study
 from fingerpad.study.editing.incomplete import Kind
 from fingerpad.study.editing.state import Edit
+from fingerpad.web import answers
 from fingerpad.web.endpoints import Endpoint, Params
 from fingerpad.web.errors import RequestError
 from fingerpad.web.state import document
@@ -20,32 +21,32 @@ _Name = Annotated[str, Field(pattern=NAME, max_length=60)]
 
 
 class NewParams(Params):
-    """A study to start."""
+    """Name and title of a new study."""
 
     name: _Name
     title: Annotated[str, Field(max_length=200)] = ""
 
 
 class OpenParams(Params):
-    """A study of the workspace."""
+    """Name of a study of the workspace."""
 
     name: Annotated[str, Field(min_length=1, max_length=255)]
 
 
 class RunParams(Params):
-    """How to run."""
+    """Options of a run."""
 
     workers: Annotated[int, Field(ge=1, le=64)] = 1
     force: bool = False
 
 
 def session(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
-    """Return what there is to open, and what is open."""
+    """Return the studies of the workspace and the open one."""
     return workspace.describe()
 
 
 def new(workspace: Workspace, _: Any, params: NewParams) -> dict[str, Any]:
-    """Start a study in a new folder."""
+    """Create a study in a new folder."""
     folder = workspace.new_folder(params.name)
     create_study(folder, params.title or params.name)
     return document(workspace.open_folder(folder))
@@ -57,7 +58,7 @@ def open_study(workspace: Workspace, _: Any, params: OpenParams) -> dict[str, An
 
 
 class EditParams(Params):
-    """One change of the manifest."""
+    """One edit of the manifest."""
 
     kind: Kind
     key: Annotated[str, Field(max_length=1000)]
@@ -65,14 +66,14 @@ class EditParams(Params):
 
 
 class EditsParams(Params):
-    """Some changes of the manifest as it was last seen."""
+    """Edits of the manifest, whose digest is `expected`."""
 
     expected: Annotated[str, Field(max_length=100)]
     edits: Annotated[list[EditParams], Field(min_length=1, max_length=10_000)]
 
 
 def edit(workspace: Workspace, _: Any, params: EditsParams) -> dict[str, Any]:
-    """Change the manifest: all edits or none."""
+    """Apply all edits to the manifest, or none."""
     opened = workspace.study
     edits = [Edit(kind=one.kind, key=one.key, set=one.set) for one in params.edits]
     try:
@@ -80,7 +81,7 @@ def edit(workspace: Workspace, _: Any, params: EditsParams) -> dict[str, Any]:
     except EditConflict as conflict:
         raise RequestError.conflict(str(conflict), digest=opened.read().digest) from conflict
     found = document(opened)
-    workspace.events.tell("study", {"digest": found["digest"]})
+    workspace.events.send("study", {"digest": found["digest"]})
     return found
 
 
@@ -91,49 +92,66 @@ def close(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
 
 
 def run(workspace: Workspace, _: Any, params: RunParams) -> dict[str, Any]:
-    """Begin to run the study."""
+    """Start a run of the study."""
     opened = workspace.study
     opened.study()
     workers = min(params.workers, os.cpu_count() or 1)
-    return opened.running.start(
+    return opened.run_job.start(
         opened.folder / STUDY_NAME,
         opened.out,
         workers=workers,
         force=params.force,
-        when_done=lambda: workspace.events.tell("study", {"digest": opened.read().digest}),
+        when_done=lambda: workspace.events.send("study", {"digest": opened.read().digest}),
     )
 
 
 def progress(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
-    """Return how far the run is."""
-    return workspace.study.running.describe()
+    """Return the status of the run."""
+    return workspace.study.run_job.describe()
 
 
 def cancel(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
-    """Stop the run; what it has measured is kept."""
-    return workspace.study.running.cancel()
+    """Stop the run; finished measurements are kept."""
+    return workspace.study.run_job.cancel()
 
 
 ENDPOINTS: Final = (
     Endpoint(
-        method="GET", path="/api/session", answer=session, summary="What is open, and what there is to open"
+        method="GET",
+        path="/api/session",
+        answer=session,
+        model=answers.Session,
+        summary="The open study, and the studies of the workspace",
     ),
     Endpoint(
         method="POST",
         path="/api/session/new",
         answer=new,
+        model=answers.State,
         body=NewParams,
         status=HTTPStatus.CREATED,
-        summary="Start a study",
+        summary="Create a study",
     ),
     Endpoint(
-        method="POST", path="/api/session/open", answer=open_study, body=OpenParams, summary="Open a study"
+        method="POST",
+        path="/api/session/open",
+        answer=open_study,
+        model=answers.State,
+        body=OpenParams,
+        summary="Open a study",
     ),
-    Endpoint(method="POST", path="/api/session/close", answer=close, summary="Close the study"),
+    Endpoint(
+        method="POST",
+        path="/api/session/close",
+        answer=close,
+        model=answers.Session,
+        summary="Close the study",
+    ),
     Endpoint(
         method="POST",
         path="/api/study/edits",
         answer=edit,
+        model=answers.State,
         body=EditsParams,
         summary="Change the manifest: all edits or none",
     ),
@@ -141,16 +159,20 @@ ENDPOINTS: Final = (
         method="POST",
         path="/api/run",
         answer=run,
+        model=answers.RunStatus,
         body=RunParams,
         status=HTTPStatus.ACCEPTED,
         summary="Run the study",
     ),
-    Endpoint(method="GET", path="/api/run", answer=progress, summary="How far the run is"),
+    Endpoint(
+        method="GET", path="/api/run", answer=progress, model=answers.RunStatus, summary="Status of the run"
+    ),
     Endpoint(
         method="POST",
         path="/api/run/cancel",
         answer=cancel,
+        model=answers.RunStatus,
         status=HTTPStatus.ACCEPTED,
-        summary="Stop the run; what is done is kept",
+        summary="Stop the run; finished measurements are kept",
     ),
 )

@@ -1,4 +1,4 @@
-"""The study that is open: its manifest as it is now, its items and their pictures, its results."""
+"""The open study: its current manifest, items, images and results."""
 
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -12,6 +12,7 @@ from pydantic import BaseModel
 from fingerpad._files import digest_of
 from fingerpad.exceptions import ImageError, ManifestError
 from fingerpad.image import Frame, open_frames
+from fingerpad.study.corrections.log import CorrectionLog
 from fingerpad.study.editing.checklist import Missing, missing_of
 from fingerpad.study.editing.documents import DRAFT_NAME, STUDY_NAME
 from fingerpad.study.editing.edit import change_study, study_state
@@ -26,33 +27,32 @@ from fingerpad.study.manifest import (
     Study,
 )
 from fingerpad.study.manifest.read import file_inside
-from fingerpad.web.correction_log import Corrections
 from fingerpad.web.errors import RequestError
 from fingerpad.web.events import Events
 from fingerpad.web.pictures import Cache, ImageLocation, Pictures
 from fingerpad.web.run_job import RunJob
 
 _MOST_FILES: Final = 100_000
-_PATIENCE_S: Final = 30.0
+_TIMEOUT_S: Final = 30.0
 _OWN: Final = frozenset(("study.toml", "draft.toml", "corrections.jsonl"))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Manifest:
-    """What the manifest says now.
+    """The current content of the manifest.
 
     Attributes
     ----------
     title : str
         Of the study.
     digest : str
-        Stands for all of it: changed by any edit.
+        Digest of its content.
     study : Study or None
-        What is complete; None where nothing is.
+        The complete part; None where there is none.
     incomplete : tuple of IncompleteTable
-        Tables that lack something.
+        Incomplete tables.
     missing : tuple of Missing
-        What there is to do, in words.
+        Missing entries.
     """
 
     title: str
@@ -70,7 +70,7 @@ class StudySession:
     folder, out : Path
         The study folder, and the folder of results.
     events : Events
-        Who is told of changes.
+        Receives the events.
     memory_limit : int
         The most bytes that reading and measuring a picture may take, as for `read_image`.
     """
@@ -80,8 +80,8 @@ class StudySession:
         self.events = events
         self.memory_limit = memory_limit
         self.pictures = Pictures(memory_limit)
-        self.running = RunJob(events)
-        self.corrections = Corrections(folder)
+        self.run_job = RunJob(events)
+        self.corrections = CorrectionLog(folder)
         self._counts: Cache[int] = Cache(10_000, lambda _: 1)
         self._digests: Cache[str] = Cache(10_000, lambda _: 1)
         self._read: tuple[object, Manifest] | None = None
@@ -94,12 +94,12 @@ class StudySession:
         return self.folder.name
 
     def close(self) -> None:
-        """Stop what is at work, and wait until it has put down what it had in hand."""
-        self.running.cancel()
-        self.running.wait(_PATIENCE_S)
+        """Cancel the run, and wait until it has stopped."""
+        self.run_job.cancel()
+        self.run_job.wait(_TIMEOUT_S)
 
     def read(self) -> Manifest:
-        """Return what the manifest says, read again when a file of it has changed."""
+        """Return the manifest, read again if one of its files has changed."""
         with self._lock:
             if self._read is None or self._read[0] != self._stamp_with(self._read[1]):
                 found = self._manifest()
@@ -108,7 +108,7 @@ class StudySession:
             return self._read[1]
 
     def study(self) -> Study:
-        """Return what is complete of the study."""
+        """Return the complete part of the study."""
         found = self.read()
         if found.study is None:
             words = "; ".join(one.words for one in found.missing)
@@ -117,7 +117,7 @@ class StudySession:
         return found.study
 
     def _stamp_with(self, manifest: Manifest) -> object:
-        """Return what changes when a file of the manifest does, or when any file comes or goes."""
+        """Return a stamp that changes with the manifest and with the list of files."""
         sheet = manifest.study.observations_csv if manifest.study is not None else None
         names = [STUDY_NAME, DRAFT_NAME, *([sheet] if sheet is not None else [])]
         return [_stamp_of(path) for path in (*(self.folder / name for name in names), *self._folders)]
@@ -154,7 +154,7 @@ class StudySession:
         return found
 
     def photograph(self, item: str) -> tuple[Finger, Photograph]:
-        """Return a photograph, and whose it is, by finger and file."""
+        """Return a photograph and its finger, by finger and file."""
         finger_name, _, file = item.partition("/")
         for finger in self.study().fingers:
             for photograph in finger.photographs:
@@ -163,7 +163,7 @@ class StudySession:
         raise RequestError.not_there(f"no item is named {item!r}")
 
     def count_frames(self, sequence: ContactSequence) -> int | None:
-        """Return how many frames a film has, None where it cannot be opened."""
+        """Return the number of frames of a sequence, None where it cannot be opened."""
         path = self.folder / sequence.file
         try:
             return self._counts.get(
@@ -174,7 +174,7 @@ class StudySession:
             return None
 
     def place_of(self, item: str) -> ImageLocation:
-        """Return where an item's picture is: only files of the study that its manifest or draft names."""
+        """Return the location of an item's image; only files named by the manifest or the draft."""
         name, mark, number = item.rpartition("#")
         if item.startswith("file:"):
             return ImageLocation(self.file(item.removeprefix("file:")), colour=True)
@@ -201,7 +201,7 @@ class StudySession:
         return file if isinstance(file, str) else None
 
     def _content(self, kind: str, key: str) -> Mapping[str, Any]:
-        """Return what the manifest or its draft says in a table, empty where there is none."""
+        """Return a table of the manifest or the draft, empty where there is none."""
         found = self.read()
         for one in found.incomplete:
             if (one.kind, one.key) == (kind, key):
@@ -216,7 +216,7 @@ class StudySession:
         return {} if table is None else table.model_dump(exclude_none=True)
 
     def shape_of(self, item: str) -> tuple[int, int] | None:
-        """Return rows and columns of an item's picture, None where it has none."""
+        """Return rows and columns of an item's image, None where it has none."""
         if "/" not in item and "#" not in item and (one := self.observation(item)) and one.file is None:
             return None
         place = self.place_of(item)
@@ -239,7 +239,7 @@ class StudySession:
             return ""
 
     def files(self) -> dict[str, os.stat_result]:
-        """Return every file of the study folder by its name in the manifest's manner, results left aside."""
+        """Return all files of the study folder except results, by their relative names."""
         found: dict[str, os.stat_result] = {}
         folders: list[Path] = []
         waiting = [self.folder]
@@ -264,14 +264,14 @@ class StudySession:
         return path
 
     def film(self, name: str) -> Path:
-        """Return the path of a film: a file of the study, or a folder of frames."""
+        """Return the path of a sequence: a file of the study, or a folder of frames."""
         path = self._inside(name)
         if path is None or not path.exists():
-            raise RequestError.not_there(f"the study holds no film {name[:80]!r}")
+            raise RequestError.not_there(f"the study holds no sequence {name[:80]!r}")
         return file_inside(self.folder, name, STUDY_NAME, "file", may_be_folder=True)
 
     def _inside(self, name: str) -> Path | None:
-        """Return the path that a name has, None where it leads out of the study or to what is no input."""
+        """Return the path of a name, None if it is outside the study or not an input."""
         parts = PurePosixPath(name).parts
         if not parts or any(part.startswith(".") for part in parts) or parts[0] in _OWN:
             return None
@@ -293,7 +293,7 @@ def _stamp_of(path: Path) -> tuple[int, int, int] | None:
 
 
 def _entries(folder: Path) -> Iterator[os.DirEntry[str]]:
-    """Yield what lies in a folder and is not hidden."""
+    """Yield the entries of a folder that are not hidden."""
     try:
         with os.scandir(folder) as entries:
             yield from (entry for entry in entries if not entry.name.startswith("."))

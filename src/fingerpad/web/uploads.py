@@ -1,4 +1,4 @@
-"""Files that come from the page: streamed to the disk, and named by nothing but letters of their own."""
+"""Uploaded files: streamed to the disk under safe names."""
 
 import hashlib
 import os
@@ -31,7 +31,7 @@ _SUFFIXES: Final = frozenset(
 def plain_name(name: str) -> str:
     """Return a file's name with letters, digits and _ + - only, and . in decimal fractions.
 
-    The fraction must stay: the page reads the load from the name, and 0.5N is not 5N.
+    The decimal point is kept: the page reads the load from the name, and 0.5N is not 5N.
 
     Examples
     --------
@@ -77,7 +77,7 @@ async def stored(request: Request, limit: int, folder: Path) -> tuple[Path, str]
 
 
 async def _written(request: Request, limit: int, file: IO[bytes]) -> str:
-    """Write a body to the disk as it comes, and return its SHA-256."""
+    """Write a body to the disk as it arrives, and return its SHA-256."""
     digest, size = hashlib.sha256(), 0
     async for part in request.stream():
         size += len(part)
@@ -97,7 +97,7 @@ def _too_large(limit: int) -> RequestError:
 
 
 def kept(opened: StudySession, path: Path, digest: str, name: str) -> tuple[dict[str, Any], bool]:
-    """Give an uploaded file its name in the study; return what it is, and whether it is new."""
+    """Move an uploaded file into the study; return its description, and whether it is new."""
     target = placed(path, path.parent / name, digest)
     new = not path.exists()
     path.unlink(missing_ok=True)
@@ -105,7 +105,7 @@ def kept(opened: StudySession, path: Path, digest: str, name: str) -> tuple[dict
 
 
 def placed(path: Path, target: Path, digest: str | None = None) -> Path:
-    """Give a file another name, numbered where that is taken; one of the same SHA-256 stands for it."""
+    """Rename a file, with a number if the name is taken by a file of another SHA-256."""
     for number in count(1):
         free = target if number == 1 else target.with_stem(f"{target.stem}-{number}")
         try:
@@ -120,7 +120,7 @@ def placed(path: Path, target: Path, digest: str | None = None) -> Path:
 
 
 def described(opened: StudySession, path: Path) -> dict[str, Any]:
-    """Return what a file is, as far as it can be told without measuring."""
+    """Return the kind and size of a file."""
     record: dict[str, Any] = {
         "file": path.relative_to(opened.folder).as_posix(),
         "kind": kind_of_file(path.name),

@@ -1,10 +1,11 @@
-"""The bench of one launch: the workspace, the study that is open, and who listens."""
+"""The workspace: its studies, the open one, and the listeners to its events."""
 
 import getpass
 import os
 import re
 import shutil
 from http import HTTPStatus
+from importlib.metadata import version
 from pathlib import Path
 from threading import Lock
 from typing import Any, Final
@@ -19,11 +20,13 @@ from fingerpad.web.study_session import StudySession
 UPLOAD_LIMIT: Final = 4 * 2**30
 # A folder's name holds letters, digits and . _ + - only, as all names of a study.
 NAME: Final = r"^\w[\w.+-]{0,59}$"
+# The version changes the address, so that browsers may keep the script.
+PLOTLY_ADDRESS: Final = f"/static/vendor/plotly-{version('plotly')}.min.js"
 _MANIFESTS: Final = (STUDY_NAME, DRAFT_NAME)
 
 
 class Workspace:
-    """What one launch of the page works on.
+    """A folder of studies, one of which can be open.
 
     Parameters
     ----------
@@ -32,7 +35,7 @@ class Workspace:
     upload_limit : int
         The most bytes of one file.
     import_limit : int or None
-        The most bytes of a study that is brought as a ZIP; None for what the disk has room for.
+        The most bytes of an imported study; None for the free space of the disk.
     memory_limit : int
         The most bytes that reading and measuring one picture may take, as for `read_image`.
     """
@@ -53,18 +56,18 @@ class Workspace:
 
     @property
     def study(self) -> StudySession:
-        """The study that is open."""
+        """The open study."""
         if self._study is None:
-            raise RequestError.not_there("no study is open: start one, or open one")
+            raise RequestError.not_there("no study is open: create one, or open one")
         return self._study
 
     @property
     def name(self) -> str | None:
-        """Name of the study that is open."""
+        """Name of the open study, None if there is none."""
         return None if self._study is None else self._study.name
 
     def describe(self) -> dict[str, Any]:
-        """Return what there is to open, and what is open."""
+        """Return the studies of the workspace and the open one."""
         study = self._study
         return {
             "version": fingerpad.__version__,
@@ -72,6 +75,7 @@ class Workspace:
             "workspace": self.workspace.name,
             "studies": [{"name": name, "title": title_of(self.workspace / name)} for name in self.studies()],
             "who": _login(),
+            "plotly": PLOTLY_ADDRESS,
             "limits": {"upload_bytes": self.upload_limit, "picture_memory_bytes": self.memory_limit},
         }
 
@@ -102,25 +106,25 @@ class Workspace:
             if self._study is not None:
                 self._study.close()
             self._study = opened
-            self.events.tell("session", {"study": self._study.name})
+            self.events.send("session", {"study": self._study.name})
             return self._study
 
     def close(self) -> None:
-        """Close the study that is open; a run at work is stopped, and what it has is kept."""
+        """Close the open study; a run is stopped, and its finished measurements are kept."""
         with self._lock:
             if self._study is not None:
                 self._study.close()
             self._study = None
-            self.events.tell("session", {"study": None})
+            self.events.send("session", {"study": None})
 
     @property
     def room(self) -> int:
-        """The most bytes of a study that can be brought now."""
+        """The most bytes of a study that can be imported now."""
         free = shutil.disk_usage(self.workspace).free
         return free if self.import_limit is None else min(free, self.import_limit)
 
     def new_folder(self, name: str) -> Path:
-        """Return the path of a sub-folder of the workspace that is not there yet."""
+        """Return the path of a new sub-folder of the workspace."""
         if not re.fullmatch(NAME, name):
             raise RequestError(
                 HTTPStatus.BAD_REQUEST, f"{name!r}: write the name with letters, digits and . _ + - only"
@@ -132,7 +136,7 @@ class Workspace:
 
 
 def _login() -> str:
-    """Return the name under which this person works here; some machines have none."""
+    """Return the user's login name, empty on systems without one."""
     try:
         return getpass.getuser()
     except (OSError, KeyError):

@@ -1,7 +1,7 @@
-"""The bench as people meet it: `fingerpad app` in a process of its own, and its page in a real Chromium.
+"""`fingerpad app` in a process of its own, and its page in Chromium.
 
-Every tab writes down what it asks for and what its console says; a test ends by proving that nothing was
-asked of another machine and that the console stayed silent.
+Each tab records its requests and console messages; each test ends by checking that there were no requests to
+other machines and no messages.
 """
 
 import re
@@ -18,7 +18,7 @@ ROOT = Path(__file__).resolve().parents[3]
 DEMO = ROOT / "examples" / "dzidek2017"
 REAL = ROOT.parent / "shared" / "data"
 PRINTS = REAL / "nist_nbis_livescan_slaps"
-PATIENCE_MS = 60_000  # machines that test are busy
+PATIENCE_MS = 60_000  # test machines may be slow
 
 
 class Served:
@@ -76,7 +76,7 @@ class Tab:
 
     def open(self, step: str = "study") -> Page:
         self.page.goto(self.server.address)
-        self.page.locator("#rail .brand").wait_for()
+        self.page.locator("#sidebar .brand").wait_for()
         if step != "study":
             self.go(step)
         return self.page

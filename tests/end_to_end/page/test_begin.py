@@ -1,4 +1,4 @@
-"""Beginning: a study from loose files, its scale, its run, and what is taken away."""
+"""New studies: files, scale, run, export and import."""
 
 import re
 import shutil
@@ -18,7 +18,7 @@ PICTURE_THERE = """() => document.querySelector('.stage .picture').naturalWidth
 
 
 def begin(page, title: str = "Index finger") -> None:
-    page.get_by_label("What it is about").fill(title)
+    page.get_by_label("Title").fill(title)
     page.keyboard.press("Enter")
     page.get_by_role("heading", name=title).wait_for()
 
@@ -31,14 +31,14 @@ def say_scale(page, name: str, way: str, field: str, value: str, takes: str) -> 
     page.get_by_label(field).press("Enter")
     page.get_by_label("Name", exact=True).fill(name)
     page.get_by_role("button", name=f"Only {takes}").click()
-    page.get_by_role("button", name="Keep this scale").click()
+    page.get_by_role("button", name="Save scale").click()
     page.get_by_role("heading", name=f"Scale {name}").wait_for()
 
 
 def test_six_files_become_a_plot(empty_tab: Tab) -> None:
     page = empty_tab.open()
     begin(page)
-    page.get_by_role("heading", name="Still missing").wait_for()
+    page.get_by_role("heading", name="Missing").wait_for()
     page.set_input_files("input[type=file][multiple]", FACES + CONTACTS)
     page.get_by_role("heading", name="6 new files").wait_for()
     assert page.get_by_label("Face on photograph_distal.jpg").input_value() == "distal"
@@ -51,9 +51,9 @@ def test_six_files_become_a_plot(empty_tab: Tab) -> None:
     page.keyboard.type("0")  # into the field that was clicked
     assert page.get_by_label("Load of synthetic_30deg_4N.png, newtons").input_value() == "40"
     page.keyboard.press("Backspace")
-    page.get_by_label("These files were rendered or simulated, not taken of a finger").check()
-    page.get_by_role("button", name="Use them").click()
-    page.get_by_role("heading", name="Still missing").wait_for()
+    page.get_by_label("These files are synthetic (rendered or simulated)").check()
+    page.get_by_role("button", name="Add to study").click()
+    page.get_by_role("heading", name="Missing").wait_for()
     page.locator("h1").click()
     page.keyboard.press("2")
     say_scale(page, "camera", "mm/px", "Millimetres per pixel", "0.05", takes="photographs")
@@ -77,10 +77,10 @@ def test_six_files_become_a_plot(empty_tab: Tab) -> None:
     assert "wedge_angle_deg_std = 0.5" in manifest
 
 
-def test_who_presses_twice_means_it_once(empty_tab: Tab) -> None:
+def test_a_double_press_creates_one_study(empty_tab: Tab) -> None:
     page = empty_tab.open()
     late = Late(page, "**/api/session/new")
-    page.get_by_label("What it is about").fill("Once")
+    page.get_by_label("Title").fill("Once")
     page.keyboard.press("Enter")
     page.keyboard.press("Enter")
     late.let_go()
@@ -106,22 +106,22 @@ def test_files_dropped_on_the_page(empty_tab: Tab) -> None:
     )
 
 
-def test_file_taken_away_comes_back_with_what_was_typed(tab: Tab, demo, tmp_path) -> None:
+def test_removed_file_is_restored_with_its_entries(tab: Tab, demo, tmp_path) -> None:
     page = tab.open()
     shutil.copy(demo / "synthetic" / "synthetic_30deg_1N.png", tmp_path / "print.png")
     page.locator("input[type=file]").set_input_files([tmp_path / "print.png"])
     page.get_by_label("Finger on print.png").fill("synthetic_pad")
-    page.get_by_role("button", name="Take print.png away").click()
-    page.get_by_text("print.png was taken away.").wait_for()
+    page.get_by_role("button", name="Remove print.png").click()
+    page.get_by_text("print.png was removed.").wait_for()
     page.locator(".new-files").wait_for(state="hidden")
     assert not (demo / "uploads" / "print.png").exists()
     page.get_by_role("button", name="Undo").click()
-    page.get_by_text("print.png is back.").wait_for()
+    page.get_by_text("print.png was restored.").wait_for()
     assert page.get_by_label("Finger on print.png").input_value() == "synthetic_pad"
     assert (demo / "uploads" / "print.png").read_bytes() == (tmp_path / "print.png").read_bytes()
 
 
-def test_wrong_value_is_refused_in_words_and_nothing_is_lost(tab: Tab, demo) -> None:
+def test_wrong_value_is_refused_with_a_message(tab: Tab, demo) -> None:
     tab.expected.append("422")
     before = (demo / "study.toml").read_text()
     page = tab.open()
@@ -132,7 +132,7 @@ def test_wrong_value_is_refused_in_words_and_nothing_is_lost(tab: Tab, demo) -> 
     assert (demo / "study.toml").read_text() == before
 
 
-def test_finger_is_renamed_with_all_that_goes_by_it(tab: Tab, demo) -> None:
+def test_finger_is_renamed_with_its_contacts(tab: Tab, demo) -> None:
     tab.expected.append("422")
     page = tab.open()
     for name in ("synthetic_pad", "right_middle"):  # the first is another finger's
@@ -148,34 +148,34 @@ def test_finger_is_renamed_with_all_that_goes_by_it(tab: Tab, demo) -> None:
     assert rows.count(",right_middle,") == 2
 
 
-def test_what_is_not_complete_is_named_and_left_out(tab: Tab, demo, tmp_path) -> None:
+def test_incomplete_entries_are_named_and_skipped(tab: Tab, demo, tmp_path) -> None:
     page = tab.open()
     shutil.copy(demo / "synthetic" / "synthetic_30deg_1N.png", tmp_path / "print.png")
     page.locator("input[type=file]").set_input_files([tmp_path / "print.png"])
     page.get_by_label("Finger on print.png").fill("synthetic_pad")
     page.get_by_label("Wedge angle of print.png, degrees").fill("200")
-    page.get_by_role("button", name="Use them").click()
+    page.get_by_role("button", name="Add to study").click()
     assert page.get_by_label("Wedge angle of print.png, degrees").evaluate("field => !field.validity.valid")
     page.get_by_role("heading", name="1 new file").wait_for()  # not used
     page.get_by_label("Wedge angle of print.png, degrees").fill("30")
     page.get_by_label("Scale of uploads/print.png").select_option("reader")
-    page.get_by_role("button", name="Use them").click()
-    page.get_by_role("heading", name="Still missing").wait_for()
+    page.get_by_role("button", name="Add to study").click()
+    page.get_by_role("heading", name="Missing").wait_for()
     page.get_by_text("The rest of the study can run").wait_for()
     page.get_by_role("link", name="Run the study").wait_for()
     tab.go("run")
-    page.get_by_text("1 entry is not complete and left out of runs").wait_for()
+    page.get_by_text("1 incomplete entry is skipped").wait_for()
 
 
 def test_line_on_a_ruler_by_pointer_then_by_keyboard(tab: Tab, demo) -> None:
     page = tab.open("scale")
     page.get_by_role("button", name="+ New scale").click()
     page.get_by_role("radio", name="Ruler").click()
-    page.get_by_label("Picture", exact=True).select_option("synthetic/photograph_palmar.jpg")
+    page.get_by_label("Image", exact=True).select_option("synthetic/photograph_palmar.jpg")
     page.wait_for_function(PICTURE_THERE)
     x, y = middle(page.locator(".stage"))
     stroke(page, (x - 150, y), (x + 150, y))
-    page.get_by_text("Now type how long the line is.").wait_for()
+    page.get_by_text("Enter the length of the line.").wait_for()
     page.get_by_label("Length of the line").fill("20")
     page.get_by_label("Length of the line").press("Enter")
     scale = page.locator("[data-live=scale]")
@@ -203,7 +203,7 @@ def test_coin_gives_the_scale(tab: Tab, demo) -> None:
     page = tab.open("scale")
     page.get_by_role("button", name="+ New scale").click()
     page.get_by_role("radio", name="Coin").click()
-    page.get_by_label("Picture", exact=True).select_option("coin.png")
+    page.get_by_label("Image", exact=True).select_option("coin.png")
     page.wait_for_function(PICTURE_THERE)
     page.get_by_label("Diameter").fill("24")
     page.get_by_label("Diameter").press("Enter")
@@ -211,7 +211,7 @@ def test_coin_gives_the_scale(tab: Tab, demo) -> None:
     found.wait_for()
     assert float(found.inner_text().split()[0]) == pytest.approx(24 / 240, rel=0.01)
     page.get_by_label("Name", exact=True).fill("camera_2")
-    page.get_by_role("button", name="Keep this scale").click()
+    page.get_by_role("button", name="Save scale").click()
     page.get_by_role("heading", name="Scale camera_2").wait_for()
     assert 'coin = "coin.png"' in (demo / "study.toml").read_text()
 
@@ -233,19 +233,19 @@ def test_line_drawn_with_keys_alone(tab: Tab) -> None:
 def test_run_names_its_file_and_can_be_stopped(tab: Tab) -> None:
     page = tab.open("run")
     run = page.locator(".run-status button.primary")
-    page.get_by_label("Measure everything anew").check()
+    page.get_by_label("Re-measure all").check()
     run.click()
     page.get_by_role("progressbar").wait_for()
     page.keyboard.press("c")
-    page.get_by_role("heading", name="Stopped. What was measured is kept").wait_for()
-    page.get_by_label("Measure everything anew").check()
+    page.get_by_role("heading", name="Stopped. Finished measurements are kept").wait_for()
+    page.get_by_label("Re-measure all").check()
     run.press("Enter")
     page.wait_for_function(
         "() => /[.](png|jpg|tif)/.test(document.querySelector('[data-live=file]')?.innerText ?? '')"
     )
 
 
-def test_report_and_folder_are_taken_away(tab: Tab, run_demo, tmp_path) -> None:
+def test_report_and_study_folder_are_exported(tab: Tab, run_demo, tmp_path) -> None:
     page = tab.open("run")
     with page.expect_download() as report:
         page.get_by_role("link", name="Download Report").click()
@@ -256,12 +256,12 @@ def test_report_and_folder_are_taken_away(tab: Tab, run_demo, tmp_path) -> None:
     assert any(name.endswith("study.toml") for name in names)
     assert any(name.endswith("synthetic_30deg_2N.png") for name in names)
     page.get_by_role("button", name="Other studies").click()
-    page.get_by_label("ZIP of a study").set_input_files(folder.value.path())
+    page.get_by_label("ZIP file of a study").set_input_files(folder.value.path())
     page.get_by_role("heading", name="Left index finger pad of Dzidek et al. 2017").wait_for()
-    assert tab.page.locator("#rail .step-state.good").first.inner_text() == "complete"
+    assert tab.page.locator("#sidebar .step-state.good").first.inner_text() == "complete"
 
 
-def test_what_the_folder_leaves_out_is_listed_and_it_comes_back(tab: Tab, demo, tmp_path) -> None:
+def test_files_left_out_are_listed_and_the_export_is_imported(tab: Tab, demo, tmp_path) -> None:
     (tmp_path / "outside.png").write_bytes(b"x")
     (demo / "outside.png").symlink_to(tmp_path / "outside.png")
     (demo / "a:b.png").write_bytes(b"odd")
@@ -273,7 +273,7 @@ def test_what_the_folder_leaves_out_is_listed_and_it_comes_back(tab: Tab, demo, 
     archive = tmp_path / "demo.zip"  # named as the study that is there
     folder.value.save_as(archive)
     page.get_by_role("button", name="Other studies").click()
-    page.get_by_label("ZIP of a study").set_input_files(archive)
+    page.get_by_label("ZIP file of a study").set_input_files(archive)
     page.get_by_role("heading", name="Left index finger pad of Dzidek et al. 2017").wait_for()
     assert (demo.parent / "demo-2" / "a:b.png").read_bytes() == b"odd"
 

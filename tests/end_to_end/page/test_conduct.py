@@ -1,4 +1,4 @@
-"""How the page behaves: for everyone, at speed, with two windows, and when the program is killed."""
+"""Accessibility, speed, several windows, and a killed server."""
 
 import json
 import shutil
@@ -77,7 +77,7 @@ frames_per_second = 500
 
 
 @pytest.mark.parametrize("theme", ["light", "dark"])
-def test_nothing_serious_stands_in_anyones_way(browser, run_demo, theme: str) -> None:
+def test_pages_are_accessible(browser, run_demo, theme: str) -> None:
     with served(run_demo.parent, str(run_demo / "study.toml")) as server:
         tab = Tab(browser, server, color_scheme=theme, bypass_csp=True)
         page = tab.open()
@@ -126,13 +126,13 @@ def test_two_windows_do_not_lose_each_others_corrections(tab: Tab, browser, demo
     assert set(last["change"]) == {"ellipse_px", "threshold"}
 
 
-@pytest.mark.parametrize("events", ["heard", "cut off"])
+@pytest.mark.parametrize("events", ["heard", "cropped"])
 def test_a_window_changes_no_study_that_another_one_opened(tab: Tab, demo, events: str) -> None:
     shutil.copytree(demo, demo.parent / "other")
     manifest = demo.parent / "other" / "study.toml"
     manifest.write_text(manifest.read_text().replace("Left index finger pad of", "The other pad of"))
     before = (demo / "study.toml").read_text(), manifest.read_text()
-    if events == "cut off":
+    if events == "cropped":
         tab.context.route("**/api/events", lambda route: route.abort())
         tab.expected += ["ERR_FAILED", "409"]
     one = tab.open("study")
@@ -141,10 +141,10 @@ def test_a_window_changes_no_study_that_another_one_opened(tab: Tab, demo, event
     two.get_by_role("button", name="Other studies").click()
     if events == "heard":
         one.get_by_text("Another window closed the study.").wait_for()
-        one.get_by_role("heading", name="Open a study").wait_for()
+        one.get_by_role("heading", name="Open study").wait_for()
     two.get_by_role("button", name="The other pad").click()
     two.get_by_role("heading", name="The other pad").wait_for()
-    if events == "cut off":
+    if events == "cropped":
         one.get_by_label("Roll angle ±").fill("0.7")
         one.get_by_label("Roll angle ±").press("Enter")
         one.get_by_text("Another window opened the study The other pad").wait_for()
@@ -152,7 +152,7 @@ def test_a_window_changes_no_study_that_another_one_opened(tab: Tab, demo, event
     assert ((demo / "study.toml").read_text(), manifest.read_text()) == before
 
 
-def test_what_a_hand_holds_stays_in_it_while_another_window_corrects(tab: Tab, demo) -> None:
+def test_a_dragged_handle_stays_while_another_window_corrects(tab: Tab, demo) -> None:
     one = tab.open(f"contacts/images/{PRINT}")
     two = tab.context.new_page()
     two.goto(f"{tab.server.host}/#/contacts/images/{PRINT}")
@@ -175,7 +175,7 @@ def test_what_a_hand_holds_stays_in_it_while_another_window_corrects(tab: Tab, d
     assert set(last["change"]) == {"ellipse_px", "threshold"}
 
 
-def test_a_window_that_did_not_hear_of_it_is_asked(tab: Tab, demo) -> None:
+def test_a_window_without_events_asks_about_the_conflict(tab: Tab, demo) -> None:
     tab.expected.append("409")
     tab.context.route("**/api/events", lambda route: route.abort())
     tab.expected.append("ERR_FAILED")
@@ -188,14 +188,14 @@ def test_a_window_that_did_not_hear_of_it_is_asked(tab: Tab, demo) -> None:
     changed(two, before)
     one.get_by_label("Threshold").fill("70")
     one.get_by_label("Threshold").press("Enter")
-    one.get_by_role("dialog", name="Another window corrected this picture").wait_for()
-    one.get_by_role("button", name="Keep mine on top").click()
+    one.get_by_role("dialog", name="Another window corrected this image").wait_for()
+    one.get_by_role("button", name="Apply mine as well").click()
     one.wait_for_function("() => document.querySelectorAll('.history li').length === 2")
     last = json.loads((demo / "corrections.jsonl").read_text().splitlines()[-1])
     assert set(last["change"]) == {"ellipse_px", "threshold"}
 
 
-def test_killed_in_the_middle_of_an_edit_loses_nothing_confirmed(browser, demo) -> None:
+def test_confirmed_edits_survive_a_killed_server(browser, demo) -> None:
     with served(demo.parent, str(demo / "study.toml")) as server:
         tab = Tab(browser, server)
         tab.expected += [
@@ -214,12 +214,12 @@ def test_killed_in_the_middle_of_an_edit_loses_nothing_confirmed(browser, demo) 
         page.mouse.move(x, y + 30, steps=3)
         server.kill(signal.SIGKILL)
         lift(page)
-        page.get_by_text("The program does not answer.").first.wait_for()
+        page.get_by_text("fingerpad does not respond.").first.wait_for()
         tab.close()
     with served(demo.parent, str(demo / "study.toml")) as server:
         tab = Tab(browser, server)
         page = tab.open(f"contacts/images/{PRINT}")
-        page.get_by_text("by a person", exact=True).wait_for()
+        page.get_by_text("manual", exact=True).wait_for()
         assert numbers(page) == confirmed
         tab.close()
 
@@ -248,7 +248,7 @@ def test_two_thousand_frames_open_at_once_and_scroll(browser, tmp_path) -> None:
     assert thumbnails < 120
 
 
-def test_state_of_the_study_that_comes_late_hides_nothing_newer(tab: Tab, demo) -> None:
+def test_late_state_does_not_replace_a_newer_one(tab: Tab, demo) -> None:
     page = tab.open("study")
     late = Late(page, "**/api/study")
     page.locator("input[type=file]").set_input_files([demo / "observations.csv"])
@@ -277,7 +277,7 @@ def require_three_uncertainties(demo) -> None:
     assert said == {"wedge_angle_deg_std": 0.6, "roll_angle_deg_std": 0.25, "load_relative_std": 0.02}
 
 
-def test_what_is_being_typed_is_not_drawn_over(tab: Tab, demo) -> None:
+def test_fields_are_not_redrawn_while_typing(tab: Tab, demo) -> None:
     page, late = first_edit_on_its_way(tab)
     page.keyboard.type("0.")
     late.let_go()
@@ -295,7 +295,7 @@ def test_what_is_being_typed_is_not_drawn_over(tab: Tab, demo) -> None:
     require_three_uncertainties(demo)
 
 
-def test_edits_made_faster_than_they_are_kept_follow_each_other(tab: Tab, demo) -> None:
+def test_fast_edits_are_saved_in_order(tab: Tab, demo) -> None:
     page, late = first_edit_on_its_way(tab)
     page.keyboard.type("0.25")
     page.keyboard.press("Tab")

@@ -1,4 +1,4 @@
-"""Contact images and frames: looked at, corrected, accepted, by pointer and by keyboard."""
+"""Review of contact images and frames by pointer and by keyboard."""
 
 import json
 import re
@@ -21,7 +21,7 @@ def value(text: str, unit: str) -> float:
     return float(re.search(rf"([\d.]+) ± [\d.]+ {unit}", text).group(1))
 
 
-def test_dragged_handle_gives_new_numbers_beside_the_programs_own(tab: Tab, demo) -> None:
+def test_dragged_handle_gives_new_numbers_beside_the_automatic_ones(tab: Tab, demo) -> None:
     page = tab.open(f"contacts/images/{PRINT}")
     before = numbers(page)
     drag(page, page.get_by_role("button", name="End of the semi-major axis", exact=True), -30, 0)
@@ -29,7 +29,7 @@ def test_dragged_handle_gives_new_numbers_beside_the_programs_own(tab: Tab, demo
     assert value(after, "mm²") > value(before, "mm²") * 1.03
     program = re.search(r"ℓd\s+[\d.]+ ± [\d.]+ mm\s+.*?([\d.]+) ± ", after, re.DOTALL).group(1)
     assert float(program) == value(before, "mm")
-    assert page.get_by_text("by a person", exact=True).is_visible()
+    assert page.get_by_text("manual", exact=True).is_visible()
     (record,) = corrections(demo)
     assert (record["item"], list(record["change"])) == (PRINT, ["ellipse_px"])
     assert record["who"] in page.locator(".history").inner_text()
@@ -39,7 +39,7 @@ def test_dragged_handle_gives_new_numbers_beside_the_programs_own(tab: Tab, demo
     assert numbers(page) == after
 
 
-def test_keyboard_alone_moves_a_handle_accepts_and_goes_on(tab: Tab, demo) -> None:
+def test_keyboard_moves_a_handle_and_accepts(tab: Tab, demo) -> None:
     page = tab.open(f"contacts/images/{PRINT}")
     before = numbers(page)
     handle = focus(page, "End of the semi-minor axis")
@@ -54,7 +54,7 @@ def test_keyboard_alone_moves_a_handle_accepts_and_goes_on(tab: Tab, demo) -> No
     page.get_by_text("accepted", exact=True).wait_for()
 
 
-def test_brush_by_pointer_takes_and_gives_region(tab: Tab, demo) -> None:
+def test_brush_by_pointer_removes_and_adds_region(tab: Tab, demo) -> None:
     page = tab.open(f"contacts/images/{PRINT}")
     before = numbers(page)
     page.keyboard.press("e")
@@ -99,7 +99,7 @@ def test_threshold_polarity_seed_and_region_of_interest(tab: Tab, demo) -> None:
     page.keyboard.press("s")
     x, y = middle(page.locator(".stage"))
     page.mouse.click(x + 10, y)
-    page.get_by_role("button", name="Forget seed point").wait_for()
+    page.get_by_role("button", name="Reset seed point").wait_for()
     page.keyboard.press("o")
     stroke(page, (x - 120, y - 120), (x + 120, y + 120))
     page.get_by_text("the contact is cut by the mask or region of interest").wait_for()
@@ -108,12 +108,12 @@ def test_threshold_polarity_seed_and_region_of_interest(tab: Tab, demo) -> None:
     page.get_by_label("Polarity").select_option("false")
     page.wait_for_selector(".stack[aria-busy=false]")
     assert corrections(demo)[-1]["change"]["dark_on_light"] is False
-    page.get_by_role("button", name="Back to the program").click()
+    page.get_by_role("button", name="Reset to automatic").click()
     assert numbers(page) == before
-    assert page.get_by_text("by the program", exact=True).is_visible()
+    assert page.get_by_text("automatic", exact=True).is_visible()
 
 
-def test_an_address_leads_to_its_picture_from_any_other(tab: Tab) -> None:
+def test_an_address_opens_its_image_from_any_view(tab: Tab) -> None:
     page = tab.open(f"contacts/images/{PRINT}")
     numbers(page)
     for item, source in {
@@ -132,7 +132,7 @@ def test_an_address_leads_to_its_picture_from_any_other(tab: Tab) -> None:
         assert numbers(page) == before
 
 
-def test_reject_with_a_reason_and_take_it_back(tab: Tab, demo) -> None:
+def test_reject_with_a_reason_and_undo(tab: Tab, demo) -> None:
     page = tab.open(f"contacts/images/{PRINT}")
     numbers(page)
     page.get_by_label("Reason to reject").fill("smeared")
@@ -148,7 +148,7 @@ def test_reject_with_a_reason_and_take_it_back(tab: Tab, demo) -> None:
     assert corrections(demo)[-1]["change"] == {}
 
 
-def test_frames_of_a_film(tab: Tab, demo) -> None:
+def test_frames_of_a_sequence(tab: Tab, demo) -> None:
     page = tab.open("contacts/film:synthetic_press_30deg")
     numbers(page)
     page.keyboard.press(".")
@@ -179,18 +179,18 @@ def test_sixteen_bit_tiff_is_shown_and_measured(empty_tab: Tab) -> None:
 
 
 def begin_with_print(page, picture, scale: str, way: str) -> None:
-    """Begin a study of one print whose finger has typed semi-axes, and open it among the contacts."""
-    page.get_by_label("What it is about").fill("One print")
+    """New study of one print whose finger has typed semi-axes, and open it among the contacts."""
+    page.get_by_label("Title").fill("One print")
     page.keyboard.press("Enter")
     page.set_input_files("input[type=file][multiple]", picture)
-    page.get_by_role("button", name="Use them").wait_for()
+    page.get_by_role("button", name="Add to study").wait_for()
     stem = picture.stem
     page.get_by_label(f"Finger on {picture.name}").fill("right_index")
     page.get_by_label(f"Wedge angle of {picture.name}, degrees").fill("0")
     page.get_by_label(f"Load of {picture.name}, newtons").fill("1")
     page.keyboard.press("Tab")
-    page.get_by_role("button", name="Use them").click()
-    page.get_by_text("1 files are in use").or_(page.get_by_text("1 file is in use")).wait_for()
+    page.get_by_role("button", name="Add to study").click()
+    page.get_by_text("1 file added").wait_for()
     page.get_by_role("button", name="Add a finger").click()
     page.get_by_label("Name of the finger").fill("right_index")
     page.get_by_role("button", name="Add", exact=True).click()
@@ -198,7 +198,7 @@ def begin_with_print(page, picture, scale: str, way: str) -> None:
     boxes = page.locator("dialog input")
     for index, words in enumerate(["7.9", "0.2", "13.8", "0.2", "11.8", "0.2"]):
         boxes.nth(index).fill(words)
-    page.get_by_role("button", name="Keep", exact=True).click()
+    page.get_by_role("button", name="Save", exact=True).click()
     page.get_by_text("13.80 ± 0.20").wait_for()
     page.locator("h1").click()
     page.keyboard.press("2")
@@ -207,7 +207,7 @@ def begin_with_print(page, picture, scale: str, way: str) -> None:
     page.keyboard.press("Enter")
     page.get_by_label("Name", exact=True).fill("reader")
     page.keyboard.press("Control+Enter")
-    page.get_by_role("button", name="Keep this scale").click()
+    page.get_by_role("button", name="Save scale").click()
     page.get_by_role("heading", name="Scale reader").wait_for()
     page.locator("h1").click()
     page.keyboard.press("4")
@@ -217,7 +217,7 @@ def begin_with_print(page, picture, scale: str, way: str) -> None:
 
 @pytest.mark.skipif(not PRINTS.exists(), reason="the real prints are not on this machine")
 @pytest.mark.parametrize("name", ["right_index_500ppi.png", "left_ring_500ppi.png"])
-def test_real_print_is_corrected_and_accepted(empty_tab: Tab, name: str) -> None:
+def test_real_contact_image_is_corrected_and_accepted(empty_tab: Tab, name: str) -> None:
     page = empty_tab.open()
     begin_with_print(page, PRINTS / name, "500", way="Resolution")
     before = numbers(page)
@@ -226,6 +226,6 @@ def test_real_print_is_corrected_and_accepted(empty_tab: Tab, name: str) -> None
     after = changed(page, before)
     assert value(after, "mm²") < value(before, "mm²")
     page.keyboard.press("Enter")
-    page.get_by_text("That was the last picture").wait_for()
+    page.get_by_text("This was the last image").wait_for()
     (study,) = (empty_tab.folder / "one-print").glob("corrections.jsonl")
     assert json.loads(study.read_text().splitlines()[-1])["change"]["accepted"] is True

@@ -1,4 +1,4 @@
-"""Photographs of a finger's faces: outline, axes, points, region, lengths, and the pad they give together."""
+"""Review of photographs: outline, axes, points, region, lengths, and the combined pad."""
 
 import json
 import re
@@ -40,13 +40,13 @@ def test_dragged_axis_moves_the_joint_result(tab: Tab, demo) -> None:
     assert distal(held) < distal(pad) - 0.02
     lift(page)
     assert distal(numbers(page, "finger")) < distal(pad) - 0.02
-    assert page.get_by_text("by a person", exact=True).is_visible()
+    assert page.get_by_text("manual", exact=True).is_visible()
     assert list(last_change(demo)) == ["ellipse_px"]
     assert re.fullmatch(r"[+−]\d+\.\d %", page.locator(".difference .number").first.inner_text())
     page.keyboard.press("u")
     assert numbers(page, "finger") == pad
     assert numbers(page, "face") == face
-    assert page.get_by_text("by the program", exact=True).is_visible()
+    assert page.get_by_text("automatic", exact=True).is_visible()
 
 
 def test_axes_and_rotation_by_keyboard(tab: Tab, demo) -> None:
@@ -57,13 +57,13 @@ def test_axes_and_rotation_by_keyboard(tab: Tab, demo) -> None:
     turn = page.get_by_role("button", name=re.compile("^Rotation of the ellipse"))
     turn.press("ArrowRight")
     turn.press("ArrowRight")
-    assert "Lean" in changed(page, wider, "face")
+    assert "Tilt" in changed(page, wider, "face")
     page.keyboard.press("Enter")
     page.wait_for_url(re.compile("photograph_distal"))
     assert last_change(demo)["accepted"] is True
 
 
-def test_points_are_added_moved_and_rubbed_out(tab: Tab, demo) -> None:
+def test_points_are_added_moved_and_erased(tab: Tab, demo) -> None:
     page = tab.open("photographs")
     before = numbers(page, "face")
     page.keyboard.press("e")
@@ -101,11 +101,11 @@ def test_region_of_interest_by_keyboard(tab: Tab, demo) -> None:
     row0, column0, row1, column1 = last_change(demo)["region_of_interest_px"]
     assert row1 > row0 >= 0
     assert column1 > column0 >= 0
-    page.get_by_role("button", name="Forget region of interest").click()
+    page.get_by_role("button", name="Reset region of interest").click()
     assert numbers(page, "face") == before
 
 
-def test_a_late_answer_does_not_take_the_place_of_a_newer_one(tab: Tab) -> None:
+def test_a_late_answer_does_not_replace_a_newer_one(tab: Tab) -> None:
     page = tab.open("photographs")
     before = numbers(page, "face")
     handle = focus(page, "End of the semi-axis across")

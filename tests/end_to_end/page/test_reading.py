@@ -1,4 +1,4 @@
-"""Reading a study: the pad in three dimensions, and what follows from it."""
+"""The pad in three dimensions, and the results."""
 
 import re
 
@@ -68,7 +68,7 @@ def test_corrected_radius_with_its_lines_and_bars(tab: Tab) -> None:
     page.get_by_label("Finger", exact=True).select_option("synthetic_pad")
     page.locator(".plot-card .synthetic").first.wait_for()
     assert cards.count() == 2
-    cards.first.get_by_text("Where the model ends").click()
+    cards.first.get_by_text("Outside model validity").click()
     cards.first.get_by_text("the contact radius exceeds 0.3 of the radius of curvature").wait_for()
     page.get_by_label("Against load", exact=True).select_option("gross_area_mm2")
     page.get_by_text("gross area (mm²)").first.wait_for()
@@ -98,7 +98,7 @@ def test_table_is_filtered_sorted_and_leads_to_the_picture(tab: Tab) -> None:
 
 
 @pytest.mark.parametrize(("left", "then"), [("plot", "table"), ("rows", "plot"), ("budget", "audit")])
-def test_part_of_the_results_that_was_left_is_drawn_nowhere(tab: Tab, left: str, then: str) -> None:
+def test_late_results_of_another_part_are_not_shown(tab: Tab, left: str, then: str) -> None:
     page = tab.open("pad")
     late = Late(page, f"**/api/results/{left}*")
     tab.go("results/table" if left == "rows" else f"results/{left}")
@@ -120,7 +120,7 @@ def test_figures_budget_and_audit(tab: Tab) -> None:
     page.locator("h1").click()
     page.keyboard.press("b")
     card = page.locator("section.card").first
-    card.get_by_text("the first order holds").wait_for()
+    card.get_by_text("linear approximation valid").wait_for()
     assert "61.8 %" in card.inner_text()
     page.keyboard.press("a")
     page.get_by_role("heading", name="Results").wait_for()

@@ -10,6 +10,7 @@ import os
 from collections.abc import Callable, Mapping
 from datetime import UTC, datetime
 from pathlib import Path
+from threading import RLock
 from typing import Any, Final, Literal, TypeAlias
 
 from fingerpad._files import digest_of
@@ -39,7 +40,7 @@ _MOST_NAME: Final = 200
 class CorrectionLog:
     """The corrections of a study folder, as far as they are written.
 
-    It reads what others add as it goes, and only that. Any number of processes may write.
+    It reads what others add as it goes, and only that. Any number of processes and threads may write.
 
     Parameters
     ----------
@@ -54,6 +55,7 @@ class CorrectionLog:
 
     def __init__(self, folder: Path) -> None:
         self._path = folder / CORRECTIONS_NAME
+        self._lock = RLock()
         self._forget()
         self.refresh()
 
@@ -149,8 +151,9 @@ class CorrectionLog:
 
     def history(self, item: str) -> History:
         """Return all decisions about an item."""
-        self.refresh()
-        return History(item=item, records=tuple(self._histories.get(item, ())))
+        with self._lock:
+            self.refresh()
+            return History(item=item, records=tuple(self._histories.get(item, ())))
 
     def active_correction(self, item: str) -> ActiveCorrection | None:
         """Return what rules for an item; None where the program's own result does."""
@@ -158,11 +161,12 @@ class CorrectionLog:
 
     def active_corrections(self) -> dict[str, ActiveCorrection]:
         """Return what rules, by item."""
-        self.refresh()
-        found = {
-            item: History(item=item, records=tuple(records)).active_correction
-            for item, records in self._histories.items()
-        }
+        with self._lock:
+            self.refresh()
+            found = {
+                item: History(item=item, records=tuple(records)).active_correction
+                for item, records in self._histories.items()
+            }
         return {
             item: active_correction
             for item, active_correction in found.items()
@@ -245,7 +249,7 @@ class CorrectionLog:
         who = " ".join(who.split())
         if not 0 < len(who) <= _MOST_NAME:
             raise StoreError(f"{item}: a correction needs the name of who makes it, found {who[:40]!r}")
-        with locked(self._path, self._path.with_name(_LOCK)):
+        with self._lock, locked(self._path, self._path.with_name(_LOCK)):
             history = self.history(item)
             if history.last_id != expected:
                 latest = history.records[-1] if history.records else None

@@ -1,10 +1,10 @@
-// The page: the steps of the work on the left, the step that is open on the right.
+// The page: steps in the sidebar, and the view of the current step.
 
-import { bench } from "./core/workspace.js";
-import { h, place } from "./core/dom.js";
+import { h, render } from "./core/dom.js";
 import { bindEverywhere, bindHere, listen, showHelp } from "./core/keys.js";
-import { complain } from "./core/messages.js";
-import { drawRail } from "./core/sidebar.js";
+import { showError } from "./core/messages.js";
+import { drawSidebar } from "./core/sidebar.js";
+import { workspace } from "./core/workspace.js";
 import * as contacts from "./views/contacts.js";
 import * as pad from "./views/pad.js";
 import * as photographs from "./views/photographs.js";
@@ -14,6 +14,7 @@ import * as scale from "./views/scale.js";
 import * as study from "./views/study.js";
 import * as welcome from "./views/welcome.js";
 
+/** @type {[key: string, title: string, view: { open(root: Element, rest: string[]): View }][]} */
 export const STEPS = [
   ["study", "Study", study],
   ["scale", "Scale", scale],
@@ -25,6 +26,7 @@ export const STEPS = [
 ];
 
 const work = document.getElementById("work");
+/** @type {View | null} */
 let open = null;
 let openName = null;
 
@@ -35,55 +37,61 @@ function route() {
 
 function show({ fresh = false } = {}) {
   const { name, rest } = route();
-  const wanted = bench.study ? name : "welcome";
-  // A view that can turn to what is wanted need not be opened anew.
-  if (fresh || wanted !== openName || !open?.turn?.(rest)) {
+  const wanted = workspace.study ? name : "welcome";
+  // A view that can show the rest of the address is kept.
+  if (fresh || wanted !== openName || !open?.navigate?.(rest)) {
     open?.close?.();
     bindHere([]);
     openName = wanted;
     work.className = `view-${wanted}`;
-    place(work);
+    render(work);
     const view = wanted === "welcome" ? welcome : STEPS.find(([key]) => key === wanted)[2];
     open = view.open(work, rest);
-    document.title = bench.study ? `${STEPS.find(([key]) => key === name)[1]} – ${bench.study.title || bench.study.name}` : "fingerpad";
+    document.title = workspace.study
+      ? `${STEPS.find(([key]) => key === name)[1]} – ${workspace.study.title || workspace.study.name}`
+      : "fingerpad";
   }
-  drawRail(wanted, STEPS);
+  drawSidebar(wanted, STEPS);
 }
 
 function failed(error) {
-  place(
+  render(
     work,
     h(
       "div.empty",
       { role: "alert" },
-      h("h1", null, "The bench cannot be opened"),
+      h("h1", null, "The page cannot be loaded"),
       h("p", null, error.message),
-      error.status === 403 && h("p", null, "This page was opened without the launch's own address. Copy the whole address that the terminal shows."),
-      h("div.actions", null, h("button.primary", { type: "button", onclick: () => location.reload() }, "Try again")),
+      error.status === 403 && h("p", null, "Open the complete address that the terminal shows."),
+      h(
+        "div.actions",
+        null,
+        h("button.primary", { type: "button", onclick: () => location.reload() }, "Try again"),
+      ),
     ),
   );
 }
 
 bindEverywhere(
   ...STEPS.map(([key, words], index) => [String(index + 1), words, () => (location.hash = `#/${key}`)]),
-  ["?", "These keys", () => showHelp()],
-  ["Escape", "Let go of a field or a mark", () => document.activeElement?.blur()],
+  ["?", "Show the keys", () => showHelp()],
+  ["Escape", "Leave a field or a handle", () => /** @type {HTMLElement} */ (document.activeElement)?.blur()],
 );
 
 listen();
 window.addEventListener("hashchange", () => show());
 window.addEventListener("unhandledrejection", (event) => {
   event.preventDefault();
-  complain(event.reason);
+  showError(event.reason);
 });
-bench.addEventListener("study", ({ detail }) => {
+workspace.on("study", (detail) => {
   if (detail.first || !open) show({ fresh: true });
   else {
     open.update?.();
-    drawRail(openName, STEPS);
+    drawSidebar(openName, STEPS);
   }
 });
-bench.addEventListener("run", () => drawRail(openName, STEPS));
-bench.addEventListener("link", ({ detail }) => document.body.classList.toggle("cut", !detail.there));
+workspace.on("run", () => drawSidebar(openName, STEPS));
+workspace.on("link", (detail) => document.body.classList.toggle("cut", !detail.there));
 
-bench.start().then(() => openName ?? show({ fresh: true }), failed);
+workspace.start().then(() => openName ?? show({ fresh: true }), failed);

@@ -1,4 +1,4 @@
-// Runs before the first paint, so that a chosen theme never flashes the other one.
+// Runs before the first paint, so that the other theme does not flash.
 {
   const chosen = localStorage.getItem("fingerpad.theme");
   if (chosen) document.documentElement.dataset.theme = chosen;

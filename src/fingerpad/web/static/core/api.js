@@ -1,9 +1,19 @@
-// The JSON interface of the library: this page asks and draws, and computes nothing of its own.
+// Requests to the JSON API. The page shows results; all of them are computed by the library.
 
 export class ApiError extends Error {
+  /**
+   * @param {number} status 0 if there was no answer
+   * @param {Answers["Refusal"] | { error: string } | null} [body]
+   */
   constructor(status, body) {
-    super(body?.error ?? (status ? `The program answered ${status}.` : "The program does not answer. Is it still running?"));
+    super(
+      body?.error ??
+        (status
+          ? `The server responded with status ${status}.`
+          : "fingerpad does not respond. Is it still running?"),
+    );
     this.status = status;
+    /** @type {Partial<Answers["Refusal"]>} */
     this.body = body ?? {};
   }
 
@@ -12,98 +22,156 @@ export class ApiError extends Error {
   }
 }
 
-/** The study that requests are about, and who hears that another window has opened another one. */
-export const about = { study: null, overtaken: () => {} };
+/** Name of the study of all requests; `conflict` is called if another window opened another one. */
+export const context = { study: /** @type {string | null} */ (null), conflict: () => {} };
 
-const studyHeader = (path) => (about.study === null || path.startsWith("/api/session") ? {} : { "fingerpad-study": encodeURIComponent(about.study) });
+const studyHeader = (path) =>
+  context.study === null || path.startsWith("/api/session")
+    ? {}
+    : { "fingerpad-study": encodeURIComponent(context.study) };
 
-async function ask(method, path, { body, query, signal } = {}) {
-  const address = query ? `${path}?${new URLSearchParams(clean(query))}` : path;
-  const options = { method, signal, headers: studyHeader(path) };
-  if (body !== undefined) {
-    options.headers["content-type"] = "application/json";
-    options.body = JSON.stringify(body);
-  }
+/**
+ * @param {string} method
+ * @param {string} path
+ * @param {{ body?: object, query?: object, signal?: AbortSignal }} content
+ * @returns {Promise<any>}
+ */
+async function request(method, path, { body, query, signal }) {
+  const address = query ? `${path}?${new URLSearchParams(withoutEmpty(query))}` : path;
+  /** @type {Record<string, string>} */
+  const headers = { ...studyHeader(path) };
+  if (body !== undefined) headers["content-type"] = "application/json";
   let response;
   try {
-    response = await fetch(address, options);
+    response = await fetch(address, { method, signal, headers, body: body && JSON.stringify(body) });
   } catch (error) {
     if (error.name === "AbortError") throw error;
     throw new ApiError(0);
   }
   const answer = await response.json().catch(() => null);
-  if (response.status === 409 && answer?.study !== undefined) about.overtaken();
+  if (response.status === 409 && answer?.study !== undefined) context.conflict();
   if (!response.ok) throw new ApiError(response.status, answer);
   return answer;
 }
 
-function clean(query) {
-  return Object.fromEntries(Object.entries(query).filter(([, value]) => value !== undefined && value !== null && value !== ""));
+function withoutEmpty(query) {
+  return Object.fromEntries(
+    Object.entries(query).filter(([, value]) => value !== undefined && value !== null && value !== ""),
+  );
 }
 
-export const get = (path, query, signal) => ask("GET", path, { query, signal });
-export const post = (path, body = {}, signal) => ask("POST", path, { body, signal });
-export const put = (path, body) => ask("PUT", path, { body });
-export const remove = (path, body) => ask("DELETE", path, { body });
+/**
+ * @template {GetPath} P
+ * @param {P} path
+ * @param {QueryOf<P, "get">} [query]
+ * @param {AbortSignal} [signal]
+ * @returns {Promise<AnswerTo<P, "get">>}
+ */
+export const get = (path, query, signal) => request("GET", path, { query, signal });
 
-export const picture = (kind, item, more = {}) => `/api/picture/${kind}?${new URLSearchParams({ item, ...clean(more) })}`;
+/**
+ * @template {PostPath} P
+ * @param {P} path
+ * @param {BodyOf<P, "post">} [body]
+ * @param {AbortSignal} [signal]
+ * @returns {Promise<AnswerTo<P, "post">>}
+ */
+export const post = (path, body, signal) => request("POST", path, { body: body ?? {}, signal });
 
-/** Send one file as it is; `progress` hears the share sent. */
+/**
+ * @template {DeletePath} P
+ * @param {P} path
+ * @param {BodyOf<P, "delete">} body
+ * @returns {Promise<AnswerTo<P, "delete">>}
+ */
+export const remove = (path, body) => request("DELETE", path, { body });
+
+/**
+ * Address of an image.
+ *
+ * @param {"preview" | "thumbnail"} kind
+ * @param {string} item
+ */
+export const picture = (kind, item) => `/api/picture/${kind}?${new URLSearchParams({ item })}`;
+
+/**
+ * Send a file; `progress` is called with the fraction sent.
+ *
+ * @param {File} file
+ * @param {{ folder?: string, progress?: (fraction: number) => void }} [options]
+ * @returns {Promise<Answers["UploadedFile"]>}
+ */
 export function upload(file, { folder, progress } = {}) {
   return new Promise((resolve, reject) => {
     const request = new XMLHttpRequest();
-    request.open("POST", `/api/files?${new URLSearchParams(clean({ name: file.name, folder }))}`);
-    for (const [name, value] of Object.entries(studyHeader("/api/files"))) request.setRequestHeader(name, value);
+    request.open("POST", `/api/files?${new URLSearchParams(withoutEmpty({ name: file.name, folder }))}`);
+    for (const [name, value] of Object.entries(studyHeader("/api/files")))
+      request.setRequestHeader(name, value);
     request.responseType = "json";
     request.upload.onprogress = (event) => event.lengthComputable && progress?.(event.loaded / event.total);
-    request.onload = () => (request.status < 300 ? resolve(request.response) : reject(new ApiError(request.status, request.response)));
+    request.onload = () =>
+      request.status < 300
+        ? resolve(request.response)
+        : reject(new ApiError(request.status, request.response));
     request.onerror = () => reject(new ApiError(0));
     request.send(file);
   });
 }
 
-/** One request at a time, then the newest: what a dragged handle needs. After `drop` nothing asked before is heard. */
-export class Newest {
+/**
+ * Sends one request at a time, and then the latest state only, as a dragged handle needs. Answers to requests
+ * made before `cancel` are ignored.
+ *
+ * @template S, A
+ */
+export class LatestRequest {
   #send;
   #done;
   #failed;
+  /** @type {S | null} */
   #waiting = null;
   #busy = false;
-  #dropped = 0;
-  #shown;
+  #cancelled = 0;
+  #busyElement;
 
-  /** `shown`, the place of the answers, is busy until the newest stands there. */
-  constructor(send, done, failed, shown) {
+  /**
+   * @param {(state: S) => Promise<A>} send
+   * @param {(answer: A, state: S) => void} done
+   * @param {(error: Error, state: S) => void} failed
+   * @param {Element} [busyElement] is `aria-busy` until it shows the latest answer
+   */
+  constructor(send, done, failed, busyElement) {
     this.#send = send;
     this.#done = done;
     this.#failed = failed;
-    this.#shown = shown;
+    this.#busyElement = busyElement;
   }
 
-  ask(state) {
+  /** @param {S} state */
+  request(state) {
     this.#waiting = state;
-    this.#shown?.setAttribute("aria-busy", "true");
+    this.#busyElement?.setAttribute("aria-busy", "true");
     if (!this.#busy) this.#run();
   }
 
-  drop() {
+  cancel() {
     this.#waiting = null;
-    this.#dropped += 1;
+    this.#cancelled += 1;
   }
 
   async #run() {
     this.#busy = true;
     while (this.#waiting !== null) {
-      const [state, dropped] = [this.#waiting, this.#dropped];
+      const [state, cancelled] = [this.#waiting, this.#cancelled];
       this.#waiting = null;
       try {
         const answer = await this.#send(state);
-        if (dropped === this.#dropped) this.#done(answer, state);
+        if (cancelled === this.#cancelled) this.#done(answer, state);
       } catch (error) {
-        if (dropped === this.#dropped) this.#failed(error, state);
+        if (cancelled === this.#cancelled) this.#failed(error, state);
       }
     }
     this.#busy = false;
-    this.#shown?.setAttribute("aria-busy", "false");
+    this.#busyElement?.setAttribute("aria-busy", "false");
   }
 }

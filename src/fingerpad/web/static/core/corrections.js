@@ -1,31 +1,43 @@
-// Corrections of one picture: each is on the disk before it is shown as kept.
+// Corrections of one image; each is shown once it is saved.
 
 import { ApiError, get, post } from "./api.js";
-import { bench, who } from "./workspace.js";
-import { question } from "./messages.js";
 import { h } from "./dom.js";
+import { ask } from "./messages.js";
+import { who, workspace } from "./workspace.js";
 
 export class Corrections {
-  /** `changed()` hears of every new state of the picture's corrections, `overtaken()` of those of another window. */
-  constructor(item, { changed, overtaken }) {
+  /** `changed` is called on every new state, `conflict` also if another window corrected the image. */
+  constructor(item, { changed, conflict }) {
     this.item = item;
     this.changed = changed;
-    this.overtaken = overtaken;
-    this.document = { last_id: 0, change: {}, ruling: null, history: [], can_undo: false, can_redo: false };
+    this.conflict = conflict;
+    /** @type {Answers["Corrections"]} */
+    this.document = {
+      item,
+      last_id: 0,
+      change: {},
+      on_another_image: false,
+      history: [],
+      can_undo: false,
+      can_redo: false,
+    };
+    this.rejecting = false;
+    /** @type {Promise<any>} */
     this.queue = Promise.resolve();
-    this.heard = ({ detail }) => detail.item === item && this.#next(() => this.#follow(detail.last_id));
-    bench.addEventListener("corrections", this.heard);
+    this.removeListener = workspace.on("corrections", (detail) => {
+      if (detail.item === item) this.#next(() => this.#follow(detail.last_id));
+    });
   }
 
   close() {
-    bench.removeEventListener("corrections", this.heard);
-    this.changed = this.overtaken = () => {};
+    this.removeListener();
+    this.changed = this.conflict = () => {};
   }
 
   async #follow(id) {
     if (id === this.document.last_id) return;
     await this.#read();
-    this.overtaken();
+    this.conflict();
   }
 
   load() {
@@ -36,6 +48,7 @@ export class Corrections {
     return this.#take(await get("/api/corrections", { item: this.item }));
   }
 
+  /** @returns {Partial<Change>} */
   get change() {
     return this.document.change;
   }
@@ -47,11 +60,13 @@ export class Corrections {
   }
 
   /**
-   * Keep a correction: `edit(change)` gives the whole wanted correction from the one that rules. One after the
-   * other, so that quick work does not overtake itself; asked again upon what another window kept meanwhile.
+   * Save a correction: `edit` returns it from the active one. Corrections are saved one after the other; if
+   * another window saved one in the meantime, the user is asked.
    */
   keep(edit) {
-    return this.#next(() => this.#send("/api/corrections", async () => ({ change: await edit(structuredClone(this.change)) })));
+    return this.#next(() =>
+      this.#send("/api/corrections", async () => ({ change: await edit(structuredClone(this.change)) })),
+    );
   }
 
   undo() {
@@ -69,19 +84,26 @@ export class Corrections {
   }
 
   async #send(path, body) {
-    const send = async () => post(path, { item: this.item, expected: this.document.last_id, who: who(), ...(await body()) });
+    const send = async () =>
+      post(path, { item: this.item, expected: this.document.last_id, who: who(), ...(await body()) });
     try {
       return this.#take(await send());
     } catch (error) {
       if (!(error instanceof ApiError) || error.status !== 409 || error.body.study !== undefined) throw error;
       await this.#read();
       const theirs = this.document.history.at(-1);
-      const answer = await question(
-        "Another window corrected this picture",
-        h("p", null, theirs ? `${theirs.who || "Someone"} kept ${wordsOf(theirs)} just now. It is shown behind this question; yours is not kept yet.` : "It was changed just now."),
+      const answer = await ask(
+        "Another window corrected this image",
+        h(
+          "p",
+          null,
+          theirs
+            ? `${theirs.who || "Someone"} saved ${describeChange(theirs)} just now. Yours is not saved yet.`
+            : "It was changed just now.",
+        ),
         [
-          ["theirs", "Leave theirs"],
-          ["both", "Keep mine on top", "primary"],
+          ["theirs", "Keep their correction"],
+          ["both", "Apply mine as well", "primary"],
         ],
       );
       return answer === "both" ? this.#take(await send()) : this.document;
@@ -99,20 +121,30 @@ const WORDS = {
   ellipse_px: "ellipse",
   added_points_px: "points added",
   erased: "points erased",
-  tip: "fingertip's side",
+  tip: "side of the fingertip",
   palmar_side: "palmar side",
   accepted: "accepted",
   rejected: "rejected",
 };
 
-/** What a record holds, in words. */
-export function wordsOf({ action, change }) {
+/** Describe a record of the history. */
+export function describeChange({ action, change }) {
   if (action !== "change") return action;
   const parts = Object.keys(change).filter((key) => change[key] !== null && change[key] !== false);
-  return parts.length ? parts.map((key) => WORDS[key] ?? key).join(", ") : "back to the program";
+  return parts.length ? parts.map((key) => WORDS[key] ?? key).join(", ") : "reset to automatic";
 }
 
-/** A correction without what says nothing. */
-export function plainChange(change) {
-  return Object.fromEntries(Object.entries(change).filter(([, value]) => value !== null && value !== undefined && value !== false && !(Array.isArray(value) && !value.length)).concat(change.dark_on_light === false ? [["dark_on_light", false]] : []));
+/** A correction without default values. */
+export function withoutDefaults(change) {
+  return Object.fromEntries(
+    Object.entries(change)
+      .filter(
+        ([, value]) =>
+          value !== null &&
+          value !== undefined &&
+          value !== false &&
+          !(Array.isArray(value) && !value.length),
+      )
+      .concat(change.dark_on_light === false ? [["dark_on_light", false]] : []),
+  );
 }

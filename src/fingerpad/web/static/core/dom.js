@@ -1,4 +1,4 @@
-// Elements made by hand: whatever a person typed becomes text, never markup.
+// HTML and SVG elements; strings become text, never markup.
 
 const SVG = "http://www.w3.org/2000/svg";
 
@@ -7,14 +7,24 @@ function fill(node, properties, children) {
     if (value === undefined || value === null || value === false) continue;
     if (key.startsWith("on")) node.addEventListener(key.slice(2), value);
     else if (key === "style") Object.assign(node.style, value);
-    else if (key === "value" || key === "checked" || key === "selected" || key === "disabled") node[key] = value;
+    else if (key === "value" || key === "checked" || key === "selected" || key === "disabled")
+      node[key] = value;
     else node.setAttribute(key, value === true ? "" : value);
   }
-  node.append(...children.flat(Infinity).filter((child) => child !== null && child !== undefined && child !== false));
+  node.append(
+    ...children.flat(Infinity).filter((child) => child !== null && child !== undefined && child !== false),
+  );
   return node;
 }
 
-/** Make an HTML element: h("p.soft", {title: "…"}, "text", child). */
+/**
+ * Make an HTML element: h("p.soft", { title: "…" }, "text", child).
+ *
+ * @param {string} name
+ * @param {Record<string, any> | null} [properties]
+ * @param {...any} children
+ * @returns {any}
+ */
 export function h(name, properties, ...children) {
   const [tag, ...classes] = name.split(".");
   const node = document.createElement(tag || "div");
@@ -22,7 +32,14 @@ export function h(name, properties, ...children) {
   return fill(node, properties, children);
 }
 
-/** Make an SVG element. */
+/**
+ * Make an SVG element.
+ *
+ * @param {string} name
+ * @param {Record<string, any> | null} [properties]
+ * @param {...any} children
+ * @returns {any}
+ */
 export function s(name, properties, ...children) {
   const [tag, ...classes] = name.split(".");
   const node = document.createElementNS(SVG, tag);
@@ -30,21 +47,25 @@ export function s(name, properties, ...children) {
   return fill(node, properties, children);
 }
 
-export function place(node, ...children) {
-  node.replaceChildren(...children.flat(Infinity).filter((child) => child !== null && child !== undefined && child !== false));
+export function render(node, ...children) {
+  node.replaceChildren(
+    ...children.flat(Infinity).filter((child) => child !== null && child !== undefined && child !== false),
+  );
   return node;
 }
 
 const nameOf = (node) => node.getAttribute("aria-label") ?? node.labels?.[0]?.textContent ?? node.textContent;
 
 /**
- * Remember what has the focus; the answer gives it back, to what has the same name if all was drawn anew since. What
- * stands in a field is selected then, as by Tab.
+ * Save the focus; the function returned restores it, to the element of the same name if all were redrawn.
  */
-export function rememberFocus() {
-  const before = document.activeElement;
+export function saveFocus() {
+  const before = /** @type {HTMLInputElement} */ (document.activeElement);
   const name = nameOf(before);
-  const alike = () => [...document.querySelectorAll(before.tagName)].filter((node) => nameOf(node) === name);
+  const alike = () =>
+    /** @type {HTMLInputElement[]} */ ([...document.querySelectorAll(before.tagName)]).filter(
+      (node) => nameOf(node) === name,
+    );
   const at = alike().indexOf(before);
   return () => {
     if (before.isConnected) return;
@@ -54,14 +75,14 @@ export function rememberFocus() {
   };
 }
 
-/** Draw anew, and leave the focus where it was. */
+/** Redraw and keep the focus. */
 export function redraw(draw) {
-  const giveBack = rememberFocus();
+  const restoreFocus = saveFocus();
   draw();
-  giveBack();
+  restoreFocus();
 }
 
-/** Set attributes of an SVG element that change many times a second. */
+/** Set attributes of an SVG element. */
 export function attributes(node, values) {
   for (const [key, value] of Object.entries(values)) node.setAttribute(key, value);
 }

@@ -1,21 +1,26 @@
-// The keyboard map: each view says what its keys do, and the help overlay shows just that.
+// Keyboard shortcuts: each view binds its own, and the help dialog lists them.
 
-import { h, place } from "./dom.js";
+import { h, render } from "./dom.js";
 
 const everywhere = [];
 let here = [];
 
-/** Keys of the whole page: [keys, words, action]. */
+/** Bind keys on all views: [keys, description, action]. */
 export const bindEverywhere = (...keys) => everywhere.push(...keys);
 
-/** Keys of the view that is open; forgotten when the next one opens. */
+/** Bind keys of the current view. */
 export const bindHere = (keys) => (here = keys);
 
-const typing = (target) => target.closest?.("input:not([type=checkbox]):not([type=radio]):not([type=range]), textarea, select, [contenteditable]");
+const typing = (target) =>
+  target.closest?.(
+    "input:not([type=checkbox]):not([type=radio]):not([type=range]), textarea, select, [contenteditable]",
+  );
 
 export function nameOf(event) {
   const key = event.key === " " ? "Space" : event.key;
-  return (event.ctrlKey || event.metaKey ? "Ctrl+" : "") + (event.shiftKey && key.length > 1 ? "Shift+" : "") + key;
+  return (
+    (event.ctrlKey || event.metaKey ? "Ctrl+" : "") + (event.shiftKey && key.length > 1 ? "Shift+" : "") + key
+  );
 }
 
 export function listen() {
@@ -23,7 +28,11 @@ export function listen() {
     if (event.defaultPrevented || event.altKey || document.querySelector("dialog[open]")) return;
     const name = nameOf(event);
     if (typing(event.target) && !["Escape", "Ctrl+Enter"].includes(name)) return;
-    if ((name === "Enter" || name === "Space") && event.target.closest("button, a, summary, [role=tab], input")) return;
+    if (
+      (name === "Enter" || name === "Space") &&
+      /** @type {Element} */ (event.target).closest("button, a, summary, [role=tab], input")
+    )
+      return;
     for (const [keys, , action] of [...here, ...everywhere]) {
       if (action && keys.split(" ").includes(name)) {
         if (action(event) !== false) event.preventDefault();
@@ -44,7 +53,20 @@ function table(title, keys) {
       "dl.keys",
       null,
       keys.map(([names, words]) => [
-        h("dt", null, names.split(" ").map((name) => h("kbd", null, name.split("+").map((part) => shown[part] ?? part).join("+")))),
+        h(
+          "dt",
+          null,
+          names.split(" ").map((name) =>
+            h(
+              "kbd",
+              null,
+              name
+                .split("+")
+                .map((part) => shown[part] ?? part)
+                .join("+"),
+            ),
+          ),
+        ),
         h("dd", null, words),
       ]),
     ),
@@ -53,9 +75,14 @@ function table(title, keys) {
 
 export function showHelp() {
   const dialog = h("dialog.help", { "aria-label": "Keys", onclose: () => dialog.remove() });
-  place(
+  render(
     dialog,
-    h("header", null, h("h2", null, "Keys"), h("button", { type: "button", autofocus: true, onclick: () => dialog.close() }, "Close")),
+    h(
+      "header",
+      null,
+      h("h2", null, "Keys"),
+      h("button", { type: "button", autofocus: true, onclick: () => dialog.close() }, "Close"),
+    ),
     h("div.columns", null, here.length > 0 && table("This step", here), table("Everywhere", everywhere)),
   );
   document.body.append(dialog);

@@ -1,16 +1,26 @@
-// Short messages in the corner, and questions that must be answered.
+// Messages in the corner, and modal questions.
 
-import { h, place, rememberFocus } from "./dom.js";
+import { h, render, saveFocus } from "./dom.js";
 
-/** Say something for a while; errors, and what `stays`, stay until they are put away. */
-export function say(words, { kind = "info", action, stays = kind === "error" } = {}) {
+/**
+ * Show a message for some seconds; errors, and messages with `stays`, stay until they are closed.
+ *
+ * @param {string} words
+ * @param {{ kind?: string, action?: { words: string, do: () => any }, stays?: boolean }} [options]
+ */
+export function toast(words, { kind = "info", action, stays = kind === "error" } = {}) {
   const box = document.getElementById("messages");
   const message = h(
     `div.message.${kind}`,
     null,
     h("p", null, words),
-    action && h("button.link", { type: "button", onclick: () => (action.do(), message.remove()) }, action.words),
-    h("button.icon", { type: "button", "aria-label": "Close this message", onclick: () => message.remove() }, "×"),
+    action &&
+      h("button.link", { type: "button", onclick: () => (action.do(), message.remove()) }, action.words),
+    h(
+      "button.icon",
+      { type: "button", "aria-label": "Close this message", onclick: () => message.remove() },
+      "×",
+    ),
   );
   box.append(message);
   while (box.children.length > 4) box.firstElementChild.remove();
@@ -18,14 +28,17 @@ export function say(words, { kind = "info", action, stays = kind === "error" } =
   return message;
 }
 
-export const complain = (error) => error.name === "AbortError" || say(error.message, { kind: "error" });
+export const showError = (error) => error.name === "AbortError" || toast(error.message, { kind: "error" });
 
-/** Ask one thing; resolves to the value of the button, or null. Enter in a field presses the primary button. */
-export function question(title, body, buttons) {
-  const giveBack = rememberFocus();
+/** Ask a question; resolves to the button's value or null. Enter in a field presses the primary button. */
+export function ask(title, body, buttons) {
+  const restoreFocus = saveFocus();
   return new Promise((resolve) => {
-    const dialog = h("dialog.question", { "aria-label": title, onclose: () => (dialog.remove(), giveBack(), resolve(dialog.returnValue || null)) });
-    place(
+    const dialog = h("dialog.question", {
+      "aria-label": title,
+      onclose: () => (dialog.remove(), restoreFocus(), resolve(dialog.returnValue || null)),
+    });
+    render(
       dialog,
       h("h2", null, title),
       h("div.body", null, body),
@@ -33,7 +46,16 @@ export function question(title, body, buttons) {
         "div.actions",
         null,
         buttons.map(([value, words, kind = ""]) =>
-          h("button", { class: kind, type: "button", autofocus: kind === "primary", onclick: () => dialog.close(value) }, words),
+          h(
+            "button",
+            {
+              class: kind,
+              type: "button",
+              autofocus: kind === "primary",
+              onclick: () => dialog.close(value),
+            },
+            words,
+          ),
         ),
       ),
     );
@@ -45,6 +67,6 @@ export function question(title, body, buttons) {
     });
     document.body.append(dialog);
     dialog.showModal();
-    dialog.querySelector(".body input, .body select")?.focus(); // what is asked is typed at once
+    dialog.querySelector(".body input, .body select")?.focus();
   });
 }

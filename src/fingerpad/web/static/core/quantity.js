@@ -1,5 +1,4 @@
-// Numbers as people read them: value ± one standard uncertainty with two digits (GUM 7.2.6), and the unit.
-// The same rule as fingerpad.units.value_with_uncertainty.
+// Values with standard uncertainty to two digits (GUM 7.2.6), as in fingerpad.units.value_with_uncertainty.
 
 import { h } from "./dom.js";
 
@@ -14,10 +13,13 @@ function decimalsOf(std) {
 const round = (value, decimals) => Math.round(value * 10 ** decimals) / 10 ** decimals;
 const fixed = (value, decimals) => round(value, decimals).toFixed(Math.max(decimals, 0)).replace("-", "−");
 
-/** Four significant digits; below one three decimals, and three digits at least. */
+/** Four significant digits; below one three decimals, and at least three digits. */
 export function plain(value) {
   if (value === null || value === undefined || !Number.isFinite(value)) return EN;
-  if (value !== 0 && Math.abs(value) < 1) return value.toFixed(Math.min(9, Math.max(3, 2 - Math.floor(Math.log10(Math.abs(value)))))).replace("-", "−");
+  if (value !== 0 && Math.abs(value) < 1)
+    return value
+      .toFixed(Math.min(9, Math.max(3, 2 - Math.floor(Math.log10(Math.abs(value))))))
+      .replace("-", "−");
   return String(Number(value.toPrecision(4))).replace("-", "−");
 }
 
@@ -47,23 +49,38 @@ export function unitOf(key) {
 
 export const withUnit = (text, unit) => (unit ? (unit === "°" ? `${text}°` : `${text} ${unit}`) : text);
 
-/** A number of a result, found by its key with the `_std` beside it. */
+/** A quantity by its key, with its standard uncertainty. */
 export function quantityText(numbers, key) {
   return withUnit(withStd(numbers?.[key], numbers?.[`${key}_std`]), unitOf(key));
 }
 
-/** One line of an inspector: label left, number right; `was` shows what the program found. */
-export function reading(label, text, { was, mark, title } = {}) {
+/**
+ * A quantity with its label; `was` is the value of the automatic measurement.
+ *
+ * @param {any} label
+ * @param {any} text
+ * @param {{ was?: string, mark?: string, title?: string }} [options]
+ */
+export function quantityRow(label, text, { was, mark, title } = {}) {
   return h(
     "div.reading",
     { title },
     h("dt", null, mark && h("span.swatch", { "data-of": mark }), label),
-    h("dd", null, h("span.number", null, text), was && was !== text && h("span.was", null, h("span.sr", null, "program: "), was)),
+    h(
+      "dd",
+      null,
+      h("span.number", null, text),
+      was && was !== text && h("span.was", null, h("span.sr", null, "automatic: "), was),
+    ),
   );
 }
 
-/** Who measured, in words. */
-export const BY = { program: "by the program", "program with corrections": "corrected", person: "by a person" };
+/** Description of how a result was measured. */
+export const BY = {
+  program: "automatic",
+  "program with corrections": "corrected",
+  person: "manual",
+};
 
 export const probability = (p) => (p < 0.001 ? "p < 0.001" : `p = ${p.toPrecision(2)}`);
 

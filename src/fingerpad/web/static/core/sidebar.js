@@ -1,57 +1,94 @@
-// The steps of the work with what each still wants, and the switches that hold for the whole page.
+// The sidebar: the steps with their status, and switches for the whole page.
 
-import { bench } from "./workspace.js";
-import { h, place, s } from "./dom.js";
+import { h, render, s } from "./dom.js";
 import { showHelp } from "./keys.js";
+import { workspace } from "./workspace.js";
 
-const rail = document.getElementById("rail");
+const sidebar = document.getElementById("sidebar");
 
-/** What a step still wants: [words, kind]. */
-function wants(step) {
-  const study = bench.study;
+/**
+ * The status of a step: text and kind.
+ *
+ * @param {string} step
+ * @returns {[words: string, kind: string]}
+ */
+function stepStatus(step) {
+  const study = workspace.study;
   if (!study) return ["", ""];
   const missing = study.missing.length;
   const contacts = study.observations.filter(({ file }) => file);
-  const doubtful = contacts.filter((entry) => entry.flags.length && !entry.accepted && !entry.rejected).length;
+  const doubtful = contacts.filter(
+    (entry) => entry.flags.length && !entry.accepted && !entry.rejected,
+  ).length;
   const photographs = study.fingers.flatMap((finger) => finger.photographs ?? []);
-  const run = bench.run;
+  const run = workspace.run;
   const busy = run && ["running", "cancelling"].includes(run.state);
   return {
     study: missing ? [`${missing} missing`, "warn"] : ["complete", "good"],
     scale: study.scales.length ? [`${study.scales.length}`, ""] : ["none yet", "warn"],
     photographs: [photographs.length ? `${photographs.length}` : "none", ""],
-    contacts: doubtful ? [`${doubtful} doubtful`, "warn"] : [`${contacts.length}${study.sequences.length ? ` + ${study.sequences.length} film${study.sequences.length > 1 ? "s" : ""}` : ""}`, ""],
+    contacts: doubtful
+      ? [`${doubtful} doubtful`, "warn"]
+      : [
+          [contacts.length, ...(study.sequences.length ? [`${study.sequences.length} seq.`] : [])].join(
+            " + ",
+          ),
+          "",
+        ],
     pad: [`${study.fingers.length || ""}`, ""],
-    results: study.results?.there ? (study.results.fresh ? ["up to date", "good"] : ["out of date", "warn"]) : study.results?.faults?.length ? ["damaged", "bad"] : ["none yet", ""],
-    run: busy ? [`${run.done} of ${run.total}`, "busy"] : study.counts?.failed ? [`${study.counts.failed} failed`, "bad"] : ["", ""],
+    results: study.results.there
+      ? study.results.fresh
+        ? ["up to date", "good"]
+        : ["out of date", "warn"]
+      : study.results.faults?.length
+        ? ["damaged", "bad"]
+        : ["none yet", ""],
+    run: busy
+      ? [`${run.done} of ${run.total}`, "busy"]
+      : study.counts.failed
+        ? [`${study.counts.failed} failed`, "bad"]
+        : ["", ""],
   }[step];
 }
 
-export function drawRail(open, steps) {
-  const study = bench.study;
-  place(
-    rail,
-    h("a.brand", { href: "#/study", "aria-label": "fingerpad, to the study" }, h("img", { src: "/static/mark.svg", alt: "", width: 26, height: 26 }), h("span", null, "fingerpad")),
+export function drawSidebar(open, steps) {
+  const study = workspace.study;
+  render(
+    sidebar,
+    h(
+      "a.brand",
+      { href: "#/study", "aria-label": "fingerpad, to the study" },
+      h("img", { src: "/static/mark.svg", alt: "", width: 26, height: 26 }),
+      h("span", null, "fingerpad"),
+    ),
     study &&
       h(
         "div.study-name",
         null,
         h("span.eyebrow", null, "Study"),
         h("strong", { title: study.title }, study.title || study.name),
-        h("button.link", { type: "button", onclick: () => bench.close().catch(() => {}) }, "Other studies"),
+        h(
+          "button.link",
+          { type: "button", onclick: () => workspace.close().catch(() => {}) },
+          "Other studies",
+        ),
       ),
     study &&
       h(
         "ol.steps",
         null,
         steps.map(([key, words], index) => {
-          const [wanting, kind] = wants(key);
+          const [wanting, kind] = stepStatus(key);
           return h(
             "li",
             null,
             h(
               "a",
-              { href: `#/${key}`, "aria-current": key === open ? "step" : undefined, "aria-keyshortcuts": index + 1 },
+              {
+                href: `#/${key}`,
+                "aria-current": key === open ? "step" : undefined,
+                "aria-keyshortcuts": index + 1,
+              },
               h("span.step-number", { "aria-hidden": "true" }, index + 1),
               h("span.step-name", null, words),
               wanting && h("span.step-state", { class: `step-state ${kind}` }, wanting),
@@ -60,9 +97,19 @@ export function drawRail(open, steps) {
         }),
       ),
     h("div.grow"),
-    h("p.cut-note", { role: "status" }, "The program does not answer. What you confirmed is on the disk."),
-    h("div.switches", null, themeSwitch(), h("button", { type: "button", onclick: () => showHelp(), "aria-label": "Keys" }, "Keys", h("kbd", null, "?"))),
-    h("p.version", null, `fingerpad ${bench.session?.version ?? ""} · on this machine only`),
+    h("p.cut-note", { role: "status" }, "fingerpad does not respond. Confirmed changes are saved."),
+    h(
+      "div.switches",
+      null,
+      themeSwitch(),
+      h(
+        "button",
+        { type: "button", onclick: () => showHelp(), "aria-label": "Keys" },
+        "Keys",
+        h("kbd", null, "?"),
+      ),
+    ),
+    h("p.version", null, `fingerpad ${workspace.session?.version ?? ""} · local only`),
   );
 }
 
@@ -87,10 +134,15 @@ function themeSwitch() {
         const fresh = themeSwitch();
         event.currentTarget.replaceWith(fresh);
         fresh.focus();
-        bench.tell("theme");
+        workspace.emit("theme");
       },
     },
-    s("svg", { viewBox: "0 0 16 16", width: 14, height: 14, "aria-hidden": "true" }, s("circle", { cx: 8, cy: 8, r: 6.2, fill: "none", stroke: "currentColor", "stroke-width": 1.4 }), s("path", { d: "M8 1.8a6.2 6.2 0 0 1 0 12.4z", fill: "currentColor" })),
+    s(
+      "svg",
+      { viewBox: "0 0 16 16", width: 14, height: 14, "aria-hidden": "true" },
+      s("circle", { cx: 8, cy: 8, r: 6.2, fill: "none", stroke: "currentColor", "stroke-width": 1.4 }),
+      s("path", { d: "M8 1.8a6.2 6.2 0 0 1 0 12.4z", fill: "currentColor" }),
+    ),
     words,
   );
 }

@@ -1,80 +1,107 @@
-// The study on the bench: one state document, kept fresh, and edits of its manifest.
+// The open study: its state, kept up to date, and edits of its manifest.
 
-import { about, ApiError, get, post } from "./api.js";
-import { say } from "./messages.js";
+import { ApiError, context, get, post } from "./api.js";
+import { toast } from "./messages.js";
 
 class Workspace extends EventTarget {
+  /** @type {Answers["Session"] | null} */
   session = null;
+  /** @type {State | null} */
   study = null;
+  /** @type {Answers["RunStatus"] | null} */
   run = null;
+  /** @type {EventSource | null} */
   #stream = null;
   #reloading = null;
-  #news = 0;
-  #rest = null;
+  #version = 0;
+  #reloadTimer = null;
+  /** @type {Promise<any>} */
   #editing = Promise.resolve();
 
-  tell(kind, detail) {
+  /**
+   * @param {string} kind
+   * @param {any} [detail]
+   */
+  emit(kind, detail) {
     this.dispatchEvent(new CustomEvent(kind, { detail }));
   }
 
+  /**
+   * Call a listener with the detail of each event of a kind; the function returned removes it.
+   *
+   * @param {string} kind
+   * @param {(detail: any) => void} listener
+   */
+  on(kind, listener) {
+    const handler = (event) => listener(event.detail);
+    this.addEventListener(kind, handler);
+    return () => this.removeEventListener(kind, handler);
+  }
+
   async start() {
-    about.overtaken = () => this.follow().catch(() => {});
+    context.conflict = () => this.follow().catch(() => {});
     this.session = await get("/api/session");
     if (this.session.study) await this.reload();
   }
 
-  /** Take a state that is not older than this call. */
+  /** Load a state that is not older than this call. */
   reload() {
-    this.#news += 1;
+    this.#version += 1;
     return (this.#reloading ??= this.#read().finally(() => (this.#reloading = null)));
   }
 
-  /** An answer that was overtaken by something newer while it came is asked for again. */
+  /** Load the state again if it changed while it was loaded. */
   async #read() {
     let document, known;
     do {
-      known = this.#news;
+      known = this.#version;
       document = await get("/api/study");
-    } while (known !== this.#news);
-    return this.#take(document);
+    } while (known !== this.#version);
+    return this.#update(document);
   }
 
-  /** Another window opened another study, or closed this one: there is one at a time, and this window follows. */
+  /** Follow another window that opened another study or closed this one: one is open at a time. */
   async follow() {
     const { study } = (this.session = await get("/api/session"));
     if (study?.name === this.study?.name) return;
-    say(study ? `Another window opened the study ${study.title || study.name}: it is shown here too.` : "Another window closed the study.", { kind: "error" });
+    toast(
+      study
+        ? `Another window opened the study ${study.title || study.name}; this window follows.`
+        : "Another window closed the study.",
+      { kind: "error" },
+    );
     this.#leave();
     if (study) await this.reload();
-    else this.tell("study", { first: true });
+    else this.emit("study", { first: true });
   }
 
-  /** Forget the study, and hear no more of it. */
+  /** Leave the study. */
   #leave() {
     this.#stream?.close();
-    clearTimeout(this.#rest);
-    this.#news += 1;
-    this.study = this.run = about.study = null;
+    clearTimeout(this.#reloadTimer);
+    this.#version += 1;
+    this.study = this.run = context.study = null;
     location.hash = "#/study";
   }
 
-  #take(document) {
-    this.#news += 1;
-    about.study = document.name;
+  /** @param {State} document */
+  #update(document) {
+    this.#version += 1;
+    context.study = document.name;
     const first = this.study?.name !== document.name;
-    // Files that nothing names are shown where files are; nothing is missing for their sake.
+    // Unused files are listed as files, not as missing entries.
     const missing = document.missing.filter(({ kind }) => kind !== "file");
-    this.study = { ...document, missing, uncertainty: document.uncertainty ?? {} };
+    this.study = { ...document, missing };
     if (first) {
       this.run = null;
       this.#listen();
     }
-    this.#hear(document.run);
-    this.tell("study", { first });
+    this.#updateRun(document.run);
+    this.emit("study", { first });
     return document;
   }
 
-  /** Follow what other windows and the run do. */
+  /** Listen to other windows and to the run. */
   #listen() {
     this.#stream?.close();
     this.#stream = new EventSource("/api/events");
@@ -83,64 +110,69 @@ class Workspace extends EventTarget {
     on("session", ({ study }) => study !== this.study?.name && this.follow().catch(() => {}));
     on("run", (run) => this.takeRun(run));
     on("corrections", (detail) => {
-      this.tell("corrections", detail);
-      // What a correction means for the whole study is asked for once the hand rests.
-      clearTimeout(this.#rest);
-      this.#rest = setTimeout(() => this.reload().catch(() => {}), 1500);
+      this.emit("corrections", detail);
+      // The state of the whole study is reloaded once corrections pause.
+      clearTimeout(this.#reloadTimer);
+      this.#reloadTimer = setTimeout(() => this.reload().catch(() => {}), 1500);
     });
-    this.#stream.onerror = () => this.tell("link", { there: false });
-    this.#stream.onopen = () => this.tell("link", { there: true });
+    this.#stream.onerror = () => this.emit("link", { there: false });
+    this.#stream.onopen = () => this.emit("link", { there: true });
   }
 
-  /** How the run stands, unless a later state of it is known. */
-  #hear(run) {
+  /** Update the status of the run unless a later one is known. */
+  #updateRun(run) {
     if (run.version < this.run?.version) return false;
     this.run = run;
     return true;
   }
 
+  /** @param {Answers["RunStatus"]} run */
   takeRun(run) {
     const ended = this.run?.state === "running" && run.state !== "running";
-    if (!this.#hear(run)) return;
-    this.tell("run", run);
+    if (!this.#updateRun(run)) return;
+    this.emit("run", run);
     if (ended || (run.state === "done" && !this.study.results?.fresh)) this.reload().catch(() => {});
   }
 
   async open(name) {
-    this.#take(await post("/api/session/open", { name }));
+    this.#update(await post("/api/session/open", { name }));
   }
 
   async create(name, title) {
-    this.#take(await post("/api/session/new", { name, title }));
+    this.#update(await post("/api/session/new", { name, title }));
   }
 
   async close() {
     this.#leave();
     this.session = await post("/api/session/close");
-    this.tell("study", { first: true });
+    this.emit("study", { first: true });
   }
 
-  take(document) {
-    return this.#take(document);
+  update(document) {
+    return this.#update(document);
   }
 
   /**
-   * Change the manifest: edits are {kind, key, set}, all of them or none. Another window may have changed the study
-   * just before: then its state is taken, and ours asked again, if it is about other tables than those that changed.
-   * One's own follow each other: each is made on what the one before it left.
+   * Change the manifest by all edits or none, one call after the other. If another window changed the study
+   * just before, the edits are sent again unless they are about the same tables.
+   *
+   * @param {...Edit} edits
    */
   edit(...edits) {
     const { name } = this.study;
     const mine = this.#editing.then(() => {
-      if (this.study?.name !== name) throw new ApiError(409, { error: `The study ${name} is not open any more: this was not kept.` });
+      if (this.study?.name !== name)
+        throw new ApiError(409, { error: `The study ${name} is no longer open; the change was not saved.` });
       return this.#edit(edits);
     });
     this.#editing = mine.catch(() => {});
     return mine;
   }
 
+  /** @param {Edit[]} edits */
   async #edit(edits) {
-    const send = async () => this.#take(await post("/api/study/edits", { expected: this.study.digest, edits }));
+    const send = async () =>
+      this.#update(await post("/api/study/edits", { expected: this.study.digest, edits }));
     const before = edits.map((edit) => tableOf(this.study, edit));
     try {
       return await send();
@@ -148,7 +180,10 @@ class Workspace extends EventTarget {
       if (!(error instanceof ApiError) || error.status !== 409 || !error.body.digest) throw error;
       await this.reload();
       if (edits.some((edit, index) => tableOf(this.study, edit) !== before[index])) {
-        say("Another window changed this entry just now. Its values are shown; enter yours again if they should stand.", { kind: "error" });
+        toast(
+          "Another window changed this entry just now. Its values are shown; enter yours again if needed.",
+          { kind: "error" },
+        );
         return this.study;
       }
       return send();
@@ -156,22 +191,37 @@ class Workspace extends EventTarget {
   }
 }
 
-/** What the state says of an edit's table, as text to compare. */
+/**
+ * The state of the table that an edit changes, as text to compare.
+ *
+ * @param {State} study
+ * @param {Edit} edit
+ */
 function tableOf(study, { kind, key }) {
   if (kind === "study") return JSON.stringify([study.title, study.description, study.poisson_ratio]);
   if (kind === "uncertainty") return JSON.stringify(study.uncertainty);
-  if (kind === "photograph") return JSON.stringify(study.fingers.flatMap(({ photographs }) => photographs).find(({ item }) => item === key) ?? null);
-  const found = study[`${kind}s`].find((entry) => (entry.item ?? entry.key ?? entry.name) === key);
+  if (kind === "photograph")
+    return JSON.stringify(
+      study.fingers.flatMap(({ photographs }) => photographs).find(({ item }) => item === key) ?? null,
+    );
+  /** @type {any[]} */
+  const tables = study[`${kind}s`];
+  const found = tables.find((entry) => (entry.item ?? entry.key ?? entry.name) === key);
   return JSON.stringify(found ?? null);
 }
 
-export const bench = new Workspace();
+export const workspace = new Workspace();
 
-export const who = () => localStorage.getItem("fingerpad.who") || bench.session?.who || "";
+export const who = () => localStorage.getItem("fingerpad.who") || workspace.session?.who || "";
 export const setWho = (name) => localStorage.setItem("fingerpad.who", name.trim());
 
-/** Words for a flag or note, from the library. */
-export function wordsFor(code) {
-  const words = bench.study?.words ?? {};
-  return words.flags?.[code] ?? words.photograph_flags?.[code] ?? words.range_notes?.[code] ?? code.replaceAll("_", " ");
+/** Description of a flag or note. */
+export function describeCode(code) {
+  const words = workspace.study?.words;
+  return (
+    words?.flags[code] ??
+    words?.photograph_flags[code] ??
+    words?.range_notes[code] ??
+    code.replaceAll("_", " ")
+  );
 }

@@ -1,20 +1,22 @@
-// Plotly, in the page's colours, fetched from this machine when the first chart is drawn.
+// Charts by Plotly in the colours of the theme; its script is loaded with the first chart.
 
 import { h } from "../core/dom.js";
+import { workspace } from "../core/workspace.js";
 
 let loading = null;
 
 function load() {
   loading ??= new Promise((resolve, reject) => {
-    const script = h("script", { src: "/static/vendor/plotly.min.js" });
+    const script = h("script", { src: workspace.session.plotly });
     script.onload = () => resolve(window.Plotly);
-    script.onerror = () => reject(new Error("The charts' script could not be read from this machine; the report's figures are below."));
+    script.onerror = () =>
+      reject(new Error("The script for charts could not be loaded; see the figures of the report."));
     document.head.append(script);
   });
   return loading;
 }
 
-/** A colour of the style sheet, as the theme has it now. */
+/** A colour of the current theme. */
 export function colour(name) {
   const probe = h("span", { style: { color: `var(--${name})`, display: "none" } });
   document.body.append(probe);
@@ -23,10 +25,27 @@ export function colour(name) {
   return value;
 }
 
+/**
+ * @param {any} root
+ * @param {object[]} traces
+ * @param {{ x: string, y: string, shapes?: object[], annotations?: object[],
+ *   chosen?: (point: { pointIndex: number }) => void, ranges?: { x?: object, y?: object } }} options
+ */
 export async function chart(root, traces, { x, y, shapes = [], annotations = [], chosen, ranges = {} }) {
   const plotly = await load();
   const [ink, soft, line, panel] = ["ink", "soft", "line", "panel"].map(colour);
-  const axis = (title, range) => ({ title: { text: title, standoff: 8, font: { size: 12.5 } }, color: ink, gridcolor: line, linecolor: soft, zeroline: false, ticks: "outside", tickcolor: soft, automargin: true, rangemode: "tozero", ...(range ?? {}) });
+  const axis = (title, range) => ({
+    title: { text: title, standoff: 8, font: { size: 12.5 } },
+    color: ink,
+    gridcolor: line,
+    linecolor: soft,
+    zeroline: false,
+    ticks: "outside",
+    tickcolor: soft,
+    automargin: true,
+    rangemode: "tozero",
+    ...(range ?? {}),
+  });
   const layout = {
     font: { family: getComputedStyle(document.body).fontFamily, size: 12.5, color: ink },
     paper_bgcolor: panel,
@@ -41,9 +60,15 @@ export async function chart(root, traces, { x, y, shapes = [], annotations = [],
     shapes,
     annotations: annotations.map((each) => ({ font: { color: ink, size: 12 }, showarrow: false, ...each })),
   };
-  await plotly.react(root, traces, layout, { displaylogo: false, responsive: true, displayModeBar: false, showSendToCloud: false, plotlyServerURL: "" });
-  if (chosen && !root.dataset.heard) {
-    root.dataset.heard = "1";
+  await plotly.react(root, traces, layout, {
+    displaylogo: false,
+    responsive: true,
+    displayModeBar: false,
+    showSendToCloud: false,
+    plotlyServerURL: "",
+  });
+  if (chosen && !root.dataset.listener) {
+    root.dataset.listener = "1";
     root.on("plotly_click", ({ points }) => chosen(points[0]));
   }
 }

@@ -1,12 +1,12 @@
-// Files dropped on the page, or chosen: sent one after the other, each with its progress.
+// Upload of files that are dropped on the page or chosen, one after the other.
 
 import { upload } from "../core/api.js";
-import { bench } from "../core/workspace.js";
-import { h, place } from "../core/dom.js";
-import { complain, say } from "../core/messages.js";
+import { h, render } from "../core/dom.js";
+import { showError, toast } from "../core/messages.js";
+import { workspace } from "../core/workspace.js";
 import { button } from "./forms.js";
 
-/** Files of a drop, with the folder that holds each (the frames of a film are dropped as one folder). */
+/** Files of a drop, with the folder of each: the frames of a sequence are dropped as one folder. */
 async function filesOf(transfer) {
   const entries = [...transfer.items].map((item) => item.webkitGetAsEntry?.()).filter(Boolean);
   if (!entries.some((entry) => entry.isDirectory)) return [...transfer.files].map((file) => ({ file }));
@@ -19,7 +19,11 @@ async function filesOf(transfer) {
         const some = await new Promise((done, failed) => reader.readEntries(done, failed));
         if (!some.length) break;
         for (const each of some) {
-          if (each.isFile) found.push({ folder: entry.name, file: await new Promise((done, failed) => each.file(done, failed)) });
+          if (each.isFile)
+            found.push({
+              folder: entry.name,
+              file: await new Promise((done, failed) => each.file(done, failed)),
+            });
         }
       }
     }
@@ -30,19 +34,35 @@ async function filesOf(transfer) {
 export class Drop {
   constructor({ sent }) {
     this.sent = sent;
-    this.chooser = h("input", { type: "file", multiple: true, hidden: true, tabindex: -1, "aria-label": "Files to add", onchange: () => this.send([...this.chooser.files].map((file) => ({ file }))) });
+    this.chooser = h("input", {
+      type: "file",
+      multiple: true,
+      hidden: true,
+      tabindex: -1,
+      "aria-label": "Files to add",
+      onchange: () => this.send([...this.chooser.files].map((file) => ({ file }))),
+    });
     this.progress = h("div.sending", { role: "status", "aria-live": "polite" });
     this.root = h(
       "div.drop",
       null,
-      h("div", null, h("strong", null, "Drop photographs, contact images, films and curves here"), h("p.soft", null, "PNG, JPEG, TIFF (8 or 16 bit), a folder of frames, CSV. They stay on this machine.")),
+      h(
+        "div",
+        null,
+        h("strong", null, "Drop photographs, contact images, sequences and curves here"),
+        h(
+          "p.soft",
+          null,
+          "PNG, JPEG, TIFF (8 or 16 bit), a folder of frames, CSV. Files stay on this computer.",
+        ),
+      ),
       button("Choose files", () => this.chooser.click(), { kind: "primary" }),
       this.chooser,
       this.progress,
     );
   }
 
-  /** Let the whole of `area` take drops. */
+  /** Accept drops on all of `area`. */
   watch(area) {
     let depth = 0;
     const over = (on) => this.root.classList.toggle("over", on);
@@ -53,7 +73,7 @@ export class Drop {
       event.preventDefault();
       depth = 0;
       over(false);
-      this.send(await filesOf(event.dataTransfer).catch((error) => (complain(error), [])));
+      this.send(await filesOf(event.dataTransfer).catch((error) => (showError(error), [])));
     });
   }
 
@@ -62,7 +82,7 @@ export class Drop {
     const refused = [];
     for (const [index, { file, folder }] of files.entries()) {
       const bar = h("progress", { max: 1, value: 0, "aria-label": `Sending ${file.name}` });
-      place(this.progress, h("span", null, `${index + 1} of ${files.length}: ${file.name}`), bar);
+      render(this.progress, h("span", null, `${index + 1} of ${files.length}: ${file.name}`), bar);
       try {
         kept.push(await upload(file, { folder, progress: (share) => (bar.value = share) }));
       } catch (error) {
@@ -70,12 +90,13 @@ export class Drop {
       }
     }
     this.chooser.value = "";
-    place(this.progress);
-    if (refused.length) say(refused.slice(0, 5).join("\n"), { kind: "error" });
-    await bench.reload().catch(complain);
-    const used = new Set(bench.study?.files.filter((each) => each.used).map((each) => each.file));
+    render(this.progress);
+    if (refused.length) toast(refused.slice(0, 5).join("\n"), { kind: "error" });
+    await workspace.reload().catch(showError);
+    const used = new Set(workspace.study?.files.filter((each) => each.used).map((each) => each.file));
     const again = kept.filter(({ file }) => used.has(file));
-    if (again.length) say(`In the study already: ${again.map(({ file }) => file.split("/").at(-1)).join(", ")}.`);
+    if (again.length)
+      toast(`Already in the study: ${again.map(({ file }) => file.split("/").at(-1)).join(", ")}.`);
     if (kept.length) this.sent(kept);
   }
 }

@@ -1,4 +1,4 @@
-// An ellipse with handles: centre, ends of both semi-axes, rotation. It draws and moves; the library fits.
+// An ellipse with handles for centre, semi-axes and rotation.
 
 import { attributes, s } from "../core/dom.js";
 import { handle } from "./handle.js";
@@ -6,10 +6,11 @@ import { handle } from "./handle.js";
 const TURN_PX = 30;
 
 export class EllipseEditor {
-  /** `names`: of the first and second semi-axis. `changed(shape, final)` hears every move of a hand. */
+  /** `names` are those of the semi-axes; `changed(shape, final)` is called on every move. */
   constructor(stage, names, changed) {
     this.stage = stage;
     this.changed = changed;
+    /** @type {{ centre: Point, lengths: Point, directions: [Point, Point] } | null} */
     this.shape = null;
     this.curve = [s("ellipse.casing"), s("ellipse.ellipse")];
     this.axes = [s("path.arm"), s("path.arm")];
@@ -17,7 +18,7 @@ export class EllipseEditor {
     this.lines = s("g.ellipse-lines", { visibility: "hidden" }, this.curve, this.axes, this.stalk);
     this.layer = s("g.ellipse-handles", { visibility: "hidden" });
     this.handles = {
-      centre: this.#handle("Centre of the ellipse", "centre", (place) => (this.shape.centre = place)),
+      centre: this.#handle("Centre of the ellipse", "centre", (point) => (this.shape.centre = point)),
       first: this.#end(names[0], 0, 1),
       firstBack: this.#end(`${names[0]}, other end`, 0, -1),
       second: this.#end(names[1], 1, 1),
@@ -25,7 +26,7 @@ export class EllipseEditor {
       turn: this.#handle(
         "Rotation of the ellipse; left and right arrows turn by half a degree",
         "turn",
-        (place) => this.#turnTo(place),
+        (point) => this.#turnTo(point),
         ([row, column], size) => this.#turnBy((column || row) * size * 0.5),
       ),
     };
@@ -42,7 +43,7 @@ export class EllipseEditor {
     return handle(this.stage, {
       label,
       kind,
-      move: (place) => this.shape && (apply(place), after()),
+      move: (point) => this.shape && (apply(point), after()),
       step: step && ((arrow, size) => this.shape && (step(arrow, size), after())),
       commit: () => this.shape && this.changed(this.shape, true),
     });
@@ -53,18 +54,20 @@ export class EllipseEditor {
     return this.#handle(
       `End of the ${name}`,
       "axis",
-      (place) => {
+      (point) => {
         const [row, column] = this.shape.directions[axis];
-        stretch(side * ((place[0] - this.shape.centre[0]) * row + (place[1] - this.shape.centre[1]) * column));
+        stretch(
+          side * ((point[0] - this.shape.centre[0]) * row + (point[1] - this.shape.centre[1]) * column),
+        );
       },
       ([row, column], size) => stretch(this.shape.lengths[axis] + (column || -row) * size),
     );
   }
 
-  #turnTo(place) {
+  #turnTo(point) {
     const { centre, directions } = this.shape;
     const [row, column] = directions[0];
-    this.#turn(Math.atan2(place[0] - centre[0], place[1] - centre[1]) - Math.atan2(row, column));
+    this.#turn(Math.atan2(point[0] - centre[0], point[1] - centre[1]) - Math.atan2(row, column));
   }
 
   #turnBy(degrees) {
@@ -73,15 +76,33 @@ export class EllipseEditor {
 
   #turn(angle) {
     const [cos, sin] = [Math.cos(angle), Math.sin(angle)];
-    this.shape.directions = this.shape.directions.map(([row, column]) => [row * cos + column * sin, column * cos - row * sin]);
+    /** @type {(direction: Point) => Point} */
+    const turned = ([row, column]) => [row * cos + column * sin, column * cos - row * sin];
+    const [first, second] = this.shape.directions;
+    this.shape.directions = [turned(first), turned(second)];
   }
 
-  /** Show the ellipse with these ends: all places as [row, column]. */
+  /**
+   * Show the ellipse with these ends of its semi-axes.
+   *
+   * @param {Point} centre
+   * @param {Point} firstEnd
+   * @param {Point} secondEnd
+   */
   show(centre, firstEnd, secondEnd) {
-    const arm = (end) => [end[0] - centre[0], end[1] - centre[1]];
-    const arms = [arm(firstEnd), arm(secondEnd)];
-    const lengths = arms.map(([row, column]) => Math.hypot(row, column));
-    this.shape = { centre: [...centre], lengths, directions: arms.map(([row, column], index) => [row / lengths[index], column / lengths[index]]) };
+    const length = (end) => Math.hypot(end[0] - centre[0], end[1] - centre[1]);
+    /** @type {Point} */
+    const lengths = [length(firstEnd), length(secondEnd)];
+    /** @type {(end: Point, index: 0 | 1) => Point} */
+    const direction = (end, index) => [
+      (end[0] - centre[0]) / lengths[index],
+      (end[1] - centre[1]) / lengths[index],
+    ];
+    this.shape = {
+      centre: [centre[0], centre[1]],
+      lengths,
+      directions: [direction(firstEnd, 0), direction(secondEnd, 1)],
+    };
     this.#visible("visible");
     this.#draw();
   }
@@ -95,12 +116,19 @@ export class EllipseEditor {
     for (const layer of [this.lines, this.layer]) layer.setAttribute("visibility", value);
   }
 
+  /**
+   * @param {0 | 1} axis
+   * @returns {Point}
+   */
   end(axis, side = 1) {
     const { centre, lengths, directions } = this.shape;
-    return [centre[0] + side * lengths[axis] * directions[axis][0], centre[1] + side * lengths[axis] * directions[axis][1]];
+    return [
+      centre[0] + side * lengths[axis] * directions[axis][0],
+      centre[1] + side * lengths[axis] * directions[axis][1],
+    ];
   }
 
-  /** Where the first axis points, degrees counter-clockwise on the screen from straight up. */
+  /** Angle of the first semi-axis from straight up, degrees counter-clockwise on the screen. */
   get fromUp() {
     const [row, column] = this.shape.directions[0];
     return (Math.atan2(-column, -row) * 180) / Math.PI;
@@ -110,7 +138,13 @@ export class EllipseEditor {
     const { centre, lengths, directions } = this.shape;
     const turn = (Math.atan2(directions[0][0], directions[0][1]) * 180) / Math.PI;
     for (const curve of this.curve) {
-      attributes(curve, { cx: centre[1], cy: centre[0], rx: lengths[0], ry: lengths[1], transform: `rotate(${turn} ${centre[1]} ${centre[0]})` });
+      attributes(curve, {
+        cx: centre[1],
+        cy: centre[0],
+        rx: lengths[0],
+        ry: lengths[1],
+        transform: `rotate(${turn} ${centre[1]} ${centre[0]})`,
+      });
     }
     const ends = [this.end(0), this.end(0, -1), this.end(1), this.end(1, -1)];
     this.axes.forEach((axis, index) => {
@@ -121,7 +155,9 @@ export class EllipseEditor {
     const knob = [centre[0] + far * directions[0][0], centre[1] + far * directions[0][1]];
     this.stalk.setAttribute("d", `M${ends[0][1]} ${ends[0][0]}L${knob[1]} ${knob[0]}`);
     const { first, firstBack, second, secondBack, turn: rotation, centre: middle } = this.handles;
-    [first, firstBack, second, secondBack].forEach((each, index) => each.put(ends[index]));
+    [first, firstBack, second, secondBack].forEach((each, index) => {
+      each.put(ends[index]);
+    });
     middle.put(centre);
     rotation.put(knob);
   }

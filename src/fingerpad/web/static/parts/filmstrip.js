@@ -1,4 +1,4 @@
-// A strip of thumbnails of which only those in sight exist: two thousand frames scroll like twenty.
+// A strip of thumbnails; only visible ones are created, so that thousands of frames scroll smoothly.
 
 import { picture } from "../core/api.js";
 import { h } from "../core/dom.js";
@@ -8,16 +8,21 @@ const BEYOND = 6;
 const SETTLE_MS = 70;
 
 export class Filmstrip {
-  /** `chosen(index)` hears what a person picks; `describe(entry)` gives {label, top, state, marks}. */
-  constructor({ label, chosen, describe, wanted }) {
+  /**
+   * @param {{ label: string, chosen: (index: number) => void, describe: (entry: any) => any }} options
+   */
+  constructor({ label, chosen, describe }) {
     this.entries = [];
     this.cells = new Map();
     this.chosen = chosen;
     this.describe = describe;
-    this.wanted = wanted;
     this.at = -1;
     this.track = h("div.track", { role: "presentation" });
-    this.root = h("div.filmstrip", { tabindex: 0, role: "listbox", "aria-label": label, "aria-orientation": "horizontal" }, this.track);
+    this.root = h(
+      "div.filmstrip",
+      { tabindex: 0, role: "listbox", "aria-label": label, "aria-orientation": "horizontal" },
+      this.track,
+    );
     this.root.addEventListener("scroll", () => this.#schedule(), { passive: true });
     this.root.addEventListener("wheel", (event) => this.#wheel(event), { passive: false });
     this.root.addEventListener("click", (event) => {
@@ -37,7 +42,14 @@ export class Filmstrip {
 
   #key(event) {
     const page = Math.max(1, Math.floor(this.root.clientWidth / CELL) - 1);
-    const step = { ArrowLeft: -1, ArrowRight: 1, PageUp: -page, PageDown: page, Home: -Infinity, End: Infinity }[event.key];
+    const step = {
+      ArrowLeft: -1,
+      ArrowRight: 1,
+      PageUp: -page,
+      PageDown: page,
+      Home: -Infinity,
+      End: Infinity,
+    }[event.key];
     if (!step || event.ctrlKey) return;
     event.preventDefault();
     event.stopPropagation();
@@ -52,7 +64,7 @@ export class Filmstrip {
     this.#draw();
   }
 
-  /** Draw again those in sight, after an entry changed. */
+  /** Redraw visible thumbnails after an entry has changed. */
   refresh() {
     for (const [index, cell] of this.cells) this.#label(cell, index);
   }
@@ -62,7 +74,10 @@ export class Filmstrip {
     const left = index * CELL;
     const { scrollLeft, clientWidth } = this.root;
     if (left < scrollLeft + CELL || left > scrollLeft + clientWidth - 2 * CELL) {
-      this.root.scrollTo({ left: left - clientWidth / 2 + CELL / 2, behavior: smooth ? "smooth" : "instant" });
+      this.root.scrollTo({
+        left: left - clientWidth / 2 + CELL / 2,
+        behavior: smooth ? "smooth" : "instant",
+      });
     }
     this.#draw();
     this.refresh();
@@ -92,13 +107,22 @@ export class Filmstrip {
         this.track.append(cell);
       }
     }
-    this.wanted?.(first, last);
     clearTimeout(this.settle);
     this.settle = setTimeout(() => this.#load(), SETTLE_MS);
   }
 
   #cell(index) {
-    const cell = h("div.cell", { role: "option", "data-index": index, "aria-setsize": this.entries.length, "aria-posinset": index + 1 }, h("div.thumb"), h("div.cell-label"));
+    const cell = h(
+      "div.cell",
+      {
+        role: "option",
+        "data-index": index,
+        "aria-setsize": this.entries.length,
+        "aria-posinset": index + 1,
+      },
+      h("div.thumb"),
+      h("div.cell-label"),
+    );
     cell.id = `cell-${index}`;
     cell.style.transform = `translateX(${index * CELL}px)`;
     this.#label(cell, index);
@@ -113,11 +137,14 @@ export class Filmstrip {
     cell.setAttribute("aria-label", name);
     cell.title = name;
     cell.dataset.state = state;
-    cell.lastChild.replaceChildren(h("span.cell-name", null, label), ...marks.map(([kind, title]) => h("span.dot", { "data-kind": kind, title })));
+    cell.lastChild.replaceChildren(
+      h("span.cell-name", null, label),
+      ...marks.map(([kind, title]) => h("span.dot", { "data-kind": kind, title })),
+    );
     if (index === this.at) this.root.setAttribute("aria-activedescendant", cell.id);
   }
 
-  /** Ask for the thumbnails in sight only once the strip has come to rest. */
+  /** Load visible thumbnails once scrolling has stopped. */
   #load() {
     const { scrollLeft, clientWidth } = this.root;
     for (const [index, cell] of this.cells) {
@@ -126,7 +153,12 @@ export class Filmstrip {
       const item = this.entries[index]?.item;
       if (!item || cell.dataset.loaded) continue;
       cell.dataset.loaded = "1";
-      const image = h("img", { alt: "", loading: "lazy", decoding: "async", src: picture("thumbnail", item) });
+      const image = h("img", {
+        alt: "",
+        loading: "lazy",
+        decoding: "async",
+        src: picture("thumbnail", item),
+      });
       image.onload = () => cell.classList.add("there");
       image.onerror = () => cell.classList.add("broken");
       cell.firstChild.append(image);

@@ -1,8 +1,14 @@
-// Fields: every one has its label, its unit, and room for what is wrong with it.
+// Form controls with labels and units.
 
 import { h, newId } from "../core/dom.js";
 
-/** A labelled field around a control; `unit` stands behind it, `hint` below. */
+/**
+ * A labelled field around a control, with its unit and a hint.
+ *
+ * @param {any} label
+ * @param {any} control
+ * @param {{ unit?: string, hint?: any, wide?: boolean }} [options]
+ */
 export function field(label, control, { unit, hint, wide } = {}) {
   const id = control.id || newId();
   control.id = id;
@@ -17,9 +23,25 @@ export function field(label, control, { unit, hint, wide } = {}) {
   );
 }
 
-/** Hears a number once it is confirmed (Enter or leaving the field); null when it was emptied. */
+/**
+ * A field for a number. `onset` is called once it is confirmed by Enter or by leaving the field, with null if
+ * it was emptied.
+ *
+ * @param {{ value?: number | null, onset?: (value: number | null) => any, min?: number, max?: number,
+ *   step?: number | "any", placeholder?: string, disabled?: boolean, label?: string }} options
+ */
 export function number({ value, onset, min, max, step = "any", placeholder, disabled, label }) {
-  const input = h("input.number", { type: "number", inputmode: "decimal", min, max, step, placeholder, disabled, value: value ?? "", "aria-label": label });
+  const input = h("input.number", {
+    type: "number",
+    inputmode: "decimal",
+    min,
+    max,
+    step,
+    placeholder,
+    disabled,
+    value: value ?? "",
+    "aria-label": label,
+  });
   let last = input.value;
   const set = () => {
     if (!input.reportValidity() || input.value === last) return;
@@ -31,13 +53,32 @@ export function number({ value, onset, min, max, step = "any", placeholder, disa
   return input;
 }
 
+/**
+ * @param {{ value?: string | null, onset?: (value: string) => any, placeholder?: string, list?: string,
+ *   disabled?: boolean, required?: boolean, label?: string }} options
+ */
 export function text({ value, onset, placeholder, list, disabled, required, label }) {
-  const input = h("input", { type: "text", placeholder, list, disabled, required, value: value ?? "", spellcheck: "false", autocomplete: "off", "aria-label": label });
+  const input = h("input", {
+    type: "text",
+    placeholder,
+    list,
+    disabled,
+    required,
+    value: value ?? "",
+    spellcheck: "false",
+    autocomplete: "off",
+    "aria-label": label,
+  });
   if (onset) input.addEventListener("change", () => onset(input.value.trim()));
   return input;
 }
 
-/** `options`: [value, words] pairs or plain values. */
+/**
+ * A drop-down list; `options` are values, or pairs of value and text.
+ *
+ * @param {{ value?: string | null, options: (string | any[])[], onset?: (value: any) => any,
+ *   disabled?: boolean, label?: string }} options
+ */
 export function choose({ value, options, onset, disabled, label }) {
   const select = h(
     "select",
@@ -51,7 +92,7 @@ export function choose({ value, options, onset, disabled, label }) {
   return select;
 }
 
-/** A slider with its value written behind it; `show` follows a value set elsewhere. */
+/** A slider with its value; `show` sets another value. */
 export function slider(label, { value, min, max, unit, hint, onset }) {
   const input = h("input", { type: "range", min, max, value, oninput: () => onset(Number(input.value)) });
   const root = field(label, input, { unit: `${value} ${unit}`, hint });
@@ -62,17 +103,31 @@ export function slider(label, { value, min, max, unit, hint, onset }) {
   return root;
 }
 
+/**
+ * @param {string} label
+ * @param {{ checked?: boolean, onset?: (checked: boolean) => any, disabled?: boolean }} [options]
+ */
 export function check(label, { checked, onset, disabled } = {}) {
   const box = h("input", { type: "checkbox", checked, disabled, onchange: () => onset?.(box.checked) });
   return h("label.check", null, box, h("span", null, label));
 }
 
+/**
+ * @param {any} words
+ * @param {() => any} onclick
+ * @param {{ kind?: string, key?: string, disabled?: boolean, title?: string, label?: string }} [options]
+ */
 export function button(words, onclick, { kind = "", key, disabled, title, label } = {}) {
-  return h("button", { type: "button", class: kind, onclick, disabled, title, "aria-label": label, "aria-keyshortcuts": key }, words, key && h("kbd", { "aria-hidden": "true" }, key));
+  return h(
+    "button",
+    { type: "button", class: kind, onclick, disabled, title, "aria-label": label, "aria-keyshortcuts": key },
+    words,
+    key && h("kbd", { "aria-hidden": "true" }, key),
+  );
 }
 
-/** Work that is not begun again while it goes on: who clicks or presses Enter twice means it once. */
-export function alone(work) {
+/** Ignore calls of an async function while it runs, as on a double click. */
+export function withoutOverlap(work) {
   let busy = false;
   return async () => {
     if (busy) return;
@@ -81,9 +136,22 @@ export function alone(work) {
   };
 }
 
-/** A row of buttons of which one is on: tools, ways, filters. Arrow keys move along it. */
+/**
+ * A group of buttons of which one is selected. Arrow keys move along it.
+ *
+ * @param {string} label
+ * @param {[key: string, words: string,
+ *   options?: { icon?: Element, shortcut?: string, title?: string }][]} options
+ * @param {string} value
+ * @param {(value: string) => any} onset
+ * @param {{ vertical?: boolean }} [layout]
+ */
 export function segments(label, options, value, onset, { vertical = false } = {}) {
-  const row = h(vertical ? "div.tools" : "div.segments", { role: "radiogroup", "aria-label": label, "aria-orientation": vertical ? "vertical" : "horizontal" });
+  const row = h(vertical ? "div.tools" : "div.segments", {
+    role: "radiogroup",
+    "aria-label": label,
+    "aria-orientation": vertical ? "vertical" : "horizontal",
+  });
   const buttons = options.map(([key, words, { icon, shortcut, title } = {}]) =>
     h(
       "button",
@@ -122,15 +190,31 @@ export function segments(label, options, value, onset, { vertical = false } = {}
   return row;
 }
 
-/** What an empty place says: a heading, words, and a way on. */
+/** A notice with actions, shown where there is nothing else. */
 export function empty(title, words, ...actions) {
-  return h("div.empty", null, h("h2", null, title), h("p", null, words), actions.length > 0 && h("div.actions", null, actions));
+  return h(
+    "div.empty",
+    null,
+    h("h2", null, title),
+    h("p", null, words),
+    actions.length > 0 && h("div.actions", null, actions),
+  );
 }
 
 export const chip = (words, kind = "", title) => h("span", { class: `chip ${kind}`, title }, words);
 export const synthetic = (yes) => yes && h("span.synthetic", null, "synthetic");
 
-/** Faults of a refused edit, at the field if it can be found. */
+/** List the errors of a refused edit. */
 export function faultList(error) {
-  return h("div.faults", { role: "alert" }, error.faults?.length > 0 ? h("ul", null, error.faults.map(({ place, words }) => h("li", null, h("code", null, place), ` ${words}`))) : h("p", null, error.message));
+  return h(
+    "div.faults",
+    { role: "alert" },
+    error.faults?.length > 0
+      ? h(
+          "ul",
+          null,
+          error.faults.map(({ place, words }) => h("li", null, h("code", null, place), ` ${words}`)),
+        )
+      : h("p", null, error.message),
+  );
 }

@@ -1,13 +1,24 @@
-// A mark on a picture that a hand moves, by pointer or by arrow keys.
+// A handle on an image, moved by pointer or by arrow keys.
 
 import { s } from "../core/dom.js";
 
 /**
- * A point that can be dragged, or moved by arrow keys when it has the focus (Shift: ten times as far, Alt: a
- * fifth). `step` may turn an arrow into a move of its own; `commit` is called when the hand that moved it is off.
+ * A point that can be dragged, or moved by arrow keys while it has the focus (with Shift ten times as far,
+ * with Alt a fifth). `step` replaces the move of an arrow key; `commit` is called at the end of a move.
+ *
+ * @param {import("./stage.js").Stage} stage
+ * @param {{ label: string, kind?: string, move: (point: Point) => void, commit?: () => void,
+ *   step?: (arrow: Point, size: number) => void, remove?: () => void }} options
  */
 export function handle(stage, { label, kind = "", move, commit, step, remove }) {
-  const node = s(`g.handle.${kind || "point"}`, { tabindex: 0, role: "button", "aria-label": label, "aria-roledescription": "handle" }, s("circle.reach", { r: 13 }), shapeOf(kind), s("title", null, label));
+  const node = s(
+    `g.handle.${kind || "point"}`,
+    { tabindex: 0, role: "button", "aria-label": label, "aria-roledescription": "handle" },
+    s("circle.reach", { r: 13 }),
+    shapeOf(kind),
+    s("title", null, label),
+  );
+  /** @type {Point} */
   let at = [0, 0];
   const draw = (scale) => node.setAttribute("transform", `translate(${at[1]} ${at[0]}) scale(${scale})`);
   const forget = stage.keepSize(draw);
@@ -26,16 +37,16 @@ export function handle(stage, { label, kind = "", move, commit, step, remove }) 
     event.stopPropagation();
     node.focus({ preventScroll: true });
     node.setPointerCapture(event.pointerId);
-    const place = stage.placeOf(event);
-    offset = [at[0] - place[0], at[1] - place[1]];
+    const point = stage.pointAt(event);
+    offset = [at[0] - point[0], at[1] - point[1]];
     moved = false;
     node.classList.add("held");
   });
   node.addEventListener("pointermove", (event) => {
     if (!offset) return;
-    const place = stage.placeOf(event);
+    const point = stage.pointAt(event);
     moved = true;
-    move([place[0] + offset[0], place[1] + offset[1]]);
+    move([point[0] + offset[0], point[1] + offset[1]]);
   });
   const release = () => {
     if (!offset) return;
@@ -55,7 +66,7 @@ export function handle(stage, { label, kind = "", move, commit, step, remove }) 
       timer = setTimeout(confirm, 450);
     } else if ((event.key === "Delete" || event.key === "Backspace") && remove) remove();
     else {
-      // Another key asks for something else: what was moved comes first.
+      // Another key may trigger an action: commit the move first.
       if (!["Shift", "Alt"].includes(event.key)) confirm();
       return;
     }
@@ -65,8 +76,8 @@ export function handle(stage, { label, kind = "", move, commit, step, remove }) 
   node.addEventListener("blur", confirm);
   return {
     node,
-    put(place) {
-      at = place;
+    put(point) {
+      at = point;
       draw(1 / stage.zoom);
     },
     remove() {
@@ -78,7 +89,14 @@ export function handle(stage, { label, kind = "", move, commit, step, remove }) 
 
 function shapeOf(kind) {
   if (kind === "axis") return s("rect.knob", { x: -5, y: -5, width: 10, height: 10, rx: 1.5 });
-  if (kind === "turn") return s("g", null, s("circle.knob", { r: 6.5 }), s("path.sign", { d: "M-3 1.2A3.1 3.1 0 1 1 1 3M-3.9-1.6-3 1.3-.2.4" }));
-  if (kind === "centre") return s("g", null, s("circle.knob", { r: 5.5 }), s("path.sign", { d: "M-3 0H3M0-3V3" }));
+  if (kind === "turn")
+    return s(
+      "g",
+      null,
+      s("circle.knob", { r: 6.5 }),
+      s("path.sign", { d: "M-3 1.2A3.1 3.1 0 1 1 1 3M-3.9-1.6-3 1.3-.2.4" }),
+    );
+  if (kind === "centre")
+    return s("g", null, s("circle.knob", { r: 5.5 }), s("path.sign", { d: "M-3 0H3M0-3V3" }));
   return s("circle.knob", { r: 5 });
 }

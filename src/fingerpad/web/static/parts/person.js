@@ -1,20 +1,27 @@
-// Whose corrections these are: asked once, kept by this browser, said with every correction.
+// The name saved with corrections; the browser remembers it.
 
+import { h, render } from "../core/dom.js";
+import { ask } from "../core/messages.js";
 import { setWho, who } from "../core/workspace.js";
-import { h, place } from "../core/dom.js";
-import { question } from "../core/messages.js";
 import { button, field, text } from "./forms.js";
 
 export function whoButton() {
-  const shown = button("", ask, { kind: "small", title: "Kept with every correction" });
-  const show = () => place(shown, h("span.soft", null, "Corrections by"), h("strong", null, who() || "…"));
-  async function ask() {
+  const shown = button("", askName, { kind: "small", title: "Saved with each correction" });
+  const show = () => render(shown, h("span.soft", null, "Corrections by"), h("strong", null, who() || "…"));
+  async function askName() {
     const name = text({ value: who() });
-    name.addEventListener("keydown", (event) => event.key === "Enter" && name.closest("dialog").close("keep"));
-    const answer = await question("Who corrects?", field("Your name or initials", name, { hint: "Stands beside every correction, with the time." }), [
-      ["", "Cancel"],
-      ["keep", "Keep", "primary"],
-    ]);
+    name.addEventListener(
+      "keydown",
+      (event) => event.key === "Enter" && name.closest("dialog").close("keep"),
+    );
+    const answer = await ask(
+      "Your name",
+      field("Name or initials", name, { hint: "Saved with each correction." }),
+      [
+        ["", "Cancel"],
+        ["keep", "Save", "primary"],
+      ],
+    );
     if (answer === "keep") setWho(name.value);
     show();
   }

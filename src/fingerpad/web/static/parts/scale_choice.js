@@ -1,23 +1,29 @@
-// The scale of a picture in a form: a named one, or one of its own.
+// Choice of an image's scale: a named scale, or its own.
 
-import { bench } from "../core/workspace.js";
+import { workspace } from "../core/workspace.js";
 import { choose } from "./forms.js";
 
+/** @param {string | ScaleTable | null | undefined} scale */
 export function scaleWords(scale) {
   if (!scale) return "no scale";
   if (typeof scale === "string") return scale;
   if (scale.ppi !== undefined) return `${scale.ppi} ppi`;
   if (scale.mm_per_px !== undefined) return `${scale.mm_per_px} mm/px`;
   if (scale.line) return `line of ${scale.length_mm} mm`;
-  return scale.coin ? `coin of ${scale.diameter_mm} mm` : "its own";
+  return scale.coin ? `coin of ${scale.diameter_mm} mm` : "own scale";
 }
 
-export const scaleNames = () => bench.study?.scales.map(({ name }) => name) ?? [];
+export const scaleNames = () => workspace.study?.scales.map(({ name }) => name) ?? [];
 
-/** A choice among the named scales; a scale of the picture's own stays as it is. */
+/** A drop-down list of named scales; an image's own scale is kept. */
 export function scaleChoice({ value, onset, label = "Scale" }) {
   const own = value && typeof value === "object";
-  const options = [["", "– none yet –"], ...scaleNames().map((name) => [name, name])];
+  const options = [["", "– none –"], ...scaleNames().map((name) => [name, name])];
   if (own) options.push(["\u0000own", `own: ${scaleWords(value)}`]);
-  return choose({ value: own ? "\u0000own" : (value ?? ""), options, label, onset: (key) => key !== "\u0000own" && onset(key || null) });
+  return choose({
+    value: own ? "\u0000own" : (value ?? ""),
+    options,
+    label,
+    onset: (key) => key !== "\u0000own" && onset(key || null),
+  });
 }

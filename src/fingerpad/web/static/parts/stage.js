@@ -1,24 +1,38 @@
-// A picture under an overlay: zoom, pan, tools by pointer and by keyboard. Places are [row, column] in pixels of
-// the full picture, pixel centres at whole numbers.
+// An image with an overlay: zoom, pan, and tools used by pointer or keyboard. Points are [row, column] in
+// pixels of the full image; pixel centres are whole numbers.
 
-import { attributes, h, place, s } from "../core/dom.js";
+import { attributes, h, render, s } from "../core/dom.js";
 
 const BAR_MM = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100];
 const MARGIN = 28;
 
 export class Stage {
+  /** @param {string} label */
   constructor(label) {
     this.zoom = 1;
     this.x = this.y = 0;
-    this.size = null; // [rows, columns]
+    /** @type {[rows: number, columns: number] | null} */
+    this.size = null;
+    /** @type {any} */
     this.tool = null;
-    this.pen = null; // where the keyboard's cursor is
-    this.penDown = false;
+    /** @type {Point | null} */
+    this.cursor = null;
+    this.cursorDown = false;
     this.fixed = new Set();
     this.picture = h("img.picture", { alt: "", draggable: "false" });
     this.world = s("g.world");
-    this.crosshair = s("g.crosshair", { visibility: "hidden" }, s("path.casing", { d: "M-14 0H14M0-14V14" }), s("path", { d: "M-14 0H14M0-14V14" }));
-    this.overlay = s("svg.overlay", { "aria-hidden": "false", role: "group", "aria-label": "Marks on the picture" }, this.world, this.crosshair);
+    this.crosshair = s(
+      "g.crosshair",
+      { visibility: "hidden" },
+      s("path.casing", { d: "M-14 0H14M0-14V14" }),
+      s("path", { d: "M-14 0H14M0-14V14" }),
+    );
+    this.overlay = s(
+      "svg.overlay",
+      { "aria-hidden": "false", role: "group", "aria-label": "Overlay of the image" },
+      this.world,
+      this.crosshair,
+    );
     this.bar = h("div.scale-bar", { hidden: true }, h("i"), h("span.number"));
     this.where = h("span.number.where");
     this.note = h("div.stage-note", { role: "status" });
@@ -33,46 +47,61 @@ export class Stage {
     );
     this.#pointer();
     this.root.addEventListener("keydown", (event) => this.#key(event));
-    this.root.addEventListener("blur", () => this.#hidePen());
+    this.root.addEventListener("blur", () => this.#hideCursor());
     this.observer = new ResizeObserver(() => (this.fitted ? this.fit() : this.#draw()));
     this.observer.observe(this.root);
   }
 
   #zoomButtons() {
-    const make = (words, label, act) => h("button", { type: "button", "aria-label": label, title: label, onclick: act, tabindex: -1 }, words);
+    const make = (words, label, act) =>
+      h("button", { type: "button", "aria-label": label, title: label, onclick: act, tabindex: -1 }, words);
     return h(
       "div.zoom",
       null,
       make("−", "Zoom out (−)", () => this.zoomBy(1 / 1.4)),
-      (this.percent = h("button.number", { type: "button", title: "Fit the picture (0)", "aria-label": "Fit the picture", tabindex: -1, onclick: () => this.fit() }, "100 %")),
+      (this.percent = h(
+        "button.number",
+        {
+          type: "button",
+          title: "Fit the image (0)",
+          "aria-label": "Fit the image",
+          tabindex: -1,
+          onclick: () => this.fit(),
+        },
+        "100 %",
+      )),
       make("+", "Zoom in (+)", () => this.zoomBy(1.4)),
     );
   }
 
-  /** Show a picture of `rows` × `columns`; the zoom stays if the size does. */
+  /** Show an image of `rows` × `columns`; the zoom is kept if the size is the same. */
   show(address, rows, columns, alt = "") {
     const same = this.size && this.size[0] === rows && this.size[1] === columns;
     this.size = [rows, columns];
     this.picture.style.width = `${columns}px`;
     this.picture.style.height = `${rows}px`;
     this.picture.alt = alt;
-    this.say("");
+    this.setMessage("");
     this.root.classList.add("waiting");
     const ready = new Promise((resolve) => {
       this.picture.onload = () => (this.root.classList.remove("waiting"), resolve());
-      this.picture.onerror = () => (this.root.classList.remove("waiting"), this.say("This picture cannot be shown.", "bad"), resolve());
+      this.picture.onerror = () => (
+        this.root.classList.remove("waiting"),
+        this.setMessage("This image cannot be shown.", "bad"),
+        resolve()
+      );
     });
     this.picture.src = address;
     if (!same || this.fitted !== false) this.fit();
     return ready;
   }
 
-  say(words, kind = "") {
+  setMessage(words, kind = "") {
     this.note.className = `stage-note ${kind}`;
     this.note.textContent = words;
   }
 
-  /** Draw a scale bar from the library's mm per pixel. */
+  /** Draw a scale bar. */
   setScale(mmPerPx) {
     this.mmPerPx = mmPerPx;
     this.#draw();
@@ -90,6 +119,10 @@ export class Stage {
     this.#draw();
   }
 
+  /**
+   * @param {number} factor
+   * @param {[number, number]} at
+   */
   zoomBy(factor, at = [this.root.clientWidth / 2, this.root.clientHeight / 2]) {
     const zoom = Math.min(60, Math.max(0.02, this.zoom * factor));
     this.x = at[0] - ((at[0] - this.x) * zoom) / this.zoom;
@@ -114,7 +147,7 @@ export class Stage {
     for (const draw of this.fixed) draw(1 / zoom);
     this.percent.textContent = `${Math.round(zoom * 100)} %`;
     this.#drawBar();
-    if (this.pen) this.#showPen();
+    if (this.cursor) this.#showCursor();
   }
 
   #drawBar() {
@@ -126,26 +159,31 @@ export class Stage {
     this.bar.lastChild.textContent = `${length} mm`;
   }
 
-  /** The place under a pointer event. */
-  placeOf(event) {
+  /**
+   * The point under a pointer event.
+   *
+   * @param {{ clientX: number, clientY: number }} event
+   * @returns {Point}
+   */
+  pointAt(event) {
     const box = this.root.getBoundingClientRect();
     return [(event.clientY - box.top - this.y) / this.zoom, (event.clientX - box.left - this.x) / this.zoom];
   }
 
-  /** Keep something the same size on the screen whatever the zoom: `draw` hears 1/zoom. */
+  /** Keep the size of a drawing on the screen: `draw` is called with 1/zoom whenever the zoom changes. */
   keepSize(draw) {
     this.fixed.add(draw);
     draw(1 / this.zoom);
     return () => this.fixed.delete(draw);
   }
 
-  /** A tool is {cursor, down(place, event), move(place, down), up(place), leave()}; null pans. */
+  /** Set the tool: {cursor, down(point, event), move(point, down), up(point), leave()}, or null to pan. */
   use(tool) {
     this.tool?.leave?.();
     this.tool = tool;
-    this.penDown = false;
-    this.pen = null;
-    this.#hidePen();
+    this.cursorDown = false;
+    this.cursor = null;
+    this.#hideCursor();
     this.root.dataset.cursor = tool?.cursor ?? "grab";
   }
 
@@ -162,22 +200,23 @@ export class Stage {
       mode = panning ? "pan" : "tool";
       last = [event.clientX, event.clientY];
       this.root.classList.toggle("panning", panning);
-      if (!panning) this.tool.down(this.placeOf(event), event);
+      if (!panning) this.tool.down(this.pointAt(event), event);
     });
     this.root.addEventListener("pointermove", (event) => {
       if (!this.size) return;
-      const at = this.placeOf(event);
-      this.#say(at);
+      const at = this.pointAt(event);
+      this.#showPosition(at);
       if (mode === "pan") {
         this.pan(event.clientX - last[0], event.clientY - last[1]);
         last = [event.clientX, event.clientY];
       } else if (mode === "tool") {
-        for (const each of event.getCoalescedEvents?.() ?? [event]) this.tool?.move?.(this.placeOf(each), true);
+        for (const each of event.getCoalescedEvents?.() ?? [event])
+          this.tool?.move?.(this.pointAt(each), true);
         if (!event.getCoalescedEvents?.().length) this.tool?.move?.(at, true);
       } else this.tool?.move?.(at, false);
     });
     const end = (event) => {
-      if (mode === "tool") this.tool?.up?.(this.placeOf(event));
+      if (mode === "tool") this.tool?.up?.(this.pointAt(event));
       mode = null;
       this.root.classList.remove("panning");
     };
@@ -198,7 +237,7 @@ export class Stage {
     );
   }
 
-  #say([row, column]) {
+  #showPosition([row, column]) {
     const [rows, columns] = this.size;
     const inside = row > -0.5 && column > -0.5 && row < rows - 0.5 && column < columns - 0.5;
     this.where.textContent = inside ? `row ${row.toFixed(1)} · column ${column.toFixed(1)} px` : "";
@@ -212,7 +251,7 @@ export class Stage {
     else if (event.key === "-") this.zoomBy(0.8);
     else if (event.key === "0") this.fit();
     else if (event.target !== this.root) done = false;
-    else if (arrow && this.tool?.down) this.#movePen(arrow, event.shiftKey);
+    else if (arrow && this.tool?.down) this.#moveCursor(arrow, event.shiftKey);
     else if (arrow && event.shiftKey) this.pan(-60 * arrow[1], -60 * arrow[0]);
     else if (event.key === " " && this.tool?.down) this.#press();
     else done = false;
@@ -222,42 +261,45 @@ export class Stage {
     }
   }
 
-  #movePen([row, column], far) {
+  #moveCursor([row, column], far) {
     const step = (far ? 24 : 4) / this.zoom;
-    this.pen ??= [this.size[0] / 2, this.size[1] / 2];
-    this.pen = [
-      Math.min(this.size[0] - 0.5, Math.max(-0.5, this.pen[0] + row * step)),
-      Math.min(this.size[1] - 0.5, Math.max(-0.5, this.pen[1] + column * step)),
+    this.cursor ??= [this.size[0] / 2, this.size[1] / 2];
+    this.cursor = [
+      Math.min(this.size[0] - 0.5, Math.max(-0.5, this.cursor[0] + row * step)),
+      Math.min(this.size[1] - 0.5, Math.max(-0.5, this.cursor[1] + column * step)),
     ];
-    this.tool.move?.(this.pen, this.penDown);
-    this.#say(this.pen);
-    this.#showPen();
+    this.tool.move?.(this.cursor, this.cursorDown);
+    this.#showPosition(this.cursor);
+    this.#showCursor();
   }
 
   #press() {
-    this.pen ??= [this.size[0] / 2, this.size[1] / 2];
-    this.#showPen();
-    if (this.penDown) this.tool.up?.(this.pen);
-    else this.tool.down(this.pen, null);
-    this.penDown = !this.penDown && !this.tool.once;
-    if (this.tool?.once) this.tool.up?.(this.pen);
-    this.crosshair.classList.toggle("down", this.penDown);
+    this.cursor ??= [this.size[0] / 2, this.size[1] / 2];
+    this.#showCursor();
+    if (this.cursorDown) this.tool.up?.(this.cursor);
+    else this.tool.down(this.cursor, null);
+    this.cursorDown = !this.cursorDown && !this.tool.once;
+    if (this.tool?.once) this.tool.up?.(this.cursor);
+    this.crosshair.classList.toggle("down", this.cursorDown);
   }
 
-  #showPen() {
-    const [row, column] = this.pen;
-    attributes(this.crosshair, { visibility: "visible", transform: `translate(${this.x + column * this.zoom} ${this.y + row * this.zoom})` });
+  #showCursor() {
+    const [row, column] = this.cursor;
+    attributes(this.crosshair, {
+      visibility: "visible",
+      transform: `translate(${this.x + column * this.zoom} ${this.y + row * this.zoom})`,
+    });
   }
 
-  #hidePen() {
+  #hideCursor() {
     this.crosshair.setAttribute("visibility", "hidden");
-    if (this.penDown && this.pen) this.tool?.up?.(this.pen);
-    this.penDown = false;
+    if (this.cursorDown && this.cursor) this.tool?.up?.(this.cursor);
+    this.cursorDown = false;
     this.crosshair.classList.remove("down");
   }
 
   clear() {
-    place(this.world);
+    render(this.world);
     this.fixed.clear();
   }
 

@@ -1,9 +1,9 @@
-// What a hand does on a picture: brush, line, box, single points. Each is a tool for a Stage.
+// Tools of a Stage: brush, line, box, and single points.
 
 import { attributes, pathOf, s } from "../core/dom.js";
 import { handle } from "./handle.js";
 
-/** Paint a stroke; `done({action, points_px, radius_px})` hears it when the hand is lifted. */
+/** A brush; `done` is called with each finished stroke. */
 export class Brush {
   cursor = "none";
 
@@ -25,26 +25,27 @@ export class Brush {
     this.tip.setAttribute("r", radius);
   }
 
-  down(place, event) {
-    this.points = [place];
+  down(point, event) {
+    this.points = [point];
     this.now = event?.altKey ? { add: "remove", remove: "add" }[this.action] : this.action;
     this.trace.setAttribute("class", `stroke ${this.now}`);
     this.#draw();
   }
 
-  move(place, down) {
-    attributes(this.tip, { cx: place[1], cy: place[0], visibility: "visible" });
+  move(point, down) {
+    attributes(this.tip, { cx: point[1], cy: point[0], visibility: "visible" });
     if (!down || !this.points) return;
     const last = this.points.at(-1);
-    if (Math.hypot(place[0] - last[0], place[1] - last[1]) < Math.max(0.5, this.radius / 8)) return;
-    this.points.push(place);
+    if (Math.hypot(point[0] - last[0], point[1] - last[1]) < Math.max(0.5, this.radius / 8)) return;
+    this.points.push(point);
     this.#draw();
   }
 
-  up(place) {
+  up(point) {
     if (!this.points) return;
-    if (place && Math.hypot(place[0] - this.points.at(-1)[0], place[1] - this.points.at(-1)[1]) > 0.5) this.points.push(place);
-    const points = this.points.map((place) => place.map((value) => Math.round(value * 100) / 100));
+    if (point && Math.hypot(point[0] - this.points.at(-1)[0], point[1] - this.points.at(-1)[1]) > 0.5)
+      this.points.push(point);
+    const points = this.points.map((point) => point.map((value) => Math.round(value * 100) / 100));
     this.points = null;
     this.done({ action: this.now, points_px: points, radius_px: this.radius });
   }
@@ -53,7 +54,7 @@ export class Brush {
     this.tip.setAttribute("visibility", "hidden");
   }
 
-  /** Called when the new region is drawn: the paint has become region. */
+  /** Remove the stroke once the new region is shown. */
   dry() {
     if (!this.points) this.trace.setAttribute("d", "");
   }
@@ -69,7 +70,7 @@ export class Brush {
   }
 }
 
-/** A straight line with two ends; `changed([from, to], final)`. */
+/** A straight line; `changed([from, to], final)` is called on every move. */
 export class Line {
   cursor = "crosshair";
 
@@ -77,16 +78,21 @@ export class Line {
     this.stage = stage;
     this.changed = changed;
     this.ends = null;
-    this.layer = s("g.line", { visibility: "hidden" }, (this.casing = s("path.casing")), (this.stroke = s("path.measure")));
+    this.layer = s(
+      "g.line",
+      { visibility: "hidden" },
+      (this.casing = s("path.casing")),
+      (this.stroke = s("path.measure")),
+    );
     this.label = s("text.measure-label", { "text-anchor": "middle" });
     this.handles = [0, 1].map((index) =>
       handle(stage, {
         label: index ? "End of the line" : "Start of the line",
-        move: (place) => {
-          this.ends[index] = place;
-          this.#tell(false);
+        move: (point) => {
+          this.ends[index] = point;
+          this.#report(false);
         },
-        commit: () => this.#tell(true),
+        commit: () => this.#report(true),
       }),
     );
     this.layer.append(this.label, ...this.handles.map(({ node }) => node));
@@ -95,7 +101,7 @@ export class Line {
   }
 
   set(ends) {
-    this.ends = ends && ends.map((place) => [...place]);
+    this.ends = ends?.map((point) => [...point]);
     this.layer.setAttribute("visibility", ends ? "visible" : "hidden");
     if (ends) this.#draw();
   }
@@ -104,41 +110,47 @@ export class Line {
     this.label.textContent = words;
   }
 
-  down(place) {
+  down(point) {
     this.drawing = true;
-    this.set([place, place]);
+    this.set([point, point]);
   }
 
-  move(place, down) {
+  move(point, down) {
     if (!down || !this.drawing) return;
-    this.ends[1] = place;
-    this.#tell(false);
+    this.ends[1] = point;
+    this.#report(false);
   }
 
-  up(place) {
+  up(point) {
     if (!this.drawing) return;
     this.drawing = false;
-    this.ends[1] = place;
+    this.ends[1] = point;
     const [from, to] = this.ends;
     if (Math.hypot(to[0] - from[0], to[1] - from[1]) * this.stage.zoom < 4) {
       this.set(this.kept ?? null);
       return;
     }
-    this.#tell(true);
+    this.#report(true);
   }
 
-  #tell(final) {
+  #report(final) {
     this.#draw();
-    if (final) this.kept = this.ends.map((place) => [...place]);
+    if (final) this.kept = this.ends.map((point) => [...point]);
     this.changed(this.ends, final);
   }
 
   #draw() {
     const [from, to] = this.ends;
-    for (const path of [this.casing, this.stroke]) path.setAttribute("d", `M${from[1]} ${from[0]}L${to[1]} ${to[0]}`);
-    this.handles.forEach((each, index) => each.put(this.ends[index]));
+    for (const path of [this.casing, this.stroke])
+      path.setAttribute("d", `M${from[1]} ${from[0]}L${to[1]} ${to[0]}`);
+    this.handles.forEach((each, index) => {
+      each.put(this.ends[index]);
+    });
     const [row, column] = [(from[0] + to[0]) / 2, (from[1] + to[1]) / 2];
-    this.label.setAttribute("transform", `translate(${column} ${row}) scale(${1 / this.stage.zoom}) translate(0 -12)`);
+    this.label.setAttribute(
+      "transform",
+      `translate(${column} ${row}) scale(${1 / this.stage.zoom}) translate(0 -12)`,
+    );
   }
 
   remove() {
@@ -148,7 +160,7 @@ export class Line {
   }
 }
 
-/** A box [row0, column0, row1, column1]; `changed(box, final)`. */
+/** A box [row0, column0, row1, column1]; `changed(box)` is called once it is drawn. */
 export class Box {
   cursor = "crosshair";
 
@@ -156,7 +168,12 @@ export class Box {
     this.stage = stage;
     this.changed = changed;
     this.box = null;
-    this.layer = s("g.box", { visibility: "hidden" }, (this.casing = s("path.casing")), (this.stroke = s("path.roi")));
+    this.layer = s(
+      "g.box",
+      { visibility: "hidden" },
+      (this.casing = s("path.casing")),
+      (this.stroke = s("path.roi")),
+    );
     this.handles = [
       [0, 1],
       [0, 3],
@@ -164,13 +181,13 @@ export class Box {
       [2, 3],
     ].map(([row, column]) =>
       handle(stage, {
-        label: `${row ? "Lower" : "Upper"} ${column === 3 ? "right" : "left"} corner of the region of interest`,
+        label: `${row ? "Lower" : "Upper"} ${column === 3 ? "right" : "left"} corner of the region`,
         kind: "axis",
-        move: (place) => {
-          [this.box[row], this.box[column]] = this.#inside(place);
-          this.#tell(false);
+        move: (point) => {
+          [this.box[row], this.box[column]] = this.#inside(point);
+          this.#report(false);
         },
-        commit: () => this.#tell(true),
+        commit: () => this.#report(true),
       }),
     );
     this.layer.append(...this.handles.map(({ node }) => node));
@@ -189,31 +206,36 @@ export class Box {
     if (box) this.#draw();
   }
 
-  down(place) {
-    this.from = this.#inside(place);
+  down(point) {
+    this.from = this.#inside(point);
   }
 
-  move(place, down) {
+  move(point, down) {
     if (!down || !this.from) return;
-    this.set([...this.from, ...this.#inside(place)]);
+    this.set([...this.from, ...this.#inside(point)]);
   }
 
-  up(place) {
+  up(point) {
     if (!this.from) return;
-    const to = this.#inside(place);
+    const to = this.#inside(point);
     const far = Math.abs(to[0] - this.from[0]) > 4 && Math.abs(to[1] - this.from[1]) > 4;
     if (far) {
       this.box = [...this.from, ...to];
-      this.#tell(true);
+      this.#report(true);
     } else this.set(this.kept ?? null);
     this.from = null;
   }
 
-  #tell(final) {
+  #report(final) {
     const [row0, column0, row1, column1] = this.box;
     this.#draw();
     if (!final) return;
-    this.box = [Math.min(row0, row1), Math.min(column0, column1), Math.max(row0, row1), Math.max(column0, column1)];
+    this.box = [
+      Math.min(row0, row1),
+      Math.min(column0, column1),
+      Math.max(row0, row1),
+      Math.max(column0, column1),
+    ];
     this.kept = [...this.box];
     this.#draw();
     this.layer.setAttribute("visibility", "visible");
@@ -222,14 +244,17 @@ export class Box {
 
   #draw() {
     const [row0, column0, row1, column1] = this.box;
-    for (const path of [this.casing, this.stroke]) path.setAttribute("d", `M${column0} ${row0}H${column1}V${row1}H${column0}Z`);
+    for (const path of [this.casing, this.stroke])
+      path.setAttribute("d", `M${column0} ${row0}H${column1}V${row1}H${column0}Z`);
     const corners = [
       [row0, column0],
       [row0, column1],
       [row1, column0],
       [row1, column1],
     ];
-    this.handles.forEach((each, index) => each.put(corners[index]));
+    this.handles.forEach((each, index) => {
+      each.put(corners[index]);
+    });
   }
 
   remove() {
@@ -239,7 +264,7 @@ export class Box {
   }
 }
 
-/** One click, one place. */
+/** A tool for single points. */
 export class Click {
   cursor = "crosshair";
   once = true;
@@ -248,7 +273,7 @@ export class Click {
     this.done = done;
   }
 
-  down(place) {
-    this.done(place.map((value) => Math.round(value * 10) / 10));
+  down(point) {
+    this.done(point.map((value) => Math.round(value * 10) / 10));
   }
 }

@@ -1,4 +1,4 @@
-// Shaded triangles on a canvas: enough WebGL for one pad, its wedge and its platen.
+// Shaded triangles by WebGL.
 
 const VERTEX = `#version 300 es
 in vec3 position; in vec3 normal;
@@ -32,7 +32,7 @@ function compile(gl, kind, source) {
 }
 
 export class Painter {
-  /** Null where the machine has no WebGL: the caller draws in SVG instead. */
+  /** Return a painter, or null where WebGL is missing. */
   static on(canvas) {
     const gl = canvas.getContext("webgl2", { antialias: true, alpha: true, premultipliedAlpha: true });
     if (!gl) return null;
@@ -51,11 +51,16 @@ export class Painter {
     gl.linkProgram(program);
     if (!gl.getProgramParameter(program, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(program));
     this.program = program;
-    this.at = Object.fromEntries(["place", "turn", "colour", "rings", "back", "cut"].map((name) => [name, gl.getUniformLocation(program, name)]));
+    this.at = Object.fromEntries(
+      ["place", "turn", "colour", "rings", "back", "cut"].map((name) => [
+        name,
+        gl.getUniformLocation(program, name),
+      ]),
+    );
     this.meshes = new Map();
   }
 
-  /** Keep a mesh: positions and normals as flat arrays, triangles as indices. */
+  /** Store a mesh: flat arrays of positions and normals, and indices of triangles. */
   keep(name, positions, normals, triangles) {
     const { gl } = this;
     const old = this.meshes.get(name);

@@ -1,18 +1,18 @@
-// What the filmstrip shows of contact images and frames, and which of them.
+// Labels and filters of the filmstrip of contact images.
 
-import { wordsFor } from "../core/workspace.js";
 import { plain } from "../core/quantity.js";
-import { decisions } from "./review.js";
+import { describeCode } from "../core/workspace.js";
+import { reviewMarks } from "./review.js";
 
 export const FILTERS = [
   ["", "all"],
-  ["todo", "not looked at"],
+  ["todo", "not reviewed"],
   ["flagged", "flagged"],
   ["corrected", "corrected"],
   ["rejected", "rejected"],
 ];
 
-export const WANTED = {
+export const FILTER_TESTS = {
   "": () => true,
   todo: (entry) => !entry.accepted && !entry.rejected && entry.status !== "none",
   flagged: (entry) => entry.flags?.length > 0,
@@ -20,17 +20,30 @@ export const WANTED = {
   rejected: (entry) => Boolean(entry.rejected),
 };
 
+/** @param {Partial<Omit<Observation, "status" | "file"> & Frame>} entry */
 export function describe(entry) {
   const film = entry.frame !== undefined;
   const state = entry.rejected ? "rejected" : entry.status;
   const marks = [];
-  if (entry.flags?.length) marks.push(["flag", entry.flags.map(wordsFor).join("; ")]);
+  if (entry.flags?.length) marks.push(["flag", entry.flags.map(describeCode).join("; ")]);
   if (entry.status === "failed") marks.push(["failed", entry.reason ?? "failed"]);
-  marks.push(...decisions(entry));
-  const load = entry.load_N === null || entry.load_N === undefined ? "" : `${Number(entry.load_N.toPrecision(3))} N`;
+  marks.push(...reviewMarks(entry));
+  const load =
+    entry.load_N === null || entry.load_N === undefined ? "" : `${Number(entry.load_N.toPrecision(3))} N`;
   return {
-    label: film ? `${entry.frame}${load ? ` · ${load}` : ""}` : load ? `${load} · ${plain(entry.wedge_angle_deg)}°` : entry.item,
-    name: [film ? `Frame ${entry.frame}` : entry.item, load, ...marks.map(([, title]) => title), state === "none" ? "no contact seen, or not run yet" : ""].filter(Boolean).join(", "),
+    label: film
+      ? `${entry.frame}${load ? ` · ${load}` : ""}`
+      : load
+        ? `${load} · ${plain(entry.wedge_angle_deg)}°`
+        : entry.item,
+    name: [
+      film ? `Frame ${entry.frame}` : entry.item,
+      load,
+      ...marks.map(([, title]) => title),
+      state === "none" ? "no contact found, or not run yet" : "",
+    ]
+      .filter(Boolean)
+      .join(", "),
     state,
     marks,
   };

@@ -1,40 +1,60 @@
-// The numbers of one contact beside the program's own, its settings, its decision and its history.
+// Results, settings and history of a contact image, with the automatic result to compare.
 
-import { wordsFor } from "../core/workspace.js";
-import { h, place, symbol } from "../core/dom.js";
-import { BY, plain, quantityText, reading } from "../core/quantity.js";
+import { h, render, symbol } from "../core/dom.js";
+import { BY, plain, quantityRow, quantityText } from "../core/quantity.js";
+import { describeCode } from "../core/workspace.js";
 import { check, chip, choose, field, number, synthetic } from "../parts/forms.js";
 import { Inspector } from "./inspector.js";
 
-const READINGS = [
+/** @type {[key: string, label: () => any, title: string, mark: string][]} */
+const QUANTITIES_SHOWN = [
   ["semi_major_mm", () => ["Semi-major ", symbol("ℓ", "d")], "semi-major axis of the ellipse", "ellipse"],
   ["semi_minor_mm", () => ["Semi-minor ", symbol("ℓ", "e")], "semi-minor axis of the ellipse", "ellipse"],
-  ["gross_area_mm2", () => "Gross area", "inside the outline of the contact", "region"],
+  ["gross_area_mm2", () => "Gross area", "area inside the outline of the contact", "region"],
   ["ridge_area_mm2", () => "Ridge area", "area of the ridges in contact", "ridges"],
 ];
 
+/** @type {[key: string, label: () => any, title: string][]} */
 const MODEL = [
-  ["mean_curvature_radius_mm", () => ["Undeformed pad ", symbol("R", "0g")], "1/H of the undeformed pad where it touches"],
-  ["radius_from_compliance_mm", () => ["Same area and depth ", symbol("R", "Aξ")], "sphere of the same area at the same indentation: to compare with the radius from loading data"],
-  ["indentation_mm", () => ["Indentation ", symbol("ξ")], "indentation that Hertz theory gives for load and ellipse"],
-  ["youngs_modulus_kpa", () => ["Young's modulus ", symbol("E")], "Young's modulus that Hertz theory gives"],
+  [
+    "mean_curvature_radius_mm",
+    () => ["Undeformed pad ", symbol("R", "0g")],
+    "1/H of the undeformed pad at the contact",
+  ],
+  [
+    "radius_from_compliance_mm",
+    () => ["Equivalent sphere ", symbol("R", "Aξ")],
+    "sphere with the same area at the same indentation; compare with the radius from loading data",
+  ],
+  [
+    "indentation_mm",
+    () => ["Indentation ", symbol("ξ")],
+    "indentation by Hertz theory from load and ellipse",
+  ],
+  ["youngs_modulus_kpa", () => ["Young's modulus ", symbol("E")], "Young's modulus by Hertz theory"],
 ];
 
-const REASONS = ["smeared", "slipped", "cut off", "wrong finger", "no contact"];
+const REASONS = ["smeared", "slipped", "cropped", "wrong finger", "no contact"];
 
-const FORGET = [
-  ["seed_px", "Forget seed point"],
-  ["region_of_interest_px", "Forget region of interest"],
-  ["ellipse_px", "Ellipse from region"],
-  ["strokes", "Forget brush"],
+const RESETS = [
+  ["seed_px", "Reset seed point"],
+  ["region_of_interest_px", "Reset region of interest"],
+  ["ellipse_px", "Reset ellipse"],
+  ["strokes", "Reset brush"],
 ];
 
 export class ContactInspector extends Inspector {
   tools = {
-    add: { brush: "Brush that adds: radius", hint: "[ and ] change it. Hold Alt for the other brush." },
-    remove: { brush: "Brush that takes away: radius", hint: "[ and ] change it. Hold Alt for the other brush." },
-    seed: { words: h("p.soft", null, "Click a point inside the right patch.") },
-    box: { words: h("p.soft", null, "Draw a box round what should be measured.") },
+    add: {
+      brush: "Radius of the brush that adds",
+      hint: "[ and ] change it; Alt switches between adding and removing.",
+    },
+    remove: {
+      brush: "Radius of the brush that removes",
+      hint: "[ and ] change it; Alt switches between adding and removing.",
+    },
+    seed: { words: h("p.soft", null, "Click a point inside the contact.") },
+    box: { words: h("p.soft", null, "Draw a box around the contact.") },
   };
 
   constructor(view) {
@@ -43,68 +63,138 @@ export class ContactInspector extends Inspector {
 
   head() {
     const { entry, lines } = this.view.context();
-    place(
+    render(
       this.parts.head,
-      h("div.headline", null, h("h2", null, entry.frame === undefined ? entry.item : `Frame ${entry.frame}`), h("span", null, synthetic(entry.synthetic ?? this.view.film?.synthetic))),
+      h(
+        "div.headline",
+        null,
+        h("h2", null, entry.frame === undefined ? entry.item : `Frame ${entry.frame}`),
+        h("span", null, synthetic(entry.synthetic ?? this.view.film?.synthetic)),
+      ),
       h("p.context", null, lines.join(" · ")),
     );
   }
 
   wait() {
     this.head();
-    place(this.parts.numbers, h("p.loading", null, "Measuring …"));
+    render(this.parts.numbers, h("p.loading", null, "Measuring …"));
     this.tool();
   }
 
+  /**
+   * @param {ContactMeasurement | null} answer
+   * @param {string} [problem]
+   */
   show(answer, problem) {
     if (!answer) {
-      place(this.parts.numbers, h("h3", null, "Result"), h("p.note.bad", { role: "alert" }, problem), h("p.soft", null, "Another threshold, polarity, seed point or a brush may help; otherwise reject the picture."));
+      render(
+        this.parts.numbers,
+        h("h3", null, "Result"),
+        h("p.note.bad", { role: "alert" }, problem),
+        h(
+          "p.soft",
+          null,
+          "Try another threshold, polarity, seed point or the brush; otherwise reject the image.",
+        ),
+      );
       this.settings(null);
       return;
     }
     const { numbers, program, model } = answer;
     const corrected = answer.by !== "program";
-    const line = ([key, label, words, mark]) => reading(label(), quantityText(numbers, key), { mark, title: words, was: corrected && program ? quantityText(program.numbers ?? program, key) : undefined });
-    place(
+    const line = ([key, label, words, mark]) =>
+      quantityRow(label(), quantityText(numbers, key), {
+        mark,
+        title: words,
+        was: corrected && program ? quantityText(program, key) : undefined,
+      });
+    render(
       this.parts.numbers,
       model &&
         h(
           "div.headline.main-number",
           null,
           h("span", null, "Corrected radius ", symbol("R", "g", "corr")),
-          h("span.figure-big.number", { "data-live": "radius" }, quantityText(model, "radius_from_indentation_mm")),
+          h(
+            "span.figure-big.number",
+            { "data-live": "radius" },
+            quantityText(model, "radius_from_indentation_mm"),
+          ),
         ),
-      h("div.headline", null, h("h3", null, "Contact"), chip(BY[answer.by] ?? answer.by, corrected ? "accent" : "")),
+      h(
+        "div.headline",
+        null,
+        h("h3", null, "Contact"),
+        chip(BY[answer.by] ?? answer.by, corrected ? "accent" : ""),
+      ),
       h(
         "dl.readings",
         { "data-live": "numbers" },
-        READINGS.map(line),
-        reading("Ridge period", quantityText(numbers, "ridge_period_mm")),
-        reading("Ellipse over region", numbers.ellipse_iou === null || numbers.ellipse_iou === undefined ? "–" : plain(numbers.ellipse_iou), { title: "area common to both over the area that either covers: 1 is perfect" }),
+        QUANTITIES_SHOWN.map(line),
+        quantityRow("Ridge period", quantityText(numbers, "ridge_period_mm")),
+        quantityRow(
+          "IoU of ellipse and region",
+          numbers.ellipse_iou === null || numbers.ellipse_iou === undefined
+            ? "–"
+            : plain(numbers.ellipse_iou),
+          { title: "intersection over union; 1 is a perfect match" },
+        ),
       ),
-      model && [h("h3", null, "Model"), h("dl.readings", null, MODEL.map(([key, label, words]) => reading(label(), quantityText(model, key), { title: words })))],
-      !model && h("p.soft", null, "The corrected radius appears once the finger's semi-axes are known: run the study."),
-      answer.flags.length > 0 && h("div.note", null, h("ul", null, answer.flags.map((flag) => h("li", null, wordsFor(flag))))),
-      notesOf(model).length > 0 && h("details", null, h("summary", null, `Where the model ends (${notesOf(model).length})`), h("ul.note", null, notesOf(model).map((code) => h("li", null, wordsFor(code))))),
+      model && [
+        h("h3", null, "Model"),
+        h(
+          "dl.readings",
+          null,
+          MODEL.map(([key, label, words]) =>
+            quantityRow(label(), quantityText(model, key), { title: words }),
+          ),
+        ),
+      ],
+      !model && h("p.soft", null, "The corrected radius needs the finger's semi-axes: run the study."),
+      answer.flags.length > 0 &&
+        h(
+          "div.note",
+          null,
+          h(
+            "ul",
+            null,
+            answer.flags.map((flag) => h("li", null, describeCode(flag))),
+          ),
+        ),
+      notesOf(model).length > 0 &&
+        h(
+          "details",
+          null,
+          h("summary", null, `Outside model validity (${notesOf(model).length})`),
+          h(
+            "ul.note",
+            null,
+            notesOf(model).map((code) => h("li", null, describeCode(code))),
+          ),
+        ),
     );
     this.settings(answer);
   }
 
+  /** @param {ContactMeasurement | null} answer */
   settings(answer) {
     const { change } = this.view.corrections;
-    const used = answer?.settings ?? {};
-    place(
+    const used = answer?.settings;
+    render(
       this.parts.settings,
-      h("h3", null, "How it is read"),
+      h("h3", null, "Settings"),
       h(
         "div.fields",
         null,
         field(
           "Polarity",
           choose({
-            value: change.dark_on_light === undefined || change.dark_on_light === null ? "" : String(change.dark_on_light),
+            value:
+              change.dark_on_light === undefined || change.dark_on_light === null
+                ? ""
+                : String(change.dark_on_light),
             options: [
-              ["", used.dark_on_light === undefined ? "program's choice" : `program: ${used.dark_on_light ? "dark" : "light"}`],
+              ["", used === undefined ? "automatic" : `automatic: ${used.dark_on_light ? "dark" : "light"}`],
               ["true", "dark ridges on light"],
               ["false", "light ridges on dark"],
             ],
@@ -113,13 +203,19 @@ export class ContactInspector extends Inspector {
         ),
         field(
           "Threshold",
-          number({ value: change.threshold ?? null, min: 0, placeholder: used.threshold === undefined || used.threshold === null ? "program's" : `program: ${plain(used.threshold)}`, onset: (value) => this.view.set("threshold", value) }),
+          number({
+            value: change.threshold ?? null,
+            min: 0,
+            placeholder: used?.threshold == null ? "automatic" : `automatic: ${plain(used.threshold)}`,
+            onset: (value) => this.view.set("threshold", value),
+          }),
         ),
       ),
-      this.forgetting(FORGET),
-      check("Show the program's own outline", { onset: (on) => this.view.showOwn(on) }),
+      this.resetButtons(RESETS),
+      check("Show the automatic outline", { onset: (on) => this.view.showAutomatic(on) }),
     );
   }
 }
 
-const notesOf = (model) => (Array.isArray(model?.range_notes) ? model.range_notes : (model?.range_notes ?? "").split(" ").filter(Boolean));
+/** @param {ContactMeasurement["model"]} model */
+const notesOf = (model) => model?.range_notes ?? [];

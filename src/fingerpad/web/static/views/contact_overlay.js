@@ -1,13 +1,18 @@
-// What lies over a contact image: region, the person's brush, the seed point, and the program's own outline.
+// Overlay of a contact image: region, brush strokes, seed point, and the automatic outline.
 
-import { pathOf, place, s } from "../core/dom.js";
+import { pathOf, render, s } from "../core/dom.js";
 
 export class ContactOverlay {
   #stage;
   #region = s("path.region");
   #strokes = s("g.kept-strokes");
   #own = s("path.own");
-  #mark = s("g.seed", { visibility: "hidden" }, s("circle", { r: 7, class: "seed" }), s("path.seed", { d: "M-12 0H-4M4 0H12M0-12V-4M0 4V12" }));
+  #mark = s(
+    "g.seed",
+    { visibility: "hidden" },
+    s("circle", { r: 7, class: "seed" }),
+    s("path.seed", { d: "M-12 0H-4M4 0H12M0-12V-4M0 4V12" }),
+  );
   #seed = null;
 
   constructor(stage) {
@@ -19,7 +24,7 @@ export class ContactOverlay {
   clear() {
     this.region(null);
     this.own(null);
-    place(this.#strokes);
+    render(this.#strokes);
   }
 
   region(outline) {
@@ -32,9 +37,14 @@ export class ContactOverlay {
 
   /** Show the strokes and the seed point of a correction. */
   correction({ strokes, seed_px: seed }) {
-    place(
+    render(
       this.#strokes,
-      (strokes ?? []).map(({ action, points_px: points, radius_px: radius }) => s(`path.stroke.${action}`, { d: pathOf(points.length > 1 ? points : [points[0], points[0]], false), "stroke-width": 2 * radius })),
+      (strokes ?? []).map(({ action, points_px: points, radius_px: radius }) =>
+        s(`path.stroke.${action}`, {
+          d: pathOf(points.length > 1 ? points : [points[0], points[0]], false),
+          "stroke-width": 2 * radius,
+        }),
+      ),
     );
     this.#seed = seed ?? null;
     this.#drawSeed();
@@ -42,6 +52,10 @@ export class ContactOverlay {
 
   #drawSeed() {
     this.#mark.setAttribute("visibility", this.#seed ? "visible" : "hidden");
-    if (this.#seed) this.#mark.setAttribute("transform", `translate(${this.#seed[1]} ${this.#seed[0]}) scale(${1 / this.#stage.zoom})`);
+    if (this.#seed)
+      this.#mark.setAttribute(
+        "transform",
+        `translate(${this.#seed[1]} ${this.#seed[0]}) scale(${1 / this.#stage.zoom})`,
+      );
   }
 }

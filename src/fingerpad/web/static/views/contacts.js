@@ -1,31 +1,42 @@
-// Contact images and frames: what the program found, what a person says of it, and on to the next.
+// Review of contact images and frames.
 
 import { get, post } from "../core/api.js";
-import { bench } from "../core/workspace.js";
-import { h, place } from "../core/dom.js";
-import { plainChange } from "../core/corrections.js";
-import { say } from "../core/messages.js";
+import { withoutDefaults } from "../core/corrections.js";
+import { h, render } from "../core/dom.js";
+import { toast } from "../core/messages.js";
 import { plain } from "../core/quantity.js";
+import { workspace } from "../core/workspace.js";
 import { choose, empty } from "../parts/forms.js";
 import { icons } from "../parts/icons.js";
 import { scaleWords } from "../parts/scale_choice.js";
 import { Click } from "../parts/tools.js";
-import { describe, FILTERS, WANTED } from "./contact_entries.js";
+import { describe, FILTER_TESTS, FILTERS } from "./contact_entries.js";
 import { ContactInspector } from "./contact_inspector.js";
 import { ContactOverlay } from "./contact_overlay.js";
 import { Review } from "./review.js";
 
+/** @type {Parameters<typeof import("../parts/forms.js").segments>[1]} */
 const TOOLS = [
-  ["ellipse", "Look and drag the ellipse", { icon: icons.ellipse, shortcut: "v" }],
+  ["ellipse", "Drag the ellipse", { icon: icons.ellipse, shortcut: "v" }],
   ["add", "Brush: add to the region", { icon: icons.add, shortcut: "b" }],
-  ["remove", "Brush: take from the region", { icon: icons.remove, shortcut: "e" }],
-  ["seed", "Seed point inside the right patch", { icon: icons.seed, shortcut: "s" }],
+  ["remove", "Brush: remove from the region", { icon: icons.remove, shortcut: "e" }],
+  ["seed", "Seed point inside the contact", { icon: icons.seed, shortcut: "s" }],
   ["box", "Region of interest", { icon: icons.box, shortcut: "o" }],
 ];
 
 class Contacts extends Review {
-  nothing = "There is no contact to accept here. Reject the picture, or set the threshold, polarity or seed point.";
-  last = ["That was the last picture. Run the study to see what follows.", { kind: "good", action: { words: "Run", do: () => (location.hash = "#/run") } }];
+  /** @type {(Observation | Frame)[]} */
+  all = [];
+  /** @type {(Observation | Frame)[]} */
+  entries = [];
+  /** @type {Sequence | undefined} */
+  film;
+
+  nothing = "No contact was found. Reject the image, or set threshold, polarity or seed point.";
+  last = [
+    "This was the last image. Run the study to see the results.",
+    { kind: "good", action: { words: "Run", do: () => (location.hash = "#/run") } },
+  ];
 
   constructor(root, rest) {
     super();
@@ -38,64 +49,82 @@ class Contacts extends Review {
   }
 
   #sources() {
-    const images = bench.study.observations.filter(({ file }) => file).length;
+    const images = workspace.study.observations.filter(({ file }) => file).length;
     return [
       ...(images ? [["images", `Contact images (${images})`]] : []),
-      ...bench.study.sequences.filter(({ file }) => file).map(({ name, frames }) => [`film:${name}`, `Film ${name}${frames ? ` (${frames})` : ""}`]),
+      ...workspace.study.sequences
+        .filter(({ file }) => file)
+        .map(({ name, frames }) => [`film:${name}`, `Sequence ${name}${frames ? ` (${frames})` : ""}`]),
     ];
   }
 
   #nothing() {
-    place(
+    render(
       this.root,
       h("header.head", null, h("h1", null, "Contacts")),
       empty(
         "No contact images yet",
-        "Drop pictures of the contact, or the frames of a film, on the Study page and say finger, angle and load.",
-        h("a.button.primary", { href: "#/study" }, "To the study"),
+        "Drop contact images or frames of a sequence on the Study page, and enter finger, angle and load.",
+        h("a.button.primary", { href: "#/study" }, "Go to study"),
       ),
     );
   }
 
   #build() {
     this.count = h("span.count.number", { role: "status" });
-    this.sourceChoice = choose({ value: this.source, label: "Pictures", options: this.#sources(), onset: (key) => (location.hash = `#/contacts/${encodeURIComponent(key)}`) });
-    this.filterChoice = choose({ value: this.filter, label: "Show", options: FILTERS, onset: (key) => this.#filter(key) });
-    this.lay({
+    this.sourceChoice = choose({
+      value: this.source,
+      label: "Images",
+      options: this.#sources(),
+      onset: (key) => (location.hash = `#/contacts/${encodeURIComponent(key)}`),
+    });
+    this.filterChoice = choose({
+      value: this.filter,
+      label: "Show",
+      options: FILTERS,
+      onset: (key) => this.#filter(key),
+    });
+    this.layOut({
       title: "Contacts",
-      words: "Check each region and its ellipse. Enter accepts and goes on.",
+      words: "Check each region and its ellipse. Enter accepts and goes to the next image.",
       label: "Contact image. Arrow keys move the cross-hair of a brush, space presses it.",
       axes: ["semi-major axis", "semi-minor axis"],
       tools: TOOLS,
       radius: 14,
-      ask: (change) => post("/api/measure/contact", { item: this.entry.item, change }),
+      measureDragged: (change) => post("/api/measure/contact", { item: this.entry.item, change }),
       describe,
       inspector: new ContactInspector(this),
-      bar: h("div.film-bar", null, h("label", null, "Pictures", this.sourceChoice), h("label", null, "Show", this.filterChoice), this.count),
+      bar: h(
+        "div.film-bar",
+        null,
+        h("label", null, "Images", this.sourceChoice),
+        h("label", null, "Show", this.filterChoice),
+        this.count,
+      ),
     });
     this.bind([
-      ["b", "Brush: add (Alt: take away)", () => this.use("add")],
-      ["e", "Brush: take away", () => this.use("remove")],
+      ["b", "Brush: add (Alt: remove)", () => this.use("add")],
+      ["e", "Brush: remove", () => this.use("remove")],
       ["s", "Seed point", () => this.use("seed")],
-      ["n", "Next flagged picture", () => this.#nextFlagged()],
-      ["p", "Hold: the program's own result", () => this.showOwn(true)],
+      ["n", "Next flagged image", () => this.#nextFlagged()],
+      ["p", "Hold: show the automatic outline", () => this.showAutomatic(true)],
     ]);
-    this.keyup = (event) => event.key === "p" && this.showOwn(false);
+    this.keyup = (event) => event.key === "p" && this.showAutomatic(false);
     document.addEventListener("keyup", this.keyup);
     this.load();
   }
 
-  underlay() {
+  addOverlay() {
     this.overlay = new ContactOverlay(this.stage);
   }
 
   async load() {
     this.count.textContent = "loading …";
     if (this.source === "images") {
-      this.all = bench.study.observations.filter(({ file }) => file).map((entry) => ({ ...entry }));
+      this.all = workspace.study.observations.filter(({ file }) => file).map((entry) => ({ ...entry }));
     } else {
       const name = this.source.slice(5);
-      this.film = bench.study.sequences.find((entry) => entry.name === name);
+      this.film = workspace.study.sequences.find((entry) => entry.name === name);
       this.all = [];
       for (let total = 1; this.all.length < total; ) {
         const page = await get("/api/study/frames", { sequence: name, offset: this.all.length, limit: 2000 });
@@ -111,11 +140,13 @@ class Contacts extends Review {
   #filter(key, wanted) {
     const item = wanted ?? this.entries[this.at]?.item;
     this.filter = key;
-    this.entries = this.all.filter(WANTED[key]);
+    this.entries = this.all.filter(FILTER_TESTS[key]);
     this.strip.set(this.entries);
     if (!this.entries.length) {
       this.count.textContent = `none of ${this.all.length}`;
-      this.stage.say(this.all.length ? "No picture is left under this filter." : "This film has no frames.");
+      this.stage.setMessage(
+        this.all.length ? "No image matches this filter." : "This sequence has no frames.",
+      );
       return;
     }
     this.at = -1;
@@ -135,24 +166,31 @@ class Contacts extends Review {
     return `Contact image ${this.entry.item}`;
   }
 
-  blank() {
+  clearOverlay() {
     this.overlay.clear();
-    this.count.textContent = `${this.at + 1} of ${this.entries.length}${this.filter ? ` shown, ${this.all.length} in all` : ""}`;
+    const all = this.filter ? ` shown, ${this.all.length} in all` : "";
+    this.count.textContent = `${this.at + 1} of ${this.entries.length}${all}`;
   }
 
-  arrived(info) {
+  showInfo(info) {
     this.info = info;
     this.inspector.head();
     this.mark.hidden = !(this.entry.synthetic ?? this.film?.synthetic);
     this.#ahead();
   }
 
-  /** Have the next picture at hand before it is asked for. */
+  /** Preload the next image. */
   #ahead() {
     const next = this.entries[this.at + 1];
     if (!next) return;
     clearTimeout(this.soon);
-    this.soon = setTimeout(() => get("/api/picture/info", { item: next.item }).then((info) => (new Image().src = info.preview)).catch(() => {}), 300);
+    this.soon = setTimeout(
+      () =>
+        get("/api/picture/info", { item: next.item })
+          .then((info) => (new Image().src = info.preview))
+          .catch(() => {}),
+      300,
+    );
   }
 
   async measure(item, newest) {
@@ -160,13 +198,17 @@ class Contacts extends Review {
     if (newest()) this.show(answer);
   }
 
+  /**
+   * @param {ContactMeasurement} answer
+   * @param {{ live?: boolean }} [options]
+   */
   show(answer, { live = false } = {}) {
     this.measured = answer;
     this.stage.setScale(answer.mm_per_px);
     this.overlay.region(answer.outline_px);
     if (!live) {
       const { centre_px: centre, major_ends_px: major, minor_ends_px: minor } = answer.handles;
-      this.stage.say("");
+      this.stage.setMessage("");
       this.editor.show(centre, major[0], minor[0]);
       this.showTool();
       this.brush?.dry();
@@ -178,10 +220,15 @@ class Contacts extends Review {
     this.overlay.correction(change);
   }
 
-  instrument(tool) {
+  makeTool(tool) {
     if (tool === "seed") return new Click((at) => this.set("seed_px", at));
     if (tool === "ellipse") return null;
-    return this.paint(tool, (stroke) => this.keep((change) => ({ ...this.freed(change), strokes: [...(change.strokes ?? []), stroke] })));
+    return this.paint(tool, (stroke) =>
+      this.keep((change) => ({
+        ...this.withoutEllipse(change),
+        strokes: [...(change.strokes ?? []), stroke],
+      })),
+    );
   }
 
   #ellipse() {
@@ -195,7 +242,12 @@ class Contacts extends Review {
   }
 
   dragged() {
-    return plainChange({ ...this.corrections.change, ellipse_px: this.#ellipse(), rejected: null, accepted: false });
+    return withoutDefaults({
+      ...this.corrections.change,
+      ellipse_px: this.#ellipse(),
+      rejected: null,
+      accepted: false,
+    });
   }
 
   dropped() {
@@ -207,15 +259,16 @@ class Contacts extends Review {
     const order = [...this.entries.slice(from), ...this.entries.slice(0, from)];
     const next = order.find((entry) => entry.flags?.length && !entry.accepted && !entry.rejected);
     if (next) this.choose(this.entries.indexOf(next));
-    else say("No flagged picture is left to look at.", { kind: "good" });
+    else toast("No flagged images left to review.", { kind: "good" });
   }
 
-  showOwn(show) {
+  showAutomatic(show) {
     const own = this.measured?.program;
     this.overlay.own(show && own ? own.outline_px : null);
     this.stage.root.classList.toggle("comparing", show);
-    if (show && !own) this.stage.say(this.measured?.program_error ?? "The program found no contact here.");
-    else if (!show) this.stage.say("");
+    if (show && !own)
+      this.stage.setMessage(this.measured?.program_error ?? "No contact was found automatically.");
+    else if (!show) this.stage.setMessage("");
   }
 
   context() {
@@ -224,18 +277,20 @@ class Contacts extends Review {
     return {
       entry,
       lines: [
-        of.finger ?? "which finger?",
+        of.finger ?? "finger missing",
         `θ ${plain(of.wedge_angle_deg)}°`,
         ...(of.roll_angle_deg ? [`φ ${plain(of.roll_angle_deg)}°`] : []),
         ...(entry.load_N === null || entry.load_N === undefined ? [] : [`${plain(entry.load_N)} N`]),
-        ...(entry.time_s === undefined || entry.time_s === null ? [] : [`${plain(entry.time_s)} s${entry.phase ? `, ${entry.phase}` : ""}`]),
+        ...(entry.time_s === undefined || entry.time_s === null
+          ? []
+          : [`${plain(entry.time_s)} s${entry.phase ? `, ${entry.phase}` : ""}`]),
         `scale ${scaleWords(of.scale)}`,
         ...(this.info?.bits > 8 ? [`${this.info.bits} bit, shown in 8`] : []),
       ],
     };
   }
 
-  turn([source, item]) {
+  navigate([source, item]) {
     if (source && source !== this.source) return false;
     this.choose(this.entries.findIndex((entry) => entry.item === item));
     return true;
@@ -243,7 +298,7 @@ class Contacts extends Review {
 
   update() {
     if (!this.stage || this.source !== "images") return;
-    const now = new Map(bench.study.observations.map((entry) => [entry.item, entry]));
+    const now = new Map(workspace.study.observations.map((entry) => [entry.item, entry]));
     for (const entry of this.all ?? []) Object.assign(entry, now.get(entry.item) ?? {});
     this.strip.refresh();
   }

@@ -1,18 +1,35 @@
-// What stands beside a picture: parts of its own, the decision about it, and the history of its corrections.
+// The panel beside an image: results, accept and reject, and the history of corrections.
 
-import { wordsOf } from "../core/corrections.js";
-import { h, place } from "../core/dom.js";
+import { describeChange } from "../core/corrections.js";
+import { h, render } from "../core/dom.js";
 import { ago } from "../core/quantity.js";
 import { button, chip, slider, text } from "../parts/forms.js";
 
 export class Inspector {
+  /** @type {Record<string, { words?: any, brush?: string, hint?: string }>} */
+  tools = {};
+
   constructor(view, parts, reasons) {
     this.view = view;
-    this.parts = Object.fromEntries(["head", "tool", ...parts, "settings", "history"].map((name) => [name, h("section", { "data-part": name })]));
+    this.parts = Object.fromEntries(
+      ["head", "tool", ...parts, "settings", "history"].map((name) => [
+        name,
+        h("section", { "data-part": name }),
+      ]),
+    );
     this.parts.tool.hidden = true;
-    this.why = text({ value: "", placeholder: "why it is no good", list: "reasons" });
+    this.why = text({ value: "", placeholder: "reason", list: "reasons" });
     this.why.addEventListener("keydown", (event) => event.key === "Enter" && this.view.reject());
-    this.root = h("div.stack", { "aria-busy": "true" }, Object.values(this.parts), h("datalist", { id: "reasons" }, reasons.map((value) => h("option", { value }))));
+    this.root = h(
+      "div.stack",
+      { "aria-busy": "true" },
+      Object.values(this.parts),
+      h(
+        "datalist",
+        { id: "reasons" },
+        reasons.map((value) => h("option", { value })),
+      ),
+    );
     this.footer = h("div.footer", null, this.#decision());
   }
 
@@ -22,33 +39,51 @@ export class Inspector {
       undo: button("Undo", () => this.view.undo(), { key: "u" }),
       redo: button("Redo", () => this.view.redo(), { key: "r" }),
       reject: button("Reject", () => this.view.reject(), { kind: "bad", key: "x" }),
-      revert: button("Back to the program", () => this.view.revert(), { kind: "small", title: "Take back all corrections of this picture; they stay in its history" }),
+      revert: button("Reset to automatic", () => this.view.revert(), {
+        kind: "small",
+        title: "Remove all corrections of this image; the history keeps them",
+      }),
     };
     const { accept, undo, redo, reject } = this.buttons;
-    return [h("div.decision", null, accept, undo, redo, reject), h("label.why", null, h("span", null, "Reason to reject"), this.why)];
+    return [
+      h("div.decision", null, accept, undo, redo, reject),
+      h("label.why", null, h("span", null, "Reason to reject"), this.why),
+    ];
   }
 
   reason() {
-    return this.why.value.trim() || "rejected by eye";
+    return this.why.value.trim() || "rejected on inspection";
   }
 
-  /** What a tool needs: a slider for the radius of a brush, or words. */
+  /** Show the options of the tool: the radius of a brush, or an explanation. */
   tool() {
     const { tool, radius } = this.view;
     const { words, brush, hint } = this.tools[tool] ?? {};
-    this.radius = brush && slider(brush, { value: radius, min: 1, max: 100, unit: "px", hint, onset: (value) => this.view.setRadius(value) });
+    this.radius =
+      brush &&
+      slider(brush, {
+        value: radius,
+        min: 1,
+        max: 100,
+        unit: "px",
+        hint,
+        onset: (value) => this.view.setRadius(value),
+      });
     this.parts.tool.hidden = !brush && !words;
-    place(this.parts.tool, brush ? this.radius : words);
+    render(this.parts.tool, brush ? this.radius : words);
   }
 
-  /** Buttons that take back one part of a correction each. */
-  forgetting(parts) {
+  /** Buttons that reset one part of a correction each. */
+  resetButtons(parts) {
     const { change } = this.view.corrections;
     const made = (value) => (Array.isArray(value) ? value.length > 0 : Boolean(value));
     return h(
       "div.actions",
       null,
-      parts.map(([key, words]) => made(change[key]) && button(words, () => this.view.set(key, null), { kind: "small" })),
+      parts.map(
+        ([key, words]) =>
+          made(change[key]) && button(words, () => this.view.set(key, null), { kind: "small" }),
+      ),
     );
   }
 
@@ -57,17 +92,46 @@ export class Inspector {
     this.buttons.undo.disabled = !document.can_undo;
     this.buttons.redo.disabled = !document.can_redo;
     this.buttons.revert.disabled = !Object.keys(change).length;
-    place(this.buttons.reject, change.rejected ? "Take back" : "Reject", h("kbd", { "aria-hidden": "true" }, "x"));
+    render(
+      this.buttons.reject,
+      change.rejected ? "Undo rejection" : "Reject",
+      h("kbd", { "aria-hidden": "true" }, "x"),
+    );
     this.buttons.accept.classList.toggle("accepted", Boolean(change.accepted));
     const records = [...document.history].reverse();
-    place(
+    render(
       this.parts.history,
       h("div.headline", null, h("h3", null, "History"), this.buttons.revert),
-      document.on_another_image && h("p.note.bad", { role: "alert" }, "This was corrected on another picture than the one that is there now. Look at it again, and accept it or go back to the program."),
-      h("div.chips", null, change.accepted && chip("accepted", "good"), change.rejected && chip(`rejected: ${change.rejected}`, "bad")),
+      document.on_another_image &&
+        h(
+          "p.note.bad",
+          { role: "alert" },
+          "The image file has changed since this correction. Check it, then accept or reset it.",
+        ),
+      h(
+        "div.chips",
+        null,
+        change.accepted && chip("accepted", "good"),
+        change.rejected && chip(`rejected: ${change.rejected}`, "bad"),
+      ),
       records.length
-        ? h("ol.history", { tabindex: 0, "aria-label": "History of corrections" }, records.map((record) => h("li", null, h("span", null, wordsOf(record)), h("time", { datetime: record.when, title: record.when }, `${record.who || "unknown"}, ${ago(record.when)}`))))
-        : h("p.soft", null, "As the program measured it."),
+        ? h(
+            "ol.history",
+            { tabindex: 0, "aria-label": "History of corrections" },
+            records.map((record) =>
+              h(
+                "li",
+                null,
+                h("span", null, describeChange(record)),
+                h(
+                  "time",
+                  { datetime: record.when, title: record.when },
+                  `${record.who || "unknown"}, ${ago(record.when)}`,
+                ),
+              ),
+            ),
+          )
+        : h("p.soft", null, "Measured automatically."),
     );
   }
 }

@@ -1,10 +1,10 @@
-// Files that no table names yet: say what each is, all at once if they are alike.
+// New files: what each of them is, entered one by one or for all.
 
 import { get, post, remove } from "../core/api.js";
-import { bench } from "../core/workspace.js";
-import { h, place, redraw } from "../core/dom.js";
-import { complain, say } from "../core/messages.js";
+import { h, redraw, render } from "../core/dom.js";
+import { showError, toast } from "../core/messages.js";
 import { bytes } from "../core/quantity.js";
+import { workspace } from "../core/workspace.js";
 import { button, check, choose, faultList, number, text } from "../parts/forms.js";
 import { scaleNames } from "../parts/scale_choice.js";
 
@@ -14,29 +14,38 @@ const KINDS = {
     ["photograph", "photograph"],
     ["", "ruler or coin, later"],
   ],
-  film: [["sequence", "film of a press"]],
+  film: [["sequence", "sequence"]],
   table: [
     ["curve", "loading curve"],
     ["outline", "outline of a face"],
-    ["", "force of a film, later"],
+    ["", "force of a sequence, later"],
   ],
-  other: [["", "not known"]],
+  other: [["", "unknown"]],
 };
 const FACES = ["palmar", "distal", "radial", "ulnar"];
 
-/** What a file's name says of itself: a proposal, to be seen and changed. */
+/** Values read from a file name, as a proposal. */
 export function readName(file, kind) {
-  const name = file.split("/").at(-1).replace(/\.[^.]+$/, "");
+  const name = file
+    .split("/")
+    .at(-1)
+    .replace(/\.[^.]+$/, "");
   const face = FACES.find((each) => name.toLowerCase().includes(each));
   const found = (pattern) => (name.match(pattern) ? Number(name.match(pattern)[1]) : undefined);
-  const fingers = bench.study.fingers.map((finger) => finger.name);
+  const fingers = workspace.study.fingers.map((finger) => finger.name);
   const said = name.match(/(left|right)[ _-]?(thumb|index|middle|ring|little)/i);
   return {
     name,
     face,
-    as: /ruler|scale|coin|euro|cent|force/i.test(name) ? "" : face && kind === "picture" ? "photograph" : KINDS[kind][0][0],
-    finger: fingers.find((finger) => name.includes(finger)) ?? (said ? `${said[1]}_${said[2]}`.toLowerCase() : fingers.length === 1 ? fingers[0] : ""),
-    // "0-5N" may have been "0,5N": what is not sure is left to be typed
+    as: /ruler|scale|coin|euro|cent|force/i.test(name)
+      ? ""
+      : face && kind === "picture"
+        ? "photograph"
+        : KINDS[kind][0][0],
+    finger:
+      fingers.find((finger) => name.includes(finger)) ??
+      (said ? `${said[1]}_${said[2]}`.toLowerCase() : fingers.length === 1 ? fingers[0] : ""),
+    // "0-5N" may mean 0.5 N: uncertain values are left empty
     wedge_angle_deg: found(/(?<!\d[.-]?)(\d+(?:\.\d+)?)[ _-]?(?:deg|°)/i),
     load_N: found(/(?:^|[_ ]|(?<!\d)-)(\d+(?:\.\d+)?)[ _-]?N(?![a-z])/),
   };
@@ -44,20 +53,22 @@ export function readName(file, kind) {
 
 export class NewFiles {
   constructor() {
+    this.problem = h("div");
     this.drafts = new Map();
+    /** @type {Map<string, Partial<Answers["UploadedFile"]>>} */
     this.info = new Map();
     this.shared = {};
     this.root = h("section.card.new-files", { hidden: true, "aria-label": "New files" });
     this.rest = h("details.card", { hidden: true });
   }
 
-  /** Column names and resolution that the library read while the file was sent. */
-  learn(files) {
+  /** Store what was found in uploaded files. */
+  addInfo(files) {
     for (const each of files) this.info.set(each.file, each);
   }
 
   draw() {
-    const unused = bench.study.files.filter(({ used, kind }) => !used && kind !== "other");
+    const unused = workspace.study.files.filter(({ used, kind }) => !used && kind !== "other");
     const files = unused.filter(({ file }) => file.startsWith("uploads/"));
     this.#drawRest(unused.filter(({ file }) => !file.startsWith("uploads/")));
     this.root.hidden = !files.length;
@@ -65,21 +76,28 @@ export class NewFiles {
     for (const { file, kind } of files) {
       if (!this.drafts.has(file)) {
         this.drafts.set(file, { kind, ...readName(file, kind) });
-        if (kind === "picture" && !this.info.has(file)) this.#learn(file);
+        if (kind === "picture" && !this.info.has(file)) this.#loadInfo(file);
       }
     }
     this.files = files.map(({ file }) => file);
     for (const file of this.drafts.keys()) if (!this.files.includes(file)) this.drafts.delete(file);
     const shown = files.slice(0, 60);
-    this.problem ??= h("div");
-    place(
+    render(
       this.root,
       h(
         "header",
         null,
         h("h2", null, `${files.length} new file${files.length > 1 ? "s" : ""}`),
-        h("span.soft", null, "Say what each is. What stands here was read from the names; change what is wrong."),
-        h("div.actions", null, button("Use them", () => this.#use(), { kind: "primary" })),
+        h(
+          "span.soft",
+          null,
+          "Enter what each file is. The values were read from the file names; correct them where needed.",
+        ),
+        h(
+          "div.actions",
+          null,
+          button("Add to study", () => this.#use(), { kind: "primary" }),
+        ),
       ),
       this.problem,
       this.#common(),
@@ -89,32 +107,75 @@ export class NewFiles {
         h(
           "table",
           null,
-          h("thead", null, h("tr", null, ["", "File", "It is a", "Finger", "Face", "Wedge, °", "Load, N", "Scale", ""].map((words) => h("th", { scope: "col" }, words)))),
-          h("tbody", null, shown.map((file) => this.#row(file))),
+          h(
+            "thead",
+            null,
+            h(
+              "tr",
+              null,
+              ["", "File", "Type", "Finger", "Face", "Wedge, °", "Load, N", "Scale", ""].map((words) =>
+                h("th", { scope: "col" }, words),
+              ),
+            ),
+          ),
+          h(
+            "tbody",
+            null,
+            shown.map((file) => this.#row(file)),
+          ),
         ),
       ),
-      files.length > shown.length && h("p.soft", null, `${files.length - shown.length} more follow once these are in use; "Use them" takes all.`),
-      check("These files were rendered or simulated, not taken of a finger", { checked: this.shared.synthetic, onset: (on) => (this.shared.synthetic = on) }),
-      h("datalist", { id: "fingers" }, bench.study.fingers.map(({ name }) => h("option", { value: name }))),
+      files.length > shown.length &&
+        h(
+          "p.soft",
+          null,
+          `${files.length - shown.length} more files are not listed; "Add to study" adds all.`,
+        ),
+      check("These files are synthetic (rendered or simulated)", {
+        checked: this.shared.synthetic,
+        onset: (on) => (this.shared.synthetic = on),
+      }),
+      h(
+        "datalist",
+        { id: "fingers" },
+        workspace.study.fingers.map(({ name }) => h("option", { value: name })),
+      ),
     );
   }
 
-  /** Files that lie in the study's folder, and that nobody sent from this page. */
+  /** List unused files of the study folder that were not uploaded. */
   #drawRest(files) {
     this.rest.hidden = !files.length;
-    place(this.rest, h("summary", null, `${files.length} more file${files.length > 1 ? "s" : ""} in the study's folder, not in use`), h("ul.rest", null, files.slice(0, 200).map(({ file, bytes: size }) => h("li", null, h("code", null, file), " ", h("span.soft.number", null, bytes(size))))));
+    render(
+      this.rest,
+      h(
+        "summary",
+        null,
+        `${files.length} more file${files.length > 1 ? "s" : ""} in the study folder, not used`,
+      ),
+      h(
+        "ul.rest",
+        null,
+        files
+          .slice(0, 200)
+          .map(({ file, bytes: size }) =>
+            h("li", null, h("code", null, file), " ", h("span.soft.number", null, bytes(size))),
+          ),
+      ),
+    );
   }
 
-  async #learn(file) {
+  async #loadInfo(file) {
     this.info.set(file, {});
-    const info = await get("/api/picture/info", { item: `file:${file}` }).catch(() => ({}));
+    const info = await get("/api/picture/info", { item: `file:${file}` }).catch(() => null);
+    if (info === null) return;
     this.info.set(file, info);
     const select = this.root.querySelector(`[data-field="${CSS.escape(`${file}:scale`)}"]`);
     if (select && info.resolution_ppi) select.replaceWith(this.#scale(file));
   }
 
   #common() {
-    // in place: a table drawn anew would take away the field that was just clicked
+    // in place: redrawing would remove the field that was just clicked
     const every = (key, value) => {
       this.shared[key] = value;
       for (const [file, draft] of this.drafts) {
@@ -123,28 +184,96 @@ export class NewFiles {
         if (control) control.value = value ?? "";
       }
     };
-    const finger = text({ value: this.shared.finger, placeholder: "e.g. left_index", list: "fingers", label: "Finger of all new files", onset: (value) => value && every("finger", value) });
-    const scale = choose({ value: this.shared.scale ?? "", options: [["", "–"], ...scaleNames()], label: "Scale of all new pictures", onset: (value) => value && every("scale", value) });
-    const wedge = number({ value: this.shared.wedge_angle_deg, min: 0, max: 90, label: "Wedge angle of all new files, degrees", onset: (value) => every("wedge_angle_deg", value ?? undefined) });
-    return this.drafts.size > 1 && h("div.common", null, h("span.soft", null, "For all:"), h("label", null, "finger", finger), h("label", null, "wedge °", wedge), h("label", null, "scale", scale));
+    const finger = text({
+      value: this.shared.finger,
+      placeholder: "e.g. left_index",
+      list: "fingers",
+      label: "Finger of all new files",
+      onset: (value) => value && every("finger", value),
+    });
+    const scale = choose({
+      value: this.shared.scale ?? "",
+      options: [["", "–"], ...scaleNames()],
+      label: "Scale of all new pictures",
+      onset: (value) => value && every("scale", value),
+    });
+    const wedge = number({
+      value: this.shared.wedge_angle_deg,
+      min: 0,
+      max: 90,
+      label: "Wedge angle of all new files, degrees",
+      onset: (value) => every("wedge_angle_deg", value ?? undefined),
+    });
+    return (
+      this.drafts.size > 1 &&
+      h(
+        "div.common",
+        null,
+        h("span.soft", null, "All files:"),
+        h("label", null, "finger", finger),
+        h("label", null, "wedge °", wedge),
+        h("label", null, "scale", scale),
+      )
+    );
   }
 
   #row({ file, kind, bytes: size }) {
     const draft = this.drafts.get(file);
     const put = (key) => (value) => (draft[key] = value ?? undefined);
     const name = file.split("/").at(-1);
-    const as = choose({ value: draft.as, options: KINDS[kind], label: `What ${name} is`, onset: (value) => ((draft.as = value), redraw(() => this.draw())) });
-    const finger = text({ value: draft.finger, placeholder: "e.g. left_index", list: "fingers", label: `Finger on ${name}`, onset: put("finger") });
+    const as = choose({
+      value: draft.as,
+      options: KINDS[kind],
+      label: `Type of ${name}`,
+      onset: (value) => ((draft.as = value), redraw(() => this.draw())),
+    });
+    const finger = text({
+      value: draft.finger,
+      placeholder: "e.g. left_index",
+      list: "fingers",
+      label: `Finger on ${name}`,
+      onset: put("finger"),
+    });
     finger.addEventListener("input", () => (draft.finger = finger.value.trim()));
-    const face = choose({ value: draft.face ?? "", options: [["", "–"], ...FACES], label: `Face on ${name}`, onset: (value) => (draft.face = value || undefined) });
-    const wedge = number({ value: draft.wedge_angle_deg, min: 0, max: 90, label: `Wedge angle of ${name}, degrees`, onset: put("wedge_angle_deg") });
-    const load = number({ value: draft.load_N, min: 0, label: `Load of ${name}, newtons`, onset: put("load_N") });
-    for (const [control, key] of [[finger, "finger"], [wedge, "wedge_angle_deg"]]) control.dataset.field = `${file}:${key}`;
+    const face = choose({
+      value: draft.face ?? "",
+      options: [["", "–"], ...FACES],
+      label: `Face on ${name}`,
+      onset: (value) => (draft.face = value || undefined),
+    });
+    const wedge = number({
+      value: draft.wedge_angle_deg,
+      min: 0,
+      max: 90,
+      label: `Wedge angle of ${name}, degrees`,
+      onset: put("wedge_angle_deg"),
+    });
+    const load = number({
+      value: draft.load_N,
+      min: 0,
+      label: `Load of ${name}, newtons`,
+      onset: put("load_N"),
+    });
+    for (const [control, key] of [
+      [finger, "finger"],
+      [wedge, "wedge_angle_deg"],
+    ])
+      control.dataset.field = `${file}:${key}`;
     const placed = ["observation", "sequence", "curve"].includes(draft.as);
     return h(
       "tr",
       null,
-      h("td", null, kind === "picture" ? h("img.small-thumb", { src: `/api/picture/thumbnail?${new URLSearchParams({ item: `file:${file}` })}`, alt: "", loading: "lazy" }) : h("span.chip", null, kind)),
+      h(
+        "td",
+        null,
+        kind === "picture"
+          ? h("img.small-thumb", {
+              src: `/api/picture/thumbnail?${new URLSearchParams({ item: `file:${file}` })}`,
+              alt: "",
+              loading: "lazy",
+            })
+          : h("span.chip", null, kind),
+      ),
       h("td", null, h("strong", null, name), h("div.soft", null, this.#about(file, size))),
       h("td", null, as),
       h("td", null, draft.as && finger),
@@ -152,7 +281,11 @@ export class NewFiles {
       h("td", null, placed && wedge),
       h("td", null, draft.as === "observation" && load),
       h("td", null, ["observation", "photograph", "sequence"].includes(draft.as) && this.#scale(file)),
-      h("td", null, button("×", () => this.#forget(file), { kind: "icon", label: `Take ${name} away` })),
+      h(
+        "td",
+        null,
+        button("×", () => this.#forget(file), { kind: "icon", label: `Remove ${name}` }),
+      ),
     );
   }
 
@@ -170,8 +303,13 @@ export class NewFiles {
     const names = scaleNames();
     draft.scale ??= names.length === 1 ? names[0] : "";
     const options = [["", "– later –"], ...names.map((name) => [name, name])];
-    if (ppi) options.push([`ppi:${ppi}`, `${Number(ppi.toFixed(1))} ppi, says the file`]);
-    const select = choose({ value: draft.scale, options, label: `Scale of ${file}`, onset: (value) => (draft.scale = value) });
+    if (ppi) options.push([`ppi:${ppi}`, `${Number(ppi.toFixed(1))} ppi (from file)`]);
+    const select = choose({
+      value: draft.scale,
+      options,
+      label: `Scale of ${file}`,
+      onset: (value) => (draft.scale = value),
+    });
     select.dataset.field = `${file}:scale`;
     return select;
   }
@@ -180,37 +318,48 @@ export class NewFiles {
     const draft = this.drafts.get(file);
     try {
       const { removed } = await remove("/api/files", { file });
-      say(`${file.split("/").at(-1)} was taken away.`, { kind: "good", action: { words: "Undo", do: () => this.#restore(removed, draft) }, stays: true });
+      toast(`${file.split("/").at(-1)} was removed.`, {
+        kind: "good",
+        action: { words: "Undo", do: () => this.#restore(removed, draft) },
+        stays: true,
+      });
     } catch (error) {
-      complain(error);
+      showError(error);
     }
-    await bench.reload().catch(complain);
+    await workspace.reload().catch(showError);
   }
 
   async #restore(removed, draft) {
     try {
       const { restored } = await post("/api/files/restore", { removed });
-      this.drafts.set(restored, draft); // with what was typed
-      say(`${restored.split("/").at(-1)} is back.`, { kind: "good" });
+      this.drafts.set(restored, draft);
+      toast(`${restored.split("/").at(-1)} was restored.`, { kind: "good" });
     } catch (error) {
-      complain(error);
+      showError(error);
     }
-    await bench.reload().catch(complain);
+    await workspace.reload().catch(showError);
   }
 
   async #use() {
     const wrong = this.root.querySelector("input:invalid");
     if (wrong) return wrong.reportValidity();
+    /** @type {Edit[]} */
     const edits = [];
-    const taken = new Set([...bench.study.observations.map(({ item }) => item), ...bench.study.sequences.map(({ name }) => name)]);
-    const fingers = new Set(bench.study.fingers.map(({ name }) => name));
-    let curves = bench.study.curves.length;
+    const taken = new Set([
+      ...workspace.study.observations.map(({ item }) => item),
+      ...workspace.study.sequences.map(({ name }) => name),
+    ]);
+    const fingers = new Set(workspace.study.fingers.map(({ name }) => name));
+    let curves = workspace.study.curves.length;
     for (const file of this.files) {
       const draft = this.drafts.get(file);
       if (!draft.as || !draft.finger) continue;
-      const scale = draft.scale?.startsWith("ppi:") ? { ppi: Number(draft.scale.slice(4)) } : draft.scale || undefined;
+      const scale = draft.scale?.startsWith("ppi:")
+        ? { ppi: Number(draft.scale.slice(4)) }
+        : draft.scale || undefined;
       const synthetic = this.shared.synthetic || undefined;
-      const said = (set) => Object.fromEntries(Object.entries(set).filter(([, value]) => value !== undefined && value !== ""));
+      const said = (set) =>
+        Object.fromEntries(Object.entries(set).filter(([, value]) => value !== undefined && value !== ""));
       if (!fingers.has(draft.finger) && ["photograph", "outline"].includes(draft.as)) {
         edits.push({ kind: "finger", key: draft.finger, set: {} });
         fingers.add(draft.finger);
@@ -218,29 +367,71 @@ export class NewFiles {
       let name = draft.name;
       for (let number = 2; taken.has(name); number += 1) name = `${draft.name}_${number}`;
       if (draft.as === "observation") {
-        edits.push({ kind: "observation", key: name, set: said({ finger: draft.finger, file, wedge_angle_deg: draft.wedge_angle_deg, load_N: draft.load_N, scale, synthetic }) });
+        edits.push({
+          kind: "observation",
+          key: name,
+          set: said({
+            finger: draft.finger,
+            file,
+            wedge_angle_deg: draft.wedge_angle_deg,
+            load_N: draft.load_N,
+            scale,
+            synthetic,
+          }),
+        });
         taken.add(name);
-      } else if (draft.as === "photograph") edits.push({ kind: "photograph", key: `${draft.finger}/${file}`, set: said({ face: draft.face, scale, synthetic }) });
-      else if (draft.as === "outline") edits.push({ kind: "photograph", key: `${draft.finger}/${file}`, set: said({ face: draft.face, outline: file, synthetic }) });
+      } else if (draft.as === "photograph")
+        edits.push({
+          kind: "photograph",
+          key: `${draft.finger}/${file}`,
+          set: said({ face: draft.face, scale, synthetic }),
+        });
+      else if (draft.as === "outline")
+        edits.push({
+          kind: "photograph",
+          key: `${draft.finger}/${file}`,
+          set: said({ face: draft.face, outline: file, synthetic }),
+        });
       else if (draft.as === "sequence") {
-        const force = bench.study.files.find((other) => !other.used && other.kind === "table" && /force/i.test(other.file))?.file;
-        edits.push({ kind: "sequence", key: name, set: said({ finger: draft.finger, file, wedge_angle_deg: draft.wedge_angle_deg, scale, force, synthetic }) });
+        const force = workspace.study.files.find(
+          (other) => !other.used && other.kind === "table" && /force/i.test(other.file),
+        )?.file;
+        edits.push({
+          kind: "sequence",
+          key: name,
+          set: said({
+            finger: draft.finger,
+            file,
+            wedge_angle_deg: draft.wedge_angle_deg,
+            scale,
+            force,
+            synthetic,
+          }),
+        });
         taken.add(name);
-      } else if (draft.as === "curve") edits.push({ kind: "curve", key: String(curves++), set: said({ finger: draft.finger, wedge_angle_deg: draft.wedge_angle_deg, file, synthetic }) });
+      } else if (draft.as === "curve")
+        edits.push({
+          kind: "curve",
+          key: String(curves++),
+          set: said({ finger: draft.finger, wedge_angle_deg: draft.wedge_angle_deg, file, synthetic }),
+        });
     }
-    place(this.problem);
+    render(this.problem);
     if (!edits.length) {
-      place(this.problem, h("div.faults", { role: "alert" }, h("p", null, "Say at least which finger the files show.")));
+      render(
+        this.problem,
+        h("div.faults", { role: "alert" }, h("p", null, "Enter at least the finger of the files.")),
+      );
       return undefined;
     }
     try {
-      await bench.edit(...edits);
-      return say(inUse(edits.filter(({ kind }) => kind !== "finger").length), { kind: "good" });
+      await workspace.edit(...edits);
+      return toast(inUse(edits.filter(({ kind }) => kind !== "finger").length), { kind: "good" });
     } catch (error) {
-      place(this.problem, faultList(error));
+      render(this.problem, faultList(error));
       return undefined;
     }
   }
 }
 
-const inUse = (count) => `${count} file${count === 1 ? " is" : "s are"} in use.`;
+const inUse = (count) => `${count} file${count === 1 ? "" : "s"} added.`;

@@ -1,10 +1,10 @@
-// The pad: where it touches, how it is curved there, on which wedge.
+// The pad on its wedge: point of contact and curvature.
 
-import { Newest, post } from "../core/api.js";
-import { bench } from "../core/workspace.js";
-import { h, place, symbol } from "../core/dom.js";
+import { LatestRequest, post } from "../core/api.js";
+import { h, render, symbol } from "../core/dom.js";
 import { bindHere } from "../core/keys.js";
-import { plain, quantityText, reading, withStd } from "../core/quantity.js";
+import { plain, quantityRow, quantityText, withStd } from "../core/quantity.js";
+import { workspace } from "../core/workspace.js";
 import { button, choose, field, number, synthetic } from "../parts/forms.js";
 import { PadScene } from "../parts/pad_scene.js";
 
@@ -14,38 +14,59 @@ const AXES = [
   ["radial_ulnar", "Radial–ulnar"],
 ];
 
-const READINGS = [
+/** @type {[key: string, label: () => any][]} */
+const QUANTITIES_SHOWN = [
   ["in_plane_radius_mm", () => "Radius along the finger"],
-  ["transverse_radius_mm", () => "Radius across it"],
+  ["transverse_radius_mm", () => "Radius across the finger"],
   ["mean_curvature_radius_mm", () => symbol("R", "0g")],
   ["geometric_mean_radius_mm", () => symbol("R", "e")],
 ];
 
 class PadView {
   constructor(root, rest) {
-    const known = bench.study.fingers.filter(({ semi_axes_mm: axes }) => axes);
+    const known = workspace.study.fingers.filter(({ semi_axes_mm: axes }) => axes);
     this.finger = (known.find(({ name }) => name === rest[0]) ?? known[0])?.name ?? "";
     this.axes = { palmar: 8, distal: 14, radial_ulnar: 12 };
-    const placed = bench.study.observations.find(({ finger }) => finger === this.finger);
+    const placed = workspace.study.observations.find(({ finger }) => finger === this.finger);
     this.wedge = placed?.wedge_angle_deg ?? 30;
     this.roll = placed?.roll_angle_deg ?? 0;
     this.scene = new PadScene({ forceSvg: new URLSearchParams(location.search).has("svg") });
     this.numbers = h("section");
-    this.live = new Newest((asked) => post("/api/geometry", asked), (answer) => this.#show(answer), (error) => place(this.numbers, h("p.note.bad", { role: "alert" }, error.message)), this.numbers);
+    this.live = new LatestRequest(
+      (asked) => post("/api/geometry", asked),
+      (answer) => this.#show(answer),
+      (error) => render(this.numbers, h("p.note.bad", { role: "alert" }, error.message)),
+      this.numbers,
+    );
     this.side = h("div.stack");
     this.caption = h("div.pad-caption");
-    place(
+    render(
       root,
-      h("header.head", null, h("div", null, h("h1", null, "Pad"), h("p", null, "The ellipsoid that the photographs give, on its wedge under the platen.")), h("div.actions", null, ...this.#views())),
-      h("div.bench.no-tools.pad-bench", null, h("div.pad-main", null, this.scene.root, this.caption), h("aside.inspector", { "aria-label": "Placement", tabindex: 0 }, this.side)),
+      h(
+        "header.head",
+        null,
+        h(
+          "div",
+          null,
+          h("h1", null, "Pad"),
+          h("p", null, "The ellipsoidal pad on its wedge under the platen."),
+        ),
+        h("div.actions", null, ...this.#views()),
+      ),
+      h(
+        "div.panes.no-tools.pad-panes",
+        null,
+        h("div.pad-main", null, this.scene.root, this.caption),
+        h("aside.inspector", { "aria-label": "Placement", tabindex: 0 }, this.side),
+      ),
     );
     bindHere([
       ["w", "Wedge angle up", () => this.#nudge("wedge", 1)],
       ["W", "Wedge angle down", () => this.#nudge("wedge", -1)],
-      ["f", "Look from the side", () => this.scene.look({ turn: 0, tilt: 0 })],
-      ["t", "Look along the platen's normal", () => this.scene.look({ turn: -Math.PI / 2, tilt: 1.5 })],
-      ["ArrowLeft ArrowRight ArrowUp ArrowDown", "Turn the pad, when it has the focus", null],
-      ["0", "Back to the first view, when it has the focus", null],
+      ["f", "View from the side", () => this.scene.look({ turn: 0, tilt: 0 })],
+      ["t", "View along the platen normal", () => this.scene.look({ turn: -Math.PI / 2, tilt: 1.5 })],
+      ["ArrowLeft ArrowRight ArrowUp ArrowDown", "Rotate the pad (when focused)", null],
+      ["0", "Reset the view (when focused)", null],
     ]);
     this.#draw();
     this.#ask();
@@ -53,38 +74,99 @@ class PadView {
 
   #views() {
     const look = (words, view) => button(words, () => this.scene.look(view), { kind: "small" });
-    return [look("Aslant", { turn: -0.62, tilt: 0.42 }), look("From the side", { turn: 0, tilt: 0 }), look("From the tip", { turn: Math.PI / 2, tilt: 0 }), look("Through the platen", { turn: -Math.PI / 2, tilt: 1.5 })];
+    return [
+      look("Oblique", { turn: -0.62, tilt: 0.42 }),
+      look("Side", { turn: 0, tilt: 0 }),
+      look("Tip", { turn: Math.PI / 2, tilt: 0 }),
+      look("Through platen", { turn: -Math.PI / 2, tilt: 1.5 }),
+    ];
   }
 
   #draw() {
-    const known = bench.study.fingers.filter(({ semi_axes_mm: axes }) => axes);
-    const options = [...known.map(({ name }) => [name, name]), ["", "typed in here"]];
-    const finger = bench.study.fingers.find(({ name }) => name === this.finger);
+    const known = workspace.study.fingers.filter(({ semi_axes_mm: axes }) => axes);
+    const options = [...known.map(({ name }) => [name, name]), ["", "semi-axes entered here"]];
+    const finger = workspace.study.fingers.find(({ name }) => name === this.finger);
     const axes = finger?.semi_axes_mm ?? this.axes;
     const angle = (key, words, min, max) => {
-      const slider = h("input", { type: "range", min, max, step: 0.5, value: this[key], oninput: () => set(Number(slider.value)) });
-      const typed = number({ value: this[key], min, max, onset: (value) => set(value ?? 0), label: `${words}, degrees` });
+      const slider = h("input", {
+        type: "range",
+        min,
+        max,
+        step: 0.5,
+        value: this[key],
+        oninput: () => set(Number(slider.value)),
+      });
+      const typed = number({
+        value: this[key],
+        min,
+        max,
+        onset: (value) => set(value ?? 0),
+        label: `${words}, degrees`,
+      });
       const set = (value) => {
         this[key] = value;
         slider.value = typed.value = value;
         this.#ask();
       };
       this[`set_${key}`] = set;
-      return h("div.angle", null, field(words, slider), h("div.control", null, typed, h("span.unit", null, "°")));
+      return h(
+        "div.angle",
+        null,
+        field(words, slider),
+        h("div.control", null, typed, h("span.unit", null, "°")),
+      );
     };
-    place(
+    render(
       this.side,
       h("h2.sr", null, "Pad and placement"),
-      h("section", null, field("Finger", choose({ value: this.finger, options, onset: (value) => ((this.finger = value), this.#draw(), this.#ask()) })), finger?.synthetic && h("div", null, synthetic(true))),
+      h(
+        "section",
+        null,
+        field(
+          "Finger",
+          choose({
+            value: this.finger,
+            options,
+            onset: (value) => ((this.finger = value), this.#draw(), this.#ask()),
+          }),
+        ),
+        finger?.synthetic && h("div", null, synthetic(true)),
+      ),
       h(
         "section",
         null,
         h("h3", null, "Semi-axes"),
         finger
-          ? h("dl.readings", null, AXES.map(([axis, words]) => reading(words, `${withStd(axes[axis], finger.semi_axes_mm_std?.[axis])} mm`)))
-          : h("div.fields", null, AXES.map(([axis, words]) => field(words, number({ value: this.axes[axis], min: 0.1, onset: (value) => value && ((this.axes[axis] = value), this.#ask()) }), { unit: "mm" }))),
+          ? h(
+              "dl.readings",
+              null,
+              AXES.map(([axis, words]) =>
+                quantityRow(words, `${withStd(axes[axis], finger.semi_axes_mm_std?.[axis])} mm`),
+              ),
+            )
+          : h(
+              "div.fields",
+              null,
+              AXES.map(([axis, words]) =>
+                field(
+                  words,
+                  number({
+                    value: this.axes[axis],
+                    min: 0.1,
+                    onset: (value) => value && ((this.axes[axis] = value), this.#ask()),
+                  }),
+                  { unit: "mm" },
+                ),
+              ),
+            ),
       ),
-      h("section", null, h("h3", null, "Placement"), angle("wedge", "Wedge angle θ", 0, 90), angle("roll", "Roll angle φ", -60, 60)),
+      h(
+        "section",
+        null,
+        h("h3", null, "Placement"),
+        angle("wedge", "Wedge angle θ", 0, 90),
+        angle("roll", "Roll angle φ", -60, 60),
+      ),
       this.numbers,
     );
   }
@@ -94,31 +176,48 @@ class PadView {
   }
 
   #ask() {
-    const which = this.finger ? { finger: this.finger } : { palmar_mm: this.axes.palmar, distal_mm: this.axes.distal, radial_ulnar_mm: this.axes.radial_ulnar };
-    this.live.ask({ ...which, wedge_angle_deg: this.wedge, roll_angle_deg: this.roll, detail: 40 });
+    const which = this.finger
+      ? { finger: this.finger }
+      : { palmar_mm: this.axes.palmar, distal_mm: this.axes.distal, radial_ulnar_mm: this.axes.radial_ulnar };
+    this.live.request({ ...which, wedge_angle_deg: this.wedge, roll_angle_deg: this.roll, detail: 40 });
   }
 
+  /** @param {Answers["PadGeometry"]} answer */
   #show(answer) {
-    this.scene.show(answer, `The pad on a wedge of ${plain(this.wedge)}°, touching at u = ${plain(answer.u_deg)}°`);
-    place(
+    this.scene.show(
+      answer,
+      `The pad on a wedge of ${plain(this.wedge)}°, touching at u = ${plain(answer.u_deg)}°`,
+    );
+    render(
       this.caption,
       h("span", null, h("i.key.along"), "principal direction along the finger"),
-      h("span", null, h("i.key.across"), "across it"),
-      h("span", null, h("i.key.contact"), "place of contact"),
+      h("span", null, h("i.key.across"), "across the finger"),
+      h("span", null, h("i.key.contact"), "point of contact"),
       h("span", null, h("i.key.platen"), "platen"),
       h("span", null, h("i.key.wedge"), "wedge"),
     );
-    place(
+    render(
       this.numbers,
-      h("div.headline", null, h("span", null, "Touches at ", symbol("u")), h("span.figure-big.number", { "data-live": "u" }, quantityText(answer, "u_deg"))),
-      answer.v_deg !== null && Math.abs(answer.v_deg - 90) > 0.005 && h("p.soft.number", null, `v = ${quantityText(answer, "v_deg")}`),
-      h("dl.readings", { "data-live": "radii" }, READINGS.map(([key, label]) => reading(label(), quantityText(answer, key)))),
-      !this.finger && h("p.soft", null, "No uncertainty: these semi-axes are typed in for a look, and belong to no finger of the study."),
+      h(
+        "div.headline",
+        null,
+        h("span", null, "Contact at ", symbol("u")),
+        h("span.figure-big.number", { "data-live": "u" }, quantityText(answer, "u_deg")),
+      ),
+      answer.v_deg !== null &&
+        Math.abs(answer.v_deg - 90) > 0.005 &&
+        h("p.soft.number", null, `v = ${quantityText(answer, "v_deg")}`),
+      h(
+        "dl.readings",
+        { "data-live": "radii" },
+        QUANTITIES_SHOWN.map(([key, label]) => quantityRow(label(), quantityText(answer, key))),
+      ),
+      !this.finger && h("p.soft", null, "No uncertainty: these semi-axes belong to no finger of the study."),
     );
   }
 
   close() {
-    this.live.drop();
+    this.live.cancel();
     this.scene.close();
   }
 }

@@ -1,35 +1,43 @@
-// The numbers of one face, and of the pad that all faces of the finger give together.
+// Results of one face, and of all faces of the finger combined.
 
-import { wordsFor } from "../core/workspace.js";
-import { h, place, s } from "../core/dom.js";
-import { BY, plain, probability, quantityText, reading, withStd } from "../core/quantity.js";
+import { h, render, s } from "../core/dom.js";
+import { BY, plain, probability, quantityRow, quantityText, withStd } from "../core/quantity.js";
+import { describeCode } from "../core/workspace.js";
 import { chip, choose, field, synthetic } from "../parts/forms.js";
 import { scaleWords } from "../parts/scale_choice.js";
 import { Inspector } from "./inspector.js";
 
 const NAMES = { palmar: "Palmar", distal: "Distal", radial_ulnar: "Radial–ulnar" };
 const SIDES = [
-  ["", "as the study says"],
+  ["", "as in the study"],
   ["up", "up"],
   ["down", "down"],
   ["left", "left"],
   ["right", "right"],
 ];
 
-const REASONS = ["blurred", "wrong finger", "not square to the camera"];
-const FORGET = [
-  ["ellipse_px", "Ellipse from outline"],
-  ["added_points_px", "Forget points added"],
-  ["erased", "Forget rubbing out"],
-  ["region_of_interest_px", "Forget region of interest"],
+const REASONS = ["blurred", "wrong finger", "not parallel to the image plane"];
+const RESETS = [
+  ["ellipse_px", "Reset ellipse"],
+  ["added_points_px", "Reset added points"],
+  ["erased", "Reset erased points"],
+  ["region_of_interest_px", "Reset region of interest"],
 ];
 
 export class PhotographInspector extends Inspector {
   tools = {
-    points: { words: h("p.soft", null, "Click on the pad's outline. A point added can be dragged; Delete takes it away.") },
-    erase: { brush: "Rubber: radius", hint: "[ and ] change it." },
-    box: { words: h("p.soft", null, "Draw a box round the fingertip.") },
-    length: { words: [h("h3", null, "Length"), h("p.soft", { "data-live": "length" }, "Draw a line on the picture.")] },
+    points: {
+      words: h(
+        "p.soft",
+        null,
+        "Click on the outline of the pad. Added points can be dragged; Delete removes them.",
+      ),
+    },
+    erase: { brush: "Eraser radius", hint: "[ and ] change it." },
+    box: { words: h("p.soft", null, "Draw a box around the fingertip.") },
+    length: {
+      words: [h("h3", null, "Length"), h("p.soft", { "data-live": "length" }, "Draw a line on the picture.")],
+    },
   };
 
   constructor(view) {
@@ -38,85 +46,180 @@ export class PhotographInspector extends Inspector {
 
   wait() {
     const { finger, face, scale, file, synthetic: made } = this.view.entry;
-    place(this.parts.head, h("div.headline", null, h("h2", null, `${finger}, ${face} face`), synthetic(made)), h("p.soft", null, `${file} · scale ${scaleWords(scale)}`));
-    place(this.parts.face, h("p.loading", null, "Finding the outline …"));
-    place(this.parts.pad);
+    render(
+      this.parts.head,
+      h("div.headline", null, h("h2", null, `${finger}, ${face} face`), synthetic(made)),
+      h("p.soft", null, `${file} · scale ${scaleWords(scale)}`),
+    );
+    render(this.parts.face, h("p.loading", null, "Finding the outline …"));
+    render(this.parts.pad);
     this.tool();
   }
 
+  /**
+   * @param {PhotographMeasurement | null} answer
+   * @param {string} [problem]
+   */
   show(answer, problem) {
     if (!answer) {
-      place(this.parts.face, h("p.note.bad", { role: "alert" }, problem), h("p.soft", null, "Draw a region of interest round the fingertip, or add points on its outline."));
-      place(this.parts.pad);
+      render(
+        this.parts.face,
+        h("p.note.bad", { role: "alert" }, problem),
+        h("p.soft", null, "Draw a region of interest round the fingertip, or add points on its outline."),
+      );
+      render(this.parts.pad);
       this.settings();
       return;
     }
     const { program } = answer;
-    place(
+    render(
       this.parts.face,
-      h("div.headline", null, h("h3", null, "This face"), chip(BY[answer.by] ?? answer.by, program ? "accent" : "")),
+      h(
+        "div.headline",
+        null,
+        h("h3", null, "This face"),
+        chip(BY[answer.by] ?? answer.by, program ? "accent" : ""),
+      ),
       h(
         "dl.readings",
         { "data-live": "face" },
         answer.axes.map((axis) =>
-          reading(`${NAMES[axis]} semi-axis`, `${withStd(answer.semi_axes_mm[axis], answer.semi_axes_mm_std?.[axis])} mm`, {
-            mark: "face",
-            was: program ? `${withStd(program.semi_axes_mm[axis], program.semi_axes_mm_std?.[axis])} mm` : undefined,
-          }),
+          quantityRow(
+            `${NAMES[axis]} semi-axis`,
+            `${withStd(answer.semi_axes_mm[axis], answer.semi_axes_mm_std?.[axis])} mm`,
+            {
+              mark: "face",
+              was: program
+                ? `${withStd(program.semi_axes_mm[axis], program.semi_axes_mm_std?.[axis])} mm`
+                : undefined,
+            },
+          ),
         ),
-        reading("Arc that is pad", answer.arc_deg === null ? "–" : `${plain(answer.arc_deg)}°`),
-        reading("Lean", answer.lean_deg === null ? "–" : `${plain(answer.lean_deg)}°`),
+        quantityRow("Arc of the pad", answer.arc_deg === null ? "–" : `${plain(answer.arc_deg)}°`),
+        quantityRow("Tilt", answer.lean_deg === null ? "–" : `${plain(answer.lean_deg)}°`),
       ),
-      answer.flags.length > 0 && h("div.note", null, h("ul", null, answer.flags.map((flag) => h("li", null, wordsFor(flag))))),
+      answer.flags.length > 0 &&
+        h(
+          "div.note",
+          null,
+          h(
+            "ul",
+            null,
+            answer.flags.map((flag) => h("li", null, describeCode(flag))),
+          ),
+        ),
     );
     this.#pad(answer);
     this.settings();
   }
 
+  /** @param {PhotographMeasurement} answer */
   #pad({ finger, finger_error: problem }) {
     if (finger === undefined || (finger === null && !problem)) {
-      if (!this.parts.pad.querySelector("[data-live]")) place(this.parts.pad, h("h3", null, "All faces together"), h("p.soft", null, "Measuring the other faces …"));
+      if (!this.parts.pad.querySelector("[data-live]"))
+        render(
+          this.parts.pad,
+          h("h3", null, "All faces combined"),
+          h("p.soft", null, "Measuring the other faces …"),
+        );
       return;
     }
     if (!finger) {
-      place(this.parts.pad, h("h3", null, "All faces together"), h("p.soft", null, problem ?? "Two faces are the least for a pad."));
+      render(
+        this.parts.pad,
+        h("h3", null, "All faces combined"),
+        h("p.soft", null, problem ?? "At least two faces are needed."),
+      );
       return;
     }
     const agree = finger.degrees_of_freedom > 0 ? !finger.disagree : null;
-    place(
+    render(
       this.parts.pad,
-      h("div.headline", null, h("h3", null, "All faces together"), agree === null ? null : agree ? chip("the faces agree", "good") : chip("the faces disagree", "warn")),
+      h(
+        "div.headline",
+        null,
+        h("h3", null, "All faces combined"),
+        agree === null ? null : agree ? chip("faces agree", "good") : chip("faces disagree", "warn"),
+      ),
       h(
         "dl.readings",
         { "data-live": "finger" },
-        Object.entries(NAMES).map(([axis, words]) => reading(`${words} semi-axis`, h("strong.figure", null, `${withStd(finger.semi_axes_mm[axis], finger.semi_axes_mm_std?.[axis])} mm`))),
-        finger.degrees_of_freedom > 0 && reading("Agreement", `χ² = ${finger.chi_square.toPrecision(3)} for ${finger.degrees_of_freedom}, ${probability(finger.p_value)}`),
+        Object.entries(NAMES).map(([axis, words]) =>
+          quantityRow(
+            `${words} semi-axis`,
+            h(
+              "strong.figure",
+              null,
+              `${withStd(finger.semi_axes_mm[axis], finger.semi_axes_mm_std?.[axis])} mm`,
+            ),
+          ),
+        ),
+        finger.degrees_of_freedom > 0 &&
+          quantityRow(
+            "Agreement",
+            `χ² = ${finger.chi_square.toPrecision(3)}, df = ${finger.degrees_of_freedom}, ` +
+              probability(finger.p_value),
+          ),
       ),
-      finger.disagreements?.length > 0 && h("details", { open: true }, h("summary", null, "Each face against all"), differences(finger.disagreements)),
+      finger.disagreements?.length > 0 &&
+        h(
+          "details",
+          { open: true },
+          h("summary", null, "Deviation of each face"),
+          differences(finger.disagreements),
+        ),
     );
   }
 
   settings() {
     const { change } = this.view.corrections;
-    const side = (key, label) => field(label, choose({ value: change[key] ?? "", options: SIDES, onset: (value) => this.view.set(key, value || null) }));
-    place(
+    const side = (key, label) =>
+      field(
+        label,
+        choose({
+          value: change[key] ?? "",
+          options: SIDES,
+          onset: (value) => this.view.set(key, value || null),
+        }),
+      );
+    render(
       this.parts.settings,
-      h("h3", null, "How it is read"),
-      h("div.fields", null, side("tip", "Fingertip points"), ["distal", "radial", "ulnar"].includes(this.view.entry.face) && side("palmar_side", "Palmar side lies")),
-      this.forgetting(FORGET),
+      h("h3", null, "Settings"),
+      h(
+        "div.fields",
+        null,
+        side("tip", "Fingertip points"),
+        ["distal", "radial", "ulnar"].includes(this.view.entry.face) && side("palmar_side", "Palmar side"),
+      ),
+      this.resetButtons(RESETS),
     );
   }
 
+  /** @param {Answers["LengthMeasurement"]} answer */
   length(answer) {
     const line = this.parts.tool.querySelector("[data-live=length]");
-    if (line) place(line, h("span.figure-big.number", null, quantityText(answer, "length_mm")), h("br"), "each end sure to 1 px");
+    if (line)
+      render(
+        line,
+        h("span.figure-big.number", null, quantityText(answer, "length_mm")),
+        h("br"),
+        "uncertainty of each end: 1 px",
+      );
   }
 }
 
-/** Bars left and right of zero: each face's semi-axis against that of all faces. */
+/**
+ * Bars of the deviation of each face from all faces combined.
+ *
+ * @param {Answers["FaceDifference"][]} faces
+ */
 function differences(faces) {
   const axes = Object.keys(NAMES);
-  const rows = faces.flatMap((face) => axes.filter((axis) => Number.isFinite(face[axis])).map((axis) => [`${face.face}: ${NAMES[axis].toLowerCase()}`, face[axis]]));
+  const rows = faces.flatMap((face) =>
+    axes
+      .filter((axis) => Number.isFinite(face[axis]))
+      .map((axis) => [`${face.face}: ${NAMES[axis].toLowerCase()}`, face[axis]]),
+  );
   const most = Math.max(...rows.map(([, value]) => Math.abs(value)), 1e-9);
   return h(
     "div.differences",
@@ -127,7 +230,12 @@ function differences(faces) {
         "div.difference",
         null,
         h("span", null, label),
-        s("svg", { viewBox: "-50 0 100 10", width: 100, height: 10, "aria-hidden": "true" }, s("path", { d: "M0 0V10", class: "zero" }), s("rect", { x: value < 0 ? -width : 0, y: 2, width, height: 6 })),
+        s(
+          "svg",
+          { viewBox: "-50 0 100 10", width: 100, height: 10, "aria-hidden": "true" },
+          s("path", { d: "M0 0V10", class: "zero" }),
+          s("rect", { x: value < 0 ? -width : 0, y: 2, width, height: 6 }),
+        ),
         h("span.number", null, `${value < 0 ? "−" : "+"}${(100 * Math.abs(value)).toFixed(1)} %`),
       );
     }),

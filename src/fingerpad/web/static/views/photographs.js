@@ -1,27 +1,34 @@
-// Photographs of the finger's faces: the outline found, the ellipse fitted, and all faces together as one pad.
+// Review of the photographs of a finger's faces.
 
-import { Newest, post } from "../core/api.js";
-import { bench } from "../core/workspace.js";
-import { h, place, s } from "../core/dom.js";
+import { LatestRequest, post } from "../core/api.js";
+import { h, render, s } from "../core/dom.js";
 import { quantityText } from "../core/quantity.js";
+import { workspace } from "../core/workspace.js";
 import { empty } from "../parts/forms.js";
 import { handle } from "../parts/handle.js";
 import { icons } from "../parts/icons.js";
 import { Click, Line } from "../parts/tools.js";
 import { PhotographInspector } from "./photograph_inspector.js";
-import { decisions, Review } from "./review.js";
+import { Review, reviewMarks } from "./review.js";
 
+/** @type {Parameters<typeof import("../parts/forms.js").segments>[1]} */
 const TOOLS = [
-  ["ellipse", "Look, drag the axes and turn", { icon: icons.ellipse, shortcut: "v" }],
+  ["ellipse", "Drag axes and rotation", { icon: icons.ellipse, shortcut: "v" }],
   ["points", "Add points on the outline", { icon: icons.points, shortcut: "b" }],
-  ["erase", "Rub out points of the outline", { icon: icons.eraser, shortcut: "e" }],
+  ["erase", "Erase points of the outline", { icon: icons.eraser, shortcut: "e" }],
   ["box", "Region of interest", { icon: icons.box, shortcut: "o" }],
   ["length", "Measure a length", { icon: icons.ruler, shortcut: "l" }],
 ];
 
 class Photographs extends Review {
-  nothing = "There is no outline to accept. Draw a region of interest, add points, or drag the axes.";
-  last = ["That was the last photograph.", { kind: "good", action: { words: "To the contacts", do: () => (location.hash = "#/contacts") } }];
+  /** @type {Photograph[]} */
+  entries = [];
+
+  nothingToAccept = "No outline was found. Draw a region of interest, add points, or drag the axes.";
+  last = [
+    "This was the last photograph.",
+    { kind: "good", action: { words: "Go to contacts", do: () => (location.hash = "#/contacts") } },
+  ];
   added = [];
 
   constructor(root, rest) {
@@ -32,52 +39,69 @@ class Photographs extends Review {
     else this.#build(rest[0]);
   }
 
+  /** @returns {Photograph[]} */
   #photographs() {
-    return bench.study.fingers.flatMap((finger) => (finger.photographs ?? []).filter(({ outline }) => !outline).map((photograph) => ({ ...photograph, finger: finger.name, synthetic: finger.synthetic || photograph.synthetic })));
+    return workspace.study.fingers.flatMap((finger) =>
+      (finger.photographs ?? [])
+        .filter(({ outline }) => !outline)
+        .map((photograph) => ({
+          ...photograph,
+          finger: finger.name,
+          synthetic: finger.synthetic || photograph.synthetic,
+        })),
+    );
   }
 
   #nothing() {
-    place(
+    render(
       this.root,
       h("header.head", null, h("h1", null, "Photographs")),
       empty(
         "No photographs yet",
-        "Photograph two or three faces of the finger (palmar, distal, radial or ulnar) before a plain backdrop, with a ruler or a coin beside it, and drop the pictures on the Study page. A finger may also have its semi-axes typed in.",
-        h("a.button.primary", { href: "#/study" }, "To the study"),
+        "Photograph two or three faces of the finger (palmar, distal, radial or ulnar) on a plain " +
+          "background next to a ruler or coin, and drop the images on the Study page. Semi-axes can " +
+          "also be entered.",
+        h("a.button.primary", { href: "#/study" }, "Go to study"),
       ),
     );
   }
 
   #build(wanted) {
-    this.lay({
+    this.layOut({
       title: "Photographs",
-      words: "Drag the ellipse onto the arc that is pad; the three faces together give the semi-axes.",
+      words: "Fit the ellipse to the arc of the pad; all faces together give the semi-axes.",
       label: "Photograph of a finger. Arrow keys move the cross-hair of a tool, space presses it.",
       axes: ["semi-axis across", "semi-axis along"],
       tools: TOOLS,
       radius: 12,
-      ask: (asked) => post("/api/measure/photograph", { item: this.entry.item, with_finger: true, ...asked }),
+      measureDragged: (asked) =>
+        post("/api/measure/photograph", { item: this.entry.item, with_finger: true, ...asked }),
       describe,
       inspector: new PhotographInspector(this),
     });
     this.stage.root.classList.add("face");
-    this.line = new Line(this.stage, (ends) => this.lengths.ask(ends));
-    this.lengths = new Newest(
+    this.line = new Line(this.stage, (ends) => this.lengths.request(ends));
+    this.lengths = new LatestRequest(
       (ends) => post("/api/measure/length", { scale: this.entry.scale, line_px: ends, ends_px_std: 1 }),
       (answer) => this.#length(answer),
-      (error) => this.stage.say(error.message, "bad"),
+      (error) => this.stage.setMessage(error.message, "bad"),
       this.inspector.parts.tool,
     );
     this.bind([
       ["b", "Add points on the outline", () => this.use("points")],
-      ["e", "Rub out points", () => this.use("erase")],
+      ["e", "Erase points", () => this.use("erase")],
       ["l", "Measure a length", () => this.use("length")],
     ]);
     this.strip.set(this.entries);
-    this.choose(Math.max(0, this.entries.findIndex(({ item }) => item === wanted)));
+    this.choose(
+      Math.max(
+        0,
+        this.entries.findIndex(({ item }) => item === wanted),
+      ),
+    );
   }
 
-  underlay() {
+  addOverlay() {
     this.used = s("path.arc-points");
     this.out = s("path.out-points");
     this.stage.world.append(this.used, this.out);
@@ -91,19 +115,19 @@ class Photographs extends Review {
     return `Photograph, ${this.entry.face} face of ${this.entry.finger}`;
   }
 
-  blank() {
-    this.lengths.drop();
+  clearOverlay() {
+    this.lengths.cancel();
     this.line.set(null);
     this.used.setAttribute("d", "");
     this.out.setAttribute("d", "");
   }
 
-  arrived() {
+  showInfo() {
     this.mark.hidden = !this.entry.synthetic;
   }
 
   async measure(item, newest) {
-    // This face first: the other faces of the finger may still have to be measured.
+    // Show this face first: the other faces may take longer.
     const face = await post("/api/measure/photograph", { item });
     if (!newest()) return;
     this.show(face);
@@ -111,12 +135,16 @@ class Photographs extends Review {
     if (newest()) this.show(whole, { live: true });
   }
 
+  /**
+   * @param {PhotographMeasurement} answer
+   * @param {{ live?: boolean }} [options]
+   */
   show(answer, { live = false } = {}) {
     this.measured = answer;
     this.stage.setScale(answer.mm_per_px);
     if (!live) {
       const { centre_px: centre, across_end_px: across, along_end_px: along } = answer.handles;
-      this.stage.say("");
+      this.stage.setMessage("");
       this.editor.show(centre, across, along);
       this.used.setAttribute("d", dots(answer.points_px));
       this.out.setAttribute("d", dots(answer.outliers_px));
@@ -126,6 +154,7 @@ class Photographs extends Review {
     this.inspector.show(answer);
   }
 
+  /** @param {Answers["LengthMeasurement"]} answer */
   #length(answer) {
     this.line.write(quantityText(answer, "length_mm"));
     this.inspector.length(answer);
@@ -140,10 +169,18 @@ class Photographs extends Review {
     this.added = points.map((at, index) => {
       let now = at;
       const mark = handle(this.stage, {
-        label: `Point ${index + 1} added; Delete takes it away`,
+        label: `Point ${index + 1} added; Delete removes it`,
         move: (to) => mark.put((now = to)),
-        commit: () => this.keep((change) => ({ ...change, added_points_px: change.added_points_px.map((point, other) => (other === index ? now : point)) })),
-        remove: () => this.keep((change) => ({ ...change, added_points_px: change.added_points_px.filter((_, other) => other !== index) })),
+        commit: () =>
+          this.keep((change) => ({
+            ...change,
+            added_points_px: change.added_points_px.map((point, other) => (other === index ? now : point)),
+          })),
+        remove: () =>
+          this.keep((change) => ({
+            ...change,
+            added_points_px: change.added_points_px.filter((_, other) => other !== index),
+          })),
       });
       this.stage.world.append(mark.node);
       mark.put(at);
@@ -151,9 +188,21 @@ class Photographs extends Review {
     });
   }
 
-  instrument(tool) {
-    if (tool === "points") return new Click((at) => this.keep((change) => ({ ...this.freed(change), added_points_px: [...(change.added_points_px ?? []), at] })));
-    if (tool === "erase") return this.paint("remove", ({ points_px, radius_px }) => this.keep((change) => ({ ...this.freed(change), erased: [...(change.erased ?? []), { points_px, radius_px }] })));
+  makeTool(tool) {
+    if (tool === "points")
+      return new Click((at) =>
+        this.keep((change) => ({
+          ...this.withoutEllipse(change),
+          added_points_px: [...(change.added_points_px ?? []), at],
+        })),
+      );
+    if (tool === "erase")
+      return this.paint("remove", ({ points_px, radius_px }) =>
+        this.keep((change) => ({
+          ...this.withoutEllipse(change),
+          erased: [...(change.erased ?? []), { points_px, radius_px }],
+        })),
+      );
     return tool === "length" ? this.line : null;
   }
 
@@ -162,15 +211,20 @@ class Photographs extends Review {
     this.line.layer.style.display = this.tool === "length" ? "" : "none";
   }
 
+  /** @returns {NonNullable<BodyOf<"/api/measure/photograph", "post">["handles"]>} */
   #handles() {
-    return { centre_px: [...this.editor.shape.centre], across_end_px: this.editor.end(0), along_end_px: this.editor.end(1) };
+    return {
+      centre_px: this.editor.shape.centre,
+      across_end_px: this.editor.end(0),
+      along_end_px: this.editor.end(1),
+    };
   }
 
   dragged() {
     return { change: this.corrections.change, handles: this.#handles() };
   }
 
-  /** The library turns handles into the ellipse that is kept. */
+  /** Save the ellipse of the handles. */
   dropped() {
     const { item } = this.corrections;
     const handles = this.#handles();
@@ -180,7 +234,7 @@ class Photographs extends Review {
     });
   }
 
-  turn([wanted]) {
+  navigate([wanted]) {
     this.choose(this.entries.findIndex(({ item }) => item === wanted));
     return true;
   }
@@ -188,23 +242,33 @@ class Photographs extends Review {
   update() {
     if (!this.stage && this.#photographs().length) {
       this.entries = this.#photographs();
-      place(this.root);
+      render(this.root);
       this.#build();
     }
   }
 
   close() {
-    this.lengths?.drop();
+    this.lengths?.cancel();
     super.close();
   }
 }
 
-/** Many points as one path: a stroke of no length with round ends is a dot. */
+/**
+ * Many points as one path: a stroke without length, with round ends, is a dot.
+ *
+ * @param {Points} points
+ */
 const dots = (points) => (points ?? []).map(([row, column]) => `M${column} ${row}h.01`).join("");
 
+/** @param {Photograph} entry */
 function describe(entry) {
-  const marks = [...(entry.flags?.length ? [["flag", entry.flags.join(", ")]] : []), ...decisions(entry)];
-  return { label: entry.face, name: [`${entry.finger}, ${entry.face} face`, ...marks.map(([, words]) => words)].join(", "), state: entry.rejected ? "rejected" : "done", marks };
+  const marks = reviewMarks(entry);
+  return {
+    label: entry.face,
+    name: [`${entry.finger}, ${entry.face} face`, ...marks.map(([, words]) => words)].join(", "),
+    state: entry.rejected ? "rejected" : "done",
+    marks,
+  };
 }
 
 export const open = (root, rest) => new Photographs(root, rest);

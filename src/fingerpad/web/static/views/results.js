@@ -1,8 +1,8 @@
-// What follows: the corrected radius against load, and everything behind it.
+// Results: plots, table, figures, uncertainty budget and audit.
 
-import { bench } from "../core/workspace.js";
-import { h, place } from "../core/dom.js";
+import { h, render } from "../core/dom.js";
 import { bindHere } from "../core/keys.js";
+import { workspace } from "../core/workspace.js";
 import { empty, segments } from "../parts/forms.js";
 import { Audit } from "./results_audit.js";
 import { Budget } from "./results_budget.js";
@@ -10,6 +10,8 @@ import { Figures } from "./results_figures.js";
 import { Plots } from "./results_plots.js";
 import { Table } from "./results_table.js";
 
+/** @typedef {View & { load(): Promise<void>, search?(): void, theme?(): void }} Part */
+/** @type {[key: string, title: string, part: new (root: Element) => Part][]} */
 const PARTS = [
   ["plot", "Corrected radius", Plots],
   ["table", "Table", Table],
@@ -19,81 +21,140 @@ const PARTS = [
 ];
 
 class Results {
+  /** @type {Part | null} */
+  part = null;
+
   constructor(root, rest) {
     this.body = h("div.scroll.results", { tabindex: 0, role: "region", "aria-label": "Results" });
     this.banner = h("div");
-    this.tabs = segments("Parts of the results", PARTS.map(([key, words]) => [key, words]), "plot", (key) => (location.hash = `#/results/${key}`));
-    place(root, h("header.head", null, h("div", null, h("h1", null, "Results"), h("p", null, "Values ± one standard uncertainty.")), h("div.actions", null, this.tabs)), this.banner, this.body);
+    this.tabs = segments(
+      "Parts of the results",
+      PARTS.map(([key, words]) => [key, words]),
+      "plot",
+      (key) => (location.hash = `#/results/${key}`),
+    );
+    render(
+      root,
+      h(
+        "header.head",
+        null,
+        h("div", null, h("h1", null, "Results"), h("p", null, "Values ± standard uncertainty.")),
+        h("div.actions", null, this.tabs),
+      ),
+      this.banner,
+      this.body,
+    );
     bindHere([
       ["p", "Corrected radius against load", () => (location.hash = "#/results/plot")],
       ["t", "Table", () => (location.hash = "#/results/table")],
       ["f", "All figures of the report", () => (location.hash = "#/results/figures")],
       ["b", "Uncertainty budget", () => (location.hash = "#/results/budget")],
-      ["a", "Audit of the printed tables", () => (location.hash = "#/results/audit")],
+      ["a", "Audit of the published tables", () => (location.hash = "#/results/audit")],
       ["/", "Search the table", () => this.part?.search?.()],
     ]);
-    this.theme = () => this.part?.theme?.();
-    bench.addEventListener("theme", this.theme);
-    this.turn(rest);
+    this.removeListener = workspace.on("theme", () => this.part?.theme?.());
+    this.navigate(rest);
   }
 
-  turn([part]) {
+  navigate([part]) {
     this.#show(part);
     return true;
   }
 
   #show(part) {
-    this.finished = bench.study.results?.finished;
+    this.finished = workspace.study.results?.finished;
     const [key, , Part] = PARTS.find(([name]) => name === part) ?? PARTS[0];
     this.key = key;
     this.tabs.show(key);
     this.part?.close?.();
     this.part = null;
     this.#sayFresh();
-    const { results } = bench.study;
+    const { results } = workspace.study;
     if (results?.faults?.length && key !== "audit") {
-      place(
+      render(
         this.body,
         empty(
           "The results are damaged",
-          `${results.faults.slice(0, 5).join("; ")}. Run the study again: nothing that was measured is measured again.`,
+          `${results.faults.slice(0, 5).join("; ")}. Run the study again: finished measurements are reused.`,
           h("a.button.primary", { href: "#/run/start" }, "Run the study"),
         ),
       );
       return;
     }
     if (!results?.there && key !== "audit") {
-      place(
+      render(
         this.body,
         empty(
           "No results yet",
-          bench.study.ready ? "The study is complete and can run. What is measured is kept, so that a second run only does what changed." : "Something is still missing in the study; the Study page says what.",
-          h("a.button.primary", { href: bench.study.ready ? "#/run/start" : "#/study" }, bench.study.ready ? "Run the study" : "To the study"),
-          h("a.button", { href: "#/results/audit" }, "See the audit of the printed tables"),
+          workspace.study.ready
+            ? "The study is complete and can run. A later run measures only what has changed."
+            : "The study is incomplete; see the Study page.",
+          h(
+            "a.button.primary",
+            { href: workspace.study.ready ? "#/run/start" : "#/study" },
+            workspace.study.ready ? "Run the study" : "Go to study",
+          ),
+          h("a.button", { href: "#/results/audit" }, "See the audit of the published tables"),
         ),
       );
       return;
     }
-    // Each part has a home of its own: what it still draws once it is left is drawn nowhere.
+    // Each part has its own element, so that late answers of another part are not shown.
     const home = h("div", null, h("div.loading", { role: "status" }, "Reading the results …"));
-    place(this.body, home);
+    render(this.body, home);
     this.part = new Part(home);
-    this.part.load().catch((error) => place(home, h("div.empty", { role: "alert" }, h("h2", null, "This could not be shown"), h("p", null, error.message))));
+    this.part
+      .load()
+      .catch((error) =>
+        render(
+          home,
+          h(
+            "div.empty",
+            { role: "alert" },
+            h("h2", null, "This cannot be shown"),
+            h("p", null, error.message),
+          ),
+        ),
+      );
   }
 
   #sayFresh() {
-    const { results } = bench.study;
-    const exact = bench.study.taken_as_exact;
-    place(this.banner, results?.there && this.key !== "audit" && exact.length > 0 && h("div.banner.note", null, `Taken as exact, since no uncertainty is given: ${exact.join(", ")}. Every ± is too small by what that would add. `, "Give it under ", h("a", { href: "#/study" }, "Study"), " or ", h("a", { href: "#/scale" }, "Scale"), "."), results?.there && !results.fresh && h("div.banner.note", null, "The study has changed since these results were made. ", h("a", { href: "#/run" }, "Run again"), " to bring them up to date; only what changed is measured."));
+    const { results } = workspace.study;
+    const exact = workspace.study.taken_as_exact;
+    render(
+      this.banner,
+      results?.there &&
+        this.key !== "audit" &&
+        exact.length > 0 &&
+        h(
+          "div.banner.note",
+          null,
+          `No uncertainty is given for ${exact.join(", ")}: the uncertainties shown are too small. `,
+          "Enter it under ",
+          h("a", { href: "#/study" }, "Study"),
+          " or ",
+          h("a", { href: "#/scale" }, "Scale"),
+          ".",
+        ),
+      results?.there &&
+        !results.fresh &&
+        h(
+          "div.banner.note",
+          null,
+          "The study has changed since the last run. ",
+          h("a", { href: "#/run" }, "Run again"),
+          " to update the results; only what has changed is measured.",
+        ),
+    );
   }
 
   update() {
     this.#sayFresh();
-    if (bench.study.results?.finished !== this.finished) this.#show(this.key);
+    if (workspace.study.results?.finished !== this.finished) this.#show(this.key);
   }
 
   close() {
-    bench.removeEventListener("theme", this.theme);
+    this.removeListener();
     this.part?.close?.();
   }
 }

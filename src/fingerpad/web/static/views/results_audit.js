@@ -1,11 +1,12 @@
-// The printed numbers of the source beside what its own equations give.
+// The numbers printed by Dzidek et al. (2017) compared with what their equations give.
 
 import { get } from "../core/api.js";
-import { h, place } from "../core/dom.js";
+import { h, render } from "../core/dom.js";
 import { plain, unitOf, withUnit } from "../core/quantity.js";
 import { chip } from "../parts/forms.js";
 
-const KIND = { reproduced: "good", "reproduced with the known misprint": "accent" };
+const MISPRINT = "reproduced with the known misprint";
+const KIND = { reproduced: "good", [MISPRINT]: "accent" };
 
 export class Audit {
   constructor(root) {
@@ -15,16 +16,33 @@ export class Audit {
   async load() {
     const { items } = await get("/api/published");
     const count = (verdict) => items.filter((item) => item.verdict === verdict).length;
-    place(
+    render(
       this.root,
-      h("p.lead", null, `The supplement of Dzidek et al. 2017, from which the model comes: ${items.length} printed numbers beside what its equations give from its own printed inputs. ${count("reproduced")} are reproduced, ${count("reproduced with the known misprint")} with a known misprint, and the rest does not follow from the printed numbers.`),
+      h(
+        "p.lead",
+        null,
+        `Supplement of Dzidek et al. (2017): ${items.length} published numbers compared with the values ` +
+          `that its equations give. ${count("reproduced")} are reproduced, ${count(MISPRINT)} with a ` +
+          "known misprint, and the others are not reproducible from the published values.",
+      ),
       h(
         "div.table-wrap",
-        { tabindex: 0, role: "region", "aria-label": "Audit of the printed tables" },
+        { tabindex: 0, role: "region", "aria-label": "Audit of the published tables" },
         h(
           "table.audit",
           null,
-          h("thead", null, h("tr", null, ["Item", "Printed", "Computed", "Range of rounding", "With the slip", "Verdict", "How"].map((words, index) => h("th", { scope: "col", class: index > 0 && index < 5 ? "number" : undefined }, words)))),
+          h(
+            "thead",
+            null,
+            h(
+              "tr",
+              null,
+              ["Item", "Printed", "Computed", "Rounding range", "With misprint", "Verdict", "Formula"].map(
+                (words, index) =>
+                  h("th", { scope: "col", class: index > 0 && index < 5 ? "number" : undefined }, words),
+              ),
+            ),
+          ),
           h(
             "tbody",
             null,
@@ -36,8 +54,21 @@ export class Audit {
   }
 }
 
-function row({ item, printed, computed, low, high, with_slip: slip, verdict, formula, remark, unit = unitOf(item) }) {
-  const number = (words, known) => h("td.number", null, known === null || known === undefined ? "–" : withUnit(words, unit));
+/** @param {Answers["AuditedNumber"]} item */
+function row({
+  item,
+  printed,
+  computed,
+  low,
+  high,
+  with_slip: slip,
+  verdict,
+  formula,
+  remark,
+  unit = unitOf(item),
+}) {
+  const number = (words, known) =>
+    h("td.number", null, known === null || known === undefined ? "–" : withUnit(words, unit));
   return h(
     "tr",
     null,

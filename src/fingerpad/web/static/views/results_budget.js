@@ -1,7 +1,7 @@
-// Who contributes what to the uncertainty of the corrected radius.
+// Uncertainty budget of the corrected radius.
 
 import { get } from "../core/api.js";
-import { h, place, symbol } from "../core/dom.js";
+import { h, render, symbol } from "../core/dom.js";
 import { plain, withStd } from "../core/quantity.js";
 import { chip, synthetic } from "../parts/forms.js";
 
@@ -14,30 +14,67 @@ export class Budget {
 
   async load() {
     const { groups } = await get("/api/results/budget");
-    place(
+    render(
       this.root,
-      h("p.lead", null, "Shares of the variance of the corrected radius ", symbol("R", "g", "corr"), ": of the pooled value, and of the highest_load contact by first order and by Sobol's total index, which counts interactions."),
-      h("div.plot-grid", null, groups.map((group) => this.#group(group))),
+      h(
+        "p.lead",
+        null,
+        "Shares of the variance of the corrected radius ",
+        symbol("R", "g", "corr"),
+        ": of the pooled value, and of the highest-load contact by linear approximation and by Sobol's " +
+          "total index, which includes interactions.",
+      ),
+      h(
+        "div.plot-grid",
+        null,
+        groups.map((group) => this.#group(group)),
+      ),
     );
   }
 
+  /** @param {Answers["BudgetGroup"]} group */
   #group({ finger, wedge_angle_deg: wedge, roll_angle_deg: roll, synthetic: made, pooled, check }) {
-    const sources = Object.keys(pooled ?? check?.shares ?? {}).sort((a, b) => (pooled ?? check.shares)[b] - (pooled ?? check.shares)[a]);
+    const sources = Object.keys(pooled ?? check?.shares ?? {}).sort(
+      (a, b) => (pooled ?? check.shares)[b] - (pooled ?? check.shares)[a],
+    );
     const columns = [
       ["pooled", pooled, "measured"],
-      ["highest_load, first order", check?.shares, "compliance"],
-      ["highest_load, Sobol", check?.total, "predicted"],
+      ["highest load, linear", check?.shares, "compliance"],
+      ["highest load, Sobol", check?.total, "predicted"],
     ].filter(([, shares]) => shares);
     return h(
       "section.card",
       { "aria-label": `${finger}, wedge ${wedge}°` },
-      h("header", null, h("h2", null, `${finger}, θ = ${plain(wedge)}°${roll ? `, φ = ${plain(roll)}°` : ""}`), synthetic(made)),
-      check && h("p", null, h("span.number", null, `${check.observation}: ${withStd(check.value, check.std)} mm`), " ", check.valid ? chip("the first order holds", "good") : chip("the first order does not hold", "warn")),
+      h(
+        "header",
+        null,
+        h("h2", null, `${finger}, θ = ${plain(wedge)}°${roll ? `, φ = ${plain(roll)}°` : ""}`),
+        synthetic(made),
+      ),
+      check &&
+        h(
+          "p",
+          null,
+          h("span.number", null, `${check.observation}: ${withStd(check.value, check.std)} mm`),
+          " ",
+          check.valid
+            ? chip("linear approximation valid", "good")
+            : chip("linear approximation not valid", "warn"),
+        ),
       sources.length
         ? h(
             "table.budget",
             null,
-            h("thead", null, h("tr", null, h("th", { scope: "col" }, "Source"), columns.map(([words]) => h("th.number", { scope: "col" }, words)))),
+            h(
+              "thead",
+              null,
+              h(
+                "tr",
+                null,
+                h("th", { scope: "col" }, "Source"),
+                columns.map(([words]) => h("th.number", { scope: "col" }, words)),
+              ),
+            ),
             h(
               "tbody",
               null,
@@ -48,13 +85,25 @@ export class Budget {
                   h("th", { scope: "row" }, source),
                   columns.map(([, shares, mark]) => {
                     const share = shares[source];
-                    return h("td.number", null, share === undefined || share === null ? "–" : [h("span", null, percent(share)), h("i.share", { "data-of": mark, style: { width: `${Math.max(0, Math.min(1, share)) * 100}%` } })]);
+                    return h(
+                      "td.number",
+                      null,
+                      share === undefined || share === null
+                        ? "–"
+                        : [
+                            h("span", null, percent(share)),
+                            h("i.share", {
+                              "data-of": mark,
+                              style: { width: `${Math.max(0, Math.min(1, share)) * 100}%` },
+                            }),
+                          ],
+                    );
                   }),
                 ),
               ),
             ),
           )
-        : h("p.soft", null, "No contact here is sound enough to be pooled."),
+        : h("p.soft", null, "No contacts can be pooled."),
     );
   }
 }

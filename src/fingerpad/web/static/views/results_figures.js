@@ -1,7 +1,7 @@
-// Every figure of the report, as it stands there.
+// Figures of the report.
 
 import { get } from "../core/api.js";
-import { h, place } from "../core/dom.js";
+import { h, render } from "../core/dom.js";
 import { choose, field } from "../parts/forms.js";
 
 export class Figures {
@@ -19,25 +19,43 @@ export class Figures {
       ["aspect_ratio", "aspect ratio"],
       ["budget", "uncertainty budget"],
       ["curve", "loading curves"],
-      ["sequence", "films"],
+      ["sequence", "sequences"],
     ];
     this.grid = h("div.figure-grid");
     const draw = (kind) => {
-      const shown = figures.filter(({ name }) => !kind || (["curve", "sequence"].includes(kind) ? name.startsWith(kind) : name.endsWith(kind)));
-      place(
+      const shown = figures.filter(
+        ({ name }) =>
+          !kind || (["curve", "sequence"].includes(kind) ? name.startsWith(kind) : name.endsWith(kind)),
+      );
+      render(
         this.grid,
         shown.map(({ name, caption, svg, png }) =>
           h(
             "figure.card",
             null,
             h("img", { src: svg, alt: caption || name.replaceAll("_", " "), loading: "lazy" }),
-            h("figcaption", null, h("p", null, caption || name.replaceAll("_", " ")), h("p", null, h("a", { href: `${svg}?attachment=1`, "aria-label": `SVG of ${name}` }, "SVG"), " · ", h("a", { href: `${png}?attachment=1`, "aria-label": `PNG of ${name}` }, "PNG"))),
+            h(
+              "figcaption",
+              null,
+              h("p", null, caption || name.replaceAll("_", " ")),
+              h(
+                "p",
+                null,
+                h("a", { href: `${svg}?attachment=1`, "aria-label": `SVG of ${name}` }, "SVG"),
+                " · ",
+                h("a", { href: `${png}?attachment=1`, "aria-label": `PNG of ${name}` }, "PNG"),
+              ),
+            ),
           ),
         ),
-        !shown.length && h("p.soft", null, "There is no such figure in this study."),
+        !shown.length && h("p.soft", null, "There are no such figures in this study."),
       );
     };
-    place(this.root, h("div.plot-bar", null, field("Show", choose({ options: kinds, onset: draw }))), this.grid);
+    render(
+      this.root,
+      h("div.plot-bar", null, field("Show", choose({ options: kinds, onset: draw }))),
+      this.grid,
+    );
     draw("");
   }
 }

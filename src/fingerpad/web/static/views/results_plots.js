@@ -1,12 +1,13 @@
-// The corrected radius against load, one chart for each finger and placement, with R_0g and R_g as lines.
+// Charts of each finger and placement against load, with R_0g and R_g as lines.
 
 import { get } from "../core/api.js";
-import { h, place, symbol } from "../core/dom.js";
+import { h, render, symbol } from "../core/dom.js";
 import { plain, unitOf, withStd, withUnit } from "../core/quantity.js";
 import { chart, colour, forget } from "../parts/chart.js";
 import { choose, field, synthetic } from "../parts/forms.js";
 
-// What is drawn against load: key, words, axis, and whether both axes are logarithmic.
+// Quantities plotted against load: key, name, axis title, and whether the axes are logarithmic.
+/** @type {[key: string, name: string, axis: string, logarithmic?: boolean][]} */
 const QUANTITIES = [
   ["radius_from_indentation_mm", "corrected radius", "corrected radius of curvature (mm)"],
   ["gross_area_mm2", "contact area", "gross area (mm²)", true],
@@ -16,11 +17,14 @@ const QUANTITIES = [
 ];
 
 const BARS = [
-  ["all", "everything that is uncertain"],
-  ["given", "pad's geometry held exact, as in the source"],
+  ["all", "all uncertainties"],
+  ["given", "fixed pad geometry, as in Dzidek et al. (2017)"],
 ];
 
 export class Plots {
+  /** @type {Answers["PlottedGroup"][]} */
+  groups = [];
+
   constructor(root) {
     this.root = root;
     this.finger = "";
@@ -33,31 +37,62 @@ export class Plots {
     this.groups = (await get("/api/results/plot")).groups;
     const fingers = [...new Set(this.groups.map(({ finger }) => finger))];
     if (!this.groups.length) {
-      place(this.root, h("p.lead", null, "No contact is in these results: a plot needs one that is measured, with its finger, angle, load and scale. ", h("a", { href: "#/study" }, "The study says what is missing.")));
+      render(
+        this.root,
+        h(
+          "p.lead",
+          null,
+          "There are no contacts in these results: a plot needs finger, angle, load and scale. ",
+          h("a", { href: "#/study" }, "See the Study page."),
+        ),
+      );
       return;
     }
     this.grid = h("div.plot-grid");
-    place(
+    render(
       this.root,
       h(
         "div.plot-bar",
         null,
-        field("Against load", choose({ value: this.quantity, options: QUANTITIES, onset: (value) => ((this.quantity = value), this.#draw()) })),
-        field("Finger", choose({ value: "", options: [["", "all fingers"], ...fingers], onset: (value) => ((this.finger = value), this.#draw()) })),
-        field("Bars: one standard uncertainty", choose({ value: this.bars, options: BARS, onset: (value) => ((this.bars = value), this.#draw()) })),
+        field(
+          "Against load",
+          choose({
+            value: this.quantity,
+            options: QUANTITIES,
+            onset: (value) => ((this.quantity = value), this.#draw()),
+          }),
+        ),
+        field(
+          "Finger",
+          choose({
+            value: "",
+            options: [["", "all fingers"], ...fingers],
+            onset: (value) => ((this.finger = value), this.#draw()),
+          }),
+        ),
+        field(
+          "Error bars (standard uncertainty)",
+          choose({ value: this.bars, options: BARS, onset: (value) => ((this.bars = value), this.#draw()) }),
+        ),
         h(
           "div.legend",
-          { "aria-label": "What the marks mean" },
+          { "aria-label": "Legend" },
           h("span", null, h("i.dot-mark"), symbol("R", "g", "corr")),
-          h("span", null, h("i.square-mark"), symbol("R", "Aξ"), ", to compare with ", symbol("R", "g")),
+          h("span", null, h("i.square-mark"), symbol("R", "Aξ"), ", compare with ", symbol("R", "g")),
           h("span", null, h("i.line-mark.dotted"), symbol("R", "0g"), ", undeformed pad"),
-          this.groups.some((group) => group.loading_radius_mm != null) && h("span", null, h("i.line-mark.dashed"), symbol("R", "g"), ", from loading data"),
+          this.groups.some((group) => group.loading_radius_mm != null) &&
+            h("span", null, h("i.line-mark.dashed"), symbol("R", "g"), ", from loading data"),
           this.groups.some((group) => group.synthetic) && h("span", null, "hollow: synthetic"),
         ),
       ),
       this.grid,
     );
-    this.watcher = new IntersectionObserver((seen) => seen.forEach(({ isIntersecting, target }) => isIntersecting && this.#plot(target)), { rootMargin: "400px" });
+    this.watcher = new IntersectionObserver(
+      (entries) => {
+        for (const { isIntersecting, target } of entries) if (isIntersecting) this.#plot(target);
+      },
+      { rootMargin: "400px" },
+    );
     this.#draw();
   }
 
@@ -65,43 +100,85 @@ export class Plots {
     for (const node of this.drawn) forget(node);
     this.drawn.clear();
     const groups = this.groups.filter(({ finger }) => !this.finger || finger === this.finger);
-    place(
+    render(
       this.grid,
       groups.map((group) => this.#card(group)),
     );
     for (const node of this.grid.querySelectorAll(".chart")) this.watcher.observe(node);
   }
 
+  /** @param {Answers["PlottedGroup"]} group */
   #card(group) {
     const node = h("div.chart", { role: "img", "aria-label": this.#words(group) });
     node.group = group;
-    const fact = (label, value, std, mark) => value !== null && value !== undefined && h("div", null, h("dt", null, label), h("dd.number", null, withStd(value, std), " mm", mark));
+    const fact = (label, value, std, mark) =>
+      value !== null &&
+      value !== undefined &&
+      h("div", null, h("dt", null, label), h("dd.number", null, withStd(value, std), " mm", mark));
     return h(
       "section.card.plot-card",
       { "aria-label": `${group.finger}, wedge ${group.wedge_angle_deg}°` },
-      h("header", null, h("h2", null, group.finger, `, θ = ${plain(group.wedge_angle_deg)}°`, group.roll_angle_deg ? `, φ = ${plain(group.roll_angle_deg)}°` : ""), synthetic(group.synthetic)),
+      h(
+        "header",
+        null,
+        h(
+          "h2",
+          null,
+          group.finger,
+          `, θ = ${plain(group.wedge_angle_deg)}°`,
+          group.roll_angle_deg ? `, φ = ${plain(group.roll_angle_deg)}°` : "",
+        ),
+        synthetic(group.synthetic),
+      ),
       h(
         "dl.facts",
         null,
-        group.radius_from_indentation_mm !== null && h("div.main-fact", null, h("dt", null, symbol("R", "g", "corr"), ", pooled"), h("dd.number", null, withStd(group.radius_from_indentation_mm, group.radius_from_indentation_mm_std), " mm")),
+        group.radius_from_indentation_mm !== null &&
+          h(
+            "div.main-fact",
+            null,
+            h("dt", null, symbol("R", "g", "corr"), ", pooled"),
+            h(
+              "dd.number",
+              null,
+              withStd(group.radius_from_indentation_mm, group.radius_from_indentation_mm_std),
+              " mm",
+            ),
+          ),
         fact(symbol("R", "0g"), group.mean_curvature_radius_mm, group.mean_curvature_radius_mm_std),
         fact(symbol("R", "g"), group.loading_radius_mm, group.loading_radius_mm_std),
       ),
       node,
-      group.range_notes?.length > 0 && h("details.range", null, h("summary", null, `Where the model ends (${group.range_notes.length})`), h("ul.note", null, group.range_notes.map(({ words, rows }) => h("li", null, `In ${rows} of ${group.rows.item.length} contacts and frames ${words}.`)))),
+      group.range_notes.length > 0 &&
+        h(
+          "details.range",
+          null,
+          h("summary", null, `Outside model validity (${group.range_notes.length})`),
+          h(
+            "ul.note",
+            null,
+            group.range_notes.map(({ words, rows }) =>
+              h("li", null, `${rows} of ${group.rows.item.length} contacts and frames: ${words}.`),
+            ),
+          ),
+        ),
     );
   }
 
+  /** @param {Answers["PlottedGroup"]} group */
   #words(group) {
     const radii = group.rows.radius_from_indentation_mm.filter((value) => value !== null);
-    return `Corrected radius against load: ${radii.length} contacts from ${plain(Math.min(...radii))} to ${plain(Math.max(...radii))} mm`;
+    const range = `${plain(Math.min(...radii))} to ${plain(Math.max(...radii))} mm`;
+    return `Corrected radius against load: ${radii.length} contacts from ${range}`;
   }
 
   async #plot(node) {
     if (this.drawn.has(node)) return;
     this.drawn.add(node);
-    const { group } = node;
-    const { rows } = group;
+    /** @type {Answers["PlottedGroup"]} */
+    const group = node.group;
+    /** @type {Record<string, any[]>} */
+    const rows = group.rows;
     const [measured, compliance, panel, ink] = ["measured", "compliance", "panel", "undeformed"].map(colour);
     const radius = this.quantity === QUANTITIES[0][0];
     const [key, words, title, logarithmic] = QUANTITIES.find(([each]) => each === this.quantity);
@@ -114,7 +191,12 @@ export class Plots {
         y: rows.radius_from_compliance_mm,
         mode: "markers",
         type: "scatter",
-        marker: { symbol: "square", color: group.synthetic ? panel : compliance, size: crowded ? 3 : 6, line: { color: compliance, width: 1.2 } },
+        marker: {
+          symbol: "square",
+          color: group.synthetic ? panel : compliance,
+          size: crowded ? 3 : 6,
+          line: { color: compliance, width: 1.2 },
+        },
         hovertemplate: "%{text}<br>W = %{x:.3g} N<br>R_Aξ = %{y:.2f} mm<extra></extra>",
         text: rows.item,
       },
@@ -124,22 +206,47 @@ export class Plots {
         error_y: std && { type: "data", array: std, color: measured, thickness: 1.4, width: crowded ? 0 : 4 },
         mode: "markers",
         type: "scatter",
-        marker: { color: group.synthetic ? panel : measured, size: crowded ? 4 : 8.5, line: { color: measured, width: 1.6 }, opacity: rows.pooled ? rows.pooled.map((pooled) => (pooled ? 1 : 0.45)) : 1 },
-        hovertemplate: rows.item.map((_, index) => `${"%{text}"}<br>W = %{x:.3g} N<br>${words}: ${withUnit(withStd(rows[key][index], std?.[index]), unitOf(key))}<extra></extra>`),
+        marker: {
+          color: group.synthetic ? panel : measured,
+          size: crowded ? 4 : 8.5,
+          line: { color: measured, width: 1.6 },
+          opacity: rows.pooled.map((pooled) => (pooled ? 1 : 0.45)),
+        },
+        hovertemplate: rows.item.map(
+          (_, index) =>
+            `${"%{text}"}<br>W = %{x:.3g} N<br>${words}: ` +
+            `${withUnit(withStd(rows[key][index], std?.[index]), unitOf(key))}<extra></extra>`,
+        ),
         text: rows.item,
       },
     ].filter(Boolean);
-    const lines = !radius ? [] : [
-      ["<i>R</i><sub>0g</sub>", group.mean_curvature_radius_mm, "dot"],
-      ["<i>R</i><sub>g</sub>", group.loading_radius_mm, "dash"],
-    ].filter(([, value]) => value !== null && value !== undefined);
+    const lines = !radius
+      ? []
+      : [
+          ["<i>R</i><sub>0g</sub>", group.mean_curvature_radius_mm, "dot"],
+          ["<i>R</i><sub>g</sub>", group.loading_radius_mm, "dash"],
+        ].filter(([, value]) => value !== null && value !== undefined);
     try {
       await chart(node, traces, {
         x: "normal load W (N)",
         y: title,
         ranges: logarithmic ? { x: { type: "log" }, y: { type: "log" } } : {},
-        shapes: lines.map(([, value, dash]) => ({ type: "line", xref: "paper", x0: 0, x1: 1, y0: value, y1: value, line: { color: ink, width: 1.3, dash } })),
-        annotations: lines.map(([label, value]) => ({ xref: "paper", x: 1.01, xanchor: "left", y: value, text: `${label} ${plain(value)}` })),
+        shapes: lines.map(([, value, dash]) => ({
+          type: "line",
+          xref: "paper",
+          x0: 0,
+          x1: 1,
+          y0: value,
+          y1: value,
+          line: { color: ink, width: 1.3, dash },
+        })),
+        annotations: lines.map(([label, value]) => ({
+          xref: "paper",
+          x: 1.01,
+          xanchor: "left",
+          y: value,
+          text: `${label} ${plain(value)}`,
+        })),
         chosen: ({ pointIndex }) => {
           const item = name(pointIndex);
           const source = item.includes("#") ? `film:${item.split("#")[0]}` : "images";
@@ -147,7 +254,7 @@ export class Plots {
         },
       });
     } catch (error) {
-      place(node, h("p.note.bad", null, error.message));
+      render(node, h("p.note.bad", null, error.message));
     }
   }
 

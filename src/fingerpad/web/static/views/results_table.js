@@ -1,9 +1,9 @@
-// Every row of the results: filter, sort, status.
+// The results as a table that can be filtered and sorted.
 
 import { get } from "../core/api.js";
-import { bench, wordsFor } from "../core/workspace.js";
-import { h, place } from "../core/dom.js";
+import { h, render } from "../core/dom.js";
 import { plain, withStd } from "../core/quantity.js";
+import { describeCode, workspace } from "../core/workspace.js";
 import { button, check, chip, choose, field, synthetic } from "../parts/forms.js";
 
 const LIMIT = 100;
@@ -47,29 +47,69 @@ const KIND = { measured: "good", failed: "bad", rejected: "bad" };
 export class Table {
   constructor(root) {
     this.root = root;
-    this.asked = { offset: 0, limit: LIMIT, sort: "", finger: "", status: "", flag: "", text: "", wedge_angle_deg: "" };
+    this.asked = {
+      offset: 0,
+      limit: LIMIT,
+      sort: "",
+      finger: "",
+      status: "",
+      flag: "",
+      text: "",
+      wedge_angle_deg: "",
+    };
     this.all = false;
   }
 
   async load() {
-    const { study } = bench;
+    const { study } = workspace;
     const set = (key) => (value) => this.#ask({ [key]: value, offset: 0 });
-    const angles = [...new Set([...study.observations, ...study.sequences].map((each) => each.wedge_angle_deg))].filter((each) => each !== null).sort((a, b) => a - b);
-    const search = h("input", { type: "search", placeholder: "name, reason …", oninput: () => (clearTimeout(this.timer), (this.timer = setTimeout(() => set("text")(search.value), 250))) });
+    const angles = [
+      ...new Set([...study.observations, ...study.sequences].map((each) => each.wedge_angle_deg)),
+    ]
+      .filter((each) => each !== null)
+      .sort((a, b) => a - b);
+    const search = h("input", {
+      type: "search",
+      placeholder: "name, reason …",
+      oninput: () => (
+        clearTimeout(this.timer), (this.timer = setTimeout(() => set("text")(search.value), 250))
+      ),
+    });
     this.searchField = search;
     this.count = h("span.soft.number", { role: "status" });
     this.table = h("div.table-wrap.results-table", { tabindex: 0, role: "region", "aria-label": "Rows" });
     this.pager = h("div.actions");
-    place(
+    render(
       this.root,
       h(
         "div.filters",
         null,
         field("Search", search),
-        field("Finger", choose({ options: [["", "all"], ...study.fingers.map(({ name }) => name)], onset: set("finger") })),
-        field("Wedge", choose({ options: [["", "all"], ...angles.map((angle) => [String(angle), `${angle}°`])], onset: set("wedge_angle_deg") })),
-        field("Status", choose({ options: [["", "all"], "measured", "failed", "rejected"], onset: set("status") })),
-        field("Flag", choose({ options: [["", "any or none"], ...Object.keys(study.words?.flags ?? {}).map((code) => [code, code.replaceAll("_", " ")])], onset: set("flag") })),
+        field(
+          "Finger",
+          choose({ options: [["", "all"], ...study.fingers.map(({ name }) => name)], onset: set("finger") }),
+        ),
+        field(
+          "Wedge",
+          choose({
+            options: [["", "all"], ...angles.map((angle) => [String(angle), `${angle}°`])],
+            onset: set("wedge_angle_deg"),
+          }),
+        ),
+        field(
+          "Status",
+          choose({ options: [["", "all"], "measured", "failed", "rejected"], onset: set("status") }),
+        ),
+        field(
+          "Flag",
+          choose({
+            options: [
+              ["", "any"],
+              ...Object.keys(study.words?.flags ?? {}).map((code) => [code, code.replaceAll("_", " ")]),
+            ],
+            onset: set("flag"),
+          }),
+        ),
         check("All columns", { onset: (on) => ((this.all = on), this.#draw()) }),
         h("span.grow"),
         h("a.button", { href: "/api/download/results.csv?attachment=1" }, "CSV"),
@@ -88,7 +128,11 @@ export class Table {
     Object.assign(this.asked, change);
     const number = (this.number = (this.number ?? 0) + 1);
     this.table.classList.add("waiting");
-    const answer = await get("/api/results/rows", this.asked);
+    const { wedge_angle_deg: wedge, ...asked } = this.asked;
+    const answer = await get("/api/results/rows", {
+      ...asked,
+      wedge_angle_deg: wedge === "" ? null : Number(wedge),
+    });
     if (number !== this.number) return;
     this.answer = answer;
     this.table.classList.remove("waiting");
@@ -100,26 +144,46 @@ export class Table {
     const { offset } = this.asked;
     const stds = new Set(columns.map(({ std }) => std).filter(Boolean));
     const known = new Map(columns.map((column) => [column.key, column]));
-    const shown = this.all ? columns.filter(({ key }) => !stds.has(key) && key !== "observation") : SHOWN.map((key) => known.get(key)).filter(Boolean);
-    this.count.textContent = `${matching} of ${total} rows${matching > LIMIT ? `, ${offset + 1} to ${Math.min(matching, offset + LIMIT)} shown` : ""}`;
-    place(
+    const shown = this.all
+      ? columns.filter(({ key }) => !stds.has(key) && key !== "observation")
+      : SHOWN.map((key) => known.get(key)).filter(Boolean);
+    const range = `, ${offset + 1} to ${Math.min(matching, offset + LIMIT)} shown`;
+    this.count.textContent = `${matching} of ${total} rows${matching > LIMIT ? range : ""}`;
+    render(
       this.pager,
       matching > LIMIT && [
-        button("‹", () => this.#ask({ offset: Math.max(0, offset - LIMIT) }), { kind: "small", disabled: !offset, label: "Rows before" }),
-        button("›", () => this.#ask({ offset: offset + LIMIT }), { kind: "small", disabled: offset + LIMIT >= matching, label: "Next rows" }),
+        button("‹", () => this.#ask({ offset: Math.max(0, offset - LIMIT) }), {
+          kind: "small",
+          disabled: !offset,
+          label: "Previous rows",
+        }),
+        button("›", () => this.#ask({ offset: offset + LIMIT }), {
+          kind: "small",
+          disabled: offset + LIMIT >= matching,
+          label: "Next rows",
+        }),
       ],
     );
     if (!rows.length) {
-      place(this.table, h("p.soft.no-rows", null, "No row matches. Loosen a filter."));
+      render(this.table, h("p.soft.no-rows", null, "No rows match the filters."));
       return;
     }
     const numeric = (key) => rows.some((row) => typeof row[key] === "number");
-    place(
+    render(
       this.table,
       h(
         "table.tight",
         null,
-        h("thead", null, h("tr", null, this.#header({ key: "observation", words: "name of the observation" }, false), shown.map((column) => this.#header(column, numeric(column.key))))),
+        h(
+          "thead",
+          null,
+          h(
+            "tr",
+            null,
+            this.#header({ key: "observation", words: "name of the observation" }, false),
+            shown.map((column) => this.#header(column, numeric(column.key))),
+          ),
+        ),
         h(
           "tbody",
           null,
@@ -127,7 +191,18 @@ export class Table {
             h(
               "tr",
               null,
-              h("th", { scope: "row" }, this.#link(row), " ", synthetic(row.synthetic === true || row.synthetic === "yes"), " ", (row.flags ?? "").split(" ").filter(Boolean).map((flag) => chip(flag.replaceAll("_", " "), "warn", wordsFor(flag)))),
+              h(
+                "th",
+                { scope: "row" },
+                this.#link(row),
+                " ",
+                synthetic(row.synthetic),
+                " ",
+                String(row.flags ?? "")
+                  .split(" ")
+                  .filter(Boolean)
+                  .map((flag) => chip(flag.replaceAll("_", " "), "warn", describeCode(flag))),
+              ),
               shown.map((column) => this.#cell(row, column)),
             ),
           ),
@@ -136,25 +211,63 @@ export class Table {
     );
   }
 
+  /** @param {Answers["Rows"]["rows"][number]} row */
   #link(row) {
     if (!row.item || !row.file) return h("span", null, row.observation);
     const source = row.sequence ? `film:${row.sequence}` : "images";
-    return h("a", { href: `#/contacts/${encodeURIComponent(source)}/${encodeURIComponent(row.item)}` }, row.observation);
+    return h(
+      "a",
+      { href: `#/contacts/${encodeURIComponent(source)}/${encodeURIComponent(row.item)}` },
+      row.observation,
+    );
   }
 
+  /**
+   * @param {{ key: string, words: string, unit?: string | null }} column
+   * @param {boolean} number
+   */
   #header({ key, words, unit }, number) {
     const { sort } = this.asked;
     const way = sort === key ? "ascending" : sort === `-${key}` ? "descending" : undefined;
     const next = way === "ascending" ? `-${key}` : way === "descending" ? "" : key;
-    const label = key === "observation" ? "Contact" : (SHORT[key] ?? `${key.replace(/_(mm2?|kpa|deg|px|N|s)$/, "").replaceAll("_", " ")}${unit ? `, ${unit}` : ""}`);
-    return h("th", { scope: "col", class: number ? "number" : undefined, "aria-sort": way, title: words }, button([label, h("span", { "aria-hidden": "true" }, way === "ascending" ? " ↑" : way === "descending" ? " ↓" : "")], () => this.#ask({ sort: next, offset: 0 }), { label: `Sort by ${label}` }));
+    const label =
+      key === "observation"
+        ? "Contact"
+        : (SHORT[key] ??
+          `${key.replace(/_(mm2?|kpa|deg|px|N|s)$/, "").replaceAll("_", " ")}${unit ? `, ${unit}` : ""}`);
+    return h(
+      "th",
+      { scope: "col", class: number ? "number" : undefined, "aria-sort": way, title: words },
+      button(
+        [
+          label,
+          h("span", { "aria-hidden": "true" }, way === "ascending" ? " ↑" : way === "descending" ? " ↓" : ""),
+        ],
+        () => this.#ask({ sort: next, offset: 0 }),
+        { label: `Sort by ${label}` },
+      ),
+    );
   }
 
+  /**
+   * @param {Answers["Rows"]["rows"][number]} row
+   * @param {Answers["Column"]} column
+   */
   #cell(row, { key, std }) {
     const value = row[key];
-    if (key === "status") return h("td", null, chip(value, KIND[value] ?? "", row.reason || undefined), row.reason && h("div.soft.reason", null, row.reason));
+    if (key === "status")
+      return h(
+        "td",
+        null,
+        chip(value, KIND[value] ?? "", row.reason || undefined),
+        row.reason && h("div.soft.reason", null, row.reason),
+      );
     if (typeof value === "number") return h("td.number", null, std ? withStd(value, row[std]) : plain(value));
-    return h("td", null, value === null || value === undefined || value === "" ? h("span.soft", null, "–") : String(value));
+    return h(
+      "td",
+      null,
+      value === null || value === undefined || value === "" ? h("span.soft", null, "–") : String(value),
+    );
   }
 
   close() {

@@ -1,81 +1,148 @@
-// A picture under review: what the program found, what a person makes of it, and on to the next one.
+// Review of images: measure, correct, accept or reject, and go to the next one.
 
-import { get, Newest, picture } from "../core/api.js";
-import { Corrections, plainChange } from "../core/corrections.js";
-import { h, place } from "../core/dom.js";
+import { get, LatestRequest, picture } from "../core/api.js";
+import { Corrections, withoutDefaults } from "../core/corrections.js";
+import { h, render } from "../core/dom.js";
 import { bindHere } from "../core/keys.js";
-import { complain, say } from "../core/messages.js";
+import { showError, toast } from "../core/messages.js";
 import { EllipseEditor } from "../parts/ellipse_editor.js";
 import { Filmstrip } from "../parts/filmstrip.js";
 import { segments } from "../parts/forms.js";
+import { whoButton } from "../parts/person.js";
 import { Stage } from "../parts/stage.js";
 import { Box, Brush } from "../parts/tools.js";
-import { whoButton } from "../parts/person.js";
 
 const VERDICTS = ["accepted", "rejected"];
 
-/** What a person did about a picture, as marks of its thumbnail: [kind, words]. */
-export function decisions({ corrected, accepted, rejected }) {
-  return [corrected && ["corrected", "corrected by a person"], accepted && ["accepted", "accepted"], rejected && ["rejected", `rejected: ${rejected}`]].filter(Boolean);
+/**
+ * Marks of a thumbnail for what a person did: kind and text.
+ *
+ * @param {Partial<Pick<Answers["FrameEntry"], "corrected" | "accepted" | "rejected">>} entry
+ */
+export function reviewMarks({ corrected, accepted, rejected }) {
+  return [
+    corrected && ["corrected", "corrected"],
+    accepted && ["accepted", "accepted"],
+    rejected && ["rejected", `rejected: ${rejected}`],
+  ].filter(Boolean);
 }
 
 /**
- * What contact images and photographs have in common. A view of its own says how one is measured (`measure`), shown
- * (`show`, `blank`), drawn over (`draw`), what its tools do (`instrument`), and where it is found (`address`, `title`).
+ * Base class of the views of contact images and of photographs.
  *
- * Numbers on the page belong to the newest state: whatever a person does takes a new turn, and an answer to an older
- * one is dropped. Until the newest is shown the inspector is `aria-busy`.
+ * Every action of the user starts a new turn, and answers to earlier ones are ignored. The inspector is
+ * `aria-busy` until the latest answer is shown.
  */
 export class Review {
+  /** @type {Element} */
+  root;
+  /** @type {any[]} */
   entries = [];
+  /** @type {string} */
+  nothingToAccept;
+  /** @type {any[]} */
+  last;
+  /** @type {Corrections | null} */
+  corrections = null;
+  /** @type {Brush | null} */
+  brush = null;
   at = -1;
   tool = "ellipse";
   measured = null;
   #turn = 0;
 
-  /** Lay the bench out; `ask(state)` is sent while a handle is dragged, `bar` stands over the filmstrip. */
-  lay({ title, words, label, axes, tools, radius, ask, describe, inspector, bar }) {
+  // Methods that subclasses override.
+  addOverlay() {}
+  clearOverlay() {}
+  /** @param {Answers["PictureInfo"]} _info */
+  showInfo(_info) {}
+  /** @param {Partial<Change>} _change */
+  draw(_change) {}
+  /** @returns {any} */
+  makeTool(_tool) {}
+  /** @param {() => boolean} _latest whether no newer measurement was requested */
+  async measure(_item, _latest) {}
+  /** @param {{ live?: boolean }} [_options] */
+  show(_answer, _options) {}
+  /** @returns {object} */
+  dragged() {
+    return {};
+  }
+  dropped() {}
+  address(_item) {
+    return "";
+  }
+  title() {
+    return "";
+  }
+
+  /**
+   * Lay out the view; `measureDragged` is called while a handle is dragged.
+   *
+   * @param {{ title: string, words: string, label: string, axes: string[],
+   *   tools: Parameters<typeof segments>[1], radius: number, measureDragged: (state: any) => Promise<any>,
+   *   describe: (entry: any) => any, inspector: any, bar?: Element }} options
+   */
+  layOut({ title, words, label, axes, tools, radius, measureDragged, describe, inspector, bar }) {
     this.radius = radius;
     this.stage = new Stage(label);
     this.mark = h("span.synthetic.stage-synthetic", { hidden: true }, "synthetic");
     this.stage.root.append(this.mark);
-    this.underlay();
+    this.addOverlay();
     this.editor = new EllipseEditor(this.stage, axes, (_, final) => this.#dragged(final));
     this.box = new Box(this.stage, (box) => this.set("region_of_interest_px", box));
     this.toolbar = segments("Tools", tools, this.tool, (tool) => this.use(tool), { vertical: true });
-    this.strip = new Filmstrip({ label: "Pictures", chosen: (index) => this.choose(index), describe });
-    this.live = new Newest(ask, (answer) => this.show(answer, { live: true }), (error) => this.stage.say(error.message, "bad"));
+    this.strip = new Filmstrip({ label: "Images", chosen: (index) => this.choose(index), describe });
+    this.live = new LatestRequest(
+      measureDragged,
+      (answer) => this.show(answer, { live: true }),
+      (error) => this.stage.setMessage(error.message, "bad"),
+    );
     this.inspector = inspector;
-    place(
+    render(
       this.root,
-      h("header.head", null, h("div", null, h("h1", null, title), h("p", null, words)), h("div.actions", null, whoButton())),
       h(
-        "div.bench",
+        "header.head",
+        null,
+        h("div", null, h("h1", null, title), h("p", null, words)),
+        h("div.actions", null, whoButton()),
+      ),
+      h(
+        "div.panes",
         null,
         this.toolbar,
         this.stage.root,
-        h("aside.inspector", { "aria-label": "The picture that is open", tabindex: 0 }, inspector.root, inspector.footer),
-        h("section.film", { "aria-label": "All pictures" }, bar, this.strip.root),
+        h(
+          "aside.inspector",
+          { "aria-label": "Selected image", tabindex: 0 },
+          inspector.root,
+          inspector.footer,
+        ),
+        h("section.film", { "aria-label": "All images" }, bar, this.strip.root),
       ),
     );
   }
 
-  /** Keys that every review has, around those of its own. */
+  /** Bind the keys of all reviews and those of the subclass. */
   bind(own) {
     bindHere([
-      ["Enter", "Accept and go to the next", () => this.accept()],
-      ["ArrowRight .", "Next picture", () => this.step(1)],
-      ["ArrowLeft ,", "Picture before", () => this.step(-1)],
-      ["x", "Reject, or take back", () => this.reject()],
+      ["Enter", "Accept, next image", () => this.accept()],
+      ["ArrowRight .", "Next image", () => this.step(1)],
+      ["ArrowLeft ,", "Previous image", () => this.step(-1)],
+      ["x", "Reject, or undo the rejection", () => this.reject()],
       ["u Ctrl+z", "Undo", () => this.undo()],
       ["r Ctrl+y Ctrl+Z", "Redo", () => this.redo()],
-      ["v", "Look and drag the ellipse", () => this.use("ellipse")],
+      ["v", "Drag the ellipse", () => this.use("ellipse")],
       ["o", "Region of interest", () => this.use("box")],
       ...own,
-      ["[ ]", "Smaller or larger brush", ({ key }) => this.setRadius(key === "]" ? this.radius * 1.25 + 0.5 : this.radius * 0.8 - 0.5)],
-      ["+ - 0", "Zoom in, zoom out, fit the picture", null],
-      ["Tab", "To the handles; arrow keys move one, Shift ×10, Alt ×⅕", null],
-      ["Space", "Press or lift the tool at the cross-hair", null],
+      [
+        "[ ]",
+        "Smaller or larger brush",
+        ({ key }) => this.setRadius(key === "]" ? this.radius * 1.25 + 0.5 : this.radius * 0.8 - 0.5),
+      ],
+      ["+ - 0", "Zoom in, zoom out, fit the image", null],
+      ["Tab", "Select a handle; arrow keys move it, Shift ×10, Alt ×⅕", null],
+      ["Space", "Use the tool at the cross-hair", null],
     ]);
   }
 
@@ -85,7 +152,7 @@ export class Review {
 
   async choose(index) {
     if (index === this.at || !this.entries[index]) return;
-    // A handle that keys have moved keeps what it has when it loses the focus.
+    // A handle moved by keys commits when it loses the focus.
     if (document.activeElement?.closest(".handle")) this.stage.root.focus({ preventScroll: true });
     this.at = index;
     this.held = false;
@@ -93,19 +160,22 @@ export class Review {
     this.strip.choose(index);
     history.replaceState(null, "", this.address(item));
     this.corrections?.close();
-    this.corrections = new Corrections(item, { changed: () => this.#corrected(), overtaken: () => this.#overtaken() });
+    this.corrections = new Corrections(item, {
+      changed: () => this.#corrected(),
+      conflict: () => this.#conflict(),
+    });
     this.#turned();
     this.measured = null;
     this.editor.hide();
     this.box.set(null);
-    this.blank();
+    this.clearOverlay();
     this.inspector.wait();
     this.inspector.why.value = "";
     const mine = this.corrections;
     try {
       const [info] = await Promise.all([get("/api/picture/info", { item }), mine.load()]);
       if (this.corrections !== mine) return;
-      this.arrived(info);
+      this.showInfo(info);
       this.stage.show(info.preview ?? picture("preview", item), info.rows_px, info.columns_px, this.title());
       await this.remeasure();
     } catch (error) {
@@ -117,9 +187,9 @@ export class Review {
     this.choose(this.at + by);
   }
 
-  /** From now on answers to what was asked before are dropped. */
+  /** Start a turn: answers to earlier requests are ignored. */
   #turned() {
-    this.live.drop();
+    this.live.cancel();
     this.#busy(true);
     return (this.#turn += 1);
   }
@@ -128,7 +198,7 @@ export class Review {
     this.inspector.root.setAttribute("aria-busy", String(yes));
   }
 
-  /** Measure under the correction that rules. */
+  /** Measure under the active correction. */
   async remeasure(turn = this.#turned()) {
     const newest = () => this.#turn === turn;
     try {
@@ -142,8 +212,8 @@ export class Review {
   #failed(error) {
     this.measured = null;
     this.editor.hide();
-    this.blank();
-    this.stage.say(error.message, "bad");
+    this.clearOverlay();
+    this.stage.setMessage(error.message, "bad");
     this.inspector.show(null, error.message);
     this.#busy(false);
   }
@@ -154,7 +224,7 @@ export class Review {
     if (entry) {
       entry.accepted = Boolean(change.accepted);
       entry.rejected = change.rejected ?? null;
-      entry.corrected = Object.keys(plainChange(change)).some((key) => !VERDICTS.includes(key));
+      entry.corrected = Object.keys(withoutDefaults(change)).some((key) => !VERDICTS.includes(key));
       this.strip.refresh();
     }
     this.stage.root.classList.toggle("rejected", Boolean(change.rejected));
@@ -168,13 +238,13 @@ export class Review {
     this.tool = tool;
     this.toolbar.show(tool);
     this.brush = null;
-    this.stage.use(tool === "box" ? this.box : this.instrument(tool));
+    this.stage.use(tool === "box" ? this.box : this.makeTool(tool));
     this.showTool();
     this.inspector.tool();
     this.stage.root.focus({ preventScroll: true });
   }
 
-  /** A brush as the stage's tool; `done(stroke)` hears what it painted. */
+  /** Make a brush; `done` is called with each stroke. */
   paint(action, done) {
     this.brush = new Brush(this.stage, { action, radius: this.radius, done });
     return this.brush;
@@ -195,8 +265,8 @@ export class Review {
     this.inspector.radius?.show(this.radius);
   }
 
-  /** Another window corrected this picture: what a hand holds stays in it, and is kept on top of that. */
-  #overtaken() {
+  /** Show a correction of another window unless a handle is being dragged. */
+  #conflict() {
     if (!this.held) this.remeasure();
   }
 
@@ -205,21 +275,25 @@ export class Review {
     if (final) return this.dropped();
     this.#turn += 1;
     this.#busy(true);
-    this.live.ask(this.dragged());
+    this.live.request(this.dragged());
   }
 
   set(key, value) {
     return this.keep((change) => ({ ...change, [key]: value }));
   }
 
-  /** Keep a change of what is measured: it takes back an earlier accept or reject. */
+  /** Save a correction; it resets an earlier accept or reject. */
   keep(edit) {
-    return this.#change((mine) => mine.keep(async (change) => plainChange({ ...(await edit(change)), accepted: false, rejected: null })));
+    return this.#change((mine) =>
+      mine.keep(async (change) =>
+        withoutDefaults({ ...(await edit(change)), accepted: false, rejected: null }),
+      ),
+    );
   }
 
-  /** A correction whose ellipse follows the picture again: said where a hand had set it. */
-  freed(change) {
-    if (change.ellipse_px) say("The ellipse that was set by hand gives way to this; Undo brings it back.");
+  /** Remove the manual ellipse from a correction, with a message if there is one. */
+  withoutEllipse(change) {
+    if (change.ellipse_px) toast("This replaces the manual ellipse; Undo restores it.");
     return { ...change, ellipse_px: null };
   }
 
@@ -237,17 +311,20 @@ export class Review {
 
   async #change(send) {
     const turn = this.#turned();
-    await send(this.corrections).catch(complain);
+    await send(this.corrections).catch(showError);
     if (turn === this.#turn) await this.remeasure(turn);
   }
 
   async accept() {
     const mine = this.corrections;
-    if (!this.measured) return say(this.nothing, { kind: "error" });
-    if (!mine.change.accepted) await mine.keep((change) => plainChange({ ...change, accepted: true, rejected: null })).catch(complain);
+    if (!this.measured) return toast(this.nothingToAccept, { kind: "error" });
+    if (!mine.change.accepted)
+      await mine
+        .keep((change) => withoutDefaults({ ...change, accepted: true, rejected: null }))
+        .catch(showError);
     if (this.corrections !== mine) return;
     if (this.entries[this.at + 1]) this.step(1);
-    else say(...this.last);
+    else toast(this.last[0], this.last[1]);
   }
 
   async reject() {
@@ -255,19 +332,20 @@ export class Review {
     if (mine.rejecting) return;
     mine.rejecting = true;
     const rejected = mine.change.rejected ? null : this.inspector.reason();
-    await mine.keep((change) => plainChange({ ...change, accepted: false, rejected })).catch(complain);
+    await mine.keep((change) => withoutDefaults({ ...change, accepted: false, rejected })).catch(showError);
     mine.rejecting = false;
     if (rejected && this.corrections === mine) this.step(1);
   }
 
-  /** What a hand still holds is kept; what is answered after that finds nobody. */
+  /** Commit a handle that is being moved, and ignore later answers. */
   close() {
-    if (document.activeElement?.closest(".handle")) document.activeElement.blur();
+    if (document.activeElement?.closest(".handle"))
+      /** @type {HTMLElement} */ (document.activeElement).blur();
     this.closed = true;
     this.#turn += 1;
     this.corrections?.close();
     this.corrections = null;
-    this.live?.drop();
+    this.live?.cancel();
     this.stage?.close();
     this.strip?.close();
   }

@@ -1,22 +1,38 @@
-// Run everything that is missing or changed, watch it, stop it, and take the results away.
+// Run the study, show its progress, and export the results.
 
 import { get, post } from "../core/api.js";
-import { bench } from "../core/workspace.js";
-import { h, place } from "../core/dom.js";
+import { h, render } from "../core/dom.js";
 import { bindHere } from "../core/keys.js";
 import { bytes } from "../core/quantity.js";
-import { alone, button, check, chip, choose, faultList, field } from "../parts/forms.js";
+import { workspace } from "../core/workspace.js";
+import { button, check, chip, choose, faultList, field, withoutOverlap } from "../parts/forms.js";
 
-const STATES = { idle: "Nothing is running", running: "Running", cancelling: "Stopping: the pictures in hand are finished first", done: "Finished", cancelled: "Stopped. What was measured is kept", failed: "The run failed" };
+const STATES = {
+  idle: "Nothing is running",
+  running: "Running",
+  cancelling: "Stopping after the current images",
+  done: "Finished",
+  cancelled: "Stopped. Finished measurements are kept",
+  failed: "The run failed",
+};
 const PHASES = { measuring: "measuring", tables: "writing tables", report: "writing the report" };
 
 const FILES = [
-  ["report.html", "Report", "One page that needs nothing else: figures, overlays, tables, provenance. Open it, or send it to a colleague. Many fingers have a page each, in the ZIP of the study folder."],
-  ["study.zip", "Study folder", "Pictures, manifest, corrections and results as one ZIP that opens on another machine with the same results."],
-  ["results.csv", "Results as CSV", "One row for each contact and frame; units and _std in the headers."],
-  ["results_columns.csv", "What the columns mean", "The data dictionary beside the CSV."],
-  ["results.json", "Results for scripts", "The same rows as JSON."],
-  ["summary.json", "Summary for scripts", "Pooled radii, versions, hashes of every input, formulas."],
+  [
+    "report.html",
+    "Report",
+    "A single HTML file with figures, overlays, tables and provenance. For studies of many fingers, the " +
+      "ZIP of the study folder holds a page for each.",
+  ],
+  [
+    "study.zip",
+    "Study folder",
+    "Images, manifest, corrections and results as a ZIP file, to import on another computer.",
+  ],
+  ["results.csv", "Results as CSV", "One row per contact and frame; units and _std in the headers."],
+  ["results_columns.csv", "Column descriptions", "Data dictionary of the CSV."],
+  ["results.json", "Results as JSON", "The same rows as JSON."],
+  ["summary.json", "Summary as JSON", "Pooled radii, versions, hashes of all inputs, formulas."],
 ];
 
 class Run {
@@ -27,14 +43,26 @@ class Run {
     this.status = h("section.card.run-status", { "aria-label": "The run" });
     this.exports = h("div.exports");
     this.leftOut = h("div");
-    place(root, h("header.head", null, h("div", null, h("h1", null, "Run & export"), h("p", null, "A run measures only what is missing or changed."))), h("div.scroll.stack", null, this.status, this.exports));
-    this.heard = () => this.#draw();
-    bench.addEventListener("run", this.heard);
+    render(
+      root,
+      h(
+        "header.head",
+        null,
+        h(
+          "div",
+          null,
+          h("h1", null, "Run & export"),
+          h("p", null, "A run measures only what is new or has changed."),
+        ),
+      ),
+      h("div.scroll.stack", null, this.status, this.exports),
+    );
+    this.removeListener = workspace.on("run", () => this.#draw());
     bindHere([
       ["Enter", "Run", () => this.#start()],
       ["c", "Stop the run", () => this.#cancel()],
     ]);
-    this.#look().catch(() => {});
+    this.#poll().catch(() => {});
     this.#draw();
     this.#drawExports();
     this.#listBundle().catch(() => {});
@@ -45,64 +73,129 @@ class Run {
   }
 
   get busy() {
-    return ["running", "cancelling"].includes(bench.run?.state);
+    return ["running", "cancelling"].includes(workspace.run?.state);
   }
 
-  #start = alone(async () => {
-    if (this.busy || !bench.study.ready) return;
-    place(this.problem);
+  #start = withoutOverlap(async () => {
+    if (this.busy || !workspace.study.ready) return;
+    render(this.problem);
     try {
       await post("/api/run", { workers: this.workers, force: this.fresh });
-      await this.#look();
+      await this.#poll();
     } catch (error) {
-      place(this.problem, faultList(error));
+      render(this.problem, faultList(error));
     }
   });
 
   async #cancel() {
-    if (bench.run?.state !== "running") return;
+    if (workspace.run?.state !== "running") return;
     await post("/api/run/cancel");
-    await this.#look();
+    await this.#poll();
   }
 
-  /** Events may overtake an answer, or be cut off: ask how the run stands until it has ended. */
-  async #look() {
+  /** Poll the status until the run has ended, as events may be lost. */
+  async #poll() {
     clearTimeout(this.again);
-    bench.takeRun(await get("/api/run"));
-    if (this.busy) this.again = setTimeout(() => this.#look().catch(() => {}), 1000);
+    workspace.takeRun(await get("/api/run"));
+    if (this.busy) this.again = setTimeout(() => this.#poll().catch(() => {}), 1000);
   }
 
   #draw() {
-    const run = bench.run ?? { state: "idle" };
-    const { ready, counts, missing, results } = bench.study;
-    // Drawn anew only when something else is to be seen: a bar that is moved keeps the focus where it is.
+    const run = workspace.run ?? workspace.study.run;
+    const { ready, counts, missing, results } = workspace.study;
+    // Redraw only if the structure has changed, so that the focus is kept.
     const shape = `${run.state}|${ready}|${missing.length}|${results?.fresh}|${run.failures?.length}`;
     if (shape === this.shape && this.busy) return this.#progress(run);
     this.shape = shape;
     const hadFocus = this.status.contains(document.activeElement);
-    place(
+    render(
       this.status,
-      h("header", null, h("h2", null, STATES[run.state] ?? run.state), h("span.sr", { role: "status" }, STATES[run.state] ?? run.state), run.state === "done" && bench.study.results?.fresh && chip("up to date", "good"), run.state === "failed" && chip("failed", "bad")),
+      h(
+        "header",
+        null,
+        h("h2", null, STATES[run.state] ?? run.state),
+        h("span.sr", { role: "status" }, STATES[run.state] ?? run.state),
+        run.state === "done" && workspace.study.results?.fresh && chip("up to date", "good"),
+        run.state === "failed" && chip("failed", "bad"),
+      ),
       this.busy
-        ? [(this.bar = h("progress", { "aria-label": "Progress of the run" })), (this.line = h("p.run-line.number")), h("div.actions", null, (this.main = button("Stop", () => this.#cancel(), { kind: "bad", key: "c" })))]
+        ? [
+            (this.bar = h("progress", { "aria-label": "Progress of the run" })),
+            (this.line = h("p.run-line.number")),
+            h(
+              "div.actions",
+              null,
+              (this.main = button("Stop", () => this.#cancel(), { kind: "bad", key: "c" })),
+            ),
+          ]
         : [
             run.error && h("div.note.bad", { role: "alert" }, run.error),
             h(
               "p",
               null,
-              counts ? [h("strong.number", null, counts.done), " measured, ", h("strong.number", null, counts.left + counts.stale), " to do", counts.failed > 0 && [", ", h("strong.number", null, counts.failed), " failed"], "."] : "",
+              counts
+                ? [
+                    h("strong.number", null, counts.done),
+                    " measured, ",
+                    h("strong.number", null, counts.left + counts.stale),
+                    " to do",
+                    counts.failed > 0 && [", ", h("strong.number", null, counts.failed), " failed"],
+                    ".",
+                  ]
+                : "",
             ),
-            ready && missing.length > 0 && h("div.note", null, `${missing.length} ${missing.length === 1 ? "entry is" : "entries are"} not complete and left out of runs. `, h("a", { href: "#/study" }, "The study says what.")),
-            !ready && h("div.note", null, "Something is still missing. ", h("a", { href: "#/study" }, "The study says what.")),
+            ready &&
+              missing.length > 0 &&
+              h(
+                "div.note",
+                null,
+                `${missing.length} incomplete ${missing.length === 1 ? "entry is" : "entries are"} skipped. `,
+                h("a", { href: "#/study" }, "See the Study page."),
+              ),
+            !ready &&
+              h(
+                "div.note",
+                null,
+                "The study is incomplete. ",
+                h("a", { href: "#/study" }, "See the Study page."),
+              ),
             h(
               "div.run-options",
               null,
-              field("Processes", choose({ value: String(this.workers), options: ["1", "2", "4", "8"], onset: (value) => (this.workers = Number(value)) })),
-              check("Measure everything anew", { checked: this.fresh, onset: (on) => (this.fresh = on) }),
+              field(
+                "Processes",
+                choose({
+                  value: String(this.workers),
+                  options: ["1", "2", "4", "8"],
+                  onset: (value) => (this.workers = Number(value)),
+                }),
+              ),
+              check("Re-measure all", { checked: this.fresh, onset: (on) => (this.fresh = on) }),
             ),
-            h("div.actions", null, (this.main = button("Run", () => this.#start(), { kind: "primary", key: "Enter", disabled: !ready })), ["done", "cancelled"].includes(run.state) && bench.study.results?.there && h("a.button", { href: "#/results" }, "See the results")),
+            h(
+              "div.actions",
+              null,
+              (this.main = button("Run", () => this.#start(), {
+                kind: "primary",
+                key: "Enter",
+                disabled: !ready,
+              })),
+              ["done", "cancelled"].includes(run.state) &&
+                workspace.study.results?.there &&
+                h("a.button", { href: "#/results" }, "See the results"),
+            ),
           ],
-      run.failures?.length > 0 && h("div.note.bad.failures", { tabindex: 0, role: "region", "aria-label": "What failed" }, h("strong", null, `${run.failures.length} failed`), h("ul", null, run.failures.slice(0, 50).map((words) => h("li", null, words)))),
+      run.failures?.length > 0 &&
+        h(
+          "div.note.bad.failures",
+          { tabindex: 0, role: "region", "aria-label": "Failures" },
+          h("strong", null, `${run.failures.length} failed`),
+          h(
+            "ul",
+            null,
+            run.failures.slice(0, 50).map((words) => h("li", null, words)),
+          ),
+        ),
       this.problem,
     );
     if (this.busy) this.#progress(run);
@@ -110,24 +203,44 @@ class Run {
     return undefined;
   }
 
+  /** @param {Answers["RunStatus"]} run */
   #progress(run) {
     this.bar.max = Math.max(1, run.total || 1);
     if (run.phase && run.phase !== "measuring") this.bar.removeAttribute("value");
     else this.bar.value = run.done ?? 0;
     const left = run.seconds_left ? `, about ${duration(run.seconds_left)} left` : "";
-    place(
+    render(
       this.line,
-      h("span", null, `${run.done ?? 0} of ${run.total ?? 0}${run.frames ? `, ${run.frames} frames` : ""} · ${duration(run.seconds ?? 0)}${left}`),
-      h("span", null, `${PHASES[run.phase] ?? run.phase ?? ""} `, h("strong", { "data-live": "file" }, run.file || fileOf(run.current) || (run.phase === "measuring" ? "photographs and scales" : ""))),
+      h("span", null, `${run.done ?? 0} of ${run.total ?? 0} · ${duration(run.seconds ?? 0)}${left}`),
+      h(
+        "span",
+        null,
+        `${PHASES[run.phase] ?? run.phase ?? ""} `,
+        h(
+          "strong",
+          { "data-live": "file" },
+          run.file || fileOf(run.current) || (run.phase === "measuring" ? "photographs and scales" : ""),
+        ),
+      ),
     );
   }
 
   #drawExports() {
-    const { results } = bench.study;
+    const { results } = workspace.study;
     const there = results?.there;
-    place(
+    render(
       this.exports,
-      h("div.headline", null, h("h2", null, "Take away"), there && h("span.soft", null, results.fresh ? "up to date" : "as of the last run; the study has changed since")),
+      h(
+        "div.headline",
+        null,
+        h("h2", null, "Export"),
+        there &&
+          h(
+            "span.soft",
+            null,
+            results.fresh ? "up to date" : "from the last run; the study has changed since",
+          ),
+      ),
       h(
         "div.export-grid",
         null,
@@ -142,20 +255,44 @@ class Run {
             h(
               "div.actions",
               null,
-              can ? h("a.button", { href: `/api/download/${file}?attachment=1`, download: "", "aria-label": `Download ${title}` }, "Download") : h("span.soft", null, "after the first run"),
-              can && file === "report.html" && h("a.button", { href: `/api/download/${file}`, target: "_blank", rel: "noopener" }, "Open"),
+              can
+                ? h(
+                    "a.button",
+                    {
+                      href: `/api/download/${file}?attachment=1`,
+                      download: "",
+                      "aria-label": `Download ${title}`,
+                    },
+                    "Download",
+                  )
+                : h("span.soft", null, "available after a run"),
+              can &&
+                file === "report.html" &&
+                h("a.button", { href: `/api/download/${file}`, target: "_blank", rel: "noopener" }, "Open"),
             ),
           );
         }),
-        h("section.card.export", { "aria-label": "Figures" }, h("h3", null, "Figures"), h("p.soft", null, "Each figure of the report as SVG and PNG."), h("div.actions", null, there ? h("a.button", { href: "#/results/figures" }, "Choose figures") : h("span.soft", null, "after the first run"))),
+        h(
+          "section.card.export",
+          { "aria-label": "Figures" },
+          h("h3", null, "Figures"),
+          h("p.soft", null, "Each figure of the report as SVG and PNG."),
+          h(
+            "div.actions",
+            null,
+            there
+              ? h("a.button", { href: "#/results/figures" }, "Show figures")
+              : h("span.soft", null, "available after a run"),
+          ),
+        ),
       ),
     );
   }
 
-  /** What the ZIP of the study folder holds, and what it leaves out. */
+  /** Show the contents of the ZIP and the files left out. */
   async #listBundle() {
     const { files, bytes: size, left_out: left } = await get("/api/study/bundle");
-    place(
+    render(
       this.leftOut,
       h("p.soft.number", null, `${files} files, ${bytes(size)}`),
       left.length > 0 &&
@@ -163,7 +300,12 @@ class Run {
           "details",
           null,
           h("summary", null, `${left.length} left out`),
-          h("ul.rest.left-out", { tabindex: 0 }, left.slice(0, 200).map(({ file, why }) => h("li", null, h("code", null, file), `: ${why}`)), left.length > 200 && h("li.soft", null, `and ${left.length - 200} more, all listed in the ZIP`)),
+          h(
+            "ul.rest.left-out",
+            { tabindex: 0 },
+            left.slice(0, 200).map(({ file, why }) => h("li", null, h("code", null, file), `: ${why}`)),
+            left.length > 200 && h("li.soft", null, `and ${left.length - 200} more, all listed in the ZIP`),
+          ),
         ),
     );
   }
@@ -177,14 +319,18 @@ class Run {
 
   close() {
     clearTimeout(this.again);
-    bench.removeEventListener("run", this.heard);
+    this.removeListener();
   }
 }
 
-/** The file of the contact at work. */
+/** The file of the item being measured. */
 function fileOf(name) {
-  const { observations, sequences } = bench.study;
-  return observations.find(({ item }) => item === name)?.file ?? sequences.find((film) => film.name === name)?.file ?? name;
+  const { observations, sequences } = workspace.study;
+  return (
+    observations.find(({ item }) => item === name)?.file ??
+    sequences.find((film) => film.name === name)?.file ??
+    name
+  );
 }
 
 function duration(seconds) {

@@ -1,15 +1,16 @@
-// Scales: a line on a ruler, a coin, or a resolution; one scale for many pictures.
+// Scales: by a line on a ruler, a coin, or a resolution.
 
-import { get, Newest, post } from "../core/api.js";
-import { bench, wordsFor } from "../core/workspace.js";
-import { h, pathOf, place, s } from "../core/dom.js";
+import { get, LatestRequest, post } from "../core/api.js";
+import { h, pathOf, render, s } from "../core/dom.js";
 import { bindHere } from "../core/keys.js";
-import { complain, say } from "../core/messages.js";
+import { showError, toast } from "../core/messages.js";
 import { plain, withStd } from "../core/quantity.js";
+import { describeCode, workspace } from "../core/workspace.js";
 import { button, chip, choose, faultList, field, number, segments, text } from "../parts/forms.js";
 import { Stage } from "../parts/stage.js";
 import { Line } from "../parts/tools.js";
 
+/** @type {[key: string, words: string][]} */
 const WAYS = [
   ["line", "Ruler"],
   ["coin", "Coin"],
@@ -17,11 +18,11 @@ const WAYS = [
   ["mm_per_px", "mm/px"],
 ];
 
-// What a new scale begins with, to be seen and changed: a hand marks a line's end to about a pixel.
-const FRESH = { line: { ends_px_std: 1 } };
+// Defaults of a new scale: the ends of a line are drawn to about one pixel.
+const DEFAULTS = { line: { ends_px_std: 1 } };
 
 const COINS = [
-  ["", "– type or choose –"],
+  ["", "– other –"],
   ["16.25", "1 euro cent, 16.25 mm"],
   ["18.75", "2 euro cent, 18.75 mm"],
   ["21.25", "5 euro cent, 21.25 mm"],
@@ -34,13 +35,15 @@ const COINS = [
   ["20.3", "UK penny, 20.3 mm"],
 ];
 
-// A scale that was begun and not kept, while other steps are looked at.
-let begun = null;
+// A scale that is not saved yet, kept while other steps are shown.
+let unsaved = null;
 
 class Scales {
   constructor(root, rest) {
     this.root = root;
-    this.stage = new Stage("Picture of a ruler or coin. Arrow keys move the cross-hair, space starts and ends the line.");
+    this.stage = new Stage(
+      "Image of a ruler or coin. Arrow keys move the cross-hair, space starts and ends the line.",
+    );
     this.line = new Line(this.stage, (ends) => this.#drawn(ends));
     this.coin = s("path.coin");
     this.stage.world.append(this.coin);
@@ -48,29 +51,66 @@ class Scales {
     this.result = h("div.result", { "aria-live": "polite" });
     this.form = h("div.stack");
     this.list = h("div.scale-list");
-    this.live = new Newest((table) => post("/api/measure/scale", { table }), (answer) => this.#found(answer), (error) => this.#refused(error), this.result);
-    place(
+    this.live = new LatestRequest(
+      (table) => post("/api/measure/scale", { table }),
+      (answer) => this.#showResult(answer),
+      (error) => this.#failed(error),
+      this.result,
+    );
+    render(
       root,
-      h("header.head", null, h("div", null, h("h1", null, "Scale"), h("p", null, "Every picture needs one. Pictures that share a scale by its name share its uncertainty too.")), h("div.actions", null, button("New scale", () => this.#start(null), { key: "n" }))),
-      h("div.bench.no-tools.scale-bench", null, h("div.scale-main", null, this.list, this.stage.root, (this.plainWords = h("div.empty", { hidden: true }, h("h2", null, "This scale is a number"), h("p", null, "No picture is needed. The scanner or the camera's data sheet says it; give its uncertainty too, it goes into every result.")))), h("aside.inspector", { "aria-label": "The scale that is open", tabindex: 0 }, this.form)),
+      h(
+        "header.head",
+        null,
+        h(
+          "div",
+          null,
+          h("h1", null, "Scale"),
+          h("p", null, "Every image needs a scale. Images that share a named scale share its uncertainty."),
+        ),
+        h(
+          "div.actions",
+          null,
+          button("New scale", () => this.#start(null), { key: "n" }),
+        ),
+      ),
+      h(
+        "div.panes.no-tools.scale-panes",
+        null,
+        h(
+          "div.scale-main",
+          null,
+          this.list,
+          this.stage.root,
+          (this.plainWords = h(
+            "div.empty",
+            { hidden: true },
+            h("h2", null, "This scale needs no image"),
+            h("p", null, "See the data sheet of the scanner or camera. The uncertainty enters every result."),
+          )),
+        ),
+        h("aside.inspector", { "aria-label": "Selected scale", tabindex: 0 }, this.form),
+      ),
     );
     bindHere([
       ["n", "New scale", () => this.#start(null)],
-      ["Ctrl+Enter", "Keep the scale", () => this.#keep()],
-      ["+ - 0", "Zoom in, zoom out, fit the picture", null],
+      ["Ctrl+Enter", "Save scale", () => this.#keep()],
+      ["+ - 0", "Zoom in, zoom out, fit the image", null],
       ["Space", "Start and end the line at the cross-hair", null],
     ]);
-    const first = bench.study.scales.find(({ name }) => name === rest[0]) ?? bench.study.scales[0];
-    this.#start(begun?.study === bench.study.name ? null : (first ?? null));
+    const first = workspace.study.scales.find(({ name }) => name === rest[0]) ?? workspace.study.scales[0];
+    this.#start(unsaved?.study === workspace.study.name ? null : (first ?? null));
   }
 
+  /** @param {State["scales"][number] | null} scale */
   #start(scale) {
-    this.live.drop();
+    this.live.cancel();
     this.old = scale;
-    const draft = !scale && begun?.study === bench.study.name ? begun : null;
-    begun = null;
+    const draft = !scale && unsaved?.study === workspace.study.name ? unsaved : null;
+    unsaved = null;
     this.name = scale?.name ?? draft?.name ?? "";
-    this.table = structuredClone(scale?.table ?? draft?.table ?? FRESH.line);
+    /** @type {ScaleTable} */
+    this.table = structuredClone(scale?.table ?? draft?.table ?? DEFAULTS.line);
     this.way = draft?.way ?? this.#wayOf(this.table) ?? "line";
     this.answer = null;
     this.file = this.table.coin ?? this.#guess();
@@ -83,11 +123,13 @@ class Scales {
   }
 
   #pictures() {
-    const study = bench.study;
+    const study = workspace.study;
     const used = [
-      ...study.fingers.flatMap(({ photographs }) => (photographs ?? []).filter(({ outline }) => !outline).map(({ file }) => file)),
+      ...study.fingers.flatMap(({ photographs }) =>
+        (photographs ?? []).filter(({ outline }) => !outline).map(({ file }) => file),
+      ),
       ...study.observations.map(({ file }) => file),
-      ...study.scales.map(({ table }) => table.coin),
+      ...study.scales.map(({ table }) => /** @type {string | undefined} */ (table.coin)),
       ...study.files.filter(({ kind }) => kind === "picture").map(({ file }) => file),
     ];
     return [...new Set(used.filter(Boolean))];
@@ -99,36 +141,89 @@ class Scales {
   }
 
   #drawList() {
-    place(
+    render(
       this.list,
-      bench.study.scales.map(({ name, table, used_by: uses }) =>
+      workspace.study.scales.map(({ name, table, used_by: uses }) =>
         h(
           "button.scale-item",
-          { type: "button", "aria-pressed": String(this.old?.name === name), onclick: () => this.#start(bench.study.scales.find((scale) => scale.name === name)) },
+          {
+            type: "button",
+            "aria-pressed": String(this.old?.name === name),
+            onclick: () => this.#start(workspace.study.scales.find((scale) => scale.name === name)),
+          },
           h("strong", null, name),
           h("span.soft", null, words(table)),
-          chip(`${uses} picture${uses === 1 ? "" : "s"}`),
+          chip(`${uses} image${uses === 1 ? "" : "s"}`),
         ),
       ),
-      h("button.scale-item.new", { type: "button", "aria-pressed": String(!this.old), onclick: () => this.#start(null) }, h("strong", null, "+ New scale"), h("span.soft", null, "ruler, coin or resolution")),
+      h(
+        "button.scale-item.new",
+        { type: "button", "aria-pressed": String(!this.old), onclick: () => this.#start(null) },
+        h("strong", null, "+ New scale"),
+        h("span.soft", null, "ruler, coin or resolution"),
+      ),
     );
   }
 
   #drawForm() {
     const pictures = this.#pictures();
     this.fields = h("div.fields");
-    this.nameField = text({ value: this.name, onset: (value) => (this.name = value), placeholder: "reader, camera …" });
+    this.nameField = text({
+      value: this.name,
+      onset: (value) => (this.name = value),
+      placeholder: "reader, camera …",
+    });
     this.nameField.addEventListener("input", () => (this.name = this.nameField.value.trim()));
-    place(
+    render(
       this.form,
-      h("section", null, h("h2", null, this.old ? `Scale ${this.old.name}` : "New scale"), field("Name", this.nameField, { hint: this.old ? "Another name makes another scale." : undefined })),
-      h("section", null, h("h3", null, "How it is known"), segments("How the scale is known", WAYS, this.way, (way) => this.#choose(way))),
+      h(
+        "section",
+        null,
+        h("h2", null, this.old ? `Scale ${this.old.name}` : "New scale"),
+        field("Name", this.nameField, { hint: this.old ? "A new name creates a new scale." : undefined }),
+      ),
+      h(
+        "section",
+        null,
+        h("h3", null, "Type of scale"),
+        segments("Type of scale", WAYS, this.way, (way) => this.#choose(way)),
+      ),
       ["line", "coin"].includes(this.way) &&
-        h("section", null, field("Picture", choose({ value: this.file, options: pictures.length ? pictures : [["", "no picture yet"]], onset: (file) => this.#take(file) }), { hint: this.way === "line" ? "Draw a line between two marks of the ruler." : "A coin seen whole and flat, on a plain ground." })),
+        h(
+          "section",
+          null,
+          field(
+            "Image",
+            choose({
+              value: this.file,
+              options: pictures.length ? pictures : [["", "no images"]],
+              onset: (file) => this.#take(file),
+            }),
+            {
+              hint:
+                this.way === "line"
+                  ? "Draw a line between two marks of the ruler."
+                  : "The whole coin, parallel to the image plane, on a plain background.",
+            },
+          ),
+        ),
       h("section", null, this.fields),
       h("section", null, this.result),
       h("section", null, this.#uses()),
-      h("section", null, h("div.actions", null, (this.keepButton = button("Keep this scale", () => this.#keep(), { kind: "primary", key: "Ctrl+Enter" })), this.old && button("Delete", () => this.#delete(), { kind: "bad" })), (this.problem = h("div"))),
+      h(
+        "section",
+        null,
+        h(
+          "div.actions",
+          null,
+          (this.keepButton = button("Save scale", () => this.#keep(), {
+            kind: "primary",
+            key: "Ctrl+Enter",
+          })),
+          this.old && button("Delete", () => this.#delete(), { kind: "bad" }),
+        ),
+        (this.problem = h("div")),
+      ),
     );
     this.#drawFields();
     this.stage.root.hidden = !["line", "coin"].includes(this.way);
@@ -145,24 +240,43 @@ class Scales {
     const ways = {
       line: () => [
         field("Length of the line", of("length_mm"), { unit: "mm" }),
-        field("Its uncertainty", of("length_mm_std", { placeholder: "not said" }), { unit: "mm" }),
-        field("Each end is sure to", of("ends_px_std", { placeholder: "not said" }), { unit: "px" }),
+        field("Uncertainty", of("length_mm_std", { placeholder: "not stated" }), { unit: "mm" }),
+        field("Uncertainty of each end", of("ends_px_std", { placeholder: "not stated" }), { unit: "px" }),
       ],
       coin: () => [
-        field("Which coin", choose({ value: String(this.table.diameter_mm ?? ""), options: COINS, onset: (value) => value && (set("diameter_mm")(Number(value)), this.#drawFields()) }), { wide: true }),
+        field(
+          "Coin type",
+          choose({
+            value: String(this.table.diameter_mm ?? ""),
+            options: COINS,
+            onset: (value) => value && (set("diameter_mm")(Number(value)), this.#drawFields()),
+          }),
+          { wide: true },
+        ),
         field("Diameter", of("diameter_mm"), { unit: "mm" }),
-        field("Its uncertainty", of("diameter_mm_std", { placeholder: "not said" }), { unit: "mm" }),
+        field("Uncertainty", of("diameter_mm_std", { placeholder: "not stated" }), { unit: "mm" }),
       ],
-      ppi: () => [field("Pixels per inch", of("ppi"), { unit: "ppi" }), field("Relative uncertainty", of("relative_std", { placeholder: "not said", max: 1 }), { hint: "0.01 is one per cent" })],
-      mm_per_px: () => [field("Millimetres per pixel", of("mm_per_px"), { unit: "mm/px" }), field("Relative uncertainty", of("relative_std", { placeholder: "not said", max: 1 }), { hint: "0.01 is one per cent" })],
+      ppi: () => [
+        field("Pixels per inch", of("ppi"), { unit: "ppi" }),
+        field("Relative uncertainty", of("relative_std", { placeholder: "not stated", max: 1 }), {
+          hint: "0.01 is 1 %",
+        }),
+      ],
+      mm_per_px: () => [
+        field("Millimetres per pixel", of("mm_per_px"), { unit: "mm/px" }),
+        field("Relative uncertainty", of("relative_std", { placeholder: "not stated", max: 1 }), {
+          hint: "0.01 is 1 %",
+        }),
+      ],
     };
-    place(this.fields, ways[this.way]());
+    render(this.fields, ways[this.way]());
   }
 
   #choose(way) {
-    this.live.drop();
+    this.live.cancel();
     this.way = way;
-    this.table = way === this.#wayOf(this.old?.table) ? structuredClone(this.old.table) : { ...FRESH[way] };
+    this.table =
+      way === this.#wayOf(this.old?.table) ? structuredClone(this.old.table) : { ...DEFAULTS[way] };
     if (way === "coin") this.table.coin = this.file;
     this.answer = null;
     this.#drawForm();
@@ -179,7 +293,7 @@ class Scales {
   }
 
   #take(file) {
-    this.live.drop();
+    this.live.cancel();
     this.file = file;
     if (this.way === "coin") this.table.coin = file;
     this.line.set(null);
@@ -189,116 +303,189 @@ class Scales {
   }
 
   async #show(file) {
-    if (!file) return this.stage.say("Drop a picture of a ruler or a coin on the Study page, or give the resolution.");
+    if (!file)
+      return this.stage.setMessage(
+        "Drop an image of a ruler or a coin on the Study page, or enter the resolution.",
+      );
     try {
       const info = await get("/api/picture/info", { item: `file:${file}` });
       if (file === this.file) this.stage.show(info.preview, info.rows_px, info.columns_px, file);
     } catch (error) {
-      if (file === this.file) this.stage.say(error.message, "bad");
+      if (file === this.file) this.stage.setMessage(error.message, "bad");
     }
   }
 
   #drawn(ends) {
-    this.table.line = ends.map((place) => place.map((value) => Math.round(value * 100) / 100));
+    this.table.line = ends.map((point) => point.map((value) => Math.round(value * 100) / 100));
     if (this.table.length_mm === undefined) this.fields.querySelector("input")?.focus();
     this.#ask();
   }
 
-  /** What the library would take: the keys of this way that are filled in. */
-  #asked() {
-    const keys = { line: ["line", "length_mm", "length_mm_std", "ends_px_std"], coin: ["coin", "diameter_mm", "diameter_mm_std"], ppi: ["ppi", "relative_std"], mm_per_px: ["mm_per_px", "relative_std"] }[this.way];
-    return Object.fromEntries(keys.filter((key) => this.table[key] !== undefined).map((key) => [key, this.table[key]]));
+  /** The table with the keys of this type of scale that are filled in. */
+  #definition() {
+    const keys = {
+      line: ["line", "length_mm", "length_mm_std", "ends_px_std"],
+      coin: ["coin", "diameter_mm", "diameter_mm_std"],
+      ppi: ["ppi", "relative_std"],
+      mm_per_px: ["mm_per_px", "relative_std"],
+    }[this.way];
+    return Object.fromEntries(
+      keys.filter((key) => this.table[key] !== undefined).map((key) => [key, this.table[key]]),
+    );
   }
 
   #ready() {
-    const needs = { line: ["line", "length_mm"], coin: ["coin", "diameter_mm"], ppi: ["ppi"], mm_per_px: ["mm_per_px"] }[this.way];
+    const needs = {
+      line: ["line", "length_mm"],
+      coin: ["coin", "diameter_mm"],
+      ppi: ["ppi"],
+      mm_per_px: ["mm_per_px"],
+    }[this.way];
     return needs.every((key) => this.table[key] !== undefined && this.table[key] !== "");
   }
 
   #ask() {
-    if (this.#ready()) this.live.ask(this.#asked());
+    if (this.#ready()) this.live.request(this.#definition());
     else {
-      this.live.drop();
-      const next = { line: this.table.line ? "Now type how long the line is." : "Draw a line on the ruler.", coin: "Say which coin it is.", ppi: "Type the resolution.", mm_per_px: "Type the size of a pixel." }[this.way];
-      place(this.result, h("p.soft", null, next));
+      this.live.cancel();
+      const next = {
+        line: this.table.line ? "Enter the length of the line." : "Draw a line on the ruler.",
+        coin: "Select or enter the coin's diameter.",
+        ppi: "Enter the resolution.",
+        mm_per_px: "Enter the size of a pixel.",
+      }[this.way];
+      render(this.result, h("p.soft", null, next));
       this.line.write("");
     }
   }
 
-  #found(answer) {
+  /** @param {ScaleMeasurement} answer */
+  #showResult(answer) {
     this.answer = answer;
     this.stage.setScale(answer.mm_per_px);
     this.coin.setAttribute("d", pathOf(answer.coin?.outline_px));
     if (this.way === "line") this.line.write(`${plain(this.table.length_mm)} mm`);
-    place(
+    render(
       this.result,
       h("h3", null, "Scale"),
-      h("p.figure-big.number", { "data-live": "scale" }, withStd(answer.mm_per_px, answer.mm_per_px_std), h("span.unit", null, " mm/px")),
-      h("p.soft.number", null, `${plain(answer.resolution_ppi)} ppi`, answer.relative_std > 0 ? `, known to ${plain(answer.relative_std * 100)} %` : ", its uncertainty not said"),
-      answer.coin && h("p.soft.number", null, `coin: radius ${withStd(answer.coin.radius_px, answer.coin.radius_px_std)} px`),
-      answer.flags?.length > 0 && h("div.note", null, answer.flags.map((flag) => h("p", null, wordsFor(flag)))),
+      h(
+        "p.figure-big.number",
+        { "data-live": "scale" },
+        withStd(answer.mm_per_px, answer.mm_per_px_std),
+        h("span.unit", null, " mm/px"),
+      ),
+      h(
+        "p.soft.number",
+        null,
+        `${plain(answer.resolution_ppi)} ppi`,
+        answer.relative_std > 0
+          ? `, relative uncertainty ${plain(answer.relative_std * 100)} %`
+          : ", uncertainty not stated",
+      ),
+      answer.coin &&
+        h(
+          "p.soft.number",
+          null,
+          `coin: radius ${withStd(answer.coin.radius_px, answer.coin.radius_px_std)} px`,
+        ),
+      answer.flags?.length > 0 &&
+        h(
+          "div.note",
+          null,
+          answer.flags.map((flag) => h("p", null, describeCode(flag))),
+        ),
     );
   }
 
-  #refused(error) {
+  #failed(error) {
     this.answer = null;
-    place(this.result, faultList(error));
+    render(this.result, faultList(error));
   }
 
-  /** Which pictures take this scale. */
+  /** Choice of the images with this scale. */
   #uses() {
-    const study = bench.study;
+    const study = workspace.study;
     const rows = [
-      ...study.fingers.flatMap((finger) => (finger.photographs ?? []).filter(({ outline }) => !outline).map((each) => ["photograph", each.item, `${finger.name}, ${each.face ?? "?"} face`, each.scale])),
-      ...study.observations.filter(({ file, from_csv: csv }) => file && !csv).map((each) => ["observation", each.item, each.item, each.scale]),
-      ...study.sequences.map((each) => ["sequence", each.name, `film ${each.name}`, each.scale]),
+      ...study.fingers.flatMap((finger) =>
+        (finger.photographs ?? [])
+          .filter(({ outline }) => !outline)
+          .map((each) => ["photograph", each.item, `${finger.name}, ${each.face ?? "?"} face`, each.scale]),
+      ),
+      ...study.observations
+        .filter(({ file }) => file)
+        .map((each) => ["observation", each.item, each.item, each.scale]),
+      ...study.sequences.map((each) => ["sequence", each.name, `sequence ${each.name}`, each.scale]),
     ];
     this.takers = new Map();
-    // Photographs and contact images seldom come from one camera: only pictures of one kind are taken unasked.
+    // Photographs and contact images rarely share a camera: select all only if there is one kind.
     const oneKind = new Set(rows.filter((row) => !row[3]).map(([kind]) => kind)).size === 1;
     const boxes = rows.map(([kind, key, label, scale]) => {
       const mine = this.old && scale === this.old.name;
       const box = h("input", { type: "checkbox", checked: mine || (!this.old && !scale && oneKind) });
       this.takers.set(box, { kind, key, scale });
-      return h("label.check", { "data-kind": kind }, box, h("span", null, label), h("span.soft", null, scale ? (mine ? "" : typeof scale === "string" ? scale : "its own") : "none yet"));
+      return h(
+        "label.check",
+        { "data-kind": kind },
+        box,
+        h("span", null, label),
+        h(
+          "span.soft",
+          null,
+          scale ? (mine ? "" : typeof scale === "string" ? scale : "own scale") : "none yet",
+        ),
+      );
     });
     const only = (kind) => {
       for (const [box, taker] of this.takers) box.checked = taker.kind === kind;
     };
     const has = (kind) => rows.some(([other]) => other === kind);
     return [
-      h("h3", null, "Pictures with this scale"),
-      rows.length ? h("div.takers", { tabindex: 0, role: "group", "aria-label": "Pictures with this scale" }, boxes) : h("p.soft", null, "No picture is in use yet; choose this scale where you say what a picture is."),
-      h("div.actions", null, has("photograph") && button("Only photographs", () => only("photograph"), { kind: "small" }), has("observation") && button("Only contact images", () => only("observation"), { kind: "small" })),
+      h("h3", null, "Images with this scale"),
+      rows.length
+        ? h("div.takers", { tabindex: 0, role: "group", "aria-label": "Images with this scale" }, boxes)
+        : h("p.soft", null, "No images yet; choose this scale when you add them."),
+      h(
+        "div.actions",
+        null,
+        has("photograph") && button("Only photographs", () => only("photograph"), { kind: "small" }),
+        has("observation") && button("Only contact images", () => only("observation"), { kind: "small" }),
+      ),
     ];
   }
 
   async #keep() {
-    place(this.problem);
-    if (!this.name) return this.#wrong("Give the scale a name, as in reader or camera.", this.nameField);
-    if (!this.#ready()) return this.#wrong("The scale is not complete yet.");
-    const edits = [{ kind: "scale", key: this.name, set: this.#asked() }];
+    render(this.problem);
+    if (!this.name) return this.#wrong("Enter a name for the scale, for example camera.", this.nameField);
+    if (!this.#ready()) return this.#wrong("The scale is incomplete yet.");
+    /** @type {Edit[]} */
+    const edits = [{ kind: "scale", key: this.name, set: this.#definition() }];
     for (const [box, { kind, key, scale }] of this.takers) {
       if (box.checked && scale !== this.name) edits.push({ kind, key, set: { scale: this.name } });
     }
     try {
-      await bench.edit(...edits);
-      say(`Scale ${this.name} is kept${edits.length > 1 ? ` and used by ${edits.length - 1} more picture${edits.length > 2 ? "s" : ""}` : ""}.`, { kind: "good" });
-      this.#start(bench.study.scales.find(({ name }) => name === this.name) ?? null);
+      await workspace.edit(...edits);
+      toast(
+        edits.length > 1
+          ? `Scale ${this.name} saved and set for ${edits.length - 1} image${edits.length > 2 ? "s" : ""}.`
+          : `Scale ${this.name} saved.`,
+        { kind: "good" },
+      );
+      this.#start(workspace.study.scales.find(({ name }) => name === this.name) ?? null);
     } catch (error) {
-      place(this.problem, faultList(error));
+      render(this.problem, faultList(error));
     }
   }
 
   #wrong(words, control) {
-    place(this.problem, h("div.faults", { role: "alert" }, h("p", null, words)));
+    render(this.problem, h("div.faults", { role: "alert" }, h("p", null, words)));
     control?.focus();
   }
 
   async #delete() {
-    if (this.old.used_by) return this.#wrong(`${this.old.used_by} pictures still use this scale. Give them another one first.`);
-    await bench.edit({ kind: "scale", key: this.old.name, set: null }).catch(complain);
-    this.#start(bench.study.scales[0] ?? null);
+    if (this.old.used_by)
+      return this.#wrong(`${this.old.used_by} images use this scale. Choose another scale for them first.`);
+    await workspace.edit({ kind: "scale", key: this.old.name, set: null }).catch(showError);
+    this.#start(workspace.study.scales[0] ?? null);
   }
 
   update() {
@@ -306,18 +493,20 @@ class Scales {
   }
 
   close() {
-    if (!this.old && (this.name || JSON.stringify(this.table) !== JSON.stringify(FRESH[this.way] ?? {}))) begun = { study: bench.study?.name, name: this.name, way: this.way, table: this.table };
-    this.live.drop();
+    if (!this.old && (this.name || JSON.stringify(this.table) !== JSON.stringify(DEFAULTS[this.way] ?? {})))
+      unsaved = { study: workspace.study?.name, name: this.name, way: this.way, table: this.table };
+    this.live.cancel();
     this.stage.close();
   }
 }
 
+/** @param {ScaleTable} table */
 function words(table) {
   if (table.ppi !== undefined) return `${table.ppi} ppi`;
   if (table.mm_per_px !== undefined) return `${table.mm_per_px} mm/px`;
   if (table.line) return `line of ${table.length_mm} mm`;
   if (table.coin) return `coin of ${table.diameter_mm} mm`;
-  return "not complete";
+  return "incomplete";
 }
 
 export const open = (root, rest) => new Scales(root, rest);

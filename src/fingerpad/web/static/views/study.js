@@ -1,8 +1,8 @@
-// The study: what goes into it, what is missing, and what holds for all of it.
+// The study: its contents, missing entries, and settings.
 
-import { bench } from "../core/workspace.js";
-import { h, place, redraw } from "../core/dom.js";
+import { h, redraw, render } from "../core/dom.js";
 import { bindHere } from "../core/keys.js";
+import { workspace } from "../core/workspace.js";
 import { Drop } from "../parts/drop.js";
 import { choose, faultList, field, number, text } from "../parts/forms.js";
 import { NewFiles } from "./new_files.js";
@@ -14,25 +14,37 @@ class StudyView {
     this.tables = new StudyTables();
     this.drop = new Drop({
       sent: (files) => {
-        this.files.learn(files);
+        this.files.addInfo(files);
         this.files.draw();
         this.files.root.scrollIntoView({ block: "nearest" });
         this.files.root.querySelector("select, input")?.focus();
       },
     });
-    this.side = h("aside.stack.study-side", { "aria-label": "What is missing, and what holds for the whole study" });
+    this.side = h("aside.stack.study-side", {
+      "aria-label": "Missing entries and settings of the study",
+    });
     this.heading = h("div");
     this.ready = h("div.actions");
-    place(root, h("header.head", null, this.heading, this.ready), h("div.scroll.study-grid", this.#whileTyping(), h("div.stack.across", null, this.drop.root, this.files.root), h("div.stack", null, this.tables.root, this.files.rest), this.side));
+    render(
+      root,
+      h("header.head", null, this.heading, this.ready),
+      h(
+        "div.scroll.study-grid",
+        this.#whileTyping(),
+        h("div.stack.across", null, this.drop.root, this.files.root),
+        h("div.stack", null, this.tables.root, this.files.rest),
+        this.side,
+      ),
+    );
     this.drop.watch(root);
     bindHere([
       ["a", "Add files", () => this.drop.chooser.click()],
-      ["g", "To what is missing", () => this.side.querySelector("a, button, input")?.focus()],
+      ["g", "Go to missing entries", () => this.side.querySelector("a, button, input")?.focus()],
     ]);
     this.update();
   }
 
-  /** What is being typed is not drawn over: what is new waits until it is confirmed or left. */
+  /** Delay updates while the user types. */
   #whileTyping() {
     const done = () => {
       this.typing = null;
@@ -47,68 +59,124 @@ class StudyView {
   }
 
   #draw() {
-    const { study } = bench;
+    const { study } = workspace;
     const all = study.observations.length + study.sequences.length;
     this.drop.root.classList.toggle("slim", study.fingers.length + all > 0);
-    place(
+    render(
       this.heading,
       h("h1", null, study.title || study.name),
-      h("p", null, `${count(study.fingers.length, "finger")}, ${count(study.observations.length, "contact")}${study.sequences.length ? `, ${count(study.sequences.length, "film")}` : ""}${study.curves.length ? `, ${count(study.curves.length, "loading entry", "loading entries")}` : ""}`),
+      h(
+        "p",
+        null,
+        [
+          count(study.fingers.length, "finger"),
+          count(study.observations.length, "contact"),
+          study.sequences.length && count(study.sequences.length, "sequence"),
+          study.curves.length && count(study.curves.length, "loading data set"),
+        ]
+          .filter(Boolean)
+          .join(", "),
+      ),
     );
-    place(this.ready, study.ready ? h("a.button.primary", { href: "#/run/start" }, "Run the study") : h("span.soft", null, "Not ready to run yet"));
+    render(
+      this.ready,
+      study.ready
+        ? h("a.button.primary", { href: "#/run/start" }, "Run the study")
+        : h("span.soft", null, "Not ready to run"),
+    );
     this.files.draw();
     this.tables.draw();
-    place(this.side, this.#missing(), this.#uncertainty(), this.#settings());
+    render(this.side, this.#missing(), this.#uncertainty(), this.#settings());
   }
 
   #missing() {
-    const { missing, ready, observations, sequences } = bench.study;
+    const { missing, ready, observations, sequences } = workspace.study;
     if (ready && !missing.length) {
-      if (observations.length + sequences.length) return h("section.card", null, h("div.note.good", null, h("strong", null, "Nothing is missing."), " The study can run."));
-      return h("section.card", null, h("div.note", null, h("strong", null, "No contact yet."), " Drop images of the contact, or the film of a press, and say finger, angle and load."));
+      if (observations.length + sequences.length)
+        return h(
+          "section.card",
+          null,
+          h("div.note.good", null, h("strong", null, "Nothing is missing."), " The study can run."),
+        );
+      return h(
+        "section.card",
+        null,
+        h(
+          "div.note",
+          null,
+          h("strong", null, "No contacts yet."),
+          " Drop contact images or a sequence, and enter finger, angle and load.",
+        ),
+      );
     }
     return h(
       "section.card",
-      { "aria-label": "What is missing" },
-      h("header", null, h("h2", null, "Still missing"), h("span.soft", null, missing.length)),
+      { "aria-label": "Missing" },
+      h("header", null, h("h2", null, "Missing"), h("span.soft", null, missing.length)),
       missing.length
-        ? h("ul.missing", { tabindex: 0 }, missing.slice(0, 40).map(({ kind, key, words }) => h("li", null, h("strong", null, key || kind), h("span", null, words), /scale/.test(words) && kind !== "scale" && h("a", { href: "#/scale" }, "Set the scale"))), missing.length > 40 && h("li.soft", null, `and ${missing.length - 40} more`))
-        : h("p.soft", null, "Drop the files of the study to begin: photographs of the finger and images of its contact."),
-      ready && h("p.soft", null, "The rest of the study can run; what is listed here is left out."),
+        ? h(
+            "ul.missing",
+            { tabindex: 0 },
+            missing
+              .slice(0, 40)
+              .map(({ kind, key, words }) =>
+                h(
+                  "li",
+                  null,
+                  h("strong", null, key || kind),
+                  h("span", null, words),
+                  /scale/.test(words) && kind !== "scale" && h("a", { href: "#/scale" }, "Set the scale"),
+                ),
+              ),
+            missing.length > 40 && h("li.soft", null, `and ${missing.length - 40} more`),
+          )
+        : h("p.soft", null, "Start by dropping files: photographs of the finger and contact images."),
+      ready && h("p.soft", null, "The rest of the study can run; the entries listed here are skipped."),
     );
   }
 
   async #change(kind, set, problem) {
-    place(problem);
+    render(problem);
     try {
-      await bench.edit({ kind, key: "", set });
+      await workspace.edit({ kind, key: "", set });
     } catch (error) {
-      place(problem, faultList(error));
+      render(problem, faultList(error));
     }
   }
 
   #uncertainty() {
-    const now = bench.study.uncertainty;
+    const now = workspace.study.uncertainty;
     const problem = h("div");
-    const of = (key, max) => number({ value: now[key], min: 0, max, placeholder: "0", onset: (value) => this.#change("uncertainty", { [key]: value ?? 0 }, problem) });
+    const of = (key, max) =>
+      number({
+        value: now[key],
+        min: 0,
+        max,
+        placeholder: "0",
+        onset: (value) => this.#change("uncertainty", { [key]: value ?? 0 }, problem),
+      });
     return h(
       "section.card",
-      { "aria-label": "Uncertainty common to all" },
-      h("header", null, h("h2", null, "Uncertainty common to all")),
-      h("p.soft", null, "One standard uncertainty each. What is left at 0 makes every ± of the results too small."),
+      { "aria-label": "Common uncertainties" },
+      h("header", null, h("h2", null, "Common uncertainties")),
+      h(
+        "p.soft",
+        null,
+        "Standard uncertainties. A value of 0 makes the uncertainties of the results too small.",
+      ),
       h(
         "div.fields.two",
         null,
         field("Wedge angle ±", of("wedge_angle_deg_std"), { unit: "°" }),
         field("Roll angle ±", of("roll_angle_deg_std"), { unit: "°" }),
-        field("Load, relative ±", of("load_relative_std", 1), { hint: "0.01 is one per cent" }),
+        field("Load, relative ±", of("load_relative_std", 1), { hint: "0.01 is 1 %" }),
         field("Poisson's ratio ±", of("poisson_ratio_std", 0.5)),
         field(
-          "Each row's uncertainty by",
+          "Propagation of uncertainty",
           choose({
             value: now.method ?? "first_order",
             options: [
-              ["first_order", "first order"],
+              ["first_order", "linear (first order)"],
               ["monte_carlo", "Monte Carlo"],
             ],
             onset: (value) => this.#change("uncertainty", { method: value }, problem),
@@ -121,25 +189,39 @@ class StudyView {
   }
 
   #settings() {
-    const { study } = bench;
+    const { study } = workspace;
     const problem = h("div");
     return h(
       "section.card",
-      { "aria-label": "About this study" },
-      h("header", null, h("h2", null, "About")),
+      { "aria-label": "Study settings" },
+      h("header", null, h("h2", null, "Settings")),
       h(
         "div.fields.two",
         null,
-        field("Title", text({ value: study.title, onset: (title) => title && this.#change("study", { title }, problem) }), { wide: true }),
-        field("Poisson's ratio", number({ value: study.poisson_ratio, placeholder: "0.5", min: 0, max: 0.5, onset: (value) => value !== null && this.#change("study", { poisson_ratio: value }, problem) })),
+        field(
+          "Title",
+          text({ value: study.title, onset: (title) => title && this.#change("study", { title }, problem) }),
+          { wide: true },
+        ),
+        field(
+          "Poisson's ratio",
+          number({
+            value: study.poisson_ratio,
+            placeholder: "0.5",
+            min: 0,
+            max: 0.5,
+            onset: (value) => value !== null && this.#change("study", { poisson_ratio: value }, problem),
+          }),
+        ),
       ),
-      study.description && h("details", null, h("summary", null, "Description"), h("p.soft", null, study.description)),
+      study.description &&
+        h("details", null, h("summary", null, "Description"), h("p.soft", null, study.description)),
       problem,
       h("p.soft.folder", null, "Folder: ", h("code", null, study.name)),
     );
   }
 }
 
-const count = (number, one, many = `${one}s`) => `${number} ${number === 1 ? one : many}`;
+const count = (number, noun) => `${number} ${noun}${number === 1 ? "" : "s"}`;
 
 export const open = (root) => new StudyView(root);

@@ -1,11 +1,11 @@
-// What the study consists of, to be seen and changed in place: fingers, contacts, films, curves.
+// Tables of fingers, contacts, sequences and loading data, edited in place.
 
-import { bench, wordsFor } from "../core/workspace.js";
-import { h, place, redraw, symbol } from "../core/dom.js";
-import { question } from "../core/messages.js";
+import { h, redraw, render, symbol } from "../core/dom.js";
+import { ask } from "../core/messages.js";
 import { plain, withStd } from "../core/quantity.js";
+import { describeCode, workspace } from "../core/workspace.js";
 import { button, chip, choose, faultList, field, number, synthetic, text } from "../parts/forms.js";
-import { scaleChoice, scaleWords } from "../parts/scale_choice.js";
+import { scaleChoice } from "../parts/scale_choice.js";
 
 const PAGE = 50;
 const AXES = [
@@ -13,10 +13,19 @@ const AXES = [
   ["distal", "Distal"],
   ["radial_ulnar", "Radial–ulnar"],
 ];
-const STATUS = { done: ["measured", "good"], left: ["to do", ""], stale: ["changed", "warn"], failed: ["failed", "bad"], given: ["given", ""], rejected: ["rejected", "bad"] };
+const STATUS = {
+  done: ["measured", "good"],
+  left: ["not measured", ""],
+  stale: ["changed", "warn"],
+  failed: ["failed", "bad"],
+  given: ["given", ""],
+  rejected: ["rejected", "bad"],
+};
 
-const statusChip = ({ status, reason }) => chip(...(STATUS[status] ?? [status ?? "", ""]), reason ?? undefined);
-const incomplete = ({ complete }) => complete === false && chip("not complete", "warn");
+/** @param {{ status: string, reason?: string | null }} entry */
+const statusChip = ({ status, reason }) =>
+  chip(...(STATUS[status] ?? [status ?? "", ""]), reason ?? undefined);
+const incomplete = ({ complete }) => complete === false && chip("incomplete", "warn");
 
 export class StudyTables {
   constructor() {
@@ -26,34 +35,56 @@ export class StudyTables {
   }
 
   draw() {
-    const { fingers, observations, sequences, curves } = bench.study;
-    place(this.root, this.problem, this.#fingers(fingers), this.#observations(observations), (sequences.length > 0 || null) && this.#sequences(sequences), this.#curves(curves));
+    const { fingers, observations, sequences, curves } = workspace.study;
+    render(
+      this.root,
+      this.problem,
+      this.#fingers(fingers),
+      this.#observations(observations),
+      (sequences.length > 0 || null) && this.#sequences(sequences),
+      this.#curves(curves),
+    );
   }
 
   async change(kind, key, set) {
-    place(this.problem);
+    render(this.problem);
     try {
-      await bench.edit({ kind, key, set });
+      await workspace.edit({ kind, key, set });
     } catch (error) {
-      redraw(() => this.draw()); // what was refused does not stay in its field
-      place(this.problem, faultList(error));
+      redraw(() => this.draw()); // fields show the stored values again
+      render(this.problem, faultList(error));
       this.problem.scrollIntoView({ block: "nearest" });
     }
   }
 
   async #remove(kind, key, words) {
-    const answer = await question(`Take ${words} out of the study?`, h("p", null, "Its file stays in the study's folder."), [
-      ["", "Keep it"],
-      ["yes", "Take it out", "bad"],
-    ]);
+    const answer = await ask(
+      `Remove ${words} from the study?`,
+      h("p", null, "Its file stays in the study folder."),
+      [
+        ["", "Cancel"],
+        ["yes", "Remove", "bad"],
+      ],
+    );
     if (answer === "yes") this.change(kind, key, null);
   }
 
+  /** @param {Finger[]} fingers */
   #fingers(fingers) {
     return h(
       "section.card",
       { "aria-label": "Fingers" },
-      h("header", null, h("h2", null, "Fingers"), h("span.soft", null, "semi-axes from photographs, or typed in"), h("div.actions", null, button("Add a finger", () => this.#addFinger(), { kind: "small" }))),
+      h(
+        "header",
+        null,
+        h("h2", null, "Fingers"),
+        h("span.soft", null, "semi-axes from photographs or entered"),
+        h(
+          "div.actions",
+          null,
+          button("Add a finger", () => this.#addFinger(), { kind: "small" }),
+        ),
+      ),
       fingers.length
         ? h(
             "div.table-wrap",
@@ -61,50 +92,107 @@ export class StudyTables {
             h(
               "table.tight",
               null,
-              h("thead", null, h("tr", null, h("th", { scope: "col" }, "Finger"), AXES.map(([, words]) => h("th.number", { scope: "col" }, `${words}, mm`)), h("th", { scope: "col" }, "Photographs"), h("th", { scope: "col" }, h("span.sr", null, "Actions")))),
-              h("tbody", null, fingers.map((finger) => this.#finger(finger))),
+              h(
+                "thead",
+                null,
+                h(
+                  "tr",
+                  null,
+                  h("th", { scope: "col" }, "Finger"),
+                  AXES.map(([, words]) => h("th.number", { scope: "col" }, `${words}, mm`)),
+                  h("th", { scope: "col" }, "Photographs"),
+                  h("th", { scope: "col" }, h("span.sr", null, "Actions")),
+                ),
+              ),
+              h(
+                "tbody",
+                null,
+                fingers.map((finger) => this.#finger(finger)),
+              ),
             ),
           )
-        : h("p.soft", null, "None yet. A finger comes into being with its first photograph, or by typing its semi-axes."),
+        : h("p.soft", null, "No fingers yet. Add a photograph, or enter the semi-axes."),
     );
   }
 
+  /** @param {Finger} finger */
   #finger(finger) {
-    const typed = finger.table?.semi_axes_mm;
+    const typed = finger.table.semi_axes_mm;
     return h(
       "tr",
       null,
-      h("td", null, h("strong", null, finger.name), " ", synthetic(finger.synthetic), " ", incomplete(finger)),
-      AXES.map(([axis]) => h("td.number", null, withStd(finger.semi_axes_mm?.[axis], finger.semi_axes_mm_std?.[axis]))),
+      h(
+        "td",
+        null,
+        h("strong", null, finger.name),
+        " ",
+        synthetic(finger.synthetic),
+        " ",
+        incomplete(finger),
+      ),
+      AXES.map(([axis]) =>
+        h("td.number", null, withStd(finger.semi_axes_mm?.[axis], finger.semi_axes_mm_std?.[axis])),
+      ),
       h(
         "td",
         null,
         finger.photographs?.length
-          ? h("div.faces", null, finger.photographs.map((photograph) => this.#face(photograph)))
+          ? h(
+              "div.faces",
+              null,
+              finger.photographs.map((photograph) => this.#face(photograph)),
+            )
           : typed
-            ? h("span.soft", null, "typed in")
+            ? h("span.soft", null, "entered")
             : h("span.soft", null, "none"),
       ),
       h(
         "td",
         null,
-        h("div.actions", null, !finger.photographs?.length && button("Semi-axes", () => this.#semiAxes(finger), { kind: "small", label: `Semi-axes of ${finger.name}` }), button("✎", () => this.#rename(finger), { kind: "icon", label: `Rename ${finger.name}`, title: "Rename" }), button("×", () => this.#remove("finger", finger.name, finger.name), { kind: "icon", label: `Take ${finger.name} out` })),
+        h(
+          "div.actions",
+          null,
+          !finger.photographs?.length &&
+            button("Semi-axes", () => this.#semiAxes(finger), {
+              kind: "small",
+              label: `Semi-axes of ${finger.name}`,
+            }),
+          button("✎", () => this.#rename(finger), {
+            kind: "icon",
+            label: `Rename ${finger.name}`,
+            title: "Rename",
+          }),
+          button("×", () => this.#remove("finger", finger.name, finger.name), {
+            kind: "icon",
+            label: `Remove ${finger.name}`,
+          }),
+        ),
       ),
     );
   }
 
+  /** @param {Finger["photographs"][number]} photograph */
   #face(photograph) {
-    const words = `${photograph.face ?? "which face?"}${photograph.scale ? "" : ", no scale"}`;
-    const kind = photograph.complete === false || photograph.rejected ? "warn" : photograph.accepted ? "good" : "";
+    const words = `${photograph.face ?? "face missing"}${photograph.scale ? "" : ", no scale"}`;
+    const kind = photograph.rejected ? "warn" : photograph.accepted ? "good" : "";
     if (photograph.outline) return chip(`${words}, outline`, kind);
-    return h("a.face-link", { href: `#/photographs/${encodeURIComponent(photograph.item)}`, title: photograph.file }, h("img.small-thumb", { src: `/api/picture/thumbnail?${new URLSearchParams({ item: photograph.item })}`, alt: "", loading: "lazy" }), chip(words, kind));
+    return h(
+      "a.face-link",
+      { href: `#/photographs/${encodeURIComponent(photograph.item)}`, title: photograph.file },
+      h("img.small-thumb", {
+        src: `/api/picture/thumbnail?${new URLSearchParams({ item: photograph.item })}`,
+        alt: "",
+        loading: "lazy",
+      }),
+      chip(words, kind),
+    );
   }
 
-  /** Ask for the name of a finger: what was typed, empty where nothing shall be done. */
+  /** Ask for the name of a finger; empty if cancelled. */
   async #askName(words, doing, value = "") {
     const name = text({ placeholder: "left_index", value });
     const body = h("div", null, field("Name of the finger", name, { hint: "Letters, digits, - and _." }));
-    const answer = await question(words, body, [
+    const answer = await ask(words, body, [
       ["", "Cancel"],
       ["yes", doing, "primary"],
     ]);
@@ -115,27 +203,45 @@ export class StudyTables {
     const name = await this.#askName("Add a finger", "Add");
     if (!name) return;
     await this.change("finger", name, {});
-    const made = bench.study.fingers.find((finger) => finger.name === name);
+    const made = workspace.study.fingers.find((finger) => finger.name === name);
     if (made && !made.photographs?.length) this.#semiAxes(made);
   }
 
+  /** @param {Finger} finger */
   async #rename(finger) {
     const name = await this.#askName(`Rename ${finger.name}`, "Rename", finger.name);
     if (name && name !== finger.name) this.change("finger", finger.name, { name });
   }
 
+  /** @param {Finger} finger */
   async #semiAxes(finger) {
     const { semi_axes_mm: now = {}, semi_axes_mm_std: std = {} } = finger.table ?? {};
-    const inputs = AXES.map(([axis, words]) => [axis, words, number({ value: now[axis], min: 0 }), number({ value: std[axis], min: 0 })]);
+    const inputs = AXES.map(([axis, words]) => [
+      axis,
+      words,
+      number({ value: now[axis], min: 0 }),
+      number({ value: std[axis], min: 0 }),
+    ]);
     const body = h(
       "div.stack",
       null,
-      h("p", null, "Half-lengths of the pad, and one standard uncertainty each. Leave them empty if photographs will follow."),
-      h("div.fields.two", null, inputs.map(([, words, value, its]) => [field(words, value, { unit: "mm" }), field("± (standard uncertainty)", its, { unit: "mm" })])),
+      h(
+        "p",
+        null,
+        "Semi-axes of the pad with standard uncertainties. Leave them empty if photographs follow.",
+      ),
+      h(
+        "div.fields.two",
+        null,
+        inputs.map(([, words, value, its]) => [
+          field(words, value, { unit: "mm" }),
+          field("± (standard uncertainty)", its, { unit: "mm" }),
+        ]),
+      ),
     );
-    const answer = await question(`Semi-axes of ${finger.name}`, body, [
+    const answer = await ask(`Semi-axes of ${finger.name}`, body, [
       ["", "Cancel"],
-      ["yes", "Keep", "primary"],
+      ["yes", "Save", "primary"],
     ]);
     const value = (input) => (input.value === "" ? undefined : Number(input.value));
     if (answer !== "yes" || inputs.every(([, , input]) => input.value === "")) return;
@@ -145,15 +251,24 @@ export class StudyTables {
     });
   }
 
+  /** @param {Observation[]} observations */
   #observations(observations) {
-    const rolled = observations.some(({ roll_angle_deg: roll }) => roll) || bench.study.uncertainty.roll_angle_deg_std > 0;
+    const rolled =
+      observations.some(({ roll_angle_deg: roll }) => roll) ||
+      workspace.study.uncertainty.roll_angle_deg_std > 0;
     const pages = Math.max(1, Math.ceil(observations.length / PAGE));
     this.page = Math.min(this.page, pages - 1);
     const shown = observations.slice(this.page * PAGE, (this.page + 1) * PAGE);
     return h(
       "section.card",
       { "aria-label": "Contacts" },
-      h("header", null, h("h2", null, "Contacts"), h("span.soft", null, `${observations.length} in all`), pages > 1 && this.#pager(pages)),
+      h(
+        "header",
+        null,
+        h("h2", null, "Contacts"),
+        h("span.soft", null, `${observations.length} in all`),
+        pages > 1 && this.#pager(pages),
+      ),
       observations.length
         ? h(
             "div.table-wrap",
@@ -161,11 +276,32 @@ export class StudyTables {
             h(
               "table.tight",
               null,
-              h("thead", null, h("tr", null, ["Contact", "Finger", "Wedge, °", ...(rolled ? ["Roll, °"] : []), "Load, N", "Scale", "Status", ""].map((words) => h("th", { scope: "col" }, words || h("span.sr", null, "Actions"))))),
-              h("tbody", null, shown.map((observation) => this.#observation(observation, rolled))),
+              h(
+                "thead",
+                null,
+                h(
+                  "tr",
+                  null,
+                  [
+                    "Contact",
+                    "Finger",
+                    "Wedge, °",
+                    ...(rolled ? ["Roll, °"] : []),
+                    "Load, N",
+                    "Scale",
+                    "Status",
+                    "",
+                  ].map((words) => h("th", { scope: "col" }, words || h("span.sr", null, "Actions"))),
+                ),
+              ),
+              h(
+                "tbody",
+                null,
+                shown.map((observation) => this.#observation(observation, rolled)),
+              ),
             ),
           )
-        : h("p.soft", null, "None yet. Drop contact images above; each is one contact at one load."),
+        : h("p.soft", null, "No contacts yet. Drop contact images above; each is one contact at one load."),
     );
   }
 
@@ -174,42 +310,99 @@ export class StudyTables {
       this.page += by;
       this.draw();
     };
-    return h("div.actions", null, button("‹", go(-1), { kind: "small", disabled: this.page === 0, label: "Page before" }), h("span.number", null, `${this.page + 1} of ${pages}`), button("›", go(1), { kind: "small", disabled: this.page === pages - 1, label: "Next page" }));
-  }
-
-  #observation(one, rolled) {
-    const fixed = one.from_csv;
-    const set = (key) => (value) => this.change("observation", one.item, { [key]: value });
-    const num = (key, words, more) => h("td", null, number({ value: one[key], min: 0, label: `${words} of ${one.item}`, onset: set(key), disabled: fixed, ...more }));
     return h(
-      "tr",
+      "div.actions",
       null,
-      h("td", null, one.file ? h("a", { href: `#/contacts/images/${encodeURIComponent(one.item)}` }, one.item) : one.item, " ", synthetic(one.synthetic), one.flags.length > 0 && [" ", chip("flagged", "warn", one.flags.map(wordsFor).join("; "))]),
-      fixed
-        ? h("td", null, one.finger)
-        : h("td", null, choose({ value: one.finger ?? "", options: [...(one.finger ? [] : [["", "– which? –"]]), ...bench.study.fingers.map(({ name }) => name)], label: `Finger of ${one.item}`, onset: set("finger") })),
-      num("wedge_angle_deg", "Wedge angle", { max: 90 }),
-      rolled && num("roll_angle_deg", "Roll angle", { min: undefined }),
-      num("load_N", "Load"),
-      fixed || !one.file ? h("td.soft", null, one.file ? scaleWords(one.scale) : "ellipse given") : h("td", null, scaleChoice({ value: one.scale, label: `Scale of ${one.item}`, onset: set("scale") })),
-      h("td", null, incomplete(one) || statusChip(one)),
-      h("td", null, fixed ? h("span.soft", { title: "This row stands in the study's spreadsheet" }, "CSV") : button("×", () => this.#remove("observation", one.item, one.item), { kind: "icon", label: `Take ${one.item} out` })),
+      button("‹", go(-1), { kind: "small", disabled: this.page === 0, label: "Previous page" }),
+      h("span.number", null, `${this.page + 1} of ${pages}`),
+      button("›", go(1), { kind: "small", disabled: this.page === pages - 1, label: "Next page" }),
     );
   }
 
+  /**
+   * @param {Observation} one
+   * @param {boolean} rolled
+   */
+  #observation(one, rolled) {
+    const set = (key) => (value) => this.change("observation", one.item, { [key]: value });
+    const num = (key, words, more) =>
+      h(
+        "td",
+        null,
+        number({
+          value: one[key],
+          min: 0,
+          label: `${words} of ${one.item}`,
+          onset: set(key),
+          ...more,
+        }),
+      );
+    return h(
+      "tr",
+      null,
+      h(
+        "td",
+        null,
+        one.file ? h("a", { href: `#/contacts/images/${encodeURIComponent(one.item)}` }, one.item) : one.item,
+        " ",
+        synthetic(one.synthetic),
+        one.flags.length > 0 && [" ", chip("flagged", "warn", one.flags.map(describeCode).join("; "))],
+      ),
+      h(
+        "td",
+        null,
+        choose({
+          value: one.finger ?? "",
+          options: [
+            ...(one.finger ? [] : [["", "– select –"]]),
+            ...workspace.study.fingers.map(({ name }) => name),
+          ],
+          label: `Finger of ${one.item}`,
+          onset: set("finger"),
+        }),
+      ),
+      num("wedge_angle_deg", "Wedge angle", { max: 90 }),
+      rolled && num("roll_angle_deg", "Roll angle", { min: undefined }),
+      num("load_N", "Load"),
+      one.file
+        ? h("td", null, scaleChoice({ value: one.scale, label: `Scale of ${one.item}`, onset: set("scale") }))
+        : h("td.soft", null, "ellipse given"),
+      h("td", null, incomplete(one) || statusChip(one)),
+      h(
+        "td",
+        null,
+        button("×", () => this.#remove("observation", one.item, one.item), {
+          kind: "icon",
+          label: `Remove ${one.item}`,
+        }),
+      ),
+    );
+  }
+
+  /** @param {Sequence[]} sequences */
   #sequences(sequences) {
-    const tables = bench.study.files.filter(({ kind }) => kind === "table").map(({ file }) => file);
+    const tables = workspace.study.files.filter(({ kind }) => kind === "table").map(({ file }) => file);
     return h(
       "section.card",
-      { "aria-label": "Films" },
-      h("header", null, h("h2", null, "Films"), h("span.soft", null, "of one press, with its force")),
+      { "aria-label": "Sequences" },
+      h("header", null, h("h2", null, "Sequences"), h("span.soft", null, "contact images with force")),
       h(
         "div.table-wrap",
-        { tabindex: 0, role: "group", "aria-label": "Films" },
+        { tabindex: 0, role: "group", "aria-label": "Sequences" },
         h(
           "table.tight",
           null,
-          h("thead", null, h("tr", null, ["Film", "Finger", "Wedge, °", "Force and clock", "Scale", "Status", ""].map((words) => h("th", { scope: "col" }, words || h("span.sr", null, "Actions"))))),
+          h(
+            "thead",
+            null,
+            h(
+              "tr",
+              null,
+              ["Sequence", "Finger", "Wedge, °", "Force, frame rate", "Scale", "Status", ""].map((words) =>
+                h("th", { scope: "col" }, words || h("span.sr", null, "Actions")),
+              ),
+            ),
+          ),
           h(
             "tbody",
             null,
@@ -219,18 +412,70 @@ export class StudyTables {
               return h(
                 "tr",
                 null,
-                h("td", null, h("a", { href: `#/contacts/${encodeURIComponent(`film:${one.name}`)}` }, one.name), " ", synthetic(one.synthetic), one.frames && h("div.soft.number", null, `${one.frames} frames`)),
-                h("td", null, choose({ value: one.finger ?? "", options: bench.study.fingers.map(({ name }) => name), label: `Finger of ${one.name}`, onset: set("finger") })),
-                h("td", null, number({ value: one.wedge_angle_deg, min: 0, max: 90, label: `Wedge angle of ${one.name}`, onset: set("wedge_angle_deg") })),
                 h(
                   "td",
                   null,
-                  choose({ value: one.force ?? "", options: [["", "– which CSV? –"], ...force.map((file) => [file, file.split("/").at(-1)])], label: `Force of ${one.name}`, onset: set("force") }),
-                  h("div.control.below", null, number({ value: one.table?.frames_per_second, min: 0, label: `Frames per second of ${one.name}`, onset: set("frames_per_second") }), h("span.unit", null, "frames/s")),
+                  h("a", { href: `#/contacts/${encodeURIComponent(`film:${one.name}`)}` }, one.name),
+                  " ",
+                  synthetic(one.synthetic),
+                  one.frames && h("div.soft.number", null, `${one.frames} frames`),
                 ),
-                h("td", null, scaleChoice({ value: one.scale, label: `Scale of ${one.name}`, onset: set("scale") })),
+                h(
+                  "td",
+                  null,
+                  choose({
+                    value: one.finger ?? "",
+                    options: workspace.study.fingers.map(({ name }) => name),
+                    label: `Finger of ${one.name}`,
+                    onset: set("finger"),
+                  }),
+                ),
+                h(
+                  "td",
+                  null,
+                  number({
+                    value: one.wedge_angle_deg,
+                    min: 0,
+                    max: 90,
+                    label: `Wedge angle of ${one.name}`,
+                    onset: set("wedge_angle_deg"),
+                  }),
+                ),
+                h(
+                  "td",
+                  null,
+                  choose({
+                    value: one.force ?? "",
+                    options: [["", "– select CSV –"], ...force.map((file) => [file, file.split("/").at(-1)])],
+                    label: `Force of ${one.name}`,
+                    onset: set("force"),
+                  }),
+                  h(
+                    "div.control.below",
+                    null,
+                    number({
+                      value: one.frames_per_second,
+                      min: 0,
+                      label: `Frames per second of ${one.name}`,
+                      onset: set("frames_per_second"),
+                    }),
+                    h("span.unit", null, "frames/s"),
+                  ),
+                ),
+                h(
+                  "td",
+                  null,
+                  scaleChoice({ value: one.scale, label: `Scale of ${one.name}`, onset: set("scale") }),
+                ),
                 h("td", null, incomplete(one) || statusChip(one)),
-                h("td", null, button("×", () => this.#remove("sequence", one.name, one.name), { kind: "icon", label: `Take ${one.name} out` })),
+                h(
+                  "td",
+                  null,
+                  button("×", () => this.#remove("sequence", one.name, one.name), {
+                    kind: "icon",
+                    label: `Remove ${one.name}`,
+                  }),
+                ),
               );
             }),
           ),
@@ -239,11 +484,25 @@ export class StudyTables {
     );
   }
 
+  /** @param {State["curves"]} curves */
   #curves(curves) {
     return h(
       "section.card",
       { "aria-label": "Loading data" },
-      h("header", null, h("h2", null, "Loading data"), h("span.soft", null, "curves of force against displacement, or ", symbol("R", "g"), " as found elsewhere"), h("div.actions", null, button(h("span", null, "Add ", symbol("R", "g"), " from elsewhere"), () => this.#addRadius(), { kind: "small", disabled: !bench.study.fingers.length }))),
+      h(
+        "header",
+        null,
+        h("h2", null, "Loading data"),
+        h("span.soft", null, "force–displacement curves, or ", symbol("R", "g"), " from elsewhere"),
+        h(
+          "div.actions",
+          null,
+          button(h("span", null, "Add ", symbol("R", "g"), " from elsewhere"), () => this.#addRadius(), {
+            kind: "small",
+            disabled: !workspace.study.fingers.length,
+          }),
+        ),
+      ),
       curves.length
         ? h(
             "div.table-wrap",
@@ -251,7 +510,21 @@ export class StudyTables {
             h(
               "table.tight",
               null,
-              h("thead", null, h("tr", null, ["Source", "Finger", "Wedge, °", "R_g, mm", "Status", ""].map((words) => h("th", { scope: "col", class: words.startsWith("R") ? "number" : undefined }, words || h("span.sr", null, "Actions"))))),
+              h(
+                "thead",
+                null,
+                h(
+                  "tr",
+                  null,
+                  ["Source", "Finger", "Wedge, °", "R_g, mm", "Status", ""].map((words) =>
+                    h(
+                      "th",
+                      { scope: "col", class: words.startsWith("R") ? "number" : undefined },
+                      words || h("span.sr", null, "Actions"),
+                    ),
+                  ),
+                ),
+              ),
               h(
                 "tbody",
                 null,
@@ -259,29 +532,70 @@ export class StudyTables {
                   h(
                     "tr",
                     null,
-                    h("td", null, one.file ?? "found elsewhere", " ", synthetic(one.table?.synthetic)),
+                    h("td", null, one.file ?? "from elsewhere", " ", synthetic(one.synthetic)),
                     h("td", null, one.finger ?? "–"),
-                    h("td", null, number({ value: one.wedge_angle_deg, min: 0, max: 90, label: `Wedge angle of curve ${one.key}`, onset: (value) => this.change("curve", one.key, { wedge_angle_deg: value }) })),
-                    h("td.number", null, one.loading_radius_mm ? withStd(one.loading_radius_mm, one.table?.loading_radius_mm_std) : one.file ? "from the curve" : plain(null)),
+                    h(
+                      "td",
+                      null,
+                      number({
+                        value: one.wedge_angle_deg,
+                        min: 0,
+                        max: 90,
+                        label: `Wedge angle of curve ${one.key}`,
+                        onset: (value) => this.change("curve", one.key, { wedge_angle_deg: value }),
+                      }),
+                    ),
+                    h(
+                      "td.number",
+                      null,
+                      one.loading_radius_mm
+                        ? withStd(one.loading_radius_mm, one.loading_radius_mm_std)
+                        : one.file
+                          ? "from the curve"
+                          : plain(null),
+                    ),
                     h("td", null, incomplete(one) || statusChip(one)),
-                    h("td", null, button("×", () => this.#remove("curve", one.key, one.file ?? "this radius"), { kind: "icon", label: `Take curve ${one.key} out` })),
+                    h(
+                      "td",
+                      null,
+                      button("×", () => this.#remove("curve", one.key, one.file ?? "this radius"), {
+                        kind: "icon",
+                        label: `Remove curve ${one.key}`,
+                      }),
+                    ),
                   ),
                 ),
               ),
             ),
           )
-        : h("p.soft", null, "None. The study runs without; ", symbol("R", "g"), " is then not drawn beside the corrected radius."),
+        : h(
+            "p.soft",
+            null,
+            "None. The study runs without them; ",
+            symbol("R", "g"),
+            " is then not compared with the corrected radius.",
+          ),
     );
   }
 
   async #addRadius() {
-    const finger = choose({ value: bench.study.fingers[0].name, options: bench.study.fingers.map(({ name }) => name) });
+    const finger = choose({
+      value: workspace.study.fingers[0].name,
+      options: workspace.study.fingers.map(({ name }) => name),
+    });
     const wedge = number({ min: 0, max: 90 });
     const radius = number({ min: 0 });
     const std = number({ min: 0 });
-    const answer = await question(
+    const answer = await ask(
       "R_g from loading data",
-      h("div.fields", null, field("Finger", finger), field("Wedge angle", wedge, { unit: "°" }), field("R_g", radius, { unit: "mm" }), field("± (standard uncertainty)", std, { unit: "mm" })),
+      h(
+        "div.fields",
+        null,
+        field("Finger", finger),
+        field("Wedge angle", wedge, { unit: "°" }),
+        field("R_g", radius, { unit: "mm" }),
+        field("± (standard uncertainty)", std, { unit: "mm" }),
+      ),
       [
         ["", "Cancel"],
         ["yes", "Add", "primary"],
@@ -291,7 +605,6 @@ export class StudyTables {
     const set = { finger: finger.value, loading_radius_mm: Number(radius.value) };
     if (wedge.value !== "") set.wedge_angle_deg = Number(wedge.value);
     if (std.value !== "") set.loading_radius_mm_std = Number(std.value);
-    this.change("curve", String(bench.study.curves.length), set);
+    this.change("curve", String(workspace.study.curves.length), set);
   }
 }
-

@@ -1,69 +1,153 @@
-// Before a study is open: begin one, open one, or bring one from another machine.
+// The start page: create, open or import a study.
 
 import { ApiError } from "../core/api.js";
-import { bench } from "../core/workspace.js";
-import { h, place } from "../core/dom.js";
-import { complain } from "../core/messages.js";
-import { alone, button, faultList, field, text } from "../parts/forms.js";
+import { h, render } from "../core/dom.js";
+import { showError } from "../core/messages.js";
+import { workspace } from "../core/workspace.js";
+import { button, faultList, field, text, withoutOverlap } from "../parts/forms.js";
 
 class Welcome {
   constructor(root) {
-    const { studies, workspace } = bench.session;
+    const { studies, workspace: folder } = workspace.session;
     this.problem = h("div");
     this.title = text({ placeholder: "Index fingers, spring 2026", required: true });
-    this.chooser = h("input", { type: "file", accept: ".zip,application/zip", hidden: true, tabindex: -1, "aria-label": "ZIP of a study", onchange: () => this.#import(this.chooser.files[0]) });
+    this.chooser = h("input", {
+      type: "file",
+      accept: ".zip,application/zip",
+      hidden: true,
+      tabindex: -1,
+      "aria-label": "ZIP file of a study",
+      onchange: () => this.#import(this.chooser.files[0]),
+    });
     this.title.addEventListener("keydown", (event) => event.key === "Enter" && this.#create());
-    place(
+    render(
       root,
       h(
         "div.scroll.welcome",
         null,
-        h("header", null, h("img", { src: "/static/mark.svg", alt: "", width: 56, height: 56 }), h("div", null, h("h1", null, "The bench"), h("p.soft", null, "From photographs and fingerprints to corrected radii of curvature, each with its uncertainty."))),
+        h(
+          "header",
+          null,
+          h("img", { src: "/static/mark.svg", alt: "", width: 56, height: 56 }),
+          h(
+            "div",
+            null,
+            h("h1", null, "fingerpad"),
+            h(
+              "p.soft",
+              null,
+              "From photographs and fingerprints to corrected radii of curvature, each with its uncertainty.",
+            ),
+          ),
+        ),
         h(
           "div.welcome-grid",
           null,
-          h("section.card.stack", null, h("h2", null, "Begin a study"), field("What it is about", this.title, { hint: `A folder of its own is made in ${workspace}.` }), h("div.actions", null, button("Begin", () => this.#create(), { kind: "primary" })), this.problem),
           h(
             "section.card.stack",
             null,
-            h("h2", null, "Open a study"),
-            studies.length
-              ? h("ul.studies", null, studies.map(({ name, title }) => h("li", null, h("button", { type: "button", onclick: () => bench.open(name).catch(complain) }, h("strong", null, title || name), title && h("code", null, name)))))
-              : h("p.soft", null, `There is none in ${workspace} yet.`),
+            h("h2", null, "New study"),
+            field("Title", this.title, { hint: `A new folder is created in ${folder}.` }),
+            h(
+              "div.actions",
+              null,
+              button("Create study", () => this.#create(), { kind: "primary" }),
+            ),
+            this.problem,
           ),
-          h("section.card.stack", null, h("h2", null, "Bring a study"), h("p.soft", null, "The ZIP that another bench exported: pictures, corrections and results."), h("div.actions", null, button("Choose a ZIP", () => this.chooser.click()), this.chooser)),
+          h(
+            "section.card.stack",
+            null,
+            h("h2", null, "Open study"),
+            studies.length
+              ? h(
+                  "ul.studies",
+                  null,
+                  studies.map(({ name, title }) =>
+                    h(
+                      "li",
+                      null,
+                      h(
+                        "button",
+                        { type: "button", onclick: () => workspace.open(name).catch(showError) },
+                        h("strong", null, title || name),
+                        title && h("code", null, name),
+                      ),
+                    ),
+                  ),
+                )
+              : h("p.soft", null, `There are no studies in ${folder} yet.`),
+          ),
+          h(
+            "section.card.stack",
+            null,
+            h("h2", null, "Import study"),
+            h("p.soft", null, "A ZIP file exported by fingerpad: images, corrections and results."),
+            h(
+              "div.actions",
+              null,
+              button("Choose ZIP file", () => this.chooser.click()),
+              this.chooser,
+            ),
+          ),
         ),
-        h("ol.how", null, ["Drop photographs and contact images", "Set the scale", "Check outlines and contacts", "Run, and read the corrected radius against load"].map((words) => h("li", null, words))),
+        h(
+          "ol.how",
+          null,
+          [
+            "Drop photographs and contact images",
+            "Set the scale",
+            "Check outlines and contacts",
+            "Run, and plot the corrected radius against load",
+          ].map((words) => h("li", null, words)),
+        ),
       ),
     );
     this.title.focus();
   }
 
-  #create = alone(async () => {
+  #create = withoutOverlap(async () => {
     const title = this.title.value.trim();
     if (!title) return this.title.focus();
-    const name = title.normalize("NFKD").replace(/\p{M}/gu, "").toLowerCase().replace(/[^a-z0-9]+/g, "-").replace(/^-+|-+$/g, "").slice(0, 60) || "study";
-    place(this.problem);
+    const name =
+      title
+        .normalize("NFKD")
+        .replace(/\p{M}/gu, "")
+        .toLowerCase()
+        .replace(/[^a-z0-9]+/g, "-")
+        .replace(/^-+|-+$/g, "")
+        .slice(0, 60) || "study";
+    render(this.problem);
     try {
-      await bench.create(name, title);
+      await workspace.create(name, title);
       location.hash = "#/study";
     } catch (error) {
-      place(this.problem, faultList(error));
+      render(this.problem, faultList(error));
     }
     return undefined;
   });
 
   async #import(file) {
     if (!file) return;
-    const stem = file.name.replace(/\.zip$/i, "").replace(/[^A-Za-z0-9._-]+/g, "-").replace(/^[.-]+/, "").slice(0, 56) || "study";
-    const taken = new Set(bench.session.studies.map((study) => study.name));
+    const stem =
+      file.name
+        .replace(/\.zip$/i, "")
+        .replace(/[^A-Za-z0-9._-]+/g, "-")
+        .replace(/^[.-]+/, "")
+        .slice(0, 56) || "study";
+    const taken = new Set(workspace.session.studies.map((study) => study.name));
     let name = stem;
     for (let number = 2; taken.has(name); number += 1) name = `${stem}-${number}`;
-    const response = await fetch(`/api/session/import?${new URLSearchParams({ name })}`, { method: "POST", headers: { "content-type": "application/zip" }, body: file });
+    const response = await fetch(`/api/session/import?${new URLSearchParams({ name })}`, {
+      method: "POST",
+      headers: { "content-type": "application/zip" },
+      body: file,
+    });
     const answer = await response.json().catch(() => null);
-    if (!response.ok) return complain(new ApiError(response.status, answer));
-    bench.take(answer);
+    if (!response.ok) return showError(new ApiError(response.status, answer));
+    workspace.update(answer);
   }
 }
 
-export const open = (root) => new Welcome(root);
+/** @returns {View} */
+export const open = (root) => /** @type {any} */ (new Welcome(root));
