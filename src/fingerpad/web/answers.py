@@ -59,7 +59,7 @@ class Limits(Answer):
     """What can be uploaded."""
 
     upload_bytes: int
-    picture_px: int
+    picture_memory_bytes: int
 
 
 class Session(Answer):
