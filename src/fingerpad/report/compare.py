@@ -68,7 +68,9 @@ def write_comparison_page(comparison: Comparison, out: Path) -> Path:
         )
         path.write_text(page, encoding="utf-8")
     except OSError as error:
-        raise FingerpadError(f"{error.filename}: cannot be written ({error.strerror})") from error
+        raise FingerpadError(
+            f"{error.filename or path}: cannot be written ({error.strerror}): make room, or choose another --out"
+        ) from error
     return path
 
 

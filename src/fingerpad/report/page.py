@@ -114,7 +114,10 @@ def write_page(
             file.writelines(page)
         path.with_suffix(".part").replace(path)
     except OSError as error:
-        raise FingerpadError(f"{error.filename}: cannot be written ({error.strerror})") from error
+        raise FingerpadError(
+            f"{error.filename or path}: cannot be written ({error.strerror}): what was measured is kept; make "
+            "room, or choose another --out, and run again to go on"
+        ) from error
 
 
 def _tabled(result: StudyResult, draw: _Draw) -> dict[str, Any]:
