@@ -12,8 +12,8 @@ from pathlib import Path
 
 import pytest
 from distributed import Client
-from tests.soon import soon
 from tests.study.small_study import FRAMES, PICTURES, copy, make
+from tests.waiting import wait_until
 from typer.testing import CliRunner
 
 import fingerpad
@@ -236,7 +236,7 @@ def test_an_interrupt_of_the_whole_terminal_ends_a_run_on_workers_of_its_own(
         start_new_session=True,
     )
     try:
-        assert soon(lambda: log.is_file() and log.read_text().count("\n") > 1)
+        assert wait_until(lambda: log.is_file() and log.read_text().count("\n") > 1)
         os.killpg(run.pid, signal.SIGINT)
         said = run.communicate(timeout=45)[1]
     finally:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.soon import soon
+from tests.waiting import wait_until
 
 from fingerpad.exceptions import StoreError
 from fingerpad.study.engine.executors import local_executor
@@ -161,11 +161,11 @@ def test_workers_end_with_their_parent(tmp_path: Path) -> None:
             time.sleep(60)
         finally:
             os._exit(1)
-    assert soon(lambda: (tmp_path / "worker").is_file() and (tmp_path / "worker").read_text())
+    assert wait_until(lambda: (tmp_path / "worker").is_file() and (tmp_path / "worker").read_text())
     worker = int((tmp_path / "worker").read_text())
     os.kill(pid, signal.SIGKILL)
     os.waitpid(pid, 0)
-    assert soon(lambda: not _is_running(worker))
+    assert wait_until(lambda: not _is_running(worker))
 
 
 def _is_running(pid: int) -> bool:

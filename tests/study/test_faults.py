@@ -14,8 +14,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.soon import soon
 from tests.study.small_study import FRAMES, PICTURES, copy, make, run_here
+from tests.waiting import wait_until
 
 from fingerpad.exceptions import FingerpadError, StoreError
 from fingerpad.study.engine import store as store_module
@@ -94,11 +94,11 @@ def test_killed_at_twenty_moments(made: Path, undisturbed: list[dict], tmp_path:
 def test_workers_end_with_a_killed_run(manifest: Path, tmp_path: Path) -> None:
     command = [sys.executable, "-m", "fingerpad", "run", str(manifest), "--workers", "2"]
     process = subprocess.Popen([*command, "--out", str(tmp_path / "out")], stderr=subprocess.DEVNULL)
-    assert soon(lambda: len(workers_of(process.pid)) == 2)
+    assert wait_until(lambda: len(workers_of(process.pid)) == 2)
     children = workers_of(process.pid)
     process.kill()
     process.wait()
-    assert soon(lambda: not any(Path("/proc", child).exists() for child in children))
+    assert wait_until(lambda: not any(Path("/proc", child).exists() for child in children))
 
 
 def workers_of(parent: int) -> list[str]:

@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 from filelock import FileLock
 from PIL import Image
-from tests.soon import soon
+from tests.waiting import wait_until
 from typer.testing import CliRunner
 
 from fingerpad.cli import app
@@ -165,7 +165,7 @@ def test_a_killed_run_loses_no_row_and_doubles_none(folder: Path, seed: int) -> 
     ]
     process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     wanted = np.random.default_rng(seed).integers(1, COUNT + 1)
-    assert soon(lambda: len(list((folder / "out" / ".drawn").glob("*.png"))) >= wanted)
+    assert wait_until(lambda: len(list((folder / "out" / ".drawn").glob("*.png"))) >= wanted)
     process.send_signal(signal.SIGKILL)
     process.wait()
     measured, rows = run(folder)
@@ -256,7 +256,7 @@ def test_status_writes_nothing(folder: Path, state: str) -> None:
                     time.sleep(60)
             finally:
                 os._exit(1)
-        assert soon((folder / "written").exists)
+        assert wait_until((folder / "written").exists)
         if state == "killed":
             os.kill(pid, signal.SIGKILL)
     before = snapshot(out)

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import httpx
 import pytest
-from tests.soon import soon
+from tests.waiting import wait_until
 
 PRINT = "synthetic_30deg_2N"
 PHOTO = "synthetic_pad/synthetic/photograph_palmar.jpg"
@@ -137,7 +137,7 @@ def test_corrections_are_sent_to_other_pages(client):
 
     listener = threading.Thread(target=listen)
     listener.start()
-    assert soon(lambda: heard)
+    assert wait_until(lambda: heard)
     last = correct(client, PRINT, 0, {"accepted": True}).json()["last_id"]
     listener.join(10)
     assert heard[-2:] == ["event: corrections", f'data: {{"item": "{PRINT}", "last_id": {last}}}']

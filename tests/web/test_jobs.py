@@ -11,7 +11,7 @@ import zipfile
 
 import pytest
 from filelock import FileLock
-from tests.soon import soon
+from tests.waiting import wait_until
 from tests.web.conftest import DEMO, serving, shorten
 
 from fingerpad.web import run_job
@@ -63,7 +63,9 @@ def run_of(client, **params):
 
 
 def ended(client, timeout_s=120):
-    assert soon(lambda: client.get("/api/run").json()["state"] not in {"running", "cancelling"}, timeout_s)
+    assert wait_until(
+        lambda: client.get("/api/run").json()["state"] not in {"running", "cancelling"}, timeout_s
+    )
     return client.get("/api/run").json()
 
 
@@ -204,7 +206,7 @@ def test_one_run_at_a_time_with_events(client):
 
     listener = threading.Thread(target=listen)
     listener.start()
-    assert soon(lambda: heard)
+    assert wait_until(lambda: heard)
     assert client.post("/api/run", json={}).status_code == 202
     second = client.post("/api/run", json={})
     assert second.status_code == 409, second.text
@@ -225,7 +227,7 @@ def test_a_cancelled_run_keeps_its_measurements_and_resumes(studies_folder):
     workspace.open_folder(studies_folder / "demo")
     with serving(workspace) as client:
         client.post("/api/run", json={})
-        assert soon(lambda: client.get("/api/run").json()["done"])
+        assert wait_until(lambda: client.get("/api/run").json()["done"])
         assert client.post("/api/run/cancel").status_code == 202
         run = ended(client)
         assert run["state"] == "cancelled"
@@ -250,7 +252,7 @@ def test_a_run_can_be_stopped_while_its_report_is_drawn(studies_folder):
     workspace.open_folder(studies_folder / "demo")
     with serving(workspace) as client:
         client.post("/api/run", json={"workers": 2})
-        assert soon(lambda: drawing(client), 120)
+        assert wait_until(lambda: drawing(client), 120)
         client.post("/api/run/cancel")
         assert ended(client)["state"] == "cancelled"
         results = client.get("/api/study").json()["results"]

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import httpx
 import pytest
-from tests.soon import soon
+from tests.waiting import wait_until
 
 APP = [sys.executable, "-m", "fingerpad", "app", "--no-browser"]
 
@@ -73,7 +73,7 @@ def test_the_browser_is_started_with_a_code_of_its_own_and_never_the_token(studi
         printed = process.stdout.readline().split()[-1]
         token_file = Path(process.stdout.readline().split()[-1])
         assert token_file.is_relative_to(studies_folder)
-        assert soon(there.exists)
+        assert wait_until(there.exists)
         argument = there.read_text()
         assert token_file.read_text().strip() not in argument
         for address, again in ((argument, 403), (printed, 200)):

@@ -4,7 +4,7 @@ import time
 from collections.abc import Callable
 
 
-def soon(true: Callable[[], object], within_s: float = 60.0) -> bool:
+def wait_until(true: Callable[[], object], within_s: float = 60.0) -> bool:
     """Return True once something is, False when it has not become so in time."""
     deadline = time.monotonic() + within_s
     while time.monotonic() < deadline:
