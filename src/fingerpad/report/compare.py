@@ -69,7 +69,8 @@ def write_comparison_page(comparison: Comparison, out: Path) -> Path:
         path.write_text(page, encoding="utf-8")
     except OSError as error:
         raise FingerpadError(
-            f"{error.filename or path}: cannot be written ({error.strerror}): make room, or choose another --out"
+            f"{error.filename or path}: cannot be written ({error.strerror}): make room, "
+            "or choose another --out"
         ) from error
     return path
 

@@ -115,8 +115,8 @@ def write_page(
         path.with_suffix(".part").replace(path)
     except OSError as error:
         raise FingerpadError(
-            f"{error.filename or path}: cannot be written ({error.strerror}): what was measured is kept; make "
-            "room, or choose another --out, and run again to go on"
+            f"{error.filename or path}: cannot be written ({error.strerror}): what was measured is kept; "
+            "make room, or choose another --out, and run again to go on"
         ) from error
 
 
