@@ -6,7 +6,7 @@ import pytest
 from fingerpad.contact import pad_contact
 from fingerpad.exceptions import GeometryError
 from fingerpad.geometry import Ellipsoid, Placement, platen_normal, relative_curvature
-from fingerpad.image import ManualEllipse, Scale, photograph_from_ellipse
+from fingerpad.image import ImageEllipse, Scale, photograph_from_ellipse
 from fingerpad.simulate import render_coin, render_contact_image
 
 PAD = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
@@ -23,7 +23,7 @@ DEGREES = {
     "v of a normal": lambda: PAD.normal(0.5, 90),
     "u of a curvature": lambda: PAD.curvature(45, 1.5),
     "turn of relative_curvature": lambda: relative_curvature((10, 12), (8, 9), angle=45),
-    "orientation of an ellipse": lambda: ManualEllipse(centre=(1, 1), semi_axes=(9, 8), orientation=20),
+    "orientation of an ellipse": lambda: ImageEllipse(centre=(1, 1), semi_axes=(9, 8), orientation=20),
     "lean of a photograph": lambda: photograph_from_ellipse(
         "palmar", Scale(0.05), centre=(300, 200), semi_axes=(236, 276), lean=12
     ),

@@ -592,7 +592,8 @@ def test_linear_algebra_has_one_thread_unless_told_otherwise() -> None:
         done = subprocess.run(
             [sys.executable, "-c", script], capture_output=True, text=True, check=True, env=mine | told
         )
-        assert int(done.stdout.splitlines()[-1]) == threads
+        # NumPy and SciPy have a pool each.
+        assert threads <= int(done.stdout.splitlines()[-1]) <= 2 * threads - 1
 
 
 def test_importing_the_package_stays_light() -> None:

@@ -85,7 +85,7 @@ def test_links_within_the_study_are_followed(study: Path) -> None:
         stored = study / ".data" / name.replace("/", "-")
         (study / name).rename(stored)
         (study / name).symlink_to(stored)
-    assert read_study(study / "study.toml").sequences[0].path == "film"
+    assert read_study(study / "study.toml").sequences[0].file == "film"
 
 
 def test_a_folder_that_nothing_names_may_link_anywhere(study: Path) -> None:

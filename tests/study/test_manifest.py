@@ -159,7 +159,7 @@ def test_rows_may_come_from_a_spreadsheet(tmp_path: Path) -> None:
         (VALID.replace("ellipse_mm =", 'file = "x.png" #'), "an image needs its scale"),
         (
             VALID.replace("ellipse_mm =", 'file = "no.png"\nscale = { ppi = 500 } #'),
-            "image: no file 'no.png' in the study",
+            "file: no file 'no.png' in the study",
         ),
         (
             VALID.replace("ellipse_mm =", 'file = "../x.png"\nscale = { ppi = 500 } #'),
@@ -212,7 +212,7 @@ def test_rows_may_come_from_a_spreadsheet(tmp_path: Path) -> None:
             r"observations.0..scale: no scale is named 's'; write a table .scales.s.",
         ),
         (VALID + PRESS, "sequences.0.: a sequence needs its scale"),
-        (VALID + PRESS + "scale = { ppi = 500 }", "sequences.0..path: no file 'film' in the study"),
+        (VALID + PRESS + "scale = { ppi = 500 }", "sequences.0..file: no file 'film' in the study"),
         (
             VALID + PRESS + 'scale = { ppi = 500 }\ntimes = "t.csv"\nframes_per_second = 9',
             "no use for frames_per_second",

@@ -198,12 +198,12 @@ def test_a_film_travels_with_its_frames_wherever_they_are(tmp_path):
         (folder / f".data/film/f{number}.png").write_bytes(bytes([number]))
     (folder / "film").symlink_to(".data/film")
     (folder / "force.csv").write_text("time_s,force_N\n0,0\n")
-    film = {"name": "p", "finger": "f", "wedge_angle_deg": 30, "path": "film", "force": "force.csv"}
+    film = {"name": "p", "finger": "f", "wedge_angle_deg": 30, "file": "film", "force": "force.csv"}
     text = tomlkit.dumps({**HEAD, "sequences": [{**film, "scale": {"ppi": 500}}]})
     (folder / "study.toml").write_text(text)
     found, other = round_trip(folder)
     assert [path.read_bytes() for path in sorted((other / "film").iterdir())] == [b"\x01", b"\x02"]
-    assert read_study(other / "study.toml").sequences[0].path == "film"
+    assert read_study(other / "study.toml").sequences[0].file == "film"
     assert [one.file for one in found.left_out] == [".data/", "film/"]
 
 

@@ -271,7 +271,7 @@ def test_closing_the_study_stops_its_run(studies_folder):
         client.post("/api/run", json={})
         study = workspace.study
         assert client.post("/api/session/close").status_code == 200
-        assert study.running.describe()["state"] in {"cancelled", "done"}
+        assert study.run_job.describe()["state"] in {"cancelled", "done"}
 
 
 def test_the_page_responds_during_a_run(studies_folder):

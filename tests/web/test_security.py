@@ -240,7 +240,7 @@ def test_a_frame_that_is_a_link_out_of_the_study_is_not_shown(client, studies_fo
     (film / "f1.png").symlink_to(studies_folder / "outside.png")
     edits = {
         "expected": client.get("/api/study").json()["digest"],
-        "edits": [{"kind": "sequence", "key": "draft", "set": {"path": "film"}}],
+        "edits": [{"kind": "sequence", "key": "draft", "set": {"file": "film"}}],
     }
     client.post("/api/study/edits", json=edits).raise_for_status()
     answer = client.get(f"/api/picture/{kind}", params={"item": "draft#0"})

@@ -44,7 +44,7 @@ def import_fiji(
     roll_deg: Annotated[
         float | None, typer.Option(min=-360, max=360, help="Roll angle for all rows, degrees.")
     ] = None,
-    load_n: Annotated[float | None, typer.Option(min=0, help="Load for all rows, N.")] = None,
+    load_n: Annotated[float | None, typer.Option(min=1e-6, help="Load for all rows, N.")] = None,
     label_pattern: Annotated[
         str | None,
         typer.Option(help='What labels tell, as in "{finger}_{wedge_angle_deg}deg_{load_N}N".'),

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, as_float_array
+from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, as_float_array, check_radians
 from fingerpad.exceptions import ImageError
 
 
@@ -32,6 +32,9 @@ class ImageEllipse:
     centre: tuple[float, float]
     semi_axes: tuple[float, float]
     orientation: float = 0.0
+
+    def __post_init__(self) -> None:
+        check_radians("orientation", self.orientation)
 
     @property
     def area(self) -> float:

@@ -677,7 +677,7 @@ class AuditedNumber(Answer):
     computed: float | None
     low: float | None
     high: float | None
-    with_slip: float | None
+    with_misprint: float | None
     formula: str
     remark: str
 

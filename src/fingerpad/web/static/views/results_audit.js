@@ -61,7 +61,7 @@ function row({
   computed,
   low,
   high,
-  with_slip: slip,
+  with_misprint: misprint,
   verdict,
   formula,
   remark,
@@ -76,7 +76,7 @@ function row({
     number(String(printed), printed),
     number(plain(computed), computed),
     number(`${plain(low)} to ${plain(high)}`, low),
-    number(plain(slip), slip),
+    number(plain(misprint), misprint),
     h("td", null, chip(verdict, KIND[verdict] ?? "warn")),
     h("td.formula", null, formula && h("code", null, formula), remark && h("p.soft", null, remark)),
   );
