@@ -134,6 +134,12 @@ def test_without_area_a_radius_from_elsewhere_gives_moduli(tmp_path: Path) -> No
     assert helped.fit.youngs_modulus.std / helped.fit.youngs_modulus.value == pytest.approx(0.05, rel=0.15)
 
 
+def test_the_summary_names_a_radius_and_its_uncertainty_alike(tmp_path: Path) -> None:
+    record = summary_record(study(tmp_path, "loading_radius_mm = 15\nloading_radius_mm_std = 1.5\n"))
+    (curve,) = record["curves"]
+    assert (curve["loading_radius_mm"], curve["loading_radius_mm_std"]) == (15, 1.5)
+
+
 def test_what_cannot_be_fitted_whole_may_still_have_a_slope(tmp_path: Path) -> None:
     load = np.linspace(0.5, 2.0, 6)
     depth = load ** (2 / 3)

@@ -71,8 +71,9 @@ def run(
     from fingerpad.report import write_report
     from fingerpad.report.write import REPORT_NAME
     from fingerpad.study.pipeline import run_study
+    from fingerpad.study.results.result_set import results_folder
 
-    out = out or study.parent / "results"
+    out = out or results_folder(study)
     with progress_display(log) as progress:
         require_positive("--time-limit-s", time_limit_s)
         require_positive("--memory-gb", memory_gb)
@@ -101,9 +102,10 @@ def status(
     as_json: AsJson = False,
 ) -> None:
     """Tell how much of a study is measured, failed, stale or left."""
+    from fingerpad.study.results.result_set import results_folder
     from fingerpad.study.status import study_status
 
-    found = study_status(study, out or study.parent / "results")
+    found = study_status(study, out or results_folder(study))
     record = {**asdict(found), "total": found.total, "seconds_left": found.seconds_left}
     if as_json:
         print_json(record)
@@ -131,9 +133,10 @@ def verify(
 
     Nothing is written. The exit code is 3 where something is damaged.
     """
+    from fingerpad.study.results.result_set import results_folder
     from fingerpad.study.verify import verify_study
 
-    found = verify_study(study, out or study.parent / "results")
+    found = verify_study(study, out or results_folder(study))
     if as_json:
         print_json(asdict(found))
     else:

@@ -11,9 +11,8 @@ from fingerpad.study.corrections.history import CORRECTIONS_NAME
 from fingerpad.study.editing.documents import DRAFT_NAME, STUDY_NAME
 from fingerpad.study.engine.store import STORE_NAME
 from fingerpad.study.journal import LOCK_NAME
-from fingerpad.study.results.result_set import OUTPUT_NAMES
+from fingerpad.study.results.result_set import OUTPUT_NAMES, RESULTS_NAME
 
-RESULTS: Final = "results"
 _DOCUMENTS: Final = (STUDY_NAME, DRAFT_NAME, CORRECTIONS_NAME)
 _OF_A_RUN: Final = OUTPUT_NAMES | {STORE_NAME, "results.parquet", "results.mat"}
 # Lock files of running programs.
@@ -80,15 +79,15 @@ class Bundle:
         bundle.documents = tuple(bundle.files)
         for name in sorted(named):
             bundle._add_named(folder, name)
-        results = folder / RESULTS
+        results = folder / RESULTS_NAME
         if out != results and results.is_dir():
-            bundle._leave(f"{RESULTS}/", "other results than those that are open")
+            bundle._leave(f"{RESULTS_NAME}/", "other results than those that are open")
         for path, name in bundle._entries(folder, ""):
             of_a_run = path.is_dir() and path in {results, out}
             if not of_a_run and not (out == folder and name in _OF_A_RUN):
                 bundle._add(path, name, folder, out)
         if out.is_dir():
-            for path, name in bundle._entries(out, f"{RESULTS}/"):
+            for path, name in bundle._entries(out, f"{RESULTS_NAME}/"):
                 if not folder.is_relative_to(out) or path.name in _OF_A_RUN:
                     bundle._add(path, name, out, out)
         bundle.folders = list(dict.fromkeys(bundle.folders))

@@ -13,6 +13,7 @@ from typing import Any, Final
 import fingerpad
 from fingerpad.image import MEMORY_LIMIT
 from fingerpad.study.editing.documents import DRAFT_NAME, STUDY_NAME, title_of
+from fingerpad.study.results.result_set import RESULTS_NAME
 from fingerpad.web.errors import RequestError
 from fingerpad.web.events import Events
 from fingerpad.web.study_session import StudySession
@@ -99,7 +100,7 @@ class Workspace:
         with self._lock:
             opened = StudySession(
                 folder.absolute(),
-                out=(out or folder / "results").absolute(),
+                out=(out or folder / RESULTS_NAME).absolute(),
                 events=self.events,
                 memory_limit=self.memory_limit,
             )

@@ -118,7 +118,7 @@ def summary_record(result: StudyResult) -> dict[str, Any]:
                 "wedge_angle_deg": curve.manifest.wedge_angle_deg,
                 "synthetic": curve.manifest.synthetic,
                 "loading_radius_mm": curve.loading_radius,
-                "effective_radius_mm_std": curve.loading_radius_std,
+                "loading_radius_mm_std": curve.loading_radius_std,
                 "velocity_mm_per_s": curve.velocity,
                 "reason": curve.reason,
                 "fit": curve.fit and curve.fit.as_record(),

@@ -17,7 +17,9 @@ from fingerpad._files import digest_of, sha256_of
 from fingerpad.exceptions import FingerpadError, StoreError
 from fingerpad.study.atomic_files import sync_folder
 from fingerpad.study.engine.store import STORE_NAME, Store
+from fingerpad.study.manifest import manifest_in
 
+RESULTS_NAME: Final = "results"
 SUMS_NAME: Final = "SHA256SUMS"
 # What a run writes into its output folder.
 OUTPUT_NAMES: Final = frozenset(
@@ -40,6 +42,17 @@ _COMPLETE: Final = ".results-complete"
 _LINE: Final = re.compile(r"([0-9a-f]{64})  ([^\s/][^\n]*)")
 _DAMAGED: Final = f"{SUMS_NAME}: is damaged"
 RERUN: Final = "run the study again: nothing that was measured is measured again"
+
+
+def results_folder(manifest: Path) -> Path:
+    """Return the output folder of a study for which none is named: beside its manifest.
+
+    Parameters
+    ----------
+    manifest : Path
+        The manifest, or the folder that holds ``study.toml``.
+    """
+    return manifest_in(manifest).parent / RESULTS_NAME
 
 
 class NewResultSet:
