@@ -22,6 +22,13 @@ EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "dzidek2017"
 FILM = EXAMPLE / "synthetic" / "synthetic_press_30deg.tif"
 HERTZ = ("hertz", "--radii-mm", "12", "14", "--load-n", "2", "--modulus-kpa", "100")
 PROGRAM = (sys.executable, "-m", "fingerpad")
+# The same, with interrupts, which processes started in the background ignore.
+INTERRUPTIBLE = (
+    sys.executable,
+    "-c",
+    "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); print('started', flush=True); "
+    "from fingerpad.__main__ import main; main()",
+)
 
 
 def shell(redirection: str, *arguments: str) -> tuple[int, str]:
@@ -165,45 +172,38 @@ def test_a_damaged_film_is_refused_or_measured(tmp_path: Path) -> None:
     assert len(codes) > 1
 
 
-def take_interrupts() -> None:
-    """Let a child take interrupts also where the tests run in the background, which ignores them."""
-    signal.signal(signal.SIGINT, signal.SIG_DFL)
-
-
 def test_an_interrupt_at_any_moment_is_no_traceback(prints: list[Path], tmp_path: Path) -> None:
     rng = np.random.default_rng(2)
-    start = "import sys; print('begun', flush=True); from fingerpad.__main__ import main; main()"
     commands = [("measure", "print", *map(str, prints * 20), "--ppi", "500"), HERTZ]
     codes = []
     for number in range(24):
         process = subprocess.Popen(
-            [sys.executable, "-c", start, *commands[number % 4 == 3]],
+            [*INTERRUPTIBLE, *commands[number % 4 == 3]],
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             text=True,
-            preexec_fn=take_interrupts,
         )
         assert process.stdout is not None
-        assert process.stdout.readline() == "begun\n"
+        assert process.stdout.readline() == "started\n"
         time.sleep(rng.uniform(0.03, 2.0))
         process.send_signal(signal.SIGINT)
         _, err = process.communicate(timeout=60)
         assert err in {"", "fingerpad: interrupted\n"}
         codes.append(process.returncode)
     assert set(codes) <= {0, 130, -signal.SIGINT}
-    assert 130 in codes
+    assert codes.count(130) > 5
 
 
 def test_an_interrupted_sequence_does_not_claim_that_it_goes_on() -> None:
     with subprocess.Popen(
-        [*PROGRAM, "measure", "sequence", str(FILM), "--ppi", "240", "--json"],
+        [*INTERRUPTIBLE, "measure", "sequence", str(FILM), "--ppi", "240", "--json"],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
-        preexec_fn=take_interrupts,
     ) as process:
         assert process.stdout is not None
         assert process.stderr is not None
+        assert process.stdout.readline() == "started\n"
         first = process.stdout.readline()
         process.send_signal(signal.SIGINT)
         rest, err = process.stdout.read(), process.stderr.read()
