@@ -8,15 +8,17 @@ Green's functions. The convolution is zero-padded, so that no periodic images ta
 import math
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Self
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 from scipy import fft
-from scipy.interpolate import CubicSpline
 from scipy.special import j0
 
 from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, check_all
 from fingerpad.exceptions import GeometryError
+
+if TYPE_CHECKING:
+    from scipy.interpolate import CubicSpline
 
 _TABLE_END = 24.0  # in thicknesses; the layer's own Green's function has decayed to nothing there
 _TABLE_STEP = 0.02
@@ -53,8 +55,10 @@ def layer_compliance_ratio(wavenumber_thickness: ArrayLike, poisson_ratio: float
 
 
 @lru_cache(maxsize=16)
-def _green_difference(poisson_ratio: float) -> CubicSpline:
+def _green_difference(poisson_ratio: float) -> "CubicSpline":
     """Return g(r/t) = ∫(M(x) − 1) J0(x r/t) dx, the layer's Green's function less the half-space's."""
+    from scipy.interpolate import CubicSpline  # noqa: PLC0415 (slow to import, for layers alone)
+
     node, weight = np.polynomial.legendre.leggauss(700)
     node, weight = 11 * (node + 1), 11 * weight  # M − 1 has decayed to 1e-15 at x = 22
     amplitude = weight * (layer_compliance_ratio(node, poisson_ratio) - 1)

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from scipy import stats
 
 from fingerpad._loading_curve import LoadingCurve
 from fingerpad.exceptions import FitError
@@ -60,8 +61,6 @@ def fit_contact_compliance(curve: LoadingCurve) -> ContactCompliance:
     x, y = np.pi * curve.indentation[loaded], curve.area[loaded]
     if not np.ptp(x) > 0:
         raise FitError("the displacement is the same at every point under load; R_g needs a range of it")
-    from scipy import stats  # noqa: PLC0415 (slow to import, seldom needed)
-
     line = stats.linregress(x, y)
     if not line.slope > 0:
         raise FitError(

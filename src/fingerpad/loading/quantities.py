@@ -4,6 +4,7 @@ import math
 from collections.abc import Mapping
 
 import numpy as np
+from scipy import stats
 
 from fingerpad._arrays import FloatArray
 from fingerpad.exceptions import FitError
@@ -90,8 +91,6 @@ def implausible(main: JointFit, given: float | Estimate | None, *, known: bool) 
     record = main.record
     contradicted = False
     if given is not None and record.area.size >= _MIN_AREAS:
-        from scipy import stats  # noqa: PLC0415 (slow to import, seldom needed)
-
         line = stats.linregress(np.pi * record.smooth_displacement[record.with_area], record.area)
         std = given.std if isinstance(given, Estimate) else 0.0
         contradicted = abs(line.slope - radius) > _CONTRADICTED * math.hypot(line.stderr, std, 0.02 * radius)

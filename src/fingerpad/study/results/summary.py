@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+from scipy import stats
 
 from fingerpad.study.results.model import POOLED_OUTPUTS
 from fingerpad.study.results.pooling import PooledRadius
@@ -102,7 +103,5 @@ def area_exponent(rows: ResultsTable) -> Exponent:
     area = np.pi * sound.column("semi_major_mm") * sound.column("semi_minor_mm")
     if np.unique(load).size < 2:
         return Exponent(math.nan, math.nan)
-    from scipy import stats  # noqa: PLC0415 (slow to import, seldom needed)
-
     line = stats.linregress(np.log(load), np.log(area))
     return Exponent(float(line.slope), float(line.stderr) if load.size > 2 else math.nan)
