@@ -162,8 +162,8 @@ def report(count: int = 5000) -> Outcomes:
     print(f"\n{count:,} damaged studies through the commands, {time.perf_counter() - began:.0f} s")
     for command in dict.fromkeys(name for name, _ in found.counts):
         kinds = ("accepted", "refused", "traceback", "hang")
-        told = (f"{kind} {found.counts[command, kind]:,}" for kind in kinds)
-        print(f"    {command:<8} {', '.join(told)}")
+        outcomes = (f"{kind} {found.counts[command, kind]:,}" for kind in kinds)
+        print(f"    {command:<8} {', '.join(outcomes)}")
     print(f"    slowest {found.slowest_s:.1f} s; faults {len(found.faults)}")
     for fault in found.faults[:20]:
         print(f"    {fault}")

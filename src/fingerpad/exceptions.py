@@ -68,7 +68,7 @@ def reason_of(error: Exception, otherwise: str) -> str:
     error : Exception
         Whatever was raised.
     otherwise : str
-        How to begin where the error's own words do not say what it is about.
+        How to begin where the error does not name the file or the step.
 
     Examples
     --------

@@ -128,7 +128,7 @@ def test_photographs_without_one_whole_coin_are_refused(kind):
 
 def test_an_edge_is_fitted_without_its_outliers():
     image = render_coin(radius=100, shape=(300, 300), relief=0, shadow=0, noise_std=1, blur=1).pixels
-    # A strip laid over a fifth of the edge: its own steep edges lie up to 4 px off the circle.
+    # A strip overlaid on a fifth of the edge: its own steep edges lie up to 4 px off the circle.
     image[140:175, 243:256] = 220
     image[140:175, 240:243] = 20
     outline = fit_edge(image.astype(np.float32), PlaneEllipse(149.5, 149.5, 101.0, 100.0, 0.3), 6.0, 6.0)

@@ -107,7 +107,7 @@ def test_a_new_version_measures_again(run, monkeypatch, kind):
 
 def test_another_release_of_a_library_measures_again(run, monkeypatch):
     manifest, out, _ = run
-    monkeypatch.setattr(versions, "library_versions", lambda: {"opencv-python-headless": "another"})
+    monkeypatch.setattr(versions, "library_versions", lambda: {"opencv": "another"})
     assert study_status(manifest, out).stale == 4
 
 

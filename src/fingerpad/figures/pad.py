@@ -125,7 +125,7 @@ def plot_pad_with_contact(
         Contact ellipse of the shape that Hertz theory gives, mm; its long axis lies along the larger
         principal radius.
     measured : Ellipse, optional
-        Contact ellipse of an imprint, mm.
+        Contact ellipse as measured, mm.
     measured_long_axis_angle : float
         Its long axis from the finger's axis, counter-clockwise, radians.
     synthetic : bool

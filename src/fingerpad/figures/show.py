@@ -1,4 +1,4 @@
-"""Draw a result by itself: the overlay of a picture, or the plot of a fit or a contact."""
+"""Draw one result: the overlay of an image, or the plot of a fit or a contact."""
 
 import io
 from dataclasses import dataclass

@@ -33,7 +33,7 @@ _LOOKS: dict[Look, tuple[float, float, float, bool]] = {
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SyntheticContactImage:
-    """A rendered imprint and the truth about it.
+    """A rendered contact image and its truth.
 
     Attributes
     ----------
@@ -87,7 +87,7 @@ def render_contact_image(
     seed: int = 0,
     ridge_seed: int | None = None,
 ) -> SyntheticContactImage:
-    """Render a contact imprint whose ellipse is known.
+    """Render a contact image whose ellipse is known.
 
     Parameters
     ----------

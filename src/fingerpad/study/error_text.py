@@ -3,11 +3,6 @@
 import os
 from pathlib import Path
 
-import cv2
-
-# A picture can be odd in unforeseen ways: it costs its rows, never the run.
-RECOVERABLE_ERRORS = (ArithmeticError, MemoryError, OSError, ValueError, cv2.error)
-
 
 def in_study(words: object, folder: Path) -> str:
     """Return a message without the place of the study's folder on this machine.

@@ -139,7 +139,7 @@ class plain_errors:  # noqa: N801 (used as a statement)
     def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
         """Raise a `RequestError` with the same text."""
         if isinstance(error, ManifestError):
-            raise RequestError.impossible(str(error), faults=validation_errors(error)) from error
+            raise RequestError.impossible(str(error), faults=manifest_errors(error)) from error
         if isinstance(error, FingerpadError):
             raise RequestError.impossible(str(error)) from error
         if isinstance(error, OSError) and error.strerror:
@@ -154,7 +154,7 @@ def _name_of(error: OSError) -> str:
     return f"{PurePath(os.fsdecode(name)).name}: " if isinstance(name, str | bytes) else ""
 
 
-def validation_errors(error: ManifestError) -> list[dict[str, str]]:
+def manifest_errors(error: ManifestError) -> list[dict[str, str]]:
     """Return the errors of a manifest, each with its place."""
     found = []
     for line in str(error).splitlines():

@@ -1,4 +1,4 @@
-"""The imprint that a region of a picture gives: its numbers, their covariance and its doubts."""
+"""The measurement of a region of an image: its numbers, their covariance and its flags."""
 
 from dataclasses import dataclass
 

@@ -47,7 +47,7 @@ def measure_sequence(
 ) -> Iterator[FrameResult]:
     """Measure the contact in each frame of a sequence, one frame in memory at a time.
 
-    The sequence is gone through twice: to learn one reading for all frames, and to measure. A frame that
+    The sequence is gone through twice: to estimate settings for all frames, and to measure. A frame that
     cannot be read or shows no contact has a reason instead of measures, and the rest go on. Results before
     the first contact are held back until three frames in a row show one, for their phase and, where the
     clock starts at first contact, for their time.
@@ -65,12 +65,12 @@ def measure_sequence(
         Times of the frames on the clock of the force signal. Without it times are NaN.
     force : ForceSignal, optional
         Normal force. A frame outside the signal has load NaN, no phase, and the flag ``no_force``.
-    reading : Reading, optional
-        What `estimate_settings` found; learnt here when None.
+    settings : SequenceSettings, optional
+        What `estimate_settings` found; estimated here when None.
     dark_on_light, threshold
         As for `estimate_settings`, without `settings`.
     watch : callable, optional
-        Called with (index, pixels, imprint) after each measurement, as for drawing overlays.
+        Called with (index, pixels, contact_image) after each measurement, as for drawing overlays.
     **place
         Background, seed, mask and region of interest, as for `measure_contact_image`.
 
@@ -110,10 +110,10 @@ def measure_frames(
         A sequence or a part of it.
     scale : Scale
         Millimetres per pixel.
-    reading : Reading
+    settings : SequenceSettings
         What `estimate_settings` found in the whole sequence.
     watch : callable, optional
-        Called with (index, pixels, imprint) after each measurement.
+        Called with (index, pixels, contact_image) after each measurement.
     **place
         Background, seed, mask and region of interest, as for `measure_contact_image`.
     """

@@ -36,7 +36,7 @@ class FrameResult:
     is_first_contact : bool
         Whether this is the first frame of a contact that persists.
     flags : tuple of str
-        Doubts: those of the imprint, ``no_force`` outside the force signal, ``no_time`` without a time.
+        Doubts: those of the contact image, ``no_force`` outside the force signal, ``no_time`` without a time.
     """
 
     index: int

@@ -134,7 +134,7 @@ def estimate_settings(
         The sequence: it must be possible to go through it twice.
     scale : Scale
         Millimetres per pixel.
-    survey : Survey, optional
+    scan : TextureScan, optional
         That of the whole sequence; made here when None.
     dark_on_light : bool, optional
         Whether contact is darker than the ground, where it is known.

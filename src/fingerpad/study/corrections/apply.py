@@ -25,7 +25,7 @@ from fingerpad.study.corrections.changes import ContactCorrection, PhotographCor
 from fingerpad.study.manifest import CORRECTIONS, Contact, Photograph
 
 NOTHING = ContactCorrection()
-# Changes of these have the ridges detected again; strokes and ellipse are measured on what was told.
+# Changes of these have the ridges detected again; strokes and ellipse are measured on those detected before.
 _OF_THE_READING = CORRECTIONS
 
 
@@ -35,7 +35,7 @@ class CorrectedContactImage:
 
     Attributes
     ----------
-    imprint : ContactImageResult or None
+    contact_image : ContactImageResult or None
         The measurement that holds; None where there is none.
     reason : str or None
         Why there is none.

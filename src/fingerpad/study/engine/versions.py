@@ -1,32 +1,33 @@
 """Versions that stored results depend on: of the measurements, and of the libraries that compute them."""
 
-from functools import cache
-from importlib.metadata import PackageNotFoundError, version
 from typing import Final, Literal
+
+import cv2
+import numpy
+import PIL
+import scipy
+import tifffile
 
 # Raise a version with every change that alters a number. tests/study/test_versions.py pins the numbers of
 # each version, so that a change of code without a change of numbers measures nothing again.
 MEASUREMENT_VERSIONS: Final = {"image": 1, "loading": 1, "uncertainty": 1}
-LIBRARIES: Final = ("numpy", "opencv-python-headless", "pillow", "scipy", "tifffile")
 
 
-@cache
 def library_versions() -> dict[str, str]:
-    """Return the versions of the libraries that results are computed with, by their distribution's name.
+    """Return the versions of the libraries that results are computed with, whatever distribution they are of.
 
     Examples
     --------
     >>> sorted(library_versions())
-    ['numpy', 'opencv-python-headless', 'pillow', 'scipy', 'tifffile']
+    ['numpy', 'opencv', 'pillow', 'scipy', 'tifffile']
     """
-    return {name: _installed(name) for name in LIBRARIES}
-
-
-def _installed(name: str) -> str:
-    try:
-        return version(name)
-    except PackageNotFoundError:  # another distribution of the same library, as conda's or opencv-python
-        return "unknown"
+    return {
+        "numpy": numpy.__version__,
+        "opencv": cv2.__version__,
+        "pillow": PIL.__version__,
+        "scipy": scipy.__version__,
+        "tifffile": tifffile.__version__,
+    }
 
 
 def versions_of(*measurements: Literal["image", "loading", "uncertainty"]) -> list[object]:

@@ -31,12 +31,14 @@ from fingerpad.loading import (
 )
 from fingerpad.study.engine.task import Record, Task
 from fingerpad.study.engine.versions import versions_of
-from fingerpad.study.error_text import RECOVERABLE_ERRORS, in_study
+from fingerpad.study.error_text import in_study
 from fingerpad.study.manifest import Curve, Study
 from fingerpad.study.measuring.fingers import FingerResult, is_rejected, photograph_item
 from fingerpad.study.measuring.records import from_plain, to_plain
 from fingerpad.study.measuring.tasks import CacheKeys, cache_key
 
+# A curve can be damaged in unforeseen ways, which cost it alone.
+_RECOVERABLE_ERRORS: Final = (ArithmeticError, MemoryError, OSError, ValueError)
 _SHAPE_LOADS, _SHAPE_POINTS = 4, 80
 # What the store keeps of a curve.
 _FOUND: Final = ("loading_radius", "loading_radius_std", "curve", "fit", "velocity", "shape", "reason")
@@ -220,7 +222,7 @@ def curve_result(curve: Curve, pad: Ellipsoid | None, poisson_ratio: float, fold
         return _slope_alone(curve, data, _named(error, curve.file, folder))
     except FingerpadError as error:
         return CurveResult(manifest=curve, curve=data, reason=_named(error, curve.file, folder))
-    except RECOVERABLE_ERRORS as error:
+    except _RECOVERABLE_ERRORS as error:
         reason = f"{curve.file}: cannot be fitted ({type(error).__name__}: {error})"
         return CurveResult(manifest=curve, curve=data, reason=reason)
     found = fit.loading_radius

@@ -181,7 +181,7 @@ def reviewed(measured: Measurement, active_correction: ActiveCorrection | None) 
 def from_contact_image(
     contact_image: ContactImageResult, contact: Contact, found: FoundScale
 ) -> dict[str, Any]:
-    """Return what a `Measurement` keeps of an imprint."""
+    """Return what a `Measurement` keeps of a contact image."""
     record = contact_image.as_record()
     turn = np.degrees(contact_image.orientation) - contact.finger_axis_deg
     orientation = float(90 - (90 - turn) % 180)
@@ -206,5 +206,5 @@ def from_contact_image(
 
 
 def doubts_of(contact_image: ContactImageResult) -> tuple[str, ...]:
-    """Return what is doubtful about an imprint; that a person drew in it is not, and is distinguished."""
+    """Return the flags of a contact image, without that of manual corrections, which has a column."""
     return tuple(flag for flag in contact_image.flags if flag != "edited_by_person")

@@ -96,12 +96,12 @@ _GROUPS: Final[Mapping[str, Sequence[Column]]] = {
     "observation": (
         _text("observation", "name of the observation; of a frame sequence#number"),
         _text("finger", "name of the finger"),
-        _text("status", "measured, rejected by a person, or failed"),
+        _text("status", "measured, rejected manually, or failed"),
         _text("reason", "why the row failed or was rejected"),
         Column("synthetic", "bool", "", "whether image, ellipse or finger was rendered or simulated"),
         _text("flags", "doubts about the image, separated by spaces"),
         _text("measured_by", "program, program with corrections, or person (a given ellipse)"),
-        _text("reviewed", "accepted, corrected or rejected by a person; empty if not reviewed"),
+        _text("reviewed", "accepted, corrected or rejected manually; empty if not reviewed"),
         _text("reviewed_by", "who reviewed it"),
         Column(
             "pooled",

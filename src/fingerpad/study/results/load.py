@@ -11,6 +11,7 @@ from fingerpad.exceptions import FingerpadError
 from fingerpad.study.results.columns import COLUMNS
 from fingerpad.study.results.result_set import require_result_set
 from fingerpad.study.results.results_reader import read_summary, read_table
+from fingerpad.study.results.table import ResultsTable
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -31,23 +32,21 @@ class Results(Mapping[str, npt.NDArray[Any]]):
         Number of rows.
     """
 
-    def __init__(self, title: str, arrays: dict[str, npt.NDArray[Any]]) -> None:
-        self.title = title
-        self.columns = COLUMNS
-        self.rows = len(next(iter(arrays.values())))
-        self._arrays = arrays
+    def __init__(self, title: str, table: ResultsTable) -> None:
+        self.title, self.columns, self.rows = title, COLUMNS, len(table)
+        self._table = table
 
     def __getitem__(self, name: str) -> npt.NDArray[Any]:
         try:
-            return self._arrays[name]
+            return self._table.column(name)
         except KeyError:
             raise KeyError(f"no column {name!r}; list(results) names all {len(self)}") from None
 
     def __iter__(self) -> Iterator[str]:
-        return iter(self._arrays)
+        return iter(COLUMNS)
 
     def __len__(self) -> int:
-        return len(self._arrays)
+        return len(COLUMNS)
 
     def __repr__(self) -> str:
         return f"<Results of {self.title!r}: {self.rows} rows, {len(self)} columns>"
@@ -64,7 +63,7 @@ class Results(Mapping[str, npt.NDArray[Any]]):
             import pandas as pd  # noqa: PLC0415 (it need not be installed)
         except ImportError:
             raise FingerpadError("this needs the package pandas: pip install pandas") from None
-        return pd.DataFrame(self._arrays)
+        return pd.DataFrame(dict(self))
 
 
 def load_results(folder: str | PathLike[str]) -> Results:
@@ -92,6 +91,4 @@ def load_results(folder: str | PathLike[str]) -> Results:
     fingerpad.exceptions.FingerpadError: no-such-folder: no SHA256SUMS there, so no finished run; `fingerpad run STUDY --out FOLDER` makes one
     """  # noqa: E501 (a message stands on one line)
     require_result_set(Path(folder))
-    table = read_table(Path(folder))
-    arrays = {name: table.column(name) for name in COLUMNS}
-    return Results(str(read_summary(Path(folder))["title"]), arrays)
+    return Results(str(read_summary(Path(folder))["title"]), read_table(Path(folder)))
