@@ -14,6 +14,7 @@ import time
 import tomllib
 from collections import Counter
 from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -336,7 +337,9 @@ def ask_mutated(folder: Path, count: int, *, slow_every: int = 50, first_seed: i
             if not open_before:
                 workspace.open_folder(folder)
             label = f"seed {seed} ({', '.join(new)})"
-            asyncio.run(ask_all(workspace, answers, label, slow=seed % slow_every == 0))
+            asking = ask_all(workspace, answers, label, slow=seed % slow_every == 0)
+            with ThreadPoolExecutor(1) as thread:  # this one may have an event loop already
+                thread.submit(asyncio.run, asking).result()
         except FingerpadError:
             answers.refused += 1
         finally:

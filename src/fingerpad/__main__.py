@@ -28,6 +28,7 @@ _INTERRUPTED: Final = 130
 def main() -> None:
     """Run the command line: whatever happens is an exit code and at most a line on stderr, no traceback."""
     code = 1
+    sys.unraisablehook = _raise_interrupt_again
     try:
         code = _run()
     except KeyboardInterrupt:
@@ -45,6 +46,14 @@ def main() -> None:
         # From here on an interrupt ends the process at once, without a traceback of what is being closed.
         signal.signal(signal.SIGINT, signal.SIG_DFL)
     sys.exit(code if _flushed(sys.stdout) and _flushed(sys.stderr) else code or 1)
+
+
+def _raise_interrupt_again(fault: "sys.UnraisableHookArgs") -> None:
+    """Raise an interrupt again that came where Python ignores exceptions, as while an object is deleted."""
+    if isinstance(fault.exc_value, KeyboardInterrupt):
+        signal.raise_signal(signal.SIGINT)
+    else:
+        sys.__unraisablehook__(fault)
 
 
 def _run() -> int:

@@ -194,6 +194,19 @@ def test_an_interrupt_at_any_moment_is_no_traceback(prints: list[Path], tmp_path
     assert codes.count(130) > 5
 
 
+def test_an_interrupt_that_python_ignores_counts() -> None:
+    # An exception in a destructor is ignored, an interrupt that comes there too.
+    script = (
+        "import sys; sys.argv[1:] = ['reproduce']; import fingerpad.__main__ as program; run = program._run\n"
+        "class Deleted:\n    def __del__(self): raise KeyboardInterrupt\n"
+        "def interrupted():\n    Deleted()\n    return run()\n"
+        "program._run = interrupted; program.main()"
+    )
+    start = f"import signal; signal.signal(signal.SIGINT, signal.default_int_handler)\n{script}"
+    done = subprocess.run([sys.executable, "-c", start], capture_output=True, text=True)
+    assert (done.returncode, done.stdout, done.stderr) == (130, "", "fingerpad: interrupted\n")
+
+
 def test_an_interrupted_sequence_does_not_claim_that_it_goes_on() -> None:
     with subprocess.Popen(
         [*INTERRUPTIBLE, "measure", "sequence", str(FILM), "--ppi", "240", "--json"],
