@@ -3,7 +3,9 @@
 import os
 import signal
 import sys
+from _thread import interrupt_main
 from contextlib import suppress
+from threading import Timer
 from typing import Final, TextIO
 
 from fingerpad._threads import ONE_THREAD
@@ -51,7 +53,7 @@ def main() -> None:
 def _raise_interrupt_again(fault: "sys.UnraisableHookArgs") -> None:
     """Raise an interrupt again that came where Python ignores exceptions, as while an object is deleted."""
     if isinstance(fault.exc_value, KeyboardInterrupt):
-        signal.raise_signal(signal.SIGINT)
+        Timer(0.01, interrupt_main).start()  # from here it would be ignored again
     else:
         sys.__unraisablehook__(fault)
 

@@ -194,16 +194,30 @@ def test_an_interrupt_at_any_moment_is_no_traceback(prints: list[Path], tmp_path
     assert codes.count(130) > 5
 
 
-def test_an_interrupt_that_python_ignores_counts() -> None:
-    # An exception in a destructor is ignored, an interrupt that comes there too.
+@pytest.mark.parametrize(
+    ("place", "function"),
+    [
+        # An exception in a destructor is ignored, an interrupt that comes there too.
+        (
+            "fingerpad.__main__._run",
+            "class Deleted:\n    def __del__(self): raise KeyboardInterrupt\n"
+            "def instead():\n    Deleted()\n    return real()\n",
+        ),
+        # A compiled module turns an interrupt during its import into an ImportError.
+        (
+            "fingerpad.published.audit",
+            "def instead():\n    raise ImportError('initialization failed') from KeyboardInterrupt()\n",
+        ),
+    ],
+)
+def test_an_interrupt_in_disguise_is_an_interrupt(place: str, function: str) -> None:
+    module, _, name = place.rpartition(".")
     script = (
-        "import sys; sys.argv[1:] = ['reproduce']; import fingerpad.__main__ as program; run = program._run\n"
-        "class Deleted:\n    def __del__(self): raise KeyboardInterrupt\n"
-        "def interrupted():\n    Deleted()\n    return run()\n"
-        "program._run = interrupted; program.main()"
+        "import signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler)\n"
+        f"sys.argv[1:] = ['reproduce']; import fingerpad.__main__ as program, {module} as module\n"
+        f"real = module.{name}\n{function}module.{name} = instead\nprogram.main()"
     )
-    start = f"import signal; signal.signal(signal.SIGINT, signal.default_int_handler)\n{script}"
-    done = subprocess.run([sys.executable, "-c", start], capture_output=True, text=True)
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
     assert (done.returncode, done.stdout, done.stderr) == (130, "", "fingerpad: interrupted\n")
 
 

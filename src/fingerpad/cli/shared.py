@@ -47,9 +47,18 @@ class Commands(TyperGroup):
         """Run a command, and tell of an interrupt that it does not tell of itself."""
         try:
             return super().invoke(ctx)
-        except KeyboardInterrupt:
+        except (Exception, KeyboardInterrupt) as error:
+            if not _is_interrupt(error):
+                raise
             print_error("interrupted")
             raise typer.Exit(Exit.INTERRUPTED) from None
+
+
+def _is_interrupt(error: BaseException | None) -> bool:
+    """Tell whether an interrupt caused an error, as compiled modules raise ImportError for one."""
+    while error is not None and not isinstance(error, KeyboardInterrupt):
+        error = error.__cause__
+    return error is not None
 
 
 class Command(TyperCommand):
