@@ -1,0 +1,148 @@
+"""The truth of the independent contact images: outline, ridge area, and that the pixels show both."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from benchmarks.independent_images import CONDITIONS, Condition, independent_images, render
+from benchmarks.independent_ridges import Outline, draw_contact
+from numpy.testing import assert_allclose, assert_array_equal
+from scipy.spatial import ConvexHull
+
+SMOOTH = {"shape": 0.0, "features": 0.0, "uneven": 0.0}
+EGG = Outline(9, 6, 0.7, ((0.03, 0.2), (0.06, -0.4), (-0.03, 0.1), (0.01, 0.3)))
+
+
+@pytest.fixture(scope="module")
+def images():
+    return dict(independent_images(1, seed=7))
+
+
+def test_the_moments_of_an_outline_are_those_of_the_points_inside_it():
+    step = 0.03
+    x, y = np.meshgrid(np.arange(-11, 11, step), np.arange(-11, 11, step))
+    inside = np.stack([x, y])[:, EGG.level(x, y) < 1]
+    values, vectors = np.linalg.eigh(np.cov(inside))
+    area, centre, semi_major, semi_minor, orientation = EGG.moments()
+    assert_allclose(area, inside.shape[1] * step**2, rtol=3e-4)
+    assert_allclose(centre, inside.mean(axis=1), atol=2e-3)
+    assert_allclose([semi_minor, semi_major], 2 * np.sqrt(values), rtol=3e-4)
+    axis = [-np.sin(orientation), -np.cos(orientation)]
+    assert_allclose(abs(axis @ vectors[:, 1]), 1, atol=1e-6)
+
+
+@pytest.mark.parametrize("axis", [-1.5, -0.3, 0, 1.2, np.pi / 2])
+def test_an_ellipse_has_its_own_axes(axis):
+    area, centre, *rest = Outline(9, 6, axis).moments()
+    assert_allclose(area, 54 * np.pi, rtol=1e-12)
+    assert_allclose(centre, 0, atol=1e-12)
+    assert_allclose(rest, [9, 6, axis], rtol=1e-12)
+
+
+@pytest.mark.parametrize("outline", [EGG, Outline(9, 6, 0.7)])
+def test_the_area_of_a_polygon_of_the_outline_tends_to_the_area(outline):
+    def polygon_error(count):
+        x, y = outline.points(count).T
+        polygon = abs(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))) / 2
+        return abs(polygon / outline.moments()[0] - 1)
+
+    assert polygon_error(2000) < 1e-5
+    assert_allclose(polygon_error(500) / polygon_error(2000), 16, rtol=0.02)
+
+
+@pytest.mark.parametrize("growth", ["gabor", "swift-hohenberg"])
+def test_the_ridge_area_has_converged_and_does_not_depend_on_where_the_samples_lie(growth):
+    contact = draw_contact(
+        np.random.default_rng(3), growth=growth, width_fade=1, shape=0.05, features=1, uneven=1
+    )
+    area = contact.ridge_area()
+    assert_allclose(contact.ridge_area(step=0.005, offset=(0, 0)), area, rtol=1e-3)
+    assert_allclose(contact.ridge_area(offset=(0.9, 0.1)), area, rtol=1e-3)
+
+
+@pytest.mark.parametrize("growth", ["gabor", "swift-hohenberg"])
+def test_the_width_of_ridges_is_proportional_to_the_pressure_up_to_the_full_width(growth):
+    relative, touching, width = [], [], []
+    for seed in range(2):
+        contact = draw_contact(np.random.default_rng(seed), growth=growth, width_fade=1.5, **SMOOTH)
+        at = np.arange(-10, 10, 0.02)
+        reach = np.abs(contact.outline.points()).max(axis=0)
+        touches, pressure = contact.touching(at[np.abs(at) < reach[0]], at[np.abs(at) < reach[1]])
+        relative.append((pressure / contact.full_width_pressure)[pressure > 0])
+        touching.append(touches[pressure > 0])
+        width.append(np.full(touching[-1].shape, contact.width_fraction))
+    relative, touching, width = (np.concatenate(parts) for parts in (relative, touching, width))
+    for low, high in [(0.2, 0.4), (0.4, 0.6), (0.6, 0.8), (1, 9)]:
+        here = (relative > low) & (relative < high)
+        expected = (width * np.minimum(relative, 1))[here].mean()
+        assert_allclose(touching[here].mean(), expected, rtol=0.08)
+
+
+def test_ridges_touch_up_to_the_outline_and_nowhere_outside():
+    contact = draw_contact(
+        np.random.default_rng(5), growth="gabor", width_fade=1, shape=0.05, features=1, uneven=1
+    )
+    reach = np.abs(contact.outline.points()).max(axis=0) + 0.5
+    x, y = (np.arange(-r, r, 0.02) for r in reach)
+    rows, columns = np.nonzero(contact.touching(x, y)[0])
+    assert contact.outline.level(x[columns], y[rows]).max() < 1.001
+    hull = ConvexHull(np.stack([x[columns], y[rows]], axis=-1)).volume
+    assert 0.95 < hull / contact.outline.moments()[0] < 1.001
+
+
+def test_the_truth_does_not_depend_on_the_device():
+    def truth(**device):
+        image = render(np.random.default_rng(2), Condition(shape=0.05, **device))
+        shape = (image.gross_area, image.ridge_area, image.semi_major, image.semi_minor, image.orientation)
+        return np.array([*shape, *(image.outline - image.centre).ravel()])
+
+    usual = truth()
+    assert_allclose(truth(ppi=1000, bright=True, bits=16), usual, rtol=1e-12)
+    assert_allclose(
+        truth(ppi=300, contrast_fade=1, dirt=0.1, smears=3, rim=0.5, noise=0.1), usual, rtol=1e-12
+    )
+
+
+@pytest.mark.parametrize(("ppi", "bright"), [(500, False), (300, True), (1000, False)])
+def test_the_darkness_of_a_clean_image_adds_up_to_the_ridge_area_at_the_outline(ppi, bright):
+    clean = replace(CONDITIONS["clean, sharp edge"], noise=0, contrast=(0.5, 0.5), bits=16, bright=bright)
+    image = render(np.random.default_rng(11), replace(clean, ppi=ppi))
+    darkness = np.abs(image.pixels - image.ground) / (0.5 * 65535)
+    assert_allclose(darkness.sum() * image.mm_per_px**2, image.ridge_area, rtol=2e-3)
+    rows, columns = np.nonzero(darkness > 0.5)
+    x, y = (columns + 0.5) * image.mm_per_px, (rows + 0.5) * image.mm_per_px
+    sin, cos = np.sin(image.orientation), np.cos(image.orientation)
+    along = -sin * (x - image.centre[0]) - cos * (y - image.centre[1])
+    across = cos * (x - image.centre[0]) - sin * (y - image.centre[1])
+    level = np.hypot(along / image.semi_major, across / image.semi_minor)
+    assert 1 - 0.1 / image.semi_minor < level.max() < 1 + 0.06 / image.semi_minor
+
+
+@pytest.mark.parametrize("name", CONDITIONS)
+def test_every_condition_gives_an_image_with_its_outline_and_ground(images, name):
+    image = images[name]
+    assert image.pixels.dtype == (np.uint8 if image.condition.bits == 8 else np.uint16)
+    assert 60 <= image.gross_area <= 300
+    assert 0.15 < image.ridge_area / image.gross_area < 0.76
+    assert 1 <= image.semi_major / image.semi_minor < 1.8
+    assert image.is_ellipse == (image.condition.shape == 0)
+    ellipse = np.pi * image.semi_major * image.semi_minor
+    assert (abs(ellipse / image.gross_area - 1) < 1e-9) == image.is_ellipse
+    assert (image.outline > 1).all()
+    assert (image.outline[:, ::-1] < np.array(image.pixels.shape) * image.mm_per_px - 1).all()
+    full = 2**image.condition.bits - 1
+    edge = np.concatenate([image.pixels[:5].ravel(), image.pixels[-5:].ravel()])
+    tolerance = 0.02 + image.condition.lighting + image.condition.glare
+    assert abs(np.median(edge) - image.ground) < tolerance * full
+    j, i = (image.centre / image.mm_per_px).astype(int)
+    interior = image.pixels[i - 30 : i + 30, j - 30 : j + 30].mean()
+    assert (interior > image.ground) == image.condition.bright
+
+
+def test_an_image_depends_on_seed_condition_and_number_only():
+    name = "both fade over 0.5 mm"
+    first, second = (image.pixels for _, image in independent_images(2, 4, {name: CONDITIONS[name]}))
+    again = [image.pixels for _, image in independent_images(2, 4, dict(list(CONDITIONS.items())[6:8]))][2:]
+    assert_array_equal(again[0], first)
+    assert_array_equal(again[1], second)
+    assert first.shape != second.shape or (first != second).any()
