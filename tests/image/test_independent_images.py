@@ -9,13 +9,14 @@ from benchmarks.independent_ridges import Outline, draw_contact
 from numpy.testing import assert_allclose, assert_array_equal
 from scipy.spatial import ConvexHull
 
+TRIED = [name for name in CONDITIONS if not name.endswith(("0.5 mm", " 1 mm"))]
 SMOOTH = {"shape": 0.0, "features": 0.0, "uneven": 0.0}
 EGG = Outline(9, 6, 0.7, ((0.03, 0.2), (0.06, -0.4), (-0.03, 0.1), (0.01, 0.3)))
 
 
 @pytest.fixture(scope="module")
 def images():
-    return dict(independent_images(1, seed=7))
+    return dict(independent_images(1, 7, {name: CONDITIONS[name] for name in TRIED}))
 
 
 def test_the_moments_of_an_outline_are_those_of_the_points_inside_it():
@@ -56,14 +57,14 @@ def test_the_ridge_area_has_converged_and_does_not_depend_on_where_the_samples_l
         np.random.default_rng(3), growth=growth, width_fade=1, shape=0.05, features=1, uneven=1
     )
     area = contact.ridge_area()
-    assert_allclose(contact.ridge_area(step=0.005, offset=(0, 0)), area, rtol=1e-3)
-    assert_allclose(contact.ridge_area(offset=(0.9, 0.1)), area, rtol=1e-3)
+    assert_allclose(contact.ridge_area(step=0.005, offset=(0, 0)), area, rtol=8e-4)
+    assert_allclose(contact.ridge_area(offset=(0.9, 0.1)), area, rtol=8e-4)
 
 
 @pytest.mark.parametrize("growth", ["gabor", "swift-hohenberg"])
 def test_the_width_of_ridges_is_proportional_to_the_pressure_up_to_the_full_width(growth):
     relative, touching, width = [], [], []
-    for seed in range(2):
+    for seed in range(3):
         contact = draw_contact(np.random.default_rng(seed), growth=growth, width_fade=1.5, **SMOOTH)
         at = np.arange(-10, 10, 0.02)
         reach = np.abs(contact.outline.points()).max(axis=0)
@@ -72,10 +73,10 @@ def test_the_width_of_ridges_is_proportional_to_the_pressure_up_to_the_full_widt
         touching.append(touches[pressure > 0])
         width.append(np.full(touching[-1].shape, contact.width_fraction))
     relative, touching, width = (np.concatenate(parts) for parts in (relative, touching, width))
-    for low, high in [(0.2, 0.4), (0.4, 0.6), (0.6, 0.8), (1, 9)]:
+    for low, high in [(0.2, 0.6), (0.6, 0.95), (1, 9)]:
         here = (relative > low) & (relative < high)
         expected = (width * np.minimum(relative, 1))[here].mean()
-        assert_allclose(touching[here].mean(), expected, rtol=0.08)
+        assert_allclose(touching[here].mean(), expected, rtol=0.06)
 
 
 def test_ridges_touch_up_to_the_outline_and_nowhere_outside():
@@ -109,6 +110,14 @@ def test_the_darkness_of_a_clean_image_adds_up_to_the_ridge_area_at_the_outline(
     image = render(np.random.default_rng(11), replace(clean, ppi=ppi))
     darkness = np.abs(image.pixels - image.ground) / (0.5 * 65535)
     assert_allclose(darkness.sum() * image.mm_per_px**2, image.ridge_area, rtol=2e-3)
+    contact = draw_contact(np.random.default_rng(11).spawn(2)[0], growth="gabor", width_fade=0, **SMOOTH)
+    x, y = np.arange(-10, 10, 0.008), np.arange(-10, 10, 0.008)
+    reach = np.abs(contact.outline.points()).max(axis=0)
+    x, y = x[np.abs(x) < reach[0]], y[np.abs(y) < reach[1]]
+    rows, columns = np.nonzero(contact.touching(x, y)[0])
+    i, j = (np.sum(darkness * (at + 0.5)) / darkness.sum() for at in np.indices(darkness.shape))
+    ridges = [x[columns].mean(), y[rows].mean()]
+    assert_allclose(np.array([j, i]) * image.mm_per_px - image.centre, ridges, atol=5e-3)
     rows, columns = np.nonzero(darkness > 0.5)
     x, y = (columns + 0.5) * image.mm_per_px, (rows + 0.5) * image.mm_per_px
     sin, cos = np.sin(image.orientation), np.cos(image.orientation)
@@ -118,8 +127,8 @@ def test_the_darkness_of_a_clean_image_adds_up_to_the_ridge_area_at_the_outline(
     assert 1 - 0.1 / image.semi_minor < level.max() < 1 + 0.06 / image.semi_minor
 
 
-@pytest.mark.parametrize("name", CONDITIONS)
-def test_every_condition_gives_an_image_with_its_outline_and_ground(images, name):
+@pytest.mark.parametrize("name", TRIED)
+def test_a_condition_gives_an_image_with_its_outline_and_ground(images, name):
     image = images[name]
     assert image.pixels.dtype == (np.uint8 if image.condition.bits == 8 else np.uint16)
     assert 60 <= image.gross_area <= 300
@@ -142,7 +151,7 @@ def test_every_condition_gives_an_image_with_its_outline_and_ground(images, name
 def test_an_image_depends_on_seed_condition_and_number_only():
     name = "both fade over 0.5 mm"
     first, second = (image.pixels for _, image in independent_images(2, 4, {name: CONDITIONS[name]}))
-    again = [image.pixels for _, image in independent_images(2, 4, dict(list(CONDITIONS.items())[6:8]))][2:]
-    assert_array_equal(again[0], first)
-    assert_array_equal(again[1], second)
+    among = {key: CONDITIONS[key] for key in ("clean, sharp edge", name)}
+    again = dict(independent_images(1, 4, among))[name].pixels
+    assert_array_equal(again, first)
     assert first.shape != second.shape or (first != second).any()
