@@ -40,7 +40,8 @@ class Condition:
     blur : (float, float)
         Full width at half maximum of the point-spread function, in mm.
     contrast, ground : (float, float)
-        Grey of a ridge below the ground, and of untouched glass; 1 is white. Bright ridges: above 1 − ``ground``.
+        Grey of a ridge below the ground, and of untouched glass; 1 is white. Bright ridges are above a ground
+        of 1 − ``ground``.
     noise : float
         Standard deviation of the noise's grey; half of its variance is correlated over a pixel.
     haze : float
