@@ -107,7 +107,8 @@ class RidgedContact:
         Envelope of the touching ridges.
     ridges, loss, dip, pressure_squared : ndarray
         Values on the grid of step GRID_STEP: h; the fraction of the width lost; what the
-        depth of tops below their envelope takes of the width at low pressure; p² relative to the centre, negative outside.
+        depth of tops below their envelope takes of the width at low pressure; p² relative to the
+        centre, negative outside.
     width_fraction : float
         Width of a ridge over the period under full pressure, w.
     full_width_pressure : float
