@@ -30,15 +30,22 @@ class LeastSquaresFit(Displayed):
     Attributes
     ----------
     names : tuple of str
-        Of the p parameters.
-    values : ndarray, (p,)
+        Names of the p parameters.
+    values : ndarray, shape (p,)
         Estimates.
-    residuals : ndarray, (n,)
+    residuals : ndarray, shape (n,)
         At the estimates.
-    jacobian : ndarray, (n, p)
+    jacobian : ndarray, shape (n, p)
         Derivative of the residuals by the parameters.
     effective_count : float
         Number of independent residuals that carry as much information: n where they are not correlated.
+
+    Examples
+    --------
+    >>> x = np.linspace(0, 2, 9)
+    >>> fit = fit_least_squares(lambda p: p[0] + p[1] * x - [0, 1, 2, 3, 4, 5, 6, 7, 9], [0, 1], ["a", "b"])
+    >>> fit.values.round(3), round(fit.residual_std, 3)
+    (array([-0.156,  4.267]), 0.298)
     """
 
     names: tuple[str, ...]
@@ -78,16 +85,37 @@ class LeastSquaresFit(Displayed):
         return n * math.log(max(self.sum_of_squares, tiny) / n) + 2 * k + 2 * k * (k + 1) / (n - k - 1)
 
     def value(self, name: str) -> float:
-        """Return the estimate of one parameter."""
+        """Return the estimate of one parameter.
+
+        Parameters
+        ----------
+        name : str
+            Its name.
+
+        Returns
+        -------
+        float
+            The estimate.
+        """
         return float(self.values[self.names.index(name)])
 
     def with_effective_count(self, count: float) -> "LeastSquaresFit":
-        """Return the same fit for residuals worth `count` independent ones.
+        """Return the same fit for correlated residuals.
+
+        Parameters
+        ----------
+        count : float
+            Number of independent residuals that carry as much information.
+
+        Returns
+        -------
+        LeastSquaresFit
+            With a wider covariance.
 
         Raises
         ------
         FitError
-            If they are no more than the parameters.
+            If `count` does not exceed the number of parameters.
         """
         if not count > self.values.size:
             raise FitError(
@@ -97,7 +125,20 @@ class LeastSquaresFit(Displayed):
         return replace(self, effective_count=float(count))
 
     def derived(self, value: float, gradient: ArrayLike) -> Estimate:
-        """Return a function of the parameters with its first-order uncertainty (GUM Eq. 13)."""
+        """Return a function of the parameters with its first-order uncertainty (GUM Eq. 13).
+
+        Parameters
+        ----------
+        value : float
+            The function at the estimates.
+        gradient : array_like, shape (p,)
+            Its derivative by the parameters there.
+
+        Returns
+        -------
+        Estimate
+            With a symmetric interval.
+        """
         slope = as_float_array(gradient)
         std = math.sqrt(float(slope @ self.covariance @ slope))
         return Estimate.symmetric(value, std, self.degrees_of_freedom)
@@ -107,6 +148,16 @@ class LeastSquaresFit(Displayed):
 
         The parameter is moved and all others are fitted again, until S has grown by t² S/(n_eff − p)
         (Bates & Watts 1988, ch. 6). An end that is never reached is infinite.
+
+        Parameters
+        ----------
+        name : str
+            Its name.
+
+        Returns
+        -------
+        Estimate
+            With an interval that need not be symmetric.
         """
         place = self.names.index(name)
         std = math.sqrt(self.covariance[place, place])
@@ -123,12 +174,17 @@ def fit_least_squares(
     ----------
     residuals : callable
         From parameters (p,) to residuals (n,), each divided by its relative standard deviation.
-    start : array_like, (p,)
-        Where to begin.
+    start : array_like, shape (p,)
+        Initial values.
     names : sequence of str
-        Of the parameters.
+        Names of the parameters.
     evaluations : int
-        Of the residuals, after which the search is given up.
+        Largest number of evaluations of the residuals.
+
+    Returns
+    -------
+    LeastSquaresFit
+        At the minimum.
 
     Raises
     ------
@@ -165,11 +221,21 @@ def fit_least_squares(
 
 
 def effective_count(residuals: ArrayLike) -> float:
-    """Return the number of independent values that a run of correlated residuals is worth for a slow trend.
+    """Return the number of independent values that carry as much information as correlated residuals.
 
     An autoregression, of an order up to three found by AICc, gives the spectral density at zero frequency
-    against the variance, 1 + 2 Σ ρ_k; the count is divided by it. It is never raised: what looks like
+    over the variance, 1 + 2 Σ ρ_k, by which the count is divided. The count is never raised, so that apparent
     anticorrelation does not make an interval narrower.
+
+    Parameters
+    ----------
+    residuals : array_like, shape (n,)
+        In order of time.
+
+    Returns
+    -------
+    float
+        At most n.
 
     Examples
     --------

@@ -32,6 +32,14 @@ class Pooled:
         Number of estimates.
     weights : ndarray, shape (n,)
         Weight of each estimate; they add up to one.
+
+    Examples
+    --------
+    A shared uncertainty of 0.4 is not reduced by averaging:
+
+    >>> pooled = pool([19.5, 20.5], [0.5, 0.5], shared=np.full((2, 2), 0.4**2))
+    >>> print(f"{pooled.value:.1f} ± {pooled.total_std:.2f}")
+    20.0 ± 0.64
     """
 
     value: float
@@ -136,7 +144,7 @@ def proportional_stds(values: ArrayLike, stds: ArrayLike) -> FloatArray:
 
 
 def pool(values: ArrayLike, stds: ArrayLike, shared: Shared = None) -> Pooled:
-    """Pool estimates by inverse variance.
+    """Pool estimates by inverse variance: ȳ = Σ wᵢ yᵢ with wᵢ ∝ 1/uᵢ².
 
     Parameters
     ----------
@@ -201,6 +209,12 @@ class RandomEffects:
         Number of estimates.
     weights : ndarray, shape (n,)
         Weight of each estimate; they add up to one.
+
+    Examples
+    --------
+    >>> pooled = pool_random_effects([19.0, 20.5, 22.0], [0.5, 0.5, 0.5])
+    >>> round(pooled.between_std, 2), [round(end, 1) for end in pooled.interval]
+    (1.41, [16.8, 24.2])
     """
 
     value: float
@@ -221,8 +235,12 @@ def pool_random_effects(values: ArrayLike, stds: ArrayLike, shared: Shared = Non
 
     Parameters
     ----------
-    values, stds, shared
-        As for `pool`; the standard uncertainties must be positive.
+    values : array_like, shape (n,)
+        Estimates of one quantity.
+    stds : array_like, shape (n,)
+        Standard uncertainty u of each from what it does not share with the others, positive.
+    shared : array_like, shape (n, n), or SharedErrors, optional
+        Covariance from the inputs that they share; as `SharedErrors` where n is large.
 
     Returns
     -------
@@ -293,6 +311,11 @@ class VarianceComponents:
     between_std : float
         Standard deviation of the groups' true means, the contribution of the scatter within groups
         subtracted; NaN for one group or where `within_std` is NaN.
+
+    Examples
+    --------
+    >>> round(variance_components([10.0, 10.2, 12.0, 12.2], [1, 1, 2, 2]).within_std, 3)
+    0.141
     """
 
     within_std: float
