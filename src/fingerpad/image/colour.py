@@ -19,8 +19,15 @@ def read_colour_image(
 
     Parameters
     ----------
-    path, memory_limit
-        As for `read_image`.
+    path : path-like
+        The file.
+    memory_limit : int
+        The most bytes that reading and measuring may take, as for `read_image`.
+
+    Returns
+    -------
+    ndarray of uint8, shape (rows, columns, 3)
+        Red, green, blue.
 
     Raises
     ------

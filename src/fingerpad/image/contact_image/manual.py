@@ -45,7 +45,12 @@ class BrushStroke:
     points : sequence of (float, float)
         (row, column) along the stroke, px; one point is a disk.
     radius : float
-        Of the brush, px.
+        Radius of the brush, px.
+
+    Examples
+    --------
+    >>> BrushStroke(action="remove", points=[(50, 80), (50, 120)], radius=10).action
+    'remove'
     """
 
     action: Literal["add", "remove"]

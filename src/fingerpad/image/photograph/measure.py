@@ -76,28 +76,37 @@ class PhotographFit(Displayed):
     ----------
     face : Face
         The face that looked at the camera.
-    semi_axes : ndarray, (2,)
+    semi_axes : ndarray, shape (2,)
         Semi-axes across and along, in the order of `FACE_AXES`, mm.
-    edge_covariance : ndarray, (2, 2)
+    edge_covariance : ndarray, shape (2, 2)
         Their covariance from the outline alone, mm².
     scale : Scale
         The scale that was given.
     centre : (float, float)
         Centre of the ellipse, (row, column), px.
-    directions : ndarray, (2, 2)
+    directions : ndarray, shape (2, 2)
         Unit steps (row, column) along the first and the second semi-axis.
     lean, lean_std : float
         Turn of the ellipse from the face's x towards its y, and its standard uncertainty, radians.
     arc : (float, float)
         First and last parametric angle of the points used, radians.
-    points, outliers : ndarray, (n, 2)
+    points, outliers : ndarray, shape (n, 2)
         Points of the outline used and left out, (row, column), px.
     correlation_px : float
-        Length along the outline over which errors run together, px.
+        Correlation length of the errors along the outline, px.
     residual_px_std, blur_px : float
         Standard deviation of the points from the ellipse, and of the edges' blur, px.
     flags : frozenset of str
-        What makes the measurement doubtful, of `PHOTOGRAPH_FLAGS`.
+        Doubts, from `PHOTOGRAPH_FLAGS`.
+
+    Examples
+    --------
+    >>> from fingerpad.image import photograph_from_ellipse
+    >>> fit = photograph_from_ellipse("palmar", Scale(0.05), centre=(300, 200), semi_axes=(236, 276))
+    >>> fit.handles.tolist()
+    [[300.0, 200.0], [300.0, 436.0], [24.0, 200.0]]
+    >>> sorted(fit.semi_axes_mm_std)
+    ['distal', 'radial_ulnar']
     """
 
     face: Face
@@ -123,7 +132,13 @@ class PhotographFit(Displayed):
         return self._picture
 
     def summary(self) -> str:
-        """Return the measured numbers in words, one line each."""
+        """Return the measured numbers as text, one line each.
+
+        Returns
+        -------
+        str
+            With units and uncertainties.
+        """
         stds = self.semi_axes_mm_std
         axes = {
             key: number
@@ -178,11 +193,28 @@ class PhotographFit(Displayed):
         return np.stack([centre, *(centre + ends)])
 
     def without_picture(self) -> Self:
-        """Return the same without the picture that was measured, which takes memory where many are kept."""
+        """Return the same without the picture that was measured, to save memory.
+
+        Returns
+        -------
+        PhotographFit
+            With `picture` None.
+        """
         return replace(self, _picture=None)
 
     def ellipse_points(self, count: int = 361) -> FloatArray:
-        """Return points (row, column) round the ellipse, px."""
+        """Return points of the ellipse.
+
+        Parameters
+        ----------
+        count : int
+            Number of points, the first repeated at the end.
+
+        Returns
+        -------
+        ndarray, shape (count, 2)
+            (row, column), px.
+        """
         t = np.linspace(0, 2 * math.pi, count)
         local = np.stack([np.cos(t), np.sin(t)], axis=-1) * self.semi_axes / self.scale.mm_per_px
         return np.asarray(local @ self.directions + self.centre, dtype=np.float64)
@@ -240,7 +272,7 @@ def measure_photograph(
     --------
     >>> from fingerpad.image import Scale
     >>> from fingerpad.simulate import render_finger
-    >>> truth = render_finger("palmar", semi_axes=(11.8, 13.8), seed=1)
+    >>> truth = render_finger("palmar", semi_axes=(11.8, 13.8), mm_per_px=0.1, seed=1)
     >>> found = measure_photograph(truth.pixels, "palmar", Scale(truth.mm_per_px))
     >>> {name: round(value) for name, value in found.semi_axes_mm.items()}
     {'radial_ulnar': 12, 'distal': 14}

@@ -32,20 +32,31 @@ _TWO_SIDED_95 = 1.959964
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class OutlineFit(EllipseFit):
-    """An ellipse fitted to ordered points; its covariance allows for their correlated errors.
+    """An ellipse fitted to ordered points with correlated errors.
 
     Attributes
     ----------
-    ellipse, covariance, residual_std
-        As of an `EllipseFit`; the residuals are those on the arc.
-    residuals : ndarray, (n,)
+    ellipse : PlaneEllipse
+        Centre, semi-axes and angle, in the unit of the points.
+    covariance : ndarray, shape (5, 5)
+        Of (x, y, semi_x, semi_y, angle), from the residuals on the arc and their correlation.
+    residual_std : float
+        Standard deviation of the orthogonal distances on the arc.
+    residuals : ndarray, shape (n,)
         Signed orthogonal distances of all points, outwards positive.
-    angles : ndarray, (n,)
+    angles : ndarray, shape (n,)
         Parametric angle of each point's foot, radians.
     correlation : float
         Number of neighbouring points that count as one.
-    influence : ndarray, (5, n)
-        How far each parameter moves when a point moves outwards by one.
+    influence : ndarray, shape (5, n)
+        Change of each parameter when a point moves outwards by one.
+
+    Examples
+    --------
+    >>> from fingerpad.simulate import outline_points
+    >>> fit = fit_outline_ellipse(outline_points(11.8, 13.8, count=200, arc=(0.5, 2.6), noise_std=0.01))
+    >>> print(f"{fit.ellipse.semi_y:.2f} ± {np.sqrt(fit.covariance[3, 3]):.2f}")
+    13.78 ± 0.07
     """
 
     residuals: FloatArray
@@ -59,14 +70,15 @@ class OutlineFit(EllipseFit):
         Parameters
         ----------
         alike_std : float
-            Standard deviation of an offset of all points alike, in the unit of the points.
+            Standard deviation of an offset common to all points, in the unit of the points.
         smooth_std, reach : float
-            Standard deviation of an offset that changes slowly along the arc, and the parametric angle over
-            which it does (Gaussian correlation), radians.
+            Standard deviation of an offset that changes slowly along the arc, and its Gaussian correlation
+            length in parametric angle, radians.
 
         Returns
         -------
-        ndarray, (5, 5)
+        ndarray, shape (5, 5)
+            Of (x, y, semi_x, semi_y, angle).
         """
         apart = (self.angles[:, None] - self.angles + math.pi) % (2 * math.pi) - math.pi
         shared = alike_std**2 + smooth_std**2 * np.exp(-0.5 * (apart / reach) ** 2)
