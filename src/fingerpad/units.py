@@ -19,6 +19,18 @@ FACTORS: Final = {
 def value_with_uncertainty(value: float | None, std: float | None = None) -> str:
     """Return ``value ± standard uncertainty``, the uncertainty with two digits (GUM 7.2.6).
 
+    Parameters
+    ----------
+    value : float or None
+        The value, in any unit; a dash is returned where it is unknown.
+    std : float, optional
+        Its standard uncertainty.
+
+    Returns
+    -------
+    str
+        Rounded to the digits of the uncertainty.
+
     Examples
     --------
     >>> value_with_uncertainty(13.80484, 0.18442)
@@ -38,6 +50,16 @@ def value_with_uncertainty(value: float | None, std: float | None = None) -> str
 
 def two_digits(std: float) -> str:
     """Return a standard uncertainty with two digits.
+
+    Parameters
+    ----------
+    std : float
+        Above zero.
+
+    Returns
+    -------
+    str
+        The digits.
 
     Examples
     --------

@@ -28,6 +28,12 @@ class SyntheticCoin:
         True angle of the major axis from straight up, counter-clockwise as seen, radians.
     centre : (float, float)
         True centre, (row, column), px.
+
+    Examples
+    --------
+    >>> coin = render_coin(radius=60.0, tilt=0.4, shape=(160, 160))
+    >>> round(float(coin.ellipse.axis_ratio), 4), coin.centre  # cos 0.4
+    (0.9211, (79.5, 79.5))
     """
 
     pixels: npt.NDArray[np.uint8]
@@ -78,6 +84,11 @@ def render_coin(
     seed : int
         The same seed gives the same picture.
 
+    Returns
+    -------
+    SyntheticCoin
+        Picture and truth.
+
     Raises
     ------
     GeometryError
@@ -85,9 +96,9 @@ def render_coin(
 
     Examples
     --------
-    >>> coin = render_coin(radius=100.0, tilt=0.4)
+    >>> coin = render_coin(radius=60.0, tilt=0.4, shape=(160, 160))
     >>> coin.pixels.shape, round(float(coin.ellipse.semi_minor), 3)
-    ((480, 640), 92.106)
+    ((160, 160), 55.264)
     """
     check_radians("orientation", orientation)
     check_radians("tilt", tilt)
