@@ -74,7 +74,7 @@ class LoadingCurve(Displayed):
             row = int(np.flatnonzero(np.diff(self.time) < 0)[0]) + 2
             raise LoadingError(
                 f"time runs backwards at row {row}: {self.time[row - 2]:g} s is followed by "
-                f"{self.time[row - 1]:g} s; sort the rows, or read each record by itself"
+                f"{self.time[row - 1]:g} s; sort the rows, or read each record separately"
             )
 
     @property

@@ -597,9 +597,9 @@ def test_linear_algebra_has_one_thread_unless_told_otherwise() -> None:
         "from fingerpad.__main__ import main; main()"
     )
     mine = {name: value for name, value in os.environ.items() if not name.endswith("_NUM_THREADS")}
-    for told, threads in ({}, 1), ({"OMP_NUM_THREADS": "2"}, min(2, os.cpu_count() or 1)):
+    for setting, threads in ({}, 1), ({"OMP_NUM_THREADS": "2"}, min(2, os.cpu_count() or 1)):
         done = subprocess.run(
-            [sys.executable, "-c", script], capture_output=True, text=True, check=True, env=mine | told
+            [sys.executable, "-c", script], capture_output=True, text=True, check=True, env=mine | setting
         )
         # NumPy and SciPy have a pool each, beside the main thread.
         assert int(done.stdout.splitlines()[-1]) == 1 + 2 * (threads - 1)

@@ -16,7 +16,7 @@ v_angle = st.floats(0.0, np.pi)
 
 
 def printed_mean_curvature(axes: tuple[float, float, float], u: float, v: float) -> float:
-    """Evaluate the source's Eq. (1), which is another formula than the library's."""
+    """Evaluate Eq. (1) of Dzidek et al. (2017), another formula than the library's."""
     a, b, c = axes
     bracket = 3 * (a**2 + b**2) + 2 * c**2 + (a**2 + b**2 - 2 * c**2) * np.cos(2 * v)
     bracket -= 2 * (a**2 - b**2) * np.cos(2 * u) * np.sin(v) ** 2

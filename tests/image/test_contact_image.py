@@ -131,7 +131,7 @@ def test_settings_of_one_frame_serve_the_others():
     assert again.gross_area == pytest.approx(first.gross_area, rel=0.01)
     assert again.ridge_area == pytest.approx(first.ridge_area, rel=0.05)
     assert again.threshold == pytest.approx(first.threshold)
-    # A first touch shows too few ridges to settle by itself what the whole sequence shows.
+    # A first touch shows too few ridges to estimate the settings of the whole sequence.
     touch = render_contact_image(semi_major=2.2, semi_minor=1.8, seed=2, noise_std=5, margin=6)
     small = measure_contact_image(touch.pixels, PPI_500, **first.settings)
     assert small.gross_area == pytest.approx(touch.gross_area, rel=0.08)

@@ -130,7 +130,7 @@ def test_an_ellipse_by_hand_is_that_ellipse(orientation_deg):
     # A hand knows the edge to a share of a ridge period, not to parts of a pixel.
     assert 0.1 < found.semi_major_std / found.ridge_period < 0.4
     assert found.ridge_area < found.gross_area
-    # Whoever draws too wide does so all round, but not only: the axes err alike, not in step.
+    # A manual outline is too wide or too narrow all round: errors of the axes correlate, not fully.
     assert 0.8 < found.covariance[0, 1] / (found.semi_major_std * found.semi_minor_std) < 0.99
 
 

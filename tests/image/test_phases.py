@@ -1,4 +1,4 @@
-"""Phases of a record: presses of many shapes, told apart through noise."""
+"""Phases of a record: presses of many shapes, with noise."""
 
 import itertools
 

@@ -1,4 +1,4 @@
-"""A face's semi-axes by a person's hand: handles, and points added or left out of the outline."""
+"""Manual semi-axes of a face: handles, and points added to the outline or erased."""
 
 import math
 from dataclasses import replace

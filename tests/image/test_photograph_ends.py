@@ -1,4 +1,4 @@
-"""The ellipse of an arc whose ends nobody knows: against outlines of known truth that depart beyond them."""
+"""The ellipse of an arc with unknown ends, against outlines that depart from the ellipse beyond them."""
 
 import math
 

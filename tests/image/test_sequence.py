@@ -200,7 +200,7 @@ def test_what_is_faint_beside_the_largest_contact_is_none(press, frames, setting
     ground = np.median(whole)
     faint, thin = (np.uint8(ground - share * (ground - whole)) for share in (0.25, 0.7))
     films = [[Frame(index=0, pixels=pixels)] for pixels in (faint, thin)]
-    # By itself even the faint one would pass for a contact.
+    # With settings of its own even the faint frame passes for a contact.
     assert next(measure_sequence(films[0], SCALE)).measures
     refused, kept = (next(measure_sequence(film, SCALE, settings=settings)) for film in films)
     assert refused.measures is None

@@ -17,7 +17,7 @@ from fingerpad.loading.estimate import Estimate
 Residuals: TypeAlias = Callable[[FloatArray], FloatArray]
 
 _STEP = np.finfo(float).eps ** (1 / 3)
-# Singular values of the Jacobian, its columns scaled to one, below which parameters are not told apart.
+# Singular values of the Jacobian, its columns scaled to one, below which parameters are indistinguishable.
 _SINGULAR = 1e-12
 _HIGHEST_ORDER = 3
 _FARTHEST = 50.0
@@ -303,7 +303,7 @@ def _jacobian(residuals: Residuals, values: FloatArray) -> FloatArray:
 
 
 def _inverse_information(jacobian: FloatArray) -> FloatArray:
-    """Return (JᵀJ)⁻¹ from the singular values of J with columns of length one, which loses fewest digits."""
+    """Return (JᵀJ)⁻¹ from the singular values of J with columns of length one, for least rounding error."""
     length = np.linalg.norm(jacobian, axis=0)
     _, singular, right = np.linalg.svd(jacobian / length, full_matrices=False)
     root = right.T / singular / length[:, None]

@@ -26,10 +26,8 @@ _NEAR_HALF = slice(128 - _RAMP // 2, 128 + _RAMP // 2)
 _LEVELS = np.arange(256)
 _HALVES = (slice(0, 128), slice(128, 256))
 # How far the level that keeps the area lies above the middle, in parts of the rise, by how the means of
-# ridges and valleys lean; and its standard deviation: of each square period by itself, as a share of the
-# lean, and of the noise. Fitted to rendered contacts (`ridge_calibration` in
-# benchmarks/contact_images.py prints
-# them).
+# ridges and valleys lean; and its standard deviation: of each square period, as a share of the lean, and
+# of the noise. Fitted to rendered contacts (`ridge_calibration` in benchmarks/contact_images.py prints them).
 _ASYMMETRY_SHIFT, _LEVEL_OFFSET = 2.12, -0.026
 _OWN, _ASYMMETRY_STD, _NOISY = 0.31, 0.26, 0.058
 # Over windows of so many periods resolved ridges spread by more than so many levels.

@@ -165,7 +165,7 @@ def prepare_contact_image(
 
     Examples
     --------
-    An ellipse drawn by a person replaces the automatic region:
+    A manual ellipse replaces the automatic region:
 
     >>> from fingerpad.image import ImageEllipse
     >>> from fingerpad.simulate import render_contact_image
