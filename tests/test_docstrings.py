@@ -74,7 +74,7 @@ def raised(function) -> set[str]:
     return {error.func.id for error in errors if isinstance(error, ast.Call)}
 
 
-def test_names_are_found() -> None:
+def test_public_objects_found() -> None:
     assert len(OBJECTS) > 150
     assert len(METHODS) > 50
 

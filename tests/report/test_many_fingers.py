@@ -87,7 +87,7 @@ def pages(out: Path) -> dict[str, bytes]:
     return {path.stem: path.read_bytes() for path in (out / "report").glob("*.html")}
 
 
-def test_every_finger_has_a_page_and_one_leads_to_all(tmp_path: Path) -> None:
+def test_one_page_per_finger_and_index(tmp_path: Path) -> None:
     out = tmp_path / "out"
     run(tmp_path)
     over = (out / "report.html").read_text()
@@ -104,7 +104,7 @@ def test_every_finger_has_a_page_and_one_leads_to_all(tmp_path: Path) -> None:
     assert len(re.findall(r"<td class=\"number\">30°</td>", over)) == len(FINGERS)
 
 
-def test_only_what_changed_is_drawn_again(tmp_path: Path) -> None:
+def test_only_changed_pages_redrawn(tmp_path: Path) -> None:
     out = tmp_path / "out"
     items: list[str] = []
     run(tmp_path, items.append)
@@ -120,7 +120,7 @@ def test_only_what_changed_is_drawn_again(tmp_path: Path) -> None:
     assert {name for name in after if after[name] != before[name]} == {"thumb"}
 
 
-def test_another_process_draws_nothing_again(tmp_path: Path) -> None:
+def test_second_process_redraws_nothing(tmp_path: Path) -> None:
     manifest = manifest_of(tmp_path / "study", curve=True)
     items = []
     for seed in ("1", "2"):  # of the order that words have in sets
@@ -133,7 +133,7 @@ def test_another_process_draws_nothing_again(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("lost", ["report/left.html", "figures/left_30deg_area.svg"])
-def test_a_page_that_lost_a_file_is_drawn_again(tmp_path: Path, lost: str) -> None:
+def test_page_with_lost_file_redrawn(tmp_path: Path, lost: str) -> None:
     out = tmp_path / "out"
     run(tmp_path)
     (out / lost).unlink()
@@ -143,7 +143,7 @@ def test_a_page_that_lost_a_file_is_drawn_again(tmp_path: Path, lost: str) -> No
     assert (out / lost).is_file()
 
 
-def test_fingers_that_left_the_study_leave_nothing(tmp_path: Path) -> None:
+def test_pages_of_removed_fingers_deleted(tmp_path: Path) -> None:
     out = tmp_path / "out"
     run(tmp_path)
     run(tmp_path, fingers=("left",))
@@ -157,7 +157,7 @@ def without_time(file: Path) -> bytes:
     return re.sub(rb"\d{4}-\d\d-\d\d[T ][\d:+]*", b"", file.read_bytes())
 
 
-def test_two_processes_draw_what_one_draws(tmp_path: Path) -> None:
+def test_two_processes_equal_one(tmp_path: Path) -> None:
     manifest = manifest_of(tmp_path / "study", curve=True)
     one, two = tmp_path / "one", tmp_path / "two"
     for out, workers in ((one, 1), (two, 2)):
@@ -170,7 +170,7 @@ def test_two_processes_draw_what_one_draws(tmp_path: Path) -> None:
     assert any("curve" in file for file in files)
 
 
-def test_an_interrupt_keeps_what_is_drawn_and_the_results_before(tmp_path: Path) -> None:
+def test_interrupt_keeps_drawn_pages_and_previous_results(tmp_path: Path) -> None:
     out = tmp_path / "out"
     run(tmp_path, fingers=("left", "right"))
     before = {name: (out / name).read_bytes() for name in result_files(out)}
@@ -190,7 +190,7 @@ def test_an_interrupt_keeps_what_is_drawn_and_the_results_before(tmp_path: Path)
     assert pages(out).keys() == set(FINGERS)
 
 
-def test_a_folder_that_cannot_be_written(tmp_path: Path) -> None:
+def test_unwritable_folder(tmp_path: Path) -> None:
     (tmp_path / "out").mkdir()
     (tmp_path / "out" / "report").write_text("in the way")
     with pytest.raises(FingerpadError, match="report"):
