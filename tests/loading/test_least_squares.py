@@ -98,7 +98,7 @@ def test_undetermined_parameters_named(residuals, start, message: str) -> None:
 
 
 def test_more_parameters_than_independent_residuals() -> None:
-    with pytest.raises(FitError, match="worth 2.5 independent"):
+    with pytest.raises(FitError, match="count as 2.5 independent"):
         fitted(data(0)).with_effective_count(2.5)
 
 

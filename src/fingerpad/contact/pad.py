@@ -1,4 +1,4 @@
-"""What an observed contact ellipse says of a finger pad: corrected radii, indentation, modulus, and range."""
+"""Corrected radii, indentation, modulus and model range of a finger pad from an observed contact ellipse."""
 
 from dataclasses import dataclass
 

@@ -296,7 +296,7 @@ def _at_area(solved: Callable[[float], _Pressed], indentation: float, area: floa
 
 
 def _solution(body: ElasticBody, coarser: _Pressed, finest: _Pressed) -> ContactSolution:
-    """Gather the finest grid's results, with the error that the coarser one tells."""
+    """Gather the finest grid's results, with the error estimated from the coarser one."""
     outline = finest.outline
     mean_radius = math.sqrt(outline.area / math.pi)
     if not finest.indentation < body.thickness:

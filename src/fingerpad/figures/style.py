@@ -72,7 +72,7 @@ _STYLE: Final[Any] = {  # Matplotlib's types want literal keys
 
 
 def in_style(function: Callable[Arguments, Result]) -> Callable[Arguments, Result]:
-    """Let `function` draw in the house style, whatever the caller's settings."""
+    """Let `function` draw in the style of these figures, independent of the caller's settings."""
 
     @wraps(function)
     def styled(*args: Arguments.args, **kwargs: Arguments.kwargs) -> Result:
@@ -251,7 +251,7 @@ def draw_points(
     colour: str = BLUE,
     label: str = "measured",
 ) -> None:
-    """Draw points with error bars of one standard uncertainty; synthetic ones hollow, and say so."""
+    """Draw points with error bars of one standard uncertainty; synthetic ones hollow and labelled."""
     x, y, flags = broadcast(x, y, synthetic)
     x, y, hollow = x.ravel(), y.ravel(), flags.ravel() != 0
     crowded = x.size > 80

@@ -15,7 +15,7 @@ def read_colour_image(
 ) -> npt.NDArray[np.uint8]:
     """Read a photograph from a PNG, TIFF, JPEG, BMP or PPM file as red, green, blue of 8 bits.
 
-    Transparency is laid on white, and a camera's rotation tag is obeyed.
+    Transparency is blended with white, and a camera's rotation tag is obeyed.
 
     Parameters
     ----------

@@ -72,9 +72,10 @@ class Picture(Displayed):
 def read_image(path: str | PathLike[str], *, memory_limit: int = MEMORY_LIMIT) -> Picture:
     """Read one grey picture from a PNG, TIFF, JPEG, BMP or PGM file.
 
-    Colour becomes luma (ITU-R BT.601) of the file's own depth, transparency is laid on white, and a camera's
-    rotation tag is obeyed. A file of several pictures (a TIFF of many pages, an animation) is refused;
-    `open_frames` reads it page by page. Reduced copies that a TIFF carries beside its picture do not count.
+    Colour becomes luma (ITU-R BT.601) of the file's own depth, transparency is blended with white, and a
+    camera's rotation tag is obeyed. A file of several pictures (a TIFF of many pages, an animation) is
+    refused; `open_frames` reads it page by page. Reduced copies that a TIFF carries beside its picture do
+    not count.
 
     Of TIFF, levels of 1 to 64 bits are read uncompressed or compressed by LZW, Deflate or PackBits, and those
     of 8 bits or 1 bit by JPEG or CCITT. Other compressions are refused by name.
@@ -226,7 +227,7 @@ def _decode(path: Path, memory_limit: int) -> tuple[Pixels, float | None]:
 
 
 def _is_deep_colour(image: Image.Image) -> bool:
-    """Tell whether a file holds colour of more than 8 bits, which Pillow would cut to 8."""
+    """Return whether a file holds colour of more than 8 bits, which Pillow would cut to 8."""
     if image.mode not in {"RGB", "RGBA", "RGBX", "LA"}:
         return False
     # Pillow's name for the layout of the file's samples, or for PPM their largest value.

@@ -1,4 +1,4 @@
-"""A quantity with its uncertainty, or the reason why the data do not tell it."""
+"""A quantity with its uncertainty, or the reason why the data do not determine it."""
 
 import math
 from collections.abc import Mapping

@@ -1,4 +1,4 @@
-"""Everything that one loading curve tells, in one call."""
+"""Radius, moduli, contact point and exponents of one loading curve, in one call."""
 
 import math
 from collections.abc import Mapping

@@ -119,7 +119,7 @@ class LeastSquaresFit(Displayed):
         """
         if not count > self.values.size:
             raise FitError(
-                f"the residuals are so correlated that they are worth {count:.1f} independent ones, for "
+                f"the residuals are so correlated that they count as {count:.1f} independent ones, for "
                 f"{self.values.size} parameters ({', '.join(self.names)}): record for longer, or fit less"
             )
         return replace(self, effective_count=float(count))
@@ -190,7 +190,7 @@ def fit_least_squares(
     ------
     FitError
         If there are no more residuals than parameters, the residuals at the start are not finite, the
-        search does not end, or the data do not tell the parameters apart.
+        search does not end, or the parameters are indistinguishable.
 
     Examples
     --------
@@ -318,7 +318,7 @@ def _require_determined(fit: LeastSquaresFit) -> None:
     singular = np.linalg.svd(fit.jacobian / length, compute_uv=False)
     if not singular[-1] > _SINGULAR * singular[0]:
         raise FitError(
-            f"the data do not tell {', '.join(fit.names)} apart: record a wider range, or fit less"
+            f"the data do not determine {', '.join(fit.names)} separately: record a wider range, or fit less"
         )
 
 

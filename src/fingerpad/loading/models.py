@@ -199,7 +199,7 @@ def local_area_exponent(
 
 
 def clipped_load(h: FloatArray, initial_modulus: float, load_coefficient: float) -> FloatArray:
-    """Return the load for a search among parameters: beyond its pole it goes on finite and very large."""
+    """Return the load for a parameter search: finite and very large beyond its pole."""
     return initial_modulus * h / np.maximum(1 - load_coefficient * h, _POLE)
 
 

@@ -61,8 +61,8 @@ def increasing_region(
 ) -> tuple[tuple[float, float], FitData]:
     """Return the loads (N) between which E_g increases, and the record's rows before contact and in between.
 
-    E_g is averaged in up to twelve bins along the curve. It ends increasing where it has its last maximum
-    and starts where it had its last minimum before, as far as noise can tell.
+    E_g is averaged in up to twelve bins along the curve. The region ends at its last maximum and
+    starts at the last minimum before, within noise.
 
     Raises
     ------

@@ -282,7 +282,7 @@ def contact_rise(
 
 
 def both_reversed(clock: FloatArray, load: FloatArray, displacement: FloatArray) -> bool:
-    """Tell whether force and displacement, both reversed, are a press far better than as they stand.
+    """Return whether force and displacement are a press far better with both signs reversed.
 
     A press grows ever steeper after a level baseline; upside down it ends in one.
     """

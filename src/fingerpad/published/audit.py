@@ -68,7 +68,7 @@ class AuditItem:
     formula : str
         The equation used; empty for a measured input.
     remark : str
-        What else there is to say; may be empty.
+        A remark; may be empty.
 
     Examples
     --------

@@ -189,7 +189,7 @@ def dzidek2017() -> Dzidek2017:
 
 
 def _wedge(data: Mapping[str, Any], angle: int) -> PublishedWedge:
-    """Gather what the tables say of one wedge angle."""
+    """Return the printed numbers of one wedge angle."""
     key = f"wedge_{angle}"
     contact, radii, pooled = (data[table][key] for table in ("table3", "table4", "pooled"))
     return PublishedWedge(

@@ -51,7 +51,7 @@ class Inputs:
     def of(
         cls, *, correlations: Mapping[tuple[str, str], ArrayLike] | None = None, **quantities: Quantity
     ) -> Self:
-        """Return inputs from values that broadcast; each input is a source of its own.
+        """Return inputs from values that broadcast; each input is a separate source.
 
         Parameters
         ----------

@@ -276,13 +276,13 @@ def _distance(one: Outline, other: Outline) -> float:
 
 
 def _touch(one: Outline, other: Outline) -> bool:
-    """Tell whether two outlines run together on one side and apart on another; rings of a coin do not."""
+    """Return whether two outlines run together on one side and apart on another; rings of a coin do not."""
     gap = np.abs(gaps(one.ellipse, other.ellipse))
     return float(np.mean(gap < _TOUCHING)) > _MIN_TOUCHING and gap.max() > 2 * _TOUCHING
 
 
 def _is_shadow(outer: Outline, inner: Outline) -> bool:
-    """Tell whether an outline follows a coin on its lit side and the coin's shadow on the other."""
+    """Return whether an outline follows a coin on its lit side and the coin's shadow on the other."""
     return inner.ellipse.size < outer.ellipse.size and _touch(outer, inner)
 
 

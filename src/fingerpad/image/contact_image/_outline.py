@@ -20,7 +20,7 @@ _ENDS, _FOLLOWING, _NOISE = 0.084, 0.206, 0.192
 # Standard deviation of the edge's place in a valley, and by how soft the picture is; neighbours share an
 # error over `_STRETCH`.
 _IN_VALLEY, _BY_SOFTNESS, _STRETCH = 0.16, 0.092, 2.75
-# A hand draws the edge somewhere within one ridge period, uniformly: half of that variance it has everywhere
+# A manual edge lies somewhere within one ridge period, uniformly: half of that variance it has everywhere
 # alike, as a generous outline is generous all round.
 _BY_HAND = math.sqrt(1 / 12 / 2)
 
@@ -184,7 +184,7 @@ def outline_covariance(edge: ContactOutline, weights: FloatArray) -> FloatArray:
     the edge more the softer the picture is. All stretches share a third of the correction for noise and,
     where no ridges are resolved, all of the shift for them: a solid print ends at its outline. The share of
     the softness and the length of a stretch are fitted to the errors of rendered contacts
-    (see `accuracy_and_coverage` in benchmarks/contact_images.py). Where a hand drew
+    (see `accuracy_and_coverage` in benchmarks/contact_images.py). Where the edge was drawn manually
     the edge, its error takes the place of all of these.
     """
     along = edge.along.clip(0, 1)

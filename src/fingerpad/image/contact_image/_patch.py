@@ -64,7 +64,7 @@ def trace_patch(
 ) -> ContactOutline:
     """Trace a patch of the view, given the amount of ridge as found and as closed over the valleys.
 
-    `resolved` says whether the ridge period was seen, `by_threshold` that the caller sets the ridges' level.
+    `resolved` is whether the ridge period was found, `by_threshold` whether the ridges' level is given.
     """
     ridges = _ridge_level(_level_histogram(amount, patch), noise, view.period, by_threshold=by_threshold)
     edge = contact_outline(
@@ -92,7 +92,7 @@ def measure_patch(
     ridge_area = float(_level_histogram(amount, patch & ~smeared) @ ridges.share) + unknown / 2
     covariance[3, 3] = (ridges.std**2 + unknown**2 / 12) * pixel**2
     if edge.by_hand.any():
-        # A hand that takes in too much skin takes in its ridges.
+        # A manual outline that includes too much skin includes its ridges.
         covariance[3, 3] += (ridge_area * pixel / moments.area) ** 2 * covariance[2, 2]
     return Patch(
         moments=moments,
@@ -125,7 +125,7 @@ def _level_histogram(amount: UInt8, where: BoolArray) -> FloatArray:
 
 
 def _ridge_level(counts: FloatArray, noise: float, period: float, *, by_threshold: bool) -> _Ridges:
-    """Tell the area of ridges from the levels in a patch.
+    """Return the area of ridges from the levels in a patch.
 
     Where blur fills the valleys, or cuts the crests, the local levels lie on one side of the true ones by an
     amount that the means of what is above and below the middle show: they lean to that side.

@@ -122,7 +122,7 @@ def _border_blocks(quiet: BoolArray, rows: int, columns: int) -> BoolArray:
 
 
 def _is_dark_on_light(means: Float32Array, ground: BoolArray, busy: BoolArray) -> bool:
-    """Tell the polarity: ridges raise the texture, and their mean differs from the quiet ground's."""
+    """Return the polarity: ridges raise the texture, and their mean differs from the quiet background's."""
     if not busy.any() or not ground.any():
         return True
     return float(means[busy].mean()) < float(np.median(means[ground]))

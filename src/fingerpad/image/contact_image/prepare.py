@@ -155,7 +155,7 @@ def prepare_contact_image(
     Returns
     -------
     PreparedContactImage
-        Also where no contact is found: its `reason` says why.
+        Also where no contact is found: `reason` says why.
 
     Raises
     ------
@@ -241,7 +241,7 @@ def _find_region(ridged: RidgeImage, seed: tuple[float, float] | None, *, resolv
 
 
 def _contrast_problem(signal: Signal, *, resolved: bool) -> str | None:
-    """Say that nothing stands out of the noise; None where something does."""
+    """Return the reason where nothing stands out of the noise, else None."""
     if signal.contrast > (_NO_CONTRAST if resolved else LOW_CONTRAST) * signal.noise:
         return None
     return (

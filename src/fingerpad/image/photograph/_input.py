@@ -99,7 +99,7 @@ def check_not_cut(silhouette: Silhouette, sides: tuple[Direction, ...], tip: Dir
 
 
 def check_image(pixels: npt.ArrayLike) -> npt.NDArray[Any]:
-    """Return the picture, or say what is wrong with it."""
+    """Return the picture, validated."""
     values = picture_array(pixels, "pixels")
     if not (values.ndim == 2 or (values.ndim == 3 and values.shape[2] in (3, 4))) or not values.size:
         raise ImageError(

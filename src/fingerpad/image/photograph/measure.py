@@ -234,7 +234,7 @@ def measure_photograph(
 
     The arc is the longest about the pad's middle that one ellipse fits, its ellipse averaged over where the
     arc may end; or all the outline inside `region_of_interest`, or from the first to the last of `points`.
-    Beyond its ends the outline, which has no corner, still counts for what it can say. The ellipse lies along
+    Beyond its ends the outline, which has no corner, still informs the fit. The ellipse lies along
     the finger's own axis, as its sides show it, within what they leave open.
 
     Parameters
@@ -302,7 +302,7 @@ def measure_photograph(
 
 
 def _merit(found: PhotographFit) -> float:
-    """Return how well an arc determines its ellipse, to tell the pad from the dorsal side."""
+    """Return how well an arc determines its ellipse, to distinguish the pad from the dorsal side."""
     relative = np.sqrt(np.diagonal(found.edge_covariance)) / found.semi_axes
     return -float(np.linalg.norm(relative))
 
@@ -318,7 +318,7 @@ def _outline(light: npt.NDArray[np.float32], silhouette: Silhouette) -> Subpixel
     if step > 1:
         coarse = locate_edges(light, contour, reach=3 * step + 2, spacing=step)
         contour = coarse.points[coarse.found] if coarse.found.mean() > 0.5 else contour
-    # Errors run together over several pixels: more points than these say nothing more.
+    # Errors run together over several pixels: more points than these add nothing.
     length = float(np.linalg.norm(np.diff(contour, axis=0), axis=1).sum())
     return locate_edges(light, contour, reach=4.0, spacing=max(1.0, length / _MAX_POINTS))
 

@@ -39,8 +39,8 @@ def semi_axes_from_outlines(
     Raises
     ------
     FitError
-        If an outline gives no ellipse, fits one without a residual to tell its uncertainty, no face shows one
-        of the semi-axes, or the faces contradict each other.
+        If an outline gives no ellipse, fits one without a residual to estimate its uncertainty, no face shows
+        one of the semi-axes, or the faces contradict each other.
 
     Examples
     --------

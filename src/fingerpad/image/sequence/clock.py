@@ -1,4 +1,4 @@
-"""The clock of a film beside its force: whichever way the two were brought together."""
+"""The clock of a sequence on the time of its force signal."""
 
 from fingerpad.exceptions import LoadingError
 from fingerpad.image.sequence.force import ForceSignal, FrameRate

@@ -1,4 +1,4 @@
-"""A force signal beside a film: its samples, and the clock that brings frames onto its time."""
+"""A force signal: its samples, and the clock of the frames on its time."""
 
 import math
 from collections.abc import Mapping
@@ -21,7 +21,7 @@ _REVERSED = 2.0
 
 @dataclass(frozen=True, slots=True, init=False, eq=False, repr=False)
 class ForceSignal(Displayed):
-    """Normal force against time, at a rate of its own.
+    """Normal force against time, at its own sampling rate.
 
     Attributes
     ----------

@@ -261,7 +261,7 @@ def _open_tiff(path: Path) -> tifffile.TiffFile:
 
 
 def _tiff_frames(path: Path, start: int, stop: int, memory_limit: int) -> Iterator[Frame]:
-    # Reading one IFD at a time: a list of all pages would grow with the film.
+    # Reading one IFD at a time: a list of all pages would grow with the sequence.
     with _open_tiff(path) as tiff:
         count, broken = _count_readable_pages(tiff)
         for index in range(start, min(stop, count)):

@@ -158,7 +158,7 @@ def measure_frames(
             contact_image = measure_contact_image(frame.pixels, scale, **settings.settings, **place)
         except MemoryError:  # the limit of the process, not a fault of this frame
             raise
-        except Exception as error:  # whatever goes wrong costs this frame only
+        except Exception as error:  # any error fails this frame only
             yield FrameResult(index=frame.index, reason=reason_of(error, "the frame cannot be measured"))
             continue
         if watch is not None:

@@ -113,12 +113,12 @@ class SequenceSummary:
 # With fewer contacts than this nothing is said of how area and force go together.
 _MIN_FRAMES_TO_COMPARE = 8
 _MIN_CORRELATION = 0.5
-# A film in which the load stays below this share of what the force reaches is timed wrongly, or cut.
+# A sequence whose load stays below this share of the largest force is timed wrongly, or cut.
 _MIN_LOAD_SHARE = 0.1
 
 
 def _area_follows_load(loads: Sequence[float], areas: Sequence[float]) -> bool:
-    """Tell whether the area follows the load, whatever its law: by their rank correlation."""
+    """Return whether the area follows the load, by their rank correlation."""
     if not np.ptp(loads) > 0:
         return False
     from scipy import stats  # noqa: PLC0415 (slow to import, seldom needed)
