@@ -1,4 +1,4 @@
-"""Named columns with units of a CSV file, for every room that reads tables."""
+"""Named columns with units of a CSV file."""
 
 import csv
 import math

@@ -1,4 +1,4 @@
-"""How results show themselves: a short ``repr``, a summary in words, and HTML in notebooks."""
+"""Representation of results: a short ``repr``, a text summary, and HTML in notebooks."""
 
 import base64
 import html

@@ -1,4 +1,4 @@
-"""Units at the edges: factors to those of the library, and numbers as people read them."""
+"""Conversion of units, and formatting of numbers with uncertainty."""
 
 import math
 from typing import Final

@@ -1,4 +1,4 @@
-"""Put finished studies side by side."""
+"""Compare finished studies."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated

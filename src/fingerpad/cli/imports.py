@@ -1,4 +1,4 @@
-"""Bring in what was measured elsewhere."""
+"""Import measurements from other programs."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Final

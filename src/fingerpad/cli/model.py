@@ -1,4 +1,4 @@
-"""Commands that ask the model: geometry, hertz, correct, reproduce."""
+"""Commands of the model: geometry, hertz, correct, reproduce."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated

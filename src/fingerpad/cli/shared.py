@@ -1,4 +1,4 @@
-"""What all commands share: errors in plain words, exit codes, and printing."""
+"""Shared by all commands: error messages, exit codes, and printing."""
 
 import math
 import sys

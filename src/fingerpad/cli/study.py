@@ -1,4 +1,4 @@
-"""Commands that make and run studies."""
+"""Commands that create and run studies."""
 
 from dataclasses import asdict
 from pathlib import Path

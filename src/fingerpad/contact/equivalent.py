@@ -1,4 +1,4 @@
-"""Spheres equivalent to an elliptical contact: there are three, and they differ.
+"""The three spheres equivalent to an elliptical contact.
 
 A sphere can be chosen to give the same indentation under the same load, the same area under the same load,
 or the same area at the same indentation. Each radius is the base radius R times a function of the observed

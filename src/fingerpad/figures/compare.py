@@ -1,4 +1,4 @@
-"""Figures that put fingers and people side by side."""
+"""Figures that compare fingers and people."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

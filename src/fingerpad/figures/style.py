@@ -1,4 +1,4 @@
-"""One style for every figure, and files that are the same byte for byte each time they are written."""
+"""One style for every figure, and files that are reproducible byte for byte."""
 
 import hashlib
 import io

@@ -1,4 +1,4 @@
-"""Figures of uncertainty: who contributes what."""
+"""Figures of uncertainty budgets."""
 
 from collections.abc import Mapping
 

@@ -1,4 +1,4 @@
-"""One press of a record made ready to fit: its rows, its doubts, and where a search may begin."""
+"""Preparation of one press for the fit: rows, flags, and initial values."""
 
 from dataclasses import dataclass
 

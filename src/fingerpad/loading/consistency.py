@@ -1,4 +1,4 @@
-"""Does one sphere describe the contact? The modulus from its area against that from its indentation."""
+"""Consistency of one sphere with a contact: modulus from area against that from indentation."""
 
 from dataclasses import dataclass
 

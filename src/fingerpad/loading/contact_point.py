@@ -1,4 +1,4 @@
-"""Estimators of the place of first contact, each with an uncertainty that was tried out.
+"""Estimators of the place of first contact, with uncertainty from simulation.
 
 The joint fit finds the place of contact together with everything else. These find it from force and
 displacement alone, as in manual analysis, and are late or early by amounts that depend on the noise.

@@ -1,11 +1,11 @@
-r"""The noise of a pressed pad's record: of force, of displacement and of area, and its correlations.
+r"""Noise of force, displacement and area in a loading curve, and its correlations.
 
 With :math:`e` the noise of displacement, :math:`s = dW/d\xi` and :math:`g = \pi R_g`, the residuals are
 :math:`r_F = f + w + s e` and :math:`r_A = a - g e`: noise of the displacement enters both (effective
 variance).
-The force has white noise w and drifting noise f, which forgets exponentially in time. Given :math:`r_A`, the
+The force has white noise w and drift f with exponential correlation in time. Given :math:`r_A`, the
 force's residuals have covariance :math:`B^{-1} T B^{-\mathsf T}`, with B the bidiagonal filter that makes f
-white and T tridiagonal, so that all of it is done in as many steps as there are rows.
+white and T tridiagonal, so that the cost is linear in the number of rows.
 """
 
 import math

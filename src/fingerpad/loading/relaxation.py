@@ -1,9 +1,9 @@
-r"""What time does to a held contact: relaxation of the force, and growth of the ridges' area.
+r"""Time dependence of a held contact: relaxation of the force, and growth of the ridges' area.
 
 A pad that is linearly viscoelastic in time has the load
 :math:`W(t) = \int g(t - s)\,dW_e(s)`, with the elastic load
 :math:`W_e = k\,\xi^{3/2}/(1 - b\,\xi^{3/2})` of the recorded motion and
-:math:`g = 1 - \sum_i g_i (1 - e^{-t/\tau_i})`. The ramp is in the integral: nothing need be instantaneous.
+:math:`g = 1 - \sum_i g_i (1 - e^{-t/\tau_i})`. The ramp is part of the integral.
 """
 
 from collections.abc import Sequence

@@ -1,4 +1,4 @@
-"""Writing the report: one page, or where there is too much for one a page over those of the fingers."""
+"""Writing the report: one page, or for many fingers an index and a page for each."""
 
 from collections.abc import Callable
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""Pictures of coins of known size and tilt, and what makes real ones hard: relief, rim, shadow, grain."""
+"""Pictures of coins of known size and tilt, with relief, rim, shadow and noise."""
 
 import math
 from dataclasses import dataclass

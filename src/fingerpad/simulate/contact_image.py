@@ -1,4 +1,4 @@
-"""Pictures of known truth: contact imprints with friction ridges, and points of an outline.
+"""Rendered contact images with friction ridges, and points of an outline, of known truth.
 
 The ridges come from noise filtered again and again along a flow with a core and a delta, as real prints have;
 minutiae appear by themselves. The contact ends sharply at an ellipse, or at a smooth irregular outline whose

@@ -1,4 +1,4 @@
-"""A pad pressed and released, with the truth of every frame: Hertz contact under a given load, rendered."""
+"""Rendered sequences of a pad pressed and released: Hertz contact under given loads."""
 
 import math
 from dataclasses import dataclass

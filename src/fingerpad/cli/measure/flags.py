@@ -1,4 +1,4 @@
-"""Flags that several measuring commands know, and what their text means."""
+"""Flags shared by measuring commands, and their parsing."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Final, TypeAlias

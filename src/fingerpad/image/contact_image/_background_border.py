@@ -1,4 +1,4 @@
-"""What part of a picture shows anything."""
+"""The part of an image inside an empty border."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""What of a picture is measured: its checked grey levels, cropped, and where they count."""
+"""The part of an image that is measured: validated grey levels, cropped, and a mask."""
 
 from dataclasses import dataclass
 from typing import TypeAlias

@@ -1,4 +1,4 @@
-"""From a contact image to how much each place is a ridge: polarity, even light, local levels."""
+"""Ridges of a contact image: polarity, uneven lighting, local levels."""
 
 from dataclasses import dataclass
 from typing import TypeAlias

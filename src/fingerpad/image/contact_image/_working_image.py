@@ -1,4 +1,4 @@
-"""The working copy of a picture, in which a ridge period is 4.5 px, and its place in the picture."""
+"""The reduced copy of an image, in which a ridge period is 4.5 px."""
 
 import math
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""A person's edits of a contact region: strokes of a brush, and an ellipse placed by its handles."""
+"""Manual corrections of a contact region: brush strokes and ellipses."""
 
 import math
 from collections.abc import Sequence

@@ -1,4 +1,4 @@
-"""What a contact image shows of one contact."""
+"""Results of measuring a contact image."""
 
 import math
 from dataclasses import dataclass

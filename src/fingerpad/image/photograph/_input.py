@@ -1,4 +1,4 @@
-"""What a photograph is measured by: the picture, region of interest and marks, and the points they choose."""
+"""Arguments of measuring a photograph: picture, region of interest and marks."""
 
 import math
 from typing import Any, TypeAlias

@@ -4,8 +4,8 @@ Each face shows two of the three semi-axes, so that two faces give one of them t
 them twice: the joint estimate is over-determined, and the disagreement is reported.
 
 Faces are combined as logarithms, to which an error of a picture's scale adds the same amount whatever the
-length. A covariance of lengths whose share of the scale is that of the measured values pulls the result below
-all of them (Peelle's pertinent puzzle).
+length. A covariance of lengths whose contribution from the scale is computed from the measured values biases
+the result below all of them (Peelle's pertinent puzzle).
 """
 
 import math

@@ -1,4 +1,4 @@
-"""A finger pad's ellipse in a photograph as a person places it, or as points that a person marks give it."""
+"""Manual ellipses of a finger pad in a photograph, and manual changes to its outline."""
 
 import math
 from collections.abc import Sequence

@@ -1,7 +1,7 @@
 """Semi-axes of the finger pad from a photograph of one face before a plain backdrop.
 
-The finger is set apart from the backdrop by colour, its outline located to a fraction of a pixel, the arc
-that is pad chosen, and an ellipse along the finger's axis fitted to it by least orthogonal distance.
+The finger is separated from the backdrop by colour, its outline located to a fraction of a pixel, the arc of
+the pad selected, and an ellipse along the finger's axis fitted to it by least orthogonal distance.
 """
 
 import math

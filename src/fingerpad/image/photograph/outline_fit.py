@@ -1,11 +1,11 @@
-"""Ellipses fitted to ordered points of an outline, whose errors run together along it.
+"""Ellipses fitted to ordered points of an outline, with correlated errors.
 
-Neighbouring points of a located edge share the skin's texture, the picture's noise and whatever the finger
-has that an ellipse has not. Taken as independent they would promise far too much: here their correlation
-length is estimated from the residuals, and the covariance widened by it.
+Neighbouring points of a located edge share the skin's texture, the picture's noise and the departure of the
+finger from an ellipse. Their correlation length is estimated from the residuals, and the covariance widened
+accordingly.
 
-The outline does not break off where the elliptic arc ends: it runs on without a corner, and its curvature
-changes by about as much as there is of it. Points just beyond the ends are weighted by that.
+Beyond the ends of the elliptic arc the outline continues without a corner, and its curvature changes by about
+its own size. Points just beyond the ends are weighted accordingly.
 """
 
 import math
@@ -194,13 +194,13 @@ class _Errors:
 
 
 def departure_covariance(beyond: FloatArray, radii: tuple[float, float]) -> FloatArray:
-    """Return the covariance of how far an outline departs from the ellipse beyond its arc's ends.
+    """Return the covariance of an outline's departure from the ellipse beyond the ends of its arc.
 
     The outline has no corner. Its curvature, in units of the ellipse's at the end, jumps there by a normal
-    deviate and then walks at random, both with a standard deviation of one (the walk's after one radian): it
-    may grow twofold or give way to a straight side. Twice integrated along the outline, with s and t the
-    lesser and greater of two distances in radii of curvature R, the covariance is
-    R² [s² t² / 4 + (s⁵/5 + (t − s) s⁴/2 + (t − s)² s³/3) / 4]; the two ends know nothing of each other.
+    deviate and then follows a random walk, both of standard deviation one (the walk's after one radian).
+    Integrated twice along the outline, with s and t the lesser and greater of two distances in radii of
+    curvature R, the covariance is
+    R² [s² t² / 4 + (s⁵/5 + (t − s) s⁴/2 + (t − s)² s³/3) / 4]; the two ends are independent.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What one frame of a sequence shows, and what all of them come to."""
+"""Results of one frame of a sequence, and a summary of all."""
 
 import math
 from array import array
