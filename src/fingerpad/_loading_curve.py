@@ -95,7 +95,7 @@ class LoadingCurve(Displayed):
 
     @property
     def doubts(self) -> tuple[str, ...]:
-        """What the times themselves show: ``duplicated_time``, ``time_gap``."""
+        """Flags of the times: ``duplicated_time``, ``time_gap``."""
         if self.time is None or len(self.time) < 3:
             return ()
         steps = np.diff(self.time)

@@ -115,7 +115,7 @@ class ContactSolution:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _Pressed:
-    """What one grid gives; lengths as they are, forces over E*."""
+    """Solution on one grid; forces divided by E*."""
 
     grid: ContactGrid
     pressure: FloatArray
@@ -296,7 +296,7 @@ def _at_area(solved: Callable[[float], _Pressed], indentation: float, area: floa
 
 
 def _solution(body: ElasticBody, coarser: _Pressed, finest: _Pressed) -> ContactSolution:
-    """Gather the finest grid's results, with the error estimated from the coarser one."""
+    """Return the finest grid's results, with the error estimated from the coarser one."""
     outline = finest.outline
     mean_radius = math.sqrt(outline.area / math.pi)
     if not finest.indentation < body.thickness:

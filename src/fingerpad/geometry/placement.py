@@ -1,4 +1,4 @@
-"""Where on the pad a flat platen touches, from the wedge on which the finger rests."""
+"""Place of contact of a pad with a flat platen, for a finger on a wedge."""
 
 from dataclasses import dataclass, field
 

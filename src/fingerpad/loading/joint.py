@@ -49,7 +49,7 @@ class FitData(Displayed):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ForceModel:
-    """How the load grows with ξ: parameter names, and W(values, ξ, 4/3 R^½/(1 − ν²))."""
+    """A load as a function of ξ: parameter names, and W(values, ξ, 4/3 R^½/(1 − ν²))."""
 
     names: tuple[str, ...]
     load: Callable[[Values, FloatArray, float], FloatArray]

@@ -238,7 +238,7 @@ def _std_bounds(first: Noise, residuals: tuple[FloatArray, FloatArray]) -> dict[
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class NoiseUncertainty(Displayed):
-    """How well a noise is known: names of its estimated deviations and the covariance of their logarithms."""
+    """Uncertainty of a noise model: names of its estimated deviations, covariance of their logarithms."""
 
     names: tuple[str, ...]
     covariance: FloatArray

@@ -55,7 +55,7 @@ class Printed:
 
     @property
     def interval(self) -> tuple[float, float]:
-        """What would be printed like this: value ∓ half a unit of the last digit."""
+        """Values that are printed alike: value ∓ half a unit of the last digit."""
         return self.value - self.rounding, self.value + self.rounding
 
 

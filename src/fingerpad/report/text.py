@@ -9,7 +9,7 @@ from fingerpad.study.results.study_result import StudyResult
 
 FLAG_WORDS: Final[Mapping[str, str]] = {
     "touches_border": "the contact is cut by the edge of the picture",
-    "low_contrast": "the contact hardly stands out from its ground",
+    "low_contrast": "the contact hardly stands out from its background",
     "several_regions": "there are other patches beside the one measured",
     "poor_ellipse": "the contact is not well described by an ellipse",
     "cut_by_mask": "the contact is cut by the mask or region of interest",

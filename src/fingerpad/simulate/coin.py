@@ -57,7 +57,7 @@ def render_coin(
     noise_std: float = 4.0,
     seed: int = 0,
 ) -> SyntheticCoin:
-    """Render a coin lying on a ground, seen from far away.
+    """Render a coin lying on a background, seen from far away.
 
     Parameters
     ----------
@@ -72,11 +72,11 @@ def render_coin(
     centre : (float, float), optional
         (row, column) of the coin's centre, px; the middle of the picture by default.
     level, ground : float
-        Mean grey level of the coin and of the ground.
+        Mean grey level of the coin and of the background.
     relief : float
         Standard deviation of the grey levels of the coin's face and rim.
     shadow : float
-        Share of the light that the coin's shadow takes from the ground, 0 to 1.
+        Share of the light that the coin's shadow takes from the background, 0 to 1.
     blur : float
         Standard deviation of the lens's blur, px.
     noise_std : float
@@ -158,7 +158,7 @@ def _lit_ground(
     light: float,
     rng: np.random.Generator,
 ) -> Float32Array:
-    """Return the ground at the fine size: grain, a fall of light, and the coin's soft shadow."""
+    """Return the background at the fine size: grain, a fall of light, and the coin's soft shadow."""
     rows, columns = shape
     down, right = 0.07 * radius * math.sin(light), -0.07 * radius * math.cos(light)
     grid = np.ogrid[:rows, :columns]

@@ -126,7 +126,7 @@ def render_contact_image(
     jpeg_quality : int, optional
         Quality of a lossy compression, 1 to 100; None for none.
     margin : float
-        Empty ground round the ellipse's box, mm; negative cuts the contact.
+        Empty background round the ellipse's box, mm; negative cuts the contact.
     seed : int
         The same seed gives the same picture.
     ridge_seed : int, optional

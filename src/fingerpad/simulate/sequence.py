@@ -12,7 +12,7 @@ from fingerpad.exceptions import GeometryError
 from fingerpad.simulate.contact_image import Look, render_contact_image
 from fingerpad.units import MM_PER_INCH
 
-# Lighter contacts than this are a ground without a finger, mm.
+# Lighter contacts than this are a background without a finger, mm.
 _MIN_SEMI_AXIS = 0.05
 
 

@@ -32,7 +32,7 @@ _MIN_SHARPNESS, _STEP_SHARPNESS = 0.8, 2.2
 # Two ellipses are one, or touch, when no further apart than this share of their size.
 _SAME, _TOUCHING, _MIN_TOUCHING = 0.004, 0.012, 0.15
 # What moves the edge all round, as standard deviations: lens and lamp, px; of the radius: the rounded edge,
-# which mirrors the ground, and a shadow or a band beside the edge as strong as the coin's contrast.
+# which mirrors the background, and a shadow or a band beside the edge as strong as the coin's contrast.
 _LENS_STD_PX, _ROUNDING_STD, _SHADOW_STD, _BAND_STD = 0.08, 0.0045, 0.045, 0.006
 _DEEP_SHADOW, _DEEPEST_SHADOW, _SHADOW_SECTORS = 0.15, 0.5, 36
 
@@ -148,12 +148,12 @@ def measure_coin(image: ImageLike) -> Coin:
     ------
     CalibrationError
         If the array is no grey picture, or shows no coin, more than one, or one that the frame cuts; or if
-        its edge is lost in a deep shadow, or on a ground as bright as the coin.
+        its edge is lost in a deep shadow, or on a background as bright as the coin.
 
     Notes
     -----
-    Meant for a coin of 60 px radius or more, tilted by less than 45°, on a ground that differs from it all
-    round. A shadow as dark as the coin pulls the edge outward: such coins are flagged, or refused.
+    Meant for a coin of 60 px radius or more, tilted by less than 45°, on a background that differs from it
+    all round. A shadow as dark as the coin pulls the edge outward: such coins are flagged, or refused.
 
     Examples
     --------
@@ -207,7 +207,7 @@ def _coin_outline(image: Float32Array) -> tuple[Outline, bool]:
     outlines = _select_sharp(found, image)
     if not outlines:
         raise CalibrationError(
-            "no coin found: show one whole coin, flat, sharp, on a plain ground, or draw a line instead"
+            "no coin found: show one whole coin, flat, sharp, on a plain background, or draw a line instead"
         )
     apart = [outlines[0]]
     for one in outlines:
@@ -235,7 +235,7 @@ def _outlines(image: Float32Array) -> list[Outline]:
     smooth = _smooth(image)
     found = _fit_edges(smooth, contour_ellipses(image))
     if found:
-        # No grey level may separate a ring from an uneven ground where one separates its hole.
+        # No grey level may separate a ring from an uneven background where one separates its hole.
         clearest = max(found, key=lambda o: o.support * o.strength).ellipse
         found += _fit_edges(smooth, [clearest.scaled(1.05**k) for k in range(1, 25)])
     different: list[Outline] = []
@@ -312,10 +312,10 @@ def _coin(outline: Outline, shadow: float, band: float, shadowed: bool) -> Coin:
 
 
 def _beside_edge(image: Float32Array, ellipse: PlaneEllipse) -> tuple[float, float]:
-    """Return how much less, and how else, the coin differs from what lies beside it than from the ground.
+    """Return how much less, and how else, the coin differs from what lies beside it than from the background.
 
     The first is the share of the coin's contrast that a shadow takes: the edge is then pulled outward. The
-    second is how far a band beside the edge, shadow or rounded metal, departs from the ground.
+    second is how far a band beside the edge, shadow or rounded metal, departs from the background.
     """
     levels = []
     for factor in (0.97, 1.03, 1.05, 1.3):

@@ -182,7 +182,7 @@ class ContactImageResult(Displayed):
 
     @property
     def region(self) -> BoolArray:
-        """Where the contact is, drawn from the outline on demand, (rows, columns) of the picture."""
+        """Mask of the contact, computed from the outline on demand, (rows, columns) of the picture."""
         corners = [np.rint(self.outline[:, ::-1] * 256).astype(np.int32)]
         canvas, rim = (np.zeros(self._view.shape, dtype=np.uint8) for _ in range(2))
         cv2.fillPoly(canvas, corners, 1, shift=8)
@@ -195,7 +195,7 @@ class ContactImageResult(Displayed):
 
     @property
     def ridges(self) -> BoolArray:
-        """Where the ridges within the region are, drawn on demand, (rows, columns) of the picture."""
+        """Mask of the ridges within the region, computed on demand, (rows, columns) of the picture."""
         return np.asarray(self.region & (self._view.enlarged(self._amount) >= self._ridge_level))
 
     @property
