@@ -70,7 +70,6 @@ def plot_load_indentation(
     Returns
     -------
     Axes
-        `axes`.
 
     Examples
     --------
@@ -133,7 +132,6 @@ def plot_contact_compliance(
     Returns
     -------
     Axes
-        `axes`.
 
     Examples
     --------
@@ -197,7 +195,6 @@ def plot_secant_modulus(
     Returns
     -------
     Axes
-        `axes`.
 
     Examples
     --------
@@ -253,7 +250,6 @@ def plot_initial_modulus(
     Returns
     -------
     Axes
-        `axes`.
 
     Examples
     --------
@@ -312,7 +308,6 @@ def plot_relaxation(
     Returns
     -------
     Axes
-        `axes`.
 
     Examples
     --------
@@ -372,7 +367,6 @@ def plot_modulus_from_area_and_indentation(
     Returns
     -------
     Axes
-        `axes`.
 
     Examples
     --------

@@ -76,7 +76,6 @@ def plot_pad(
     Returns
     -------
     Axes
-        `axes`.
 
     Examples
     --------
@@ -146,7 +145,6 @@ def plot_pad_with_contact(
     Returns
     -------
     Axes
-        `axes`.
 
     Examples
     --------

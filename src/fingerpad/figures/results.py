@@ -64,7 +64,6 @@ def plot_corrected_radius(
     Returns
     -------
     Axes
-        `axes`.
 
     Examples
     --------
@@ -165,7 +164,6 @@ def plot_area_against_load(
     Returns
     -------
     Axes
-        `axes`.
 
     Examples
     --------
@@ -238,7 +236,6 @@ def plot_aspect_ratio(
     Returns
     -------
     Axes
-        `axes`.
 
     Examples
     --------

@@ -44,7 +44,6 @@ def plot_press(
     Returns
     -------
     sequence of Axes
-        `axes`.
 
     Examples
     --------

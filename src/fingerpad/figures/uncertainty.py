@@ -32,7 +32,6 @@ def plot_uncertainty_budget(
     Returns
     -------
     Axes
-        `axes`.
 
     Examples
     --------

@@ -33,7 +33,6 @@ def plot_wedge(axes: Axes, pad: Ellipsoid, *, wedge_angle: float, synthetic: boo
     Returns
     -------
     Axes
-        `axes`.
 
     Examples
     --------
@@ -120,7 +119,6 @@ def plot_wedge_in_pad_axes(
     Returns
     -------
     Axes
-        `axes`.
 
     Examples
     --------

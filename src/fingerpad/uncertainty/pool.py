@@ -35,8 +35,6 @@ class Pooled:
 
     Examples
     --------
-    A shared uncertainty of 0.4 is not reduced by averaging:
-
     >>> pooled = pool([19.5, 20.5], [0.5, 0.5], shared=np.full((2, 2), 0.4**2))
     >>> print(f"{pooled.value:.1f} ± {pooled.total_std:.2f}")
     20.0 ± 0.64
@@ -90,13 +88,6 @@ class SharedErrors:
         Returns
         -------
         dict of str to float
-
-        Examples
-        --------
-        >>> import numpy as np
-        >>> one = SharedErrors(sources=("load",), parts=np.array([[0.5]]), groups=np.zeros((1, 1), int))
-        >>> one.variances(np.ones(1))
-        {'load': 0.25}
         """
         variance = dict.fromkeys(self.sources, 0.0)
         groups = np.broadcast_to(self.groups, self.parts.shape)
@@ -112,9 +103,8 @@ Shared: TypeAlias = ArrayLike | SharedErrors | None
 def proportional_stds(values: ArrayLike, stds: ArrayLike) -> FloatArray:
     """Return standard uncertainties that are proportional to the values, at the common mean of these.
 
-    Standard uncertainties of lengths and moduli are proportional to them. An estimate that is low by chance
-    then states a small one, and weights from the stated ones bias the mean low. Pool with the relative
-    ones, times the mean, instead.
+    Where standard uncertainties are proportional to the values, an estimate that is low by chance states a
+    small one, and weights from these bias the mean low; weights from the returned ones do not.
 
     Parameters
     ----------
@@ -235,12 +225,8 @@ def pool_random_effects(values: ArrayLike, stds: ArrayLike, shared: Shared = Non
 
     Parameters
     ----------
-    values : array_like, shape (n,)
-        Estimates of one quantity.
-    stds : array_like, shape (n,)
-        Standard uncertainty u of each from what it does not share with the others, positive.
-    shared : array_like, shape (n, n), or SharedErrors, optional
-        Covariance from the inputs that they share; as `SharedErrors` where n is large.
+    values, stds, shared
+        As for `pool`; the standard uncertainties u must be positive.
 
     Returns
     -------

@@ -13,8 +13,8 @@ from fingerpad.exceptions import FitError, ImageError
 from fingerpad.geometry.faces import Direction, Face, face_axes, palmar_directions
 from fingerpad.image.ellipse import rotation
 from fingerpad.image.photograph._arc import PAD_MIDDLE
-from fingerpad.image.photograph.measure import PhotographFit, size_flags
 from fingerpad.image.photograph.outline_fit import fit_outline_ellipse, parametric_angles
+from fingerpad.image.photograph.result import PhotographFit, size_flags
 from fingerpad.image.scale import Scale
 
 IntArray: TypeAlias = npt.NDArray[np.int64]

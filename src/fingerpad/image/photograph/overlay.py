@@ -23,7 +23,7 @@ from fingerpad.image._canvas import (
     write_text,
 )
 from fingerpad.image._levels import eight_bit, storable
-from fingerpad.image.photograph.measure import PhotographFit
+from fingerpad.image.photograph.result import PhotographFit
 
 # Okabe and Ito's colours, safe for colour-blind readers; red, green, blue.
 POINT_COLOUR: Colour = (0, 158, 115)

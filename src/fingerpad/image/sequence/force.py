@@ -192,7 +192,6 @@ class FrameRate:
         Returns
         -------
         FrameRate
-            On the clock of the signal.
         """
         return cls(frames_per_second, anchor_time=signal.trigger_time(), anchor_frame=frame)
 
@@ -215,7 +214,6 @@ class FrameRate:
         Returns
         -------
         FrameRate
-            On the clock of the signal.
         """
         return cls(frames_per_second, anchor_time=signal.contact_time(threshold), anchor_frame=None)
 
