@@ -16,16 +16,16 @@ from fingerpad.image.photograph.faces import FaceSemiAxes, implausible_size
 from fingerpad.image.scale import Scale
 
 PHOTOGRAPH_FLAGS: Mapping[str, str] = {
-    "short_arc": "the arc is shorter than 90 degrees: its semi-axes lean on little",
+    "short_arc": "the arc is shorter than 90 degrees: its semi-axes are poorly determined",
     "uncertain": "a semi-axis is known to no better than 2 percent",
     "many_outliers": "more than 15 percent of the arc's points were left out",
-    "low_contrast": "the finger hardly stands out from the backdrop",
+    "low_contrast": "the finger has little contrast with the backdrop",
     "soft_edges": "the edge is blurred over more than 1 percent of the smaller semi-axis",
     "touches_border": "the arc ends where the frame cuts the finger",
     "poor_ellipse": "the outline departs from the ellipse by more than 1 percent of the smaller semi-axis",
     "leaning": "the finger leans by more than 10 degrees",
     "implausible_size": "a semi-axis lies outside 2–40 mm: check the scale",
-    "by_hand": "a person placed the ellipse, or added or left out points",
+    "by_hand": "the ellipse was placed manually, or points were added or left out",
 }
 
 
