@@ -87,7 +87,7 @@ def test_interval_coverage_of_correlated_data() -> None:
     ("residuals", "start", "message"),
     [
         (lambda p: np.ones(2) * p[0] - p[1] + p[2], [1, 1, 1], "2 data for 3 parameters"),
-        (lambda p: np.ones(9) * (p[0] + p[1] - 1), [1, 1], "do not tell a, b apart"),
+        (lambda p: np.ones(9) * (p[0] + p[1] - 1), [1, 1], "do not determine a, b separately"),
         (lambda p: np.arange(9.0) - p[0] + 0 * p[1], [1, 1], "do not depend on b"),
         (lambda p: np.full(9, np.nan) * p[0], [1, 1], "not finite"),
     ],

@@ -226,8 +226,8 @@ def fit_loading_curve(
         raise
     except (ArithmeticError, np.linalg.LinAlgError, ValueError) as error:
         raise FitError(
-            f"the record does not determine the model and its noise ({error}): is it rounded, repeated, or of "
-            "the wrong sign?"
+            f"the record does not determine the model and its noise ({error}): is it rounded, repeated, or "
+            "of the wrong sign?"
         ) from error
 
 
