@@ -93,14 +93,14 @@ def engines(films: int = 4, frames: int = 1500) -> None:
 
 def _timed(manifest: Path, out: Path, **options: Any) -> tuple[float, float]:
     """Return the seconds of a run's measuring, and those that its tasks took."""
-    told: list[tuple[float, Progress]] = []
+    reported: list[tuple[float, Progress]] = []
 
-    def hear(now: Progress) -> None:
+    def report(now: Progress) -> None:
         if now.status not in {"checked", "written"}:
-            told.append((time.perf_counter(), now))
+            reported.append((time.perf_counter(), now))
 
-    run_study(manifest, out, on_progress=hear, **options)
-    return told[-1][0] - told[0][0], sum(one.seconds for _, one in told)
+    run_study(manifest, out, on_progress=report, **options)
+    return reported[-1][0] - reported[0][0], sum(one.seconds for _, one in reported)
 
 
 def long_film(short: int = 200, long: int = 20_000) -> None:

@@ -230,7 +230,7 @@ class Answers:
 
 async def ask(app: Any, path: str, query: dict[str, Any]) -> tuple[int, bytes]:
     """Return status and body of an answer; of one without end, its first part."""
-    told: asyncio.Queue[dict[str, Any]] = asyncio.Queue()
+    sent: asyncio.Queue[dict[str, Any]] = asyncio.Queue()
     gone = asyncio.Event()
     started = False
 
@@ -256,11 +256,11 @@ async def ask(app: Any, path: str, query: dict[str, Any]) -> tuple[int, bytes]:
         "server": ("127.0.0.1", 80),
         "root_path": "",
     }
-    answer = asyncio.ensure_future(app(scope, receive, told.put))
+    answer = asyncio.ensure_future(app(scope, receive, sent.put))
     status, body = 0, b""
     try:
         while True:
-            next_part = asyncio.ensure_future(told.get())
+            next_part = asyncio.ensure_future(sent.get())
             done, _ = await asyncio.wait({answer, next_part}, return_when=asyncio.FIRST_COMPLETED)
             if next_part not in done:
                 next_part.cancel()
@@ -316,7 +316,7 @@ def ask_mutated(folder: Path, count: int, *, slow_every: int = 50, first_seed: i
     Parameters
     ----------
     folder : Path
-        The study folder, with results, which nobody else uses.
+        The study folder, with results, not used by anything else.
     count : int
         Number of mutated studies.
     slow_every : int

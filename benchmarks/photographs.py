@@ -47,7 +47,7 @@ def random_finger(seed: int, least_arc_deg: float) -> SyntheticFinger:
         palmar=None if face == "palmar" else "down" if face == "distal" else "right",
         lean_deg=rng.uniform(-5, 5),
         skin=skin,
-        # Cork has the colour of light and middle skins: nobody can see that edge.
+        # Cork has the colour of light and middle skins: that edge is invisible.
         backdrop="white" if backdrop == "cork" and skin < 0.65 else backdrop,
         light_deg=rng.uniform(20, 160),
         shadow=rng.uniform(0, 0.3),
@@ -89,7 +89,7 @@ def photograph_accuracy(count: int = 240, *, marked: bool) -> None:
     with ProcessPoolExecutor(2) as pool:
         trials = list(pool.map(partial(trial, marked=marked), range(count), chunksize=8))
     done = [one for one in trials if one is not None]
-    way = "arc from marks at its ends" if marked else "arc found by itself"
+    way = "arc from marks at its ends" if marked else "arc found automatically"
     print(f"\nPhotographs of known truth, {way}: {count}, refused {count - len(done)},", end=" ")
     print(f"{time.perf_counter() - start:.0f} s")
     print("    arc, deg     n   median   95 % within   stated   held by 95 % intervals   flagged")

@@ -34,23 +34,23 @@ DEGREES = {
 
 
 @pytest.mark.parametrize("name", DEGREES)
-def test_degrees_are_refused_with_the_way_out(name: str) -> None:
+def test_degrees_refused(name: str) -> None:
     with pytest.raises(GeometryError, match=r"in radians; for degrees use np.radians\(30\)\), found"):
         DEGREES[name]()
 
 
-def test_a_full_turn_either_way_is_none_too_many() -> None:
+def test_full_turns_accepted() -> None:
     np.testing.assert_allclose(platen_normal(0.5, [2 * np.pi, -2 * np.pi, 0])[:, 0], np.cos(0.5))
 
 
-def test_draws_about_an_upright_finger_pass() -> None:
+def test_draws_about_upright_finger_accepted() -> None:
     beyond = pad_contact(PAD, wedge_angle=np.pi / 2 + np.array([-0.1, 0.1]), **ELLIPSE)
     np.testing.assert_allclose(*beyond.mean_curvature_radius)
     with pytest.raises(GeometryError):
         Placement(PAD, wedge_angle=np.pi / 2 + 0.1)
 
 
-def test_kernels_broadcast_over_nan() -> None:
+def test_kernels_broadcast_nan() -> None:
     seen = pad_contact(PAD, wedge_angle=[0.5, np.nan], roll_angle=[[0.0], [np.nan]], **ELLIPSE)
     assert np.isnan(seen.indentation).tolist() == [[False, True], [True, True]]
     assert np.isnan(platen_normal([0.5, np.nan])).any(axis=-1).tolist() == [False, True]

@@ -14,7 +14,7 @@ MASKED = np.ma.masked_array([10.0, 999.0, 12.0], mask=[False, True, False])
 
 
 @pytest.mark.parametrize("kind", [int, np.uint8, np.float32, float, complex])
-def test_masked_entries_are_not_a_number(kind) -> None:
+def test_masked_entries_become_nan(kind) -> None:
     values = np.ma.masked_array([1, 2, 3], mask=[False, True, False], dtype=kind)
     found = as_float_array(values)
     assert not isinstance(found, np.ma.MaskedArray)
@@ -24,12 +24,12 @@ def test_masked_entries_are_not_a_number(kind) -> None:
     assert np.isnan(as_float_array(np.ma.masked))
 
 
-def test_kernels_give_nan_for_masked_entries() -> None:
+def test_kernels_with_masked_entries() -> None:
     contact = hertz_contact(MASKED, 10.0, 2.0, reduced_modulus=0.1)
     assert np.isnan(contact.indentation).tolist() == [False, True, False]
 
 
-def test_what_checks_its_values_refuses_masked_ones() -> None:
+def test_masked_values_refused() -> None:
     with pytest.raises(UncertaintyError, match="value to pool must be finite, found nan at index 1"):
         pool(MASKED, [0.1, 0.1, 0.1])
     with pytest.raises(UncertaintyError, match="standard uncertainty must be .*, found nan at index 1"):

@@ -46,12 +46,12 @@ PAD = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
         (lambda: dataclasses.replace(PAD, distal=0), GeometryError, "distal"),
     ],
 )  # fmt: skip
-def test_what_cannot_be_is_refused(make, error, message) -> None:
+def test_invalid_values(make, error, message) -> None:
     with pytest.raises(error, match=message):
         make()
 
 
-def test_lists_become_arrays_of_doubles() -> None:
+def test_lists_become_float_arrays() -> None:
     curve = LoadingCurve(load=[0, 1, 2], indentation=[0, 1, 2], time=[0, 1, 2])
     assert curve.load.dtype == curve.time.dtype == float
     assert curve.area is None
@@ -61,7 +61,7 @@ def test_lists_become_arrays_of_doubles() -> None:
     assert signal.load_at([0.5]).tolist() == [1]
 
 
-def test_frozen_objects_survive_pickle_and_replace() -> None:
+def test_pickle_and_replace() -> None:
     placement = Placement(PAD, wedge_angle=[0.4, 0.5])
     for one in (PAD, placement, HertzGeometry(12, [14, 15]), ForceSignal([0, 1], [0, 1])):
         again = pickle.loads(pickle.dumps(one))
@@ -72,7 +72,7 @@ def test_frozen_objects_survive_pickle_and_replace() -> None:
     np.testing.assert_array_equal(moved.point, placement.point[1])
 
 
-def test_monte_carlo_draws_are_not_refused() -> None:
+def test_monte_carlo_draws_accepted() -> None:
     inputs = {
         "distal": 13.8,
         "radial_ulnar": 11.8,
@@ -114,11 +114,11 @@ SCALARS = {
 
 
 @pytest.mark.parametrize("name", SCALARS)
-def test_numbers_in_give_numbers_out(name: str) -> None:
+def test_scalars_in_scalars_out(name: str) -> None:
     assert isinstance(SCALARS[name](), float)
 
 
-def test_an_image_may_be_an_array_a_path_or_a_picture(tmp_path: Path) -> None:
+def test_image_arguments(tmp_path: Path) -> None:
     truth = render_contact_image(semi_major=5.0, semi_minor=4.0, ppi=250, seed=2)
     path = tmp_path / "contact.png"
     Image.fromarray(truth.pixels).save(path)
@@ -132,7 +132,7 @@ def test_an_image_may_be_an_array_a_path_or_a_picture(tmp_path: Path) -> None:
         measure_contact_image(path, 500)
 
 
-def test_a_photograph_or_a_coin_may_be_a_path(tmp_path: Path) -> None:
+def test_photograph_and_coin_by_path(tmp_path: Path) -> None:
     truth = render_finger("palmar", semi_axes=(11.8, 13.8), mm_per_px=0.1, seed=1)
     path = tmp_path / "finger.png"
     Image.fromarray(truth.pixels).save(path)
@@ -144,7 +144,7 @@ def test_a_photograph_or_a_coin_may_be_a_path(tmp_path: Path) -> None:
     assert measure_coin(str(tmp_path / "coin.png")) == measure_coin(coin.pixels)
 
 
-def test_a_loading_curve_may_be_named_by_a_string(tmp_path: Path) -> None:
+def test_loading_curve_by_path(tmp_path: Path) -> None:
     path = tmp_path / "curve.csv"
     path.write_text("force_N,displacement_mm\n0,0\n1,1\n", encoding="utf-8")
     assert read_loading_curve(str(path)).load.tolist() == [0, 1]

@@ -16,13 +16,13 @@ TEXTS = st.text(st.one_of(st.sampled_from("='+-@\t\r\n, 1.\""), st.characters(co
 
 
 @pytest.mark.parametrize("text", FORMULAS)
-def test_a_formula_becomes_text(text: str) -> None:
+def test_formula_becomes_text(text: str) -> None:
     assert escape_formula(text) == f"'{text}"
     assert unescape_formula(f"'{text}") == text
 
 
 @pytest.mark.parametrize("text", [*NUMBERS, "left_index", "", "'quoted'", "a=b"])
-def test_numbers_and_plain_words_stay(text: str) -> None:
+def test_numbers_and_words_unchanged(text: str) -> None:
     assert escape_formula(text) == text
     assert unescape_formula(text) == text
 
@@ -30,6 +30,6 @@ def test_numbers_and_plain_words_stay(text: str) -> None:
 @examples(derandomize=True, max_examples=500, database=None)
 @given(st.lists(st.lists(TEXTS, min_size=2, max_size=3), max_size=4))
 @example([["a\rb,30,1", "'=1"]])
-def test_any_text_is_read_back_as_it_was(rows: list[list[str]]) -> None:
+def test_text_round_trip(rows: list[list[str]]) -> None:
     written = list(csv.reader(io.StringIO(csv_text(rows), newline="")))
     assert [[unescape_formula(cell) for cell in row] for row in written] == rows

@@ -44,7 +44,7 @@ def test_reprs_are_short(results: dict[str, object]) -> None:
     assert "_view" not in repr(results["contact image"])
 
 
-def test_summaries_name_values_with_their_uncertainty(results: dict[str, object]) -> None:
+def test_summaries_show_uncertainties(results: dict[str, object]) -> None:
     image, fit = results["contact image"], results["fit"]
     line = next(line for line in image.summary().splitlines() if "gross_area_mm2" in line)
     assert re.fullmatch(r"  gross_area_mm2 +\d+\.\d+ ± \d\.\d+", line)
@@ -54,7 +54,7 @@ def test_summaries_name_values_with_their_uncertainty(results: dict[str, object]
     assert "indentation" in results["pad contact"].summary()
 
 
-def test_notebooks_show_a_drawing_where_there_is_one(results: dict[str, object]) -> None:
+def test_notebook_drawings(results: dict[str, object]) -> None:
     for name, result in results.items():
         html = result._repr_html_()
         assert "<pre>" in html
@@ -66,7 +66,7 @@ def test_notebooks_show_a_drawing_where_there_is_one(results: dict[str, object])
     assert green.any()  # the outline of the contact
 
 
-def test_without_packages_for_drawing_there_is_text(results, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_text_without_drawing_packages(results, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "fingerpad.figures.show", None)
     assert results["fit"]._repr_html_().startswith("<pre>Fit of a loading curve")
 
@@ -81,20 +81,20 @@ def test_without_packages_for_drawing_there_is_text(results, monkeypatch: pytest
         ("placement", "a.png", b"\x89PNG"),
     ],
 )
-def test_show_saves_by_the_ending(results, tmp_path: Path, name: str, file: str, start: bytes) -> None:
+def test_show_saves_by_suffix(results, tmp_path: Path, name: str, file: str, start: bytes) -> None:
     drawing = fp.show(results[name], str(tmp_path / file))
     assert (tmp_path / file).read_bytes().startswith(start)
     assert drawing._repr_png_().startswith(b"\x89PNG")
     assert len(repr(drawing)) < 100
 
 
-def test_the_saved_overlay_is_that_of_the_picture(results, tmp_path: Path) -> None:
+def test_saved_overlay_equals_drawn_overlay(results, tmp_path: Path) -> None:
     fp.show(results["contact image"], tmp_path / "a.png")
     overlay = fp.image.draw_overlay(CONTACT.pixels, results["contact image"])
     np.testing.assert_array_equal(np.array(Image.open(tmp_path / "a.png")), overlay)
 
 
-def test_what_cannot_be_shown_or_written_is_named(results, tmp_path: Path) -> None:
+def test_show_errors(results, tmp_path: Path) -> None:
     with pytest.raises(fp.FingerpadError, match="no drawing of a LoadingCurve: give a measured image"):
         fp.show(CURVE)
     for file in ("a.xyz", "no-folder/a.png"):

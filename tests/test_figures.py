@@ -77,7 +77,7 @@ def bars(axes) -> list[np.ndarray]:
         (plot_contact_compliance, "mm", "mm²"),
     ],
 )
-def test_labels_name_their_units(axes, plot, x_unit, y_unit) -> None:
+def test_labels_with_units(axes, plot, x_unit, y_unit) -> None:
     assert plot(axes, LOAD, VALUE) is axes
     assert f"({x_unit})" in axes.get_xlabel()
     assert axes.get_ylabel().endswith(f"({y_unit})")
@@ -94,7 +94,7 @@ def test_labels_name_their_units(axes, plot, x_unit, y_unit) -> None:
     ],
 )
 @pytest.mark.parametrize("synthetic", [False, [False, True, False, True]])
-def test_error_bars_are_one_std_to_either_side(axes, plot, keyword, synthetic) -> None:
+def test_error_bars_are_one_std(axes, plot, keyword, synthetic) -> None:
     std = np.array([0.1, 0.2, 0.3, 0.4])
     plot(axes, LOAD, VALUE, synthetic=synthetic, **{keyword: std})
     low, high = np.array(sorted(bars(axes), key=np.ptp)).T
@@ -103,7 +103,7 @@ def test_error_bars_are_one_std_to_either_side(axes, plot, keyword, synthetic) -
 
 
 @pytest.mark.parametrize("plot", RESULTS)
-def test_synthetic_points_are_hollow_and_labelled(axes, plot) -> None:
+def test_synthetic_points_hollow_and_labelled(axes, plot) -> None:
     plot(axes, LOAD, VALUE, synthetic=[False, True, False, False])
     assert is_marked_synthetic(axes)
     real, made = (container[0] for container in axes.containers)
@@ -113,14 +113,14 @@ def test_synthetic_points_are_hollow_and_labelled(axes, plot) -> None:
 
 
 @pytest.mark.parametrize("plot", RESULTS)
-def test_measured_points_are_not_called_synthetic(axes, plot) -> None:
+def test_measured_points_not_labelled_synthetic(axes, plot) -> None:
     plot(axes, LOAD, VALUE)
     assert "synthetic" not in texts(axes)
 
 
 @pytest.mark.parametrize("plot", RESULTS)
 @pytest.mark.parametrize("values", [[], [np.nan, np.nan], [np.nan, 1.0]])
-def test_missing_values_do_not_stop_a_figure(plot, values, tmp_path) -> None:
+def test_missing_values(plot, values, tmp_path) -> None:
     figure, (axes,) = new_figure()
     plot(axes, values, values)
     save_figure(figure, tmp_path / "few", dpi=50)
@@ -128,7 +128,7 @@ def test_missing_values_do_not_stop_a_figure(plot, values, tmp_path) -> None:
 
 @pytest.mark.parametrize("plot", PLACED)
 @pytest.mark.parametrize("wedge_deg", [0, 30, 90])
-def test_geometry_is_drawn_to_equal_scales(plot, wedge_deg) -> None:
+def test_equal_scales(plot, wedge_deg) -> None:
     figure, (axes,) = new_figure()
     plot(axes, PAD, wedge_angle=np.radians(wedge_deg), synthetic=True)
     figure.canvas.draw()
@@ -140,7 +140,7 @@ def markers(axes, marker="o") -> list[np.ndarray]:
     return [np.ravel(line.get_xydata()) for line in axes.lines if line.get_marker() == marker]
 
 
-def test_wedge_in_the_pads_axes(axes) -> None:
+def test_wedge_in_pad_axes(axes) -> None:
     plot_wedge_in_pad_axes(axes, PAD, wedge_angle=WEDGE)
     point = Placement(PAD, wedge_angle=WEDGE).point[:2]
     assert_allclose(markers(axes), [point])
@@ -155,7 +155,7 @@ def test_wedge_in_the_pads_axes(axes) -> None:
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("x, palmar (mm)", "y, distal (mm)")
 
 
-def test_finger_touches_platen_and_wedge_and_crosses_neither(axes) -> None:
+def test_finger_touches_platen_and_wedge(axes) -> None:
     plot_wedge(axes, PAD, wedge_angle=WEDGE)
     finger, wedge, platen = (axes.patches[k].get_path().vertices for k in (0, 1, 3))
     level = axes.patches[3].get_y()
@@ -168,7 +168,7 @@ def test_finger_touches_platen_and_wedge_and_crosses_neither(axes) -> None:
     assert_allclose(height.min(), 0, atol=1e-12)
 
 
-def test_pad_shows_the_points_of_the_caption_in_its_colours(axes) -> None:
+def test_pad_point_colours(axes) -> None:
     plot_pad(axes, PAD)
     view = Camera.of(towards=(0.55, 0.5, 0.95), up=(1, 0, 0))
     spots = view.project(PAD.point(np.radians([0, 30, 45, 60, 90]), np.pi / 2))
@@ -184,13 +184,13 @@ def test_pad_shows_the_points_of_the_caption_in_its_colours(axes) -> None:
         assert ((data >= [x[0], y[0]]) & (data <= [x[1], y[1]])).all()
 
 
-def test_view_is_right_handed_and_upright() -> None:
+def test_view_right_handed_and_upright() -> None:
     view = Camera.of(towards=(1, 2, 3), up=(0, 1, 0))
     assert_allclose(np.cross(view.right, view.up), view.towards, atol=1e-15)
     assert view.up[1] > 0.5
 
 
-def test_contact_ellipses_are_to_scale_and_turned_the_right_way(axes) -> None:
+def test_contact_ellipse_size_and_direction(axes) -> None:
     plot_pad_with_contact(
         axes,
         PAD,
@@ -209,7 +209,7 @@ def test_contact_ellipses_are_to_scale_and_turned_the_right_way(axes) -> None:
     assert "R along 13.0 mm" in texts(axes)
 
 
-def test_rolled_finger_keeps_its_axis_upright(axes) -> None:
+def test_rolled_finger_axis_upright(axes) -> None:
     roll = np.radians(25)
     plot_pad_with_contact(axes, PAD, wedge_angle=WEDGE, roll_angle=roll, predicted=Ellipse(6.0, 3.0))
     placement = Placement(PAD, wedge_angle=WEDGE, roll_angle=roll)
@@ -225,7 +225,7 @@ def test_rolled_finger_keeps_its_axis_upright(axes) -> None:
     assert "roll φ = 25°" in texts(axes)
 
 
-def test_corrected_radius_beside_both_other_radii(axes) -> None:
+def test_corrected_radius_lines(axes) -> None:
     wedge = dzidek2017().wedges[30]
     plot_corrected_radius(axes, [], [], measured_radius=20.5, mean_curvature_radius=18.7, printed=wedge)
     styles = {
@@ -238,7 +238,7 @@ def test_corrected_radius_beside_both_other_radii(axes) -> None:
     assert "printed in Dzidek et al. (2017)" in texts(axes)
 
 
-def test_power_laws_pass_through_the_middle_of_the_data(axes) -> None:
+def test_power_laws_through_mean(axes) -> None:
     area = 80 * LOAD**0.4
     plot_area_against_load(axes, LOAD, area, exponent=0.4, exponent_std=0.03)
     fit, hertz = (line for line in axes.lines if line.get_marker() == "None" and len(line.get_xdata()) == 50)
@@ -253,13 +253,13 @@ def test_power_laws_pass_through_the_middle_of_the_data(axes) -> None:
     assert_allclose(np.log(end.max() / end.min()), 2 * 0.03 * lever)
 
 
-def test_area_without_logarithm_is_left_out(axes) -> None:
+def test_nonpositive_area_left_out(axes) -> None:
     plot_area_against_load(axes, [0, 1, 2], [0, 10, 20], area_std=[1, 2, 3])
     assert_allclose(axes.containers[0][0].get_xdata(), [1, 2])
     assert_allclose(sorted(np.ptp(bars(axes), axis=1)), [4, 6])
 
 
-def test_contacts_keep_their_shape_and_direction(axes) -> None:
+def test_contact_shapes_and_directions(axes) -> None:
     plot_aspect_ratio(axes, [1, 2], [1.5, 2.0], long_axis_angle=[0, np.pi / 2], predicted_aspect_ratio=1.07)
     real, _, predicted = axes.collections[-3:]
     assert_allclose(real.get_widths() / real.get_heights(), [1.5, 2.0])
@@ -268,7 +268,7 @@ def test_contacts_keep_their_shape_and_direction(axes) -> None:
     assert "Hertz\n1.07" in texts(axes)
 
 
-def test_the_loop_is_told_apart_and_the_fit_is_drawn(axes) -> None:
+def test_loop_phases_and_fit(axes) -> None:
     phase = np.array(["baseline", "loading", "hold", "unloading"])
     fit = (np.array([0.0, 1.4]), np.array([0.0, 2.0]))
     plot_load_indentation(axes, VALUE, LOAD, phase=phase, fits={"Hertz, E* = 136 kPa": fit}, synthetic=True)
@@ -278,7 +278,7 @@ def test_the_loop_is_told_apart_and_the_fit_is_drawn(axes) -> None:
     assert is_marked_synthetic(axes)
 
 
-def test_secant_moduli_are_in_kpa_and_the_region_is_marked(axes) -> None:
+def test_secant_modulus_unit_and_region(axes) -> None:
     modulus = np.array([5.0, 0.06, 0.08, 0.10])
     region = [False, True, True, True]
     plot_secant_modulus(axes, LOAD, modulus, against="load", fitted_region=region, fit=(LOAD, modulus))
@@ -290,7 +290,7 @@ def test_secant_moduli_are_in_kpa_and_the_region_is_marked(axes) -> None:
     assert axes.get_xlabel() == "normal load W (N)"
 
 
-def test_relaxation_says_what_the_ramp_hides(axes) -> None:
+def test_relaxation_marks_ramp(axes) -> None:
     time = np.array([-1.0, 0.1, 1.0, 10.0])
     plot_relaxation(axes, time, VALUE, ramp_time=0.5, time_constants=[2.0])
     assert len(axes.lines[0].get_xdata()) == 3
@@ -298,7 +298,7 @@ def test_relaxation_says_what_the_ramp_hides(axes) -> None:
     assert any(np.allclose(line.get_xdata(), 2.0) for line in axes.lines if len(line.get_xdata()))
 
 
-def test_moduli_of_area_and_indentation_are_a_ratio(axes) -> None:
+def test_modulus_ratio(axes) -> None:
     plot_modulus_from_area_and_indentation(axes, LOAD, 2 * VALUE, VALUE, expected_ratio=([0, 2], [1.0, 1.1]))
     assert_allclose(axes.lines[0].get_ydata(), 2)
     assert "expected of the true ellipsoid" in texts(axes)
@@ -310,7 +310,7 @@ def test_initial_modulus_against_velocity(axes) -> None:
     assert axes.get_xscale() == "log"
 
 
-def test_budget_bars_fall_from_the_top(axes) -> None:
+def test_budget_bars_sorted(axes) -> None:
     shares = {"load": 0.1, "semi-axes": 0.7, "scale": 0.2}
     plot_uncertainty_budget(axes, shares, total={"load": 0.1, "semi-axes": 0.72, "scale": 0.21})
     assert [label.get_text() for label in axes.get_yticklabels()] == ["load", "scale", "semi-axes"]
@@ -318,7 +318,7 @@ def test_budget_bars_fall_from_the_top(axes) -> None:
     assert "70.0 %" in texts(axes)
 
 
-def test_compliance_line_has_the_slope_and_the_fan_its_width(axes) -> None:
+def test_compliance_slope_and_band(axes) -> None:
     depth = np.array([0.0, 1.0, 2.0])
     plot_contact_compliance(
         axes, depth, 3 + 13.4 * np.pi * depth, loading_radius=13.4, loading_radius_std=0.5, area_at_zero=3
@@ -340,7 +340,7 @@ def drawing(seed: int = 0):
     return figure
 
 
-def test_both_files_are_written_the_same_twice(tmp_path) -> None:
+def test_writing_is_deterministic(tmp_path) -> None:
     for folder in ("a", "b"):
         (tmp_path / folder).mkdir()
         written = save_figure(drawing(), tmp_path / folder / "radius.v2", description='R < 2 & "more"')
@@ -352,7 +352,7 @@ def test_both_files_are_written_the_same_twice(tmp_path) -> None:
     assert (tmp_path / "a" / "radius.v2.png").read_bytes().startswith(b"\x89PNG")
 
 
-def test_saving_again_gives_the_same_bytes(tmp_path) -> None:
+def test_saving_twice_gives_same_bytes(tmp_path) -> None:
     figure = drawing()
     first = [path.read_bytes() for path in save_figure(figure, tmp_path / "once")]
     assert [path.read_bytes() for path in save_figure(figure, tmp_path / "once")] == first
@@ -362,7 +362,7 @@ def ids(svg: str) -> set[str]:
     return set(re.findall(r'\bid="([^"]+)"', svg))
 
 
-def test_two_drawings_in_one_page_share_no_ids() -> None:
+def test_svg_ids_unique() -> None:
     drawings = [figure_svg(drawing(), "a"), figure_svg(drawing(), "b"), figure_svg(drawing(1), "a")]
     for k, one in enumerate(drawings):
         found = ids(one)
@@ -375,14 +375,14 @@ def test_two_drawings_in_one_page_share_no_ids() -> None:
         assert not re.search(r"<style[^>]*>\s*\*", one)  # a bare selector would restyle the whole page
 
 
-def test_svg_text_stays_text_and_carries_no_date() -> None:
+def test_svg_text_without_date() -> None:
     svg = figure_svg(drawing(), "a")
     assert "normal load W (N)" in svg
     assert "synthetic" in ElementTree.tostring(ElementTree.fromstring(svg), encoding="unicode", method="text")
     assert not re.search(r"20\d\d-\d\d|Matplotlib v", svg)
 
 
-def test_style_is_the_same_whatever_the_caller_has_set() -> None:
+def test_style_independent_of_rcparams() -> None:
     expected = figure_svg(drawing(), "a")
     with mpl.rc_context({"font.size": 20, "svg.fonttype": "path", "lines.linewidth": 7, "axes.xmargin": 0.4}):
         assert figure_svg(drawing(), "a") == expected
@@ -406,7 +406,7 @@ PRESS = {
 
 
 @pytest.mark.parametrize("synthetic", [False, True])
-def test_a_press_tells_loading_from_unloading_in_every_panel(synthetic: bool) -> None:
+def test_press_marks_unloading(synthetic: bool) -> None:
     panels = plot_press(new_figure(rows=2, columns=2)[1], **PRESS, synthetic=synthetic)
     for panel, x, y in zip(panels, 2 * ["time", "load"], 2 * ["area"] + 2 * ["semi_major"], strict=True):
         lines = {line.get_label(): line for line in panel.lines}
@@ -420,7 +420,7 @@ def test_a_press_tells_loading_from_unloading_in_every_panel(synthetic: bool) ->
     assert is_marked_synthetic(panels[1]) == synthetic
 
 
-def test_a_press_of_one_frame_or_none_is_drawn() -> None:
+def test_press_of_one_frame_or_none() -> None:
     for count in (0, 1):
         figure, axes = new_figure(rows=2, columns=2)
         plot_press(axes, **{name: values[:count] for name, values in PRESS.items()})

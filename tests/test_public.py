@@ -19,14 +19,14 @@ def output_of(script: str) -> str:
     return subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True).stdout
 
 
-def test_every_name_is_offered_and_documented() -> None:
+def test_public_names_documented() -> None:
     assert set(fp.__all__) <= set(dir(fp))
     for name in set(fp.__all__) - {"__version__"}:
         assert getattr(fp, name).__doc__, name
         assert getattr(fp, name).__name__ == name
 
 
-def test_type_checkers_see_the_names_that_are_imported() -> None:
+def test_names_for_type_checkers() -> None:
     tree = ast.parse(Path(fp.__file__).read_text(encoding="utf-8"))
     imports = {
         alias.name: node.module
@@ -38,7 +38,7 @@ def test_type_checkers_see_the_names_that_are_imported() -> None:
     assert sorted(fp.__all__) == sorted(["__version__", *imports])
 
 
-def test_other_names_are_none() -> None:
+def test_unknown_name() -> None:
     with pytest.raises(AttributeError, match="no attribute 'elipsoid'"):
         fp.elipsoid  # noqa: B018
 
@@ -55,7 +55,7 @@ def test_import_is_light() -> None:
     assert min(ratios) < 0.5
 
 
-def test_geometry_needs_no_image_or_plotting_package() -> None:
+def test_geometry_without_image_and_plotting_packages() -> None:
     script = (
         "import sys\n"
         "for name in ('cv2', 'PIL', 'matplotlib', 'pydantic', 'pandas'): sys.modules[name] = None\n"
@@ -68,7 +68,7 @@ def test_geometry_needs_no_image_or_plotting_package() -> None:
     assert "<img" not in shown
 
 
-def test_readme_lines_print_what_they_say(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_readme_example(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (code,) = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(encoding="utf-8"), re.DOTALL)
     said = re.findall(r"^print\(.*\)  # (.*)$", code, re.MULTILINE)
     (tmp_path / "examples").symlink_to(ROOT / "examples")

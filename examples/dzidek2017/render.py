@@ -1,8 +1,8 @@
 """Render the synthetic part of this study from known truth: ``python examples/dzidek2017/render.py``.
 
-A Hertzian pad with the semi-axes of the source's Table 1 (ellipse approach) is pressed against the platen;
-contact images, photographs of its faces and a film of one press are drawn from what the theory says, with
-noise. Its loading curves are those of a viscoelastic sphere of the same A/(πξ) that stiffens with load.
+A Hertzian pad with the semi-axes of Table 1 in Dzidek et al. (2017), ellipse method, is pressed against the
+platen; contact images, photographs of its faces and a sequence of one press are rendered with noise. Its
+loading curves are those of a viscoelastic sphere of the same A/(πξ) that stiffens with load.
 ``synthetic/truth.csv`` and ``synthetic/synthetic_press_30deg_truth.csv`` hold the truth of the pictures.
 """
 

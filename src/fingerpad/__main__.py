@@ -28,7 +28,7 @@ _INTERRUPTED: Final = 130
 
 
 def main() -> None:
-    """Run the command line: whatever happens is an exit code and at most a line on stderr, no traceback."""
+    """Run the command line; errors give an exit code and one line on stderr, no traceback."""
     code = 1
     sys.unraisablehook = _raise_interrupt_again
     try:

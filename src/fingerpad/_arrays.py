@@ -1,4 +1,4 @@
-"""Broadcasting and domain checks, shared by every room that holds arrays."""
+"""Broadcasting and domain checks of arrays."""
 
 from collections.abc import Callable
 from typing import TypeAlias

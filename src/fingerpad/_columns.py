@@ -1,4 +1,4 @@
-"""Named columns with units of a CSV file, for every room that reads tables."""
+"""Named columns with units of a CSV file."""
 
 import csv
 import math
@@ -85,7 +85,7 @@ def _read_table(path: Path) -> _Table:
         raise LoadingError(f"{path}: holds no data; a header line and rows of numbers are expected")
     header = [cell.strip() for cell in rows[0][1]]
     if len(header) == 1 and any(mark in header[0] for mark in ";\t"):
-        raise LoadingError(f"{path}: columns are parted by commas and decimals by points; save it as such")
+        raise LoadingError(f"{path}: columns must be separated by commas, with decimal points")
     for line, row in rows[1:]:
         if any(cell.strip() for cell in row[len(header) :]):
             raise LoadingError(

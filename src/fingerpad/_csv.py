@@ -1,4 +1,4 @@
-"""Cells of CSV files: a spreadsheet must not take what a person typed for a formula."""
+"""Cells of CSV files, safe from being read as formulas by spreadsheets."""
 
 import csv
 import math

@@ -1,4 +1,4 @@
-"""How results show themselves: a short ``repr``, a summary in words, and HTML in notebooks."""
+"""Representation of results: a short ``repr``, a text summary, and HTML in notebooks."""
 
 import base64
 import html
@@ -14,7 +14,7 @@ _MAX_ITEMS, _MAX_TEXT = 4, 60
 
 
 class Displayed:
-    """Base of dataclasses that show themselves in few words, whatever the size of their arrays."""
+    """Base of dataclasses with a short representation, whatever the size of their arrays."""
 
     __slots__ = ()
 

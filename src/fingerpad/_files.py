@@ -1,4 +1,4 @@
-"""Folders for results, and what tells one file from another."""
+"""Folders for results, names and digests of files."""
 
 import hashlib
 from pathlib import Path
@@ -57,7 +57,7 @@ def sha256_of(path: Path) -> str:
 
 
 def digest_of(path: Path) -> str:
-    """Return the SHA-256 of a file's bytes, empty where it cannot be read: who needs them will say so."""
+    """Return the SHA-256 of a file's bytes, empty where it cannot be read."""
     try:
         return sha256_of(path)
     except OSError:

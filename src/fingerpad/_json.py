@@ -1,4 +1,4 @@
-"""Results as JSON: arrays become lists, and what is not a number becomes null."""
+"""Results as JSON: arrays become lists, NaN becomes null."""
 
 import json
 import math

@@ -22,19 +22,25 @@ class LoadingCurve(Displayed):
 
     Attributes
     ----------
-    load : array_like, (n,)
-        Normal force W, N, positive in compression, from whatever zero the sensor had.
-    indentation : array_like, (n,)
-        Displacement of the platen ξ, mm, growing into the pad, from whatever zero the instrument had.
-    area : array_like, (n,), or None
+    load : array_like, shape (n,)
+        Normal force W, N, positive in compression, from the sensor's own zero.
+    indentation : array_like, shape (n,)
+        Displacement of the platen ξ, mm, growing into the pad, from the instrument's own zero.
+    area : array_like, shape (n,), or None
         Contact area A, mm², where it was measured.
-    time : array_like, (n,), or None
+    time : array_like, shape (n,), or None
         Times, s, where they were recorded; without them the samples are taken to be evenly spaced.
 
     Raises
     ------
     LoadingError
         If the columns differ in length, a value is not finite, or time runs backwards.
+
+    Examples
+    --------
+    >>> curve = LoadingCurve(load=[0.0, 0.1, 0.4], indentation=[1.0, 1.2, 1.5], time=[0.0, 0.1, 0.2])
+    >>> curve.area is None, curve.clock
+    (True, array([0. , 0.1, 0.2]))
     """
 
     load: FloatArray
@@ -68,7 +74,7 @@ class LoadingCurve(Displayed):
             row = int(np.flatnonzero(np.diff(self.time) < 0)[0]) + 2
             raise LoadingError(
                 f"time runs backwards at row {row}: {self.time[row - 2]:g} s is followed by "
-                f"{self.time[row - 1]:g} s; sort the rows, or read each record by itself"
+                f"{self.time[row - 1]:g} s; sort the rows, or read each record separately"
             )
 
     @property
@@ -89,7 +95,7 @@ class LoadingCurve(Displayed):
 
     @property
     def doubts(self) -> tuple[str, ...]:
-        """What the times themselves show: ``duplicated_time``, ``time_gap``."""
+        """Flags of the times: ``duplicated_time``, ``time_gap``."""
         if self.time is None or len(self.time) < 3:
             return ()
         steps = np.diff(self.time)
@@ -98,7 +104,7 @@ class LoadingCurve(Displayed):
 
 
 def read_loading_curve(path: str | PathLike[str], columns: Mapping[str, str] | None = None) -> LoadingCurve:
-    """Read a loading curve from a CSV file.
+    r"""Read a loading curve from a CSV file.
 
     The header names a quantity and its unit, as in ``time_s, force_N, displacement_mm, area_mm2``;
     ``force_mN`` or ``displacement_um`` are converted. Time and area may be absent. Columns of other names
@@ -112,11 +118,25 @@ def read_loading_curve(path: str | PathLike[str], columns: Mapping[str, str] | N
         From a quantity (``force``, ``displacement``, ``area``, ``time``) to ``"HEADER:UNIT"`` where the
         file's own headers differ.
 
+    Returns
+    -------
+    LoadingCurve
+        In N, mm, mm² and s.
+
     Raises
     ------
     LoadingError
         If the file cannot be read, a column is missing or has an unknown unit, a cell is not a finite
         number, or time runs backwards. The message names file, column and line.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = pathlib.Path(folder, "press.csv")
+    ...     _ = path.write_text("time_s,force_mN,displacement_mm\n0,0,1.0\n0.1,250,1.5\n")
+    ...     read_loading_curve(path).load
+    array([0.  , 0.25])
     """
     path = Path(path)
     found = read_columns(path, ("force", "displacement"), ("area", "time"), columns=columns)

@@ -1,4 +1,4 @@
-"""Records, whose keys carry units, as lines for a reader."""
+"""Records, whose keys carry units, as lines of text."""
 
 from collections.abc import Mapping
 from typing import Any

@@ -1,4 +1,4 @@
-"""How many threads linear algebra takes: matrices of a finger are small, and threads would only wait."""
+"""Number of threads of linear algebra: one, as the matrices are small."""
 
 from typing import Final
 

@@ -66,9 +66,14 @@ def reason_of(error: Exception, otherwise: str) -> str:
     Parameters
     ----------
     error : Exception
-        Whatever was raised.
+        The error.
     otherwise : str
         How to begin where the error does not name the file or the step.
+
+    Returns
+    -------
+    str
+        The message.
 
     Examples
     --------

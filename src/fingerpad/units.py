@@ -1,4 +1,4 @@
-"""Units at the edges: factors to those of the library, and numbers as people read them."""
+"""Conversion of units, and formatting of numbers with uncertainty."""
 
 import math
 from typing import Final
@@ -19,6 +19,18 @@ FACTORS: Final = {
 def value_with_uncertainty(value: float | None, std: float | None = None) -> str:
     """Return ``value ± standard uncertainty``, the uncertainty with two digits (GUM 7.2.6).
 
+    Parameters
+    ----------
+    value : float or None
+        The value, in any unit; a dash is returned where it is unknown.
+    std : float, optional
+        Its standard uncertainty.
+
+    Returns
+    -------
+    str
+        Rounded to the digits of the uncertainty.
+
     Examples
     --------
     >>> value_with_uncertainty(13.80484, 0.18442)
@@ -38,6 +50,16 @@ def value_with_uncertainty(value: float | None, std: float | None = None) -> str
 
 def two_digits(std: float) -> str:
     """Return a standard uncertainty with two digits.
+
+    Parameters
+    ----------
+    std : float
+        Above zero.
+
+    Returns
+    -------
+    str
+        The digits.
 
     Examples
     --------

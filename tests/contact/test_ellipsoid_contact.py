@@ -19,7 +19,7 @@ PLACE = {"wedge_angle": np.radians(45), "roll_angle": np.radians(10)}
 
 @settings(max_examples=40)
 @given(st.floats(0, 1.5), st.floats(-1, 1), st.floats(-2, 2), st.floats(-2, 2))
-def test_gap_ends_on_the_ellipsoid(wedge: float, roll: float, along: float, across: float) -> None:
+def test_gap_ends_on_ellipsoid(wedge: float, roll: float, along: float, across: float) -> None:
     normal = platen_normal(wedge, roll)
     gap = ellipsoid_gap(PAD, normal, np.array([along, 0.0]), np.array([across, 0.0]))
     assert gap[0] >= -1e-12
@@ -34,7 +34,7 @@ def test_gap_ends_on_the_ellipsoid(wedge: float, roll: float, along: float, acro
     assert_allclose(small, 0.5e-6 * curvatures @ tilted**2, rtol=2e-3)
 
 
-def test_gap_is_missing_beyond_either_silhouette() -> None:
+def test_gap_nan_beyond_silhouettes() -> None:
     ball, normal = Ellipsoid(10, 10, 10), np.array([1.0, 0.0, 0.0])
     far, near = np.array([11.0, 3.0]), np.zeros(2)
     assert np.isnan(ellipsoid_gap(ball, normal, far, near)).tolist() == [True, False]
@@ -43,7 +43,7 @@ def test_gap_is_missing_beyond_either_silhouette() -> None:
     assert np.isnan(ellipsoid_gap(ball, normal, far, near, along_axis)).tolist() == [True, False]
 
 
-def test_small_contacts_are_hertzian() -> None:
+def test_small_contacts_equal_hertz() -> None:
     contact = EllipsoidContact.of(PAD, **PLACE, load=1e-4, reduced_modulus=0.1365)
     found, hertz = contact.solution, contact.hertz
     assert_allclose(found.indentation, hertz.indentation, rtol=1e-4)
@@ -61,7 +61,7 @@ def test_small_contacts_are_hertzian() -> None:
         Counterface.cylinder(6.0, axis_angle=0.7),
     ],
 )
-def test_small_contacts_with_curved_bodies_are_hertzian(counterface: Counterface) -> None:
+def test_small_contacts_with_curved_bodies_equal_hertz(counterface: Counterface) -> None:
     contact = EllipsoidContact.of(
         PAD, wedge_angle=0.5, counterface=counterface, load=1e-4, reduced_modulus=0.1, points=128
     )
@@ -79,7 +79,7 @@ def test_small_contacts_with_curved_bodies_are_hertzian(counterface: Counterface
     assert_allclose(abs(np.dot(direction, vectors[:, 0])), 1, rtol=1e-4)
 
 
-def test_the_true_ellipsoid_touches_less_and_sinks_deeper() -> None:
+def test_ellipsoid_against_paraboloid() -> None:
     light, heavy = (
         EllipsoidContact.of(PAD, **PLACE, load=W, reduced_modulus=0.1365, points=64) for W in (0.2, 2.0)
     )
@@ -89,7 +89,7 @@ def test_the_true_ellipsoid_touches_less_and_sinks_deeper() -> None:
     assert heavy.modulus_disagreement > light.modulus_disagreement > 1
 
 
-def test_only_load_over_modulus_and_size_squared_matters() -> None:
+def test_dimensional_scaling() -> None:
     one = EllipsoidContact.of(PAD, **PLACE, load=1.0, reduced_modulus=0.1, thickness=6.0, points=64).solution
     double = Ellipsoid(*(2 * PAD.semi_axes))
     other = EllipsoidContact.of(
@@ -100,7 +100,7 @@ def test_only_load_over_modulus_and_size_squared_matters() -> None:
 
 
 @pytest.mark.parametrize("thickness", [None, 8.0])
-def test_finer_grids_stay_within_the_estimated_error(thickness: float | None) -> None:
+def test_error_estimate_bounds_refinement(thickness: float | None) -> None:
     coarse, fine = (
         EllipsoidContact.of(
             PAD, **PLACE, load=2.0, reduced_modulus=0.1365, thickness=thickness, points=points
@@ -116,7 +116,7 @@ def test_finer_grids_stay_within_the_estimated_error(thickness: float | None) ->
     ("wedge", "area", "thickness", "expected"),
     [(30, 116.3, math.inf, 12.45), (30, 116.3, 8.0, 20.5), (45, 69.4, math.inf, 9.60), (45, 69.4, 8.0, 14.5)],
 )
-def test_eight_millimetres_over_bone_give_the_loading_radii_of_dzidek(
+def test_layer_of_8_mm_gives_published_loading_radii(
     wedge: float, area: float, thickness: float, expected: float
 ) -> None:
     # A/(πξ) at the measured area of 2 N: R_g is 20.5 mm at 30° and 14.5 mm at 45°.
@@ -135,12 +135,12 @@ def test_eight_millimetres_over_bone_give_the_loading_radii_of_dzidek(
         (2000.0, 0.1, "load would flatten the pad to its silhouette"),
     ],
 )
-def test_refuses(load: float, modulus: float, message: str) -> None:
+def test_invalid_arguments(load: float, modulus: float, message: str) -> None:
     with pytest.raises(GeometryError, match=message):
         EllipsoidContact.of(PAD, **PLACE, load=load, reduced_modulus=modulus, points=64)
 
 
-def test_refuses_bodies_without_a_radius() -> None:
+def test_invalid_bodies() -> None:
     with pytest.raises(GeometryError, match="radius of the sphere must be positive, found 0"):
         Counterface.sphere(0.0)
     with pytest.raises(GeometryError, match="axis_angle must be finite, found nan"):

@@ -12,7 +12,7 @@ RATIOS = np.concatenate([[1.0, 1 - 1e-16, 1 - 1e-12, 1 - 1e-6], np.geomspace(1e-
 
 
 @pytest.mark.parametrize("k", RATIOS)
-def test_integrals_agree_with_fifty_digits(k: float) -> None:
+def test_integrals_agree_with_mpmath(k: float) -> None:
     with mp.workdps(90):
         m = 1 - mp.mpf(k) ** 2
         K, E = mp.ellipk(m), mp.ellipe(m)
@@ -23,7 +23,7 @@ def test_integrals_agree_with_fifty_digits(k: float) -> None:
             assert abs(mp.mpf(float(value)) / reference - 1) <= 1e-15
 
 
-def test_integrals_agree_with_scipy_on_its_ground() -> None:
+def test_integrals_agree_with_scipy() -> None:
     k = np.linspace(0.05, 1, 200)
     K, B, D = complete_integrals(k)
     assert_allclose(K, ellipk(1 - k**2), rtol=3e-15)
@@ -37,16 +37,14 @@ def test_integrals_agree_with_scipy_on_its_ground() -> None:
         ((7.4, 5.0), 1.892759475, 1.328427072, 0.995238751, 0.995216154),
     ],
 )
-def test_numbers_of_the_source_ellipses(
-    axes: tuple[float, float], K: float, E: float, F1: float, F2: float
-) -> None:
+def test_published_ellipses(axes: tuple[float, float], K: float, E: float, F1: float, F2: float) -> None:
     k = axes[1] / axes[0]
     first, b, d = complete_integrals(k)
     assert_allclose([first, b + k**2 * d], [K, E], atol=6e-10)
     assert_allclose([size_factor(k), indentation_factor(k)], [F1, F2], atol=6e-10)
 
 
-def test_factors_are_one_at_the_circle_and_fall_away_from_it() -> None:
+def test_factors_decrease_from_one_at_circle() -> None:
     k = np.concatenate([np.geomspace(1e-6, 0.99, 300), [1.0]])
     for factor in (size_factor, indentation_factor):
         values = factor(k)
@@ -59,6 +57,6 @@ def test_factors_are_one_at_the_circle_and_fall_away_from_it() -> None:
 
 
 @pytest.mark.parametrize("function", [size_factor, indentation_factor, curvature_ratio])
-def test_no_answer_outside_the_domain(function) -> None:
+def test_nan_outside_domain(function) -> None:
     values = function([0.5, 0.0, -1.0, 1.5, np.nan])
     assert np.isfinite(values).tolist() == [True, False, False, False, False]

@@ -14,7 +14,7 @@ from fingerpad.contact import (
 
 
 @pytest.mark.parametrize("radii", [(10.0, 10.0), (8.361, 12.384), (3.0, 40.0)])
-def test_each_sphere_does_what_its_name_says(radii: tuple[float, float]) -> None:
+def test_equivalent_spheres_satisfy_hertz(radii: tuple[float, float]) -> None:
     geometry = HertzGeometry(*radii)
     ellipse = geometry.under_load(2.0, reduced_modulus=0.1)
     base, k = geometry.geometric_mean_radius, geometry.axis_ratio
@@ -29,7 +29,7 @@ def test_each_sphere_does_what_its_name_says(radii: tuple[float, float]) -> None
     assert_allclose(compliance, ellipse.area / (np.pi * ellipse.indentation), rtol=1e-14)
 
 
-def test_order_of_the_three() -> None:
+def test_order_of_radii() -> None:
     k = np.linspace(0.05, 0.99, 50)
     indentation = equivalent_radius_from_indentation(1.0, k)
     area = equivalent_radius_from_area(1.0, k)
@@ -42,7 +42,7 @@ def test_order_of_the_three() -> None:
 @pytest.mark.parametrize(
     ("radius", "ellipse", "corrected"), [(18.7, (7.4, 5.0), 18.97), (13.2, (5.3, 4.2), 13.27)]
 )
-def test_source_radii_through_the_right_function(radius, ellipse, corrected) -> None:
+def test_published_radii(radius, ellipse, corrected) -> None:
     found = equivalent_radius_from_indentation(radius, ellipse[1] / ellipse[0])
     assert_allclose(found, corrected, atol=5e-3)
 
@@ -51,7 +51,7 @@ def test_source_radii_through_the_right_function(radius, ellipse, corrected) -> 
     "radius_of",
     [equivalent_radius_from_area, equivalent_radius_from_compliance, equivalent_radius_from_indentation],
 )
-def test_only_convex_surfaces_have_a_sphere(radius_of) -> None:
+def test_nan_for_nonconvex_radius(radius_of) -> None:
     found = radius_of([-10.0, 0.0, np.nan, 10.0], 0.7)
     assert np.isnan(found).tolist() == [True, True, True, False]
     assert np.isnan(radius_of(-1, 0.7))

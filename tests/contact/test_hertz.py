@@ -22,7 +22,7 @@ TOLERANCE = 4e-15
 
 
 @pytest.mark.parametrize("ratio", RATIOS)
-def test_agrees_with_fifty_digits(ratio: float) -> None:
+def test_agrees_with_mpmath(ratio: float) -> None:
     first = 8.0  # a power of two, so that the ratio of the doubles is the ratio meant
     expected = exact_contact(ratio, first, 2.0, 0.1365)
     contact = hertz_contact(first, first * ratio, 2.0, reduced_modulus=0.1365)
@@ -32,7 +32,7 @@ def test_agrees_with_fifty_digits(ratio: float) -> None:
 
 
 @pytest.mark.parametrize("ratio", [1e8, 1e12, 1e30, 1e200])
-def test_slender_contacts_beyond_the_guess(ratio: float) -> None:
+def test_slender_contacts(ratio: float) -> None:
     # There the contact tends to a line: k² R'/R'' (ln(4/k) − 1) → 1.
     k, K, D = solve_contact_ellipse(1.0, ratio)
     assert_allclose(K, np.log(4 / k), rtol=1e-7)
@@ -40,7 +40,7 @@ def test_slender_contacts_beyond_the_guess(ratio: float) -> None:
     assert_allclose(K - D, 1, rtol=1e-6)
 
 
-def test_sphere_is_the_textbook_sphere() -> None:
+def test_sphere() -> None:
     contact = hertz_contact(10.0, 10.0, 3.0, reduced_modulus=0.2)
     radius = (3 * 3.0 * 10.0 / (4 * 0.2)) ** (1 / 3)
     assert_allclose(contact.semi_major, radius, rtol=4e-15)
@@ -49,21 +49,21 @@ def test_sphere_is_the_textbook_sphere() -> None:
     assert np.isnan(HertzGeometry(10, 10).long_axis)
 
 
-def test_reference_numbers_of_the_source_pads() -> None:
+def test_reference_numbers_of_published_pads() -> None:
     geometry = HertzGeometry([12.955, 8.361, 12.880, 7.650], [14.330, 12.384, 14.196, 11.932])
     assert_allclose(1 / geometry.axis_ratio, [1.0696, 1.2991, 1.067, 1.345], atol=6e-4)
     assert (geometry.long_axis == 1).all()
     assert_allclose(geometry.geometric_mean_radius, [13.625, 10.175, 13.522, 9.554], atol=6e-4)
 
 
-def test_axes_keep_their_identity() -> None:
+def test_axes_not_sorted() -> None:
     assert HertzGeometry(20.0, 10.0).long_axis == 0
     assert HertzGeometry(10.0, 20.0).long_axis == 1
     swapped, straight = HertzGeometry(20.0, 10.0), HertzGeometry(10.0, 20.0)
     assert swapped.axis_ratio == straight.axis_ratio
 
 
-def test_pressure_carries_the_load() -> None:
+def test_pressure_integrates_to_load() -> None:
     contact = hertz_contact(9.0, 14.0, 2.0, reduced_modulus=0.1)
     # ∫ p0 √(1 − r²) over the ellipse, by Gauss–Legendre in the radius.
     node, weight = np.polynomial.legendre.leggauss(60)
@@ -75,7 +75,7 @@ def test_pressure_carries_the_load() -> None:
     assert_allclose(contact.ellipse.area, contact.area)
 
 
-def test_stiffness_is_the_slope_of_the_loading_curve() -> None:
+def test_stiffness_is_derivative_of_load() -> None:
     geometry = HertzGeometry(9.0, 14.0)
     step = 1e-5
     lower, upper = (
@@ -104,9 +104,7 @@ def test_scaling_exponents(first: float, second: float, load: float, modulus: fl
 
 
 @given(positive, positive, positive, positive)
-def test_inverses_return_the_load_and_the_modulus(
-    first: float, second: float, load: float, modulus: float
-) -> None:
+def test_inverse_functions(first: float, second: float, load: float, modulus: float) -> None:
     geometry = HertzGeometry(first, second)
     contact = geometry.under_load(load, reduced_modulus=modulus)
     for again in (
@@ -121,12 +119,12 @@ def test_inverses_return_the_load_and_the_modulus(
 
 
 @given(st.floats(1, 1e12))
-def test_curvature_ratio_inverts_the_solution(ratio: float) -> None:
+def test_curvature_ratio_inverts_solution(ratio: float) -> None:
     k, _, _ = solve_contact_ellipse(ratio, 1.0)
     assert_allclose(curvature_ratio(k), ratio, rtol=5e-15)
 
 
-def test_many_equal_one_by_one() -> None:
+def test_arrays_equal_scalars() -> None:
     generator = np.random.default_rng(7)
     first, second = generator.uniform(5, 20, (2, 30_000))
     many = hertz_contact(first, second, 2.0, reduced_modulus=0.1)
@@ -148,14 +146,14 @@ def test_broadcasting_and_integers() -> None:
     assert hertz_contact(10, 12, 1, reduced_modulus=1).area.shape == ()
 
 
-def test_zero_load_touches_at_a_point() -> None:
+def test_zero_load() -> None:
     contact = HertzGeometry(10.0, 12.0).under_load(0.0, reduced_modulus=0.1)
     assert contact.area == 0
     assert contact.indentation == 0
 
 
 @pytest.mark.parametrize("bad", [-1.0, np.nan])
-def test_kernels_answer_nan_elementwise(bad: float) -> None:
+def test_nan_elementwise(bad: float) -> None:
     geometry = HertzGeometry(10.0, 12.0)
     for contact in (
         geometry.under_load([1.0, bad], reduced_modulus=0.1),
@@ -169,13 +167,13 @@ def test_kernels_answer_nan_elementwise(bad: float) -> None:
 
 
 @pytest.mark.parametrize("bad", [0.0, -3.0, np.nan, np.inf])
-def test_geometry_refuses_impossible_radii(bad: float) -> None:
+def test_invalid_radii(bad: float) -> None:
     with pytest.raises(
         GeometryError, match=r"second_radius must be positive and finite, found .* at index 1"
     ):
         HertzGeometry(10.0, [12.0, bad])
 
 
-def test_moduli_are_inverse_pairs() -> None:
+def test_modulus_conversion_inverts() -> None:
     assert_allclose(youngs_modulus(reduced_modulus(0.1, 0.48), 0.48), 0.1)
     assert_allclose(reduced_modulus(0.75), 1.0)

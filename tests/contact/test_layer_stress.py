@@ -30,20 +30,20 @@ PLACES = np.array([[0.3, 0.4], [1.0, -0.7], [2.5, 2.0], [-4.0, 0.2]])
 
 
 @pytest.mark.parametrize("depth", [0.5, 1.5, 2.5])
-def test_each_level_carries_the_load(depth: float) -> None:
+def test_load_at_each_depth(depth: float) -> None:
     side = np.linspace(-16, 16, 321)
     field = layer_stress(LAYER, side[:, None], side, depth)
     assert_allclose(-field.tensor[..., 2, 2].sum() * 0.1**2, LAYER.load, rtol=2e-3)
 
 
-def test_surface_carries_the_pressure() -> None:
+def test_surface_traction() -> None:
     x, y = LAYER.grid.coordinates
     field = layer_stress(LAYER, x, y, 0.0)
     assert_allclose(-field.tensor[..., 2, 2], LAYER.pressure, atol=1e-9)
     assert_allclose(field.tensor[..., :2, 2], 0, atol=1e-12)
 
 
-def test_base_does_not_stretch() -> None:
+def test_no_strain_at_base() -> None:
     # Nothing moves at the base: no strain in its plane, so that both in-plane stresses are νσ_zz/(1 − ν).
     field = layer_stress(LAYER, *PLACES.T, 2.5).tensor
     peak = LAYER.peak_pressure
@@ -53,7 +53,7 @@ def test_base_does_not_stretch() -> None:
     assert np.abs(field[:, 0, 2]).max() > 0.05 * peak
 
 
-def test_stress_is_in_equilibrium_and_compatible_with_the_surface() -> None:
+def test_equilibrium_and_surface_displacement() -> None:
     step = 0.02
 
     def tensor(shift: FloatArray) -> FloatArray:
@@ -67,7 +67,7 @@ def test_stress_is_in_equilibrium_and_compatible_with_the_surface() -> None:
 
 
 @pytest.mark.parametrize("poisson_ratio", [0.3, 0.5])
-def test_thick_layer_is_the_half_space(poisson_ratio: float) -> None:
+def test_thick_layer_equals_half_space(poisson_ratio: float) -> None:
     # The stress along the layer departs as 1/t² in the end, the one across it faster.
     def departure(thickness: float) -> tuple[float, float]:
         found = contact(thickness, poisson_ratio)
@@ -88,18 +88,18 @@ def test_thick_layer_is_the_half_space(poisson_ratio: float) -> None:
     assert far_across < 0.2 * near_across
 
 
-def test_the_grid_s_direction_does_not_matter() -> None:
+def test_grid_direction_invariance() -> None:
     turned = contact(2.5, 0.4, angle=0.6)
     one, other = (layer_stress(found, *PLACES.T, 1.0).tensor for found in (LAYER, turned))
     assert_allclose(one, other, atol=2e-3 * LAYER.peak_pressure)
 
 
-def test_nothing_in_the_air_in_the_bone_or_far_away() -> None:
+def test_nan_outside_layer() -> None:
     field = layer_stress(LAYER, [0, 0, 0, 100], 0.0, [-0.1, 2.6, 1.0, 1.0]).tensor
     assert np.isnan(field).all(axis=(1, 2)).tolist() == [True, True, False, True]
 
 
-def test_refuses_half_spaces() -> None:
+def test_half_space_refused() -> None:
     with pytest.raises(GeometryError, match="thickness must be finite"):
         layer_stress(contact(math.inf, 0.5), 0.0, 0.0, 1.0)
     with pytest.raises(GeometryError, match="too great beside the contact"):

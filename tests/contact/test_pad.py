@@ -12,7 +12,7 @@ PAD = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
 
 
 @given(st.floats(0, 1.5), st.floats(-1, 1), st.floats(0.1, 5), st.floats(0.02, 0.5))
-def test_a_hertzian_pad_is_read_back(wedge: float, roll: float, load: float, modulus: float) -> None:
+def test_hertzian_pad_round_trip(wedge: float, roll: float, load: float, modulus: float) -> None:
     radii = Placement(PAD, wedge_angle=wedge, roll_angle=roll).curvature.principal_radii
     geometry = HertzGeometry(radii[0], radii[1])
     truth = geometry.under_load(load, reduced_modulus=modulus)
@@ -36,7 +36,7 @@ def test_a_hertzian_pad_is_read_back(wedge: float, roll: float, load: float, mod
     )
 
 
-def test_published_values_at_two_newton() -> None:
+def test_published_values_at_2_N() -> None:
     # Hertz values from the printed areas and R_g, ν = 0.5: the spheres of radius R_g as pads.
     for radius, area, depth, modulus, pressure in (
         (20.5, 116.3, 1.806, 102.4, 17.2),
@@ -56,14 +56,14 @@ def test_published_values_at_two_newton() -> None:
         assert_allclose(1e3 * seen.mean_pressure, pressure, atol=0.06)
 
 
-def test_predicted_long_axis_of_the_source_pad_lies_across() -> None:
+def test_predicted_long_axis_of_published_pad() -> None:
     seen = pad_contact(
         PAD, wedge_angle=np.radians([30, 45]), roll_angle=0, load=2, semi_major=7.4, semi_minor=5.0
     )
     assert_allclose(seen.predicted_elongation, -np.log([1.0696, 1.2991]), atol=1e-4)
 
 
-def test_order_of_the_observed_axes_does_not_matter() -> None:
+def test_order_of_observed_axes() -> None:
     straight, swapped = (
         pad_contact(PAD, wedge_angle=0.5, roll_angle=0, load=2, semi_major=a, semi_minor=b)
         for a, b in ((7.4, 5.0), (5.0, 7.4))

@@ -32,7 +32,7 @@ def on_layer(thickness: float, poisson_ratio: float, *, points: int = 128, **giv
 
 @pytest.mark.parametrize("ratio", [1.0, 1.07, 2.0, 5.0, 20.0])
 @pytest.mark.parametrize("points", [64, 128, 256])
-def test_paraboloids_are_hertzian(ratio: float, points: int) -> None:
+def test_paraboloids_equal_hertz(ratio: float, points: int) -> None:
     hertz = HertzGeometry(RADIUS, ratio * RADIUS).under_load(0.5, reduced_modulus=0.1)
     guess = float(hertz.semi_minor), float(hertz.semi_major)
     found = solve_contact(
@@ -52,7 +52,7 @@ def test_paraboloids_are_hertzian(ratio: float, points: int) -> None:
         assert_allclose(abs(found.long_axis_angle), math.pi / 2, atol=1e-3)
 
 
-def test_sphere_is_sneddons() -> None:
+def test_sphere_equals_sneddon() -> None:
     # Sneddon (1965), a sphere of radius R at contact radius a: ξ = (a/2) ln((R + a)/(R − a)),
     # W = E*/2 · ((R² + a²) ln((R + a)/(R − a)) − 2aR).
     for radius in (2.0, 5.0, 8.0):
@@ -64,7 +64,7 @@ def test_sphere_is_sneddons() -> None:
 
 
 @pytest.mark.parametrize(("power", "factor"), [(4, 8 / 3), (6, 16 / 5)])
-def test_blunt_powers_are_sneddons(power: int, factor: float) -> None:
+def test_power_law_shapes_equal_sneddon(power: int, factor: float) -> None:
     # Gap r^n: ξ = factor·a^n, W = 2n/(n + 1) E* a ξ (Johnson 1985, Eq. 5.20).
     found = solve_contact(
         lambda x, y: (x**2 + y**2) ** (power // 2) / 1000, HALF_SPACE, half_widths=(3, 3), area=math.pi * 4
@@ -96,7 +96,7 @@ def test_layer_table(ratio: float, poisson_ratio: float) -> None:
 
 
 @pytest.mark.parametrize(("chi", "tolerance"), [(0.05, 1e-3), (0.15, 1e-3), (0.27, 2e-3)])
-def test_layer_agrees_with_the_series_of_garcia(chi: float, tolerance: float) -> None:
+def test_layer_equals_garcia_series(chi: float, tolerance: float) -> None:
     # García & García (2018): F/F_Hertz = 1 + 1.133χ + 1.497χ² + 1.469χ³ + 0.755χ⁴, χ = √(Rξ)/t, ν = 0.5.
     indentation = 0.4
     found = on_layer(math.sqrt(RADIUS * indentation) / chi, 0.5, indentation=indentation)
@@ -104,7 +104,7 @@ def test_layer_agrees_with_the_series_of_garcia(chi: float, tolerance: float) ->
     assert_allclose(found.load / (4 / 3 * 0.1 * RADIUS**0.5 * indentation**1.5), series, rtol=tolerance)
 
 
-def test_thick_layer_is_the_half_space() -> None:
+def test_thick_layer_equals_half_space() -> None:
     deep = on_layer(1e5, 0.5, load=0.3)
     half_space = solve_contact(
         paraboloid(RADIUS, RADIUS), HALF_SPACE, half_widths=(3, 3), load=0.3, points=128
@@ -113,7 +113,7 @@ def test_thick_layer_is_the_half_space() -> None:
 
 
 @pytest.mark.parametrize("poisson_ratio", [0.0, 0.3])
-def test_thin_compressible_layer_is_an_elastic_foundation(poisson_ratio: float) -> None:
+def test_thin_compressible_layer_limit(poisson_ratio: float) -> None:
     # p = Mu/t with the oedometric modulus M = E(1 − ν)/((1 + ν)(1 − 2ν)), to first order in t/a:
     # the error of W and A must fall with t/a, and be small at 1/9.
     def departures(thickness: float) -> FloatArray:
@@ -128,20 +128,20 @@ def test_thin_compressible_layer_is_an_elastic_foundation(poisson_ratio: float) 
     assert (thin < 0.12).all()
 
 
-def test_thin_incompressible_layer_tends_to_four() -> None:
+def test_thin_incompressible_layer_limit() -> None:
     ratios = [on_layer(t, 0.5, indentation=0.1).area_over_pi_indentation / RADIUS for t in (1.0, 0.5, 0.25)]
     assert (np.diff(ratios) > 0.2).all()
     assert ratios[-1] < 4
 
 
 @pytest.mark.parametrize("thickness", [math.inf, 4.0])
-def test_load_is_the_slope_of_the_elastic_energy(thickness: float) -> None:
+def test_load_is_derivative_of_energy(thickness: float) -> None:
     lower, middle, upper = (on_layer(thickness, 0.48, indentation=x) for x in (0.495, 0.5, 0.505))
     assert_allclose((upper.elastic_energy - lower.elastic_energy) / 0.01, middle.load, rtol=2e-4)
 
 
 @pytest.mark.parametrize("thickness", [math.inf, 2.0])
-def test_load_indentation_and_area_give_the_same_contact(thickness: float) -> None:
+def test_load_indentation_area_equivalent(thickness: float) -> None:
     by_load = on_layer(thickness, 0.45, load=0.7)
     by_indentation = on_layer(thickness, 0.45, indentation=by_load.indentation)
     by_area = on_layer(thickness, 0.45, area=by_load.area)
@@ -151,7 +151,7 @@ def test_load_indentation_and_area_give_the_same_contact(thickness: float) -> No
         assert_allclose(found.area, by_load.area, rtol=2e-4)
 
 
-def test_an_oblique_contact_keeps_its_direction() -> None:
+def test_oblique_contact_direction() -> None:
     turn = 0.4
     along = lambda x, y: x * math.cos(turn) + y * math.sin(turn)  # noqa: E731
     across = lambda x, y: y * math.cos(turn) - x * math.sin(turn)  # noqa: E731
@@ -189,7 +189,7 @@ def test_agrees_with_tamaas() -> None:
     assert_allclose(found.area, np.mean(pressure > 0) * width**2, rtol=0.01)
 
 
-def test_gradient_of_the_guess_does_not_matter() -> None:
+def test_initial_guess_invariance() -> None:
     loads = [
         solve_contact(
             paraboloid(RADIUS, 3 * RADIUS), HALF_SPACE, half_widths=guess, indentation=0.5, points=64
@@ -210,12 +210,12 @@ def test_gradient_of_the_guess_does_not_matter() -> None:
         ({"load": 100.0}, GeometryError, "would press through the layer's thickness of 2"),
     ],
 )
-def test_refuses(given: dict[str, float], error: type[FingerpadError], message: str) -> None:
+def test_invalid_arguments(given: dict[str, float], error: type[FingerpadError], message: str) -> None:
     with pytest.raises(error, match=message):
         on_layer(2.0, 0.3, **given)
 
 
-def test_refuses_layers_thin_beside_the_contact() -> None:
+def test_too_thin_layer_refused() -> None:
     with pytest.raises(
         GeometryError, match="at least a tenth of the contact's mean radius 1.09.*, found 0.1"
     ):
@@ -230,11 +230,11 @@ def test_refuses_layers_thin_beside_the_contact() -> None:
         ({"reduced_modulus": 1.0, "poisson_ratio": 0.51}, r"poisson_ratio must be in \[0, 0.5\], found 0.51"),
     ],
 )
-def test_refuses_bodies(body: dict[str, float], message: str) -> None:
+def test_invalid_bodies(body: dict[str, float], message: str) -> None:
     with pytest.raises(GeometryError, match=message):
         ElasticBody.of(**body)
 
 
-def test_a_shape_without_an_edge_does_not_converge() -> None:
+def test_no_convergence_without_edge() -> None:
     with pytest.raises(ConvergenceError, match="did not settle on the contact"):
         solve_contact(lambda x, y: 0 * x * y, HALF_SPACE, half_widths=(1, 1), load=1.0, points=64)

@@ -47,7 +47,7 @@ def integrated(place: tuple[float, float, float], a: float, b: float, poisson_ra
         (1.0, 1.3, (4.0, -7.0, 2.0), 0.45),
     ],
 )
-def test_agrees_with_an_integral_of_point_loads(
+def test_agrees_with_boussinesq_integral(
     a: float, b: float, place: tuple[float, float, float], poisson_ratio: float
 ) -> None:
     found = hertz_stress(*place, semi_x=a, semi_y=b, peak_pressure=1.0, poisson_ratio=poisson_ratio).tensor
@@ -56,7 +56,7 @@ def test_agrees_with_an_integral_of_point_loads(
 
 
 @pytest.mark.parametrize("poisson_ratio", [0.0, 0.3, 0.5])
-def test_axis_of_a_circle(poisson_ratio: float) -> None:
+def test_axis_of_circular_contact(poisson_ratio: float) -> None:
     # Johnson (1985), Eqs 3.45.
     z = np.array([1e-6, 0.1, 0.5, 1.0, 3.0])
     field = hertz_stress(0, 0, z, semi_x=1, semi_y=1, peak_pressure=1, poisson_ratio=poisson_ratio)
@@ -68,7 +68,7 @@ def test_axis_of_a_circle(poisson_ratio: float) -> None:
     assert_allclose(field.maximum_shear, np.abs(radial - vertical) / 2, rtol=1e-9, atol=1e-13)
 
 
-def test_surface_carries_the_pressure_and_no_shear() -> None:
+def test_surface_traction() -> None:
     x, y = np.meshgrid(np.linspace(-2.9, 2.9, 30), np.linspace(-1.7, 1.7, 31))
     field = hertz_stress(x, y, 0, semi_x=2, semi_y=1.2, peak_pressure=3, poisson_ratio=0.4)
     pressure = 3 * np.sqrt(np.maximum(1 - (x / 2) ** 2 - (y / 1.2) ** 2, 0))
@@ -76,7 +76,7 @@ def test_surface_carries_the_pressure_and_no_shear() -> None:
     assert_allclose(field.tensor[..., :2, 2], 0, atol=1e-12)
 
 
-def test_stress_is_in_equilibrium() -> None:
+def test_equilibrium() -> None:
     generator = np.random.default_rng(3)
     place = generator.uniform([-2, -2, 0.1], [2, 2, 2], (40, 3))
     step = 1e-4
@@ -92,20 +92,20 @@ def test_stress_is_in_equilibrium() -> None:
     assert_allclose(divergence, 0, atol=1e-6)
 
 
-def test_far_away_it_is_a_point_load() -> None:
+def test_far_field_is_point_load() -> None:
     place = np.array([30.0]), np.array([-50.0]), np.array([40.0])
     found = hertz_stress(*place, semi_x=1, semi_y=0.7, peak_pressure=1, poisson_ratio=0.3).tensor[0]
     expected = under_point_load(*(one[:, None] for one in place), 0.3)[..., 0, 0] * 2 / 3 * np.pi * 0.7
     assert_allclose(found, expected, atol=1e-3 * np.abs(expected).max())
 
 
-def test_nothing_above_the_surface() -> None:
+def test_nan_above_surface() -> None:
     field = hertz_stress(0, 0, [-0.1, 0.1], semi_x=1, semi_y=1, peak_pressure=1)
     assert np.isnan(field.tensor[0]).all()
     assert np.isfinite(field.tensor[1]).all()
 
 
-def test_uniaxial_stress_stretches_and_stores_energy() -> None:
+def test_uniaxial_strain_and_energy() -> None:
     field = StressField(tensor=np.diag([2.0, 0.0, 0.0]))
     assert_allclose(
         field.strain(youngs_modulus=4.0, poisson_ratio=0.3), np.diag([0.5, -0.15, -0.15]), atol=1e-15

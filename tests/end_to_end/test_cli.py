@@ -55,7 +55,7 @@ def test_geometry() -> None:
     assert set(record) == {*expected, "point_mm"}
 
 
-def test_geometry_with_a_roll_names_directions() -> None:
+def test_geometry_with_roll() -> None:
     record = run_json("geometry", "--semi-axes-mm", 7.9, 13.8, 11.8, "--wedge-deg", 30, "--roll-deg", 20)
     directions = np.array(record["principal_directions"])
     np.testing.assert_allclose(directions @ directions.T, np.eye(2), atol=1e-12)
@@ -95,7 +95,7 @@ def test_correct() -> None:
     assert record == pytest.approx(expected, rel=3e-7)
 
 
-def test_text_shows_units_and_no_traceback() -> None:
+def test_text_output_with_units() -> None:
     code, out, _ = run("correct", "--ellipse-mm", 7.4, 5.0, "--radius-mm", 18.7)
     assert code == 0
     assert "radius_from_indentation_mm  18.971" in out
@@ -207,7 +207,7 @@ def test_text_shows_units_and_no_traceback() -> None:
         (["run", "nowhere.toml"], "nowhere.toml: no such file; .fingerpad init DIR"),
     ],
 )
-def test_bad_input_is_one_line_and_exit_code_2(
+def test_invalid_input_exit_code(
     arguments: list[str], message: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
@@ -245,7 +245,7 @@ def test_measure_print(tmp_path: Path) -> None:
     assert len(list((tmp_path / "overlays").iterdir())) == 1
 
 
-def test_measure_print_takes_the_scale_that_a_file_states(tmp_path: Path) -> None:
+def test_measure_print_scale_from_file(tmp_path: Path) -> None:
     picture = Image.fromarray(render_contact_image(semi_major=9.0, semi_minor=6.5, seed=4).pixels)
     picture.save(tmp_path / "stated.png", dpi=(500, 500))
     picture.save(tmp_path / "placeholder.png", dpi=(72, 72))
@@ -261,7 +261,7 @@ def test_measure_print_takes_the_scale_that_a_file_states(tmp_path: Path) -> Non
     assert "states no resolution" in silent["error"]
 
 
-def test_measure_print_takes_a_seed_and_a_region(tmp_path: Path) -> None:
+def test_measure_print_seed_and_region(tmp_path: Path) -> None:
     small, large = (render_contact_image(semi_major=a, semi_minor=a / 1.3, seed=4).pixels for a in (5.0, 8.0))
     pixels = np.full((large.shape[0], small.shape[1] + large.shape[1]), 250, np.uint8)
     pixels[: small.shape[0], : small.shape[1]] = small
@@ -285,7 +285,7 @@ def print_file(tmp_path: Path) -> Path:
     return tmp_path / "p.png"
 
 
-def test_measure_print_takes_threshold_and_mask(print_file: Path, tmp_path: Path) -> None:
+def test_measure_print_threshold_and_mask(print_file: Path, tmp_path: Path) -> None:
     (tmp_path / "mask.csv").write_text("row_px,column_px\n1,1\n1,330\n230,330\n230,1\n")
     (tmp_path / "line.csv").write_text("row_px,column_px\n1,1\n1,330\n")
     common = ("measure", "print", print_file, "--ppi", 500)
@@ -300,7 +300,7 @@ def test_measure_print_takes_threshold_and_mask(print_file: Path, tmp_path: Path
     assert (code, "needs three corners or more, found 2" in err) == (2, True)
 
 
-def test_a_ruler_and_a_coin_are_scales(print_file: Path, tmp_path: Path) -> None:
+def test_scale_from_ruler_and_coin(print_file: Path, tmp_path: Path) -> None:
     common = ("measure", "print", print_file)
     (known,) = run_json(*common, "--mm-per-px", 0.05)
     line = ("--scale-line", "10,20,10,220", "--line-mm", 10)
@@ -318,7 +318,7 @@ def test_a_ruler_and_a_coin_are_scales(print_file: Path, tmp_path: Path) -> None
     assert re.search(r"--coin .*p\.png: no coin found", err)
 
 
-def test_a_bar_is_shown_to_people_and_costs_scripts_nothing(print_file: Path, tmp_path: Path) -> None:
+def test_progress_bar_on_terminals_only(print_file: Path, tmp_path: Path) -> None:
     film = EXAMPLE / "synthetic" / "synthetic_press_30deg.tif"
     for command, count in (
         (["print", print_file], 1),
@@ -374,7 +374,7 @@ ellipse_mm = {{ semi_major = 7.4, semi_minor = 5.0, std = 0.1 }}
     return folder / "study.toml"
 
 
-def test_a_run_says_by_how_much_faces_disagree(tmp_path: Path) -> None:
+def test_run_reports_disagreement_of_faces(tmp_path: Path) -> None:
     study = study_of_outlines(tmp_path, palmar=(11.8, 13.8), distal=(12.8, 7.9), radial=(7.9, 13.8))
     code, out, err = run("run", study, "--out", tmp_path / "out")
     assert (code, "failed" in err) == (0, False)
@@ -395,7 +395,7 @@ def test_a_run_says_by_how_much_faces_disagree(tmp_path: Path) -> None:
     assert line.split("): ")[1] in page
 
 
-def test_a_face_with_swapped_axes_stops_the_finger(tmp_path: Path) -> None:
+def test_swapped_axes_fail_finger(tmp_path: Path) -> None:
     study = study_of_outlines(tmp_path, palmar=(11.8, 13.8), distal=(11.8, 7.9), radial=(13.9, 7.9))
     code, out, err = run("run", study, "--out", tmp_path / "out")
     assert code == 3
@@ -403,7 +403,7 @@ def test_a_face_with_swapped_axes_stops_the_finger(tmp_path: Path) -> None:
     assert "the palmar semi-axis is 7.9 mm in the distal face, 13.9 mm in the radial face" in err
 
 
-def test_measure_photo_doubts_a_pad_of_another_size(tmp_path: Path) -> None:
+def test_measure_photo_flags_implausible_size(tmp_path: Path) -> None:
     truth = render_finger("palmar", seed=1)
     Image.fromarray(truth.pixels).save(tmp_path / "palmar.png")
     command = ("measure", "photo", tmp_path / "palmar.png", "--face", "palmar", "--mm-per-px")
@@ -499,7 +499,7 @@ def test_init_then_run(tmp_path: Path) -> None:
     assert names <= {path.name for path in (tmp_path / "results").iterdir()}
 
 
-def test_results_lie_beside_the_manifest_however_it_is_named(tmp_path: Path) -> None:
+def test_results_beside_manifest(tmp_path: Path) -> None:
     run("init", tmp_path / "mine")
     assert run("run", tmp_path / "mine")[0] == 0
     assert {path.name for path in tmp_path.iterdir()} == {"mine"}
@@ -508,7 +508,7 @@ def test_results_lie_beside_the_manifest_however_it_is_named(tmp_path: Path) -> 
         assert run("verify", study)[0] == 0
 
 
-def test_run_says_what_failed_and_goes_on(tmp_path: Path) -> None:
+def test_run_reports_failures_and_continues(tmp_path: Path) -> None:
     study = Path(shutil.copytree(EXAMPLE, tmp_path / "study"))
     (study / "synthetic" / "synthetic_30deg_1N.png").write_bytes(b"\x89PNG")
     out = tmp_path / "out"
@@ -519,7 +519,7 @@ def test_run_says_what_failed_and_goes_on(tmp_path: Path) -> None:
     assert "synthetic_30deg_1N" in (out / "report.html").read_text(encoding="utf-8")
 
 
-def test_a_bad_manifest_stops_before_any_work(tmp_path: Path) -> None:
+def test_invalid_manifest_stops_run(tmp_path: Path) -> None:
     study = Path(shutil.copytree(EXAMPLE, tmp_path / "study"))
     text = (study / "study.toml").read_text(encoding="utf-8").replace("poisson_ratio = 0.5", "poisson = 0.5")
     (study / "study.toml").write_text(text, encoding="utf-8")
@@ -529,14 +529,14 @@ def test_a_bad_manifest_stops_before_any_work(tmp_path: Path) -> None:
     assert not (tmp_path / "out").exists()
 
 
-def test_output_folder_that_cannot_be_made(tmp_path: Path) -> None:
+def test_uncreatable_output_folder(tmp_path: Path) -> None:
     (tmp_path / "file").touch()
     code, _, err = run("run", EXAMPLE / "study.toml", "--out", tmp_path / "file" / "out")
     assert code == 2
     assert "cannot make this folder" in err
 
 
-def test_overlays_never_collide_nor_replace_a_picture(tmp_path: Path) -> None:
+def test_overlay_names_do_not_collide(tmp_path: Path) -> None:
     pixels = render_contact_image(seed=4).pixels
     for name in ("1/x.png", "2/x.png", "2/x_overlay.png"):
         (tmp_path / name).parent.mkdir(exist_ok=True)
@@ -549,7 +549,7 @@ def test_overlays_never_collide_nor_replace_a_picture(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("missing", ["cv2", "matplotlib", "jinja2", "pydantic"])
-def test_missing_packages_are_named(missing: str) -> None:
+def test_missing_packages_named(missing: str) -> None:
     script = f"import sys; sys.modules[{missing!r}] = None; sys.argv[1:] = ['run', 'x.toml']; "
     done = subprocess.run(
         [sys.executable, "-c", script + "from fingerpad.__main__ import main; main()"],
@@ -561,7 +561,7 @@ def test_missing_packages_are_named(missing: str) -> None:
     assert "Traceback" not in done.stderr
 
 
-def test_consoles_without_the_letters(tmp_path: Path) -> None:
+def test_console_encodings(tmp_path: Path) -> None:
     done = subprocess.run(
         [sys.executable, "-m", "fingerpad", "reproduce"],
         capture_output=True,
@@ -571,7 +571,7 @@ def test_consoles_without_the_letters(tmp_path: Path) -> None:
     assert b"Table 4" in done.stdout
 
 
-def test_a_full_disk_is_said_in_words() -> None:
+def test_full_disk_message() -> None:
     with Path("/dev/full").open("w") as full:
         done = subprocess.run(
             [sys.executable, "-m", "fingerpad", "reproduce"], stdout=full, stderr=subprocess.PIPE, text=True
@@ -588,7 +588,7 @@ def test_module_and_version() -> None:
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="threads are counted as Linux shows them")
-def test_linear_algebra_has_one_thread_unless_told_otherwise() -> None:
+def test_linear_algebra_threads() -> None:
     script = (
         "import atexit, os, sys; sys.argv[1:] = ['reproduce']; "
         "threads = lambda: os.listdir('/proc/self/task'); "
@@ -597,15 +597,15 @@ def test_linear_algebra_has_one_thread_unless_told_otherwise() -> None:
         "from fingerpad.__main__ import main; main()"
     )
     mine = {name: value for name, value in os.environ.items() if not name.endswith("_NUM_THREADS")}
-    for told, threads in ({}, 1), ({"OMP_NUM_THREADS": "2"}, min(2, os.cpu_count() or 1)):
+    for setting, threads in ({}, 1), ({"OMP_NUM_THREADS": "2"}, min(2, os.cpu_count() or 1)):
         done = subprocess.run(
-            [sys.executable, "-c", script], capture_output=True, text=True, check=True, env=mine | told
+            [sys.executable, "-c", script], capture_output=True, text=True, check=True, env=mine | setting
         )
         # NumPy and SciPy have a pool each, beside the main thread.
         assert int(done.stdout.splitlines()[-1]) == 1 + 2 * (threads - 1)
 
 
-def test_importing_the_package_stays_light() -> None:
+def test_import_is_light() -> None:
     heavy = "matplotlib, cv2, PIL, pydantic, typer, rich, jinja2, tifffile"
     script = f"import sys, fingerpad.contact; print([m for m in '{heavy}'.split(', ') if m in sys.modules])"
     done = subprocess.run(

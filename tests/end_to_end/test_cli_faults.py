@@ -54,13 +54,13 @@ def shell(redirection: str, *arguments: str) -> tuple[int, str]:
         (">&- 2>&-", ""),
     ],
 )
-def test_output_that_cannot_be_written(redirection: str, message: str, arguments: tuple[str, ...]) -> None:
+def test_unwritable_output(redirection: str, message: str, arguments: tuple[str, ...]) -> None:
     code, err = shell(redirection, *arguments)
     assert code == 1
     assert err.strip() == message
 
 
-def test_a_reader_that_leaves_is_no_fault() -> None:
+def test_closed_pipe_is_no_error() -> None:
     done = subprocess.Popen([*PROGRAM, *HERTZ], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
     assert done.stdout is not None
     done.stdout.close()
@@ -68,7 +68,7 @@ def test_a_reader_that_leaves_is_no_fault() -> None:
     assert (done.returncode, err) == (1, b"")
 
 
-def test_closed_stdin_and_stderr_cost_nothing(tmp_path: Path) -> None:
+def test_closed_stdin_and_stderr(tmp_path: Path) -> None:
     results, log = tmp_path / "out", tmp_path / "log"
     manifest = Path(__file__).resolve().parents[2] / "examples" / "dzidek2017" / "study.toml"
     text = manifest.read_text(encoding="utf-8")
@@ -108,7 +108,7 @@ def prints(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
         OSError(28, "full"),
     ],
 )
-def test_an_unforeseen_fault_costs_one_picture(
+def test_unexpected_error_fails_one_picture(
     fault: Exception, prints: list[Path], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     read = fingerpad.image.read_image
@@ -132,7 +132,7 @@ def test_an_unforeseen_fault_costs_one_picture(
             assert "cannot be measured (" in done.stdout
 
 
-def test_what_was_measured_is_printed_before_a_fault(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_results_printed_before_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     write = fingerpad.image.write_overlay
 
     def write_some(path: Path, *given: object, **named: object) -> None:
@@ -150,7 +150,7 @@ def test_what_was_measured_is_printed_before_a_fault(tmp_path: Path, monkeypatch
     assert [frame["frame"] for frame in json.loads(done.stdout)] == list(range(12))
 
 
-def test_a_damaged_film_is_refused_or_measured(tmp_path: Path) -> None:
+def test_damaged_sequence_refused_or_measured(tmp_path: Path) -> None:
     film = tmp_path / "film.avi"
     writer = cv2.VideoWriter(str(film), cv2.VideoWriter.fourcc(*"MJPG"), 10, (240, 240))
     pixels = cv2.resize(render_contact_image(seed=1).pixels, (240, 240))
@@ -172,7 +172,7 @@ def test_a_damaged_film_is_refused_or_measured(tmp_path: Path) -> None:
     assert len(codes) > 1
 
 
-def test_an_interrupt_at_any_moment_is_no_traceback(prints: list[Path], tmp_path: Path) -> None:
+def test_interrupt_without_traceback(prints: list[Path], tmp_path: Path) -> None:
     rng = np.random.default_rng(2)
     commands = [("measure", "print", *map(str, prints * 20), "--ppi", "500"), HERTZ]
     codes = []
@@ -210,7 +210,7 @@ def test_an_interrupt_at_any_moment_is_no_traceback(prints: list[Path], tmp_path
         ),
     ],
 )
-def test_an_interrupt_in_disguise_is_an_interrupt(place: str, function: str) -> None:
+def test_wrapped_interrupt_is_interrupt(place: str, function: str) -> None:
     module, _, name = place.rpartition(".")
     script = (
         "import signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler)\n"
@@ -221,7 +221,7 @@ def test_an_interrupt_in_disguise_is_an_interrupt(place: str, function: str) -> 
     assert (done.returncode, done.stdout, done.stderr) == (130, "", "fingerpad: interrupted\n")
 
 
-def test_an_interrupted_sequence_does_not_claim_that_it_goes_on() -> None:
+def test_interrupted_sequence_message() -> None:
     with subprocess.Popen(
         [*INTERRUPTIBLE, "measure", "sequence", str(FILM), "--ppi", "240", "--json"],
         stdout=subprocess.PIPE,
@@ -241,7 +241,7 @@ def test_an_interrupted_sequence_does_not_claim_that_it_goes_on() -> None:
 @pytest.mark.parametrize(
     "command", [("status",), ("fit",), ("import", "fiji", "--ppi", "500", "--std-mm", "0.1")]
 )
-def test_a_file_without_end_is_refused(command: tuple[str, ...], tmp_path: Path) -> None:
+def test_endless_file_refused(command: tuple[str, ...], tmp_path: Path) -> None:
     done = subprocess.run(
         [*PROGRAM, *command, "/dev/zero"], capture_output=True, text=True, timeout=60, cwd=tmp_path
     )

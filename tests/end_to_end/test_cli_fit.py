@@ -42,7 +42,7 @@ def curve(tmp_path: Path) -> Path:
     return path
 
 
-def test_the_contract_of_scripts(curve: Path) -> None:
+def test_json_keys(curve: Path) -> None:
     code, out, err = run(curve, "--json")
     assert (code, err) == (0, "")
     record = json.loads(out)
@@ -60,7 +60,7 @@ def test_the_contract_of_scripts(curve: Path) -> None:
     assert isinstance(record["flags"], list)
 
 
-def test_what_the_curve_cannot_tell_is_null_with_a_reason(curve: Path, tmp_path: Path) -> None:
+def test_undetermined_is_null_with_reason(curve: Path, tmp_path: Path) -> None:
     bare = tmp_path / "bare.csv"
     rows = np.loadtxt(curve, delimiter=",", skiprows=1)[:, [1, 2]] * [1000, 1]
     np.savetxt(bare, rows, delimiter=",", header="Fz,stage", comments="", fmt="%.4f")
@@ -74,7 +74,7 @@ def test_what_the_curve_cannot_tell_is_null_with_a_reason(curve: Path, tmp_path:
     assert helped["initial_modulus_kpa"] == pytest.approx(40, rel=0.1)
 
 
-def test_people_see_uncertainties_and_intervals(curve: Path) -> None:
+def test_text_shows_uncertainties_and_intervals(curve: Path) -> None:
     code, out, _ = run(curve)
     assert code == 0
     lines = {line.split()[0]: line for line in out.splitlines()}
@@ -114,7 +114,7 @@ def test_figures(curve: Path, tmp_path: Path) -> None:
         (None, ("--radius-mm-std", "1"), "goes with --radius-mm"),
     ],
 )
-def test_refuses(
+def test_invalid_arguments(
     curve: Path, tmp_path: Path, text: str | None, arguments: tuple[str, ...], message: str
 ) -> None:
     path = curve
@@ -128,7 +128,7 @@ def test_refuses(
     assert err.count("\n") == 1
 
 
-def test_a_missing_file(tmp_path: Path) -> None:
+def test_missing_file(tmp_path: Path) -> None:
     code, _, err = run(tmp_path / "none.csv")
     assert code == 2
     assert "none.csv: cannot be read" in err

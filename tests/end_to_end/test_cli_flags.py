@@ -136,7 +136,7 @@ def arguments(command: str, flag: str, count: int, value: str) -> list[str]:
 
 
 @pytest.mark.parametrize(("command", "flag", "count"), list(flags()))
-def test_absurd_numbers(
+def test_extreme_numbers(
     command: str, flag: str, count: int, folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(folder)

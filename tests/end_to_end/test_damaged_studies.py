@@ -3,7 +3,7 @@
 from benchmarks.commands import try_commands
 
 
-def test_commands_answer_or_refuse_in_words(tmp_path):
+def test_commands_answer_or_refuse(tmp_path):
     found = try_commands(tmp_path, 15)
     assert found.faults == []
     outcomes = {outcome for _, outcome in found.counts}

@@ -13,26 +13,26 @@ radius = st.floats(0.1, 1000.0)
 angle = st.floats(-2 * np.pi, 2 * np.pi)
 
 
-def test_flat_plate_adds_nothing() -> None:
+def test_flat_plate() -> None:
     gap = relative_curvature((12.955, 14.330))
     assert_allclose(gap.principal_radii, [12.955, 14.330], rtol=1e-15)
     assert gap.angle == 0
 
 
-def test_sphere_adds_its_curvature_in_every_direction() -> None:
+def test_sphere_on_pad() -> None:
     for turn in (0.0, 0.4, 2.0):
         gap = relative_curvature((10.0, 20.0), (5.0, 5.0), angle=turn)
         assert_allclose(1 / gap.principal_radii, [0.1 + 0.2, 0.05 + 0.2], rtol=1e-14)
 
 
-def test_two_spheres_are_the_textbook_sum() -> None:
+def test_two_spheres() -> None:
     gap = relative_curvature((6.0, 6.0), (3.0, 3.0))
     assert_allclose(gap.mean_curvature_radius, 2.0)
     assert_allclose(gap.geometric_mean_radius, 2.0)
 
 
 @given(radius, radius, radius, radius, angle)
-def test_tensors_add(first_1, first_2, second_1, second_2, turn) -> None:
+def test_sum_of_tensors(first_1, first_2, second_1, second_2, turn) -> None:
     gap = relative_curvature((first_1, first_2), (second_1, second_2), angle=turn)
     rotation = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
     total = (
@@ -45,7 +45,7 @@ def test_tensors_add(first_1, first_2, second_1, second_2, turn) -> None:
 
 
 @given(radius, radius, radius, radius, angle)
-def test_either_body_may_come_first(first_1, first_2, second_1, second_2, turn) -> None:
+def test_order_of_bodies(first_1, first_2, second_1, second_2, turn) -> None:
     one = relative_curvature((first_1, first_2), (second_1, second_2), angle=turn)
     other = relative_curvature((second_1, second_2), (first_1, first_2), angle=-turn)
     assert_allclose(np.sort(one.principal_radii), np.sort(other.principal_radii), rtol=1e-7)
@@ -56,7 +56,7 @@ def test_cylinder_across_a_pad() -> None:
     assert_allclose(1 / gap.principal_radii, [1 / 12, 1 / 14 + 1 / 8], rtol=1e-14)
 
 
-def test_slender_gaps_keep_their_digits() -> None:
+def test_slender_gap_precision() -> None:
     assert_allclose(relative_curvature((1.0, 1e12)).principal_radii, [1.0, 1e12], rtol=1e-15)
     crossed = relative_curvature((1.0, np.inf), (np.inf, 1e17))
     assert_allclose(crossed.principal_radii, [1.0, 1e17], rtol=1e-15)
@@ -65,7 +65,7 @@ def test_slender_gaps_keep_their_digits() -> None:
 @given(st.floats(-5, 5), st.floats(-5, 5), st.floats(-5, 5))
 @example(-0.0, -0.0, 1.0)
 @example(-0.0, 0.0, -1.0)
-def test_any_symmetric_tensor_is_diagonalised(first, second, mixed) -> None:
+def test_principal_curvatures_of_random_tensors(first, second, mixed) -> None:
     curvatures, angle = principal_curvatures(first, second, mixed)
     tensor = np.array([[first, mixed], [mixed, second]])
     assert_allclose(np.sort(curvatures), np.linalg.eigvalsh(tensor), atol=1e-12)
@@ -74,7 +74,7 @@ def test_any_symmetric_tensor_is_diagonalised(first, second, mixed) -> None:
     assert abs(angle) <= np.pi / 4 + 1e-12
 
 
-def test_a_complex_step_does_not_exchange_the_curvatures() -> None:
+def test_complex_step_keeps_order() -> None:
     step = 1e-30j
     for first in (1.0, -1.0):
         up, down = (principal_curvatures(first + sign * step, first, 0.5)[0].real for sign in (1, -1))
@@ -82,18 +82,18 @@ def test_a_complex_step_does_not_exchange_the_curvatures() -> None:
         assert_allclose(down, up, rtol=1e-15)
 
 
-def test_no_contact_ellipse_where_the_gap_does_not_open() -> None:
+def test_gap_that_does_not_open() -> None:
     assert np.isnan(relative_curvature((10.0, 10.0), (-9.0, -20.0)).principal_radii).all()
     assert np.isfinite(relative_curvature((10.0, 10.0), (-12.0, -20.0)).principal_radii).all()
 
 
-def test_broadcasts() -> None:
+def test_broadcasting() -> None:
     gap = relative_curvature((10.0, 12.0), np.full((4, 1, 2), 7.0), angle=np.zeros(3))
     assert gap.principal_radii.shape == (4, 3, 2)
 
 
 @pytest.mark.parametrize("bad", [0.0, np.nan])
-def test_refuses_radii_that_are_none(bad: float) -> None:
+def test_invalid_radii(bad: float) -> None:
     with pytest.raises(GeometryError, match="second body's principal radius must be a non-zero number"):
         relative_curvature((10.0, 12.0), (5.0, bad))
     with pytest.raises(GeometryError, match="angle must be .*radians"):

@@ -8,7 +8,7 @@ from fingerpad.exceptions import GeometryError
 from fingerpad.geometry import Ellipse
 
 
-def test_source_ellipses() -> None:
+def test_published_ellipses() -> None:
     ellipse = Ellipse([5.3, 7.4], [4.2, 5.0])
     assert_allclose(ellipse.eccentricity, [0.6099332, 0.7371990], atol=6e-8)
     assert_allclose(ellipse.area, [69.93, 116.24], atol=5e-3)
@@ -31,6 +31,6 @@ def test_circle() -> None:
         (([5.0, 5.0], [4.0, 6.0]), "found 6 at index 1"),
     ],
 )
-def test_refuses(axes, message: str) -> None:
+def test_invalid_axes(axes, message: str) -> None:
     with pytest.raises(GeometryError, match=message):
         Ellipse(*axes)

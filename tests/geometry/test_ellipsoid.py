@@ -16,7 +16,7 @@ v_angle = st.floats(0.0, np.pi)
 
 
 def printed_mean_curvature(axes: tuple[float, float, float], u: float, v: float) -> float:
-    """Evaluate the source's Eq. (1), which is another formula than the library's."""
+    """Evaluate Eq. (1) of Dzidek et al. (2017), another formula than the library's."""
     a, b, c = axes
     bracket = 3 * (a**2 + b**2) + 2 * c**2 + (a**2 + b**2 - 2 * c**2) * np.cos(2 * v)
     bracket -= 2 * (a**2 - b**2) * np.cos(2 * u) * np.sin(v) ** 2
@@ -43,15 +43,13 @@ def fundamental_form_curvatures(axes: tuple[float, float, float], u: float, v: f
 
 
 @given(axis, axis, axis, u_angle, v_angle)
-def test_mean_curvature_is_the_printed_equation(a: float, b: float, c: float, u: float, v: float) -> None:
+def test_mean_curvature_equals_published_equation(a: float, b: float, c: float, u: float, v: float) -> None:
     curvature = Ellipsoid(a, b, c).curvature(u, v)
     assert_allclose(curvature.mean_curvature, printed_mean_curvature((a, b, c), u, v), rtol=1e-10)
 
 
 @given(axis, axis, axis, u_angle, st.floats(0.05, np.pi - 0.05))
-def test_curvatures_follow_from_the_fundamental_forms(
-    a: float, b: float, c: float, u: float, v: float
-) -> None:
+def test_curvatures_from_fundamental_forms(a: float, b: float, c: float, u: float, v: float) -> None:
     curvature = Ellipsoid(a, b, c).curvature(u, v)
     mean, gaussian = fundamental_form_curvatures((a, b, c), u, v)
     assert_allclose(curvature.mean_curvature, abs(mean), rtol=1e-8)
@@ -59,7 +57,7 @@ def test_curvatures_follow_from_the_fundamental_forms(
 
 
 @given(axis, axis, axis, u_angle, v_angle)
-def test_principal_directions_are_an_orthonormal_tangent_pair(a, b, c, u, v) -> None:
+def test_principal_directions_are_orthonormal_tangents(a, b, c, u, v) -> None:
     pad = Ellipsoid(a, b, c)
     normal = pad.normal(u, v)
     first, second = pad.curvature(u, v).principal_directions
@@ -69,7 +67,7 @@ def test_principal_directions_are_an_orthonormal_tangent_pair(a, b, c, u, v) -> 
 
 
 @given(axis, axis, axis, u_angle, v_angle)
-def test_normal_sections_bend_with_the_principal_radii(a, b, c, u, v) -> None:
+def test_normal_sections_have_principal_radii(a, b, c, u, v) -> None:
     # Walk a small step along each direction and drop back along the normal: sagitta = step²/2R.
     pad = Ellipsoid(a, b, c)
     point, normal, curvature = pad.point(u, v), pad.normal(u, v), pad.curvature(u, v)
@@ -85,14 +83,14 @@ def test_normal_sections_bend_with_the_principal_radii(a, b, c, u, v) -> None:
         assert_allclose(step**2 / np.sum(drops), radius, rtol=2e-3)
 
 
-def test_poles_have_the_radii_of_their_sections() -> None:
+def test_radii_at_poles() -> None:
     a, b, c = 7.9, 13.8, 11.8
     # Normals +x, +y and +z; in-plane radius first (along the finger), transverse second.
     radii = PAD.curvature_at_normal(np.eye(3)).principal_radii
     assert_allclose(radii, [[b**2 / a, c**2 / a], [a**2 / b, c**2 / b], [b**2 / c, a**2 / c]], rtol=1e-14)
 
 
-def test_equator_has_the_closed_form_radii() -> None:
+def test_radii_on_equator() -> None:
     a, b, c = 7.9, 13.8, 11.8
     u = np.radians([0, 30, 45, 60, 90])
     S = b**2 * np.cos(u) ** 2 + a**2 * np.sin(u) ** 2
@@ -103,14 +101,14 @@ def test_equator_has_the_closed_form_radii() -> None:
 
 
 @given(st.floats(0.1, 100), u_angle, v_angle)
-def test_sphere_is_a_sphere(radius: float, u: float, v: float) -> None:
+def test_sphere(radius: float, u: float, v: float) -> None:
     sphere = Ellipsoid(radius, radius, radius)
     assert_allclose(sphere.curvature(u, v).principal_radii, radius, rtol=1e-13)
     assert_allclose(np.linalg.norm(sphere.point(u, v)), radius, rtol=1e-13)
 
 
 @given(axis, axis, axis, u_angle, v_angle)
-def test_contact_point_undoes_the_normal(a, b, c, u, v) -> None:
+def test_contact_point_inverts_normal(a, b, c, u, v) -> None:
     pad = Ellipsoid(a, b, c)
     normal = pad.normal(u, v)
     assert_allclose(pad.contact_point(normal), pad.point(u, v), atol=1e-9)
@@ -124,20 +122,20 @@ def test_swapping_axes_swaps_radii() -> None:
 
 
 @given(axis, axis, axis, st.floats(0, 1.5), st.floats(-np.pi, np.pi))
-def test_first_direction_is_the_one_nearer_to_the_finger(a, b, c, wedge, roll) -> None:
+def test_first_direction_nearer_to_finger_axis(a, b, c, wedge, roll) -> None:
     normal = platen_normal(wedge, roll)
     first, second = Ellipsoid(a, b, c).curvature_at_normal(normal).principal_directions
     finger = np.array([0.0, 1.0, 0.0]) - normal * normal[1]
     assert abs(first @ finger) >= abs(second @ finger) - 1e-9
 
 
-def test_on_its_side_the_finger_still_knows_its_axis() -> None:
+def test_finger_axis_when_rolled_on_side() -> None:
     # Nothing jumps where the normal passes the side of the finger.
     radii = PAD.curvature_at_normal(platen_normal(np.array([0.0, 1e-5, 1e-3]), np.pi / 2)).principal_radii
     assert_allclose(radii, np.broadcast_to([13.8**2 / 11.8, 7.9**2 / 11.8], (3, 2)), rtol=1e-4)
 
 
-def test_everything_broadcasts() -> None:
+def test_broadcasting() -> None:
     pads = Ellipsoid([7.9, 7.5], [13.8, 14.7], 11.8)
     u = np.radians([[0.0], [45.0], [90.0]])
     assert pads.point(u, np.pi / 2).shape == (3, 2, 3)
@@ -151,7 +149,7 @@ def test_everything_broadcasts() -> None:
 
 @pytest.mark.parametrize("bad", [0, -1.0, np.nan, np.inf])
 @pytest.mark.parametrize("name", ["palmar", "distal", "radial_ulnar"])
-def test_refuses_impossible_axes(name: str, bad: float) -> None:
+def test_invalid_axes(name: str, bad: float) -> None:
     axes = {"palmar": 7.9, "distal": 13.8, "radial_ulnar": 11.8} | {name: bad}
     with pytest.raises(GeometryError, match=f"semi-axis {name} must be positive and finite, found"):
         Ellipsoid(**axes)

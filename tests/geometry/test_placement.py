@@ -33,19 +33,19 @@ def test_reference_numbers(axes, wedge, u, in_plane, transverse, mean, geometric
     assert_allclose(curvature.geometric_mean_radius, geometric, atol=6e-4)
 
 
-def test_flat_and_upright_fingers_touch_at_the_poles() -> None:
+def test_contact_at_poles() -> None:
     placement = Placement(PAD, wedge_angle=np.radians([0, 90]))
     assert_allclose(placement.point, [[7.9, 0, 0], [0, 13.8, 0]], atol=1e-14)
 
 
-def test_rolled_by_a_right_angle_the_finger_lies_on_its_side() -> None:
+def test_roll_by_right_angle() -> None:
     placement = Placement(PAD, wedge_angle=0.0, roll_angle=np.pi / 2)
     assert_allclose(placement.point, [0, 0, 11.8], atol=1e-14)
     assert_allclose(placement.v, 0, atol=1e-15)
 
 
 @given(st.floats(0, np.pi / 2), st.floats(-1.5, 1.5))
-def test_roll_is_symmetric_and_the_platen_touches(wedge: float, roll: float) -> None:
+def test_roll_symmetry_and_tangency(wedge: float, roll: float) -> None:
     left, right = (Placement(PAD, wedge_angle=wedge, roll_angle=side * roll) for side in (-1, 1))
     assert_allclose(left.curvature.principal_radii, right.curvature.principal_radii, rtol=1e-12)
     assert_allclose(left.point, right.point * [1, 1, -1], atol=1e-12)
@@ -57,12 +57,12 @@ def test_roll_is_symmetric_and_the_platen_touches(wedge: float, roll: float) -> 
 
 
 @pytest.mark.parametrize("bad", [-1e-9, np.radians(90.001), np.nan, np.inf])
-def test_wedge_angle_outside_its_range(bad: float) -> None:
+def test_invalid_wedge_angle(bad: float) -> None:
     with pytest.raises(GeometryError, match="wedge_angle must be (finite|between 0 and π/2 .*), found"):
         Placement(PAD, wedge_angle=bad)
 
 
 @pytest.mark.parametrize("bad", [np.nan, -np.inf])
-def test_roll_angle_must_be_finite(bad: float) -> None:
+def test_invalid_roll_angle(bad: float) -> None:
     with pytest.raises(GeometryError, match="roll_angle must be"):
         Placement(PAD, wedge_angle=0.5, roll_angle=bad)

@@ -1,7 +1,7 @@
 """Photographs of coins and washers traced by rays: a thick disc of metal on a table or on a glass prism.
 
 Independent of `fingerpad.simulate.coin`: a pinhole camera looks at a cylinder with a rounded edge and
-a height map, lit by lamps and a room that the metal mirrors; the disc casts shadows and hides some sky.
+a height map, lit by lamps and surroundings that the metal mirrors; the disc casts shadows and hides some sky.
 Lengths are in radii of the disc, its centre the origin and the table z = 0.
 """
 
@@ -195,7 +195,7 @@ def _unit(vectors: Array) -> Array:
 
 
 def _mirrored(normal: Array, rays: Array, lamps: Lamps, roughness: float) -> Array:
-    """Return what rough metal mirrors: lamps, bright walls, a room paler above than below, the table."""
+    """Return what rough metal mirrors: lamps, bright walls, the table, surroundings paler above."""
     way = _unit(rays)
     reflected = way - 2 * np.sum(way * normal, axis=0) * normal
     seen = 0.35 + 0.35 * reflected[2]

@@ -71,7 +71,7 @@ def test_frames_without_a_contact(name):
 
 
 @pytest.mark.parametrize("region", REGIONS, ids=lambda region: str(region)[:20])
-def test_impossible_regions(region):
+def test_invalid_regions(region):
     frames = [Frame(index=0, pixels=PRINT)]
     for measure in (
         lambda: measure_contact_image(PRINT, SCALE, region_of_interest=region),
@@ -102,13 +102,13 @@ def test_impossible_regions(region):
     ],
     ids=lambda value: str(value)[:20],
 )
-def test_impossible_options_are_named(argument, value):
+def test_invalid_options(argument, value):
     with pytest.raises(ImageError, match=argument):
         measure_contact_image(PRINT, SCALE, **{argument: value})
 
 
 @pytest.mark.parametrize("ridge_period", [1e9, 100.0])
-def test_a_ridge_period_larger_than_the_picture(ridge_period):
+def test_ridge_period_larger_than_picture(ridge_period):
     with pytest.raises(ImageError, match="check scale and ridge_period"):
         measure_contact_image(PRINT, SCALE, ridge_period=ridge_period)
 
@@ -116,19 +116,19 @@ def test_a_ridge_period_larger_than_the_picture(ridge_period):
 @pytest.mark.parametrize(
     "points", ["x", [(0, 0)], [(np.nan, 0), (5, 5)], [(1e300, 0), (5, 5)], [(10**400, 0), (5, 5)]]
 )
-def test_impossible_marks(points):
+def test_invalid_marks(points):
     with pytest.raises(ImageError, match="points"):
         measure_photograph(FINGER.pixels, "palmar", SCALE, points=points)
 
 
 @pytest.mark.parametrize("argument", ["face", "tip"])
 @pytest.mark.parametrize("value", ["x", None, 5, []])
-def test_impossible_directions(argument, value):
+def test_invalid_directions(argument, value):
     with pytest.raises(ImageError, match=argument):
         measure_photograph(FINGER.pixels, scale=SCALE, **{"face": "palmar", argument: value})
 
 
-def test_an_overlay_of_a_very_large_picture_is_reduced():
+def test_overlay_of_very_large_picture_is_reduced():
     tall = np.full((9000, PRINT.shape[1]), PRINT[0, 0], np.uint8)
     tall[4000 : 4000 + len(PRINT)] = PRINT
     found = measure_contact_image(tall, SCALE)

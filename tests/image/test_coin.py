@@ -36,7 +36,7 @@ def measured():
     return pairs
 
 
-def test_the_radius_is_found_to_a_fraction_of_a_pixel(measured):
+def test_radius_subpixel_accuracy(measured):
     errors = np.array([coin.semi_major - float(truth.ellipse.semi_major) for coin, truth in measured])
     assert np.abs(errors).max() < 0.6
     assert np.median(np.abs(errors)) < 0.2
@@ -52,7 +52,7 @@ def test_place_and_tilt(measured):
             assert coin.tilt == pytest.approx(math.acos(float(truth.ellipse.axis_ratio)), abs=0.04)
 
 
-def test_the_scale_carries_both_uncertainties():
+def test_scale_uncertainty():
     coin = measure_coin(render_coin(radius=90, shape=(260, 280)).pixels)
     scale = coin.scale(23.25, 0.05)
     assert scale.mm_per_px == pytest.approx(23.25 / (2 * coin.semi_major))
@@ -63,14 +63,14 @@ def test_the_scale_carries_both_uncertainties():
         coin.scale(0.0)
 
 
-def test_a_large_picture_is_measured_at_its_own_size():
+def test_large_picture_at_full_resolution():
     truth = render_coin(radius=290, tilt=0.2, shape=(800, 1000), centre=(380.3, 520.7), seed=4, shadow=0.05)
     coin = measure_coin(truth.pixels)
     assert coin.semi_major == pytest.approx(290, abs=0.6)
     assert math.dist(coin.centre, truth.centre) < 0.5
 
 
-def test_a_shadow_makes_it_doubtful():
+def test_shadow_is_flagged():
     plain, shaded = (measure_coin(render_coin(radius=100, shadow=s, seed=6).pixels) for s in (0.02, 0.2))
     assert plain.flags == ()
     assert shaded.flags == ("shadow",)
@@ -90,18 +90,18 @@ def found_in(truth):
         return None
 
 
-def test_most_coins_in_photographs_are_found(photographed):
+def test_detection_rate_in_photographs(photographed):
     assert np.mean([coin is not None for _, coin, _ in photographed]) > 0.6
 
 
-def test_no_diameter_in_photographs_is_wrong_without_a_flag(photographed):
+def test_wrong_diameters_are_flagged(photographed):
     for kind, coin, truth in photographed:
         if coin and not coin.flags:
             assert coin.semi_major == pytest.approx(truth.semi_major, rel=0.02), kind
             assert math.dist(coin.centre, truth.centre) < 0.02 * truth.semi_major, kind
 
 
-def test_intervals_hold_the_diameters_in_photographs(photographed):
+def test_interval_coverage_in_photographs(photographed):
     pairs = [(coin, truth) for _, coin, truth in photographed if coin]
     pulls = np.array([(coin.semi_major - truth.semi_major) / coin.semi_major_std for coin, truth in pairs])
     # Of 15 independent intervals of 95 %, 13 or more hold in 96 % of draws.
@@ -109,7 +109,7 @@ def test_intervals_hold_the_diameters_in_photographs(photographed):
     assert np.median([coin.semi_major_std / coin.semi_major for coin, _ in pairs]) < 0.01
 
 
-def test_the_hole_of_a_washer_is_never_taken_for_it():
+def test_hole_of_washer_not_measured():
     # No grey level separates the ring from the uneven ground, and its hole is easy to find.
     truth = scene("washer on a prism", 10)
     try:
@@ -120,13 +120,13 @@ def test_the_hole_of_a_washer_is_never_taken_for_it():
 
 
 @pytest.mark.parametrize("kind", NOT_ONE_COIN)
-def test_photographs_without_one_whole_coin_are_refused(kind):
+def test_photographs_without_one_whole_coin_refused(kind):
     for seed in range(2):
         with pytest.raises(CalibrationError, match="coin"):
             measure_coin(scene(kind, seed).pixels)
 
 
-def test_an_edge_is_fitted_without_its_outliers():
+def test_edge_outliers_left_out():
     image = render_coin(radius=100, shape=(300, 300), relief=0, shadow=0, noise_std=1, blur=1).pixels
     # A strip overlaid on a fifth of the edge: its own steep edges lie up to 4 px off the circle.
     image[140:175, 243:256] = 220
@@ -184,18 +184,18 @@ def with_nan():
         (with_nan, "NaN"),
     ],
 )
-def test_no_one_whole_coin_is_said(make, words):
+def test_no_single_whole_coin(make, words):
     with pytest.raises(CalibrationError, match=words):
         measure_coin(make())
 
 
 @pytest.mark.parametrize("bad", [{"radius": 0}, {"radius": math.nan}, {"tilt": 2.0}])
-def test_impossible_coins_are_refused(bad):
+def test_invalid_coins(bad):
     with pytest.raises(GeometryError, match="positive radius"):
         render_coin(**bad)
 
 
-def test_one_seed_one_coin():
+def test_seed_determines_coin():
     first, again, other = (render_coin(radius=40, shape=(120, 120), seed=k).pixels for k in (1, 1, 2))
     np.testing.assert_array_equal(first, again)
     assert (first != other).any()

@@ -89,7 +89,7 @@ def values_of(item):
     )
 
 
-def test_stated_intervals_cover_the_truth():
+def test_interval_coverage():
     errors, scores = [], []
     for truth in hard_truths():
         found = measure_contact_image(truth.pixels, PPI_500)
@@ -104,7 +104,7 @@ def test_stated_intervals_cover_the_truth():
     assert ((rms > 0.6) & (rms < 1.4)).all()
 
 
-def test_a_worse_picture_is_less_sure():
+def test_uncertainty_grows_with_noise():
     sharp, dull = (
         measure_contact_image(render_contact_image(seed=1, noise_std=noise, blur=blur).pixels, PPI_500)
         for noise, blur in ((4, 0), (25, 0.06))
@@ -113,7 +113,7 @@ def test_a_worse_picture_is_less_sure():
     assert dull.ridge_area_std > 1.1 * sharp.ridge_area_std
 
 
-def test_covariance_is_shared_through_the_scale():
+def test_covariance_from_shared_scale():
     found = measure_contact_image(render_contact_image(seed=1).pixels, Scale.of_ppi(500, 25))
     std = np.sqrt(np.diag(found.covariance))
     assert (found.covariance / np.outer(std, std) > 0.95).all()
@@ -122,7 +122,7 @@ def test_covariance_is_shared_through_the_scale():
     )
 
 
-def test_settings_of_one_frame_serve_the_others():
+def test_settings_of_one_frame_for_others():
     truth = render_contact_image(seed=2, noise_std=5)
     first = measure_contact_image(truth.pixels, PPI_500)
     assert first.dark_on_light
@@ -131,20 +131,20 @@ def test_settings_of_one_frame_serve_the_others():
     assert again.gross_area == pytest.approx(first.gross_area, rel=0.01)
     assert again.ridge_area == pytest.approx(first.ridge_area, rel=0.05)
     assert again.threshold == pytest.approx(first.threshold)
-    # A first touch shows too few ridges to settle by itself what the whole sequence shows.
+    # A first touch shows too few ridges to estimate the settings of the whole sequence.
     touch = render_contact_image(semi_major=2.2, semi_minor=1.8, seed=2, noise_std=5, margin=6)
     small = measure_contact_image(touch.pixels, PPI_500, **first.settings)
     assert small.gross_area == pytest.approx(touch.gross_area, rel=0.08)
 
 
-def test_a_higher_threshold_leaves_less_ridge():
+def test_higher_threshold_less_ridge():
     pixels = render_contact_image(seed=2, noise_std=5).pixels
     areas = [measure_contact_image(pixels, PPI_500, threshold=level).ridge_area for level in (60, 100, 140)]
     assert areas == sorted(areas, reverse=True)
     assert areas[0] > 1.1 * areas[2]
 
 
-def test_a_mask_leaves_out_and_cuts():
+def test_mask():
     left, right = (render_contact_image(semi_major=8, semi_minor=6, seed=s, margin=1.5) for s in (7, 8))
     pixels = beside(left.pixels, right.pixels)
     rows, columns = pixels.shape
@@ -163,7 +163,7 @@ def test_a_mask_leaves_out_and_cuts():
     assert "cut_by_mask" in measure_contact_image(pixels, PPI_500, mask=half).flags
 
 
-def test_a_region_of_interest_is_a_crop_in_the_pictures_own_pixels():
+def test_region_of_interest_equals_crop():
     truth = render_contact_image(seed=3, margin=4)
     rows, columns = truth.pixels.shape
     whole = measure_contact_image(truth.pixels, PPI_500)
@@ -177,7 +177,7 @@ def test_a_region_of_interest_is_a_crop_in_the_pictures_own_pixels():
     assert "touches_border" not in cut.flags
 
 
-def test_scale_uncertainty_is_shared():
+def test_shared_scale_uncertainty():
     truth = render_contact_image(seed=1)
     vague = measure_contact_image(truth.pixels, Scale.of_ppi(500, 25))
     assert vague.gross_area_std / vague.gross_area == pytest.approx(0.10, rel=0.1)
@@ -245,7 +245,7 @@ def test_invariance(change):
         assert other.ridge_period == pytest.approx(plain.ridge_period, rel=0.04)
 
 
-def test_a_background_takes_a_stain_away():
+def test_background_removes_stain():
     truth = render_contact_image(seed=5, noise_std=3, lighting=0.0)
     rows, columns = np.indices(truth.pixels.shape)
     ground = 1 - 0.5 * np.exp(-((rows - 80) ** 2 + (columns - 90) ** 2) / 2 / 50**2)
@@ -289,7 +289,7 @@ def with_white_border(pixels):
 
 
 @pytest.mark.parametrize("spoil", [with_text, with_heading, with_pen_line, with_dust, with_white_border])
-def test_what_lies_in_the_way(spoil):
+def test_obstructions(spoil):
     truth = render_contact_image(seed=6, look="ink", noise_std=6, margin=3)
     found = measure_contact_image(spoil(truth.pixels), PPI_500)
     assert found.gross_area == pytest.approx(truth.gross_area, rel=0.02)
@@ -303,7 +303,7 @@ def beside(*pictures, gap=0):
     return np.hstack(padded)
 
 
-def test_a_neighbouring_finger_is_flagged_and_can_be_chosen():
+def test_neighbouring_finger():
     large, small = (
         render_contact_image(semi_major=a, semi_minor=b, seed=7, margin=1.5) for a, b in ((9.5, 7), (7.5, 6))
     )
@@ -317,7 +317,7 @@ def test_a_neighbouring_finger_is_flagged_and_can_be_chosen():
     assert math.dist(other.centroid, place) < 3
 
 
-def test_the_next_phalanx_is_cut_at_the_crease():
+def test_cut_at_joint_crease():
     tip = render_contact_image(semi_major=9, semi_minor=7, seed=8, look="ink", noise_std=5, margin=2)
     rest = render_contact_image(semi_major=7, semi_minor=6, seed=9, look="ink", noise_std=5, margin=2)
     height = tip.pixels.shape[0] + rest.pixels.shape[0]
@@ -333,23 +333,23 @@ def test_the_next_phalanx_is_cut_at_the_crease():
 
 
 @pytest.mark.parametrize("side", range(4))
-def test_a_cut_patch_touches_the_border(side):
+def test_cut_patch_touches_border(side):
     pixels = np.rot90(render_contact_image(seed=1).pixels[90:], side)
     assert "touches_border" in measure_contact_image(pixels, PPI_500).flags
 
 
-def test_a_patch_cut_by_an_added_border_touches_it():
+def test_patch_cut_by_added_border():
     pixels = with_white_border(render_contact_image(seed=1, look="ink").pixels[90:])
     assert "touches_border" in measure_contact_image(pixels, PPI_500).flags
 
 
 @pytest.mark.parametrize("ppi", [200, 1200])
-def test_a_wrong_scale_is_doubtful(ppi):
+def test_wrong_scale_flagged(ppi):
     found = measure_contact_image(render_contact_image(seed=1).pixels, Scale.of_ppi(ppi))
     assert found.flags == ("scale_doubtful",)
 
 
-def test_contact_without_ridges_is_kept_and_doubted():
+def test_contact_without_ridges_flagged():
     pixels = np.full((400, 400), 230, np.uint8)
     cv2.ellipse(pixels, (200, 200), (110, 160), 0, 0, 360, 60, -1)
     found = measure_contact_image(pixels, PPI_500)
@@ -362,7 +362,7 @@ def test_contact_without_ridges_is_kept_and_doubted():
 
 
 @pytest.mark.parametrize("dark_on_light", [True, False])
-def test_the_ground_is_what_is_quiet_at_the_rim(dark_on_light):
+def test_background_from_quiet_border(dark_on_light):
     # The contact is quiet too, and larger than the ground.
     pixels = np.full((360, 260), 200, np.float64)
     cv2.ellipse(pixels, (130, 180), (110, 160), 0, 0, 360, 60, -1)
@@ -373,7 +373,7 @@ def test_the_ground_is_what_is_quiet_at_the_rim(dark_on_light):
     assert found.gross_area == pytest.approx(math.pi * 110 * 160 * 0.0508**2, rel=0.015)
 
 
-def test_intervals_cover_where_blur_hides_the_ridges():
+def test_interval_coverage_with_blur():
     scores = []
     for seed in range(9):
         look = ("ink", "livescan", "prism")[seed % 3]
@@ -386,7 +386,7 @@ def test_intervals_cover_where_blur_hides_the_ridges():
     assert (np.sum(np.abs(scores) < 1.96, axis=0) >= 7).all()
 
 
-def test_smudges_are_not_counted_as_known():
+def test_smudges_widen_ridge_area():
     plain, smudged = (
         [render_contact_image(seed=seed, ridge_seed=1, smudges=count, noise_std=8) for seed in range(5)]
         for count in (0, 4)
@@ -399,7 +399,7 @@ def test_smudges_are_not_counted_as_known():
 
 
 @pytest.mark.parametrize("blur", [0, 0.04, 0.08])
-def test_blur_does_not_make_ridges_wider(blur):
+def test_blur_keeps_ridge_area(blur):
     errors = []
     for seed in range(4):
         truth = render_contact_image(seed=seed, ridge_seed=1, blur=blur, noise_std=8)
@@ -407,7 +407,7 @@ def test_blur_does_not_make_ridges_wider(blur):
     assert abs(np.mean(errors)) < 0.02
 
 
-def test_a_triangle_is_a_poor_ellipse():
+def test_triangle_is_poor_ellipse():
     pixels = render_contact_image(semi_major=12, semi_minor=12, seed=3, pattern="arch", margin=2).pixels
     rows, columns = pixels.shape
     corners = np.array([[columns // 2, 60], [80, rows - 120], [columns - 80, rows - 120]])
@@ -416,13 +416,13 @@ def test_a_triangle_is_a_poor_ellipse():
     assert "poor_ellipse" in found.flags
 
 
-def test_faint_ink_is_low_contrast():
+def test_faint_ink_low_contrast():
     truth = render_contact_image(seed=1, noise_std=0)
     faint = 128 + (truth.pixels - 128.0) * 0.12 + np.random.default_rng(0).normal(0, 9, truth.pixels.shape)
     assert "low_contrast" in measure_contact_image(faint, PPI_500).flags
 
 
-def test_flags_have_one_order():
+def test_order_of_flags():
     assert FLAGS == (
         "touches_border",
         "cut_by_mask",
@@ -454,7 +454,7 @@ BLANK = np.full((200, 200), 255, np.uint8)
         (np.full((50, 50), np.nan), "NaN"),
     ],
 )
-def test_what_cannot_be_measured_is_refused(pixels, words):
+def test_unmeasurable_images_refused(pixels, words):
     with pytest.raises(ImageError, match=words):
         measure_contact_image(pixels, PPI_500)
 
@@ -479,12 +479,12 @@ def test_what_cannot_be_measured_is_refused(pixels, words):
         ({"region_of_interest": (0, 0, 500)}, "region_of_interest"),
     ],
 )
-def test_bad_options_are_refused(options, words):
+def test_invalid_options(options, words):
     with pytest.raises(ImageError, match=words):
         measure_contact_image(render_contact_image(seed=1).pixels, PPI_500, **options)
 
 
-def test_a_background_with_holes_is_refused():
+def test_background_with_holes_refused():
     pixels = render_contact_image(seed=1).pixels
     with pytest.raises(ImageError, match="positive"):
         measure_contact_image(pixels, PPI_500, background=np.zeros(pixels.shape))
@@ -512,7 +512,7 @@ def test_complete_live_scans(finger):
         ("left_index", "left", (148, 960)),
     ],
 )
-def test_a_finger_is_the_same_in_its_slap(finger, hand, corner):
+def test_finger_alone_equals_finger_in_slap(finger, hand, corner):
     alone = measure_contact_image(load(LIVE / f"{finger}_500ppi.png"), PPI_500)
     place = (alone.centroid[0] + corner[0], alone.centroid[1] + corner[1])
     among = measure_contact_image(load(LIVE / f"slap_{hand}_four_500ppi.png"), PPI_500, seed=place)
@@ -539,6 +539,6 @@ def test_cut_ink_prints(name):
 
 
 @real
-def test_a_blank_card_holds_no_contact():
+def test_blank_card():
     with pytest.raises(ImageError, match="no contact found"):
         measure_contact_image(load(INK / "a999_01p.pgm"), PPI_500)

@@ -21,7 +21,7 @@ angles = st.floats(-1.5, 1.5)
 
 @given(semi_axes, semi_axes, angles, st.floats(-100, 100), st.floats(-100, 100))
 @settings(max_examples=60)
-def test_exact_points_recover_the_ellipse(first, second, angle, x, y):
+def test_exact_points(first, second, angle, x, y):
     fit = fit_ellipse(outline_points(first, second, count=40, centre=(x, y), angle=angle))
     assert fit.ellipse.semi_x == pytest.approx(max(first, second), rel=1e-6)
     assert fit.ellipse.semi_y == pytest.approx(min(first, second), rel=1e-6)
@@ -34,7 +34,7 @@ def test_exact_points_recover_the_ellipse(first, second, angle, x, y):
 
 @given(semi_axes, semi_axes, angles, st.floats(0.01, 100))
 @settings(max_examples=30)
-def test_fit_scales_with_the_unit(first, second, angle, unit):
+def test_unit_scaling(first, second, angle, unit):
     points = outline_points(first, second, angle=angle, noise_std=0.02, seed=4)
     fit, scaled = fit_ellipse(points), fit_ellipse(points * unit)
     assert scaled.ellipse.semi_x == pytest.approx(unit * fit.ellipse.semi_x, rel=1e-6)
@@ -52,7 +52,7 @@ def test_agrees_with_a_second_implementation():
     np.testing.assert_allclose(fit.ellipse[:2], (x, y), atol=0.01)
 
 
-def test_no_ellipse_nearby_is_closer_to_the_points():
+def test_fit_is_local_minimum():
     # A dense polyline stands in for the distance to the curve.
     points = outline_points(9.0, 6.0, count=50, arc=(0, 4.0), angle=0.3, noise_std=0.2, seed=5)
     fit = fit_ellipse(points)
@@ -69,7 +69,7 @@ def test_no_ellipse_nearby_is_closer_to_the_points():
 
 
 @pytest.mark.parametrize("arc", [(0, 2 * math.pi), (0.2, 3.6)])
-def test_covariance_predicts_the_scatter(arc):
+def test_covariance_predicts_scatter(arc):
     fits = [
         fit_ellipse(outline_points(8, 5, count=60, arc=arc, angle=0.5, noise_std=0.05, seed=seed))
         for seed in range(150)
@@ -80,7 +80,7 @@ def test_covariance_predicts_the_scatter(arc):
     assert np.mean([fit.residual_std for fit in fits]) == pytest.approx(0.05, rel=0.05)
 
 
-def test_aligned_covariance_predicts_the_scatter():
+def test_aligned_covariance_predicts_scatter():
     fits = [
         fit_aligned_ellipse(outline_points(11.8, 13.8, arc=(0, math.pi), noise_std=0.05, seed=seed))
         for seed in range(150)
@@ -91,14 +91,14 @@ def test_aligned_covariance_predicts_the_scatter():
     np.testing.assert_allclose(found.mean(axis=0), [0, 0, 11.8, 13.8], atol=0.03)
 
 
-def test_aligned_axes_are_named_not_sorted():
+def test_aligned_axes_not_sorted():
     tall = fit_aligned_ellipse(outline_points(3, 8))
     wide = fit_aligned_ellipse(outline_points(8, 3))
     assert (tall.ellipse.semi_x, tall.ellipse.semi_y) == pytest.approx((3, 8))
     assert (wide.ellipse.semi_x, wide.ellipse.semi_y) == pytest.approx((8, 3))
 
 
-def test_direction_of_a_circle_is_undetermined():
+def test_direction_of_circle_undetermined():
     fit = fit_ellipse(outline_points(5, 5, noise_std=0.05, seed=1))
     assert fit.ellipse.semi_x == pytest.approx(5, abs=0.05)
     assert 0.1 < math.sqrt(fit.covariance[4, 4]) <= math.pi / math.sqrt(12) + 1e-12
@@ -127,24 +127,24 @@ def test_foot_points_are_nearest(semi_x, semi_y, x, y):
         (np.zeros(9), "shape"),
     ],
 )
-def test_bad_points_are_refused(points, words):
+def test_invalid_points(points, words):
     with pytest.raises(FitError, match=words):
         fit_ellipse(points)
 
 
-def test_hyperbola_is_refused_as_an_aligned_ellipse():
+def test_hyperbola_refused():
     t = np.linspace(-2, 2, 30)
     with pytest.raises(FitError, match="ellipse"):
         fit_aligned_ellipse(np.column_stack([np.cosh(t), np.sinh(t)]))
 
 
-def test_three_points_are_too_few_for_an_aligned_ellipse():
+def test_three_points_refused():
     with pytest.raises(FitError, match="4 different points"):
         fit_aligned_ellipse(outline_points(3, 2, count=3))
 
 
 @pytest.mark.parametrize("angle", [-1.2, -0.4, 0.0, 0.3, 0.9, math.pi / 2])
-def test_region_ellipse_agrees_with_a_second_implementation(angle):
+def test_region_ellipse_agrees_with_scikit_image(angle):
     mask = np.zeros((300, 260), bool)
     mask[draw_ellipse(140, 120, 90, 60, rotation=angle)] = True
     found = equal_area_ellipse(mask)
@@ -156,7 +156,7 @@ def test_region_ellipse_agrees_with_a_second_implementation(angle):
     assert found.centre == pytest.approx(props.centroid)
 
 
-def test_orientation_is_positive_to_the_left():
+def test_orientation_sign():
     # Row 0 is the top: this stroke runs from the upper left to the lower right.
     assert equal_area_ellipse(np.eye(50, dtype=bool)).orientation == pytest.approx(math.pi / 4)
     assert equal_area_ellipse(np.eye(50, dtype=bool)[:, ::-1]).orientation == pytest.approx(-math.pi / 4)
@@ -164,6 +164,6 @@ def test_orientation_is_positive_to_the_left():
 
 
 @pytest.mark.parametrize("mask", [np.zeros((9, 9), bool), np.ones(9, bool), np.zeros((0, 9), bool)])
-def test_no_region_is_refused(mask):
+def test_empty_region_refused(mask):
     with pytest.raises(ImageError, match="at least one pixel"):
         equal_area_ellipse(mask)

@@ -35,14 +35,14 @@ def face(name, *, factors=(1.0, 1.0), std=0.05, scale_std=0.0, scale=None, corre
 @pytest.mark.parametrize("names", [("palmar", "radial"), THREE])
 @pytest.mark.parametrize("std", [0.0, 1e-7, 1e-3, 0.1])
 @pytest.mark.parametrize("scale_std", [0.0, 0.01, 0.05])
-def test_faces_that_agree_give_their_values(names, std, scale_std):
+def test_consistent_faces(names, std, scale_std):
     found = combine_faces(face(name, std=std, scale_std=scale_std) for name in names)
     assert found.semi_axes == pytest.approx(list(TRUTH.values()), rel=1e-9)
     assert found.chi_square == pytest.approx(0, abs=1e-6)
     assert (found.stds >= scale_std / math.sqrt(3) * found.semi_axes).all()
 
 
-def test_outlines_rounded_to_a_micrometre_stay_near_the_truth():
+def test_rounded_outlines():
     off = {"palmar": 1.0, "distal": 0.995, "radial": 1.01}
     outlines = {
         name: outline_points(*(factor * TRUTH[axis] for axis in FACE_AXES[name])).round(3)
@@ -54,7 +54,7 @@ def test_outlines_rounded_to_a_micrometre_stay_near_the_truth():
         assert (np.abs(found.semi_axes - list(TRUTH.values())) < 2 * found.stds).all()
 
 
-def test_a_face_of_implausibly_small_uncertainty_does_not_outweigh_the_others():
+def test_too_small_uncertainty_of_one_face():
     found = combine_faces([face("palmar"), face("distal", factors=(1.04, 1.04), std=1e-9), face("radial")])
     assert found.disagree
     assert 1.01 < found.radial_ulnar / TRUTH["radial_ulnar"] < 1.03
@@ -62,7 +62,7 @@ def test_a_face_of_implausibly_small_uncertainty_does_not_outweigh_the_others():
 
 
 @pytest.mark.parametrize("order", list(itertools.permutations(range(4))))
-def test_the_order_of_faces_does_not_matter(order):
+def test_order_of_faces(order):
     faces = [
         face("palmar", factors=(1.02, 0.99), scale_std=0.02, scale="a"),
         face("distal", factors=(0.97, 1.01), std=0.2, correlation=0.9),
@@ -77,7 +77,7 @@ def test_the_order_of_faces_does_not_matter(order):
 
 
 @given(st.floats(1e-3, 1e3), st.integers(0, 10_000))
-def test_units_do_not_matter(unit, seed):
+def test_unit_invariance(unit, seed):
     faces = some_faces(np.random.default_rng(seed))
     one = combine_faces(faces)
     other = combine_faces(
@@ -111,7 +111,7 @@ def some_faces(random):
 
 
 @given(st.integers(0, 100_000))
-def test_no_axis_leaves_the_range_of_its_values(seed):
+def test_axes_within_range_of_values(seed):
     faces = some_faces(np.random.default_rng(seed))
     found = combine_faces(faces)
     reach = math.sqrt(found.degrees_of_freedom if found.between_relative_std > 0 else found.chi_square)
@@ -128,7 +128,7 @@ def test_no_axis_leaves_the_range_of_its_values(seed):
         assert min(low) - 1e-9 <= math.log(value) <= max(high) + 1e-9
 
 
-def test_a_scale_that_all_share_widens_and_takes_no_part_in_weighing():
+def test_scale_shared_by_all_faces():
     factors = {"palmar": (1.01, 0.995), "distal": (0.99, 1.0), "radial": (1.0, 1.008)}
     alone, shared = (
         combine_faces(face(n, factors=f, std=0.1, scale_std=std, scale="camera") for n, f in factors.items())
@@ -140,7 +140,7 @@ def test_a_scale_that_all_share_widens_and_takes_no_part_in_weighing():
     np.testing.assert_allclose(shared.covariance, alone.covariance + common, rtol=1e-6)
 
 
-def test_a_scale_that_two_of_three_share_averages_out_less():
+def test_scale_shared_by_two_faces():
     def std(*scales):
         faces = [face(name, scale_std=0.03, scale=scale) for name, scale in zip(THREE, scales, strict=True)]
         return combine_faces(faces).stds[1]
@@ -152,14 +152,14 @@ def test_a_scale_that_two_of_three_share_averages_out_less():
 @pytest.mark.parametrize(
     ("std", "scale_std"), [(1e-6, 0.02), (0.05, 0.0), (0.05, 0.02), (0.4, 0.03), ((0.6, 0.1, 0.2), 0.02)]
 )
-def test_neither_biased_nor_too_sure(names, std, scale_std):
+def test_bias_and_coverage(names, std, scale_std):
     found = pooling.faces(names, np.broadcast_to(std, 3)[: len(names)], scale_std, repeats=1000)
     assert (np.abs(found.bias) < 0.1).all()
     assert (found.covered > 0.93).all()
     assert (found.covered < 0.97).all()
 
 
-def test_swapped_axes_are_refused_by_name():
+def test_swapped_axes_refused():
     swapped = FaceSemiAxes(face="radial", semi_axes=np.array([13.9, 7.9]), covariance=0.01 * np.eye(2))
     with pytest.raises(FitError, match=r"palmar semi-axis is 7.9 mm in the distal face, 13.9 mm in the rad"):
         combine_faces([face("palmar"), face("distal"), swapped])
@@ -167,7 +167,7 @@ def test_swapped_axes_are_refused_by_name():
         combine_faces([face("palmar"), swapped])
 
 
-def test_what_the_faces_differ_by_widens_the_result():
+def test_disagreement_widens_result():
     faces = [face("palmar"), face("distal", factors=(1.1, 1.0)), face("radial")]
     found = combine_faces(faces)
     assert found.disagree

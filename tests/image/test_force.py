@@ -24,7 +24,7 @@ def write(folder, text):
     return path
 
 
-def test_reads_units_and_trigger(tmp_path):
+def test_units_and_trigger(tmp_path):
     signal = read_force_signal(
         write(tmp_path, "time_ms,force_mN,trigger_V\n0,0,0\n1,500,0\n2,1000,5\n3,1500,5\n")
     )
@@ -52,7 +52,7 @@ def test_columns_can_be_named(tmp_path):
         ("time_s,force_lb\n0,1\n1,2\n", "unit 'lb'"),
     ],
 )
-def test_bad_files_are_named(tmp_path, text, words):
+def test_invalid_files(tmp_path, text, words):
     with pytest.raises(LoadingError, match=words) as caught:
         read_force_signal(write(tmp_path, text))
     assert "force.csv" in str(caught.value)
@@ -67,13 +67,13 @@ def test_bad_files_are_named(tmp_path, text, words):
         ([[0, 1]], [[0, 1]], "row"),
     ],
 )
-def test_bad_samples_are_named(time, load, words):
+def test_invalid_samples(time, load, words):
     with pytest.raises(LoadingError, match=words):
         ForceSignal(time, load)
 
 
 @given(st.floats(-5, 5), st.floats(0.1, 3), st.floats(0, 1))
-def test_a_straight_signal_is_interpolated_exactly_and_never_beyond(start, step, share):
+def test_interpolation_without_extrapolation(start, step, share):
     signal = ForceSignal(start + step * np.arange(5), 2.0 * np.arange(5))
     low, high = signal.span
     assert signal.load_at(low + share * (high - low)) == pytest.approx(8 * share, abs=1e-9)
@@ -89,7 +89,7 @@ def test_clocks():
     assert math.isnan(stamps.time_of(2, None))
 
 
-def test_trigger_and_contact_anchor_the_frames():
+def test_frames_anchored_by_trigger_and_contact():
     time = np.arange(0, 1, 0.001)
     load = np.maximum(0, time - 0.4)
     signal = ForceSignal(time, load, np.where(time >= 0.2505, 5.0, 0.02))
@@ -97,7 +97,7 @@ def test_trigger_and_contact_anchor_the_frames():
     assert FrameRate.of_contact(100, signal, 0.05).time_of(7, 7) == pytest.approx(0.45, abs=1e-6)
 
 
-def test_a_spike_is_no_contact():
+def test_spike_is_no_contact():
     load = np.zeros(50)
     load[5], load[20:] = 1.0, 1.0
     assert ForceSignal(np.arange(50.0), load).contact_time(0.5) == pytest.approx(19.5)
@@ -117,7 +117,7 @@ def test_a_spike_is_no_contact():
         (lambda s: FrameStamps([1.0, math.nan]), "finite"),
     ],
 )
-def test_what_cannot_be_aligned_is_said(ask, words):
+def test_alignment_errors(ask, words):
     with pytest.raises(LoadingError, match=words):
         ask(ForceSignal([0, 1, 2, 3], [0, 1, 2, 3]))
 
@@ -128,7 +128,7 @@ def test_stamps_from_a_file(tmp_path):
         read_frame_stamps(write(tmp_path, "time_s\n5\n4\n"))
 
 
-def test_the_clock_takes_the_best_that_is_known():
+def test_frame_clock_preferences():
     plain = ForceSignal([5.0, 6.0, 7.0, 8.0, 9.0], [0.0, 0.0, 1.0, 2.0, 2.0])
     triggered = ForceSignal(plain.time, plain.load, trigger=[0, 0, 5, 5, 5])
     assert frame_clock(10).time_of(3, None) == pytest.approx(0.3)
@@ -148,12 +148,12 @@ def test_the_clock_takes_the_best_that_is_known():
         ([(0, 0.1), (1, -1.0), (2, -0.5)], "goes down to -1 N and up to 0.1 N only"),
     ],
 )
-def test_forces_that_press_nothing_are_refused(tmp_path, rows, message):
+def test_forces_without_press_refused(tmp_path, rows, message):
     text = "time_s,force_N\n" + "".join(f"{t},{f}\n" for t, f in rows)
     with pytest.raises(LoadingError, match=message):
         read_force_signal(write(tmp_path, text))
 
 
-def test_a_zero_below_nought_is_no_wrong_sign(tmp_path):
+def test_negative_zero_level(tmp_path):
     signal = read_force_signal(write(tmp_path, "time_s,force_N\n0,-0.3\n1,0.2\n2,1.7\n"))
     assert signal.load[0] == -0.3

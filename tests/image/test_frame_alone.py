@@ -28,7 +28,7 @@ def film(request, tmp_path):
     return open_frames(tmp_path / "film.avi")
 
 
-def test_each_frame_alone_is_the_one_in_its_turn(film):
+def test_frame_alone_equals_frame_in_sequence(film):
     for frame in list(film):
         alone = film.at(frame.index)
         assert alone.index == frame.index
@@ -36,12 +36,12 @@ def test_each_frame_alone_is_the_one_in_its_turn(film):
 
 
 @pytest.mark.parametrize("index", [-1, 12, 10**9])
-def test_a_frame_that_is_not_there_is_refused(film, index):
+def test_missing_frame_refused(film, index):
     with pytest.raises(ImageError, match="there are 12"):
         film.at(index)
 
 
-def test_a_length_is_known_no_better_than_its_scale_and_its_ends():
+def test_length_uncertainty():
     scale = Scale.of_line(50.0, (0, 0), (300, 400), length_mm_std=0.5)
     length, std = scale.length((0, 0), (300, 400))
     assert (length, std) == (pytest.approx(50.0), pytest.approx(0.5))  # the line itself, to what it was given

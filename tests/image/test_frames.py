@@ -37,7 +37,7 @@ def levels(frames):
     return [None if frame.pixels is None else round(float(frame.pixels.mean())) for frame in frames]
 
 
-def test_a_folder_comes_in_natural_order_again_and_again(tmp_path):
+def test_folder_in_natural_order(tmp_path):
     frames = open_frames(write_folder(tmp_path / "film"))
     assert len(frames) == 12
     for _ in range(2):
@@ -45,7 +45,7 @@ def test_a_folder_comes_in_natural_order_again_and_again(tmp_path):
     assert [frame.index for frame in frames] == list(range(12))
 
 
-def test_a_tiff_stack_keeps_its_depth(tmp_path):
+def test_tiff_stack_depth(tmp_path):
     stack = np.stack([level(k).astype(np.uint16) * 250 for k in range(5)])
     tifffile.imwrite(tmp_path / "film.tif", stack, photometric="minisblack")
     frames = list(open_frames(tmp_path / "film.tif"))
@@ -53,14 +53,14 @@ def test_a_tiff_stack_keeps_its_depth(tmp_path):
     np.testing.assert_array_equal(np.stack([frame.pixels for frame in frames]), stack)
 
 
-def test_compressed_pages_that_tifffile_lacks(tmp_path):
+def test_compressed_pages(tmp_path):
     first, *others = [Image.fromarray(level(k)) for k in range(4)]
     first.save(tmp_path / "film.tif", save_all=True, append_images=others, compression="tiff_lzw")
     assert levels(open_frames(tmp_path / "film.tif")) == [0, 10, 20, 30]
 
 
 @pytest.mark.parametrize(("name", "codec"), [("film.avi", "MJPG"), ("film.mp4", "mp4v")])
-def test_a_video(tmp_path, name, codec):
+def test_video(tmp_path, name, codec):
     frames = open_frames(write_video(tmp_path / name, codec))
     assert frames.kind == "video"
     assert len(frames) == 12
@@ -68,7 +68,7 @@ def test_a_video(tmp_path, name, codec):
     np.testing.assert_allclose(levels(frames), [20 * k for k in range(12)], atol=6)
 
 
-def test_a_video_cut_short_says_so(tmp_path):
+def test_truncated_video(tmp_path):
     whole = write_video(tmp_path / "whole.avi", "MJPG", count=60)
     data = whole.read_bytes()
     (tmp_path / "film.avi").write_bytes(data[: len(data) * 2 // 3])
@@ -78,7 +78,7 @@ def test_a_video_cut_short_says_so(tmp_path):
     assert all("the video ends after" in frame.reason for frame in frames[len(read) :])
 
 
-def test_a_damaged_page_costs_that_frame_only(tmp_path):
+def test_damaged_page_fails_alone(tmp_path):
     path = tmp_path / "film.tif"
     noise = np.random.default_rng(0).integers(0, 256, (9, 40, 50)).astype(np.uint8)
     tifffile.imwrite(path, noise, photometric="minisblack", compression="zlib")
@@ -93,7 +93,7 @@ def test_a_damaged_page_costs_that_frame_only(tmp_path):
     np.testing.assert_array_equal(frames[8].pixels, noise[8])
 
 
-def test_a_damaged_picture_and_another_size_cost_those_frames_only(tmp_path):
+def test_damaged_picture_or_size_fails_alone(tmp_path):
     folder = write_folder(tmp_path / "film", count=6)
     (folder / "frame2.png").write_bytes((folder / "frame2.png").read_bytes()[:40])
     Image.fromarray(np.zeros((24, 33), np.uint8)).save(folder / "frame4.png")
@@ -104,7 +104,7 @@ def test_a_damaged_picture_and_another_size_cost_those_frames_only(tmp_path):
     assert "32 × 24" in frames[4].reason
 
 
-def test_nan_and_large_pages_cost_those_frames_only(tmp_path):
+def test_nan_and_large_pages_fail_alone(tmp_path):
     stack = np.ones((3, 20, 20), np.float32)
     stack[1, 2, 3] = np.nan
     tifffile.imwrite(tmp_path / "film.tif", stack, photometric="minisblack")
@@ -131,7 +131,7 @@ def make_text(path):
         ("film.png", make_text, "is one picture"),
     ],
 )
-def test_what_is_no_sequence_is_named(tmp_path, name, make, words):
+def test_not_a_sequence(tmp_path, name, make, words):
     make(tmp_path / name)
     with pytest.raises(ImageError, match=words) as caught:
         open_frames(tmp_path / name)
@@ -148,7 +148,7 @@ def peak_bytes(path) -> int:
     return peak
 
 
-def test_memory_does_not_grow_with_length(tmp_path):
+def test_memory_independent_of_length(tmp_path):
     peaks = []
     for count in (200, 5000):
         path = tmp_path / f"{count}.tif"
@@ -158,7 +158,7 @@ def test_memory_does_not_grow_with_length(tmp_path):
     assert peaks[1] - peaks[0] < 1_000_000
 
 
-def test_a_stack_cut_off_says_that_frames_are_lost(tmp_path, capfd):
+def test_truncated_stack(tmp_path, capfd):
     path = tmp_path / "film.tif"
     with tifffile.TiffWriter(path) as writer:  # page by page, as cameras write
         for k in range(10):

@@ -35,7 +35,7 @@ def with_smudge():
     return pixels
 
 
-def test_a_smudge_is_brushed_away():
+def test_smudge_removed():
     pixels = with_smudge()
     prepared = prepare_contact_image(pixels, PPI_500)
     dirty = prepared.contact_image
@@ -58,7 +58,7 @@ def test_a_smudge_is_brushed_away():
     assert off.max() < 1.5
 
 
-def test_a_part_that_was_cut_out_is_added_back():
+def test_cut_part_added():
     pixels = TRUTH.pixels.copy()
     bite = np.hypot(*(np.indices(pixels.shape) - np.array([CENTRE[0] - 150, CENTRE[1]])[:, None, None])) < 60
     pixels[bite] = pixels.max()
@@ -74,11 +74,11 @@ def test_a_part_that_was_cut_out_is_added_back():
     assert abs(mended.ellipse.semi_major - 8.0) < 2.5 * mended.semi_major_std
 
 
-def test_no_edits_are_the_programs_own():
+def test_no_edits_equal_automatic():
     assert PREPARED.with_corrections().as_record() == measure_contact_image(TRUTH.pixels, PPI_500).as_record()
 
 
-def test_painting_what_is_there_moves_nothing():
+def test_painting_inside_changes_nothing():
     again = PREPARED.with_corrections([stroke("add", CENTRE, radius=60)])
     assert again.gross_area == pytest.approx(PLAIN.gross_area, rel=2e-4)
     assert again.ellipse.semi_major == pytest.approx(PLAIN.ellipse.semi_major, rel=2e-4)
@@ -88,7 +88,7 @@ def test_painting_what_is_there_moves_nothing():
 
 @given(radius=st.floats(15, 60), row=st.floats(-60, 60), column=st.floats(-40, 40), other=st.floats(-30, 30))
 @settings(max_examples=20)
-def test_what_is_removed_and_added_again_is_back(radius, row, column, other):
+def test_remove_then_add(radius, row, column, other):
     place = (CENTRE[0] + row, CENTRE[1] + column)
     path = (place, (place[0] + other, place[1]))
     back = PREPARED.with_corrections(
@@ -99,7 +99,7 @@ def test_what_is_removed_and_added_again_is_back(radius, row, column, other):
 
 @given(radius=st.floats(25, 70), angle=st.floats(0, 2 * math.pi))
 @settings(max_examples=20)
-def test_a_disk_drawn_outside_adds_its_area(radius, angle):
+def test_disk_outside_adds_area(radius, angle):
     """A disk joined to the contact by a thin bridge adds what geometry says."""
     room = prepare_contact_image(np.pad(TRUTH.pixels, 200, mode="edge"), PPI_500)
     plain = room.contact_image
@@ -115,7 +115,7 @@ def test_a_disk_drawn_outside_adds_its_area(radius, angle):
 
 
 @pytest.mark.parametrize("orientation_deg", [0, 30, 90, -60])
-def test_an_ellipse_by_hand_is_that_ellipse(orientation_deg):
+def test_manual_ellipse(orientation_deg):
     hand = ImageEllipse(
         centre=(CENTRE[0] + 3.3, CENTRE[1] - 2.6),
         semi_axes=(120.5, 80.25),
@@ -130,11 +130,11 @@ def test_an_ellipse_by_hand_is_that_ellipse(orientation_deg):
     # A hand knows the edge to a share of a ridge period, not to parts of a pixel.
     assert 0.1 < found.semi_major_std / found.ridge_period < 0.4
     assert found.ridge_area < found.gross_area
-    # Whoever draws too wide does so all round, but not only: the axes err alike, not in step.
+    # A manual outline is too wide or too narrow all round: errors of the axes correlate, not fully.
     assert 0.8 < found.covariance[0, 1] / (found.semi_major_std * found.semi_minor_std) < 0.99
 
 
-def test_a_hand_sees_what_the_program_does_not():
+def test_manual_contact_where_none_found():
     faint = np.random.default_rng(1).normal(120, 3, (300, 300))
     prepared = prepare_contact_image(faint, PPI_500)
     assert "no contact found" in prepared.reason
@@ -164,7 +164,7 @@ BAD = {
 
 
 @pytest.mark.parametrize("case", BAD)
-def test_bad_edits_are_told(case):
+def test_invalid_edits(case):
     strokes, ellipse, words = BAD[case]
     with pytest.raises(ImageError, match=words):
         PREPARED.with_corrections(strokes, ellipse)

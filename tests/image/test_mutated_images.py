@@ -10,7 +10,7 @@ ORIGINALS = originals()
 
 
 @pytest.mark.parametrize("name", ORIGINALS)
-def test_whole_files_are_read(tmp_path, name):
+def test_intact_files_are_read(tmp_path, name):
     (tmp_path / name).write_bytes(ORIGINALS[name])
     film = name in {"film.avi", "film.mp4", "stack.tif"}
     frames = "read" if film or name.endswith(".tif") else "refused"
@@ -18,7 +18,7 @@ def test_whole_files_are_read(tmp_path, name):
 
 
 @pytest.mark.parametrize("name", ORIGINALS)
-def test_damaged_files_are_read_or_refused_by_name(tmp_path, name):
+def test_damaged_files_read_or_refused(tmp_path, name):
     rng = random.Random(zlib.crc32(name.encode()))
     for number in range(10):
         (tmp_path / name).write_bytes(mutated(ORIGINALS[name], rng))

@@ -25,20 +25,20 @@ def faces(seed, noise_std=0.05, **changes):
     }
 
 
-def test_perfect_outlines_give_the_finger_back():
+def test_exact_outlines():
     found = semi_axes_from_outlines(faces(0, noise_std=0))
     assert (found.palmar, found.distal, found.radial_ulnar) == pytest.approx((7.9, 13.8, 11.8), rel=1e-6)
 
 
 @pytest.mark.parametrize("side", ["radial", "ulnar"])
-def test_two_faces_are_enough(side):
+def test_two_faces_suffice(side):
     given = faces(1)
     found = semi_axes_from_outlines({"palmar": given["palmar"], side: given["radial"]})
     assert (found.palmar, found.distal, found.radial_ulnar) == pytest.approx((7.9, 13.8, 11.8), abs=0.15)
     assert found.degrees_of_freedom == 1
 
 
-def test_scatter_and_consistency_are_as_stated():
+def test_scatter_and_consistency():
     found = [semi_axes_from_outlines(faces(seed)) for seed in range(100)]
     values = np.array([[one.palmar, one.distal, one.radial_ulnar] for one in found])
     np.testing.assert_allclose(values.mean(axis=0), [PALMAR, DISTAL, RADIAL_ULNAR], atol=0.02)
@@ -48,12 +48,12 @@ def test_scatter_and_consistency_are_as_stated():
     assert 0.35 < np.mean([one.p_value for one in found]) < 0.65
 
 
-def test_disagreeing_faces_are_told():
+def test_disagreeing_faces():
     found = semi_axes_from_outlines(faces(2, distal=(RADIAL_ULNAR + 1, PALMAR)))
     assert found.p_value < 1e-3
 
 
-def test_an_uncertain_scale_excuses_a_disagreement():
+def test_uncertain_scale_explains_disagreement():
     crooked = faces(3, distal=(1.03 * RADIAL_ULNAR, 1.03 * PALMAR))
     strict = semi_axes_from_outlines(crooked)
     lenient = semi_axes_from_outlines(crooked, relative_scale_std=0.03)
@@ -70,24 +70,24 @@ def test_an_uncertain_scale_excuses_a_disagreement():
         (("radial",), "radial_ulnar semi-axis"),
     ],
 )
-def test_an_unseen_axis_is_named(given, words):
+def test_unseen_axis(given, words):
     outlines = faces(0)
     with pytest.raises(FitError, match=words):
         semi_axes_from_outlines({face: outlines[face] for face in given})
 
 
-def test_a_bad_outline_is_named():
+def test_invalid_outline():
     with pytest.raises(FitError, match="distal face"):
         semi_axes_from_outlines(faces(0) | {"distal": np.zeros((3, 2))})
 
 
 @pytest.mark.parametrize("bad", [-0.1, math.nan, math.inf])
-def test_a_bad_scale_uncertainty_is_refused(bad):
+def test_invalid_scale_std(bad):
     with pytest.raises(FitError, match="relative_scale_std"):
         semi_axes_from_outlines(faces(0), relative_scale_std=bad)
 
 
-def test_reads_points_and_ignores_other_columns(tmp_path):
+def test_other_columns_ignored(tmp_path):
     path = tmp_path / "palmar.csv"
     path.write_text("\ufeffnote, x_mm, y_mm\na, 1.5, -2\nb, 3e0, 4\n", encoding="utf-8")
     np.testing.assert_array_equal(read_outline(path), [[1.5, -2], [3, 4]])
@@ -106,7 +106,7 @@ def test_reads_points_and_ignores_other_columns(tmp_path):
         ("x_mm,y_mm\n1\n", "line 2: y_mm"),
     ],
 )
-def test_bad_tables_are_named(tmp_path, text, words):
+def test_invalid_tables(tmp_path, text, words):
     path = tmp_path / "palmar.csv"
     path.write_text(text)
     with pytest.raises(ImageError, match=words) as caught:
@@ -114,7 +114,7 @@ def test_bad_tables_are_named(tmp_path, text, words):
     assert str(path) in str(caught.value)
 
 
-def test_missing_and_binary_tables_are_named(tmp_path):
+def test_missing_and_binary_tables(tmp_path):
     with pytest.raises(ImageError, match="cannot be read"):
         read_outline(tmp_path / "none.csv")
     (tmp_path / "picture.csv").write_bytes(bytes(range(128, 256)))

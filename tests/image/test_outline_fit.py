@@ -25,14 +25,14 @@ def noisy(seed, *, arc_deg=140.0, std=0.01, reach=6.0, lean=0.0, count=240):
 
 @pytest.mark.parametrize("arc_deg", [40, 90, 180])
 @pytest.mark.parametrize("lean", [-0.15, 0.0, 0.1])
-def test_perfect_points_give_the_ellipse_back(arc_deg, lean):
+def test_exact_points(arc_deg, lean):
     fit = fit_outline_ellipse(noisy(0, arc_deg=arc_deg, std=1e-12, lean=lean), lean=lean)
     assert fit.ellipse[2:] == pytest.approx((11.8, 13.8, lean), rel=1e-4, abs=1e-5)
     assert np.ptp(fit.angles) == pytest.approx(math.radians(arc_deg), rel=0.01)
 
 
 @pytest.mark.parametrize("reach", [0.3, 4.0, 10.0])
-def test_correlated_errors_are_allowed_for(reach):
+def test_coverage_with_correlated_errors(reach):
     fits = [fit_outline_ellipse(noisy(seed, reach=reach), lean_std=0.02) for seed in range(40)]
     found = np.array([fit.ellipse[2:4] for fit in fits])
     stated = np.array([np.sqrt(np.diagonal(fit.covariance))[2:4] for fit in fits])
@@ -42,7 +42,7 @@ def test_correlated_errors_are_allowed_for(reach):
     np.testing.assert_allclose(np.sqrt(np.mean(stated**2, axis=0)), scatter, rtol=0.5)
 
 
-def test_correlation_is_found():
+def test_correlation_estimate():
     alone = np.median([fit_outline_ellipse(noisy(seed, reach=0.3)).correlation for seed in range(9)])
     joined = np.median([fit_outline_ellipse(noisy(seed, reach=6.0)).correlation for seed in range(9)])
     assert alone < 2
@@ -63,7 +63,7 @@ def test_agrees_with_a_second_implementation():
     assert np.sum(fit.residuals**2) <= np.sum(model.residuals(points) ** 2) * (1 + 1e-6)
 
 
-def test_what_is_known_of_the_axis_helps():
+def test_known_axis_reduces_uncertainty():
     points = noisy(2, arc_deg=100, lean=0.05)[:300]
     strict = fit_outline_ellipse(points, lean=0.05, lean_std=0.005)
     loose = fit_outline_ellipse(points, lean=0.05, lean_std=0.3)
@@ -71,7 +71,7 @@ def test_what_is_known_of_the_axis_helps():
     assert strict.covariance[4, 4] <= 1.5 * 0.005**2
 
 
-def test_places_left_out_do_not_matter():
+def test_missing_places():
     points = noisy(3)
     kept = np.ones(len(points), dtype=bool)
     kept[150:200] = False
@@ -83,7 +83,7 @@ def test_places_left_out_do_not_matter():
     assert broken.correlation == pytest.approx(whole.correlation, rel=0.4)
 
 
-def test_influence_is_the_derivative():
+def test_influence_is_derivative():
     points = noisy(4, count=60)
     fit = fit_outline_ellipse(points, lean_std=0.05)
     out = points - fit.ellipse[:2]
@@ -100,7 +100,7 @@ def test_influence_is_the_derivative():
         )
 
 
-def test_an_offset_of_all_widens_both_semi_axes_alike():
+def test_common_offset_widens_both_axes():
     fit = fit_outline_ellipse(noisy(5, arc_deg=300))
     shared = fit.shared_error_covariance(0.1, 0.0, 1.0)
     np.testing.assert_allclose(np.sqrt(np.diagonal(shared))[2:4], 0.1, rtol=0.1)
@@ -115,13 +115,13 @@ def test_an_offset_of_all_widens_both_semi_axes_alike():
         (np.column_stack([np.arange(20.0), np.arange(20.0)]), "straight line"),
     ],
 )
-def test_bad_points_are_refused(points, words):
+def test_invalid_points(points, words):
     with pytest.raises(FitError, match=words):
         fit_outline_ellipse(points)
 
 
 @pytest.mark.parametrize("bad", [0.0, -1.0, math.nan])
-def test_bad_lean_uncertainty_is_refused(bad):
+def test_invalid_lean_std(bad):
     with pytest.raises(FitError, match="lean_std"):
         fit_outline_ellipse(noisy(0), lean_std=bad)
 
@@ -141,7 +141,7 @@ def flanked(seed, bend, *, std=0.01, arc_deg=100.0, past=0.2):
 
 
 @pytest.mark.parametrize("bend", [-1.0, 0.0, 0.7])
-def test_flanks_help_and_are_trusted_no_further_than_they_may(bend):
+def test_points_beyond_arc(bend):
     found, stated, alone = [], [], []
     for seed in range(12):
         points, beyond = flanked(seed, bend)
@@ -156,7 +156,7 @@ def test_flanks_help_and_are_trusted_no_further_than_they_may(bend):
     assert np.mean(off < 1.96 * np.array(stated)) > 0.85
 
 
-def test_departure_is_a_covariance_of_a_twice_integrated_walk():
+def test_departure_covariance():
     beyond = np.array([-2.0, -1.0, 0.0, 1.0, 2.0])
     spread = departure_covariance(beyond, (10.0, 4.0))
     assert np.linalg.eigvalsh(spread).min() > -1e-12

@@ -19,7 +19,7 @@ def near(canvas, colour, tolerance=40):
     return np.abs(canvas.astype(int) - colour).max(axis=-1) < tolerance
 
 
-def test_small_pictures_are_enlarged():
+def test_small_images_enlarged():
     canvas = draw_overlay(TRUTH.pixels, FOUND)
     assert canvas.dtype == np.uint8
     zoom = canvas.shape[0] // TRUTH.pixels.shape[0]
@@ -27,7 +27,7 @@ def test_small_pictures_are_enlarged():
     assert max(canvas.shape) >= 1000
 
 
-def test_ellipse_is_drawn_where_it_was_measured():
+def test_ellipse_position():
     canvas = draw_overlay(TRUTH.pixels, FOUND, ridge_tint=0)
     zoom = canvas.shape[0] // TRUTH.pixels.shape[0]
     place = np.argwhere(near(canvas, ELLIPSE_COLOUR)) / zoom - np.array(FOUND.centroid)
@@ -38,7 +38,7 @@ def test_ellipse_is_drawn_where_it_was_measured():
     assert math.sin(math.atan2(tip[1], tip[0]) - FOUND.orientation) == pytest.approx(0, abs=0.03)
 
 
-def test_scale_bar_has_its_length():
+def test_scale_bar_length():
     white = np.full_like(TRUTH.pixels, 255)
     canvas = draw_overlay(white, FOUND, ridge_tint=0)
     zoom = canvas.shape[0] // TRUTH.pixels.shape[0]
@@ -47,7 +47,7 @@ def test_scale_bar_has_its_length():
     assert longest * TRUTH.mm_per_px / zoom == pytest.approx(2, abs=0.05)
 
 
-def test_label_changes_the_corner_only():
+def test_label_in_corner():
     plain, labelled = draw_overlay(TRUTH.pixels, FOUND), draw_overlay(TRUTH.pixels, FOUND, label="synthetic")
     changed = np.argwhere((plain != labelled).any(axis=-1))
     assert changed.size
@@ -55,25 +55,25 @@ def test_label_changes_the_corner_only():
 
 
 @pytest.mark.parametrize("dtype", [np.uint16, np.float32])
-def test_deeper_pictures_look_the_same(dtype):
+def test_overlay_independent_of_depth(dtype):
     deep = TRUTH.pixels.astype(dtype) * 257
     off = draw_overlay(deep, FOUND).astype(int) - draw_overlay(TRUTH.pixels, FOUND)
     assert np.abs(off).mean() < 8
 
 
-def test_written_file_is_the_drawing(tmp_path):
+def test_written_file_equals_drawing(tmp_path):
     path = write_overlay(tmp_path / "overlay.png", TRUTH.pixels, FOUND, label="synthetic")
     np.testing.assert_array_equal(
         np.asarray(Image.open(path)), draw_overlay(TRUTH.pixels, FOUND, label="synthetic")
     )
 
 
-def test_another_picture_is_refused():
+def test_other_picture_refused():
     with pytest.raises(ImageError, match="shape"):
         draw_overlay(TRUTH.pixels[5:], FOUND)
 
 
 @pytest.mark.parametrize("name", ["none/overlay.png", "overlay.unknown"])
-def test_unwritable_places_are_named(tmp_path, name):
+def test_unwritable_path(tmp_path, name):
     with pytest.raises(ImageError, match="cannot be written"):
         write_overlay(tmp_path / name, TRUTH.pixels, FOUND)

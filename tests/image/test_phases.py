@@ -1,4 +1,4 @@
-"""Phases of a record: presses of many shapes, told apart through noise."""
+"""Phases of a record: presses of many shapes, with noise."""
 
 import itertools
 
@@ -22,7 +22,7 @@ def found(values):
 
 @pytest.mark.parametrize("noise", [0.0, 0.005])
 @pytest.mark.parametrize("name", SHAPES)
-def test_corners_of_a_press(name, noise):
+def test_corners_of_press(name, noise):
     corners, loads = SHAPES[name]
     load = np.interp(TIME, corners, loads) + np.random.default_rng(1).normal(0, noise, TIME.size)
     phases = found(load)
@@ -35,7 +35,7 @@ def test_corners_of_a_press(name, noise):
     np.testing.assert_allclose(ends, corners[1:-1], atol=0.12)
 
 
-def test_a_convex_ramp_is_loading_from_its_foot():
+def test_convex_ramp():
     depth = np.interp(TIME, [0.5, 2.5, 3.5, 4.5], [0, 2, 2, 0])
     phases = found(depth**1.5)
     assert "hold" not in phases[: int(2.3 / 0.002)]
@@ -51,5 +51,5 @@ def test_two_presses():
 
 
 @pytest.mark.parametrize("values", [np.zeros(50), np.zeros(1), np.array([0.0, 1.0])])
-def test_nothing_happens(values):
+def test_no_press(values):
     assert set(phases_of(np.arange(values.size), values)) == {0}

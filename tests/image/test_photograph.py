@@ -37,7 +37,7 @@ FOUND = {face: measured(truth) for face, truth in TRUTH.items()}
 
 
 @pytest.mark.parametrize("face", SEMI_AXES)
-def test_semi_axes_centre_and_names(face):
+def test_semi_axes_and_centre(face):
     truth, found = TRUTH[face], FOUND[face]
     assert tuple(found.semi_axes_mm) == FACE_AXES[face]
     np.testing.assert_allclose(list(found.semi_axes_mm.values()), truth.semi_axes, rtol=0.012)
@@ -52,12 +52,12 @@ def test_semi_axes_centre_and_names(face):
 @pytest.mark.parametrize(
     ("skin", "backdrop"), [(0.0, "black"), (0.2, "green"), (0.5, "white"), (0.8, "cork"), (1.0, "grey")]
 )
-def test_any_skin_before_another_colour(skin, backdrop):
+def test_skin_tones_and_backdrops(skin, backdrop):
     truth = rendered(skin=skin, backdrop=backdrop, seed=5)
     np.testing.assert_allclose(measured(truth).semi_axes, truth.semi_axes, rtol=0.015)
 
 
-def test_grey_pictures_are_measured_too():
+def test_grey_photographs():
     truth = rendered(backdrop="white", skin=0.6)
     grey = np.rint(truth.pixels @ [0.299, 0.587, 0.114]).astype(np.uint8)
     found = measure_photograph(grey, "palmar", Scale(0.06))
@@ -65,7 +65,7 @@ def test_grey_pictures_are_measured_too():
 
 
 @pytest.mark.parametrize("tip", ["up", "right", "down", "left"])
-def test_the_tip_points_where_it_is_said_to(tip):
+def test_tip_directions(tip):
     truth = rendered(tip=tip, lean_deg=4.0)
     found = measured(truth)
     np.testing.assert_allclose(found.semi_axes, truth.semi_axes, rtol=0.012)
@@ -73,14 +73,14 @@ def test_the_tip_points_where_it_is_said_to(tip):
 
 
 @pytest.mark.parametrize(("tip", "palmar"), [("up", "left"), ("right", "down"), ("down", "right")])
-def test_the_palmar_side_is_found_in_a_side_face(tip, palmar):
+def test_palmar_side_of_side_face(tip, palmar):
     truth = rendered("ulnar", tip=tip, palmar=palmar)
     found = measured(truth, palmar=None)
     np.testing.assert_allclose(found.semi_axes, truth.semi_axes, rtol=0.02)
     np.testing.assert_array_equal(np.rint(found.directions), np.rint(measured(truth).directions))
 
 
-def test_depth_and_type_do_not_matter():
+def test_depth_and_type_invariance():
     truth = TRUTH["palmar"]
     scale = Scale(0.06)
     for pixels in (
@@ -92,7 +92,7 @@ def test_depth_and_type_do_not_matter():
         np.testing.assert_allclose(found.semi_axes, FOUND["palmar"].semi_axes, rtol=1e-3)
 
 
-def test_the_scale_stretches_and_widens():
+def test_scale_and_its_uncertainty():
     truth = TRUTH["palmar"]
     wide = measure_photograph(truth.pixels, "palmar", Scale(0.12, 0.012))
     np.testing.assert_allclose(wide.semi_axes, 2 * FOUND["palmar"].semi_axes)
@@ -100,7 +100,7 @@ def test_the_scale_stretches_and_widens():
     assert wide.semi_axes_mm_std["distal"] == pytest.approx(0.1 * wide.semi_axes_mm["distal"], rel=0.01)
 
 
-def test_a_shorter_arc_is_known_less():
+def test_uncertainty_grows_with_shorter_arc():
     truth = TRUTH["palmar"]
     stds = []
     for degrees in (150, 110, 80):
@@ -113,7 +113,7 @@ def test_a_shorter_arc_is_known_less():
     assert "short_arc" in found.flags
 
 
-def test_a_region_of_interest_chooses_the_arc():
+def test_region_of_interest_selects_arc():
     truth = TRUTH["palmar"]
     row, _ = truth.centre
     found = measured(truth, region_of_interest=(0, 0, row - 40, 1e4))
@@ -123,7 +123,7 @@ def test_a_region_of_interest_chooses_the_arc():
     )
 
 
-def test_a_hair_across_the_edge_is_left_out():
+def test_hair_across_edge_left_out():
     truth = rendered(seed=8)
     pixels = truth.pixels.copy()
     row, column = (int(place) for place in truth.arc_points(9)[3])
@@ -135,14 +135,14 @@ def test_a_hair_across_the_edge_is_left_out():
     np.testing.assert_allclose(found.semi_axes, truth.semi_axes, rtol=0.015)
 
 
-def test_three_faces_of_one_finger_agree():
+def test_three_faces_agree():
     joint = combine_faces([FOUND[face].face_semi_axes for face in ("palmar", "distal", "radial")])
     assert joint.p_value > 0.01
     found = (joint.palmar, joint.distal, joint.radial_ulnar)
     np.testing.assert_allclose(found, (7.9, 13.8, 11.8), rtol=0.01)
 
 
-def test_a_face_of_another_finger_is_told():
+def test_face_of_other_finger_disagrees():
     other = measured(rendered("distal", semi_axes=(12.6, 7.9)))
     joint = combine_faces(
         [FOUND["palmar"].face_semi_axes, other.face_semi_axes, FOUND["radial"].face_semi_axes]
@@ -151,7 +151,7 @@ def test_a_face_of_another_finger_is_told():
     assert joint.disagreements[1]["radial_ulnar"] - joint.disagreements[0]["radial_ulnar"] > 0.04
 
 
-def test_stated_intervals_hold():
+def test_interval_coverage():
     off = []
     for seed in range(12):
         rng = np.random.default_rng(seed)
@@ -209,7 +209,7 @@ HAND = hand_mesh.MESH.parents[1] / "opencv_hand_photo" / "handSrc.jpg"
 
 @pytest.mark.skipif(not HAND.exists(), reason=f"no photograph of a hand at {HAND}")
 @pytest.mark.parametrize("region", [None, (225, 500, 295, 560), (115, 455, 160, 505), (0, 300, 100, 640)])
-def test_a_photograph_of_a_whole_hand_gives_flags_or_reasons(region):
+def test_photograph_of_whole_hand(region):
     pixels = read_colour_image(HAND)
     reasons, flags = "", frozenset()
     try:
@@ -253,7 +253,7 @@ def blank(level=128):
         ({"points": [(5, 5), (360, 300)]}, "off the finger's outline"),
     ],
 )
-def test_bad_input_is_named(changes, words):
+def test_invalid_input(changes, words):
     given = {"pixels": TRUTH["palmar"].pixels, "face": "palmar"} | changes
     pixels, face = given.pop("pixels"), given.pop("face")
     with pytest.raises(ImageError, match=words) as caught:
@@ -261,13 +261,13 @@ def test_bad_input_is_named(changes, words):
     assert len(str(caught.value)) > 20
 
 
-def test_marks_too_near_are_refused():
+def test_marks_too_close_refused():
     truth = TRUTH["palmar"]
     with pytest.raises((FitError, ImageError), match="points"):
         measured(truth, points=truth.arc_points(200)[:4])
 
 
-def test_a_pad_cut_by_the_frame_is_refused():
+def test_pad_cut_by_frame_refused():
     truth = TRUTH["palmar"]
     cut = truth.pixels[int(truth.arc_points(3)[1][0]) + 60 :]
     with pytest.raises(ImageError, match="up side"):
@@ -297,13 +297,13 @@ def test_direct_lengths_and_their_uncertainty():
         ({"point_px_std": -1.0}, "point_px_std"),
     ],
 )
-def test_bad_direct_marks_are_named(changes, words):
+def test_invalid_direct_marks(changes, words):
     given = {"centre": (100, 100), "across_end": (100, 300), "along_end": (300, 100)} | changes
     with pytest.raises(ImageError, match=words):
         direct_semi_axes("palmar", Scale(0.05), **given)
 
 
-def test_colour_files_are_read_as_they_look(tmp_path):
+def test_colour_files(tmp_path):
     pixels = TRUTH["distal"].pixels
     Image.fromarray(pixels).save(tmp_path / "finger.png")
     np.testing.assert_array_equal(read_colour_image(tmp_path / "finger.png"), pixels)
@@ -315,7 +315,7 @@ def test_colour_files_are_read_as_they_look(tmp_path):
 
 
 @pytest.mark.parametrize("dtype", [np.uint8, np.uint16])
-def test_grey_files_become_colour(tmp_path, dtype):
+def test_grey_files_as_colour(tmp_path, dtype):
     grey = (np.arange(64 * 64).reshape(64, 64) % 251).astype(dtype) * (1 if dtype == np.uint8 else 257)
     Image.fromarray(grey).save(tmp_path / "grey.png")
     colour = read_colour_image(tmp_path / "grey.png")
@@ -324,6 +324,6 @@ def test_grey_files_become_colour(tmp_path, dtype):
     assert read_image(tmp_path / "grey.png").pixels.dtype == dtype
 
 
-def test_missing_colour_files_are_named(tmp_path):
+def test_missing_colour_files(tmp_path):
     with pytest.raises(ImageError, match="no such file"):
         read_colour_image(tmp_path / "none.jpg")

@@ -1,4 +1,4 @@
-"""A face's semi-axes by a person's hand: handles, and points added or left out of the outline."""
+"""Manual semi-axes of a face: handles, and points added to the outline or erased."""
 
 import math
 from dataclasses import replace
@@ -38,19 +38,19 @@ def placed(face="palmar", **others):
         ("ulnar", "down", "left", (0, -1), (1, 0)),
     ],
 )
-def test_handles_lie_along_the_faces_axes(face, tip, palmar, across, along):
+def test_handles_along_axes(face, tip, palmar, across, along):
     centre, first, second = placed(face, tip=tip, palmar=palmar).handles
     np.testing.assert_allclose(first - centre, 236 * np.array(across), atol=1e-9)
     np.testing.assert_allclose(second - centre, 276 * np.array(along), atol=1e-9)
 
 
-def test_lean_turns_from_across_towards_along():
+def test_lean_sign():
     centre, first, second = placed(lean=math.radians(90)).handles
     np.testing.assert_allclose(first - centre, (-236, 0), atol=1e-9)
     np.testing.assert_allclose(second - centre, (0, -276), atol=1e-9)
 
 
-def test_what_was_fitted_can_be_placed_again():
+def test_fit_round_trip():
     again = photograph_from_ellipse(
         "palmar",
         SCALE,
@@ -67,7 +67,7 @@ def test_what_was_fitted_can_be_placed_again():
     assert again.flags == {"by_hand"} <= set(PHOTOGRAPH_FLAGS)
 
 
-def test_a_hands_face_joins_the_others():
+def test_manual_face_combines_with_others():
     scale = Scale(0.05)
     faces = [
         photograph_from_ellipse(face, scale, centre=(300, 300), semi_axes=axes).face_semi_axes
@@ -78,7 +78,7 @@ def test_a_hands_face_joins_the_others():
     assert joint.chi_square == pytest.approx(0, abs=1e-9)
 
 
-def test_the_size_of_a_pad_is_checked_by_hand_too():
+def test_implausible_manual_size_flagged():
     large = photograph_from_ellipse("palmar", Scale(0.5), centre=(300, 300), semi_axes=(236, 276))
     assert large.flags == {"by_hand", "implausible_size"}
     doubted = replace(FOUND, flags=FOUND.flags | {"implausible_size"}, semi_axes=10 * FOUND.semi_axes)
@@ -86,14 +86,14 @@ def test_the_size_of_a_pad_is_checked_by_hand_too():
     assert "implausible_size" not in back.flags
 
 
-def test_an_ellipse_by_hand_can_be_drawn():
+def test_overlay_of_manual_ellipse():
     drawn = draw_photograph_overlay(TRUTH.pixels, placed(), label="synthetic")
     assert max(drawn.shape) == 1100
     plain = draw_photograph_overlay(TRUTH.pixels, FOUND)
     assert (drawn != plain).any()
 
 
-def test_nothing_added_or_left_out_changes_nothing():
+def test_no_edits():
     assert with_marked_points(FOUND) is FOUND
     assert with_marked_points(FOUND, erased=[([(0, 0)], 5)]) is FOUND
 
@@ -106,7 +106,7 @@ def bulged():
     return points, points[wart] + 14 * away, wart
 
 
-def test_a_wart_is_rubbed_out():
+def test_wart_erased():
     points, wart, where = bulged()
     plain = with_marked_points(FOUND, added=[], erased=[(points[where], 1.5)])
     dirty = with_marked_points(plain, added=wart)
@@ -119,7 +119,7 @@ def test_a_wart_is_rubbed_out():
     assert {"by_hand"} <= clean.flags
 
 
-def test_marks_lengthen_a_short_arc():
+def test_marks_extend_arc():
     """Half of the arc rubbed out and marked again by a few exact points of the true ellipse."""
     row, column = FOUND.centre
     rest = FOUND.points[FOUND.points[:, 1] > column]
@@ -166,7 +166,7 @@ BAD = {
 
 
 @pytest.mark.parametrize("case", BAD)
-def test_bad_input_is_told(case):
+def test_invalid_input(case):
     act, error, words = BAD[case]
     with pytest.raises(error, match=words):
         act()

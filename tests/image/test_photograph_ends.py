@@ -1,4 +1,4 @@
-"""The ellipse of an arc whose ends nobody knows: against outlines of known truth that depart beyond them."""
+"""The ellipse of an arc with unknown ends, against outlines that depart from the ellipse beyond them."""
 
 import math
 
@@ -62,14 +62,14 @@ def off(arc):
 @pytest.mark.parametrize(
     ("departures", "found_deg"), [((0.3, 0.3), 60), ((-0.4, -0.4), 60), ((-0.4, -0.4), 78), ((0.8, 0.8), 76)]
 )
-def test_ends_found_wrongly_are_mended(departures, found_deg):
+def test_wrong_ends_are_corrected(departures, found_deg):
     pairs = [both(70, departures, seed, found_deg) for seed in range(6)]
     before, after = (np.sqrt(np.mean([off(pair[k]) ** 2 for pair in pairs])) for k in (0, 1))
     assert after < 0.75 * before
     assert after < 0.005
 
 
-def test_stated_uncertainties_hold():
+def test_uncertainty_coverage():
     z = []
     for seed in range(30):
         rng = np.random.default_rng([seed, 7])
@@ -82,13 +82,13 @@ def test_stated_uncertainties_hold():
     assert np.median(np.abs(z)) > 0.2
 
 
-def test_no_departure_leaves_the_ellipse():
+def test_no_departure():
     before, after = both(70, (0.0, 0.0), 1, 90)
     assert np.abs(off(after)).max() < 0.002
     assert np.diagonal(after.fit.covariance)[3] < 4 * np.diagonal(before.fit.covariance)[3]
 
 
-def test_a_nail_beyond_the_arc_does_no_harm():
+def test_nail_beyond_arc():
     points, angles = outline(70, (0.2, -0.3), 2)
     points[angles > 85] += (-4, 0)
     every = np.arange(len(points))
@@ -97,7 +97,7 @@ def test_a_nail_beyond_the_arc_does_no_harm():
     assert np.abs(off(arc)).max() < 0.01
 
 
-def test_too_little_to_average_leaves_the_arc():
+def test_too_short_to_average():
     points, _ = outline(70, (0.2, 0.2), 3)
     every = np.arange(len(points))[::10]
     arc = fit_arc(points, every, LEAN)

@@ -17,7 +17,7 @@ def near(canvas, colour, tolerance=12):
     return np.abs(canvas.astype(int) - colour).max(axis=-1) < tolerance
 
 
-def test_points_are_drawn_on_the_outline():
+def test_points_on_outline():
     canvas = draw_photograph_overlay(TRUTH.pixels, FOUND)
     assert canvas.dtype == np.uint8
     assert max(canvas.shape) == 1100
@@ -30,7 +30,7 @@ def test_points_are_drawn_on_the_outline():
     assert np.quantile(away, 0.95) < 4 / zoom + 1.5
 
 
-def test_scale_bar_has_its_length():
+def test_scale_bar_length():
     canvas = draw_photograph_overlay(np.full_like(TRUTH.pixels, 255), FOUND)
     dark = near(canvas[-40:], (20, 20, 20))
     longest = max(int(row.sum()) for row in dark)
@@ -47,12 +47,12 @@ def test_label_and_large_deep_pictures():
     assert (changed.max(axis=0) < (200, 600)).all()
 
 
-def test_another_picture_is_refused():
+def test_other_picture_refused():
     with pytest.raises(ImageError, match="the photograph that was measured"):
         draw_photograph_overlay(TRUTH.pixels[:150], FOUND)
 
 
-def test_written_file_is_the_drawing(tmp_path):
+def test_written_file_equals_drawing(tmp_path):
     path = write_photograph_overlay(tmp_path / "overlay.png", TRUTH.pixels, FOUND)
     np.testing.assert_array_equal(np.asarray(Image.open(path)), draw_photograph_overlay(TRUTH.pixels, FOUND))
     with pytest.raises(ImageError, match="cannot be written"):

@@ -25,14 +25,14 @@ def test_lossless_grey_round_trip(tmp_path, name):
     np.testing.assert_array_equal(picture.pixels, GREY)
 
 
-def test_jpeg_is_close(tmp_path):
+def test_jpeg_within_tolerance(tmp_path):
     smooth = np.tile(np.linspace(0, 255, 64).astype(np.uint8), (64, 1))
     Image.fromarray(smooth).save(tmp_path / "a.jpg", quality=95)
     assert np.abs(read_image(tmp_path / "a.jpg").pixels.astype(int) - smooth).max() < 8
 
 
 @pytest.mark.parametrize("name", ["a.png", "a.tif", "a.pgm"])
-def test_sixteen_bits_are_kept(tmp_path, name):
+def test_sixteen_bits(tmp_path, name):
     deep = GREY.astype(np.uint16) * 257
     Image.fromarray(deep).save(tmp_path / name)
     picture = read_image(str(tmp_path / name))
@@ -57,7 +57,7 @@ def write_deep(path, colour):
 
 
 @pytest.mark.parametrize("name", ["a.png", "plain.tif", "planar.tif", "lzw.tif", "a.ppm"])
-def test_sixteen_bit_colour_keeps_its_depth(tmp_path, name):
+def test_sixteen_bit_colour(tmp_path, name):
     colour = np.random.default_rng(0).integers(0, 65536, (20, 30, 3)).astype(np.uint16)
     write_deep(tmp_path / name, colour)
     pixels = read_image(tmp_path / name).pixels
@@ -66,7 +66,7 @@ def test_sixteen_bit_colour_keeps_its_depth(tmp_path, name):
 
 
 @pytest.mark.parametrize("name", ["a.png", "plain.tif"])
-def test_deep_transparency_lies_on_white(tmp_path, name):
+def test_sixteen_bit_transparency_on_white(tmp_path, name):
     colour = np.zeros((20, 20, 4), np.uint16)
     colour[:10, :, 3] = 65535
     write_deep(tmp_path / name, colour)
@@ -77,7 +77,7 @@ def test_deep_transparency_lies_on_white(tmp_path, name):
 
 @pytest.mark.parametrize("orientation", range(1, 9))
 @pytest.mark.parametrize("depth", [8, 16])
-def test_every_orientation_of_a_colour_tiff_is_obeyed(tmp_path, orientation, depth):
+def test_colour_tiff_orientations(tmp_path, orientation, depth):
     dtype = np.uint8 if depth == 8 else np.uint16
     colour = np.repeat(np.arange(6, dtype=dtype).reshape(2, 3, 1) * 40, 3, axis=2)
     tag = [(274, "H", 1, orientation, True)]
@@ -101,7 +101,7 @@ def test_float_colour_tiff(tmp_path):
     np.testing.assert_allclose(read_image(tmp_path / "a.tif").pixels, GREY / 255, atol=1e-5)
 
 
-def test_green_is_brighter_than_blue(tmp_path):
+def test_luma_weights(tmp_path):
     colour = np.zeros((20, 20, 3), np.uint8)
     colour[:10, :, 1], colour[10:, :, 2] = 255, 255
     Image.fromarray(colour).save(tmp_path / "a.png")
@@ -110,7 +110,7 @@ def test_green_is_brighter_than_blue(tmp_path):
     assert pixels[0, 0] > pixels[-1, 0] > 0
 
 
-def test_transparency_lies_on_white(tmp_path):
+def test_transparency_on_white(tmp_path):
     colour = np.zeros((20, 20, 4), np.uint8)
     colour[:10, :, 3] = 255
     Image.fromarray(colour).save(tmp_path / "a.png")
@@ -119,7 +119,7 @@ def test_transparency_lies_on_white(tmp_path):
     assert (pixels[10:] == 255).all()
 
 
-def test_camera_rotation_is_obeyed(tmp_path):
+def test_camera_rotation(tmp_path):
     exif = Image.Exif()
     exif[0x0112] = 6
     Image.fromarray(GREY).save(tmp_path / "a.jpg", exif=exif)
@@ -127,13 +127,13 @@ def test_camera_rotation_is_obeyed(tmp_path):
 
 
 @pytest.mark.parametrize("name", ["a.png", "a.tif", "a.bmp", "a.jpg"])
-def test_resolution_comes_from_the_file(tmp_path, name):
+def test_resolution_from_file(tmp_path, name):
     Image.fromarray(GREY).save(tmp_path / name, dpi=(500, 500))
     assert read_image(tmp_path / name).dots_per_inch == pytest.approx(500, abs=0.01)
 
 
 @pytest.mark.parametrize("dpi", [None, (500, 250), (0, 0), (1, 1)])
-def test_no_honest_resolution_is_none(tmp_path, dpi):
+def test_implausible_resolution_is_none(tmp_path, dpi):
     Image.fromarray(GREY).save(tmp_path / "a.png", **({"dpi": dpi} if dpi else {}))
     assert read_image(tmp_path / "a.png").dots_per_inch is None
 
@@ -148,7 +148,7 @@ def test_no_honest_resolution_is_none(tmp_path, dpi):
         ("pixel", 1, None),
     ],
 )
-def test_the_scale_that_imagej_writes(tmp_path, unit, per_unit, expected):
+def test_imagej_scale(tmp_path, unit, per_unit, expected):
     resolution = (round(per_unit * 1e6), 1_000_000)
     tifffile.imwrite(
         tmp_path / "a.tif",
@@ -162,20 +162,20 @@ def test_the_scale_that_imagej_writes(tmp_path, unit, per_unit, expected):
     assert found is expected if expected is None else found == pytest.approx(expected, rel=1e-4)
 
 
-def test_centimetres_of_a_tiff_that_pillow_cannot_decode(tmp_path):
+def test_tiff_resolution_in_centimetres(tmp_path):
     values = GREY.astype(np.float64)
     tifffile.imwrite(tmp_path / "a.tif", values, resolution=(200, 200), resolutionunit="CENTIMETER")
     assert read_image(tmp_path / "a.tif").dots_per_inch == pytest.approx(508)
 
 
-def test_a_reduced_copy_beside_the_picture_does_not_count(tmp_path):
+def test_thumbnails_ignored(tmp_path):
     with tifffile.TiffWriter(tmp_path / "a.tif") as tiff:
         tiff.write(GREY, photometric="minisblack")
         tiff.write(GREY[::4, ::4], photometric="minisblack", subfiletype=1)
     np.testing.assert_array_equal(read_image(tmp_path / "a.tif").pixels, GREY)
 
 
-def test_an_animation_is_refused(tmp_path):
+def test_animation_refused(tmp_path):
     first, second = Image.fromarray(GREY), Image.fromarray(GREY[::-1].copy())
     first.save(tmp_path / "a.png", save_all=True, append_images=[second])
     with pytest.raises(ImageError, match=r"2 pictures: .* as a sequence"):
@@ -183,7 +183,7 @@ def test_an_animation_is_refused(tmp_path):
 
 
 @pytest.mark.parametrize("shape", [(1, 1), (1, 40)])
-def test_tiny_and_black_pictures_are_pictures(tmp_path, shape):
+def test_tiny_and_black_pictures(tmp_path, shape):
     Image.fromarray(np.zeros(shape, np.uint8)).save(tmp_path / "a.png")
     assert read_image(tmp_path / "a.png").pixels.shape == shape
 
@@ -241,7 +241,7 @@ def make_short_tiff(path):
         (make_short_tiff, "not a picture|cut short"),
     ],
 )
-def test_bad_files_are_named(tmp_path, make, words):
+def test_invalid_files(tmp_path, make, words):
     path = tmp_path / "print.tif"
     make(path)
     with pytest.raises(ImageError, match=words) as caught:
@@ -261,7 +261,7 @@ def test_bad_files_are_named(tmp_path, make, words):
         ("plain.tif", np.float32, 3, 48),
     ],
 )
-def test_memory_is_limited_by_what_samples_and_measuring_take(tmp_path, name, dtype, channels, needed):
+def test_memory_limit(tmp_path, name, dtype, channels, needed):
     path = tmp_path / name
     colour = np.ones((20, 30, 3), dtype)
     if name == "plain.tif":
@@ -276,7 +276,7 @@ def test_memory_is_limited_by_what_samples_and_measuring_take(tmp_path, name, dt
 
 
 @pytest.mark.parametrize("tags", [{"TileWidth": 2**20, "TileLength": 2**20}, {"ImageWidth": 2**30}])
-def test_tiles_larger_than_the_picture_are_limited(tmp_path, tags):
+def test_memory_limit_of_large_tiles(tmp_path, tags):
     path = tmp_path / "a.tif"
     tifffile.imwrite(path, GREY, tile=(16, 16), photometric="minisblack")
     with tifffile.TiffFile(path, mode="r+b") as tiff:
@@ -286,7 +286,7 @@ def test_tiles_larger_than_the_picture_are_limited(tmp_path, tags):
         read_image(path)
 
 
-def test_a_deep_png_cut_short_is_named(tmp_path):
+def test_truncated_sixteen_bit_png(tmp_path):
     noise = np.random.default_rng(0).integers(0, 65536, (60, 60, 3)).astype(np.uint16)
     write_deep(tmp_path / "whole.png", noise)
     (tmp_path / "a.png").write_bytes((tmp_path / "whole.png").read_bytes()[:9000])
@@ -294,7 +294,7 @@ def test_a_deep_png_cut_short_is_named(tmp_path):
         read_image(tmp_path / "a.png")
 
 
-def test_size_is_checked_before_decoding(tmp_path):
+def test_size_checked_before_decoding(tmp_path):
     # The pixels behind the header are missing: only a check of the header can tell of the size.
     path = tmp_path / "large.pgm"
     path.write_bytes(b"P5\n3000 2000\n255\n")
@@ -303,7 +303,7 @@ def test_size_is_checked_before_decoding(tmp_path):
 
 
 @pytest.mark.parametrize("cut", range(1, 400, 13))
-def test_no_cut_png_leaks_another_error(tmp_path, cut):
+def test_truncated_png_errors(tmp_path, cut):
     whole = tmp_path / "whole.png"
     noise = np.random.default_rng(1).integers(0, 256, (20, 30)).astype(np.uint8)
     Image.fromarray(noise).save(whole, dpi=(500, 500))
@@ -316,14 +316,14 @@ def test_no_cut_png_leaks_another_error(tmp_path, cut):
 @pytest.mark.parametrize(
     ("dtype", "gain", "offset"), [(np.uint32, 100_000, 0), (np.int32, 1000, 0), (np.int16, 1, -100)]
 )
-def test_wide_and_signed_levels_keep_their_differences(tmp_path, dtype, gain, offset):
+def test_wide_and_signed_levels(tmp_path, dtype, gain, offset):
     levels = np.arange(64, dtype=np.int64).reshape(8, 8)
     tifffile.imwrite(tmp_path / "wide.tif", (gain * levels + offset).astype(dtype), photometric="minisblack")
     pixels = read_image(tmp_path / "wide.tif").pixels.astype(float)
     np.testing.assert_allclose(pixels - pixels[0, 0], gain * levels, rtol=1e-6)
 
 
-def test_pages_of_doubles_are_several_pictures_too(tmp_path):
+def test_pages_of_doubles_refused(tmp_path):
     tifffile.imwrite(tmp_path / "stack.tif", np.zeros((3, 40, 40)), photometric="minisblack")
     with pytest.raises(ImageError, match="holds 3 pictures"):
         read_image(tmp_path / "stack.tif")
@@ -354,7 +354,7 @@ LAYOUTS = [
 
 @pytest.mark.parametrize("layout", LAYOUTS, ids=str)
 @pytest.mark.parametrize("dtype", ["u1", "u2", "u4", "u8", "i1", "i2", "i4", "f2", "f4", "f8"])
-def test_grey_of_every_type_and_layout(tmp_path, layout, dtype):
+def test_grey_types_and_layouts(tmp_path, layout, dtype):
     path, levels = tmp_path / "a.tif", as_levels(dtype)
     tifffile.imwrite(path, levels, photometric="minisblack", **layout)
     assert_levels(path, levels.astype(float), 0)
@@ -369,7 +369,7 @@ def test_grey_of_every_type_and_layout(tmp_path, layout, dtype):
 @pytest.mark.parametrize("layout", LAYOUTS, ids=str)
 @pytest.mark.parametrize("planar", ["contig", "separate"])
 @pytest.mark.parametrize("dtype", ["u1", "u2", "f4", "f8"])
-def test_colour_of_every_type_and_layout(tmp_path, layout, planar, dtype):
+def test_colour_types_and_layouts(tmp_path, layout, planar, dtype):
     path, colour = tmp_path / "a.tif", as_colour(dtype)
     planes = colour if planar == "contig" else np.moveaxis(colour, 2, 0)
     tifffile.imwrite(path, planes, photometric="rgb", planarconfig=planar, **layout)
@@ -381,7 +381,7 @@ def test_colour_of_every_type_and_layout(tmp_path, layout, planar, dtype):
 @pytest.mark.parametrize("planar", ["contig", "separate"])
 @pytest.mark.parametrize("channels", [1, 3])
 @pytest.mark.parametrize("dtype", ["u1", "u2"])
-def test_alpha_of_every_kind_lies_on_white(tmp_path, kind, planar, channels, dtype):
+def test_alpha_kinds_on_white(tmp_path, kind, planar, channels, dtype):
     colour, top = as_colour(dtype)[..., :channels], np.iinfo(dtype).max
     share = np.repeat([1.0, 0.5], 20)[:, None, None]
     stored = (colour * share).astype(dtype) if kind == "assocalpha" else colour
@@ -401,7 +401,7 @@ def test_alpha_of_every_kind_lies_on_white(tmp_path, kind, planar, channels, dty
 
 @pytest.mark.parametrize("compression", ["raw", "tiff_lzw", "tiff_adobe_deflate", "packbits"])
 @pytest.mark.parametrize("mode", ["1", "L", "P", "I;16", "F", "RGB", "RGBA", "CMYK", "YCbCr"])
-def test_every_mode_that_pillow_writes_without_loss(tmp_path, compression, mode):
+def test_pillow_lossless_modes(tmp_path, compression, mode):
     if mode in {"I;16", "F"}:
         image = Image.fromarray(as_levels("u2" if mode == "I;16" else "f4"))
         expected = np.asarray(image).astype(float)
@@ -478,7 +478,7 @@ def encoded(form, **options):
         (12345, "number 12345", lambda: bytes(300)),
     ],
 )
-def test_a_compression_that_is_not_decoded_is_refused_by_name(tmp_path, code, name, content):
+def test_unsupported_compression_refused(tmp_path, code, name, content):
     path = tmp_path / "a.tif"
     tifffile.imwrite(path, np.frombuffer(content(), np.uint8)[None], photometric="minisblack", metadata=None)
     with tifffile.TiffFile(path, mode="r+b") as tiff:
@@ -507,14 +507,14 @@ def test_a_compression_that_is_not_decoded_is_refused_by_name(tmp_path, code, na
         ({"photometric": "minisblack", "shape": (40, 60), "dtype": "c8"}, "64 bits in format 6"),
     ],
 )
-def test_kinds_of_tiff_that_are_refused(tmp_path, options, words):
+def test_unsupported_tiffs_refused(tmp_path, options, words):
     tifffile.imwrite(tmp_path / "a.tif", **options)
     with pytest.raises(ImageError, match=words):
         read_image(tmp_path / "a.tif")
 
 
 @pytest.mark.parametrize("compression", [None, "zlib"])
-def test_a_strip_that_is_missing_is_not_black(tmp_path, compression):
+def test_missing_strip_refused(tmp_path, compression):
     path = tmp_path / "a.tif"
     tifffile.imwrite(path, GREY, rowsperstrip=8, compression=compression, photometric="minisblack")
     with tifffile.TiffFile(path, mode="r+b") as tiff:
@@ -524,7 +524,7 @@ def test_a_strip_that_is_missing_is_not_black(tmp_path, compression):
         read_image(path)
 
 
-def test_a_stream_that_unpacks_to_more_than_the_picture_is_cut(tmp_path):
+def test_oversized_stream_is_cut(tmp_path):
     bomb = zlib.compress(bytes(50_000_000), 9)
     tifffile.imwrite(tmp_path / "a.tif", iter([bomb]), shape=(40, 60), dtype="u1", compression="zlib")
     tracemalloc.start()
@@ -535,7 +535,7 @@ def test_a_stream_that_unpacks_to_more_than_the_picture_is_cut(tmp_path):
     assert peak < 5_000_000
 
 
-def test_a_pipe_is_refused_without_waiting(tmp_path):
+def test_pipe_refused_without_waiting(tmp_path):
     for name in ("a.png", "a.tif", "a.avi"):
         os.mkfifo(tmp_path / name)
         for read in (read_image, read_colour_image, open_frames):
@@ -544,14 +544,14 @@ def test_a_pipe_is_refused_without_waiting(tmp_path):
 
 
 @pytest.mark.parametrize("name", ["a" * 300 + ".png", "nul\0.png", "a.png/b.png"])
-def test_impossible_names_are_named(tmp_path, name):
+def test_invalid_file_names(tmp_path, name):
     (tmp_path / "a.png").write_bytes(b"x")
     for read in (read_image, open_frames):
         with pytest.raises(ImageError, match="cannot be opened|no such file"):
             read(tmp_path / name)
 
 
-def test_what_may_not_be_read_is_named(tmp_path):
+def test_unreadable_file(tmp_path):
     tmp_path.chmod(0o755)
     (tmp_path / "folder").mkdir()
     for name in ("a.png", "a.tif", "a.avi"):

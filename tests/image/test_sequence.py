@@ -65,7 +65,7 @@ def results(frames, signal, settings):
     return list(measure_sequence(frames, SCALE, clock=clock, force=signal, settings=settings))
 
 
-def test_area_follows_the_truth_through_the_sequence(results, press):
+def test_area_accuracy(results, press):
     errors = [
         result.measures["gross_area_mm2"] / press.gross_area[result.index] - 1
         for result in results
@@ -76,24 +76,24 @@ def test_area_follows_the_truth_through_the_sequence(results, press):
     assert np.std(errors) < 0.005
 
 
-def test_axes_follow_the_truth(results, press):
+def test_axes_accuracy(results, press):
     held = [result for result in results if result.phase == "hold"]
     for name in ("semi_major", "semi_minor"):
         found = np.mean([result.measures[f"{name}_mm"] for result in held])
         assert found == pytest.approx(getattr(press, name)[held[0].index], rel=0.02)
 
 
-def test_loads_are_those_of_the_frames(results):
+def test_loads_of_frames(results):
     np.testing.assert_allclose([r.time for r in results], TIME, atol=1e-3)
     np.testing.assert_allclose([r.load for r in results], true_load(TIME), atol=0.02)
 
 
-def test_phases_come_from_the_force(results):
+def test_phases_from_force(results):
     expected = [(0.2, "before"), (0.8, "loading"), (1.5, "hold"), (2.1, "unloading")]
     assert [results[round(FPS * time)].phase for time, _ in expected] == [phase for _, phase in expected]
 
 
-def test_phases_come_from_the_pictures_without_a_force(frames, settings, results):
+def test_phases_from_texture(frames, settings, results):
     blind = list(measure_sequence(frames, SCALE, settings=settings))
     same = [one.phase == other.phase for one, other in zip(blind, results, strict=True)]
     assert np.mean(same) > 0.9
@@ -111,7 +111,7 @@ def test_first_contact_and_summary(results, signal):
     assert summary.notes == ()
 
 
-def test_the_clock_can_start_at_first_contact(frames, settings, signal):
+def test_clock_from_first_contact(frames, settings, signal):
     clock = FrameRate.of_contact(FPS, signal, 0.1)
     times = [r.time for r in measure_sequence(frames, SCALE, clock=clock, force=signal, settings=settings)]
     # Late by the ridges needed to see a contact, and by up to a frame.
@@ -119,7 +119,7 @@ def test_the_clock_can_start_at_first_contact(frames, settings, signal):
     np.testing.assert_allclose(np.diff(times), 1 / FPS)
 
 
-def test_a_film_that_contradicts_its_force_is_told(results, signal):
+def test_pictures_contradicting_force(results, signal):
     assert sequence_summary(results, signal).notes == ()
     late = [replace(result, load=4.0 - result.load) for result in results]
     slow = [replace(result, load=0.01 * result.load) for result in results]
@@ -128,7 +128,7 @@ def test_a_film_that_contradicts_its_force_is_told(results, signal):
         assert "area and force do not rise and fall together" in note
 
 
-def test_a_short_force_flags_the_rest(frames, settings, signal):
+def test_short_force_flagged(frames, settings, signal):
     short = ForceSignal(*(values[signal.time < 1.02] for values in (signal.time, signal.load)))
     covered = list(measure_sequence(frames, SCALE, clock=FrameRate(FPS), force=short, settings=settings))
     for result in covered:
@@ -142,13 +142,13 @@ def test_a_short_force_flags_the_rest(frames, settings, signal):
     assert "28 of 49 frames" in note
 
 
-def test_stamps_that_run_out_are_flagged(frames, settings, signal):
+def test_missing_stamps_flagged(frames, settings, signal):
     clock = FrameStamps(TIME[:40])
     stamped = list(measure_sequence(frames, SCALE, clock=clock, force=signal, settings=settings))
     assert [r.index for r in stamped if "no_time" in r.flags] == list(range(40, 49))
 
 
-def test_frames_that_cannot_be_read_have_a_reason(frames, settings):
+def test_unreadable_frames_have_reason(frames, settings):
     class Damaged:
         def __iter__(self):
             for frame in frames:
@@ -164,13 +164,13 @@ def test_frames_that_cannot_be_read_have_a_reason(frames, settings):
     assert "first frame 20: torn" in summary.notes[0]
 
 
-def test_one_reading_is_learnt_from_the_largest_contact(settings, press):
+def test_settings_from_largest_contact(settings, press):
     assert settings.settings["dark_on_light"]
     assert (press.load[list(settings.learnt_from)] > 1.2).all()
     assert settings.texture[:CONTACT].max() < 0.3 * settings.texture.max()
 
 
-def test_every_frame_is_measured_with_that_reading(frames, settings, monkeypatch):
+def test_settings_shared_by_frames(frames, settings, monkeypatch):
     asked = set()
     measure = room.measure_contact_image
 
@@ -185,7 +185,7 @@ def test_every_frame_is_measured_with_that_reading(frames, settings, monkeypatch
 
 
 @pytest.mark.parametrize("look", ["ink", "livescan", "prism"])
-def test_light_that_flickers_does_not_move_the_edge(look):
+def test_flicker_does_not_move_edge(look):
     press = render_sequence([2.0] * 6, look=look, flicker=0.1, seed=21)
     frames = [Frame(index=k, pixels=press.pixels(k)) for k in range(6)]
     measures = [result.measures for result in measure_sequence(frames, SCALE)]
@@ -195,32 +195,32 @@ def test_light_that_flickers_does_not_move_the_edge(look):
     assert ridge.std() / ridge.mean() < 0.01
 
 
-def test_what_is_faint_beside_the_largest_contact_is_none(press, frames, settings):
+def test_faint_contact_refused(press, frames, settings):
     whole = press.pixels(30)
     ground = np.median(whole)
     faint, thin = (np.uint8(ground - share * (ground - whole)) for share in (0.25, 0.7))
     films = [[Frame(index=0, pixels=pixels)] for pixels in (faint, thin)]
-    # By itself even the faint one would pass for a contact.
+    # With settings of its own even the faint frame passes for a contact.
     assert next(measure_sequence(films[0], SCALE)).measures
     refused, kept = (next(measure_sequence(film, SCALE, settings=settings)) for film in films)
     assert refused.measures is None
     assert kept.measures["gross_area_mm2"] == pytest.approx(press.gross_area[30], rel=0.01)
 
 
-def test_noise_is_no_contact_under_a_shared_reading():
+def test_noise_is_no_contact():
     noisy = render_sequence([0.0, 2.0], noise_std=30, seed=3)
     settings = estimate_settings([Frame(index=1, pixels=noisy.pixels(1))], SCALE)
     with pytest.raises(ImageError, match="no contact found"):
         measure_contact_image(noisy.pixels(0), SCALE, **settings.settings)
 
 
-def test_light_on_dark_is_learnt_too():
+def test_light_on_dark():
     press = render_sequence([0, 1.0, 1.2, 1.4], look="prism", seed=5)
     frames = [Frame(index=k, pixels=press.pixels(k)) for k in range(4)]
     assert not estimate_settings(frames, SCALE).settings["dark_on_light"]
 
 
-def test_a_watcher_sees_every_measurement(frames, settings):
+def test_watch_called_for_each_measurement(frames, settings):
     seen = []
     results = list(
         measure_sequence(
@@ -230,7 +230,7 @@ def test_a_watcher_sees_every_measurement(frames, settings):
     assert seen == [(r.index, r.measures["gross_area_mm2"]) for r in results if r.measures]
 
 
-def test_a_record_has_the_names_of_measure_print(results):
+def test_record_keys(results):
     record = json.loads(dumps(results[30].as_record()))
     assert {"frame", "time_s", "load_N", "phase", "semi_major_mm", "gross_area_mm2_std", "flags"} <= set(
         record
@@ -240,13 +240,13 @@ def test_a_record_has_the_names_of_measure_print(results):
     assert "semi_major_mm" not in empty
 
 
-def test_a_contact_that_does_not_last_is_not_the_first(press):
+def test_first_contact_persists(press):
     order = [0, 0, 30, 0, 0, 28, 29, 30, 31]
     frames = [Frame(index=k, pixels=press.pixels(at)) for k, at in enumerate(order)]
     assert sequence_summary(measure_sequence(frames, SCALE)).first_contact == 5
 
 
-def test_an_overexposed_empty_frame_shows_no_contact():
+def test_overexposed_empty_frame():
     # Clipped noise leaves specks that, measured by themselves, pass for a small contact.
     press = render_sequence([0.0] * 178 + [0.0, 2.0], flicker=0.02, seed=3)
     frames = [Frame(index=k, pixels=press.pixels(at)) for k, at in enumerate((178, 179, 179, 179))]
@@ -264,23 +264,23 @@ def test_an_overexposed_empty_frame_shows_no_contact():
         ([Frame(index=0, pixels=np.zeros((1, 1), np.uint8))], "1 × 1 px is too small"),
     ],
 )
-def test_a_sequence_without_contact_is_refused(frames, words):
+def test_sequence_without_contact_refused(frames, words):
     with pytest.raises(ImageError, match=words):
         list(measure_sequence(frames, SCALE))
 
 
-def test_a_force_needs_a_clock(frames, signal):
+def test_force_needs_clock(frames, signal):
     with pytest.raises(LoadingError, match="times of the frames"):
         next(measure_sequence(frames, SCALE, force=signal))
 
 
 @pytest.mark.parametrize("bad", [{"load": [-1.0]}, {"load": [math.nan]}, {"load": [1.0], "radii": (5, 9)}])
-def test_impossible_presses_are_refused(bad):
+def test_invalid_presses(bad):
     with pytest.raises(ValueError, match="load|radius"):
         render_sequence(**bad)
 
 
-def test_a_press_renders_its_hertz_area(press):
+def test_rendered_area_is_hertz_area(press):
     dark = press.pixels(30) < 140
     rows, columns = np.nonzero(dark)
     spread = (np.ptp(rows), np.ptp(columns))

@@ -10,14 +10,14 @@ from fingerpad.exceptions import GeometryError
 from fingerpad.simulate import outline_points, render_contact_image
 
 
-def test_one_seed_one_picture():
+def test_seed_determines_picture():
     first, again, other = (render_contact_image(semi_major=6, semi_minor=5, seed=seed) for seed in (1, 1, 2))
     np.testing.assert_array_equal(first.pixels, again.pixels)
     assert (first.pixels != other.pixels).any()
 
 
 @pytest.mark.parametrize("pattern", ["arch", "loop", "whorl"])
-def test_ink_lies_inside_the_true_ellipse_and_reaches_its_edge(pattern):
+def test_ink_fills_true_ellipse(pattern):
     truth = render_contact_image(
         semi_major=8, semi_minor=6, orientation=0.4, pattern=pattern, noise_std=0, seed=3
     )
@@ -27,7 +27,7 @@ def test_ink_lies_inside_the_true_ellipse_and_reaches_its_edge(pattern):
     assert np.abs(dark.mean(axis=0)[::-1] - truth.centroid).max() < 8
 
 
-def test_orientation_leans_left_when_positive():
+def test_orientation_sign():
     truth = render_contact_image(semi_major=8, semi_minor=5, orientation=0.5, noise_std=0, seed=3)
     rows, columns = np.nonzero(truth.pixels < 140)
     upper = rows < truth.centroid[0] - 80
@@ -42,7 +42,7 @@ def test_prism_is_light_on_dark():
 
 
 @pytest.mark.parametrize("period", [0.35, 0.55])
-def test_ridges_have_the_period_asked_for(period):
+def test_ridge_period(period):
     truth = render_contact_image(
         semi_major=9, semi_minor=8, ridge_period=period, pattern="arch", noise_std=0, seed=6
     )
@@ -58,7 +58,7 @@ def test_ridge_area_is_about_half():
     assert 0.4 < truth.ridge_area / truth.gross_area < 0.65
 
 
-def test_resolution_does_not_change_the_finger():
+def test_resolution_invariance():
     coarse, fine = (
         render_contact_image(ppi=ppi, semi_major=6, semi_minor=5, noise_std=0) for ppi in (500, 1000)
     )
@@ -70,12 +70,12 @@ def test_resolution_does_not_change_the_finger():
     "bad",
     [{"semi_major": -1}, {"semi_major": 5, "semi_minor": 6}, {"ppi": 0}, {"ridge_period": math.nan}],
 )
-def test_impossible_prints_are_refused(bad):
+def test_invalid_contact_images(bad):
     with pytest.raises(GeometryError):
         render_contact_image(**bad)
 
 
-def test_outline_points_lie_on_their_arc():
+def test_outline_points_on_arc():
     points = outline_points(3, 2, count=50, arc=(0, math.pi), centre=(10, 20))
     assert (points[:, 1] >= 20 - 1e-9).all()
     # The two foci see every point of an ellipse at one total distance.
@@ -84,7 +84,7 @@ def test_outline_points_lie_on_their_arc():
     np.testing.assert_allclose(total, 6)
 
 
-def test_truth_of_an_irregular_outline_is_its_equal_area_ellipse():
+def test_truth_of_irregular_outline():
     # A blur wider than a ridge leaves the print as even as its outline.
     truth = render_contact_image(
         semi_major=9, semi_minor=7, orientation=0.5, irregularity=0.05, noise_std=0, seed=4, blur=0.25
@@ -104,7 +104,7 @@ def test_truth_of_an_irregular_outline_is_its_equal_area_ellipse():
     assert float(plain.ellipse.semi_major) == 9
 
 
-def test_creases_and_compression_show():
+def test_creases_and_compression():
     plain, creased, packed = (
         render_contact_image(semi_major=6, semi_minor=5, seed=3, noise_std=0, **extra)
         for extra in ({}, {"creases": 3}, {"jpeg_quality": 40})
@@ -115,7 +115,7 @@ def test_creases_and_compression_show():
     assert packed.pixels.shape == plain.pixels.shape
 
 
-def test_smudges_stay_within_the_contact_and_leave_the_truth():
+def test_smudges_keep_truth():
     plain, smudged = (render_contact_image(seed=4, smudges=count, noise_std=0) for count in (0, 4))
     assert smudged.ridge_area == plain.ridge_area
     assert smudged.gross_area == plain.gross_area

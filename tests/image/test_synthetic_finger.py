@@ -9,7 +9,7 @@ from fingerpad.simulate import render_finger
 FACES = ("palmar", "distal", "radial", "ulnar")
 
 
-def test_the_same_seed_gives_the_same_picture():
+def test_seed_determines_photograph():
     first, again, other = (render_finger(mm_per_px=0.15, seed=seed) for seed in (1, 1, 2))
     np.testing.assert_array_equal(first.pixels, again.pixels)
     assert (first.pixels != other.pixels).any()
@@ -17,7 +17,7 @@ def test_the_same_seed_gives_the_same_picture():
 
 @pytest.mark.parametrize("face", FACES)
 @pytest.mark.parametrize("tip", ["up", "left"])
-def test_the_edge_lies_on_the_true_arc(face, tip):
+def test_edge_on_true_arc(face, tip):
     truth = render_finger(
         face,
         tip=tip,
@@ -53,11 +53,11 @@ def test_the_edge_lies_on_the_true_arc(face, tip):
         {"mm_per_px": np.nan},
     ],
 )
-def test_impossible_fingers_are_refused(changes):
+def test_invalid_fingers(changes):
     with pytest.raises(GeometryError, match="must be"):
         render_finger(**changes)
 
 
-def test_impossible_directions_are_refused():
+def test_invalid_directions():
     with pytest.raises(ImageError, match="palmar side is"):
         render_finger("radial", palmar="down")

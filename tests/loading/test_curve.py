@@ -15,7 +15,7 @@ def write(folder: Path, text: str) -> Path:
     return path
 
 
-def test_reads_units_from_the_header(tmp_path: Path) -> None:
+def test_units_from_header(tmp_path: Path) -> None:
     path = write(tmp_path, "area_cm2,time_s,force_mN,displacement_um\n0.5,0,100,20\n1,1,2000,1500\n")
     curve = read_loading_curve(path)
     assert_allclose(curve.load, [0.1, 2.0])
@@ -23,7 +23,7 @@ def test_reads_units_from_the_header(tmp_path: Path) -> None:
     assert_allclose(curve.area, [50.0, 100.0])
 
 
-def test_area_may_be_absent(tmp_path: Path) -> None:
+def test_area_optional(tmp_path: Path) -> None:
     assert read_loading_curve(write(tmp_path, "force_N,displacement_mm\n1,2\n")).area is None
 
 
@@ -47,13 +47,13 @@ def test_columns_can_be_named(tmp_path: Path) -> None:
         ("force_N,displacement_mm\n1,2\n\n5\n", "line 4, column 'displacement_mm': '' is not a finite"),
     ],
 )
-def test_says_what_is_wrong(tmp_path: Path, text: str, message: str) -> None:
+def test_error_messages(tmp_path: Path, text: str, message: str) -> None:
     with pytest.raises(LoadingError, match=message) as caught:
         read_loading_curve(write(tmp_path, text))
     assert "curve.csv" in str(caught.value)
 
 
-def test_missing_binary_and_misnamed(tmp_path: Path) -> None:
+def test_unreadable_files(tmp_path: Path) -> None:
     with pytest.raises(LoadingError, match=r"none\.csv: cannot be read as CSV"):
         read_loading_curve(tmp_path / "none.csv")
     (tmp_path / "curve.csv").write_bytes(b"\xff\xfe\x00force")

@@ -22,14 +22,14 @@ def simulated(
     return LoadingCurve(load=load, indentation=contact.indentation + offset, area=area)
 
 
-def test_recovers_the_equivalent_radius_at_any_zero_of_displacement() -> None:
+def test_equivalent_radius_at_any_displacement_zero() -> None:
     for offset in (0.0, 0.7, -3.0):
         fit = fit_contact_compliance(simulated(np.random.default_rng(0), offset=offset))
         assert_allclose(fit.loading_radius, TRUE_RADIUS, rtol=1e-12)
         assert_allclose(fit.area_at_zero, -np.pi * TRUE_RADIUS * offset, atol=1e-9)
 
 
-def test_standard_uncertainty_covers_the_truth() -> None:
+def test_std_coverage() -> None:
     rng = np.random.default_rng(5)
     # Noise of one size at all loads, as least squares takes it to be.
     hits = 0
@@ -73,6 +73,6 @@ def test_points_without_load_are_left_out() -> None:
         (LoadingCurve(load=np.ones(5), indentation=np.arange(5.0), area=np.ones(5)), "contact area falls"),
     ],
 )
-def test_refuses_curves_that_cannot_tell(curve: LoadingCurve, message: str) -> None:
+def test_insufficient_curves_refused(curve: LoadingCurve, message: str) -> None:
     with pytest.raises(FitError, match=message):
         fit_contact_compliance(curve)

@@ -19,7 +19,7 @@ CURVE = simulate_loading_curve(points=300, seed=3, **NOISE)
 
 
 @pytest.mark.parametrize(("points", "beta"), [(20, 0.02), (200, 0.02), (200, 0.0)])
-def test_intervals_cover_and_bias_is_small(points: int, beta: float) -> None:
+def test_coverage_and_bias(points: int, beta: float) -> None:
     rows = np.array([coverage_row(points, beta, seed) for seed in range(40)])
     for k, name in enumerate(QUANTITIES):
         inside, error, std = rows[:, k].T
@@ -28,7 +28,7 @@ def test_intervals_cover_and_bias_is_small(points: int, beta: float) -> None:
         assert 0.6 < error.std() / np.median(std) < 1.6, name
 
 
-def test_noise_free_curve_gives_the_truth() -> None:
+def test_noise_free_curve() -> None:
     fit = fit_loading_curve(simulate_loading_curve(points=200, force_offset=0.3, force_tilt=0.05))
     found = (fit.loading_radius, fit.initial_modulus, fit.load_coefficient, fit.contact_offset)
     assert_allclose([each.value for each in found], [15, 0.04, 0.02, 1.0], rtol=1e-4)
@@ -36,7 +36,7 @@ def test_noise_free_curve_gives_the_truth() -> None:
     assert_allclose(fit.reduced_modulus.value, 0.08 / 0.75, rtol=1e-4)
 
 
-def test_hertzian_pad_has_hertzian_exponents() -> None:
+def test_hertzian_exponents() -> None:
     curve = simulate_loading_curve(points=400, load_coefficient=0.0, seed=5, **NOISE)
     fit = fit_loading_curve(curve)
     assert "modulus_depends_on_load" not in fit.flags
@@ -45,7 +45,7 @@ def test_hertzian_pad_has_hertzian_exponents() -> None:
     assert fit.models["hertz"].aicc < fit.models["load_dependent"].aicc + 6
 
 
-def test_growing_modulus_is_seen() -> None:
+def test_growing_modulus() -> None:
     fit = fit_loading_curve(CURVE)
     assert fit.preferred_model == "load_dependent"
     assert "modulus_depends_on_load" in fit.flags
@@ -54,7 +54,7 @@ def test_growing_modulus_is_seen() -> None:
 
 
 @pytest.mark.parametrize("shift", [-30.0, 4.0])
-def test_zero_of_the_stage_does_not_matter(shift: float) -> None:
+def test_displacement_zero_invariance(shift: float) -> None:
     moved = fit_loading_curve(replace(CURVE, indentation=CURVE.indentation + shift))
     fit = fit_loading_curve(CURVE)
     assert_allclose(moved.contact_offset.value - shift, fit.contact_offset.value, atol=1e-4)
@@ -62,7 +62,7 @@ def test_zero_of_the_stage_does_not_matter(shift: float) -> None:
     assert_allclose(moved.initial_modulus.value, fit.initial_modulus.value, rtol=2e-3)
 
 
-def test_without_area_the_place_of_contact_is_known_and_the_modulus_is_not() -> None:
+def test_without_area_modulus_undetermined() -> None:
     fit = fit_loading_curve(replace(CURVE, area=None))
     assert isinstance(fit.contact_offset, Estimate)
     for name in (
@@ -79,7 +79,7 @@ def test_without_area_the_place_of_contact_is_known_and_the_modulus_is_not() -> 
     assert "give a column area_mm2, or loading_radius" in record["reasons"]["youngs_modulus_kpa"]
 
 
-def test_given_radius_carries_its_uncertainty() -> None:
+def test_given_radius_uncertainty() -> None:
     bare = replace(CURVE, area=None)
     sure, unsure = (
         fit_loading_curve(bare, loading_radius=Estimate.symmetric(15.0, std)) for std in (0.0, 1.5)
@@ -92,7 +92,7 @@ def test_given_radius_carries_its_uncertainty() -> None:
     assert_allclose(four.youngs_modulus.value, sure.youngs_modulus.value / 2, rtol=1e-3)
 
 
-def test_record_has_every_number_with_its_uncertainty_and_unit() -> None:
+def test_record_keys() -> None:
     fit = fit_loading_curve(CURVE)
     record = json.loads(dumps(fit.as_record()))
     for name in (
@@ -112,7 +112,7 @@ def test_record_has_every_number_with_its_uncertainty_and_unit() -> None:
     assert record["reasons"] == {}
 
 
-def test_region_is_found_where_the_modulus_turns_and_can_be_given() -> None:
+def test_region_found_or_given() -> None:
     curve = simulate_loading_curve(points=600, top_load=4.0, seed=1, **NOISE)
     # From 2 N on the pad is made ever softer than its law.
     soft = np.where(curve.load > 2, curve.load / (1 + 0.9 * (curve.load - 2)), curve.load)
@@ -128,13 +128,13 @@ def test_region_is_found_where_the_modulus_turns_and_can_be_given() -> None:
 
 
 @pytest.mark.parametrize("offset", [-12.0, 12.0])
-def test_area_before_contact_is_flagged(offset: float) -> None:
+def test_area_before_contact_flagged(offset: float) -> None:
     assert "area_offset" not in fit_loading_curve(CURVE).flags
     moved = replace(CURVE, area=np.maximum(CURVE.area + offset, 0))
     assert "area_offset" in fit_loading_curve(moved).flags
 
 
-def test_estimators_of_contact_state_errors_that_hold() -> None:
+def test_contact_estimator_errors_coverage() -> None:
     points = contact_points(CURVE)
     assert set(points) == {"joint", *ESTIMATORS}
     for name, found in points.items():
@@ -142,14 +142,14 @@ def test_estimators_of_contact_state_errors_that_hold() -> None:
     assert points["joint"].std < min(points[name].std for name in ESTIMATORS)
 
 
-def test_estimator_can_be_chosen_and_its_uncertainty_is_carried() -> None:
+def test_chosen_estimator_uncertainty() -> None:
     fit = fit_loading_curve(CURVE)
     held = fit_loading_curve(CURVE, contact_point="contact_by_threshold")
     assert held.contact_offset.value > fit.contact_offset.value  # a threshold is always late
     assert held.initial_modulus.std > 3 * fit.initial_modulus.std
 
 
-def test_each_cycle_can_be_fitted() -> None:
+def test_fit_of_each_cycle() -> None:
     curve = simulate_loading_curve(points=900, cycles=2, unloading=True, seed=4, **NOISE)
     for cycle in (0, 1):
         fit = fit_loading_curve(curve, cycle=cycle)
@@ -169,12 +169,12 @@ def test_each_cycle_can_be_fitted() -> None:
         ({"region": (1.0, 0.5)}, "region must be two rising loads"),
     ],
 )
-def test_impossible_options_are_refused(options: dict, message: str) -> None:
+def test_invalid_options(options: dict, message: str) -> None:
     with pytest.raises(LoadingError, match=message):
         fit_loading_curve(CURVE, **options)
 
 
-def test_a_constraint_coefficient_divides_the_moduli_and_brings_its_uncertainty() -> None:
+def test_constraint_coefficient() -> None:
     fit = fit_loading_curve(simulate_loading_curve(points=200, force_std=0.004, area_std=0.5, seed=2))
     free = fit.divide_by_constraint(Estimate.symmetric(2.0, 0.5))
     for name in ("reduced_modulus", "youngs_modulus", "initial_modulus", "load_coefficient"):
@@ -193,7 +193,7 @@ def test_a_constraint_coefficient_divides_the_moduli_and_brings_its_uncertainty(
         fit.divide_by_constraint(Estimate.symmetric(0.0, 0.0))
 
 
-def test_times_of_a_slow_clock_are_spread() -> None:
+def test_repeated_times_are_spread() -> None:
     curve = simulate_loading_curve(points=300, force_std=0.004, area_std=0.5, seed=3)
     fine = fit_loading_curve(curve)
     coarse = fit_loading_curve(replace(curve, time=np.floor(curve.time / 0.05) * 0.05))
@@ -203,7 +203,7 @@ def test_times_of_a_slow_clock_are_spread() -> None:
         fit_loading_curve(replace(curve, time=np.ones_like(curve.time)))
 
 
-def test_slips_of_units_and_contradictions_are_flagged() -> None:
+def test_implausible_units_flagged() -> None:
     curve = simulate_loading_curve(points=200, force_std=0.004, area_std=0.5, seed=3)
     assert "implausible_radius" in fit_loading_curve(replace(curve, area=curve.area / 100)).flags
     assert "implausible_modulus" in fit_loading_curve(replace(curve, load=1000 * curve.load)).flags

@@ -58,7 +58,7 @@ def test_profile_agrees_with_lmfit() -> None:
 
 
 @pytest.mark.parametrize("kept", [0.0, 0.5, 0.9])
-def test_correlated_residuals_count_for_fewer(kept: float) -> None:
+def test_effective_count_of_correlated_residuals(kept: float) -> None:
     rng = np.random.default_rng(3)
     worth = []
     for _ in range(20):
@@ -69,7 +69,7 @@ def test_correlated_residuals_count_for_fewer(kept: float) -> None:
     assert_allclose(np.median(worth), 1500 * (1 - kept) / (1 + kept), rtol=0.15)
 
 
-def test_intervals_of_correlated_data_cover() -> None:
+def test_interval_coverage_of_correlated_data() -> None:
     rng, hits = np.random.default_rng(4), 0
     x = np.linspace(0, 1, 300)
     for _ in range(200):
@@ -87,22 +87,22 @@ def test_intervals_of_correlated_data_cover() -> None:
     ("residuals", "start", "message"),
     [
         (lambda p: np.ones(2) * p[0] - p[1] + p[2], [1, 1, 1], "2 data for 3 parameters"),
-        (lambda p: np.ones(9) * (p[0] + p[1] - 1), [1, 1], "do not tell a, b apart"),
+        (lambda p: np.ones(9) * (p[0] + p[1] - 1), [1, 1], "do not determine a, b separately"),
         (lambda p: np.arange(9.0) - p[0] + 0 * p[1], [1, 1], "do not depend on b"),
         (lambda p: np.full(9, np.nan) * p[0], [1, 1], "not finite"),
     ],
 )
-def test_says_what_is_not_determined(residuals, start, message: str) -> None:
+def test_undetermined_parameters_named(residuals, start, message: str) -> None:
     with pytest.raises(FitError, match=message):
         fit_least_squares(residuals, start, ["a", "b", "c"][: len(start)])
 
 
 def test_more_parameters_than_independent_residuals() -> None:
-    with pytest.raises(FitError, match="worth 2.5 independent"):
+    with pytest.raises(FitError, match="count as 2.5 independent"):
         fitted(data(0)).with_effective_count(2.5)
 
 
-def test_aicc_prefers_what_made_the_data() -> None:
+def test_aicc_prefers_true_model() -> None:
     wins = 0
     for seed in range(30):
         y = data(seed)

@@ -24,7 +24,7 @@ PAD = {"loading_radius": 14.5, "initial_modulus": 0.04, "load_coefficient": 0.02
 @pytest.mark.parametrize(
     ("wedge", "indentation", "modulus_kpa"), [("wedge_30", 1.806, 102.4), ("wedge_45", 1.523, 157.1)]
 )
-def test_published_contacts_at_two_newtons(wedge, indentation, modulus_kpa) -> None:
+def test_published_contacts_at_2_N(wedge, indentation, modulus_kpa) -> None:
     printed = tomllib.loads((files("fingerpad.published") / "dzidek2017.toml").read_text(encoding="utf-8"))
     area, radius = printed["table3"][wedge]["area_mm2"], printed["table4"][wedge]["R_g_mm"]
     xi = area / (np.pi * radius)
@@ -32,7 +32,7 @@ def test_published_contacts_at_two_newtons(wedge, indentation, modulus_kpa) -> N
     assert_allclose(1000 * secant_modulus(2.0, xi, loading_radius=radius), modulus_kpa, atol=0.06)
 
 
-def test_is_hertz_without_growth() -> None:
+def test_hertz_without_load_coefficient() -> None:
     contact = hertz_contact(14.5, 14.5, 2.0, reduced_modulus=reduced(0.04, 0.5))
     found = load_from_indentation(contact.indentation, loading_radius=14.5, initial_modulus=0.04)
     assert_allclose(found, 2.0, rtol=1e-12)
@@ -40,20 +40,20 @@ def test_is_hertz_without_growth() -> None:
     assert_allclose(area, contact.area, rtol=1e-12)
 
 
-def test_indentation_and_load_are_inverse() -> None:
+def test_indentation_and_load_invert() -> None:
     load = np.geomspace(1e-6, 50, 40)
     assert_allclose(load_from_indentation(indentation_from_load(load, **PAD), **PAD), load, rtol=1e-9)
     assert load_from_indentation(-1.0, **PAD) == 0
     assert np.isnan(load_from_indentation(100.0, **PAD))  # beyond where the growing modulus ends it
 
 
-def test_secant_modulus_grows_as_it_was_told() -> None:
+def test_secant_modulus_grows_linearly() -> None:
     load = np.array([0.5, 1.0, 2.0])
     secant = secant_modulus(load, indentation_from_load(load, **PAD), loading_radius=14.5)
     assert_allclose(secant, 0.04 + 0.02 * load, rtol=1e-12)
 
 
-def test_area_exponent_is_the_slope_of_the_area_law() -> None:
+def test_area_exponent_is_logarithmic_slope() -> None:
     load = np.geomspace(0.01, 20, 30)
     step = 1e-5
     area = [area_from_load(load * np.exp(way * step), **PAD) for way in (1, -1)]
@@ -63,7 +63,7 @@ def test_area_exponent_is_the_slope_of_the_area_law() -> None:
 
 
 @pytest.mark.parametrize("ratio", [1.0, 1.2, 2.0])
-def test_shape_check_of_an_elliptical_contact(ratio: float) -> None:
+def test_shape_check_of_elliptical_contact(ratio: float) -> None:
     contact = hertz_contact(14.0, 14.0 * ratio, 2.0, reduced_modulus=0.1)
     k = float(contact.ellipse.semi_minor / contact.ellipse.semi_major)
     check = shape_check(

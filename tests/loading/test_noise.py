@@ -42,7 +42,7 @@ def written_out(drift_std: float) -> np.ndarray:
 
 
 @pytest.mark.parametrize("drift_std", [0.0, 0.006])
-def test_likelihood_is_that_of_the_matrix(drift_std: float) -> None:
+def test_likelihood_equals_dense_matrix(drift_std: float) -> None:
     covariance = written_out(drift_std)
     columns = np.random.default_rng(1).standard_normal((len(covariance), 4))
     residual, jacobian = columns[:, 0], columns[:, 1:]
@@ -56,7 +56,7 @@ def test_likelihood_is_that_of_the_matrix(drift_std: float) -> None:
 
 
 @pytest.mark.parametrize("drift_std", [0.0, 0.006])
-def test_parameter_covariance_is_the_sandwich_of_the_matrix(drift_std: float) -> None:
+def test_covariance_equals_dense_sandwich(drift_std: float) -> None:
     covariance, seen = written_out(drift_std), noise(drift_std)
     jacobian = np.random.default_rng(2).standard_normal((len(covariance), 3))
     identity = np.eye(len(covariance))
@@ -67,7 +67,7 @@ def test_parameter_covariance_is_the_sandwich_of_the_matrix(drift_std: float) ->
     assert_allclose(found, estimator @ covariance @ estimator.T, rtol=1e-8)
 
 
-def test_estimated_weights_cost_what_kenward_and_roger_say() -> None:
+def test_estimated_weights_follow_kenward_roger() -> None:
     """Their own form, Φ + 2 Φ Σ C_ij (Q_ij − P_i Φ P_j) Φ, in variances and with the matrix written out."""
     names, parts = ("force_std", "displacement_std", "area_std"), []
     for name in names:
@@ -94,7 +94,7 @@ def test_estimated_weights_cost_what_kenward_and_roger_say() -> None:
     assert np.linalg.norm(added) > 0.05 * np.linalg.norm(plain)
 
 
-def test_deviations_are_found_again() -> None:
+def test_noise_stds_recovered() -> None:
     count, rng, found = 1500, np.random.default_rng(3), []
     slope, with_area = np.linspace(0, 3, count), np.ones(count, dtype=bool)
     line = np.stack([np.ones(count), np.linspace(0, 1, count)], axis=-1)

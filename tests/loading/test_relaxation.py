@@ -16,7 +16,7 @@ def relaxation(**options):
     return fit_relaxation(curve, find_cycles(curve)[0], 1.0)
 
 
-def test_one_term_is_found_through_the_ramp() -> None:
+def test_one_term_with_ramp() -> None:
     found = relaxation(relaxation=[(0.3, 3.0)], seed=1)
     (term,) = found.terms
     assert abs(term.time.value - 3.0) < 4 * term.time.std
@@ -24,11 +24,11 @@ def test_one_term_is_found_through_the_ramp() -> None:
     assert_allclose([term.time.value, term.share.value], [3.0, 0.3], rtol=0.1)
 
 
-def test_no_term_where_nothing_relaxes() -> None:
+def test_no_term_without_relaxation() -> None:
     assert relaxation(seed=2).terms == ()
 
 
-def test_times_beyond_the_record_are_not_claimed() -> None:
+def test_times_outside_record_undetermined() -> None:
     fast = relaxation(relaxation=[(0.3, 0.2)], rate=1.0, seed=3)
     assert fast.terms
     assert all("faster than the ramp" in term.time.reason for term in fast.terms)
@@ -37,13 +37,13 @@ def test_times_beyond_the_record_are_not_claimed() -> None:
     assert all("slower than the hold" in term.time.reason for term in slow.terms)
 
 
-def test_needs_times_and_a_hold() -> None:
+def test_hold_and_times_required() -> None:
     curve = simulate_loading_curve(points=100)
     with pytest.raises(FitError, match="no hold"):
         fit_relaxation(curve, find_cycles(curve)[0], 1.0)
 
 
-def test_ridge_growth_covers_the_truth() -> None:
+def test_ridge_growth_coverage() -> None:
     t, hits = np.linspace(0, 60, 80), 0
     for seed in range(60):
         area = 60 - 20 * np.exp(-t / 15) + np.random.default_rng(seed).normal(0, 0.5, t.size)

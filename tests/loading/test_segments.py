@@ -26,14 +26,14 @@ def test_phases_of_three_cycles(points: int, noise: dict) -> None:
         assert_allclose(edges, [0.3 / 3.37, 1.39 / 3.37, 1.99 / 3.37], atol=max(0.035, 2 / third))
 
 
-def test_one_way_record_has_no_hold_and_no_unloading() -> None:
+def test_one_way_record() -> None:
     (cycle,) = find_cycles(simulate_loading_curve(points=300, **NOISE))
     assert cycle.hold is None
     assert cycle.unloading is None
     assert len(cycle.baseline) + len(cycle.loading) == 300
 
 
-def test_baseline_level_covers_the_zero() -> None:
+def test_baseline_level_coverage() -> None:
     curve = simulate_loading_curve(points=400, force_offset=0.2, **NOISE)
     level = baseline_level(curve, find_cycles(curve)[0])
     assert level.lower < 0.2 < level.upper
@@ -41,7 +41,7 @@ def test_baseline_level_covers_the_zero() -> None:
 
 
 @pytest.mark.parametrize("share", [0.0, 0.3, 0.6])
-def test_hysteresis_is_the_area_of_the_loop(share: float) -> None:
+def test_hysteresis_is_loop_area(share: float) -> None:
     curve = simulate_loading_curve(points=4000, unloading=True, hysteresis=share, load_coefficient=0.0)
     found = hysteresis(curve, find_cycles(curve)[0])
     # Of W = k x^(3/2), the work is 2/5, and the loop's share h (2/5 - 2/7) / (2/5).
@@ -76,14 +76,14 @@ CURVE = simulate_loading_curve(points=300, **NOISE)
         ({"area": -CURVE.area}, LoadingError, "contact area falls"),
     ],
 )
-def test_impossible_records_are_refused(columns: dict, kind: type[FingerpadError], message: str) -> None:
+def test_invalid_records(columns: dict, kind: type[FingerpadError], message: str) -> None:
     with pytest.raises(kind, match=message):
         fit_loading_curve(replace(CURVE, **columns))
 
 
 @pytest.mark.parametrize("approach", [0.0, 0.8])
 @pytest.mark.parametrize("points", [40, 400])
-def test_record_upside_down_is_told_from_one_that_is_not(points: int, approach: float) -> None:
+def test_reversed_record_is_detected(points: int, approach: float) -> None:
     curve = simulate_loading_curve(points=points, approach=approach, hold=0.5, unloading=True, **NOISE)
     with pytest.raises(LoadingError, match="both of the wrong sign"):
         fit_loading_curve(replace(curve, load=0.1 - curve.load, indentation=3 - curve.indentation))
@@ -95,13 +95,13 @@ def test_record_upside_down_is_told_from_one_that_is_not(points: int, approach: 
 
 
 @pytest.mark.parametrize("exponent", [0.7, 1.0])
-def test_pad_that_yields_is_not_upside_down(exponent: float) -> None:
+def test_yielding_pad_is_not_reversed(exponent: float) -> None:
     depth = np.maximum(CURVE.indentation - 1, 0)
     assert fit_loading_curve(replace(CURVE, load=depth**exponent + CURVE.load * 1e-3)).flags is not None
 
 
 @pytest.mark.parametrize("name", ["load", "indentation", "area", "time"])
-def test_nan_and_wrong_lengths_are_refused(name: str) -> None:
+def test_nan_and_unequal_lengths_refused(name: str) -> None:
     values = getattr(CURVE, name).copy()
     values[7] = np.nan
     with pytest.raises(LoadingError, match=f"{name} is not finite in row 8"):
@@ -111,7 +111,7 @@ def test_nan_and_wrong_lengths_are_refused(name: str) -> None:
             replace(CURVE, **{name: values[:9]})
 
 
-def test_backward_time_is_refused_and_repeated_time_and_gaps_are_flagged() -> None:
+def test_time_checks() -> None:
     time = CURVE.time.copy()
     time[100] = time[98]
     with pytest.raises(LoadingError, match="runs backwards at row 101"):
@@ -123,7 +123,7 @@ def test_backward_time_is_refused_and_repeated_time_and_gaps_are_flagged() -> No
     assert {"duplicated_time", "time_gap"} <= set(flags)
 
 
-def test_saturated_rows_are_left_out_and_flagged() -> None:
+def test_saturated_rows_left_out_and_flagged() -> None:
     clipped = replace(CURVE, load=np.minimum(CURVE.load, 1.5))
     fit = fit_loading_curve(clipped)
     assert "saturated_force" in fit.flags
@@ -132,7 +132,7 @@ def test_saturated_rows_are_left_out_and_flagged() -> None:
     assert fit.modulus_load < 1.52
 
 
-def test_without_a_baseline_it_says_so() -> None:
+def test_no_baseline_is_flagged() -> None:
     start = find_cycles(CURVE)[0].loading.start + 60
     cut = LoadingCurve(
         load=CURVE.load[start:], indentation=CURVE.indentation[start:], area=CURVE.area[start:]

@@ -34,7 +34,7 @@ def printed_numbers(table: object, path: tuple[str, ...] = ()) -> list[float]:
     return [float(number) for number in (table if isinstance(table, list) else [table])]
 
 
-def test_every_printed_number_is_audited_once(items) -> None:
+def test_each_printed_number_audited_once(items) -> None:
     text = files("fingerpad.published").joinpath("dzidek2017.toml").read_text(encoding="utf-8")
     expected = printed_numbers(tomllib.loads(text))
     assert len(expected) == 36
@@ -76,7 +76,7 @@ def test_table_2(items, method, printed, true) -> None:
         ("Pooled, θ = 45°, uncertainty of R_corr", 0.6, 0.01, 5e-3, NOT),
     ],
 )
-def test_the_rest_of_what_is_computed(items, name, printed, computed, tolerance, verdict) -> None:
+def test_other_computed_values(items, name, printed, computed, tolerance, verdict) -> None:
     item = items[name]
     assert (item.printed, item.verdict) == (printed, verdict)
     assert_allclose(item.computed, computed, atol=tolerance)
@@ -97,12 +97,12 @@ def test_measurements_have_no_computed_value(items) -> None:
     assert all(items[name].verdict == NOT and "measured input" in items[name].remark for name in measured)
 
 
-def test_the_misprint_does_not_explain_the_radii_on_the_wedges(items) -> None:
+def test_misprint_does_not_explain_wedge_radii(items) -> None:
     found = [items[f"Table 4, θ = {angle}°, R_0g"].with_misprint for angle in (30, 45)]
     assert_allclose(found, [17.89, 11.55], atol=5e-3)
 
 
-def test_range_holds_every_pad_that_rounds_to_the_printed_one(items) -> None:
+def test_range_covers_rounding(items) -> None:
     item = items["Table 2, ellipse, u = 30°"]
     steps = np.linspace(-0.05, 0.05, 11)
     a, b, c = np.meshgrid(7.9 + steps, 13.8 + steps, 11.8 + steps)
@@ -110,7 +110,7 @@ def test_range_holds_every_pad_that_rounds_to_the_printed_one(items) -> None:
     assert_allclose([item.low, item.high], [radii.min(), radii.max()], rtol=1e-9)
 
 
-def test_the_misprint_changes_nothing_at_the_fingertip() -> None:
+def test_misprint_without_effect_at_fingertip() -> None:
     pad = dzidek2017().semi_axes["direct"].ellipsoid
     true = pad.curvature(np.pi / 2, np.pi / 2).mean_curvature_radius
     assert_allclose(radius_with_misprint(pad, np.pi / 2), true, rtol=1e-14)
@@ -120,11 +120,11 @@ def test_the_misprint_changes_nothing_at_the_fingertip() -> None:
 @pytest.mark.parametrize(
     ("digits", "value", "rounding"), [("5.0", 5.0, 0.05), ("5", 5.0, 0.5), ("116.30", 116.3, 0.005)]
 )
-def test_last_printed_digit_sets_the_rounding(digits, value, rounding) -> None:
+def test_rounding_from_last_digit(digits, value, rounding) -> None:
     assert Printed.of(digits) == Printed(value, rounding)
 
 
-def test_records_survive_json(items) -> None:
+def test_record_to_json(items) -> None:
     record = items["Table 2, direct, u = 0°"].as_record()
     assert {"item", "printed", "computed", "unit", "verdict", "remark", "with_misprint"} <= record.keys()
     assert json.loads(json.dumps(record)) == record

@@ -54,7 +54,7 @@ def demo(tmp_path_factory: pytest.TempPathFactory) -> tuple[StudyResult, str, Pa
     return result, write_report(result, out).read_text(encoding="utf-8"), out
 
 
-def test_needs_nothing_from_elsewhere(demo: tuple[StudyResult, str, Path]) -> None:
+def test_self_contained(demo: tuple[StudyResult, str, Path]) -> None:
     _, text, _ = demo
     page = Page(text)
     assert page.open == []
@@ -65,7 +65,7 @@ def test_needs_nothing_from_elsewhere(demo: tuple[StudyResult, str, Path]) -> No
     assert not re.search(r"url\((?!#)", text)
 
 
-def test_shows_every_observation_and_overlay(demo: tuple[StudyResult, str, Path]) -> None:
+def test_all_observations_and_overlays_shown(demo: tuple[StudyResult, str, Path]) -> None:
     result, text, out = demo
     for row in result.rows:
         assert (row["observation"] in text) == (row["frame"] is None)
@@ -80,7 +80,7 @@ def test_shows_every_observation_and_overlay(demo: tuple[StudyResult, str, Path]
     assert text.count("<figcaption>") == len(figures) // 2 + text.count("data:image/jpeg")
 
 
-def test_calls_synthetic_what_is(demo: tuple[StudyResult, str, Path]) -> None:
+def test_synthetic_is_labelled(demo: tuple[StudyResult, str, Path]) -> None:
     result, text, _ = demo
     tag = '<span class="synthetic">synthetic</span>'
     assert re.search(rf"<h3>synthetic_press_30deg{tag}</h3>", text)
@@ -92,13 +92,13 @@ def test_calls_synthetic_what_is(demo: tuple[StudyResult, str, Path]) -> None:
         assert (tag in heading) == heading.startswith("synthetic_pad")
 
 
-def test_says_where_the_model_ends(demo: tuple[StudyResult, str, Path]) -> None:
+def test_model_limits_shown(demo: tuple[StudyResult, str, Path]) -> None:
     _, text, _ = demo
     assert text.count("In 1 of 1 contacts the contact radius exceeds 0.3 of the radius of curvature.") == 4
     assert "In 1 of 1 contacts measured and predicted aspect ratio differ by more than 10%" in text
 
 
-def test_text_from_the_manifest_is_escaped(tmp_path: Path) -> None:
+def test_manifest_text_escaped(tmp_path: Path) -> None:
     manifest = tmp_path / "study.toml"
     manifest.write_text(
         "title = '<script>alert(1)</script> & sons'\n[[fingers]]\nname = 'f'\n"
@@ -111,7 +111,7 @@ def test_text_from_the_manifest_is_escaped(tmp_path: Path) -> None:
     assert "No observation could be measured" in text
 
 
-def test_every_flag_has_words() -> None:
+def test_every_flag_described() -> None:
     assert set(FLAGS) <= set(FLAG_WORDS)
 
 

@@ -124,7 +124,7 @@ def test_a_named_person_s_finger_is_one_in_all_studies() -> None:
     assert (means_of(twice)[0].fingers, len(means_of(twice)[0].people)) == (1, 1)
     unnamed = [value(13.0, 0.1, study=s, person=s, named=False) for s in ("A", "B")]
     assert (means_of(unnamed)[0].fingers, len(means_of(unnamed)[0].people)) == (2, 2)
-    # Whoever is called like a study is not the one whom that study does not name.
+    # A person with the name of a study is not that study's unnamed person.
     mixed = [value(13.0, 0.1, person="A"), value(13.0, 0.1, person="A", named=False)]
     assert len(means_of(mixed)[0].people) == 2
 

@@ -104,7 +104,7 @@ def test_a_corrected_frame_has_its_piece_measured_anew(manifest: Path) -> None:
     assert row["semi_minor_mm"] == pytest.approx(30 * 25.4 / 240, rel=1e-3)
     others = [[one for one in found.rows if one["observation"] != "p#8"] for found in (before, after)]
     assert others[0] == others[1]
-    # A frame in which the program saw nothing can be measured by a person.
+    # A frame without an automatic contact can be measured manually.
     seen = {row["frame"] for row in before.rows}
     empty = min(frame for frame in range(24) if frame not in seen and frame > 1)
     decide(manifest, f"p#{empty}", ELLIPSE)

@@ -150,7 +150,7 @@ BAD = {
     "last finger": (("finger", "left", None), "fingers"),
     "no such scale": (("scale", "ruler", None), "none of this name"),
     "no such observation": (("observation", "p", None), "none of this name"),
-    "photograph of nobody": (("photograph", "x/a.png", {"face": "palmar"}), "no finger is named 'x'"),
+    "photograph of no finger": (("photograph", "x/a.png", {"face": "palmar"}), "no finger is named 'x'"),
     "curve far on": (("curve", "7", {"finger": "left"}), "numbered from 0"),
     "tables at the top": (("study", "", {"fingers": []}), "edits of its own"),
     "not for TOML": (("observation", "print_1", {"notes": {1, 2}}), "cannot be written as TOML"),

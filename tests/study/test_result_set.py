@@ -1,4 +1,4 @@
-"""The files of a run are put in place as one, and whoever reads them notices what does not belong."""
+"""The files of a run are put in place as one, and reading them detects files that do not belong."""
 
 import os
 import shutil

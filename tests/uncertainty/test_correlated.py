@@ -9,7 +9,7 @@ from fingerpad.uncertainty import Inputs, correlated_values, inputs_from_ufloats
 uncertainties = pytest.importorskip("uncertainties")
 
 
-def test_propagation_agrees_with_the_package() -> None:
+def test_propagation_agrees_with_uncertainties() -> None:
     scale = uncertainties.ufloat(1.0, 0.02)
     axes = [7.4 * scale + uncertainties.ufloat(0, 0.05), 5.0 * scale]
     inputs = inputs_from_ufloats(semi_major=axes[0], load=2.0, semi_minor=axes[1])
@@ -22,7 +22,7 @@ def test_propagation_agrees_with_the_package() -> None:
     assert_allclose(np.sqrt(first_order), expected.std_dev)
 
 
-def test_there_and_back() -> None:
+def test_round_trip() -> None:
     given = Inputs.of(radius=(13.8, 0.2), depth=(2.1, 0.1), correlations={("depth", "radius"): 0.7})
     outputs = propagate(lambda radius, depth: {"radius": radius, "depth": depth}, given)
     again = inputs_from_ufloats(**correlated_values(outputs))

@@ -17,7 +17,7 @@ from fingerpad.uncertainty import covariance_of, covariance_root
         np.zeros((3, 3)),
     ],
 )
-def test_factors_give_the_matrix_back(covariance: np.ndarray) -> None:
+def test_root_squared_is_matrix(covariance: np.ndarray) -> None:
     factor = covariance_root(covariance_of(covariance))
     assert_allclose(factor @ factor.T, covariance, rtol=1e-9, atol=1e-20)
 
@@ -38,33 +38,33 @@ def test_factors_give_the_matrix_back(covariance: np.ndarray) -> None:
         ),
     ],
 )
-def test_refuses(covariance: list[list[float]], message: str) -> None:
+def test_invalid_arguments(covariance: list[list[float]], message: str) -> None:
     with pytest.raises(UncertaintyError, match=message):
         covariance_of(covariance)
 
 
 @pytest.mark.parametrize("below", [1e-7, 1e-3])
-def test_what_is_below_zero_by_more_than_rounding_is_refused(below: float) -> None:
+def test_negative_eigenvalue_refused(below: float) -> None:
     # Three equal correlations r have the smallest eigenvalue 1 + 2 r.
     correlation = (1.5 + below / 2) * np.eye(3) - (0.5 + below / 2)
     with pytest.raises(UncertaintyError, match="smallest eigenvalue"):
         covariance_of(correlation)
 
 
-def test_what_rounding_leaves_below_zero_is_accepted() -> None:
+def test_rounding_below_zero_accepted() -> None:
     correlation = (1.5 + 5e-11) * np.eye(3) - (0.5 + 5e-11)
     assert np.linalg.eigvalsh(correlation)[0] < -5e-11
     for scale in (1.0, 1e-12, 1e12):
         assert covariance_of(scale * correlation).shape == (3, 3)
 
 
-def test_a_root_is_nan_where_the_matrix_is_not_finite() -> None:
+def test_root_of_nonfinite_matrix_is_nan() -> None:
     roots = covariance_root(np.stack([np.eye(2), np.diag([1.0, np.inf]), np.full((2, 2), np.nan)]))
     assert_allclose(roots[0], np.eye(2))
     assert np.isnan(roots[1:]).all()
 
 
-def test_finds_the_one_bad_matrix_of_many() -> None:
+def test_one_invalid_matrix_of_many() -> None:
     matrices = np.tile(np.eye(2), (4, 1, 1))
     matrices[2, 0, 0] = -1
     with pytest.raises(UncertaintyError, match="at index 2, 0"):

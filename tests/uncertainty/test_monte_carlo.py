@@ -54,7 +54,7 @@ def test_correlated_inputs() -> None:
     assert_allclose(result.covariance, [[1.2, 2.1], [2.1, 4.0]], rtol=0.04)
 
 
-def test_the_wanted_digits_decide_when_it_stops() -> None:
+def test_stops_at_wanted_digits() -> None:
     first = pad_uncertainty(**PAD)
     rough, fine = (run_monte_carlo(pad_model, first.inputs, digits=digits) for digits in (1, 2))
     assert rough.draws < fine.draws <= 1_000_000
@@ -63,7 +63,7 @@ def test_the_wanted_digits_decide_when_it_stops() -> None:
     assert np.max(np.abs(fine.std / first.std - 1)) < 0.02
 
 
-def test_tolerance_is_that_of_repeats() -> None:
+def test_tolerance_matches_repeats() -> None:
     def end(seed: int) -> float:
         found = run_monte_carlo(exponential, NORMAL, min_draws=50_000, max_draws=50_000, seed=seed)
         return float(found["y"].interval[1])
@@ -73,7 +73,7 @@ def test_tolerance_is_that_of_repeats() -> None:
     assert 0.5 < tolerance / (2 * scatter) < 2.5
 
 
-def test_the_largest_number_of_draws_is_kept_and_reported() -> None:
+def test_max_draws_reached_is_reported() -> None:
     result = run_monte_carlo(exponential, NORMAL, digits=3, max_draws=40_000)
     assert result.draws == 40_000
     assert result.converged == {"y": False}
@@ -84,7 +84,7 @@ def test_same_seed_same_result() -> None:
     assert one == other != third
 
 
-def test_draws_without_a_finite_output_are_counted() -> None:
+def test_undefined_draws_are_counted() -> None:
     result = run_monte_carlo(square_root, Inputs.of(x=(1.0, 1.0)))
     assert_allclose(result.undefined / (result.draws + result.undefined), stats.norm.cdf(-1), rtol=0.05)
     assert np.isfinite(result.std).all()
@@ -100,12 +100,12 @@ def test_draws_without_a_finite_output_are_counted() -> None:
         (NORMAL, {"min_draws": 10, "max_draws": 5}, "at most max_draws, found 2, 10, 5"),
     ],
 )
-def test_refuses(inputs: Inputs, options: dict[str, int], message: str) -> None:
+def test_invalid_arguments(inputs: Inputs, options: dict[str, int], message: str) -> None:
     with pytest.raises(UncertaintyError, match=message):
         run_monte_carlo(square_root, inputs, **options)
 
 
-def test_the_linear_approximation_is_valid_for_small_uncertainties_only() -> None:
+def test_linear_approximation_valid_for_small_uncertainties() -> None:
     first = pad_uncertainty(**PAD)
     found = validate_linear_approximation(first, run_monte_carlo(pad_model, first.inputs))
     assert set(found) == set(first.names)

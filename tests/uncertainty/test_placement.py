@@ -9,7 +9,7 @@ from fingerpad.uncertainty import Inputs, placement_model, propagate, run_monte_
 
 @pytest.mark.parametrize("wedge_deg", [0.0, 30.0, 60.0, 90.0])
 @pytest.mark.parametrize("roll_deg", [-40.0, 0.0, 25.0])
-def test_it_is_the_placement(wedge_deg, roll_deg):
+def test_equals_placement(wedge_deg, roll_deg):
     axes = {"palmar": 7.9, "distal": 13.8, "radial_ulnar": 11.8}
     angles = {"wedge_angle": np.radians(wedge_deg), "roll_angle": np.radians(roll_deg)}
     found = placement_model(**axes, **angles)
@@ -19,7 +19,7 @@ def test_it_is_the_placement(wedge_deg, roll_deg):
     assert found["u"] == pytest.approx(float(placement.u))
 
 
-def test_first_order_agrees_with_simulation():
+def test_first_order_agrees_with_monte_carlo():
     inputs = Inputs.of(
         palmar=(7.9, 0.1),
         distal=(13.8, 0.1),

@@ -29,14 +29,14 @@ def test_weights_are_inverse_variances() -> None:
     assert_allclose(pooled.std, pooled.birge_ratio / np.sqrt(1 / 1.0 + 1 / 0.25))
 
 
-def test_equal_weights_are_the_mean() -> None:
+def test_equal_weights_give_mean() -> None:
     pooled = pool([10.0, 10.2, 9.8, 10.0], np.full(4, 0.5))
     assert_allclose(pooled.value, 10.0)
     assert_allclose(pooled.std, 0.25)  # no more scatter than stated: σ/√n
     assert pooled.birge_ratio < 1
 
 
-def test_birge_ratio_enlarges_what_scatters() -> None:
+def test_birge_ratio_widens_scatter() -> None:
     values, std = np.array([9.0, 11.0, 10.0]), 0.1
     pooled = pool(values, np.full(3, std))
     assert_allclose(pooled.birge_ratio, values.std(ddof=1) / std)
@@ -46,7 +46,7 @@ def test_birge_ratio_enlarges_what_scatters() -> None:
 @given(
     st.lists(st.tuples(st.floats(-100, 100), st.floats(0.1, 10)), min_size=1, max_size=8), st.floats(0.1, 9)
 )
-def test_units_do_not_matter(estimates: list[tuple[float, float]], factor: float) -> None:
+def test_unit_invariance(estimates: list[tuple[float, float]], factor: float) -> None:
     values, stds = np.array(estimates).T
     one, other = pool(values, stds), pool(factor * values, factor * stds)
     assert_allclose(other.value, factor * one.value, rtol=1e-9, atol=1e-9)
@@ -54,19 +54,19 @@ def test_units_do_not_matter(estimates: list[tuple[float, float]], factor: float
     assert values.min() - 1e-9 <= one.value <= values.max() + 1e-9
 
 
-def test_shared_uncertainty_does_not_average_away() -> None:
+def test_shared_uncertainty_is_not_reduced() -> None:
     many = pool(np.full(1000, 5.0), np.full(1000, 0.1), np.full((1000, 1000), 0.2**2))
     assert many.std < 0.01
     assert_allclose(many.total_std, np.hypot(many.std, 0.2))
 
 
-def test_one_estimate_is_itself() -> None:
+def test_pool_of_one_estimate() -> None:
     pooled = pool([5.0], [0.3])
     assert (pooled.value, pooled.std, pooled.count) == (5.0, pytest.approx(0.3), 1)
     assert np.isnan(pooled.birge_ratio)
 
 
-def test_exact_and_tiny_uncertainties_do_not_overflow() -> None:
+def test_exact_and_tiny_uncertainties() -> None:
     pooled = pool([1.0, 2.0], [0.0, 0.1])
     assert pooled.value == pytest.approx(1.0)
     assert np.isfinite(pooled.std)
@@ -83,7 +83,7 @@ def test_exact_and_tiny_uncertainties_do_not_overflow() -> None:
         ([1.0, np.nan], [0.1, 0.1], "value to pool must be finite, found nan at index 1"),
     ],
 )
-def test_refuses(values: list[float], stds: list[float], message: str) -> None:
+def test_invalid_arguments(values: list[float], stds: list[float], message: str) -> None:
     with pytest.raises(UncertaintyError, match=message):
         pool(values, stds)
 
@@ -102,20 +102,20 @@ def test_random_effects_agree_with_statsmodels(seed: int) -> None:
     assert_allclose(ours.interval, theirs.conf_int()[3], rtol=1e-6)
 
 
-def test_random_effects_without_excess_scatter_are_fixed_effects() -> None:
+def test_random_effects_without_excess_scatter() -> None:
     values, stds = [10.0, 10.01, 9.99], [0.5, 0.4, 0.6]
     random, fixed = pool_random_effects(values, stds), pool(values, stds)
     assert random.between_std == 0
     assert_allclose((random.value, random.std), (fixed.value, fixed.std))
 
 
-def test_one_estimate_tells_nothing_of_the_others() -> None:
+def test_random_effects_of_one_estimate() -> None:
     pooled = pool_random_effects([5.0], [0.3])
     assert (pooled.value, pooled.std, pooled.between_std) == (5.0, pytest.approx(0.3), 0.0)
     assert pooled.interval == (-np.inf, np.inf)
 
 
-def test_random_effects_cover_the_truth() -> None:
+def test_random_effects_coverage() -> None:
     rng, held = np.random.default_rng(8), []
     for _ in range(1500):
         stds = rng.uniform(0.2, 1.0, 5)
@@ -126,7 +126,7 @@ def test_random_effects_cover_the_truth() -> None:
     assert 0.93 <= np.mean(held) <= 0.97
 
 
-def test_fixed_effects_cover_the_truth() -> None:
+def test_fixed_effects_coverage() -> None:
     rng, scores = np.random.default_rng(9), []
     for _ in range(2000):
         stds = rng.uniform(0.2, 1.0, 6)
@@ -135,7 +135,7 @@ def test_fixed_effects_cover_the_truth() -> None:
     assert 0.93 <= np.mean(np.abs(scores) < stats.norm.ppf(0.975)) <= 0.97
 
 
-def test_scatter_is_parted_into_repeats_and_loads() -> None:
+def test_variance_components() -> None:
     rng = np.random.default_rng(10)
     loads = np.repeat(np.arange(400), rng.integers(1, 5, 400))
     values = 12 + 1.5 * rng.normal(size=400)[loads] + 0.5 * rng.normal(size=loads.size)
@@ -144,25 +144,25 @@ def test_scatter_is_parted_into_repeats_and_loads() -> None:
     assert_allclose(scatter.between_std, 1.5, rtol=0.08)
 
 
-def test_scatter_that_cannot_be_told_is_nan() -> None:
+def test_undetermined_variance_components_are_nan() -> None:
     assert np.isnan(variance_components([1.0, 2.0, 3.0], [1, 2, 3]).within_std)
     alone = variance_components([1.0, 2.0], [1, 1])
     assert alone.within_std == pytest.approx(np.sqrt(0.5))
     assert np.isnan(alone.between_std)
 
 
-def test_random_effects_refuse_an_exact_estimate() -> None:
+def test_random_effects_of_exact_estimate_refused() -> None:
     with pytest.raises(UncertaintyError, match="standard uncertainty must be positive, found 0 at index 1"):
         pool_random_effects([1.0, 2.0], [0.1, 0.0])
 
 
-def test_shared_covariance_must_be_one() -> None:
+def test_invalid_shared_covariance() -> None:
     with pytest.raises(UncertaintyError, match="correlation"):
         pool([1.0, 2.0], [0.1, 0.1], [[1.0, 3.0], [3.0, 1.0]])
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_shared_parts_are_the_matrix_without_it(seed: int) -> None:
+def test_shared_errors_equal_matrix(seed: int) -> None:
     rng = np.random.default_rng(seed)
     values, stds, parts = rng.normal(20, 1, 7), rng.uniform(0.1, 0.6, 7), rng.normal(0, 0.3, (7, 3))
     groups = np.column_stack([np.zeros(7, dtype=int), [0, 0, 1, 1, 1, 2, 0], np.arange(7)])
@@ -180,7 +180,7 @@ def test_shared_parts_are_the_matrix_without_it(seed: int) -> None:
     )
 
 
-def test_a_hundred_thousand_estimates_take_no_matrix() -> None:
+def test_memory_with_100_000_estimates() -> None:
     count = 100_000  # whose matrix would take 80 GB
     parts = np.full((count, 1), 0.2)
     shared = SharedErrors(sources=("wedge",), parts=parts, groups=np.zeros((1, 1), int))
@@ -189,7 +189,7 @@ def test_a_hundred_thousand_estimates_take_no_matrix() -> None:
     assert pool(np.full(count, 5.0), np.full(count, 0.1)).count == count
 
 
-def test_parts_must_be_those_of_the_estimates() -> None:
+def test_invalid_shared_errors() -> None:
     with pytest.raises(UncertaintyError, match="each estimate needs its parts, found 2 and 3"):
         pool(
             [1.0, 2.0],
@@ -199,21 +199,21 @@ def test_parts_must_be_those_of_the_estimates() -> None:
 
 
 @pytest.mark.parametrize("relative_std", [0.01, 0.1])
-def test_uncertainties_in_proportion_do_not_bias_a_mean(relative_std: float) -> None:
+def test_proportional_stds_do_not_bias_mean(relative_std: float) -> None:
     found = pooling.estimates(10, relative_std, repeats=2000, seed=1)
     assert abs(found.bias) < 0.1  # −0.5 at 10 % with the weights of what is stated
     assert 0.93 <= found.covered <= 0.97
 
 
 @pytest.mark.parametrize("relative_std", [0.01, 0.1])
-def test_uncertainties_in_proportion_do_not_bias_random_effects(relative_std: float) -> None:
+def test_proportional_stds_do_not_bias_random_effects(relative_std: float) -> None:
     found = pooling.varying(10, relative_std, 0.1, repeats=800, seed=1)
     assert abs(found.bias) < 0.12  # −0.4 at 10 %
     assert 0.93 <= found.covered <= 0.97
 
 
 @pytest.mark.parametrize("values", [(10.0, 10.4, 11.0), (8.0, 12.0, 16.0)])
-def test_proportional_uncertainties_are_those_at_the_mean(values: Any) -> None:
+def test_proportional_stds_at_mean(values: Any) -> None:
     relative = np.array([0.02, 0.05, 0.03])
     stds = proportional_stds(values, relative * values)
     pooled = pool(values, stds)
@@ -221,12 +221,12 @@ def test_proportional_uncertainties_are_those_at_the_mean(values: Any) -> None:
     assert_allclose(pooled.value, np.average(values, weights=relative**-2.0), rtol=1e-14)
 
 
-def test_what_is_not_positive_has_no_relative_uncertainty() -> None:
+def test_proportional_stds_of_nonpositive_values() -> None:
     assert_allclose(proportional_stds([-1.0, 0.0, 2.0], [0.5, 0.5, 1.0]), [0.5, 0.5, 1.0])
 
 
 @given(st.floats(-8, 8))
-def test_the_unit_of_random_effects_does_not_matter(exponent: float) -> None:
+def test_random_effects_unit_invariance(exponent: float) -> None:
     values, stds = np.array([19.0, 20.5, 22.0]), np.array([0.1, 0.2, 0.3])
     factor = 10.0**exponent
     one, other = pool_random_effects(values, stds), pool_random_effects(factor * values, factor * stds)

@@ -59,13 +59,13 @@ def test_linear_models_are_exact(entries: list[float], scale: float) -> None:
     assert_allclose(result.jacobian, matrix, atol=1e-8)
 
 
-def test_products_add_relative_variances() -> None:
+def test_product_adds_relative_variances() -> None:
     inputs = Inputs.of(a=(3.0, 0.03), b=(0.2, 0.004), c=(50.0, 1.5))
     product = propagate(lambda a, b, c: {"product": a * b * c}, inputs)["product"]
     assert_allclose(product.std / product.value, np.sqrt(0.01**2 + 0.02**2 + 0.03**2), rtol=1e-9)
 
 
-def test_many_at_once_equal_one_by_one() -> None:
+def test_arrays_equal_scalars() -> None:
     rng = np.random.default_rng(3)
     values = {name: pair[0] * rng.uniform(0.95, 1.05, 5) for name, pair in PAD.items()}
     stds = {name: pair[1] * rng.uniform(0.5, 2, 5) for name, pair in PAD.items()}
@@ -82,7 +82,7 @@ def test_many_at_once_equal_one_by_one() -> None:
         assert_allclose(alone.budget("radius_from_indentation")["wedge angle"], share, rtol=1e-10)
 
 
-def test_pad_agrees_with_monte_carlo_of_measured_quantities() -> None:
+def test_pad_agrees_with_monte_carlo() -> None:
     mean, std = np.array([*PAD.values()], dtype=float).T
     correlations = {
         ("palmar", "distal"): 0.9,
@@ -100,13 +100,13 @@ def test_pad_agrees_with_monte_carlo_of_measured_quantities() -> None:
         assert_allclose(result[name].std, getattr(contact, name).std(), rtol=0.02, err_msg=name)
 
 
-def test_values_are_those_of_the_contact() -> None:
+def test_values_equal_pad_contact() -> None:
     result, contact = pad_uncertainty(**PAD), observed(**EXACT)
     for name in result.names:
         assert_allclose(result[name].value, getattr(contact, name), rtol=1e-12, err_msg=name)
 
 
-def test_flat_outputs_take_the_second_order() -> None:
+def test_second_order_of_flat_output() -> None:
     # z² of a standard normal z has variance 2; z₁² + z₂² twice that.
     result = propagate(lambda a, b: {"sum": a**2 + b**2}, Inputs.of(a=(0.0, 1.0), b=(0.0, 1.0)))
     assert_allclose(result.std, 2.0, rtol=1e-9)
@@ -121,7 +121,7 @@ def test_corrected_radius_of_a_near_circle(semi_major: float) -> None:
     assert_allclose(found, contact.radius_from_indentation.std(), rtol=0.02)
 
 
-def test_semi_axes_that_only_change_the_elongation_have_no_area() -> None:
+def test_elongation_alone_keeps_area() -> None:
     given = {**EXACT, "semi_major": (7.4, 0.074), "semi_minor": (5.0, 0.05)}
     inputs = pad_uncertainty(**given, correlations={("semi_major", "semi_minor"): -1.0}).inputs
     radius, elongation = inputs.std[inputs.places(["contact_radius", "elongation"])]
@@ -129,7 +129,7 @@ def test_semi_axes_that_only_change_the_elongation_have_no_area() -> None:
     assert_allclose(elongation, 0.02)
 
 
-def test_upright_finger_depends_on_the_wedge_angle_to_second_order() -> None:
+def test_upright_finger_second_order_in_wedge_angle() -> None:
     given = {**EXACT, "wedge_angle": np.radians((0, 2)), "roll_angle": np.radians((0, 2))}
     wedge, roll = np.random.default_rng(4).normal(0, np.radians(2), (2, 100_000))
     contact = observed(**{**EXACT, "wedge_angle": wedge, "roll_angle": roll})
@@ -145,7 +145,7 @@ def test_upright_finger_depends_on_the_wedge_angle_to_second_order() -> None:
         {**CIRCLE, "wedge_angle": np.pi / 2, "roll_angle": 0.0},  # on the tip
     ],
 )
-def test_derivatives_agree_with_differences(quantities: dict[str, float]) -> None:
+def test_jacobian_agrees_with_finite_differences(quantities: dict[str, float]) -> None:
     result = pad_uncertainty(**quantities)
     mean = result.inputs.mean
 
@@ -176,12 +176,12 @@ def test_derivatives_agree_with_differences(quantities: dict[str, float]) -> Non
         ),
     ],
 )
-def test_pad_refuses(changed: dict[str, Any], message: str) -> None:
+def test_invalid_pad_quantities(changed: dict[str, Any], message: str) -> None:
     with pytest.raises(UncertaintyError, match=message):
         pad_uncertainty(**{**PAD, **changed})
 
 
-def test_pad_inputs_refuses_what_is_missing_or_impossible() -> None:
+def test_invalid_pad_inputs() -> None:
     with pytest.raises(UncertaintyError, match="no input 'distal'; there are palmar"):
         pad_inputs(Inputs.of(palmar=7.9))
     measured = Inputs.of(**PAD).with_covariance(["semi_major", "semi_minor"], [[1.0, 2.0], [2.0, 1.0]])
@@ -189,6 +189,6 @@ def test_pad_inputs_refuses_what_is_missing_or_impossible() -> None:
         pad_inputs(measured)
 
 
-def test_refuses_models_that_drop_the_complex_step() -> None:
+def test_model_without_complex_step_refused() -> None:
     with pytest.raises(UncertaintyError, match="real numbers for complex steps in size: leave out abs"):
         propagate(lambda x: {"square": x**2, "size": np.abs(x)}, Inputs.of(x=(1.0, 1.0)))

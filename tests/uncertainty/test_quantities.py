@@ -10,25 +10,25 @@ from fingerpad.exceptions import UncertaintyError
 from fingerpad.uncertainty import Inputs, propagate
 
 
-def test_numbers_are_exact_and_pairs_are_not() -> None:
+def test_numbers_are_exact_pairs_uncertain() -> None:
     inputs = Inputs.of(a=1, b=(2.0, 0.1), c=[3.0, 0.2], d=np.radians((30, 0.5)), e=np.array(4.0))
     assert_allclose(inputs.mean, [1, 2, 3, np.radians(30), 4])
     assert_allclose(inputs.std, [0, 0.1, 0.2, np.radians(0.5), 0])
 
 
-def test_values_and_uncertainties_broadcast() -> None:
+def test_broadcasting() -> None:
     inputs = Inputs.of(a=([1.0, 2.0, 3.0], 0.1), b=(5.0, [[0.1], [0.2]]), correlations={("b", "a"): 0.5})
     assert inputs.mean.shape == (2, 3, 2)
     assert_allclose(inputs.covariance[1, 2], [[0.01, 0.01], [0.01, 0.04]])
     assert_allclose(inputs.at(1).mean, inputs.mean[1])
 
 
-def test_a_correlation_is_that_of_its_pair() -> None:
+def test_correlation_of_named_pair() -> None:
     inputs = Inputs.of(a=(1, 2), b=(1, 3), c=(1, 5), correlations={("c", "a"): -0.5})
     assert_allclose(inputs.covariance, [[4, 0, -5], [0, 9, 0], [-5, 0, 25]])
 
 
-def test_a_covariance_is_taken_in_the_order_of_its_names() -> None:
+def test_covariance_in_order_of_names() -> None:
     inputs = Inputs.of(a=(1, 2), b=(1, 3), c=(1, 5))
     changed = inputs.with_covariance(["c", "a"], [[1.0, 0.5], [0.5, 9.0]])
     assert_allclose(changed.covariance, [[9, 0, 0.5], [0, 9, 0], [0.5, 0, 1]])
@@ -47,17 +47,17 @@ def test_a_covariance_is_taken_in_the_order_of_its_names() -> None:
         ({"a": (1, 2), "b": (1, 2)}, {("a", "b"): np.nan}, "correlation of a and b .* found nan"),
     ],
 )
-def test_refuses(quantities: dict[str, Any], correlations: Any, message: str) -> None:
+def test_invalid_arguments(quantities: dict[str, Any], correlations: Any, message: str) -> None:
     with pytest.raises(UncertaintyError, match=message):
         Inputs.of(correlations=correlations, **quantities)
 
 
-def test_refuses_a_covariance_of_other_inputs() -> None:
+def test_covariance_of_other_inputs_refused() -> None:
     with pytest.raises(UncertaintyError, match="covariance of 2 inputs must be square, found the shape"):
         Inputs.of(a=1.0, b=2.0).with_covariance(["a", "b"], np.eye(3))
 
 
-def test_outputs_are_taken_by_name() -> None:
+def test_outputs_by_name() -> None:
     result = propagate(lambda x: {"double": 2 * x, "triple": 3 * x}, Inputs.of(x=(1.0, 0.1)))
     triple = result["triple"]
     assert (triple.value, triple.std) == (3, pytest.approx(0.3))

@@ -33,37 +33,37 @@ def expected_shares(row: int) -> dict[str, float]:
 
 
 @pytest.mark.parametrize("row", [0, 1])
-def test_linear_models_have_known_shares(row: int) -> None:
+def test_budget_of_linear_model(row: int) -> None:
     budget = propagate(linear, given(GROUPS)).budget(f"y{row}")
     assert {name: float(share) for name, share in budget.items()} == pytest.approx(expected_shares(row))
 
 
 @pytest.mark.parametrize("row", [0, 1])
-def test_sobol_indices_of_linear_models_are_their_shares(row: int) -> None:
+def test_sobol_indices_of_linear_model(row: int) -> None:
     indices = sobol_indices(linear, given(GROUPS))[f"y{row}"]
     assert indices.first == pytest.approx(expected_shares(row), abs=0.003)
     assert indices.total == pytest.approx(expected_shares(row), abs=0.003)
 
 
-def test_shares_sum_to_one_when_inputs_correlate_across_groups() -> None:
+def test_shares_sum_to_one_with_correlation() -> None:
     budget = propagate(linear, given({"first and second": ("a", "b"), "third": ("c",)})).budget("y0")
     assert_allclose(sum(budget.values()), 1, rtol=1e-12)
 
 
-def test_the_second_order_term_belongs_to_its_input() -> None:
+def test_second_order_share_of_its_input() -> None:
     # x² at zero has no slope: its variance 2u⁴ = 2 is all of second order; y adds 6.
     inputs = Inputs.of(x=(0.0, 1.0), y=(0.0, np.sqrt(6)))
     budget = propagate(lambda x, y: {"z": x**2 + y}, inputs).budget("z")
     assert {name: float(share) for name, share in budget.items()} == pytest.approx({"x": 0.25, "y": 0.75})
 
 
-def test_budgets_broadcast_and_are_nan_without_variance() -> None:
+def test_budget_broadcasting_and_zero_variance() -> None:
     inputs = Inputs.of(x=(1.0, [0.1, 0.0]), y=(2.0, [0.1, 0.0]))
     budget = propagate(lambda x, y: {"z": x + y}, inputs).budget("z")
     assert_allclose(budget["x"], [0.5, np.nan])
 
 
-def test_agrees_with_scipy_where_inputs_interact() -> None:
+def test_agrees_with_scipy_with_interactions() -> None:
     def model(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> dict[str, np.ndarray]:
         return {"y": a + b * c + 0.3 * c**3}
 
@@ -76,7 +76,7 @@ def test_agrees_with_scipy_where_inputs_interact() -> None:
     assert all(ours.total[name] > ours.first[name] + 0.1 for name in "bc")
 
 
-def test_errors_shrink_with_draws() -> None:
+def test_errors_decrease_with_draws() -> None:
     few, many = (sobol_indices(linear, given(GROUPS), draws=n)["y0"] for n in (64, 4096))
     assert max(many.first_std.values()) < max(few.first_std.values()) / 4
 
@@ -91,6 +91,6 @@ def test_errors_shrink_with_draws() -> None:
         (GROUPS, {"draws": 1000}, "power of two, found 1000"),
     ],
 )
-def test_refuses(groups: dict[str, tuple[str, ...]], options: dict[str, int], message: str) -> None:
+def test_invalid_arguments(groups: dict[str, tuple[str, ...]], options: dict[str, int], message: str) -> None:
     with pytest.raises(UncertaintyError, match=message):
         sobol_indices(linear, given(groups), **options)

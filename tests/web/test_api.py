@@ -297,7 +297,7 @@ BAD = [
     ),
     ("POST", "/api/measure/length", {"scale": "camera", "line_px": [[0, 0]]}, 400),
     ("POST", "/api/geometry", {}, 400),
-    ("POST", "/api/geometry", {"finger": "nobody"}, 422),
+    ("POST", "/api/geometry", {"finger": "unknown"}, 422),
     ("POST", "/api/geometry", {"finger": "left_index_ellipse", "wedge_angle_deg": 91}, 400),
     ("POST", "/api/geometry", {"palmar_mm": 1, "distal_mm": 1, "radial_ulnar_mm": 0}, 400),
     ("GET", "/api/results/rows", None, 404),

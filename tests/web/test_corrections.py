@@ -181,7 +181,7 @@ def test_a_killed_page_loses_nothing_that_it_confirmed(studies_folder):
     lines = (studies_folder / "demo/corrections.jsonl").read_text().splitlines()
     kept = [json.loads(line)["change"] for line in lines if line.endswith("}")]
     assert len(confirmed) > 10
-    # The one in hand at each kill may be there too: it was written, and nobody was told.
+    # The one in progress at each kill may be there too: written, but not answered.
     places = iter(kept)
     assert all(change in places for change in confirmed)
     assert len(kept) <= len(confirmed) + 2

@@ -214,7 +214,7 @@ def test_downloads_reach_only_what_the_run_wrote(done, path):
         "file:results/store.sqlite",
         "file:\0",
         "synthetic_pad/../../etc/passwd",
-        "nobody/x.png",
+        "unknown/x.png",
         "nothing",
         "synthetic_press_30deg#x",
         "synthetic_press_30deg#-1",

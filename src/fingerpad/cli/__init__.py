@@ -1,4 +1,4 @@
-"""The command line: it asks the library and prints what it says."""
+"""The command line."""
 
 from typing import Annotated
 

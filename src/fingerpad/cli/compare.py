@@ -1,4 +1,4 @@
-"""Put finished studies side by side."""
+"""Compare finished studies."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -22,7 +22,7 @@ def compare(
     out: Annotated[Path | None, typer.Option(help="Folder for tables, figures and a page.")] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Put fingers and people side by side: semi-axes, radii, moduli and exponents, with means over people.
+    """Compare fingers and people: semi-axes, radii, moduli and exponents, with means over people.
 
     Means are over people at each placement: several fingers of one person (the manifest's key person) count
     as one person. Synthetic and real fingers are never in one mean.

@@ -49,7 +49,7 @@ def fit(
 
     The header names quantities with units: time_s, force_N, displacement_mm, area_mm2; time and area are
     optional. Each number comes with its standard uncertainty and 95 % interval, or the reason why the
-    curve does not tell it.
+    curve does not determine it.
     """
     from fingerpad.loading import Estimate, fit_loading_curve, read_loading_curve
 

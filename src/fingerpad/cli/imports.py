@@ -1,4 +1,4 @@
-"""Bring in what was measured elsewhere."""
+"""Import measurements from other programs."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Final
@@ -47,7 +47,7 @@ def import_fiji(
     load_n: Annotated[float | None, typer.Option(min=1e-6, help="Load for all rows, N.")] = None,
     label_pattern: Annotated[
         str | None,
-        typer.Option(help='What labels tell, as in "{finger}_{wedge_angle_deg}deg_{load_N}N".'),
+        typer.Option(help='Pattern of labels, as in "{finger}_{wedge_angle_deg}deg_{load_N}N".'),
     ] = None,
     finger_axis_deg: Annotated[
         float,
@@ -61,7 +61,7 @@ def import_fiji(
     """Turn ellipses measured by hand in Fiji or ImageJ into observations of a study.
 
     A table gives Major and Minor of "Fit ellipse"; ROIs are ovals, ellipses, or traced outlines. What
-    neither flags nor labels tell is left empty, to be filled in.
+    neither flags nor labels give is left empty, to be filled in.
     """
     from fingerpad.study.fiji import LabelPattern, manual_observations, write_observations
 

@@ -1,4 +1,4 @@
-"""Commands that ask the model: geometry, hertz, correct, reproduce."""
+"""Commands of the model: geometry, hertz, correct, reproduce."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -136,7 +136,7 @@ def reproduce(
     ] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Compute every number printed in Dzidek et al. (2017), and say which are reproduced."""
+    """Compute every number printed in Dzidek et al. (2017), and list which are reproduced."""
     from fingerpad.published import audit
 
     items = audit()

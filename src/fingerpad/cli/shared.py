@@ -1,4 +1,4 @@
-"""What all commands share: errors in plain words, exit codes, and printing."""
+"""Shared by all commands: error messages, exit codes, and printing."""
 
 import math
 import sys
@@ -32,7 +32,7 @@ class Commands(TyperGroup):
     """Commands whose errors are lines on stderr and an exit code."""
 
     def main(self, *args: Any, **kwargs: Any) -> Any:
-        """Run a command; `ModuleNotFoundError` is left to the caller, which knows what is optional."""
+        """Run a command; `ModuleNotFoundError` is left to the caller, which handles optional packages."""
         try:
             return super().main(*args, **kwargs)
         except ModuleNotFoundError:
@@ -44,7 +44,7 @@ class Commands(TyperGroup):
             sys.exit(Exit.REFUSED if isinstance(error, FingerpadError) else Exit.CANNOT_WRITE)
 
     def invoke(self, ctx: Any) -> Any:
-        """Run a command, and tell of an interrupt that it does not tell of itself."""
+        """Run a command, and report an interrupt that it does not report."""
         try:
             return super().invoke(ctx)
         except (Exception, KeyboardInterrupt) as error:
@@ -55,7 +55,7 @@ class Commands(TyperGroup):
 
 
 def _is_interrupt(error: BaseException | None) -> bool:
-    """Tell whether an interrupt caused an error, as compiled modules raise ImportError for one."""
+    """Return whether an interrupt caused an error, as compiled modules raise ImportError for one."""
     while error is not None and not isinstance(error, KeyboardInterrupt):
         error = error.__cause__
     return error is not None
@@ -78,7 +78,7 @@ class Command(TyperCommand):
 
 
 def print_error(text: str) -> None:
-    """Print lines on stderr, each beginning with the program's name."""
+    """Print lines on stderr, each beginning with the name of the command."""
     for line in text.splitlines():
         typer.echo(f"fingerpad: {line}", err=True)
 

@@ -1,4 +1,4 @@
-"""Commands that make and run studies."""
+"""Commands that create and run studies."""
 
 from dataclasses import asdict
 from pathlib import Path
@@ -101,7 +101,7 @@ def status(
     out: Out = None,
     as_json: AsJson = False,
 ) -> None:
-    """Tell how much of a study is measured, failed, stale or left."""
+    """Show how much of a study is measured, failed, stale or left."""
     from fingerpad.study.results.result_set import results_folder
     from fingerpad.study.status import study_status
 

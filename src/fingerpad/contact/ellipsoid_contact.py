@@ -28,6 +28,20 @@ class EllipsoidContact:
         The solved contact. Its plane's first coordinate points along the finger, its second across.
     hertz : HertzContact
         Hertz theory for the same pad, placement, counterface, load and modulus, on a half-space.
+
+    Examples
+    --------
+    On 8 mm of tissue, Hertz theory reads a higher modulus from the indentation than from the area:
+
+    >>> import numpy as np
+    >>> pad = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
+    >>> contact = EllipsoidContact.of(
+    ...     pad, wedge_angle=np.radians(30), thickness=8.0, load=2.0, reduced_modulus=0.1, points=64
+    ... )
+    >>> print(f"{contact.solution.area:.1f} mm², Hertz {contact.hertz.area:.1f} mm²")
+    92.5 mm², Hertz 109.0 mm²
+    >>> print(f"{contact.modulus_disagreement:.2f}")
+    0.56
     """
 
     solution: ContactSolution
@@ -79,6 +93,11 @@ class EllipsoidContact:
             Exactly one of normal force W, mutual approach ξ and contact area.
         points : int
             Grid cells along each side.
+
+        Returns
+        -------
+        EllipsoidContact
+            The solved contact beside Hertz theory.
 
         Raises
         ------

@@ -144,7 +144,7 @@ def complete_integrals(axis_ratio: ArrayLike) -> tuple[FloatArray, FloatArray, F
 
     Examples
     --------
-    The source's ellipse of 7.4 × 5.0 mm:
+    The ellipse of 7.4 × 5.0 mm (Dzidek et al. 2017, Table 3):
 
     >>> K, B, D = complete_integrals(5.0 / 7.4)
     >>> print(f"K = {K:.9f}, E = {B + (5.0 / 7.4) ** 2 * D:.9f}")
@@ -170,10 +170,15 @@ def curvature_ratio(axis_ratio: ArrayLike) -> FloatArray:
     axis_ratio : array_like
         k = ℓe/ℓd, in (0, 1]; NaN is returned elsewhere.
 
+    Returns
+    -------
+    ndarray
+        R'/R'' ≥ 1.
+
     Examples
     --------
-    >>> float(curvature_ratio(1.0))
-    1.0
+    >>> curvature_ratio([1.0, 5.0 / 7.4]).round(4)
+    array([1.    , 1.8022])
     """
     k = as_float_array(axis_ratio)
     _, b, d = complete_integrals(k)
@@ -192,12 +197,17 @@ def factor_products(axis_ratio: ArrayLike) -> tuple[FloatArray, FloatArray]:
 def size_factor(axis_ratio: ArrayLike) -> FloatArray:
     r"""Return Johnson's F1: the mean contact radius √(ℓd ℓe) over that of the sphere of radius √(R'R'').
 
-    :math:`F_1^3 = \frac{4}{\pi}\sqrt{k}\sqrt{BD}` (Johnson 1985, Eq. 4.29; the source's "F2"). At most one.
+    :math:`F_1^3 = \frac{4}{\pi}\sqrt{k}\sqrt{BD} \le 1` (Johnson 1985, Eq. 4.29; "F2" in Dzidek et al. 2017).
 
     Parameters
     ----------
     axis_ratio : array_like
         k = ℓe/ℓd, in (0, 1]; NaN is returned elsewhere.
+
+    Returns
+    -------
+    ndarray
+        F1.
 
     Examples
     --------
@@ -210,13 +220,18 @@ def size_factor(axis_ratio: ArrayLike) -> FloatArray:
 def indentation_factor(axis_ratio: ArrayLike) -> FloatArray:
     r"""Return Johnson's F2: the indentation over that of the sphere of radius √(R'R'') at the same load.
 
-    :math:`F_2 = \frac{2}{\pi}\sqrt{k}\,K/F_1` (Johnson 1985, Eq. 4.26c). The source's "F1" lacks the factor
-    in front. At most one.
+    :math:`F_2 = \frac{2}{\pi}\sqrt{k}\,K/F_1 \le 1` (Johnson 1985, Eq. 4.26c). The "F1" of Dzidek et al.
+    (2017) lacks the factor :math:`\frac{2}{\pi}\sqrt{k}`.
 
     Parameters
     ----------
     axis_ratio : array_like
         k = ℓe/ℓd, in (0, 1]; NaN is returned elsewhere.
+
+    Returns
+    -------
+    ndarray
+        F2.
 
     Examples
     --------

@@ -37,12 +37,28 @@ class Counterface:
 
     @classmethod
     def plate(cls) -> Self:
-        """Return a flat plate."""
+        """Return a flat plate.
+
+        Returns
+        -------
+        Counterface
+            Of infinite radius.
+        """
         return cls()
 
     @classmethod
     def sphere(cls, radius: float) -> Self:
         """Return a sphere.
+
+        Parameters
+        ----------
+        radius : float
+            Radius.
+
+        Returns
+        -------
+        Counterface
+            The sphere.
 
         Raises
         ------
@@ -56,6 +72,18 @@ class Counterface:
     def cylinder(cls, radius: float, *, axis_angle: float) -> Self:
         """Return a cylinder.
 
+        Parameters
+        ----------
+        radius : float
+            Radius.
+        axis_angle : float
+            Angle from the finger's axis to the cylinder's, in the common tangent plane, radians.
+
+        Returns
+        -------
+        Counterface
+            The cylinder.
+
         Raises
         ------
         GeometryError
@@ -66,12 +94,17 @@ class Counterface:
         return cls(radius=float(radius), axis_angle=float(axis_angle))
 
     def height(self, along: FloatArray, across: FloatArray) -> FloatArray:
-        """Return how far the surface recedes from the tangent plane, NaN beyond its silhouette.
+        """Return the distance of the surface from the tangent plane, NaN beyond its silhouette.
 
         Parameters
         ----------
         along, across : ndarray
             Coordinates in the tangent plane, along and across the finger, from the place of contact.
+
+        Returns
+        -------
+        ndarray
+            Distances ≥ 0.
         """
         if math.isinf(self.radius):
             return np.zeros(np.broadcast_shapes(along.shape, across.shape))
@@ -83,7 +116,13 @@ class Counterface:
         return height
 
     def curvature_tensor(self) -> FloatArray:
-        """Return the curvatures along and across the finger and the mixed one, shape (2, 2)."""
+        """Return the curvatures along and across the finger and the mixed one.
+
+        Returns
+        -------
+        ndarray, shape (2, 2)
+            Curvature tensor, 1/length.
+        """
         if self.axis_angle is None:
             return np.eye(2) / self.radius
         across_axis = np.array([-math.sin(self.axis_angle), math.cos(self.axis_angle)])
@@ -109,6 +148,11 @@ def ellipsoid_gap(
         Coordinates in the tangent plane, along and across the finger, from the place of contact.
     counterface : Counterface, optional
         The rigid body; a plate where none is given.
+
+    Returns
+    -------
+    ndarray
+        Gap ≥ 0, zero at the origin, in the unit of length of the pad.
 
     Examples
     --------

@@ -33,6 +33,12 @@ class HertzContact(Displayed):
         Semi-axes ℓd ≥ ℓe of the contact ellipse.
     indentation : ndarray
         Mutual approach ξ of the two bodies.
+
+    Examples
+    --------
+    >>> contact = hertz_contact(12.955, 14.330, 2.0, reduced_modulus=0.1365)  # mm, N, MPa
+    >>> print(f"{contact.area:.1f} mm², {1000 * contact.peak_pressure:.1f} kPa")
+    88.6 mm², 33.9 kPa
     """
 
     load: FloatArray
@@ -96,7 +102,7 @@ class HertzGeometry(Displayed):
 
     Examples
     --------
-    A pad of the source's Table 1 on a 30° wedge, under 2 N (mm, N, MPa):
+    A pad of Dzidek et al. (2017), Table 1, on a 30° wedge, under 2 N (mm, N, MPa):
 
     >>> geometry = HertzGeometry(12.955, 14.330)
     >>> contact = geometry.under_load(2.0, reduced_modulus=0.1365)
@@ -131,7 +137,18 @@ class HertzGeometry(Displayed):
         return np.sqrt(self.first_radius * self.second_radius)
 
     def under_load(self, load: ArrayLike, *, reduced_modulus: ArrayLike) -> HertzContact:
-        """Return the contact under a normal force W; NaN where a force or modulus is negative."""
+        """Return the contact under a normal force.
+
+        Parameters
+        ----------
+        load, reduced_modulus : array_like
+            W and E*; NaN is returned where either is negative.
+
+        Returns
+        -------
+        HertzContact
+            Shapes broadcast.
+        """
 
         def kernel(*values: FloatArray) -> tuple[FloatArray, ...]:
             first, second, k, K, D, W, E = values
@@ -146,19 +163,63 @@ class HertzGeometry(Displayed):
         return _contact(load, reduced_modulus, *sizes)
 
     def at_indentation(self, indentation: ArrayLike, *, reduced_modulus: ArrayLike) -> HertzContact:
-        """Return the contact at a mutual approach ξ; NaN where it or the modulus is negative."""
+        """Return the contact at a mutual approach.
+
+        Parameters
+        ----------
+        indentation, reduced_modulus : array_like
+            ξ and E*; NaN is returned where either is negative.
+
+        Returns
+        -------
+        HertzContact
+            Shapes broadcast.
+        """
         return self._of_size(self._semi_major_from_indentation(indentation), reduced_modulus)
 
     def at_area(self, area: ArrayLike, *, reduced_modulus: ArrayLike) -> HertzContact:
-        """Return the contact of area A; NaN where it or the modulus is negative."""
+        """Return the contact of a given area.
+
+        Parameters
+        ----------
+        area, reduced_modulus : array_like
+            A and E*; NaN is returned where either is negative.
+
+        Returns
+        -------
+        HertzContact
+            Shapes broadcast.
+        """
         return self._of_size(self._semi_major_from_area(area), reduced_modulus)
 
     def reduced_modulus_from_indentation(self, load: ArrayLike, indentation: ArrayLike) -> FloatArray:
-        """Return E* from a normal force and the approach it causes."""
+        """Return E* from a normal force and its indentation.
+
+        Parameters
+        ----------
+        load, indentation : array_like
+            W and ξ.
+
+        Returns
+        -------
+        ndarray
+            E*.
+        """
         return self._reduced_modulus(load, self._semi_major_from_indentation(indentation))
 
     def reduced_modulus_from_area(self, load: ArrayLike, area: ArrayLike) -> FloatArray:
-        """Return E* from a normal force and the contact area under it."""
+        """Return E* from a normal force and its contact area.
+
+        Parameters
+        ----------
+        load, area : array_like
+            W and A.
+
+        Returns
+        -------
+        ndarray
+            E*.
+        """
         return self._reduced_modulus(load, self._semi_major_from_area(area))
 
     @property
@@ -191,10 +252,10 @@ class HertzGeometry(Displayed):
 def hertz_contact(
     first_radius: ArrayLike, second_radius: ArrayLike, load: ArrayLike, *, reduced_modulus: ArrayLike
 ) -> HertzContact:
-    """Return the contacts of distinct geometries, each under its own load, in one pass over the arrays.
+    """Return the contacts of distinct geometries, each under its own load.
 
-    The same as ``HertzGeometry(first_radius, second_radius).under_load(load, ...)``, faster where
-    every contact has its own geometry. It is a kernel: NaN, not an error, where a value is out of range.
+    The same as ``HertzGeometry(first_radius, second_radius).under_load(load, ...)``, in one pass over the
+    arrays; values out of range give NaN, not an error.
 
     Parameters
     ----------
@@ -202,6 +263,11 @@ def hertz_contact(
         Relative principal radii, in either order of size.
     load, reduced_modulus : array_like
         Normal force W and E*.
+
+    Returns
+    -------
+    HertzContact
+        Shapes broadcast.
 
     Examples
     --------
@@ -239,6 +305,18 @@ def _contact(*values: ArrayLike) -> HertzContact:
 def reduced_modulus(youngs_modulus: ArrayLike, poisson_ratio: ArrayLike = 0.5) -> FloatArray:
     """Return E* = E/(1 − ν²) of a body pressed against a rigid one.
 
+    Parameters
+    ----------
+    youngs_modulus : array_like
+        E.
+    poisson_ratio : array_like
+        ν.
+
+    Returns
+    -------
+    ndarray
+        E*, in the unit of E.
+
     Examples
     --------
     >>> float(reduced_modulus(0.1024))
@@ -248,5 +326,23 @@ def reduced_modulus(youngs_modulus: ArrayLike, poisson_ratio: ArrayLike = 0.5) -
 
 
 def youngs_modulus(reduced_modulus: ArrayLike, poisson_ratio: ArrayLike = 0.5) -> FloatArray:
-    """Return E = E*(1 − ν²) of a body pressed against a rigid one."""
+    """Return E = E*(1 − ν²) of a body pressed against a rigid one.
+
+    Parameters
+    ----------
+    reduced_modulus : array_like
+        E*.
+    poisson_ratio : array_like
+        ν.
+
+    Returns
+    -------
+    ndarray
+        E, in the unit of E*.
+
+    Examples
+    --------
+    >>> round(float(youngs_modulus(0.1365)), 4)
+    0.1024
+    """
     return as_float_array(reduced_modulus) * (1 - as_float_array(poisson_ratio) ** 2)

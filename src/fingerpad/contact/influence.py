@@ -39,12 +39,17 @@ def layer_compliance_ratio(wavenumber_thickness: ArrayLike, poisson_ratio: float
     poisson_ratio : float
         ν in [0, 0.5].
 
+    Returns
+    -------
+    ndarray
+        M, dimensionless.
+
     Examples
     --------
     A thin incompressible layer hardly yields; a thick one is a half-space.
 
-    >>> layer_compliance_ratio([0.1, 10.0], 0.5).round(4)
-    array([7.e-04, 1.e+00])
+    >>> [round(float(ratio), 4) for ratio in layer_compliance_ratio([0.1, 1.0, 10.0], 0.5)]
+    [0.0007, 0.2406, 1.0]
     """
     x = as_float_array(wavenumber_thickness)
     solid, decay = 3 - 4 * poisson_ratio, np.exp(-2 * x)
@@ -125,7 +130,12 @@ class ElasticBody:
     thickness : float
         Thickness of the layer; infinite for the half-space.
     poisson_ratio : float
-        ν, which matters to a layer alone: the half-space's surface knows E* only.
+        ν; without effect on the surface of a half-space, which depends on E* alone.
+
+    Examples
+    --------
+    >>> ElasticBody.of(reduced_modulus=0.1, thickness=8.0)
+    ElasticBody(reduced_modulus=0.1, thickness=8.0, poisson_ratio=0.5)
     """
 
     reduced_modulus: float
@@ -136,7 +146,21 @@ class ElasticBody:
     def of(
         cls, *, reduced_modulus: float, thickness: float | None = None, poisson_ratio: float = 0.5
     ) -> Self:
-        """Make a layer, or a half-space where no thickness is given.
+        """Return a layer, or a half-space where no thickness is given.
+
+        Parameters
+        ----------
+        reduced_modulus : float
+            E*.
+        thickness : float, optional
+            Thickness of the layer.
+        poisson_ratio : float
+            ν.
+
+        Returns
+        -------
+        ElasticBody
+            The body.
 
         Raises
         ------
@@ -157,7 +181,20 @@ class ElasticBody:
         return cls(reduced_modulus=float(modulus), thickness=float(depth), poisson_ratio=float(poisson_ratio))
 
     def influence(self, spacing: tuple[float, float], shape: tuple[int, int]) -> FloatArray:
-        """Return the displacement of each cell under unit pressure on the first, times E*."""
+        """Return the displacement of each cell under unit pressure on the first, times E*.
+
+        Parameters
+        ----------
+        spacing : tuple of float
+            Sides of a cell.
+        shape : tuple of int
+            Number of cells along each side.
+
+        Returns
+        -------
+        ndarray
+            Of the given shape, in the unit of length.
+        """
         if math.isinf(self.thickness):
             return half_space_influence(spacing, shape)
         return layer_influence(spacing, shape, self.thickness, self.poisson_ratio)

@@ -34,8 +34,8 @@ def layer_stress(
         Coordinates in the surface, as those of the contact; NaN is returned more than five thicknesses
         beyond the grid of the contact.
     depth : array_like
-        Below the surface; NaN is returned outside [0, thickness]. The cost goes with the number of different
-        depths. Nearer to the surface than a cell of the solution's grid, the stress is that of the cells.
+        Depth below the surface; NaN is returned outside [0, thickness]. The cost grows with the number of
+        different depths. At depths below one cell of the solution's grid, the stress is that of the cells.
 
     Returns
     -------

@@ -107,7 +107,7 @@ def _harmonics(angle: FloatArray) -> FloatArray:
 def _fit_ring(depth: FloatArray, angle: FloatArray, squared: FloatArray) -> FloatArray:
     """Return the coefficients of p² in harmonics and powers of the depth, least squares."""
     powers = depth[:, None] ** np.arange(_RADIAL + 1)
-    weight = 1 / (squared / squared.max() + 0.02)  # the cells nearest the edge say most of where it is
+    weight = 1 / (squared / squared.max() + 0.02)  # the cells nearest the edge determine it best
     design = (_harmonics(angle)[:, :, None] * powers[:, None, :]).reshape(len(depth), -1)
     weighted = (design * weight[:, None]).T
     solution = np.linalg.lstsq(weighted @ weighted.T, weighted @ (squared * weight), rcond=1e-13)[0]

@@ -37,9 +37,9 @@ class ContactSolution:
     Attributes
     ----------
     body : ElasticBody
-        What is pressed.
+        The deformed body.
     grid : ContactGrid
-        Where `pressure` is given.
+        Grid of `pressure`.
     pressure : ndarray, shape (points, points)
         Contact pressure, zero outside the contact.
     load : float
@@ -59,9 +59,23 @@ class ContactSolution:
     elastic_energy : float
         ½∫pu dA, which is also the work ∫W dξ of pressing.
     relative_error : float
-        Estimate: the largest relative change of load, indentation and area from a grid half as fine, or what
-        the edge of a Hertz contact is uncertain by if that is more. It bounds the error of the area; those of
-        load and indentation are far smaller.
+        Estimated bound: the largest relative change of load, indentation and area from a grid half as fine,
+        or the uncertainty of the edge of a Hertz contact if that is larger. It bounds the error of the area;
+        those of load and indentation are far smaller.
+
+    Examples
+    --------
+    A sphere of radius 10 mm on a half-space, Hertz: W = (4/3)E* R^{1/2} ξ^{3/2} = 0.4216 N, A = πRξ:
+
+    >>> contact = solve_contact(
+    ...     lambda x, y: (x**2 + y**2) / 20,
+    ...     ElasticBody.of(reduced_modulus=0.1),
+    ...     half_widths=(3, 3),
+    ...     indentation=1.0,
+    ...     points=64,
+    ... )
+    >>> round(contact.load, 4), round(contact.area_over_pi_indentation, 3)
+    (0.4217, 10.012)
     """
 
     body: ElasticBody
@@ -101,7 +115,7 @@ class ContactSolution:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _Pressed:
-    """What one grid gives; lengths as they are, forces over E*."""
+    """Solution on one grid; forces divided by E*."""
 
     grid: ContactGrid
     pressure: FloatArray
@@ -152,6 +166,11 @@ def solve_contact(
         Exactly one of normal force, mutual approach and contact area.
     points : int
         Cells along each side of the finest grid.
+
+    Returns
+    -------
+    ContactSolution
+        On the finest grid.
 
     Raises
     ------
@@ -277,7 +296,7 @@ def _at_area(solved: Callable[[float], _Pressed], indentation: float, area: floa
 
 
 def _solution(body: ElasticBody, coarser: _Pressed, finest: _Pressed) -> ContactSolution:
-    """Gather the finest grid's results, with the error that the coarser one tells."""
+    """Return the finest grid's results, with the error estimated from the coarser one."""
     outline = finest.outline
     mean_radius = math.sqrt(outline.area / math.pi)
     if not finest.indentation < body.thickness:

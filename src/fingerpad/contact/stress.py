@@ -25,6 +25,17 @@ class StressField:
     ----------
     tensor : ndarray, shape (..., 3, 3)
         Stress, tension positive.
+
+    Examples
+    --------
+    The surface of an incompressible body under a Hertz pressure is in hydrostatic compression:
+
+    >>> field = hertz_stress(0.0, 0.0, [0.0, 0.5], semi_x=1.0, semi_y=1.0, peak_pressure=1.0)
+    >>> field.principal.round(3) + 0.0
+    array([[-1.  , -1.  , -1.  ],
+           [-0.8 , -0.27, -0.27]])
+    >>> round(float(field.strain_energy_density(youngs_modulus=0.1, poisson_ratio=0.5)[1]), 3)
+    1.406
     """
 
     tensor: FloatArray
@@ -43,14 +54,40 @@ class StressField:
         return shear
 
     def strain(self, *, youngs_modulus: ArrayLike, poisson_ratio: float) -> FloatArray:
-        """Return the strain ((1 + ν)σ − ν tr σ)/E, shape (..., 3, 3)."""
+        """Return the strain ((1 + ν)σ − ν tr σ)/E.
+
+        Parameters
+        ----------
+        youngs_modulus : array_like
+            E.
+        poisson_ratio : float
+            ν.
+
+        Returns
+        -------
+        ndarray, shape (..., 3, 3)
+            Strain, extension positive.
+        """
         mean = np.trace(self.tensor, axis1=-2, axis2=-1)[..., None, None] * np.eye(3)
         compliance = 1 / as_float_array(youngs_modulus)[..., None, None]
         strain: FloatArray = ((1 + poisson_ratio) * self.tensor - poisson_ratio * mean) * compliance
         return strain
 
     def strain_energy_density(self, *, youngs_modulus: ArrayLike, poisson_ratio: float) -> FloatArray:
-        """Return ½ σ : ε."""
+        """Return the strain energy density ½ σ : ε.
+
+        Parameters
+        ----------
+        youngs_modulus : array_like
+            E.
+        poisson_ratio : float
+            ν.
+
+        Returns
+        -------
+        ndarray
+            Energy per volume, in the unit of the stress.
+        """
         strain = self.strain(youngs_modulus=youngs_modulus, poisson_ratio=poisson_ratio)
         energy: FloatArray = 0.5 * np.sum(self.tensor * strain, axis=(-2, -1))
         return energy
@@ -79,6 +116,11 @@ def hertz_stress(
         p0.
     poisson_ratio : array_like
         ν.
+
+    Returns
+    -------
+    StressField
+        Axes x, y, z.
 
     Examples
     --------

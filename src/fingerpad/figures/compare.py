@@ -1,4 +1,4 @@
-"""Figures that put fingers and people side by side."""
+"""Figures that compare fingers and people."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -125,7 +125,7 @@ def plot_forest(
                     colour=colour,
                 )
     for mark in [text for text in axes.texts if text.get_gid() == "synthetic"]:
-        mark.remove()  # the rows' own names say it
+        mark.remove()  # the rows are labelled
     ends = [x - np.nan_to_num(spread), x + np.nan_to_num(spread)]
     for line, mean in means:
         if np.isfinite(mean.between_std):

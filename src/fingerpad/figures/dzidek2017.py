@@ -14,10 +14,25 @@ from fingerpad.published import dzidek2017
 
 
 def dzidek2017_figures() -> Iterator[tuple[str, Figure, str]]:
-    """Yield name, drawing and caption of the supplement's Figs 1, 4, 5 and 6.
+    """Yield the supplement's Figs 1, 4, 5 and 6, as far as they follow from printed numbers.
 
-    Fig. 6 shows the one load, 2 N, of which Dzidek et al. print numbers: R_g^corr from the printed R_0g and
-    contact ellipse through the right function, beside the printed value.
+    Fig. 6 shows 2 N, the one load of which numbers are printed: R_g^corr from the printed R_0g and contact
+    ellipse, R_0g F₂⁻³, beside the printed value.
+
+    Yields
+    ------
+    name : str
+        File name without suffix.
+    figure : Figure
+        The drawing.
+    caption : str
+        One sentence.
+
+    Examples
+    --------
+    >>> name, figure, caption = next(dzidek2017_figures())
+    >>> name, caption
+    ('source_figure_1', 'The ellipsoid of Table 1 (ellipse approach) and its axes.')
     """
     source = dzidek2017()
     pad = source.semi_axes["ellipse"].ellipsoid

@@ -52,7 +52,7 @@ def plot_load_indentation(
     fits: Mapping[str, Line] | None = None,
     synthetic: ArrayLike = False,
 ) -> Axes:
-    """Draw load against indentation, its loop by phase, and fitted laws.
+    """Draw load against indentation, its loop by phase, and fitted force models.
 
     Parameters
     ----------
@@ -63,9 +63,20 @@ def plot_load_indentation(
     phase : array_like of str, optional
         ``baseline``, ``loading``, ``hold`` or ``unloading`` of each point.
     fits : mapping, optional
-        From the name of a law, as the legend gives it, to its (ξ, W).
+        From the name of a force model, as the legend gives it, to its (ξ, W).
     synthetic : array_like of bool
         Points that were simulated: hollow.
+
+    Returns
+    -------
+    Axes
+
+    Examples
+    --------
+    >>> from fingerpad.figures import new_figure
+    >>> figure, (axes,) = new_figure()
+    >>> plot_load_indentation(axes, [0, 1, 2], [0, 0.7, 2], fits={"Hertz": ([0, 2], [0, 2])}).get_xlabel()
+    'indentation ξ (mm)'
     """
     xi, W = as_float_array(indentation), as_float_array(load)
     if phase is None:
@@ -103,7 +114,7 @@ def plot_contact_compliance(
 ) -> Axes:
     """Draw contact area against πξ, with the line whose slope is R_g and the fan of its uncertainty.
 
-    The fan turns about the mean of the points, where the line is known best.
+    The fan turns about the mean of the points.
 
     Parameters
     ----------
@@ -117,6 +128,17 @@ def plot_contact_compliance(
         Area of the line at ξ = 0, mm².
     synthetic : array_like of bool
         Points that are not measured: hollow.
+
+    Returns
+    -------
+    Axes
+
+    Examples
+    --------
+    >>> from fingerpad.figures import new_figure
+    >>> figure, (axes,) = new_figure()
+    >>> plot_contact_compliance(axes, [0.5, 1.0, 1.5], [30, 62, 95], loading_radius=20.5).get_xlabel()
+    'π × indentation, πξ (mm)'
     """
     x = np.pi * as_float_array(indentation)
     draw_points(axes, x, area, y_std=area_std, synthetic=synthetic)
@@ -166,9 +188,20 @@ def plot_secant_modulus(
     fit_std : array_like
         Its standard uncertainty, MPa: a band.
     label : str
-        What the legend says of the line.
+        Name of the line in the legend.
     synthetic : bool
         Whether the data were simulated.
+
+    Returns
+    -------
+    Axes
+
+    Examples
+    --------
+    >>> from fingerpad.figures import new_figure
+    >>> figure, (axes,) = new_figure()
+    >>> plot_secant_modulus(axes, [0.5, 1, 2], [0.05, 0.06, 0.08], against="load").get_xlabel()
+    'normal load W (N)'
     """
     x, modulus = broadcast(abscissa, KPA_PER_MPA * as_float_array(secant_modulus))
     chosen: BoolArray = np.ones(x.shape, bool) if fitted_region is None else np.asarray(fitted_region, bool)
@@ -213,6 +246,17 @@ def plot_initial_modulus(
         E_0g and its standard uncertainty, MPa.
     synthetic : array_like of bool
         Points that were simulated: hollow.
+
+    Returns
+    -------
+    Axes
+
+    Examples
+    --------
+    >>> from fingerpad.figures import new_figure
+    >>> figure, (axes,) = new_figure()
+    >>> plot_initial_modulus(axes, [0.1, 1.0, 10.0], [0.04, 0.05, 0.06]).get_xlabel()
+    'velocity of loading (mm/s)'
     """
     std = None if initial_modulus_std is None else KPA_PER_MPA * as_float_array(initial_modulus_std)
     axes.set_xscale("log")
@@ -238,14 +282,14 @@ def plot_relaxation(
     time_constants: ArrayLike = (),
     synthetic: bool = False,
 ) -> Axes:
-    """Draw what changes during a hold against time since the hold began, on a logarithmic axis.
+    """Draw load or ridge area against time since the hold began, on a logarithmic axis.
 
     Parameters
     ----------
     axes : Axes
         Where to draw.
     time : array_like
-        Time since the beginning of the hold, s; what lies before is left out.
+        Time since the beginning of the hold, s; earlier points are left out.
     value : array_like
         Load (N) or ridge area (mm²).
     quantity : {"load", "ridge area"}
@@ -253,13 +297,24 @@ def plot_relaxation(
     fit : (time, value), optional
         The fitted curve.
     label : str
-        What the legend says of it.
+        Its name in the legend.
     ramp_time : float, optional
         Duration of the ramp, s: nothing faster can be resolved.
     time_constants : array_like
         Fitted time constants, s: ticks on the axis.
     synthetic : bool
         Whether the data were simulated.
+
+    Returns
+    -------
+    Axes
+
+    Examples
+    --------
+    >>> from fingerpad.figures import new_figure
+    >>> figure, (axes,) = new_figure()
+    >>> plot_relaxation(axes, [0.1, 1, 10], [2.0, 1.8, 1.7], ramp_time=0.2).get_xscale()
+    'log'
     """
     t, y = broadcast(time, value)
     after = t > 0
@@ -294,7 +349,7 @@ def plot_modulus_from_area_and_indentation(
     expected_ratio: Line | None = None,
     synthetic: bool = False,
 ) -> Axes:
-    """Draw E* read from the area over E* read from the indentation, against load: one where Hertz holds.
+    """Draw E* from the area over E* from the indentation, against load: one where Hertz theory holds.
 
     Parameters
     ----------
@@ -305,9 +360,20 @@ def plot_modulus_from_area_and_indentation(
     from_area, from_indentation : array_like
         E*, MPa.
     expected_ratio : (load, ratio), optional
-        What the true ellipsoid makes of the ratio.
+        The ratio that the true ellipsoid gives.
     synthetic : bool
         Whether the data were simulated.
+
+    Returns
+    -------
+    Axes
+
+    Examples
+    --------
+    >>> from fingerpad.figures import new_figure
+    >>> figure, (axes,) = new_figure()
+    >>> plot_modulus_from_area_and_indentation(axes, [1, 2], [0.08, 0.09], [0.16, 0.15]).get_xlabel()
+    'normal load W (N)'
     """
     W, ratio = broadcast(load, _ratio(as_float_array(from_area), as_float_array(from_indentation)))
     axes.plot(W, ratio, ".", color=BLUE, markersize=3, label="measured")

@@ -68,10 +68,21 @@ def plot_pad(
     pad : Ellipsoid
         One pad, mm.
     u_deg : array_like
-        Parametric angles of points to mark on the finger's midline, degrees; those of Dzidek et al. have the
-        colours of its caption.
+        Parametric angles of points to mark on the finger's midline, degrees; the default ones have the
+        colours of the caption in Dzidek et al. (2017).
     synthetic : bool
-        Whether to say that the pad is not a measured one.
+        Whether to label the pad as synthetic.
+
+    Returns
+    -------
+    Axes
+
+    Examples
+    --------
+    >>> from fingerpad.figures import new_figure
+    >>> figure, (axes,) = new_figure(height_mm=80)
+    >>> plot_pad(axes, Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)).get_aspect()
+    1.0
     """
     view = Camera.of(towards=(0.55, 0.5, 0.95), up=(1, 0, 0))
     outline = _draw_surface(axes, pad, view)
@@ -129,7 +140,19 @@ def plot_pad_with_contact(
     measured_long_axis_angle : float
         Its long axis from the finger's axis, counter-clockwise, radians.
     synthetic : bool
-        Whether to say that the contact is not a measured one.
+        Whether to label the contact as synthetic.
+
+    Returns
+    -------
+    Axes
+
+    Examples
+    --------
+    >>> from fingerpad.figures import new_figure
+    >>> figure, (axes,) = new_figure(height_mm=80)
+    >>> pad = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
+    >>> plot_pad_with_contact(axes, pad, wedge_angle=np.radians(30), measured=Ellipse(7.4, 5.0)).get_aspect()
+    1.0
     """
     placement = Placement(pad, wedge_angle=wedge_angle, roll_angle=roll_angle)
     # The finger's axis as it lies on the platen, ∂n/∂θ: regular even where the finger stands on its tip.

@@ -42,7 +42,7 @@ def plot_corrected_radius(
     printed: PublishedWedge | None = None,
     synthetic: ArrayLike = False,
 ) -> Axes:
-    """Draw R_g^corr against load, as in Dzidek et al. (2017)'s Fig. 6.
+    """Draw R_g^corr against load, as in Fig. 6 of Dzidek et al. (2017).
 
     Parameters
     ----------
@@ -60,6 +60,18 @@ def plot_corrected_radius(
         Numbers of Dzidek et al. (2017): their R_g^corr is drawn as a diamond, at its load.
     synthetic : array_like of bool
         Points that are not measured: hollow.
+
+    Returns
+    -------
+    Axes
+
+    Examples
+    --------
+    >>> from fingerpad.figures import new_figure
+    >>> from fingerpad.published import dzidek2017
+    >>> figure, (axes,) = new_figure()
+    >>> plot_corrected_radius(axes, [1, 2], [13.7, 13.8], printed=dzidek2017().wedges[30]).get_ylabel()
+    'corrected radius of curvature (mm)'
     """
     draw_points(
         axes,
@@ -135,9 +147,8 @@ def plot_area_against_load(
 ) -> Axes:
     """Draw contact area against load in logarithmic axes, with the fitted power law and Hertz's 2/3.
 
-    Both lines pass through the mean of the logarithms, as every least-squares line does, and the band of the
-    exponent turns about it. Points without
-    a positive load and area have no logarithm and are left out.
+    Both lines pass through the mean of the logarithms, about which the band of the exponent turns. Points
+    without a positive load and area are left out.
 
     Parameters
     ----------
@@ -149,6 +160,17 @@ def plot_area_against_load(
         Slope of ln A against ln W and its standard uncertainty.
     synthetic : array_like of bool
         Points that are not measured: hollow.
+
+    Returns
+    -------
+    Axes
+
+    Examples
+    --------
+    >>> from fingerpad.figures import new_figure
+    >>> figure, (axes,) = new_figure()
+    >>> plot_area_against_load(axes, [0.5, 1, 2], [60, 85, 120], exponent=0.5).get_xscale()
+    'log'
     """
     W, A, std, flags = broadcast(load, area, np.nan if area_std is None else area_std, synthetic)
     good = (W > 0) & (A > 0)
@@ -195,8 +217,8 @@ def plot_aspect_ratio(
 ) -> Axes:
     """Draw the aspect ratio ℓd/ℓe of contacts against load, each as an ellipse of its own shape.
 
-    The ellipses stand as seen through the platen with the fingertip upwards, so they show the direction of
-    the long axis too.
+    The ellipses stand as seen through the platen with the fingertip upwards, so that they show the direction
+    of the long axis too.
 
     Parameters
     ----------
@@ -210,6 +232,17 @@ def plot_aspect_ratio(
         The same of elliptical Hertz theory for the undeformed pad, for any load.
     synthetic : array_like of bool
         Contacts that are not measured: hollow.
+
+    Returns
+    -------
+    Axes
+
+    Examples
+    --------
+    >>> from fingerpad.figures import new_figure
+    >>> figure, (axes,) = new_figure()
+    >>> plot_aspect_ratio(axes, [1, 2], [1.4, 1.48], predicted_aspect_ratio=1.07).get_xlabel()[:17]
+    'normal load W (N)'
     """
     W, ratio, angle, flags = (
         array.ravel()

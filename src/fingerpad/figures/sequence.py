@@ -26,20 +26,24 @@ def plot_press(
     semi_minor: ArrayLike,
     synthetic: bool = False,
 ) -> Sequence[Axes]:
-    """Draw area and semi-axes of a contact against time and force, loading apart from unloading.
+    """Draw area and semi-axes of a contact against time and force, loading and unloading marked differently.
 
     Parameters
     ----------
     axes : sequence of four Axes
         Area against time and against force, then the semi-axes against both.
-    time, load : array_like, (n,)
+    time, load : array_like, shape (n,)
         Time (s) and normal force (N) of each frame.
-    phase : array_like of str, (n,)
+    phase : array_like of str, shape (n,)
         ``loading``, ``hold`` or ``unloading``.
-    area, semi_major, semi_minor : array_like, (n,)
+    area, semi_major, semi_minor : array_like, shape (n,)
         Contact area (mm²) and semi-axes (mm).
     synthetic : bool
         Whether the frames are rendered: hollow.
+
+    Returns
+    -------
+    sequence of Axes
 
     Examples
     --------
@@ -49,6 +53,8 @@ def plot_press(
     >>> axes = plot_press(
     ...     axes, time=[0, 1], load=[1, 2], phase=names, area=[9, 12], semi_major=[2, 2], semi_minor=[1, 2]
     ... )
+    >>> [each.get_xlabel() for each in axes]
+    ['time (s)', 'normal load W (N)', 'time (s)', 'normal load W (N)']
     """
     area_by_time, area_by_load, axes_by_time, axes_by_load = axes
     t, W, A, major, minor = broadcast(time, load, area, semi_major, semi_minor)

@@ -59,6 +59,16 @@ class Drawing:
     def save(self, path: str | PathLike[str]) -> Path:
         """Write the drawing in the format that the file's ending names.
 
+        Parameters
+        ----------
+        path : path-like
+            The file to write.
+
+        Returns
+        -------
+        Path
+            The file written.
+
         Raises
         ------
         FingerpadError
@@ -83,13 +93,14 @@ class Drawing:
 def show(result: object, path: str | PathLike[str] | None = None) -> Drawing:
     """Draw a result: in a notebook as the last line of a cell, or into a file.
 
-    A measured picture is drawn with its overlay, a fitted loading curve with its laws, a Hertz contact by
-    its ellipse and its pressure, a placement by the finger on its wedge.
+    A measured picture is drawn with its overlay, a fitted loading curve with its force models, a Hertz
+    contact by its ellipse and its pressure, a placement by the finger on its wedge.
 
     Parameters
     ----------
     result : ContactImageResult, PhotographFit, LoadingFit, HertzContact or Placement
-        What `measure_contact_image`, `measure_photograph`, `fit_loading_curve` or `hertz_contact` return.
+        From `measure_contact_image`, `measure_photograph`, `fit_loading_curve` or `hertz_contact`, or a
+        `Placement`.
     path : path-like, optional
         File to write: PNG for all, SVG and PDF for plots, JPEG and TIFF for overlays, by its ending.
 

@@ -1,4 +1,4 @@
-"""One style for every figure, and files that are the same byte for byte each time they are written."""
+"""One style for every figure, and files that are reproducible byte for byte."""
 
 import hashlib
 import io
@@ -72,7 +72,7 @@ _STYLE: Final[Any] = {  # Matplotlib's types want literal keys
 
 
 def in_style(function: Callable[Arguments, Result]) -> Callable[Arguments, Result]:
-    """Let `function` draw in the house style, whatever the caller's settings."""
+    """Let `function` draw in the style of these figures, independent of the caller's settings."""
 
     @wraps(function)
     def styled(*args: Arguments.args, **kwargs: Arguments.kwargs) -> Result:
@@ -88,7 +88,7 @@ def in_style(function: Callable[Arguments, Result]) -> Callable[Arguments, Resul
 def new_figure(
     *, width_mm: float = 85.0, height_mm: float = 64.0, rows: int = 1, columns: int = 1
 ) -> tuple[Figure, list[Axes]]:
-    """Return an empty figure and its axes, row by row, without touching any global state.
+    """Return an empty figure and its axes, without touching any global state.
 
     Parameters
     ----------
@@ -97,11 +97,18 @@ def new_figure(
     rows, columns : int
         Number of axes.
 
+    Returns
+    -------
+    figure : Figure
+        The figure.
+    axes : list of Axes
+        Row by row.
+
     Examples
     --------
-    >>> from fingerpad.figures import plot_load_indentation
-    >>> figure, (axes,) = new_figure()
-    >>> axes = plot_load_indentation(axes, [0, 1, 2], [0, 0.7, 2])
+    >>> figure, axes = new_figure(rows=2, columns=2)
+    >>> len(axes), (figure.get_size_inches() * 25.4).round(1).tolist()
+    (4, [85.0, 64.0])
     """
     figure = Figure(figsize=(width_mm / MM_PER_INCH, height_mm / MM_PER_INCH), layout="constrained")
     FigureCanvasAgg(figure)
@@ -112,17 +119,28 @@ def new_figure(
 def figure_svg(figure: Figure, name: str, *, description: str = "") -> str:
     """Return the figure as an ``<svg>`` element that can stand in an HTML page beside others.
 
-    Text stays text. Every id carries a prefix made from `name` and the drawing, and the style sheet is bound
-    to this element, so that two drawings in one page cannot disturb each other.
+    Text stays text. Ids and styles carry a prefix made from `name` and the drawing, so that drawings in one
+    page do not affect each other.
 
     Parameters
     ----------
     figure : Figure
         The figure.
     name : str
-        What tells this figure from others that look the same.
+        Distinguishes this figure from others that look the same.
     description : str
-        Text for those who cannot see the figure.
+        Alternative text.
+
+    Returns
+    -------
+    str
+        The element.
+
+    Examples
+    --------
+    >>> figure, axes = new_figure()
+    >>> figure_svg(figure, "empty").startswith("<svg ")
+    True
     """
     buffer = io.StringIO()
     nothing = dict.fromkeys(("Date", "Creator", "Format", "Type"))
@@ -152,7 +170,7 @@ def save_figure(
     path : path-like
         File name without suffix; its last part also goes into the ids of the SVG.
     description : str
-        Text for those who cannot see the figure; goes into the SVG.
+        Alternative text of the SVG.
     dpi : float
         Resolution of the PNG.
 
@@ -165,6 +183,14 @@ def save_figure(
     ------
     FingerpadError
         If a file cannot be written.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> figure, axes = new_figure()
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     [path.name for path in save_figure(figure, f"{folder}/empty", dpi=50)]
+    ['empty.svg', 'empty.png']
     """
     path = Path(path)
     svg, png = (path.with_name(f"{path.name}.{suffix}") for suffix in ("svg", "png"))
@@ -225,7 +251,7 @@ def draw_points(
     colour: str = BLUE,
     label: str = "measured",
 ) -> None:
-    """Draw points with error bars of one standard uncertainty; synthetic ones hollow, and say so."""
+    """Draw points with error bars of one standard uncertainty; synthetic ones hollow and labelled."""
     x, y, flags = broadcast(x, y, synthetic)
     x, y, hollow = x.ravel(), y.ravel(), flags.ravel() != 0
     crowded = x.size > 80

@@ -1,4 +1,4 @@
-"""Figures of uncertainty: who contributes what."""
+"""Figures of uncertainty budgets."""
 
 from collections.abc import Mapping
 
@@ -16,7 +16,7 @@ def plot_uncertainty_budget(
     total: Mapping[str, float] | None = None,
     synthetic: bool = False,
 ) -> Axes:
-    """Draw what each source contributes to the variance of a result, as bars from the largest down.
+    """Draw the contribution of each source to the variance of a result, as bars from the largest down.
 
     Parameters
     ----------
@@ -28,6 +28,18 @@ def plot_uncertainty_budget(
         Sobol's total indices of the same sources, as `sobol_indices` gives them: narrow bars.
     synthetic : bool
         Whether the data were simulated.
+
+    Returns
+    -------
+    Axes
+
+    Examples
+    --------
+    >>> from fingerpad.figures import new_figure
+    >>> figure, (axes,) = new_figure()
+    >>> axes = plot_uncertainty_budget(axes, {"load": 0.1, "wedge angle": 0.7, "contact ellipse": 0.2})
+    >>> axes.get_xlabel()
+    'share of the variance (%)'
     """
     names = sorted(first_order, key=lambda name: first_order[name])
     places = np.arange(len(names))

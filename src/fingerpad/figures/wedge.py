@@ -28,7 +28,19 @@ def plot_wedge(axes: Axes, pad: Ellipsoid, *, wedge_angle: float, synthetic: boo
     wedge_angle : float
         Wedge angle θ, radians.
     synthetic : bool
-        Whether to say that the pad is not a measured one.
+        Whether to label the pad as synthetic.
+
+    Returns
+    -------
+    Axes
+
+    Examples
+    --------
+    >>> from fingerpad.figures import new_figure
+    >>> figure, (axes,) = new_figure()
+    >>> pad = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
+    >>> plot_wedge(axes, pad, wedge_angle=np.radians(30)).get_aspect()
+    1.0
     """
     placement = Placement(pad, wedge_angle=wedge_angle)
     sine, cosine = np.sin(wedge_angle), np.cos(wedge_angle)
@@ -88,10 +100,10 @@ def _draw_support(axes: Axes, low: FloatArray, high: FloatArray, angle: float, *
 def plot_wedge_in_pad_axes(
     axes: Axes, pad: Ellipsoid, *, wedge_angle: float, synthetic: bool = False
 ) -> Axes:
-    """Draw the same section in the pad's own axes, as in the lower part of Fig. 5 of Dzidek et al. (2017).
+    """Draw the same section in the pad's own axes (lower part of Fig. 5 of Dzidek et al. 2017).
 
-    The platen is the tangent of gradient −cot θ. The dotted circle has the radius ℓa: the radius to it at
-    the angle u ends below or above the place of contact, which is what makes u parametric and not polar.
+    The platen is the tangent of gradient −cot θ. The radius of the dotted circle of radius ℓa at the angle u
+    ends below or above the place of contact: u is parametric, not polar.
 
     Parameters
     ----------
@@ -102,7 +114,19 @@ def plot_wedge_in_pad_axes(
     wedge_angle : float
         Wedge angle θ, radians.
     synthetic : bool
-        Whether to say that the pad is not a measured one.
+        Whether to label the pad as synthetic.
+
+    Returns
+    -------
+    Axes
+
+    Examples
+    --------
+    >>> from fingerpad.figures import new_figure
+    >>> figure, (axes,) = new_figure()
+    >>> pad = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
+    >>> plot_wedge_in_pad_axes(axes, pad, wedge_angle=np.radians(30)).get_aspect()
+    1.0
     """
     placement = Placement(pad, wedge_angle=wedge_angle)
     a, b, u = float(pad.palmar), float(pad.distal), float(placement.u)

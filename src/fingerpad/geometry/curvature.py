@@ -67,7 +67,7 @@ class SurfaceCurvature(Displayed):
 
     @property
     def mean_curvature_radius(self) -> FloatArray:
-        """Radius 1/H, the harmonic mean of the principal radii: the source's R_0g."""
+        """Radius 1/H, the harmonic mean of the principal radii: R_0g of Dzidek et al. (2017)."""
         return 1 / self.mean_curvature
 
     @property
@@ -90,6 +90,15 @@ class RelativeCurvature(Displayed):
     angle : ndarray
         Angle in (−π/4, π/4] from the first body's first principal direction to the first relative one, in
         radians, in the sense that turns the first body's first direction into its second.
+
+    Examples
+    --------
+    A pad of radii 13 and 14.3 mm against a sphere of 10 mm, and against a plate:
+
+    >>> relative_curvature((13.0, 14.3), (10.0, 10.0)).principal_radii.round(2)
+    array([5.65, 5.88])
+    >>> round(float(relative_curvature((13.0, 14.3)).geometric_mean_radius), 3)
+    13.635
     """
 
     principal_radii: FloatArray
@@ -115,7 +124,7 @@ def relative_curvature(
 ) -> RelativeCurvature:
     r"""Combine the principal radii of two bodies.
 
-    The curvature tensors add (Johnson 1985, Eq. 4.5; source, H = 1/R1 + 1/R2).
+    The curvature tensors add (Johnson 1985, Eq. 4.5).
 
     Parameters
     ----------
@@ -124,6 +133,11 @@ def relative_curvature(
         flat plate (the default second body), negative for a hollow.
     angle : array_like
         Angle from the first body's first principal direction to the second body's, in radians.
+
+    Returns
+    -------
+    RelativeCurvature
+        Radii and directions of the gap, in the unit of length of the radii.
 
     Raises
     ------

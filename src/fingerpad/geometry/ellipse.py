@@ -25,7 +25,7 @@ class Ellipse(Displayed):
 
     Examples
     --------
-    The contact of the source's Table 3 at a wedge angle of 30°:
+    The contact of Table 3 in Dzidek et al. (2017) at a wedge angle of 30°:
 
     >>> ellipse = Ellipse(7.4, 5.0)
     >>> round(float(ellipse.area), 1), round(float(ellipse.eccentricity), 4)

@@ -29,8 +29,7 @@ class Ellipsoid(Displayed):
     Attributes
     ----------
     palmar, distal, radial_ulnar : array_like
-        Semi-axes ℓa, ℓb, ℓc, in one unit of length, of any shapes that broadcast. They keep their anatomical
-        names and are never sorted.
+        Semi-axes ℓa, ℓb, ℓc, in one unit of length, of any shapes that broadcast; never sorted.
 
     Raises
     ------
@@ -67,13 +66,40 @@ class Ellipsoid(Displayed):
         return np.stack([self.palmar, self.distal, self.radial_ulnar], axis=-1)
 
     def point(self, u: ArrayLike, v: ArrayLike) -> FloatArray:
-        """Return the surface points at parametric angles u, v (radians), shape (..., 3)."""
+        """Return surface points at parametric angles.
+
+        Parameters
+        ----------
+        u, v : array_like
+            Parametric angles, radians.
+
+        Returns
+        -------
+        ndarray, shape (..., 3)
+            Points (ℓa cos u sin v, ℓb sin u sin v, ℓc cos v).
+
+        Raises
+        ------
+        GeometryError
+            If an angle is beyond a full turn either way, as degrees are.
+        """
         u, v = broadcast(check_radians("u", u), check_radians("v", v))
         direction: FloatArray = np.stack([np.cos(u) * np.sin(v), np.sin(u) * np.sin(v), np.cos(v)], axis=-1)
         return self.semi_axes * direction
 
     def normal(self, u: ArrayLike, v: ArrayLike) -> FloatArray:
-        """Return the outward unit normals at parametric angles u, v (radians), shape (..., 3)."""
+        """Return outward unit normals at parametric angles.
+
+        Parameters
+        ----------
+        u, v : array_like
+            Parametric angles, radians.
+
+        Returns
+        -------
+        ndarray, shape (..., 3)
+            Unit vectors.
+        """
         gradient = self.point(u, v) / self.semi_axes**2
         normal: FloatArray = gradient / np.linalg.norm(gradient, axis=-1, keepdims=True)
         return normal
@@ -87,17 +113,44 @@ class Ellipsoid(Displayed):
         ----------
         normal : array_like, shape (..., 3)
             Unit vectors.
+
+        Returns
+        -------
+        ndarray, shape (..., 3)
+            Points of the surface.
         """
         normal = as_float_array(normal)
         return self.semi_axes**2 * normal / self._support(normal)[..., None]
 
     def parametric_angles(self, normal: ArrayLike) -> tuple[FloatArray, FloatArray]:
-        """Return u in (−π, π] and v in [0, π] (radians) of the point whose outward normal is `normal`."""
+        """Return the parametric angles of the point whose outward normal is `normal`.
+
+        Parameters
+        ----------
+        normal : array_like, shape (..., 3)
+            Unit vectors.
+
+        Returns
+        -------
+        u, v : ndarray
+            In (−π, π] and [0, π], radians.
+        """
         x, y, z = np.moveaxis(self.semi_axes * as_float_array(normal), -1, 0)
         return np.arctan2(y, x), np.arctan2(np.hypot(x, y), z)
 
     def curvature(self, u: ArrayLike, v: ArrayLike) -> SurfaceCurvature:
-        """Return principal radii and directions at parametric angles u, v (radians), poles included."""
+        """Return principal radii and directions at parametric angles, poles included.
+
+        Parameters
+        ----------
+        u, v : array_like
+            Parametric angles, radians.
+
+        Returns
+        -------
+        SurfaceCurvature
+            First principal direction nearer to the finger's axis.
+        """
         return self.curvature_at_normal(self.normal(u, v))
 
     def curvature_at_normal(self, normal: ArrayLike) -> SurfaceCurvature:
@@ -107,6 +160,11 @@ class Ellipsoid(Displayed):
         ----------
         normal : array_like, shape (..., 3)
             Unit vectors.
+
+        Returns
+        -------
+        SurfaceCurvature
+            First principal direction nearer to the finger's axis.
         """
         normal = as_float_array(normal)
         curvatures, angle = principal_curvatures(*self._curvature_tensor(normal))
@@ -116,7 +174,18 @@ class Ellipsoid(Displayed):
         return SurfaceCurvature(principal_radii=1 / curvatures, principal_directions=directions)
 
     def principal_radii_at_normal(self, normal: ArrayLike) -> FloatArray:
-        """Return the radii of `curvature_at_normal` alone, shape (..., 2), at a third of the cost."""
+        """Return the radii of `curvature_at_normal` alone, at a third of the cost.
+
+        Parameters
+        ----------
+        normal : array_like, shape (..., 3)
+            Unit vectors.
+
+        Returns
+        -------
+        ndarray, shape (..., 2)
+            Principal radii, along and across the finger.
+        """
         return principal_radii_kernel(
             self.palmar, self.distal, self.radial_ulnar, normal=as_float_array(normal)
         )

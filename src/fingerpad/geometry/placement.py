@@ -1,4 +1,4 @@
-"""Where on the pad a flat platen touches, from the wedge on which the finger rests."""
+"""Place of contact of a pad with a flat platen, for a finger on a wedge."""
 
 from dataclasses import dataclass, field
 
@@ -21,7 +21,7 @@ from fingerpad.geometry.ellipsoid import Ellipsoid
 
 
 def platen_normal(wedge_angle: ArrayLike, roll_angle: ArrayLike = 0.0) -> FloatArray:
-    """Return the pad's outward unit normal at the place of contact, shape (..., 3).
+    """Return the pad's outward unit normal at the place of contact.
 
     n = (cos θ cos φ, sin θ, cos θ sin φ).
 
@@ -32,6 +32,11 @@ def platen_normal(wedge_angle: ArrayLike, roll_angle: ArrayLike = 0.0) -> FloatA
     roll_angle : array_like
         Roll φ of the finger about its own long axis, radians.
 
+    Returns
+    -------
+    ndarray, shape (..., 3)
+        Unit vectors in the pad's axes: palmar, distal, radial–ulnar.
+
     Raises
     ------
     GeometryError
@@ -39,8 +44,9 @@ def platen_normal(wedge_angle: ArrayLike, roll_angle: ArrayLike = 0.0) -> FloatA
 
     Examples
     --------
-    >>> platen_normal(0.0)
-    array([1., 0., 0.])
+    >>> platen_normal(np.radians([0, 30])).round(3)
+    array([[1.   , 0.   , 0.   ],
+           [0.866, 0.5  , 0.   ]])
     """
     return platen_normal_kernel(
         check_radians("wedge_angle", wedge_angle), check_radians("roll_angle", roll_angle)

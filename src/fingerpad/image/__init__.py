@@ -29,11 +29,7 @@ from fingerpad.image.photograph.manual import (
     photograph_from_handles,
     with_marked_points,
 )
-from fingerpad.image.photograph.measure import (
-    PHOTOGRAPH_FLAGS,
-    PhotographFit,
-    measure_photograph,
-)
+from fingerpad.image.photograph.measure import measure_photograph
 from fingerpad.image.photograph.outline import (
     face_from_outline,
     read_marks,
@@ -42,6 +38,7 @@ from fingerpad.image.photograph.outline import (
 )
 from fingerpad.image.photograph.outline_fit import OutlineFit, fit_outline_ellipse
 from fingerpad.image.photograph.overlay import draw_photograph_overlay, write_photograph_overlay
+from fingerpad.image.photograph.result import PHOTOGRAPH_FLAGS, PhotographFit
 from fingerpad.image.read import Picture, read_image
 from fingerpad.image.scale import Scale
 from fingerpad.image.sequence.clock import frame_clock

@@ -1,4 +1,4 @@
-"""Decoded levels of a picture: brought upright, laid on white, and turned into luma at their own depth."""
+"""Decoded levels of a picture: turned upright, blended with white, converted to luma at their own depth."""
 
 from typing import Any, Final, TypeAlias
 
@@ -27,7 +27,7 @@ _ORIENTATIONS: Final = {
 
 
 def apply_orientation(array: npt.NDArray[Any], orientation: int) -> npt.NDArray[Any]:
-    """Turn an array (rows, columns, ...) as its file's orientation tag says."""
+    """Turn an array (rows, columns, ...) by its file's orientation tag."""
     return np.ascontiguousarray(_ORIENTATIONS[orientation](array)) if orientation in _ORIENTATIONS else array
 
 
@@ -67,7 +67,7 @@ def eight_bit(levels: Pixels) -> npt.NDArray[np.uint8]:
 
 
 def on_white(colour: npt.NDArray[Any], alpha: npt.NDArray[Any], *, premultiplied: bool = False) -> Pixels:
-    """Return levels (rows, columns[, 3]) laid on white by their alpha (rows, columns)."""
+    """Return levels (rows, columns[, 3]) blended with white by their alpha (rows, columns)."""
     levels = storable(colour)
     top = top_level(levels) or 1.0
     laid = np.empty_like(levels)

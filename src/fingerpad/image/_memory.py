@@ -23,7 +23,7 @@ def check_memory(
     channels: int,
     sample_bytes: int,
 ) -> None:
-    """Refuse a picture of (columns, rows) that its header says is too large.
+    """Refuse a picture of (columns, rows) that is too large by its header.
 
     Raises
     ------

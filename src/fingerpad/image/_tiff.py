@@ -40,7 +40,7 @@ _ASSOCIATED_ALPHA, _UNASSOCIATED_ALPHA = 1, 2
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Layout:
-    """What the tags of a page say of its samples.
+    """Layout of a page's samples, from its tags.
 
     Attributes
     ----------
@@ -185,7 +185,7 @@ def _samples_of(page: Any, layout: _Layout) -> npt.NDArray[Any]:
         top, left = place // across * height, place % across * width
         held = height if layout.tiled else min(height, rows - top)
         file.seek(offset)
-        # A stream needs not say more than its samples in the worst case of each compression.
+        # The most bytes that the samples take in the worst case of each compression.
         packed = file.read(min(count, 2 * held * layout.row_bytes + 1024))
         part = _segment(packed, held, layout, page.parent.byteorder)
         into = samples[top : top + held, left : left + width, plane : plane + layout.contiguous]
@@ -269,7 +269,7 @@ def _decode_by_pillow(path: Path, index: int) -> Pixels:
 
 
 def is_reduced_copy(page: Any) -> bool:
-    """Tell whether a page is a smaller copy of another."""
+    """Return whether a page is a smaller copy of another."""
     return bool(_tag(page, "NewSubfileType", 0) & 1)
 
 

@@ -15,12 +15,19 @@ def read_colour_image(
 ) -> npt.NDArray[np.uint8]:
     """Read a photograph from a PNG, TIFF, JPEG, BMP or PPM file as red, green, blue of 8 bits.
 
-    Transparency is laid on white, and a camera's rotation tag is obeyed.
+    Transparency is blended with white, and a camera's rotation tag is obeyed.
 
     Parameters
     ----------
-    path, memory_limit
-        As for `read_image`.
+    path : path-like
+        The file.
+    memory_limit : int
+        The most bytes that reading and measuring may take, as for `read_image`.
+
+    Returns
+    -------
+    ndarray of uint8, shape (rows, columns, 3)
+        Red, green, blue.
 
     Raises
     ------

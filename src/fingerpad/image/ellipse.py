@@ -27,6 +27,12 @@ class ImageEllipse:
         Major and minor, px.
     orientation : float
         Angle of the major axis from straight up, counter-clockwise as seen on the screen, radians.
+
+    Examples
+    --------
+    >>> ellipse = ImageEllipse(centre=(100.0, 80.0), semi_axes=(40.0, 30.0))
+    >>> ellipse.points(4).round(6).tolist()
+    [[140.0, 80.0], [100.0, 110.0], [60.0, 80.0], [100.0, 50.0]]
     """
 
     centre: tuple[float, float]
@@ -42,14 +48,41 @@ class ImageEllipse:
         return math.pi * self.semi_axes[0] * self.semi_axes[1]
 
     def points(self, count: int) -> FloatArray:
-        """Return `count` points (row, column) on the ellipse, px."""
+        """Return points on the ellipse, evenly spaced in the parametric angle.
+
+        Parameters
+        ----------
+        count : int
+            Number of points.
+
+        Returns
+        -------
+        ndarray, shape (count, 2)
+            (row, column), px.
+        """
         t = np.linspace(0, 2 * math.pi, count, endpoint=False)
         local = np.stack([np.cos(t), np.sin(t)], axis=-1) * self.semi_axes
         return np.asarray(local @ rotation(self.orientation).T + self.centre)
 
 
 class PlaneEllipse(NamedTuple):
-    """An ellipse by its centre (x, y) and semi-axes along and across `angle` (from x towards y)."""
+    """An ellipse in the plane (x, y), its semi-axes not sorted.
+
+    Attributes
+    ----------
+    x, y : float
+        Centre.
+    semi_x, semi_y : float
+        Semi-axes along and across `angle`.
+    angle : float
+        Turn from x towards y, radians.
+
+    Examples
+    --------
+    >>> ellipse = PlaneEllipse(x=0.0, y=0.0, semi_x=11.8, semi_y=13.8)
+    >>> ellipse.offsets(np.array([[12.8, 0.0], [0.0, 13.8]])).round(2)
+    array([1., 0.])
+    """
 
     x: float
     y: float
@@ -63,11 +96,33 @@ class PlaneEllipse(NamedTuple):
         return math.sqrt(self.semi_x * self.semi_y)
 
     def scaled(self, factor: float) -> "PlaneEllipse":
-        """Return the concentric ellipse of `factor` times the size."""
+        """Return a concentric ellipse.
+
+        Parameters
+        ----------
+        factor : float
+            Of the semi-axes.
+
+        Returns
+        -------
+        PlaneEllipse
+            With the same centre and angle.
+        """
         return self._replace(semi_x=self.semi_x * factor, semi_y=self.semi_y * factor)
 
     def offsets(self, points: FloatArray) -> FloatArray:
-        """Return the signed distances of points (n, 2) from the ellipse, to first order."""
+        """Return the signed distances of points from the ellipse, to first order.
+
+        Parameters
+        ----------
+        points : ndarray, shape (n, 2)
+            (x, y).
+
+        Returns
+        -------
+        ndarray, shape (n,)
+            Positive outside.
+        """
         cosine, sine = math.cos(self.angle), math.sin(self.angle)
         right, down = points[:, 0] - self.x, points[:, 1] - self.y
         u, v = (right * cosine + down * sine) / self.semi_x, (down * cosine - right * sine) / self.semi_y
@@ -75,7 +130,18 @@ class PlaneEllipse(NamedTuple):
         return as_float_array((radius - 1) * radius / (np.hypot(u / self.semi_x, v / self.semi_y) + 1e-12))
 
     def points(self, count: int) -> tuple[FloatArray, FloatArray]:
-        """Return `count` points (x, y) of the ellipse and the outward unit normals there."""
+        """Return points of the ellipse, evenly spaced in the parametric angle.
+
+        Parameters
+        ----------
+        count : int
+            Number of points.
+
+        Returns
+        -------
+        points, normals : ndarray, shape (count, 2)
+            (x, y), and the outward unit normals there.
+        """
         t = np.arange(count) * (2 * math.pi / count)
         turn = rotation(self.angle).T
         local = np.stack([self.semi_x * np.cos(t), self.semi_y * np.sin(t)], axis=-1)
@@ -165,6 +231,11 @@ def ellipse_of_polygon(corners: ArrayLike) -> ImageEllipse:
     corners : array_like, shape (n, 2)
         (row, column) of the corners in order, open or closed, in either direction.
 
+    Returns
+    -------
+    ImageEllipse
+        In the unit of the corners.
+
     Raises
     ------
     ImageError
@@ -189,6 +260,16 @@ def ellipse_of_polygon(corners: ArrayLike) -> ImageEllipse:
 
 def equal_area_ellipse(mask: BoolArray) -> ImageEllipse:
     """Return the ellipse of a region: same area and centroid, axis ratio and direction of its second moments.
+
+    Parameters
+    ----------
+    mask : ndarray of bool, shape (rows, columns)
+        The region.
+
+    Returns
+    -------
+    ImageEllipse
+        In pixels.
 
     Raises
     ------

@@ -27,10 +27,17 @@ class EllipseFit(Displayed):
     ----------
     ellipse : PlaneEllipse
         Centre, semi-axes and angle, in the unit of the points.
-    covariance : ndarray, (5, 5)
+    covariance : ndarray, shape (5, 5)
         Of (x, y, semi_x, semi_y, angle), from the residuals; zero for an angle that was not fitted.
     residual_std : float
         Standard deviation of the orthogonal distances.
+
+    Examples
+    --------
+    >>> from fingerpad.simulate import outline_points
+    >>> fit = fit_ellipse(outline_points(7.4, 5.0, count=80, noise_std=0.05, seed=1))
+    >>> print(f"{fit.ellipse.semi_x:.2f} ± {np.sqrt(fit.covariance[2, 2]):.2f}")
+    7.40 ± 0.01
     """
 
     ellipse: PlaneEllipse
@@ -45,6 +52,11 @@ def fit_ellipse(points: ArrayLike) -> EllipseFit:
     ----------
     points : array_like, (n, 2)
         (x, y) of at least five points, in any unit of length.
+
+    Returns
+    -------
+    EllipseFit
+        With `semi_x` the major semi-axis.
 
     Raises
     ------
@@ -83,6 +95,11 @@ def fit_aligned_ellipse(points: ArrayLike) -> EllipseFit:
     ----------
     points : array_like, (n, 2)
         (x, y) of at least four points, in any unit of length.
+
+    Returns
+    -------
+    EllipseFit
+        With angle zero.
 
     Raises
     ------

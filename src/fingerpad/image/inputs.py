@@ -1,4 +1,4 @@
-"""What the measuring functions take as a picture and as a scale."""
+"""Images and scales as arguments of measuring functions."""
 
 from os import PathLike
 from typing import TypeAlias

@@ -47,16 +47,22 @@ _IMAGEJ_UNITS: Final = {"inch": 1.0, "cm": 2.54, "mm": 25.4, "um": 25400.0, "mic
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class Picture(Displayed):
-    """A grey picture and what its file says of its scale.
+    """A grey picture and the resolution stated in its file.
 
     Attributes
     ----------
-    pixels : ndarray, (rows, columns)
+    pixels : ndarray, shape (rows, columns)
         Grey levels, uint8, uint16 or float32 as the file had them.
     dots_per_inch : float or None
         Resolution written in the file (JFIF, PNG's pHYs, TIFF's tags, ImageJ's calibration of a TIFF), None
         where it has none, no unit, or differs between the two directions. Cameras and editors write 72 or
         96 without meaning it: `Scale.of_picture` refuses those.
+
+    Examples
+    --------
+    >>> picture = Picture(pixels=np.zeros((20, 30), np.uint8), dots_per_inch=500.0)
+    >>> picture.pixels.shape
+    (20, 30)
     """
 
     pixels: Pixels
@@ -66,10 +72,10 @@ class Picture(Displayed):
 def read_image(path: str | PathLike[str], *, memory_limit: int = MEMORY_LIMIT) -> Picture:
     """Read one grey picture from a PNG, TIFF, JPEG, BMP or PGM file.
 
-    Colour becomes luma (ITU-R BT.601) of the file's own depth, transparency is laid on white, and a camera's
-    rotation tag is obeyed. A file of several pictures (a TIFF of many pages, an animation) is refused: to
-    measure its first page in silence would be to guess. Reduced copies that a TIFF carries beside its
-    picture do not count. `open_frames` reads such files page by page.
+    Colour becomes luma (ITU-R BT.601) of the file's own depth, transparency is blended with white, and a
+    camera's rotation tag is obeyed. A file of several pictures (a TIFF of many pages, an animation) is
+    refused; `open_frames` reads it page by page. Reduced copies that a TIFF carries beside its picture do
+    not count.
 
     Of TIFF, levels of 1 to 64 bits are read uncompressed or compressed by LZW, Deflate or PackBits, and those
     of 8 bits or 1 bit by JPEG or CCITT. Other compressions are refused by name.
@@ -221,7 +227,7 @@ def _decode(path: Path, memory_limit: int) -> tuple[Pixels, float | None]:
 
 
 def _is_deep_colour(image: Image.Image) -> bool:
-    """Tell whether a file holds colour of more than 8 bits, which Pillow would cut to 8."""
+    """Return whether a file holds colour of more than 8 bits, which Pillow would cut to 8."""
     if image.mode not in {"RGB", "RGBA", "RGBX", "LA"}:
         return False
     # Pillow's name for the layout of the file's samples, or for PPM their largest value.

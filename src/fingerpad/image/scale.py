@@ -53,7 +53,17 @@ class Scale:
 
     @classmethod
     def of_ppi(cls, ppi: float, ppi_std: float = 0.0) -> Self:
-        """Make a scale from pixels per inch.
+        """Return a scale from pixels per inch.
+
+        Parameters
+        ----------
+        ppi, ppi_std : float
+            Pixels per inch and the standard uncertainty.
+
+        Returns
+        -------
+        Scale
+            Millimetres per pixel.
 
         Raises
         ------
@@ -67,11 +77,20 @@ class Scale:
 
     @classmethod
     def of_picture(cls, picture: Picture) -> Self:
-        """Make a scale from the resolution that a picture's own file states.
+        """Return a scale from the resolution that a picture's own file states.
 
-        Its uncertainty is that of the rounding to whole dots per inch. The number may be
-        meaningless: `measure_contact_image` flags ``scale_doubtful`` where the ridge period is
-        none that a finger has.
+        The uncertainty is that of rounding to whole dots per inch. The number may be meaningless:
+        `measure_contact_image` flags ``scale_doubtful`` where the ridge period is implausible.
+
+        Parameters
+        ----------
+        picture : Picture
+            From `read_image`.
+
+        Returns
+        -------
+        Scale
+            Millimetres per pixel.
 
         Raises
         ------
@@ -106,7 +125,7 @@ class Scale:
         length_mm_std: float = 0.0,
         point_px_std: float = 0.0,
     ) -> Self:
-        """Make a scale from a line of known length drawn on a ruler or across a coin.
+        """Return a scale from a line of known length on a ruler or across a coin.
 
         Parameters
         ----------
@@ -116,6 +135,11 @@ class Scale:
             Ends of the line, (row, column), px.
         point_px_std : float
             Standard uncertainty of each end along the line, px.
+
+        Returns
+        -------
+        Scale
+            Millimetres per pixel.
 
         Raises
         ------
@@ -150,7 +174,7 @@ class Scale:
     def length(
         self, start: tuple[float, float], end: tuple[float, float], *, point_px_std: float = 0.0
     ) -> tuple[float, float]:
-        """Return the length of a line drawn on the picture and its standard uncertainty, mm.
+        """Return the length of a line in the picture and its standard uncertainty.
 
         Parameters
         ----------
@@ -158,6 +182,11 @@ class Scale:
             Ends of the line, (row, column), px.
         point_px_std : float
             Standard uncertainty of each end along the line, px.
+
+        Returns
+        -------
+        length, std : float
+            mm.
 
         Examples
         --------

@@ -1,4 +1,4 @@
-"""Loading curves: force, displacement and contact area, and what they say of the pad."""
+"""Loading curves: force, displacement and contact area, fitted for radius and moduli of the pad."""
 
 from fingerpad._loading_curve import LoadingCurve, read_loading_curve
 from fingerpad.loading.compliance import ContactCompliance, fit_contact_compliance

@@ -1,4 +1,4 @@
-"""One press of a record made ready to fit: its rows, its doubts, and where a search may begin."""
+"""Preparation of one press for the fit: rows, flags, and initial values."""
 
 from dataclasses import dataclass
 
@@ -78,7 +78,7 @@ def prepare(curve: LoadingCurve, poisson_ratio: float, cycle: int) -> Press:
 
 
 def start_values(press: Press, radius: float | None) -> dict[str, float]:
-    """Return where a search of the law with a growing modulus may begin; its names say what is fitted.
+    """Return where a search of the law with a growing modulus may begin; its names are the fitted parameters.
 
     `radius` (mm) is used where it is given.
     """

@@ -23,6 +23,14 @@ class ContactCompliance:
         Standard deviation of the area about the line, mm².
     count : int
         Number of points fitted.
+
+    Examples
+    --------
+    >>> depth = np.linspace(0.1, 2, 20)
+    >>> area = np.pi * 14.5 * (depth - 0.05)
+    >>> line = fit_contact_compliance(LoadingCurve(load=depth**1.5, indentation=depth, area=area))
+    >>> print(f"R_g = {line.loading_radius:.1f} mm, A₀ = {line.area_at_zero:.2f} mm²")
+    R_g = 14.5 mm, A₀ = -2.28 mm²
     """
 
     loading_radius: float
@@ -37,6 +45,16 @@ def fit_contact_compliance(curve: LoadingCurve) -> ContactCompliance:
 
     Points without load are left out. A smooth sphere or ellipse gives R = A/(πξ) at every load, whatever its
     modulus and however it varies with load. The zero of displacement is free.
+
+    Parameters
+    ----------
+    curve : LoadingCurve
+        With an area.
+
+    Returns
+    -------
+    ContactCompliance
+        Slope, intercept and residuals.
 
     Raises
     ------

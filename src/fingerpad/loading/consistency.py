@@ -1,4 +1,4 @@
-"""Does one sphere describe the contact? The modulus from its area against that from its indentation."""
+"""Consistency of one sphere with a contact: modulus from area against that from indentation."""
 
 from dataclasses import dataclass
 
@@ -22,6 +22,14 @@ class ShapeCheck(Displayed):
         The first over the second, R^{3/2} ξ^{3/2}/a³: one for a sphere, whatever its modulus.
     expected_ratio : ndarray
         What the shape of the contact makes of it.
+
+    Examples
+    --------
+    Tissue on bone is indented less than a half-space of the same contact area:
+
+    >>> check = shape_check([1.0, 2.0], [0.9, 1.3], [60.0, 90.0], loading_radius=14.5)
+    >>> check.ratio.round(2)
+    array([0.56, 0.53])
     """
 
     load: FloatArray
@@ -42,15 +50,22 @@ def shape_check(
 ) -> ShapeCheck:
     """Compare reduced moduli from area and from indentation at each load; NaN before contact.
 
+    E* = 3 W R/(4 a³) with a = √(A/π), and E* = 3 W/(4 R^½ ξ^{3/2}): Johnson (1985), Eqs 4.22 and 4.23.
+
     Parameters
     ----------
     load, indentation, area : array_like
-        W (N), ξ (mm) and A (mm²), zero and place of contact taken off.
+        W (N), ξ (mm) and A (mm²), counted from zero load and first contact.
     loading_radius : array_like
         R, mm, the same in both.
     expected_ratio : array_like
         For an elliptical contact of axis ratio k taken for a sphere of radius R_e it is (R_e/R_Aξ)^{3/2}
         = F2^{3/2}/F1³, with the equivalent radius from compliance of `fingerpad.contact`.
+
+    Returns
+    -------
+    ShapeCheck
+        Both moduli and their ratio.
 
     Examples
     --------

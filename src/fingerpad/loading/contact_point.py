@@ -1,7 +1,7 @@
-"""Estimators of the place of first contact, each with an uncertainty that was tried out.
+"""Estimators of the place of first contact, with uncertainty from simulation.
 
 The joint fit finds the place of contact together with everything else. These find it from force and
-displacement alone, as is done by hand, and are late or early by amounts that depend on the noise.
+displacement alone, as in manual analysis, and are late or early by amounts that depend on the noise.
 """
 
 from collections.abc import Callable, Mapping
@@ -119,7 +119,7 @@ def _foot(displacement: FloatArray, load: FloatArray) -> tuple[FloatArray, Float
 def _free_rows(load: FloatArray) -> int:
     free = max(round(_FREE_SHARE * load.size), 3)
     if load.size < free + _IN_A_ROW:
-        raise FitError(f"{load.size} rows are too few to tell a baseline from contact")
+        raise FitError(f"{load.size} rows are too few to separate a baseline from contact")
     return free
 
 

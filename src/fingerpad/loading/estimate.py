@@ -1,4 +1,4 @@
-"""A quantity with its uncertainty, or the reason why the data do not tell it."""
+"""A quantity with its uncertainty, or the reason why the data do not determine it."""
 
 import math
 from collections.abc import Mapping
@@ -20,6 +20,12 @@ class Estimate(Displayed):
         Estimate and standard uncertainty.
     lower, upper : float
         Ends of the 95 % interval, which need not lie evenly about the value.
+
+    Examples
+    --------
+    >>> radius = Estimate.symmetric(20.5, 0.3)
+    >>> print(f"{radius.lower:.2f} to {radius.upper:.2f} mm")
+    19.91 to 21.09 mm
     """
 
     value: float
@@ -31,6 +37,18 @@ class Estimate(Displayed):
     def symmetric(cls, value: float, std: float, degrees_of_freedom: float = math.inf) -> "Estimate":
         """Return an estimate whose interval is the value ± t times its standard uncertainty.
 
+        Parameters
+        ----------
+        value, std : float
+            Estimate and standard uncertainty.
+        degrees_of_freedom : float
+            Of Student's t; infinite for the normal distribution.
+
+        Returns
+        -------
+        Estimate
+            With its 95 % interval.
+
         Examples
         --------
         >>> print(f"{Estimate.symmetric(20.0, 1.0).upper:.2f}")
@@ -40,7 +58,18 @@ class Estimate(Displayed):
         return cls(value=float(value), std=float(std), lower=float(value - half), upper=float(value + half))
 
     def times(self, factor: float) -> "Estimate":
-        """Return the estimate in other units, or multiplied with an exact number above zero."""
+        """Return the estimate multiplied by an exact number, as for another unit.
+
+        Parameters
+        ----------
+        factor : float
+            Above zero.
+
+        Returns
+        -------
+        Estimate
+            Value, standard uncertainty and interval multiplied.
+        """
         return Estimate(
             value=factor * self.value,
             std=factor * self.std,
@@ -49,7 +78,17 @@ class Estimate(Displayed):
         )
 
     def over(self, divisor: "Estimate") -> "Estimate":
-        """Return the estimate divided by another, above zero and independent of it, to first order.
+        """Return the estimate divided by another, independent one, to first order.
+
+        Parameters
+        ----------
+        divisor : Estimate
+            Above zero.
+
+        Returns
+        -------
+        Estimate
+            The ratio, with a symmetric interval.
 
         Examples
         --------
@@ -72,22 +111,49 @@ class Estimate(Displayed):
 
 @dataclass(frozen=True, slots=True)
 class Undetermined:
-    """A quantity that the data do not tell.
+    """A quantity that the data do not determine.
 
     Attributes
     ----------
     reason : str
-        What is missing, in words for a reader of the result.
+        What is missing.
+
+    Examples
+    --------
+    >>> print(Undetermined("no area was recorded").reason)
+    no area was recorded
     """
 
     reason: str
 
     def times(self, factor: float) -> "Undetermined":  # noqa: ARG002
-        """Return the same: what is unknown is so in all units."""
+        """Return the same.
+
+        Parameters
+        ----------
+        factor : float
+            Without effect.
+
+        Returns
+        -------
+        Undetermined
+            The same.
+        """
         return self
 
     def over(self, divisor: Estimate) -> "Undetermined":  # noqa: ARG002
-        """Return the same."""
+        """Return the same.
+
+        Parameters
+        ----------
+        divisor : Estimate
+            Without effect.
+
+        Returns
+        -------
+        Undetermined
+            The same.
+        """
         return self
 
 

@@ -1,4 +1,4 @@
-"""Everything that one loading curve tells, in one call."""
+"""Radius, moduli, contact point and exponents of one loading curve, in one call."""
 
 import math
 from collections.abc import Mapping
@@ -26,7 +26,7 @@ _DECISIVE = 10.0
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class LoadingFit(Displayed):
-    """What a loading curve tells of the pad. Quantities are an `Estimate`, or `Undetermined` with the reason.
+    """Results of fitting one press. Quantities are an `Estimate`, or `Undetermined` with the reason.
 
     Attributes
     ----------
@@ -49,7 +49,7 @@ class LoadingFit(Displayed):
     cycles : tuple of Cycle
         All presses in the record.
     hysteresis : tuple of (Hysteresis or None)
-        Of each.
+        Of each cycle.
     models : mapping of str to FittedForceModel
         ``load_dependent``, ``hertz``, ``free_exponent``, under one noise.
     preferred_model : str
@@ -58,6 +58,13 @@ class LoadingFit(Displayed):
         E_g of each row against ξ and W.
     flags : tuple of str
         Doubts.
+
+    Examples
+    --------
+    >>> from fingerpad.simulate import simulate_loading_curve
+    >>> fit = fit_loading_curve(simulate_loading_curve(points=60, force_std=0.005, area_std=0.5, seed=1))
+    >>> print(f"E_0g = {1000 * fit.initial_modulus.value:.0f} kPa (truth: 40), {fit.preferred_model}")
+    E_0g = 40 kPa (truth: 40), load_dependent
     """
 
     loading_radius: Quantity
@@ -80,9 +87,19 @@ class LoadingFit(Displayed):
     def divide_by_constraint(self, coefficient: Estimate) -> Self:
         """Return the fit with all moduli divided by a constraint coefficient.
 
-        Bone and nail behind a pad that is thin against its contact make it stiffer than a half-space of the
-        same skin, by this factor. How much is hardly known of any finger: its uncertainty goes into the
-        moduli, and the result is flagged ``constraint_assumed``.
+        Bone and nail make a thin pad stiffer than a half-space of the same tissue, by this factor. It is
+        poorly known for fingers: its uncertainty goes into the moduli, and the result is flagged
+        ``constraint_assumed``.
+
+        Parameters
+        ----------
+        coefficient : Estimate
+            The factor, independent of the fit.
+
+        Returns
+        -------
+        LoadingFit
+            With moduli and β divided.
 
         Raises
         ------
@@ -103,11 +120,23 @@ class LoadingFit(Displayed):
         )
 
     def summary(self) -> str:
-        """Return the fitted numbers in words, one line each."""
+        """Return the fitted numbers as text, one line each.
+
+        Returns
+        -------
+        str
+            With units and uncertainties.
+        """
         return record_text("Fit of a loading curve", self.as_record())
 
     def as_record(self) -> dict[str, Any]:
-        """Return the numbers under names with units, each with _std and _ci95, null where not known."""
+        """Return the numbers by names that end in units.
+
+        Returns
+        -------
+        dict
+            Each with ``_std`` and ``_ci95``; None where unknown.
+        """
         quantities = {
             "effective_radius_mm": self.loading_radius,
             "reduced_modulus_kpa": self.reduced_modulus.times(KPA_PER_MPA),
@@ -161,6 +190,11 @@ def fit_loading_curve(
     region : (float, float), optional
         Loads (N) between which E_g increases linearly; found from the curve without it.
 
+    Returns
+    -------
+    LoadingFit
+        The fitted quantities with uncertainty.
+
     Raises
     ------
     LoadingError
@@ -192,8 +226,8 @@ def fit_loading_curve(
         raise
     except (ArithmeticError, np.linalg.LinAlgError, ValueError) as error:
         raise FitError(
-            f"the record does not determine the law and its noise ({error}): is it rounded, repeated, or of "
-            "the wrong sign?"
+            f"the record does not determine the model and its noise ({error}): is it rounded, repeated, or "
+            "of the wrong sign?"
         ) from error
 
 
@@ -204,12 +238,31 @@ def contact_points(
     loading_radius: float | Estimate | None = None,
     cycle: int = 0,
 ) -> dict[str, Quantity]:
-    """Return the place of contact (mm) by each estimator of `ESTIMATORS`, and by the joint fit.
+    """Return the place of contact by each estimator of `ESTIMATORS`, and by the joint fit.
 
     The error of each is estimated from twenty records simulated from the joint fit with its noise: the root
     mean square error, bias included, is the standard uncertainty. The value itself is not corrected.
 
-    Parameters and errors are those of `fit_loading_curve`.
+    Parameters
+    ----------
+    curve : LoadingCurve
+        The record.
+    poisson_ratio : float
+        ν of the pad.
+    loading_radius : float or Estimate, optional
+        R_g (mm) from elsewhere; needed where there is no area.
+    cycle : int
+        Which press of the record, counted from 0.
+
+    Returns
+    -------
+    dict of str to Quantity
+        Displacement at first contact, mm, by estimator.
+
+    Raises
+    ------
+    LoadingError, FitError
+        As `fit_loading_curve`.
 
     Examples
     --------

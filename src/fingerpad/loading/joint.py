@@ -49,7 +49,7 @@ class FitData(Displayed):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ForceModel:
-    """How the load grows with ξ: parameter names, and W(values, ξ, 4/3 R^½/(1 − ν²))."""
+    """A load as a function of ξ: parameter names, and W(values, ξ, 4/3 R^½/(1 − ν²))."""
 
     names: tuple[str, ...]
     load: Callable[[Values, FloatArray, float], FloatArray]
@@ -76,7 +76,7 @@ FORCE_MODELS: Final = {
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class FittedForceModel(Displayed):
-    """A law with the values that fit a record.
+    """A force model with the values that fit a record.
 
     Attributes
     ----------
@@ -87,7 +87,14 @@ class FittedForceModel(Displayed):
     poisson_ratio : float
         ν of the pad.
     aicc : float
-        Corrected Akaike criterion χ² + 2k + 2k(k+1)/(n−k−1), to compare laws under one noise.
+        Corrected Akaike criterion χ² + 2k + 2k(k+1)/(n−k−1), to compare models under one noise.
+
+    Examples
+    --------
+    >>> values = {"contact_offset": 1.0, "loading_radius": 20.5, "youngs_modulus": 0.1024}
+    >>> model = FittedForceModel(law="hertz", values=values, poisson_ratio=0.5, aicc=0.0)
+    >>> model.load(np.array([1.0, 2.806])).round(2)
+    array([0., 2.])
     """
 
     law: str
@@ -96,11 +103,35 @@ class FittedForceModel(Displayed):
     aicc: float
 
     def load(self, displacement: FloatArray) -> FloatArray:
-        """Return the fitted load W (N) at readings of the displacement."""
+        """Return the fitted load at readings of the displacement.
+
+        Parameters
+        ----------
+        displacement : ndarray
+            Readings, mm, from the instrument's zero.
+
+        Returns
+        -------
+        ndarray
+            W, N.
+        """
         return _load(self.values, FORCE_MODELS[self.law], displacement, self.poisson_ratio)
 
     def corrected_load(self, clock: FloatArray, load: FloatArray) -> FloatArray:
-        """Return measured forces with zero and tilt removed, N."""
+        """Return measured forces with zero and tilt removed.
+
+        Parameters
+        ----------
+        clock : ndarray
+            Times of the readings, s, from the start of the record.
+        load : ndarray
+            Readings, N.
+
+        Returns
+        -------
+        ndarray
+            N.
+        """
         return load - _zero(self.values, clock)
 
 

@@ -17,7 +17,7 @@ from fingerpad.loading.estimate import Estimate
 Residuals: TypeAlias = Callable[[FloatArray], FloatArray]
 
 _STEP = np.finfo(float).eps ** (1 / 3)
-# Singular values of the Jacobian, its columns scaled to one, below which parameters are not told apart.
+# Singular values of the Jacobian, its columns scaled to one, below which parameters are indistinguishable.
 _SINGULAR = 1e-12
 _HIGHEST_ORDER = 3
 _FARTHEST = 50.0
@@ -30,15 +30,22 @@ class LeastSquaresFit(Displayed):
     Attributes
     ----------
     names : tuple of str
-        Of the p parameters.
-    values : ndarray, (p,)
+        Names of the p parameters.
+    values : ndarray, shape (p,)
         Estimates.
-    residuals : ndarray, (n,)
+    residuals : ndarray, shape (n,)
         At the estimates.
-    jacobian : ndarray, (n, p)
+    jacobian : ndarray, shape (n, p)
         Derivative of the residuals by the parameters.
     effective_count : float
         Number of independent residuals that carry as much information: n where they are not correlated.
+
+    Examples
+    --------
+    >>> x = np.linspace(0, 2, 9)
+    >>> fit = fit_least_squares(lambda p: p[0] + p[1] * x - [0, 1, 2, 3, 4, 5, 6, 7, 9], [0, 1], ["a", "b"])
+    >>> fit.values.round(3), round(fit.residual_std, 3)
+    (array([-0.156,  4.267]), 0.298)
     """
 
     names: tuple[str, ...]
@@ -78,26 +85,60 @@ class LeastSquaresFit(Displayed):
         return n * math.log(max(self.sum_of_squares, tiny) / n) + 2 * k + 2 * k * (k + 1) / (n - k - 1)
 
     def value(self, name: str) -> float:
-        """Return the estimate of one parameter."""
+        """Return the estimate of one parameter.
+
+        Parameters
+        ----------
+        name : str
+            Its name.
+
+        Returns
+        -------
+        float
+            The estimate.
+        """
         return float(self.values[self.names.index(name)])
 
     def with_effective_count(self, count: float) -> "LeastSquaresFit":
-        """Return the same fit for residuals worth `count` independent ones.
+        """Return the same fit for correlated residuals.
+
+        Parameters
+        ----------
+        count : float
+            Number of independent residuals that carry as much information.
+
+        Returns
+        -------
+        LeastSquaresFit
+            With a wider covariance.
 
         Raises
         ------
         FitError
-            If they are no more than the parameters.
+            If `count` does not exceed the number of parameters.
         """
         if not count > self.values.size:
             raise FitError(
-                f"the residuals are so correlated that they are worth {count:.1f} independent ones, for "
+                f"the residuals are so correlated that they count as {count:.1f} independent ones, for "
                 f"{self.values.size} parameters ({', '.join(self.names)}): record for longer, or fit less"
             )
         return replace(self, effective_count=float(count))
 
     def derived(self, value: float, gradient: ArrayLike) -> Estimate:
-        """Return a function of the parameters with its first-order uncertainty (GUM Eq. 13)."""
+        """Return a function of the parameters with its first-order uncertainty (GUM Eq. 13).
+
+        Parameters
+        ----------
+        value : float
+            The function at the estimates.
+        gradient : array_like, shape (p,)
+            Its derivative by the parameters there.
+
+        Returns
+        -------
+        Estimate
+            With a symmetric interval.
+        """
         slope = as_float_array(gradient)
         std = math.sqrt(float(slope @ self.covariance @ slope))
         return Estimate.symmetric(value, std, self.degrees_of_freedom)
@@ -107,6 +148,16 @@ class LeastSquaresFit(Displayed):
 
         The parameter is moved and all others are fitted again, until S has grown by t² S/(n_eff − p)
         (Bates & Watts 1988, ch. 6). An end that is never reached is infinite.
+
+        Parameters
+        ----------
+        name : str
+            Its name.
+
+        Returns
+        -------
+        Estimate
+            With an interval that need not be symmetric.
         """
         place = self.names.index(name)
         std = math.sqrt(self.covariance[place, place])
@@ -123,18 +174,23 @@ def fit_least_squares(
     ----------
     residuals : callable
         From parameters (p,) to residuals (n,), each divided by its relative standard deviation.
-    start : array_like, (p,)
-        Where to begin.
+    start : array_like, shape (p,)
+        Initial values.
     names : sequence of str
-        Of the parameters.
+        Names of the parameters.
     evaluations : int
-        Of the residuals, after which the search is given up.
+        Largest number of evaluations of the residuals.
+
+    Returns
+    -------
+    LeastSquaresFit
+        At the minimum.
 
     Raises
     ------
     FitError
         If there are no more residuals than parameters, the residuals at the start are not finite, the
-        search does not end, or the data do not tell the parameters apart.
+        search does not end, or the parameters are indistinguishable.
 
     Examples
     --------
@@ -165,11 +221,21 @@ def fit_least_squares(
 
 
 def effective_count(residuals: ArrayLike) -> float:
-    """Return the number of independent values that a run of correlated residuals is worth for a slow trend.
+    """Return the number of independent values that carry as much information as correlated residuals.
 
     An autoregression, of an order up to three found by AICc, gives the spectral density at zero frequency
-    against the variance, 1 + 2 Σ ρ_k; the count is divided by it. It is never raised: what looks like
+    over the variance, 1 + 2 Σ ρ_k, by which the count is divided. The count is never raised, so that apparent
     anticorrelation does not make an interval narrower.
+
+    Parameters
+    ----------
+    residuals : array_like, shape (n,)
+        In order of time.
+
+    Returns
+    -------
+    float
+        At most n.
 
     Examples
     --------
@@ -237,7 +303,7 @@ def _jacobian(residuals: Residuals, values: FloatArray) -> FloatArray:
 
 
 def _inverse_information(jacobian: FloatArray) -> FloatArray:
-    """Return (JᵀJ)⁻¹ from the singular values of J with columns of length one, which loses fewest digits."""
+    """Return (JᵀJ)⁻¹ from the singular values of J with columns of length one, for least rounding error."""
     length = np.linalg.norm(jacobian, axis=0)
     _, singular, right = np.linalg.svd(jacobian / length, full_matrices=False)
     root = right.T / singular / length[:, None]
@@ -252,7 +318,7 @@ def _require_determined(fit: LeastSquaresFit) -> None:
     singular = np.linalg.svd(fit.jacobian / length, compute_uv=False)
     if not singular[-1] > _SINGULAR * singular[0]:
         raise FitError(
-            f"the data do not tell {', '.join(fit.names)} apart: record a wider range, or fit less"
+            f"the data do not determine {', '.join(fit.names)} separately: record a wider range, or fit less"
         )
 
 

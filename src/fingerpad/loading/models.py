@@ -33,9 +33,22 @@ def load_from_indentation(
     load_coefficient: ArrayLike = 0.0,
     poisson_ratio: ArrayLike = 0.5,
 ) -> FloatArray:
-    """Return the load W (N) at an indentation ξ (mm), zero before contact.
+    r"""Return the load W at an indentation ξ, zero before contact.
 
-    NaN from the indentation on at which the modulus, growing with the load, makes the load infinite.
+    :math:`W = E_{0g} h/(1 - \beta h)` with :math:`h = \tfrac{4}{3} R_g^{1/2} \xi^{3/2}/(1-\nu^2)`: Hertz
+    theory with E_g = E_0g + β W. NaN where β h ≥ 1, at which the load is infinite.
+
+    Parameters
+    ----------
+    indentation : array_like
+        ξ, mm.
+    loading_radius, initial_modulus, load_coefficient, poisson_ratio : array_like
+        R_g (mm), E_0g (MPa), β (MPa/N) and ν.
+
+    Returns
+    -------
+    ndarray
+        W, N.
 
     Examples
     --------
@@ -59,7 +72,27 @@ def indentation_from_load(
     load_coefficient: ArrayLike = 0.0,
     poisson_ratio: ArrayLike = 0.5,
 ) -> FloatArray:
-    """Return the indentation ξ (mm) under a load W (N); the inverse of `load_from_indentation`."""
+    r"""Return the indentation ξ under a load W; the inverse of `load_from_indentation`.
+
+    :math:`\xi = [3(1-\nu^2) W/(4 R_g^{1/2}(E_{0g} + \beta W))]^{2/3}`.
+
+    Parameters
+    ----------
+    load : array_like
+        W, N.
+    loading_radius, initial_modulus, load_coefficient, poisson_ratio : array_like
+        R_g (mm), E_0g (MPa), β (MPa/N) and ν.
+
+    Returns
+    -------
+    ndarray
+        ξ, mm.
+
+    Examples
+    --------
+    >>> print(f"{indentation_from_load(2.0, loading_radius=20.5, initial_modulus=0.1024):.3f} mm")
+    1.806 mm
+    """
     W, radius, modulus, coefficient, ratio = broadcast(
         load, loading_radius, initial_modulus, load_coefficient, poisson_ratio
     )
@@ -72,7 +105,21 @@ def indentation_from_load(
 def secant_modulus(
     load: ArrayLike, indentation: ArrayLike, *, loading_radius: ArrayLike, poisson_ratio: ArrayLike = 0.5
 ) -> FloatArray:
-    r"""Return :math:`E_g = 3(1-\nu^2) W/(4 R_g^{1/2} \xi^{3/2})` (MPa), NaN before contact.
+    r"""Return the secant modulus E_g, NaN before contact.
+
+    :math:`E_g = 3(1-\nu^2) W/(4 R_g^{1/2} \xi^{3/2})` (Dzidek et al. 2017).
+
+    Parameters
+    ----------
+    load, indentation : array_like
+        W (N) and ξ (mm).
+    loading_radius, poisson_ratio : array_like
+        R_g (mm) and ν.
+
+    Returns
+    -------
+    ndarray
+        E_g, MPa.
 
     Examples
     --------
@@ -93,7 +140,27 @@ def area_from_load(
     load_coefficient: ArrayLike = 0.0,
     poisson_ratio: ArrayLike = 0.5,
 ) -> FloatArray:
-    r"""Return :math:`A = \pi [3(1-\nu^2) W R_g/(4(E_{0g} + \beta W))]^{2/3}` (mm²), which is π R_g ξ(W)."""
+    r"""Return the contact area A under a load W.
+
+    :math:`A = \pi [3(1-\nu^2) W R_g/(4(E_{0g} + \beta W))]^{2/3}`, which is π R_g ξ(W).
+
+    Parameters
+    ----------
+    load : array_like
+        W, N.
+    loading_radius, initial_modulus, load_coefficient, poisson_ratio : array_like
+        R_g (mm), E_0g (MPa), β (MPa/N) and ν.
+
+    Returns
+    -------
+    ndarray
+        A, mm².
+
+    Examples
+    --------
+    >>> print(f"{area_from_load(2.0, loading_radius=20.5, initial_modulus=0.1024):.1f} mm²")
+    116.3 mm²
+    """
     xi = indentation_from_load(
         load,
         loading_radius=loading_radius,
@@ -110,6 +177,18 @@ def local_area_exponent(
 ) -> FloatArray:
     r"""Return :math:`d\ln A/d\ln W = \tfrac{2}{3} E_{0g}/(E_{0g} + \beta W)`: 2/3 for Hertz, less as β grows.
 
+    Parameters
+    ----------
+    load : array_like
+        W, N.
+    initial_modulus, load_coefficient : array_like
+        E_0g (MPa) and β (MPa/N).
+
+    Returns
+    -------
+    ndarray
+        The exponent.
+
     Examples
     --------
     >>> print(f"{local_area_exponent(2.0, initial_modulus=0.04, load_coefficient=0.02):.3f}")
@@ -120,7 +199,7 @@ def local_area_exponent(
 
 
 def clipped_load(h: FloatArray, initial_modulus: float, load_coefficient: float) -> FloatArray:
-    """Return the load for a search among parameters: beyond its pole it goes on finite and very large."""
+    """Return the load for a parameter search: finite and very large beyond its pole."""
     return initial_modulus * h / np.maximum(1 - load_coefficient * h, _POLE)
 
 

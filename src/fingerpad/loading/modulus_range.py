@@ -19,7 +19,22 @@ _FALL, _DEVIATIONS = 0.1, 3.0
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class Secant(Displayed):
-    """E_g (MPa) of rows in contact against indentation ξ (mm) and load W (N)."""
+    """The secant modulus of rows in contact.
+
+    Attributes
+    ----------
+    load, indentation : ndarray
+        W (N) and ξ (mm).
+    modulus : ndarray
+        E_g, MPa.
+
+    Examples
+    --------
+    >>> load, indentation = np.array([1.0, 2.0]), np.array([1.3, 1.8])
+    >>> modulus = secant_modulus(load, indentation, loading_radius=20.5)
+    >>> Secant(load=load, indentation=indentation, modulus=modulus).modulus.round(4)
+    array([0.0838, 0.1029])
+    """
 
     load: FloatArray
     indentation: FloatArray
@@ -46,8 +61,8 @@ def increasing_region(
 ) -> tuple[tuple[float, float], FitData]:
     """Return the loads (N) between which E_g increases, and the record's rows before contact and in between.
 
-    E_g is averaged in up to twelve bins along the curve. It ends increasing where it has its last maximum
-    and starts where it had its last minimum before, as far as noise can tell.
+    E_g is averaged in up to twelve bins along the curve. The region ends at its last maximum and
+    starts at the last minimum before, within noise.
 
     Raises
     ------

@@ -1,11 +1,11 @@
-r"""The noise of a pressed pad's record: of force, of displacement and of area, and its correlations.
+r"""Noise of force, displacement and area in a loading curve, and its correlations.
 
 With :math:`e` the noise of displacement, :math:`s = dW/d\xi` and :math:`g = \pi R_g`, the residuals are
 :math:`r_F = f + w + s e` and :math:`r_A = a - g e`: noise of the displacement enters both (effective
 variance).
-The force has white noise w and drifting noise f, which forgets exponentially in time. Given :math:`r_A`, the
+The force has white noise w and drift f with exponential correlation in time. Given :math:`r_A`, the
 force's residuals have covariance :math:`B^{-1} T B^{-\mathsf T}`, with B the bidiagonal filter that makes f
-white and T tridiagonal, so that all of it is done in as many steps as there are rows.
+white and T tridiagonal, so that the cost is linear in the number of rows.
 """
 
 import math
@@ -73,7 +73,7 @@ class Noise(Displayed):
 
     @property
     def inflation(self) -> float:
-        """How many rows of the force before contact are worth one without drift."""
+        """Number of rows of the force before contact that carry as much information as one without drift."""
         return (self.force_std**2 + self._slow_variance) / (self.force_std**2 + self.drift_std**2)
 
     def parameter_covariance(self, force: FloatArray, area: FloatArray) -> FloatArray:
@@ -129,7 +129,7 @@ class Noise(Displayed):
 
     @property
     def _parts(self) -> tuple[FloatArray, FloatArray, float]:
-        """Variances of the force given the area, what each area tells of its force, the area's deviation."""
+        """Variances of the force given the area, weight of each area in its force, and std of the area."""
         shared, g = self.displacement_std**2, np.pi * self.radius
         area_variance = self.area_std**2 + g**2 * shared
         left = np.where(self.with_area, self.area_std**2 / area_variance, 1.0) * shared
@@ -137,7 +137,7 @@ class Noise(Displayed):
         return self.force_std**2 + self.slope**2 * left, share_of_area, math.sqrt(area_variance)
 
     def _decorrelate(self, force: FloatArray, area: FloatArray) -> tuple[FloatArray, FloatArray, float]:
-        """Return variances of the force given the area, what the area does not tell of it, the area's std."""
+        """Return variances of the force given the area, the force decorrelated, the area's std."""
         white, share_of_area, area_std = self._parts
         if area.size:
             force = force.copy()
@@ -216,7 +216,7 @@ def _penalised_negative_log_likelihood(noise: Noise, force: FloatArray, area: Fl
 
     The second term keeps that σ off zero (Chung et al. 2013).
 
-    Few rows cannot tell it from none, and its weights and their uncertainty would then be those of none.
+    Few rows do not determine it, and its weights and their uncertainty would then be those of none.
     """
     return noise.negative_log_likelihood(force, area) - math.log(noise.displacement_std)
 
@@ -238,7 +238,7 @@ def _std_bounds(first: Noise, residuals: tuple[FloatArray, FloatArray]) -> dict[
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class NoiseUncertainty(Displayed):
-    """How well a noise is known: names of its estimated deviations and the covariance of their logarithms."""
+    """Uncertainty of a noise model: names of its estimated deviations, covariance of their logarithms."""
 
     names: tuple[str, ...]
     covariance: FloatArray

@@ -1,4 +1,4 @@
-"""What a fitted record tells: each quantity, or why it is not known, and what makes one doubt it."""
+"""Quantities of a fitted record, or why they are undetermined, and flags."""
 
 import math
 from collections.abc import Mapping
@@ -103,7 +103,7 @@ def implausible(main: JointFit, given: float | Estimate | None, *, known: bool) 
 
 
 def has_area_offset(main: JointFit) -> bool:
-    """Tell whether the areas show one at contact, which the law has none for."""
+    """Return whether the areas have an offset at contact, which the model has not."""
     if not main.record.area.size:
         return False
     try:

@@ -1,9 +1,9 @@
-r"""What time does to a held contact: relaxation of the force, and growth of the ridges' area.
+r"""Time dependence of a held contact: relaxation of the force, and growth of the ridges' area.
 
 A pad that is linearly viscoelastic in time has the load
 :math:`W(t) = \int g(t - s)\,dW_e(s)`, with the elastic load
 :math:`W_e = k\,\xi^{3/2}/(1 - b\,\xi^{3/2})` of the recorded motion and
-:math:`g = 1 - \sum_i g_i (1 - e^{-t/\tau_i})`. The ramp is in the integral: nothing need be instantaneous.
+:math:`g = 1 - \sum_i g_i (1 - e^{-t/\tau_i})`. The ramp is part of the integral.
 """
 
 from collections.abc import Sequence
@@ -29,14 +29,21 @@ _PATIENCE = 150
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PronyTerm:
-    """One relaxing share of the load and its time.
+    """One term of a Prony series.
 
     Attributes
     ----------
-    share : Estimate or Unknown
+    share : Quantity
         Part of an instantaneous load that decays.
-    time : Estimate or Unknown
-        Its time constant, s; Unknown where the record is too slow or too short for it.
+    time : Quantity
+        Its time constant, s; `Undetermined` where the record is too slow or too short for it.
+
+    Examples
+    --------
+    >>> from fingerpad.loading import Estimate
+    >>> term = PronyTerm(share=Estimate.symmetric(0.3, 0.02), time=Estimate.symmetric(2.0, 0.1))
+    >>> term.time.value
+    2.0
     """
 
     share: Quantity
@@ -52,14 +59,22 @@ class Relaxation(Displayed):
     terms : tuple of PronyTerm
         Fastest first; none where the force does not relax.
     ramp_time, hold_time : float
-        s.
+        Durations of loading and hold, s.
     aicc : tuple of float
-        Of no, one, two ... terms.
+        Corrected Akaike criterion with no, one, two ... terms.
     fit : LeastSquaresFit
-        Of the number chosen.
+        With the number of terms of the least AICc.
     time, load : ndarray
-        Times (s) from contact, at most 600 of them, and the
-        force fitted there (N).
+        Times (s) from contact, at most 600 of them, and the force fitted there (N).
+
+    Examples
+    --------
+    >>> from fingerpad.loading import find_cycles
+    >>> from fingerpad.simulate import simulate_loading_curve
+    >>> curve = simulate_loading_curve(points=60, hold=10.0, relaxation=[(0.3, 2.0)], force_std=0.02)
+    >>> relaxation = fit_relaxation(curve, find_cycles(curve)[0], contact_offset=1.0)
+    >>> print(f"ramp {relaxation.ramp_time:.1f} s, hold {relaxation.hold_time:.1f} s")
+    ramp 1.4 s, hold 9.9 s
     """
 
     terms: tuple[PronyTerm, ...]
@@ -72,24 +87,39 @@ class Relaxation(Displayed):
 
 
 def fit_relaxation(curve: LoadingCurve, cycle: Cycle, contact_offset: float) -> Relaxation:
-    """Fit a Prony series to loading and hold of one cycle, the ramp as it was; terms are chosen by AICc.
+    r"""Fit a Prony series to loading and hold of one cycle; the number of terms is chosen by AICc.
 
-    No time faster than the ramp is known: such a term's effect is over before the hold begins, and what it
-    did meanwhile is indistinguishable from the pad's stiffness. Nor is a time longer than the hold.
+    :math:`W(t) = \int g(t - s)\,dW_e(s)` with :math:`g = 1 - \sum_i g_i (1 - e^{-t/\tau_i})` and the elastic
+    load :math:`W_e = k\,\xi^{3/2}/(1 - b\,\xi^{3/2})` of the recorded motion. A time shorter than the ramp or
+    longer than the hold is `Undetermined`.
 
     Parameters
     ----------
     curve : LoadingCurve
-        With times; the force's zero taken off.
+        With times; the force's zero subtracted.
     cycle : Cycle
         With a hold.
     contact_offset : float
         Displacement at contact, mm.
 
+    Returns
+    -------
+    Relaxation
+        Shares g_i and times τ_i.
+
     Raises
     ------
     FitError
         If there are no times, the cycle has no hold, or the load does not determine the model.
+
+    Examples
+    --------
+    >>> from fingerpad.loading import find_cycles
+    >>> from fingerpad.simulate import simulate_loading_curve
+    >>> curve = simulate_loading_curve(points=60, hold=10.0, relaxation=[(0.3, 2.0)], force_std=0.02)
+    >>> (term,) = fit_relaxation(curve, find_cycles(curve)[0], contact_offset=1.0).terms
+    >>> print(f"{term.share.value:.2f} with {term.time.value:.1f} s")
+    0.30 with 2.0 s
     """
     if curve.time is None:
         raise FitError("relaxation needs times: a column time_s")
@@ -194,12 +224,19 @@ class RidgeGrowth(Displayed):
 
     Attributes
     ----------
-    initial_area, final_area : Estimate or Unknown
+    initial_area, final_area : Quantity
         A0 and A∞, mm².
-    time : Estimate or Unknown
+    time : Quantity
         τ, s.
     fit : LeastSquaresFit
         With parameters ``initial_area``, ``final_area``, ``log_time``.
+
+    Examples
+    --------
+    >>> time = np.linspace(0, 60, 40)
+    >>> growth = fit_ridge_growth(time, 60 - 20 * np.exp(-time / 15) + 0.1 * np.cos(7 * time))
+    >>> print(f"{growth.initial_area.value:.0f} to {growth.final_area.value:.0f} mm²")
+    40 to 60 mm²
     """
 
     initial_area: Quantity
@@ -211,10 +248,17 @@ class RidgeGrowth(Displayed):
 def fit_ridge_growth(time: ArrayLike, area: ArrayLike) -> RidgeGrowth:
     """Fit first-order growth of the ridges' contact area under a held load.
 
+    A = A∞ − (A∞ − A0) exp(−t/τ).
+
     Parameters
     ----------
-    time, area : array_like, (n,)
-        s from the start of the hold, and mm².
+    time, area : array_like, shape (n,)
+        Times from the start of the hold, s, and areas, mm².
+
+    Returns
+    -------
+    RidgeGrowth
+        Areas and time constant; `Undetermined` where the record is shorter than τ.
 
     Raises
     ------

@@ -31,7 +31,19 @@ BOTH_REVERSED: Final = (
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Segment:
-    """Rows from `start` to before `stop`."""
+    """A range of rows.
+
+    Attributes
+    ----------
+    start, stop : int
+        First row, and the row after the last.
+
+    Examples
+    --------
+    >>> segment = Segment(start=18, stop=87)
+    >>> len(segment), segment.rows
+    (69, slice(18, 87, None))
+    """
 
     start: int
     stop: int
@@ -47,7 +59,22 @@ class Segment:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Cycle:
-    """One press: what comes before contact, loading, and hold and unloading where there are any."""
+    """One press.
+
+    Attributes
+    ----------
+    baseline, hold, unloading : Segment or None
+        Rows before contact, at rest in contact and on the way back, where there are any.
+    loading : Segment
+        Rows in contact on the way in.
+
+    Examples
+    --------
+    >>> from fingerpad.simulate import simulate_loading_curve
+    >>> (cycle,) = find_cycles(simulate_loading_curve(points=200))
+    >>> cycle.loading, cycle.unloading
+    (Segment(start=40, stop=200), None)
+    """
 
     baseline: Segment | None
     loading: Segment
@@ -55,14 +82,26 @@ class Cycle:
     unloading: Segment | None
 
     def as_record(self) -> dict[str, list[int] | None]:
-        """Return the first and last row of each phase, counted from zero; None for one that is not there."""
+        """Return the first and last row of each phase, counted from zero.
+
+        Returns
+        -------
+        dict of str to list of int or None
+            By phase; None for one that is absent.
+        """
         return {
             name: None if segment is None else [segment.start, segment.stop - 1]
             for name, segment in self.phases().items()
         }
 
     def phases(self) -> dict[str, Segment | None]:
-        """Return the phases by name, in their order."""
+        """Return the phases by name, in their order.
+
+        Returns
+        -------
+        dict of str to Segment or None
+            None for one that is absent.
+        """
         return {
             "baseline": self.baseline,
             "loading": self.loading,
@@ -73,7 +112,20 @@ class Cycle:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Hysteresis:
-    """Energy that a cycle lost, N mm = mJ, and its share of the work of loading."""
+    """Energy that a cycle lost.
+
+    Attributes
+    ----------
+    energy : float
+        ∮W dξ, N mm = mJ.
+    fraction : float
+        Share of the work of loading.
+
+    Examples
+    --------
+    >>> Hysteresis(energy=0.12, fraction=0.25)
+    Hysteresis(energy=0.12, fraction=0.25)
+    """
 
     energy: float
     fraction: float
@@ -90,8 +142,18 @@ def moving_average(values: FloatArray, rows: int | None = None) -> FloatArray:
 def find_cycles(curve: LoadingCurve) -> tuple[Cycle, ...]:
     """Find baseline, loading, hold and unloading of each cycle.
 
-    The platen's motion shows the phases: it moves into the pad, rests, or moves away. Within the way in,
-    contact begins where a line followed by a Hertzian rise fits the force best.
+    The platen's motion shows the phases: it moves into the pad, rests, or moves away. On the way in, contact
+    begins where a line followed by a Hertzian rise fits the force best.
+
+    Parameters
+    ----------
+    curve : LoadingCurve
+        The record.
+
+    Returns
+    -------
+    tuple of Cycle
+        In order of time.
 
     Raises
     ------
@@ -139,9 +201,29 @@ def find_cycles(curve: LoadingCurve) -> tuple[Cycle, ...]:
 
 
 def hysteresis(curve: LoadingCurve, cycle: Cycle) -> Hysteresis | None:
-    """Return the energy lost between loading and unloading, or None where a cycle has no unloading.
+    """Return the energy lost between loading and unloading.
 
     The force's zero is the mean of the baseline, where there is one.
+
+    Parameters
+    ----------
+    curve : LoadingCurve
+        The record.
+    cycle : Cycle
+        One of its presses.
+
+    Returns
+    -------
+    Hysteresis or None
+        None where the cycle has no unloading.
+
+    Examples
+    --------
+    >>> from fingerpad.simulate import simulate_loading_curve
+    >>> curve = simulate_loading_curve(points=200, unloading=True, hysteresis=0.3)
+    >>> lost = hysteresis(curve, find_cycles(curve)[0])
+    >>> print(f"{lost.energy:.2f} mJ, {lost.fraction:.0%}")
+    0.11 mJ, 8%
     """
     if cycle.unloading is None:
         return None
@@ -200,7 +282,7 @@ def contact_rise(
 
 
 def both_reversed(clock: FloatArray, load: FloatArray, displacement: FloatArray) -> bool:
-    """Tell whether force and displacement, both reversed, are a press far better than as they stand.
+    """Return whether force and displacement are a press far better with both signs reversed.
 
     A press grows ever steeper after a level baseline; upside down it ends in one.
     """
@@ -248,7 +330,27 @@ def _contact_row(curve: LoadingCurve, start: int, end: int) -> int:
 
 
 def baseline_level(curve: LoadingCurve, cycle: Cycle) -> Estimate | None:
-    """Return the mean force before contact and its uncertainty, or None where there is no baseline."""
+    """Return the mean force before contact.
+
+    Parameters
+    ----------
+    curve : LoadingCurve
+        The record.
+    cycle : Cycle
+        One of its presses.
+
+    Returns
+    -------
+    Estimate or None
+        N, with its uncertainty; None where there is no baseline.
+
+    Examples
+    --------
+    >>> from fingerpad.simulate import simulate_loading_curve
+    >>> curve = simulate_loading_curve(points=200, force_offset=0.05)
+    >>> round(baseline_level(curve, find_cycles(curve)[0]).value, 3)
+    0.05
+    """
     if cycle.baseline is None or len(cycle.baseline) < 2:
         return None
     values = curve.load[cycle.baseline.rows]

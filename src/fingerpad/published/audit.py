@@ -32,7 +32,13 @@ Record = dict[str, str | float | None]
 
 
 class Verdict(StrEnum):
-    """How a printed number fares against the equations."""
+    """Whether a printed number follows from the equations.
+
+    Examples
+    --------
+    >>> sum(item.verdict is Verdict.NOT_REPRODUCIBLE for item in audit())
+    24
+    """
 
     REPRODUCED = "reproduced"
     WITH_MISPRINT = "reproduced with the known misprint"
@@ -62,7 +68,13 @@ class AuditItem:
     formula : str
         The equation used; empty for a measured input.
     remark : str
-        What else there is to say; may be empty.
+        A remark; may be empty.
+
+    Examples
+    --------
+    >>> item = {item.item: item for item in audit()}["Table 3, θ = 30°, u"]
+    >>> item.printed, round(item.computed, 1), item.unit
+    (47.6, 45.2, '°')
     """
 
     item: str
@@ -77,12 +89,23 @@ class AuditItem:
     remark: str = ""
 
     def as_record(self) -> Record:
-        """Return the item as a dictionary that JSON can hold."""
+        """Return the item as a dictionary that JSON can hold.
+
+        Returns
+        -------
+        dict
+            By the names of the attributes.
+        """
         return asdict(self) | {"verdict": str(self.verdict)}
 
 
 def audit() -> list[AuditItem]:
     """Return every number of Tables 1 to 4, the text's radii and the pooled values, each with its verdict.
+
+    Returns
+    -------
+    list of AuditItem
+        In the order of the tables.
 
     Examples
     --------
@@ -104,11 +127,11 @@ def audit() -> list[AuditItem]:
 
 
 def radius_with_misprint(ellipsoid: Ellipsoid, u: ArrayLike) -> FloatArray:
-    r"""Return the radius that Table 2 of Dzidek et al. (2017) prints in the place of R_0g = 1/H at v = π/2.
+    r"""Return the radius that Table 2 of Dzidek et al. (2017) prints in place of R_0g = 1/H at v = π/2.
 
-    With cos 2u in Eq. (1) replaced by cos 2v, −1 on the equator, 1/H becomes
-    :math:`2\ell_c^2 S^{3/2}/(\ell_a\ell_b(\ell_a^2 + \ell_c^2))`, S = ℓb² cos²u + ℓa² sin²u. It is right at
-    u = π/2 only. It is here to explain printed numbers and serves no other purpose.
+    With cos 2u in Eq. (1) replaced by cos 2v = −1, 1/H becomes
+    :math:`2\ell_c^2 S^{3/2}/(\ell_a\ell_b(\ell_a^2 + \ell_c^2))`, S = ℓb² cos²u + ℓa² sin²u, correct at
+    u = π/2 only. It explains printed numbers and is used for nothing else.
 
     Parameters
     ----------
@@ -116,6 +139,11 @@ def radius_with_misprint(ellipsoid: Ellipsoid, u: ArrayLike) -> FloatArray:
         The pad.
     u : array_like
         Parametric angle, radians.
+
+    Returns
+    -------
+    ndarray
+        In the unit of the semi-axes.
 
     Examples
     --------

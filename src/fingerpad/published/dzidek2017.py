@@ -17,7 +17,14 @@ WEDGE_ANGLES_DEG: Final = (30, 45)
 
 @dataclass(frozen=True, slots=True)
 class Printed:
-    """A printed number and half a unit of its last digit.
+    """A printed number.
+
+    Attributes
+    ----------
+    value : float
+        As printed.
+    rounding : float
+        Half a unit of its last digit.
 
     Examples
     --------
@@ -30,20 +37,42 @@ class Printed:
 
     @classmethod
     def of(cls, digits: str | Decimal) -> Self:
-        """Read the digits as they stand; a trailing zero counts."""
+        """Return a number as printed; a trailing zero counts.
+
+        Parameters
+        ----------
+        digits : str or Decimal
+            The digits.
+
+        Returns
+        -------
+        Printed
+            With its rounding.
+        """
         number = Decimal(digits)
         half_unit = Decimal("0.5").scaleb(int(number.as_tuple().exponent))
         return cls(value=float(number), rounding=float(half_unit))
 
     @property
     def interval(self) -> tuple[float, float]:
-        """What would be printed like this: value ∓ half a unit of the last digit."""
+        """Values that are printed alike: value ∓ half a unit of the last digit."""
         return self.value - self.rounding, self.value + self.rounding
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SemiAxes:
-    """One row of Table 1, mm."""
+    """One row of Table 1.
+
+    Attributes
+    ----------
+    palmar, distal, radial_ulnar : Printed
+        Semi-axes, mm.
+
+    Examples
+    --------
+    >>> dzidek2017().semi_axes["direct"].ellipsoid.semi_axes
+    array([ 7.5, 14.7, 11.8])
+    """
 
     palmar: Printed
     distal: Printed
@@ -57,7 +86,7 @@ class SemiAxes:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PublishedWedge:
-    """All that is printed of one wedge angle: Tables 3 and 4 (at `load_N`), text, and pooled value.
+    """Numbers printed for one wedge angle: Tables 3 and 4 (at `load_N`), text, and pooled value.
 
     Attributes
     ----------
@@ -75,6 +104,12 @@ class PublishedWedge:
         R_0g, R_g^corr and R_g (Table 4).
     pooled_radius_mm, pooled_uncertainty_mm : Printed
         R_g^corr combined over all loads, and its uncertainty, of a kind that Dzidek et al. do not name.
+
+    Examples
+    --------
+    >>> wedge = dzidek2017().wedges[45]
+    >>> wedge.semi_major_mm.value, wedge.semi_minor_mm.value, wedge.load_N
+    (5.3, 4.2, 2.0)
     """
 
     wedge_angle_deg: int
@@ -108,10 +143,10 @@ class Dzidek2017:
 
     Examples
     --------
-    >>> source = dzidek2017()
-    >>> source.semi_axes["ellipse"].distal.value
+    >>> printed = dzidek2017()
+    >>> printed.semi_axes["ellipse"].distal.value
     13.8
-    >>> source.wedges[30].corrected_radius_mm
+    >>> printed.wedges[30].corrected_radius_mm
     Printed(value=19.9, rounding=0.05)
     """
 
@@ -123,7 +158,18 @@ class Dzidek2017:
 
 @cache
 def dzidek2017() -> Dzidek2017:
-    """Return the printed numbers; read once."""
+    """Return the printed numbers.
+
+    Returns
+    -------
+    Dzidek2017
+        Read once.
+
+    Examples
+    --------
+    >>> dzidek2017().wedges[30].measured_radius_mm.interval
+    (20.45, 20.55)
+    """
     text = files("fingerpad.published").joinpath("dzidek2017.toml").read_text(encoding="utf-8")
     data = tomllib.loads(text, parse_float=Decimal)
     axes, radii = data["table1"]["semi_axes_mm"], data["table2"]["R_0g_mm"]
@@ -143,7 +189,7 @@ def dzidek2017() -> Dzidek2017:
 
 
 def _wedge(data: Mapping[str, Any], angle: int) -> PublishedWedge:
-    """Gather what the tables say of one wedge angle."""
+    """Return the printed numbers of one wedge angle."""
     key = f"wedge_{angle}"
     contact, radii, pooled = (data[table][key] for table in ("table3", "table4", "pooled"))
     return PublishedWedge(

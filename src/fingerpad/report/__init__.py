@@ -1,4 +1,4 @@
-"""The report of a study: one HTML file that needs nothing else, and its figures as files."""
+"""The report of a study: one self-contained HTML file, and its figures as files."""
 
 from fingerpad.report.write import write_report
 

@@ -1,4 +1,4 @@
-"""Studies side by side as one page and its figures."""
+"""Comparison of studies as one page and its figures."""
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path

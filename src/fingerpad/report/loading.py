@@ -31,7 +31,7 @@ def loading_plots(
     expected_ratio: tuple[ArrayLike, ArrayLike] | None = None,
     synthetic: bool = False,
 ) -> Iterator[Plot]:
-    """Draw what a loading curve tells, figure by figure.
+    """Draw the figures of a loading curve.
 
     Parameters
     ----------

@@ -192,7 +192,7 @@ def _details(
 
 
 def _quantity(found: Quantity, factor: float = 1.0) -> Markup:
-    """Return a quantity from loading data as a cell, or a dash that tells the reason."""
+    """Return a quantity from loading data as a cell, or a dash with the reason."""
     if isinstance(found, Undetermined):
         return Markup('<span title="{}">–</span>').format(found.reason)
     return Markup("{}").format(value_with_uncertainty(factor * found.value, factor * found.std))

@@ -116,7 +116,7 @@ def wedge_plot(result: StudyResult) -> Iterator[Plot]:
 def by_wedge_plot(
     name: str, lines: Sequence[FingerLine], means: Sequence[tuple[float, MeanMark]] = (), *, label: str
 ) -> Plot:
-    """Return corrected radii against wedge angle as a figure of its own."""
+    """Return corrected radii against wedge angle as a separate figure."""
     figure, (axes,) = new_figure(width_mm=140, height_mm=95)
     plot_by_wedge(axes, lines, means, label=label)
     return Plot(

@@ -1,4 +1,4 @@
-"""What the templates of all pages know: numbers with their uncertainty, and the style."""
+"""Template environment of all pages: numbers with uncertainty, and the style."""
 
 from importlib.resources import files
 

@@ -9,7 +9,7 @@ from fingerpad.study.results.study_result import StudyResult
 
 FLAG_WORDS: Final[Mapping[str, str]] = {
     "touches_border": "the contact is cut by the edge of the picture",
-    "low_contrast": "the contact hardly stands out from its ground",
+    "low_contrast": "the contact has little contrast with the background",
     "several_regions": "there are other patches beside the one measured",
     "poor_ellipse": "the contact is not well described by an ellipse",
     "cut_by_mask": "the contact is cut by the mask or region of interest",
@@ -17,7 +17,7 @@ FLAG_WORDS: Final[Mapping[str, str]] = {
     "edited_by_person": "a person drew part of the contact, or all of it",
     "coin_shadow": "a shadow beside the coin may make the scale too small",
     "no_time": "the frame has no time",
-    "no_force": "the force does not last so long",
+    "no_force": "the force signal does not cover the frame",
 }
 
 _AXIS_WORDS: Final[Mapping[str, str]] = {

@@ -1,4 +1,4 @@
-"""What spoils a print without changing the contact: creases of the skin, and smears of ink or moisture."""
+"""Disturbances of a contact image that keep the contact: creases, and smears of ink or moisture."""
 
 import math
 

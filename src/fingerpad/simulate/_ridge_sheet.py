@@ -1,4 +1,4 @@
-"""A sheet of friction ridges, grown from noise filtered again and again along a flow."""
+"""A sheet of friction ridges, from noise filtered repeatedly along a flow."""
 
 import math
 from functools import lru_cache

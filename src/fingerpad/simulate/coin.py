@@ -1,4 +1,4 @@
-"""Pictures of coins of known size and tilt, and what makes real ones hard: relief, rim, shadow, grain."""
+"""Pictures of coins of known size and tilt, with relief, rim, shadow and noise."""
 
 import math
 from dataclasses import dataclass
@@ -28,6 +28,12 @@ class SyntheticCoin:
         True angle of the major axis from straight up, counter-clockwise as seen, radians.
     centre : (float, float)
         True centre, (row, column), px.
+
+    Examples
+    --------
+    >>> coin = render_coin(radius=60.0, tilt=0.4, shape=(160, 160))
+    >>> round(float(coin.ellipse.axis_ratio), 4), coin.centre  # cos 0.4
+    (0.9211, (79.5, 79.5))
     """
 
     pixels: npt.NDArray[np.uint8]
@@ -51,7 +57,7 @@ def render_coin(
     noise_std: float = 4.0,
     seed: int = 0,
 ) -> SyntheticCoin:
-    """Render a coin lying on a ground, seen from far away.
+    """Render a coin lying on a background, seen from far away.
 
     Parameters
     ----------
@@ -66,17 +72,22 @@ def render_coin(
     centre : (float, float), optional
         (row, column) of the coin's centre, px; the middle of the picture by default.
     level, ground : float
-        Mean grey level of the coin and of the ground.
+        Mean grey level of the coin and of the background.
     relief : float
         Standard deviation of the grey levels of the coin's face and rim.
     shadow : float
-        Share of the light that the coin's shadow takes from the ground, 0 to 1.
+        Share of the light that the coin's shadow takes from the background, 0 to 1.
     blur : float
         Standard deviation of the lens's blur, px.
     noise_std : float
         Standard deviation of the camera's noise, grey levels.
     seed : int
         The same seed gives the same picture.
+
+    Returns
+    -------
+    SyntheticCoin
+        Picture and truth.
 
     Raises
     ------
@@ -85,9 +96,9 @@ def render_coin(
 
     Examples
     --------
-    >>> coin = render_coin(radius=100.0, tilt=0.4)
+    >>> coin = render_coin(radius=60.0, tilt=0.4, shape=(160, 160))
     >>> coin.pixels.shape, round(float(coin.ellipse.semi_minor), 3)
-    ((480, 640), 92.106)
+    ((160, 160), 55.264)
     """
     check_radians("orientation", orientation)
     check_radians("tilt", tilt)
@@ -147,7 +158,7 @@ def _lit_ground(
     light: float,
     rng: np.random.Generator,
 ) -> Float32Array:
-    """Return the ground at the fine size: grain, a fall of light, and the coin's soft shadow."""
+    """Return the background at the fine size: grain, a fall of light, and the coin's soft shadow."""
     rows, columns = shape
     down, right = 0.07 * radius * math.sin(light), -0.07 * radius * math.cos(light)
     grid = np.ogrid[:rows, :columns]

@@ -1,4 +1,4 @@
-"""Pictures of known truth: contact imprints with friction ridges, and points of an outline.
+"""Rendered contact images with friction ridges, and points of an outline, of known truth.
 
 The ridges come from noise filtered again and again along a flow with a core and a delta, as real prints have;
 minutiae appear by themselves. The contact ends sharply at an ellipse, or at a smooth irregular outline whose
@@ -37,7 +37,7 @@ class SyntheticContactImage:
 
     Attributes
     ----------
-    pixels : ndarray of uint8, (rows, columns)
+    pixels : ndarray of uint8, shape (rows, columns)
         The picture.
     ellipse : Ellipse
         True outline of the contact, or the equal-area ellipse of an irregular one, mm.
@@ -46,11 +46,17 @@ class SyntheticContactImage:
     centroid : (float, float)
         True centre, (row, column), px.
     ridge_area : float
-        True area of the ridges, pores and creases left out, mm².
+        True area of the ridges, without pores and creases, mm².
     ridge_period : float
-        Mean ridge period asked for, mm.
+        Mean ridge period, mm.
     mm_per_px : float
         True scale.
+
+    Examples
+    --------
+    >>> truth = render_contact_image(semi_major=3.0, semi_minor=2.5, seed=1)
+    >>> round(truth.mm_per_px, 4), round(truth.ridge_area / truth.gross_area, 1)
+    (0.0508, 0.5)
     """
 
     pixels: npt.NDArray[np.uint8]
@@ -120,11 +126,16 @@ def render_contact_image(
     jpeg_quality : int, optional
         Quality of a lossy compression, 1 to 100; None for none.
     margin : float
-        Empty ground round the ellipse's box, mm; negative cuts the contact.
+        Empty background round the ellipse's box, mm; negative cuts the contact.
     seed : int
         The same seed gives the same picture.
     ridge_seed : int, optional
         Seed of the ridges alone, to see one finger's skin in several pictures; `seed` when None.
+
+    Returns
+    -------
+    SyntheticContactImage
+        Picture and truth.
 
     Raises
     ------
@@ -133,9 +144,9 @@ def render_contact_image(
 
     Examples
     --------
-    >>> truth = render_contact_image(semi_major=8.0, semi_minor=6.0, seed=1)
+    >>> truth = render_contact_image(semi_major=3.0, semi_minor=2.5, seed=1)
     >>> truth.pixels.dtype, round(truth.gross_area, 1)
-    (dtype('uint8'), 150.8)
+    (dtype('uint8'), 23.6)
     """
     check_radians("orientation", orientation)
     ellipse = Ellipse(semi_major, semi_minor)
@@ -248,14 +259,19 @@ def outline_points(
         Number of points, evenly spaced in the parametric angle.
     arc : (float, float)
         First and last parametric angle, radians; the last is left out.
-    centre, angle : (float, float), float
-        Centre, and turn from x towards y, radians.
+    centre : (float, float)
+        Centre (x, y).
+    angle : float
+        Turn from x towards y, radians.
     noise_std : float
         Standard deviation of each coordinate.
+    seed : int
+        Of the noise.
 
     Returns
     -------
-    ndarray, (count, 2)
+    ndarray, shape (count, 2)
+        Points (x, y).
 
     Examples
     --------

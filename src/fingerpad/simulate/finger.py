@@ -58,6 +58,12 @@ class SyntheticFinger:
         Where the fingertip and the palmar side point in the photograph.
     mm_per_px : float
         True scale.
+
+    Examples
+    --------
+    >>> truth = render_finger("distal", semi_axes=(11.8, 7.9), mm_per_px=0.1, seed=1)
+    >>> truth.semi_axes, truth.arc_points(3).shape
+    ((11.8, 7.9), (3, 2))
     """
 
     pixels: npt.NDArray[np.uint8]
@@ -71,7 +77,18 @@ class SyntheticFinger:
     mm_per_px: float
 
     def arc_points(self, count: int = 60) -> FloatArray:
-        """Return true points (row, column), px, along the elliptic arc, ends included."""
+        """Return true points along the elliptic arc, ends included.
+
+        Parameters
+        ----------
+        count : int
+            Number of points.
+
+        Returns
+        -------
+        ndarray, shape (count, 2)
+            (row, column), px.
+        """
         t = np.linspace(*self.arc, count)
         local = np.stack([self.semi_axes[0] * np.cos(t), self.semi_axes[1] * np.sin(t)], axis=-1)
         axes = _image_axes(self.face, self.tip, self.palmar, self.lean)
@@ -132,6 +149,11 @@ def render_finger(
         Scale.
     seed : int
         The same seed gives the same picture.
+
+    Returns
+    -------
+    SyntheticFinger
+        Photograph and truth.
 
     Raises
     ------

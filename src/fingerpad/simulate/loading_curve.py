@@ -53,20 +53,20 @@ def simulate_loading_curve(
     top_load : float
         Elastic load at the largest indentation, N.
     rate, approach, hold : float
-        Speed of the platen (mm/s), way before contact (mm), and time held at the top (s).
+        Speed of the platen (mm/s), distance before contact (mm), and time held at the top (s).
     unloading : bool
         Whether the platen goes back.
     hysteresis : float
         On the way back the load is less by this share times (1 − ξ/ξ_top).
     cycles : int
-        How often all of it is done.
+        Number of presses.
     relaxation : sequence of (share, time)
         Prony terms: of a load applied at once, each share decays with its time, s.
     points : int
         Samples in the record, evenly spaced in time.
     force_std, correlation_time : float
-        Standard deviation (N) of the noise of the force, a first-order autoregression that forgets within
-        `correlation_time` (s); white where that is zero.
+        Standard deviation (N) and correlation time (s) of the noise of the force, a first-order
+        autoregression; white where the time is zero.
     displacement_std, area_std : float
         White noise, mm and mm². The area is never reported below zero.
     force_offset, force_tilt : float
@@ -75,6 +75,11 @@ def simulate_loading_curve(
         Whether the record has an area.
     seed : int
         Of the noise.
+
+    Returns
+    -------
+    LoadingCurve
+        The record, with noise.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""A pad pressed and released, with the truth of every frame: Hertz contact under a given load, rendered."""
+"""Rendered sequences of a pad pressed and released: Hertz contact under given loads."""
 
 import math
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ from fingerpad.exceptions import GeometryError
 from fingerpad.simulate.contact_image import Look, render_contact_image
 from fingerpad.units import MM_PER_INCH
 
-# Lighter contacts than this are a ground without a finger, mm.
+# Lighter contacts than this are a background without a finger, mm.
 _MIN_SEMI_AXIS = 0.05
 
 
@@ -22,9 +22,9 @@ class SyntheticSequence:
 
     Attributes
     ----------
-    load : ndarray, (count,)
+    load : ndarray, shape (count,)
         True normal force of each frame, N.
-    semi_major, semi_minor : ndarray, (count,)
+    semi_major, semi_minor : ndarray, shape (count,)
         True semi-axes of the contact, mm; the major one points straight up.
     ppi : float
         Resolution, pixels per inch.
@@ -36,6 +36,12 @@ class SyntheticSequence:
         Standard deviation of the camera's noise, grey levels.
     seed : int
         The same seed gives the same sequence.
+
+    Examples
+    --------
+    >>> press = render_sequence([0.0, 0.1], seed=2)
+    >>> press.pixels(0).shape == press.pixels(1).shape
+    True
     """
 
     load: FloatArray
@@ -53,7 +59,18 @@ class SyntheticSequence:
         return np.pi * self.semi_major * self.semi_minor
 
     def pixels(self, index: int) -> npt.NDArray[np.uint8]:
-        """Render one frame, (rows, columns); all have one size, and the contact in the middle."""
+        """Render one frame; all have one size, and the contact in the middle.
+
+        Parameters
+        ----------
+        index : int
+            Its number, from zero.
+
+        Returns
+        -------
+        ndarray of uint8, shape (rows, columns)
+            Grey levels.
+        """
         major, minor = float(self.semi_major[index]), float(self.semi_minor[index])
         if minor < _MIN_SEMI_AXIS:
             major = minor = _MIN_SEMI_AXIS / 10
@@ -90,11 +107,11 @@ def render_sequence(
     noise_std: float = 6.0,
     seed: int = 0,
 ) -> SyntheticSequence:
-    """Press an elastic pad with a load for each frame.
+    """Press an elastic pad with a load for each frame: Hertz contact, rendered.
 
     Parameters
     ----------
-    load : array_like, (count,)
+    load : array_like, shape (count,)
         Normal force W, N; zero is no contact.
     radii : (float, float)
         Relative principal radii of the undeformed pad along and across the finger, mm, the larger first.
@@ -102,6 +119,11 @@ def render_sequence(
         E*, MPa.
     ppi, look, flicker, noise_std, seed
         See `SyntheticSequence`.
+
+    Returns
+    -------
+    SyntheticSequence
+        Frames are rendered when asked for.
 
     Raises
     ------

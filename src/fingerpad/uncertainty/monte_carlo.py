@@ -30,6 +30,12 @@ class MonteCarloResult(Outputs):
         Number of draws with a finite output.
     undefined : int
         Number of draws for which the model had no finite output; they are left out.
+
+    Examples
+    --------
+    >>> result = run_monte_carlo(lambda side: {"volume": side**3}, Inputs.of(side=(2.0, 0.1)), seed=1)
+    >>> print(result["volume"].interval.round(1), result.converged)
+    [ 5.9 10.6] {'volume': True}
     """
 
     tolerance: FloatArray
@@ -167,6 +173,16 @@ class Validation:
         Absolute differences of the ends of the two intervals.
     tolerance : float
         Half a unit of the last wanted digit of the standard uncertainty.
+
+    Examples
+    --------
+    >>> from fingerpad.uncertainty import propagate
+    >>> inputs = Inputs.of(side=(2.0, 0.1))
+    >>> def volume(side):
+    ...     return {"volume": side**3}
+    >>> checked = validate_linear_approximation(propagate(volume, inputs), run_monte_carlo(volume, inputs))
+    >>> checked["volume"].valid, checked["volume"].tolerance
+    (True, 0.5)
     """
 
     lower_difference: float

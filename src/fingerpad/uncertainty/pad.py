@@ -59,7 +59,7 @@ def pad_model(
     poisson_ratio : ndarray
         ν of the pad.
     image_scale : ndarray
-        Factor on the lengths of the contact ellipse, one: an input of its own, because all images that it
+        Factor on the lengths of the contact ellipse, one: a separate input, because all images that it
         calibrates share it.
     load : ndarray
         Normal force W.

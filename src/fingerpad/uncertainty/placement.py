@@ -1,4 +1,4 @@
-"""Where a pad touches the platen and how it is curved there, as a model of named quantities."""
+"""Placement and curvature of a pad as a model of named quantities."""
 
 import numpy as np
 

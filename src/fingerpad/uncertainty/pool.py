@@ -32,6 +32,12 @@ class Pooled:
         Number of estimates.
     weights : ndarray, shape (n,)
         Weight of each estimate; they add up to one.
+
+    Examples
+    --------
+    >>> pooled = pool([19.5, 20.5], [0.5, 0.5], shared=np.full((2, 2), 0.4**2))
+    >>> print(f"{pooled.value:.1f} ± {pooled.total_std:.2f}")
+    20.0 ± 0.64
     """
 
     value: float
@@ -82,13 +88,6 @@ class SharedErrors:
         Returns
         -------
         dict of str to float
-
-        Examples
-        --------
-        >>> import numpy as np
-        >>> one = SharedErrors(sources=("load",), parts=np.array([[0.5]]), groups=np.zeros((1, 1), int))
-        >>> one.variances(np.ones(1))
-        {'load': 0.25}
         """
         variance = dict.fromkeys(self.sources, 0.0)
         groups = np.broadcast_to(self.groups, self.parts.shape)
@@ -104,9 +103,8 @@ Shared: TypeAlias = ArrayLike | SharedErrors | None
 def proportional_stds(values: ArrayLike, stds: ArrayLike) -> FloatArray:
     """Return standard uncertainties that are proportional to the values, at the common mean of these.
 
-    Standard uncertainties of lengths and moduli are proportional to them. An estimate that is low by chance
-    then states a small one, and weights from the stated ones bias the mean low. Pool with the relative
-    ones, times the mean, instead.
+    Where standard uncertainties are proportional to the values, an estimate that is low by chance states a
+    small one, and weights from these bias the mean low; weights from the returned ones do not.
 
     Parameters
     ----------
@@ -136,7 +134,7 @@ def proportional_stds(values: ArrayLike, stds: ArrayLike) -> FloatArray:
 
 
 def pool(values: ArrayLike, stds: ArrayLike, shared: Shared = None) -> Pooled:
-    """Pool estimates by inverse variance.
+    """Pool estimates by inverse variance: ȳ = Σ wᵢ yᵢ with wᵢ ∝ 1/uᵢ².
 
     Parameters
     ----------
@@ -201,6 +199,12 @@ class RandomEffects:
         Number of estimates.
     weights : ndarray, shape (n,)
         Weight of each estimate; they add up to one.
+
+    Examples
+    --------
+    >>> pooled = pool_random_effects([19.0, 20.5, 22.0], [0.5, 0.5, 0.5])
+    >>> round(pooled.between_std, 2), [round(end, 1) for end in pooled.interval]
+    (1.41, [16.8, 24.2])
     """
 
     value: float
@@ -222,7 +226,7 @@ def pool_random_effects(values: ArrayLike, stds: ArrayLike, shared: Shared = Non
     Parameters
     ----------
     values, stds, shared
-        As for `pool`; the standard uncertainties must be positive.
+        As for `pool`; the standard uncertainties u must be positive.
 
     Returns
     -------
@@ -293,6 +297,11 @@ class VarianceComponents:
     between_std : float
         Standard deviation of the groups' true means, the contribution of the scatter within groups
         subtracted; NaN for one group or where `within_std` is NaN.
+
+    Examples
+    --------
+    >>> round(variance_components([10.0, 10.2, 12.0, 12.2], [1, 1, 2, 2]).within_std, 3)
+    0.141
     """
 
     within_std: float

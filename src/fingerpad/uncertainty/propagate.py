@@ -28,6 +28,13 @@ class Propagated(Outputs):
         Derivative of each output with respect to each input.
     second_order : ndarray, shape (..., m, n)
         Signed standard deviation of each output from the curvature of the model along each input.
+
+    Examples
+    --------
+    >>> sides = Inputs.of(length=(2.0, 0.03), width=(1.0, 0.02))
+    >>> result = propagate(lambda length, width: {"area": length * width}, sides)
+    >>> print(f"{result['area']:.3f}", result.jacobian)
+    2.000 ± 0.050 [[1. 2.]]
     """
 
     inputs: Inputs

@@ -34,6 +34,12 @@ class Inputs:
         Their covariance.
     groups : mapping
         From the name of a source of uncertainty to the names of its inputs, for budgets.
+
+    Examples
+    --------
+    >>> axes = Inputs.of(semi_major=(7.4, 0.1), semi_minor=(5.0, 0.2))
+    >>> axes.names, axes.mean, axes.std
+    (('semi_major', 'semi_minor'), array([7.4, 5. ]), array([0.1, 0.2]))
     """
 
     names: tuple[str, ...]
@@ -45,7 +51,7 @@ class Inputs:
     def of(
         cls, *, correlations: Mapping[tuple[str, str], ArrayLike] | None = None, **quantities: Quantity
     ) -> Self:
-        """Return inputs from values that broadcast; each input is a source of its own.
+        """Return inputs from values that broadcast; each input is a separate source.
 
         Parameters
         ----------
@@ -225,6 +231,16 @@ class Outputs:
         Their covariance.
     interval : ndarray, shape (..., m, 2)
         Lower and upper ends of the 95 % interval of each.
+
+    Examples
+    --------
+    >>> from fingerpad.uncertainty import propagate
+    >>> outputs = propagate(lambda x: {"double": 2 * x, "square": x**2}, Inputs.of(x=(3.0, 0.1)))
+    >>> outputs.names, outputs.covariance.round(3)
+    (('double', 'square'), array([[0.04, 0.12],
+           [0.12, 0.36]]))
+    >>> print(f"{outputs['square']:.1f}")
+    9.0 ± 0.6
     """
 
     names: tuple[str, ...]

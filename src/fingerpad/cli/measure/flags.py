@@ -1,4 +1,4 @@
-"""Flags that several measuring commands know, and what their text means."""
+"""Flags shared by measuring commands, and their parsing."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Final, TypeAlias
@@ -28,7 +28,7 @@ Seed: TypeAlias = Annotated[
 Threshold: TypeAlias = Annotated[
     float | None,
     typer.Option(
-        min=1e-6, max=65535, help="Grey levels from the ground to a ridge, where half the contrast is wrong."
+        min=1e-6, max=65535, help="Grey levels from background to ridge, instead of half the contrast."
     ),
 ]
 Mask: TypeAlias = Annotated[

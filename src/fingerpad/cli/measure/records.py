@@ -29,7 +29,7 @@ def printed(
     record_of_result: Callable[[Item], Mapping[str, Any]],
     print_result: Callable[[Item], None],
 ) -> Iterator[Item]:
-    """Print each result as it comes, and hand it on: what is measured is not lost with what comes after."""
+    """Print each result at once, and yield it: a later error loses none."""
     opening = "["
     try:
         for result in results:
@@ -48,7 +48,7 @@ def printed(
 
 
 def tracked(items: Iterable[Item], count: int) -> Iterator[Item]:
-    """Hand items on, with a bar on stderr where someone may be watching more than one.
+    """Yield items, with a progress bar on stderr if that is a terminal and there are several.
 
     Where results are printed to a person as they come, a bar would only stand in between.
     """

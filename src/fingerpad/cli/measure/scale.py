@@ -18,7 +18,7 @@ WAYS = "either --ppi, --mm-per-px, --scale-line or --coin"
 
 
 def takes_scale(command: Callable[..., None]) -> Callable[..., None]:
-    """Give a command the flags of `scale_of_flags`, and hand it what they make as `scale`, None for none."""
+    """Give a command the flags of `scale_of_flags`, and pass the result as `scale`, None for none."""
     flags = signature(scale_of_flags).parameters
     own = signature(command)
 

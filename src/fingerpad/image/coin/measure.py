@@ -32,23 +32,23 @@ _MIN_SHARPNESS, _STEP_SHARPNESS = 0.8, 2.2
 # Two ellipses are one, or touch, when no further apart than this share of their size.
 _SAME, _TOUCHING, _MIN_TOUCHING = 0.004, 0.012, 0.15
 # What moves the edge all round, as standard deviations: lens and lamp, px; of the radius: the rounded edge,
-# which mirrors the ground, and a shadow or a band beside the edge as strong as the coin's contrast.
+# which mirrors the background, and a shadow or a band beside the edge as strong as the coin's contrast.
 _LENS_STD_PX, _ROUNDING_STD, _SHADOW_STD, _BAND_STD = 0.08, 0.0045, 0.045, 0.006
 _DEEP_SHADOW, _DEEPEST_SHADOW, _SHADOW_SECTORS = 0.15, 0.5, 36
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Coin:
-    """A disc found in a picture.
+    """A coin or disc found in a picture.
 
     Attributes
     ----------
     centre : (float, float)
         (row, column), px; pixel centres are whole numbers.
     semi_major, semi_major_std : float
-        Radius of the disc, px: the semi-axis that a tilt does not shorten, with its standard uncertainty
-        from the scatter of the edge about the ellipse, neighbours along the edge not counted as independent,
-        and from what moves the edge all round: the lens, relief on the rim, a shadow beside it.
+        Radius of the disc, px: the semi-axis that a tilt does not shorten. The standard uncertainty is from
+        the scatter of the edge about the ellipse, correlated along the edge, and from systematic shifts of
+        the edge: lens blur, relief on the rim, a shadow.
     semi_minor, semi_minor_std : float
         The semi-axis that a tilt shortens, px.
     orientation : float
@@ -58,9 +58,28 @@ class Coin:
     support : float
         Share of the circumference on which the edge was found.
     shadow : float
-        Share of the coin's contrast to the ground that a shadow beside the edge takes where it is deepest.
+        Depth of a shadow beside the edge, as a share of the contrast between coin and background.
     flags : tuple of str
-        Doubts: ``shadow`` where it may pull the edge outward by more than the uncertainty says.
+        Doubts: ``shadow`` where it may shift the edge by more than the stated uncertainty.
+
+    Examples
+    --------
+    A coin tilted by 25°: the major axis keeps its length.
+
+    >>> coin = Coin(
+    ...     centre=(240.0, 320.0),
+    ...     semi_major=120.0,
+    ...     semi_major_std=0.1,
+    ...     semi_minor=108.8,
+    ...     semi_minor_std=0.1,
+    ...     orientation=0.0,
+    ...     residual_std=0.3,
+    ...     support=1.0,
+    ...     shadow=0.0,
+    ...     flags=(),
+    ... )
+    >>> round(math.degrees(coin.tilt)), coin.scale(23.25).mm_per_px
+    (25, 0.096875)
     """
 
     centre: tuple[float, float]
@@ -86,6 +105,11 @@ class Coin:
         ----------
         diameter_mm, diameter_mm_std : float
             Diameter of the coin and its standard uncertainty, mm.
+
+        Returns
+        -------
+        Scale
+            Millimetres per pixel, with uncertainty.
 
         Raises
         ------
@@ -124,20 +148,20 @@ def measure_coin(image: ImageLike) -> Coin:
     ------
     CalibrationError
         If the array is no grey picture, or shows no coin, more than one, or one that the frame cuts; or if
-        its edge is lost in a deep shadow, or on a ground as bright as the coin.
+        its edge is lost in a deep shadow, or on a background as bright as the coin.
 
     Notes
     -----
-    Meant for a coin of 60 px radius or more, tilted by less than 45°, on a ground that differs from it all
-    round. A shadow as dark as the coin pulls the edge outward: such coins are flagged, or refused.
+    Meant for a coin of 60 px radius or more, tilted by less than 45°, on a background that differs from it
+    all round. A shadow as dark as the coin pulls the edge outward: such coins are flagged, or refused.
 
     Examples
     --------
     >>> from fingerpad.image import measure_coin
     >>> from fingerpad.simulate import render_coin
-    >>> truth = render_coin(radius=120.0)
+    >>> truth = render_coin(radius=80.0, shape=(240, 240))
     >>> scale = measure_coin(truth.pixels).scale(23.25)  # one euro
-    >>> abs(scale.mm_per_px / (23.25 / 240) - 1) < 0.002
+    >>> abs(scale.mm_per_px / (23.25 / 160) - 1) < 0.002
     True
     """
     values = _grey_levels(grey_levels(image))
@@ -183,7 +207,7 @@ def _coin_outline(image: Float32Array) -> tuple[Outline, bool]:
     outlines = _select_sharp(found, image)
     if not outlines:
         raise CalibrationError(
-            "no coin found: show one whole coin, flat, sharp, on a plain ground, or draw a line instead"
+            "no coin found: show one whole coin, flat, sharp, on a plain background, or draw a line instead"
         )
     apart = [outlines[0]]
     for one in outlines:
@@ -211,7 +235,7 @@ def _outlines(image: Float32Array) -> list[Outline]:
     smooth = _smooth(image)
     found = _fit_edges(smooth, contour_ellipses(image))
     if found:
-        # No grey level may separate a ring from an uneven ground where one separates its hole.
+        # No grey level may separate a ring from an uneven background where one separates its hole.
         clearest = max(found, key=lambda o: o.support * o.strength).ellipse
         found += _fit_edges(smooth, [clearest.scaled(1.05**k) for k in range(1, 25)])
     different: list[Outline] = []
@@ -252,13 +276,13 @@ def _distance(one: Outline, other: Outline) -> float:
 
 
 def _touch(one: Outline, other: Outline) -> bool:
-    """Tell whether two outlines run together on one side and apart on another; rings of a coin do not."""
+    """Return whether two outlines run together on one side and apart on another; rings of a coin do not."""
     gap = np.abs(gaps(one.ellipse, other.ellipse))
     return float(np.mean(gap < _TOUCHING)) > _MIN_TOUCHING and gap.max() > 2 * _TOUCHING
 
 
 def _is_shadow(outer: Outline, inner: Outline) -> bool:
-    """Tell whether an outline follows a coin on its lit side and the coin's shadow on the other."""
+    """Return whether an outline follows a coin on its lit side and the coin's shadow on the other."""
     return inner.ellipse.size < outer.ellipse.size and _touch(outer, inner)
 
 
@@ -288,10 +312,10 @@ def _coin(outline: Outline, shadow: float, band: float, shadowed: bool) -> Coin:
 
 
 def _beside_edge(image: Float32Array, ellipse: PlaneEllipse) -> tuple[float, float]:
-    """Return how much less, and how else, the coin differs from what lies beside it than from the ground.
+    """Return how much less, and how else, the coin differs from what lies beside it than from the background.
 
     The first is the share of the coin's contrast that a shadow takes: the edge is then pulled outward. The
-    second is how far a band beside the edge, shadow or rounded metal, departs from the ground.
+    second is how far a band beside the edge, shadow or rounded metal, departs from the background.
     """
     levels = []
     for factor in (0.97, 1.03, 1.05, 1.3):

@@ -40,7 +40,7 @@ class RidgeImage:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ContactRegion:
-    """What is taken for the contact, in px of the working copy."""
+    """The contact, in px of the working copy."""
 
     patch: BoolArray
     edge: ContactOutline

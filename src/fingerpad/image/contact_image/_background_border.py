@@ -1,4 +1,4 @@
-"""What part of a picture shows anything."""
+"""The part of an image inside an empty border."""
 
 import math
 
@@ -13,7 +13,7 @@ _MIN_BORDER = 0.02
 # Lossy compression leaves ripples in an even border.
 _TOLERANCE = 4 / 255
 _MIN_CONVEXITY = 0.96
-# An even ground behind a print also has one level, but a print has no straight sides.
+# An even background behind a print also has one level, but a print has no straight sides.
 _MIN_STRAIGHTNESS = 0.7
 _LONG_SIDE = 0.2
 _BLUNTNESS = 0.005

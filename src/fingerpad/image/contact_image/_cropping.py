@@ -1,4 +1,4 @@
-"""What of a picture is measured: its checked grey levels, cropped, and where they count."""
+"""The part of an image that is measured: validated grey levels, cropped, and a mask."""
 
 from dataclasses import dataclass
 from typing import TypeAlias
@@ -54,7 +54,7 @@ def crop_image(
     Raises
     ------
     ImageError
-        If one is not what `measure_contact_image` says it must be.
+        If one is not as `measure_contact_image` requires.
     """
     values = _grey(pixels, "pixels")
     shape = (values.shape[0], values.shape[1])
@@ -81,7 +81,7 @@ def crop_grey(pixels: npt.ArrayLike, region_of_interest: tuple[int, int, int, in
     Raises
     ------
     ImageError
-        If it is not what `measure_contact_image` says it must be.
+        If it is not as `measure_contact_image` requires.
     """
     values = _grey(pixels, "pixels")
     return _finite(values[_box(region_of_interest, (values.shape[0], values.shape[1]))], "pixels")

@@ -1,4 +1,4 @@
-"""The outline of a contact to parts of a pixel: where it lies, what it encloses, how sure it is."""
+"""The outline of a contact to a fraction of a pixel, its areas, and their uncertainty."""
 
 import math
 from dataclasses import dataclass
@@ -20,7 +20,7 @@ _ENDS, _FOLLOWING, _NOISE = 0.084, 0.206, 0.192
 # Standard deviation of the edge's place in a valley, and by how soft the picture is; neighbours share an
 # error over `_STRETCH`.
 _IN_VALLEY, _BY_SOFTNESS, _STRETCH = 0.16, 0.092, 2.75
-# A hand draws the edge somewhere within one ridge period, uniformly: half of that variance it has everywhere
+# A manual edge lies somewhere within one ridge period, uniformly: half of that variance it has everywhere
 # alike, as a generous outline is generous all round.
 _BY_HAND = math.sqrt(1 / 12 / 2)
 
@@ -155,9 +155,9 @@ def edge_shift(edge: ContactOutline) -> FloatArray:
     """Return how far the true edge lies beyond the closed ridges on average, at each point, px.
 
     Where the outline crosses ridges it sags between their rounded ends. Where it follows a ridge, the edge
-    has fallen at random on ridge or valley: in a valley of width vP, with chance v, it lies vP/2 further out,
+    lies at random on ridge or valley: in a valley of width vP, with probability v, it lies vP/2 further out,
     v²P/2 on average, 0.18 P to 0.25 P for the valleys of 0.6 to 0.7 P there, where ridges thin out. Noise
-    carries what is closed outward. The three terms are fitted to rendered contacts (`edge_calibration` in
+    moves the closed region outward. The three terms are fitted to rendered contacts (`edge_calibration` in
     benchmarks/contact_images.py prints them).
     """
     return _beyond_ridges(edge) - _NOISE * edge.noise * edge.period
@@ -179,13 +179,12 @@ def axis_weights(moments: AreaMoments, points: Points) -> FloatArray:
 def outline_covariance(edge: ContactOutline, weights: FloatArray) -> FloatArray:
     """Return the covariance of (semi_major, semi_minor, area) from the position of the edge.
 
-    Each stretch of outline has its own error: where it follows a ridge that of an edge fallen at random on
-    valleys of half the period, √(v³/3 − v⁴/4) P = 0.16 P, and everywhere that of the local level, which moves
-    the edge more the softer the picture is. All stretches share a third of the correction for noise and,
-    where no ridges are resolved, all of the shift for them: a solid print ends at its outline. The share of
-    the softness and the length of a stretch are fitted to the errors of rendered contacts
-    (see `accuracy_and_coverage` in benchmarks/contact_images.py). Where a hand drew
-    the edge, its error takes the place of all of these.
+    Each stretch of outline has an independent error: where it follows a ridge, that of an edge at random on
+    valleys of half the period, √(v³/3 − v⁴/4) P = 0.16 P; everywhere that of the local level, which grows
+    with the blur. Shared by all stretches are a third of the correction for noise and, where no ridges are
+    resolved, all of the shift for them. The contribution of blur and the length of a stretch are fitted to
+    the errors of rendered contacts (`accuracy_and_coverage` in benchmarks/contact_images.py). Where the edge
+    was drawn manually, the error of drawing replaces all of these.
     """
     along = edge.along.clip(0, 1)
     own = edge.period * np.sqrt(along * _IN_VALLEY**2 + (_BY_SOFTNESS * edge.softness) ** 2)

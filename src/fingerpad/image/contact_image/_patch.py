@@ -26,10 +26,8 @@ _NEAR_HALF = slice(128 - _RAMP // 2, 128 + _RAMP // 2)
 _LEVELS = np.arange(256)
 _HALVES = (slice(0, 128), slice(128, 256))
 # How far the level that keeps the area lies above the middle, in parts of the rise, by how the means of
-# ridges and valleys lean; and its standard deviation: of each square period by itself, as a share of the
-# lean, and of the noise. Fitted to rendered contacts (`ridge_calibration` in
-# benchmarks/contact_images.py prints
-# them).
+# ridges and valleys lean; and its standard deviation: of each square period, as a share of the lean, and
+# of the noise. Fitted to rendered contacts (`ridge_calibration` in benchmarks/contact_images.py prints them).
 _ASYMMETRY_SHIFT, _LEVEL_OFFSET = 2.12, -0.026
 _OWN, _ASYMMETRY_STD, _NOISY = 0.31, 0.26, 0.058
 # Over windows of so many periods resolved ridges spread by more than so many levels.
@@ -66,7 +64,7 @@ def trace_patch(
 ) -> ContactOutline:
     """Trace a patch of the view, given the amount of ridge as found and as closed over the valleys.
 
-    `resolved` says whether the ridge period was seen, `by_threshold` that the caller sets the ridges' level.
+    `resolved` is whether the ridge period was found, `by_threshold` whether the ridges' level is given.
     """
     ridges = _ridge_level(_level_histogram(amount, patch), noise, view.period, by_threshold=by_threshold)
     edge = contact_outline(
@@ -94,7 +92,7 @@ def measure_patch(
     ridge_area = float(_level_histogram(amount, patch & ~smeared) @ ridges.share) + unknown / 2
     covariance[3, 3] = (ridges.std**2 + unknown**2 / 12) * pixel**2
     if edge.by_hand.any():
-        # A hand that takes in too much skin takes in its ridges.
+        # A manual outline that includes too much skin includes its ridges.
         covariance[3, 3] += (ridge_area * pixel / moments.area) ** 2 * covariance[2, 2]
     return Patch(
         moments=moments,
@@ -127,7 +125,7 @@ def _level_histogram(amount: UInt8, where: BoolArray) -> FloatArray:
 
 
 def _ridge_level(counts: FloatArray, noise: float, period: float, *, by_threshold: bool) -> _Ridges:
-    """Tell the area of ridges from the levels in a patch.
+    """Return the area of ridges from the levels in a patch.
 
     Where blur fills the valleys, or cuts the crests, the local levels lie on one side of the true ones by an
     amount that the means of what is above and below the middle show: they lean to that side.

@@ -1,4 +1,4 @@
-"""From a contact image to how much each place is a ridge: polarity, even light, local levels."""
+"""Ridges of a contact image: polarity, uneven lighting, local levels."""
 
 from dataclasses import dataclass
 from typing import TypeAlias
@@ -20,7 +20,7 @@ _PRIOR = 0.03
 _MIN_RISE = 0.3
 # Blocks and windows, and the smoothing, in ridge periods.
 _BLOCK, _WINDOW, _SMOOTHING = 1.35, 3.0, 0.09
-# Fewer quiet blocks than this show a level of the ground, but no slope.
+# Fewer quiet blocks than this show a level of the background, but no slope.
 _MIN_QUIET = 40
 # More than this are not needed.
 _MAX_QUIET = 300
@@ -28,17 +28,17 @@ _MAX_QUIET = 300
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Signal:
-    """A contact image turned so that contact is bright on an even ground of about zero.
+    """A contact image turned so that contact is bright on an even background of about zero.
 
     Attributes
     ----------
     values : ndarray of float32, (rows, columns)
     noise : float
-        Standard deviation of the quiet ground.
+        Standard deviation of the quiet background.
     contrast : float
-        Level of the busy parts' contact above the ground; the caller's where frames share one.
+        Level of the busy parts' contact above the background; the caller's where frames share one.
     dark_on_light : bool
-        Whether contact was darker than the ground.
+        Whether contact was darker than the background.
     """
 
     values: Float32Array
@@ -55,7 +55,7 @@ def to_signal(
     dark_on_light: bool | None,
     contrast: float | None,
 ) -> Signal:
-    """Turn contact bright, and take the uneven light away by a smooth surface through the quiet ground."""
+    """Turn contact bright, and remove uneven lighting by a smooth surface through the quiet background."""
     side = max(2, round(_BLOCK * period))
     means = _block_means(values, side)
     deviations = np.sqrt(
@@ -112,7 +112,7 @@ def _enlarge_blocks(blocks: Float32Array, side: int, shape: tuple[int, int]) -> 
 
 
 def _border_blocks(quiet: BoolArray, rows: int, columns: int) -> BoolArray:
-    """Return the quiet blocks that are ground for sure: those at the rim of the picture's whole blocks.
+    """Return the quiet blocks that are background for sure: those at the rim of the picture's whole blocks.
 
     A smooth contact is quiet too.
     """
@@ -122,7 +122,7 @@ def _border_blocks(quiet: BoolArray, rows: int, columns: int) -> BoolArray:
 
 
 def _is_dark_on_light(means: Float32Array, ground: BoolArray, busy: BoolArray) -> bool:
-    """Tell the polarity: ridges raise the texture, and their mean differs from the quiet ground's."""
+    """Return the polarity: ridges raise the texture, and their mean differs from the quiet background's."""
     if not busy.any() or not ground.any():
         return True
     return float(means[busy].mean()) < float(np.median(means[ground]))

@@ -1,4 +1,4 @@
-"""The working copy of a picture, in which a ridge period is 4.5 px, and its place in the picture."""
+"""The reduced copy of an image, in which a ridge period is 4.5 px."""
 
 import math
 from dataclasses import dataclass
@@ -101,7 +101,7 @@ class WorkingImage:
         return whole
 
     def touches_border(self, points: Points, steps: npt.NDArray[np.float64]) -> bool:
-        """Tell whether an outline reaches the picture's frame or an added border, or runs along one.
+        """Return whether an outline reaches the picture's frame or an added border, or runs along one.
 
         Scanners leave a blank margin of a few px: ten periods of outline within one of it are a cut too.
         """
@@ -110,7 +110,7 @@ class WorkingImage:
         return on_edge > 2 * self.period or near > 10 * self.period
 
     def cut_by_mask(self, points: Points, steps: npt.NDArray[np.float64]) -> bool:
-        """Tell whether an outline reaches the edge of what the caller lets count."""
+        """Return whether an outline reaches the edge of the caller's mask."""
         near = self._length_near(points, steps, self.inside, margin=1.5, own=True, border=2.0)
         return near > 2 * self.period
 

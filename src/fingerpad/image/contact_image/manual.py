@@ -1,4 +1,4 @@
-"""A person's edits of a contact region: strokes of a brush, and an ellipse placed by its handles."""
+"""Manual corrections of a contact region: brush strokes and ellipses."""
 
 import math
 from collections.abc import Sequence
@@ -27,10 +27,10 @@ Points: TypeAlias = npt.NDArray[np.float64]
 
 # Strokes are drawn on a canvas so many times finer than the working copy.
 _FINE: Final = 4
-# Nearer than this, px of the copy, a point of the edited outline is one of the program's.
+# Nearer than this, px of the copy, a point of the edited outline is one of the automatic outline.
 _SAME: Final = 0.6
 _BITS: Final = 4
-# What reaches beyond so many pictures was drawn by no hand.
+# Strokes that reach beyond so many pictures are refused.
 _MAX_REACH: Final = 10
 
 
@@ -45,7 +45,12 @@ class BrushStroke:
     points : sequence of (float, float)
         (row, column) along the stroke, px; one point is a disk.
     radius : float
-        Of the brush, px.
+        Radius of the brush, px.
+
+    Examples
+    --------
+    >>> BrushStroke(action="remove", points=[(50, 80), (50, 120)], radius=10).action
+    'remove'
     """
 
     action: Literal["add", "remove"]
@@ -56,7 +61,7 @@ class BrushStroke:
 def outline_of_ellipse(
     ellipse: ImageEllipse, view: WorkingImage, *, noise: float
 ) -> tuple[BoolArray, ContactOutline]:
-    """Return the patch and the edge of an ellipse placed by hand.
+    """Return the patch and the edge of an ellipse placed manually.
 
     Raises
     ------
@@ -87,12 +92,12 @@ def outline_after_strokes(
 ) -> tuple[BoolArray, ContactOutline, float]:
     """Return the patch and the edge after some strokes, and the next largest piece's share of the largest.
 
-    Strokes are literal: their rim becomes the edge. Elsewhere the program's own edge stays as it is.
+    Strokes are literal: their rim becomes the edge. Elsewhere the automatic edge is kept.
 
     Parameters
     ----------
     before : (ndarray of bool, Edge) or None
-        What the program found.
+        The automatic patch.
     strokes : sequence of BrushStroke
         In order.
     view : View
@@ -130,7 +135,7 @@ def outline_after_strokes(
 
 
 def _restore_edge(outline: Points, edge: ContactOutline) -> ContactOutline:
-    """Return an edited outline, put back on the program's edge wherever it follows that."""
+    """Return an edited outline, on the automatic edge wherever it follows that."""
     nearest = cKDTree(edge.points).query(outline)[1]
     points, off = edge.points[nearest], np.full(len(outline), np.inf)
     for step in (-1, 1):

@@ -51,7 +51,7 @@ def measure_contact_image(
     --------
     >>> from fingerpad.image import Scale, measure_contact_image
     >>> from fingerpad.simulate import render_contact_image
-    >>> truth = render_contact_image(semi_major=8.0, semi_minor=6.0, seed=3)
+    >>> truth = render_contact_image(semi_major=3.0, semi_minor=2.5, seed=1)
     >>> contact_image = measure_contact_image(truth.pixels, Scale.of_ppi(500))
     >>> abs(contact_image.gross_area / truth.gross_area - 1) < 0.03, contact_image.flags
     (True, ())

@@ -42,7 +42,7 @@ def draw_overlay(
     """Draw the measurement of a contact image over the image.
 
     Green outline: contact region. Orange: equal-area ellipse, its axes and the centroid. Blue tint: ridges.
-    Small pictures are enlarged by a whole number, so that lines stay thin beside the ridges; those of more
+    Small images are enlarged by a whole number, so that lines stay thin beside the ridges; those of more
     than 8000 px on a side are reduced to that.
 
     Parameters
@@ -65,6 +65,15 @@ def draw_overlay(
     ------
     ImageError
         If the picture is not the one that was measured.
+
+    Examples
+    --------
+    >>> from fingerpad.image import measure_contact_image
+    >>> from fingerpad.simulate import render_contact_image
+    >>> truth = render_contact_image(semi_major=3.0, semi_minor=2.5, seed=1)
+    >>> contact = measure_contact_image(truth.pixels, truth.mm_per_px)
+    >>> truth.pixels.shape, draw_overlay(truth.pixels, contact).shape
+    ((197, 177), (1182, 1062, 3))
     """
     grey = _stretch_levels(pixels)
     if grey.shape != contact_image.region.shape:
@@ -91,12 +100,35 @@ def write_overlay(
     label: str | None = None,
     ridge_tint: float = 0.45,
 ) -> Path:
-    """Draw an overlay (see `draw_overlay`) and write it as a PNG, JPEG or TIFF file, by its ending.
+    """Draw an overlay and write it as a PNG, JPEG or TIFF file, by its ending.
+
+    Parameters
+    ----------
+    path : path-like
+        The file to write.
+    pixels, contact_image, label, ridge_tint
+        As for `draw_overlay`.
+
+    Returns
+    -------
+    Path
+        The file written.
 
     Raises
     ------
     ImageError
         If the picture is not the one measured, or the file cannot be written.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from fingerpad.image import measure_contact_image
+    >>> from fingerpad.simulate import render_contact_image
+    >>> truth = render_contact_image(semi_major=3.0, semi_minor=2.5, seed=1)
+    >>> contact = measure_contact_image(truth.pixels, truth.mm_per_px)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_overlay(f"{folder}/overlay.png", truth.pixels, contact).name
+    'overlay.png'
     """
     return write_canvas(path, draw_overlay(pixels, contact_image, label=label, ridge_tint=ridge_tint))
 

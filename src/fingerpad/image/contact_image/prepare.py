@@ -41,7 +41,7 @@ _OTHER_REGION = 0.2
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class PreparedContactImage(Displayed):
-    """A contact image with its ridges found: cheap to measure again with other corrections.
+    """A contact image with its ridges found, to be measured with several corrections.
 
     Attributes
     ----------
@@ -49,6 +49,14 @@ class PreparedContactImage(Displayed):
         Millimetres per pixel.
     reason : str or None
         Why no contact was found automatically, or None. A manual outline can still be given.
+
+    Examples
+    --------
+    >>> from fingerpad.simulate import render_contact_image
+    >>> truth = render_contact_image(semi_major=3.0, semi_minor=2.5, seed=1)
+    >>> prepared = prepare_contact_image(truth.pixels, Scale(truth.mm_per_px))
+    >>> prepared.contact_image.flags, prepared.with_corrections().flags
+    ((), ())
     """
 
     scale: Scale
@@ -85,23 +93,23 @@ class PreparedContactImage(Displayed):
         Returns
         -------
         ContactImageResult
-            With the flag ``edited_by_person``, and the uncertainty of a hand wherever the hand drew; without
-            edits the program's own.
+            With the flag ``edited_by_person``, and the uncertainty of manual drawing where the outline was
+            drawn; without corrections the automatic result.
 
         Raises
         ------
         ImageError
-            If the edits leave no contact, or lie outside the picture, or there are none and the program found
-            no contact.
+            If the corrections leave no contact or lie outside the image, or there are none and no contact was
+            found automatically.
 
         Examples
         --------
         >>> from fingerpad.image import Scale
         >>> from fingerpad.simulate import render_contact_image
-        >>> truth = render_contact_image(semi_major=8.0, semi_minor=6.0, seed=3)
+        >>> truth = render_contact_image(semi_major=3.0, semi_minor=2.5, seed=1)
         >>> prepared = prepare_contact_image(truth.pixels, Scale.of_ppi(500))
         >>> row, column = prepared.contact_image.centroid
-        >>> bite = BrushStroke(action="remove", points=[(row - 150, column)], radius=40)
+        >>> bite = BrushStroke(action="remove", points=[(row - 60, column)], radius=20)
         >>> prepared.with_corrections([bite]).gross_area < prepared.contact_image.gross_area
         True
         """
@@ -137,21 +145,35 @@ def prepare_contact_image(
 
     Parameters
     ----------
-    pixels, scale
-        As for `measure_contact_image`.
+    pixels : array_like, shape (rows, columns)
+        Grey levels of any real type.
+    scale : Scale
+        Millimetres per pixel.
     dark_on_light, background, seed, threshold, contrast, ridge_period, mask, region_of_interest
         See `ContactImageOptions`.
 
     Returns
     -------
     PreparedContactImage
-        Also where no contact is found: its `reason` says why.
+        Also where no contact is found: `reason` says why.
 
     Raises
     ------
     ImageError
         If the array is not a grey picture, is not finite or all of one level, or an option is not as
         described.
+
+    Examples
+    --------
+    A manual ellipse replaces the automatic region:
+
+    >>> from fingerpad.image import ImageEllipse
+    >>> from fingerpad.simulate import render_contact_image
+    >>> truth = render_contact_image(semi_major=3.0, semi_minor=2.5, seed=1)
+    >>> prepared = prepare_contact_image(truth.pixels, Scale.of_ppi(500))
+    >>> drawn = ImageEllipse(centre=truth.centroid, semi_axes=(59.0, 49.0))
+    >>> print(f"{prepared.with_corrections(ellipse=drawn).gross_area:.1f} mm²")
+    23.4 mm²
     """
     positive = {"threshold": threshold, "contrast": contrast, "ridge_period": ridge_period}
     for name, value in positive.items():
@@ -219,7 +241,7 @@ def _find_region(ridged: RidgeImage, seed: tuple[float, float] | None, *, resolv
 
 
 def _contrast_problem(signal: Signal, *, resolved: bool) -> str | None:
-    """Say that nothing stands out of the noise; None where something does."""
+    """Return the reason where nothing stands out of the noise, else None."""
     if signal.contrast > (_NO_CONTRAST if resolved else LOW_CONTRAST) * signal.noise:
         return None
     return (

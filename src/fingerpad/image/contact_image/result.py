@@ -1,4 +1,4 @@
-"""What a contact image shows of one contact."""
+"""Results of measuring a contact image."""
 
 import math
 from dataclasses import dataclass
@@ -29,7 +29,26 @@ PLAUSIBLE_RIDGE_PERIOD_MM = (0.25, 0.9)
 
 
 class ContactImageSettings(TypedDict):
-    """Settings that the frames of a sequence share, as keyword arguments of `measure_contact_image`."""
+    """Settings that the frames of a sequence share, as keyword arguments of `measure_contact_image`.
+
+    Attributes
+    ----------
+    contrast : float
+        Level of the contact above the background, grey levels.
+    ridge_period : float or None
+        Ridge period, mm.
+    dark_on_light : bool
+        Whether the contact is darker than the background.
+
+    Examples
+    --------
+    >>> from fingerpad.image import measure_contact_image
+    >>> from fingerpad.simulate import render_contact_image
+    >>> truth = render_contact_image(semi_major=3.0, semi_minor=2.5, seed=1)
+    >>> settings = measure_contact_image(truth.pixels, truth.mm_per_px).settings
+    >>> measure_contact_image(truth.pixels, truth.mm_per_px, **settings).settings == settings
+    True
+    """
 
     contrast: float
     ridge_period: float | None
@@ -38,7 +57,7 @@ class ContactImageSettings(TypedDict):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class ContactImageResult(Displayed):
-    """What a contact image shows of one contact.
+    """Measurement of one contact in a contact image.
 
     Attributes
     ----------
@@ -49,7 +68,7 @@ class ContactImageResult(Displayed):
         seen on the screen, radians in (−π/2, π/2]. Zero is an upright finger.
     centroid : (float, float)
         (row, column) of the region's centroid, px; pixel centres are whole numbers.
-    outline : ndarray, (n, 2)
+    outline : ndarray, shape (n, 2)
         (row, column) of points round the contact, px; all areas and axes are those of this polygon.
     gross_area, ridge_area : float
         Area inside the outline, and of the ridges within, mm². Parts in which ridges are blurred into one
@@ -58,18 +77,30 @@ class ContactImageResult(Displayed):
         Median distance between neighbouring ridges, mm, NaN where no ridges are resolved.
     overlap : float
         Intersection over union of region and ellipse.
-    covariance : ndarray, (4, 4)
+    covariance : ndarray, shape (4, 4)
         Of (semi_major, semi_minor, gross_area, ridge_area), mm and mm², to first order: the relative
-        uncertainty of the scale, shared by all, the position of the edge, and the ridges' threshold; of
-        what counts as half ridge, anything from none to all may be one.
+        uncertainty of the scale, shared by all, the position of the edge, and the ridges' threshold; the
+        share of ridges in parts that count as half ridge lies anywhere from none to all.
     threshold : float
-        Median level that parts ridges from valleys in the patch, grey levels from the ground towards contact.
+        Median level that separates ridges from valleys in the patch, grey levels from the background
+        towards contact.
     contrast : float
-        Level of the contact above the ground, grey levels: the scale against which faint places are judged.
+        Level of the contact above the background, grey levels.
     dark_on_light : bool
-        Whether contact is darker than the ground.
+        Whether the contact is darker than the background.
     flags : tuple of str
         Doubts, from `FLAGS`.
+
+    Examples
+    --------
+    >>> from fingerpad.image import measure_contact_image
+    >>> from fingerpad.simulate import render_contact_image
+    >>> truth = render_contact_image(semi_major=3.0, semi_minor=2.5, seed=1)
+    >>> contact = measure_contact_image(truth.pixels, truth.mm_per_px)
+    >>> print(f"{contact.ellipse.semi_major:.2f} ± {contact.semi_major_std:.2f} mm")
+    2.98 ± 0.02 mm
+    >>> contact.outline.shape[1], contact.flags
+    (2, ())
     """
 
     ellipse: Ellipse
@@ -96,11 +127,23 @@ class ContactImageResult(Displayed):
         return self._picture
 
     def summary(self) -> str:
-        """Return the measured numbers in words, one line each."""
+        """Return the measured numbers as text, one line each.
+
+        Returns
+        -------
+        str
+            With units and uncertainties.
+        """
         return record_text("Contact image", self.as_record())
 
     def as_record(self) -> dict[str, Any]:
-        """Return the numbers under names with units, for tables and scripts."""
+        """Return the numbers by names that end in units.
+
+        Returns
+        -------
+        dict
+            For tables and scripts.
+        """
         return {
             "semi_major_mm": float(self.ellipse.semi_major),
             "semi_major_mm_std": self.semi_major_std,
@@ -139,7 +182,7 @@ class ContactImageResult(Displayed):
 
     @property
     def region(self) -> BoolArray:
-        """Where the contact is, drawn from the outline on demand, (rows, columns) of the picture."""
+        """Mask of the contact, computed from the outline on demand, (rows, columns) of the picture."""
         corners = [np.rint(self.outline[:, ::-1] * 256).astype(np.int32)]
         canvas, rim = (np.zeros(self._view.shape, dtype=np.uint8) for _ in range(2))
         cv2.fillPoly(canvas, corners, 1, shift=8)
@@ -152,7 +195,7 @@ class ContactImageResult(Displayed):
 
     @property
     def ridges(self) -> BoolArray:
-        """Where the ridges within the region are, drawn on demand, (rows, columns) of the picture."""
+        """Mask of the ridges within the region, computed on demand, (rows, columns) of the picture."""
         return np.asarray(self.region & (self._view.enlarged(self._amount) >= self._ridge_level))
 
     @property

@@ -44,7 +44,7 @@ _HYPOTHESES = 500
 _SPARSE = 240
 _BLOCKS = 72
 _MIN_BLOCKS = 22
-# A block may be this many squared deviations off, on average, and still be worth having.
+# A block may be this many squared deviations off, on average, and still be used.
 _WORTH = 2.0
 _END_MARGIN = 0.04
 _SLACKS = (1.0, 2.0, 4.0, 8.0, 16.0)
@@ -256,7 +256,7 @@ def _sampson(conics: FloatArray, points: FloatArray) -> FloatArray:
 def _longest_window(
     track: FloatArray, values: FloatArray, middle: float, lean: tuple[float, float], slack: float
 ) -> tuple[int, int]:
-    """Return the first and last index of the arc whose blocks one ellipse fits for the price they are worth.
+    """Return the first and last index of the arc whose blocks one ellipse fits at the accepted misfit.
 
     About the ellipse so far the fit is linear, and running sums of its normal equations give every window.
     """

@@ -64,7 +64,7 @@ def average_over_ends(
     """Fit the ellipse again for every place where the arc may end, and average by evidence.
 
     About the arc as found the fit is linear. For each pair of ends the outline beyond departs as
-    `departure_covariance` says; the marginal likelihood (ellipse flat, noise's level unknown) weighs the
+    `departure_covariance` gives; the marginal likelihood (ellipse flat, noise's level unknown) weighs the
     pair. The covariance is that within the pairs and between them; a slight departure can still pass for
     the ellipse, which `widened` allows for.
 

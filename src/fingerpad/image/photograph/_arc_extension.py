@@ -1,4 +1,4 @@
-"""The outline just beyond the pad's arc, which still tells of its ellipse."""
+"""The outline just beyond the pad's arc, which still informs the fit of its ellipse."""
 
 from dataclasses import replace
 
@@ -15,7 +15,7 @@ from fingerpad.image.photograph.outline_fit import (
     radii_of_curvature,
 )
 
-# Farther out, in radii of curvature, the outline can be 3 percent of one off, and says nothing more.
+# Farther out, in radii of curvature, the outline can be 3 percent of one off, and is not used.
 _REACH = 0.25
 _REJECTION = 4.0
 

@@ -155,7 +155,7 @@ def _residual_squares(
         basis, triangle = np.linalg.qr(_model(place - offsets, offsets, blur))
         parts = np.swapaxes(profiles, 1, 2) @ basis
         left[k] = total - np.einsum("nkj,nkj->n", parts, parts)
-        # What the model says just inside and just outside.
+        # Levels of the model just inside and just outside.
         across = np.array([1, math.sqrt(2 * blur + 1), -1, -place]) @ np.linalg.inv(triangle)
         steps[k] = np.sum((parts @ across) ** 2, axis=1)
     return left, steps

@@ -47,7 +47,7 @@ def finger_lean(points: FloatArray, face: Face) -> tuple[float, float]:
     lean = -math.atan(float(slope))
     if abs(lean) > _MAX_LEAN:
         return 0.0, _UPRIGHT_STD
-    # A short stretch of the sides tells less of the axis.
+    # A short stretch of the sides determines the axis less.
     return lean, _AXIS_STD[face] * max(1.0, width / float(top - bottom))
 
 

@@ -1,4 +1,4 @@
-"""What a photograph is measured by: the picture, region of interest and marks, and the points they choose."""
+"""Arguments of measuring a photograph: picture, region of interest and marks."""
 
 import math
 from typing import Any, TypeAlias
@@ -99,7 +99,7 @@ def check_not_cut(silhouette: Silhouette, sides: tuple[Direction, ...], tip: Dir
 
 
 def check_image(pixels: npt.ArrayLike) -> npt.NDArray[Any]:
-    """Return the picture, or say what is wrong with it."""
+    """Return the picture, validated."""
     values = picture_array(pixels, "pixels")
     if not (values.ndim == 2 or (values.ndim == 3 and values.shape[2] in (3, 4))) or not values.size:
         raise ImageError(

@@ -138,7 +138,7 @@ def _off_backdrop(small: npt.NDArray[np.float32], root: Direction | None) -> tup
     if good.mean() < 0.4:
         raise ImageError(
             f"only {good.mean():.0%} of the frame's border shows one backdrop: "
-            "photograph the finger before a plain ground, and leave a margin round the pad"
+            "photograph the finger before a plain backdrop, and leave a margin round the pad"
         )
     return small - terms @ factors, noise
 

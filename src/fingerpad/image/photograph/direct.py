@@ -22,7 +22,7 @@ def direct_semi_axes(
 ) -> FaceSemiAxes:
     """Measure two semi-axes directly, as the lengths from a marked centre to marked ends.
 
-    The first approach of Dzidek et al. (2017) [ESM, Table 1, "Direct"].
+    The first method of Dzidek et al. (2017), electronic supplement, Table 1, "Direct".
 
     Parameters
     ----------
@@ -34,6 +34,11 @@ def direct_semi_axes(
         (row, column), px: centre, and the ends of the semi-axes across and along (see `FACE_AXES`).
     point_px_std : float
         Standard uncertainty of each coordinate of a mark, px.
+
+    Returns
+    -------
+    FaceSemiAxes
+        Across and along, mm, with their covariance.
 
     Raises
     ------

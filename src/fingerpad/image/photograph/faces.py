@@ -4,8 +4,8 @@ Each face shows two of the three semi-axes, so that two faces give one of them t
 them twice: the joint estimate is over-determined, and the disagreement is reported.
 
 Faces are combined as logarithms, to which an error of a picture's scale adds the same amount whatever the
-length. A covariance of lengths whose share of the scale is that of the measured values pulls the result below
-all of them (Peelle's pertinent puzzle).
+length. A covariance of lengths whose contribution from the scale is computed from the measured values biases
+the result below all of them (Peelle's pertinent puzzle).
 """
 
 import math
@@ -34,20 +34,26 @@ _MAX_BETWEEN_STD = 0.3
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class FaceSemiAxes(Displayed):
-    """The two semi-axes that one face shows, however they were measured.
+    """The two semi-axes that one face shows.
 
     Attributes
     ----------
     face : Face
         The face that looked at the camera.
-    semi_axes : ndarray, (2,)
+    semi_axes : ndarray, shape (2,)
         Semi-axes across and along, in the order of `FACE_AXES`, mm.
-    covariance : ndarray, (2, 2)
-        Their covariance without the scale's share, mm².
+    covariance : ndarray, shape (2, 2)
+        Their covariance without the scale's contribution, mm².
     relative_scale_std : float
         Relative standard uncertainty of the picture's scale.
     scale : str or None
         Name of the scale: faces of one name share its error; without a name it is the picture's own.
+
+    Examples
+    --------
+    >>> face = FaceSemiAxes(face="palmar", semi_axes=np.array([11.8, 13.8]), covariance=0.01 * np.eye(2))
+    >>> face.scale is None
+    True
     """
 
     face: Face
@@ -65,8 +71,8 @@ class OutlineSemiAxes(Displayed):
     ----------
     palmar, distal, radial_ulnar : float
         Semi-axes, mm, never sorted.
-    covariance : ndarray, (3, 3)
-        Their covariance in that order, mm², with what the faces disagree by.
+    covariance : ndarray, shape (3, 3)
+        Their covariance in that order, mm², the disagreement between faces included.
     between_relative_std : float
         Relative standard deviation by which the faces differ beyond their stated uncertainties.
     chi_square : float
@@ -75,9 +81,20 @@ class OutlineSemiAxes(Displayed):
     degrees_of_freedom : int
         Number of semi-axis values beyond the three that are needed.
     p_value : float
-        Chance of at least this disagreement if the stated uncertainties are right, NaN without freedom.
+        Probability of at least this disagreement if the stated uncertainties are right, NaN without freedom.
     faces : tuple of FaceSemiAxes
-        What was combined.
+        The faces combined.
+
+    Examples
+    --------
+    >>> covariance = 0.01 * np.eye(2)
+    >>> faces = [
+    ...     FaceSemiAxes(face="palmar", semi_axes=np.array([11.8, 13.8]), covariance=covariance),
+    ...     FaceSemiAxes(face="distal", semi_axes=np.array([11.8, 7.9]), covariance=covariance),
+    ... ]
+    >>> pad = combine_faces(faces)
+    >>> pad.semi_axes.round(2), pad.stds.round(2)
+    (array([ 7.9, 13.8, 11.8]), array([0.1 , 0.1 , 0.07]))
     """
 
     palmar: float
@@ -119,7 +136,17 @@ class OutlineSemiAxes(Displayed):
 
 
 def implausible_size(semi_axes: ArrayLike) -> BoolArray:
-    """Tell which semi-axes, mm, no finger pad has: wrong units or a wrong scale.
+    """Return which semi-axes no finger pad has, as with a wrong unit or scale.
+
+    Parameters
+    ----------
+    semi_axes : array_like
+        Semi-axes, mm.
+
+    Returns
+    -------
+    ndarray of bool
+        True where implausible.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""A finger pad's ellipse in a photograph as a person places it, or as points that a person marks give it."""
+"""Manual ellipses of a finger pad in a photograph, and manual changes to its outline."""
 
 import math
 from collections.abc import Sequence
@@ -13,8 +13,8 @@ from fingerpad.exceptions import FitError, ImageError
 from fingerpad.geometry.faces import Direction, Face, face_axes, palmar_directions
 from fingerpad.image.ellipse import rotation
 from fingerpad.image.photograph._arc import PAD_MIDDLE
-from fingerpad.image.photograph.measure import PhotographFit, size_flags
 from fingerpad.image.photograph.outline_fit import fit_outline_ellipse, parametric_angles
+from fingerpad.image.photograph.result import PhotographFit, size_flags
 from fingerpad.image.scale import Scale
 
 IntArray: TypeAlias = npt.NDArray[np.int64]
@@ -38,7 +38,7 @@ def photograph_from_ellipse(
     tip: Direction = "up",
     palmar: Direction | None = None,
 ) -> PhotographFit:
-    """Return what an ellipse placed by hand says of a face's semi-axes; it needs no picture.
+    """Return the semi-axes of a face from an ellipse placed manually; it needs no picture.
 
     Parameters
     ----------
@@ -52,8 +52,8 @@ def photograph_from_ellipse(
         Across and along, in the order of `FACE_AXES`, px.
     lean : float
         Turn of the ellipse from the face's x (across) towards its y (along), radians.
-    tip, palmar
-        As for `measure_photograph`.
+    tip, palmar : {"up", "down", "left", "right"}
+        Directions of the fingertip and the palmar side, as for `measure_photograph`.
 
     Returns
     -------
@@ -114,9 +114,9 @@ def photograph_from_handles(
     tip: Direction = "up",
     palmar: Direction | None = None,
 ) -> PhotographFit:
-    """Return the face's ellipse from the ends of its semi-axes as they are dragged; it needs no picture.
+    """Return the ellipse of a face from the ends of its semi-axes, marked manually; it needs no picture.
 
-    The ends need not be square to each other: the ellipse is turned as the longer of the two is.
+    The ends need not be at right angles: the ellipse is turned as the longer of the two is.
 
     Parameters
     ----------
@@ -124,6 +124,11 @@ def photograph_from_handles(
         As for `photograph_from_ellipse`.
     centre, across_end, along_end : (float, float)
         (row, column), px, as `PhotographFit.handles` gives them.
+
+    Returns
+    -------
+    PhotographFit
+        Without points, with the flag ``by_hand``.
 
     Raises
     ------
@@ -162,16 +167,16 @@ def with_marked_points(
     added: ArrayLike = (),
     erased: Sequence[tuple[ArrayLike, float]] = (),
 ) -> PhotographFit:
-    """Fit the ellipse again to the points that a person leaves of the outline, and those that one adds.
+    """Fit the ellipse again with points added to the outline or erased from it.
 
     Parameters
     ----------
     found : PhotographFit
         A measured photograph.
-    added : array_like, (n, 2)
+    added : array_like, shape (n, 2)
         (row, column), px, of further points on the pad's outline.
     erased : sequence of (array_like (n, 2), float)
-        Strokes of a rubber: (row, column) along each, px, and its radius, px. Points under it are left out.
+        Strokes of an eraser: (row, column) along each, px, and its radius, px. Points under it are left out.
 
     Returns
     -------
@@ -189,9 +194,9 @@ def with_marked_points(
     --------
     >>> from fingerpad.image import measure_photograph
     >>> from fingerpad.simulate import render_finger
-    >>> truth = render_finger("palmar", semi_axes=(11.8, 13.8), seed=1)
+    >>> truth = render_finger("palmar", semi_axes=(11.8, 13.8), mm_per_px=0.1, seed=1)
     >>> found = measure_photograph(truth.pixels, "palmar", Scale(truth.mm_per_px))
-    >>> fewer = with_marked_points(found, erased=[([found.points[0]], 20)])
+    >>> fewer = with_marked_points(found, erased=[([found.points[0]], 10)])
     >>> len(fewer.points) < len(found.points), round(fewer.semi_axes_mm["radial_ulnar"])
     (True, 12)
     """

@@ -1,22 +1,18 @@
 """Semi-axes of the finger pad from a photograph of one face before a plain backdrop.
 
-The finger is set apart from the backdrop by colour, its outline located to a fraction of a pixel, the arc
-that is pad chosen, and an ellipse along the finger's axis fitted to it by least orthogonal distance.
+The finger is separated from the backdrop by colour, its outline located to a fraction of a pixel, the arc of
+the pad selected, and an ellipse along the finger's axis fitted to it by least orthogonal distance.
 """
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
-from typing import Any, Self
+from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
 
 from fingerpad._arrays import ArrayLike, FloatArray
-from fingerpad._display import Displayed
-from fingerpad._records import record_text
 from fingerpad.exceptions import FitError, ImageError
-from fingerpad.geometry.faces import FACE_AXES, Direction, Face, face_axes, opposite, palmar_directions
+from fingerpad.geometry.faces import Direction, Face, face_axes, opposite, palmar_directions
 from fingerpad.image.ellipse import rotation
 from fingerpad.image.inputs import ImageLike, ScaleLike, as_scale, colour_levels
 from fingerpad.image.photograph._arc import (
@@ -43,22 +39,9 @@ from fingerpad.image.photograph._input import (
     within,
 )
 from fingerpad.image.photograph._silhouette import Silhouette, find_silhouette
-from fingerpad.image.photograph.faces import FaceSemiAxes, implausible_size
 from fingerpad.image.photograph.outline_fit import parametric_angles
+from fingerpad.image.photograph.result import PhotographFit, size_flags
 from fingerpad.image.scale import Scale
-
-PHOTOGRAPH_FLAGS: Mapping[str, str] = {
-    "short_arc": "the arc is shorter than 90 degrees: its semi-axes lean on little",
-    "uncertain": "a semi-axis is known to no better than 2 percent",
-    "many_outliers": "more than 15 percent of the arc's points were left out",
-    "low_contrast": "the finger hardly stands out from the backdrop",
-    "soft_edges": "the edge is blurred over more than 1 percent of the smaller semi-axis",
-    "touches_border": "the arc ends where the frame cuts the finger",
-    "poor_ellipse": "the outline departs from the ellipse by more than 1 percent of the smaller semi-axis",
-    "leaning": "the finger leans by more than 10 degrees",
-    "implausible_size": "a semi-axis lies outside 2–40 mm: check the scale",
-    "by_hand": "a person placed the ellipse, or added or left out points",
-}
 
 _SHORT_ARC_DEG = 90.0
 _MAX_RELATIVE_STD = 0.4
@@ -66,126 +49,6 @@ _MAX_RELATIVE_STD = 0.4
 _LOW_CONTRAST = 30.0
 _MIN_POINTS = 24
 _MAX_POINTS = 1000
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
-class PhotographFit(Displayed):
-    """The ellipse of a finger pad in a photograph of one face.
-
-    Attributes
-    ----------
-    face : Face
-        The face that looked at the camera.
-    semi_axes : ndarray, (2,)
-        Semi-axes across and along, in the order of `FACE_AXES`, mm.
-    edge_covariance : ndarray, (2, 2)
-        Their covariance from the outline alone, mm².
-    scale : Scale
-        The scale that was given.
-    centre : (float, float)
-        Centre of the ellipse, (row, column), px.
-    directions : ndarray, (2, 2)
-        Unit steps (row, column) along the first and the second semi-axis.
-    lean, lean_std : float
-        Turn of the ellipse from the face's x towards its y, and its standard uncertainty, radians.
-    arc : (float, float)
-        First and last parametric angle of the points used, radians.
-    points, outliers : ndarray, (n, 2)
-        Points of the outline used and left out, (row, column), px.
-    correlation_px : float
-        Length along the outline over which errors run together, px.
-    residual_px_std, blur_px : float
-        Standard deviation of the points from the ellipse, and of the edges' blur, px.
-    flags : frozenset of str
-        What makes the measurement doubtful, of `PHOTOGRAPH_FLAGS`.
-    """
-
-    face: Face
-    semi_axes: FloatArray
-    edge_covariance: FloatArray
-    scale: Scale
-    centre: tuple[float, float]
-    directions: FloatArray
-    lean: float
-    lean_std: float
-    arc: tuple[float, float]
-    points: FloatArray
-    outliers: FloatArray
-    correlation_px: float
-    residual_px_std: float
-    blur_px: float
-    flags: frozenset[str]
-    _picture: npt.NDArray[Any] | None = None
-
-    @property
-    def picture(self) -> npt.NDArray[Any] | None:
-        """The photograph that was measured, None where it is not kept."""
-        return self._picture
-
-    def summary(self) -> str:
-        """Return the measured numbers in words, one line each."""
-        stds = self.semi_axes_mm_std
-        axes = {
-            key: number
-            for name, value in self.semi_axes_mm.items()
-            for key, number in ((f"{name}_mm", value), (f"{name}_mm_std", stds[name]))
-        }
-        return record_text(
-            f"Photograph of the {self.face} face", {**axes, "arc_deg": self.arc_deg, "flags": self.flags}
-        )
-
-    @property
-    def covariance(self) -> FloatArray:
-        """Covariance of the semi-axes, the scale's share included, mm²."""
-        return self.edge_covariance + self.scale.relative_std**2 * np.outer(self.semi_axes, self.semi_axes)
-
-    @property
-    def semi_axes_mm(self) -> dict[str, float]:
-        """Semi-axes by anatomical name, mm."""
-        return dict(zip(FACE_AXES[self.face], map(float, self.semi_axes), strict=True))
-
-    @property
-    def semi_axes_mm_std(self) -> dict[str, float]:
-        """Their standard uncertainties, the scale's share included, mm."""
-        stds = np.sqrt(np.diagonal(self.covariance))
-        return dict(zip(FACE_AXES[self.face], map(float, stds), strict=True))
-
-    @property
-    def arc_deg(self) -> float:
-        """Extent of the arc used, parametric degrees."""
-        return math.degrees(self.arc[1] - self.arc[0])
-
-    @property
-    def outlier_fraction(self) -> float:
-        """Share of the arc's points that were left out."""
-        return len(self.outliers) / max(len(self.outliers) + len(self.points), 1)
-
-    @property
-    def face_semi_axes(self) -> FaceSemiAxes:
-        """The semi-axes as `combine_faces` takes them."""
-        return FaceSemiAxes(
-            face=self.face,
-            semi_axes=self.semi_axes,
-            covariance=self.edge_covariance,
-            relative_scale_std=self.scale.relative_std,
-        )
-
-    @property
-    def handles(self) -> FloatArray:
-        """(row, column) of the centre and of the ends of the semi-axes across and along, px, (3, 2)."""
-        centre = np.array(self.centre)
-        ends = self.directions * self.semi_axes[:, None] / self.scale.mm_per_px
-        return np.stack([centre, *(centre + ends)])
-
-    def without_picture(self) -> Self:
-        """Return the same without the picture that was measured, which takes memory where many are kept."""
-        return replace(self, _picture=None)
-
-    def ellipse_points(self, count: int = 361) -> FloatArray:
-        """Return points (row, column) round the ellipse, px."""
-        t = np.linspace(0, 2 * math.pi, count)
-        local = np.stack([np.cos(t), np.sin(t)], axis=-1) * self.semi_axes / self.scale.mm_per_px
-        return np.asarray(local @ self.directions + self.centre, dtype=np.float64)
 
 
 def measure_photograph(
@@ -202,7 +65,7 @@ def measure_photograph(
 
     The arc is the longest about the pad's middle that one ellipse fits, its ellipse averaged over where the
     arc may end; or all the outline inside `region_of_interest`, or from the first to the last of `points`.
-    Beyond its ends the outline, which has no corner, still counts for what it can say. The ellipse lies along
+    Beyond its ends the outline, which has no corner, still informs the fit. The ellipse lies along
     the finger's own axis, as its sides show it, within what they leave open.
 
     Parameters
@@ -240,7 +103,7 @@ def measure_photograph(
     --------
     >>> from fingerpad.image import Scale
     >>> from fingerpad.simulate import render_finger
-    >>> truth = render_finger("palmar", semi_axes=(11.8, 13.8), seed=1)
+    >>> truth = render_finger("palmar", semi_axes=(11.8, 13.8), mm_per_px=0.1, seed=1)
     >>> found = measure_photograph(truth.pixels, "palmar", Scale(truth.mm_per_px))
     >>> {name: round(value) for name, value in found.semi_axes_mm.items()}
     {'radial_ulnar': 12, 'distal': 14}
@@ -270,7 +133,7 @@ def measure_photograph(
 
 
 def _merit(found: PhotographFit) -> float:
-    """Return how well an arc determines its ellipse, to tell the pad from the dorsal side."""
+    """Return how well an arc determines its ellipse, to distinguish the pad from the dorsal side."""
     relative = np.sqrt(np.diagonal(found.edge_covariance)) / found.semi_axes
     return -float(np.linalg.norm(relative))
 
@@ -286,7 +149,7 @@ def _outline(light: npt.NDArray[np.float32], silhouette: Silhouette) -> Subpixel
     if step > 1:
         coarse = locate_edges(light, contour, reach=3 * step + 2, spacing=step)
         contour = coarse.points[coarse.found] if coarse.found.mean() > 0.5 else contour
-    # Errors run together over several pixels: more points than these say nothing more.
+    # Errors run together over several pixels: more points than these add nothing.
     length = float(np.linalg.norm(np.diff(contour, axis=0), axis=1).sum())
     return locate_edges(light, contour, reach=4.0, spacing=max(1.0, length / _MAX_POINTS))
 
@@ -377,8 +240,3 @@ def _flags(found: PhotographFit, contrast: float, silhouette: Silhouette) -> fro
         "leaning": abs(found.lean) > math.radians(10),
     }
     return frozenset(name for name, held in holds.items() if held) | size_flags(found.semi_axes)
-
-
-def size_flags(semi_axes: FloatArray) -> frozenset[str]:
-    """Return the flag of semi-axes, mm, that no finger pad has, where it holds."""
-    return frozenset({"implausible_size"} if implausible_size(semi_axes).any() else ())

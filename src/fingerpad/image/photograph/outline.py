@@ -39,8 +39,8 @@ def semi_axes_from_outlines(
     Raises
     ------
     FitError
-        If an outline gives no ellipse, fits one without a residual to tell its uncertainty, no face shows one
-        of the semi-axes, or the faces contradict each other.
+        If an outline gives no ellipse, fits one without a residual to estimate its uncertainty, no face shows
+        one of the semi-axes, or the faces contradict each other.
 
     Examples
     --------
@@ -63,12 +63,33 @@ def semi_axes_from_outlines(
 
 
 def face_from_outline(face: Face, points: ArrayLike, relative_scale_std: float = 0.0) -> FaceSemiAxes:
-    """Fit the two semi-axes that the outline of one face shows; arguments as `semi_axes_from_outlines`.
+    """Fit the two semi-axes that the outline of one face shows.
+
+    Parameters
+    ----------
+    face : {"palmar", "distal", "radial", "ulnar"}
+        The face that looks at the camera.
+    points : array_like, shape (n, 2)
+        Outline points, mm, axes as for `semi_axes_from_outlines`.
+    relative_scale_std : float
+        Relative standard uncertainty of the photograph's scale.
+
+    Returns
+    -------
+    FaceSemiAxes
+        Across and along, mm, with their covariance.
 
     Raises
     ------
     FitError
-        If the outline gives no ellipse, or fits one without a residual to tell its uncertainty.
+        If the outline gives no ellipse, or fits one without a residual to estimate its uncertainty.
+
+    Examples
+    --------
+    >>> from fingerpad.simulate import outline_points
+    >>> face = face_from_outline("palmar", outline_points(11.8, 13.8, noise_std=0.05, seed=1))
+    >>> face.semi_axes.round(1).tolist()
+    [11.8, 13.8]
     """
     try:
         fit = fit_aligned_ellipse(points)
@@ -85,11 +106,16 @@ def face_from_outline(face: Face, points: ArrayLike, relative_scale_std: float =
 
 
 def read_outline(path: str | PathLike[str]) -> FloatArray:
-    """Read outline points from a CSV file with the columns ``x_mm`` and ``y_mm``.
+    r"""Read outline points from a CSV file with the columns ``x_mm`` and ``y_mm``.
+
+    Parameters
+    ----------
+    path : path-like
+        The file.
 
     Returns
     -------
-    ndarray, (n, 2)
+    ndarray, shape (n, 2)
         Points (x, y), mm.
 
     Raises
@@ -97,22 +123,47 @@ def read_outline(path: str | PathLike[str]) -> FloatArray:
     ImageError
         If the file cannot be opened, lacks a column, or holds anything but finite numbers; the message names
         file, column and line.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = pathlib.Path(folder, "outline.csv")
+    ...     _ = path.write_text("x_mm,y_mm\n11.8,0\n0,13.8\n")
+    ...     read_outline(path)
+    array([[11.8,  0. ],
+           [ 0. , 13.8]])
     """
     return _read_points(Path(path), ("x_mm", "y_mm"))
 
 
 def read_marks(path: str | PathLike[str]) -> FloatArray:
-    """Read marks on a picture from a CSV file with the columns ``row_px`` and ``column_px``.
+    r"""Read marks on a picture from a CSV file with the columns ``row_px`` and ``column_px``.
+
+    Parameters
+    ----------
+    path : path-like
+        The file.
 
     Returns
     -------
-    ndarray, (n, 2)
+    ndarray, shape (n, 2)
         Marks (row, column), px.
 
     Raises
     ------
     ImageError
         As `read_outline`.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = pathlib.Path(folder, "marks.csv")
+    ...     _ = path.write_text("row_px,column_px\n24,200\n300,436\n")
+    ...     read_marks(path)
+    array([[ 24., 200.],
+           [300., 436.]])
     """
     return _read_points(Path(path), ("row_px", "column_px"))
 

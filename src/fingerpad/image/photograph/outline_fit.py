@@ -1,11 +1,11 @@
-"""Ellipses fitted to ordered points of an outline, whose errors run together along it.
+"""Ellipses fitted to ordered points of an outline, with correlated errors.
 
-Neighbouring points of a located edge share the skin's texture, the picture's noise and whatever the finger
-has that an ellipse has not. Taken as independent they would promise far too much: here their correlation
-length is estimated from the residuals, and the covariance widened by it.
+Neighbouring points of a located edge share the skin's texture, the picture's noise and the departure of the
+finger from an ellipse. Their correlation length is estimated from the residuals, and the covariance widened
+accordingly.
 
-The outline does not break off where the elliptic arc ends: it runs on without a corner, and its curvature
-changes by about as much as there is of it. Points just beyond the ends are weighted by that.
+Beyond the ends of the elliptic arc the outline continues without a corner, and its curvature changes by about
+its own size. Points just beyond the ends are weighted accordingly.
 """
 
 import math
@@ -32,20 +32,31 @@ _TWO_SIDED_95 = 1.959964
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class OutlineFit(EllipseFit):
-    """An ellipse fitted to ordered points; its covariance allows for their correlated errors.
+    """An ellipse fitted to ordered points with correlated errors.
 
     Attributes
     ----------
-    ellipse, covariance, residual_std
-        As of an `EllipseFit`; the residuals are those on the arc.
-    residuals : ndarray, (n,)
+    ellipse : PlaneEllipse
+        Centre, semi-axes and angle, in the unit of the points.
+    covariance : ndarray, shape (5, 5)
+        Of (x, y, semi_x, semi_y, angle), from the residuals on the arc and their correlation.
+    residual_std : float
+        Standard deviation of the orthogonal distances on the arc.
+    residuals : ndarray, shape (n,)
         Signed orthogonal distances of all points, outwards positive.
-    angles : ndarray, (n,)
+    angles : ndarray, shape (n,)
         Parametric angle of each point's foot, radians.
     correlation : float
         Number of neighbouring points that count as one.
-    influence : ndarray, (5, n)
-        How far each parameter moves when a point moves outwards by one.
+    influence : ndarray, shape (5, n)
+        Change of each parameter when a point moves outwards by one.
+
+    Examples
+    --------
+    >>> from fingerpad.simulate import outline_points
+    >>> fit = fit_outline_ellipse(outline_points(11.8, 13.8, count=200, arc=(0.5, 2.6), noise_std=0.01))
+    >>> print(f"{fit.ellipse.semi_y:.2f} ± {np.sqrt(fit.covariance[3, 3]):.2f}")
+    13.78 ± 0.07
     """
 
     residuals: FloatArray
@@ -59,14 +70,15 @@ class OutlineFit(EllipseFit):
         Parameters
         ----------
         alike_std : float
-            Standard deviation of an offset of all points alike, in the unit of the points.
+            Standard deviation of an offset common to all points, in the unit of the points.
         smooth_std, reach : float
-            Standard deviation of an offset that changes slowly along the arc, and the parametric angle over
-            which it does (Gaussian correlation), radians.
+            Standard deviation of an offset that changes slowly along the arc, and its Gaussian correlation
+            length in parametric angle, radians.
 
         Returns
         -------
-        ndarray, (5, 5)
+        ndarray, shape (5, 5)
+            Of (x, y, semi_x, semi_y, angle).
         """
         apart = (self.angles[:, None] - self.angles + math.pi) % (2 * math.pi) - math.pi
         shared = alike_std**2 + smooth_std**2 * np.exp(-0.5 * (apart / reach) ** 2)
@@ -182,13 +194,13 @@ class _Errors:
 
 
 def departure_covariance(beyond: FloatArray, radii: tuple[float, float]) -> FloatArray:
-    """Return the covariance of how far an outline departs from the ellipse beyond its arc's ends.
+    """Return the covariance of an outline's departure from the ellipse beyond the ends of its arc.
 
     The outline has no corner. Its curvature, in units of the ellipse's at the end, jumps there by a normal
-    deviate and then walks at random, both with a standard deviation of one (the walk's after one radian): it
-    may grow twofold or give way to a straight side. Twice integrated along the outline, with s and t the
-    lesser and greater of two distances in radii of curvature R, the covariance is
-    R² [s² t² / 4 + (s⁵/5 + (t − s) s⁴/2 + (t − s)² s³/3) / 4]; the two ends know nothing of each other.
+    deviate and then follows a random walk, both of standard deviation one (the walk's after one radian).
+    Integrated twice along the outline, with s and t the lesser and greater of two distances in radii of
+    curvature R, the covariance is
+    R² [s² t² / 4 + (s⁵/5 + (t − s) s⁴/2 + (t − s)² s³/3) / 4]; the two ends are independent.
 
     Parameters
     ----------

@@ -23,7 +23,7 @@ from fingerpad.image._canvas import (
     write_text,
 )
 from fingerpad.image._levels import eight_bit, storable
-from fingerpad.image.photograph.measure import PhotographFit
+from fingerpad.image.photograph.result import PhotographFit
 
 # Okabe and Ito's colours, safe for colour-blind readers; red, green, blue.
 POINT_COLOUR: Colour = (0, 158, 115)
@@ -42,7 +42,7 @@ def draw_photograph_overlay(
 
     Green points: the arc that was used. Pink crosses: points left out. Yellow: the fitted ellipse, solid over
     the arc and dashed beyond it, with the semi-axes by name, their lengths and standard uncertainties. The
-    picture is brought to 1100 px, so that lines and letters are the same in all.
+    picture is scaled to 1100 px, so that lines and letters have one size.
 
     Parameters
     ----------
@@ -62,6 +62,13 @@ def draw_photograph_overlay(
     ------
     ImageError
         If the points measured do not lie in the picture.
+
+    Examples
+    --------
+    >>> from fingerpad.image import Scale, photograph_from_ellipse
+    >>> fit = photograph_from_ellipse("palmar", Scale(0.1), centre=(200, 160), semi_axes=(118, 138))
+    >>> draw_photograph_overlay(np.full((400, 320), 128, np.uint8), fit).shape
+    (1100, 880, 3)
     """
     colour = _eight_bit_colour(np.asarray(pixels))
     if len(found.points) and (found.points.max(axis=0) > np.array(colour.shape[:2])).any():
@@ -85,12 +92,33 @@ def draw_photograph_overlay(
 def write_photograph_overlay(
     path: str | PathLike[str], pixels: npt.ArrayLike, found: PhotographFit, *, label: str | None = None
 ) -> Path:
-    """Draw a photograph's overlay (see `draw_photograph_overlay`) and write it, as its name ends.
+    """Draw a photograph's overlay and write it as a PNG, JPEG or TIFF file, by its ending.
+
+    Parameters
+    ----------
+    path : path-like
+        The file to write.
+    pixels, found, label
+        As for `draw_photograph_overlay`.
+
+    Returns
+    -------
+    Path
+        The file written.
 
     Raises
     ------
     ImageError
         If the picture is not the one measured, or the file cannot be written.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from fingerpad.image import Scale, photograph_from_ellipse
+    >>> fit = photograph_from_ellipse("palmar", Scale(0.1), centre=(200, 160), semi_axes=(118, 138))
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_photograph_overlay(f"{folder}/palmar.png", np.full((400, 320), 128, np.uint8), fit).name
+    'palmar.png'
     """
     return write_canvas(path, draw_photograph_overlay(pixels, found, label=label))
 

@@ -1,4 +1,4 @@
-"""The clock of a film beside its force: whichever way the two were brought together."""
+"""The clock of a sequence on the time of its force signal."""
 
 from fingerpad.exceptions import LoadingError
 from fingerpad.image.sequence.force import ForceSignal, FrameRate
@@ -11,10 +11,10 @@ def frame_clock(
     start_time: float | None = None,
     contact_load: float | None = None,
 ) -> FrameRate:
-    """Return the clock of frames taken at a steady rate, anchored by the best that is known.
+    """Return the clock of frames taken at a steady rate.
 
-    The first-contact frame lies where the force passes `contact_load`, where that is given; else the first
-    frame lies at `start_time`; else where the force's trigger rises; else at the force's own start.
+    In order of preference: the first-contact frame lies where the force passes `contact_load`; the first
+    frame lies at `start_time`; where the force's trigger rises; at the force's own start.
 
     Parameters
     ----------
@@ -26,6 +26,11 @@ def frame_clock(
         Time of the first frame, s.
     contact_load : float, optional
         Load of the first-contact frame, N.
+
+    Returns
+    -------
+    FrameRate
+        Times of the frames on the clock of the force.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""A force signal beside a film: its samples, and the clock that brings frames onto its time."""
+"""A force signal: its samples, and the clock of the frames on its time."""
 
 import math
 from collections.abc import Mapping
@@ -21,7 +21,7 @@ _REVERSED = 2.0
 
 @dataclass(frozen=True, slots=True, init=False, eq=False, repr=False)
 class ForceSignal(Displayed):
-    """Normal force against time, at a rate of its own.
+    """Normal force against time, at its own sampling rate.
 
     Attributes
     ----------
@@ -73,12 +73,28 @@ class ForceSignal(Displayed):
         return float(self.time[0]), float(self.time[-1])
 
     def load_at(self, time: ArrayLike) -> FloatArray:
-        """Return the load at some times by linear interpolation, NaN outside the signal."""
+        """Return the load at some times by linear interpolation.
+
+        Parameters
+        ----------
+        time : array_like
+            s.
+
+        Returns
+        -------
+        ndarray
+            N, NaN outside the signal.
+        """
         found = np.interp(as_float_array(time), self.time, self.load, left=np.nan, right=np.nan)
         return np.asarray(found)[()]
 
     def trigger_time(self) -> float:
-        """Return when the trigger first rises through half of its range, s.
+        """Return when the trigger first rises through half of its range.
+
+        Returns
+        -------
+        float
+            s.
 
         Raises
         ------
@@ -96,7 +112,17 @@ class ForceSignal(Displayed):
         return found
 
     def contact_time(self, threshold: float) -> float:
-        """Return when the load first rises through a threshold for good (three samples), s.
+        """Return when the load first rises through a threshold for at least three samples.
+
+        Parameters
+        ----------
+        threshold : float
+            N.
+
+        Returns
+        -------
+        float
+            s.
 
         Raises
         ------
@@ -152,20 +178,60 @@ class FrameRate:
 
     @classmethod
     def of_trigger(cls, frames_per_second: float, signal: ForceSignal, *, frame: int = 0) -> Self:
-        """Put the frame that the trigger starts at the trigger's rise."""
+        """Return a clock whose anchor is the rise of the trigger.
+
+        Parameters
+        ----------
+        frames_per_second : float
+            Rate at which the frames were taken.
+        signal : ForceSignal
+            With a trigger.
+        frame : int
+            The frame that the trigger starts.
+
+        Returns
+        -------
+        FrameRate
+        """
         return cls(frames_per_second, anchor_time=signal.trigger_time(), anchor_frame=frame)
 
     @classmethod
     def of_contact(cls, frames_per_second: float, signal: ForceSignal, threshold: float) -> Self:
-        """Put the first-contact frame where the load rises through a threshold, N.
+        """Return a clock whose anchor is the first-contact frame, where the load rises through a threshold.
 
-        The pictures show contact from some ridges on: the frame is late by that and by up to one frame, and
-        so are all the times.
+        Contact is visible in the pictures from some ridges on: the frame is late by that and by up to one
+        frame, and so are all times.
+
+        Parameters
+        ----------
+        frames_per_second : float
+            Rate at which the frames were taken.
+        signal : ForceSignal
+            The force.
+        threshold : float
+            N.
+
+        Returns
+        -------
+        FrameRate
         """
         return cls(frames_per_second, anchor_time=signal.contact_time(threshold), anchor_frame=None)
 
     def time_of(self, index: int, first_contact: int | None) -> float:
-        """Return the time of a frame, s, NaN while its anchor is unknown."""
+        """Return the time of a frame.
+
+        Parameters
+        ----------
+        index : int
+            Number of the frame.
+        first_contact : int or None
+            Number of the first-contact frame, where it is known.
+
+        Returns
+        -------
+        float
+            s, NaN while the anchor is unknown.
+        """
         anchor = first_contact if self.anchor_frame is None else self.anchor_frame
         return math.nan if anchor is None else self.anchor_time + (index - anchor) / self.frames_per_second
 
@@ -176,13 +242,18 @@ class FrameStamps(Displayed):
 
     Attributes
     ----------
-    time : array_like, (n,)
+    time : array_like, shape (n,)
         One for each frame, s, strictly increasing.
 
     Raises
     ------
     LoadingError
         If one is not finite or time does not increase.
+
+    Examples
+    --------
+    >>> FrameStamps([0.0, 0.1, 0.25]).time_of(2, first_contact=None)
+    0.25
     """
 
     time: FloatArray
@@ -195,7 +266,20 @@ class FrameStamps(Displayed):
         set_fields(self, time=time)
 
     def time_of(self, index: int, first_contact: int | None) -> float:  # noqa: ARG002
-        """Return the time of a frame, s, NaN past the last stamp."""
+        """Return the time of a frame.
+
+        Parameters
+        ----------
+        index : int
+            Number of the frame.
+        first_contact : int or None
+            Not needed.
+
+        Returns
+        -------
+        float
+            s, NaN past the last stamp.
+        """
         return float(self.time[index]) if index < self.time.size else math.nan
 
 
@@ -203,7 +287,7 @@ FrameClock: TypeAlias = FrameRate | FrameStamps
 
 
 def read_force_signal(path: str | PathLike[str], columns: Mapping[str, str] | None = None) -> ForceSignal:
-    """Read a force signal from a CSV file with columns like ``time_s, force_N`` and perhaps ``trigger_V``.
+    r"""Read a force signal from a CSV file with columns like ``time_s, force_N`` and perhaps ``trigger_V``.
 
     Parameters
     ----------
@@ -212,11 +296,25 @@ def read_force_signal(path: str | PathLike[str], columns: Mapping[str, str] | No
     columns : mapping, optional
         From a quantity (``time``, ``force``, ``trigger``) to ``"HEADER:UNIT"`` where headers differ.
 
+    Returns
+    -------
+    ForceSignal
+        In s and N.
+
     Raises
     ------
     LoadingError
         If the file cannot be read, a column is missing or has an unknown unit, a cell is not a finite
         number, time does not increase, or the force has no range or the wrong sign.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = pathlib.Path(folder, "force.csv")
+    ...     _ = path.write_text("time_s,force_mN\n0,0\n0.1,500\n0.2,2000\n")
+    ...     read_force_signal(path).load
+    array([0. , 0.5, 2. ])
     """
     path = Path(path)
     found = read_columns(path, ("time", "force"), ("trigger",), columns=columns)
@@ -236,12 +334,33 @@ def read_force_signal(path: str | PathLike[str], columns: Mapping[str, str] | No
 
 
 def read_frame_stamps(path: str | PathLike[str], columns: Mapping[str, str] | None = None) -> FrameStamps:
-    """Read the time of each frame from a CSV file with a column like ``time_s``, one row for each frame.
+    r"""Read the time of each frame from a CSV file with a column like ``time_s``, one row for each frame.
+
+    Parameters
+    ----------
+    path : path-like
+        The CSV file, with a header line.
+    columns : mapping, optional
+        ``{"time": "HEADER:UNIT"}`` where the header differs.
+
+    Returns
+    -------
+    FrameStamps
+        In s.
 
     Raises
     ------
     LoadingError
         If the file cannot be read, has no such column, or time does not increase.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = pathlib.Path(folder, "stamps.csv")
+    ...     _ = path.write_text("time_ms\n0\n40\n80\n")
+    ...     read_frame_stamps(path).time
+    array([0.  , 0.04, 0.08])
     """
     path = Path(path)
     try:

@@ -34,10 +34,15 @@ class Frame(Displayed):
     ----------
     index : int
         Its number, from zero.
-    pixels : ndarray or None, (rows, columns)
+    pixels : ndarray or None, shape (rows, columns)
         Grey levels; None where it could not be read.
     reason : str or None
         Why it could not be read.
+
+    Examples
+    --------
+    >>> Frame(index=0, pixels=np.zeros((2, 3), np.uint8)).digest[:8]
+    'e78a34c8'
     """
 
     index: int
@@ -56,21 +61,30 @@ class Frame(Displayed):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Frames:
-    """A sequence of frames that can be gone through again and again; one at a time is held.
+    """A sequence of frames, iterable again and again; one frame at a time is in memory.
 
     Attributes
     ----------
     path : Path
         The folder or file.
     kind : {"folder", "tiff", "video"}
-        What it is.
+        Its kind.
     count : int
-        Number of frames. For a video it is what the header says.
+        Number of frames. For a video it is what the header states.
     frames_per_second : float or None
-        Rate at which a video plays, None for pictures. A high-speed camera's film plays slower than it was
-        taken.
+        Rate at which a video plays, None for pictures. A high-speed recording plays slower than it was taken.
     memory_limit : int
         The most bytes that one frame may take, as for `read_image`.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import tifffile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     tifffile.imwrite(f"{folder}/press.tif", np.zeros((3, 40, 30), np.uint8), photometric="minisblack")
+    ...     frames = open_frames(f"{folder}/press.tif")
+    ...     frames.kind, frames.count, frames.at(1).pixels.shape
+    ('tiff', 3, (40, 30))
     """
 
     path: Path
@@ -87,9 +101,19 @@ class Frames:
         return self.between(0, self.count)
 
     def between(self, start: int, stop: int) -> Iterator[Frame]:
-        """Go through the frames from `start` up to `stop`, as all of them would come.
+        """Iterate over frames.
 
-        A folder or a TIFF is entered where `start` lies; a video must be decoded up to there.
+        A folder or a TIFF is entered at `start`; a video must be decoded up to there.
+
+        Parameters
+        ----------
+        start, stop : int
+            First frame, and the frame after the last.
+
+        Yields
+        ------
+        Frame
+            In order.
         """
         shape = None if start == 0 else self._first_shape()
         for frame in self._decode(start, min(stop, self.count)):
@@ -102,7 +126,17 @@ class Frames:
                 yield frame
 
     def at(self, index: int) -> Frame:
-        """Decode one frame alone.
+        """Decode one frame.
+
+        Parameters
+        ----------
+        index : int
+            Its number, from zero.
+
+        Returns
+        -------
+        Frame
+            The frame.
 
         Raises
         ------
@@ -136,6 +170,11 @@ def open_frames(path: str | PathLike[str], *, memory_limit: int = MEMORY_LIMIT) 
         The folder or file.
     memory_limit : int
         The most bytes that one frame may take, checked before it is decoded, as for `read_image`.
+
+    Returns
+    -------
+    Frames
+        To be iterated over; nothing is decoded yet.
 
     Raises
     ------
@@ -222,7 +261,7 @@ def _open_tiff(path: Path) -> tifffile.TiffFile:
 
 
 def _tiff_frames(path: Path, start: int, stop: int, memory_limit: int) -> Iterator[Frame]:
-    # Reading one IFD at a time: a list of all pages would grow with the film.
+    # Reading one IFD at a time: a list of all pages would grow with the sequence.
     with _open_tiff(path) as tiff:
         count, broken = _count_readable_pages(tiff)
         for index in range(start, min(stop, count)):

@@ -47,13 +47,13 @@ def measure_sequence(
 ) -> Iterator[FrameResult]:
     """Measure the contact in each frame of a sequence, one frame in memory at a time.
 
-    The sequence is gone through twice: to estimate settings for all frames, and to measure. A frame that
-    cannot be read or shows no contact has a reason instead of measures, and the rest go on. Results before
-    the first contact are held back until three frames in a row show one, for their phase and, where the
-    clock starts at first contact, for their time.
+    The sequence is read twice: to estimate settings for all frames, and to measure. A frame that cannot be
+    read or shows no contact has a reason instead of measures. Results before the first contact are held back
+    until three frames in a row show one, for their phase and, where the clock starts at first contact, for
+    their time.
 
     Phases come from the force, or where there is none from the texture of the frames, which grows with the
-    area in contact. Between the force's and the pictures' first contact a frame counts as loaded.
+    area in contact. A frame between first contact of the force and of the pictures counts as loading.
 
     Parameters
     ----------
@@ -84,6 +84,19 @@ def measure_sequence(
         If no frame can be read, or none shows a contact.
     LoadingError
         If a force is given without a clock.
+
+    Examples
+    --------
+    >>> from fingerpad.image import Frame, FrameRate
+    >>> from fingerpad.simulate import render_sequence
+    >>> press = render_sequence([0.0, 0.05, 0.1, 0.15], seed=2)
+    >>> frames = [Frame(index=k, pixels=press.pixels(k)) for k in range(4)]
+    >>> for result in measure_sequence(frames, 25.4 / press.ppi, clock=FrameRate(10)):
+    ...     print(result.time, result.is_first_contact, None if result.measures is None else "measured")
+    0.0 False None
+    0.1 True measured
+    0.2 False measured
+    0.3 False measured
     """
     if force is not None and clock is None:
         raise LoadingError("a force signal needs the times of the frames: give frames per second, or stamps")
@@ -111,11 +124,27 @@ def measure_frames(
     scale : Scale
         Millimetres per pixel.
     settings : SequenceSettings
-        What `estimate_settings` found in the whole sequence.
+        From `estimate_settings` of the whole sequence.
     watch : callable, optional
         Called with (index, pixels, contact_image) after each measurement.
     **place
         Background, seed, mask and region of interest, as for `measure_contact_image`.
+
+    Yields
+    ------
+    FrameResult
+        One for each frame.
+
+    Examples
+    --------
+    >>> from fingerpad.image import Frame, Scale, estimate_settings
+    >>> from fingerpad.simulate import render_sequence
+    >>> press = render_sequence([0.0, 0.1], seed=2)
+    >>> frames = [Frame(index=k, pixels=press.pixels(k)) for k in range(2)]
+    >>> scale = Scale.of_ppi(press.ppi)
+    >>> settings = estimate_settings(frames, scale)
+    >>> [result.measures is None for result in measure_frames(frames, scale, settings)]
+    [True, False]
     """
     for frame in frames:
         if frame.pixels is None:
@@ -129,7 +158,7 @@ def measure_frames(
             contact_image = measure_contact_image(frame.pixels, scale, **settings.settings, **place)
         except MemoryError:  # the limit of the process, not a fault of this frame
             raise
-        except Exception as error:  # whatever goes wrong costs this frame only
+        except Exception as error:  # any error fails this frame only
             yield FrameResult(index=frame.index, reason=reason_of(error, "the frame cannot be measured"))
             continue
         if watch is not None:
@@ -177,16 +206,32 @@ def assign_times(
     clock: FrameClock | None = None,
     force: ForceSignal | None = None,
 ) -> Iterator[FrameResult]:
-    """Give each result its time, load and phase, once the first contact is known.
+    """Yield results with time, load and phase, once the first contact is known.
 
     Parameters
     ----------
     results : iterable of FrameResult
         All of a sequence, in its order.
-    texture : ndarray
-        That of the survey, which tells the phases where there is no force.
-    clock, force
-        As for `measure_sequence`.
+    texture : ndarray, shape (count,)
+        `SequenceSettings.texture`, which gives the phases where there is no force.
+    clock : FrameRate or FrameStamps, optional
+        Times of the frames on the clock of the force signal.
+    force : ForceSignal, optional
+        Normal force.
+
+    Yields
+    ------
+    FrameResult
+        In the same order.
+
+    Examples
+    --------
+    >>> from fingerpad.image import FrameRate
+    >>> shown = {"gross_area_mm2": 20.0}
+    >>> results = [FrameResult(index=k, measures=shown if k > 1 else None) for k in range(5)]
+    >>> timed = assign_times(results, np.array([0.0, 0.0, 1.0, 2.0, 3.0]), clock=FrameRate(10))
+    >>> [(one.time, one.phase, one.is_first_contact) for one in timed][1:3]
+    [(0.1, 'before', False), (0.2, 'loading', True)]
     """
     record = _PhaseRecord.of(texture, force)
     waiting: list[FrameResult] = []

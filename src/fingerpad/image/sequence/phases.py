@@ -35,7 +35,8 @@ def phases_of(time: ArrayLike, values: ArrayLike) -> npt.NDArray[np.int8]:
 
     Returns
     -------
-    ndarray of int8, (n,)
+    ndarray of int8, shape (n,)
+        Indices into `PHASES`.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""What one frame of a sequence shows, and what all of them come to."""
+"""Results of one frame of a sequence, and a summary of all."""
 
 import math
 from array import array
@@ -15,7 +15,7 @@ from fingerpad.image.sequence.phases import Phase
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FrameResult:
-    """One frame of a sequence.
+    """Measurement of one frame of a sequence.
 
     Attributes
     ----------
@@ -26,9 +26,9 @@ class FrameResult:
     load : float
         Normal force W, N, NaN where there is none.
     phase : {"before", "loading", "hold", "unloading", "after"} or None
-        What the finger was doing; None outside the force signal.
+        Phase of the press; None outside the force signal.
     measures : mapping or None
-        What `ContactImageResult.as_record` says, names with units; None where nothing was measured.
+        `ContactImageResult.as_record`; None where nothing was measured.
     readable : bool
         Whether the frame could be decoded: a readable frame without measures shows no contact.
     reason : str or None
@@ -37,6 +37,12 @@ class FrameResult:
         Whether this is the first frame of a contact that persists.
     flags : tuple of str
         Doubts: those of the contact image, ``no_force`` outside the force signal, ``no_time`` without a time.
+
+    Examples
+    --------
+    >>> record = FrameResult(index=3, time=0.3, load=0.5, measures={"gross_area_mm2": 42.0}).as_record()
+    >>> record["gross_area_mm2"]
+    42.0
     """
 
     index: int
@@ -50,7 +56,13 @@ class FrameResult:
     flags: tuple[str, ...] = ()
 
     def as_record(self) -> dict[str, Any]:
-        """Return the frame as a row: names with units, and ``error`` where nothing was measured."""
+        """Return the frame as a row of a table.
+
+        Returns
+        -------
+        dict
+            By names with units; ``error`` where nothing was measured.
+        """
         place = {"frame": self.index, "time_s": self.time, "load_N": self.load, "phase": self.phase}
         if self.measures is None:
             return place | {"error": self.reason, "flags": self.flags}
@@ -59,7 +71,7 @@ class FrameResult:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SequenceSummary:
-    """What the frames of a sequence come to.
+    """Counts over the frames of a sequence.
 
     Attributes
     ----------
@@ -74,7 +86,17 @@ class SequenceSummary:
     without_force : int
         Frames with the flag ``no_force``.
     notes : tuple of str
-        What a reader must know, in words.
+        Remarks for the reader.
+
+    Examples
+    --------
+    >>> results = [
+    ...     FrameResult(index=0, reason="no contact"),
+    ...     FrameResult(index=1, measures={"gross_area_mm2": 42.0}, is_first_contact=True),
+    ... ]
+    >>> summary = sequence_summary(results)
+    >>> summary.measured, summary.without_contact, summary.largest
+    (1, 1, 1)
     """
 
     count: int
@@ -91,12 +113,12 @@ class SequenceSummary:
 # With fewer contacts than this nothing is said of how area and force go together.
 _MIN_FRAMES_TO_COMPARE = 8
 _MIN_CORRELATION = 0.5
-# A film in which the load stays below this share of what the force reaches is timed wrongly, or cut.
+# A sequence whose load stays below this share of the largest force is timed wrongly, or cut.
 _MIN_LOAD_SHARE = 0.1
 
 
 def _area_follows_load(loads: Sequence[float], areas: Sequence[float]) -> bool:
-    """Tell whether the area follows the load, whatever its law: by their rank correlation."""
+    """Return whether the area follows the load, by their rank correlation."""
     if not np.ptp(loads) > 0:
         return False
     from scipy import stats  # noqa: PLC0415 (slow to import, seldom needed)
@@ -106,14 +128,24 @@ def _area_follows_load(loads: Sequence[float], areas: Sequence[float]) -> bool:
 
 
 def sequence_summary(results: Iterable[FrameResult], force: ForceSignal | None = None) -> SequenceSummary:
-    """Sum up a sequence in one pass over its results.
+    """Count frames by outcome and phase in one pass over the results.
 
     Parameters
     ----------
     results : iterable of FrameResult
         As `measure_sequence` yields them.
     force : ForceSignal, optional
-        The signal they were measured against, to say where it falls short of them.
+        The signal they were measured against, for notes on frames outside it.
+
+    Returns
+    -------
+    SequenceSummary
+        Counts and notes.
+
+    Examples
+    --------
+    >>> sequence_summary([FrameResult(index=0, readable=False, reason="cut short")]).failed
+    1
     """
     counts: Counter[str] = Counter()
     phases: Counter[str] = Counter()

@@ -30,16 +30,21 @@ _MIN_TEXTURE: Final = 0.01
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class TextureScan(Displayed):
-    """A first look at frames, before any is measured.
+    """Texture of the frames, before any is measured.
 
     Attributes
     ----------
-    index : ndarray of int, (count,)
+    index : ndarray of int, shape (count,)
         Their numbers.
-    texture : ndarray, (count,)
+    texture : ndarray, shape (count,)
         Power of each frame's texture, which grows with the area in contact; NaN where it cannot be read.
     reason : str or None
-        Why the last of those could not be read.
+        Why the last of the unreadable frames could not be read.
+
+    Examples
+    --------
+    >>> TextureScan(index=np.arange(3), texture=np.array([0.1, 4.0, 3.0])).busiest
+    (0, 1, 2)
     """
 
     index: npt.NDArray[np.int64]
@@ -48,7 +53,18 @@ class TextureScan(Displayed):
 
     @classmethod
     def joined(cls, parts: Iterable["TextureScan"]) -> "TextureScan":
-        """Return the survey of a sequence from those of its parts, in their order."""
+        """Return the scan of a sequence from those of its parts.
+
+        Parameters
+        ----------
+        parts : iterable of TextureScan
+            In order.
+
+        Returns
+        -------
+        TextureScan
+            Of all frames.
+        """
         parts = list(parts)
         return cls(
             index=np.concatenate([part.index for part in parts]),
@@ -66,17 +82,26 @@ class TextureScan(Displayed):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class SequenceSettings(Displayed):
-    """How every frame of one sequence is read.
+    """Settings for every frame of one sequence.
 
     Attributes
     ----------
     settings : ContactImageSettings
-        Polarity, contrast and ridge period for `measure_contact_image`, the same for all frames: those of
-        each frame's own would flicker, and differ between a first touch and the largest contact.
+        Polarity, contrast and ridge period for `measure_contact_image`, the same for all frames, so that they
+        do not flicker or differ between a first touch and the largest contact.
     learnt_from : tuple of int
-        Frames of the largest contact from which this was learnt.
-    texture : ndarray, (count,)
-        That of the survey.
+        Frames of the largest contact from which the settings were estimated.
+    texture : ndarray, shape (count,)
+        That of the `TextureScan`.
+
+    Examples
+    --------
+    >>> from fingerpad.simulate import render_sequence
+    >>> press = render_sequence([0.0, 0.1], seed=2)
+    >>> frames = [Frame(index=k, pixels=press.pixels(k)) for k in range(2)]
+    >>> settings = estimate_settings(frames, Scale.of_ppi(press.ppi))
+    >>> bool(settings.texture[0] < settings.min_texture < settings.texture[1])
+    True
     """
 
     settings: ContactImageSettings
@@ -90,7 +115,7 @@ class SequenceSettings(Displayed):
 
 
 def scan_texture(frames: Iterable[Frame], scale: Scale, **place: Unpack[MeasurementRegion]) -> TextureScan:
-    """Look at each frame's texture, to find those of the largest contact.
+    """Measure the texture of each frame, to find those of the largest contact.
 
     Parameters
     ----------
@@ -100,6 +125,20 @@ def scan_texture(frames: Iterable[Frame], scale: Scale, **place: Unpack[Measurem
         Millimetres per pixel.
     **place
         Background, seed, mask and region of interest, as for `measure_contact_image`.
+
+    Returns
+    -------
+    TextureScan
+        Of these frames.
+
+    Examples
+    --------
+    >>> from fingerpad.simulate import render_sequence
+    >>> press = render_sequence([0.0, 0.1], seed=2)
+    >>> frames = [Frame(index=k, pixels=press.pixels(k)) for k in range(2)]
+    >>> texture = scan_texture(frames, Scale.of_ppi(press.ppi)).texture
+    >>> bool(texture[1] > 100 * texture[0])
+    True
     """
     index, texture, reason = [], [], None
     for frame in frames:
@@ -122,31 +161,45 @@ def estimate_settings(
     threshold: float | None = None,
     **place: Unpack[MeasurementRegion],
 ) -> SequenceSettings:
-    """Learn from the frames of largest contact how to read a sequence: one relative level for all its frames.
+    """Estimate one set of settings for a sequence from its frames of largest contact.
 
     Ridges lie above half the local rise from valley to ridge, which a flicker of the light scales without
-    moving its half. The contrast of the largest contact decides in every frame what counts as a rise,
-    so that neither noise nor faint traces pass for a first contact.
+    moving its half. The contrast of the largest contact defines a rise in every frame, so that neither noise
+    nor faint traces count as first contact.
 
     Parameters
     ----------
     frames : iterable of Frame
-        The sequence: it must be possible to go through it twice.
+        The sequence; it is read twice.
     scale : Scale
         Millimetres per pixel.
     scan : TextureScan, optional
         That of the whole sequence; made here when None.
     dark_on_light : bool, optional
-        Whether contact is darker than the ground, where it is known.
+        Whether contact is darker than the background, where it is known.
     threshold : float, optional
-        Grey levels from the ground to a ridge, where it is known.
+        Grey levels from the background to a ridge, where it is known.
     **place
         Background, seed, mask and region of interest, as for `measure_contact_image`.
+
+    Returns
+    -------
+    SequenceSettings
+        For `measure_frames` or `measure_sequence`.
 
     Raises
     ------
     ImageError
-        If not one frame can be read, or none of those with the most texture shows a contact.
+        If no frame can be read, or none of those with the most texture shows a contact.
+
+    Examples
+    --------
+    >>> from fingerpad.simulate import render_sequence
+    >>> press = render_sequence([0.0, 0.1], seed=2)
+    >>> frames = [Frame(index=k, pixels=press.pixels(k)) for k in range(2)]
+    >>> settings = estimate_settings(frames, Scale.of_ppi(press.ppi)).settings
+    >>> settings["dark_on_light"]
+    True
     """
     scan = scan_texture(frames, scale, **place) if scan is None else scan
     if not scan.busiest:

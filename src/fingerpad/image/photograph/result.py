@@ -1,0 +1,182 @@
+"""The result of measuring a photograph of one face."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any, Self
+
+import numpy as np
+import numpy.typing as npt
+
+from fingerpad._arrays import FloatArray
+from fingerpad._display import Displayed
+from fingerpad._records import record_text
+from fingerpad.geometry.faces import FACE_AXES, Face
+from fingerpad.image.photograph.faces import FaceSemiAxes, implausible_size
+from fingerpad.image.scale import Scale
+
+PHOTOGRAPH_FLAGS: Mapping[str, str] = {
+    "short_arc": "the arc is shorter than 90 degrees: its semi-axes are poorly determined",
+    "uncertain": "a semi-axis is known to no better than 2 percent",
+    "many_outliers": "more than 15 percent of the arc's points were left out",
+    "low_contrast": "the finger has little contrast with the backdrop",
+    "soft_edges": "the edge is blurred over more than 1 percent of the smaller semi-axis",
+    "touches_border": "the arc ends where the frame cuts the finger",
+    "poor_ellipse": "the outline departs from the ellipse by more than 1 percent of the smaller semi-axis",
+    "leaning": "the finger leans by more than 10 degrees",
+    "implausible_size": "a semi-axis lies outside 2–40 mm: check the scale",
+    "by_hand": "the ellipse was placed manually, or points were added or left out",
+}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class PhotographFit(Displayed):
+    """The ellipse of a finger pad in a photograph of one face.
+
+    Attributes
+    ----------
+    face : Face
+        The face that looked at the camera.
+    semi_axes : ndarray, shape (2,)
+        Semi-axes across and along, in the order of `FACE_AXES`, mm.
+    edge_covariance : ndarray, shape (2, 2)
+        Their covariance from the outline alone, mm².
+    scale : Scale
+        The scale that was given.
+    centre : (float, float)
+        Centre of the ellipse, (row, column), px.
+    directions : ndarray, shape (2, 2)
+        Unit steps (row, column) along the first and the second semi-axis.
+    lean, lean_std : float
+        Turn of the ellipse from the face's x towards its y, and its standard uncertainty, radians.
+    arc : (float, float)
+        First and last parametric angle of the points used, radians.
+    points, outliers : ndarray, shape (n, 2)
+        Points of the outline used and left out, (row, column), px.
+    correlation_px : float
+        Correlation length of the errors along the outline, px.
+    residual_px_std, blur_px : float
+        Standard deviation of the points from the ellipse, and of the edges' blur, px.
+    flags : frozenset of str
+        Doubts, from `PHOTOGRAPH_FLAGS`.
+
+    Examples
+    --------
+    >>> from fingerpad.image import photograph_from_ellipse
+    >>> fit = photograph_from_ellipse("palmar", Scale(0.05), centre=(300, 200), semi_axes=(236, 276))
+    >>> fit.handles.tolist()
+    [[300.0, 200.0], [300.0, 436.0], [24.0, 200.0]]
+    """
+
+    face: Face
+    semi_axes: FloatArray
+    edge_covariance: FloatArray
+    scale: Scale
+    centre: tuple[float, float]
+    directions: FloatArray
+    lean: float
+    lean_std: float
+    arc: tuple[float, float]
+    points: FloatArray
+    outliers: FloatArray
+    correlation_px: float
+    residual_px_std: float
+    blur_px: float
+    flags: frozenset[str]
+    _picture: npt.NDArray[Any] | None = None
+
+    @property
+    def picture(self) -> npt.NDArray[Any] | None:
+        """The photograph that was measured, None where it is not kept."""
+        return self._picture
+
+    def summary(self) -> str:
+        """Return the measured numbers as text, one line each.
+
+        Returns
+        -------
+        str
+        """
+        stds = self.semi_axes_mm_std
+        axes = {
+            key: number
+            for name, value in self.semi_axes_mm.items()
+            for key, number in ((f"{name}_mm", value), (f"{name}_mm_std", stds[name]))
+        }
+        return record_text(
+            f"Photograph of the {self.face} face", {**axes, "arc_deg": self.arc_deg, "flags": self.flags}
+        )
+
+    @property
+    def covariance(self) -> FloatArray:
+        """Covariance of the semi-axes, the scale's share included, mm²."""
+        return self.edge_covariance + self.scale.relative_std**2 * np.outer(self.semi_axes, self.semi_axes)
+
+    @property
+    def semi_axes_mm(self) -> dict[str, float]:
+        """Semi-axes by anatomical name, mm."""
+        return dict(zip(FACE_AXES[self.face], map(float, self.semi_axes), strict=True))
+
+    @property
+    def semi_axes_mm_std(self) -> dict[str, float]:
+        """Their standard uncertainties, the scale's share included, mm."""
+        stds = np.sqrt(np.diagonal(self.covariance))
+        return dict(zip(FACE_AXES[self.face], map(float, stds), strict=True))
+
+    @property
+    def arc_deg(self) -> float:
+        """Extent of the arc used, parametric degrees."""
+        return math.degrees(self.arc[1] - self.arc[0])
+
+    @property
+    def outlier_fraction(self) -> float:
+        """Share of the arc's points that were left out."""
+        return len(self.outliers) / max(len(self.outliers) + len(self.points), 1)
+
+    @property
+    def face_semi_axes(self) -> FaceSemiAxes:
+        """The semi-axes as `combine_faces` takes them."""
+        return FaceSemiAxes(
+            face=self.face,
+            semi_axes=self.semi_axes,
+            covariance=self.edge_covariance,
+            relative_scale_std=self.scale.relative_std,
+        )
+
+    @property
+    def handles(self) -> FloatArray:
+        """(row, column) of the centre and of the ends of the semi-axes across and along, px, (3, 2)."""
+        centre = np.array(self.centre)
+        ends = self.directions * self.semi_axes[:, None] / self.scale.mm_per_px
+        return np.stack([centre, *(centre + ends)])
+
+    def without_picture(self) -> Self:
+        """Return the same without the picture that was measured, to save memory.
+
+        Returns
+        -------
+        PhotographFit
+        """
+        return replace(self, _picture=None)
+
+    def ellipse_points(self, count: int = 361) -> FloatArray:
+        """Return points of the ellipse.
+
+        Parameters
+        ----------
+        count : int
+            Number of points, the first repeated at the end.
+
+        Returns
+        -------
+        ndarray, shape (count, 2)
+            (row, column), px.
+        """
+        t = np.linspace(0, 2 * math.pi, count)
+        local = np.stack([np.cos(t), np.sin(t)], axis=-1) * self.semi_axes / self.scale.mm_per_px
+        return np.asarray(local @ self.directions + self.centre, dtype=np.float64)
+
+
+def size_flags(semi_axes: FloatArray) -> frozenset[str]:
+    """Return the flag of semi-axes, mm, that no finger pad has, where it holds."""
+    return frozenset({"implausible_size"} if implausible_size(semi_axes).any() else ())
