@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.study.small_study import FRAMES, PICTURES, copy, make, run_here
+from tests.study.small_study import FRAMES, PICTURES, copy, run_here
 from tests.waiting import wait_until
 
 from fingerpad.exceptions import FingerpadError, StoreError
@@ -36,19 +36,14 @@ def small_pieces(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture(scope="module")
-def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return make(tmp_path_factory.mktemp("made") / "study")
-
-
-@pytest.fixture(scope="module")
-def undisturbed(made: Path, tmp_path_factory: pytest.TempPathFactory) -> list[dict]:
+def undisturbed(small_study: Path, tmp_path_factory: pytest.TempPathFactory) -> list[dict]:
     """Rows of a run that measures the film in one piece."""
-    return list(run_study(made, tmp_path_factory.mktemp("undisturbed")).rows)
+    return list(run_study(small_study, tmp_path_factory.mktemp("undisturbed")).rows)
 
 
 @pytest.fixture
-def manifest(made: Path, tmp_path: Path) -> Path:
-    return copy(made, tmp_path / "study")
+def manifest(small_study: Path, tmp_path: Path) -> Path:
+    return copy(small_study, tmp_path / "study")
 
 
 def rows(manifest: Path, out: Path, **options: object) -> list[dict]:
@@ -64,18 +59,19 @@ def test_a_film_in_pieces_gives_the_rows_of_the_whole(
     assert len(pieces) == -(-FRAMES // 5)
 
 
-def test_two_processes_and_a_tiff_give_the_rows_of_one(undisturbed: list[dict], tmp_path: Path) -> None:
-    manifest = make(tmp_path / "study", film="film.tif")
-    found = rows(manifest, tmp_path / "out", workers=2)
+def test_two_processes_and_a_tiff_give_the_rows_of_one(
+    small_study_of_tiff: Path, undisturbed: list[dict], tmp_path: Path
+) -> None:
+    found = rows(small_study_of_tiff, tmp_path / "out", workers=2)
     assert [row | {"file": None} for row in found] == [row | {"file": None} for row in undisturbed]
 
 
-def test_killed_at_twenty_moments(made: Path, undisturbed: list[dict], tmp_path: Path) -> None:
+def test_killed_at_any_moment(small_study: Path, undisturbed: list[dict], tmp_path: Path) -> None:
     context, out, kills = get_context("forkserver"), tmp_path / "out", 0
     context.set_forkserver_preload(["tests.study.small_study"])
-    moments = np.random.default_rng(20).uniform(0.0, 3.0, 20)
+    moments = np.random.default_rng(20).uniform(0.0, 3.0, 8)
     while kills < moments.size:
-        process = context.Process(target=run_here, args=(made, out, 1 + kills % 2))
+        process = context.Process(target=run_here, args=(small_study, out, 1 + kills % 2))
         process.start()
         process.join(moments[kills])
         if process.is_alive():
@@ -83,11 +79,11 @@ def test_killed_at_twenty_moments(made: Path, undisturbed: list[dict], tmp_path:
             kills += 1
         process.join()
         if process.exitcode == 0:
-            assert rows(made, out) == undisturbed
+            assert rows(small_study, out) == undisturbed
             shutil.rmtree(out)
         else:
             assert process.exitcode == -signal.SIGKILL
-    assert rows(made, out) == undisturbed
+    assert rows(small_study, out) == undisturbed
     assert not list(out.rglob("*.part"))
 
 

@@ -22,9 +22,10 @@ EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "dzidek2017"
 
 
 @pytest.fixture(scope="module")
-def demo(tmp_path_factory: pytest.TempPathFactory) -> tuple[StudyResult, Path]:
-    out = tmp_path_factory.mktemp("demo")
-    result = run_study(EXAMPLE / "study.toml", out)
+def demo(run_demo: Path, tmp_path_factory: pytest.TempPathFactory) -> tuple[StudyResult, Path]:
+    out = tmp_path_factory.mktemp("demo") / "results"
+    shutil.copytree(run_demo / "results", out)
+    result = run_study(EXAMPLE / "study.toml", out)  # from what is stored
     return result, out
 
 

@@ -247,9 +247,14 @@ def drawing(client):
     return run["phase"] == "report" and run["current"]
 
 
-def test_a_run_can_be_stopped_while_its_report_is_drawn(studies_folder):
-    workspace = Workspace(studies_folder)
-    workspace.open_folder(studies_folder / "demo")
+def test_a_run_can_be_stopped_while_its_report_is_drawn(run_once, tmp_path):
+    demo = shutil.copytree(run_once, tmp_path / "demo")
+    store = (demo / "results" / "store.sqlite").read_bytes()
+    shutil.rmtree(demo / "results")
+    (demo / "results").mkdir()
+    (demo / "results" / "store.sqlite").write_bytes(store)
+    workspace = Workspace(tmp_path)
+    workspace.open_folder(demo)
     with serving(workspace) as client:
         client.post("/api/run", json={"workers": 2})
         assert wait_until(lambda: drawing(client), 120)
