@@ -106,7 +106,9 @@ def test_record_upside_down_is_told_from_one_that_is_not(points: int, approach: 
 @pytest.mark.parametrize("exponent", [0.7, 1.0])
 def test_pad_that_yields_is_not_upside_down(exponent: float) -> None:
     depth = np.maximum(CURVE.indentation - 1, 0)
-    assert fit_loading_curve(replace(CURVE, load=depth**exponent + CURVE.load * 1e-3)).flags is not None
+    found = fit_loading_curve(replace(CURVE, load=depth**exponent + CURVE.load * 1e-3))
+    assert abs(found.contact_offset.value - 1) < 0.03
+    assert found.load_exponent.lower < exponent < found.load_exponent.upper
 
 
 @pytest.mark.parametrize("name", ["load", "indentation", "area", "time"])

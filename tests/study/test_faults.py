@@ -24,6 +24,7 @@ from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.engine.worker import POOL
 from fingerpad.study.measuring import sequences
 from fingerpad.study.pipeline import run_study
+from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.status import study_status
 
 pytestmark = pytest.mark.usefixtures("small_pieces")
@@ -36,9 +37,14 @@ def small_pieces(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture(scope="module")
-def undisturbed(small_study: Path, tmp_path_factory: pytest.TempPathFactory) -> list[dict]:
-    """Rows of a run that measures the film in one piece."""
-    return list(run_study(small_study, tmp_path_factory.mktemp("undisturbed")).rows)
+def whole(small_study: Path, tmp_path_factory: pytest.TempPathFactory) -> StudyResult:
+    """Results of a run that measures the film in one piece."""
+    return run_study(small_study, tmp_path_factory.mktemp("undisturbed"))
+
+
+@pytest.fixture(scope="module")
+def undisturbed(whole: StudyResult) -> list[dict]:
+    return list(whole.rows)
 
 
 @pytest.fixture
@@ -60,10 +66,13 @@ def test_a_film_in_pieces_gives_the_rows_of_the_whole(
 
 
 def test_two_processes_and_a_tiff_give_the_rows_of_one(
-    small_study_of_tiff: Path, undisturbed: list[dict], tmp_path: Path
+    small_study_of_tiff: Path, whole: StudyResult, tmp_path: Path
 ) -> None:
-    found = rows(small_study_of_tiff, tmp_path / "out", workers=2)
-    assert [row | {"file": None} for row in found] == [row | {"file": None} for row in undisturbed]
+    found = run_study(small_study_of_tiff, tmp_path / "out", workers=2)
+    assert [row | {"file": None} for row in found.rows] == [row | {"file": None} for row in whole.rows]
+    assert [film.overlays for film in found.sequences] == [film.overlays for film in whole.sequences]
+    for name, finger in whole.fingers.items():
+        assert np.array_equal(found.fingers[name].semi_axes, finger.semi_axes, equal_nan=True)
 
 
 def test_killed_at_any_moment(small_study: Path, undisturbed: list[dict], tmp_path: Path) -> None:

@@ -124,13 +124,6 @@ def test_tables_agree_with_each_other(demo: tuple[StudyResult, Path]) -> None:
         assert row["overlay"] is None or (out / row["overlay"]).is_file()
 
 
-def test_two_workers_find_what_one_finds(demo: tuple[StudyResult, Path], tmp_path: Path) -> None:
-    result, _ = demo
-    again = run_study(EXAMPLE / "study.toml", tmp_path, workers=2)
-    assert again.rows == result.rows
-    assert [film.overlays for film in again.sequences] == [film.overlays for film in result.sequences]
-
-
 @pytest.fixture
 def copy(tmp_path: Path) -> Path:
     return Path(shutil.copytree(EXAMPLE, tmp_path / "study"))
