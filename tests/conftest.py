@@ -1,11 +1,39 @@
-"""Settings of all tests."""
+"""Settings of all tests, and what many of them read: made once for all processes that test."""
 
 import os
+import shutil
+from pathlib import Path
 
+import pytest
+from filelock import FileLock
 from hypothesis import settings
+
+from fingerpad.report import write_report
+from fingerpad.study.pipeline import run_study
+
+DEMO = Path(__file__).parents[1] / "examples" / "dzidek2017"
 
 # The same examples in every run, and no deadline, since a busy machine is no fault.
 # HYPOTHESIS_PROFILE=nightly draws new examples each time, and more of them.
 settings.register_profile("default", derandomize=True, deadline=None)
 settings.register_profile("nightly", derandomize=False, deadline=None, max_examples=1000)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "default"))
+
+
+@pytest.fixture(scope="session")
+def session_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a folder that all processes of these tests share, and no others."""
+    folder = tmp_path_factory.getbasetemp()
+    return folder.parent if "PYTEST_XDIST_WORKER" in os.environ else folder
+
+
+@pytest.fixture(scope="session")
+def run_demo(session_folder: Path) -> Path:
+    """Return the demo study with the results of a run, which no test may change."""
+    folder = session_folder / "run-demo"
+    with FileLock(f"{folder}.lock"):
+        if not (folder / "results" / "report.html").exists():
+            shutil.rmtree(folder, ignore_errors=True)
+            shutil.copytree(DEMO, folder)
+            run_study(folder / "study.toml", folder / "results", write_report=write_report)
+    return folder

@@ -123,7 +123,10 @@ def test_measured_points_not_labelled_synthetic(axes, plot) -> None:
 def test_missing_values(plot, values, tmp_path) -> None:
     figure, (axes,) = new_figure()
     plot(axes, values, values)
+    drawn = [y for line in axes.lines if line.get_label() == "_nolegend_" for y in line.get_ydata()]
+    assert [y for y in drawn if np.isfinite(y)] == [value for value in values if np.isfinite(value)]
     save_figure(figure, tmp_path / "few", dpi=50)
+    assert {path.name for path in tmp_path.iterdir()} == {"few.svg", "few.png"}
 
 
 @pytest.mark.parametrize("plot", PLACED)

@@ -508,10 +508,10 @@ def test_results_beside_manifest(tmp_path: Path) -> None:
         assert run("verify", study)[0] == 0
 
 
-def test_run_reports_failures_and_continues(tmp_path: Path) -> None:
-    study = Path(shutil.copytree(EXAMPLE, tmp_path / "study"))
+def test_run_reports_failures_and_continues(run_demo: Path, tmp_path: Path) -> None:
+    study = Path(shutil.copytree(run_demo, tmp_path / "study"))
     (study / "synthetic" / "synthetic_30deg_1N.png").write_bytes(b"\x89PNG")
-    out = tmp_path / "out"
+    out = study / "results"  # what is stored there is not measured again
     code, stdout, err = run("run", study / "study.toml", "--out", out, "--workers", 2)
     assert code == 3
     assert "failed: synthetic_30deg_1N: synthetic/synthetic_30deg_1N.png" in err

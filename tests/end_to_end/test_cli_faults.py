@@ -176,7 +176,7 @@ def test_interrupt_without_traceback(prints: list[Path], tmp_path: Path) -> None
     rng = np.random.default_rng(2)
     commands = [("measure", "print", *map(str, prints * 20), "--ppi", "500"), HERTZ]
     codes = []
-    for number in range(24):
+    for number in range(12):
         process = subprocess.Popen(
             [*INTERRUPTIBLE, *commands[number % 4 == 3]],
             stdout=subprocess.PIPE,
@@ -191,7 +191,7 @@ def test_interrupt_without_traceback(prints: list[Path], tmp_path: Path) -> None
         assert err in {"", "fingerpad: interrupted\n"}
         codes.append(process.returncode)
     assert set(codes) <= {0, 130, -signal.SIGINT}
-    assert codes.count(130) > 5
+    assert codes.count(130) > 2
 
 
 @pytest.mark.parametrize(

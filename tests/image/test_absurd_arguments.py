@@ -1,5 +1,7 @@
 """Pictures and arguments that nothing can be measured on: an error that names them, no traceback."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -16,7 +18,6 @@ from fingerpad.simulate import render_contact_image, render_finger
 
 SCALE = Scale.of_ppi(500)
 PRINT = render_contact_image(semi_major=4.0, semi_minor=3.0, seed=3).pixels
-FINGER = render_finger("palmar", semi_axes=(8.0, 9.0), mm_per_px=0.05, seed=1)
 RNG = np.random.default_rng(0)
 PICTURES = {
     "3 × 3": RNG.integers(0, 255, (3, 3)).astype(np.uint8),
@@ -47,6 +48,11 @@ REGIONS = [
     5,
     (10**400, 0, 5, 5),
 ]
+
+
+@cache
+def finger():
+    return render_finger("palmar", semi_axes=(8.0, 9.0), mm_per_px=0.05, seed=1).pixels
 
 
 @pytest.mark.parametrize("name", PICTURES)
@@ -80,7 +86,7 @@ def test_invalid_regions(region):
         with pytest.raises(ImageError, match="region_of_interest"):
             measure()
     with pytest.raises(FingerpadError, match="region_of_interest"):
-        measure_photograph(FINGER.pixels, "palmar", SCALE, region_of_interest=region)
+        measure_photograph(finger(), "palmar", SCALE, region_of_interest=region)
 
 
 @pytest.mark.parametrize(
@@ -118,14 +124,14 @@ def test_ridge_period_larger_than_picture(ridge_period):
 )
 def test_invalid_marks(points):
     with pytest.raises(ImageError, match="points"):
-        measure_photograph(FINGER.pixels, "palmar", SCALE, points=points)
+        measure_photograph(finger(), "palmar", SCALE, points=points)
 
 
 @pytest.mark.parametrize("argument", ["face", "tip"])
 @pytest.mark.parametrize("value", ["x", None, 5, []])
 def test_invalid_directions(argument, value):
     with pytest.raises(ImageError, match=argument):
-        measure_photograph(FINGER.pixels, scale=SCALE, **{"face": "palmar", argument: value})
+        measure_photograph(finger(), scale=SCALE, **{"face": "palmar", argument: value})
 
 
 def test_overlay_of_very_large_picture_is_reduced():

@@ -11,6 +11,7 @@ from skimage.measure import label, regionprops
 
 from fingerpad.exceptions import ImageError
 from fingerpad.image import FLAGS, Scale, measure_contact_image
+from fingerpad.image.contact_image._cropping import crop_image
 from fingerpad.simulate import render_contact_image
 
 DATA = Path(__file__).resolve().parents[3] / "shared" / "data"
@@ -315,6 +316,51 @@ def test_neighbouring_finger():
     other = measure_contact_image(pixels, PPI_500, seed=place)
     assert other.gross_area == pytest.approx(small.gross_area, rel=0.03)
     assert math.dist(other.centroid, place) < 3
+
+
+@pytest.mark.parametrize("transposed", [False, True])
+def test_a_seed_is_a_place_of_the_whole_picture_also_within_a_region(transposed):
+    pads = [render_contact_image(semi_major=a, semi_minor=a, seed=7, margin=1, ppi=250) for a in (6, 5, 4)]
+    pixels, ends = beside(*(pad.pixels for pad in pads)), np.cumsum([pad.pixels.shape[1] for pad in pads])
+    places = [
+        (pad.centroid[0], pad.centroid[1] + start) for pad, start in zip(pads, (0, *ends), strict=False)
+    ]
+
+    def measured(place, first, last):
+        region = (0, ends[first] if first >= 0 else 0, pixels.shape[0], ends[last])
+        if not transposed:
+            return measure_contact_image(pixels, Scale.of_ppi(250), seed=place, region_of_interest=region)
+        turned = (region[1], region[0], region[3], region[2])
+        return measure_contact_image(pixels.T, Scale.of_ppi(250), seed=place[::-1], region_of_interest=turned)
+
+    for number in (1, 2):
+        found = measured(places[number], 0, 2)
+        assert found.gross_area == pytest.approx(pads[number].gross_area, rel=0.04)
+    with pytest.raises(ImageError, match="no contact found at seed"):
+        measured(places[0], 0, 2)
+    with pytest.raises(ImageError, match="no contact found at seed"):
+        measured(places[2], -1, 1)
+
+
+@pytest.mark.parametrize(
+    ("column", "region", "expected"),
+    [
+        (50, None, (35, 51)),
+        (0, None, (0, 16)),
+        (99, None, (84, 100)),
+        (22, (0, 20, 80, 60), (20, 36)),
+        (59, (0, 20, 80, 60), (44, 60)),
+    ],
+)
+def test_a_narrow_mask_keeps_the_least_side(column, region, expected):
+    pixels = np.add.outer(np.arange(80.0), np.arange(100.0))
+    mask = np.zeros(pixels.shape, bool)
+    mask[10:70, column] = True
+    part = crop_image(pixels, background=None, mask=mask, region_of_interest=region)
+    first, last = expected
+    assert part.corner == (10, first)
+    np.testing.assert_array_equal(part.pixels, pixels[10:70, first:last])
+    np.testing.assert_array_equal(part.inside, mask[10:70, first:last])
 
 
 def test_cut_at_joint_crease():

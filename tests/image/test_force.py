@@ -99,8 +99,17 @@ def test_frames_anchored_by_trigger_and_contact():
 
 def test_spike_is_no_contact():
     load = np.zeros(50)
-    load[5], load[20:] = 1.0, 1.0
+    load[5], load[10:12], load[20:23] = 1.0, 1.0, 1.0  # three samples are the fewest that count
     assert ForceSignal(np.arange(50.0), load).contact_time(0.5) == pytest.approx(19.5)
+    load[21] = 0.0
+    with pytest.raises(LoadingError, match="never rises"):
+        ForceSignal(np.arange(50.0), load).contact_time(0.5)
+
+
+def test_two_samples_are_the_fewest_of_a_signal():
+    assert ForceSignal([0, 1], [0, 2]).load_at(0.5) == 1
+    with pytest.raises(LoadingError, match="must be a row of 2 samples"):
+        ForceSignal([0], [0])
 
 
 @pytest.mark.parametrize(

@@ -76,6 +76,15 @@ def test_unseen_axis(given, words):
         semi_axes_from_outlines({face: outlines[face] for face in given})
 
 
+def test_an_outline_without_a_residual_is_refused():
+    angles = np.array([0.1, 1.0, 2.0, 3.0])
+    four = np.stack([RADIAL_ULNAR * np.cos(angles), PALMAR * np.sin(angles)], axis=-1)
+    with pytest.raises(FitError, match="distal face: four points leave no residual"):
+        semi_axes_from_outlines(faces(0) | {"distal": four})
+    five = np.append(four, [[0, 1.01 * PALMAR]], axis=0)
+    assert np.isfinite(semi_axes_from_outlines(faces(0) | {"distal": five}).covariance).all()
+
+
 def test_invalid_outline():
     with pytest.raises(FitError, match="distal face"):
         semi_axes_from_outlines(faces(0) | {"distal": np.zeros((3, 2))})

@@ -42,6 +42,13 @@ def test_convex_ramp():
     assert phases[int(3.0 / 0.002)] == "hold"
 
 
+def test_a_concave_release_is_unloading_to_its_end():
+    depth = np.interp(TIME, [0.5, 1.5, 2.5, 4.5], [0, 2, 2, 0])
+    phases = found(depth**1.5)
+    assert phases[int(2.0 / 0.002)] == "hold"
+    assert set(phases[int(2.7 / 0.002) : int(4.2 / 0.002)]) == {"unloading"}
+
+
 def test_two_presses():
     load = np.interp(TIME, [0, 0.5, 1, 1.5, 2, 3, 3.5, 4, 4.5, 5], [0, 0, 2, 2, 0.4, 0.4, 2, 2, 0, 0])
     phases = found(load)

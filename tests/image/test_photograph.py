@@ -1,6 +1,7 @@
 """Photographs of fingers: semi-axes against rendered truth, directions, marks, a mesh, and bad input."""
 
 import math
+from functools import cache
 
 import numpy as np
 import pytest
@@ -32,13 +33,19 @@ def measured(truth, **changes):
     return measure_photograph(truth.pixels, truth.face, Scale(truth.mm_per_px), **given)
 
 
-TRUTH = {face: rendered(face) for face in SEMI_AXES}
-FOUND = {face: measured(truth) for face, truth in TRUTH.items()}
+@cache
+def truth_of(face):
+    return rendered(face)
+
+
+@cache
+def found_of(face):
+    return measured(truth_of(face))
 
 
 @pytest.mark.parametrize("face", SEMI_AXES)
 def test_semi_axes_and_centre(face):
-    truth, found = TRUTH[face], FOUND[face]
+    truth, found = truth_of(face), found_of(face)
     assert tuple(found.semi_axes_mm) == FACE_AXES[face]
     np.testing.assert_allclose(list(found.semi_axes_mm.values()), truth.semi_axes, rtol=0.012)
     np.testing.assert_allclose(found.centre, truth.centre, atol=6)
@@ -81,7 +88,7 @@ def test_palmar_side_of_side_face(tip, palmar):
 
 
 def test_depth_and_type_invariance():
-    truth = TRUTH["palmar"]
+    truth = truth_of("palmar")
     scale = Scale(0.06)
     for pixels in (
         truth.pixels.astype(np.uint16) * 257,
@@ -89,19 +96,19 @@ def test_depth_and_type_invariance():
         np.dstack([truth.pixels] * 2)[..., :4],
     ):
         found = measure_photograph(pixels, "palmar", scale)
-        np.testing.assert_allclose(found.semi_axes, FOUND["palmar"].semi_axes, rtol=1e-3)
+        np.testing.assert_allclose(found.semi_axes, found_of("palmar").semi_axes, rtol=1e-3)
 
 
 def test_scale_and_its_uncertainty():
-    truth = TRUTH["palmar"]
+    truth = truth_of("palmar")
     wide = measure_photograph(truth.pixels, "palmar", Scale(0.12, 0.012))
-    np.testing.assert_allclose(wide.semi_axes, 2 * FOUND["palmar"].semi_axes)
-    np.testing.assert_allclose(wide.edge_covariance, 4 * FOUND["palmar"].edge_covariance)
+    np.testing.assert_allclose(wide.semi_axes, 2 * found_of("palmar").semi_axes)
+    np.testing.assert_allclose(wide.edge_covariance, 4 * found_of("palmar").edge_covariance)
     assert wide.semi_axes_mm_std["distal"] == pytest.approx(0.1 * wide.semi_axes_mm["distal"], rel=0.01)
 
 
 def test_uncertainty_grows_with_shorter_arc():
-    truth = TRUTH["palmar"]
+    truth = truth_of("palmar")
     stds = []
     for degrees in (150, 110, 80):
         t = np.radians(90 + np.array([-degrees, 0, degrees]) / 2)
@@ -114,13 +121,25 @@ def test_uncertainty_grows_with_shorter_arc():
 
 
 def test_region_of_interest_selects_arc():
-    truth = TRUTH["palmar"]
+    truth = truth_of("palmar")
     row, _ = truth.centre
     found = measured(truth, region_of_interest=(0, 0, row - 40, 1e4))
     assert (found.points[:, 0] < row - 39).all()
     np.testing.assert_allclose(
         found.semi_axes, truth.semi_axes, atol=3 * max(found.semi_axes_mm_std.values())
     )
+
+
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_an_arc_at_the_frame_touches_it(side):
+    truth, columns = truth_of("palmar"), found_of("palmar").points[:, 1]
+    first, last = int(columns.min()), int(columns.max()) + 1
+    for margin, touches in ((0, True), (25, False)):
+        cut = np.s_[:, first - margin :] if side == "left" else np.s_[:, : last + margin]
+        flags = measure_photograph(truth.pixels[cut], "palmar", Scale(0.06)).flags
+        assert ("touches_border" in flags) == touches
+    large = truth.pixels.repeat(3, axis=0).repeat(3, axis=1)  # it is looked for in a reduced copy
+    assert "touches_border" not in measure_photograph(large, "palmar", Scale(0.02)).flags
 
 
 def test_hair_across_edge_left_out():
@@ -136,7 +155,7 @@ def test_hair_across_edge_left_out():
 
 
 def test_three_faces_agree():
-    joint = combine_faces([FOUND[face].face_semi_axes for face in ("palmar", "distal", "radial")])
+    joint = combine_faces([found_of(face).face_semi_axes for face in ("palmar", "distal", "radial")])
     assert joint.p_value > 0.01
     found = (joint.palmar, joint.distal, joint.radial_ulnar)
     np.testing.assert_allclose(found, (7.9, 13.8, 11.8), rtol=0.01)
@@ -145,7 +164,7 @@ def test_three_faces_agree():
 def test_face_of_other_finger_disagrees():
     other = measured(rendered("distal", semi_axes=(12.6, 7.9)))
     joint = combine_faces(
-        [FOUND["palmar"].face_semi_axes, other.face_semi_axes, FOUND["radial"].face_semi_axes]
+        [found_of("palmar").face_semi_axes, other.face_semi_axes, found_of("radial").face_semi_axes]
     )
     assert joint.p_value < 1e-3
     assert joint.disagreements[1]["radial_ulnar"] - joint.disagreements[0]["radial_ulnar"] > 0.04
@@ -254,7 +273,7 @@ def blank(level=128):
     ],
 )
 def test_invalid_input(changes, words):
-    given = {"pixels": TRUTH["palmar"].pixels, "face": "palmar"} | changes
+    given = {"pixels": truth_of("palmar").pixels, "face": "palmar"} | changes
     pixels, face = given.pop("pixels"), given.pop("face")
     with pytest.raises(ImageError, match=words) as caught:
         measure_photograph(pixels, face, Scale(0.06), **given)
@@ -262,13 +281,13 @@ def test_invalid_input(changes, words):
 
 
 def test_marks_too_close_refused():
-    truth = TRUTH["palmar"]
+    truth = truth_of("palmar")
     with pytest.raises((FitError, ImageError), match="points"):
         measured(truth, points=truth.arc_points(200)[:4])
 
 
 def test_pad_cut_by_frame_refused():
-    truth = TRUTH["palmar"]
+    truth = truth_of("palmar")
     cut = truth.pixels[int(truth.arc_points(3)[1][0]) + 60 :]
     with pytest.raises(ImageError, match="up side"):
         measure_photograph(cut, "palmar", Scale(0.06))
@@ -304,7 +323,7 @@ def test_invalid_direct_marks(changes, words):
 
 
 def test_colour_files(tmp_path):
-    pixels = TRUTH["distal"].pixels
+    pixels = truth_of("distal").pixels
     Image.fromarray(pixels).save(tmp_path / "finger.png")
     np.testing.assert_array_equal(read_colour_image(tmp_path / "finger.png"), pixels)
     turned = Image.fromarray(pixels)

@@ -76,3 +76,22 @@ def test_points_without_load_are_left_out() -> None:
 def test_insufficient_curves_refused(curve: LoadingCurve, message: str) -> None:
     with pytest.raises(FitError, match=message):
         fit_contact_compliance(curve)
+
+
+def test_the_line_is_that_of_least_squares() -> None:
+    curve = simulated(np.random.default_rng(3), count=12, noise=0.02)
+    design = np.stack([np.pi * curve.indentation, np.ones(12)], axis=-1)
+    parts, (squares,), *_ = np.linalg.lstsq(design, curve.area)
+    covariance = squares / (12 - 2) * np.linalg.inv(design.T @ design)
+    fit = fit_contact_compliance(curve)
+    assert_allclose([fit.loading_radius, fit.area_at_zero], parts)
+    assert_allclose(fit.loading_radius_std, np.sqrt(covariance[0, 0]))
+    assert_allclose(fit.residual_std, np.sqrt(squares / 10))
+    assert fit.count == 12
+
+
+def test_three_points_are_the_fewest_for_a_line() -> None:
+    values = np.array([1.0, 2.0, 3.0])
+    assert fit_contact_compliance(LoadingCurve(load=values, indentation=values, area=values)).count == 3
+    with pytest.raises(FitError, match="2 points under load"):
+        fit_contact_compliance(LoadingCurve(load=values - 1, indentation=values, area=values))

@@ -18,14 +18,15 @@ NOISE = {"force_std": 0.005, "displacement_std": 0.005, "area_std": 1.0, "force_
 CURVE = simulate_loading_curve(points=300, seed=3, **NOISE)
 
 
-@pytest.mark.parametrize(("points", "beta"), [(20, 0.02), (200, 0.02), (200, 0.0)])
+@pytest.mark.parametrize(("points", "beta"), [(20, 0.02), (200, 0.0)])
 def test_coverage_and_bias(points: int, beta: float) -> None:
-    rows = np.array([coverage_row(points, beta, seed) for seed in range(40)])
+    """On a few curves what `benchmarks.loading` measures on many."""
+    rows = np.array([coverage_row(points, beta, seed) for seed in range(12)])
     for k, name in enumerate(QUANTITIES):
         inside, error, std = rows[:, k].T
-        assert inside.mean() >= 0.82, name  # four standard deviations below 95 %
-        assert abs(error.mean()) < 0.65 * np.median(std), name  # the mean of forty is uncertain to 0.16
-        assert 0.6 < error.std() / np.median(std) < 1.6, name
+        assert inside.mean() >= 0.75, name  # eight or fewer of twelve hold once in five thousand times
+        assert abs(error.mean()) < np.median(std), name  # the mean of twelve is uncertain to 0.29
+        assert 0.36 < error.std() / np.median(std) < 1.64, name  # of twelve uncertain to 0.21
 
 
 def test_noise_free_curve() -> None:

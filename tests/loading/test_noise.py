@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fingerpad.loading.noise import Noise, NoiseUncertainty, estimate_noise
+from fingerpad.loading.noise import Noise, NoiseUncertainty, estimate_noise, noise_uncertainty
 
 RNG = np.random.default_rng(0)
 COUNT = 40
@@ -120,3 +120,43 @@ def test_noise_stds_recovered() -> None:
         found.append((seen.force_std, seen.displacement_std, seen.area_std, seen.drift_std, seen.drift_time))
     expected = (0.004, 0.005, 1.0, 0.004 / np.sqrt(1 - 0.81), -1 / np.log(0.9))
     assert_allclose(np.median(found, axis=0), expected, rtol=0.15)
+
+
+def white_record(seed: int, count: int = 200) -> tuple[Noise, tuple, tuple]:
+    """Return noise to begin with, and residuals and jacobians of a force and a displacement without drift."""
+    rng, slope = np.random.default_rng(seed), np.linspace(0, 3, count)
+    line = np.stack([np.ones(count), np.linspace(0, 1, count)], axis=-1)
+    e = 0.005 * rng.standard_normal(count)
+    force, area = 0.004 * rng.standard_normal(count) + slope * e, rng.standard_normal(count) - G * e
+    start = Noise(
+        force_std=0.01,
+        displacement_std=0.001,
+        area_std=0.5,
+        drift_std=0.004,
+        drift_time=5.0,
+        slope=slope,
+        radius=15.0,
+        steps=np.ones(count - 1),
+        with_area=np.ones(count, dtype=bool),
+    )
+    return start, (force, area), (line, line)
+
+
+@pytest.mark.parametrize("drift", [False, True])
+def test_white_noise_is_given_no_drift(drift: bool) -> None:
+    found = [estimate_noise(*white_record(seed), drift=drift) for seed in range(5)]
+    assert [each.drift_std for each in found] == [0.0] * 5
+    assert_allclose(np.median([each.force_std for each in found]), 0.004, rtol=0.1)
+
+
+def test_drift_is_found_only_where_it_is_looked_for_and_is_then_uncertain_too() -> None:
+    start, (force, area), jacobians = white_record(1)
+    drift = np.repeat(np.random.default_rng(2).normal(0, 0.02, 10), 20)
+    residuals = (force + drift, area)
+    assert estimate_noise(start, residuals, jacobians, drift=False).drift_std == 0
+    found = estimate_noise(start, residuals, jacobians, drift=True)
+    assert 0.01 < found.drift_std < 0.04
+    white = ("force_std", "displacement_std", "area_std")
+    assert noise_uncertainty(found, residuals, jacobians).names == (*white, "drift_std", "drift_time")
+    plain = replace(found, drift_std=0.0)
+    assert noise_uncertainty(plain, residuals, jacobians).names == white

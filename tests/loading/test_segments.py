@@ -7,7 +7,16 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fingerpad.exceptions import FingerpadError, FitError, LoadingError
-from fingerpad.loading import LoadingCurve, baseline_level, find_cycles, fit_loading_curve, hysteresis
+from fingerpad.loading import (
+    Cycle,
+    LoadingCurve,
+    Segment,
+    baseline_level,
+    find_cycles,
+    fit_loading_curve,
+    hysteresis,
+)
+from fingerpad.loading.segments import saturated_rows
 from fingerpad.simulate import simulate_loading_curve
 
 NOISE = {"force_std": 0.005, "displacement_std": 0.005, "area_std": 1.0}
@@ -97,7 +106,9 @@ def test_reversed_record_is_detected(points: int, approach: float) -> None:
 @pytest.mark.parametrize("exponent", [0.7, 1.0])
 def test_yielding_pad_is_not_reversed(exponent: float) -> None:
     depth = np.maximum(CURVE.indentation - 1, 0)
-    assert fit_loading_curve(replace(CURVE, load=depth**exponent + CURVE.load * 1e-3)).flags is not None
+    found = fit_loading_curve(replace(CURVE, load=depth**exponent + CURVE.load * 1e-3))
+    assert abs(found.contact_offset.value - 1) < 0.03
+    assert found.load_exponent.lower < exponent < found.load_exponent.upper
 
 
 @pytest.mark.parametrize("name", ["load", "indentation", "area", "time"])
@@ -138,3 +149,33 @@ def test_no_baseline_is_flagged() -> None:
         load=CURVE.load[start:], indentation=CURVE.indentation[start:], area=CURVE.area[start:]
     )
     assert "no_baseline" in fit_loading_curve(cut).flags
+
+
+def test_the_loop_covers_the_ground_of_the_way_in_and_counts_from_the_baseline() -> None:
+    """A press from 2 to 3 mm with W = x above a baseline of 0.2 N, and W = x/2 on the way out, to 1 mm."""
+    way_in, way_out = np.linspace(2, 3, 11), np.linspace(3, 1, 21)
+    sticking = np.where(way_out >= 2, 0.5 * (way_out - 2), -0.3)
+    curve = LoadingCurve(
+        load=0.2 + np.concatenate([np.zeros(3), way_in - 2, sticking]),
+        indentation=np.concatenate([[1.7, 1.8, 1.9], way_in, way_out]),
+    )
+    cycle = Cycle(
+        baseline=Segment(start=0, stop=3),
+        loading=Segment(start=3, stop=14),
+        hold=None,
+        unloading=Segment(start=14, stop=35),
+    )
+    found = hysteresis(curve, cycle)
+    assert_allclose([found.energy, found.fraction], [0.5 - 0.25, 0.5])
+    bare = hysteresis(replace(curve, load=curve.load - 0.2), replace(cycle, baseline=None))
+    assert_allclose([bare.energy, bare.fraction], [0.25, 0.5])
+
+
+def test_a_sensor_at_its_limit_is_told_from_a_platen_at_rest() -> None:
+    """Four rows of the segment's own maximum, whatever the record reaches elsewhere, in which it moves on."""
+    depth, segment = np.arange(9.0), Segment(start=0, stop=7)
+    load = np.array([0.0, 1.0, 2.0, 3.0, 3.0, 3.0, 3.0, 5.0, 6.0])
+    flat = LoadingCurve(load=load, indentation=depth)
+    assert saturated_rows(flat, segment).tolist() == 3 * [False] + 4 * [True]
+    assert not saturated_rows(replace(flat, load=np.where(depth == 3, 2.9, load)), segment).any()
+    assert not saturated_rows(replace(flat, indentation=np.minimum(depth, 3)), segment).any()

@@ -2,9 +2,10 @@
 
 import os
 import re
+import shutil
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -87,9 +88,28 @@ def pages(out: Path) -> dict[str, bytes]:
     return {path.stem: path.read_bytes() for path in (out / "report").glob("*.html")}
 
 
-def test_one_page_per_finger_and_index(tmp_path: Path) -> None:
-    out = tmp_path / "out"
-    run(tmp_path)
+@pytest.fixture(scope="module")
+def drawn(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a folder with the study and its results."""
+    folder = tmp_path_factory.mktemp("drawn") / "now"
+    folder.mkdir()
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(write, "_MOST_GROUPS", 5)
+        run(folder)
+    shutil.copytree(folder, folder.with_name("kept"))
+    return folder
+
+
+@pytest.fixture
+def finished(drawn: Path) -> Iterator[Path]:
+    """Return the same folder, as elsewhere all would be drawn again; a test may change it."""
+    yield drawn
+    shutil.rmtree(drawn)
+    shutil.copytree(drawn.with_name("kept"), drawn)
+
+
+def test_one_page_per_finger_and_index(drawn: Path) -> None:
+    out = drawn / "out"
     over = (out / "report.html").read_text()
     assert pages(out).keys() == set(FINGERS)
     for name in FINGERS:
@@ -104,18 +124,15 @@ def test_one_page_per_finger_and_index(tmp_path: Path) -> None:
     assert len(re.findall(r"<td class=\"number\">30°</td>", over)) == len(FINGERS)
 
 
-def test_only_changed_pages_redrawn(tmp_path: Path) -> None:
-    out = tmp_path / "out"
-    items: list[str] = []
-    run(tmp_path, items.append)
-    assert finger_pages(items) == ["page of left", "page of right", "page of thumb"]
+def test_only_changed_pages_redrawn(finished: Path) -> None:
+    out = finished / "out"
     before = pages(out)
-    items.clear()
-    run(tmp_path, items.append)
-    assert finger_pages(items) == []
+    told: list[str] = []
+    run(finished, told.append)
+    assert of_fingers(told) == []
     assert pages(out) == before
-    run(tmp_path, items.append, thumb_mm=6.2)
-    assert finger_pages(items) == ["page of thumb"]
+    run(finished, told.append, thumb_mm=6.2)
+    assert of_fingers(told) == ["page of thumb"]
     after = pages(out)
     assert {name for name in after if after[name] != before[name]} == {"thumb"}
 
@@ -133,20 +150,18 @@ def test_second_process_redraws_nothing(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("lost", ["report/left.html", "figures/left_30deg_area.svg"])
-def test_page_with_lost_file_redrawn(tmp_path: Path, lost: str) -> None:
-    out = tmp_path / "out"
-    run(tmp_path)
+def test_page_with_lost_file_redrawn(finished: Path, lost: str) -> None:
+    out = finished / "out"
     (out / lost).unlink()
     items: list[str] = []
-    run(tmp_path, items.append)
+    run(finished, items.append)
     assert finger_pages(items) == ["page of left"]
     assert (out / lost).is_file()
 
 
-def test_pages_of_removed_fingers_deleted(tmp_path: Path) -> None:
-    out = tmp_path / "out"
-    run(tmp_path)
-    run(tmp_path, fingers=("left",))
+def test_pages_of_removed_fingers_deleted(finished: Path) -> None:
+    out = finished / "out"
+    run(finished, fingers=("left",))
     assert not (out / "report").exists()
     assert all(path.name.startswith("left") for path in out.glob("figures/*"))
     assert "left, wedge 30°" in (out / "report.html").read_text()

@@ -1,6 +1,7 @@
 """The report: one file that needs nothing else, and says what it must."""
 
 import re
+import shutil
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -48,10 +49,11 @@ class Page(HTMLParser):
 
 
 @pytest.fixture(scope="module")
-def demo(tmp_path_factory: pytest.TempPathFactory) -> tuple[StudyResult, str, Path]:
-    out = tmp_path_factory.mktemp("report")
-    result = run_study(EXAMPLE / "study.toml", out)
-    return result, write_report(result, out).read_text(encoding="utf-8"), out
+def demo(run_demo: Path, tmp_path_factory: pytest.TempPathFactory) -> tuple[StudyResult, str, Path]:
+    out = run_demo / "results"
+    stored = shutil.copytree(out, tmp_path_factory.mktemp("report") / "results")
+    result = run_study(EXAMPLE / "study.toml", stored)
+    return result, (out / "report.html").read_text(encoding="utf-8"), out
 
 
 def test_self_contained(demo: tuple[StudyResult, str, Path]) -> None:

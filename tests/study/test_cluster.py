@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 from distributed import Client
-from tests.study.small_study import FRAMES, PICTURES, copy, make
+from tests.study.small_study import FRAMES, PICTURES, copy
 from tests.waiting import wait_until
 from typer.testing import CliRunner
 
@@ -37,8 +37,8 @@ def small_pieces(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture(scope="module")
-def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return make(tmp_path_factory.mktemp("made") / "study", film="film.tif")
+def made(small_study_of_tiff: Path) -> Path:
+    return small_study_of_tiff
 
 
 @pytest.fixture(scope="module")

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import pytest
-from tests.study.small_study import copy, make
+from tests.study.small_study import copy
 
 from fingerpad.report import write_report
 from fingerpad.study.corrections.log import CorrectionLog
@@ -17,15 +17,10 @@ from fingerpad.study.status import study_status
 ELLIPSE = {"ellipse_px": {"centre": [60, 60], "semi_axes": [40, 30], "orientation_deg": 10}}
 
 
-@pytest.fixture(scope="module")
-def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return make(tmp_path_factory.mktemp("made") / "study")
-
-
 @pytest.fixture
-def manifest(made: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def manifest(small_study: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setattr(sequences, "_LEAST_PIECE", 5)
-    return copy(made, tmp_path / "study")
+    return copy(small_study, tmp_path / "study")
 
 
 def decide(manifest: Path, item: str, change: dict) -> None:

@@ -171,7 +171,8 @@ def test_what_is_wrong_is_said_and_nothing_is_kept(tmp_path, case):
 def test_a_brush_may_reach_over_the_rim(tmp_path):
     log = CorrectionLog(tmp_path)
     said(log, "print_1", {"strokes": [{**STROKE, "points_px": [[-3, 40]]}]}, shape=(60, 80))
-    assert log.active_correction("print_1") is not None
+    (stroke,) = log.active_correction("print_1").change.strokes
+    assert [list(point) for point in stroke.points_px] == [[-3, 40]]
 
 
 def test_a_nameless_author_is_refused(tmp_path):

@@ -306,6 +306,40 @@ def test_corrected_names_stay(folder):
     changed(folder, ("observation", "print_2", {"name": "other"}))
 
 
+def test_names_of_corrected_films_fingers_and_rows_of_a_spreadsheet_stay(folder):
+    (folder / "film").mkdir()
+    (folder / "film" / "1.png").write_bytes(b"a frame")
+    (folder / "force.csv").write_text("time_s,force_N\n0,0\n1,1\n")
+    (folder / "more.csv").write_text(
+        "name,finger,wedge_angle_deg,load_N,file,ppi\nrow_1,left,30,1,a.png,500\nrow_2,left,30,1,a.png,500\n"
+    )
+    text = MANIFEST.replace('title = "Ours"', 'observations_csv = "more.csv"\ntitle = "Ours"')
+    photographs = 'photographs = [{ face = "palmar", file = "c.png", scale = "reader" }, '
+    photographs += '{ face = "distal", file = "b.png", scale = "reader" }]\n'
+    text += "".join(f'[[fingers]]\nname = "{name}"\n{photographs}' for name in ("right", "rig"))
+    text += "".join(
+        f'[[sequences]]\nname = "{name}"\nfinger = "left"\nwedge_angle_deg = 30\nfile = "film"\n'
+        'force = "force.csv"\nscale = "reader"\n'
+        for name in ("press", "pres")
+    )
+    (folder / STUDY_NAME).write_text(text)
+    log, study = CorrectionLog(folder), study_state(folder).study
+    for item in ("press#3", "right/c.png", "row_1"):
+        log.append(item, {"accepted": True}, who="anna", expected=0, study=study)
+    for kind, corrected, other in (
+        ("sequence", "press", "pres"),
+        ("finger", "right", "rig"),
+        ("observation", "row_1", "row_2"),
+    ):
+        with pytest.raises(ManifestError, match="has corrections"):
+            changed(folder, (kind, corrected, {"name": "new"}))
+        changed(folder, (kind, other, {"name": f"new_{kind}"}))
+    study = read_study(folder / STUDY_NAME)
+    assert [each.name for each in study.sequences] == ["press", "new_sequence"]
+    assert [each.name for each in study.fingers] == ["left", "right", "new_finger"]
+    assert {"row_1", "new_observation"} <= {each.name for each in study.observations}
+
+
 @pytest.fixture
 def with_sheet(folder):
     """A study with a spreadsheet in a folder of its own, and a draft."""

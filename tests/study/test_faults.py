@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.study.small_study import FRAMES, PICTURES, copy, make, run_here
+from tests.study.small_study import FRAMES, PICTURES, copy, run_here
 from tests.waiting import wait_until
 
 from fingerpad.exceptions import FingerpadError, StoreError
@@ -24,6 +24,7 @@ from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.engine.worker import POOL
 from fingerpad.study.measuring import sequences
 from fingerpad.study.pipeline import run_study
+from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.status import study_status
 
 pytestmark = pytest.mark.usefixtures("small_pieces")
@@ -36,19 +37,19 @@ def small_pieces(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture(scope="module")
-def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return make(tmp_path_factory.mktemp("made") / "study")
+def whole(small_study: Path, tmp_path_factory: pytest.TempPathFactory) -> StudyResult:
+    """Results of a run that measures the film in one piece."""
+    return run_study(small_study, tmp_path_factory.mktemp("undisturbed"))
 
 
 @pytest.fixture(scope="module")
-def undisturbed(made: Path, tmp_path_factory: pytest.TempPathFactory) -> list[dict]:
-    """Rows of a run that measures the film in one piece."""
-    return list(run_study(made, tmp_path_factory.mktemp("undisturbed")).rows)
+def undisturbed(whole: StudyResult) -> list[dict]:
+    return list(whole.rows)
 
 
 @pytest.fixture
-def manifest(made: Path, tmp_path: Path) -> Path:
-    return copy(made, tmp_path / "study")
+def manifest(small_study: Path, tmp_path: Path) -> Path:
+    return copy(small_study, tmp_path / "study")
 
 
 def rows(manifest: Path, out: Path, **options: object) -> list[dict]:
@@ -64,18 +65,22 @@ def test_a_film_in_pieces_gives_the_rows_of_the_whole(
     assert len(pieces) == -(-FRAMES // 5)
 
 
-def test_two_processes_and_a_tiff_give_the_rows_of_one(undisturbed: list[dict], tmp_path: Path) -> None:
-    manifest = make(tmp_path / "study", film="film.tif")
-    found = rows(manifest, tmp_path / "out", workers=2)
-    assert [row | {"file": None} for row in found] == [row | {"file": None} for row in undisturbed]
+def test_two_processes_and_a_tiff_give_the_rows_of_one(
+    small_study_of_tiff: Path, whole: StudyResult, tmp_path: Path
+) -> None:
+    found = run_study(small_study_of_tiff, tmp_path / "out", workers=2)
+    assert [row | {"file": None} for row in found.rows] == [row | {"file": None} for row in whole.rows]
+    assert [film.overlays for film in found.sequences] == [film.overlays for film in whole.sequences]
+    for name, finger in whole.fingers.items():
+        assert np.array_equal(found.fingers[name].semi_axes, finger.semi_axes, equal_nan=True)
 
 
-def test_killed_at_twenty_moments(made: Path, undisturbed: list[dict], tmp_path: Path) -> None:
+def test_killed_at_any_moment(small_study: Path, undisturbed: list[dict], tmp_path: Path) -> None:
     context, out, kills = get_context("forkserver"), tmp_path / "out", 0
     context.set_forkserver_preload(["tests.study.small_study"])
-    moments = np.random.default_rng(20).uniform(0.0, 3.0, 20)
+    moments = np.random.default_rng(20).uniform(0.0, 3.0, 8)
     while kills < moments.size:
-        process = context.Process(target=run_here, args=(made, out, 1 + kills % 2))
+        process = context.Process(target=run_here, args=(small_study, out, 1 + kills % 2))
         process.start()
         process.join(moments[kills])
         if process.is_alive():
@@ -83,11 +88,11 @@ def test_killed_at_twenty_moments(made: Path, undisturbed: list[dict], tmp_path:
             kills += 1
         process.join()
         if process.exitcode == 0:
-            assert rows(made, out) == undisturbed
+            assert rows(small_study, out) == undisturbed
             shutil.rmtree(out)
         else:
             assert process.exitcode == -signal.SIGKILL
-    assert rows(made, out) == undisturbed
+    assert rows(small_study, out) == undisturbed
     assert not list(out.rglob("*.part"))
 
 

@@ -90,4 +90,5 @@ def test_links_within_the_study_are_followed(study: Path) -> None:
 
 def test_a_folder_that_nothing_names_may_link_anywhere(study: Path) -> None:
     (study / "notes").symlink_to(study.parent / "outside")
-    assert study_state(study).study is not None
+    assert study_state(study).study == read_study(study / "study.toml")
+    assert (study / "notes").is_dir()

@@ -43,7 +43,9 @@ def write(folder: Path, text: str) -> Path:
 
 def test_template_is_a_valid_study(tmp_path: Path) -> None:
     study = read_study(write_template(tmp_path / "new"))
-    assert study.observations[0].ellipse_mm is not None
+    (observation,) = study.observations
+    assert observation.ellipse_mm.semi_major >= observation.ellipse_mm.semi_minor > 0
+    assert [observation.finger] == [finger.name for finger in study.fingers]
 
 
 def test_template_overwrites_nothing(tmp_path: Path) -> None:

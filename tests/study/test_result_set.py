@@ -10,8 +10,7 @@ from typing import Any
 
 import pytest
 from filelock import FileLock
-from tests.study.small_study import PICTURES
-from tests.study.small_study import make as make_pictures
+from tests.study.small_study import PICTURES, copy
 from typer.testing import CliRunner
 
 from fingerpad.cli import app
@@ -239,8 +238,8 @@ def test_the_lock_holds_until_the_results_are_in_place(study: Path) -> None:
         pass
 
 
-def test_a_changed_picture_of_the_results_is_drawn_again(tmp_path: Path) -> None:
-    manifest = make_pictures(tmp_path / "study")
+def test_a_changed_picture_of_the_results_is_drawn_again(small_study: Path, tmp_path: Path) -> None:
+    manifest = copy(small_study, tmp_path / "study")
     text = manifest.read_text()
     manifest.write_text(text[: text.index("[[sequences]]")])
     out = tmp_path / "out"
@@ -255,9 +254,9 @@ def test_a_changed_picture_of_the_results_is_drawn_again(tmp_path: Path) -> None
     assert not os.path.lexists(out / ".drawn")
 
 
-def test_files_of_the_results_never_share_a_name(tmp_path: Path) -> None:
+def test_files_of_the_results_never_share_a_name(small_study: Path, tmp_path: Path) -> None:
     """Photographs whose names differ in what no file name holds, and names of 60 letters of four bytes."""
-    manifest = make_pictures(tmp_path / "study")
+    manifest = copy(small_study, tmp_path / "study")
     long = "指" * 60
     (tmp_path / "study" / "x").mkdir()
     for name, source in (("x/a.jpg", "palmar.jpg"), ("x_a.jpg", "distal.jpg")):

@@ -41,7 +41,7 @@ finger = "f"
 wedge_angle_deg = 30
 load_N = {load}
 file = "o{number}.png"
-scale = {{ ppi = 500 }}
+scale = {{ ppi = 250 }}
 {more}
 """
 COUNT = 4
@@ -51,7 +51,7 @@ COUNT = 4
 def pictures(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("pictures")
     for number in range(COUNT):
-        truth = render_contact_image(semi_major=4.0 + 0.2 * number, semi_minor=3.2, seed=number)
+        truth = render_contact_image(semi_major=4.0 + 0.2 * number, semi_minor=3.2, ppi=250, seed=number)
         Image.fromarray(truth.pixels).save(folder / f"o{number}.png")
     return folder
 
@@ -150,8 +150,8 @@ def test_pictures_of_removed_observations_do_not_stay(folder: Path) -> None:
     assert {path.name for path in (folder / "out" / "overlays").iterdir()} == {"o0.png", "o1.png", "o2.png"}
 
 
-@pytest.mark.parametrize("seed", range(4))
-def test_a_killed_run_loses_no_row_and_doubles_none(folder: Path, seed: int) -> None:
+@pytest.mark.parametrize("wanted", [1, 3])
+def test_a_killed_run_loses_no_row_and_doubles_none(folder: Path, wanted: int) -> None:
     _, undisturbed = run(folder)
     shutil.rmtree(folder / "out")
     command = [
@@ -164,7 +164,6 @@ def test_a_killed_run_loses_no_row_and_doubles_none(folder: Path, seed: int) -> 
         str(folder / "out"),
     ]
     process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    wanted = np.random.default_rng(seed).integers(1, COUNT + 1)
     assert wait_until(lambda: len(list((folder / "out" / ".drawn").glob("*.png"))) >= wanted)
     process.send_signal(signal.SIGKILL)
     process.wait()

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.study.small_study import make
+from tests.study.small_study import copy
 from typer.testing import CliRunner
 
 from fingerpad.cli import app
@@ -18,9 +18,9 @@ from fingerpad.study.pipeline import run_study
 
 
 @pytest.fixture(scope="module")
-def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def finished(small_study: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("study") / "study"
-    manifest = make(folder)
+    manifest = copy(small_study, folder)
     study = read_study(manifest)
     CorrectionLog(folder).append("o1", {"accepted": True}, who="anna", expected=0, study=study)
     run_study(manifest, folder / "out")

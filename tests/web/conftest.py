@@ -8,6 +8,7 @@ from pathlib import Path
 import httpx
 import pytest
 import uvicorn
+from filelock import FileLock
 
 from fingerpad.report import write_report
 from fingerpad.study.pipeline import run_study
@@ -85,12 +86,16 @@ def standing(tmp_path_factory):
 
 
 @pytest.fixture(scope="session")
-def run_once(tmp_path_factory):
-    """Run the demo study once, for all tests that only read its results."""
-    folder = tmp_path_factory.mktemp("run") / "demo"
-    shutil.copytree(DEMO, folder)
-    shorten(folder)
-    run_study(folder / "study.toml", folder / "results", write_report=write_report)
+def run_once(session_folder):
+    """Run the short demo study once for all processes; tests only read its results."""
+    folder = session_folder / "run-short" / "demo"
+    folder.parent.mkdir(exist_ok=True)
+    with FileLock(f"{folder}.lock"):
+        if not (folder / "results" / "report.html").exists():
+            shutil.rmtree(folder, ignore_errors=True)
+            shutil.copytree(DEMO, folder)
+            shorten(folder)
+            run_study(folder / "study.toml", folder / "results", write_report=write_report)
     return folder
 
 

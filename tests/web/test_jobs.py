@@ -4,17 +4,21 @@ import io
 import json
 import re
 import shutil
+import sqlite3
 import subprocess
 import sys
 import threading
 import zipfile
+from types import SimpleNamespace
 
 import pytest
 from filelock import FileLock
 from tests.waiting import wait_until
 from tests.web.conftest import DEMO, serving, shorten
 
+from fingerpad.study.engine.progress import Progress
 from fingerpad.web import run_job
+from fingerpad.web.events import Events
 from fingerpad.web.workspace import Workspace
 
 # A run says when it was made; all else must be the same.
@@ -178,6 +182,34 @@ def test_results_change_without_new_measurements(client):
     assert (rows["o4"]["status"], rows["o4"]["pooled"], rows["o2"]["load_N"]) == ("rejected", False, 2.5)
 
 
+def test_results_of_another_picture_are_not_up_to_date(client, study):
+    run_of(client)
+    picture = study / "synthetic" / "synthetic_30deg_2N.png"
+    before = picture.read_bytes()
+    picture.write_bytes((study / "synthetic" / "synthetic_30deg_4N.png").read_bytes())
+    state = client.get("/api/study").json()
+    assert (state["counts"]["stale"], state["counts"]["done"], state["results"]["fresh"]) == (1, 2, False)
+    picture.write_bytes(before)
+    assert client.get("/api/study").json()["results"]["fresh"]
+    with sqlite3.connect(study / "results" / "store.sqlite") as store:
+        store.execute("DELETE FROM result WHERE task = 'o2'")
+    state = client.get("/api/study").json()
+    assert (state["counts"]["left"], state["results"]["fresh"]) == (1, False)
+
+
+def test_the_time_left_is_that_of_the_pictures_left(monkeypatch):
+    """Ten of fifty were there, and ten more took 20 s: the last thirty take 60 s."""
+    now = [100.0]
+    monkeypatch.setattr(run_job, "time", SimpleNamespace(monotonic=lambda: now[0]))
+    job = run_job.RunJob(Events())
+    job._started = now[0]
+    job._progress(Progress(pictures=10, failed=0, total=50))
+    assert job.describe()["seconds_left"] is None
+    now[0] += 20.0
+    job._progress(Progress(item="a", status="done", pictures=20, failed=1, total=50))
+    assert job.describe()["seconds_left"] == pytest.approx(60)
+
+
 def test_live_results_equal_those_of_the_run(client):
     live = client.post("/api/measure/contact", json={"item": "o2"}).json()
     run_of(client)
@@ -247,9 +279,14 @@ def drawing(client):
     return run["phase"] == "report" and run["current"]
 
 
-def test_a_run_can_be_stopped_while_its_report_is_drawn(studies_folder):
-    workspace = Workspace(studies_folder)
-    workspace.open_folder(studies_folder / "demo")
+def test_a_run_can_be_stopped_while_its_report_is_drawn(run_once, tmp_path):
+    demo = shutil.copytree(run_once, tmp_path / "demo")
+    store = (demo / "results" / "store.sqlite").read_bytes()
+    shutil.rmtree(demo / "results")
+    (demo / "results").mkdir()
+    (demo / "results" / "store.sqlite").write_bytes(store)
+    workspace = Workspace(tmp_path)
+    workspace.open_folder(demo)
     with serving(workspace) as client:
         client.post("/api/run", json={"workers": 2})
         assert wait_until(lambda: drawing(client), 120)

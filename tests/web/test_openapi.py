@@ -1,5 +1,6 @@
 """The API fuzzed from its OpenAPI document: no request causes a server error."""
 
+import os
 import re
 import shutil
 
@@ -18,7 +19,8 @@ from fingerpad.web.workspace import Workspace
 # They change the open study, start a run, or do not end.
 STATEFUL = ("/api/session/", "/api/run", "/api/events")
 KNOWN = {(one.method, one.plain_path) for one in ENDPOINTS}
-EXAMPLES = 12
+# The nightly profile draws more, and others each time.
+EXAMPLES = 100 if os.environ.get("HYPOTHESIS_PROFILE") == "nightly" else 5
 PATIENCE_S = 120  # test machines may be slow
 # Names of Plotly and WebGL, of files, and an example.
 OF_OTHERS = {"paper_bgcolor", "plot_bgcolor", "plotly_click", "error_y", "gl_Position"} | {
@@ -70,7 +72,6 @@ def fuzz(client, operation, mode):
 
     @settings(
         max_examples=EXAMPLES,
-        derandomize=True,
         deadline=None,
         database=None,
         phases=[Phase.generate],

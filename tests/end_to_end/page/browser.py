@@ -1,18 +1,22 @@
-"""`fingerpad app` in a process of its own, and its page in Chromium.
+"""The page in Chromium.
 
 Each tab records its requests and console messages; each test ends by checking that there were no requests to
 other machines and no messages.
 """
 
 import re
-import signal
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import NamedTuple
 
 from playwright.sync_api import Browser, Locator, Page, Request, Route
+from tests.web.conftest import TOKEN, serving
+
+from fingerpad.web.security import START
+from fingerpad.web.workspace import Workspace
 
 ROOT = Path(__file__).resolve().parents[3]
 DEMO = ROOT / "examples" / "dzidek2017"
@@ -21,35 +25,40 @@ PRINTS = REAL / "nist_nbis_livescan_slaps"
 PATIENCE_MS = 60_000  # test machines may be slow
 
 
-class Served:
-    """One `fingerpad app`: its address, and a way to kill it."""
+class Served(NamedTuple):
+    """One launch of the page: its address with the token, and its host."""
 
-    def __init__(self, folder: Path, *arguments: str) -> None:
-        self.process = subprocess.Popen(
-            [sys.executable, "-m", "fingerpad", "app", *arguments, "--no-browser"],
-            cwd=folder,
-            stdout=subprocess.PIPE,
-            text=True,
-        )
-        found = re.search(r"http\S+", self.process.stdout.readline())
-        assert found, "the program printed no address"
-        self.address = found.group(0)
-        self.host = re.match(r"(http://[^/]+)", self.address).group(1)
-
-    def kill(self, how: signal.Signals = signal.SIGTERM) -> None:
-        self.process.send_signal(how)
-        self.process.wait(20)
-        self.process.stdout.close()
+    address: str
+    host: str
 
 
 @contextmanager
-def served(folder: Path, *arguments: str) -> Iterator[Served]:
-    server = Served(folder, *arguments)
+def served(folder: Path, study: Path | None = None) -> Iterator[Served]:
+    """Serve the page of a folder, with a study open, from a thread of this process."""
+    workspace = Workspace(folder)
+    if study is not None:
+        workspace.open_folder(study)
+    with serving(workspace) as client:
+        host = str(client.base_url).rstrip("/")
+        yield Served(f"{host}{START}?token={TOKEN}", host)
+
+
+@contextmanager
+def launched(study: Path) -> Iterator[tuple[Served, subprocess.Popen]]:
+    """Serve a study by `fingerpad app` in a process of its own, which can be killed."""
+    process = subprocess.Popen(
+        [sys.executable, "-m", "fingerpad", "app", str(study), "--no-browser"],
+        cwd=study.parent,
+        stdout=subprocess.PIPE,
+        text=True,
+    )
     try:
-        yield server
+        found = re.search(r"(http://[^/]+)\S+", process.stdout.readline())
+        assert found, "the program printed no address"
+        yield Served(found.group(0), found.group(1)), process
     finally:
-        if server.process.poll() is None:
-            server.kill()
+        process.kill()
+        process.communicate()
 
 
 class Tab:

@@ -1,15 +1,12 @@
 """A browser, a study that has been run, and tabs on it."""
 
 import shutil
-import subprocess
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from filelock import FileLock
 from playwright.sync_api import Browser, sync_playwright
-from tests.end_to_end.page.browser import DEMO, Tab, served
+from tests.end_to_end.page.browser import Tab, served
 
 
 @pytest.fixture(scope="session")
@@ -24,27 +21,6 @@ def browser() -> Iterator[Browser]:
         browser.close()
 
 
-@pytest.fixture(scope="session")
-def run_demo(tmp_path_factory) -> Path:
-    """The demo study after one run, made once for all processes that test."""
-    shared = tmp_path_factory.getbasetemp().parent / "page-demo"
-    with FileLock(f"{shared}.lock"):
-        if not (shared / "results" / "report.html").exists():
-            shutil.rmtree(shared, ignore_errors=True)
-            shutil.copytree(DEMO, shared)
-            command = [
-                sys.executable,
-                "-m",
-                "fingerpad",
-                "run",
-                shared / "study.toml",
-                "--out",
-                shared / "results",
-            ]
-            subprocess.run(command, check=True, capture_output=True, timeout=300)
-    return shared
-
-
 @pytest.fixture
 def demo(run_demo, tmp_path) -> Path:
     """A copy of the run study that a test may change."""
@@ -54,7 +30,7 @@ def demo(run_demo, tmp_path) -> Path:
 
 @pytest.fixture
 def tab(browser, demo) -> Iterator[Tab]:
-    with served(demo.parent, str(demo / "study.toml")) as server:
+    with served(demo.parent, demo) as server:
         tab = Tab(browser, server)
         yield tab
         tab.close()

@@ -2,7 +2,6 @@
 
 import json
 import shutil
-import signal
 import tomllib
 from importlib import resources
 
@@ -16,6 +15,7 @@ from tests.end_to_end.page.browser import (
     changed,
     drag,
     focus,
+    launched,
     lift,
     middle,
     moving,
@@ -78,7 +78,7 @@ frames_per_second = 500
 
 @pytest.mark.parametrize("theme", ["light", "dark"])
 def test_pages_are_accessible(browser, run_demo, theme: str) -> None:
-    with served(run_demo.parent, str(run_demo / "study.toml")) as server:
+    with served(run_demo.parent, run_demo) as server:
         tab = Tab(browser, server, color_scheme=theme, bypass_csp=True)
         page = tab.open()
         page.evaluate(AXE)
@@ -196,7 +196,7 @@ def test_a_window_without_events_asks_about_the_conflict(tab: Tab, demo) -> None
 
 
 def test_confirmed_edits_survive_a_killed_server(browser, demo) -> None:
-    with served(demo.parent, str(demo / "study.toml")) as server:
+    with launched(demo) as (server, process):
         tab = Tab(browser, server)
         tab.expected += [
             "ERR_CONNECTION_REFUSED",
@@ -212,11 +212,11 @@ def test_confirmed_edits_survive_a_killed_server(browser, demo) -> None:
         page.mouse.move(x, y)
         page.mouse.down()
         page.mouse.move(x, y + 30, steps=3)
-        server.kill(signal.SIGKILL)
+        process.kill()
         lift(page)
         page.get_by_text("fingerpad does not respond.").first.wait_for()
         tab.close()
-    with served(demo.parent, str(demo / "study.toml")) as server:
+    with served(demo.parent, demo) as server:
         tab = Tab(browser, server)
         page = tab.open(f"contacts/images/{PRINT}")
         page.get_by_text("manual", exact=True).wait_for()
@@ -234,7 +234,7 @@ def test_two_thousand_frames_open_at_once_and_scroll(browser, tmp_path) -> None:
     times = "\n".join(f"{number / 500},1" for number in range(2000))
     (study / "force.csv").write_text(f"time_s,force_N\n{times}\n")
     (study / "study.toml").write_text(LONG)
-    with served(tmp_path, str(study / "study.toml")) as server:
+    with served(tmp_path, study) as server:
         tab = Tab(browser, server)
         page = tab.open()
         tab.go("contacts/film:long")

@@ -9,7 +9,7 @@ from tests.end_to_end.page.browser import Late, Tab, changed, numbers, served
 @pytest.fixture(scope="module")
 def reading(run_demo, tmp_path_factory):
     """One bench for all that only looks."""
-    with served(run_demo.parent, str(run_demo / "study.toml")) as server:
+    with served(run_demo.parent, run_demo) as server:
         yield server
 
 
