@@ -1,4 +1,4 @@
-"""The contact of a whole pad, solved on a grid, beside Hertz theory."""
+"""The contact of a whole pad, solved on a grid, beside fast laws and Hertz theory."""
 
 import math
 from collections.abc import Mapping
@@ -13,7 +13,8 @@ from fingerpad.exceptions import ConvergenceError, GeometryError
 from fingerpad.units import KPA_PER_MPA
 
 if TYPE_CHECKING:
-    from fingerpad.contact import ContactSolution, HertzContact, HertzGeometry
+    from fingerpad.contact import ContactSolution, HertzContact
+    from fingerpad.geometry import Placement
 
 _ROUND = 0.999  # axis ratio above which an ellipse has no direction
 
@@ -46,14 +47,16 @@ def solve(
 ) -> None:
     """Press a whole ellipsoidal pad against a flat plate, on deep tissue or on a layer over bone.
 
-    Hertz theory answers the same question beside it. The long axis lies along the first principal
-    direction, the one nearer to the finger's axis, along the second, or along either.
+    Fast laws and Hertz theory answer the same question beside it. The laws are flagged, and say nothing,
+    beyond their range; the error of Hertz theory is its departure from the solved contact. The long axis
+    lies along the first principal direction, the one nearer to the finger's axis, along the second, or
+    along either.
     """
-    from fingerpad.contact import EllipsoidContact, HertzGeometry, reduced_modulus
+    from fingerpad.contact import reduced_modulus
     from fingerpad.geometry import Ellipsoid, Placement
 
     given = {"--load-n": load_n, "--area-mm2": area_mm2, "--indentation-mm": indentation_mm}
-    if sum(value is not None for value in given.values()) != 1:
+    if len(_only_given(given)) != 1:
         raise typer.BadParameter("give exactly one of --load-n, --area-mm2 and --indentation-mm")
     for flag, value in {**given, "--modulus-kpa": modulus_kpa, "--thickness-mm": thickness_mm}.items():
         require_positive(flag, value)
@@ -63,30 +66,18 @@ def solve(
         Ellipsoid(*semi_axes_mm), wedge_angle=np.radians(wedge_deg), roll_angle=np.radians(roll_deg)
     )
     modulus = float(reduced_modulus(modulus_kpa / KPA_PER_MPA, poisson_ratio))
+    body = {"thickness": thickness_mm, "poisson_ratio": poisson_ratio}
+    wanted = _only_given({"load": load_n, "area": area_mm2, "indentation": indentation_mm})
     try:
-        solution = EllipsoidContact.of(
-            placement.ellipsoid,
-            wedge_angle=float(placement.wedge_angle),
-            roll_angle=float(placement.roll_angle),
-            reduced_modulus=modulus,
-            thickness=thickness_mm,
-            poisson_ratio=poisson_ratio,
-            load=load_n,
-            area=area_mm2,
-            indentation=indentation_mm,
-            points=grid,
-        ).solution
+        solved = _solved_record(placement, modulus, body, wanted, grid)
     except (ConvergenceError, GeometryError) as error:
-        ((flag, value),) = ((flag, value) for flag, value in given.items() if value is not None)
+        ((flag, value),) = _only_given(given).items()
         way_out = "; try another --grid" if isinstance(error, ConvergenceError) else ""
         raise type(error)(f"{flag} {value:g}: {error}{way_out}") from None
-    geometry = HertzGeometry(*placement.curvature.principal_radii)
-    solved = _solved_record(solution)
     record = {
         **solved,
-        "hertz": _hertz_record(
-            geometry, _hertz_contact(geometry, modulus, load_n, area_mm2, indentation_mm), solved
-        ),
+        "fast": _fast_record(placement, modulus, body, wanted),
+        "hertz": _hertz_record(placement, modulus, wanted, solved),
     }
     if as_json:
         print_json(record)
@@ -94,27 +85,32 @@ def solve(
         _print_table(record)
 
 
-def _hertz_contact(
-    geometry: "HertzGeometry",
+def _only_given(values: Mapping[str, float | None]) -> dict[str, float]:
+    return {name: value for name, value in values.items() if value is not None}
+
+
+def _solved_record(
+    placement: "Placement",
     modulus: float,
-    load: float | None,
-    area: float | None,
-    indentation: float | None,
-) -> "HertzContact":
-    """Return Hertz theory's contact for the quantity that is given."""
-    if load is not None:
-        return geometry.under_load(load, reduced_modulus=modulus)
-    if area is not None:
-        return geometry.at_area(area, reduced_modulus=modulus)
-    assert indentation is not None
-    return geometry.at_indentation(indentation, reduced_modulus=modulus)
+    body: Mapping[str, Any],
+    wanted: Mapping[str, Any],
+    grid: int,
+) -> dict[str, Any]:
+    from fingerpad.contact import EllipsoidContact
 
-
-def _solved_record(solution: "ContactSolution") -> dict[str, Any]:
-    across = abs(solution.long_axis_angle) > math.pi / 4
+    solution = EllipsoidContact.of(
+        placement.ellipsoid,
+        wedge_angle=float(placement.wedge_angle),
+        roll_angle=float(placement.roll_angle),
+        reduced_modulus=modulus,
+        points=grid,
+        **body,
+        **wanted,
+    ).solution
+    turn = solution.long_axis_angle - solution.grid.angle  # the grid lies along the principal directions
     return {
         **_sizes(solution),
-        "long_axis_along": "either" if solution.axis_ratio > _ROUND else "second" if across else "first",
+        "long_axis_along": _long_axis(solution.axis_ratio, abs(math.sin(turn)) > abs(math.cos(turn))),
         "indentation_mm": solution.indentation,
         "area_over_pi_indentation_mm": solution.area_over_pi_indentation,
         "peak_pressure_kpa": KPA_PER_MPA * solution.peak_pressure,
@@ -122,19 +118,60 @@ def _solved_record(solution: "ContactSolution") -> dict[str, Any]:
     }
 
 
+def _fast_record(
+    placement: "Placement", modulus: float, body: Mapping[str, Any], wanted: Mapping[str, Any]
+) -> dict[str, Any]:
+    """Return the laws' answer, and what takes it out of their range."""
+    from fingerpad.contact import PadGap, fast_contact, fast_ellipse
+    from fingerpad.contact.fast_contact import ERROR_OF_BOTH, ERROR_OF_PAD
+
+    gap = PadGap.of(placement.ellipsoid, wedge_angle=placement.wedge_angle, roll_angle=placement.roll_angle)
+    contact = fast_contact(gap, reduced_modulus=modulus, **body, **wanted)
+    form = fast_ellipse(gap, area=contact.area, **body)
+    ratio = form.semi_major / form.semi_minor
+    flag = str(contact.flag)
+    return {
+        "load_N": contact.load,
+        "area_mm2": contact.area,
+        "semi_major_mm": form.semi_major,
+        "semi_minor_mm": form.semi_minor,
+        "aspect_ratio": ratio,
+        "long_axis_along": None if flag else _long_axis(float(1 / ratio), bool(form.long_axis)),
+        "indentation_mm": contact.indentation,
+        "area_over_pi_indentation_mm": contact.area_over_pi_indentation,
+        "peak_pressure_kpa": KPA_PER_MPA * form.peak_over_mean_pressure * contact.load / contact.area,
+        "relative_error_estimate": None
+        if flag
+        else ERROR_OF_PAD
+        if body["thickness"] is None
+        else ERROR_OF_BOTH,
+        "flag": flag or None,
+    }
+
+
 def _hertz_record(
-    geometry: "HertzGeometry", contact: "HertzContact", solved: Mapping[str, Any]
+    placement: "Placement", modulus: float, wanted: Mapping[str, Any], solved: Mapping[str, Any]
 ) -> dict[str, Any]:
     """Return Hertz theory's answer; its error is the largest departure from the solved contact."""
+    from fingerpad.contact import HertzGeometry
+
+    geometry = HertzGeometry(*placement.curvature.principal_radii)
+    at = {"load": geometry.under_load, "area": geometry.at_area, "indentation": geometry.at_indentation}
+    ((name, value),) = wanted.items()
+    contact = at[name](value, reduced_modulus=modulus)
     record = {
         **_sizes(contact),
-        "long_axis_along": {0.0: "first", 1.0: "second"}.get(float(geometry.long_axis), "either"),
+        "long_axis_along": _long_axis(float(geometry.axis_ratio), float(geometry.long_axis) == 1),
         "indentation_mm": contact.indentation,
         "area_over_pi_indentation_mm": contact.area / (math.pi * contact.indentation),
         "peak_pressure_kpa": KPA_PER_MPA * contact.peak_pressure,
     }
     departures = [abs(record[key] / solved[key] - 1) for key in ("load_N", "area_mm2", "indentation_mm")]
     return {**record, "relative_error_estimate": max(departures)}
+
+
+def _long_axis(axis_ratio: float, along_second: bool) -> str:
+    return "either" if axis_ratio > _ROUND else "second" if along_second else "first"
 
 
 def _sizes(contact: "ContactSolution | HertzContact") -> dict[str, Any]:
@@ -149,15 +186,17 @@ def _sizes(contact: "ContactSolution | HertzContact") -> dict[str, Any]:
 
 def _print_table(record: Mapping[str, Any]) -> None:
     """Print the solved contact and the other answers, a column each."""
-    others = {name: value for name, value in plain(record).items() if isinstance(value, dict)}
+    plainly = plain(record)
+    others = {name: plainly.pop(name) for name in ("fast", "hertz")}
     typer.echo(f"{'':<28}" + "".join(f"{title:<16}" for title in ("solved", *others)).rstrip())
-    for key, value in plain(record).items():
-        if key not in others:
-            values = (value, *(other[key] for other in others.values()))
-            typer.echo(f"{key:<28}" + "".join(f"{_text(each):<16}" for each in values).rstrip())
+    for key, value in plainly.items():
+        values = (value, *(other[key] for other in others.values()))
+        typer.echo(f"{key:<28}" + "".join(f"{_text(each):<16}" for each in values).rstrip())
+    if others["fast"]["flag"]:
+        typer.echo(f"The fast laws do not hold here: {others['fast']['flag'].replace('_', ' ')}")
 
 
 def _text(value: str | float | None) -> str:
     if value is None:
-        return "not known"
+        return "–"
     return f"{value:.5g}" if isinstance(value, float) else value
