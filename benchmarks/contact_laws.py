@@ -193,7 +193,7 @@ def fit_layer(slender: Solved) -> None:
         columns = np.concatenate([(lead * u**j * basis).T for j in range(_SERIES, 9)], axis=1)
         solution = least_largest(columns, target - base, weight * scale)
         found.append(np.concatenate([known, solution.reshape(-1, 9)]))
-    law.LAYER_LOAD, law.LAYER_INDENTATION = found[0][3:], found[1]
+    law.LAYER = {"load": found[0][3:], "indentation": found[1]}
     columns = np.concatenate([(u ** (5 + j) * basis).T for j in range(4)], axis=1)
     law.LAYER_PEAK = least_largest(columns, peak - 1, weight / peak).reshape(4, 9)
     slim = slender.k < 0.95
@@ -239,11 +239,11 @@ def fit_pads(found: Solved) -> None:
     w, p, m, cross, M = pad_numbers(found)
     s, e = found.slenderness, found.elongation
     one = np.ones(w.size)
-    law.SPHERE_LOAD, law.SPHERE_INDENTATION = sphere_series()
+    law.SPHERE = dict(zip(("load", "indentation"), sphere_series(), strict=True))
+    law.PAD = {}
     columns = np.stack([p, p * s, M, w * s, w * p, p * p, w * w * p, w * p * p, p**3], axis=1)
-    law.PAD_LOAD = least_largest(columns, np.log(found.load) - _sphere(law.SPHERE_LOAD, w), one)
-    target = np.log(found.indentation) - _sphere(law.SPHERE_INDENTATION, w)
-    law.PAD_INDENTATION = least_largest(columns, target, one)
+    for of, ratio in (("load", found.load), ("indentation", found.indentation)):
+        law.PAD[of] = least_largest(columns, np.log(ratio) - _sphere(law.SPHERE[of], w), one)
     terms = w, p, w * s, w * w, w * p, p * p, M, w * w * p, w * p * p, p**3
     law.PAD_PEAK = least_largest(np.stack(terms, axis=1), found.peak - 1, one)
     terms = m, m * s, e * w, e * w * s, e * p, m * w, m * p, e * w * w, e * w * p, e * p * p
@@ -259,16 +259,15 @@ def fit_pads(found: Solved) -> None:
 def fit_both(found: Solved) -> None:
     """Find what the ellipsoid and the layer change in each other."""
     w, p, m, _, M = pad_numbers(found)
-    law.BOTH_SHAPE = np.zeros(6)
+    law.BOTH, law.BOTH_SHAPE = {}, np.zeros(6)
     s, e, x = found.slenderness, found.elongation, found.size
     layer = LayerFactors(np.ones(x.size), found.poisson_ratio, s)
     u, one = layer.size(x), np.ones(x.size)
     pad = _pad(found)
     products = np.stack([each * u ** (j + 1) for j in range(3) for each in (w, p, M, w * w, w * p)], axis=1)
     for of, target in (("load", found.load), ("indentation", found.indentation)):
-        alone = layer.load(x)[0] if of == "load" else layer.indentation(x)[0]
-        rest = np.log(target) - alone - pad.factor(of, found.radius, None)[0]
-        setattr(law, f"BOTH_{of.upper()}", least_largest(products, rest, one).reshape(3, 5))
+        rest = np.log(target / layer.value(of, x)) - pad.value(of, found.radius, None)
+        law.BOTH[of] = least_largest(products, rest, one).reshape(3, 5)
     length = (1 / found.ratio - found.ratio) / 2
     flat = e * layer.roundness(x)
     columns = np.stack([e * w * u, e * w * u * u, e * p * u, e * p * u * u, m * u, m * u * u], axis=1)
@@ -299,33 +298,29 @@ def fit_guesses() -> None:
     size, nu, load, depth, _ = (each for each in circles())
     inside = size < 3.5
     size, nu, load, depth = size[inside], nu[inside], load[inside], depth[inside]
-    for name, factor, power, first in (("LOAD", load, 3, 3), ("INDENTATION", depth, 2, 1)):
+    law.GUESS = {}
+    for name, factor, power, first in (("load", load, 3, 3), ("indentation", depth, 2, 1)):
         hertz = size * factor ** (1 / power)
         y, v = hertz / (hertz + 2), 10 * (nu - 0.4)
         columns = np.stack([y ** (first + j) * each for each in (y**0, v) for j in range(4)], axis=1)
         guess = least_largest(columns, np.log(size / hertz), np.ones(size.size))
         left = np.abs(columns @ guess - np.log(size / hertz)).max()
-        print(f"    first guess from {name.lower()} within {left:.1e}")
-        setattr(law, f"GUESS_{name}", guess.reshape(2, 4))
+        print(f"    first guess from {name} within {left:.1e}")
+        law.GUESS[name] = guess.reshape(2, 4)
 
 
 _MEANINGS = {
-    "LAYER_LOAD": "rows: powers of u from the third; columns: `layer_basis`",
-    "LAYER_INDENTATION": "rows: powers of u from the zeroth",
-    "LAYER_SHAPE": "rows: powers of u from the third",
-    "LAYER_PEAK": "rows: powers of u from the fifth",
-    "SPHERE_LOAD": "powers of w from the first",
-    "SPHERE_INDENTATION": "powers of w from the first",
-    "PAD_LOAD": "p, p s, e m, w s, w p, p², w² p, w p², p³",
-    "PAD_INDENTATION": "the same",
+    "LAYER": "rows: powers of u, of the load from the third; columns: `layer_basis`",
+    "LAYER_SHAPE": "rows: powers of u from the third; columns: `layer_basis`",
+    "LAYER_PEAK": "rows: powers of u from the fifth; columns: `layer_basis`",
+    "SPHERE": "powers of w from the first",
+    "PAD": "p, p s, e m, w s, w p, p², w² p, w p², p³",
     "PAD_SHAPE": "m, m s, e w, e w s, e p, m w, m p, e w², e w p, e p², m w², m w p, m p²",
     "PAD_PEAK": "w, p, w s, w², w p, p², e m, w² p, w p², p³",
-    "BOTH_LOAD": "rows: powers of u from the first; columns: w, p, e m, w², w p",
-    "BOTH_INDENTATION": "the same",
+    "BOTH": "rows: powers of u from the first; columns: w, p, e m, w², w p",
     "BOTH_SHAPE": "e w u, e w u², e p u, e p u², m u, m u²",
-    "BOTH_PEAK": "as BOTH_LOAD",
-    "GUESS_LOAD": "powers of y, from the third, and the same times 10 (ν − 0.4)",
-    "GUESS_INDENTATION": "powers of y, from the first, and the same times 10 (ν − 0.4)",
+    "BOTH_PEAK": "rows: powers of u from the first; columns: w, p, e m, w², w p",
+    "GUESS": "powers of y, of the load from the third, else from the first; the same times 10 (ν − 0.4)",
 }
 
 
@@ -338,13 +333,22 @@ def write() -> None:
         f"SCALE = {SCALE}",
     ]
     for name, meaning in _MEANINGS.items():
-        rows = np.atleast_2d(getattr(law, name))
-        texts = [", ".join(f"{each:.9g}" for each in row) for row in rows]
-        inner = texts[0] if getattr(law, name).ndim == 1 else ", ".join(f"[{text}]" for text in texts)
-        wrapped = textwrap.fill(inner, 100, initial_indent="    ", subsequent_indent="    ")
-        body = f"[{inner}]" if len(inner) < 70 else f"[\n{wrapped}\n]"
-        lines += [f"# {meaning}", f"{name} = np.array({body})"]
+        value = getattr(law, name)
+        if isinstance(value, dict):
+            parts = "".join(f'    "{of}": {_text(each, "    ")},\n' for of, each in value.items())
+            text = f"{{\n{parts}}}"
+        else:
+            text = _text(value, "")
+        lines += [f"# {meaning}", f"{name} = {text}"]
     Path(law.__file__).write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def _text(value: FloatArray, indent: str) -> str:
+    texts = [", ".join(f"{each:.9g}" for each in row) for row in np.atleast_2d(value)]
+    inner = texts[0] if value.ndim == 1 else ", ".join(f"[{text}]" for text in texts)
+    inside = f"{indent}    "
+    wrapped = textwrap.fill(inner, 100, initial_indent=inside, subsequent_indent=inside)
+    return f"np.array([\n{wrapped}\n{indent}])"
 
 
 def main() -> None:

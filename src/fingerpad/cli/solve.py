@@ -123,7 +123,7 @@ def _fast_record(
 ) -> dict[str, Any]:
     """Return the laws' answer, and what takes it out of their range."""
     from fingerpad.contact import PadGap, fast_contact, fast_ellipse
-    from fingerpad.contact.fast_contact import ERROR_OF_BOTH, ERROR_OF_PAD
+    from fingerpad.contact.fast_laws import ERROR_OF_BOTH, ERROR_OF_PAD
 
     gap = PadGap.of(placement.ellipsoid, wedge_angle=placement.wedge_angle, roll_angle=placement.roll_angle)
     contact = fast_contact(gap, reduced_modulus=modulus, **body, **wanted)

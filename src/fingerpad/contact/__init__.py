@@ -14,7 +14,7 @@ from fingerpad.contact.equivalent import (
     equivalent_radius_from_indentation,
     equivalent_radius_ratios,
 )
-from fingerpad.contact.fast_contact import FastContact, FastEllipse, fast_contact, fast_ellipse
+from fingerpad.contact.fast_laws import FastContact, FastEllipse, fast_contact, fast_ellipse
 from fingerpad.contact.gap import Counterface, ellipsoid_gap
 from fingerpad.contact.hertz import (
     HertzContact,

@@ -10,6 +10,8 @@ numbers of `PadGap`, that make the factors of the ellipsoid. For a sphere these 
 benchmarks/contact_laws.py derives all coefficients, and measures what they leave.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from fingerpad._arrays import FloatArray
@@ -21,8 +23,12 @@ Value = tuple[FloatArray, FloatArray]  # and its slope over the logarithm of the
 def layer_basis(poisson_ratio: FloatArray, slenderness: FloatArray) -> FloatArray:
     """Return the functions of ν and of (1 − k)²/k whose sums are the layer's coefficients."""
     v, s = 10 * (poisson_ratio - 0.4), slenderness
-    square = v * v
-    return np.stack([np.ones_like(v), v, square, v * square, square * square, s, s * v, s * square, s * s])
+    basis = np.empty((9, *s.shape), dtype=np.result_type(v, s))
+    basis[:5] = _powers(v, 5)
+    basis[5] = s
+    basis[8] = s * s
+    np.multiply(s, basis[1:3], out=basis[6:8])
+    return basis
 
 
 def thin_layer(size: FloatArray, poisson_ratio: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -44,17 +50,27 @@ def thin_layer(size: FloatArray, poisson_ratio: FloatArray) -> tuple[FloatArray,
     spread = (3 - 4 * poisson_ratio) * w * w / 3 - stiff * w
     square = size * size
     root = np.sqrt(1 + stiff / (12 * spread) * square)
-    load = (np.pi / 64) * square * size / (spread * root * (1 + root))
+    load = (np.pi / 64) / spread * square * size / (root * (1 + root))
     return load, load * (1 + (1 + root) / (root * root)), 0.5 - 0.25 / root
 
 
-def polynomial(coefficients: FloatArray, at: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return Σ c_j x^j, the coefficients along the first axis, and its derivative."""
-    value, slope = coefficients[-1] + 0 * at, 0 * at
-    for coefficient in coefficients[-2::-1]:
-        slope = slope * at + value
-        value = value * at + coefficient
-    return value, slope
+def polynomial(coefficients: Sequence[float] | FloatArray, at: FloatArray) -> FloatArray:
+    """Return Σ c_j x^j, the coefficients along the first axis."""
+    value = coefficients[-1] * at
+    for coefficient in coefficients[-2:0:-1]:
+        value += coefficient
+        value *= at
+    value += coefficients[0]
+    return value
+
+
+def polynomial_slope(coefficients: Sequence[float] | FloatArray, at: FloatArray) -> FloatArray:
+    """Return x times the derivative of `polynomial`."""
+    value = (len(coefficients) - 1) * coefficients[-1] * at
+    for power in range(len(coefficients) - 2, 0, -1):
+        value += power * coefficients[power]
+        value *= at
+    return value
 
 
 class LayerFactors:
@@ -63,17 +79,16 @@ class LayerFactors:
     Parameters
     ----------
     thickness, poisson_ratio : ndarray
-        Of the layer.
+        Of the layer; one number ν for all contacts takes less time.
     slenderness : ndarray
         (1 − k)²/k, k being the axis ratio in Hertz theory.
     """
 
     def __init__(self, thickness: FloatArray, poisson_ratio: FloatArray, slenderness: FloatArray) -> None:
-        self._thickness, self.poisson_ratio = thickness, poisson_ratio
-        rows = (law.LAYER_LOAD, law.LAYER_INDENTATION, law.LAYER_SHAPE, law.LAYER_PEAK)
-        ends = np.cumsum([len(each) for each in rows])[:-1]
-        coefficients = np.concatenate(rows) @ layer_basis(poisson_ratio, slenderness)
-        self._load, self._indentation, self._shape, self._peak = np.split(coefficients, ends)
+        self._thickness, self.poisson_ratio, self._slenderness = thickness, poisson_ratio, slenderness
+        self._basis: FloatArray | None = None
+        self._known: dict[str, FloatArray] = {}
+        self._radius: FloatArray | None = None  # at which the thin layer's values are known
 
     def ratio(self, radius: FloatArray) -> FloatArray:
         """Return a/t."""
@@ -84,47 +99,71 @@ class LayerFactors:
         ratio = radius / self._thickness
         return ratio / (1 + ratio / law.SCALE)
 
-    def load(self, radius: FloatArray) -> Value:
-        """Return ln(W/W_H), and its slope."""
-        u = self.size(radius)
-        thin, thin_slope, _ = thin_layer(radius / self._thickness, self.poisson_ratio)
-        value, slope = polynomial(self._load, u)
-        rest = 1 - u / law.SCALE
-        cube = u * u * u
-        value, slope = cube * value, cube * (3 * value + u * slope)  # of P, over ln u
-        return np.log(1 + thin) + rest * value, thin_slope / (1 + thin) + rest * (
-            rest * slope - u / law.SCALE * value
-        )
+    def coefficients(self, table: FloatArray) -> FloatArray:
+        """Return the powers of u that a table of coefficients gives, along the first axis."""
+        if self._basis is None:
+            nu = self.poisson_ratio
+            self._basis = layer_basis(nu, self._slenderness) if nu.ndim else _powers(self._slenderness, 3)
+        if self.poisson_ratio.ndim:
+            return table @ self._basis
+        v = np.array([1, 10 * (self.poisson_ratio - 0.4)])
+        circle = table[:, :5] @ (v[1] ** np.arange(5))
+        slender = table[:, 5:8] @ (v[1] ** np.arange(3))
+        return np.stack([circle, slender, table[:, 8]], axis=1) @ self._basis
 
-    def indentation(self, radius: FloatArray) -> Value:
-        """Return ln(ξ/ξ_H), and about its slope."""
-        u = self.size(radius)
-        _, _, thin = thin_layer(radius / self._thickness, self.poisson_ratio)
-        value, slope = polynomial(self._indentation, u)
+    def value(self, of: str, radius: FloatArray) -> FloatArray:
+        """Return W/W_H or ξ/ξ_H."""
+        return self._value(of, radius)[0]
+
+    def value_and_slope(self, of: str, radius: FloatArray) -> Value:
+        """Return W/W_H or ξ/ξ_H, and the slope of its logarithm."""
+        value, u, c, thin_slope = self._value(of, radius)
         rest = 1 - u / law.SCALE
-        ratio = thin + rest * value
-        return np.log(ratio), rest * u * (rest * slope - value / law.SCALE) / ratio
+        polynomial_, slope = polynomial(c, u), polynomial_slope(c, u)
+        if of == "load":
+            cube = u * u * u * rest
+            return value, thin_slope + cube * (rest * (3 * polynomial_ + slope) - u / law.SCALE * polynomial_)
+        root = 2 - 4 * self._thin[2]  # one over the thin layer's
+        thin_slope = 0.25 * root * (1 - root * root)
+        return value, (thin_slope + rest * (rest * slope - u / law.SCALE * polynomial_)) / value
+
+    def _value(self, of: str, radius: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+        if of not in self._known:
+            self._known[of] = self.coefficients(law.LAYER[of])
+        if radius is not self._radius:
+            self._thin = thin_layer(self.ratio(radius), self.poisson_ratio)
+            self._radius = radius
+        u, c = self.size(radius), self._known[of]
+        load, slope, indentation = self._thin
+        value = polynomial(c, u)
+        value *= 1 - u / law.SCALE
+        if of == "indentation":
+            value += indentation
+            return value, u, c, slope
+        value *= u * u * u
+        value = np.exp(value)
+        value *= 1 + load
+        return value, u, c, slope / (1 + load)
 
     def first_guess(self, of: str, radius: FloatArray) -> FloatArray:
         """Return about ln(a/a_H) at the load or indentation under which Hertz theory gives a_H."""
         ratio = radius / self._thickness
         y = ratio / (ratio + 2)
         v = 10 * (self.poisson_ratio - 0.4)
-        even, odd = law.GUESS_LOAD if of == "load" else law.GUESS_INDENTATION
-        power = y * y * y if of == "load" else y
-        guess: FloatArray = power * (polynomial(even, y)[0] + v * polynomial(odd, y)[0])
-        return guess
+        even, odd = law.GUESS[of]
+        guess: FloatArray = polynomial(even, y) + v * polynomial(odd, y)
+        return guess * (y * y * y if of == "load" else y)
 
     def roundness(self, radius: FloatArray) -> FloatArray:
         """Return the factor on (a1/a2 − a2/a1)/2 of Hertz theory."""
         u = self.size(radius)
-        factor: FloatArray = 1 + u * u * u * polynomial(self._shape, u)[0]
+        factor: FloatArray = 1 + u * u * u * polynomial(self.coefficients(law.LAYER_SHAPE), u)
         return factor
 
     def peak(self, radius: FloatArray) -> FloatArray:
         """Return the factor on the peak pressure 3W/(2A)."""
         u = self.size(radius)
-        factor: FloatArray = 1 + u**5 * polynomial(self._peak, u)[0]
+        factor: FloatArray = 1 + u**5 * polynomial(self.coefficients(law.LAYER_PEAK), u)
         return factor
 
 
@@ -160,6 +199,7 @@ class PadFactors:
         self._e = elongation
         self._s = stretch + 1 / stretch - 2
         self._em = elongation * self._m
+        self._known: dict[str, FloatArray] = {}
 
     def width(self, radius: FloatArray) -> FloatArray:
         """Return the contact's mean radius over that of the silhouette."""
@@ -171,8 +211,8 @@ class PadFactors:
         skewness: FloatArray = self._p * radius * radius
         return skewness
 
-    def factor(self, of: str, radius: FloatArray, u: FloatArray | None) -> Value:
-        """Return the logarithm of the factor on load or indentation, and its slope.
+    def value(self, of: str, radius: FloatArray, u: FloatArray | None) -> FloatArray:
+        """Return the logarithm of the factor on load or indentation.
 
         Parameters
         ----------
@@ -183,30 +223,34 @@ class PadFactors:
         u : ndarray, optional
             Its size beside a layer's thickness.
         """
-        is_load = of == "load"
-        sphere, c, both = (
-            (law.SPHERE_LOAD, law.PAD_LOAD, law.BOTH_LOAD)
-            if is_load
-            else (law.SPHERE_INDENTATION, law.PAD_INDENTATION, law.BOTH_INDENTATION)
-        )
-        w, p = self._w, self._p
         square = radius * radius
-        value, slope = polynomial(sphere, w * square)
-        value, slope = w * square * value, w * square * (value + w * square * slope)
-        powers = np.stack(
-            [
-                p * (c[0] + c[1] * self._s) + c[2] * self._em + c[3] * w * self._s,
-                p * (c[4] * w + c[5] * p),
-                p * (c[6] * w * w + p * (c[7] * w + c[8] * p)),
-            ]
-        )
-        more, more_slope = polynomial(powers, square)
-        value, slope = value + square * more, slope + square * (more + square * more_slope)
+        value = polynomial(self._coefficients(of), square)
         if u is not None:
-            more, more_slope = polynomial(both @ self._products(square), u)
-            value = value + u * more
-            slope = slope + 0.5 * u * ((3 - u / law.SCALE) * more + (1 - u / law.SCALE) * u * more_slope)
-        return value, 2 * slope
+            value = value + u * polynomial(law.BOTH[of] @ self._products(square), u)
+        return value
+
+    def slope(self, of: str, radius: FloatArray, u: FloatArray | None) -> FloatArray:
+        """Return the slope of `value` over the logarithm of the mean radius, as for it."""
+        square = radius * radius
+        slope = 2 * polynomial_slope(self._coefficients(of), square)
+        if u is not None:
+            c, rest = law.BOTH[of] @ self._products(square), 1 - u / law.SCALE
+            slope = slope + u * ((2 + rest) * polynomial(c, u) + rest * polynomial_slope(c, u))
+        return slope
+
+    def _coefficients(self, of: str) -> FloatArray:
+        """Return those of the powers of the mean radius squared, along the first axis."""
+        if of not in self._known:
+            w, p, s, c = self._w, self._p, self._s, law.PAD[of]
+            kind = np.result_type(w, p, s)
+            powers = _powers(w.astype(kind), 1 + len(law.SPHERE[of]))
+            powers[1:] *= law.SPHERE[of][:, None]
+            powers[0] = 0
+            powers[1] += p * (c[0] + c[1] * s) + c[2] * self._em + c[3] * w * s
+            powers[2] += p * (c[4] * w + c[5] * p)
+            powers[3] += p * (c[6] * w * w + p * (c[7] * w + c[8] * p))
+            self._known[of] = powers
+        return self._known[of]
 
     def _products(self, square: FloatArray) -> FloatArray:
         w, p, em = self._w * square, self._p * square, self._em * square
@@ -245,6 +289,13 @@ class PadFactors:
         )
         value = value + p * (c[7] * w * w + p * (c[8] * w + c[9] * p))
         if u is not None:
-            value = value + u * polynomial(law.BOTH_PEAK @ self._products(q), u)[0]
+            value = value + u * polynomial(law.BOTH_PEAK @ self._products(q), u)
         factor: FloatArray = 1 + value
         return factor
+
+
+def _powers(at: FloatArray, count: int) -> FloatArray:
+    powers = np.ones((count, *at.shape), dtype=at.dtype)
+    for power in range(1, count):
+        np.multiply(powers[power - 1], at, out=powers[power])
+    return powers

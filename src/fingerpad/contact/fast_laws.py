@@ -34,6 +34,7 @@ ERROR_OF_PAD: Final = (
 )
 ERROR_OF_BOTH: Final = 0.01
 _LARGEST_MISS = 0.01
+_BLOCK = 4_000  # contacts at a time, whose temporaries stay in cache
 _STEPS = 2  # of Newton's method: the first guess is within some per cent
 
 
@@ -146,13 +147,15 @@ def fast_contact(
     shape = gap.first_skewness, gap.second_skewness, gap.flatness
     layer = () if thickness is None else (thickness, poisson_ratio)
     whole = any(np.any(number != 0) for number in shape)
+    one_ratio = as_float_array(poisson_ratio) if np.ndim(poisson_ratio) == 0 else None
     force, size, depth, code = apply_blockwise(
-        partial(_sizes, name, whole),
+        partial(_sizes, of=name, whole=whole, poisson_ratio=one_ratio),
         4,
         *(gap.first_radius, gap.second_radius),
         as_float_array(value) / modulus if name == "load" else value,
         *(shape if whole else ()),
         *layer,
+        block=_BLOCK,
     )
     return FastContact(
         load=modulus * force, area=size, indentation=depth, flag_code=np.real(code).astype(np.int8)[()]
@@ -185,47 +188,60 @@ def fast_ellipse(
     """
     shape = gap.first_skewness, gap.second_skewness, gap.flatness
     whole = any(np.any(number != 0) for number in shape)
+    one_ratio = as_float_array(poisson_ratio) if np.ndim(poisson_ratio) == 0 else None
     major, minor, axis, peak = apply_blockwise(
-        partial(_form, whole),
+        partial(_form, whole=whole, poisson_ratio=one_ratio),
         4,
         *(gap.first_radius, gap.second_radius, area),
         *(shape if whole else ()),
         *(() if thickness is None else (thickness, poisson_ratio)),
+        block=_BLOCK,
     )
     return FastEllipse(semi_major=major, semi_minor=minor, long_axis=axis, peak_over_mean_pressure=peak)
 
 
 def _sizes(
-    of: str, whole: bool, first: FloatArray, second: FloatArray, value: FloatArray, *rest: FloatArray
+    first: FloatArray,
+    second: FloatArray,
+    value: FloatArray,
+    *rest: FloatArray,
+    of: str,
+    whole: bool,
+    poisson_ratio: FloatArray | None,
 ) -> tuple[FloatArray, ...]:
     """Return load over E*, area, indentation and flag of one block."""
     k, integral, D = contact_ellipse_kernel(first, second)
     radius_D = np.maximum(first, second) * D * k
-    laws = _Laws.of(whole, first, second, k, rest)
+    laws = _Laws.of(first, second, k, rest, whole=whole, poisson_ratio=poisson_ratio)
     hertz = {
         "load": (np.pi / 3) / (radius_D * np.sqrt(k)),
         "indentation": 0.5 * integral / radius_D,
-        "area": np.full(k.shape, np.pi),
+        "area": np.array(np.pi),
     }
     a, miss = laws.mean_radius(of, value, hertz[of])
     square = a * a
-    powers = {"load": square * a, "indentation": square, "area": square}
+    powers = {"load": square * a, "area": square, "indentation": square}
+    results = [
+        value if name == of else hertz[name] * power * laws.factor(name, a) for name, power in powers.items()
+    ]
     code = laws.flag(a, k, miss, value)
-    results = (
-        value if name == of else hertz[name] * power * np.exp(laws.factor(name, a)[0])
-        for name, power in powers.items()
-    )
-    load, depth, area = (np.where(code == 0, each, np.nan) for each in results)
-    return load, area, depth, code
+    if code.any():
+        results = [np.where(code == 0, each, np.nan) for each in results]
+    return *results, code
 
 
 def _form(
-    whole: bool, first: FloatArray, second: FloatArray, area: FloatArray, *rest: FloatArray
+    first: FloatArray,
+    second: FloatArray,
+    area: FloatArray,
+    *rest: FloatArray,
+    whole: bool,
+    poisson_ratio: FloatArray | None,
 ) -> tuple[FloatArray, ...]:
     """Return semi-axes, long axis and peak over mean pressure of one block."""
     k, _, _ = contact_ellipse_kernel(first, second)
-    laws = _Laws.of(whole, first, second, k, rest)
-    a, miss = laws.mean_radius("area", area, np.full(k.shape, np.pi))
+    laws = _Laws.of(first, second, k, rest, whole=whole, poisson_ratio=poisson_ratio, form=True)
+    a, miss = laws.mean_radius("area", area, np.array(np.pi))
     ratio, along = laws.axis_ratio(a)
     results = a * ratio, a / ratio, np.where(along.real < 0, 1.0, 0.0), 1.5 * laws.peak(a)
     inside = laws.flag(a, k, miss, area) == 0
@@ -245,57 +261,66 @@ class _Laws:
 
     @classmethod
     def of(
-        cls, whole: bool, first: FloatArray, second: FloatArray, k: FloatArray, rest: tuple[FloatArray, ...]
+        cls,
+        first: FloatArray,
+        second: FloatArray,
+        k: FloatArray,
+        rest: tuple[FloatArray, ...],
+        *,
+        whole: bool,
+        poisson_ratio: FloatArray | None,
+        form: bool = False,
     ) -> Self:
-        """Take the numbers of the gap, if it is a whole ellipsoid's, and then of the layer, if any."""
-        longer_first = first.real > second.real
-        slenderness = (1 - k) * (1 - k) / k
-        elongation = np.where(longer_first, 0.5, -0.5) * (1 - k * k) / k
-        pad = None
+        """Take the numbers of the gap, if it is a whole ellipsoid's, then thickness and ν, if any."""
+        layer, pad, elongation = None, None, 0 * k
+        if whole or form:
+            longer_first = first.real > second.real
+            elongation = np.where(longer_first, 0.5, -0.5) * (1 - k * k) / k
         if whole:
             pad = PadFactors(
                 first, second, *rest[:3], stretch=np.where(longer_first, 1 / k, k), elongation=elongation
             )
             rest = rest[3:]
-        return cls(
-            elongation=elongation,
-            layer=LayerFactors(rest[0], rest[1], slenderness) if rest else None,
-            pad=pad,
-        )
+        if rest:
+            nu = rest[1] if poisson_ratio is None else poisson_ratio
+            layer = LayerFactors(rest[0], nu, (1 - k) * (1 - k) / k)
+        return cls(elongation=elongation, layer=layer, pad=pad)
 
-    def factor(self, of: str, radius: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return the logarithm of the factor on load, indentation or area, and its slope."""
-        value, slope, u = 0 * radius, 0 * radius, None
+    def factor(self, of: str, radius: FloatArray) -> FloatArray:
+        """Return the factor on load, indentation or area."""
+        factor: FloatArray = np.ones(())
+        u = None
         if of == "area":
-            return value, slope
+            return factor
         if self.layer is not None:
             u = self.layer.size(radius)
-            value, slope = self.layer.load(radius) if of == "load" else self.layer.indentation(radius)
-        if self.pad is not None:
-            more, more_slope = self.pad.factor(of, radius, u)
-            value, slope = value + more, slope + more_slope
-        return value, slope
+            factor = self.layer.value(of, radius)
+        return factor if self.pad is None else factor * np.exp(self.pad.value(of, radius, u))
 
     def mean_radius(self, of: str, value: FloatArray, unit: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the radius √(A/π) at a load, indentation or area, and by how much Newton's method missed."""
         power = _POWERS[of]
         ratio = np.where(value.real > 0, value, np.nan) / unit
-        hertz = (
-            np.sqrt(ratio) if power == 2 else ratio ** (1 / 3) if np.iscomplexobj(ratio) else np.cbrt(ratio)
-        )
-        change = 0 * hertz
+        if power == 2:
+            hertz = np.sqrt(ratio)
+        else:
+            hertz = ratio ** (1 / 3) if np.iscomplexobj(ratio) else np.cbrt(ratio)
+        change = np.zeros_like(hertz)
         if of == "area" or (self.layer is None and self.pad is None):
             return hertz, change
+        radius, slope, u = hertz, power + change, None
         if self.layer is not None:
-            change = self.layer.first_guess(of, hertz)
+            radius = hertz * np.exp(self.layer.first_guess(of, hertz))
+            u = self.layer.size(radius)
         if self.pad is not None:
-            change = change - self.pad.factor(of, hertz * np.exp(change), None)[0] / power
+            radius = radius * np.exp(self.pad.value(of, radius, None) / -power)
+            slope = slope + self.pad.slope(of, radius, u)
+        if self.layer is not None:
+            slope = slope + self.layer.value_and_slope(of, radius)[1]
         for _ in range(_STEPS):
-            radius = hertz * np.exp(change)
-            factor, slope = self.factor(of, radius)
-            miss = -(power * change + factor) / (power + slope)
-            change = change + miss
-        return radius * (1 + miss * (1 + miss / 2)), miss
+            miss = np.log(ratio / (radius**power * self.factor(of, radius))) / slope
+            radius = radius * np.exp(miss)
+        return radius, miss
 
     def axis_ratio(self, radius: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return √(a/b) ≥ 1, and (a/b − b/a)/2 with a sign: positive along the first direction."""
@@ -319,15 +344,22 @@ class _Laws:
         """Return the places in `FLAGS`."""
         code = np.zeros(k.shape)
         found = np.isfinite(radius) & (np.abs(miss) < _LARGEST_MISS)
+        ranges = []
         if self.layer is not None:
-            ratio, nu = self.layer.ratio(radius).real, self.layer.poisson_ratio.real
-            code[~(found & (ratio <= THINNEST))] = FLAGS.index("layer_too_thin")
-            code[k.real < MOST_SLENDER_ON_LAYER] = FLAGS.index("contact_too_slender")
-            code[~((nu >= LOWEST_POISSON_RATIO) & (nu <= 0.5))] = FLAGS.index("poisson_ratio_out_of_range")
+            nu = self.layer.poisson_ratio.real
+            ranges += [
+                ("layer_too_thin", found & (self.layer.ratio(radius).real <= THINNEST)),
+                ("contact_too_slender", k.real >= MOST_SLENDER_ON_LAYER),
+                ("poisson_ratio_out_of_range", (nu >= LOWEST_POISSON_RATIO) & (nu <= 0.5)),
+            ]
         if self.pad is not None:
-            width, skew = self.pad.width(radius).real, self.pad.skewness(radius).real
-            code[k.real < MOST_SLENDER] = FLAGS.index("contact_too_slender")
-            code[~(skew <= MOST_SKEW)] = FLAGS.index("contact_too_skew")
-            code[~(found & (width <= WIDEST))] = FLAGS.index("contact_too_wide")
-        code[~((value.real > 0) & np.isfinite(value) & np.isfinite(k))] = FLAGS.index("no_contact")
+            ranges += [
+                ("contact_too_slender", k.real >= MOST_SLENDER),
+                ("contact_too_skew", self.pad.skewness(radius).real <= MOST_SKEW),
+                ("contact_too_wide", found & (self.pad.width(radius).real <= WIDEST)),
+            ]
+        ranges.append(("no_contact", (value.real > 0) & np.isfinite(value) & np.isfinite(k)))
+        for name, inside in ranges:
+            if not inside.all():
+                code[~inside] = FLAGS.index(name)
         return code
