@@ -23,11 +23,11 @@ FLAGS: Final = (
     "layer_too_thin",
     "poisson_ratio_out_of_range",
 )
-WIDEST: Final = 0.6  # √(A/A_s), A_s being the area of the pad's silhouette seen along the plate's normal
+WIDEST: Final = 0.601  # √(A/A_s), A_s being the area of the pad's silhouette seen along the plate's normal
 MOST_SKEW: Final = 0.2  # (μ1 a1)² + (μ2 a2)²
 MOST_SLENDER: Final = 0.33  # axis ratio in Hertz theory, of a whole ellipsoid
 MOST_SLENDER_ON_LAYER: Final = 0.5
-THINNEST: Final = 3.0  # √(A/π)/t
+THINNEST: Final = 3.01  # √(A/π)/t, 3 with the laws' own error
 LOWEST_POISSON_RATIO: Final = 0.3
 ERROR_OF_PAD: Final = (
     0.002  # largest relative error of load, area and indentation; of a layer alone twice this
