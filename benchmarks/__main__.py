@@ -15,6 +15,7 @@ from benchmarks import (
     coins,
     commands,
     contact_images,
+    contact_law_errors,
     contact_solver,
     engine,
     images,
@@ -85,6 +86,7 @@ if __name__ == "__main__":
     hertz_accuracy()
     hertz_speed()
     contact_solver.report()
+    contact_law_errors.report()
     uncertainty.monte_carlo_speed()
     uncertainty.first_order_against_simulation()
     studies.study_coverage()

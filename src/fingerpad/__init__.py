@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 __version__ = "0.1.0"
 
 if TYPE_CHECKING:
-    from fingerpad.contact import HertzGeometry, hertz_contact, pad_contact
+    from fingerpad.contact import EllipsoidContact, HertzGeometry, hertz_contact, pad_contact
     from fingerpad.exceptions import FingerpadError
     from fingerpad.figures.show import show
     from fingerpad.geometry import Ellipse, Ellipsoid, Placement
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from fingerpad.uncertainty import pad_uncertainty, pool, propagate, run_monte_carlo
 
 _MODULES = {
-    "fingerpad.contact": ("HertzGeometry", "hertz_contact", "pad_contact"),
+    "fingerpad.contact": ("EllipsoidContact", "HertzGeometry", "hertz_contact", "pad_contact"),
     "fingerpad.exceptions": ("FingerpadError",),
     "fingerpad.figures.show": ("show",),
     "fingerpad.geometry": ("Ellipse", "Ellipsoid", "Placement"),
@@ -57,6 +57,7 @@ _MODULE_OF = {name: module for module, names in _MODULES.items() for name in nam
 __all__ = [
     "Ellipse",
     "Ellipsoid",
+    "EllipsoidContact",
     "FingerpadError",
     "ForceSignal",
     "HertzGeometry",

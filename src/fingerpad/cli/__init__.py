@@ -11,6 +11,7 @@ from fingerpad.cli.compare import compare
 from fingerpad.cli.export import export
 from fingerpad.cli.fit import fit
 from fingerpad.cli.shared import Command, Commands
+from fingerpad.cli.solve import solve
 
 __all__ = ["app"]
 
@@ -24,6 +25,7 @@ app = typer.Typer(
 )
 app.command()(model.geometry)
 app.command()(model.hertz)
+app.command()(solve)
 app.command()(model.correct)
 app.command()(model.reproduce)
 app.add_typer(measure.app, name="measure")

@@ -14,6 +14,7 @@ from fingerpad.contact.equivalent import (
     equivalent_radius_from_indentation,
     equivalent_radius_ratios,
 )
+from fingerpad.contact.fast_laws import FastContact, FastEllipse, fast_contact, fast_ellipse
 from fingerpad.contact.gap import Counterface, ellipsoid_gap
 from fingerpad.contact.hertz import (
     HertzContact,
@@ -25,6 +26,7 @@ from fingerpad.contact.hertz import (
 from fingerpad.contact.influence import ElasticBody, layer_compliance_ratio
 from fingerpad.contact.layer_stress import layer_stress
 from fingerpad.contact.pad import PadContact, pad_contact
+from fingerpad.contact.pad_gap import PadGap
 from fingerpad.contact.solver import ContactSolution, solve_contact
 from fingerpad.contact.stress import StressField, hertz_stress
 
@@ -33,9 +35,12 @@ __all__ = [
     "Counterface",
     "ElasticBody",
     "EllipsoidContact",
+    "FastContact",
+    "FastEllipse",
     "HertzContact",
     "HertzGeometry",
     "PadContact",
+    "PadGap",
     "StressField",
     "complete_integrals",
     "curvature_ratio",
@@ -44,6 +49,8 @@ __all__ = [
     "equivalent_radius_from_compliance",
     "equivalent_radius_from_indentation",
     "equivalent_radius_ratios",
+    "fast_contact",
+    "fast_ellipse",
     "hertz_contact",
     "hertz_stress",
     "indentation_factor",

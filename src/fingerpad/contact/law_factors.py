@@ -1,0 +1,301 @@
+r"""Factors on Hertz theory's load and indentation of one contact area: of the layer, and of the ellipsoid.
+
+Those of the layer are, with x = √(A/π)/t and u = x/(1 + x/C),
+
+.. math:: W/W_H = (1 + N)\,e^{(1 - u/C) P(u)}, \qquad \xi/\xi_H = q + (1 - u/C)\,Q(u).
+
+N and q are those of a thin layer, compressible or not. The first coefficients of P and Q are the series of a
+thick layer; the others are fitted to solved contacts, as are the powers of the contact's size, times the
+numbers of `PadGap`, that make the factors of the ellipsoid. For a sphere these are Sneddon's (1965).
+benchmarks/contact_laws.py derives all coefficients, and measures what they leave.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from fingerpad._arrays import FloatArray
+from fingerpad.contact import law_coefficients as law
+
+Value = tuple[FloatArray, FloatArray]  # and its slope over the logarithm of the contact's mean radius
+
+
+def layer_basis(poisson_ratio: FloatArray, slenderness: FloatArray) -> FloatArray:
+    """Return the functions of ν and of (1 − k)²/k whose sums are the layer's coefficients."""
+    v, s = 10 * (poisson_ratio - 0.4), slenderness
+    basis = np.empty((9, *s.shape), dtype=np.result_type(v, s))
+    basis[:5] = _powers(v, 5)
+    basis[5] = s
+    basis[8] = s * s
+    np.multiply(s, basis[1:3], out=basis[6:8])
+    return basis
+
+
+def thin_layer(size: FloatArray, poisson_ratio: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    r"""Return the thin layer's W/W_H at equal area, its slope over ln x, and ξ/ξ_H, for a sphere.
+
+    A thin layer is an elastic foundation whose pressure diffuses over the length λ, as the tissue is squeezed
+    aside: u = A(p − λ²∇²p). Its exact answer for a paraboloid, Bessel functions of a/λ, is replaced by a root
+    that has both limits, compressible and not: ξ/ξ_H = ½ − ¼(1 + (a/λ)²/12)^{−1/2}.
+
+    Parameters
+    ----------
+    size : ndarray
+        x = a/t.
+    poisson_ratio : ndarray
+        ν.
+    """
+    w = 1 / (1 - poisson_ratio)
+    stiff = (1 - 2 * poisson_ratio) * w * w
+    spread = (3 - 4 * poisson_ratio) * w * w / 3 - stiff * w
+    square = size * size
+    root = np.sqrt(1 + stiff / (12 * spread) * square)
+    load = (np.pi / 64) / spread * square * size / (root * (1 + root))
+    return load, load * (1 + (1 + root) / (root * root)), 0.5 - 0.25 / root
+
+
+def polynomial(coefficients: Sequence[float] | FloatArray, at: FloatArray) -> FloatArray:
+    """Return Σ c_j x^j, the coefficients along the first axis."""
+    value = coefficients[-1] * at
+    for coefficient in coefficients[-2:0:-1]:
+        value += coefficient
+        value *= at
+    value += coefficients[0]
+    return value
+
+
+def polynomial_slope(coefficients: Sequence[float] | FloatArray, at: FloatArray) -> FloatArray:
+    """Return x times the derivative of `polynomial`."""
+    value = (len(coefficients) - 1) * coefficients[-1] * at
+    for power in range(len(coefficients) - 2, 0, -1):
+        value += power * coefficients[power]
+        value *= at
+    return value
+
+
+class LayerFactors:
+    """Those of a layer, for contacts of mean radius a.
+
+    Parameters
+    ----------
+    thickness, poisson_ratio : ndarray
+        Of the layer; one number ν for all contacts takes less time.
+    slenderness : ndarray
+        (1 − k)²/k, k being the axis ratio in Hertz theory.
+    """
+
+    def __init__(self, thickness: FloatArray, poisson_ratio: FloatArray, slenderness: FloatArray) -> None:
+        self._thickness, self.poisson_ratio, self._slenderness = thickness, poisson_ratio, slenderness
+        self._basis: FloatArray | None = None
+        self._known: dict[str, FloatArray] = {}
+        self._radius: FloatArray | None = None  # at which the thin layer's values are known
+
+    def ratio(self, radius: FloatArray) -> FloatArray:
+        """Return a/t."""
+        return radius / self._thickness
+
+    def size(self, radius: FloatArray) -> FloatArray:
+        """Return u."""
+        ratio = radius / self._thickness
+        return ratio / (1 + ratio / law.SCALE)
+
+    def coefficients(self, table: FloatArray) -> FloatArray:
+        """Return the powers of u that a table of coefficients gives, along the first axis."""
+        if self._basis is None:
+            nu = self.poisson_ratio
+            self._basis = layer_basis(nu, self._slenderness) if nu.ndim else _powers(self._slenderness, 3)
+        if self.poisson_ratio.ndim:
+            return table @ self._basis
+        v = np.array([1, 10 * (self.poisson_ratio - 0.4)])
+        circle = table[:, :5] @ (v[1] ** np.arange(5))
+        slender = table[:, 5:8] @ (v[1] ** np.arange(3))
+        return np.stack([circle, slender, table[:, 8]], axis=1) @ self._basis
+
+    def value(self, of: str, radius: FloatArray) -> FloatArray:
+        """Return W/W_H or ξ/ξ_H."""
+        return self._value(of, radius)[0]
+
+    def value_and_slope(self, of: str, radius: FloatArray) -> Value:
+        """Return W/W_H or ξ/ξ_H, and the slope of its logarithm."""
+        value, u, c, thin_slope = self._value(of, radius)
+        rest = 1 - u / law.SCALE
+        polynomial_, slope = polynomial(c, u), polynomial_slope(c, u)
+        if of == "load":
+            cube = u * u * u * rest
+            return value, thin_slope + cube * (rest * (3 * polynomial_ + slope) - u / law.SCALE * polynomial_)
+        root = 2 - 4 * self._thin[2]  # one over the thin layer's
+        thin_slope = 0.25 * root * (1 - root * root)
+        return value, (thin_slope + rest * (rest * slope - u / law.SCALE * polynomial_)) / value
+
+    def _value(self, of: str, radius: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+        if of not in self._known:
+            self._known[of] = self.coefficients(law.LAYER[of])
+        if radius is not self._radius:
+            self._thin = thin_layer(self.ratio(radius), self.poisson_ratio)
+            self._radius = radius
+        u, c = self.size(radius), self._known[of]
+        load, slope, indentation = self._thin
+        value = polynomial(c, u)
+        value *= 1 - u / law.SCALE
+        if of == "indentation":
+            value += indentation
+            return value, u, c, slope
+        value *= u * u * u
+        value = np.exp(value)
+        value *= 1 + load
+        return value, u, c, slope / (1 + load)
+
+    def first_guess(self, of: str, radius: FloatArray) -> FloatArray:
+        """Return about ln(a/a_H) at the load or indentation under which Hertz theory gives a_H."""
+        ratio = radius / self._thickness
+        y = ratio / (ratio + 2)
+        v = 10 * (self.poisson_ratio - 0.4)
+        even, odd = law.GUESS[of]
+        guess: FloatArray = polynomial(even, y) + v * polynomial(odd, y)
+        return guess * (y * y * y if of == "load" else y)
+
+    def roundness(self, radius: FloatArray) -> FloatArray:
+        """Return the factor on (a1/a2 − a2/a1)/2 of Hertz theory."""
+        u = self.size(radius)
+        factor: FloatArray = 1 + u * u * u * polynomial(self.coefficients(law.LAYER_SHAPE), u)
+        return factor
+
+    def peak(self, radius: FloatArray) -> FloatArray:
+        """Return the factor on the peak pressure 3W/(2A)."""
+        u = self.size(radius)
+        factor: FloatArray = 1 + u**5 * polynomial(self.coefficients(law.LAYER_PEAK), u)
+        return factor
+
+
+class PadFactors:
+    """Those of the ellipsoid, and of both together, for contacts of mean radius a.
+
+    Parameters
+    ----------
+    first_radius, second_radius, first_skewness, second_skewness, flatness : ndarray
+        Of the gap.
+    stretch : ndarray
+        a1/a2 in Hertz theory.
+    elongation : ndarray
+        (a1/a2 − a2/a1)/2.
+    """
+
+    def __init__(
+        self,
+        first_radius: FloatArray,
+        second_radius: FloatArray,
+        first_skewness: FloatArray,
+        second_skewness: FloatArray,
+        flatness: FloatArray,
+        *,
+        stretch: FloatArray,
+        elongation: FloatArray,
+    ) -> None:
+        first, second = first_skewness * first_skewness, second_skewness * second_skewness
+        self._w = flatness / np.sqrt(first_radius * second_radius)
+        self._oblique = 1 - (first * first_radius + second * second_radius) / flatness
+        first, second = first * stretch, second / stretch
+        self._p, self._m, self._cross = first + second, first - second, 2 * first_skewness * second_skewness
+        self._e = elongation
+        self._s = stretch + 1 / stretch - 2
+        self._em = elongation * self._m
+        self._known: dict[str, FloatArray] = {}
+
+    def width(self, radius: FloatArray) -> FloatArray:
+        """Return the contact's mean radius over that of the silhouette."""
+        width: FloatArray = radius * np.sqrt(self._w * self._oblique * np.sqrt(self._oblique))
+        return width
+
+    def skewness(self, radius: FloatArray) -> FloatArray:
+        """Return (μ1 a1)² + (μ2 a2)²."""
+        skewness: FloatArray = self._p * radius * radius
+        return skewness
+
+    def value(self, of: str, radius: FloatArray, u: FloatArray | None) -> FloatArray:
+        """Return the logarithm of the factor on load or indentation.
+
+        Parameters
+        ----------
+        of : str
+            load or indentation.
+        radius : ndarray
+            Mean radius of the contact.
+        u : ndarray, optional
+            Its size beside a layer's thickness.
+        """
+        square = radius * radius
+        value = polynomial(self._coefficients(of), square)
+        if u is not None:
+            value = value + u * polynomial(law.BOTH[of] @ self._products(square), u)
+        return value
+
+    def slope(self, of: str, radius: FloatArray, u: FloatArray | None) -> FloatArray:
+        """Return the slope of `value` over the logarithm of the mean radius, as for it."""
+        square = radius * radius
+        slope = 2 * polynomial_slope(self._coefficients(of), square)
+        if u is not None:
+            c, rest = law.BOTH[of] @ self._products(square), 1 - u / law.SCALE
+            slope = slope + u * ((2 + rest) * polynomial(c, u) + rest * polynomial_slope(c, u))
+        return slope
+
+    def _coefficients(self, of: str) -> FloatArray:
+        """Return those of the powers of the mean radius squared, along the first axis."""
+        if of not in self._known:
+            w, p, s, c = self._w, self._p, self._s, law.PAD[of]
+            kind = np.result_type(w, p, s)
+            powers = _powers(w.astype(kind), 1 + len(law.SPHERE[of]))
+            powers[1:] *= law.SPHERE[of][:, None]
+            powers[0] = 0
+            powers[1] += p * (c[0] + c[1] * s) + c[2] * self._em + c[3] * w * s
+            powers[2] += p * (c[4] * w + c[5] * p)
+            powers[3] += p * (c[6] * w * w + p * (c[7] * w + c[8] * p))
+            self._known[of] = powers
+        return self._known[of]
+
+    def _products(self, square: FloatArray) -> FloatArray:
+        w, p, em = self._w * square, self._p * square, self._em * square
+        return np.stack([w, p, em, w * w, w * p])
+
+    def elongations(
+        self, radius: FloatArray, u: FloatArray | None, along: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return (a/b − b/a)/2 of the contact along the principal directions, and between them.
+
+        Parameters
+        ----------
+        radius, u : ndarray
+            As for `factor`.
+        along : ndarray
+            What it is without the factors of the ellipsoid.
+        """
+        q = radius * radius
+        w, p, m, e, s = self._w * q, self._p * q, self._m * q, self._e, self._s
+        c = law.PAD_SHAPE
+        along = along + m * (c[0] + c[1] * s + w * (c[5] + c[10] * w + c[11] * p) + p * (c[6] + c[12] * p))
+        along = along + e * (w * (c[2] + c[3] * s + c[7] * w + c[8] * p) + p * (c[4] + c[9] * p))
+        turned = c[0] * self._cross * q
+        if u is not None:
+            d = law.BOTH_SHAPE
+            along = along + u * (e * (w * (d[0] + d[1] * u) + p * (d[2] + d[3] * u)) + m * (d[4] + d[5] * u))
+            turned = turned + u * self._cross * q * (d[4] + d[5] * u)
+        return along, turned
+
+    def peak(self, radius: FloatArray, u: FloatArray | None) -> FloatArray:
+        """Return the factor on the peak pressure 3W/(2A)."""
+        q = radius * radius
+        w, p, c = self._w * q, self._p * q, law.PAD_PEAK
+        value = (
+            w * (c[0] + c[2] * self._s + c[3] * w) + p * (c[1] + c[4] * w + c[5] * p) + c[6] * q * self._em
+        )
+        value = value + p * (c[7] * w * w + p * (c[8] * w + c[9] * p))
+        if u is not None:
+            value = value + u * polynomial(law.BOTH_PEAK @ self._products(q), u)
+        factor: FloatArray = 1 + value
+        return factor
+
+
+def _powers(at: FloatArray, count: int) -> FloatArray:
+    powers = np.ones((count, *at.shape), dtype=at.dtype)
+    for power in range(1, count):
+        np.multiply(powers[power - 1], at, out=powers[power])
+    return powers

@@ -1,0 +1,199 @@
+"""The command that solves the contact of a whole pad."""
+
+import json
+import math
+import re
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from fingerpad.cli import app
+from fingerpad.contact import EllipsoidContact
+from fingerpad.geometry import Ellipsoid
+
+PAD = ("--semi-axes-mm", 7.9, 13.8, 11.8, "--wedge-deg", 30, "--modulus-kpa", 102.375)
+KEYS = {
+    "load_N",
+    "area_mm2",
+    "semi_major_mm",
+    "semi_minor_mm",
+    "aspect_ratio",
+    "long_axis_along",
+    "indentation_mm",
+    "area_over_pi_indentation_mm",
+    "peak_pressure_kpa",
+    "relative_error_estimate",
+}
+
+
+def run(*arguments: object) -> tuple[int, str, str]:
+    result = CliRunner().invoke(app, ["solve", *map(str, arguments)])
+    assert result.exception is None or isinstance(result.exception, SystemExit), result.exception
+    return result.exit_code, result.stdout, result.stderr
+
+
+def run_json(*arguments: object):
+    code, out, err = run(*arguments, "--json")
+    assert (code, err) == (0, "")
+    return json.loads(out)
+
+
+def test_a_light_touch_is_hertzian() -> None:
+    record = run_json(*PAD, "--load-n", 1e-3)
+    hertz = record["hertz"]
+    assert set(hertz) == KEYS
+    assert set(record["fast"]) == {*KEYS, "flag"}
+    assert set(record) == {*KEYS, "fast", "hertz"}
+    for key in KEYS - {"long_axis_along", "relative_error_estimate"}:
+        assert record[key] == pytest.approx(hertz[key], rel=1e-3), key
+        assert record["fast"][key] == pytest.approx(hertz[key], rel=1e-3), key
+    assert record["long_axis_along"] == hertz["long_axis_along"] == "second"
+    assert record["relative_error_estimate"] < 1e-3
+    assert hertz["relative_error_estimate"] < 1e-3
+
+
+def test_a_layer_is_what_the_library_solves() -> None:
+    record = run_json(*PAD, "--load-n", 2, "--thickness-mm", 8, "--grid", 128, "--poisson-ratio", 0.45)
+    contact = EllipsoidContact.of(
+        Ellipsoid(7.9, 13.8, 11.8),
+        wedge_angle=math.radians(30),
+        reduced_modulus=0.102375 / (1 - 0.45**2),
+        poisson_ratio=0.45,
+        thickness=8.0,
+        load=2.0,
+        points=128,
+    )
+    solution, hertz = contact.solution, contact.hertz
+    assert record["load_N"] == pytest.approx(2)
+    assert record["area_mm2"] == pytest.approx(solution.area)
+    assert record["indentation_mm"] == pytest.approx(solution.indentation)
+    assert record["aspect_ratio"] == pytest.approx(1 / solution.axis_ratio)
+    assert record["peak_pressure_kpa"] == pytest.approx(1e3 * solution.peak_pressure)
+    assert record["area_over_pi_indentation_mm"] == pytest.approx(
+        record["area_mm2"] / (math.pi * record["indentation_mm"])
+    )
+    assert record["hertz"]["area_mm2"] == pytest.approx(float(hertz.area))
+    assert record["hertz"]["relative_error_estimate"] == pytest.approx(
+        float(hertz.indentation) / solution.indentation - 1
+    )
+
+
+@pytest.mark.parametrize("thickness", [(), ("--thickness-mm", 8), ("--thickness-mm", 4)])
+def test_fast_laws_keep_the_error_they_state(thickness: tuple[object, ...]) -> None:
+    rolled = ("--semi-axes-mm", 7.9, 13.8, 11.8, "--wedge-deg", 45, "--roll-deg", 20, "--modulus-kpa", 100)
+    record = run_json(*rolled, "--load-n", 1.5, *thickness, "--grid", 128)
+    fast = record["fast"]
+    assert fast["flag"] is None
+    assert fast["long_axis_along"] == record["long_axis_along"] == "second"
+    for key in ("area_mm2", "indentation_mm", "semi_major_mm", "semi_minor_mm", "peak_pressure_kpa"):
+        assert fast[key] == pytest.approx(record[key], rel=fast["relative_error_estimate"]), key
+    assert fast["relative_error_estimate"] <= 0.01
+
+
+def test_fast_laws_say_nothing_beyond_their_range() -> None:
+    arguments = (*PAD, "--load-n", 2, "--thickness-mm", 1, "--grid", 64)
+    fast = run_json(*arguments)["fast"]
+    assert fast.pop("flag") == "layer_too_thin"
+    assert set(fast.values()) == {None}
+    assert "The fast laws do not hold here: layer too thin" in run(*arguments)[1]
+
+
+# Contact radius over thickness: A/(πRξ), load over Hertz's at this indentation and at this area, ν = 0.5; a
+# coarse table, within two percent. A ball of 100 mm stands for its paraboloid.
+@pytest.mark.parametrize(
+    ("ratio", "expected"), [(0.3, (1.264, 1.44, 1.01)), (1.0, (1.80, 3.36, 1.39)), (2.0, (2.20, 8.3, 2.55))]
+)
+def test_layer_table(ratio: float, expected: tuple[float, ...]) -> None:
+    ball = ("--semi-axes-mm", 100, 100, 100, "--wedge-deg", 0, "--modulus-kpa", 75, "--grid", 128)
+    record = run_json(*ball, "--thickness-mm", 2 / ratio, "--area-mm2", 4 * math.pi)
+    assert record["area_mm2"] == pytest.approx(4 * math.pi, rel=1e-4)
+    hertz = 4 / 3 * 0.1
+    computed = (
+        record["area_over_pi_indentation_mm"] / 100,
+        record["load_N"] / (hertz * 10 * record["indentation_mm"] ** 1.5),
+        record["load_N"] / record["hertz"]["load_N"],
+    )
+    assert record["hertz"]["load_N"] == pytest.approx(hertz * 8 / 100)
+    np.testing.assert_allclose(computed, expected, rtol=0.025)
+
+
+def test_load_area_and_indentation_ask_the_same_contact() -> None:
+    solved = run_json(*PAD, "--load-n", 1, "--thickness-mm", 6, "--grid", 64)
+    for flag, key in (("--area-mm2", "area_mm2"), ("--indentation-mm", "indentation_mm")):
+        record = run_json(*PAD, flag, solved[key], "--thickness-mm", 6, "--grid", 64)
+        assert record["hertz"][key] == pytest.approx(solved[key])
+        assert record["load_N"] == pytest.approx(1, rel=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("semi_axes", "wedge", "along"),
+    [((8, 20, 12), 0, "first"), ((8, 14, 12), 60, "second"), ((9, 9, 9), 20, "either")],
+)
+def test_long_axis(semi_axes: tuple[float, ...], wedge: float, along: str) -> None:
+    record = run_json(
+        "--semi-axes-mm",
+        *semi_axes,
+        "--wedge-deg",
+        wedge,
+        "--modulus-kpa",
+        100,
+        "--load-n",
+        0.5,
+        "--grid",
+        64,
+    )
+    assert (record["long_axis_along"], record["hertz"]["long_axis_along"]) == (along, along)
+
+
+def test_people_see_a_column_for_each_answer() -> None:
+    code, out, _ = run(*PAD, "--load-n", 2, "--grid", 64)
+    assert code == 0
+    head, *rows = out.splitlines()
+    assert head.split() == ["solved", "fast", "hertz"]
+    assert {row.split()[0] for row in rows} >= KEYS
+    area = next(row for row in rows if row.startswith("area_mm2")).split()
+    assert float(area[1]) < float(area[-1])
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("--load-n", 200), "--load-n 200: the load would flatten the pad to its silhouette.*: check load"),
+        (("--area-mm2", 700), "--area-mm2 700: the area would flatten the pad to its silhouette"),
+        (("--indentation-mm", 7.5), "--indentation-mm 7.5: the indentation would flatten"),
+        (
+            ("--load-n", 2, "--thickness-mm", 0.3, "--poisson-ratio", 0.3),
+            "--load-n 2: an indentation of 0.32.* would press through the layer's thickness of 0.3: check",
+        ),
+        (
+            ("--load-n", 2, "--thickness-mm", 0.1),
+            "thickness must be at least a tenth of the contact's mean radius 1.2.*, found 0.1",
+        ),
+        (("--load-n", 2, "--thickness-mm", 0), "--thickness-mm must be positive and finite, found 0"),
+        (("--load-n", 2, "--poisson-ratio", 0.51), "--poisson-ratio.*less than or equal to 0.5"),
+        (("--load-n", 2, "--poisson-ratio", -0.1), "--poisson-ratio.*greater than or equal to 0"),
+        (("--load-n", 0), "--load-n must be positive and finite, found 0"),
+        (("--load-n", 2, "--grid", 63), "--grid.*greater than or equal to 64"),
+        ((), "give exactly one of --load-n, --area-mm2 and --indentation-mm"),
+        (("--load-n", 2, "--area-mm2", 20), "give exactly one of --load-n, --area-mm2 and --indentation-mm"),
+    ],
+)
+def test_refuses(arguments: tuple[object, ...], message: str) -> None:
+    grid = () if "--grid" in arguments else ("--grid", 64)
+    code, out, err = run(*PAD, *arguments, *grid)
+    assert (code, out) == (2, "")
+    words = " ".join(err.replace("│", " ").split())
+    assert re.search(message, words), words
+    assert "Traceback" not in err
+
+
+def test_what_does_not_converge_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("fingerpad.contact.complementarity._STEPS", 2)
+    code, _, err = run(*PAD, "--load-n", 2, "--grid", 64)
+    assert code == 2
+    assert re.fullmatch(
+        r"fingerpad: --load-n 2: the contact pressure did not converge in 2 steps: .* of the indentation; "
+        r"try another --grid\n",
+        err,
+    )
