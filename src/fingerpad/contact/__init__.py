@@ -1,5 +1,6 @@
 """The finger pad against a platen: Hertz contact, equivalent spheres, and the whole pad on a layer."""
 
+from fingerpad.contact.contact_stress import contact_stress
 from fingerpad.contact.ellipsoid_contact import EllipsoidContact
 from fingerpad.contact.elliptic import (
     complete_integrals,
@@ -22,8 +23,8 @@ from fingerpad.contact.hertz import (
     reduced_modulus,
     youngs_modulus,
 )
+from fingerpad.contact.hertz_pressure import HertzPressure, hertz_displacement
 from fingerpad.contact.influence import ElasticBody, layer_compliance_ratio
-from fingerpad.contact.layer_stress import layer_stress
 from fingerpad.contact.pad import PadContact, pad_contact
 from fingerpad.contact.solver import ContactSolution, solve_contact
 from fingerpad.contact.stress import StressField, hertz_stress
@@ -35,9 +36,11 @@ __all__ = [
     "EllipsoidContact",
     "HertzContact",
     "HertzGeometry",
+    "HertzPressure",
     "PadContact",
     "StressField",
     "complete_integrals",
+    "contact_stress",
     "curvature_ratio",
     "ellipsoid_gap",
     "equivalent_radius_from_area",
@@ -45,10 +48,10 @@ __all__ = [
     "equivalent_radius_from_indentation",
     "equivalent_radius_ratios",
     "hertz_contact",
+    "hertz_displacement",
     "hertz_stress",
     "indentation_factor",
     "layer_compliance_ratio",
-    "layer_stress",
     "pad_contact",
     "reduced_modulus",
     "size_factor",
