@@ -12,6 +12,7 @@ from fingerpad.contact import (
     ContactSolution,
     ElasticBody,
     EllipsoidContact,
+    contact_displacement,
     contact_stress,
     hertz_stress,
     solve_contact,
@@ -154,3 +155,32 @@ def test_nothing_in_the_air_in_the_bone_or_far_away() -> None:
 def test_refuses_layers_that_are_half_spaces() -> None:
     with pytest.raises(GeometryError, match="too great beside the contact"):
         contact_stress(contact(500.0, 0.5), 0.0, 0.0, 1.0)
+
+
+@pytest.mark.parametrize("found", [LAYER, HALF_SPACE])
+def test_plate_lies_on_the_surface(found: ContactSolution) -> None:
+    x, y = found.grid.coordinates
+    gap = found.indentation - contact_displacement(found, x, y)
+    touching = found.pressure > 0.2 * found.peak_pressure
+    assert_allclose(gap[touching], (x**2 / 20 + y**2 / 30)[touching], atol=1e-3 * found.indentation)
+    outside = found.pressure == 0
+    assert (gap - x**2 / 20 - y**2 / 30)[outside].max() < 1e-3 * found.indentation
+
+
+def test_displacement_of_a_half_space_is_a_sum_of_point_loads() -> None:
+    found = ELLIPSOID.solution
+    x, y = np.array([[7.0, 2.0, 9.0, 40.0], [1.0, -8.0, 9.0, -30.0]])
+    cell_x, cell_y = found.grid.coordinates
+    distance = np.hypot(x[:, None] - cell_x.ravel(), y[:, None] - cell_y.ravel())
+    expected = (found.pressure.ravel() / distance).sum(axis=-1) * found.grid.cell_area / (np.pi * 0.09)
+    assert_allclose(contact_displacement(found, x, y), expected, rtol=1e-4)
+
+
+@pytest.mark.parametrize("poisson_ratio", [0.0, 0.3, 0.5])
+def test_layer_keeps_or_loses_volume(poisson_ratio: float) -> None:
+    # Each column of a layer gives way by pt(1 + ν)(1 − 2ν)/(E(1 − ν)) on the whole.
+    found = contact(2.5, poisson_ratio)
+    side = np.linspace(-16, 16, 321)
+    volume = contact_displacement(found, side[:, None], side).sum() * 0.1**2
+    factor = (1 + poisson_ratio) * (1 - 2 * poisson_ratio) / ((1 - poisson_ratio) * (1 - poisson_ratio**2))
+    assert_allclose(volume, found.load * 2.5 * factor / 0.1, atol=1e-2 * found.load * 2.5 / 0.1)

@@ -1,6 +1,6 @@
 """The finger pad against a platen: Hertz contact, equivalent spheres, and the whole pad on a layer."""
 
-from fingerpad.contact.contact_stress import contact_stress
+from fingerpad.contact.contact_stress import contact_displacement, contact_stress
 from fingerpad.contact.ellipsoid_contact import EllipsoidContact
 from fingerpad.contact.elliptic import (
     complete_integrals,
@@ -40,6 +40,7 @@ __all__ = [
     "PadContact",
     "StressField",
     "complete_integrals",
+    "contact_displacement",
     "contact_stress",
     "curvature_ratio",
     "ellipsoid_gap",

@@ -1,4 +1,4 @@
-"""Stress under a solved contact pressure, in a half-space or in a layer bonded to a rigid base.
+"""Stress and displacement under a solved contact pressure, in a half-space or a layer bonded to a rigid base.
 
 Each wave of the pressure is a plane problem across the body, of four constants. A layer's response dies away
 as e^(−0.8 r/t) or faster: a margin of six thicknesses on each side keeps periodic images below 1e-4. That of
@@ -19,7 +19,7 @@ from scipy.ndimage import map_coordinates
 from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, broadcast
 from fingerpad.contact.grid import ContactGrid
 from fingerpad.contact.hertz_pressure import HertzPressure
-from fingerpad.contact.influence import ElasticBody
+from fingerpad.contact.influence import ElasticBody, layer_compliance_ratio
 from fingerpad.contact.solver import ContactSolution
 from fingerpad.contact.stress import StressField
 from fingerpad.exceptions import GeometryError
@@ -77,18 +77,84 @@ def contact_stress(
     [0.4  0.37]
     """
     along, across, depth = broadcast(along, across, depth)
-    grid, body = solution.grid, solution.body
+    body, angle = solution.body, solution.grid.angle
     in_body = (depth >= 0) & (depth <= body.thickness)
-    cosine, sine = math.cos(grid.angle), math.sin(grid.angle)
-    own = np.stack([along * cosine + across * sine, across * cosine - along * sine])
+    hertz, waves = _split(solution)
+    place = _in_grid_axes(along, across, angle)
+    field = _stress_of_waves(waves, body, place, depth, in_body).turned(angle)
+    if hertz is None:
+        return field
+    closed = hertz.stress(along, across, depth, poisson_ratio=body.poisson_ratio)
+    return StressField(tensor=closed.tensor + np.nan_to_num(field.tensor))
+
+
+def contact_displacement(solution: ContactSolution, along: ArrayLike, across: ArrayLike) -> FloatArray:
+    """Return the normal displacement of the surface, inside and outside a solved contact.
+
+    Parameters
+    ----------
+    solution : ContactSolution
+        A contact on a half-space or on a layer.
+    along, across : array_like
+        Coordinates in the surface, as those of the contact. On a layer, NaN is returned more than five
+        thicknesses beyond the grid of the contact.
+
+    Returns
+    -------
+    ndarray
+        Displacement into the body: the indentation less the gap, in contact.
+
+    Raises
+    ------
+    GeometryError
+        As `contact_stress`.
+
+    Examples
+    --------
+    Incompressible tissue over bone bulges around the contact:
+
+    >>> from fingerpad.contact import ElasticBody, solve_contact
+    >>> sphere = lambda x, y: (x**2 + y**2) / 20
+    >>> body = ElasticBody.of(reduced_modulus=0.1, thickness=2.0)
+    >>> contact = solve_contact(sphere, body, half_widths=(3, 3), indentation=0.5, points=64)
+    >>> contact_displacement(contact, [0.0, 2.0, 6.0], 0.0).round(2)
+    array([ 0.5 ,  0.3 , -0.03])
+    """
+    along, across = broadcast(along, across)
+    body = solution.body
+    hertz, waves = _split(solution)
+    wave = np.hypot(*_wave_vectors(waves.shape, waves.sides))
+    wave[0, 0] = 1
+    compliance = 2 / (body.reduced_modulus * wave)
+    if hertz is None:
+        compliance *= layer_compliance_ratio(wave * body.thickness, body.poisson_ratio)
+        compression = (1 - 2 * body.poisson_ratio) / (1 - body.poisson_ratio) ** 2
+        compliance[0, 0] = compression * body.thickness / body.reduced_modulus
+    place = _in_grid_axes(along, across, solution.grid.angle) - waves.first
+    inside = waves.holds(place)
+    found = np.full(along.shape, np.nan)
+    found[inside] = waves.at(waves.spectrum * compliance, place[inside])
+    if hertz is None:
+        return found
+    closed = hertz.displacement(along, across, reduced_modulus=body.reduced_modulus)
+    closed += np.nan_to_num(found)
+    return closed
+
+
+def _in_grid_axes(along: FloatArray, across: FloatArray, angle: float) -> FloatArray:
+    """Return points in the grid's own axes, shape (..., 2)."""
+    cosine, sine = math.cos(angle), math.sin(angle)
+    return np.stack([along * cosine + across * sine, across * cosine - along * sine], axis=-1)
+
+
+def _split(solution: ContactSolution) -> "tuple[HertzPressure | None, _Waves]":
+    """Return the pressure as one of Hertz theory, on a half-space, and the waves of the rest."""
+    grid, body = solution.grid, solution.body
     if math.isfinite(body.thickness):
-        return _stress_of_waves(_layer_waves(solution), body, own, depth, in_body).turned(grid.angle)
+        return None, _layer_waves(solution)
     hertz = HertzPressure.of_moments(grid, solution.pressure)
     rest = solution.pressure - hertz.over_cells(grid)
-    waves = _Waves.of(rest, grid, np.array([grid.points] * 2), body)
-    remainder = _stress_of_waves(waves, body, own, depth, in_body).turned(grid.angle)
-    closed = hertz.stress(along, across, depth, poisson_ratio=body.poisson_ratio)
-    return StressField(tensor=closed.tensor + np.nan_to_num(remainder.tensor))
+    return hertz, _Waves.of(rest, grid, np.array([grid.points] * 2), body)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -137,6 +203,19 @@ class _Waves:
             spectrum=spectrum,
             constants=constants,
         )
+
+    def holds(self, place: FloatArray) -> BoolArray:
+        """Return whether points, from the first cell's centre, are in the rectangle."""
+        span = self.sides * (1 - 1 / np.array(self.shape))
+        inside = (place >= 0) & (place <= span)
+        return inside[..., 0] & inside[..., 1]
+
+    def at(self, spectrum: ComplexArray, place: FloatArray) -> FloatArray:
+        """Return the field of a spectrum at points, from the first cell's centre."""
+        plane = fft.irfft2(spectrum, self.shape)
+        cells = (place * self.shape / self.sides).T
+        found: FloatArray = map_coordinates(plane, cells, order=3, mode="grid-wrap")
+        return found
 
     def without_decayed(self, depth: float) -> Self:
         """Leave out what has died away at a depth: a coarser grid then holds the rest."""
@@ -194,18 +273,14 @@ def _stress_of_waves(
     waves: _Waves, body: ElasticBody, own: FloatArray, depth: FloatArray, in_body: BoolArray
 ) -> StressField:
     """Return the stress at points in the grid's own axes; NaN outside the body and beyond the rectangle."""
-    span = waves.sides * (1 - 1 / np.array(waves.shape))
-    place = np.moveaxis(own, 0, -1) - waves.first
-    inside = in_body & ((place >= 0) & (place <= span)).all(axis=-1)
+    place = own - waves.first
+    inside = in_body & waves.holds(place)
     tensor = np.full((*depth.shape, 3, 3), np.nan)
     for level in np.unique(depth[inside]):
         here = inside & (depth == level)
         left = waves.without_decayed(level)
-        cells = (place[here] * left.shape / left.sides).T
-        for (row, column), values in zip(_COMPONENTS, _transfer(left, level, body), strict=True):
-            plane = fft.irfft2(values, left.shape, overwrite_x=True)
-            found = map_coordinates(plane, cells, order=3, mode="grid-wrap")
-            tensor[here, row, column] = tensor[here, column, row] = found
+        for (row, column), spectrum in zip(_COMPONENTS, _transfer(left, level, body), strict=True):
+            tensor[here, row, column] = tensor[here, column, row] = left.at(spectrum, place[here])
     return StressField(tensor=tensor)
 
 
