@@ -53,6 +53,7 @@ STUDY = (
 VALID = {
     "geometry": "--semi-axes-mm 8 14 12 --wedge-deg 30",
     "hertz": "--radii-mm 12 14 --modulus-kpa 100 --load-n 2",
+    "fields": "--semi-axes-mm 8 14 12 --wedge-deg 30 --modulus-kpa 70 --load-n 1 --depth-mm 1 --grid 64",
     "correct": "--ellipse-mm 7 5 --radius-mm 18",
     "fit": "curve.csv",
     "run": "study.toml",
@@ -65,6 +66,7 @@ VALID = {
 # What a flag needs beside it, and what it stands in place of.
 BESIDE = {
     "--indentation-mm": ("", "--load-n"),
+    "--area-mm2": ("", "--load-n"),
     "--radius-mm-std": ("--radius-mm 12", ""),
     "--constraint-std": ("--constraint 2", ""),
     "--scale-line": ("--line-mm 10", "--ppi --mm-per-px"),

@@ -15,6 +15,7 @@ from fingerpad.contact.equivalent import (
     equivalent_radius_from_indentation,
     equivalent_radius_ratios,
 )
+from fingerpad.contact.field import ContactField, ContactSection
 from fingerpad.contact.gap import Counterface, ellipsoid_gap
 from fingerpad.contact.hertz import (
     HertzContact,
@@ -30,6 +31,8 @@ from fingerpad.contact.solver import ContactSolution, solve_contact
 from fingerpad.contact.stress import StressField, hertz_stress
 
 __all__ = [
+    "ContactField",
+    "ContactSection",
     "ContactSolution",
     "Counterface",
     "ElasticBody",

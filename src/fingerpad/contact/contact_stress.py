@@ -32,6 +32,7 @@ _MARGIN = 6  # thicknesses on each side of the contact
 _LARGEST = 1200  # cells along a side of the padded grid
 _COARSEST = 32  # cells along a side of the contact's own grid
 _DECAYED = 30.0  # e-folds, after which nothing of a wave is left
+_FEW = 4  # points that are summed wave by wave
 _COMPONENTS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 
 
@@ -212,9 +213,23 @@ class _Waves:
 
     def at(self, spectrum: ComplexArray, place: FloatArray) -> FloatArray:
         """Return the field of a spectrum at points, from the first cell's centre."""
+        if len(place) <= _FEW:
+            return self._sum(spectrum, place)
         plane = fft.irfft2(spectrum, self.shape)
         cells = (place * self.shape / self.sides).T
         found: FloatArray = map_coordinates(plane, cells, order=3, mode="grid-wrap")
+        return found
+
+    def _sum(self, spectrum: ComplexArray, place: FloatArray) -> FloatArray:
+        """Return what `at` does, wave by wave: for a few points faster than the whole plane."""
+        first, second = _wave_vectors(self.shape, self.sides)
+        twice = np.full(second.size, 2.0)  # for the waves that `rfft2` leaves out
+        twice[0] = 1
+        if self.shape[1] % 2 == 0:
+            twice[-1] = 1
+        along_second = spectrum @ (twice[:, None] * np.exp(1j * second.T * place[:, 1]))
+        waves = np.sum(np.exp(1j * first * place[:, 0]) * along_second, axis=0)
+        found: FloatArray = waves.real / math.prod(self.shape)
         return found
 
     def without_decayed(self, depth: float) -> Self:
@@ -263,7 +278,7 @@ def _layer_waves(solution: ContactSolution) -> _Waves:
         if len(pressure) < 2 * _COARSEST or len(pressure) % 2:
             raise GeometryError(
                 f"thickness {thickness:g} is too great beside the contact's semi-minor axis "
-                f"{solution.semi_minor:g}: the stress is that in a half-space, which takes no thickness"
+                f"{solution.semi_minor:g}: leave it out, the stress is that in a half-space"
             )
         pressure = (pressure[::2] + pressure[1::2]) / 2
         pressure = (pressure[:, ::2] + pressure[:, 1::2]) / 2
