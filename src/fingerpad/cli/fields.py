@@ -124,8 +124,8 @@ def _record(field: "ContactField", depths: "FloatArray") -> dict[str, Any]:
         "area_mm2": field.area,
         "indentation_mm": field.indentation,
         "peak_pressure_kpa": KPA_PER_MPA * field.peak_pressure,
-        "highest_shear_kpa": KPA_PER_MPA * highest,
-        "highest_shear_depth_mm": where,
+        "highest_shear_on_axis_kpa": KPA_PER_MPA * highest,
+        "highest_shear_on_axis_depth_mm": where,
         "depth_mm": depths,
     }
     for name, place in _COMPONENTS.items():
@@ -142,9 +142,9 @@ def _record(field: "ContactField", depths: "FloatArray") -> dict[str, Any]:
 def _print_fields(record: dict[str, Any]) -> None:
     """Print the contacts side by side, and the field on both axes as tables."""
     both = {"whole pad": record, "Hertz": record["hertz"]}
-    typer.echo(f"{'':<24}" + "".join(f"{name:>11}" for name in both))
+    typer.echo(f"{'':<30}" + "".join(f"{name:>11}" for name in both))
     for key in (key for key, value in record["hertz"].items() if np.ndim(value) == 0):
-        typer.echo(f"{key:<24}" + "".join(f"{one[key]:11.4g}" for one in both.values()))
+        typer.echo(f"{key:<30}" + "".join(f"{one[key]:11.4g}" for one in both.values()))
     for title, one in both.items():
         typer.echo(f"\n{title}, below the place of first contact")
         typer.echo("depth_mm" + "".join(f"{heading:>{width}}" for heading, _, width in _COLUMNS))

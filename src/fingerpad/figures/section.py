@@ -17,7 +17,7 @@ from fingerpad.contact import ContactField, ContactSection
 from fingerpad.figures.style import BLACK, BLUE, GREY, VERMILLION, in_style, legend_above, new_figure
 from fingerpad.units import KPA_PER_MPA
 
-_LEVELS: Final = 11
+_LEVELS: Final = 14
 _COLOURS: Final = "YlOrBr"
 _BONE: Final = "#ece7dc"
 _BONE_SHOWN: Final = 0.09  # of the section's width
@@ -74,7 +74,7 @@ def plot_section(
         The filled contours, for a colour bar.
     """
     shear = KPA_PER_MPA * section.maximum_shear
-    levels = MaxNLocator(_LEVELS).tick_values(0, float(np.nanmax(shear)))
+    levels = MaxNLocator(_LEVELS, steps=(1, 2, 2.5, 5, 10)).tick_values(0, float(np.nanmax(shear)))
     filled = axes.contourf(section.along, section.depth, shear, levels, cmap=_COLOURS)
     axes.contour(section.along, section.depth, shear, levels, colors=BLACK, linewidths=0.25, alpha=0.5)
     left, right, bottom = section.along[0], section.along[-1], section.depth[-1]
@@ -160,7 +160,6 @@ class _Layout:
     left: float = 11.0
     right: float = 17.5
     top: float = 5.0
-    pressure: float = 17.0
     gap: float = 2.5
     label: float = 10.0
     bar: float = 2.6
@@ -169,6 +168,10 @@ class _Layout:
     @property
     def inner(self) -> float:
         return self.width - self.left - self.right
+
+    @property
+    def pressure(self) -> float:
+        return 0.3 * self.inner
 
     def box(self, low: float, height: float, total: float) -> tuple[float, float, float, float]:
         return self.left / self.width, low / total, self.inner / self.width, height / total
