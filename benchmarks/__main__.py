@@ -17,6 +17,7 @@ from benchmarks import (
     contact_images,
     contact_solver,
     engine,
+    fields,
     images,
     loading,
     mutations,
@@ -85,6 +86,7 @@ if __name__ == "__main__":
     hertz_accuracy()
     hertz_speed()
     contact_solver.report()
+    fields.report()
     uncertainty.monte_carlo_speed()
     uncertainty.first_order_against_simulation()
     studies.study_coverage()

@@ -184,3 +184,14 @@ def test_layer_keeps_or_loses_volume(poisson_ratio: float) -> None:
     volume = contact_displacement(found, side[:, None], side).sum() * 0.1**2
     factor = (1 + poisson_ratio) * (1 - 2 * poisson_ratio) / ((1 - poisson_ratio) * (1 - poisson_ratio**2))
     assert_allclose(volume, found.load * 2.5 * factor / 0.1, atol=1e-2 * found.load * 2.5 / 0.1)
+
+
+@pytest.mark.parametrize("poisson_ratio", [0.3, 0.5])
+def test_strains_down_to_the_base_add_up_to_the_displacement(poisson_ratio: float) -> None:
+    found = contact(2.5, poisson_ratio)
+    node, weight = np.polynomial.legendre.leggauss(16)
+    depth, x = 1.25 * (node + 1), np.array([0.0, 1.2, 3.0])
+    stress = contact_stress(found, x, 0.4, depth[:, None])
+    strain = stress.strain(youngs_modulus=0.1 * (1 - poisson_ratio**2), poisson_ratio=poisson_ratio)
+    total = -1.25 * weight @ strain[..., 2, 2]
+    assert_allclose(total, contact_displacement(found, x, 0.4), atol=2e-4 * found.indentation)

@@ -58,7 +58,7 @@ class ContactSection:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ContactField:
-    """Pressure, stress and strain of one contact, and the tissue that bears it.
+    """Pressure, stress and strain of one contact, and the tissue below it.
 
     The axis is the normal at the place of first contact, where both coordinates in the surface are zero.
 

@@ -17,7 +17,8 @@ from fingerpad.contact import ContactField, ContactSection
 from fingerpad.figures.style import BLACK, BLUE, GREY, VERMILLION, in_style, legend_above, new_figure
 from fingerpad.units import KPA_PER_MPA
 
-_LEVELS: Final = 14
+_LEVELS: Final = 16
+_STEPS: Final = 1, 2, 2.5, 5, 10  # between levels and ticks
 _COLOURS: Final = "YlOrBr"
 _BONE: Final = "#ece7dc"
 _BONE_SHOWN: Final = 0.09  # of the section's width
@@ -48,7 +49,7 @@ def plot_contact_pressure(
         legend_above(axes, columns=2)
     axes.set_xlim(section.along[0], section.along[-1])
     axes.set_ylim(bottom=0)
-    axes.yaxis.set_major_locator(MaxNLocator(3))
+    axes.yaxis.set_major_locator(MaxNLocator(3, steps=_STEPS))
     axes.set_ylabel("pressure (kPa)")
     return axes
 
@@ -74,7 +75,7 @@ def plot_section(
         The filled contours, for a colour bar.
     """
     shear = KPA_PER_MPA * section.maximum_shear
-    levels = MaxNLocator(_LEVELS, steps=(1, 2, 2.5, 5, 10)).tick_values(0, float(np.nanmax(shear)))
+    levels = MaxNLocator(_LEVELS, steps=_STEPS).tick_values(0, float(np.nanmax(shear)))
     filled = axes.contourf(section.along, section.depth, shear, levels, cmap=_COLOURS)
     axes.contour(section.along, section.depth, shear, levels, colors=BLACK, linewidths=0.25, alpha=0.5)
     left, right, bottom = section.along[0], section.along[-1], section.depth[-1]
@@ -93,6 +94,7 @@ def plot_section(
     axes.set_xlim(left, right)
     axes.set_ylim(bottom, 0)
     axes.set_aspect("equal")
+    axes.yaxis.set_major_locator(MaxNLocator(5, steps=(1, 2, 5, 10)))
     axes.grid(visible=False)
     axes.set_xlabel("along the finger (mm), fingertip →")
     axes.set_ylabel("depth (mm)")
