@@ -25,13 +25,12 @@ from fingerpad.contact.stress import StressField
 from fingerpad.exceptions import GeometryError
 
 ComplexArray: TypeAlias = NDArray[np.complex128]
-IntArray: TypeAlias = NDArray[np.int_]
 Number = TypeVar("Number", np.float64, np.complex128)
 
 _MARGIN = 6  # thicknesses on each side of the contact
-_LARGEST = 1200  # cells along a side of the padded grid
+_LARGEST = 1700  # cells along a side of the padded grid
 _COARSEST = 32  # cells along a side of the contact's own grid
-_DECAYED = 30.0  # e-folds, after which nothing of a wave is left
+_DECAYED = 20.0  # e-folds, after which nothing of a wave is left
 _FEW = 4  # points that are summed wave by wave
 _COMPONENTS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 
@@ -152,10 +151,10 @@ def _split(solution: ContactSolution) -> "tuple[HertzPressure | None, _Waves]":
     """Return the pressure as one of Hertz theory, on a half-space, and the waves of the rest."""
     grid, body = solution.grid, solution.body
     if math.isfinite(body.thickness):
-        return None, _layer_waves(solution)
+        margin = np.full(2, _MARGIN * body.thickness)
+        return None, _Waves.of(solution.pressure, grid, margin, body)
     hertz = HertzPressure.of_moments(grid, solution.pressure)
-    rest = solution.pressure - hertz.over_cells(grid)
-    return hertz, _Waves.of(rest, grid, np.array([grid.points] * 2), body)
+    return hertz, _Waves.of(solution.pressure - hertz.over_cells(grid), grid, 2 * grid.half_widths, body)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -183,13 +182,23 @@ class _Waves:
     constants: FloatArray
 
     @classmethod
-    def of(cls, pressure: FloatArray, grid: ContactGrid, margin: IntArray, body: ElasticBody) -> Self:
-        """Return the waves of a pressure over the grid, with a margin of so many cells on each side."""
-        points = len(pressure)
-        spacing = 2 * grid.half_widths / points
-        shape = tuple(fft.next_fast_len(points + 2 * int(cells), real=True) for cells in margin)
+    def of(cls, pressure: FloatArray, grid: ContactGrid, margin: FloatArray, body: ElasticBody) -> Self:
+        """Return the waves of a pressure over the grid, with so wide a margin on each side of it.
+
+        Where that takes too many cells, they are made larger.
+        """
+        spacing = np.array(grid.spacing)
+        while (len(pressure) + 2 * np.ceil(margin / spacing)).max() > _LARGEST:
+            if len(pressure) < 2 * _COARSEST:
+                raise GeometryError(
+                    f"thickness {body.thickness:g} is too great beside the contact: leave it out, the "
+                    "stress is that in a half-space"
+                )
+            pressure, spacing = _half_as_many(pressure), 2 * spacing
+        points, cells = len(pressure), np.ceil(margin / spacing).astype(int)
+        shape = tuple(fft.next_fast_len(points + 2 * int(count), real=True) for count in cells)
         padded = np.zeros(shape)
-        padded[margin[0] : margin[0] + points, margin[1] : margin[1] + points] = pressure
+        padded[cells[0] : cells[0] + points, cells[1] : cells[1] + points] = pressure
         spectrum, sides = fft.rfft2(padded), np.array(shape) * spacing
         constants = np.zeros((*spectrum.shape, 4))
         constants[..., :2] = 1  # of a half-space
@@ -200,7 +209,7 @@ class _Waves:
         return cls(
             shape=shape,
             sides=sides,
-            first=grid.centre - grid.half_widths + (0.5 - margin) * spacing,
+            first=grid.centre - grid.half_widths + (0.5 - cells) * spacing,
             spectrum=spectrum,
             constants=constants,
         )
@@ -268,20 +277,11 @@ def _fewer_waves(values: NDArray[Number], shape: tuple[int, int]) -> NDArray[Num
     return fewer
 
 
-def _layer_waves(solution: ContactSolution) -> _Waves:
-    """Return the waves of the pressure with a margin wide enough, on a coarser grid if it takes that."""
-    grid, thickness, pressure = solution.grid, solution.body.thickness, solution.pressure
-    while True:
-        margin = np.ceil(_MARGIN * thickness / (2 * grid.half_widths / len(pressure))).astype(int)
-        if margin.max() * 2 + len(pressure) <= _LARGEST:
-            return _Waves.of(pressure, grid, margin, solution.body)
-        if len(pressure) < 2 * _COARSEST or len(pressure) % 2:
-            raise GeometryError(
-                f"thickness {thickness:g} is too great beside the contact's semi-minor axis "
-                f"{solution.semi_minor:g}: leave it out, the stress is that in a half-space"
-            )
-        pressure = (pressure[::2] + pressure[1::2]) / 2
-        pressure = (pressure[:, ::2] + pressure[:, 1::2]) / 2
+def _half_as_many(pressure: FloatArray) -> FloatArray:
+    """Return the mean pressure over squares of four cells."""
+    even = np.pad(pressure, (0, len(pressure) % 2))
+    mean: FloatArray = (even[::2, ::2] + even[1::2, ::2] + even[::2, 1::2] + even[1::2, 1::2]) / 4
+    return mean
 
 
 def _stress_of_waves(

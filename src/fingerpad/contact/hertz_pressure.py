@@ -1,7 +1,8 @@
 """The pressure of Hertz theory in the plane of contact, and how it displaces the surface of a half-space."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import product
 from typing import Self
 
 import numpy as np
@@ -143,14 +144,11 @@ class HertzPressure:
 
     def over_cells(self, grid: ContactGrid) -> FloatArray:
         """Return the mean pressure over each cell of a grid that holds all of it."""
-        fine = ContactGrid(
-            centre=grid.centre,
-            half_widths=grid.half_widths,
-            angle=grid.angle,
-            points=_SAMPLES * grid.points,
-        )
-        parts = self.at(*fine.coordinates).reshape(grid.points, _SAMPLES, grid.points, _SAMPLES)
-        mean: FloatArray = parts.mean(axis=(1, 3))
+        shifts = (np.arange(_SAMPLES) + 0.5) / _SAMPLES - 0.5
+        mean = np.zeros((grid.points, grid.points))
+        for shift in product(shifts, shifts):
+            moved = replace(grid, centre=grid.centre + np.multiply(shift, grid.spacing))
+            mean += self.at(*moved.coordinates)
         load = 2 / 3 * np.pi * self.semi_major * self.semi_minor * self.peak_pressure
         mean *= load / (mean.sum() * grid.cell_area)
         return mean
