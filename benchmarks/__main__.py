@@ -18,6 +18,7 @@ from benchmarks import (
     contact_law_errors,
     contact_solver,
     engine,
+    fields,
     images,
     loading,
     mutations,
@@ -87,6 +88,7 @@ if __name__ == "__main__":
     hertz_speed()
     contact_solver.report()
     contact_law_errors.report()
+    fields.report()
     uncertainty.monte_carlo_speed()
     uncertainty.first_order_against_simulation()
     studies.study_coverage()

@@ -3,25 +3,10 @@
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from tests.contact.point_loads import point_load_stress
 
 from fingerpad._arrays import FloatArray
 from fingerpad.contact import StressField, hertz_stress
-
-
-def under_point_load(x: FloatArray, y: FloatArray, z: FloatArray, poisson_ratio: float) -> FloatArray:
-    """Boussinesq's stress under a unit force (Johnson 1985, Eq. 3.20)."""
-    r, loss = np.sqrt(x**2 + y**2 + z**2), 1 - 2 * poisson_ratio
-    plane = np.array([[x * x, x * y], [x * y, y * y]])
-    eye = np.eye(2)[:, :, None, None]
-    stress = np.empty((3, 3, *r.shape))
-    stress[:2, :2] = loss * (
-        eye * (z / r**3 - 1 / (r * (r + z))) + plane * (2 * r + z) / (r**3 * (r + z) ** 2)
-    )
-    stress[:2, :2] -= 3 * plane * z / r**5
-    stress[0, 2] = stress[2, 0] = -3 * x * z**2 / r**5
-    stress[1, 2] = stress[2, 1] = -3 * y * z**2 / r**5
-    stress[2, 2] = -3 * z**3 / r**5
-    return stress / (2 * np.pi)
 
 
 def integrated(place: tuple[float, float, float], a: float, b: float, poisson_ratio: float) -> FloatArray:
@@ -30,7 +15,7 @@ def integrated(place: tuple[float, float, float], a: float, b: float, poisson_ra
     radius, pressure = np.sin(angle), np.cos(angle)
     load = a * b * (np.pi / 4 * weight * pressure * radius * np.cos(angle))[:, None] * 2 * np.pi / 400
     x, y = a * radius[:, None] * np.cos(turn), b * radius[:, None] * np.sin(turn)
-    stress = under_point_load(place[0] - x, place[1] - y, np.full_like(x, place[2]), poisson_ratio)
+    stress = point_load_stress(place[0] - x, place[1] - y, np.full_like(x, place[2]), poisson_ratio)
     return np.sum(stress * load, axis=(-2, -1))
 
 
@@ -95,7 +80,7 @@ def test_equilibrium() -> None:
 def test_far_field_is_point_load() -> None:
     place = np.array([30.0]), np.array([-50.0]), np.array([40.0])
     found = hertz_stress(*place, semi_x=1, semi_y=0.7, peak_pressure=1, poisson_ratio=0.3).tensor[0]
-    expected = under_point_load(*(one[:, None] for one in place), 0.3)[..., 0, 0] * 2 / 3 * np.pi * 0.7
+    expected = point_load_stress(*(one[:, None] for one in place), 0.3)[..., 0, 0] * 2 / 3 * np.pi * 0.7
     assert_allclose(found, expected, atol=1e-3 * np.abs(expected).max())
 
 
@@ -112,3 +97,13 @@ def test_uniaxial_strain_and_energy() -> None:
     )
     assert_allclose(field.strain_energy_density(youngs_modulus=4.0, poisson_ratio=0.3), 0.5)
     assert_allclose(field.maximum_shear, 1)
+
+
+def test_surface_has_no_gaps() -> None:
+    # The circle whose radius is the lesser semi-axis, inside the ellipse, and the edge itself.
+    place = np.array([[1.0, 0.0], [0.6, 0.8], [0.0, 1.0], [2.0, 0.0]]).T
+    on, below = (
+        hertz_stress(*place, z, semi_x=2, semi_y=1, peak_pressure=1, poisson_ratio=0.3).tensor
+        for z in (0.0, 1e-9)
+    )
+    assert_allclose(on, below, atol=1e-4)

@@ -23,6 +23,8 @@ from fingerpad.simulate import (
     render_sequence,
 )
 
+FIELDS = ["fields", "--semi-axes-mm", "7.9", "13.8", "11.8", "--wedge-deg", "30"]
+FIELDS += ["--modulus-kpa", "70", "--grid", "64"]
 EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "dzidek2017"
 
 
@@ -93,6 +95,50 @@ def test_correct() -> None:
         "radius_from_compliance_mm": 18.61139,
     }
     assert record == pytest.approx(expected, rel=3e-7)
+
+
+def test_fields() -> None:
+    record = run_json(*FIELDS, "--load-n", 2, "--thickness-mm", 8, "--depth-mm", 2, 0.5, 8)
+    hertz = record["hertz"]
+    assert record["depth_mm"] == hertz["depth_mm"] == [0.5, 2, 8]
+    assert record["load_N"] == pytest.approx(2)
+    assert hertz["load_N"] == pytest.approx(2)
+    assert record["area_mm2"] < hertz["area_mm2"]
+    for one in (record, hertz):
+        low, _, high = np.transpose(one["principal_stresses_kpa"])
+        np.testing.assert_allclose(one["maximum_shear_kpa"], (high - low) / 2)
+        assert max(one["maximum_shear_kpa"]) <= one["highest_shear_on_axis_kpa"]
+        # Incompressible: strains without change of volume, and their energy by the deviatoric stress alone.
+        strain = np.array([one[f"strain_{name}"] for name in ("xx", "yy", "zz")])
+        stress = np.array([one[f"stress_{name}_kpa"] for name in ("xx", "yy", "zz")])
+        np.testing.assert_allclose(strain.sum(axis=0), 0, atol=1e-12)
+        np.testing.assert_allclose(strain, 1.5 * (stress - stress.mean(axis=0)) / 70, atol=1e-12)
+        np.testing.assert_allclose(
+            one["strain_energy_density_kJ_per_m3"],
+            0.5 * (stress * strain).sum(axis=0) + np.multiply(one["stress_xz_kpa"], one["strain_xz"]),
+            rtol=1e-3,
+        )
+    repeated = run_json(*FIELDS, "--load-n", 2, "--depth-mm", 2, "--depth-mm", 0.5)
+    assert (repeated["depth_mm"], repeated["thickness_mm"]) == ([0.5, 2], None)
+    assert repeated["hertz"]["stress_zz_kpa"] == hertz["stress_zz_kpa"][:2]
+
+
+def test_fields_at_an_area_and_indentation() -> None:
+    at_area = run_json(*FIELDS, "--area-mm2", 90)
+    assert at_area["area_mm2"] == pytest.approx(90, rel=1e-3)
+    assert at_area["hertz"]["area_mm2"] == pytest.approx(90)
+    pressed = run_json(*FIELDS, "--indentation-mm", 1.5)
+    assert pressed["indentation_mm"] == pressed["hertz"]["indentation_mm"] == pytest.approx(1.5)
+
+
+def test_fields_as_text_and_drawn(tmp_path: Path) -> None:
+    code, out, _ = run(*FIELDS, "--load-n", 2, "--thickness-mm", 2.2, "--plot", tmp_path / "drawn")
+    assert code == 0
+    assert "Meissner, Merkel" in out
+    assert "2.2 " in out
+    assert "literature" in out
+    assert {path.name for path in (tmp_path / "drawn").iterdir()} == {"section.svg", "section.png"}
+    assert "maximum shear stress" in (tmp_path / "drawn" / "section.svg").read_text(encoding="utf-8")
 
 
 def test_text_output_with_units() -> None:
@@ -191,6 +237,16 @@ def test_text_output_with_units() -> None:
         (
             ["measure", "print", "x.png", "--scale-line", "5,5,5,9", "--line-mm", "-3"],
             "--line-mm.*should be greater",
+        ),
+        (FIELDS, "give exactly one of --load-n, --area-mm2 and --indentation-mm"),
+        ([*FIELDS, "--load-n", "2", "--area-mm2", "90"], "give exactly one"),
+        ([*FIELDS, "--load-n", "2", "--poisson-ratio", "0.6"], "--poisson-ratio must be from 0 to 0.5"),
+        ([*FIELDS, "--load-n", "90"], "would flatten the pad to its silhouette"),
+        ([*FIELDS, "--area-mm2", "12", "--thickness-mm", "0.18"], "at least a tenth of the contact"),
+        ([*FIELDS, "--load-n", "2", "--thickness-mm", "400"], "leave it out"),
+        (
+            [*FIELDS, "--load-n", "2", "--thickness-mm", "6", "--depth-mm", "2", "7"],
+            "--depth-mm must be at least 0 and at most --thickness-mm 6, found 7",
         ),
         (["measure", "print", "x.png", "--scale-line", "5,5,5", "--line-mm", "3"], "takes 4 numbers"),
         (["measure", "print", "x.png", "--scale-line", "5,5,5,9"], "give --line-mm"),

@@ -54,6 +54,7 @@ VALID = {
     "geometry": "--semi-axes-mm 8 14 12 --wedge-deg 30",
     "hertz": "--radii-mm 12 14 --modulus-kpa 100 --load-n 2",
     "solve": "--semi-axes-mm 8 14 12 --wedge-deg 30 --modulus-kpa 100 --load-n 2 --grid 64",
+    "fields": "--semi-axes-mm 8 14 12 --wedge-deg 30 --modulus-kpa 70 --load-n 1 --depth-mm 1 --grid 64",
     "correct": "--ellipse-mm 7 5 --radius-mm 18",
     "fit": "curve.csv",
     "run": "study.toml",

@@ -127,12 +127,12 @@ def test_one_page_per_finger_and_index(drawn: Path) -> None:
 def test_only_changed_pages_redrawn(finished: Path) -> None:
     out = finished / "out"
     before = pages(out)
-    told: list[str] = []
-    run(finished, told.append)
-    assert of_fingers(told) == []
+    items: list[str] = []
+    run(finished, items.append)
+    assert finger_pages(items) == []
     assert pages(out) == before
-    run(finished, told.append, thumb_mm=6.2)
-    assert of_fingers(told) == ["page of thumb"]
+    run(finished, items.append, thumb_mm=6.2)
+    assert finger_pages(items) == ["page of thumb"]
     after = pages(out)
     assert {name for name in after if after[name] != before[name]} == {"thumb"}
 

@@ -9,6 +9,7 @@ from fingerpad.cli import imports, measure, model, study
 from fingerpad.cli.app import app as page
 from fingerpad.cli.compare import compare
 from fingerpad.cli.export import export
+from fingerpad.cli.fields import fields
 from fingerpad.cli.fit import fit
 from fingerpad.cli.shared import Command, Commands
 from fingerpad.cli.solve import solve
@@ -26,6 +27,7 @@ app = typer.Typer(
 app.command()(model.geometry)
 app.command()(model.hertz)
 app.command()(solve)
+app.command()(fields)
 app.command()(model.correct)
 app.command()(model.reproduce)
 app.add_typer(measure.app, name="measure")

@@ -62,7 +62,24 @@ def _is_interrupt(error: BaseException | None) -> bool:
 
 
 class Command(TyperCommand):
-    """A command whose numbers are finite, and of a size that anything about a finger can have."""
+    """A command whose numbers are finite, and of a size that anything about a finger can have.
+
+    A flag that may be repeated takes several numbers at once, too.
+    """
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Parse the arguments, with such a flag before each of its numbers."""
+        repeated = {flag for one in self.params if getattr(one, "multiple", False) for flag in one.opts}
+        flag, spread = "", list[str]()
+        for word in args:
+            if word in repeated:
+                flag = word
+            elif not _is_number(word):
+                flag = ""
+            elif flag and spread[-1] != flag:
+                spread.append(flag)
+            spread.append(word)
+        return super().parse_args(ctx, spread)
 
     def invoke(self, ctx: Any) -> Any:
         """Run it, unless a flag is given a number that nothing can be computed from."""
@@ -75,6 +92,14 @@ class Command(TyperCommand):
                         f"in magnitude, found {number:g}"
                     )
         return super().invoke(ctx)
+
+
+def _is_number(word: str) -> bool:
+    try:
+        float(word)
+    except ValueError:
+        return False
+    return True
 
 
 def print_error(text: str) -> None:

@@ -1,5 +1,6 @@
 """The finger pad against a platen: Hertz contact, equivalent spheres, and the whole pad on a layer."""
 
+from fingerpad.contact.contact_stress import contact_displacement, contact_stress
 from fingerpad.contact.ellipsoid_contact import EllipsoidContact
 from fingerpad.contact.elliptic import (
     complete_integrals,
@@ -15,6 +16,7 @@ from fingerpad.contact.equivalent import (
     equivalent_radius_ratios,
 )
 from fingerpad.contact.fast_laws import FastContact, FastEllipse, fast_contact, fast_ellipse
+from fingerpad.contact.field import ContactField, ContactSection
 from fingerpad.contact.gap import Counterface, ellipsoid_gap
 from fingerpad.contact.hertz import (
     HertzContact,
@@ -23,14 +25,16 @@ from fingerpad.contact.hertz import (
     reduced_modulus,
     youngs_modulus,
 )
+from fingerpad.contact.hertz_pressure import HertzPressure, hertz_displacement
 from fingerpad.contact.influence import ElasticBody, layer_compliance_ratio
-from fingerpad.contact.layer_stress import layer_stress
 from fingerpad.contact.pad import PadContact, pad_contact
 from fingerpad.contact.pad_gap import PadGap
 from fingerpad.contact.solver import ContactSolution, solve_contact
 from fingerpad.contact.stress import StressField, hertz_stress
 
 __all__ = [
+    "ContactField",
+    "ContactSection",
     "ContactSolution",
     "Counterface",
     "ElasticBody",
@@ -39,10 +43,13 @@ __all__ = [
     "FastEllipse",
     "HertzContact",
     "HertzGeometry",
+    "HertzPressure",
     "PadContact",
     "PadGap",
     "StressField",
     "complete_integrals",
+    "contact_displacement",
+    "contact_stress",
     "curvature_ratio",
     "ellipsoid_gap",
     "equivalent_radius_from_area",
@@ -52,10 +59,10 @@ __all__ = [
     "fast_contact",
     "fast_ellipse",
     "hertz_contact",
+    "hertz_displacement",
     "hertz_stress",
     "indentation_factor",
     "layer_compliance_ratio",
-    "layer_stress",
     "pad_contact",
     "reduced_modulus",
     "size_factor",

@@ -11,6 +11,7 @@ from typing import Self
 
 import numpy as np
 
+from fingerpad._arrays import FloatArray
 from fingerpad.contact.gap import Counterface, ellipsoid_gap, relative_curvature_tensor
 from fingerpad.contact.hertz import HertzContact, HertzGeometry
 from fingerpad.contact.influence import ElasticBody
@@ -133,14 +134,12 @@ class EllipsoidContact:
             reduced_modulus=reduced_modulus, thickness=thickness, poisson_ratio=poisson_ratio
         )
         normal = platen_normal(wedge_angle, roll_angle)
-        tensor = relative_curvature_tensor(pad, normal, rigid)
-        curvatures, angle = principal_curvatures(tensor[0, 0], tensor[1, 1], tensor[0, 1])
-        geometry = HertzGeometry(*(1 / curvatures))
+        geometry, angle = hertz_geometry_of_pad(pad, normal, rigid)
         solution = solve_contact(
             partial(ellipsoid_gap, pad, normal, counterface=rigid),
             body,
             half_widths=_guess(geometry, reduced_modulus, load, indentation, area),
-            angle=float(angle),
+            angle=angle,
             load=load,
             indentation=indentation,
             area=area,
@@ -152,6 +151,30 @@ class EllipsoidContact:
         )
 
 
+def hertz_geometry_of_pad(
+    pad: Ellipsoid, normal: FloatArray, counterface: Counterface
+) -> tuple[HertzGeometry, float]:
+    """Return the paraboloid of the gap, and the angle from the finger to its first principal direction."""
+    tensor = relative_curvature_tensor(pad, normal, counterface)
+    curvatures, angle = principal_curvatures(tensor[0, 0], tensor[1, 1], tensor[0, 1])
+    return HertzGeometry(*(1 / curvatures)), float(angle)
+
+
+def hertz_contact_at(
+    geometry: HertzGeometry,
+    reduced_modulus: float,
+    load: float | None,
+    indentation: float | None,
+    area: float | None,
+) -> HertzContact:
+    """Return the contact under a load, at an indentation or of an area, whichever is given."""
+    if load is not None:
+        return geometry.under_load(load, reduced_modulus=reduced_modulus)
+    if indentation is not None:
+        return geometry.at_indentation(indentation, reduced_modulus=reduced_modulus)
+    return geometry.at_area(np.nan if area is None else area, reduced_modulus=reduced_modulus)
+
+
 def _guess(
     geometry: HertzGeometry,
     reduced_modulus: float,
@@ -160,11 +183,6 @@ def _guess(
     area: float | None,
 ) -> tuple[float, float]:
     """Return Hertz theory's semi-axes along the two principal directions."""
-    if load is not None:
-        contact = geometry.under_load(load, reduced_modulus=reduced_modulus)
-    elif indentation is not None:
-        contact = geometry.at_indentation(indentation, reduced_modulus=reduced_modulus)
-    else:
-        contact = geometry.at_area(np.nan if area is None else area, reduced_modulus=reduced_modulus)
+    contact = hertz_contact_at(geometry, reduced_modulus, load, indentation, area)
     axes = float(contact.semi_major), float(contact.semi_minor)
     return axes[::-1] if geometry.long_axis == 1 else axes

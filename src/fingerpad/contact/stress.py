@@ -5,7 +5,9 @@ over the family of confocal ellipsoids, a Carlson integral. The second, ∫p ln(
 bodies alone; it is elementary, here a smooth integral of rational functions, and the same for circles.
 """
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 from scipy.special import elliprd
@@ -52,6 +54,12 @@ class StressField:
         principal = self.principal
         shear: FloatArray = (principal[..., 2] - principal[..., 0]) / 2
         return shear
+
+    def turned(self, angle: float) -> Self:
+        """Return the stress on axes from which those of this field are turned by an angle about the third."""
+        cosine, sine = math.cos(angle), math.sin(angle)
+        turn = np.array([[cosine, -sine, 0], [sine, cosine, 0], [0, 0, 1]])
+        return replace(self, tensor=turn @ self.tensor @ turn.T)
 
     def strain(self, *, youngs_modulus: ArrayLike, poisson_ratio: float) -> FloatArray:
         """Return the strain ((1 + ν)σ − ν tr σ)/E.
@@ -181,7 +189,8 @@ def _confocal_root(x: FloatArray, y: FloatArray, z: FloatArray, a: FloatArray, b
     # With the lesser semi-axis in both terms the root is larger, and that of a quadratic.
     half = (plane + z**2 - least) / 2
     discriminant = np.sqrt(half**2 + least * z**2)
-    root = np.where(half > 0, half + discriminant, least * z**2 / (discriminant - half))
+    below = np.where(half > 0, 1, discriminant - half)
+    root = np.where(half > 0, half + discriminant, least * z**2 / np.where(below > 0, below, 1))
     quadratic = first + second - plane - z**2
     linear = first * second - x**2 * second - y**2 * first - z**2 * (first + second)
     constant = -first * second * z**2

@@ -19,6 +19,7 @@ from fingerpad.figures.results import (
     plot_aspect_ratio,
     plot_corrected_radius,
 )
+from fingerpad.figures.section import mark_receptors, plot_contact_pressure, plot_section, section_figure
 from fingerpad.figures.sequence import plot_press
 from fingerpad.figures.style import figure_svg, new_figure, save_figure
 from fingerpad.figures.uncertainty import plot_uncertainty_budget
@@ -27,10 +28,12 @@ from fingerpad.figures.wedge import plot_wedge, plot_wedge_in_pad_axes
 __all__ = [
     "dzidek2017_figures",
     "figure_svg",
+    "mark_receptors",
     "new_figure",
     "plot_area_against_load",
     "plot_aspect_ratio",
     "plot_contact_compliance",
+    "plot_contact_pressure",
     "plot_corrected_radius",
     "plot_initial_modulus",
     "plot_load_indentation",
@@ -40,8 +43,10 @@ __all__ = [
     "plot_press",
     "plot_relaxation",
     "plot_secant_modulus",
+    "plot_section",
     "plot_uncertainty_budget",
     "plot_wedge",
     "plot_wedge_in_pad_axes",
     "save_figure",
+    "section_figure",
 ]

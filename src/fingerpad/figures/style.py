@@ -281,8 +281,8 @@ def _selected(std: ArrayLike | None, mask: BoolArray) -> FloatArray | None:
     return broadcast(as_float_array(std).ravel() if as_float_array(std).ndim else std, mask)[0][mask]
 
 
-def legend_above(axes: Axes) -> None:
-    """Put the legend over the frame, where no data can be."""
+def legend_above(axes: Axes, *, columns: int | None = None) -> None:
+    """Put the legend over the frame, where no data can be; by default in two columns from four entries on."""
     count = len(axes.get_legend_handles_labels()[0])
     if count:
         axes.legend(
@@ -291,7 +291,7 @@ def legend_above(axes: Axes) -> None:
             borderaxespad=0.1,
             labelspacing=0.25,
             columnspacing=1.0,
-            ncols=1 if count <= 3 else 2,
+            ncols=columns or (1 if count <= 3 else 2),
         )
 
 

@@ -1,0 +1,171 @@
+"""The command that tells the stress and strain under a contact."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Final
+
+import numpy as np
+import typer
+
+from fingerpad._files import make_folder
+from fingerpad.cli.shared import AsJson, print_json, require_positive
+from fingerpad.exceptions import GeometryError
+from fingerpad.units import KPA_PER_MPA
+
+if TYPE_CHECKING:
+    from fingerpad._arrays import FloatArray
+    from fingerpad.contact import ContactField
+
+# Depths of receptors in the fingertip, mm, as the literature has them; they vary from person to person.
+RECEPTORS: Final = {"Meissner": (0.5, 0.7), "Merkel": (0.7, 1.0), "Pacinian": (1.5, 2.5)}
+_DEFAULT_DEPTHS: Final = (0.5, 0.7, 1.0, 1.5, 2.0, 2.5)
+_COMPONENTS: Final = {"xx": (0, 0), "yy": (1, 1), "zz": (2, 2), "xy": (0, 1), "xz": (0, 2), "yz": (1, 2)}
+
+# Heading, key and width.
+_COLUMNS: Final = (
+    ("xx", "stress_xx_kpa", 9),
+    ("yy", "stress_yy_kpa", 9),
+    ("zz", "stress_zz_kpa", 9),
+    ("shear", "maximum_shear_kpa", 9),
+    ("energy", "strain_energy_density_kJ_per_m3", 9),
+    ("strain_zz", "strain_zz", 11),
+)
+
+
+def fields(
+    semi_axes_mm: Annotated[
+        tuple[float, float, float], typer.Option(help="Palmar, distal and radial-ulnar semi-axes, mm.")
+    ],
+    wedge_deg: Annotated[
+        float, typer.Option(min=0, max=90, help="Wedge angle, degrees: 0 is flat, 90 on the fingertip.")
+    ],
+    modulus_kpa: Annotated[float, typer.Option(help="Young's modulus E, kPa.")],
+    roll_deg: Annotated[
+        float, typer.Option(min=-360, max=360, help="Roll about the finger's long axis, degrees.")
+    ] = 0.0,
+    poisson_ratio: Annotated[float, typer.Option(help="Poisson's ratio, 0 to 0.5.")] = 0.5,
+    thickness_mm: Annotated[
+        float | None, typer.Option(help="Thickness of tissue on bone, mm; a half-space without it.")
+    ] = None,
+    load_n: Annotated[float | None, typer.Option(help="Normal force, N.")] = None,
+    area_mm2: Annotated[float | None, typer.Option(help="Contact area, mm², instead.")] = None,
+    indentation_mm: Annotated[float | None, typer.Option(help="Indentation, mm, instead.")] = None,
+    depth_mm: Annotated[
+        list[float] | None,
+        typer.Option(
+            help="Depth below the surface, mm; may be repeated. By default those of receptors in the "
+            "literature, which vary: Meissner 0.5-0.7, Merkel 0.7-1, Pacinian 1.5-2.5.",
+            show_default=False,
+        ),
+    ] = None,
+    grid: Annotated[int, typer.Option(min=64, max=1024, help="Cells along each side of the grid.")] = 256,
+    plot: Annotated[
+        Path | None, typer.Option(help="Folder for the section under the contact, as SVG and PNG.")
+    ] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Find stress and strain below the place of first contact, by Hertz theory and for the whole pad.
+
+    x points along the finger, y across, z into the tissue; tension is positive. Hertz theory is that of a
+    half-space, under the same load, area or indentation.
+    """
+    from fingerpad.contact import ContactField, EllipsoidContact, reduced_modulus
+    from fingerpad.geometry import Ellipsoid
+
+    given = {"--load-n": load_n, "--area-mm2": area_mm2, "--indentation-mm": indentation_mm}
+    if sum(value is not None for value in given.values()) != 1:
+        raise GeometryError("give exactly one of --load-n, --area-mm2 and --indentation-mm")
+    for flag, value in (*given.items(), ("--modulus-kpa", modulus_kpa), ("--thickness-mm", thickness_mm)):
+        require_positive(flag, value)
+    for semi_axis in semi_axes_mm:
+        require_positive("--semi-axes-mm", semi_axis)
+    if not 0 <= poisson_ratio <= 0.5:
+        raise GeometryError(f"--poisson-ratio must be from 0 to 0.5, found {poisson_ratio:g}")
+    depths = _depths(depth_mm, np.inf if thickness_mm is None else thickness_mm)
+    press: dict[str, Any] = {
+        "wedge_angle": np.radians(wedge_deg),
+        "roll_angle": np.radians(roll_deg),
+        "reduced_modulus": float(reduced_modulus(modulus_kpa / KPA_PER_MPA, poisson_ratio)),
+        "poisson_ratio": poisson_ratio,
+        "load": load_n,
+        "area": area_mm2,
+        "indentation": indentation_mm,
+    }
+    pad = Ellipsoid(*semi_axes_mm)
+    hertz = ContactField.of_hertz(pad, **press)
+    contact = EllipsoidContact.of(pad, thickness=thickness_mm, points=grid, **press)
+    solved = ContactField.of_solution(contact.solution)
+    record = _record(solved, depths) | {"thickness_mm": thickness_mm, "hertz": _record(hertz, depths)}
+    if plot is not None:
+        _plot_section(solved, hertz, plot)
+    if as_json:
+        print_json(record)
+    else:
+        _print_fields(record)
+
+
+def _depths(given: list[float] | None, thickness: float) -> "FloatArray":
+    """Return the given depths in ascending order, or those of receptors as far as there is tissue."""
+    if not given:
+        return np.unique([min(depth, thickness) for depth in _DEFAULT_DEPTHS])
+    for depth in given:
+        if not 0 <= depth <= thickness:
+            bone = "" if np.isinf(thickness) else f" and at most --thickness-mm {thickness:g}"
+            raise GeometryError(f"--depth-mm must be at least 0{bone}, found {depth:g}")
+    return np.unique(given)
+
+
+def _record(field: "ContactField", depths: "FloatArray") -> dict[str, Any]:
+    """Return a contact and the field on its axis, a list of one value for each depth."""
+    stress = field.stress_on_axis(depths)
+    strain = field.strain(stress)
+    highest, where = field.highest_shear_on_axis()
+    record: dict[str, Any] = {
+        "load_N": field.load,
+        "area_mm2": field.area,
+        "indentation_mm": field.indentation,
+        "peak_pressure_kpa": KPA_PER_MPA * field.peak_pressure,
+        "highest_shear_on_axis_kpa": KPA_PER_MPA * highest,
+        "highest_shear_on_axis_depth_mm": where,
+        "depth_mm": depths,
+    }
+    for name, place in _COMPONENTS.items():
+        record[f"stress_{name}_kpa"] = KPA_PER_MPA * stress.tensor[:, *place]
+    record["principal_stresses_kpa"] = KPA_PER_MPA * stress.principal
+    record["maximum_shear_kpa"] = KPA_PER_MPA * stress.maximum_shear
+    for name, place in _COMPONENTS.items():
+        record[f"strain_{name}"] = strain[:, *place]
+    record["principal_strains"] = np.linalg.eigvalsh(strain)
+    record["strain_energy_density_kJ_per_m3"] = KPA_PER_MPA * field.strain_energy_density(stress)
+    return record
+
+
+def _print_fields(record: dict[str, Any]) -> None:
+    """Print the contacts side by side, and the field on both axes as tables."""
+    both = {"whole pad": record, "Hertz": record["hertz"]}
+    typer.echo(f"{'':<30}" + "".join(f"{name:>11}" for name in both))
+    for key in (key for key, value in record["hertz"].items() if np.ndim(value) == 0):
+        typer.echo(f"{key:<30}" + "".join(f"{one[key]:11.4g}" for one in both.values()))
+    for title, one in both.items():
+        typer.echo(f"\n{title}, below the place of first contact")
+        typer.echo("depth_mm" + "".join(f"{heading:>{width}}" for heading, _, width in _COLUMNS))
+        for index, depth in enumerate(one["depth_mm"]):
+            values = "".join(f"{one[key][index]:{width}.4g}" for _, key, width in _COLUMNS)
+            typer.echo(f"{depth:<8.4g}{values}  {_receptors_at(depth)}".rstrip())
+    typer.echo("\nStresses in kPa, energy in kJ/m³; --json gives all components, and strains.")
+    typer.echo("Depths of receptors vary between people; those named here are from the literature.")
+
+
+def _receptors_at(depth: float) -> str:
+    return ", ".join(name for name, (low, high) in RECEPTORS.items() if low <= depth <= high)
+
+
+def _plot_section(solved: "ContactField", hertz: "ContactField", folder: Path) -> None:
+    from fingerpad.figures import save_figure, section_figure
+
+    make_folder(folder)
+    figure = section_figure(solved, hertz=hertz, receptors=RECEPTORS)
+    save_figure(
+        figure,
+        folder / "section",
+        description="Contact pressure and maximum shear stress in the section along the finger.",
+    )

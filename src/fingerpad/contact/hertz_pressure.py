@@ -1,0 +1,186 @@
+"""The pressure of Hertz theory in the plane of contact, and how it displaces the surface of a half-space."""
+
+import math
+from dataclasses import dataclass, replace
+from itertools import product
+from typing import Self
+
+import numpy as np
+from scipy.special import elliprd, elliprf
+
+from fingerpad._arrays import ArrayLike, FloatArray, broadcast
+from fingerpad.contact.grid import ContactGrid
+from fingerpad.contact.hertz import HertzContact
+from fingerpad.contact.stress import StressField, hertz_stress
+
+_SAMPLES = 4  # along each side of a cell
+
+
+@np.errstate(all="ignore")
+def hertz_displacement(
+    x: ArrayLike,
+    y: ArrayLike,
+    *,
+    semi_x: ArrayLike,
+    semi_y: ArrayLike,
+    peak_pressure: ArrayLike,
+    reduced_modulus: ArrayLike,
+) -> FloatArray:
+    r"""Return the normal displacement of the surface under p0 √(1 − x²/a² − y²/b²), inside and outside.
+
+    .. math:: u = \frac{a b p_0}{2 E^*} \int_\lambda^\infty
+        \left(1 - \frac{x^2}{a^2 + s} - \frac{y^2}{b^2 + s}\right) \frac{ds}{\sqrt{(a^2 + s)(b^2 + s) s}}
+
+    (Johnson 1985, section 3.5), with λ zero inside the contact and the root of the bracket outside;
+    two of Carlson's integrals.
+
+    Parameters
+    ----------
+    x, y : array_like
+        Points of the surface.
+    semi_x, semi_y : array_like
+        Semi-axes a and b of the contact ellipse along x and y, in either order of size.
+    peak_pressure : array_like
+        p0.
+    reduced_modulus : array_like
+        E*.
+
+    Returns
+    -------
+    ndarray
+        Displacement into the body; NaN where a semi-axis is not positive.
+
+    Examples
+    --------
+    A circle sinks by twice as much in the middle as at its edge:
+
+    >>> u = hertz_displacement([0.0, 1.0], 0.0, semi_x=1, semi_y=1, peak_pressure=1, reduced_modulus=1)
+    >>> (u / np.pi).round(12)
+    array([0.5 , 0.25])
+    """
+    x, y, a, b, p0, modulus = broadcast(x, y, semi_x, semi_y, peak_pressure, reduced_modulus)
+    good = (a > 0) & (b > 0)
+    scale = np.where(good, np.maximum(a, b), np.nan)
+    xx, yy, aa, bb = (x / scale) ** 2, (y / scale) ** 2, (a / scale) ** 2, (b / scale) ** 2
+    half = (aa + bb - xx - yy) / 2
+    product = aa * bb - xx * bb - yy * aa  # of the roots; negative outside the contact
+    root = np.sqrt(half**2 - np.minimum(product, 0))
+    root = np.where(product < 0, np.where(half > 0, -product / (half + root), root - half), 0)
+    integral = 2 * elliprf(aa + root, bb + root, root)
+    integral_x = 2 / 3 * elliprd(bb + root, root, aa + root)
+    integral_y = 2 / 3 * elliprd(aa + root, root, bb + root)
+    shape: FloatArray = integral - xx * integral_x - yy * integral_y
+    return a * b / scale * p0 / (2 * modulus) * shape
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class HertzPressure:
+    """A semi-ellipsoidal pressure over an ellipse that lies anywhere in the plane of contact.
+
+    Attributes
+    ----------
+    peak_pressure : float
+        p0.
+    semi_major, semi_minor : float
+        Semi-axes of the ellipse.
+    long_axis_angle : float
+        From the plane's first coordinate, along the finger, to the long axis, radians.
+    centre : ndarray, shape (2,)
+        Centre of the ellipse in the plane.
+
+    Examples
+    --------
+    >>> pressure = HertzPressure(
+    ...     peak_pressure=1.0, semi_major=2.0, semi_minor=1.0, long_axis_angle=np.pi / 2, centre=np.zeros(2)
+    ... )
+    >>> pressure.at([0.0, 0.6, 1.0], [0.0, 0.0, 0.0]).round(12)
+    array([1. , 0.8, 0. ])
+    """
+
+    peak_pressure: float
+    semi_major: float
+    semi_minor: float
+    long_axis_angle: float
+    centre: FloatArray
+
+    @classmethod
+    def of_contact(cls, contact: HertzContact, long_axis_angle: float) -> Self:
+        """Return the pressure of one Hertz contact, whose long axis lies at an angle to the finger."""
+        return cls(
+            peak_pressure=float(contact.peak_pressure),
+            semi_major=float(contact.semi_major),
+            semi_minor=float(contact.semi_minor),
+            long_axis_angle=long_axis_angle,
+            centre=np.zeros(2),
+        )
+
+    @classmethod
+    def of_moments(cls, grid: ContactGrid, pressure: FloatArray) -> Self:
+        """Return the pressure that has the load, centre and second moments of one given on a grid.
+
+        Its variance along a semi-axis a is a²/5.
+        """
+        place = np.stack(np.meshgrid(*grid.sides, indexing="ij"), axis=-1)
+        load = pressure.sum()
+        middle = np.tensordot(pressure, place, 2) / load
+        offset = place - middle
+        second = np.einsum("ij,ijk,ijl->kl", pressure, offset, offset) / load
+        spread, axes = np.linalg.eigh(second)
+        minor, major = np.sqrt(5 * spread)
+        return cls(
+            peak_pressure=float(1.5 * load * grid.cell_area / (np.pi * major * minor)),
+            semi_major=float(major),
+            semi_minor=float(minor),
+            long_axis_angle=grid.angle + math.atan2(axes[1, 1], axes[0, 1]),
+            centre=grid.to_plane(middle),
+        )
+
+    def at(self, along: ArrayLike, across: ArrayLike) -> FloatArray:
+        """Return the pressure at points of the plane."""
+        x, y = self._own(*broadcast(along, across))
+        inside = 1 - (x / self.semi_major) ** 2 - (y / self.semi_minor) ** 2
+        pressure: FloatArray = self.peak_pressure * np.sqrt(np.maximum(inside, 0))
+        return pressure
+
+    def over_cells(self, grid: ContactGrid) -> FloatArray:
+        """Return the mean pressure over each cell of a grid that holds all of it."""
+        shifts = (np.arange(_SAMPLES) + 0.5) / _SAMPLES - 0.5
+        mean = np.zeros((grid.points, grid.points))
+        for shift in product(shifts, shifts):
+            moved = replace(grid, centre=grid.centre + np.multiply(shift, grid.spacing))
+            mean += self.at(*moved.coordinates)
+        load = 2 / 3 * np.pi * self.semi_major * self.semi_minor * self.peak_pressure
+        mean *= load / (mean.sum() * grid.cell_area)
+        return mean
+
+    def stress(
+        self, along: ArrayLike, across: ArrayLike, depth: ArrayLike, *, poisson_ratio: float
+    ) -> StressField:
+        """Return the stress in a half-space, as `hertz_stress`, on axes along, across and down."""
+        along, across, depth = broadcast(along, across, depth)
+        x, y = self._own(along, across)
+        field = hertz_stress(
+            *(x, y, depth),
+            semi_x=self.semi_major,
+            semi_y=self.semi_minor,
+            peak_pressure=self.peak_pressure,
+            poisson_ratio=poisson_ratio,
+        )
+        return field.turned(self.long_axis_angle)
+
+    def displacement(self, along: ArrayLike, across: ArrayLike, *, reduced_modulus: float) -> FloatArray:
+        """Return the normal displacement of the half-space's surface, as `hertz_displacement`."""
+        x, y = self._own(*broadcast(along, across))
+        return hertz_displacement(
+            *(x, y),
+            semi_x=self.semi_major,
+            semi_y=self.semi_minor,
+            peak_pressure=self.peak_pressure,
+            reduced_modulus=reduced_modulus,
+        )
+
+    def _own(self, along: FloatArray, across: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return coordinates along the ellipse's own axes."""
+        cosine, sine = math.cos(self.long_axis_angle), math.sin(self.long_axis_angle)
+        along, across = along - self.centre[0], across - self.centre[1]
+        return along * cosine + across * sine, across * cosine - along * sine
