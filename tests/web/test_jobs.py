@@ -14,6 +14,8 @@ from filelock import FileLock
 from tests.waiting import wait_until
 from tests.web.conftest import DEMO, serving, shorten
 
+from fingerpad.exceptions import ManifestError
+from fingerpad.study.pipeline import run_study
 from fingerpad.web import run_job
 from fingerpad.web.workspace import Workspace
 
@@ -176,6 +178,30 @@ def test_results_change_without_new_measurements(client):
     run_of(client)
     rows = {row["item"]: row for row in client.get("/api/results/rows").json()["rows"]}
     assert (rows["o4"]["status"], rows["o4"]["pooled"], rows["o2"]["load_N"]) == ("rejected", False, 2.5)
+
+
+def test_a_study_with_issues_opens_and_lists_each_but_does_not_run(client, study):
+    state = client.get("/api/study").json()
+    edits = [
+        {"kind": "observation", "key": "half", "set": {"file": "synthetic/synthetic_30deg_1N.png"}},
+        {"kind": "scale", "key": "camera", "set": {"mm_per_px": 7}},
+    ]
+    answer = client.post("/api/study/edits", json={"expected": state["digest"], "edits": edits})
+    answer.raise_for_status()
+    assert 'name = "half"' in (study / "study.toml").read_text()
+    opened = client.get("/api/study").json()
+    assert [one["item"] for one in opened["observations"] if not one["complete"]] == ["half"]
+    words = [one["words"] for one in opened["missing"]]
+    refused = client.post("/api/run", json={})
+    assert refused.status_code == 422
+    assert [one["words"] for one in refused.json()["faults"]] == words
+    assert {"the load is missing", "the wedge angle is missing", "which finger it is is missing"} <= {*words}
+    with pytest.raises(ManifestError) as error:
+        run_study(study, study / "results")
+    lines = str(error.value).splitlines()
+    assert len(lines) == len(words)
+    assert lines[0] == "study.toml: scales.camera.mm_per_px: expected less than or equal to 1, found 7"
+    assert not (study / "results").exists()
 
 
 def test_live_results_equal_those_of_the_run(client):

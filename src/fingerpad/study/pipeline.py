@@ -102,7 +102,7 @@ def run_study(
     active_corrections = log.active_corrections()
     if log.digest is not None:
         parsed[CORRECTIONS_NAME] = log.digest
-    inputs = [*parsed, *(name for _, name in study.named_files())]
+    inputs = [*parsed, *(name for _, name in study.files())]
     _refuse_to_overwrite(inputs, folder, out)
     make_folder(out)
     with Store.writing(out / STORE_NAME) as store:
@@ -188,8 +188,8 @@ def _require_as_read(parsed: dict[str, str], digests: dict[str, str]) -> None:
 
 def _require_unchanged(study: Study, folder: Path, store: Store) -> None:
     """Raise if a table that was read beside the pictures is not what it was when the run began."""
-    for place, name in study.named_files():
-        if place.rpartition(".")[2] in {"outline", "force", "times"} and not store.unchanged(folder / name):
+    for loc, name in study.files():
+        if loc[-1] in {"outline", "force", "times"} and not store.unchanged(folder / name):
             raise StoreError(
                 f"{name}: was changed during the run: no results were written; run again to go on"
             )

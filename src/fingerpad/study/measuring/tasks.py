@@ -8,14 +8,13 @@ from functools import partial
 from pathlib import Path
 from typing import Any, Final, TypeAlias
 
-from pydantic import BaseModel
-
 from fingerpad._files import file_stem
 from fingerpad.study.corrections.changes import ContactCorrection
 from fingerpad.study.corrections.history import ActiveCorrection
 from fingerpad.study.engine.task import Record, Task
 from fingerpad.study.engine.versions import versions_of
 from fingerpad.study.manifest import CoinScale, Finger, Observation, Photograph, ScaleTable, Study
+from fingerpad.study.manifest.tables import ManifestModel
 from fingerpad.study.measuring.fingers import face_record, is_rejected, photograph_item
 from fingerpad.study.measuring.measure import contact_correction, measure_observation
 from fingerpad.study.measuring.records import measurement_record
@@ -27,7 +26,6 @@ Scales: TypeAlias = Mapping[str, FoundScale | str]
 _NOT_MEASURED: Final = frozenset(
     ("finger", "wedge_angle_deg", "roll_angle_deg", "load_N", "notes", "scale", "pool_min_load_N")
 )
-_FILES: Final = ("file", "outline", "background", "force", "times")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -56,12 +54,12 @@ class CacheKeys:
         active_correction = self.active_corrections.get(item)
         return {} if active_correction is None else active_correction.change.edits
 
-    def of(self, table: BaseModel, *more: object, leave_out: frozenset[str] = frozenset()) -> str:
+    def of(self, table: ManifestModel, *more: object, leave_out: frozenset[str] = frozenset()) -> str:
         """Return the key of what the manifest says in a table.
 
         Parameters
         ----------
-        table : BaseModel
+        table : ManifestModel
             Of an observation, a sequence or a photograph.
         *more
             Further parameters of the result.
@@ -71,7 +69,7 @@ class CacheKeys:
         parameters = table.model_dump(mode="json", exclude=set(_NOT_MEASURED | leave_out))
         name = getattr(table, "scale", None)
         scale = self.study.scales[name].model_dump(mode="json") if isinstance(name, str) else None
-        if scale is None and isinstance(name, BaseModel):
+        if scale is None and isinstance(name, ManifestModel):
             scale = name.model_dump(mode="json")
         digests = {file: self.digest(self.folder / file) for file in self.inputs_of(table, leave_out)}
         return cache_key(parameters, name if isinstance(name, str) else None, scale, digests, *more)
@@ -80,13 +78,11 @@ class CacheKeys:
         """Return the digest of the picture that a scale is measured in, None where it needs none."""
         return self.digest(self.folder / table.coin) if isinstance(table, CoinScale) else None
 
-    def inputs_of(self, table: BaseModel, leave_out: frozenset[str] = frozenset()) -> tuple[str, ...]:
+    def inputs_of(self, table: ManifestModel, leave_out: frozenset[str] = frozenset()) -> tuple[str, ...]:
         """Return the files and folders that a table names, but for those of some keys."""
         scale = getattr(table, "scale", None)
-        scale = self.study.scales[scale] if isinstance(scale, str) else scale
-        coin = (scale.coin,) if isinstance(scale, CoinScale) else ()
-        names = (name for name in _FILES if name not in leave_out)
-        return (*(file for name in names if (file := getattr(table, name, None))), *coin)
+        shared = self.study.scales[scale].files() if isinstance(scale, str) else ()
+        return tuple(file for loc, file in (*table.files(), *shared) if loc[0] not in leave_out)
 
 
 def cache_key(*parts: object) -> str:
@@ -160,6 +156,6 @@ def pictures_of(finger: Finger) -> list[Photograph]:
     return [photograph for photograph in finger.photographs if photograph.file is not None]
 
 
-def item_key(keys: CacheKeys, item: str, table: BaseModel) -> str:
+def item_key(keys: CacheKeys, item: str, table: ManifestModel) -> str:
     """Return the key of an observation or a photograph."""
     return keys.of(table, keys.edits(item))

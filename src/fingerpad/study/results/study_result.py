@@ -112,11 +112,11 @@ class StudyResult(Displayed):
                 "curves": [one for one in self.study.curves if one.finger == name],
             }
         )
-        scales = {scale for _, scale in study.named_scales()}
+        scales = set(study.named_scales())
         study = study.model_copy(
             update={"scales": {key: scale for key, scale in study.scales.items() if key in scales}}
         )
-        files = {file for _, file in study.named_files()}
+        files = {file for _, file in study.files()}
         hashes = self.provenance["inputs_sha256"]
         own = [summary.finger == name for summary in self.summaries]
         return replace(
