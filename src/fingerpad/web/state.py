@@ -2,8 +2,8 @@
 
 from collections import Counter
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from dataclasses import asdict
-from functools import cache
 from typing import Annotated, Any, Final
 
 import numpy as np
@@ -19,12 +19,12 @@ from fingerpad.study.corrections.log import frames_of
 from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.manifest import LoadedStudy, Study
 from fingerpad.study.manifest.load import STUDY_NAME
+from fingerpad.study.measuring.context import RunContext
 from fingerpad.study.measuring.curves import curve_items
 from fingerpad.study.measuring.fingers import is_rejected
-from fingerpad.study.measuring.run import items_of
-from fingerpad.study.measuring.tasks import CacheKeys
 from fingerpad.study.results.columns import COLUMNS
 from fingerpad.study.results.rows import RANGE_NOTES
+from fingerpad.study.status import item_states
 from fingerpad.web import answers
 from fingerpad.web.endpoints import Endpoint, Params
 from fingerpad.web.last_results import Results, known_finger, last_results, results_faults
@@ -105,30 +105,12 @@ def _has_report(opened: StudySession) -> bool:
 def _item_states(
     study: Study, opened: StudySession, active_corrections: Mapping[str, ActiveCorrection]
 ) -> dict[str, str]:
-    """Return the status of each item: done, failed, stale or left.
-
-    An item that is not in the store is left; its file is not read.
-    """
-    keys = CacheKeys(study=study, folder=opened.folder, digest=str, active_corrections=active_corrections)
-    states = {name: "left" for name, _ in items_of(keys)}
+    """Return the status of each item: done, failed, stale or left."""
     path = opened.out / STORE_NAME
-    if not path.is_file():
-        return states
-    try:
-        with Store.reading(path) as store:
-            statuses = store.statuses()
-            keys = CacheKeys(
-                study=study,
-                folder=opened.folder,
-                digest=cache(store.digest),
-                active_corrections=active_corrections,
-            )
-            for name, key in items_of(keys):
-                if (status := statuses.get(name)) is not None:
-                    states[name] = status.status if status.key == key() else "stale"
-    except _UNREADABLE:
-        return states  # the run reports what is wrong with it
-    return states
+    if path.is_file():
+        with suppress(*_UNREADABLE), Store.reading(path) as store:  # a run reports what is wrong with it
+            return item_states(RunContext.of(study, opened.folder, active_corrections, store))
+    return item_states(RunContext.of(study, opened.folder, active_corrections, None))
 
 
 def _same_inputs(opened: StudySession, study: Study, provenance: Mapping[str, Any]) -> bool:

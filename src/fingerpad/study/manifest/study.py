@@ -40,9 +40,10 @@ class Study(ManifestModel):
 
     def named_scales(self) -> Iterator[str]:
         """Yield the name of a scale for every use of it."""
-        return (scale for scale in self._scales_in_use() if isinstance(scale, str))
+        return (scale for scale in self.scales_in_use() if isinstance(scale, str))
 
-    def _scales_in_use(self) -> Iterator[ScaleKey]:
+    def scales_in_use(self) -> Iterator[ScaleKey]:
+        """Yield the scale of each picture and sequence: a table, or the name of one."""
         for _, table in self.tables():
             for one in (table, *(inner for _, inner in table.tables())):
                 if (scale := getattr(one, "scale", None)) is not None:
@@ -53,7 +54,7 @@ class Study(ManifestModel):
         common = self.uncertainty
         stds = {"the wedge angle": common.wedge_angle_deg_std, "the load": common.load_relative_std}
         used = dict.fromkeys(self.named_scales())
-        own = (scale for scale in self._scales_in_use() if isinstance(scale, ManifestModel))
+        own = (scale for scale in self.scales_in_use() if isinstance(scale, ManifestModel))
         return [
             *(words for words, std in stds.items() if not std),
             *(f"the scale {name}" for name in used if is_exact(self.scales[name])),
