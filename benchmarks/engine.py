@@ -5,7 +5,7 @@ import multiprocessing
 import tempfile
 import time
 from concurrent.futures import ProcessPoolExecutor
-from functools import cache
+from dataclasses import replace
 from itertools import chain
 from pathlib import Path
 from typing import Any
@@ -21,9 +21,9 @@ from fingerpad.study.engine.progress import Progress
 from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.engine.task import TaskResult, perform
 from fingerpad.study.manifest import read_study
-from fingerpad.study.measuring.scales import named_scales
+from fingerpad.study.measuring.context import RunContext
+from fingerpad.study.measuring.scales import measured_scales
 from fingerpad.study.measuring.sequences import film_plan, header_task
-from fingerpad.study.measuring.tasks import CacheKeys
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.status import study_status
 
@@ -153,11 +153,12 @@ def _fill(manifest: Path, out: Path) -> None:
     study, folder = read_study(manifest), manifest.parent
     first = study.sequences[0].name
     with Store.writing(out / STORE_NAME) as store:
-        keys = CacheKeys(study=study, folder=folder, digest=cache(store.digest))
+        context = RunContext.of(study, folder, {}, store)
+        context = replace(context, scales=measured_scales(study, folder))
         records: dict[str, str] = {}
         for sequence in study.sequences:
-            header = header_task(sequence, keys)
-            stages = film_plan(sequence, keys, named_scales(study, folder), store)
+            header = header_task(sequence, context)
+            stages = film_plan(sequence, context)
             for task in chain([header], chain.from_iterable(stages)):
                 like = task.name.replace(sequence.name, first, 1)
                 if like not in records:

@@ -68,7 +68,7 @@ SLOW: Final = frozenset(("/api/published", "/api/download/study.zip"))
 
 
 def make_study(folder: Path) -> None:
-    """Write the demo study with the results of a run, corrections and a draft."""
+    """Write the demo study with the results of a run, corrections and incomplete tables."""
     shutil.copytree(DEMO, folder)
     manifest = folder / "study.toml"
     head, *curves = manifest.read_text(encoding="utf-8").split("[[curves]]")
@@ -79,22 +79,24 @@ def make_study(folder: Path) -> None:
 
 
 def add_decisions(folder: Path) -> None:
-    """Add corrections and a draft to the demo study."""
-    log, study = CorrectionLog(folder), read_study(folder / "study.toml")
+    """Add corrections and incomplete tables to the demo study."""
+    manifest = folder / "study.toml"
+    log, study = CorrectionLog(folder), read_study(manifest)
     for item, change in (
         ("synthetic_30deg_2N", {"threshold": 50.0}),
         ("synthetic_press_30deg#3", {"rejected": "moved"}),
         ("synthetic_pad/synthetic/photograph_palmar.jpg", {"accepted": True}),
     ):
         log.append(item, change, who="ada", expected=0, study=study)
-    draft = {
+    incomplete = {
         "observations": [{"name": "waiting", "finger": "synthetic_pad", "file": "synthetic/truth.csv"}],
         "scales": {"camera_2": {"coin": "coin.png"}},
         "fingers": [{"name": "thumb", "photographs": [{"file": "synthetic/photograph_palmar.jpg"}]}],
         "sequences": [{"name": "film", "path": "synthetic", "scale": {"coin": "coin.png"}}],
         "curves": [{"finger": "synthetic_pad", "file": "synthetic/truth.csv"}],
     }
-    (folder / "draft.toml").write_text(tomlkit.dumps(draft), encoding="utf-8")
+    text = f"{manifest.read_text(encoding='utf-8')}\n{tomlkit.dumps(incomplete)}"
+    manifest.write_text(text, encoding="utf-8")
 
 
 def _changed(value: Any, rng: random.Random) -> Any:
@@ -177,8 +179,7 @@ class _Target:
 
 
 TARGETS: Final = (
-    _Target("study.toml", in_toml, 12),
-    _Target("draft.toml", in_toml, 3),
+    _Target("study.toml", in_toml, 15),
     _Target("observations.csv", in_cells, 3),
     _Target(CORRECTIONS_NAME, _in_lines, 3),
     _Target("results/summary.json", in_json, 4),

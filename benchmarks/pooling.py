@@ -20,8 +20,8 @@ from fingerpad.study.compare.means import means_of
 from fingerpad.study.manifest import Observation, Study
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.measuring.measure import Measurement
-from fingerpad.study.results.rows import make_rows
-from fingerpad.study.results.summary import summaries
+from fingerpad.study.results.rows import model_contacts
+from fingerpad.study.results.summary import pool_contacts
 from fingerpad.uncertainty import pool, pool_random_effects, proportional_stds
 
 PAD = np.array([7.9, 13.8, 11.8])
@@ -138,7 +138,7 @@ def contacts(count: int, relative_std: float, elongation: float, repeats: int, s
         seen = [
             _contact(random, float(load), relative_std, elongation) for load in np.geomspace(0.25, 4, count)
         ]
-        (summary,) = summaries(make_rows(study, pads, seen))
+        (summary,) = pool_contacts(model_contacts(study, pads, seen))
         pooled = [summary.corrected_radius, summary.compliance_radius]
         off.append([one.value - true for one, true in zip(pooled, truth, strict=True) if one])
         stds.append([one.std for one in pooled if one])

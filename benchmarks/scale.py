@@ -19,12 +19,15 @@ from fingerpad.image import SequenceSummary
 from fingerpad.report import write_report
 from fingerpad.study.engine.executors import local_executor
 from fingerpad.study.engine.limits import DEFAULT_LIMITS, Limits
+from fingerpad.study.engine.progress import Progress
 from fingerpad.study.engine.runner import records_of
 from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.engine.task import Task, TaskResult, perform
 from fingerpad.study.manifest import Contact, ContactSequence, Study
+from fingerpad.study.measuring.context import RunContext
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.measuring.measure import Measurement
+from fingerpad.study.measuring.run import Measured
 from fingerpad.study.measuring.sequences import SequenceResult
 from fingerpad.study.results.output import write_tables
 from fingerpad.study.results.provenance import provenance
@@ -153,13 +156,15 @@ def study_result(
 
     with Store.writing(folder / STORE_NAME) as store:
         return result_of(
-            study,
-            folder,
-            fingers=known,
-            scales={},
-            seen=seen(),
-            sequences=[_sequence(film, count) for film, count in zip(films, counts, strict=True)],
-            curves=[],
+            Measured(
+                context=RunContext(study=study, folder=folder),
+                progress=Progress(pictures=rows, failed=0, total=rows),
+                fingers=known,
+                sequences=[_sequence(film, count) for film, count in zip(films, counts, strict=True)],
+                curves=[],
+                contacts=seen(),
+            ),
+            notes=(),
             origin=provenance([], str),
             executor=_InProcess(folder),
             store=store,

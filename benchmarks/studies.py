@@ -11,8 +11,8 @@ from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.study.manifest import Observation, Study
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.measuring.measure import Measurement
-from fingerpad.study.results.rows import make_rows
-from fingerpad.study.results.summary import summaries
+from fingerpad.study.results.rows import model_contacts
+from fingerpad.study.results.summary import pool_contacts
 
 LOADS = (0.25, 0.5, 1.0, 2.0, 4.0)
 AXES_STD, WEDGE_STD, LOAD_STD, SCALE_STD, EDGE_STD = 0.1, 0.5, 0.02, 0.01, 0.05
@@ -49,8 +49,8 @@ def simulated_study(seed: int) -> Scores:
         source="given",
     )
     seen = list(_contacts(rng, wedge, elongation))
-    rows = make_rows(study, {"f": finger}, seen)
-    (summary,) = summaries(rows)
+    rows = model_contacts(study, {"f": finger}, seen)
+    (summary,) = pool_contacts(rows)
     pooled = summary.corrected_radius
     assert pooled is not None  # nothing simulated is doubtful
     row = rows.table[3]

@@ -10,14 +10,19 @@ import pytest
 
 from fingerpad.image import Scale, combine_faces, measure_contact_image, read_colour_image
 from fingerpad.simulate import render_contact_image, render_finger
-from fingerpad.study.corrections.apply import corrected_contact_image, corrected_photograph
+from fingerpad.study.corrections.apply import (
+    contact_correction,
+    corrected_contact_image,
+    corrected_photograph,
+)
 from fingerpad.study.corrections.changes import ContactCorrection, PhotographCorrection
 from fingerpad.study.corrections.log import CorrectionLog
 from fingerpad.study.manifest import Study
+from fingerpad.study.measuring.context import RunContext
 from fingerpad.study.measuring.fingers import finger_result, photograph_item
-from fingerpad.study.measuring.measure import contact_correction, measure_observation, reviewed
-from fingerpad.study.measuring.scales import named_scales
-from fingerpad.study.measuring.tasks import CacheKeys, photograph_tasks
+from fingerpad.study.measuring.measure import measure_observation, reviewed
+from fingerpad.study.measuring.scales import measured_scales, scale_key
+from fingerpad.study.measuring.tasks import photograph_tasks
 
 TRUTH = render_contact_image(semi_major=8.0, semi_minor=6.0, margin=4.0, seed=5)
 FACES = {"palmar": (11.8, 13.8), "distal": (11.8, 7.9), "radial": (7.9, 13.8)}
@@ -81,18 +86,19 @@ def measured(folder, tmp_path, name, change=None):
     if change is not None:
         log.append(name, change, who="anna", expected=log.history(name).last_id, study=STUDY)
     observation = next(one for one in STUDY.observations if one.name == name)
-    scales = named_scales(STUDY, folder)
+    scales = measured_scales(STUDY, folder)
     active_correction = log.active_correction(name)
+    scale = None if observation.scale is None else scales[scale_key(observation.scale)]
     found = measure_observation(
-        observation, scales, folder, tmp_path / "out", contact_correction(active_correction)
+        observation, scale, folder, tmp_path / "out", contact_correction(active_correction)
     )
     return reviewed(found, active_correction)
 
 
 def finger_of(finger, scales, folder, out, active_corrections):
     """Measure a finger's photographs as a run does, and combine them."""
-    keys = CacheKeys(study=STUDY, folder=folder, digest=str, active_corrections=active_corrections)
-    records = {task.item: task.work(folder, out) for task in photograph_tasks(finger, keys, scales)}
+    context = RunContext(study=STUDY, folder=folder, active_corrections=active_corrections, scales=scales)
+    records = {task.item: task.work(folder, out) for task in photograph_tasks(finger, context)}
     return finger_result(finger, scales, folder, records, active_corrections)
 
 
@@ -198,7 +204,7 @@ def test_results_depend_on_the_folder_alone(folder, tmp_path):
 
 
 def test_photographs_by_hand_and_rejected(folder, tmp_path):
-    scales, finger = named_scales(STUDY, folder), STUDY.fingers[0]
+    scales, finger = measured_scales(STUDY, folder), STUDY.fingers[0]
     plain = finger_of(finger, scales, folder, tmp_path / "out", {})
     np.testing.assert_allclose(plain.semi_axes, (7.9, 13.8, 11.8), rtol=0.02)
     items = [photograph_item(finger, one) for one in finger.photographs]
@@ -234,7 +240,7 @@ def test_photographs_by_hand_and_rejected(folder, tmp_path):
 def test_points_of_a_photograph_are_edited(folder):
     photograph = STUDY.fingers[0].photographs[0]
     pixels = read_colour_image(folder / "palmar.png")
-    scale = named_scales(STUDY, folder)["camera"].scale
+    scale = measured_scales(STUDY, folder)["camera"].scale
     plain = corrected_photograph(pixels, photograph, scale)
     rubber = {"points_px": plain.points[40:60].tolist(), "radius_px": 2}
     change = PhotographCorrection.model_validate({"erased": [rubber]})

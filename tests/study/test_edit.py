@@ -12,12 +12,13 @@ import pytest
 
 from fingerpad.exceptions import EditConflict, ManifestError, StoreError
 from fingerpad.study.corrections.log import CorrectionLog
+from fingerpad.study.editing.apply_edit import Edit
 from fingerpad.study.editing.checklist import missing
-from fingerpad.study.editing.documents import DRAFT_NAME, STUDY_NAME, title_of
-from fingerpad.study.editing.edit import change_study, create_study, study_state
-from fingerpad.study.editing.state import Edit
+from fingerpad.study.editing.documents import title_of
+from fingerpad.study.editing.edit import change_study, create_study
 from fingerpad.study.journal import JOURNAL_NAME
-from fingerpad.study.manifest import read_study
+from fingerpad.study.manifest import load_study, read_study
+from fingerpad.study.manifest.load import STUDY_NAME
 
 MANIFEST = """\
 # Whose study this is.
@@ -63,9 +64,13 @@ def folder(tmp_path):
     return tmp_path
 
 
+def loaded(folder):
+    return load_study(folder / STUDY_NAME)
+
+
 def changed(folder, *edits):
     edits = [Edit(kind=kind, key=key, set=values) for kind, key, values in edits]
-    return change_study(folder, edits, expected=study_state(folder).digest)
+    return change_study(folder, edits, expected=loaded(folder).digest)
 
 
 def kept(folder):
@@ -91,7 +96,7 @@ def test_adding_leaves_what_was_there(folder):
     )
     study = read_study(folder / STUDY_NAME)
     assert study == state.study
-    assert study_state(folder) == state
+    assert loaded(folder) == state
     assert [each.name for each in study.observations] == ["print_1", "print_2", "print_3"]
     assert study.observations[2].seed_px == [20, 30]
     assert (study.poisson_ratio, study.uncertainty.load_relative_std) == (0.49, 0.02)
@@ -99,8 +104,7 @@ def test_adding_leaves_what_was_there(folder):
     assert study.curves[0].loading_radius_mm == 5.5
     text = (folder / STUDY_NAME).read_text()
     assert all(line in text for line in MANIFEST.splitlines())
-    assert state.incomplete == ()
-    assert not (folder / DRAFT_NAME).exists()
+    assert state.issues == ()
 
 
 def test_removing_and_renaming(folder):
@@ -144,10 +148,10 @@ BAD = {
     "text for a number": (("observation", "print_1", {"load_N": "2"}), "observations[0].load_N"),
     "unknown key": (("observation", "print_1", {"laod_N": 1}), "did you mean 'load_N'"),
     "required key gone": (("observation", "print_1", {"load_N": None}), "load_N: required, but missing"),
-    "name twice": (("observation", "print_1", {"name": "print_2"}), "is given 2 times"),
+    "name twice": (("observation", "print_1", {"name": "print_2"}), "'print_2' is taken"),
     "name that is a path": (("observation", "print_1", {"name": "../x"}), "letters, digits"),
     "scale in use": (("scale", "reader", None), "no scale is named 'reader'"),
-    "last finger": (("finger", "left", None), "fingers"),
+    "finger in use": (("finger", "left", None), "no finger is named 'left'"),
     "no such scale": (("scale", "ruler", None), "none of this name"),
     "no such observation": (("observation", "p", None), "none of this name"),
     "photograph of no finger": (("photograph", "x/a.png", {"face": "palmar"}), "no finger is named 'x'"),
@@ -174,23 +178,27 @@ def test_a_study_grows_from_nothing(tmp_path):
     for name in ("a.png", "b.png"):
         (tmp_path / name).write_bytes(b"a picture")
     state = create_study(tmp_path, "  New one ")
-    assert (state.title, state.study, state.incomplete) == ("New one", None, ())
+    assert (state.study.title, state.tables) == ("New one", ())
+    assert state.issues == ("study.toml: fingers: no finger yet: add one",)
     state = changed(tmp_path, ("scale", "reader", {"ppi": 500}))
     state = changed(tmp_path, ("observation", "print_1", {"file": "a.png", "scale": "reader"}))
-    waiting = {one.key: one.faults for one in state.incomplete}
-    assert waiting["reader"] == ()
-    assert any("load_N: required" in fault for fault in waiting["print_1"])
+    assert list(state.study.scales) == ["reader"]
+    assert [one.key for one in state.incomplete] == ["print_1"]
+    assert ("load_N", "required, but missing") in state.incomplete[0].faults
     state = changed(tmp_path, ("observation", "print_1", PRINT))
-    assert {one.key: one.faults for one in state.incomplete}["print_1"] == (
-        "finger: 'left' is not complete, or there is none of this name",
-    )
-    assert state.study is None
+    assert state.incomplete[0].faults == (("finger", "no finger is named 'left'"),)
+    state = changed(tmp_path, ("finger", "left", {}))
+    assert {one.key: bool(one.faults) for one in state.incomplete} == {"left": True, "print_1": False}
+    assert state.study.fingers == state.study.observations == []
+    with pytest.raises(ManifestError, match=r"fingers\[0\]: give either semi_axes_mm or photographs"):
+        read_study(tmp_path / STUDY_NAME)
     state = changed(tmp_path, ("finger", "left", SEMI_AXES))
-    assert state.incomplete == ()
-    assert state.study.title == "New one"
+    assert state.issues == ()
     assert state.study.observations[0].load_N == 2
-    assert not (tmp_path / DRAFT_NAME).exists()
     assert state.study == read_study(tmp_path / STUDY_NAME)
+    lines = (tmp_path / STUDY_NAME).read_text().splitlines()
+    assert lines[:2] == ["#:schema ./study.schema.json", 'title = "New one"']
+    assert sorted(path.name for path in tmp_path.iterdir() if path.suffix == ".toml") == [STUDY_NAME]
 
 
 def test_what_is_incomplete_does_not_stand_in_the_way(folder):
@@ -198,33 +206,50 @@ def test_what_is_incomplete_does_not_stand_in_the_way(folder):
     assert [one.key for one in state.incomplete] == ["print_3"]
     state = changed(folder, ("observation", "print_1", {"load_N": 7}))
     assert state.study.observations[0].load_N == 7
-    assert tomllib.loads((folder / DRAFT_NAME).read_text())["observations"] == [
-        {"name": "print_3", "file": "c.png", "scale": "reader"}
-    ]
+    assert tomllib.loads((folder / STUDY_NAME).read_text())["observations"][2] == {
+        "name": "print_3",
+        "file": "c.png",
+        "scale": "reader",
+    }
     state = changed(folder, ("observation", "print_3", {"file": "z.png", **PRINT, "name": "PRINT_1"}))
-    assert state.incomplete[0].faults == ("name: 'PRINT_1' is taken; names must differ by more than case",)
-    state = changed(folder, ("observation", "PRINT_1", {"name": "print_4", "file": "z.png"}))
-    assert "no file 'z.png'" in state.incomplete[0].faults[0]
-    state = changed(folder, ("observation", "print_4", None))
-    assert state.incomplete == ()
-    assert not (folder / DRAFT_NAME).exists()
-
-
-def test_a_stop_between_two_files_leaves_nothing_twice(folder):
-    changed(folder, ("observation", "print_3", {"file": "c.png"}))
-    left = (folder / DRAFT_NAME).read_text()
-    changed(folder, ("observation", "print_3", {**PRINT, "file": "c.png"}))
-    full = left.replace(
-        'file = "c.png"', "\n".join(f"{k} = {v!r}" for k, v in ({**PRINT, "file": "c.png"}).items())
+    assert state.incomplete[0].faults == (
+        ("name", "'PRINT_1' is taken; names must differ by more than case"),
     )
-    (folder / DRAFT_NAME).write_text(full)
-    state = study_state(folder)
-    assert state.incomplete == ()
-    assert [each.name for each in state.study.observations] == ["print_1", "print_2", "print_3"]
+    state = changed(folder, ("observation", "PRINT_1", {"name": "print_4", "file": "z.png"}))
+    assert state.incomplete[0].faults == (("file", "no file 'z.png' in the study folder"),)
+    state = changed(folder, ("observation", "print_4", None))
+    assert state.issues == ()
+
+
+def test_a_curve_keeps_its_number_beside_one_that_is_incomplete(folder):
+    given = {"finger": "left", "wedge_angle_deg": 30, "loading_radius_mm": 5.5}
+    changed(folder, ("curve", "0", given), ("curve", "1", {"finger": "left"}), ("curve", "2", given))
+    state = changed(folder, ("curve", "2", {"loading_radius_mm": 6.5}))
+    assert [one.loading_radius_mm for one in state.study.curves] == [5.5, 6.5]
+    state = changed(folder, ("curve", "0", None))
+    assert [(one.key, one.complete) for one in state.tables if one.kind == "curve"] == [
+        ("0", False),
+        ("1", True),
+    ]
+
+
+def test_what_was_wrong_by_hand_can_be_mended_in_steps(folder):
+    text = MANIFEST.replace("load_N = 1.0", "load_N = -1").replace('title = "Ours"', "poisson_ratio = 7")
+    (folder / STUDY_NAME).write_text(text)
+    state = loaded(folder)
+    assert [one.name for one in state.study.observations] == ["print_1"]
+    assert [line.partition(": ")[2].partition(":")[0] for line in state.issues] == [
+        "title",
+        "poisson_ratio",
+        "observations[1].load_N",
+    ]
+    changed(folder, ("observation", "print_2", {"load_N": 1}))
+    changed(folder, ("study", "", {"poisson_ratio": 0.5}))
+    assert changed(folder, ("study", "", {"title": "Mended"})).issues == ()
 
 
 def test_who_saw_less_changes_nothing(folder):
-    seen = study_state(folder).digest
+    seen = loaded(folder).digest
     changed(folder, ("observation", "print_1", {"load_N": 3}))
     before = kept(folder)
     with pytest.raises(EditConflict, match="changed the study since"):
@@ -237,7 +262,7 @@ def rename_until_done(folder, number):
     while True:
         try:
             edit = Edit(kind="observation", key=f"print_{number}", set={"notes": "done"})
-            change_study(folder, [edit], expected=study_state(folder).digest)
+            change_study(folder, [edit], expected=loaded(folder).digest)
         except EditConflict:
             continue
         return
@@ -299,7 +324,7 @@ def test_no_spreadsheet_evaluates_what_was_typed_into_its_rows(folder, notes):
 
 def test_corrected_names_stay(folder):
     log = CorrectionLog(folder)
-    study = study_state(folder).study
+    study = loaded(folder).study
     log.append("print_1", {"accepted": True}, who="anna", expected=0, study=study)
     with pytest.raises(ManifestError, match="has corrections"):
         changed(folder, ("observation", "print_1", {"name": "other"}))
@@ -342,7 +367,7 @@ def test_names_of_corrected_films_fingers_and_rows_of_a_spreadsheet_stay(folder)
 
 @pytest.fixture
 def with_sheet(folder):
-    """A study with a spreadsheet in a folder of its own, and a draft."""
+    """A study with a spreadsheet in a folder of its own, and an incomplete table."""
     text = MANIFEST.replace('title = "Ours"', 'observations_csv = "tables/more.csv"\ntitle = "Ours"')
     (folder / STUDY_NAME).write_text(text)
     (folder / "tables").mkdir()
@@ -352,10 +377,10 @@ def with_sheet(folder):
     return folder
 
 
-DOCUMENTS = (STUDY_NAME, DRAFT_NAME, "tables/more.csv")
+DOCUMENTS = (STUDY_NAME, "tables/more.csv")
 LARGE_EDITS = {
     "a finger is renamed everywhere": [("finger", "left", {"name": "right"})],
-    "the last of the draft moves to the manifest": [
+    "what was incomplete is completed": [
         ("observation", "print_3", {"wedge_angle_deg": 30, "load_N": 3, "scale": "reader"}),
         ("observation", "row_1", {"notes": "seen"}),
     ],
@@ -388,9 +413,8 @@ def killed_at(step, folder, edits):
     return process.exitcode == -signal.SIGKILL
 
 
-@pytest.mark.parametrize("opened_by", [study_state, lambda folder: read_study(folder / STUDY_NAME)])
 @pytest.mark.parametrize("edits", LARGE_EDITS.values(), ids=LARGE_EDITS)
-def test_killed_at_any_step_an_edit_is_done_or_not(with_sheet, tmp_path_factory, edits, opened_by):
+def test_killed_at_any_step_an_edit_is_done_or_not(with_sheet, tmp_path_factory, edits):
     def copied():
         target = tmp_path_factory.mktemp("copy") / "study"
         return shutil.copytree(with_sheet, target)
@@ -401,7 +425,7 @@ def test_killed_at_any_step_an_edit_is_done_or_not(with_sheet, tmp_path_factory,
     assert sum(states[0][name] != states[1][name] for name in DOCUMENTS) > 1
     found, step = [], 1
     while killed_at(step, folder := copied(), edits):
-        opened_by(folder)
+        loaded(folder)
         found.append(states.index(documents(folder)))
         assert not (folder / JOURNAL_NAME).exists()
         step += 1
@@ -415,22 +439,22 @@ def test_no_study_and_two_studies(tmp_path, folder):
     with pytest.raises(ManifestError, match="needs a title"):
         create_study(tmp_path / "new", " ")
     (tmp_path / "empty").mkdir()
-    with pytest.raises(ManifestError, match="holds no study"):
-        study_state(tmp_path / "empty")
+    with pytest.raises(ManifestError, match="no such file"):
+        loaded(tmp_path / "empty")
 
 
 def test_damage_by_hand_is_told(folder):
     (folder / STUDY_NAME).write_text("title = ")
     with pytest.raises(ManifestError, match=r"study\.toml: not valid TOML"):
-        study_state(folder)
+        loaded(folder)
     (folder / STUDY_NAME).write_text(MANIFEST)
-    (folder / DRAFT_NAME).write_text("observations = 3")
-    with pytest.raises(ManifestError, match=r"draft\.toml"):
-        study_state(folder)
+    (folder / STUDY_NAME).write_text('title = "T"\nobservations = 3')
+    with pytest.raises(ManifestError, match=r"study\.toml: observations: expected a list of tables"):
+        loaded(folder)
 
 
 def said(folder):
-    return {(one.kind, one.key): one.words for one in missing(folder)}
+    return {(one.kind, one.key): one.words for one in missing(loaded(folder))}
 
 
 def test_what_is_missing_is_said(tmp_path):
@@ -494,4 +518,3 @@ def test_a_name_that_no_study_may_have_is_refused_at_once(folder, kind, name):
     with pytest.raises(ManifestError, match="letters, digits and"):
         changed(folder, (kind, name, {}))
     assert (folder / STUDY_NAME).read_bytes() == before
-    assert not (folder / DRAFT_NAME).exists()

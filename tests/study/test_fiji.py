@@ -26,7 +26,7 @@ from fingerpad.study.fiji import (
     read_rois,
     write_observations,
 )
-from fingerpad.study.manifest.spreadsheet import read_rows
+from fingerpad.study.manifest.sheet import Sheet
 from fingerpad.study.pipeline import run_study
 
 SEMI_MAJOR, SEMI_MINOR = 146.0, 98.0  # px; 7.4 and 5.0 mm at 500 ppi
@@ -382,7 +382,8 @@ def test_names_are_such_as_a_manifest_takes_and_never_the_same(tmp_path: Path) -
         known={"finger": "index", "wedge_angle_deg": 30.0, "load_N": 2.0},
     )
     write_observations(tmp_path / "o.csv", rows)
-    names = [row.name for row in read_rows(tmp_path / "o.csv")]
+    rows = Sheet.parse("o.csv", (tmp_path / "o.csv").read_bytes()).tables()
+    names = [content["name"] for _, content, _ in rows]
     assert names[:2] == ["a_b_c_0001-0203", "A_B_C_0001-0203_2"]
     assert len({name.casefold() for name in names}) == len(labels)
 

@@ -25,18 +25,18 @@ def contents(folder: Path) -> dict[str, str]:
     return {path.name: path.read_text() for path in folder.iterdir() if path.suffix != ".lock"}
 
 
-def test_files_are_replaced_removed_and_made(folder: Path) -> None:
-    replace_files(folder, {"a": "new", "b": None, "d": "\u00e9\r\n"})
+def test_files_are_replaced_and_made(folder: Path) -> None:
+    replace_files(folder, {"a": "new", "d": "\u00e9\r\n"})
     assert (folder / "d").read_bytes() == b"\xc3\xa9\r\n"
     (folder / "d").unlink()
-    assert contents(folder) == {"a": "new", "c": "old c"}
+    assert contents(folder) == {"a": "new", "b": "old b", "c": "old c"}
 
 
 def replace_on_a_full_disk(folder: Path) -> None:
     signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
     resource.setrlimit(resource.RLIMIT_FSIZE, (100, -1))
     with pytest.raises(OSError, match="large") as error:
-        replace_files(folder, {"a": "new", "b": None, "c": "new" * 100})
+        replace_files(folder, {"a": "new", "c": "new" * 100})
     assert error.value.errno == errno.EFBIG
 
 
@@ -54,14 +54,16 @@ def test_where_one_does_not_fit_on_the_disk_nothing_is_changed(folder: Path) -> 
     [
         "no JSON",
         "[]",
-        '{"replace": [3], "remove": []}',
-        '{"replace": [], "remove": ["../outside"]}',
-        '{"replace": [], "remove": ["link/outside"]}',
-        '{"replace": [], "remove": ["/"]}',
+        '{"replace": [3]}',
+        '{"replace": [], "remove": ["a"]}',
+        '{"replace": ["../outside"]}',
+        '{"replace": ["link/outside"]}',
+        '{"replace": ["/"]}',
     ],
 )
 def test_a_journal_that_is_damaged_or_leads_out_is_refused(folder: Path, content: str) -> None:
     (folder.parent / "outside").write_text("kept")
+    (folder.parent / ".outside.new").write_text("would replace it")
     (folder / "link").symlink_to(folder.parent)
     (folder / JOURNAL_NAME).write_text(content)
     with pytest.raises(ManifestError, match=r"is no journal of a change.*remove it"):

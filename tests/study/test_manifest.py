@@ -95,8 +95,8 @@ def test_rows_may_come_from_a_spreadsheet(tmp_path: Path) -> None:
     [
         ("title = ", "study.toml: not valid TOML: Invalid value"),
         (FINGER + ROW, "study.toml: title: required, but missing"),
-        ('title = "T"', "study.toml: fingers: required, but missing"),
-        ('title = "T"\nfingers = []', "fingers: List should have at least 1 item"),
+        ('title = "T"', "study.toml: fingers: no finger yet: add one"),
+        ('title = "T"\nfingers = []', "fingers: no finger yet: add one"),
         (VALID + "loadN = 3", "observations.0..loadN: unknown key; did you mean 'load_N'"),
         (VALID + "zzz = 3", "observations.0..zzz: unknown key \\(in a\\)$"),
         (VALID.replace("= 2\n", "= -2\n"), "observations.0..load_N: expected greater than 0, found -2"),
@@ -111,7 +111,7 @@ def test_rows_may_come_from_a_spreadsheet(tmp_path: Path) -> None:
         (VALID.replace('"a"', '"a' + 80 * "x" + '"'), "observations.0..name: String should have at most 60"),
         (
             VALID + ROW.replace('"a"', '"A"'),
-            "the name 'A' is given 2 times; names must differ by more than case",
+            r"observations\[1\].name: 'A' is taken; names must differ by more than case",
         ),
         (VALID.replace("ellipse_mm =", 'file = "a\\u0000.png"\nscale = { ppi = 500 } #'), "is no file name"),
         (
@@ -154,7 +154,7 @@ def test_rows_may_come_from_a_spreadsheet(tmp_path: Path) -> None:
         (VALID.replace("semi_minor = 5.0", "semi_minor = 9.0"), "ellipse_mm: semi_minor 9 must not exceed"),
         (VALID.replace('finger = "index"', 'finger = "thumb"'), "no finger is named 'thumb'; there is index"),
         (VALID.replace('name = "a"', 'name = "../a"'), "observations.0..name: write it with letters"),
-        (VALID + ROW, "observations: the name 'a' is given 2 times"),
+        (VALID + ROW, r"observations\[1\].name: 'a' is taken"),
         (VALID.replace("semi_axes_mm_std", "# "), "semi_axes_mm and semi_axes_mm_std belong together"),
         (VALID + 'file = "x.png"\nscale = { ppi = 500 }', "give either file or ellipse_mm, one of the two"),
         (VALID.replace("ellipse_mm =", "# "), "give either file or ellipse_mm"),
@@ -186,10 +186,10 @@ def test_rows_may_come_from_a_spreadsheet(tmp_path: Path) -> None:
         (VALID + "[scales.s]\nppi = 0", "scales.s.ppi: expected greater than or equal to 20, found 0"),
         (VALID + "[scales.s]\nppi = 500\nlength_mm = 5", "scales.s.length_mm: unknown key; write it in the"),
         (VALID + "[scales.s]\nmm_per_px = 500", "scales.s.mm_per_px: expected less than or equal to 1"),
-        (VALID + "[scales]\ns = 500", "scales.s: give the name of one of .scales., or a table"),
+        (VALID + "[scales]\ns = 500", "scales.s: expected a table, as in . ppi = 500 .$"),
         (VALID + '[scales]\ns = "t"', "scales.s: expected a table"),
         (VALID + '[scales."a b"]\nppi = 500', "scales.a b.*: write it with letters"),
-        (VALID + "[scales.s]\nppi = 500\n[scales.S]\nppi = 400", "scales: the name 'S' is given 2 times"),
+        (VALID + "[scales.s]\nppi = 500\n[scales.S]\nppi = 400", "scales.S: 'S' is taken; names must differ"),
         (
             VALID + "[scales.s]\nline = [[1, 2], [1, 2]]\nlength_mm = 5",
             "scales.s: the line must have two different",
@@ -230,11 +230,11 @@ def test_rows_may_come_from_a_spreadsheet(tmp_path: Path) -> None:
         (VALID + PRESS + "scale = { ppi = 500 }\nload_N = 2", "sequences.0..load_N: unknown key"),
         (
             VALID + PRESS.replace('"p"', '"A"') + "scale = { ppi = 500 }",
-            "observations and sequences: the name 'A'",
+            r"sequences\[0\].name: 'A' is taken",
         ),
         (
             VALID + PRESS.replace('"index"', '"ring"') + "scale = { ppi = 500 }",
-            "sequence 'p': no finger is named 'ring'",
+            r"sequences\[0\].finger: no finger is named 'ring'; there is index \(in p\)$",
         ),
         ('title = "T"\nobservations_csv = "no.csv"' + FINGER, "observations_csv: no file 'no.csv'"),
         ('title = "T"\nobservations_csv = "../no.csv"' + FINGER, "leaves the study folder"),

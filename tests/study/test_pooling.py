@@ -17,7 +17,7 @@ from fingerpad.study.measuring.measure import Measurement
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.model import GEOMETRY, PART_SOURCES, contact_inputs
 from fingerpad.study.results.pooling import PooledRadius
-from fingerpad.study.results.rows import Rows, make_rows
+from fingerpad.study.results.rows import Rows, model_contacts
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.summary import area_exponent
 from fingerpad.uncertainty import PAD_SOURCES
@@ -208,7 +208,7 @@ def test_contacts_share_the_error_of_a_scale_that_they_name(
     scales: tuple[str | None, ...], groups: int
 ) -> None:
     seen = [contact(0, scale, covariance=0.01 * np.eye(2), relative_scale_std=0.0) for scale in scales]
-    rows = make_rows(STUDY, {"f": finger(None)}, seen)
+    rows = model_contacts(STUDY, {"f": finger(None)}, seen)
     parts = np.zeros_like(rows.parts)
     parts[:, :, np.flatnonzero(PART_SOURCES == "image scale")[0]] = 0.3
     parts[:, :, np.flatnonzero(PART_SOURCES == "contact ellipse")[1]] = 0.4
@@ -220,7 +220,7 @@ def test_contacts_share_the_error_of_a_scale_that_they_name(
 
 
 def test_frames_of_a_sequence_have_the_weights_of_their_own_uncertainties() -> None:
-    rows = make_rows(STUDY, {"f": finger(None)}, [contact(number) for number in (0, 4, 8)])
+    rows = model_contacts(STUDY, {"f": finger(None)}, [contact(number) for number in (0, 4, 8)])
     parts = np.zeros_like(rows.parts)
     parts[:, :, np.flatnonzero(PART_SOURCES == "contact ellipse")[1]] = 0.1
     rows = replace(rows, parts=parts, elongation_std=np.array([0.01, 0.02, 0.05]))
@@ -232,7 +232,7 @@ def test_frames_of_a_sequence_have_the_weights_of_their_own_uncertainties() -> N
 
 
 def test_a_fixed_geometry_leaves_out_the_geometry_only() -> None:
-    rows = make_rows(STUDY, {"f": finger(None)}, [contact(0), contact(1)])
+    rows = model_contacts(STUDY, {"f": finger(None)}, [contact(0), contact(1)])
     parts = np.zeros_like(rows.parts)
     for source, part in [(GEOMETRY[0], 0.5), ("Poisson's ratio", 0.3), ("contact ellipse", 0.4)]:
         parts[:, :, np.flatnonzero(source == PART_SOURCES)[-1]] = part  # of second order
@@ -254,7 +254,7 @@ def test_a_fixed_geometry_leaves_out_the_geometry_only() -> None:
 def test_contacts_that_are_cut_or_of_a_doubtful_scale_are_not_pooled(
     flags: tuple[str, ...], counts: bool
 ) -> None:
-    rows = make_rows(STUDY, {"f": finger(None)}, [contact(0), contact(1, flags=flags)])
+    rows = model_contacts(STUDY, {"f": finger(None)}, [contact(0), contact(1, flags=flags)])
     assert [row["status"] for row in rows.table] == ["measured", "measured"]
     assert [row["pooled"] for row in rows.table] == [True, counts]
     assert rows.pooled.tolist() == [0, 1][: 1 + counts]

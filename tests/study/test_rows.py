@@ -6,6 +6,7 @@ import pytest
 from PIL import Image
 
 from fingerpad.simulate import render_coin, render_contact_image
+from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.pipeline import run_study
 
 MANIFEST = """
@@ -119,6 +120,32 @@ def test_four_ways_to_say_a_scale(picture: Path) -> None:
     assert coined["semi_major_mm"] == pytest.approx(known["semi_major_mm"], rel=2e-3)
     assert coined["semi_major_mm_std"] == pytest.approx(known["semi_major_mm_std"], rel=0.05)
     assert coined["mm_per_px_std"] > 0.02 * coined["mm_per_px"]
+
+
+def test_a_coin_in_many_tables_is_measured_once_in_a_run(picture: Path) -> None:
+    Image.fromarray(render_coin(radius=120.0, shadow=0.0).pixels).save(picture / "coin.png")
+    coin = 'scale = { coin = "coin.png", diameter_mm = 12 }'
+    contacts = "".join(
+        f'[[observations]]\nname = "{name}"\nfinger = "f"\nwedge_angle_deg = 30\nload_N = 2\n'
+        f'file = "print.png"\n{coin}\n'
+        for name in "yz"
+    )
+    text = MANIFEST.format(
+        row=f'file = "print.png"\n{coin}\n{contacts}',
+        finger="",
+        wedge_std=0,
+        load_std=0,
+        top="",
+        more="",
+        load=2,
+    )
+    (picture / "study.toml").write_text(text)
+    rows = run_study(picture / "study.toml", picture / "out").rows
+    assert len({row["mm_per_px"] for row in rows}) == 1
+    with Store.reading(picture / "out" / STORE_NAME) as store:
+        tasks = [name for name in store.statuses() if not name.startswith("/check")]
+    assert len(tasks) == 4
+    assert sum(name.startswith("/scale") for name in tasks) == 1
 
 
 def test_a_coin_that_is_not_there_costs_its_rows(picture: Path) -> None:

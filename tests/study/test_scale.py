@@ -14,8 +14,8 @@ from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.measuring.measure import Measurement
 from fingerpad.study.results import rows as rows_module
 from fingerpad.study.results.columns import COLUMNS
-from fingerpad.study.results.rows import make_rows
-from fingerpad.study.results.summary import summaries
+from fingerpad.study.results.rows import model_contacts
+from fingerpad.study.results.summary import pool_contacts
 
 
 def test_cost_grows_with_the_rows() -> None:
@@ -59,7 +59,7 @@ def test_no_more_than_a_batch_is_held() -> None:
             yield film, counted
             del counted
 
-    assert len(make_rows(_study(), {"finger_0": _finger("finger_0")}, seen()).table) == 1_900
+    assert len(model_contacts(_study(), {"finger_0": _finger("finger_0")}, seen()).table) == 1_900
     assert most <= 2 * rows_module._AT_ONCE
 
 
@@ -101,8 +101,8 @@ def test_very_many_single_contacts_are_pooled_without_a_matrix() -> None:
                 ),
             )
 
-    rows = make_rows(_study(), {"f": _finger("f")}, seen())
-    (summary,) = summaries(rows)
+    rows = model_contacts(_study(), {"f": _finger("f")}, seen())
+    (summary,) = pool_contacts(rows)
     pooled = summary.corrected_radius
     assert pooled is not None
     assert pooled.count == count

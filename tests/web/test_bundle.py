@@ -15,10 +15,8 @@ from hypothesis import strategies as st
 from tests.web.conftest import serving
 
 from fingerpad.exceptions import ManifestError
-from fingerpad.study.editing.edit import study_state
-from fingerpad.study.editing.state import named_files
 from fingerpad.study.engine.store import STORE_NAME, Store
-from fingerpad.study.manifest import read_study
+from fingerpad.study.manifest import load_study, read_study
 from fingerpad.web.archive import pack, unpack
 from fingerpad.web.bundle import Bundle
 from fingerpad.web.workspace import Workspace
@@ -112,8 +110,7 @@ def write(folder, files, folders, ways):
 
 
 def bundle_of(folder, out=None):
-    state = study_state(folder)
-    return Bundle.of(folder, out or folder / "results", named_files(state.study, state.incomplete))
+    return Bundle.of(folder, out or folder / "results", load_study(folder / "study.toml").files())
 
 
 def round_trip(folder, out=None):
@@ -363,7 +360,7 @@ def test_the_bundle_lists_files_left_out_and_is_imported(tmp_path):
             assert archive.status_code == 200
             back = client.post("/api/session/import", params={"name": "back"}, content=archive.content)
             assert back.status_code == 201, back.text
-            assert back.json()["digest"] == study_state(folder).digest
+            assert back.json()["digest"] == load_study(folder / "study.toml").digest
     (folder / "socket").unlink()
     assert contents(tmp_path / "back") == contents(folder)
     assert told["files"] == sum(content is not None for content in contents(folder).values())

@@ -42,7 +42,9 @@ def test_a_finger_without_a_name_is_reported_and_every_route_answers(client, fol
     manifest.write_text(manifest.read_text().replace('name = "left_index_direct"\n', ""))
     state = client.get("/api/study").json()
     assert not state["ready"]
-    assert any("fingers[1].name: required, but missing" in one["words"] for one in state["missing"])
+    assert any(
+        "study.toml: fingers[1].name: required, but missing" in one["words"] for one in state["missing"]
+    )
     require_words(client)
 
 
@@ -124,16 +126,20 @@ def test_results_that_are_something_else_are_told(client, folder, name, content)
     assert client.get("/api/results/plot").status_code == 409
 
 
-DRAFTS = {
+INCOMPLETE = {
     "scale of another kind": "[scales]\na = 3\n",
     "photographs of another kind": '[[observations]]\nname = "a"\nphotographs = "abc"\n',
     "lists in a curve": "[[curves]]\nfinger = [1]\nwedge_angle_deg = {a = 1}\nfile = [[]]\n",
 }
 
 
-@pytest.mark.parametrize("kind", DRAFTS)
-def test_an_odd_draft_is_reported_and_every_route_answers(client, folder, kind):
-    (folder / "draft.toml").write_text(DRAFTS[kind])
+@pytest.mark.parametrize("kind", INCOMPLETE)
+def test_an_odd_incomplete_table_is_reported_and_every_route_answers(client, folder, kind):
+    manifest = folder / "study.toml"
+    manifest.write_text(f"{manifest.read_text()}\n{INCOMPLETE[kind]}")
+    state = client.get("/api/study").json()
+    assert state["missing"]
+    assert not state["ready"]
     require_words(client)
 
 

@@ -16,7 +16,9 @@ from filelock import FileLock
 from tests.waiting import wait_until
 from tests.web.conftest import DEMO, serving, shorten
 
+from fingerpad.exceptions import ManifestError
 from fingerpad.study.engine.progress import Progress
+from fingerpad.study.pipeline import run_study
 from fingerpad.web import run_job
 from fingerpad.web.events import Events
 from fingerpad.web.workspace import Workspace
@@ -208,6 +210,30 @@ def test_the_time_left_is_that_of_the_pictures_left(monkeypatch):
     now[0] += 20.0
     job._progress(Progress(item="a", status="done", pictures=20, failed=1, total=50))
     assert job.describe()["seconds_left"] == pytest.approx(60)
+
+
+def test_a_study_with_issues_opens_and_lists_each_but_does_not_run(client, study):
+    state = client.get("/api/study").json()
+    edits = [
+        {"kind": "observation", "key": "half", "set": {"file": "synthetic/synthetic_30deg_1N.png"}},
+        {"kind": "scale", "key": "camera", "set": {"mm_per_px": 7}},
+    ]
+    answer = client.post("/api/study/edits", json={"expected": state["digest"], "edits": edits})
+    answer.raise_for_status()
+    assert 'name = "half"' in (study / "study.toml").read_text()
+    opened = client.get("/api/study").json()
+    assert [one["item"] for one in opened["observations"] if not one["complete"]] == ["half"]
+    words = [one["words"] for one in opened["missing"]]
+    refused = client.post("/api/run", json={})
+    assert refused.status_code == 422
+    assert [one["words"] for one in refused.json()["faults"]] == words
+    assert {"the load is missing", "the wedge angle is missing", "which finger it is is missing"} <= {*words}
+    with pytest.raises(ManifestError) as error:
+        run_study(study, study / "results")
+    lines = str(error.value).splitlines()
+    assert len(lines) == len(words)
+    assert lines[0] == "study.toml: scales.camera.mm_per_px: expected less than or equal to 1, found 7"
+    assert not (study / "results").exists()
 
 
 def test_live_results_equal_those_of_the_run(client):

@@ -47,7 +47,7 @@ def app(
 
 
 def _folder_of(study: Path) -> Path:
-    from fingerpad.study.editing.documents import STUDY_NAME
+    from fingerpad.study.manifest.load import STUDY_NAME
 
     if study.is_dir():
         return study.absolute()

@@ -19,16 +19,15 @@ LOCK_NAME: Final = ".study.lock"
 
 
 class _Journal(BaseModel):
-    """Files to replace by what is written beside them, and files to remove."""
+    """Files to replace by what is written beside them."""
 
     model_config = ConfigDict(extra="forbid")
 
     replace: list[str]
-    remove: list[str]
 
 
-def replace_files(folder: Path, texts: Mapping[str, str | None]) -> None:
-    """Write files of a study, and remove those whose text is None; the caller holds the study's lock.
+def replace_files(folder: Path, texts: Mapping[str, str]) -> None:
+    """Write files of a study; the caller holds the study's lock.
 
     Raises
     ------
@@ -36,16 +35,12 @@ def replace_files(folder: Path, texts: Mapping[str, str | None]) -> None:
         If one cannot be written. Nothing is changed then.
     """
     journal = folder / JOURNAL_NAME
-    change = _Journal(
-        replace=[name for name, text in texts.items() if text is not None],
-        remove=[name for name, text in texts.items() if text is None],
-    )
     try:
-        for name in change.replace:
-            _write(_new(folder / name), str(texts[name]))
-        replace_file(journal, change.model_dump_json())
+        for name, text in texts.items():
+            _write(_new(folder / name), text)
+        replace_file(journal, _Journal(replace=list(texts)).model_dump_json())
     except BaseException:
-        for path in (journal, *(_new(folder / name) for name in change.replace)):
+        for path in (journal, *(_new(folder / name) for name in texts)):
             path.unlink(missing_ok=True)
         raise
     complete(folder)
@@ -66,9 +61,7 @@ def complete(folder: Path) -> None:
         return
     try:
         change = _Journal.model_validate_json(text)
-        replaced, removed = (
-            [_inside(folder, name) for name in names] for names in (change.replace, change.remove)
-        )
+        replaced = [_inside(folder, name) for name in change.replace]
     except ValueError as error:
         reason = error.errors()[0]["msg"] if isinstance(error, ValidationError) else error
         raise ManifestError(
@@ -77,9 +70,7 @@ def complete(folder: Path) -> None:
     for path in replaced:
         if _new(path).exists():  # else it was replaced before the process was killed
             _new(path).replace(path)
-    for path in removed:
-        path.unlink(missing_ok=True)
-    for parent in {path.parent for path in (*replaced, *removed)}:
+    for parent in {path.parent for path in replaced}:
         sync_folder(parent)
     (folder / JOURNAL_NAME).unlink()
     sync_folder(folder)

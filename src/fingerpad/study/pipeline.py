@@ -1,9 +1,10 @@
 """The whole way of a study, from its manifest to rows, summaries and the files that hold them."""
 
 import hashlib
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import AbstractContextManager
 from dataclasses import asdict, replace
-from functools import cache
+from functools import partial
 from os import PathLike
 from pathlib import Path
 from typing import Final, TypeAlias
@@ -12,24 +13,16 @@ from fingerpad._files import make_folder
 from fingerpad.exceptions import FingerpadError, ManifestError, StoreError
 from fingerpad.study.corrections.history import CORRECTIONS_NAME
 from fingerpad.study.corrections.log import CorrectionLog, image_of, on_another_image
-from fingerpad.study.engine.executors import executor_for, local_executor
+from fingerpad.study.engine.executors import Executor, executor_for, local_executor
 from fingerpad.study.engine.limits import DEFAULT_LIMITS, Limits
 from fingerpad.study.engine.progress import Progress
 from fingerpad.study.engine.runner import records_of
 from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.engine.task import Task
 from fingerpad.study.manifest import Study, manifest_in, read_study
-from fingerpad.study.measuring.run import (
-    drawn_for,
-    film_results,
-    loading_results,
-    measure_study,
-    measured_scales,
-    measurements,
-    pad_of,
-)
+from fingerpad.study.measuring.context import RunContext
+from fingerpad.study.measuring.run import Measured, drawn_for, measure_study
 from fingerpad.study.measuring.sequences import corrected_frames, frames_beyond
-from fingerpad.study.measuring.tasks import CacheKeys
 from fingerpad.study.results.output import write_tables
 from fingerpad.study.results.provenance import provenance
 from fingerpad.study.results.result_set import OUTPUT_NAMES, NewResultSet, new_result_set, put_in_place
@@ -99,76 +92,80 @@ def run_study(
     parsed: dict[str, str] = {}
     study = read_study(manifest, lambda name, text: parsed.update({name: hashlib.sha256(text).hexdigest()}))
     log = CorrectionLog(folder)
-    active_corrections = log.active_corrections()
     if log.digest is not None:
         parsed[CORRECTIONS_NAME] = log.digest
-    inputs = [*parsed, *(name for _, name in study.named_files())]
+    inputs = [*parsed, *(name for _, name in study.files())]
     _refuse_to_overwrite(inputs, folder, out)
     make_folder(out)
     with Store.writing(out / STORE_NAME) as store:
         put_in_place(store)
         damaged = store.damaged()
         store.discard(None if force else damaged)
-        keys = CacheKeys(
-            study=study, folder=folder, digest=cache(store.digest), active_corrections=active_corrections
-        )
-        origin = provenance(inputs, lambda name: keys.digest(folder / name))
+        context = RunContext.of(study, folder, log.active_corrections(), store)
+        origin = provenance(inputs, lambda name: context.digest(folder / name))
         _require_as_read(parsed, origin["inputs_sha256"])
         with executor_for(manifest, workers, scheduler, limits) as executor:
-            scales = measured_scales(keys, store, executor)
-            stands = measure_study(keys, scales, store, executor=executor, on_progress=on_progress)
-            films = film_results(keys, store)
-            frames = corrected_frames(films, keys, scales, store)
-
-            def digest(item: str) -> str:
-                image = image_of(item, study)
-                return frames.get(item, "") if image is None else keys.digest(folder / image)
-
+            measured = measure_study(context, store, executor, on_progress)
             result = result_of(
-                study,
-                folder,
-                fingers={finger.name: pad_of(finger, keys, scales, store) for finger in study.fingers},
-                scales=scales,
-                seen=measurements(keys, scales, store, films),
-                sequences=films,
-                curves=loading_results(keys, store),
+                measured,
                 origin={**origin, "limits_per_picture": asdict(limits)},
+                notes=(*log.notes, *map(_DAMAGED.format, damaged), *_notes(measured, log)),
                 executor=executor,
                 store=store,
-                on_check=lambda name: on_progress(replace(stands, item=name, status="checked")),
-                notes=(
-                    *log.notes,
-                    *map(_DAMAGED.format, damaged),
-                    *map(_REPLACED.format, on_another_image(active_corrections, digest)),
-                    *map(
-                        _NOT_THERE.format,
-                        (*log.unknown_items(study), *frames_beyond(films, active_corrections)),
-                    ),
-                ),
+                on_check=lambda name: on_progress(replace(measured.progress, item=name, status="checked")),
             )
         _require_unchanged(study, folder, store)
-
-        def written(what: str) -> None:
-            on_progress(replace(stands, item=what, status="written"))
-
-        with new_result_set(store) as new:
-            _add_drawn(new, store, drawn_for(keys, store))
-            written("tables")
-            write_tables(result, new.folder)
-            if write_report is not None:
-                written("report")
-                with local_executor(new.folder, workers, limits) as executor:
-
-                    def draw(tasks: list[Task], on_drawn: Callable[[Task], None]) -> None:
-                        for record in records_of(tasks, executor, store, new.folder, on_drawn):
-                            if (reason := record.get("reason")) is not None:
-                                raise FingerpadError(reason)
-                        statuses = store.statuses()
-                        for task in tasks:
-                            _add_drawn(new, store, statuses[task.name].drawn.items())
-
-                    write_report(result, new.folder, draw, written)
+        draw_in = partial(local_executor, workers=workers, limits=limits)
+        _write_results(result, measured, store, draw_in, write_report=write_report, on_progress=on_progress)
         return result
+
+
+def _write_results(
+    result: StudyResult,
+    measured: Measured,
+    store: Store,
+    draw_in: Callable[[Path], AbstractContextManager[Executor]],
+    *,
+    write_report: ReportWriter | None,
+    on_progress: Callable[[Progress], None],
+) -> None:
+    """Write tables, overlays and the report of a run, and put them in place as one."""
+
+    def written(what: str) -> None:
+        on_progress(replace(measured.progress, item=what, status="written"))
+
+    with new_result_set(store) as new:
+        _add_drawn(new, store, drawn_for(measured.context, store))
+        written("tables")
+        write_tables(result, new.folder)
+        if write_report is None:
+            return
+
+        def draw(tasks: list[Task], on_drawn: Callable[[Task], None]) -> None:
+            for record in records_of(tasks, executor, store, new.folder, on_drawn):
+                if (reason := record.get("reason")) is not None:
+                    raise FingerpadError(reason)
+            statuses = store.statuses()
+            for task in tasks:
+                _add_drawn(new, store, statuses[task.name].drawn.items())
+
+        written("report")
+        with draw_in(new.folder) as executor:
+            write_report(result, new.folder, draw, written)
+
+
+def _notes(measured: Measured, log: CorrectionLog) -> Iterator[str]:
+    """Yield what is odd about people's corrections: of other pictures than are there now, or of none."""
+    context = measured.context
+    frames = corrected_frames(measured.sequences, context)
+
+    def digest(item: str) -> str:
+        image = image_of(item, context.study)
+        return frames.get(item, "") if image is None else context.digest(context.folder / image)
+
+    yield from map(_REPLACED.format, on_another_image(context.active_corrections, digest))
+    yield from map(_NOT_THERE.format, log.unknown_items(context.study))
+    yield from map(_NOT_THERE.format, frames_beyond(measured.sequences, context.active_corrections))
 
 
 def _add_drawn(new: NewResultSet, store: Store, drawn: Iterable[tuple[str, str]]) -> None:
@@ -188,8 +185,8 @@ def _require_as_read(parsed: dict[str, str], digests: dict[str, str]) -> None:
 
 def _require_unchanged(study: Study, folder: Path, store: Store) -> None:
     """Raise if a table that was read beside the pictures is not what it was when the run began."""
-    for place, name in study.named_files():
-        if place.rpartition(".")[2] in {"outline", "force", "times"} and not store.unchanged(folder / name):
+    for loc, name in study.files():
+        if loc[-1] in {"outline", "force", "times"} and not store.unchanged(folder / name):
             raise StoreError(
                 f"{name}: was changed during the run: no results were written; run again to go on"
             )

@@ -1,17 +1,16 @@
 """How far a study is: what is measured, what has changed since, and what is left."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
 from typing import Final
 
 from fingerpad.study.corrections.log import CorrectionLog
 from fingerpad.study.engine.store import STORE_NAME, Store, TaskStatus
 from fingerpad.study.manifest import manifest_in, read_study
+from fingerpad.study.measuring.context import RunContext
 from fingerpad.study.measuring.run import items_of
 from fingerpad.study.measuring.sequences import frame_count
-from fingerpad.study.measuring.tasks import CacheKeys
 from fingerpad.study.results.result_set import result_set_faults
 
 _STATES: Final = ("done", "failed", "stale", "left")
@@ -68,25 +67,22 @@ def study_status(manifest: Path, out: Path) -> Status:
     manifest = manifest_in(manifest)
     study, folder = read_study(manifest), manifest.absolute().parent
     active_corrections = CorrectionLog(folder).active_corrections()
-    counts = dict.fromkeys(_STATES, 0)
     if not (out / STORE_NAME).is_file():
-        keys = CacheKeys(study=study, folder=folder, digest=str, active_corrections=active_corrections)
-        counts["left"] = len(list(items_of(keys)))
+        context = RunContext.of(study, folder, active_corrections, None)
+        counts = {**dict.fromkeys(_STATES, 0), "left": len(item_states(context))}
         return Status(**counts, seconds=dict.fromkeys(_STATES), faults=tuple(result_set_faults(out)))
-    spent, pictures = dict.fromkeys(_STATES, 0.0), dict.fromkeys(_STATES, 0)
+    counts, pictures = dict.fromkeys(_STATES, 0), dict.fromkeys(_STATES, 0)
+    spent: dict[str, float] = dict.fromkeys(_STATES, 0.0)
     films = {sequence.name: sequence for sequence in study.sequences}
     with Store.reading(out / STORE_NAME) as store:
+        context = RunContext.of(study, folder, active_corrections, store)
         statuses = store.statuses()
         of_item = _by_item(statuses)
-        keys = CacheKeys(
-            study=study, folder=folder, digest=cache(store.digest), active_corrections=active_corrections
-        )
-        for name, key in items_of(keys):
-            status, parts = statuses.get(name), of_item.get(name, ())
-            state = "left" if status is None else status.status if status.key == key() else "stale"
+        for name, state in item_states(context).items():
+            parts = of_item.get(name, ())
             counts[state] += 1
             spent[state] += sum(part.seconds for part in parts)
-            pictures[state] += frame_count(films[name], keys, store) if name in films else 1
+            pictures[state] += frame_count(films[name], context) if name in films else 1
             if state == "left":
                 pictures[state] -= sum(part.count for part in parts)
         damaged = [f"{STORE_NAME}: the stored result of {task} is damaged" for task in store.damaged()]
@@ -95,6 +91,20 @@ def study_status(manifest: Path, out: Path) -> Status:
     usual = sum(status.seconds for status in statuses.values()) / seen if seen else None
     coming = {name: None if usual is None else usual * pictures[name] for name in ("stale", "left")}
     return Status(**counts, seconds={**spent, **coming}, faults=faults)
+
+
+def item_states(context: RunContext) -> dict[str, str]:
+    """Return the state of each photograph, loading curve, observation and sequence, as `Status` counts them.
+
+    The files of an item that is not in the store are not read.
+    """
+    statuses = {} if context.store is None else context.store.statuses()
+
+    def state(name: str, key: Callable[[], str]) -> str:
+        status = statuses.get(name)
+        return "left" if status is None else status.status if status.key == key() else "stale"
+
+    return {name: state(name, key) for name, key in items_of(context)}
 
 
 def _by_item(statuses: Mapping[str, TaskStatus]) -> dict[str, list[TaskStatus]]:

@@ -25,9 +25,9 @@ from typing import Any, Final
 from uuid import uuid4
 
 from fingerpad.study.atomic_files import locked
-from fingerpad.study.editing.documents import DRAFT_NAME, STUDY_NAME
 from fingerpad.study.engine.store import STORE_NAME
 from fingerpad.study.journal import LOCK_NAME
+from fingerpad.study.manifest.load import STUDY_NAME
 from fingerpad.web.bundle import Bundle, LeftOut
 from fingerpad.web.errors import RequestError
 
@@ -39,7 +39,6 @@ _SMALL: Final = 1_000_000
 _INDEX_FOLDER: Final = "fingerpad-bundle"
 _INDEX_NAME: Final = f"{_INDEX_FOLDER}/index.json"
 _RESERVED: Final = frozenset((_INDEX_FOLDER, LEFT_OUT_NAME.casefold()))
-_MANIFESTS: Final = frozenset((STUDY_NAME, DRAFT_NAME))
 _WINDOWS: Final = frozenset('\\:*?"<>|')
 _DEVICE: Final = re.compile(r"(con|prn|aux|nul|com\d|lpt\d)(\..*)?", re.IGNORECASE)
 _SUFFIX: Final = re.compile(r"\.\w{1,10}", re.ASCII)
@@ -250,11 +249,11 @@ def _require_harmless(entry: zipfile.ZipInfo) -> None:
 def _prefix(entries: list[zipfile.ZipInfo]) -> str:
     """Return the folder in the ZIP that holds the study: its top, or a single folder there."""
     names = {entry.filename for entry in entries}
-    if not names.isdisjoint(_MANIFESTS):
+    if STUDY_NAME in names:
         return ""
     tops = {name.split("/")[0] for name in names}
     for top in sorted(tops):
-        if any(f"{top}/{name}" in names for name in _MANIFESTS):
+        if f"{top}/{STUDY_NAME}" in names:
             return f"{top}/"
     raise RequestError.impossible("the ZIP holds no study: no study.toml lies at its top")
 

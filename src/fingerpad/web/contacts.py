@@ -16,12 +16,12 @@ from fingerpad.image import (
     open_frames,
     scan_texture,
 )
-from fingerpad.study.corrections.apply import place_of, prepared_contact
+from fingerpad.study.corrections.apply import contact_correction, place_of, prepared_contact
 from fingerpad.study.corrections.changes import ContactCorrection
 from fingerpad.study.manifest import Contact, ContactSequence, Observation, ScaleKey
-from fingerpad.study.measuring.measure import Measurement, contact_correction, doubts_of, from_contact_image
+from fingerpad.study.measuring.measure import Measurement, doubts_of, from_contact_image
 from fingerpad.study.measuring.scales import FoundScale
-from fingerpad.study.results.rows import make_rows
+from fingerpad.study.results.rows import model_contacts
 from fingerpad.web import answers
 from fingerpad.web.endpoints import Endpoint, Item, Params
 from fingerpad.web.errors import RequestError
@@ -203,7 +203,7 @@ def _model(
     if load is None:
         return None
     measured = Measurement(name=item, load=load, **from_contact_image(contact_image, contact, found))
-    row = make_rows(opened.study(), {finger.name: finger}, [(contact, measured)]).table[0]
+    row = model_contacts(opened.study(), {finger.name: finger}, [(contact, measured)]).table[0]
     found_model = {name: row[name] for name in answers.ContactModel.model_fields}
     return found_model | {"range_notes": (row["range_notes"] or "").split()}
 

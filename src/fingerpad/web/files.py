@@ -18,7 +18,6 @@ from starlette.concurrency import run_in_threadpool
 from starlette.requests import Request
 from starlette.responses import FileResponse, Response, StreamingResponse
 
-from fingerpad.study.editing.state import named_files
 from fingerpad.web import answers
 from fingerpad.web.archive import pack, unpack
 from fingerpad.web.bundle import Bundle
@@ -127,8 +126,7 @@ def remove(workspace: Workspace, _: Any, params: RemoveParams) -> dict[str, Any]
     """Move an uploaded file that is not used into a hidden folder."""
     opened = workspace.study
     path = opened.file(params.file)
-    found = opened.read()
-    named = named_files(found.study, found.incomplete)
+    named = opened.read().files()
     used = {(opened.folder / name).resolve() for name in named if os.path.exists(opened.folder / name)}
     if not used.isdisjoint((path.resolve(), *path.resolve().parents)):
         raise RequestError.conflict(f"{params.file}: the study names this file: remove what names it first")
@@ -191,11 +189,8 @@ def bundle(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
 
 
 def _bundle(opened: StudySession) -> Bundle:
-    manifest = opened.read()
-    named = named_files(manifest.study, manifest.incomplete)
-    return Bundle.of(
-        opened.folder, opened.out, named, manifest.study.observations_csv if manifest.study else None
-    )
+    loaded = opened.read()
+    return Bundle.of(opened.folder, opened.out, loaded.files(), loaded.study.observations_csv)
 
 
 def _zipped(workspace: Workspace) -> Response:

@@ -1,13 +1,12 @@
 """Scales and lengths: the named scales of the study, and measurements that are not stored."""
 
-from collections.abc import Mapping
 from typing import Annotated, Any, Final
 
 from pydantic import Field
 
 from fingerpad.image import Coin, ImageEllipse, measure_coin
 from fingerpad.study.manifest import CoinScale, ScaleKey
-from fingerpad.study.measuring.scales import FoundScale, find_scale, named_scales
+from fingerpad.study.measuring.scales import FoundScale, require_scale, scale_from, scale_record
 from fingerpad.web import answers
 from fingerpad.web.endpoints import Endpoint, Params, Point
 from fingerpad.web.errors import RequestError
@@ -15,29 +14,24 @@ from fingerpad.web.pictures import Cache, ImageLocation
 from fingerpad.web.study_session import StudySession
 from fingerpad.web.workspace import Workspace
 
-_FOUND: Final[Cache[dict[str, FoundScale | str]]] = Cache(20, lambda _: 1)
-
-
-def scales_of(opened: StudySession) -> Mapping[str, FoundScale | str]:
-    """Return each named scale, or why there is none."""
-    study = opened.study()
-    stamps = [
-        (name, table.model_dump_json(), _stamp(opened, table.coin) if isinstance(table, CoinScale) else None)
-        for name, table in study.scales.items()
-    ]
-    return _FOUND.get((str(opened.folder), tuple(stamps)), lambda: named_scales(study, opened.folder))
+_FOUND: Final[Cache[FoundScale | str]] = Cache(100, lambda _: 1)
 
 
 def scale_of(opened: StudySession, key: ScaleKey) -> FoundScale:
     """Return the scale that a key of the manifest means."""
-    if isinstance(key, str):
-        known = scales_of(opened)
-        if key not in known:
-            raise RequestError.not_there(f"no scale is named {key!r}")
-        return find_scale(key, known, opened.folder)
-    if isinstance(key, CoinScale):
-        opened.file(key.coin)  # one of the study's own
-    return find_scale(key, {}, opened.folder)
+    name = key if isinstance(key, str) else None
+    table = opened.study().scales.get(key) if isinstance(key, str) else key
+    if table is None:
+        raise RequestError.not_there(f"no scale is named {name!r}")
+    coin = table.coin if isinstance(table, CoinScale) else None
+    if coin is not None:
+        opened.file(coin)  # one of the study's own
+    stamp = None if coin is None else _stamp(opened, coin)
+    found = _FOUND.get(
+        (opened.folder, name, table.model_dump_json(), stamp),
+        lambda: scale_from(scale_record(name, table, opened.folder, opened.folder), name),
+    )
+    return require_scale(found)
 
 
 def _stamp(opened: StudySession, file: str) -> Any:

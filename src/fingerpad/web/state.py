@@ -1,13 +1,13 @@
 """The state of a study: its contents, missing entries, and the status of each item."""
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from dataclasses import asdict
-from functools import cache
 from typing import Annotated, Any, Final
 
 import numpy as np
-from pydantic import BaseModel, Field
+from pydantic import Field
 
 from fingerpad._files import digest_of
 from fingerpad.exceptions import StoreError
@@ -16,21 +16,20 @@ from fingerpad.report.text import FLAG_WORDS
 from fingerpad.report.write import REPORT_NAME
 from fingerpad.study.corrections.history import CORRECTIONS_NAME, ActiveCorrection
 from fingerpad.study.corrections.log import frames_of
-from fingerpad.study.editing.documents import STUDY_NAME
 from fingerpad.study.engine.store import STORE_NAME, Store
-from fingerpad.study.manifest import Contact, Finger, Study
-from fingerpad.study.manifest.study import Uncertainty
+from fingerpad.study.manifest import LoadedStudy, Study
+from fingerpad.study.manifest.load import STUDY_NAME
+from fingerpad.study.measuring.context import RunContext
 from fingerpad.study.measuring.curves import curve_items
 from fingerpad.study.measuring.fingers import is_rejected
-from fingerpad.study.measuring.run import items_of
-from fingerpad.study.measuring.tasks import CacheKeys
 from fingerpad.study.results.columns import COLUMNS
 from fingerpad.study.results.rows import RANGE_NOTES
+from fingerpad.study.status import item_states
 from fingerpad.web import answers
 from fingerpad.web.endpoints import Endpoint, Params
 from fingerpad.web.last_results import Results, known_finger, last_results, results_faults
 from fingerpad.web.pictures import kind_of_file
-from fingerpad.web.study_session import Manifest, StudySession
+from fingerpad.web.study_session import StudySession, table_content
 from fingerpad.web.workspace import Workspace
 
 _UNREADABLE: Final = (OSError, StoreError)
@@ -44,38 +43,38 @@ _WORDS: Final[Mapping[str, Any]] = {
 
 def document(opened: StudySession) -> dict[str, Any]:
     """Return the state of a study; nothing is measured."""
-    manifest = opened.read()
-    study = manifest.study
+    loaded = opened.read()
+    study = loaded.study
     active_corrections = opened.corrections.active_corrections()
-    states: dict[str, str] = {} if study is None else _item_states(study, opened, active_corrections)
+    states = _item_states(study, opened, active_corrections)
     found = last_results(opened)
     seen = found.contacts() if found else {}
     counts = Counter(states.values())
     return {
         "name": opened.name,
-        "title": manifest.title,
-        "description": study.description if study else "",
-        "digest": manifest.digest,
-        "poisson_ratio": study.poisson_ratio if study else 0.5,
-        "uncertainty": (study.uncertainty if study else Uncertainty()).model_dump(),
-        "taken_as_exact": study.taken_as_exact() if study else [],
-        "ready": study is not None,
-        "missing": [asdict(one) for one in manifest.missing],
-        "scales": _scales(manifest),
+        "title": study.title,
+        "description": study.description,
+        "digest": loaded.digest,
+        "poisson_ratio": study.poisson_ratio,
+        "uncertainty": study.uncertainty.model_dump(),
+        "taken_as_exact": study.taken_as_exact(),
+        "ready": not loaded.issues,
+        "missing": [asdict(one) for one in opened.missing()],
+        "scales": _scales(loaded),
         "fingers": [
             _finger(opened, *one, states=states, active_corrections=active_corrections)
-            for one in _tables(manifest, "finger")
+            for one in _tables(loaded, "finger")
         ],
         "observations": [
             _observation(*one, states=states, seen=seen, active_corrections=active_corrections)
-            for one in _tables(manifest, "observation")
+            for one in _tables(loaded, "observation")
         ],
         "sequences": [
             _sequence(opened, *one, states=states, active_corrections=active_corrections)
-            for one in _tables(manifest, "sequence")
+            for one in _tables(loaded, "sequence")
         ],
-        "curves": _curves(manifest, states, found),
-        "files": _files(opened, manifest),
+        "curves": _curves(loaded, states, found),
+        "files": _files(opened),
         "words": _WORDS,
         "counts": {
             **{name: counts[name] for name in ("done", "failed", "stale", "left")},
@@ -92,11 +91,9 @@ def document(opened: StudySession) -> dict[str, Any]:
     }
 
 
-def _is_fresh(
-    opened: StudySession, study: Study | None, found: Results | None, counts: Mapping[str, int]
-) -> bool:
+def _is_fresh(opened: StudySession, study: Study, found: Results | None, counts: Mapping[str, int]) -> bool:
     """Tell whether the results and the report are up to date."""
-    if study is None or found is None or counts["stale"] + counts["left"] or not _has_report(opened):
+    if found is None or counts["stale"] + counts["left"] or not _has_report(opened):
         return False
     return _same_inputs(opened, study, found.summary["provenance"])
 
@@ -108,30 +105,12 @@ def _has_report(opened: StudySession) -> bool:
 def _item_states(
     study: Study, opened: StudySession, active_corrections: Mapping[str, ActiveCorrection]
 ) -> dict[str, str]:
-    """Return the status of each item: done, failed, stale or left.
-
-    An item that is not in the store is left; its file is not read.
-    """
-    keys = CacheKeys(study=study, folder=opened.folder, digest=str, active_corrections=active_corrections)
-    states = {name: "left" for name, _ in items_of(keys)}
+    """Return the status of each item: done, failed, stale or left."""
     path = opened.out / STORE_NAME
-    if not path.is_file():
-        return states
-    try:
-        with Store.reading(path) as store:
-            statuses = store.statuses()
-            keys = CacheKeys(
-                study=study,
-                folder=opened.folder,
-                digest=cache(store.digest),
-                active_corrections=active_corrections,
-            )
-            for name, key in items_of(keys):
-                if (status := statuses.get(name)) is not None:
-                    states[name] = status.status if status.key == key() else "stale"
-    except _UNREADABLE:
-        return states  # the run reports what is wrong with it
-    return states
+    if path.is_file():
+        with suppress(*_UNREADABLE), Store.reading(path) as store:  # a run reports what is wrong with it
+            return item_states(RunContext.of(study, opened.folder, active_corrections, store))
+    return item_states(RunContext.of(study, opened.folder, active_corrections, None))
 
 
 def _same_inputs(opened: StudySession, study: Study, provenance: Mapping[str, Any]) -> bool:
@@ -151,11 +130,6 @@ def review_record(active_correction: ActiveCorrection | None) -> dict[str, Any]:
     }
 
 
-def stated(table: BaseModel) -> dict[str, Any]:
-    """Return the keys that the manifest states in a table."""
-    return table.model_dump(mode="json", exclude_unset=True)
-
-
 def _values(table: Mapping[str, Any], kinds: type | tuple[type, ...], *names: str) -> dict[str, Any]:
     """Return values of a table by name, None where one is missing or of another type.
 
@@ -173,28 +147,19 @@ def _text(table: Mapping[str, Any], name: str) -> str | None:
     return value
 
 
-def _tables(manifest: Manifest, kind: str) -> Iterator[tuple[str, dict[str, Any], bool]]:
+def _tables(loaded: LoadedStudy, kind: str) -> Iterator[tuple[str, dict[str, Any], bool]]:
     """Yield key and content of each table of a kind, and whether it is complete."""
-    study = manifest.study
-    if study is not None and kind == "curve":
-        yield from ((str(number), stated(one), True) for number, one in enumerate(study.curves))
-    elif study is not None:
-        complete: Iterable[Finger | Contact] = getattr(study, f"{kind}s")
-        yield from ((one.name, stated(one), True) for one in complete)
-    yield from ((one.key, one.content, False) for one in manifest.incomplete if one.kind == kind)
+    return ((one.key, table_content(one), one.complete) for one in loaded.tables if one.kind == kind)
 
 
-def _scales(manifest: Manifest) -> list[dict[str, Any]]:
-    study = manifest.study
-    uses = Counter(name for _, name in study.named_scales()) if study is not None else Counter[str]()
-    for one in manifest.incomplete:
+def _scales(loaded: LoadedStudy) -> list[dict[str, Any]]:
+    uses = Counter(loaded.study.named_scales())
+    for one in loaded.incomplete:
         names = (table.get("scale") for table in one.tables)
         uses.update(name for name in names if isinstance(name, str))
-    complete = {name: stated(table) for name, table in study.scales.items()} if study is not None else {}
-    waiting = {one.key: one.content for one in manifest.incomplete if one.kind == "scale"}
     return [
-        {"name": name, "table": table, "used_by": uses[name], "complete": name in complete}
-        for name, table in [*complete.items(), *waiting.items()]
+        {"name": name, "table": table, "used_by": uses[name], "complete": complete}
+        for name, table, complete in _tables(loaded, "scale")
     ]
 
 
@@ -304,9 +269,9 @@ def _sequence(
     }
 
 
-def _curves(manifest: Manifest, states: Mapping[str, str], found: Results | None) -> list[dict[str, Any]]:
+def _curves(loaded: LoadedStudy, states: Mapping[str, str], found: Results | None) -> list[dict[str, Any]]:
     place = ("finger", "wedge_angle_deg", "file")
-    items = iter(() if manifest.study is None else curve_items(manifest.study))
+    items = iter(curve_items(loaded.study))
     seen = found.summary["curves"] if found else []
     reasons = {tuple(one[name] for name in place): one["reason"] for one in seen}
 
@@ -322,12 +287,12 @@ def _curves(manifest: Manifest, states: Mapping[str, str], found: Results | None
             "reason": reasons.get(tuple(table.get(name) for name in place)) if complete else None,
         }
 
-    return [described(*one) for one in _tables(manifest, "curve")]
+    return [described(*one) for one in _tables(loaded, "curve")]
 
 
-def _files(opened: StudySession, manifest: Manifest) -> list[dict[str, Any]]:
-    unused = {one.key for one in manifest.missing if one.kind == "file"}
-    folders = tuple(f"{one.key}/" for one in manifest.missing if one.kind == "folder")
+def _files(opened: StudySession) -> list[dict[str, Any]]:
+    unused = {one.key for one in opened.missing() if one.kind == "file"}
+    folders = tuple(f"{one.key}/" for one in opened.missing() if one.kind == "folder")
     return [
         {
             "file": name,

@@ -7,10 +7,9 @@ from typing import Annotated, Any, Final
 from pydantic import Field
 
 from fingerpad.exceptions import EditConflict
-from fingerpad.study.editing.documents import STUDY_NAME
+from fingerpad.study.editing.apply_edit import Edit
 from fingerpad.study.editing.edit import create_study
-from fingerpad.study.editing.incomplete import Kind
-from fingerpad.study.editing.state import Edit
+from fingerpad.study.manifest.load import STUDY_NAME, Kind
 from fingerpad.web import answers
 from fingerpad.web.endpoints import Endpoint, Params
 from fingerpad.web.errors import RequestError
@@ -94,7 +93,7 @@ def close(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
 def run(workspace: Workspace, _: Any, params: RunParams) -> dict[str, Any]:
     """Start a run of the study."""
     opened = workspace.study
-    opened.study()
+    opened.require_complete()
     workers = min(params.workers, os.cpu_count() or 1)
     return opened.run_job.start(
         opened.folder / STUDY_NAME,

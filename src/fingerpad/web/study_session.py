@@ -1,32 +1,34 @@
 """The open study: its current manifest, items, images and results."""
 
 import os
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict
 from pathlib import Path, PurePosixPath
 from threading import Lock
 from typing import Any, Final
 
-from pydantic import BaseModel
-
 from fingerpad._files import digest_of
 from fingerpad.exceptions import ImageError, ManifestError
 from fingerpad.image import Frame, open_frames
+from fingerpad.study.corrections.history import CORRECTIONS_NAME
 from fingerpad.study.corrections.log import CorrectionLog
-from fingerpad.study.editing.checklist import Missing, missing_of
-from fingerpad.study.editing.documents import DRAFT_NAME, STUDY_NAME
-from fingerpad.study.editing.edit import change_study, study_state
-from fingerpad.study.editing.state import Edit, IncompleteTable
+from fingerpad.study.editing.apply_edit import Edit
+from fingerpad.study.editing.checklist import Missing, missing
+from fingerpad.study.editing.edit import change_study
+from fingerpad.study.editing.template import SCHEMA_NAME
 from fingerpad.study.engine.store import STORE_NAME
 from fingerpad.study.manifest import (
-    Contact,
     ContactSequence,
     Finger,
+    LoadedStudy,
     Observation,
     Photograph,
     Study,
+    load_study,
 )
-from fingerpad.study.manifest.read import file_inside
+from fingerpad.study.manifest.files import file_inside
+from fingerpad.study.manifest.load import STUDY_NAME, Table
+from fingerpad.study.manifest.validation import Fault
 from fingerpad.web.errors import RequestError
 from fingerpad.web.events import Events
 from fingerpad.web.pictures import Cache, ImageLocation, Pictures
@@ -34,32 +36,7 @@ from fingerpad.web.run_job import RunJob
 
 _MOST_FILES: Final = 100_000
 _TIMEOUT_S: Final = 30.0
-_OWN: Final = frozenset(("study.toml", "draft.toml", "corrections.jsonl"))
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Manifest:
-    """The current content of the manifest.
-
-    Attributes
-    ----------
-    title : str
-        Of the study.
-    digest : str
-        Digest of its content.
-    study : Study or None
-        The complete part; None where there is none.
-    incomplete : tuple of IncompleteTable
-        Incomplete tables.
-    missing : tuple of Missing
-        Missing entries.
-    """
-
-    title: str
-    digest: str
-    study: Study | None
-    incomplete: tuple[IncompleteTable, ...]
-    missing: tuple[Missing, ...]
+_OWN: Final = frozenset((STUDY_NAME, SCHEMA_NAME, CORRECTIONS_NAME))
 
 
 class StudySession:
@@ -84,7 +61,7 @@ class StudySession:
         self.corrections = CorrectionLog(folder)
         self._counts: Cache[int] = Cache(10_000, lambda _: 1)
         self._digests: Cache[str] = Cache(10_000, lambda _: 1)
-        self._read: tuple[object, Manifest] | None = None
+        self._read: tuple[object, LoadedStudy, list[Missing]] | None = None
         self._folders: tuple[Path, ...] = ()
         self._lock = Lock()
 
@@ -98,43 +75,52 @@ class StudySession:
         self.run_job.cancel()
         self.run_job.wait(_TIMEOUT_S)
 
-    def read(self) -> Manifest:
-        """Return the manifest, read again if one of its files has changed."""
-        with self._lock:
-            if self._read is None or self._read[0] != self._stamp_with(self._read[1]):
-                found = self._manifest()
-                self.files()
-                self._read = (self._stamp_with(found), found)
-            return self._read[1]
+    def read(self) -> LoadedStudy:
+        """Return the study, loaded again if one of its files has changed."""
+        return self._loaded()[0]
+
+    def missing(self) -> list[Missing]:
+        """Return what the study lacks."""
+        return self._loaded()[1]
 
     def study(self) -> Study:
         """Return the complete part of the study."""
-        found = self.read()
-        if found.study is None:
-            words = "; ".join(one.words for one in found.missing)
-            faults = [asdict(one) for one in found.missing]
-            raise RequestError.impossible(f"the study is not complete: {words}", faults=faults)
-        return found.study
+        return self.read().study
 
-    def _stamp_with(self, manifest: Manifest) -> object:
+    def require_complete(self) -> None:
+        """Refuse to go on with a study that has issues."""
+        if self.read().issues:
+            faults = [one for one in self.missing() if one.kind not in {"file", "folder"}]
+            words = "; ".join(one.words for one in faults)
+            raise RequestError.impossible(
+                f"the study is not complete: {words}", faults=[asdict(one) for one in faults]
+            )
+
+    def _loaded(self) -> tuple[LoadedStudy, list[Missing]]:
+        with self._lock:
+            if self._read is None or self._read[0] != self._stamp_with(self._read[1]):
+                loaded = self._load()
+                self.files()
+                self._read = (self._stamp_with(loaded), loaded, missing(loaded))
+            return self._read[1:]
+
+    def _stamp_with(self, loaded: LoadedStudy) -> object:
         """Return a stamp that changes with the manifest and with the list of files."""
-        sheet = manifest.study.observations_csv if manifest.study is not None else None
-        names = [STUDY_NAME, DRAFT_NAME, *([sheet] if sheet is not None else [])]
+        sheet = loaded.study.observations_csv
+        names = [STUDY_NAME, *([sheet] if sheet is not None else [])]
         return [_stamp_of(path) for path in (*(self.folder / name for name in names), *self._folders)]
 
-    def _manifest(self) -> Manifest:
+    def _load(self) -> LoadedStudy:
+        """Return the study; one without anything in it where the manifest cannot be read."""
         try:
-            state = study_state(self.folder)
+            return load_study(self.folder / STUDY_NAME)
         except ManifestError as error:
-            missing = tuple(Missing(kind="study", key="", words=fault) for fault in str(error).splitlines())
-            return Manifest(title=self.name, digest="", study=None, incomplete=(), missing=missing)
-        return Manifest(
-            title=state.title,
-            digest=state.digest,
-            study=state.study,
-            incomplete=state.incomplete,
-            missing=tuple(missing_of(state)),
-        )
+            faults = tuple(Fault("", line) for line in str(error).splitlines())
+            damage = Table(kind="study", key="", content={}, file="", place="", faults=faults)
+            study = Study(title=self.name)
+            return LoadedStudy(
+                folder=self.folder, digest="", study=study, tables=(damage,), issues=tuple(damage.lines)
+            )
 
     def change(self, edits: Sequence[Edit], expected: str) -> None:
         """Change the manifest: all edits or none."""
@@ -174,7 +160,7 @@ class StudySession:
             return None
 
     def place_of(self, item: str) -> ImageLocation:
-        """Return the location of an item's image; only files named by the manifest or the draft."""
+        """Return the location of an item's image; only files named by the manifest."""
         name, mark, number = item.rpartition("#")
         if item.startswith("file:"):
             return ImageLocation(self.file(item.removeprefix("file:")), colour=True)
@@ -201,19 +187,9 @@ class StudySession:
         return file if isinstance(file, str) else None
 
     def _content(self, kind: str, key: str) -> Mapping[str, Any]:
-        """Return a table of the manifest or the draft, empty where there is none."""
-        found = self.read()
-        for one in found.incomplete:
-            if (one.kind, one.key) == (kind, key):
-                return one.content
-        if found.study is None:
-            return {}
-        if kind == "scale":
-            table: BaseModel | None = found.study.scales.get(key)
-        else:
-            tables: Iterable[Finger | Contact] = getattr(found.study, f"{kind}s")
-            table = next((one for one in tables if one.name == key), None)
-        return {} if table is None else table.model_dump(exclude_none=True)
+        """Return a table of the manifest, empty where there is none."""
+        tables = (one for one in self.read().tables if (one.kind, one.key) == (kind, key))
+        return next((table_content(one) for one in tables), {})
 
     def shape_of(self, item: str) -> tuple[int, int] | None:
         """Return rows and columns of an item's image, None where it has none."""
@@ -268,7 +244,7 @@ class StudySession:
         path = self._inside(name)
         if path is None or not path.exists():
             raise RequestError.not_there(f"the study holds no sequence {name[:80]!r}")
-        return file_inside(self.folder, name, STUDY_NAME, "file", may_be_folder=True)
+        return file_inside(self.folder, name, may_be_folder=True)
 
     def _inside(self, name: str) -> Path | None:
         """Return the path of a name, None if it is outside the study or not an input."""
@@ -282,6 +258,13 @@ class StudySession:
             return None
         inside = real.is_relative_to(self.folder.resolve()) and not real.is_relative_to(self.out.resolve())
         return path if inside else None
+
+
+def table_content(table: Table) -> dict[str, Any]:
+    """Return the keys that a table states; of one that is not complete they may hold anything."""
+    if table.model is None or not table.complete:
+        return table.content
+    return table.model.model_dump(mode="json", exclude_unset=True)
 
 
 def _stamp_of(path: Path) -> tuple[int, int, int] | None:

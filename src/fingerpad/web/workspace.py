@@ -12,7 +12,8 @@ from typing import Any, Final
 
 import fingerpad
 from fingerpad.image import MEMORY_LIMIT
-from fingerpad.study.editing.documents import DRAFT_NAME, STUDY_NAME, title_of
+from fingerpad.study.editing.documents import title_of
+from fingerpad.study.manifest.load import STUDY_NAME
 from fingerpad.study.results.result_set import RESULTS_NAME
 from fingerpad.web.errors import RequestError
 from fingerpad.web.events import Events
@@ -23,7 +24,6 @@ UPLOAD_LIMIT: Final = 4 * 2**30
 NAME: Final = r"^\w[\w.+-]{0,59}$"
 # The version changes the address, so that browsers may keep the script.
 PLOTLY_ADDRESS: Final = f"/static/vendor/plotly-{version('plotly')}.min.js"
-_MANIFESTS: Final = (STUDY_NAME, DRAFT_NAME)
 
 
 class Workspace:
@@ -72,7 +72,7 @@ class Workspace:
         study = self._study
         return {
             "version": fingerpad.__version__,
-            "study": None if study is None else {"name": study.name, "title": study.read().title},
+            "study": None if study is None else {"name": study.name, "title": study.study().title},
             "workspace": self.workspace.name,
             "studies": [{"name": name, "title": title_of(self.workspace / name)} for name in self.studies()],
             "who": _login(),
@@ -87,7 +87,7 @@ class Workspace:
                 folders = [Path(entry.path) for entry in entries if entry.is_dir(follow_symlinks=False)]
         except OSError:
             return []
-        return sorted(f.name for f in folders if any((f / name).is_file() for name in _MANIFESTS))
+        return sorted(f.name for f in folders if (f / STUDY_NAME).is_file())
 
     def open(self, name: str) -> StudySession:
         """Open one of the workspace's studies, with its results beside its manifest."""

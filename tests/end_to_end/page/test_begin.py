@@ -148,7 +148,7 @@ def test_finger_is_renamed_with_its_contacts(tab: Tab, demo) -> None:
     assert rows.count(",right_middle,") == 2
 
 
-def test_incomplete_entries_are_named_and_skipped(tab: Tab, demo, tmp_path) -> None:
+def test_an_incomplete_entry_is_named_and_run_when_complete(tab: Tab, demo, tmp_path) -> None:
     page = tab.open()
     shutil.copy(demo / "synthetic" / "synthetic_30deg_1N.png", tmp_path / "print.png")
     page.locator("input[type=file]").set_input_files([tmp_path / "print.png"])
@@ -161,10 +161,16 @@ def test_incomplete_entries_are_named_and_skipped(tab: Tab, demo, tmp_path) -> N
     page.get_by_label("Scale of uploads/print.png").select_option("reader")
     page.get_by_role("button", name="Add to study").click()
     page.get_by_role("heading", name="Missing").wait_for()
-    page.get_by_text("The rest of the study can run").wait_for()
-    page.get_by_role("link", name="Run the study").wait_for()
+    page.get_by_text("the load is missing").wait_for()
+    page.get_by_text("Not ready to run").wait_for()
+    assert 'file = "uploads/print.png"' in (demo / "study.toml").read_text()
     tab.go("run")
-    page.get_by_text("1 incomplete entry is skipped").wait_for()
+    page.get_by_text("The study is incomplete").wait_for()
+    assert page.get_by_role("button", name="Run", exact=True).is_disabled()
+    tab.go("study")
+    page.get_by_label("Load of print", exact=True).fill("1")
+    page.keyboard.press("Tab")
+    page.get_by_role("link", name="Run the study").wait_for()
 
 
 def test_line_on_a_ruler_by_pointer_then_by_keyboard(tab: Tab, demo) -> None:

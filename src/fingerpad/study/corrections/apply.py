@@ -22,11 +22,18 @@ from fingerpad.image import (
     with_marked_points,
 )
 from fingerpad.study.corrections.changes import ContactCorrection, PhotographCorrection
+from fingerpad.study.corrections.history import ActiveCorrection
 from fingerpad.study.manifest import CORRECTIONS, Contact, Photograph
 
 NOTHING = ContactCorrection()
 # Changes of these have the ridges detected again; strokes and ellipse are measured on those detected before.
 _OF_THE_READING = CORRECTIONS
+
+
+def contact_correction(active_correction: ActiveCorrection | None) -> ContactCorrection:
+    """Return what a person wants of a contact, an empty correction by default."""
+    change = None if active_correction is None else active_correction.change
+    return change if isinstance(change, ContactCorrection) else NOTHING
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

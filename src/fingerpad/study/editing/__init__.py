@@ -1,1 +1,1 @@
-"""Changing a study by program: its manifest, drafts of what is not complete, and what it still lacks."""
+"""Changing a study by program: its manifest and spreadsheet, and what it still lacks."""

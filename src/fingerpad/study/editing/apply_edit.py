@@ -1,5 +1,7 @@
 """One edit made in the documents of a study: a table added, changed, renamed or taken away."""
 
+from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any, Final
 
 import tomlkit
@@ -9,14 +11,34 @@ from tomlkit.items import AoT
 
 from fingerpad.exceptions import ManifestError
 from fingerpad.study.corrections.log import CorrectionLog
-from fingerpad.study.editing.documents import LISTS, TABLES, StudyFiles
-from fingerpad.study.editing.incomplete import Kind
-from fingerpad.study.editing.state import Edit
-from fingerpad.study.editing.toml_tables import added, remove, remove_scale, spaced, update
+from fingerpad.study.editing.documents import StudyFiles
+from fingerpad.study.editing.toml_tables import added, new_table, remove, remove_scale, update
+from fingerpad.study.manifest.load import LISTS, TABLES, Kind
+from fingerpad.study.manifest.scales import SCALE_KINDS
 from fingerpad.study.manifest.tables import Name
 
 _NAME: Final = TypeAdapter(Name)
-_WAYS: Final = frozenset(("ppi", "mm_per_px", "line", "coin"))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Edit:
+    """One change of the manifest.
+
+    Attributes
+    ----------
+    kind : str
+        ``study`` (the top level), ``uncertainty``, ``scale``, ``finger``, ``photograph``, ``observation``,
+        ``sequence`` or ``curve``.
+    key : str
+        Its name; for a photograph ``FINGER/IMAGE``, for a curve its number from 0, else empty. A key that is
+        not there yet is added.
+    set : dict or None
+        Keys to set; None as a value removes that key, None in place of all removes the table.
+    """
+
+    kind: Kind
+    key: str
+    set: Mapping[str, Any] | None
 
 
 def apply_edit(files: StudyFiles, edit: Edit) -> None:
@@ -59,38 +81,42 @@ def _require_name(kind: Kind, name: str) -> None:
 
 
 def _set_top(files: StudyFiles, edit: Edit) -> None:
-    home = files.draft if files.study is None else files.study
+    manifest = files.manifest
     if edit.set is None:
         if edit.kind == "study":
             raise ManifestError("the study itself cannot be removed; delete its folder")
-        home.pop("uncertainty", None)
+        manifest.pop("uncertainty", None)
         return
-    if edit.kind == "study" and (tables := sorted(TABLES & edit.set.keys())):
-        raise ManifestError(f"study: {tables[0]} has edits of its own")
-    if edit.kind == "uncertainty" and "uncertainty" not in home:
-        home["uncertainty"] = spaced(tomlkit.table())
-    update(home if edit.kind == "study" else home["uncertainty"], edit.set)
+    if edit.kind == "study":
+        if tables := sorted(TABLES & edit.set.keys()):
+            raise ManifestError(f"study: {tables[0]} has edits of its own")
+        update(manifest, edit.set)
+        return
+    if "uncertainty" not in manifest:
+        new_table(manifest, "uncertainty")
+    update(manifest["uncertainty"], edit.set)
 
 
 def _set_scale(files: StudyFiles, edit: Edit) -> None:
-    home = next((doc for doc in files.documents() if edit.key in doc.get("scales", {})), None)
+    manifest = files.manifest
+    known = edit.key in manifest.get("scales", {})
     if edit.set is None:
-        if home is None:
+        if not known:
             raise ManifestError(f"scale {edit.key}: there is none of this name")
-        remove_scale(home, edit.key)
+        remove_scale(manifest, edit.key)
         return
     values = dict(edit.set)
     renamed = str(values.pop("name", edit.key))
     _require_name("scale", renamed)
-    home = files.draft if home is None else home
-    if "scales" not in home:
-        home["scales"] = tomlkit.table(True)
-    table = home["scales"].setdefault(edit.key, tomlkit.table())
-    if _WAYS & values.keys() and not _WAYS & values.keys() & table.keys():
+    if "scales" not in manifest:
+        manifest["scales"] = tomlkit.table(True)
+    table = manifest["scales"][edit.key] if known else new_table(manifest["scales"], edit.key)
+    kinds = values.keys() & set(SCALE_KINDS)
+    if kinds and not kinds & table.keys():
         table.clear()
     update(table, values)
     if renamed != edit.key:
-        home["scales"][renamed] = home["scales"].pop(edit.key)
+        manifest["scales"][renamed] = manifest["scales"].pop(edit.key)
         _rename(files, "scale", edit.key, renamed)
 
 
@@ -99,17 +125,17 @@ def _set_listed(files: StudyFiles, edit: Edit) -> None:
         _refuse_rename(files, edit)
         files.sheet.change(edit.key, edit.set)
         return
-    table, home = _find(files, edit.kind, edit.key)
+    table = _find(files, edit.kind, edit.key)
     if edit.set is None:
-        if table is None or home is None:
+        if table is None:
             raise ManifestError(f"{edit.kind} {edit.key}: there is none of this name")
-        remove(home, LISTS[edit.kind], table)
+        remove(files.manifest, LISTS[edit.kind], table)
         return
     values = dict(edit.set)
     if edit.kind != "curve":
         _require_name(edit.kind, str(values.get("name", edit.key)))
     if table is None:
-        table = added(files.draft, LISTS[edit.kind])
+        table = added(files.manifest, LISTS[edit.kind])
         if edit.kind != "curve":
             values = {"name": edit.key} | values
     else:
@@ -122,7 +148,7 @@ def _set_listed(files: StudyFiles, edit: Edit) -> None:
 
 def _set_photograph(files: StudyFiles, edit: Edit) -> None:
     owner, _, file = edit.key.partition("/")
-    finger, _ = _find(files, "finger", owner)
+    finger = _find(files, "finger", owner)
     if finger is None:
         raise ManifestError(f"photograph {edit.key}: no finger is named {owner!r}; add the finger first")
     photographs = finger.get("photographs", [])
@@ -148,15 +174,15 @@ def _set_photograph(files: StudyFiles, edit: Edit) -> None:
     finger["photographs"].append(table)
 
 
-def _find(files: StudyFiles, kind: Kind, key: str) -> tuple[Any, Any]:
-    """Return a table and the document that holds it; curves are counted through both."""
-    places = [(table, doc) for doc in files.documents() for table in doc.get(LISTS[kind], [])]
+def _find(files: StudyFiles, kind: Kind, key: str) -> Any:
+    """Return a table of a list, None where there is none."""
+    tables = files.manifest.get(LISTS[kind], [])
     if kind == "curve":
         number = int(key) if key.isdecimal() else -1
-        if not 0 <= number <= len(places):
-            raise ManifestError(f"curve {key!r}: there are {len(places)}, numbered from 0")
-        return places[number] if number < len(places) else (None, None)
-    return next(((table, doc) for table, doc in places if table.get("name") == key), (None, None))
+        if not 0 <= number <= len(tables):
+            raise ManifestError(f"curve {key!r}: there are {len(tables)}, numbered from 0")
+        return tables[number] if number < len(tables) else None
+    return next((table for table in tables if table.get("name") == key), None)
 
 
 def _refuse_rename(files: StudyFiles, edit: Edit) -> None:
@@ -176,11 +202,10 @@ def _refuse_rename(files: StudyFiles, edit: Edit) -> None:
 
 def _rename(files: StudyFiles, key: str, old: str, new: str) -> None:
     """Change every reference to a name."""
-    for doc in files.documents():
-        tables = [table for name in LISTS.values() for table in doc.get(name, [])]
-        tables += [photo for finger in doc.get("fingers", []) for photo in finger.get("photographs", [])]
-        for table in tables:
-            if table.get(key) == old:
-                table[key] = new
+    tables = [table for name in LISTS.values() for table in files.manifest.get(name, [])]
+    tables += [one for finger in files.manifest.get("fingers", []) for one in finger.get("photographs", [])]
+    for table in tables:
+        if table.get(key) == old:
+            table[key] = new
     if files.sheet is not None:
         files.sheet.rename(key, old, new)

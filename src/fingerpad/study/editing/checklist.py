@@ -7,10 +7,9 @@ from pathlib import Path, PurePosixPath
 from typing import Final
 
 from fingerpad.image import FACE_AXES
-from fingerpad.study.editing.documents import DRAFT_NAME, STUDY_NAME
-from fingerpad.study.editing.edit import study_state
-from fingerpad.study.editing.state import IncompleteTable, StudyState, named_files
-from fingerpad.study.manifest import Finger, Study
+from fingerpad.study.manifest import Finger, LoadedStudy, Study
+from fingerpad.study.manifest.load import STUDY_NAME, Table
+from fingerpad.study.manifest.validation import Fault
 
 # What can be a picture, a film, a curve or an outline.
 _PICTURES: Final = frozenset((".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".webp"))
@@ -19,7 +18,7 @@ _OTHERS: Final = frozenset((".csv", ".avi", ".mp4", ".mov", ".mkv"))
 _OF_A_RUN: Final = frozenset(("store.sqlite", "results.json", "results.csv"))
 # More pictures than these in a folder of their own are the frames of a film.
 _FILM: Final = 20
-_OF_PHOTOGRAPH: Final = re.compile(r"photographs\[(?P<number>\d+)\](\.|: )(?P<fault>.*)", re.DOTALL)
+_OF_PHOTOGRAPH: Final = re.compile(r"photographs\[(?P<number>\d+)\]\.?(?P<place>.*)")
 _FIELD_WORDS: Final = {
     "diameter_mm": "the coin's diameter",
     "face": "which face it shows",
@@ -50,53 +49,40 @@ class Missing:
     words: str
 
 
-def missing(folder: Path) -> list[Missing]:
-    """Return what a study lacks before it says something about every finger, and files that it does not use.
-
-    Raises
-    ------
-    ManifestError
-        If there is no study, or it is wrong as it stands.
-    """
-    return missing_of(study_state(folder))
-
-
-def missing_of(state: StudyState) -> list[Missing]:
-    """Return what a study lacks whose state is known, as `missing` does."""
-    study = state.study
+def missing(loaded: LoadedStudy) -> list[Missing]:
+    """Return what a study lacks to say something about every finger, and files that it does not use."""
+    study = loaded.study
     found = [
-        Missing(kind=one.kind, key=one.key, words=_words(one, fault))
-        for one in state.incomplete
-        for fault in one.faults
+        Missing(kind=one.kind, key=one.key, words=_words(one, fault) if one.key else line)
+        for one in loaded.incomplete
+        for fault, line in zip(one.faults, one.lines, strict=True)
     ]
-    fingers = [] if study is None else study.fingers
-    waiting: set[str] = {one.kind for one in state.incomplete}
-    if not fingers and "finger" not in waiting:
+    waiting: set[str] = {one.kind for one in loaded.incomplete}
+    if not study.fingers and "finger" not in waiting:
         found.append(Missing(kind="study", key="", words="no finger yet: add one"))
-    for finger in fingers:
+    for finger in study.fingers:
         found.extend(_lacking_faces(finger))
-    if study is not None:
+    if study.fingers:
         found.extend(_lacking_contacts(study, waiting))
-    found.extend(_unused(state))
+    found.extend(_unused(loaded))
     return found
 
 
-def _words(one: IncompleteTable, fault: str) -> str:
+def _words(one: Table, fault: Fault) -> str:
     """Return a fault of a table for someone who sees its fields on a page, and not the manifest."""
-    found = _OF_PHOTOGRAPH.fullmatch(fault)
+    place, words = fault
     of = ""
-    if found is not None:
+    if (found := _OF_PHOTOGRAPH.fullmatch(place)) is not None:
         photograph = one.content["photographs"][int(found["number"])]
         of = f"{PurePosixPath(str(photograph.get('file') or photograph.get('outline'))).name}: "
-        fault = found["fault"]
-    field, _, said = fault.rpartition(": ")
-    if said == "required, but missing" and field in _FIELD_WORDS:
-        return f"{of}{_FIELD_WORDS[field]} is missing"
-    if said.startswith("give either semi_axes_mm or photographs"):
+        place = found["place"]
+    if words == "required, but missing" and place in _FIELD_WORDS:
+        return f"{of}{_FIELD_WORDS[place]} is missing"
+    if words.startswith("give either semi_axes_mm or photographs"):
         return "give its semi-axes, or photographs of its faces"
-    if " needs its scale" in said:
+    if " needs its scale" in words:
         return f"{of}its scale is missing"
-    return of + fault
+    return f"{of}{Fault(place, words)}"
 
 
 def _lacking_faces(finger: Finger) -> Iterator[Missing]:
@@ -124,10 +110,10 @@ def _lacking_contacts(study: Study, waiting: set[str]) -> Iterator[Missing]:
             yield Missing(kind="finger", key=finger.name, words="no contact image and no curve is of it")
 
 
-def _unused(state: StudyState) -> Iterator[Missing]:
+def _unused(loaded: LoadedStudy) -> Iterator[Missing]:
     """Yield the files that no table names; frames in a folder of their own together."""
-    folder = state.folder
-    used = {Path(name).as_posix() for name in named_files(state.study, state.incomplete)}
+    folder = loaded.folder
+    used = {Path(name).as_posix() for name in loaded.files()}
     frames: dict[str, list[str]] = {}
     for path in _files(folder):
         name = path.relative_to(folder).as_posix()
@@ -147,7 +133,7 @@ def _unused(state: StudyState) -> Iterator[Missing]:
 def _files(folder: Path) -> Iterator[Path]:
     """Yield the files of a study that could be measured, but nothing hidden and nothing that a run wrote."""
     for path in sorted(folder.iterdir()):
-        if path.name.startswith(".") or path.name in {STUDY_NAME, DRAFT_NAME}:
+        if path.name.startswith(".") or path.name == STUDY_NAME:
             continue
         if path.is_dir():
             if not path.is_symlink() and not any((path / name).exists() for name in _OF_A_RUN):

@@ -1,7 +1,6 @@
-"""Changing a study's manifest by program: comments and order stay, and nothing that is wrong is written.
+"""Changing a study's manifest by program: comments and order stay, and what is complete stays so.
 
-What is not complete yet cannot stand in ``study.toml``. It waits in ``draft.toml`` beside it, in the same
-layout, and moves over as soon as the manifest takes it.
+A table may be written before it is complete: `load_study` tells what it lacks.
 """
 
 from collections.abc import Sequence
@@ -10,14 +9,15 @@ from pathlib import Path
 import tomlkit
 
 from fingerpad.exceptions import EditConflict, ManifestError, StoreError
-from fingerpad.study.atomic_files import locked, replace_file
-from fingerpad.study.editing.apply_edit import apply_edit
-from fingerpad.study.editing.documents import DRAFT_NAME, STUDY_NAME, StudyFiles
-from fingerpad.study.editing.state import Edit, StudyState
-from fingerpad.study.journal import LOCK_NAME, complete
+from fingerpad.study.atomic_files import locked
+from fingerpad.study.editing.apply_edit import Edit, apply_edit
+from fingerpad.study.editing.documents import StudyFiles
+from fingerpad.study.editing.template import manifest_files
+from fingerpad.study.journal import LOCK_NAME, complete, replace_files
+from fingerpad.study.manifest.load import STUDY_NAME, LoadedStudy, load_study
 
 
-def create_study(folder: Path, title: str) -> StudyState:
+def create_study(folder: Path, title: str) -> LoadedStudy:
     """Begin a study in a folder that has none; pictures may lie there already.
 
     Raises
@@ -35,24 +35,13 @@ def create_study(folder: Path, title: str) -> StudyState:
         raise StoreError(f"{folder}: cannot make this folder ({error.strerror})") from error
     with locked(folder, folder / LOCK_NAME):
         complete(folder)
-        if any((folder / name).exists() for name in (STUDY_NAME, DRAFT_NAME)):
+        if (folder / STUDY_NAME).exists():
             raise ManifestError(f"{folder}: there is a study already: open it, or name another folder")
-        replace_file(folder / DRAFT_NAME, tomlkit.dumps({"title": title.strip()}))
-        return StudyFiles.read(folder).state()
+        replace_files(folder, manifest_files(tomlkit.dumps({"title": title.strip()})))
+    return load_study(folder / STUDY_NAME)
 
 
-def study_state(folder: Path) -> StudyState:
-    """Return the current state of a study.
-
-    Raises
-    ------
-    ManifestError
-        If there is none, or what someone wrote into it by hand is wrong.
-    """
-    return StudyFiles.read(folder).state()
-
-
-def change_study(folder: Path, edits: Sequence[Edit], *, expected: str) -> StudyState:
+def change_study(folder: Path, edits: Sequence[Edit], *, expected: str) -> LoadedStudy:
     """Change a study: all edits or none.
 
     Parameters
@@ -62,11 +51,11 @@ def change_study(folder: Path, edits: Sequence[Edit], *, expected: str) -> Study
     edits : sequence of Edit
         In order.
     expected : str
-        `StudyState.digest` as the author last saw it.
+        `LoadedStudy.digest` as the author last saw it.
 
     Returns
     -------
-    StudyState
+    LoadedStudy
         The study after it.
 
     Raises
@@ -80,13 +69,12 @@ def change_study(folder: Path, edits: Sequence[Edit], *, expected: str) -> Study
     """
     with locked(folder, folder / LOCK_NAME):
         complete(folder)
-        files = StudyFiles.to_edit(folder)
-        if files.digest != expected:
+        files = StudyFiles(folder)
+        if files.before.digest != expected:
             raise EditConflict(
-                f"{files.title}: someone has changed the study since: look at it again before you do"
+                f"{files.before.study.title}: someone has changed the study since: "
+                "look at it again before you do"
             )
         for edit in edits:
             apply_edit(files, edit)
-        files.settle()
-        files.write()
-        return files.state()
+        return files.write()

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from fingerpad.exceptions import ManifestError
 from fingerpad.study.manifest import Study
+from fingerpad.study.manifest.load import STUDY_NAME
 
 SCHEMA_NAME = "study.schema.json"
 
@@ -30,12 +31,16 @@ def write_manifest(folder: Path, text: str) -> Path:
         folder.mkdir(parents=True, exist_ok=True)
         if any(folder.iterdir()):
             raise ManifestError(f"{folder}: the folder is not empty; name a new one, so that nothing is lost")
-        (folder / SCHEMA_NAME).write_text(manifest_schema(), encoding="utf-8")
-        manifest = folder / "study.toml"
-        manifest.write_text(f"#:schema ./{SCHEMA_NAME}\n{text}", encoding="utf-8")
+        for name, content in manifest_files(text).items():
+            (folder / name).write_text(content, encoding="utf-8")
     except OSError as error:
         raise ManifestError(f"{folder}: cannot write a study there ({error.strerror})") from error
-    return manifest
+    return folder / STUDY_NAME
+
+
+def manifest_files(text: str) -> dict[str, str]:
+    """Return a manifest that begins with the line of its JSON schema, and the schema, by file name."""
+    return {SCHEMA_NAME: manifest_schema(), STUDY_NAME: f"#:schema ./{SCHEMA_NAME}\n{text}"}
 
 
 def manifest_schema() -> str:

@@ -4,10 +4,7 @@ from collections.abc import Mapping
 from typing import Any
 
 import tomlkit
-from tomlkit.exceptions import TOMLKitError
-from tomlkit.items import AoT, Item
-
-from fingerpad.exceptions import ManifestError
+from tomlkit.items import AoT
 
 
 def update(table: Any, values: Mapping[str, Any]) -> None:
@@ -69,16 +66,3 @@ def remove_scale(home: Any, name: str) -> None:
     home["scales"].pop(name)
     if not home["scales"]:
         home.pop("scales")
-
-
-def plain(table: Any) -> Any:
-    """Return a table as a plain dict, whether tomlkit or tomllib has read it."""
-    return table.unwrap() if isinstance(table, Item) else table
-
-
-def parsed(name: str, text: str | None) -> Any:
-    """Return a document, None where there is no text."""
-    try:
-        return None if text is None else tomlkit.parse(text)
-    except (TOMLKitError, ValueError, RecursionError) as error:
-        raise ManifestError(f"{name}: not valid TOML: {error}") from error

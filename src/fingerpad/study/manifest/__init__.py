@@ -10,7 +10,7 @@ from fingerpad.study.manifest.contacts import (
 )
 from fingerpad.study.manifest.curves import Curve
 from fingerpad.study.manifest.fingers import Finger, Photograph
-from fingerpad.study.manifest.read import manifest_in, read_study
+from fingerpad.study.manifest.load import LoadedStudy, load_study, manifest_in, read_study
 from fingerpad.study.manifest.scales import (
     CoinScale,
     LineScale,
@@ -31,6 +31,7 @@ __all__ = [
     "Direction",
     "Finger",
     "LineScale",
+    "LoadedStudy",
     "Observation",
     "Photograph",
     "PitchScale",
@@ -39,6 +40,7 @@ __all__ = [
     "ScaleTable",
     "Study",
     "Uncertainty",
+    "load_study",
     "manifest_in",
     "read_study",
 ]

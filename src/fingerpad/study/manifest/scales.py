@@ -1,6 +1,6 @@
 """Scales of pictures: one way to say each, in a table of its own or in place."""
 
-from typing import Annotated, Final, Self, TypeAlias
+from typing import Annotated, Final, Self, TypeAlias, get_args
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
@@ -47,19 +47,20 @@ class CoinScale(ManifestModel):
     diameter_mm_std: MarkStd = 0.0
 
 
-# The key that tells which kind of table it is; the tag must not look like a key in messages.
-_WAYS: Final = ("ppi", "mm_per_px", "line", "coin")
+ScaleTable: TypeAlias = ResolutionScale | PitchScale | LineScale | CoinScale
+# The first key of each tells which kind of table it is; the tag must not look like a key in messages.
+SCALE_KINDS: Final = tuple(next(iter(model.model_fields)) for model in get_args(ScaleTable))
 NAMED: Final = "<name>"
-TAGS: Final = frozenset((NAMED, *(f"<{way}>" for way in _WAYS)))
+TAGS: Final = frozenset((NAMED, *(f"<{kind}>" for kind in SCALE_KINDS)))
 
 
 def _one_way(value: object) -> object:
     """Refuse a table that says its scale in no way or in two."""
     if isinstance(value, dict):
-        found = [way for way in _WAYS if way in value]
+        found = [kind for kind in SCALE_KINDS if kind in value]
         if len(found) != 1:
             seen = " and ".join(found) if found else "none of them"
-            raise ValueError(f"give one of {', '.join(_WAYS)}, found {seen}")
+            raise ValueError(f"give one of {', '.join(SCALE_KINDS)}, found {seen}")
     elif not isinstance(value, str | ManifestModel):
         raise ValueError("give the name of one of [scales], or a table such as { ppi = 500 }")  # noqa: TRY004
     return value
@@ -76,10 +77,9 @@ def _tag(value: object) -> str:
     if isinstance(value, str):
         return NAMED
     keys = value if isinstance(value, dict) else type(value).model_fields  # type: ignore[attr-defined]
-    return next(f"<{way}>" for way in _WAYS if way in keys)
+    return next(f"<{kind}>" for kind in SCALE_KINDS if kind in keys)
 
 
-ScaleTable: TypeAlias = ResolutionScale | PitchScale | LineScale | CoinScale
 _Tagged: TypeAlias = (
     Annotated[ResolutionScale, Tag("<ppi>")]
     | Annotated[PitchScale, Tag("<mm_per_px>")]

@@ -1,6 +1,8 @@
 """What all tables of the manifest are made of."""
 
-from typing import Annotated, TypeAlias
+from collections.abc import Iterator
+from functools import cache
+from typing import Annotated, Final, TypeAlias
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field
 
@@ -28,10 +30,42 @@ Pixel = Annotated[float, _NEAR]
 Name = Annotated[str, Field(pattern=r"^\w[\w.+-]*$", max_length=60)]
 
 
+# Where something is in a table: keys, and numbers in lists.
+Loc: TypeAlias = tuple[int | str, ...]
+
+# Keys that name files; in a sequence `file` may name a folder of frames.
+FILE_KEYS: Final = ("background", "coin", "file", "force", "observations_csv", "outline", "times")
+# Keys that hold a table, or several by number or by name.
+_TABLE_KEYS: Final = ("scale", "scales", "fingers", "photographs", "observations", "sequences", "curves")
+
+
 class ManifestModel(BaseModel):
     """A table of the manifest: no key that is not known, no value that changes."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
+
+    def files(self) -> Iterator[tuple[Loc, str]]:
+        """Yield where this table and those in it name a file, and the name."""
+        for key in _keys_of(type(self), FILE_KEYS):
+            if (name := getattr(self, key)) is not None:
+                yield (key,), name
+        for loc, table in self.tables():
+            yield from ((loc + inner, name) for inner, name in table.files())
+
+    def tables(self) -> Iterator[tuple[Loc, "ManifestModel"]]:
+        """Yield where this table holds another, and that table."""
+        for key in _keys_of(type(self), _TABLE_KEYS):
+            held = getattr(self, key)
+            if isinstance(held, ManifestModel):
+                yield (key,), held
+            elif isinstance(held, list | dict):
+                places = held.items() if isinstance(held, dict) else enumerate(held)
+                yield from (((key, place), table) for place, table in places)
+
+
+@cache
+def _keys_of(model: type[ManifestModel], keys: tuple[str, ...]) -> tuple[str, ...]:
+    return tuple(key for key in keys if key in model.model_fields)
 
 
 def _listed(value: object) -> object:

@@ -1,37 +1,54 @@
-"""What is wrong with values of the manifest, in words that name the key."""
+"""What is wrong with the values of a table, in words that name the key."""
 
 import difflib
-from collections.abc import Iterable, Iterator, Mapping
-from typing import Any, Final, TypeVar
+from collections.abc import Iterable, Iterator
+from functools import cache
+from typing import Any, Final, NamedTuple, TypeVar
 
-from pydantic import BaseModel, ValidationError
+from pydantic import BaseModel, TypeAdapter, ValidationError
 
 from fingerpad.exceptions import ManifestError
-from fingerpad.study.manifest.contacts import ContactEllipse, ContactSequence, Observation
-from fingerpad.study.manifest.curves import Curve
-from fingerpad.study.manifest.fingers import Finger, Photograph, SemiAxes
-from fingerpad.study.manifest.scales import TAGS, CoinScale, LineScale, PitchScale, ResolutionScale
-from fingerpad.study.manifest.study import Study, Uncertainty
+from fingerpad.study.manifest.scales import TAGS, ScaleTable
+from fingerpad.study.manifest.study import Study
+from fingerpad.study.manifest.tables import Loc, ManifestModel
 
-_SCALES: Final = (ResolutionScale, PitchScale, LineScale, CoinScale)
-_TABLES: Final = (
-    Study,
-    Uncertainty,
-    Curve,
-    Observation,
-    ContactSequence,
-    ContactEllipse,
-    Finger,
-    Photograph,
-    SemiAxes,
-)
-_KEYS: Final = tuple(key for table in (*_TABLES, *_SCALES) for key in table.model_fields)
-_SCALE_KEYS: Final = frozenset(key for table in _SCALES for key in table.model_fields)
+_SCALE_KEYS: Final = frozenset(key for table in ScaleTable.__args__ for key in table.model_fields)
+
+
 Model = TypeVar("Model", bound=BaseModel)
 
 
-def validated(model: type[Model], content: Mapping[str, Any], where: str, *, strict: bool) -> Model:
-    """Check `content`; cells of a spreadsheet are text and cannot be taken strictly.
+class Fault(NamedTuple):
+    """Something that is missing or wrong in a table.
+
+    Attributes
+    ----------
+    place : str
+        Where in the table it is, as the manifest would write it; empty for the table itself.
+    words : str
+        What is wrong, and what is expected.
+    """
+
+    place: str
+    words: str
+
+    def __str__(self) -> str:
+        return f"{self.place}: {self.words}" if self.place else self.words
+
+
+def checked(kind: TypeAdapter[Any], content: Any, *, strict: bool) -> tuple[Any, tuple[Fault, ...]]:
+    """Return a table as `kind`, or None and what is wrong with it.
+
+    Cells of a spreadsheet are text and cannot be taken strictly.
+    """
+    try:
+        return kind.validate_python(content, strict=strict), ()
+    except ValidationError as error:
+        return None, tuple(_faults(error))
+
+
+def validated(model: type[Model], content: Any, where: str, *, strict: bool) -> Model:
+    """Return a table as a model.
 
     Raises
     ------
@@ -41,55 +58,57 @@ def validated(model: type[Model], content: Mapping[str, Any], where: str, *, str
     try:
         return model.model_validate(content, strict=strict)
     except ValidationError as error:
-        faults = _value_faults(error, content)
-        raise ManifestError("\n".join(f"{where}: {fault}" for fault in faults)) from None
+        raise ManifestError("\n".join(f"{where}: {fault}" for fault in _faults(error))) from None
 
 
-def _value_faults(error: ValidationError, content: Mapping[str, Any]) -> Iterator[str]:
-    """Say for each fault where it is, what is expected, what was found, and the name of what has it."""
+def _faults(error: ValidationError) -> Iterator[Fault]:
+    """Yield each fault with what is expected and what was found."""
     unknown = [str(fault["loc"][-1]) for fault in error.errors() if fault["type"] == "extra_forbidden"]
-    meant = {close for key in unknown for close in difflib.get_close_matches(key, _KEYS, n=1)}
+    meant = {close for key in unknown for close in difflib.get_close_matches(key, _keys(), n=1)}
     for fault in error.errors():
-        place, key = _place(fault["loc"]), str(fault["loc"][-1]) if fault["loc"] else ""
+        key = str(fault["loc"][-1]) if fault["loc"] else ""
         message = fault["msg"].removeprefix("Value error, ").replace("Input should be", "expected")
         if fault["type"] == "missing" and key in meant:
             continue  # said with the unknown key that was meant for it
-        owner = "" if key == "name" else _owner(fault["loc"], content)
         if fault["type"] == "extra_forbidden":
             words = f"unknown key{_hint(key)}"
         elif fault["type"] == "string_pattern_mismatch":
             words = f"write it with letters, digits and . _ + - only, found {fault['input']!r}"
         elif fault["type"] == "missing":
             words = "required, but missing"
-        elif isinstance(fault["input"], dict) and fault["type"] == "list_type":
-            words, owner = f"expected a list of tables: write [[{place}]] in place of [{place}]", ""
         elif isinstance(fault["input"], str | int | float | bool):
             words = f"{message}, found {repr(fault['input'])[:60]}"
         else:
             words = message
-        yield f"{place}: {words}{owner}" if place else words
+        yield Fault(place_of(fault["loc"]), words)
 
 
-def _place(parts: Iterable[int | str]) -> str:
-    """Return where a fault is, as the manifest would write it."""
-    seen = (part for part in parts if part not in TAGS)
+def place_of(loc: Loc) -> str:
+    """Return a place in a table as the manifest would write it.
+
+    Examples
+    --------
+    >>> place_of(("photographs", 0, "scale", "coin"))
+    'photographs[0].scale.coin'
+    """
+    seen = (part for part in loc if part not in TAGS)
     return "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in seen).lstrip(".")
 
 
-def _owner(parts: Iterable[int | str], content: Any) -> str:
-    """Return the name of the innermost table with one, as the end of a fault: the n-th is hard to count."""
-    name = None
-    for part in parts:
-        try:
-            content = content[part]
-        except (KeyError, IndexError, TypeError):  # the tag of a choice is no place
-            continue
-        name = content.get("name", name) if isinstance(content, Mapping) else name
-    return f" (in {name})" if isinstance(name, str) else ""
+@cache
+def _keys() -> tuple[str, ...]:
+    """Return the keys of all tables, for what a misspelt one was meant to be."""
+
+    def inner(models: Iterable[type[ManifestModel]]) -> Iterator[str]:
+        for model in models:
+            yield from model.model_fields
+            yield from inner(model.__subclasses__())
+
+    return tuple(dict.fromkeys(inner((Study, *ManifestModel.__subclasses__()))))
 
 
 def _hint(key: str) -> str:
     if key in _SCALE_KEYS:
         return f"; write it in the table of a scale, as in scale = {{ {key} = ... }}"
-    close = difflib.get_close_matches(key, _KEYS, n=1)
+    close = difflib.get_close_matches(key, _keys(), n=1)
     return f"; did you mean {close[0]!r}?" if close else ""

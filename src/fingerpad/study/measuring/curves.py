@@ -2,7 +2,7 @@
 
 import math
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -33,9 +33,9 @@ from fingerpad.study.engine.task import Record, Task
 from fingerpad.study.engine.versions import versions_of
 from fingerpad.study.error_text import in_study
 from fingerpad.study.manifest import Curve, Study
-from fingerpad.study.measuring.fingers import FingerResult, is_rejected, photograph_item
+from fingerpad.study.measuring.context import RunContext, cache_key
+from fingerpad.study.measuring.fingers import FingerResult, photograph_item
 from fingerpad.study.measuring.records import from_plain, to_plain
-from fingerpad.study.measuring.tasks import CacheKeys, cache_key
 
 # A curve can be damaged in unforeseen ways, which cost it alone.
 _RECOVERABLE_ERRORS: Final = (ArithmeticError, MemoryError, OSError, ValueError)
@@ -128,37 +128,37 @@ def curve_items(study: Study) -> Iterator[tuple[str, Curve]]:
             yield item if seen[item] == 1 else f"{item} ({seen[item]})", curve
 
 
-def curve_key(curve: Curve, keys: CacheKeys) -> str:
+def curve_key(curve: Curve, context: RunContext) -> str:
     """Return the key of a curve: what is fitted, by which version, and the pad that it is compared with."""
-    pad = next(finger for finger in keys.study.fingers if finger.name == curve.finger)
+    pad = next(finger for finger in context.study.fingers if finger.name == curve.finger)
     faces = [
         (
             photograph.face,
-            keys.of(photograph, keys.edits(item), is_rejected(keys.active_corrections.get(item))),
+            context.key(photograph, context.edits(item), context.is_rejected(item)),
         )
         for item, photograph in ((photograph_item(pad, one), one) for one in pad.photographs)
     ]
     axes = pad.model_dump(mode="json", include={"semi_axes_mm"})
     return cache_key(
-        keys.of(curve, curve.wedge_angle_deg, keys.study.poisson_ratio),
+        context.key(curve, curve.wedge_angle_deg, context.study.poisson_ratio),
         axes,
         faces,
         versions_of("loading"),
     )
 
 
-def curve_tasks(finger: FingerResult, keys: CacheKeys) -> Iterator[Task]:
+def curve_tasks(finger: FingerResult, context: RunContext) -> Iterator[Task]:
     """Yield a task for each loading curve of a finger whose photographs are measured."""
     pad = None if finger.reason is not None else Ellipsoid(*finger.semi_axes)
-    for item, curve in curve_items(keys.study):
+    for item, curve in curve_items(context.study):
         if curve.finger == finger.name:
             yield Task(
                 name=item,
                 item=item,
                 file=curve.file or "",
-                key=curve_key(curve, keys),
-                work=partial(_record, curve, pad, keys.study.poisson_ratio),
-                inputs=keys.inputs_of(curve),
+                key=curve_key(curve, context),
+                work=partial(_record, curve, pad, context.study.poisson_ratio),
+                inputs=context.inputs_of(curve),
             )
 
 
@@ -168,18 +168,12 @@ def _record(curve: Curve, pad: Ellipsoid | None, poisson_ratio: float, folder: P
     return {"curve": values, "reason": found.reason if found.failed else None}
 
 
-def curve_results(keys: CacheKeys, record_of: Callable[[str, str, str | None], Record]) -> list[CurveResult]:
-    """Return what is known of each loading curve of a study, in the manifest's order.
-
-    Parameters
-    ----------
-    keys : Keys
-        The study.
-    record_of : callable
-        Gives what the store holds of an item, from its name, key and file.
-    """
-    records = (record_of(item, curve_key(one, keys), one.file) for item, one in curve_items(keys.study))
-    return [_given(one) if one.file is None else _known(one, next(records)) for one in keys.study.curves]
+def curve_results(context: RunContext) -> list[CurveResult]:
+    """Return what the store holds of each loading curve of a study, and those found elsewhere."""
+    records = (
+        context.measured(item, curve_key(one, context), one.file) for item, one in curve_items(context.study)
+    )
+    return [_given(one) if one.file is None else _known(one, next(records)) for one in context.study.curves]
 
 
 def _given(curve: Curve) -> CurveResult:

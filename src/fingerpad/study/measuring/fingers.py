@@ -25,7 +25,7 @@ from fingerpad.study.corrections.changes import PhotographCorrection
 from fingerpad.study.corrections.history import ActiveCorrection
 from fingerpad.study.error_text import in_study
 from fingerpad.study.manifest import Finger, Photograph
-from fingerpad.study.measuring.scales import FoundScale, find_scale
+from fingerpad.study.measuring.scales import FoundScale, Scales, require_scale, scale_key
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -98,7 +98,7 @@ class FingerResult:
 
 def finger_result(
     finger: Finger,
-    scales: Mapping[str, FoundScale | str],
+    scales: Scales,
     folder: Path,
     measured: Mapping[str, Mapping[str, Any]],
     active_corrections: Mapping[str, ActiveCorrection] = MappingProxyType({}),
@@ -110,7 +110,7 @@ def finger_result(
     finger : Finger
         Its table of the manifest.
     scales : mapping
-        The study's named scales.
+        The study's scales, by `scale_key`.
     folder : Path
         The study folder.
     measured : mapping
@@ -176,7 +176,7 @@ def face_record(
     photograph: Photograph,
     correction: PhotographCorrection | None,
     overlay: str,
-    scales: Mapping[str, FoundScale | str],
+    scale: FoundScale | str,
 ) -> dict[str, Any]:
     """Measure one photograph of a finger and draw it, and return what was found as plain values.
 
@@ -190,8 +190,8 @@ def face_record(
         What a person wants of it.
     overlay : str
         Picture to draw, relative to `out`.
-    scales : mapping
-        The study's named scales.
+    scale : FoundScale or str
+        Its scale, or why there is none.
 
     Raises
     ------
@@ -199,10 +199,9 @@ def face_record(
         If the photograph cannot be read or measured.
     """
     assert photograph.file is not None  # the manifest's own rule
-    assert photograph.scale is not None
-    scale = find_scale(photograph.scale, scales, folder)
+    known = require_scale(scale)
     pixels = read_colour_image(folder / photograph.file)
-    found = corrected_photograph(pixels, photograph, scale.scale, correction)
+    found = corrected_photograph(pixels, photograph, known.scale, correction)
     make_folder((out / overlay).parent)
     write_photograph_overlay(
         out / overlay, pixels, found, label="synthetic" if photograph.synthetic else None
@@ -214,13 +213,13 @@ def face_record(
         "relative_scale_std": axes.relative_scale_std,
         "overlay": overlay,
         "arc_deg": found.arc_deg,
-        "flags": [*sorted(found.flags), *scale.flags],
+        "flags": [*sorted(found.flags), *known.flags],
     }
 
 
 def _face(
     photograph: Photograph,
-    scales: Mapping[str, FoundScale | str],
+    scales: Scales,
     folder: Path,
     record: Mapping[str, Any] | None,
 ) -> tuple[FaceSemiAxes, PhotographResult | None]:
@@ -232,7 +231,7 @@ def _face(
     assert photograph.scale is not None
     if record.get("reason") is not None:
         raise FingerpadError(record["reason"])
-    scale = find_scale(photograph.scale, scales, folder)
+    scale = require_scale(scales[scale_key(photograph.scale)])
     axes = FaceSemiAxes(
         face=photograph.face,
         semi_axes=np.array(record["semi_axes"]),

@@ -1,6 +1,5 @@
 """Measuring one observation: from its picture, or from the ellipse given, to a contact ellipse."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -15,7 +14,7 @@ from fingerpad.study.corrections.changes import ContactCorrection
 from fingerpad.study.corrections.history import ActiveCorrection
 from fingerpad.study.error_text import in_study
 from fingerpad.study.manifest import Contact, Direction, Observation
-from fingerpad.study.measuring.scales import FoundScale, find_scale
+from fingerpad.study.measuring.scales import FoundScale, require_scale
 
 _FROM_RECORD = (
     "gross_area_mm2",
@@ -79,7 +78,7 @@ class Measurement:
 
 def measure_observation(
     observation: Observation,
-    scales: Mapping[str, FoundScale | str],
+    scale: FoundScale | str | None,
     folder: Path,
     out: Path,
     correction: ContactCorrection = NOTHING,
@@ -90,8 +89,8 @@ def measure_observation(
     ----------
     observation : Observation
         A row of the manifest.
-    scales : mapping
-        The study's named scales.
+    scale : FoundScale, str or None
+        The scale of its picture, or why there is none; None without a picture.
     folder, out : Path
         The study folder, and the folder of results.
     correction : ContactCorrection
@@ -114,8 +113,8 @@ def measure_observation(
             long_axis=ellipse.long_axis,
         )
     assert observation.file is not None  # the manifest's own rule
-    assert observation.scale is not None
-    found = find_scale(observation.scale, scales, folder)
+    assert scale is not None
+    found = require_scale(scale)
     pixels = read_image(folder / observation.file).pixels
     seen = corrected_contact_image(pixels, found.scale, observation, folder, correction)
     if seen.contact_image is None:
@@ -134,15 +133,6 @@ def measure_observation(
     kept = from_contact_image(seen.contact_image, observation, found)
     kept["columns"] |= program_columns(seen)
     return Measurement(name=observation.name, load=observation.load_N, overlay=str(overlay), **kept)
-
-
-def contact_correction(active_correction: ActiveCorrection | None) -> ContactCorrection:
-    """Return what a person wants of a contact, an empty one by default."""
-    return (
-        active_correction.change
-        if active_correction is not None and isinstance(active_correction.change, ContactCorrection)
-        else NOTHING
-    )
 
 
 def program_columns(seen: CorrectedContactImage) -> dict[str, Any]:

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import TypeAlias
 
 from fingerpad.exceptions import CalibrationError, FingerpadError
 from fingerpad.image import Scale, measure_coin, read_image
@@ -30,36 +31,64 @@ class FoundScale:
     flags: tuple[str, ...] = ()
 
 
-def named_scales(study: Study, folder: Path) -> dict[str, FoundScale | str]:
-    """Return each named scale of a study, or why there is none; each is measured once."""
-    return {name: _named_scale(table, folder, name) for name, table in study.scales.items()}
+# Every scale of a study by its `scale_key`, or why there is none.
+Scales: TypeAlias = Mapping[str, FoundScale | str]
 
 
-def _named_scale(table: ScaleTable, folder: Path, name: str) -> FoundScale | str:
+def scale_key(key: ScaleKey) -> str:
+    """Return what a scale is known by: its name, or what its table says; no name holds a brace."""
+    return key if isinstance(key, str) else key.model_dump_json()
+
+
+def measured_scales(study: Study, folder: Path) -> dict[str, FoundScale | str]:
+    """Return every scale of a study, or why there is none; each is measured once."""
+    return {
+        key: scale_from(scale_record(name, table, folder, folder), name)
+        for key, (name, table) in scale_tables(study).items()
+    }
+
+
+def scale_tables(study: Study) -> dict[str, tuple[str | None, ScaleTable]]:
+    """Return the name, if it has one, and the table of each scale of a study."""
+    named = {name: (name, table) for name, table in study.scales.items()}
+    return {
+        **named,
+        **{scale_key(one): (None, one) for one in study.scales_in_use() if not isinstance(one, str)},
+    }
+
+
+def scale_record(name: str | None, table: ScaleTable, folder: Path, _out: Path) -> Record:
+    """Measure a scale, and return what was found as plain values."""
     try:
-        return _found(table, folder, name)
+        found = measure_scale(table, folder, name)
     except FingerpadError as error:
-        return in_study(f"scale {name}: {error}", folder)
-
-
-def scale_record(name: str, table: ScaleTable, folder: Path, _out: Path) -> Record:
-    """Measure a named scale, and return what was found as plain values."""
-    found = _named_scale(table, folder, name)
-    if isinstance(found, str):
-        return {"reason": found}
+        return {"reason": in_study(error if name is None else f"scale {name}: {error}", folder)}
     return {**asdict(found.scale), "flags": list(found.flags)}
 
 
-def scale_from(name: str, record: Record) -> FoundScale | str:
-    """Return a named scale from its record."""
+def scale_from(record: Record, name: str | None) -> FoundScale | str:
+    """Return a scale from its record."""
     if (reason := record.get("reason")) is not None:
         return str(reason)
     scale = Scale(mm_per_px=record["mm_per_px"], mm_per_px_std=record["mm_per_px_std"])
     return FoundScale(scale=scale, name=name, flags=tuple(record["flags"]))
 
 
-def find_scale(key: ScaleKey, known: Mapping[str, FoundScale | str], folder: Path) -> FoundScale:
-    """Return the scale that a key of the manifest means.
+def require_scale(found: FoundScale | str) -> FoundScale:
+    """Return a scale that was found.
+
+    Raises
+    ------
+    CalibrationError
+        With the reason, if it was not.
+    """
+    if isinstance(found, str):
+        raise CalibrationError(found)
+    return found
+
+
+def measure_scale(table: ScaleTable, folder: Path, name: str | None = None) -> FoundScale:
+    """Return the scale that a table means.
 
     Raises
     ------
@@ -68,15 +97,6 @@ def find_scale(key: ScaleKey, known: Mapping[str, FoundScale | str], folder: Pat
     ImageError
         If a coin's picture cannot be read.
     """
-    if not isinstance(key, str):
-        return _found(key, folder)
-    found = known[key]
-    if isinstance(found, str):
-        raise CalibrationError(found)
-    return found
-
-
-def _found(table: ScaleTable, folder: Path, name: str | None = None) -> FoundScale:
     if isinstance(table, CoinScale):
         return _coin(table, folder, name)
     if isinstance(table, LineScale):

@@ -29,16 +29,16 @@ from fingerpad.image import (
     read_frame_stamps,
     sequence_summary,
 )
+from fingerpad.study.corrections.apply import contact_correction
 from fingerpad.study.corrections.history import ActiveCorrection
 from fingerpad.study.corrections.log import frames_of
-from fingerpad.study.engine.store import Store
 from fingerpad.study.engine.task import CHANGED, ChangedError, Record, Task, TaskResult, Work
 from fingerpad.study.error_text import in_study
 from fingerpad.study.manifest import ContactSequence
-from fingerpad.study.measuring.measure import Measurement, contact_correction, reviewed
-from fingerpad.study.measuring.scales import find_scale
+from fingerpad.study.measuring.context import RunContext, cache_key
+from fingerpad.study.measuring.measure import Measurement, reviewed
+from fingerpad.study.measuring.scales import require_scale
 from fingerpad.study.measuring.sequence_tasks import FrameDigest, FrameOverlay, SequenceImages, survey_from
-from fingerpad.study.measuring.tasks import CacheKeys, Scales, cache_key
 
 IN_CONTACT: Final = frozenset(("loading", "hold", "unloading"))
 # Below so many ridges from the centre to the nearest edge an ellipse is drawn by single ridges.
@@ -83,8 +83,8 @@ class Film:
     ----------
     sequence_images : SequenceImages
         Its pictures.
-    keys : Keys
-        Keys of the study's tasks.
+    context : RunContext
+        What the run knows.
     frames : Frames
         Its frames.
     force : ForceSignal
@@ -94,13 +94,13 @@ class Film:
     """
 
     sequence_images: SequenceImages
-    keys: CacheKeys
+    context: RunContext
     frames: Frames
     force: ForceSignal
     clock: FrameClock
 
     @classmethod
-    def open(cls, sequence: ContactSequence, keys: CacheKeys, scales: Scales, store: Store) -> "Film":
+    def open(cls, sequence: ContactSequence, context: RunContext) -> "Film":
         """Open a film of the manifest, whose header is in the store.
 
         Raises
@@ -109,28 +109,30 @@ class Film:
             If its scale, its frames or its force are unavailable; `ChangedError` if the store lacks it.
         """
         assert sequence.scale is not None  # the manifest's own rule
-        found = find_scale(sequence.scale, scales, keys.folder)
+        found = require_scale(context.scale(sequence.scale))
         if found.name is None:
             # No name holds a colon: the frames of a film share its scale, and nothing else does.
             found = replace(found, name=f"sequence:{sequence.name}")
-        header = header_task(sequence, keys)
-        frames = Frames(path=keys.folder / sequence.file, **_good(store, header.name, header.key)["header"])
+        header = header_task(sequence, context)
+        frames = Frames(
+            path=context.folder / sequence.file, **_good(context, header.name, header.key)["header"]
+        )
         columns = {str(key): value for key, value in sequence.force_columns.items()}
-        force = read_force_signal(keys.folder / sequence.force, columns)
+        force = read_force_signal(context.folder / sequence.force, columns)
         return cls(
             sequence_images=SequenceImages(
                 sequence=sequence,
                 found=found,
                 corrections={
-                    frame: contact_correction(active_correction)
-                    for frame, active_correction in frames_of(keys.active_corrections, sequence.name).items()
-                    if active_correction.change.edits
+                    frame: contact_correction(one)
+                    for frame, one in frames_of(context.active_corrections, sequence.name).items()
+                    if one.change.edits
                 },
             ),
-            keys=keys,
+            context=context,
             frames=frames,
             force=force,
-            clock=_clock(sequence, frames, force, keys.folder),
+            clock=_clock(sequence, frames, force, context.folder),
         )
 
     @property
@@ -145,7 +147,7 @@ class Film:
         length = max(_LEAST_PIECE, -(-count // _MOST_PIECES))
         return [(start, min(start + length, count)) for start in range(0, count, length)]
 
-    def stages(self, store: Store) -> Iterator[list[Task]]:
+    def stages(self) -> Iterator[list[Task]]:
         """Yield the tasks of each stage; one's results must be in the store before the next is asked for.
 
         Raises
@@ -157,10 +159,10 @@ class Film:
             self._task("survey", partial(self.sequence_images.scan, piece), piece) for piece in self.pieces
         ]
         yield scan
-        surveyed = TextureScan.joined(survey_from(_good(store, task.name, task.key)) for task in scan)
+        surveyed = TextureScan.joined(survey_from(_good(self.context, task.name, task.key)) for task in scan)
         learn = self._task("reading", partial(self.sequence_images.learn, surveyed))
         yield [learn]
-        learnt = _good(store, learn.name, learn.key)
+        learnt = _good(self.context, learn.name, learn.key)
         settings = SequenceSettings(
             settings=learnt["settings"], learnt_from=tuple(learnt["learnt_from"]), texture=surveyed.texture
         )
@@ -169,8 +171,10 @@ class Film:
             replace(self._task(_FRAMES, partial(measure, piece), piece), pictures=piece[1] - piece[0])
             for piece in self.pieces
         ]
-        draw = partial(self.sequence_images.draw, settings, _gist_of(self.placed(store), self.force))
-        yield [replace(self._task("", draw), name=self.sequence.name, key=film_key(self.sequence, self.keys))]
+        draw = partial(self.sequence_images.draw, settings, _gist_of(self.placed(), self.force))
+        yield [
+            replace(self._task("", draw), name=self.sequence.name, key=film_key(self.sequence, self.context))
+        ]
 
     def _task(self, stage: str, work: Work, piece: tuple[int, int] | None = None) -> Task:
         return Task(
@@ -179,7 +183,7 @@ class Film:
             file=self.sequence.file,
             key=self._key(stage, piece),
             work=work,
-            inputs=self.keys.inputs_of(self.sequence),
+            inputs=self.context.inputs_of(self.sequence),
             pictures=0,
             reads=1 if piece is None else piece[1] - piece[0],
         )
@@ -189,7 +193,7 @@ class Film:
         return f"{self.sequence.name} {stage}" + ("" if piece is None else f" {piece[0]}-{piece[1]}")
 
     def _key(self, stage: str, piece: tuple[int, int] | None) -> str:
-        pictures = self.keys.of(self.sequence, leave_out=_TIMING)
+        pictures = self.context.key(self.sequence, leave_out=_TIMING)
         start, stop = piece if piece is not None and stage == _FRAMES else (0, 0)
         edits = {
             index: one.edits
@@ -198,33 +202,35 @@ class Film:
         }
         return cache_key(pictures, stage, piece, self.frames.count, edits)
 
-    def measurements(self, store: Store) -> Iterator[Measurement]:
+    def measurements(self) -> Iterator[Measurement]:
         """Yield what was measured, frame by frame, from what the store holds.
 
         A frame in contact, by the force, gives a measurement; one that cannot be decoded gives its reason;
         one without a contact to be seen, or beyond the force, gives none.
         """
-        for result, measured in self.placed(store):
+        for result, measured in self.placed():
             row = self._row(result, measured)
             if row is not None:
-                yield reviewed(row, self.keys.active_corrections.get(row.name))
+                yield reviewed(row, self.context.active_corrections.get(row.name))
 
-    def digests(self, store: Store, frames: Iterable[int]) -> dict[int, str]:
+    def digests(self, frames: Iterable[int]) -> dict[int, str]:
         """Return the digests of some frames as they were measured, from what the store holds."""
         found: dict[int, str] = {}
         for start, stop in self.pieces:
             if any(start <= frame < stop for frame in frames):
-                piece = _good(store, self._name(_FRAMES, (start, stop)), self._key(_FRAMES, (start, stop)))
+                piece = _good(
+                    self.context, self._name(_FRAMES, (start, stop)), self._key(_FRAMES, (start, stop))
+                )
                 found |= {frame["index"]: frame["digest"] for frame in piece["frames"]}
         return found
 
-    def placed(self, store: Store) -> Iterator[tuple[FrameResult, Record | None]]:
+    def placed(self) -> Iterator[tuple[FrameResult, Record | None]]:
         """Yield each frame with its time, load and phase, and what was measured of it, from the store."""
         waiting: dict[int, Record] = {}
 
         def results() -> Iterator[FrameResult]:
             for piece in self.pieces:
-                record = _good(store, self._name(_FRAMES, piece), self._key(_FRAMES, piece))
+                record = _good(self.context, self._name(_FRAMES, piece), self._key(_FRAMES, piece))
                 for frame in record["frames"]:
                     measured = frame["measured"]
                     if measured is not None:
@@ -273,13 +279,13 @@ class Film:
         return bool(measured["semi_minor"] >= LEAST_RIDGES * measured["columns"]["ridge_period_mm"])
 
 
-def header_task(sequence: ContactSequence, keys: CacheKeys) -> Task:
+def header_task(sequence: ContactSequence, context: RunContext) -> Task:
     """Return the task that opens a film: it counts the frames."""
     return Task(
         name=f"{sequence.name} header",  # no name of the manifest holds a blank
         item=sequence.name,
         file=sequence.file,
-        key=cache_key(keys.of(sequence, leave_out=_TIMING), "header"),
+        key=cache_key(context.key(sequence, leave_out=_TIMING), "header"),
         work=partial(_header, sequence.file),
         inputs=(sequence.file,),
         pictures=0,
@@ -292,17 +298,19 @@ def _header(path: str, folder: Path, _out: Path) -> Record:
     return {"header": header}
 
 
-def frame_count(sequence: ContactSequence, keys: CacheKeys, store: Store) -> int:
+def frame_count(sequence: ContactSequence, context: RunContext) -> int:
     """Return the number of frames of a film; one that has not been opened, or cannot be, counts as one."""
-    header = header_task(sequence, keys)
-    record = store.record(header.name, header.key)
+    header = header_task(sequence, context)
+    record = context.record(header.name, header.key)
     return 1 if record is None or "header" not in record else int(record["header"]["count"])
 
 
-def film_key(sequence: ContactSequence, keys: CacheKeys) -> str:
+def film_key(sequence: ContactSequence, context: RunContext) -> str:
     """Return the key of all that is known of a film."""
-    frames = frames_of(keys.active_corrections, sequence.name)
-    return keys.of(sequence, {frame: edits for frame, one in frames.items() if (edits := one.change.edits)})
+    frames = frames_of(context.active_corrections, sequence.name)
+    return context.key(
+        sequence, {frame: edits for frame, one in frames.items() if (edits := one.change.edits)}
+    )
 
 
 def frames_beyond(
@@ -316,34 +324,29 @@ def frames_beyond(
                     yield f"{film.manifest.name}#{frame}"
 
 
-def film_plan(
-    sequence: ContactSequence, keys: CacheKeys, scales: Scales, store: Store
-) -> Iterator[list[Task]]:
+def film_plan(sequence: ContactSequence, context: RunContext) -> Iterator[list[Task]]:
     """Yield the tasks of a film, stage by stage; whatever goes wrong costs this film only.
 
     Parameters
     ----------
     sequence : ContactSequence
         A film of the manifest.
-    keys : Keys
-        Keys of the study's tasks.
-    scales : mapping
-        The study's named scales.
-    store : Store
-        Where results are: those of a stage must be there before the next is asked for.
+    context : RunContext
+        What the run knows; the results of a stage must be in its store before the next is asked for.
     """
-    key = film_key(sequence, keys)
+    key = film_key(sequence, context)
     try:
-        yield from Film.open(sequence, keys, scales, store).stages(store)
+        yield from Film.open(sequence, context).stages()
     except ChangedError:
         key, reason = "", CHANGED.format(sequence.file)  # never up to date: the next run measures it again
     except StoreError:
         raise
     except Exception as error:  # a force table can be odd in unforeseen ways
-        reason = in_study(reason_of(error, f"{sequence.file}: cannot be measured"), keys.folder)
+        reason = in_study(reason_of(error, f"{sequence.file}: cannot be measured"), context.folder)
     else:
         return
-    store.put(sequence.name, key, TaskResult({"reason": reason}, {}, 0.0), count=0)
+    assert context.store is not None  # a run has one
+    context.store.put(sequence.name, key, TaskResult({"reason": reason}, {}, 0.0), count=0)
 
 
 def film_result(sequence: ContactSequence, record: Record) -> SequenceResult:
@@ -357,32 +360,28 @@ def film_result(sequence: ContactSequence, record: Record) -> SequenceResult:
     )
 
 
-def corrected_frames(
-    films: Iterable[SequenceResult], keys: CacheKeys, scales: Scales, store: Store
-) -> dict[str, str]:
+def corrected_frames(films: Iterable[SequenceResult], context: RunContext) -> dict[str, str]:
     """Return the digests of all frames that people corrected, by item, as they were measured."""
     found: dict[str, str] = {}
     for film in films:
         name = film.manifest.name
-        ruled = frames_of(keys.active_corrections, name)
+        ruled = frames_of(context.active_corrections, name)
         if film.reason is None and ruled:
-            digests = Film.open(film.manifest, keys, scales, store).digests(store, ruled)
+            digests = Film.open(film.manifest, context).digests(ruled)
             found |= {f"{name}#{frame}": digests.get(frame, "") for frame in ruled}
     return found
 
 
-def film_measurements(
-    result: SequenceResult, keys: CacheKeys, scales: Scales, store: Store
-) -> Iterator[Measurement]:
+def film_measurements(result: SequenceResult, context: RunContext) -> Iterator[Measurement]:
     """Yield the measurements of a film that is in the store, or the one that says why it has none."""
     name = result.manifest.name
     if result.reason is not None:
         yield Measurement(name=name, load=math.nan, reason=result.reason, columns={"sequence": name})
         return
-    yield from Film.open(result.manifest, keys, scales, store).measurements(store)
+    yield from Film.open(result.manifest, context).measurements()
 
 
-def _good(store: Store, task: str, key: str) -> Record:
+def _good(context: RunContext, task: str, key: str) -> Record:
     """Return the record of a task.
 
     Raises
@@ -390,7 +389,7 @@ def _good(store: Store, task: str, key: str) -> Record:
     FingerpadError
         With the task's reason, if it failed; `ChangedError` if there is none with this key.
     """
-    record = store.record(task, key)
+    record = context.record(task, key)
     if record is None:
         raise ChangedError
     if record.get("reason") is not None:

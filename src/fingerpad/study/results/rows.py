@@ -95,7 +95,7 @@ class Rows:
     highest_load: dict[PlacementKey, HighestLoad]
 
 
-def make_rows(
+def model_contacts(
     study: Study, fingers: Mapping[str, FingerResult], seen: Iterable[tuple[Contact, Measurement]]
 ) -> Rows:
     """Turn measurements into rows: placement, model and uncertainty.

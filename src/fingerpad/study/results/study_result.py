@@ -1,6 +1,6 @@
 """Everything that a run found, once all is measured."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import compress
@@ -13,17 +13,17 @@ from fingerpad.study.engine.runner import records_of
 from fingerpad.study.engine.store import Store
 from fingerpad.study.engine.task import Record, Task
 from fingerpad.study.engine.versions import versions_of
-from fingerpad.study.manifest import Contact, Study
+from fingerpad.study.manifest import Study
 from fingerpad.study.measuring.curves import CurveResult
 from fingerpad.study.measuring.fingers import FingerResult
-from fingerpad.study.measuring.measure import Measurement
 from fingerpad.study.measuring.records import from_plain, to_plain
+from fingerpad.study.measuring.run import Measured
 from fingerpad.study.measuring.scales import FoundScale
 from fingerpad.study.measuring.sequences import SequenceResult
 from fingerpad.study.results.check import UncertaintyCheck
 from fingerpad.study.results.digest import digest_of_values
-from fingerpad.study.results.rows import HighestLoad, make_rows
-from fingerpad.study.results.summary import Summary, summaries
+from fingerpad.study.results.rows import HighestLoad, model_contacts
+from fingerpad.study.results.summary import Summary, pool_contacts
 from fingerpad.study.results.table import ResultsTable
 
 
@@ -112,11 +112,11 @@ class StudyResult(Displayed):
                 "curves": [one for one in self.study.curves if one.finger == name],
             }
         )
-        scales = {scale for _, scale in study.named_scales()}
+        scales = set(study.named_scales())
         study = study.model_copy(
             update={"scales": {key: scale for key, scale in study.scales.items() if key in scales}}
         )
-        files = {file for _, file in study.named_files()}
+        files = {file for _, file in study.files()}
         hashes = self.provenance["inputs_sha256"]
         own = [summary.finger == name for summary in self.summaries]
         return replace(
@@ -138,28 +138,22 @@ class StudyResult(Displayed):
 
 
 def result_of(
-    study: Study,
-    folder: Path,
+    measured: Measured,
     *,
-    fingers: dict[str, FingerResult],
-    scales: dict[str, FoundScale | str],
-    seen: Iterable[tuple[Contact, Measurement]],
-    sequences: list[SequenceResult],
-    curves: list[CurveResult],
     origin: dict[str, Any],
+    notes: tuple[str, ...],
     executor: Executor,
     store: Store,
     on_check: Callable[[str], None] = lambda _: None,
-    notes: tuple[str, ...] = (),
 ) -> StudyResult:
-    """Return what a study comes to, once everything is measured: rows, summaries and loading curves.
+    """Return what a study comes to, once everything is measured: the model of each contact, and pooled radii.
 
     Parameters
     ----------
-    study, folder, fingers, scales, sequences, curves, origin, notes
-        As `StudyResult` has them, `origin` its provenance.
-    seen : iterable of (Contact, Measurement)
-        All measurements in the manifest's order; gone through once, a thousand held at a time.
+    measured : Measured
+        What was measured.
+    origin, notes
+        Provenance and notes, as `StudyResult` has them.
     executor : Executor
         Where uncertainties are checked.
     store : Store
@@ -167,20 +161,21 @@ def result_of(
     on_check : callable
         Told the name of each contact whose uncertainty was checked.
     """
-    rows = make_rows(study, fingers, seen)
-    found = summaries(rows)
+    study, folder = measured.context.study, measured.context.folder
+    rows = model_contacts(study, measured.fingers, measured.contacts)
+    found = pool_contacts(rows)
     return StudyResult(
         study=study,
         folder=folder,
-        fingers=fingers,
+        fingers=measured.fingers,
         rows=rows.table,
-        sequences=sequences,
-        scales=scales,
+        sequences=measured.sequences,
+        scales={name: measured.context.scale(name) for name in study.scales},
         summaries=found,
         checks=_checks(
             [rows.highest_load.get(summary.key) for summary in found], executor, store, folder, on_check
         ),
-        curves=curves,
+        curves=measured.curves,
         provenance=origin,
         notes=notes,
     )

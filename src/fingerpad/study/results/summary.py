@@ -64,7 +64,7 @@ def _counted(count: int, noun: str) -> str:
     return f"{count} {noun}{'' if count == 1 else 's'}"
 
 
-def summaries(rows: Rows) -> list[Summary]:
+def pool_contacts(rows: Rows) -> list[Summary]:
     """Pool the good rows of each finger at each placement; synthetic and real rows never mix."""
     good = rows.table.at(rows.table.column("status") == "measured")
     return [_summary(key, rows, group) for key, group in good.by(*PLACEMENT).items()]

@@ -102,9 +102,9 @@ class Run {
 
   #draw() {
     const run = workspace.run ?? workspace.study.run;
-    const { ready, counts, missing, results } = workspace.study;
+    const { ready, counts, results } = workspace.study;
     // Redraw only if the structure has changed, so that the focus is kept.
-    const shape = `${run.state}|${ready}|${missing.length}|${results?.fresh}|${run.failures?.length}`;
+    const shape = `${run.state}|${ready}|${results?.fresh}|${run.failures?.length}`;
     if (shape === this.shape && this.busy) return this.#progress(run);
     this.shape = shape;
     const hadFocus = this.status.contains(document.activeElement);
@@ -144,19 +144,11 @@ class Run {
                   ]
                 : "",
             ),
-            ready &&
-              missing.length > 0 &&
-              h(
-                "div.note",
-                null,
-                `${missing.length} incomplete ${missing.length === 1 ? "entry is" : "entries are"} skipped. `,
-                h("a", { href: "#/study" }, "See the Study page."),
-              ),
             !ready &&
               h(
                 "div.note",
                 null,
-                "The study is incomplete. ",
+                "The study is incomplete: a run needs every entry. ",
                 h("a", { href: "#/study" }, "See the Study page."),
               ),
             h(

@@ -131,7 +131,7 @@ class StudyView {
             missing.length > 40 && h("li.soft", null, `and ${missing.length - 40} more`),
           )
         : h("p.soft", null, "Start by dropping files: photographs of the finger and contact images."),
-      ready && h("p.soft", null, "The rest of the study can run; the entries listed here are skipped."),
+      ready && h("p.soft", null, "The study can run without them."),
     );
   }
 

@@ -1,0 +1,411 @@
+"""Loading a study: its manifest and spreadsheet, with everything that can be checked before any work.
+
+Tables are checked one by one. Those without a fault, whose finger and scale have none either, make up the
+study; the others are kept as they stand, each with what it lacks.
+"""
+
+import hashlib
+import tomllib
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, Final, Literal, TypeAlias
+from unicodedata import normalize
+
+from pydantic import TypeAdapter
+
+from fingerpad.exceptions import ManifestError
+from fingerpad.study.journal import recover
+from fingerpad.study.manifest.contacts import ContactSequence, Observation
+from fingerpad.study.manifest.curves import Curve
+from fingerpad.study.manifest.files import file_inside
+from fingerpad.study.manifest.fingers import Finger
+from fingerpad.study.manifest.scales import OwnScale
+from fingerpad.study.manifest.sheet import Sheet
+from fingerpad.study.manifest.study import Study, Uncertainty
+from fingerpad.study.manifest.tables import ManifestModel, Name
+from fingerpad.study.manifest.validation import Fault, checked, place_of
+
+Kind: TypeAlias = Literal[
+    "study", "uncertainty", "scale", "finger", "photograph", "observation", "sequence", "curve"
+]
+
+STUDY_NAME: Final = "study.toml"
+# Lists of tables by the kind of table they hold; what others refer to comes first.
+LISTS: Final[Mapping[Kind, str]] = {
+    "finger": "fingers",
+    "observation": "observations",
+    "sequence": "sequences",
+    "curve": "curves",
+}
+TABLES: Final = frozenset((*LISTS.values(), "scales", "uncertainty"))
+_NAME: Final = TypeAdapter(Name)
+_MODELS: Final[Mapping[Kind, TypeAdapter[Any]]] = {
+    "study": TypeAdapter(Study),
+    "uncertainty": TypeAdapter(Uncertainty),
+    "scale": TypeAdapter(OwnScale),
+    "finger": TypeAdapter(Finger),
+    "observation": TypeAdapter(Observation),
+    "sequence": TypeAdapter(ContactSequence),
+    "curve": TypeAdapter(Curve),
+}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Table:
+    """A table as the manifest or the spreadsheet has it.
+
+    Attributes
+    ----------
+    kind, key : str
+        What it is, and its name; of a curve its number from 0, of the top level and the uncertainty empty.
+    content : dict
+        What it says.
+    file, place : str
+        The file that holds it, with the line in a spreadsheet, and its place there.
+    faults : tuple of Fault
+        What is missing or wrong in it.
+    model : ManifestModel or None
+        The table as a model, where its values are right.
+    complete : bool
+        Whether it is part of the study: without faults, and not waiting for a finger or a scale.
+    """
+
+    kind: Kind
+    key: str
+    content: dict[str, Any]
+    file: str
+    place: str
+    faults: tuple[Fault, ...] = ()
+    model: ManifestModel | None = None
+    complete: bool = False
+
+    @property
+    def lines(self) -> list[str]:
+        """The faults, each with where it is."""
+        name = self.content.get("name")
+        lines = []
+        for place, words in self.faults:
+            where = ".".join(part for part in (self.place, place) if part)
+            owner = f" (in {name})" if isinstance(name, str) and place != "name" else ""
+            lines.append(": ".join(part for part in (self.file, where, words + owner) if part))
+        return lines
+
+    @property
+    def tables(self) -> list[Mapping[str, Any]]:
+        """Its content, and that of the photographs in it."""
+        inner = self.content.get("photographs", []) if self.kind == "finger" else []
+        return [self.content, *inner]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LoadedStudy:
+    """A study, complete or not.
+
+    Attributes
+    ----------
+    folder : Path
+        The study folder.
+    digest : str
+        Of the bytes of its manifest and spreadsheet: what an author has seen.
+    study : Study
+        What is complete of it.
+    tables : tuple of Table
+        All scales, fingers, observations, sequences and curves; of the top level and the uncertainty what is
+        wrong.
+    issues : tuple of str
+        What is missing or wrong, each naming its file and key; a study without any can be run.
+    """
+
+    folder: Path
+    digest: str
+    study: Study
+    tables: tuple[Table, ...] = ()
+    issues: tuple[str, ...] = ()
+
+    @property
+    def incomplete(self) -> list[Table]:
+        """The tables that are not part of the study yet."""
+        return [table for table in self.tables if not table.complete]
+
+    def complete(self) -> Study:
+        """Return the study if nothing of it is missing or wrong.
+
+        Raises
+        ------
+        ManifestError
+            With one line for each issue.
+        """
+        if self.issues:
+            raise ManifestError("\n".join(self.issues))
+        return self.study
+
+    def files(self) -> set[str]:
+        """Return the names of files in use, and all texts of what is incomplete: any may be one."""
+        names = {name for _, name in self.study.files()}
+        for table in (table for one in self.incomplete for table in one.tables):
+            scale = table.get("scale")
+            inner = scale.values() if isinstance(scale, Mapping) else ()
+            names.update(value for value in (*table.values(), *inner) if isinstance(value, str))
+        return names
+
+
+def manifest_in(path: Path) -> Path:
+    """Return the manifest that a path means: itself, or ``study.toml`` in the folder that it is."""
+    return path / STUDY_NAME if path.is_dir() else path
+
+
+def load_study(
+    path: Path, on_read: Callable[[str, bytes], None] = lambda _name, _content: None
+) -> LoadedStudy:
+    """Load a study from its manifest and check everything: values, references, and that all files are there.
+
+    Parameters
+    ----------
+    path : Path
+        The TOML file. File names in it are relative to its folder.
+    on_read : callable
+        Called with the name and the content of each file that is read.
+
+    Raises
+    ------
+    ManifestError
+        If there is no manifest, or it is not made of tables, so that nothing of it can be used.
+    """
+    recover(path.parent)
+    if path.is_char_device():
+        raise ManifestError(f"{path}: is a device, not a file")  # which may have no end
+    try:
+        content = path.read_bytes()
+    except FileNotFoundError:
+        raise ManifestError(
+            f"{path}: no such file; `fingerpad init DIR` writes a manifest to start from"
+        ) from None
+    except OSError as error:
+        raise ManifestError(f"{path}: cannot be read ({error})") from error
+    on_read(path.name, content)
+
+    def read(name: str) -> bytes:
+        rows = file_inside(path.parent, name).read_bytes()
+        on_read(name, rows)
+        return rows
+
+    return checked_study(path, content, read)
+
+
+def read_study(path: Path, on_read: Callable[[str, bytes], None] = lambda _name, _content: None) -> Study:
+    """Load a study that can be run.
+
+    Raises
+    ------
+    ManifestError
+        Naming the file, and for each issue its key, what was found and what was expected.
+    """
+    return load_study(path, on_read).complete()
+
+
+def checked_study(path: Path, content: bytes, read: Callable[[str], bytes]) -> LoadedStudy:
+    """Check what a manifest says, or is going to say.
+
+    Parameters
+    ----------
+    path : Path
+        The manifest, which need not say it yet.
+    content : bytes
+        What it says.
+    read : callable
+        Gives the content of the spreadsheet that it names.
+
+    Raises
+    ------
+    ManifestError
+        If it is not made of tables.
+    """
+    try:
+        document = tomllib.loads(content.decode("utf-8-sig"))
+    except UnicodeDecodeError as error:
+        raise ManifestError(f"{path}: cannot be read ({error})") from error
+    except (ValueError, RecursionError) as error:
+        raise ManifestError(f"{path}: not valid TOML: {error}") from error
+    require_tables(document, path.name)
+    top, wrong = _top_level(document, path)
+    rows, tables = b"", list(_tables(document, path.name))
+    if top.observations_csv is not None:
+        try:
+            rows = read(top.observations_csv)
+            tables += _rows(Sheet.parse(top.observations_csv, rows))
+        except (ManifestError, OSError) as error:
+            fault = Fault("observations_csv", str(error))
+            wrong.append(Table(kind="study", key="", content={}, file=path.name, place="", faults=(fault,)))
+    check = _Check(path.parent)
+    found = (*wrong, *map(check.checked, tables))
+    issues = [line for one in found for line in one.lines]
+    if not document.get("fingers"):
+        issues.append(f"{path.name}: fingers: no finger yet: add one")
+    return LoadedStudy(
+        folder=path.parent,
+        digest=hashlib.sha256(hashlib.sha256(content).digest() + rows).hexdigest(),
+        study=_study(top, found),
+        tables=found,
+        issues=tuple(issues),
+    )
+
+
+def _study(top: Study, tables: Iterable[Table]) -> Study:
+    """Return the study that the complete tables make up."""
+    lists: dict[str, Any] = {name: [] for name in LISTS.values()}
+    scales = {}
+    for one in tables:
+        if one.complete and one.kind == "scale":
+            scales[one.key] = one.model
+        elif one.complete:
+            lists[LISTS[one.kind]].append(one.model)
+    return top.model_copy(update={**lists, "scales": scales})
+
+
+def require_tables(document: Mapping[str, Any], file: str) -> None:
+    """Refuse what someone wrote by hand in place of tables.
+
+    Raises
+    ------
+    ManifestError
+        Naming the file and the key.
+    """
+    for name in LISTS.values():
+        _require_list(document.get(name, []), f"{file}: {name}", name)
+    for finger in document.get("fingers", []):
+        _require_list(finger.get("photographs", []), f"{file}: fingers.photographs", "fingers.photographs")
+    for name in ("scales", "uncertainty"):
+        if not isinstance(document.get(name, {}), Mapping):
+            raise ManifestError(f"{file}: {name}: expected a table, as in [{name}]")
+    for name, scale in document.get("scales", {}).items():
+        if not isinstance(scale, Mapping):
+            raise ManifestError(f"{file}: scales.{name}: expected a table, as in {{ ppi = 500 }}")
+
+
+def _require_list(listed: Any, where: str, name: str) -> None:
+    if isinstance(listed, Mapping):
+        raise ManifestError(f"{where}: expected a list of tables: write [[{name}]] in place of [{name}]")
+    if not isinstance(listed, list) or not all(isinstance(table, Mapping) for table in listed):
+        raise ManifestError(f"{where}: expected a list of tables, as in [[{name}]]")
+
+
+def _top_level(document: Mapping[str, Any], path: Path) -> tuple[Study, list[Table]]:
+    """Return the study without its lists of tables, and what is wrong at the top level."""
+    parts: dict[Kind, tuple[str, Any]] = {
+        "study": ("", {key: value for key, value in document.items() if key not in TABLES}),
+        "uncertainty": ("uncertainty", document.get("uncertainty", {})),
+    }
+    found, wrong = {}, []
+    for kind, (place, content) in parts.items():
+        _, faults = checked(_MODELS[kind], content, strict=True)
+        if faults:
+            wrong.append(
+                Table(kind=kind, key="", content=content, file=path.name, place=place, faults=faults)
+            )
+        bad = {fault.place for fault in faults}
+        fields = Study.model_fields if kind == "study" else Uncertainty.model_fields
+        found[kind] = {key: value for key, value in content.items() if key in fields and key not in bad}
+    title = {"title": path.absolute().parent.name}
+    return Study(**{**title, **found["study"]}, uncertainty=Uncertainty(**found["uncertainty"])), wrong
+
+
+def _tables(document: Mapping[str, Any], file: str) -> Iterator[Table]:
+    """Yield the tables of a manifest; what others refer to comes first."""
+    for name, content in document.get("scales", {}).items():
+        yield Table(kind="scale", key=name, content=content, file=file, place=f"scales.{name}")
+    for kind, name in LISTS.items():
+        for number, content in enumerate(document.get(name, [])):
+            key = str(number) if kind == "curve" else str(content.get("name", ""))
+            yield Table(kind=kind, key=key, content=content, file=file, place=f"{name}[{number}]")
+
+
+def _rows(sheet: Sheet) -> Iterator[Table]:
+    """Yield the observations of a spreadsheet."""
+    for line, content, faults in sheet.tables():
+        yield Table(
+            kind="observation",
+            key=str(content.get("name", "")),
+            content=content,
+            file=f"{sheet.name}, line {line}",
+            place="",
+            faults=faults,
+        )
+
+
+class _Check:
+    """Checks tables one by one; those that others refer to must come first."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        # Names seen so far by their folded form: of scales, fingers, and observations and sequences.
+        self._scales: dict[str, str] = {}
+        self._fingers: dict[str, str] = {}
+        self._contacts: dict[str, str] = {}
+        self._incomplete: set[tuple[Kind, str]] = set()
+
+    def checked(self, table: Table) -> Table:
+        """Return the next table with its faults."""
+        model, faults = None, table.faults
+        if not faults:  # what is of a spreadsheet has no place but its line, and is text
+            model, faults = checked(_MODELS[table.kind], table.content, strict=bool(table.place))
+        faults = (*faults, *self._name_faults(table))
+        if model is not None:
+            faults = (*faults, *self._reference_faults(model), *_file_faults(model, self._folder))
+        complete = model is not None and not faults and not self._waits(model)
+        if not complete:
+            self._incomplete.add((table.kind, table.key))
+        return replace(table, faults=faults, model=model, complete=complete)
+
+    def _name_faults(self, table: Table) -> Iterator[Fault]:
+        if table.kind == "curve":
+            return
+        names = {"scale": self._scales, "finger": self._fingers}.get(table.kind, self._contacts)
+        place = "" if table.kind == "scale" else "name"
+        if table.kind == "scale":
+            yield from checked(_NAME, table.key, strict=True)[1]
+        if _folded(table.key) in names:
+            yield Fault(place, f"{table.key!r} is taken; names must differ by more than case")
+        names.setdefault(_folded(table.key), table.key)
+
+    def _reference_faults(self, model: ManifestModel) -> Iterator[Fault]:
+        """Yield which finger and which scales are not there."""
+        finger = getattr(model, "finger", None)
+        if finger is not None and self._fingers.get(_folded(finger)) != finger:
+            known = f"; there is {', '.join(self._fingers.values())}" if self._fingers else ""
+            yield Fault("finger", f"no finger is named {finger!r}{known}")
+        for place, scale in _scales_of(model):
+            if self._scales.get(_folded(scale)) != scale:
+                known = ", ".join(self._scales.values())
+                known = f"there is {known}" if known else f"write a table [scales.{scale}]"
+                yield Fault(place, f"no scale is named {scale!r}; {known}")
+
+    def _waits(self, model: ManifestModel) -> bool:
+        """Tell whether a finger or a scale of a table is not complete."""
+        referred = [
+            ("finger", getattr(model, "finger", None)),
+            *(("scale", name) for _, name in _scales_of(model)),
+        ]
+        return not self._incomplete.isdisjoint(referred)
+
+
+def _folded(name: str) -> str:
+    """Return a name without its case and its way to write accents: names of files must differ by more."""
+    return normalize("NFC", name).casefold()
+
+
+def _scales_of(model: ManifestModel) -> Iterator[tuple[str, str]]:
+    """Yield each place where a table refers to a scale by name, and the name."""
+    for loc, part in (((), model), *model.tables()):
+        scale = getattr(part, "scale", None)
+        if isinstance(scale, str):
+            yield place_of((*loc, "scale")), scale
+
+
+def _file_faults(model: ManifestModel, folder: Path) -> Iterator[Fault]:
+    """Yield which files are not in the study folder."""
+    for loc, name in model.files():
+        try:
+            file_inside(folder, name, may_be_folder=isinstance(model, ContactSequence) and loc == ("file",))
+        except ManifestError as error:
+            yield Fault(place_of(loc), str(error))

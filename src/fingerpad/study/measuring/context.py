@@ -1,0 +1,121 @@
+"""What a run knows: the study, people's corrections, scales, and the store; and the keys of its tasks."""
+
+import hashlib
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import cache
+from pathlib import Path
+from typing import Any, Final, Self
+
+from fingerpad.study.corrections.history import ActiveCorrection
+from fingerpad.study.engine.store import Store
+from fingerpad.study.engine.task import CHANGED, Record
+from fingerpad.study.engine.versions import versions_of
+from fingerpad.study.manifest import ScaleKey, Study
+from fingerpad.study.manifest.tables import ManifestModel
+from fingerpad.study.measuring.scales import FoundScale, Scales, scale_key
+
+# What of a contact's table changes nothing in what is measured on its picture.
+_NOT_MEASURED: Final = frozenset(
+    ("finger", "wedge_angle_deg", "roll_angle_deg", "load_N", "notes", "scale", "pool_min_load_N")
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RunContext:
+    """What a run knows.
+
+    Attributes
+    ----------
+    study : Study
+        The manifest.
+    folder : Path
+        The study folder.
+    active_corrections : mapping
+        What people corrected, by item.
+    store : Store or None
+        Where results are kept; None where nothing was measured yet.
+    digest : callable
+        Gives that of a file or folder.
+    scales : mapping
+        All scales of the study, by `scale_key`, or why there is none; empty before they are measured.
+    """
+
+    study: Study
+    folder: Path
+    active_corrections: Mapping[str, ActiveCorrection] = field(default_factory=dict)
+    store: Store | None = None
+    digest: Callable[[Path], str] = str
+    scales: Scales = field(default_factory=dict)
+
+    @classmethod
+    def of(
+        cls,
+        study: Study,
+        folder: Path,
+        active_corrections: Mapping[str, ActiveCorrection],
+        store: Store | None,
+    ) -> Self:
+        """Return what is known of a study whose results are in a store; each file is read once."""
+        digest = str if store is None else cache(store.digest)
+        return cls(
+            study=study, folder=folder, active_corrections=active_corrections, store=store, digest=digest
+        )
+
+    def scale(self, key: ScaleKey) -> FoundScale | str:
+        """Return the scale that a key of the manifest means, or why there is none."""
+        return self.scales[scale_key(key)]
+
+    def edits(self, item: str) -> dict[str, Any]:
+        """Return what a person changed in the measurement of an item."""
+        active_correction = self.active_corrections.get(item)
+        return {} if active_correction is None else active_correction.change.edits
+
+    def is_rejected(self, item: str) -> bool:
+        """Tell whether a person rejected an item."""
+        active_correction = self.active_corrections.get(item)
+        return active_correction is not None and active_correction.change.rejected is not None
+
+    def record(self, name: str, key: str) -> Record | None:
+        """Return what the store holds of a task, None where there is nothing with this key."""
+        return None if self.store is None else self.store.record(name, key)
+
+    def measured(self, name: str, key: str, file: str | None) -> Record:
+        """Return the same of a task that has been performed, or the reason why it is not there."""
+        return self.record(name, key) or {"reason": CHANGED.format(file)}
+
+    def item_key(self, item: str, table: ManifestModel) -> str:
+        """Return the key of an observation or a photograph."""
+        return self.key(table, self.edits(item))
+
+    def key(self, table: ManifestModel, *more: object, leave_out: frozenset[str] = frozenset()) -> str:
+        """Return the key of what the manifest says in a table.
+
+        Parameters
+        ----------
+        table : ManifestModel
+            Of an observation, a sequence, a photograph or a curve.
+        *more
+            Further parameters of the result.
+        leave_out : frozenset of str
+            Keys of the table that do not bear on it.
+        """
+        parameters = table.model_dump(mode="json", exclude=set(_NOT_MEASURED | leave_out))
+        key = getattr(table, "scale", None)
+        name = key if isinstance(key, str) else None
+        of = key if name is None else self.study.scales[name]
+        scale = None if of is None else of.model_dump(mode="json")
+        digests = {file: self.digest(self.folder / file) for file in self.inputs_of(table, leave_out)}
+        return cache_key(parameters, name, scale, digests, *more)
+
+    def inputs_of(self, table: ManifestModel, leave_out: frozenset[str] = frozenset()) -> tuple[str, ...]:
+        """Return the files and folders that a table names, but for those of some keys."""
+        scale = getattr(table, "scale", None)
+        shared = self.study.scales[scale].files() if isinstance(scale, str) else ()
+        return tuple(file for loc, file in (*table.files(), *shared) if loc[0] not in leave_out)
+
+
+def cache_key(*parts: object) -> str:
+    """Return a digest of some parameters and of the versions that images are measured with."""
+    return hashlib.sha256(json.dumps([*parts, versions_of("image")], sort_keys=True).encode()).hexdigest()
