@@ -52,7 +52,7 @@ def fields(
     depth_mm: Annotated[
         list[float] | None,
         typer.Option(
-            help="Depth below the surface, mm; may be repeated. By default those of receptors in the "
+            help="Depths below the surface, mm: one or more. By default those of receptors in the "
             "literature, which vary: Meissner 0.5-0.7, Merkel 0.7-1, Pacinian 1.5-2.5.",
             show_default=False,
         ),
@@ -68,20 +68,12 @@ def fields(
     x points along the finger, y across, z into the tissue; tension is positive. Hertz theory is that of a
     half-space, under the same load, area or indentation.
     """
-    from fingerpad.contact import ContactField, EllipsoidContact, reduced_modulus
-    from fingerpad.geometry import Ellipsoid
+    from fingerpad.contact import reduced_modulus
 
     given = {"--load-n": load_n, "--area-mm2": area_mm2, "--indentation-mm": indentation_mm}
-    if sum(value is not None for value in given.values()) != 1:
-        raise GeometryError("give exactly one of --load-n, --area-mm2 and --indentation-mm")
-    for flag, value in (*given.items(), ("--modulus-kpa", modulus_kpa), ("--thickness-mm", thickness_mm)):
-        require_positive(flag, value)
-    for semi_axis in semi_axes_mm:
-        require_positive("--semi-axes-mm", semi_axis)
-    if not 0 <= poisson_ratio <= 0.5:
-        raise GeometryError(f"--poisson-ratio must be from 0 to 0.5, found {poisson_ratio:g}")
+    _check(given, semi_axes_mm, modulus_kpa, thickness_mm, poisson_ratio)
     depths = _depths(depth_mm, np.inf if thickness_mm is None else thickness_mm)
-    press: dict[str, Any] = {
+    press = {
         "wedge_angle": np.radians(wedge_deg),
         "roll_angle": np.radians(roll_deg),
         "reduced_modulus": float(reduced_modulus(modulus_kpa / KPA_PER_MPA, poisson_ratio)),
@@ -90,10 +82,7 @@ def fields(
         "area": area_mm2,
         "indentation": indentation_mm,
     }
-    pad = Ellipsoid(*semi_axes_mm)
-    hertz = ContactField.of_hertz(pad, **press)
-    contact = EllipsoidContact.of(pad, thickness=thickness_mm, points=grid, **press)
-    solved = ContactField.of_solution(contact.solution)
+    solved, hertz = _contacts(semi_axes_mm, thickness_mm, grid, press)
     record = _record(solved, depths) | {"thickness_mm": thickness_mm, "hertz": _record(hertz, depths)}
     if plot is not None:
         _plot_section(solved, hertz, plot)
@@ -101,6 +90,37 @@ def fields(
         print_json(record)
     else:
         _print_fields(record)
+
+
+def _check(
+    given: dict[str, float | None],
+    semi_axes_mm: tuple[float, float, float],
+    modulus_kpa: float,
+    thickness_mm: float | None,
+    poisson_ratio: float,
+) -> None:
+    """Refuse what no contact can have."""
+    if sum(value is not None for value in given.values()) != 1:
+        raise GeometryError("give exactly one of --load-n, --area-mm2 and --indentation-mm")
+    for flag, value in (*given.items(), ("--modulus-kpa", modulus_kpa), ("--thickness-mm", thickness_mm)):
+        require_positive(flag, value)
+    for semi_axis in semi_axes_mm:
+        require_positive("--semi-axes-mm", semi_axis)
+    if not 0 <= poisson_ratio <= 0.5:
+        raise GeometryError(f"--poisson-ratio must be from 0 to 0.5, found {poisson_ratio:g}")
+
+
+def _contacts(
+    semi_axes: tuple[float, float, float], thickness: float | None, grid: int, press: dict[str, Any]
+) -> "tuple[ContactField, ContactField]":
+    """Return the field of the whole pad, and that of Hertz theory."""
+    from fingerpad.contact import ContactField, EllipsoidContact
+    from fingerpad.geometry import Ellipsoid
+
+    pad = Ellipsoid(*semi_axes)
+    hertz = ContactField.of_hertz(pad, **press)
+    contact = EllipsoidContact.of(pad, thickness=thickness, points=grid, **press)
+    return ContactField.of_solution(contact.solution), hertz
 
 
 def _depths(given: list[float] | None, thickness: float) -> "FloatArray":
