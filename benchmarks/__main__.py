@@ -95,7 +95,7 @@ if __name__ == "__main__":
     pooling.pooled_means()
     contact_images.accuracy_and_coverage(72)
     contact_images.edge_calibration(72)
-    contact_images.ridge_calibration(72)
+    contact_images.independent_accuracy(12)
     contact_images.speed()
     photographs.photograph_accuracy(marked=True)
     photographs.photograph_accuracy(marked=False)

@@ -14,6 +14,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
+from benchmarks.independent_images import independent_images
 from fingerpad.exceptions import ImageError
 from fingerpad.image import ContactImageResult, Scale, measure_contact_image
 from fingerpad.simulate import SyntheticContactImage, render_contact_image
@@ -132,6 +133,41 @@ def accuracy_and_coverage(count: int) -> None:
         )
 
 
+def independent_errors(count: int, seed: int) -> tuple[Numbers, Numbers, list[str]]:
+    """Return relative errors, errors over uncertainty and conditions, on independently rendered images."""
+    errors, scores, names = [], [], []
+    for name, truth in independent_images(count, seed):
+        found = measure_contact_image(truth.pixels, truth.mm_per_px)
+        true = np.array([truth.semi_major, truth.semi_minor, truth.gross_area, truth.ridge_area])
+        off = values_of(found) - true
+        errors.append(off / true)
+        scores.append(off / np.sqrt(np.diag(found.covariance)))
+        names.append(name)
+    return np.array(errors), np.array(scores), names
+
+
+def independent_accuracy(count: int) -> None:
+    """Print errors and coverage on images that share no model with the measurement, by condition."""
+    errors, scores, names = independent_errors(count, seed=7)
+    print(
+        f"\nIndependently rendered contact images, {count} of each condition: mean error, intervals of 95 %"
+    )
+    print(f"    {'condition':<38} {'gross area':>19} {'ridge area':>19}   axes")
+    for name in [*dict.fromkeys(names), "all"]:
+        chosen = np.array([name in {each, "all"} for each in names])
+        held = 100 * np.mean(np.abs(scores[chosen]) < 1.96, axis=0)
+        mean = 100 * np.mean(errors[chosen], axis=0)
+        print(f"    {name:<38}", *(f"{mean[k]:+7.2f} % {held[k]:7.0f} %  " for k in (2, 3)), end=" ")
+        print(*(f"{held[k]:.0f} %" for k in (0, 1)))
+    print(
+        "    rms error",
+        *(
+            f"{q} {100 * e:.2f} %"
+            for q, e in zip(QUANTITIES, np.sqrt(np.mean(errors**2, axis=0)), strict=True)
+        ),
+    )
+
+
 def edge_calibration(count: int) -> None:
     """Print the constants of `edge_shift` that fit rendered contacts best, for those in use.
 
@@ -161,38 +197,10 @@ def edge_calibration(count: int) -> None:
         weights = weights * [1, 1, 0.7]
         features = [np.ones(len(weights)), edge.along, np.full(len(weights), -edge.noise)]
         designs.append(np.stack([weights.T @ f * edge.period for f in features], axis=-1))
-        targets.append((values_of(truth)[:3] - found) / size + weights.T @ plain(edge))
+        targets.append((values_of(truth)[:3] - found) / size + weights.T @ (plain(edge) - edge.fade))
     fitted = np.linalg.lstsq(np.concatenate(designs), np.concatenate(targets), rcond=None)[0]
     print("\nEdge constants (ends, following, noise): fitted", np.round(fitted, 3), end=" ")
     print("in use", (_outline._ENDS, _outline._FOLLOWING, _outline._NOISE))
-
-
-def ridge_calibration(count: int) -> None:
-    """Print how far the level that gives the true ridge area lies above the middle, as the levels lean."""
-    from fingerpad.image.contact_image import _patch  # noqa: PLC0415
-
-    kept: list[tuple[float, float, float]] = []
-    plain = _patch._ridge_level
-
-    def watched(counts: Numbers, noise: float, period: float, *, by_threshold: bool) -> _patch._Ridges:
-        ridges = plain(counts, noise, period, by_threshold=by_threshold)
-        kept.append((_patch.level_asymmetry(counts), ridges.level / 255 - 0.5, ridges.softness))
-        return ridges
-
-    leans, levels = [], []
-    for truth in population(count, seed=7):
-        with patch.object(_patch, "_ridge_level", watched):
-            found = measure_contact_image(truth.pixels, SCALE)
-        lean, level, softness = kept[-1]
-        leans.append(lean)
-        levels.append(level + (found.ridge_area / truth.ridge_area - 1) / softness)
-    fitted = np.polyfit(leans, levels, 1)
-    print("Ridge level (lean, upright): fitted", np.round(fitted, 3), end=" ")
-    print(
-        "in use",
-        (_patch._ASYMMETRY_SHIFT, _patch._LEVEL_OFFSET),
-        f"spread {np.std(levels - np.polyval(fitted, leans)):.4f}",
-    )
 
 
 def speed(repeats: int = 60) -> None:
@@ -223,5 +231,5 @@ if __name__ == "__main__":
     images = int(sys.argv[1]) if len(sys.argv) > 1 else 72
     accuracy_and_coverage(images)
     edge_calibration(images)
-    ridge_calibration(images)
+    independent_accuracy(4)
     speed()

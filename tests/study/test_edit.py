@@ -348,7 +348,7 @@ def test_names_of_corrected_films_fingers_and_rows_of_a_spreadsheet_stay(folder)
         for name in ("press", "pres")
     )
     (folder / STUDY_NAME).write_text(text)
-    log, study = CorrectionLog(folder), study_state(folder).study
+    log, study = CorrectionLog(folder), read_study(folder / STUDY_NAME)
     for item in ("press#3", "right/c.png", "row_1"):
         log.append(item, {"accepted": True}, who="anna", expected=0, study=study)
     for kind, corrected, other in (

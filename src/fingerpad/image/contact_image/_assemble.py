@@ -10,6 +10,7 @@ from fingerpad.geometry.ellipse import Ellipse
 from fingerpad.image.contact_image._outline import ContactOutline
 from fingerpad.image.contact_image._patch import Patch, measure_patch
 from fingerpad.image.contact_image._region import UInt8
+from fingerpad.image.contact_image._ridge_map import ridge_map
 from fingerpad.image.contact_image._ridges import Signal
 from fingerpad.image.contact_image._working_image import WorkingImage
 from fingerpad.image.contact_image.result import FLAGS, PLAUSIBLE_RIDGE_PERIOD_MM, ContactImageResult
@@ -30,7 +31,7 @@ class RidgeImage:
     amount: UInt8
     level: Float32Array
     period: float
-    by_threshold: bool
+    threshold: float | None
 
     @property
     def noise(self) -> float:
@@ -52,7 +53,8 @@ def assemble_result(
 ) -> ContactImageResult:
     """Measure a region of a picture."""
     signal, patch = ridged.signal, region.patch
-    contact = measure_patch(ridged.view, patch, region.edge, ridged.amount, by_threshold=ridged.by_threshold)
+    ridges = ridge_map(ridged.view, signal, region.edge.points, ridged.threshold)
+    contact = measure_patch(ridged.view, patch, region.edge, ridged.amount, ridges)
     period = ridged.period * scale.mm_per_px
     doubts = {
         "touches_border": contact.touches_border,
@@ -80,8 +82,7 @@ def assemble_result(
         dark_on_light=signal.dark_on_light,
         flags=tuple(flag for flag in FLAGS if doubts[flag]),
         _view=ridged.view,
-        _amount=ridged.amount,
-        _ridge_level=contact.ridge_level,
+        _ridges=ridges,
     )
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fingerpad._arrays import BoolArray, FloatArray, as_float32
-from fingerpad.image.contact_image._region import UInt8, longest_contour
+from fingerpad.image.contact_image._region import UInt8, distance_to, longest_contour
 from fingerpad.image.ellipse import AreaMoments, signed_area
 
 Points = npt.NDArray[np.float64]
@@ -20,6 +20,13 @@ _ENDS, _FOLLOWING, _NOISE = 0.084, 0.206, 0.192
 # Standard deviation of the edge's place in a valley, and by how soft the picture is; neighbours share an
 # error over `_STRETCH`.
 _IN_VALLEY, _BY_SOFTNESS, _STRETCH = 0.16, 0.092, 2.75
+# Contrast is compared with the interior's over `_RIM` on both sides of the outline; the interior lies deeper
+# than `_DEEP`, the ground between the distances `_GROUND` outside.
+_RIM, _DEEP, _GROUND = 1.33, 3.5, (2.0, 3.0)
+# How far the edge lies beyond the outline, by the contrast outside and the lack of it inside; and the
+# standard deviation that the whole edge shares: its least, and as a share of that shift.
+_FADED, _OUTSIDE, _INSIDE = -0.2, 1.2, 1.0
+_EDGE_STD, _BY_FADE = 0.13, 0.6
 # A manual edge lies somewhere within one ridge period, uniformly: half of that variance it has everywhere
 # alike, as a generous outline is generous all round.
 _BY_HAND = math.sqrt(1 / 12 / 2)
@@ -46,6 +53,8 @@ class ContactOutline:
         Standard deviation of the noise, in parts of the rise from valley to ridge.
     softness : float
         By what share the ridges' area would change if their level moved by the whole rise.
+    fade : float
+        How far beyond the outline the edge lies because the contact fades towards it.
     resolved : bool
         Whether the period was seen in the picture, or is one that fingers usually have.
     by_hand : ndarray of bool, (n,)
@@ -59,25 +68,35 @@ class ContactOutline:
     period: float
     noise: float
     softness: float
+    fade: float
     resolved: bool
     by_hand: BoolArray
 
-    def moved(self, outward: FloatArray) -> Points:
+    @property
+    def common_std(self) -> float:
+        """Standard deviation of the edge's place that all of the outline shares."""
+        return math.hypot(_EDGE_STD * self.period, _BY_FADE * self.fade)
+
+    def moved(self, outward: FloatArray | float) -> Points:
         """Return the points moved outward."""
-        return self.points + self.normals * np.asarray(outward)[..., None]
+        return np.asarray(self.points + self.normals * np.asarray(outward)[..., None])
 
 
 def contact_outline(
     patch: BoolArray,
     closed: UInt8,
     amount: UInt8,
+    contact: npt.NDArray[np.float32],
     period: float,
     *,
     noise: float,
     softness: float,
     resolved: bool,
 ) -> ContactOutline:
-    """Find the outline of a patch where the closed ridge amount falls through half."""
+    """Find the outline of a patch where the closed ridge amount falls through half.
+
+    `contact` is the contrast of each place with the ground.
+    """
     contour = longest_contour(patch).reshape(-1, 2).astype(np.float64)
     points = resample_outline(running_mean(contour, round(period / 2)))
     # Beyond the patch lie whiskers and other patches: they do not count.
@@ -101,9 +120,37 @@ def contact_outline(
         period=period,
         noise=noise,
         softness=softness,
+        fade=_edge_fade(contact, patch, points, normals, period),
         resolved=resolved,
         by_hand=np.zeros(len(points), dtype=bool),
     )
+
+
+def _edge_fade(
+    contact: npt.NDArray[np.float32], patch: BoolArray, points: Points, normals: Points, period: float
+) -> float:
+    """Return how far the edge of a fading contact lies beyond its outline, px.
+
+    Pressure falls to nothing at the edge, and with it the width of the ridges and, on many devices, their
+    contrast. The outline at half the local contrast then lies inside the edge: the mean contrast just outside
+    it, and what the rim lacks of the interior's, show how far, but not exactly. The constants are round
+    numbers near the fit to rendered contacts whose ridges fade over 0.2 to 1.6 mm in width, contrast or both.
+    """
+    depth = distance_to(~patch)
+    interior = contact[depth > min(_DEEP * period, 0.6 * float(depth.max()))].mean()
+    places = np.linspace(0, _RIM, 12) * period
+
+    def mean_at(distances: FloatArray) -> FloatArray:
+        """Return the mean over the outline at some distances outward."""
+        at = points + distances[:, None, None] * normals
+        levels = _sample(contact, at.reshape(-1, 2)).reshape(distances.size, -1)
+        return np.asarray(levels.mean(axis=1))
+
+    ground = mean_at(np.linspace(*_GROUND, 4) * period).mean()
+    outside, inside = (
+        ((mean_at(side) - ground) / max(interior - ground, 1e-9)).mean() * _RIM for side in (places, -places)
+    )
+    return float(max(0.0, _FADED + _OUTSIDE * outside + _INSIDE * (_RIM - inside)) * period)
 
 
 def point_spacings(points: Points) -> FloatArray:
@@ -154,13 +201,14 @@ def _sample(field: npt.NDArray[np.float32], points: Points) -> FloatArray:
 def edge_shift(edge: ContactOutline) -> FloatArray:
     """Return how far the true edge lies beyond the closed ridges on average, at each point, px.
 
-    Where the outline crosses ridges it sags between their rounded ends. Where it follows a ridge, the edge
-    lies at random on ridge or valley: in a valley of width vP, with probability v, it lies vP/2 further out,
+    A contact that fades towards its edge reaches further than its outline. Where the outline crosses ridges
+    it sags between their rounded ends. Where it follows a ridge, the edge lies at random on ridge or valley:
+    in a valley of width vP, with probability v, it lies vP/2 further out,
     v²P/2 on average, 0.18 P to 0.25 P for the valleys of 0.6 to 0.7 P there, where ridges thin out. Noise
     moves the closed region outward. The three terms are fitted to rendered contacts (`edge_calibration` in
     benchmarks/contact_images.py prints them).
     """
-    return _beyond_ridges(edge) - _NOISE * edge.noise * edge.period
+    return _beyond_ridges(edge) - _NOISE * edge.noise * edge.period + edge.fade
 
 
 def _beyond_ridges(edge: ContactOutline) -> FloatArray:
@@ -181,10 +229,11 @@ def outline_covariance(edge: ContactOutline, weights: FloatArray) -> FloatArray:
 
     Each stretch of outline has an independent error: where it follows a ridge, that of an edge at random on
     valleys of half the period, √(v³/3 − v⁴/4) P = 0.16 P; everywhere that of the local level, which grows
-    with the blur. Shared by all stretches are a third of the correction for noise and, where no ridges are
-    resolved, all of the shift for them. The contribution of blur and the length of a stretch are fitted to
-    the errors of rendered contacts (`accuracy_and_coverage` in benchmarks/contact_images.py). Where the edge
-    was drawn manually, the error of drawing replaces all of these.
+    with the blur. Shared by all stretches are a third of the correction for noise, the definition of the
+    edge of a contact that fades and, where no ridges are resolved, all of the shift for them. The
+    contribution of blur and the length of a stretch are fitted to the errors of rendered contacts
+    (`accuracy_and_coverage` in benchmarks/contact_images.py). Where the edge was drawn manually, the error of
+    drawing replaces all of these.
     """
     along = edge.along.clip(0, 1)
     own = edge.period * np.sqrt(along * _IN_VALLEY**2 + (_BY_SOFTNESS * edge.softness) ** 2)
@@ -195,6 +244,7 @@ def outline_covariance(edge: ContactOutline, weights: FloatArray) -> FloatArray:
     spread = running_mean(response, width)
     noise = _NOISE * edge.noise * edge.period / 3
     unknown = np.zeros_like(along) if edge.resolved else _beyond_ridges(edge)
-    alike = np.where(edge.by_hand, _BY_HAND * edge.period, np.hypot(noise, unknown))
+    shared = np.sqrt(noise**2 + unknown**2 + edge.common_std**2)
+    alike = np.where(edge.by_hand, _BY_HAND * edge.period, shared)
     common = (weights * (edge.steps * alike)[:, None]).sum(axis=0)
     return np.asarray(spread.T @ spread * width + np.outer(common, common))

@@ -11,8 +11,6 @@ from fingerpad._arrays import BoolArray, Float32Array, FloatArray, as_float32
 
 UInt8: TypeAlias = npt.NDArray[np.uint8]
 
-# Levels are taken every so many pixels.
-_LEVEL_STEP = 2
 _ROUNDS = 3
 # Weight of the whole picture's levels against a window's own, as a share of the window.
 _PRIOR = 0.03
@@ -163,25 +161,31 @@ def otsu_threshold(values: npt.NDArray[np.floating]) -> float:
     return low + (float(threshold) + 0.5) * (high - low) / 255
 
 
-def ridge_amount(signal: Signal, period: float, threshold: float | None) -> tuple[UInt8, Float32Array]:
+def ridge_amount(
+    values: Float32Array, contrast: float, period: float, threshold: float | None, *, step: int
+) -> tuple[UInt8, Float32Array]:
     """Return how far each place is from its valley level (0) to its ridge level (255), and the mid level.
 
-    The two levels are means over windows of three periods (Ridler & Calvard's two means, made local); where a
-    window lacks one, the level of the whole picture stands in. With a `threshold` the levels are zero and
-    twice the threshold everywhere. Half-way, 127.5, parts ridges from valleys.
+    The two levels are means over windows of three periods (Ridler & Calvard's two means, made local), taken
+    at every `step`-th pixel; where a window lacks one, the level of the whole picture stands in. With a
+    `threshold` the levels are zero and twice the threshold everywhere. Half-way, 127.5, parts ridges from
+    valleys.
     """
-    smooth = cv2.GaussianBlur(signal.values, (0, 0), max(0.4, _SMOOTHING * period))
     if threshold is not None:
-        amount = cv2.convertScaleAbs(np.maximum(smooth, 0), alpha=255 / (2 * threshold))
+        amount = cv2.convertScaleAbs(np.maximum(values, 0), alpha=255 / (2 * threshold))
         return np.asarray(amount, dtype=np.uint8), np.full((1, 1), threshold, dtype=np.float32)
-    step = _LEVEL_STEP if period >= 2 * _LEVEL_STEP else 1
     side = max(1, round(_WINDOW * period / step / 3))
-    valley, rise = _levels(as_float32(smooth[::step, ::step]), side, signal.contrast)
-    np.subtract(smooth, _enlarge_blocks(valley, side * step, smooth.shape), out=smooth)
+    valley, rise = _levels(np.ascontiguousarray(values[::step, ::step]), side, contrast)
+    above = np.subtract(values, _enlarge_blocks(valley, side * step, values.shape))
     amount = cv2.multiply(
-        smooth, _enlarge_blocks(as_float32(255 / rise), side * step, smooth.shape), dtype=cv2.CV_8U
+        above, _enlarge_blocks(as_float32(255 / rise), side * step, values.shape), dtype=cv2.CV_8U
     )
     return np.asarray(amount, dtype=np.uint8), as_float32(valley + rise / 2)
+
+
+def smoothed(values: Float32Array, period: float) -> Float32Array:
+    """Return values without noise much finer than a ridge."""
+    return as_float32(cv2.GaussianBlur(values, (0, 0), max(0.4, _SMOOTHING * period)))
 
 
 def _levels(smooth: Float32Array, side: int, contrast: float) -> tuple[Float32Array, Float32Array]:

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from fingerpad._arrays import BoolArray, Float32Array
 from fingerpad.image.contact_image._background_border import content_mask
 from fingerpad.image.contact_image._cropping import CroppedImage, Pixels
-from fingerpad.image.contact_image._region import UInt8, disk
+from fingerpad.image.contact_image._region import disk
 
 WORKING_PERIOD_PX = 4.5
 
@@ -24,6 +24,8 @@ class WorkingImage:
 
     Attributes
     ----------
+    picture : ndarray of uint8 or float32, (rows, columns)
+        What was reduced.
     values : ndarray of float32, (rows, columns)
     card : ndarray of bool, (rows, columns)
         Where the picture shows anything: all but an added even border.
@@ -41,6 +43,7 @@ class WorkingImage:
         Of the whole picture.
     """
 
+    picture: Pixels
     values: Float32Array
     card: BoolArray
     inside: BoolArray
@@ -63,6 +66,7 @@ class WorkingImage:
         steps = (pixels.shape[0] / rows, pixels.shape[1] / columns)
         row, column = frame.corner
         return cls(
+            picture=pixels,
             values=small.astype(np.float32),
             card=content_mask(pixels, small.shape),
             inside=inside,
@@ -91,14 +95,6 @@ class WorkingImage:
         y = int((row + 0.5 - self.corner[0]) // self.steps[0])
         x = int((column + 0.5 - self.corner[1]) // self.steps[1])
         return (y, x) if 0 <= y < self.values.shape[0] and 0 <= x < self.values.shape[1] else None
-
-    def enlarged(self, amount: UInt8) -> UInt8:
-        """Return a picture-sized image of one of the copy's size, zero where the copy does not reach."""
-        rows, columns = (round(n * step) for n, step in zip(amount.shape, self.steps, strict=True))
-        whole = np.zeros(self.shape, dtype=np.uint8)
-        place = np.s_[self.corner[0] : self.corner[0] + rows, self.corner[1] : self.corner[1] + columns]
-        whole[place] = cv2.resize(amount, (columns, rows), interpolation=cv2.INTER_LINEAR)
-        return whole
 
     def touches_border(self, points: Points, steps: npt.NDArray[np.float64]) -> bool:
         """Return whether an outline reaches the picture's frame or an added border, or runs along one.

@@ -22,7 +22,7 @@ from fingerpad.image.contact_image._region import (
     longest_contour,
     remove_appendages,
 )
-from fingerpad.image.contact_image._ridges import Signal, ridge_amount, to_signal
+from fingerpad.image.contact_image._ridges import Signal, ridge_amount, smoothed, to_signal
 from fingerpad.image.contact_image._working_image import WorkingImage
 from fingerpad.image.contact_image.manual import (
     BrushStroke,
@@ -37,6 +37,8 @@ _NOMINAL_RIDGE_PERIOD_MM = 0.45
 # Contrast over noise below which no contact is detectable.
 _NO_CONTRAST = 2.5
 _OTHER_REGION = 0.2
+# Levels are taken from every other pixel where a period has more than so many.
+_LEAST_FOR_STEP = 4
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -198,7 +200,9 @@ def prepare_contact_image(
     if reason is not None:
         # A manual outline can still be measured: ridges are then those above noise.
         signal = replace(signal, contrast=max(signal.contrast, signal.noise, 1e-3))
-    amount, level = ridge_amount(signal, view.period, threshold)
+    step = 2 if view.period >= _LEAST_FOR_STEP else 1
+    values = smoothed(signal.values, view.period)
+    amount, level = ridge_amount(values, signal.contrast, view.period, threshold, step=step)
     counted = view.card & view.inside
     if not counted.all():
         amount = np.where(counted, amount, np.uint8(0))
@@ -208,7 +212,7 @@ def prepare_contact_image(
         amount=amount,
         level=level,
         period=found,
-        by_threshold=threshold is not None,
+        threshold=threshold,
     )
     region = None
     if reason is None:
@@ -232,9 +236,10 @@ def _find_region(ridged: RidgeImage, seed: tuple[float, float] | None, *, resolv
         patch,
         closed,
         ridged.amount,
-        ridged.noise,
+        ridged.signal.values,
+        noise=ridged.noise,
         resolved=resolved,
-        by_threshold=ridged.by_threshold,
+        by_threshold=ridged.threshold is not None,
     )
     several = bool(largest_other > _OTHER_REGION * np.count_nonzero(patches[chosen]))
     return ContactRegion(patch=patch, edge=edge, several=several)

@@ -12,7 +12,7 @@ from fingerpad._arrays import BoolArray, FloatArray
 from fingerpad._display import Displayed
 from fingerpad._records import record_text
 from fingerpad.geometry.ellipse import Ellipse
-from fingerpad.image.contact_image._region import UInt8
+from fingerpad.image.contact_image._ridge_map import RidgeMap
 from fingerpad.image.contact_image._working_image import WorkingImage
 
 FLAGS = (
@@ -117,8 +117,7 @@ class ContactImageResult(Displayed):
     dark_on_light: bool
     flags: tuple[str, ...]
     _view: WorkingImage
-    _amount: UInt8
-    _ridge_level: float
+    _ridges: RidgeMap
     _picture: npt.NDArray[Any] | None = None
 
     @property
@@ -195,8 +194,8 @@ class ContactImageResult(Displayed):
 
     @property
     def ridges(self) -> BoolArray:
-        """Mask of the ridges within the region, computed on demand, (rows, columns) of the picture."""
-        return np.asarray(self.region & (self._view.enlarged(self._amount) >= self._ridge_level))
+        """Where the ridges within the region are, drawn on demand, (rows, columns) of the picture."""
+        return np.asarray(self.region & self._ridges.in_picture(self._view.shape))
 
     @property
     def settings(self) -> ContactImageSettings:
