@@ -25,7 +25,7 @@ _RAMP = 64
 _NEAR_HALF = slice(128 - _RAMP // 2, 128 + _RAMP // 2)
 # Relative standard deviation of the ridges' area by the place of their level, and by noise in parts of the
 # contrast; and how much of the rim is ridge, relative to the interior.
-_LEVEL_STD, _NOISY, _AT_RIM = 0.02, 0.2, 0.5
+_LEVEL_STD, _NOISY, _AT_RIM = 0.03, 0.2, 0.5
 # Over windows of so many periods resolved ridges spread by more than so many levels.
 _WINDOW, _MIN_SPREAD = 3.0, 76.0
 
