@@ -88,7 +88,7 @@ _BLOCK = 12_000
 
 
 def apply_blockwise(
-    kernel: Callable[..., tuple[FloatArray, ...]], outputs: int, *values: ArrayLike, block: int = _BLOCK
+    kernel: Callable[..., tuple[FloatArray, ...]], outputs: int, *values: ArrayLike
 ) -> tuple[FloatArray, ...]:
     """Apply an elementwise kernel to `values` block by block, silently.
 
@@ -103,8 +103,6 @@ def apply_blockwise(
         Number of arrays that the kernel returns.
     *values : array_like
         Inputs that broadcast.
-    block : int
-        Elements at a time: fewer for kernels of many temporaries.
 
     Returns
     -------
@@ -117,8 +115,8 @@ def apply_blockwise(
     kind = np.result_type(*flat)
     results = tuple(np.empty(flat[0].size, dtype=kind) for _ in range(outputs))
     with np.errstate(all="ignore"):
-        for start in range(0, flat[0].size, block):
-            here = slice(start, start + block)
-            for result, part in zip(results, kernel(*(array[here] for array in flat)), strict=True):
-                result[here] = part
+        for start in range(0, flat[0].size, _BLOCK):
+            block = slice(start, start + _BLOCK)
+            for result, part in zip(results, kernel(*(array[block] for array in flat)), strict=True):
+                result[block] = part
     return tuple(result.reshape(shape)[()] for result in results)

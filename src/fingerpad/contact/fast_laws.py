@@ -34,7 +34,6 @@ ERROR_OF_PAD: Final = (
 )
 ERROR_OF_BOTH: Final = 0.01
 _LARGEST_MISS = 0.01
-_BLOCK = 4_000  # contacts at a time, whose temporaries stay in cache
 _STEPS = 2  # of Newton's method: the first guess is within some per cent
 
 
@@ -155,7 +154,6 @@ def fast_contact(
         as_float_array(value) / modulus if name == "load" else value,
         *(shape if whole else ()),
         *layer,
-        block=_BLOCK,
     )
     return FastContact(
         load=modulus * force, area=size, indentation=depth, flag_code=np.real(code).astype(np.int8)[()]
@@ -195,7 +193,6 @@ def fast_ellipse(
         *(gap.first_radius, gap.second_radius, area),
         *(shape if whole else ()),
         *(() if thickness is None else (thickness, poisson_ratio)),
-        block=_BLOCK,
     )
     return FastEllipse(semi_major=major, semi_minor=minor, long_axis=axis, peak_over_mean_pressure=peak)
 
@@ -308,19 +305,30 @@ class _Laws:
         change = np.zeros_like(hertz)
         if of == "area" or (self.layer is None and self.pad is None):
             return hertz, change
-        radius, slope, u = hertz, power + change, None
+        radius = hertz
         if self.layer is not None:
             radius = hertz * np.exp(self.layer.first_guess(of, hertz))
-            u = self.layer.size(radius)
         if self.pad is not None:
             radius = radius * np.exp(self.pad.value(of, radius, None) / -power)
-            slope = slope + self.pad.slope(of, radius, u)
-        if self.layer is not None:
-            slope = slope + self.layer.value_and_slope(of, radius)[1]
-        for _ in range(_STEPS):
-            miss = np.log(ratio / (radius**power * self.factor(of, radius))) / slope
+        factor, slope = self._factor_and_slope(of, radius)
+        for step in range(_STEPS):
+            if step:
+                factor = self.factor(of, radius)
+            square = radius * radius
+            miss = np.log(ratio / (factor * (square if power == 2 else square * radius))) / (power + slope)
             radius = radius * np.exp(miss)
         return radius, miss
+
+    def _factor_and_slope(self, of: str, radius: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the factor on load or indentation, and the slope of its logarithm."""
+        factor, slope, u = np.ones(()), np.zeros(()), None
+        if self.layer is not None:
+            u = self.layer.size(radius)
+            factor, slope = self.layer.value_and_slope(of, radius)
+        if self.pad is not None:
+            factor = factor * np.exp(self.pad.value(of, radius, u))
+            slope = slope + self.pad.slope(of, radius, u)
+        return factor, slope
 
     def axis_ratio(self, radius: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return √(a/b) ≥ 1, and (a/b − b/a)/2 with a sign: positive along the first direction."""

@@ -113,37 +113,33 @@ class LayerFactors:
 
     def value(self, of: str, radius: FloatArray) -> FloatArray:
         """Return W/W_H or ξ/ξ_H."""
-        return self._value(of, radius)[0]
+        return self._parts(of, radius)[0]
 
     def value_and_slope(self, of: str, radius: FloatArray) -> Value:
         """Return W/W_H or ξ/ξ_H, and the slope of its logarithm."""
-        value, u, c, thin_slope = self._value(of, radius)
-        rest = 1 - u / law.SCALE
-        polynomial_, slope = polynomial(c, u), polynomial_slope(c, u)
+        value, fitted, u = self._parts(of, radius)
+        rest, slope = 1 - u / law.SCALE, polynomial_slope(self._known[of], u)
+        load, load_slope, indentation = self._thin
         if of == "load":
-            cube = u * u * u * rest
-            return value, thin_slope + cube * (rest * (3 * polynomial_ + slope) - u / law.SCALE * polynomial_)
-        root = 2 - 4 * self._thin[2]  # one over the thin layer's
+            return value, load_slope / (1 + load) + u * u * u * rest * rest * slope + fitted * (4 * rest - 1)
+        root = 2 - 4 * indentation  # one over the thin layer's
         thin_slope = 0.25 * root * (1 - root * root)
-        return value, (thin_slope + rest * (rest * slope - u / law.SCALE * polynomial_)) / value
+        return value, (thin_slope + rest * rest * slope - u / law.SCALE * fitted) / value
 
-    def _value(self, of: str, radius: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    def _parts(self, of: str, radius: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return the value, what is fitted of it or of its logarithm, and u."""
         if of not in self._known:
             self._known[of] = self.coefficients(law.LAYER[of])
         if radius is not self._radius:
             self._thin = thin_layer(self.ratio(radius), self.poisson_ratio)
             self._radius = radius
-        u, c = self.size(radius), self._known[of]
-        load, slope, indentation = self._thin
-        value = polynomial(c, u)
-        value *= 1 - u / law.SCALE
+        u = self.size(radius)
+        fitted = polynomial(self._known[of], u)
+        fitted *= 1 - u / law.SCALE
         if of == "indentation":
-            value += indentation
-            return value, u, c, slope
-        value *= u * u * u
-        value = np.exp(value)
-        value *= 1 + load
-        return value, u, c, slope / (1 + load)
+            return fitted + self._thin[2], fitted, u
+        fitted *= u * u * u
+        return np.exp(fitted) * (1 + self._thin[0]), fitted, u
 
     def first_guess(self, of: str, radius: FloatArray) -> FloatArray:
         """Return about ln(a/a_H) at the load or indentation under which Hertz theory gives a_H."""
