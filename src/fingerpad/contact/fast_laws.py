@@ -186,7 +186,7 @@ def _apply(
     thickness: ArrayLike | None,
     poisson_ratio: ArrayLike,
 ) -> tuple[FloatArray, ...]:
-    """Apply a kernel of four results blockwise; what is the same for all contacts is told beforehand."""
+    """Apply a kernel of four results blockwise; one ν for all contacts is passed as a number."""
     shape = gap.first_skewness, gap.second_skewness, gap.flatness
     whole = any(np.any(number != 0) for number in shape)
     return apply_blockwise(
