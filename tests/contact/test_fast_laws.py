@@ -180,7 +180,9 @@ def test_agrees_with_a_finer_solver() -> None:
     assert_allclose([form.semi_major, form.semi_minor], [solution.semi_major, solution.semi_minor], rtol=3e-3)
 
 
-@pytest.mark.parametrize("layer", [{}, {"thickness": 6.0, "poisson_ratio": 0.45}])
+@pytest.mark.parametrize(
+    "layer", [{}, {"thickness": 6.0, "poisson_ratio": 0.45}, {"thickness": 1.3, "poisson_ratio": 0.3}]
+)
 def test_load_area_and_indentation_ask_the_same_contact(layer: dict[str, float]) -> None:
     gap = PadGap.of(PAD, wedge_angle=np.linspace(0, 1.5, 7), roll_angle=0.2)
     by_area = fast_contact(gap, area=40.0, reduced_modulus=0.1, **layer)
@@ -257,6 +259,8 @@ def test_first_order_agrees_with_monte_carlo() -> None:
             {"load": 1.0, "thickness": 5.0, "poisson_ratio": 0.51},
             "poisson_ratio_out_of_range",
         ),
+        (PadGap.of(PAD, wedge_angle=0.0), {"area": 0.595**2 * math.pi * 13.8 * 11.8}, ""),
+        (PadGap.of(PAD, wedge_angle=0.0), {"area": 0.605**2 * math.pi * 13.8 * 11.8}, "contact_too_wide"),
         (PadGap.of(PAD, wedge_angle=0.5), {"load": 30.0}, "contact_too_wide"),
         (PadGap.of(PAD, wedge_angle=0.5), {"load": 1e6}, "contact_too_wide"),
         (PadGap.of(PAD, wedge_angle=0.5), {"indentation": 1e3, "thickness": 5.0}, "contact_too_wide"),

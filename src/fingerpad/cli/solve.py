@@ -53,18 +53,13 @@ def solve(
     along either.
     """
     from fingerpad.contact import reduced_modulus
-    from fingerpad.geometry import Ellipsoid, Placement
 
     given = {"--load-n": load_n, "--area-mm2": area_mm2, "--indentation-mm": indentation_mm}
     if len(_only_given(given)) != 1:
         raise typer.BadParameter("give exactly one of --load-n, --area-mm2 and --indentation-mm")
     for flag, value in {**given, "--modulus-kpa": modulus_kpa, "--thickness-mm": thickness_mm}.items():
         require_positive(flag, value)
-    for semi_axis in semi_axes_mm:
-        require_positive("--semi-axes-mm", semi_axis)
-    placement = Placement(
-        Ellipsoid(*semi_axes_mm), wedge_angle=np.radians(wedge_deg), roll_angle=np.radians(roll_deg)
-    )
+    placement = _placement(semi_axes_mm, wedge_deg, roll_deg)
     modulus = float(reduced_modulus(modulus_kpa / KPA_PER_MPA, poisson_ratio))
     body = {"thickness": thickness_mm, "poisson_ratio": poisson_ratio}
     wanted = _only_given({"load": load_n, "area": area_mm2, "indentation": indentation_mm})
@@ -83,6 +78,16 @@ def solve(
         print_json(record)
     else:
         _print_table(record)
+
+
+def _placement(semi_axes_mm: tuple[float, float, float], wedge_deg: float, roll_deg: float) -> "Placement":
+    from fingerpad.geometry import Ellipsoid, Placement
+
+    for semi_axis in semi_axes_mm:
+        require_positive("--semi-axes-mm", semi_axis)
+    return Placement(
+        Ellipsoid(*semi_axes_mm), wedge_angle=np.radians(wedge_deg), roll_angle=np.radians(roll_deg)
+    )
 
 
 def _only_given(values: Mapping[str, float | None]) -> dict[str, float]:

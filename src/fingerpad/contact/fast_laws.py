@@ -1,5 +1,6 @@
 """The contact of whole ellipsoids on a layer, by laws in closed form, as fast as Hertz theory."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from typing import Final, Self
@@ -143,18 +144,8 @@ def fast_contact(
     if len(wanted) != 1:
         raise GeometryError(f"give exactly one of load, area and indentation, found {len(wanted)}")
     (name, value), modulus = wanted[0], as_float_array(reduced_modulus)
-    shape = gap.first_skewness, gap.second_skewness, gap.flatness
-    layer = () if thickness is None else (thickness, poisson_ratio)
-    whole = any(np.any(number != 0) for number in shape)
-    one_ratio = as_float_array(poisson_ratio) if np.ndim(poisson_ratio) == 0 else None
-    force, size, depth, code = apply_blockwise(
-        partial(_sizes, of=name, whole=whole, poisson_ratio=one_ratio),
-        4,
-        *(gap.first_radius, gap.second_radius),
-        as_float_array(value) / modulus if name == "load" else value,
-        *(shape if whole else ()),
-        *layer,
-    )
+    value = as_float_array(value) / modulus if name == "load" else value
+    force, size, depth, code = _apply(partial(_sizes, of=name), gap, value, thickness, poisson_ratio)
     return FastContact(
         load=modulus * force, area=size, indentation=depth, flag_code=np.real(code).astype(np.int8)[()]
     )
@@ -184,17 +175,31 @@ def fast_ellipse(
     1.37, 1.50
     1.30, 1.59
     """
+    major, minor, axis, peak = _apply(_form, gap, area, thickness, poisson_ratio)
+    return FastEllipse(semi_major=major, semi_minor=minor, long_axis=axis, peak_over_mean_pressure=peak)
+
+
+def _apply(
+    kernel: Callable[..., tuple[FloatArray, ...]],
+    gap: PadGap,
+    value: ArrayLike,
+    thickness: ArrayLike | None,
+    poisson_ratio: ArrayLike,
+) -> tuple[FloatArray, ...]:
+    """Apply a kernel of four results blockwise; one ν for all contacts is passed as a number."""
     shape = gap.first_skewness, gap.second_skewness, gap.flatness
     whole = any(np.any(number != 0) for number in shape)
-    one_ratio = as_float_array(poisson_ratio) if np.ndim(poisson_ratio) == 0 else None
-    major, minor, axis, peak = apply_blockwise(
-        partial(_form, whole=whole, poisson_ratio=one_ratio),
+    return apply_blockwise(
+        partial(
+            kernel,
+            whole=whole,
+            poisson_ratio=as_float_array(poisson_ratio) if np.ndim(poisson_ratio) == 0 else None,
+        ),
         4,
-        *(gap.first_radius, gap.second_radius, area),
+        *(gap.first_radius, gap.second_radius, value),
         *(shape if whole else ()),
         *(() if thickness is None else (thickness, poisson_ratio)),
     )
-    return FastEllipse(semi_major=major, semi_minor=minor, long_axis=axis, peak_over_mean_pressure=peak)
 
 
 def _sizes(
