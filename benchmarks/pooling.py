@@ -153,11 +153,11 @@ def _contact(
     name = f"c{load:g}"
     observation = Observation(name=name, finger="f", wedge_angle_deg=30, load_N=load, file="x.png", scale="s")
     return observation, Measurement(
-        name=name,
-        load=load,
-        semi_major=major,
-        semi_minor=minor,
-        covariance=np.diag(np.square([relative_std * major, relative_std * minor])),
+        observation=name,
+        load_N=load,
+        semi_major_mm=major,
+        semi_minor_mm=minor,
+        covariance_mm2=np.diag(np.square([relative_std * major, relative_std * minor])),
         scale="s",
     )
 

@@ -10,7 +10,7 @@ import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -82,37 +82,36 @@ def measurements_of(film: ContactSequence, count: int) -> Iterator[Measurement]:
     for frame in range(count):
         load = 0.1 + 1.9 * (1 - abs(2 * frame / max(count - 1, 1) - 1))
         phase = "loading" if 2 * frame < count else "unloading"
-        place = {"sequence": film.name, "frame": frame, "time_s": frame / 500, "phase": phase}
+        place: dict[str, Any] = {"sequence": film.name, "frame": frame, "time_s": frame / 500, "phase": phase}
         name = f"{film.name}#{frame}"
         if frame % 100 == 7:
-            yield Measurement(name=name, load=load, reason="the page is damaged", columns=place, counts=False)
+            yield Measurement(
+                observation=name, load_N=load, reason="the page is damaged", **place, counts=False
+            )
             continue
         axes = np.array([5.6, 4.7]) * load**0.3 * np.exp(rng.normal(0, 0.01, 2))
         area = np.pi * axes.prod()
         yield Measurement(
-            name=name,
-            load=load,
-            semi_major=float(axes[0]),
-            semi_minor=float(axes[1]),
-            covariance=EDGE_STD**2 * np.eye(2) + SCALE_STD**2 * np.outer(axes, axes),
+            observation=name,
+            load_N=load,
+            semi_major_mm=float(axes[0]),
+            semi_minor_mm=float(axes[1]),
+            covariance_mm2=EDGE_STD**2 * np.eye(2) + SCALE_STD**2 * np.outer(axes, axes),
             scale=f"sequence:{film.name}",
             relative_scale_std=SCALE_STD,
             long_axis="along",
-            columns={
-                "gross_area_mm2": area,
-                "gross_area_mm2_std": 0.02 * area,
-                "ridge_area_mm2": 0.5 * area,
-                "ridge_area_mm2_std": 0.03 * area,
-                "ridge_period_mm": 0.45,
-                "ellipse_iou": 0.95,
-                "orientation_deg": float(rng.normal(0, 3)),
-                "centroid_row_px": 200.0,
-                "centroid_column_px": 300.0,
-                "scale": f"sequence:{film.name}",
-                "mm_per_px": 0.0508,
-                "mm_per_px_std": 0.0508 * SCALE_STD,
-                **place,
-            },
+            gross_area_mm2=area,
+            gross_area_mm2_std=0.02 * area,
+            ridge_area_mm2=0.5 * area,
+            ridge_area_mm2_std=0.03 * area,
+            ridge_period_mm=0.45,
+            ellipse_iou=0.95,
+            orientation_deg=float(rng.normal(0, 3)),
+            centroid_row_px=200.0,
+            centroid_column_px=300.0,
+            mm_per_px=0.0508,
+            mm_per_px_std=0.0508 * SCALE_STD,
+            **place,
             flags=("touches_border",) if frame % 100 == 11 else (),
             counts=phase == "loading",
         )

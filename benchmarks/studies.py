@@ -95,11 +95,12 @@ def _contacts(
         yield (
             observation,
             Measurement(
-                name=observation.name,
-                load=load * (1 + rng.normal(0, LOAD_STD)),
-                semi_major=major,
-                semi_minor=minor,
-                covariance=EDGE_STD**2 * np.eye(2) + SCALE_STD**2 * np.outer([major, minor], [major, minor]),
+                observation=observation.name,
+                load_N=load * (1 + rng.normal(0, LOAD_STD)),
+                semi_major_mm=major,
+                semi_minor_mm=minor,
+                covariance_mm2=EDGE_STD**2 * np.eye(2)
+                + SCALE_STD**2 * np.outer([major, minor], [major, minor]),
                 scale="s",
                 relative_scale_std=SCALE_STD,
             ),

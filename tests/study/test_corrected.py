@@ -104,42 +104,43 @@ def finger_of(finger, scales, folder, out, active_corrections):
 
 def test_without_corrections_nothing_is_different(folder, tmp_path):
     plain = measured(folder, tmp_path, "p")
-    assert plain.columns["program_semi_major_mm"] == plain.semi_major
-    assert "reviewed" not in plain.columns
+    assert plain.program_semi_major_mm == plain.semi_major_mm
+    assert plain.reviewed is None
     assert plain.rejected is None
     assert plain.counts
 
 
 def test_an_ellipse_by_hand_holds_and_the_programs_stays_beside(folder, tmp_path):
     plain = measured(folder, tmp_path, "p")
-    centre = [plain.columns["centroid_row_px"], plain.columns["centroid_column_px"]]
+    centre = [plain.centroid_row_px, plain.centroid_column_px]
     by_hand = {"centre": centre, "semi_axes": [140, 110], "orientation_deg": 20}
     found = measured(folder, tmp_path, "p", {"ellipse_px": by_hand})
-    assert found.semi_major == pytest.approx(140 * 25.4 / 500, rel=1e-3)
-    assert found.columns["program_semi_major_mm"] == plain.semi_major
-    assert found.columns["program_semi_minor_mm"] == plain.semi_minor
-    assert found.columns["orientation_deg"] == pytest.approx(20, abs=0.1)
-    assert found.columns["measured_by"] == "person"
-    assert (found.columns["reviewed"], found.columns["reviewed_by"]) == ("corrected", "anna")
+    assert found.semi_major_mm == pytest.approx(140 * 25.4 / 500, rel=1e-3)
+    assert found.program_semi_major_mm == plain.semi_major_mm
+    assert found.program_semi_minor_mm == plain.semi_minor_mm
+    assert found.orientation_deg == pytest.approx(20, abs=0.1)
+    assert found.measured_by == "person"
+    assert (found.reviewed, found.reviewed_by) == ("corrected", "anna")
     assert found.flags == plain.flags == ()
     assert (tmp_path / "out" / found.overlay).is_file()
 
 
 def test_strokes_and_options_are_the_programs_with_corrections(folder, tmp_path):
     plain = measured(folder, tmp_path, "p")
-    middle = [plain.columns["centroid_row_px"] - 140, plain.columns["centroid_column_px"]]
+    middle = [plain.centroid_row_px - 140, plain.centroid_column_px]
     stroke = {"action": "remove", "points_px": [middle], "radius_px": 50}
     found = measured(folder, tmp_path, "p", {"strokes": [stroke]})
-    assert found.columns["gross_area_mm2"] < plain.columns["gross_area_mm2"] - 5
-    assert found.columns["measured_by"] == "program with corrections"
-    assert found.columns["program_semi_major_mm"] == plain.semi_major
+    assert found.gross_area_mm2 < plain.gross_area_mm2 - 5
+    assert found.measured_by == "program with corrections"
+    assert found.program_semi_major_mm == plain.semi_major_mm
     other = measured(folder, tmp_path, "p", {"threshold": 90})
     pixels = cv2.imread(str(folder / "print.png"), cv2.IMREAD_GRAYSCALE)
     assert (
-        other.semi_major == measure_contact_image(pixels, Scale.of_ppi(500), threshold=90).ellipse.semi_major
+        other.semi_major_mm
+        == measure_contact_image(pixels, Scale.of_ppi(500), threshold=90).ellipse.semi_major
     )
     # Back to the program.
-    assert measured(folder, tmp_path, "p", {}).semi_major == plain.semi_major
+    assert measured(folder, tmp_path, "p", {}).semi_major_mm == plain.semi_major_mm
 
 
 def test_rejected_is_no_failure_and_does_not_count(folder, tmp_path):
@@ -147,8 +148,8 @@ def test_rejected_is_no_failure_and_does_not_count(folder, tmp_path):
     assert found.rejected == "it slipped"
     assert found.reason is None
     assert not found.counts
-    assert math.isfinite(found.semi_major)
-    assert found.columns["reviewed"] == "rejected"
+    assert math.isfinite(found.semi_major_mm)
+    assert found.reviewed == "rejected"
     given = measured(folder, tmp_path, "given", {"rejected": "not ours"})
     assert (given.rejected, given.counts) == ("not ours", False)
 
@@ -156,9 +157,9 @@ def test_rejected_is_no_failure_and_does_not_count(folder, tmp_path):
 def test_accepted_says_who(folder, tmp_path):
     plain = measured(folder, tmp_path, "p")
     found = measured(folder, tmp_path, "p", {"accepted": True})
-    assert found.semi_major == plain.semi_major
-    assert found.columns["reviewed"] == "accepted"
-    assert "measured_by" not in found.columns
+    assert found.semi_major_mm == plain.semi_major_mm
+    assert found.reviewed == "accepted"
+    assert found.measured_by is None
 
 
 def test_a_person_measures_what_the_program_cannot(folder, tmp_path):
@@ -199,7 +200,7 @@ def test_results_depend_on_the_folder_alone(folder, tmp_path):
     change = {"strokes": [{"action": "add", "points_px": [[60, 60], [90, 80]], "radius_px": 12}]}
     first = measured(folder, tmp_path, "p", change)
     second = measured(folder, tmp_path, "p")
-    for name in ("semi_major", "semi_minor", "flags", "columns"):
+    for name in ("semi_major_mm", "semi_minor_mm", "gross_area_mm2", "program_semi_major_mm", "flags"):
         assert getattr(first, name) == getattr(second, name)
 
 

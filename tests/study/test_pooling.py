@@ -167,14 +167,14 @@ def contact(number: int, scale: str | None = None, **more: Any) -> tuple[Observa
     name, axes = f"c{number}", np.array([7.0 + 0.2 * number, 5.0])
     observation = Observation(name=name, finger="f", wedge_angle_deg=30, load_N=1.0, file="x.png", scale="s")
     given: dict[str, Any] = {
-        "load": 1.0,
-        "semi_major": axes[0],
-        "semi_minor": axes[1],
-        "covariance": 0.01 * np.eye(2) + 0.04**2 * np.outer(axes, axes),
+        "load_N": 1.0,
+        "semi_major_mm": axes[0],
+        "semi_minor_mm": axes[1],
+        "covariance_mm2": 0.01 * np.eye(2) + 0.04**2 * np.outer(axes, axes),
         "scale": scale,
         "relative_scale_std": 0.04,
     }
-    return observation, Measurement(name=name, **{**given, **more})
+    return observation, Measurement(observation=name, **{**given, **more})
 
 
 def pooled(rows: Rows, estimate: list[int]) -> PooledRadius:
@@ -207,7 +207,7 @@ def test_the_scale_is_not_counted_twice_in_the_ellipse() -> None:
 def test_contacts_share_the_error_of_a_scale_that_they_name(
     scales: tuple[str | None, ...], groups: int
 ) -> None:
-    seen = [contact(0, scale, covariance=0.01 * np.eye(2), relative_scale_std=0.0) for scale in scales]
+    seen = [contact(0, scale, covariance_mm2=0.01 * np.eye(2), relative_scale_std=0.0) for scale in scales]
     rows = model_contacts(STUDY, {"f": finger(None)}, seen)
     parts = np.zeros_like(rows.parts)
     parts[:, :, np.flatnonzero(PART_SOURCES == "image scale")[0]] = 0.3

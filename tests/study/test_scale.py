@@ -91,11 +91,11 @@ def test_very_many_single_contacts_are_pooled_without_a_matrix() -> None:
             yield (
                 observation,
                 Measurement(
-                    name=f"c{number}",
-                    load=1.0,
-                    semi_major=axes[0],
-                    semi_minor=axes[1],
-                    covariance=0.01 * np.eye(2) + 0.02**2 * np.outer(axes, axes),
+                    observation=f"c{number}",
+                    load_N=1.0,
+                    semi_major_mm=axes[0],
+                    semi_minor_mm=axes[1],
+                    covariance_mm2=0.01 * np.eye(2) + 0.02**2 * np.outer(axes, axes),
                     scale=f"s{number % 3}",
                     relative_scale_std=0.02,
                 ),

@@ -273,7 +273,7 @@ def test_status_writes_nothing(folder: Path, state: str) -> None:
 def test_a_damaged_result_is_measured_again_and_named(folder: Path) -> None:
     _, rows = run(folder)
     connection = sqlite3.connect(folder / "out" / STORE_NAME)
-    change = """replace(record, '"semi_major": 4', '"semi_major": 6')"""
+    change = """replace(record, '"semi_major_mm": 4', '"semi_major_mm": 6')"""
     connection.execute(f"UPDATE result SET record = {change} WHERE task = 'o2'")
     connection.commit()
     connection.close()

@@ -1,6 +1,7 @@
 """Contact images measured under corrections: prepared once, then measured in milliseconds."""
 
 import time
+from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
@@ -19,7 +20,7 @@ from fingerpad.image import (
 from fingerpad.study.corrections.apply import contact_correction, place_of, prepared_contact
 from fingerpad.study.corrections.changes import ContactCorrection
 from fingerpad.study.manifest import Contact, ContactSequence, Observation, ScaleKey
-from fingerpad.study.measuring.measure import Measurement, doubts_of, from_contact_image
+from fingerpad.study.measuring.measure import doubts_of, from_contact_image
 from fingerpad.study.measuring.scales import FoundScale
 from fingerpad.study.results.rows import model_contacts
 from fingerpad.web import answers
@@ -202,7 +203,8 @@ def _model(
     load = getattr(contact, "load_N", None) or _load_of_frame(opened, item)
     if load is None:
         return None
-    measured = Measurement(name=item, load=load, **from_contact_image(contact_image, contact, found))
+    seen = from_contact_image(contact_image, contact, found)
+    measured = replace(seen, observation=item, load_N=load)
     row = model_contacts(opened.study(), {finger.name: finger}, [(contact, measured)]).table[0]
     found_model = {name: row[name] for name in answers.ContactModel.model_fields}
     return found_model | {"range_notes": (row["range_notes"] or "").split()}

@@ -25,7 +25,7 @@ from fingerpad.exceptions import StoreError
 from fingerpad.study.engine.limits import Limits
 from fingerpad.study.engine.task import Task, TaskResult
 
-FORMAT: Final = 3
+FORMAT: Final = 4
 STORE_NAME: Final = "store.sqlite"
 DRAWN_NAME: Final = ".drawn"
 

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Final
 
 import numpy as np
 
@@ -16,7 +16,8 @@ from fingerpad.study.error_text import in_study
 from fingerpad.study.manifest import Contact, Direction, Observation
 from fingerpad.study.measuring.scales import FoundScale, require_scale
 
-_FROM_RECORD = (
+# What a measurement takes from the record of a contact image as it is.
+_FROM_RECORD: Final = (
     "gross_area_mm2",
     "gross_area_mm2_std",
     "ridge_area_mm2",
@@ -28,52 +29,63 @@ _FROM_RECORD = (
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Measurement:
-    """What was seen of one contact.
+    """What was seen of one contact, from the image to the table of results.
+
+    Fields that are columns of the results are named as there, and mean the same.
 
     Attributes
     ----------
-    name : str
+    observation : str
         Name of the observation, or of the sequence with the frame's number.
-    load : float
-        Normal force, N; NaN where it is not known.
     reason : str or None
         Why nothing was measured; None where something was.
-    semi_major, semi_minor : float
-        Semi-axes of the contact ellipse, mm.
-    covariance : ndarray, (2, 2)
-        Their covariance, mm².
+    covariance_mm2 : ndarray, (2, 2)
+        Covariance of the semi-axes.
     scale : str or None
         Name of the scale that other pictures share.
     relative_scale_std : float
-        Its relative standard uncertainty, which `covariance` contains.
-    long_axis : {"along", "across"} or None
-        Whether the long axis lies along or across the finger, where that is known.
-    columns : dict
-        Further columns of the results.
+        Its relative standard uncertainty, which the covariance contains.
     flags : tuple of str
         Doubts about the picture.
-    overlay : str or None
-        File of the overlay, relative to the output folder.
     counts : bool
         Whether it may be pooled, its flags apart: not every frame of a press may.
     rejected : str or None
         Why a person does not want it; it is no failure, and never counts.
     """
 
-    name: str
-    load: float
+    observation: str = ""
+    load_N: float = np.nan  # noqa: N815 (the unit's own letter)
     reason: str | None = None
-    semi_major: float = np.nan
-    semi_minor: float = np.nan
-    covariance: FloatArray = field(default_factory=lambda: np.full((2, 2), np.nan))
+    semi_major_mm: float = np.nan
+    semi_minor_mm: float = np.nan
+    covariance_mm2: FloatArray = field(default_factory=lambda: np.full((2, 2), np.nan))
+    long_axis: Direction | None = None
+    orientation_deg: float = np.nan
+    gross_area_mm2: float = np.nan
+    gross_area_mm2_std: float = np.nan
+    ridge_area_mm2: float = np.nan
+    ridge_area_mm2_std: float = np.nan
+    ridge_period_mm: float = np.nan
+    ellipse_iou: float = np.nan
+    centroid_row_px: float = np.nan
+    centroid_column_px: float = np.nan
     scale: str | None = None
     relative_scale_std: float = 0.0
-    long_axis: Direction | None = None
-    columns: dict[str, Any] = field(default_factory=dict)
+    mm_per_px: float = np.nan
+    mm_per_px_std: float = np.nan
+    program_semi_major_mm: float = np.nan
+    program_semi_minor_mm: float = np.nan
     flags: tuple[str, ...] = ()
     overlay: str | None = None
+    measured_by: str | None = None
+    reviewed: str | None = None
+    reviewed_by: str | None = None
     counts: bool = True
     rejected: str | None = None
+    sequence: str | None = None
+    frame: int | None = None
+    time_s: float = np.nan
+    phase: str | None = None
 
 
 def measure_observation(
@@ -105,11 +117,11 @@ def measure_observation(
     if observation.ellipse_mm is not None:
         ellipse = observation.ellipse_mm
         return Measurement(
-            name=observation.name,
-            load=observation.load_N,
-            semi_major=ellipse.semi_major,
-            semi_minor=ellipse.semi_minor,
-            covariance=ellipse.std**2 * np.eye(2),
+            observation=observation.name,
+            load_N=observation.load_N,
+            semi_major_mm=ellipse.semi_major,
+            semi_minor_mm=ellipse.semi_minor,
+            covariance_mm2=ellipse.std**2 * np.eye(2),
             long_axis=ellipse.long_axis,
         )
     assert observation.file is not None  # the manifest's own rule
@@ -119,30 +131,37 @@ def measure_observation(
     seen = corrected_contact_image(pixels, found.scale, observation, folder, correction)
     if seen.contact_image is None:
         assert seen.reason is not None  # one of the two
-        return Measurement(
-            name=observation.name,
-            load=observation.load_N,
-            reason=in_study(seen.reason, folder),
-            columns=program_columns(seen),
+        return with_program_axes(
+            Measurement(
+                observation=observation.name,
+                load_N=observation.load_N,
+                reason=in_study(seen.reason, folder),
+            ),
+            seen,
         )
     overlay = Path("overlays") / f"{file_stem(observation.name)}.png"
     make_folder((out / overlay).parent)
     write_overlay(
         out / overlay, pixels, seen.contact_image, label="synthetic" if observation.synthetic else None
     )
-    kept = from_contact_image(seen.contact_image, observation, found)
-    kept["columns"] |= program_columns(seen)
-    return Measurement(name=observation.name, load=observation.load_N, overlay=str(overlay), **kept)
+    measured = from_contact_image(seen.contact_image, observation, found)
+    return replace(
+        with_program_axes(measured, seen),
+        observation=observation.name,
+        load_N=observation.load_N,
+        overlay=str(overlay),
+    )
 
 
-def program_columns(seen: CorrectedContactImage) -> dict[str, Any]:
-    """Return the program's own result, as columns that stand beside the corrected one."""
+def with_program_axes(measured: Measurement, seen: CorrectedContactImage) -> Measurement:
+    """Return a measurement with the program's own semi-axes beside the corrected ones."""
     if seen.program is None:
-        return {}
-    return {
-        "program_semi_major_mm": float(seen.program.ellipse.semi_major),
-        "program_semi_minor_mm": float(seen.program.ellipse.semi_minor),
-    }
+        return measured
+    return replace(
+        measured,
+        program_semi_major_mm=float(seen.program.ellipse.semi_major),
+        program_semi_minor_mm=float(seen.program.ellipse.semi_minor),
+    )
 
 
 def reviewed(measured: Measurement, active_correction: ActiveCorrection | None) -> Measurement:
@@ -157,42 +176,38 @@ def reviewed(measured: Measurement, active_correction: ActiveCorrection | None) 
         if active_correction.change.accepted
         else "corrected"
     )
-    columns: dict[str, Any] = {"reviewed": verdict, "reviewed_by": active_correction.who}
-    if edits:
-        columns["measured_by"] = "person" if "ellipse_px" in edits else "program with corrections"
+    by = "person" if "ellipse_px" in edits else "program with corrections"
     return replace(
         measured,
-        columns=measured.columns | columns,
+        reviewed=verdict,
+        reviewed_by=active_correction.who,
+        measured_by=by if edits else None,
         rejected=rejected,
         counts=measured.counts and rejected is None,
     )
 
 
-def from_contact_image(
-    contact_image: ContactImageResult, contact: Contact, found: FoundScale
-) -> dict[str, Any]:
-    """Return what a `Measurement` keeps of a contact image."""
+def from_contact_image(contact_image: ContactImageResult, contact: Contact, found: FoundScale) -> Measurement:
+    """Return the measurement of a contact image."""
     record = contact_image.as_record()
     turn = np.degrees(contact_image.orientation) - contact.finger_axis_deg
     orientation = float(90 - (90 - turn) % 180)
-    return {
-        "semi_major": float(contact_image.ellipse.semi_major),
-        "semi_minor": float(contact_image.ellipse.semi_minor),
-        "covariance": contact_image.covariance[:2, :2],
-        "scale": found.name,
-        "relative_scale_std": found.scale.relative_std,
-        "long_axis": "along" if abs(orientation) <= 45 else "across",
-        "columns": {
-            **{name: record[name] for name in _FROM_RECORD},
-            "orientation_deg": orientation,
-            "centroid_row_px": contact_image.centroid[0],
-            "centroid_column_px": contact_image.centroid[1],
-            "scale": found.name,
-            "mm_per_px": found.scale.mm_per_px,
-            "mm_per_px_std": found.scale.mm_per_px_std,
-        },
-        "flags": (*doubts_of(contact_image), *found.flags),
-    }
+    row, column = contact_image.centroid
+    return Measurement(
+        semi_major_mm=float(contact_image.ellipse.semi_major),
+        semi_minor_mm=float(contact_image.ellipse.semi_minor),
+        covariance_mm2=contact_image.covariance[:2, :2],
+        long_axis="along" if abs(orientation) <= 45 else "across",
+        orientation_deg=orientation,
+        centroid_row_px=row,
+        centroid_column_px=column,
+        scale=found.name,
+        relative_scale_std=found.scale.relative_std,
+        mm_per_px=found.scale.mm_per_px,
+        mm_per_px_std=found.scale.mm_per_px_std,
+        flags=(*doubts_of(contact_image), *found.flags),
+        **{name: record[name] for name in _FROM_RECORD},
+    )
 
 
 def doubts_of(contact_image: ContactImageResult) -> tuple[str, ...]:

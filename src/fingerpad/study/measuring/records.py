@@ -1,7 +1,7 @@
 """Results as the store keeps them: plain values, to the last digit."""
 
 from collections.abc import Mapping
-from dataclasses import asdict, fields, is_dataclass, replace
+from dataclasses import asdict, fields, is_dataclass
 from typing import Any
 
 import numpy as np
@@ -10,14 +10,20 @@ from fingerpad.study.measuring.measure import Measurement
 
 
 def measurement_record(measured: Measurement) -> dict[str, Any]:
-    """Return a measurement as plain values."""
-    return {**asdict(measured), "covariance": measured.covariance.tolist()}
+    """Return what is known of a measurement as plain values."""
+    known = {name: value for name, value in asdict(measured).items() if value is not None}
+    return {**known, "covariance_mm2": measured.covariance_mm2.tolist()}
 
 
-def measurement_from(record: Mapping[str, Any], load: float) -> Measurement:
-    """Return a measurement from its record, under the load that the manifest says now."""
-    plain = {**record, "covariance": np.array(record["covariance"]), "flags": tuple(record["flags"])}
-    return replace(Measurement(**plain), load=load)
+def measurement_from(record: Mapping[str, Any]) -> Measurement:
+    """Return a measurement from its record."""
+    return Measurement(
+        **{
+            **record,
+            "covariance_mm2": np.array(record["covariance_mm2"]),
+            "flags": tuple(record["flags"]),
+        }
+    )
 
 
 def to_plain(value: Any) -> Any:

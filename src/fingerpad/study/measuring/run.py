@@ -129,9 +129,10 @@ def _contacts(
         key = context.item_key(observation.name, observation)
         record = context.measured(observation.name, key, observation.file)
         if record.keys() == {"reason"}:
-            seen = Measurement(name=observation.name, load=observation.load_N, reason=record["reason"])
+            seen = Measurement(observation=observation.name, reason=record["reason"])
         else:
-            seen = measurement_from(record, observation.load_N)
+            seen = measurement_from(record)
+        seen = replace(seen, load_N=observation.load_N)  # which may have changed since
         yield observation, reviewed(seen, context.active_corrections.get(observation.name))
     for film in sequences:
         for measured in film_measurements(film, context):

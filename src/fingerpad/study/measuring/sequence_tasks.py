@@ -30,7 +30,8 @@ from fingerpad.study.corrections.changes import ContactCorrection
 from fingerpad.study.engine.task import Record
 from fingerpad.study.error_text import in_study
 from fingerpad.study.manifest import ContactSequence
-from fingerpad.study.measuring.measure import from_contact_image, program_columns
+from fingerpad.study.measuring.measure import Measurement, from_contact_image, with_program_axes
+from fingerpad.study.measuring.records import measurement_record
 from fingerpad.study.measuring.scales import FoundScale
 
 
@@ -117,7 +118,7 @@ class SequenceImages:
         digests: dict[int, str] = {}
 
         def keep(index: int, _: object, contact_image: ContactImageResult) -> None:
-            measured[index] = self._record(contact_image)
+            measured[index] = measurement_record(self._measured(contact_image))
 
         def seen(frames: Iterator[Frame]) -> Iterator[Frame]:
             for frame in frames:
@@ -134,8 +135,8 @@ class SequenceImages:
             reasons[index] = one.reason
             measured.pop(index, None)
             if one.contact_image is not None:
-                record = self._record(one.contact_image)
-                measured[index] = record | {"columns": record["columns"] | program_columns(one)}
+                by_hand = with_program_axes(self._measured(one.contact_image), one)
+                measured[index] = measurement_record(by_hand)
         return {
             "frames": [
                 {
@@ -157,9 +158,8 @@ class SequenceImages:
             frame.pixels, self.found.scale, self.sequence, folder, change, settings=settings.settings
         )
 
-    def _record(self, contact_image: ContactImageResult) -> Record:
-        record = from_contact_image(contact_image, self.sequence, self.found)
-        return {**record, "covariance": record["covariance"].tolist()}
+    def _measured(self, contact_image: ContactImageResult) -> Measurement:
+        return from_contact_image(contact_image, self.sequence, self.found)
 
     def draw(self, settings: SequenceSettings, frame_digest: FrameDigest, folder: Path, out: Path) -> Record:
         """Draw the chosen frames, each once, and return what there is to be said of the film."""

@@ -37,6 +37,7 @@ from fingerpad.study.error_text import in_study
 from fingerpad.study.manifest import ContactSequence
 from fingerpad.study.measuring.context import RunContext, cache_key
 from fingerpad.study.measuring.measure import Measurement, reviewed
+from fingerpad.study.measuring.records import measurement_from
 from fingerpad.study.measuring.scales import require_scale
 from fingerpad.study.measuring.sequence_tasks import FrameDigest, FrameOverlay, SequenceImages, survey_from
 
@@ -211,7 +212,7 @@ class Film:
         for result, measured in self.placed():
             row = self._row(result, measured)
             if row is not None:
-                yield reviewed(row, self.context.active_corrections.get(row.name))
+                yield reviewed(row, self.context.active_corrections.get(row.observation))
 
     def digests(self, frames: Iterable[int]) -> dict[int, str]:
         """Return the digests of some frames as they were measured, from what the store holds."""
@@ -239,7 +240,7 @@ class Film:
                         index=frame["index"],
                         readable=frame["readable"],
                         reason=frame["reason"],
-                        measures=None if measured is None else measured["columns"],
+                        measures=measured,
                         flags=() if measured is None else tuple(measured["flags"]),
                     )
 
@@ -247,36 +248,30 @@ class Film:
             yield result, waiting.pop(result.index, None)
 
     def _row(self, result: FrameResult, measured: Record | None) -> Measurement | None:
-        place = {
-            "sequence": self.sequence.name,
-            "frame": result.index,
-            "time_s": result.time,
-            "phase": result.phase,
-        }
-        name = f"{self.sequence.name}#{result.index}"
         if not result.readable:
-            return Measurement(name=name, load=result.load, reason=result.reason, columns=place, counts=False)
-        if measured is None or result.phase not in IN_CONTACT:
+            seen = Measurement(reason=result.reason)
+        elif measured is not None and result.phase in IN_CONTACT:
+            seen = measurement_from(measured)
+        else:
             return None
-        return Measurement(
-            name=name,
-            load=result.load,
-            counts=self._counts(result, measured),
-            **{
-                **measured,
-                "covariance": np.array(measured["covariance"]),
-                "columns": measured["columns"] | place,
-                "flags": result.flags,
-            },
+        return replace(
+            seen,
+            observation=f"{self.sequence.name}#{result.index}",
+            load_N=result.load,
+            sequence=self.sequence.name,
+            frame=result.index,
+            time_s=result.time,
+            phase=result.phase,
+            counts=measured is not None and self._counts(result, seen),
         )
 
-    def _counts(self, result: FrameResult, measured: Record) -> bool:
+    def _counts(self, result: FrameResult, measured: Measurement) -> bool:
         """Tell whether a frame may be pooled: loading, and its ellipse more than a few ridges."""
         if result.phase != "loading":
             return False
         if self.sequence.pool_min_load_N is not None:
             return result.load >= self.sequence.pool_min_load_N
-        return bool(measured["semi_minor"] >= LEAST_RIDGES * measured["columns"]["ridge_period_mm"])
+        return measured.semi_minor_mm >= LEAST_RIDGES * measured.ridge_period_mm
 
 
 def header_task(sequence: ContactSequence, context: RunContext) -> Task:
@@ -376,7 +371,7 @@ def film_measurements(result: SequenceResult, context: RunContext) -> Iterator[M
     """Yield the measurements of a film that is in the store, or the one that says why it has none."""
     name = result.manifest.name
     if result.reason is not None:
-        yield Measurement(name=name, load=math.nan, reason=result.reason, columns={"sequence": name})
+        yield Measurement(observation=name, reason=result.reason, sequence=name)
         return
     yield from Film.open(result.manifest, context).measurements()
 

@@ -107,15 +107,15 @@ def contact_inputs(
     ]
     semi_axes = np.reshape([pad.semi_axes for pad in pads], (count, 3))
     wedge, roll = np.radians([(one.wedge_angle_deg, one.roll_angle_deg) for one, _ in seen]).reshape(-1, 2).T
-    load, scale_std = np.reshape([(one.load, one.relative_scale_std) for _, one in seen], (count, 2)).T
-    axes = np.reshape([(one.semi_major, one.semi_minor) for _, one in seen], (count, 2))
+    load, scale_std = np.reshape([(one.load_N, one.relative_scale_std) for _, one in seen], (count, 2)).T
+    axes = np.reshape([(one.semi_major_mm, one.semi_minor_mm) for _, one in seen], (count, 2))
     geometry = np.zeros((count, 4, 4))
     geometry[:, :3, :3] = np.reshape([pad.covariance for pad in pads], (count, 3, 3))
     geometry[:, 3, 3] = scale_std**2
     geometry[:, :3, 3] = geometry[:, 3, :3] = np.where(same_scale, scale_std**2, 0.0)[:, None] * semi_axes
     with np.errstate(all="ignore"):
         # The scale is an input of its own: its contribution to the covariance of the axes is subtracted.
-        own = np.reshape([one.covariance for _, one in seen], (count, 2, 2))
+        own = np.reshape([one.covariance_mm2 for _, one in seen], (count, 2, 2))
         own = own - (scale_std**2)[:, None, None] * axes[:, :, None] * axes[:, None, :]
         root = covariance_root(own)  # without the negative eigenvalues that a difference can have
     lengths: dict[str, Any] = {name: (of, 0.0) for name, of in zip(SEMI_AXES, semi_axes.T, strict=True)}

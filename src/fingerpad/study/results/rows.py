@@ -1,7 +1,7 @@
 """One row of results per contact: what was seen of it, and what the model says."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from itertools import islice
 from typing import Any, Final, NamedTuple, TypeAlias
 
@@ -42,6 +42,8 @@ RANGE_NOTES: Final = {
     "long_axis_disagrees": "the long axis lies across the direction that Hertz theory predicts",
 }
 
+# Columns that a measurement has as they are.
+_MEASURED: Final = tuple(field.name for field in fields(Measurement) if field.name in COLUMNS)
 _NO_ANSWER: Final = "the model has no finite answer for these values; check their units"
 _OF_THE_CONTACT: Final = tuple(source for source in PAD_SOURCES if source not in GEOMETRY)
 _IN_MM: Final = tuple(name for name in PAD_OUTPUTS if f"{name}_mm" in COLUMNS)
@@ -191,19 +193,8 @@ def _described(
 ) -> dict[str, ColumnArray]:
     """Return the columns known before any model."""
     contacts, measured = zip(*seen, strict=True)
-    found = np.array([one.reason is None for one in measured])
-    load, major, minor = np.array([(one.load, one.semi_major, one.semi_minor) for one in measured]).T
-    variance = np.array([(one.covariance[0][0], one.covariance[1][1]) for one in measured]).T
-    with np.errstate(all="ignore"):
-        numbers = {
-            "semi_major_mm": major,
-            "semi_major_mm_std": np.sqrt(variance[0]),
-            "semi_minor_mm": minor,
-            "semi_minor_mm_std": np.sqrt(variance[1]),
-            "aspect_ratio": major / minor,
-        }
-    words: dict[str, Iterable[Any]] = {
-        "observation": (one.name for one in measured),
+    known: dict[str, Iterable[Any]] = {
+        **{name: [getattr(one, name) for one in measured] for name in _MEASURED},
         "finger": (contact.finger for contact in contacts),
         "status": (
             "rejected" if one.rejected is not None else "measured" if reason is None else "failed"
@@ -212,7 +203,7 @@ def _described(
         "reason": reasons,
         "synthetic": (contact.synthetic or fingers[contact.finger].synthetic for contact in contacts),
         "flags": (" ".join(one.flags) for one in measured),
-        "measured_by": (one.columns.get("measured_by") or _measured_by(contact) for contact, one in seen),
+        "measured_by": (one.measured_by or _measured_by(contact) for contact, one in seen),
         "pooled": (
             reason is None and one.counts and NOT_POOLED.isdisjoint(one.flags)
             for reason, one in zip(reasons, measured, strict=True)
@@ -220,17 +211,19 @@ def _described(
         "wedge_angle_deg": (contact.wedge_angle_deg for contact in contacts),
         "roll_angle_deg": (contact.roll_angle_deg for contact in contacts),
         "file": (contact.file for contact in contacts),
-        "scale": (one.scale for one in measured),
-        "overlay": (one.overlay for one in measured),
-        "long_axis": (one.long_axis if one.reason is None else None for one in measured),
     }
-    further = {name for one in measured for name in one.columns} - words.keys()
-    words |= {name: [one.columns.get(name) for one in measured] for name in further}
-    return {
-        **{name: COLUMNS[name].array(items) for name, items in words.items()},
-        **{name: np.where(found, column, np.nan) for name, column in numbers.items()},
-        "load_N": np.where(np.isfinite(load), load, np.nan),
-    }
+    columns = {name: COLUMNS[name].array(items) for name, items in known.items()}
+    load, major, minor = (columns[name] for name in ("load_N", "semi_major_mm", "semi_minor_mm"))
+    variance = np.array([np.diag(one.covariance_mm2) for one in measured]).T
+    with np.errstate(all="ignore"):
+        semi_major_std, semi_minor_std = np.sqrt(variance)
+        return {
+            **columns,
+            "load_N": np.where(np.isfinite(load), load, np.nan),
+            "semi_major_mm_std": semi_major_std,
+            "semi_minor_mm_std": semi_minor_std,
+            "aspect_ratio": major / minor,
+        }
 
 
 def _measured_by(contact: Contact) -> str:
