@@ -89,8 +89,10 @@ def processes(tmp_path: Path) -> Iterator[Processes]:
     started.end()
 
 
-def run(manifest: Path, out: Path, scheduler: str, told: Callable[[Progress], None] = lambda _: None) -> list:
-    return list(run_study(manifest, out, scheduler=scheduler, on_progress=told).rows)
+def run(
+    manifest: Path, out: Path, scheduler: str, reported: Callable[[Progress], None] = lambda _: None
+) -> list:
+    return list(run_study(manifest, out, scheduler=scheduler, on_progress=reported).rows)
 
 
 def test_two_workers_give_the_rows_of_one_process_though_one_is_killed(
@@ -98,28 +100,28 @@ def test_two_workers_give_the_rows_of_one_process_though_one_is_killed(
 ) -> None:
     processes.worker()
     processes.worker()
-    told: list[Progress] = []
+    reported: list[Progress] = []
 
     def kill_one(progress: Progress) -> None:
-        told.append(progress)
-        if len(told) == 4:
+        reported.append(progress)
+        if len(reported) == 4:
             with Client(processes.address, set_as_default=False) as client:
                 workers = client.run(os.getpid)
                 assert len(workers) == 2
                 os.kill(next(iter(workers.values())), signal.SIGKILL)
 
     assert run(made, tmp_path / "out", processes.address, kill_one) == undisturbed
-    assert told[-1].pictures == told[-1].total == TOTAL
+    assert reported[-1].pictures == reported[-1].total == TOTAL
 
 
 def test_a_killed_scheduler_costs_only_what_was_in_hand(
     made: Path, undisturbed: list[dict], tmp_path: Path, processes: Processes
 ) -> None:
     processes.worker()
-    told: list[Progress] = []
+    reported: list[Progress] = []
 
     def kill_it(progress: Progress) -> None:
-        told.append(progress)
+        reported.append(progress)
         if progress.pictures:
             processes.scheduler.kill()
 
@@ -127,7 +129,7 @@ def test_a_killed_scheduler_costs_only_what_was_in_hand(
         run(made, tmp_path / "out", processes.address, kill_it)
     again: list[Progress] = []
     assert list(run_study(made, tmp_path / "out", on_progress=again.append).rows) == undisturbed
-    assert again[0].pictures >= told[-1].pictures > 0
+    assert again[0].pictures >= reported[-1].pictures > 0
 
 
 def test_workers_that_do_not_see_the_study_are_sent_its_bytes(

@@ -30,9 +30,9 @@ def decide(manifest: Path, item: str, change: dict) -> None:
 
 
 def run(manifest: Path) -> tuple[StudyResult, list[str]]:
-    told: list[Progress] = []
-    result = run_study(manifest, manifest.parent / "out", on_progress=told.append)
-    return result, [one.item for one in told[1:] if one.status != "written"]
+    reported: list[Progress] = []
+    result = run_study(manifest, manifest.parent / "out", on_progress=reported.append)
+    return result, [one.item for one in reported[1:] if one.status != "written"]
 
 
 def row_of(result: StudyResult, name: str) -> dict:

@@ -86,11 +86,11 @@ def test_only_curves_that_changed_are_fitted_again(tmp_path: Path) -> None:
     curves = ('file = "a.csv"\n', 'file = "b.csv"\n', 'file = "b.csv"\nfit_load_range_N = [0.2, 1.5]\n')
 
     def fitted(*now: str) -> tuple[list[str], StudyResult]:
-        told: list[Progress] = []
+        reported: list[Progress] = []
         (tmp_path / "study.toml").write_text(MANIFEST + "".join(CURVE + each for each in now))
         assert study_status(tmp_path / "study.toml", tmp_path / "out").total == len(now) + 1
-        result = run_study(tmp_path / "study.toml", tmp_path / "out", on_progress=told.append)
-        return [one.item for one in told if one.item.startswith("f/")], result
+        result = run_study(tmp_path / "study.toml", tmp_path / "out", on_progress=reported.append)
+        return [one.item for one in reported if one.item.startswith("f/")], result
 
     first, fresh = fitted(*curves)
     assert first == ["f/a.csv", "f/b.csv", "f/b.csv (2)"]
@@ -110,11 +110,11 @@ def test_only_curves_that_changed_are_fitted_again(tmp_path: Path) -> None:
 
 def test_uncertainty_is_checked_again_only_where_something_bears_on_it(tmp_path: Path) -> None:
     def checked(manifest: str) -> int:
-        told: list[Progress] = []
+        reported: list[Progress] = []
         (tmp_path / "study.toml").write_text(manifest)
-        result = run_study(tmp_path / "study.toml", tmp_path / "out", on_progress=told.append)
+        result = run_study(tmp_path / "study.toml", tmp_path / "out", on_progress=reported.append)
         assert result.checks[0].observation == "c"
-        return [one.status for one in told].count("checked")
+        return [one.status for one in reported].count("checked")
 
     assert [checked(MANIFEST), checked(MANIFEST)] == [1, 0]
     assert checked(MANIFEST.replace("load_N = 2", "load_N = 3")) == 1

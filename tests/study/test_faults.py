@@ -117,18 +117,18 @@ def workers_of(parent: int) -> list[str]:
 def test_an_interrupt_keeps_what_is_in_hand(
     manifest: Path, undisturbed: list[dict], tmp_path: Path, workers: int
 ) -> None:
-    told: list[Progress] = []
+    reported: list[Progress] = []
 
     def interrupt(progress: Progress) -> None:
-        told.append(progress)
-        if len(told) == 3:
+        reported.append(progress)
+        if len(reported) == 3:
             os.kill(os.getpid(), signal.SIGINT)
 
     with pytest.raises(KeyboardInterrupt):
         rows(manifest, tmp_path / "out", workers=workers, on_progress=interrupt)
     with Store.reading(tmp_path / "out" / STORE_NAME) as store:
         kept = len(store.statuses().keys() - {"p header"})
-    assert kept == len(told) - 1
+    assert kept == len(reported) - 1
     assert 2 <= kept <= 2 + 2 * workers
     again: list[Progress] = []
     assert rows(manifest, tmp_path / "out", on_progress=again.append) == undisturbed
@@ -219,9 +219,9 @@ def test_results_do_not_depend_on_the_clock(
     with monkeypatch.context() as patched:
         patched.setattr(store_module, "datetime", Clock)
         rows(manifest, out)
-    told: list[Progress] = []
-    assert rows(manifest, out, on_progress=told.append) == undisturbed
-    assert [one.status for one in told] == ["started", "written"]
+    reported: list[Progress] = []
+    assert rows(manifest, out, on_progress=reported.append) == undisturbed
+    assert [one.status for one in reported] == ["started", "written"]
 
 
 @pytest.fixture

@@ -289,7 +289,7 @@ def ellipse(
 
 
 @pytest.mark.parametrize(
-    ("pattern", "label", "told"),
+    ("pattern", "label", "reported"),
     [
         ("{finger}_{load_N}N", "ring_2N.tif", {"finger": "ring", "load_N": 2}),
         ("{finger}_{wedge_angle_deg}deg", "my_ring_4.5deg_x", {"finger": "my_ring", "wedge_angle_deg": 4.5}),
@@ -299,8 +299,8 @@ def ellipse(
         ("{load_N} N (a+b)", "2 N ab", {}),
     ],
 )  # fmt: skip
-def test_labels_tell_what_the_pattern_says(pattern: str, label: str, told: dict[str, object]) -> None:
-    assert LabelPattern.of(pattern).values_in(label) == told
+def test_labels_tell_what_the_pattern_says(pattern: str, label: str, reported: dict[str, object]) -> None:
+    assert LabelPattern.of(pattern).values_in(label) == reported
 
 
 @pytest.mark.parametrize(

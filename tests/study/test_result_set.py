@@ -246,9 +246,11 @@ def test_a_changed_picture_of_the_results_is_drawn_again(small_study: Path, tmp_
     run_study(manifest, out)
     good = (out / "overlays" / "o1.png").read_bytes()
     (out / "overlays" / "o1.png").write_bytes(good[:100])
-    told: list[str] = []
-    run_study(manifest, out, on_progress=lambda one: told.append(one.item) if one.status == "done" else None)
-    assert told == ["o1"]
+    reported: list[str] = []
+    run_study(
+        manifest, out, on_progress=lambda one: reported.append(one.item) if one.status == "done" else None
+    )
+    assert reported == ["o1"]
     assert (out / "overlays" / "o1.png").read_bytes() == good
     assert len([name for name in result_files(out) if name.startswith("overlays/o")]) == PICTURES
     assert not os.path.lexists(out / ".drawn")

@@ -70,11 +70,11 @@ def write(folder: Path, more: dict[int, str] | None = None, load: float = 1.0) -
 
 def run(folder: Path, **options: object) -> tuple[list[str], list[dict]]:
     """Run the study, and return what was measured and the rows."""
-    told: list[Progress] = []
-    result = run_study(folder / "study.toml", folder / "out", on_progress=told.append, **options)
-    assert told[0].status == "started"
-    assert told[-1].pictures == told[-1].total
-    measured = [one.item for one in told[1:] if one.status not in {"checked", "written"}]
+    reported: list[Progress] = []
+    result = run_study(folder / "study.toml", folder / "out", on_progress=reported.append, **options)
+    assert reported[0].status == "started"
+    assert reported[-1].pictures == reported[-1].total
+    measured = [one.item for one in reported[1:] if one.status not in {"checked", "written"}]
     return sorted(measured), list(result.rows)
 
 
@@ -279,11 +279,13 @@ def test_a_damaged_result_is_measured_again_and_named(folder: Path) -> None:
     connection.close()
     status = study_status(folder / "study.toml", folder / "out")
     assert status.faults == (f"{STORE_NAME}: the stored result of o2 is damaged",)
-    told: list[str] = []
+    reported: list[str] = []
     result = run_study(
-        folder / "study.toml", folder / "out", on_progress=lambda one: told.append(f"{one.status} {one.item}")
+        folder / "study.toml",
+        folder / "out",
+        on_progress=lambda one: reported.append(f"{one.status} {one.item}"),
     )
-    assert [one for one in told if one.startswith("done")] == ["done o2"]
+    assert [one for one in reported if one.startswith("done")] == ["done o2"]
     assert list(result.rows) == rows
     assert result.notes == (f"{STORE_NAME}: the stored result of o2 was damaged and is measured again",)
     assert study_status(folder / "study.toml", folder / "out").faults == ()

@@ -354,8 +354,8 @@ def test_the_bundle_lists_files_left_out_and_is_imported(tmp_path):
         workspace = Workspace(tmp_path)
         workspace.open_folder(folder)
         with serving(workspace) as client:
-            told = client.get("/api/study/bundle").json()
-            assert [one["file"] for one in told["left_out"]] == [".data/", "socket"]
+            reported = client.get("/api/study/bundle").json()
+            assert [one["file"] for one in reported["left_out"]] == [".data/", "socket"]
             archive = client.get("/api/download/study.zip")
             assert archive.status_code == 200
             back = client.post("/api/session/import", params={"name": "back"}, content=archive.content)
@@ -363,4 +363,4 @@ def test_the_bundle_lists_files_left_out_and_is_imported(tmp_path):
             assert back.json()["digest"] == load_study(folder / "study.toml").digest
     (folder / "socket").unlink()
     assert contents(tmp_path / "back") == contents(folder)
-    assert told["files"] == sum(content is not None for content in contents(folder).values())
+    assert reported["files"] == sum(content is not None for content in contents(folder).values())

@@ -47,9 +47,9 @@ def test_the_address_is_printed_and_the_server_stops_cleanly(studies_folder):
     address = process.stdout.readline().split()[-1]
     try:
         assert address.startswith("http://127.0.0.1:")
-        told = process.stdout.readline()
-        assert "Ctrl-C" in told
-        token_file = Path(told.split()[-1])
+        reported = process.stdout.readline()
+        assert "Ctrl-C" in reported
+        token_file = Path(reported.split()[-1])
         assert token_file.stat().st_mode & 0o777 == 0o600
         assert token_file.parent.stat().st_mode & 0o777 == 0o700
         bearer = {"authorization": f"Bearer {token_file.read_text().strip()}"}

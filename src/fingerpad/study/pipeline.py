@@ -77,6 +77,11 @@ def run_study(
         Called at the start and whenever something has been measured or written. If it raises
         KeyboardInterrupt, what is at work is finished and stored, and the run ends with KeyboardInterrupt.
 
+    Returns
+    -------
+    StudyResult
+        What was written: `load_results` reads it again.
+
     Raises
     ------
     ManifestError
@@ -86,6 +91,28 @@ def run_study(
         written, or an input has changed during the run.
     ClusterError
         If the scheduler or its workers cannot be used.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> text = '''
+    ... title = "One contact"
+    ... [[fingers]]
+    ... name = "index"
+    ... semi_axes_mm = { palmar = 7.9, distal = 13.8, radial_ulnar = 11.8 }
+    ... semi_axes_mm_std = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }
+    ... [[observations]]
+    ... name = "first"
+    ... finger = "index"
+    ... wedge_angle_deg = 30
+    ... load_N = 2
+    ... ellipse_mm = { semi_major = 7.4, semi_minor = 5.0, std = 0.1 }
+    ... '''
+    >>> with TemporaryDirectory() as folder:
+    ...     _ = Path(folder, "study.toml").write_text(text)
+    ...     result = run_study(folder, Path(folder, "results"))
+    >>> [round(summary.radius_from_indentation_mm, 2) for summary in result.summaries]
+    [13.8]
     """
     manifest, out = manifest_in(Path(manifest)), Path(out)
     folder = manifest.absolute().parent

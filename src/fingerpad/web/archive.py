@@ -88,7 +88,7 @@ def pack(folder: Path, bundle: Bundle, target: Path) -> None:
                 else:
                     _add(archive, _settled(bundle.files[name], Path(scratch)), stored[name])
 
-        # Nobody changes one of the documents while the others are read.
+        # No document changes while the others are read.
         with locked(folder, folder / LOCK_NAME) if os.access(folder, os.W_OK) else nullcontext():
             add(bundle.documents)
         add(name for name in bundle.files if name not in bundle.documents)

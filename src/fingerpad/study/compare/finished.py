@@ -61,7 +61,7 @@ def read_finished(paths: Sequence[Path]) -> list[FinishedStudy]:
             if study.title.casefold() == other.title.casefold():
                 raise FingerpadError(
                     f"{study.folder} and {other.folder} are both titled {study.title!r}; give one another "
-                    "title in its study.toml and run it again: nothing is measured anew"
+                    "title in its study.toml and run it again: nothing is measured again"
                 )
         studies.append(study)
     if not studies:
@@ -91,5 +91,5 @@ def not_understood(folder: Path, error: Exception) -> FingerpadError:
     """Return the error for a summary that lacks what it should have."""
     return FingerpadError(
         f"{folder / 'summary.json'}: is not understood ({type(error).__name__}: {error}); run the study "
-        "again with this version: nothing that was measured is measured anew"
+        "again with this version: nothing that was measured is measured again"
     )

@@ -52,7 +52,7 @@ class Mean:
     between_people_std : float
         Standard deviation between people beyond what uncertainties explain; NaN for one person.
     between_fingers_std : float
-        The same between fingers of a person, over all who have several; NaN where nobody has.
+        The same between fingers of a person, over all who have several; NaN where no person has.
     """
 
     quantity: str

@@ -2,7 +2,7 @@
 
 They are written into a folder beside the old ones and listed with their digests in ``SHA256SUMS``, in the
 format of ``sha256sum``. Then the folder is renamed, from which moment the new set counts, and its files are
-moved into place. Whoever reads results checks them against the list.
+moved into place. Readers of results check them against the list.
 """
 
 import os
@@ -205,7 +205,7 @@ def result_set_faults(
 
 def quick_faults(out: Path, is_checked: Callable[[str], bool] = lambda _: True) -> list[str]:
     """Return the same, but read only files that have changed since the run, where the store tells."""
-    with suppress(StoreError):  # it is reported by whoever needs it
+    with suppress(StoreError):  # reported where it is needed
         if (out / STORE_NAME).is_file():
             with Store.reading(out / STORE_NAME) as store:
                 return result_set_faults(out, store.digest, is_checked)

@@ -159,7 +159,7 @@ def result_of(
     store : Store
         Where the checks are kept.
     on_check : callable
-        Told the name of each contact whose uncertainty was checked.
+        Called with the name of each contact whose uncertainty was checked.
     """
     study, folder = measured.context.study, measured.context.folder
     rows = model_contacts(study, measured.fingers, measured.contacts)

@@ -24,7 +24,8 @@ class Summary:
     rows : ResultsTable
         The rows, by load: single contacts and frames of sequences.
     corrected_radius : PooledRadius or None
-        Pooled ``radius_from_indentation_mm``, the source's combined R_g^corr; None without a sound row.
+        Pooled ``radius_from_indentation_mm``, the combined R_g^corr of Dzidek et al. (2017); None without a
+        sound row.
     compliance_radius : PooledRadius or None
         Pooled ``radius_from_compliance_mm``, the one to compare with R_g.
     """
