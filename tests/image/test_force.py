@@ -99,7 +99,7 @@ def test_trigger_and_contact_anchor_the_frames():
 
 def test_a_spike_is_no_contact():
     load = np.zeros(50)
-    load[5], load[10:12], load[20:23] = 1.0, 1.0, 1.0  # three samples are the fewest that count
+    load[5], load[10:12], load[20:23] = 1.0, 1.0, 1.0  # three samples are the minimum
     assert ForceSignal(np.arange(50.0), load).contact_time(0.5) == pytest.approx(19.5)
     load[21] = 0.0
     with pytest.raises(LoadingError, match="never rises"):
