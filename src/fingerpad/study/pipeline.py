@@ -111,7 +111,7 @@ def run_study(
     >>> with TemporaryDirectory() as folder:
     ...     _ = Path(folder, "study.toml").write_text(text)
     ...     result = run_study(folder, Path(folder, "results"))
-    >>> [round(summary.radius_from_indentation_mm, 2) for summary in result.summaries]
+    >>> [round(summary.corrected_radius.value, 2) for summary in result.summaries]
     [13.8]
     """
     manifest, out = manifest_in(Path(manifest)), Path(out)
