@@ -206,7 +206,7 @@ def _on_layer(wedge: PublishedWedge, thickness: float) -> Iterator[AuditItem]:
             loading.along_over_across,
             "1",
             Verdict.NOT_REPRODUCIBLE,
-            "printed is ℓd/ℓe, the measured long axis lying along the finger",
+            "printed is ℓd/ℓe, taken as along the finger; no direction is printed",
         ),
     ):
         yield AuditItem(
