@@ -535,6 +535,10 @@ def test_reproduce_lists_every_printed_number(tmp_path: Path) -> None:
     assert at_30["printed"] == 25.3
     assert at_30["computed"] == pytest.approx(17.11, abs=5e-3)
     assert at_30["unit"] == "mm"
+    thickness = items["One layer, effective thickness t"]
+    assert (thickness["printed"], thickness["unit"]) == (None, "mm")
+    assert thickness["computed"] == pytest.approx(7.93, abs=5e-3)
+    assert {frozenset(record) for record in records} == {frozenset(thickness)}
     code, out, _ = run("reproduce", "--figures", tmp_path / "figures")
     assert code == 0
     assert all(item in out for item in items)

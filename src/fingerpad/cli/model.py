@@ -136,10 +136,13 @@ def reproduce(
     ] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Compute every number printed in Dzidek et al. (2017), and list which are reproduced."""
-    from fingerpad.published import audit
+    """Compute every number printed in Dzidek et al. (2017), and list which are reproduced.
 
-    items = audit()
+    The last lines show what one layer of tissue over bone gives, its thickness fitted to both R_g.
+    """
+    from fingerpad.published import audit, layer_items
+
+    items = audit() + layer_items()
     if figures is not None:
         from fingerpad.figures import dzidek2017_figures, save_figure
 
@@ -156,6 +159,7 @@ def _print_audit(items: "list[AuditItem]") -> None:
     width = max(len(item.item) for item in items)
     typer.echo(f"{'item':<{width}}  {'printed':>7}  {'computed':>8}  unit  verdict")
     for item in items:
+        printed = "–" if item.printed is None else f"{item.printed:.1f}"
         computed = "–" if item.computed is None else f"{item.computed:.2f}"
         verdict = f"{item.verdict} (measured)" if item.computed is None else item.verdict
-        typer.echo(f"{item.item:<{width}}  {item.printed:>7.1f}  {computed:>8}  {item.unit:<4}  {verdict}")
+        typer.echo(f"{item.item:<{width}}  {printed:>7}  {computed:>8}  {item.unit:<4}  {verdict}")

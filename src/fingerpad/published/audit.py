@@ -43,6 +43,7 @@ class Verdict(StrEnum):
     REPRODUCED = "reproduced"
     WITH_MISPRINT = "reproduced with the known misprint"
     NOT_REPRODUCIBLE = "not reproducible from what is printed"
+    FITTED = "fitted to printed numbers"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -53,8 +54,8 @@ class AuditItem:
     ----------
     item : str
         Which number: table, row and column.
-    printed : float
-        As printed.
+    printed : float or None
+        As printed, or the ratio of two printed numbers; None where nothing is printed.
     unit : str
         Unit of all numbers here.
     verdict : Verdict
@@ -78,7 +79,7 @@ class AuditItem:
     """
 
     item: str
-    printed: float
+    printed: float | None
     unit: str
     verdict: Verdict
     computed: float | None = None

@@ -1,0 +1,201 @@
+"""Tables and figures of docs/bone.md: ``python -m benchmarks.tissue_thickness``."""
+
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from fingerpad._arrays import FloatArray
+from fingerpad.contact import EllipsoidContact, PadGap, fast_contact
+from fingerpad.figures.style import BLACK, BLUE, GREY, VERMILLION, in_style, new_figure
+from fingerpad.published import dzidek2017, expected_loading, fit_tissue_thickness
+from fingerpad.published.dzidek2017 import METHODS, PublishedWedge
+from fingerpad.published.layer_loading import READINGS
+
+_IMAGES = Path(__file__).parents[1] / "docs" / "images"
+_SOURCE = dzidek2017()
+_WEDGES = _SOURCE.wedges
+_COLOURS = {30: BLUE, 45: VERMILLION}
+
+
+def thicknesses() -> None:
+    """Print the fitted thickness over axes, ν, reading and load range."""
+    print("\naxes     ν     reading               t (mm)  95 %           χ²    t, R_g at 30° and 45° (mm)")
+    for method in reversed(METHODS):
+        for reading in READINGS:
+            for nu in (0.5, 0.48, 0.45):
+                fit = fit_tissue_thickness(method=method, reading=reading, poisson_ratio=nu)
+                low, high = fit.interval_mm
+                print(
+                    f"{method:<8} {nu:<5} {reading:<21} {fit.thickness_mm:6.2f}  {low:.1f} to {high:<6.1f} "
+                    f"{fit.chi_square:5.2f}   {fit.thickness_by_angle_mm.round(2)}       "
+                    f"{fit.loading_radius_mm.round(2)}"
+                )
+    print("\nsmallest load of the line (N), and t by slope and by slope through the origin (mm)")
+    for load in (0.0, 0.2, 0.5, 1.0):
+        found = [fit_tissue_thickness(reading=reading, min_load_N=load) for reading in READINGS[1:]]
+        print(f"    {load:<6}", *(f"{fit.thickness_mm:.2f}" for fit in found))
+    fit = fit_tissue_thickness()
+    print("\nstandard uncertainty of t (mm):", f"{fit.std_mm:.2f}", fit.contribution_mm)
+
+
+def solver() -> None:
+    """Print R_g, E* and axis ratio on 8 mm of tissue, by the laws and by the solver on 256² cells."""
+    print("\naxes     θ    A/(πξ): laws, solver      E* (kPa)  along/across: laws, solver")
+    for method in reversed(METHODS):
+        pad = _SOURCE.semi_axes[method].ellipsoid
+        for angle, wedge in _WEDGES.items():
+            place = {"wedge_angle": np.radians(angle), "thickness": 8.0}
+            loading = expected_loading(pad, area=wedge.area_mm2.value, **place)
+            modulus = float(loading.reduced_modulus)
+            solved = EllipsoidContact.of(pad, load=wedge.load_N, reduced_modulus=modulus, **place).solution
+            ratio = solved.area / (np.pi * solved.indentation)
+            aspect = solved.semi_major / solved.semi_minor
+            if abs(np.sin(solved.long_axis_angle)) > np.sqrt(0.5):
+                aspect = 1 / aspect
+            print(
+                f"{method:<8} {angle}°  {loading.ratio:.3f}, {ratio:.3f} mm        {1e3 * modulus:6.1f}    "
+                f"{loading.along_over_across:.3f}, {aspect:.3f}"
+            )
+
+
+def consequences() -> None:
+    """Print what follows from the fitted thickness without another fit."""
+    pad, thickness = _SOURCE.semi_axes["ellipse"].ellipsoid, fit_tissue_thickness().thickness_mm
+    moduli = {}
+    for name, depth in (("half-space", np.inf), (f"{thickness:.1f} mm", thickness)):
+        for angle, wedge in _WEDGES.items():
+            place = {"wedge_angle": np.radians(angle), "thickness": depth}
+            loading = expected_loading(pad, area=wedge.area_mm2.value, **place)
+            moduli[name, angle] = float(loading.reduced_modulus)
+            print(
+                f"\n{name}, {angle}°: R_g {loading.ratio:.2f}, {loading.slope:.2f}, "
+                f"{loading.slope_through_origin:.2f} mm; E* {1e3 * loading.reduced_modulus:.1f} kPa; "
+                f"A ~ W^{loading.area_exponent:.3f}, W ~ ξ^{loading.load_exponent:.3f}; "
+                f"shift {loading.contact_shift:.3f} mm; along/across {loading.along_over_across:.3f}",
+                end="",
+            )
+    gap = PadGap.of(pad, wedge_angle=np.radians(45))
+    contact = fast_contact(gap, load=2.0, reduced_modulus=moduli[name, 30], thickness=thickness)
+    print(f"\narea at 45° and 2 N with E* of 30°: {contact.area:.1f} mm²")
+    for angle, wedge in _WEDGES.items():
+        indentation = wedge.area_mm2.value / (np.pi * wedge.measured_radius_mm.value)
+        gap = PadGap.of(pad, wedge_angle=np.radians(angle))
+        shifted = []
+        for error in (-0.1, 0.1):
+            radius = wedge.area_mm2.value / (np.pi * (indentation + error))
+            depths = np.linspace(4, 14, 1001)
+            ratio = fast_contact(
+                gap, area=wedge.area_mm2.value, reduced_modulus=1.0, thickness=depths
+            ).area_over_pi_indentation
+            shifted.append(float(np.interp(-radius, -ratio, depths)))
+        print(f"{angle}°: t with ξ wrong by ∓0.1 mm: {shifted[0]:.1f}, {shifted[1]:.1f} mm")
+
+
+@in_style
+def radius_against_thickness() -> None:
+    """Draw R_g against the thickness for both angles, with the measured R_g as bands."""
+    figure, (axes,) = new_figure(width_mm=125, height_mm=82)
+    depths = np.linspace(3, 16, 200)
+    fit = fit_tissue_thickness()
+    axes.axvspan(*fit.interval_mm, color="#eeeeee", lw=0, zorder=0)
+    axes.axvline(fit.thickness_mm, color=GREY, lw=0.8, zorder=1)
+    for angle, wedge in _WEDGES.items():
+        colour, measured = _COLOURS[angle], wedge.measured_radius_mm.value
+        std = wedge.pooled_uncertainty_mm.value
+        axes.axhspan(measured - std, measured + std, color=colour, alpha=0.13, lw=0)
+        axes.axhline(measured, color=colour, lw=0.8, ls=(0, (1, 1.5)))
+        axes.text(3.15, measured - 0.15, f"measured $R_g$, {angle}°", color=colour, va="top")
+        for method, dashes in (("ellipse", "-"), ("direct", (0, (4, 2)))):
+            pad = _SOURCE.semi_axes[method].ellipsoid
+            place = {"wedge_angle": np.radians(angle), "area": wedge.area_mm2.value}
+            ratio = expected_loading(pad, thickness=depths, **place).ratio
+            axes.plot(depths, ratio, color=colour, ls=dashes)
+            if method == "ellipse":
+                axes.text(14, ratio[-40] + 0.5, f"θ = {angle}°", color=colour, weight="bold", ha="center")
+            axes.plot(
+                [16.6, 17.6],
+                [expected_loading(pad, thickness=np.inf, **place).ratio] * 2,
+                color=colour,
+                ls=dashes,
+                clip_on=False,
+            )
+    axes.plot([], [], color=BLACK, label="semi-axes by fitted ellipses")
+    axes.plot([], [], color=BLACK, ls=(0, (4, 2)), label="semi-axes measured directly")
+    axes.legend(loc="upper right")
+    axes.text(
+        fit.thickness_mm + 0.12,
+        27.7,
+        f"t = {fit.thickness_mm:.1f} mm\n({fit.interval_mm[0]:.1f} to {fit.interval_mm[1]:.1f})",
+        va="top",
+    )
+    axes.axvline(16.3, color="white", lw=3.5, zorder=4)
+    axes.set(
+        xlim=(3, 17.6),
+        ylim=(8, 28),
+        xlabel="thickness t of the tissue (mm); ∞: half-space",
+        ylabel="A/(πξ) at 2 N (mm)",
+        yticks=range(8, 29, 4),
+    )
+    axes.set_xticks([*range(4, 17, 2), 17.1], [*map(str, range(4, 17, 2)), "∞"])
+    figure.savefig(_IMAGES / "bone_thickness.png", dpi=200, metadata={"Software": None})
+
+
+@in_style
+def area_against_indentation() -> None:
+    """Draw A against πξ at both angles: Hertz theory, half-space, layer, and the measured slope."""
+    figure, panels = new_figure(width_mm=170, height_mm=82, columns=2)
+    for axes, (angle, wedge) in zip(panels, _WEDGES.items(), strict=True):
+        _area_panel(axes, angle, wedge)
+    figure.set_layout_engine("constrained", wspace=0.08)
+    figure.savefig(_IMAGES / "bone_area.png", dpi=200, metadata={"Software": None})
+
+
+def _area_panel(axes: Axes, angle: int, wedge: PublishedWedge) -> None:
+    pad, colour = _SOURCE.semi_axes["ellipse"].ellipsoid, _COLOURS[angle]
+    gap = PadGap.of(pad, wedge_angle=np.radians(angle))
+    last, thickness = wedge.area_mm2.value, fit_tissue_thickness().thickness_mm
+    area = np.linspace(0, last, 200)[1:]
+
+    def whole_pad(depth: float) -> FloatArray:
+        return np.pi * fast_contact(gap, area=area, reduced_modulus=1.0, thickness=depth).indentation
+
+    hertz = PadGap.paraboloid(gap.first_radius, gap.second_radius)
+    paraboloid = np.pi * fast_contact(hertz, area=area, reduced_modulus=1.0).indentation
+    measured, std = wedge.measured_radius_mm.value, wedge.pooled_uncertainty_mm.value
+    far = np.array([0, 1.15 * last / measured])
+    axes.fill_between(far, far * (measured - std), far * (measured + std), color=BLACK, alpha=0.1, lw=0)
+    axes.plot(
+        far, far * measured, color=BLACK, ls=(0, (1, 1.5)), label=f"slope $R_g$ = {measured} mm, measured"
+    )
+    axes.plot(paraboloid, area, color=GREY, ls=(0, (4, 2)), label="Hertz theory")
+    axes.plot(whole_pad(np.inf), area, color=GREY, label="whole pad, half-space")
+    axes.plot(
+        whole_pad(thickness), area, color=colour, lw=1.8, label=f"whole pad, {thickness:.1f} mm on bone"
+    )
+    axes.plot(
+        whole_pad(thickness)[-1],
+        last,
+        "o",
+        color=colour,
+        mfc="white",
+        ms=5,
+        label="printed area, 2 N",
+        ls="none",
+    )
+    axes.set(
+        xlim=(0, 1.02 * whole_pad(np.inf)[-1]),
+        ylim=(0, 1.18 * last),
+        xlabel="πξ (mm)",
+        ylabel="contact area A (mm²)",
+        title=f"θ = {angle}°",
+    )
+    axes.legend(loc="lower right")
+
+
+if __name__ == "__main__":
+    thicknesses()
+    solver()
+    consequences()
+    radius_against_thickness()
+    area_against_indentation()
