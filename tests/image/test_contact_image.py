@@ -118,7 +118,7 @@ def test_uncertainty_grows_with_noise():
 def test_covariance_from_shared_scale():
     found = measure_contact_image(render_contact_image(seed=1).pixels, Scale.of_ppi(500, 25))
     std = np.sqrt(np.diag(found.covariance))
-    assert (found.covariance / np.outer(std, std) > 0.95).all()
+    assert (found.covariance / np.outer(std, std) > 0.9).all()
     assert std == pytest.approx(
         [found.semi_major_std, found.semi_minor_std, found.gross_area_std, found.ridge_area_std]
     )
@@ -442,7 +442,7 @@ def test_smudges_widen_ridge_area():
         found = measure_contact_image(truth.pixels, PPI_500)
         assert found.gross_area == pytest.approx(truth.gross_area, rel=0.01)
         assert abs(found.ridge_area - truth.ridge_area) < 2.5 * found.ridge_area_std
-        assert found.ridge_area_std > 1.2 * measure_contact_image(clean.pixels, PPI_500).ridge_area_std
+        assert found.ridge_area_std > 1.1 * measure_contact_image(clean.pixels, PPI_500).ridge_area_std
 
 
 @pytest.mark.parametrize("blur", [0, 0.04, 0.08])

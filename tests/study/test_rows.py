@@ -95,7 +95,7 @@ def test_scale_moves_both_axes_together(picture: Path) -> None:
     exact = row_of(picture, row=IMAGE)
     row = row_of(picture, row=IMAGE.replace("500", "500, relative_std = 0.05"))
     # Area and pressure go with the square of the scale; the axis ratio and the corrected radius not at all.
-    assert row["mean_pressure_kpa_std"] / row["mean_pressure_kpa"] == pytest.approx(0.1, rel=0.02)
+    assert row["mean_pressure_kpa_std"] / row["mean_pressure_kpa"] == pytest.approx(0.1, rel=0.03)
     name = "radius_from_indentation_mm_fixed_geometry_std"
     assert row[name] == pytest.approx(exact[name], rel=0.05)
 
