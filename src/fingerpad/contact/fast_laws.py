@@ -52,6 +52,12 @@ class FastContact(Displayed):
         Mutual approach ξ.
     flag_code : ndarray
         Place in `FLAGS` of what takes a contact out of the laws' range; 0 within.
+
+    Examples
+    --------
+    >>> contact = fast_contact(PadGap.paraboloid(10.0, 10.0), indentation=1.0, reduced_modulus=0.1)
+    >>> float(contact.area_over_pi_indentation.round(6))  # of a sphere: its radius
+    10.0
     """
 
     load: FloatArray
@@ -83,6 +89,11 @@ class FastEllipse(Displayed):
         0 where it lies nearer to the first principal direction, 1 nearer to the second.
     peak_over_mean_pressure : ndarray
         Highest pressure over W/A; 3/2 in Hertz theory.
+
+    Examples
+    --------
+    >>> float(fast_ellipse(PadGap.paraboloid(10.0, 10.0), area=np.pi).semi_major.round(6))
+    1.0
     """
 
     semi_major: FloatArray
@@ -120,6 +131,11 @@ def fast_contact(
         ν of the tissue, which matters to a layer alone.
     load, area, indentation : array_like
         Exactly one of normal force W, contact area and mutual approach ξ.
+
+    Returns
+    -------
+    FastContact
+        Shapes broadcast.
 
     Raises
     ------
@@ -162,6 +178,11 @@ def fast_ellipse(
         As for `fast_contact`.
     area : array_like
         Contact area.
+
+    Returns
+    -------
+    FastEllipse
+        Shapes broadcast.
 
     Examples
     --------

@@ -47,6 +47,16 @@ class ContactSection:
         Maximum shear stress.
     thickness : float
         Of the layer; infinite on a half-space.
+
+    Examples
+    --------
+    >>> pad = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
+    >>> field = ContactField.of_hertz(pad, wedge_angle=np.radians(30), load=2.0, reduced_modulus=0.1365)
+    >>> section = field.section(points=41, levels=11)
+    >>> section.maximum_shear.shape
+    (11, 41)
+    >>> print(f"{1000 * section.pressure.max():.1f} kPa")
+    33.9 kPa
     """
 
     along: FloatArray
@@ -100,7 +110,18 @@ class ContactField:
 
     @classmethod
     def of_solution(cls, solution: ContactSolution) -> Self:
-        """Return the field of a solved contact."""
+        """Return the field of a solved contact.
+
+        Parameters
+        ----------
+        solution : ContactSolution
+            A contact on a half-space or on a layer.
+
+        Returns
+        -------
+        ContactField
+            In the solution's own coordinates; stress as `contact_stress`, pressure linear between cells.
+        """
         return cls(
             load=solution.load,
             area=solution.area,
@@ -140,6 +161,11 @@ class ContactField:
         load, indentation, area : float
             Exactly one of normal force W, mutual approach ξ and contact area.
 
+        Returns
+        -------
+        ContactField
+            First coordinate along the finger, second across.
+
         Raises
         ------
         GeometryError
@@ -168,6 +194,16 @@ class ContactField:
     def stress_on_axis(self, depth: ArrayLike) -> StressField:
         """Return the stress below the place of first contact.
 
+        Parameters
+        ----------
+        depth : array_like
+            Depths below the surface, of any shape.
+
+        Returns
+        -------
+        StressField
+            Tensor of shape (..., 3, 3), axes along, across and down.
+
         Raises
         ------
         GeometryError
@@ -182,11 +218,33 @@ class ContactField:
         return self.stress_at(0.0, 0.0, depths)
 
     def strain(self, stress: StressField) -> FloatArray:
-        """Return the strain of the tissue under a stress, shape (..., 3, 3)."""
+        """Return the strain of the tissue under a stress.
+
+        Parameters
+        ----------
+        stress : StressField
+            Stress in the tissue, tensor of shape (..., 3, 3).
+
+        Returns
+        -------
+        ndarray, shape (..., 3, 3)
+            Strain, extension positive.
+        """
         return stress.strain(youngs_modulus=self._modulus, poisson_ratio=self.body.poisson_ratio)
 
     def strain_energy_density(self, stress: StressField) -> FloatArray:
-        """Return the energy stored in the tissue under a stress, by volume."""
+        """Return the energy stored in the tissue under a stress, by volume.
+
+        Parameters
+        ----------
+        stress : StressField
+            Stress in the tissue, tensor of shape (..., 3, 3).
+
+        Returns
+        -------
+        ndarray, shape (...)
+            Energy per volume, in the unit of the stress.
+        """
         return stress.strain_energy_density(
             youngs_modulus=self._modulus, poisson_ratio=self.body.poisson_ratio
         )
@@ -198,7 +256,14 @@ class ContactField:
     def highest_shear_on_axis(self) -> tuple[float, float]:
         """Return the highest maximum shear stress on the axis, and its depth.
 
-        It is looked for down to the bone, or twice the contact's mean radius in a half-space.
+        It is looked for down to the bone, but no deeper than twice the contact's mean radius.
+
+        Returns
+        -------
+        shear : float
+            In the unit of the stress.
+        depth : float
+            Below the surface.
         """
         end = min(self.body.thickness, 2 * self._mean_radius)
         low, high, levels = 0.0, end, _LEVELS
@@ -217,6 +282,11 @@ class ContactField:
         ----------
         points, levels : int
             Points along the finger, and in depth.
+
+        Returns
+        -------
+        ContactSection
+            Of width 3.5 times the contact's mean radius.
         """
         width = _WIDE * self._mean_radius
         deepest = (_DEEP if math.isinf(self.body.thickness) else _LAYER) * self._mean_radius

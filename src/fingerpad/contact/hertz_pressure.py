@@ -105,7 +105,20 @@ class HertzPressure:
 
     @classmethod
     def of_contact(cls, contact: HertzContact, long_axis_angle: float) -> Self:
-        """Return the pressure of one Hertz contact, whose long axis lies at an angle to the finger."""
+        """Return the pressure of one Hertz contact, whose long axis lies at an angle to the finger.
+
+        Parameters
+        ----------
+        contact : HertzContact
+            One contact.
+        long_axis_angle : float
+            From the finger's axis to the long axis, radians.
+
+        Returns
+        -------
+        HertzPressure
+            Centred at zero.
+        """
         return cls(
             peak_pressure=float(contact.peak_pressure),
             semi_major=float(contact.semi_major),
@@ -119,6 +132,18 @@ class HertzPressure:
         """Return the pressure that has the load, centre and second moments of one given on a grid.
 
         Its variance along a semi-axis a is a²/5.
+
+        Parameters
+        ----------
+        grid : ContactGrid
+            Grid of the pressure.
+        pressure : ndarray, shape (points, points)
+            Pressure of each cell.
+
+        Returns
+        -------
+        HertzPressure
+            In the coordinates of the plane.
         """
         place = np.stack(np.meshgrid(*grid.sides, indexing="ij"), axis=-1)
         load = pressure.sum()
@@ -136,14 +161,36 @@ class HertzPressure:
         )
 
     def at(self, along: ArrayLike, across: ArrayLike) -> FloatArray:
-        """Return the pressure at points of the plane."""
+        """Return the pressure at points of the plane.
+
+        Parameters
+        ----------
+        along, across : array_like
+            Coordinates along the finger and across, of any shapes that broadcast.
+
+        Returns
+        -------
+        ndarray
+            Pressure, zero outside the ellipse.
+        """
         x, y = self._own(*broadcast(along, across))
         inside = 1 - (x / self.semi_major) ** 2 - (y / self.semi_minor) ** 2
         pressure: FloatArray = self.peak_pressure * np.sqrt(np.maximum(inside, 0))
         return pressure
 
     def over_cells(self, grid: ContactGrid) -> FloatArray:
-        """Return the mean pressure over each cell of a grid that holds all of it."""
+        """Return the mean pressure over each cell of a grid that holds all of it.
+
+        Parameters
+        ----------
+        grid : ContactGrid
+            A grid wider than the ellipse.
+
+        Returns
+        -------
+        ndarray, shape (points, points)
+            Mean pressures; their sum times the area of a cell is the load.
+        """
         shifts = (np.arange(_SAMPLES) + 0.5) / _SAMPLES - 0.5
         mean = np.zeros((grid.points, grid.points))
         for shift in product(shifts, shifts):
@@ -156,7 +203,20 @@ class HertzPressure:
     def stress(
         self, along: ArrayLike, across: ArrayLike, depth: ArrayLike, *, poisson_ratio: float
     ) -> StressField:
-        """Return the stress in a half-space, as `hertz_stress`, on axes along, across and down."""
+        """Return the stress in a half-space, as `hertz_stress`, on axes along, across and down.
+
+        Parameters
+        ----------
+        along, across, depth : array_like
+            Points, of any shapes that broadcast; NaN is returned where depth < 0.
+        poisson_ratio : float
+            ν.
+
+        Returns
+        -------
+        StressField
+            Tensor of shape (..., 3, 3).
+        """
         along, across, depth = broadcast(along, across, depth)
         x, y = self._own(along, across)
         field = hertz_stress(
@@ -169,7 +229,20 @@ class HertzPressure:
         return field.turned(self.long_axis_angle)
 
     def displacement(self, along: ArrayLike, across: ArrayLike, *, reduced_modulus: float) -> FloatArray:
-        """Return the normal displacement of the half-space's surface, as `hertz_displacement`."""
+        """Return the normal displacement of the half-space's surface, as `hertz_displacement`.
+
+        Parameters
+        ----------
+        along, across : array_like
+            Coordinates along the finger and across, of any shapes that broadcast.
+        reduced_modulus : float
+            E*, in the unit of the pressure.
+
+        Returns
+        -------
+        ndarray
+            Displacement into the body.
+        """
         x, y = self._own(*broadcast(along, across))
         return hertz_displacement(
             *(x, y),

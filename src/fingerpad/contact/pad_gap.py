@@ -29,6 +29,14 @@ class PadGap(Displayed):
         axis.
     flatness : ndarray
         c, per length: 1/R for a sphere, 0 for a paraboloid.
+
+    Examples
+    --------
+    The gap of a sphere of radius 10 mm:
+
+    >>> gap = PadGap.of(Ellipsoid(palmar=10.0, distal=10.0, radial_ulnar=10.0), wedge_angle=np.radians(30))
+    >>> print(f"{gap.first_radius:.1f} mm, {gap.flatness:.2f} per mm")
+    10.0 mm, 0.10 per mm
     """
 
     first_radius: FloatArray
@@ -44,7 +52,12 @@ class PadGap(Displayed):
         Parameters
         ----------
         first_radius, second_radius : array_like
-            R1 and R2.
+            R1 and R2, of any shapes that broadcast.
+
+        Returns
+        -------
+        PadGap
+            Without skewness or flatness.
 
         Examples
         --------
@@ -71,7 +84,12 @@ class PadGap(Displayed):
         pad : Ellipsoid
             One pad, or many.
         wedge_angle, roll_angle : array_like
-            Placement, radians.
+            Placement, radians, of any shapes that broadcast with the pads.
+
+        Returns
+        -------
+        PadGap
+            Shapes broadcast.
 
         Raises
         ------

@@ -56,7 +56,25 @@ class StressField:
         return shear
 
     def turned(self, angle: float) -> Self:
-        """Return the stress on axes from which those of this field are turned by an angle about the third."""
+        """Return the stress on axes from which those of this field are turned by an angle about the third.
+
+        Parameters
+        ----------
+        angle : float
+            From the first of the new axes to the first of this field's, towards the second, radians.
+
+        Returns
+        -------
+        StressField
+            The same stress, tensor of shape (..., 3, 3).
+
+        Examples
+        --------
+        Tension along this field's first axis, which points along the second of the new ones:
+
+        >>> StressField(tensor=np.diag([1.0, 0.0, 0.0])).turned(np.pi / 2).tensor.round(12).diagonal()
+        array([0., 1., 0.])
+        """
         cosine, sine = math.cos(angle), math.sin(angle)
         turn = np.array([[cosine, -sine, 0], [sine, cosine, 0], [0, 0, 1]])
         return replace(self, tensor=turn @ self.tensor @ turn.T)
