@@ -40,6 +40,21 @@ def plot_contact_pressure(
         Section in mm and MPa.
     hertz : ContactSection, optional
         That of Hertz theory, to compare.
+
+    Returns
+    -------
+    Axes
+        `axes`.
+
+    Examples
+    --------
+    >>> import matplotlib.pyplot as plt
+    >>> from fingerpad.geometry import Ellipsoid
+    >>> pad = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
+    >>> field = ContactField.of_hertz(pad, wedge_angle=np.radians(30), load=2.0, reduced_modulus=0.1365)
+    >>> axes = plot_contact_pressure(plt.figure().subplots(), field.section())
+    >>> axes.get_ylabel()
+    'pressure (kPa)'
     """
     pressure = KPA_PER_MPA * section.pressure
     axes.fill_between(section.along, pressure, color=BLUE, alpha=0.18, linewidth=0)
@@ -73,6 +88,16 @@ def plot_section(
     -------
     ContourSet
         The filled contours, for a colour bar.
+
+    Examples
+    --------
+    >>> import matplotlib.pyplot as plt
+    >>> from fingerpad.geometry import Ellipsoid
+    >>> pad = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
+    >>> field = ContactField.of_hertz(pad, wedge_angle=np.radians(30), load=2.0, reduced_modulus=0.1365)
+    >>> filled = plot_section(plt.figure().subplots(), field.section())
+    >>> filled.levels[-1] > 5  # kPa
+    np.True_
     """
     shear = KPA_PER_MPA * section.maximum_shear
     levels = MaxNLocator(_LEVELS, steps=_STEPS).tick_values(0, float(np.nanmax(shear)))
@@ -132,6 +157,18 @@ def mark_receptors(axes: Axes, receptors: Mapping[str, tuple[float, float]], *, 
         Least and greatest depth by name, mm.
     spacing : float
         Least distance between names, mm of depth.
+
+    Examples
+    --------
+    >>> import matplotlib.pyplot as plt
+    >>> from fingerpad.geometry import Ellipsoid
+    >>> pad = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
+    >>> field = ContactField.of_hertz(pad, wedge_angle=np.radians(30), load=2.0, reduced_modulus=0.1365)
+    >>> axes = plt.figure().subplots()
+    >>> _ = plot_section(axes, field.section())
+    >>> mark_receptors(axes, {"Merkel": (0.7, 1.0)}, spacing=0.8)
+    >>> [text.get_text() for text in axes.texts]
+    ['Merkel']
     """
     right, bottom = axes.get_xlim()[1], axes.get_ylim()[0]
     place = -np.inf
@@ -199,6 +236,10 @@ def section_figure(
         Least and greatest depth of receptors by name, mm.
     width_mm : float
         Width on paper; 85 mm is one column of a journal.
+
+    Returns
+    -------
+    Figure
 
     Examples
     --------

@@ -37,6 +37,13 @@ class ExpectedLoading(Displayed):
         m of W ∝ ξ^m; 3/2 in Hertz theory.
     along_over_across : ndarray
         Axis of the contact nearer to the finger's over the other, at the highest load, by second moments.
+
+    Examples
+    --------
+    >>> pad = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
+    >>> loading = expected_loading(pad, wedge_angle=np.radians(30), area=116.3, thickness=8.0)
+    >>> loading.ratio.round(1), loading.along_over_across.round(2)
+    (np.float64(20.4), np.float64(0.95))
     """
 
     reduced_modulus: FloatArray
