@@ -1,6 +1,7 @@
 """The whole ellipsoid: its gap, the limit of Hertz theory, counterfaces, the layer over bone, refusals."""
 
 import math
+from functools import partial
 
 import numpy as np
 import pytest
@@ -145,3 +146,17 @@ def test_invalid_bodies() -> None:
         Counterface.sphere(0.0)
     with pytest.raises(GeometryError, match="axis_angle must be finite, found nan"):
         Counterface.cylinder(1.0, axis_angle=math.nan)
+
+
+def test_area_near_silhouette_on_layer():
+    pad = Ellipsoid(palmar=7.5, distal=14.7, radial_ulnar=11.8)
+    press = partial(
+        EllipsoidContact.of,
+        pad,
+        wedge_angle=np.radians(30),
+        thickness=8.0,
+        reduced_modulus=0.1,
+        points=64,
+    )
+    at_area = press(area=116.3).solution
+    assert press(load=at_area.load).solution.area == pytest.approx(116.3, rel=1e-3)

@@ -248,6 +248,7 @@ def test_first_order_agrees_with_monte_carlo() -> None:
         (PadGap.paraboloid(10, 10), {"indentation": 1e9, "thickness": 1.0}, "layer_too_thin"),
         (PadGap.paraboloid(10, 10), {"load": 1.0, "thickness": -1.0}, "layer_too_thin"),
         (PadGap.paraboloid(10, 10), {"load": 1.0, "thickness": math.nan}, "layer_too_thin"),
+        (PadGap.of(PAD, wedge_angle=0.5), {"area": 50.0, "thickness": -1.0}, "layer_too_thin"),
         (PadGap.paraboloid(10, 29), {"load": 1.0, "thickness": 5.0}, "contact_too_slender"),
         (
             PadGap.paraboloid(10, 10),

@@ -380,9 +380,9 @@ class _Laws:
         found = np.isfinite(radius) & (np.abs(miss) < _LARGEST_MISS)
         ranges = []
         if self.layer is not None:
-            nu = self.layer.poisson_ratio.real
+            nu, ratio = self.layer.poisson_ratio.real, self.layer.ratio(radius).real
             ranges += [
-                ("layer_too_thin", found & (self.layer.ratio(radius).real <= THINNEST)),
+                ("layer_too_thin", found & (ratio >= 0) & (ratio <= THINNEST)),
                 ("contact_too_slender", k.real >= MOST_SLENDER_ON_LAYER),
                 ("poisson_ratio_out_of_range", (nu >= LOWEST_POISSON_RATIO) & (nu <= 0.5)),
             ]

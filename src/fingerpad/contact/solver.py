@@ -278,6 +278,8 @@ class _Problem:
         if guess is None:  # Hertz theory: the gap at the edge is half the indentation
             cells = min(int(self._target / grid.cell_area), gap.size - 1)
             guess = 2 * float(np.sort(gap, axis=None)[cells])
+            # A thin layer deforms less: the exact ratio is not needed, but twice it can reach the silhouette.
+            guess /= 1 + math.sqrt(self._target / math.pi) / self._body.thickness
         return _at_area(partial(solved, start, None), guess, self._target)
 
 
