@@ -1,6 +1,6 @@
 """Contact images of known truth: errors, coverage of the stated intervals, calibration, and speed.
 
-Run alone with ``python -m benchmarks.imprints [images]``.
+Run alone with ``python -m benchmarks.contact_images [images]``.
 """
 
 import sys

@@ -53,12 +53,12 @@ class ContactOutline:
         Standard deviation of the noise, in parts of the rise from valley to ridge.
     softness : float
         By what share the ridges' area would change if their level moved by the whole rise.
-    fade : float
-        How far beyond the outline the edge lies because the contact fades towards it.
     resolved : bool
         Whether the period was seen in the picture, or is one that fingers usually have.
     by_hand : ndarray of bool, (n,)
         Where a person drew it.
+    fade : float
+        How far beyond the outline the edge lies because the contact fades towards it.
     """
 
     points: Points
@@ -68,9 +68,9 @@ class ContactOutline:
     period: float
     noise: float
     softness: float
-    fade: float
     resolved: bool
     by_hand: BoolArray
+    fade: float = 0.0
 
     @property
     def common_std(self) -> float:
@@ -86,17 +86,13 @@ def contact_outline(
     patch: BoolArray,
     closed: UInt8,
     amount: UInt8,
-    contact: npt.NDArray[np.float32],
     period: float,
     *,
     noise: float,
     softness: float,
     resolved: bool,
 ) -> ContactOutline:
-    """Find the outline of a patch where the closed ridge amount falls through half.
-
-    `contact` is the contrast of each place with the ground.
-    """
+    """Find the outline of a patch where the closed ridge amount falls through half."""
     contour = longest_contour(patch).reshape(-1, 2).astype(np.float64)
     points = resample_outline(running_mean(contour, round(period / 2)))
     # Beyond the patch lie whiskers and other patches: they do not count.
@@ -120,16 +116,15 @@ def contact_outline(
         period=period,
         noise=noise,
         softness=softness,
-        fade=_edge_fade(contact, patch, points, normals, period),
         resolved=resolved,
         by_hand=np.zeros(len(points), dtype=bool),
     )
 
 
-def _edge_fade(
-    contact: npt.NDArray[np.float32], patch: BoolArray, points: Points, normals: Points, period: float
-) -> float:
+def edge_fade(edge: ContactOutline, patch: BoolArray, contact: npt.NDArray[np.float32]) -> float:
     """Return how far the edge of a fading contact lies beyond its outline, px.
+
+    `contact` is the contrast of each place with the ground.
 
     Pressure falls to nothing at the edge, and with it the width of the ridges and, on many devices, their
     contrast. The outline at half the local contrast then lies inside the edge: the mean contrast just outside
@@ -137,20 +132,19 @@ def _edge_fade(
     numbers near the fit to rendered contacts whose ridges fade over 0.2 to 1.6 mm in width, contrast or both.
     """
     depth = distance_to(~patch)
-    interior = contact[depth > min(_DEEP * period, 0.6 * float(depth.max()))].mean()
-    places = np.linspace(0, _RIM, 12) * period
+    interior = contact[depth > min(_DEEP * edge.period, 0.6 * float(depth.max()))].mean()
+    places = np.linspace(0, _RIM, 12) * edge.period
 
     def mean_at(distances: FloatArray) -> FloatArray:
         """Return the mean over the outline at some distances outward."""
-        at = points + distances[:, None, None] * normals
-        levels = _sample(contact, at.reshape(-1, 2)).reshape(distances.size, -1)
+        levels = _sample(contact, edge.moved(distances[:, None]).reshape(-1, 2)).reshape(distances.size, -1)
         return np.asarray(levels.mean(axis=1))
 
-    ground = mean_at(np.linspace(*_GROUND, 4) * period).mean()
+    ground = mean_at(np.linspace(*_GROUND, 4) * edge.period).mean()
     outside, inside = (
         ((mean_at(side) - ground) / max(interior - ground, 1e-9)).mean() * _RIM for side in (places, -places)
     )
-    return float(max(0.0, _FADED + _OUTSIDE * outside + _INSIDE * (_RIM - inside)) * period)
+    return float(max(0.0, _FADED + _OUTSIDE * outside + _INSIDE * (_RIM - inside)) * edge.period)
 
 
 def point_spacings(points: Points) -> FloatArray:

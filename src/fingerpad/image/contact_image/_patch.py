@@ -12,10 +12,11 @@ from fingerpad.image.contact_image._outline import (
     ContactOutline,
     axis_weights,
     contact_outline,
+    edge_fade,
     edge_shift,
     outline_covariance,
 )
-from fingerpad.image.contact_image._region import UInt8
+from fingerpad.image.contact_image._region import UInt8, filled_polygon
 from fingerpad.image.contact_image._ridge_map import RidgeMap
 from fingerpad.image.contact_image._working_image import WorkingImage
 from fingerpad.image.ellipse import AreaMoments, polygon_moments
@@ -66,15 +67,14 @@ def trace_patch(
         patch,
         closed,
         amount,
-        contact,
         view.period,
         noise=noise,
         softness=_softness(amount, patch),
         resolved=resolved,
     )
-    if by_threshold or not resolved:
-        # A given level says what counts as contact; without ridges nothing tells fading from blur.
-        edge = replace(edge, fade=0.0)
+    # A given level says what counts as contact; without ridges nothing tells fading from blur.
+    if resolved and not by_threshold:
+        edge = replace(edge, fade=edge_fade(edge, patch, contact))
     rows, columns = patch.shape
     outline = edge.moved(edge_shift(edge)).clip(-0.5, [columns - 0.5, rows - 0.5])
     return replace(edge, points=outline)
@@ -134,8 +134,5 @@ def _overlap(outline: npt.NDArray[np.float64], moments: AreaMoments) -> float:
     ellipse = moments.centroid + along * np.cos(t)[:, None] + across * np.sin(t)[:, None]
     corner = np.minimum(outline.min(axis=0), ellipse.min(axis=0)) - 1
     columns, rows = np.ceil(np.maximum(outline.max(axis=0), ellipse.max(axis=0)) - corner).astype(int) + 2
-    both = np.zeros((rows, columns), dtype=np.uint8)
-    other = np.zeros_like(both)
-    for canvas, points in ((both, outline), (other, ellipse)):
-        cv2.fillPoly(canvas, [np.rint((points - corner) * 16).astype(np.int32)], 1, shift=4)
+    both, other = (filled_polygon(points - corner, (rows, columns)) for points in (outline, ellipse))
     return float(np.count_nonzero(both & other) / np.count_nonzero(both | other))

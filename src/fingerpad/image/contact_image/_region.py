@@ -23,6 +23,7 @@ _MIN_PART = 0.03
 _MIN_SHARE = 0.1
 # Parts narrower than this share of the patch's width are not finger.
 _APPENDAGE_RATIO = 0.35
+_BITS = 4  # of a fraction of a pixel
 _NEIGHBOURS = np.array([[1, 1, 1], [1, 0, 1], [1, 1, 1]], dtype=np.uint8)
 
 
@@ -48,6 +49,13 @@ def close_ridges(amount: UInt8, period: float) -> UInt8:
     padded = cv2.copyMakeBorder(plain, pad, pad, pad, pad, cv2.BORDER_CONSTANT, value=0)
     closed[box] = cv2.morphologyEx(padded, cv2.MORPH_CLOSE, disk(radius), borderValue=0)[pad:-pad, pad:-pad]
     return closed
+
+
+def filled_polygon(points: Points, shape: tuple[int, ...]) -> UInt8:
+    """Return a picture with 1 inside a polygon (x, y) and on its border; pixel centres are whole numbers."""
+    canvas = np.zeros(shape, dtype=np.uint8)
+    cv2.fillPoly(canvas, [np.rint(points * 2**_BITS).astype(np.int32)], 1, shift=_BITS)
+    return canvas
 
 
 def fill_holes(mask: BoolArray) -> BoolArray:

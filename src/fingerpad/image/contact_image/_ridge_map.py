@@ -9,12 +9,12 @@ import numpy as np
 import numpy.typing as npt
 
 from fingerpad._arrays import BoolArray, FloatArray, as_float32
+from fingerpad.image.contact_image._region import filled_polygon
 from fingerpad.image.contact_image._ridges import Signal, ridge_amount
 from fingerpad.image.contact_image._working_image import WORKING_PERIOD_PX, Points, WorkingImage
 
 # More pixels to a ridge period than this tell nothing more.
 _MOST_PER_PERIOD = 12
-_BITS = 4
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -48,11 +48,10 @@ class RidgeMap:
 
         `half` are the unresolved parts, as an image of the map's box: half of them counts as ridge.
         """
-        inside = np.zeros(self.is_ridge.shape, dtype=np.uint8)
         places = (outline + 0.5 - self.corner[::-1]) / self.step - 0.5
-        cv2.fillPoly(inside, [np.rint(places * 2**_BITS).astype(np.int32)], 1, shift=_BITS)
-        unknown = np.count_nonzero(half & (inside > 0))
-        known = np.count_nonzero(self.is_ridge & ~half & (inside > 0))
+        inside = filled_polygon(places, self.is_ridge.shape) > 0
+        unknown = np.count_nonzero(half & inside)
+        known = np.count_nonzero(self.is_ridge & ~half & inside)
         return (known + unknown / 2) * float(self.step**2), unknown * float(self.step**2)
 
     def sampled(self, mask: BoolArray, view: WorkingImage) -> BoolArray:

@@ -168,7 +168,6 @@ def _manual_outline(points: Points, view: WorkingImage, noise: float) -> Contact
         period=view.period,
         noise=noise,
         softness=0.0,
-        fade=0.0,
         resolved=True,
         by_hand=np.ones(len(points), dtype=bool),
     )
