@@ -77,11 +77,11 @@ def contact_stress(
     [0.4  0.37]
     """
     along, across, depth = broadcast(along, across, depth)
-    body, angle = solution.body, solution.grid.angle
+    body, grid = solution.body, solution.grid
     in_body = (depth >= 0) & (depth <= body.thickness)
     hertz, waves = _split(solution)
-    place = _in_grid_axes(along, across, angle)
-    field = _stress_of_waves(waves, body, place, depth, in_body).turned(angle)
+    own = grid.to_own(along, across)
+    field = _stress_of_waves(waves, body, own, depth, in_body).turned(grid.angle)
     if hertz is None:
         return field
     closed = hertz.stress(along, across, depth, poisson_ratio=body.poisson_ratio)
@@ -130,7 +130,7 @@ def contact_displacement(solution: ContactSolution, along: ArrayLike, across: Ar
         compliance *= layer_compliance_ratio(wave * body.thickness, body.poisson_ratio)
         compression = (1 - 2 * body.poisson_ratio) / (1 - body.poisson_ratio) ** 2
         compliance[0, 0] = compression * body.thickness / body.reduced_modulus
-    place = _in_grid_axes(along, across, solution.grid.angle) - waves.first
+    place = solution.grid.to_own(along, across) - waves.first
     inside = waves.holds(place)
     found = np.full(along.shape, np.nan)
     found[inside] = waves.at(waves.spectrum * compliance, place[inside])
@@ -139,12 +139,6 @@ def contact_displacement(solution: ContactSolution, along: ArrayLike, across: Ar
     closed = hertz.displacement(along, across, reduced_modulus=body.reduced_modulus)
     closed += np.nan_to_num(found)
     return closed
-
-
-def _in_grid_axes(along: FloatArray, across: FloatArray, angle: float) -> FloatArray:
-    """Return points in the grid's own axes, shape (..., 2)."""
-    cosine, sine = math.cos(angle), math.sin(angle)
-    return np.stack([along * cosine + across * sine, across * cosine - along * sine], axis=-1)
 
 
 def _split(solution: ContactSolution) -> "tuple[HertzPressure | None, _Waves]":

@@ -308,10 +308,7 @@ class ContactField:
 def _solved_pressure(solution: ContactSolution, along: ArrayLike, across: ArrayLike) -> FloatArray:
     """Return the solved pressure at points of the surface, zero beyond its grid."""
     grid = solution.grid
-    along, across = broadcast(along, across)
-    own = np.stack([along, across], axis=-1) @ np.array(
-        [[math.cos(grid.angle), -math.sin(grid.angle)], [math.sin(grid.angle), math.cos(grid.angle)]]
-    )
+    own = grid.to_own(*broadcast(along, across))
     cells = (own - grid.centre + grid.half_widths) / grid.spacing - 0.5
     found: FloatArray = map_coordinates(
         solution.pressure, np.moveaxis(cells, -1, 0), order=1, mode="constant"

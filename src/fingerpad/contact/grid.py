@@ -64,6 +64,11 @@ class ContactGrid:
         turned: FloatArray = place @ np.array([[cosine, sine], [-sine, cosine]])
         return turned
 
+    def to_own(self, along: FloatArray, across: FloatArray) -> FloatArray:
+        """Turn points of the plane into the grid's own axes, shape (..., 2)."""
+        cosine, sine = math.cos(self.angle), math.sin(self.angle)
+        return np.stack([along * cosine + across * sine, across * cosine - along * sine], axis=-1)
+
     def around(self, outline: ContactOutline, points: int) -> Self:
         """Return a grid that a contact fills, its outline given in this grid's own axes."""
         low, high = outline.points.min(axis=0), outline.points.max(axis=0)
