@@ -1,8 +1,8 @@
-"""Rendered contact images with friction ridges, and points of an outline, of known truth.
+"""Rendered contact images with friction ridges, of known truth.
 
 The ridges come from noise filtered again and again along a flow with a core and a delta, as real prints have;
-minutiae appear by themselves. The contact ends sharply at an ellipse, or at a smooth irregular outline whose
-equal-area ellipse is the truth.
+minutiae appear by themselves. The contact ends at an ellipse, or at a smooth irregular outline whose
+equal-area ellipse is the truth; ridges end sharply there, or get narrower and fainter towards it.
 """
 
 import math
@@ -275,54 +275,6 @@ def _reach(angle: FloatArray, irregularity: float, seed: int) -> FloatArray:
     for k, wave in enumerate(waves):
         reach += size[k] * np.cos(wave * angle + phase[k])
     return reach
-
-
-def outline_points(
-    semi_x: float,
-    semi_y: float,
-    *,
-    count: int = 60,
-    arc: tuple[float, float] = (0.0, 2 * math.pi),
-    centre: tuple[float, float] = (0.0, 0.0),
-    angle: float = 0.0,
-    noise_std: float = 0.0,
-    seed: int = 0,
-) -> FloatArray:
-    """Return noisy points (x, y) on an arc of an ellipse, in the unit of its semi-axes.
-
-    Parameters
-    ----------
-    semi_x, semi_y : float
-        Semi-axes along x and y before the turn by `angle`.
-    count : int
-        Number of points, evenly spaced in the parametric angle.
-    arc : (float, float)
-        First and last parametric angle, radians; the last is left out.
-    centre : (float, float)
-        Centre (x, y).
-    angle : float
-        Turn from x towards y, radians.
-    noise_std : float
-        Standard deviation of each coordinate.
-    seed : int
-        Of the noise.
-
-    Returns
-    -------
-    ndarray, shape (count, 2)
-        Points (x, y).
-
-    Examples
-    --------
-    >>> outline_points(2.0, 1.0, count=4).round(6).tolist()
-    [[2.0, 0.0], [0.0, 1.0], [-2.0, 0.0], [-0.0, -1.0]]
-    """
-    t = np.linspace(*arc, count, endpoint=False)
-    x, y = semi_x * np.cos(t), semi_y * np.sin(t)
-    turned = np.stack(
-        [x * math.cos(angle) - y * math.sin(angle), x * math.sin(angle) + y * math.cos(angle)], axis=-1
-    )
-    return turned + centre + np.random.default_rng(seed).normal(0, noise_std, turned.shape)
 
 
 def _grid(outline: FloatArray, margin: float, mm_per_px: float) -> tuple[FloatArray, FloatArray]:
