@@ -7,13 +7,28 @@ import numpy as np
 import typer
 
 from fingerpad._files import make_folder
-from fingerpad.cli.shared import AsJson, print_json, require_positive
+from fingerpad.cli.shared import (
+    Area,
+    AsJson,
+    Grid,
+    Indentation,
+    Load,
+    RollAngle,
+    SemiAxes,
+    Thickness,
+    WedgeAngle,
+    YoungsModulus,
+    checked_pad,
+    print_json,
+    require_positive,
+)
 from fingerpad.exceptions import GeometryError
 from fingerpad.units import KPA_PER_MPA
 
 if TYPE_CHECKING:
     from fingerpad._arrays import FloatArray
     from fingerpad.contact import ContactField
+    from fingerpad.geometry import Ellipsoid
 
 # Depths of receptors in the fingertip, mm, as the literature has them; they vary from person to person.
 RECEPTORS: Final = {"Meissner": (0.5, 0.7), "Merkel": (0.7, 1.0), "Pacinian": (1.5, 2.5)}
@@ -32,23 +47,15 @@ _COLUMNS: Final = (
 
 
 def fields(
-    semi_axes_mm: Annotated[
-        tuple[float, float, float], typer.Option(help="Palmar, distal and radial-ulnar semi-axes, mm.")
-    ],
-    wedge_deg: Annotated[
-        float, typer.Option(min=0, max=90, help="Wedge angle, degrees: 0 is flat, 90 on the fingertip.")
-    ],
-    modulus_kpa: Annotated[float, typer.Option(help="Young's modulus E, kPa.")],
-    roll_deg: Annotated[
-        float, typer.Option(min=-360, max=360, help="Roll about the finger's long axis, degrees.")
-    ] = 0.0,
+    semi_axes_mm: SemiAxes,
+    wedge_deg: WedgeAngle,
+    modulus_kpa: YoungsModulus,
+    roll_deg: RollAngle = 0.0,
     poisson_ratio: Annotated[float, typer.Option(help="Poisson's ratio, 0 to 0.5.")] = 0.5,
-    thickness_mm: Annotated[
-        float | None, typer.Option(help="Thickness of tissue on bone, mm; a half-space without it.")
-    ] = None,
-    load_n: Annotated[float | None, typer.Option(help="Normal force, N.")] = None,
-    area_mm2: Annotated[float | None, typer.Option(help="Contact area, mm², instead.")] = None,
-    indentation_mm: Annotated[float | None, typer.Option(help="Indentation, mm, instead.")] = None,
+    thickness_mm: Thickness = None,
+    load_n: Load = None,
+    area_mm2: Area = None,
+    indentation_mm: Indentation = None,
     depth_mm: Annotated[
         list[float] | None,
         typer.Option(
@@ -57,7 +64,7 @@ def fields(
             show_default=False,
         ),
     ] = None,
-    grid: Annotated[int, typer.Option(min=64, max=1024, help="Cells along each side of the grid.")] = 256,
+    grid: Grid = 256,
     plot: Annotated[
         Path | None, typer.Option(help="Folder for the section under the contact, as SVG and PNG.")
     ] = None,
@@ -71,7 +78,10 @@ def fields(
     from fingerpad.contact import reduced_modulus
 
     given = {"--load-n": load_n, "--area-mm2": area_mm2, "--indentation-mm": indentation_mm}
-    _check(given, semi_axes_mm, modulus_kpa, thickness_mm, poisson_ratio)
+    _check(given, modulus_kpa, thickness_mm)
+    pad = checked_pad(semi_axes_mm)
+    if not 0 <= poisson_ratio <= 0.5:
+        raise GeometryError(f"--poisson-ratio must be from 0 to 0.5, found {poisson_ratio:g}")
     depths = _depths(depth_mm, np.inf if thickness_mm is None else thickness_mm)
     press = {
         "wedge_angle": np.radians(wedge_deg),
@@ -82,7 +92,7 @@ def fields(
         "area": area_mm2,
         "indentation": indentation_mm,
     }
-    solved, hertz = _contacts(semi_axes_mm, thickness_mm, grid, press)
+    solved, hertz = _contacts(pad, thickness_mm, grid, press)
     record = _record(solved, depths) | {"thickness_mm": thickness_mm, "hertz": _record(hertz, depths)}
     if plot is not None:
         _plot_section(solved, hertz, plot)
@@ -92,32 +102,20 @@ def fields(
         _print_fields(record)
 
 
-def _check(
-    given: dict[str, float | None],
-    semi_axes_mm: tuple[float, float, float],
-    modulus_kpa: float,
-    thickness_mm: float | None,
-    poisson_ratio: float,
-) -> None:
+def _check(given: dict[str, float | None], modulus_kpa: float, thickness_mm: float | None) -> None:
     """Refuse what no contact can have."""
     if sum(value is not None for value in given.values()) != 1:
         raise GeometryError("give exactly one of --load-n, --area-mm2 and --indentation-mm")
     for flag, value in (*given.items(), ("--modulus-kpa", modulus_kpa), ("--thickness-mm", thickness_mm)):
         require_positive(flag, value)
-    for semi_axis in semi_axes_mm:
-        require_positive("--semi-axes-mm", semi_axis)
-    if not 0 <= poisson_ratio <= 0.5:
-        raise GeometryError(f"--poisson-ratio must be from 0 to 0.5, found {poisson_ratio:g}")
 
 
 def _contacts(
-    semi_axes: tuple[float, float, float], thickness: float | None, grid: int, press: dict[str, Any]
+    pad: "Ellipsoid", thickness: float | None, grid: int, press: dict[str, Any]
 ) -> "tuple[ContactField, ContactField]":
     """Return the field of the whole pad, and that of Hertz theory."""
     from fingerpad.contact import ContactField, EllipsoidContact
-    from fingerpad.geometry import Ellipsoid
 
-    pad = Ellipsoid(*semi_axes)
     hertz = ContactField.of_hertz(pad, **press)
     contact = EllipsoidContact.of(pad, thickness=thickness, points=grid, **press)
     return ContactField.of_solution(contact.solution), hertz

@@ -7,7 +7,17 @@ import numpy as np
 import typer
 
 from fingerpad._files import make_folder
-from fingerpad.cli.shared import AsJson, print_json, print_record, require_positive
+from fingerpad.cli.shared import (
+    AsJson,
+    Indentation,
+    Load,
+    SemiAxes,
+    WedgeAngle,
+    checked_pad,
+    print_json,
+    print_record,
+    require_positive,
+)
 from fingerpad.units import KPA_PER_MPA
 
 if TYPE_CHECKING:
@@ -15,24 +25,18 @@ if TYPE_CHECKING:
 
 
 def geometry(
-    semi_axes_mm: Annotated[
-        tuple[float, float, float], typer.Option(help="Palmar, distal and radial-ulnar semi-axes, mm.")
-    ],
-    wedge_deg: Annotated[
-        float, typer.Option(min=0, max=90, help="Wedge angle, degrees: 0 is flat, 90 on the fingertip.")
-    ],
+    semi_axes_mm: SemiAxes,
+    wedge_deg: WedgeAngle,
     roll_deg: Annotated[
         float | None, typer.Option(min=-360, max=360, help="Roll about the finger's long axis, degrees.")
     ] = None,
     as_json: AsJson = False,
 ) -> None:
     """Find where a pad on a wedge touches the platen, and how it is curved there."""
-    from fingerpad.geometry import Ellipsoid, Placement
+    from fingerpad.geometry import Placement
 
-    for semi_axis in semi_axes_mm:
-        require_positive("--semi-axes-mm", semi_axis)
     placement = Placement(
-        Ellipsoid(*semi_axes_mm), wedge_angle=np.radians(wedge_deg), roll_angle=np.radians(roll_deg or 0.0)
+        checked_pad(semi_axes_mm), wedge_angle=np.radians(wedge_deg), roll_angle=np.radians(roll_deg or 0.0)
     )
     curvature = placement.curvature
     record = {
@@ -57,10 +61,8 @@ def geometry(
 def hertz(
     radii_mm: Annotated[tuple[float, float], typer.Option(help="Relative principal radii of curvature, mm.")],
     modulus_kpa: Annotated[float, typer.Option(help="Reduced modulus E*, kPa.")],
-    load_n: Annotated[float | None, typer.Option(help="Normal force, N.")] = None,
-    indentation_mm: Annotated[
-        float | None, typer.Option(help="Indentation, mm, instead of --load-n.")
-    ] = None,
+    load_n: Load = None,
+    indentation_mm: Indentation = None,
     as_json: AsJson = False,
 ) -> None:
     """Solve the elliptical Hertz contact under a load, or at an indentation."""

@@ -4,7 +4,7 @@ import math
 import sys
 from collections.abc import Mapping
 from enum import IntEnum
-from typing import Annotated, Any, Final, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Any, Final, TypeAlias
 
 import typer
 from typer.core import TyperCommand, TyperGroup
@@ -12,7 +12,30 @@ from typer.core import TyperCommand, TyperGroup
 from fingerpad._json import dumps, plain
 from fingerpad.exceptions import FingerpadError, GeometryError, reason_of
 
+if TYPE_CHECKING:
+    from fingerpad.geometry import Ellipsoid
+
 AsJson: TypeAlias = Annotated[bool, typer.Option("--json", help="Print one JSON document instead of text.")]
+
+# A pad on its wedge, and how it is pressed.
+SemiAxes: TypeAlias = Annotated[
+    tuple[float, float, float], typer.Option(help="Palmar, distal and radial-ulnar semi-axes, mm.")
+]
+WedgeAngle: TypeAlias = Annotated[
+    float, typer.Option(min=0, max=90, help="Wedge angle, degrees: 0 is flat, 90 on the fingertip.")
+]
+RollAngle: TypeAlias = Annotated[
+    float, typer.Option(min=-360, max=360, help="Roll about the finger's long axis, degrees.")
+]
+YoungsModulus: TypeAlias = Annotated[float, typer.Option(help="Young's modulus E of the tissue, kPa.")]
+Thickness: TypeAlias = Annotated[
+    float | None,
+    typer.Option(help="Effective thickness of the tissue over bone, mm.", show_default="half-space"),
+]
+Load: TypeAlias = Annotated[float | None, typer.Option(help="Normal force, N.")]
+Area: TypeAlias = Annotated[float | None, typer.Option(help="Contact area, mm², instead of --load-n.")]
+Indentation: TypeAlias = Annotated[float | None, typer.Option(help="Indentation, mm, instead of --load-n.")]
+Grid: TypeAlias = Annotated[int, typer.Option(min=64, max=1024, help="Grid cells along each side.")]
 
 
 _SMALLEST: Final = 1e-9
@@ -106,6 +129,15 @@ def print_error(text: str) -> None:
     """Print lines on stderr, each beginning with the name of the command."""
     for line in text.splitlines():
         typer.echo(f"fingerpad: {line}", err=True)
+
+
+def checked_pad(semi_axes_mm: tuple[float, float, float]) -> "Ellipsoid":
+    """Return the pad of ``--semi-axes-mm``, each of which must be positive."""
+    from fingerpad.geometry import Ellipsoid
+
+    for semi_axis in semi_axes_mm:
+        require_positive("--semi-axes-mm", semi_axis)
+    return Ellipsoid(*semi_axes_mm)
 
 
 def require_positive(flag: str, value: float | None) -> None:

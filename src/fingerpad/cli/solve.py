@@ -8,7 +8,21 @@ import numpy as np
 import typer
 
 from fingerpad._json import plain
-from fingerpad.cli.shared import AsJson, print_json, require_positive
+from fingerpad.cli.shared import (
+    Area,
+    AsJson,
+    Grid,
+    Indentation,
+    Load,
+    RollAngle,
+    SemiAxes,
+    Thickness,
+    WedgeAngle,
+    YoungsModulus,
+    checked_pad,
+    print_json,
+    require_positive,
+)
 from fingerpad.exceptions import ConvergenceError, GeometryError
 from fingerpad.units import KPA_PER_MPA
 
@@ -20,29 +34,18 @@ _ROUND = 0.999  # axis ratio above which an ellipse has no direction
 
 
 def solve(
-    semi_axes_mm: Annotated[
-        tuple[float, float, float], typer.Option(help="Palmar, distal and radial-ulnar semi-axes, mm.")
-    ],
-    wedge_deg: Annotated[
-        float, typer.Option(min=0, max=90, help="Wedge angle, degrees: 0 is flat, 90 on the fingertip.")
-    ],
-    modulus_kpa: Annotated[float, typer.Option(help="Young's modulus E of the tissue, kPa.")],
-    roll_deg: Annotated[
-        float, typer.Option(min=-360, max=360, help="Roll about the finger's long axis, degrees.")
-    ] = 0.0,
+    semi_axes_mm: SemiAxes,
+    wedge_deg: WedgeAngle,
+    modulus_kpa: YoungsModulus,
+    roll_deg: RollAngle = 0.0,
     poisson_ratio: Annotated[
         float, typer.Option(min=0, max=0.5, help="Poisson's ratio of the tissue.")
     ] = 0.5,
-    thickness_mm: Annotated[
-        float | None,
-        typer.Option(help="Effective thickness of the tissue over bone, mm.", show_default="half-space"),
-    ] = None,
-    load_n: Annotated[float | None, typer.Option(help="Normal force, N.")] = None,
-    area_mm2: Annotated[float | None, typer.Option(help="Contact area, mm², instead of --load-n.")] = None,
-    indentation_mm: Annotated[
-        float | None, typer.Option(help="Indentation, mm, instead of --load-n.")
-    ] = None,
-    grid: Annotated[int, typer.Option(min=64, max=1024, help="Grid cells along each side.")] = 256,
+    thickness_mm: Thickness = None,
+    load_n: Load = None,
+    area_mm2: Area = None,
+    indentation_mm: Indentation = None,
+    grid: Grid = 256,
     as_json: AsJson = False,
 ) -> None:
     """Press a whole ellipsoidal pad against a flat plate, on deep tissue or on a layer over bone.
@@ -53,13 +56,16 @@ def solve(
     along either.
     """
     from fingerpad.contact import reduced_modulus
+    from fingerpad.geometry import Placement
 
     given = {"--load-n": load_n, "--area-mm2": area_mm2, "--indentation-mm": indentation_mm}
     if len(_only_given(given)) != 1:
         raise typer.BadParameter("give exactly one of --load-n, --area-mm2 and --indentation-mm")
     for flag, value in {**given, "--modulus-kpa": modulus_kpa, "--thickness-mm": thickness_mm}.items():
         require_positive(flag, value)
-    placement = _placement(semi_axes_mm, wedge_deg, roll_deg)
+    placement = Placement(
+        checked_pad(semi_axes_mm), wedge_angle=np.radians(wedge_deg), roll_angle=np.radians(roll_deg)
+    )
     modulus = float(reduced_modulus(modulus_kpa / KPA_PER_MPA, poisson_ratio))
     body = {"thickness": thickness_mm, "poisson_ratio": poisson_ratio}
     wanted = _only_given({"load": load_n, "area": area_mm2, "indentation": indentation_mm})
@@ -78,16 +84,6 @@ def solve(
         print_json(record)
     else:
         _print_table(record)
-
-
-def _placement(semi_axes_mm: tuple[float, float, float], wedge_deg: float, roll_deg: float) -> "Placement":
-    from fingerpad.geometry import Ellipsoid, Placement
-
-    for semi_axis in semi_axes_mm:
-        require_positive("--semi-axes-mm", semi_axis)
-    return Placement(
-        Ellipsoid(*semi_axes_mm), wedge_angle=np.radians(wedge_deg), roll_angle=np.radians(roll_deg)
-    )
 
 
 def _only_given(values: Mapping[str, float | None]) -> dict[str, float]:
@@ -159,11 +155,10 @@ def _hertz_record(
 ) -> dict[str, Any]:
     """Return Hertz theory's answer; its error is the largest departure from the solved contact."""
     from fingerpad.contact import HertzGeometry
+    from fingerpad.contact.ellipsoid_contact import hertz_contact_at
 
     geometry = HertzGeometry(*placement.curvature.principal_radii)
-    at = {"load": geometry.under_load, "area": geometry.at_area, "indentation": geometry.at_indentation}
-    ((name, value),) = wanted.items()
-    contact = at[name](value, reduced_modulus=modulus)
+    contact = hertz_contact_at(geometry, modulus, *map(wanted.get, ("load", "indentation", "area")))
     record = {
         **_sizes(contact),
         "long_axis_along": _long_axis(float(geometry.axis_ratio), float(geometry.long_axis) == 1),
