@@ -9,7 +9,7 @@ from typing import Any, Final, Literal, TypeAlias
 from pydantic import BaseModel, ConfigDict
 
 from fingerpad.study.corrections.history import Action
-from fingerpad.study.manifest.load import Kind
+from fingerpad.study.manifest.check import Kind
 from fingerpad.study.manifest.study import Uncertainty
 
 Point: TypeAlias = tuple[float, float]

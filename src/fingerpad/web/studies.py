@@ -9,7 +9,8 @@ from pydantic import Field
 from fingerpad.exceptions import EditConflict
 from fingerpad.study.editing.apply_edit import Edit
 from fingerpad.study.editing.edit import create_study
-from fingerpad.study.manifest.load import STUDY_NAME, Kind
+from fingerpad.study.manifest.check import Kind
+from fingerpad.study.manifest.load import STUDY_NAME
 from fingerpad.web import answers
 from fingerpad.web.endpoints import Endpoint, Params
 from fingerpad.web.errors import RequestError

@@ -26,8 +26,9 @@ from fingerpad.study.manifest import (
     Study,
     load_study,
 )
+from fingerpad.study.manifest.check import Table
 from fingerpad.study.manifest.files import file_inside
-from fingerpad.study.manifest.load import STUDY_NAME, Table
+from fingerpad.study.manifest.load import STUDY_NAME
 from fingerpad.study.manifest.validation import Fault
 from fingerpad.web.errors import RequestError
 from fingerpad.web.events import Events

@@ -8,7 +8,8 @@ from typing import Final
 
 from fingerpad.image import FACE_AXES
 from fingerpad.study.manifest import Finger, LoadedStudy, Study
-from fingerpad.study.manifest.load import STUDY_NAME, Table
+from fingerpad.study.manifest.check import Table
+from fingerpad.study.manifest.load import STUDY_NAME
 from fingerpad.study.manifest.validation import Fault
 
 # What can be a picture, a film, a curve or an outline.
