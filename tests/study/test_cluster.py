@@ -203,23 +203,28 @@ def test_a_task_that_crashes_is_named_and_costs_no_worker(
         ("tcp://127.0.0.1:9", "no scheduler answers"),
         ("nonsense", "--scheduler takes an address, as in tcp://host:8786, or local; found 'nonsense'"),
         ("tls://127.0.0.1:9", "no certificate is configured"),
-        ("none yet", "has no worker: start some with `dask worker tcp://127.0.0.1"),
     ],
 )
-def test_nobody_to_measure(
-    made: Path,
-    tmp_path: Path,
-    processes: Processes,
-    monkeypatch: pytest.MonkeyPatch,
-    address: str,
-    words: str,
+def test_wrong_address(
+    made: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, address: str, words: str
 ) -> None:
     monkeypatch.setattr(cluster, "_WAIT_S", 3)
-    scheduler = processes.address if address == "none yet" else address
-    command = ["run", str(made), "--out", str(tmp_path / "out"), "--scheduler", scheduler]
-    result = CliRunner().invoke(app, command)
+    assert words in refusal(made, tmp_path / "out", address)
+
+
+def test_scheduler_without_workers(
+    made: Path, tmp_path: Path, processes: Processes, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(cluster, "_WAIT_S", 3)
+    words = f"has no worker: start some with `dask worker {processes.address}"
+    assert words in refusal(made, tmp_path / "out", processes.address)
+
+
+def refusal(manifest: Path, out: Path, scheduler: str) -> str:
+    """Return what the command says when it refuses to run."""
+    result = CliRunner().invoke(app, ["run", str(manifest), "--out", str(out), "--scheduler", scheduler])
     assert (result.exit_code, result.exception.__class__) == (2, SystemExit)
-    assert words in " ".join(result.stderr.split())
+    return " ".join(result.stderr.split())
 
 
 def test_a_scheduler_of_ones_own(made: Path, undisturbed: list[dict], tmp_path: Path) -> None:

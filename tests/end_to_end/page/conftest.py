@@ -1,7 +1,8 @@
 """A browser, a study that has been run, and tabs on it."""
 
 import shutil
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager
 from pathlib import Path
 
 import pytest
@@ -10,15 +11,26 @@ from tests.end_to_end.page.browser import Tab, served
 
 
 @pytest.fixture(scope="session")
-def browser() -> Iterator[Browser]:
-    chromium = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-    if chromium is None:
+def chromium() -> Iterator[Callable[..., AbstractContextManager[Browser]]]:
+    """Starts a browser with some options."""
+    program = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+    if program is None:
         pytest.skip("no Chromium on this machine: sudo apt install chromium")
-    options = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
     with sync_playwright() as play:
-        browser = play.chromium.launch(executable_path=chromium, args=options)
+        yield lambda *options: play.chromium.launch(executable_path=program, args=["--no-sandbox", *options])
+
+
+@pytest.fixture(scope="session")
+def browser(chromium) -> Iterator[Browser]:
+    """A browser without WebGL: emulated by the processor, it makes every page slow."""
+    with chromium("--disable-gpu", "--disable-software-rasterizer") as browser:
         yield browser
-        browser.close()
+
+
+@pytest.fixture
+def webgl_browser(chromium) -> Iterator[Browser]:
+    with chromium("--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader") as browser:
+        yield browser
 
 
 @pytest.fixture
