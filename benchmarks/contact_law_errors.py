@@ -62,12 +62,12 @@ def held_out() -> None:
         ("whole pad on a layer", "layered_held_out"),
     ):
         rows = kept[name]
-        gap, layer = _of(rows, is_pad=not name.startswith("elliptical"))
+        gap, layer = kept_gaps(rows, is_pad=not name.startswith("elliptical"))
         load, area, depth, ratio, peak = rows[:, -5:].T
         solved = {"load": load, "area": area / AREA_BIAS, "indentation": depth}
         for given in _NAMES:
             fast = fast_contact(gap, reduced_modulus=1.0, **layer, **{given: solved[given]})
-            hertz = _hertz(gap, given, solved[given])
+            hertz = hertz_contacts(gap, given, solved[given])
             wanted = [each for each in _NAMES if each != given]
             inside = fast.flag_code == 0
             print(f"    {title}, by {given} ({inside.sum()} of {len(rows)} within)")
@@ -75,7 +75,7 @@ def held_out() -> None:
                 _print(each, getattr(fast, each)[inside], solved[each][inside], getattr(hertz, each)[inside])
         form = fast_ellipse(gap, area=solved["area"], **layer)
         inside = np.isfinite(form.semi_major)
-        hertz = _hertz(gap, "area", solved["area"])
+        hertz = hertz_contacts(gap, "area", solved["area"])
         print(f"    {title}, by area")
         _print(
             "aspect ratio",
@@ -92,14 +92,16 @@ def held_out() -> None:
         )
 
 
-def _of(rows: FloatArray, *, is_pad: bool) -> tuple[PadGap, dict[str, Any]]:
+def kept_gaps(rows: FloatArray, *, is_pad: bool) -> tuple[PadGap, dict[str, Any]]:
+    """Return gaps and tissue of kept contacts, as `fast_contact` takes them."""
     if not is_pad:
         return PadGap.paraboloid(1000.0, rows[:, 2]), {"thickness": 1.0, "poisson_ratio": rows[:, 0]}
     gap = PadGap.of(Ellipsoid(*rows[:, :3].T), wedge_angle=rows[:, 3], roll_angle=rows[:, 4])
     return gap, {} if np.isinf(rows[:, 5]).all() else {"thickness": rows[:, 5], "poisson_ratio": rows[:, 6]}
 
 
-def _hertz(gap: PadGap, given: str, value: FloatArray) -> Any:
+def hertz_contacts(gap: PadGap, given: str, value: FloatArray) -> Any:
+    """Return Hertz contacts, E* = 1, by load, area or indentation."""
     geometry = HertzGeometry(gap.first_radius, gap.second_radius)
     by: dict[str, Callable[..., Any]] = {
         "load": geometry.under_load,
