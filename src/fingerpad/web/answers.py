@@ -9,6 +9,8 @@ from typing import Any, Final, Literal, TypeAlias
 from pydantic import BaseModel, ConfigDict
 
 from fingerpad.study.corrections.history import Action
+from fingerpad.study.editing.file_names import Kind as FileKind
+from fingerpad.study.editing.file_names import Role
 from fingerpad.study.manifest.check import Kind
 from fingerpad.study.manifest.study import Uncertainty
 
@@ -191,13 +193,24 @@ class CurveEntry(Answer):
     reason: str | None
 
 
+class FileReading(Answer):
+    """What the name of a file says; null where it says nothing or could mean two things."""
+
+    role: Role | None
+    finger: str | None
+    face: Face | None
+    wedge_angle_deg: float | None
+    load_N: float | None  # noqa: N815
+
+
 class FileEntry(Answer):
-    """A file of the study folder."""
+    """A file of the study folder; what its name says where the study does not use it."""
 
     file: str
-    kind: Literal["picture", "film", "table", "other"]
+    kind: FileKind
     bytes: int
     used: bool
+    reading: FileReading | None
 
 
 class Descriptions(Answer):

@@ -4,6 +4,7 @@ from collections import Counter
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import asdict
+from pathlib import Path
 from typing import Annotated, Any, Final
 
 import numpy as np
@@ -12,10 +13,12 @@ from pydantic import Field
 from fingerpad._files import digest_of
 from fingerpad.exceptions import StoreError
 from fingerpad.image import FACE_AXES, PHOTOGRAPH_FLAGS
+from fingerpad.image.sequence.frames import TIFF_SUFFIXES
 from fingerpad.report.text import FLAG_WORDS
 from fingerpad.report.write import REPORT_NAME
 from fingerpad.study.corrections.history import CORRECTIONS_NAME, ActiveCorrection
 from fingerpad.study.corrections.log import frames_of
+from fingerpad.study.editing.file_names import read_file_name
 from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.manifest import LoadedStudy, Study
 from fingerpad.study.manifest.load import STUDY_NAME
@@ -260,7 +263,7 @@ def _sequence(
         "file": _text(table, "file"),
         "synthetic": table.get("synthetic") is True,
         "status": states.get(name, "left"),
-        "frames": opened.count_frames(opened.sequence(name)) if complete else None,
+        "frames": opened.count_frames(opened.sequence(name).file) if complete else None,
         "flags": Counter(flag for row in rows for flag in (row["flags"] or "").split()),
         "corrected": sum(bool(active_correction.change.edits) for active_correction in of_frames),
         "rejected": sum(active_correction.change.rejected is not None for active_correction in of_frames),
@@ -293,15 +296,20 @@ def _curves(loaded: LoadedStudy, states: Mapping[str, str], found: Results | Non
 def _files(opened: StudySession) -> list[dict[str, Any]]:
     unused = {one.key for one in opened.missing() if one.kind == "file"}
     folders = tuple(f"{one.key}/" for one in opened.missing() if one.kind == "folder")
-    return [
-        {
-            "file": name,
-            "kind": kind_of_file(name),
-            "bytes": status.st_size,
-            "used": name not in unused and not name.startswith(folders),
-        }
-        for name, status in opened.files().items()
-    ]
+    fingers = [finger.name for finger in opened.study().fingers]
+
+    def described(name: str, size: int) -> dict[str, Any]:
+        kind, used = kind_of_file(name), name not in unused and not name.startswith(folders)
+        if (
+            name in unused
+            and Path(name).suffix.lower() in TIFF_SUFFIXES
+            and (opened.count_frames(name) or 1) > 1
+        ):
+            kind = "film"
+        reading = asdict(read_file_name(name, kind, fingers=fingers)) if name in unused else None
+        return {"file": name, "kind": kind, "bytes": size, "used": used, "reading": reading}
+
+    return [described(name, status.st_size) for name, status in opened.files().items()]
 
 
 def state(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
@@ -323,7 +331,7 @@ def frames(workspace: Workspace, params: FramesParams, _: Any) -> dict[str, Any]
     sequence = opened.sequence(params.sequence)
     found = last_results(opened)
     rows = found.frames(sequence.name) if found else {}
-    total = opened.count_frames(sequence) or 0
+    total = opened.count_frames(sequence.file) or 0
     shown = range(min(params.offset, total), min(params.offset + params.limit, total))
     ruled = frames_of(opened.corrections.active_corrections(), sequence.name)
     return {

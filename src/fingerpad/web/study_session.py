@@ -149,12 +149,12 @@ class StudySession:
                     return finger, photograph
         raise RequestError.not_there(f"no item is named {item!r}")
 
-    def count_frames(self, sequence: ContactSequence) -> int | None:
-        """Return the number of frames of a sequence, None where it cannot be opened."""
-        path = self.folder / sequence.file
+    def count_frames(self, name: str) -> int | None:
+        """Return the number of frames of a folder, TIFF or video, None where it cannot be opened."""
+        path = self.folder / name
         try:
             return self._counts.get(
-                (sequence.file, _stamp_of(path)),
+                (name, _stamp_of(path)),
                 lambda: open_frames(path, memory_limit=self.memory_limit).count,
             )
         except ImageError:

@@ -17,15 +17,14 @@ from starlette.requests import Request
 from fingerpad._files import sha256_of
 from fingerpad.exceptions import FingerpadError
 from fingerpad.image import open_frames, read_image
+from fingerpad.image.sequence.frames import PICTURE_SUFFIXES, VIDEO_SUFFIXES
 from fingerpad.web.errors import RequestError
 from fingerpad.web.pictures import is_film, kind_of_file
 from fingerpad.web.study_session import StudySession
 
 FOLDER: Final = "uploads"
 _LONGEST: Final = 120
-_SUFFIXES: Final = frozenset(
-    (".png", ".tif", ".tiff", ".jpg", ".jpeg", ".bmp", ".pgm", ".ppm", ".csv", ".avi", ".mp4", ".mov", ".mkv")
-)
+_SUFFIXES: Final = PICTURE_SUFFIXES | VIDEO_SUFFIXES | {".csv"}
 
 
 def plain_name(name: str) -> str:

@@ -23,7 +23,8 @@ from fingerpad.image.read import check_finite, check_regular, read_image
 Kind: TypeAlias = Literal["folder", "tiff", "video"]
 
 PICTURE_SUFFIXES: Final = frozenset({".png", ".tif", ".tiff", ".jpg", ".jpeg", ".bmp", ".pgm", ".ppm"})
-_TIFF_SUFFIXES: Final = frozenset({".tif", ".tiff"})
+VIDEO_SUFFIXES: Final = frozenset({".avi", ".mp4", ".mov", ".mkv"})
+TIFF_SUFFIXES: Final = frozenset({".tif", ".tiff"})
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -195,7 +196,7 @@ def open_frames(path: str | PathLike[str], *, memory_limit: int = MEMORY_LIMIT) 
         count = len(frame_files(path))
         if not count:
             raise ImageError(f"{path}: holds no picture (PNG, TIFF, JPEG, BMP or PGM)")
-    elif path.suffix.lower() in _TIFF_SUFFIXES:
+    elif path.suffix.lower() in TIFF_SUFFIXES:
         kind, count = "tiff", _count_pages(path)
     elif path.suffix.lower() in PICTURE_SUFFIXES:
         raise ImageError(f"{path}: is one picture: name the folder that holds the sequence")

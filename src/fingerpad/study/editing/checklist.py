@@ -7,14 +7,14 @@ from pathlib import Path, PurePosixPath
 from typing import Final
 
 from fingerpad.image import FACE_AXES
+from fingerpad.image.sequence.frames import PICTURE_SUFFIXES, VIDEO_SUFFIXES
 from fingerpad.study.manifest import Finger, LoadedStudy, Study
 from fingerpad.study.manifest.check import Table
 from fingerpad.study.manifest.load import STUDY_NAME
 from fingerpad.study.manifest.validation import Fault
 
 # What can be a picture, a film, a curve or an outline.
-_PICTURES: Final = frozenset((".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".webp"))
-_OTHERS: Final = frozenset((".csv", ".avi", ".mp4", ".mov", ".mkv"))
+_USABLE: Final = PICTURE_SUFFIXES | VIDEO_SUFFIXES | {".csv"}
 # A run's output folder, which may lie inside the study's.
 _OF_A_RUN: Final = frozenset(("store.sqlite", "results.json", "results.csv"))
 # More pictures than these in a folder of their own are the frames of a film.
@@ -122,7 +122,7 @@ def _unused(loaded: LoadedStudy) -> Iterator[Missing]:
             continue
         frames.setdefault(path.parent.relative_to(folder).as_posix(), []).append(name)
     for place, names in sorted(frames.items()):
-        pictures = {name for name in names if Path(name).suffix.lower() in _PICTURES}
+        pictures = {name for name in names if Path(name).suffix.lower() in PICTURE_SUFFIXES}
         if place != "." and len(pictures) > _FILM:
             words = f"{len(pictures)} pictures that nothing names: add them as a sequence"
             yield Missing(kind="folder", key=place, words=words)
@@ -139,5 +139,5 @@ def _files(folder: Path) -> Iterator[Path]:
         if path.is_dir():
             if not path.is_symlink() and not any((path / name).exists() for name in _OF_A_RUN):
                 yield from _files(path)
-        elif path.suffix.lower() in _PICTURES | _OTHERS:
+        elif path.suffix.lower() in _USABLE:
             yield path

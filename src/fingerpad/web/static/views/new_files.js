@@ -24,30 +24,19 @@ const KINDS = {
 };
 const FACES = ["palmar", "distal", "radial", "ulnar"];
 
-/** Values read from a file name, as a proposal. */
-export function readName(file, kind) {
-  const name = file
-    .split("/")
-    .at(-1)
-    .replace(/\.[^.]+$/, "");
-  const face = FACES.find((each) => name.toLowerCase().includes(each));
-  const found = (pattern) => (name.match(pattern) ? Number(name.match(pattern)[1]) : undefined);
-  const fingers = workspace.study.fingers.map((finger) => finger.name);
-  const said = name.match(/(left|right)[ _-]?(thumb|index|middle|ring|little)/i);
+/** Name and values of a new file, as a proposal; empty where its name leaves them open. */
+function draftOf({ file, reading }) {
+  const { fingers } = workspace.study;
   return {
-    name,
-    face,
-    as: /ruler|scale|coin|euro|cent|force/i.test(name)
-      ? ""
-      : face && kind === "picture"
-        ? "photograph"
-        : KINDS[kind][0][0],
-    finger:
-      fingers.find((finger) => name.includes(finger)) ??
-      (said ? `${said[1]}_${said[2]}`.toLowerCase() : fingers.length === 1 ? fingers[0] : ""),
-    // "0-5N" may mean 0.5 N: uncertain values are left empty
-    wedge_angle_deg: found(/(?<!\d[.-]?)(\d+(?:\.\d+)?)[ _-]?(?:deg|°)/i),
-    load_N: found(/(?:^|[_ ]|(?<!\d)-)(\d+(?:\.\d+)?)[ _-]?N(?![a-z])/),
+    name: file
+      .split("/")
+      .at(-1)
+      .replace(/\.[^.]+$/, ""),
+    as: reading.role ?? "",
+    finger: reading.finger ?? (fingers.length === 1 ? fingers[0].name : ""),
+    face: reading.face ?? undefined,
+    wedge_angle_deg: reading.wedge_angle_deg ?? undefined,
+    load_N: reading.load_N ?? undefined,
   };
 }
 
@@ -73,9 +62,10 @@ export class NewFiles {
     this.#drawRest(unused.filter(({ file }) => !file.startsWith("uploads/")));
     this.root.hidden = !files.length;
     if (!files.length) return;
-    for (const { file, kind } of files) {
+    for (const each of files) {
+      const { file, kind } = each;
       if (!this.drafts.has(file)) {
-        this.drafts.set(file, { kind, ...readName(file, kind) });
+        this.drafts.set(file, draftOf(each));
         if (kind === "picture" && !this.info.has(file)) this.#loadInfo(file);
       }
     }
