@@ -24,11 +24,11 @@ from pathlib import Path
 from fingerpad.report import write, write_report
 from fingerpad.study.pipeline import run_study
 
-write._MOST_GROUPS = 5
+write._MOST_GROUPS = 3
 manifest, out = map(Path, sys.argv[1:])
 run_study(manifest, out, write_report=write_report, on_progress=lambda one: print(one.item))
 """
-FINGERS, WEDGES, LOADS = ("left", "right", "thumb"), (0, 30), (1, 2)
+FINGERS, LOADS = ("left", "right", "thumb"), (1, 2)
 
 
 def finger_pages(items: list[str]) -> list[str]:
@@ -37,12 +37,10 @@ def finger_pages(items: list[str]) -> list[str]:
 
 @pytest.fixture(autouse=True)
 def few_groups(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(write, "_MOST_GROUPS", 5)
+    monkeypatch.setattr(write, "_MOST_GROUPS", 3)
 
 
-def manifest_of(
-    folder: Path, *, fingers: tuple[str, ...] = FINGERS, thumb_mm: float = 6.0, curve: bool = False
-) -> Path:
+def manifest_of(folder: Path, *, fingers: tuple[str, ...] = FINGERS, thumb_mm: float = 6.0) -> Path:
     lines = ['title = "Many fingers"']
     for name in fingers:
         lines += [
@@ -52,7 +50,8 @@ def manifest_of(
             "semi_axes_mm_std = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }",
         ]
     for name in fingers:
-        for wedge in WEDGES:
+        # Two angles of one finger are the least that is drawn over all.
+        for wedge in (0, 30) if name == "left" else (30,):
             for load in LOADS:
                 size = (thumb_mm if name == "thumb" else 6.0) * load**0.3
                 lines += [
@@ -64,12 +63,12 @@ def manifest_of(
                     f"ellipse_mm = {{ semi_major = {size:.3f}, semi_minor = 5.0, std = 0.1 }}",
                 ]
     folder.mkdir(exist_ok=True)
-    if curve:
+    if not (folder / "left.csv").exists():
         press = simulate_loading_curve(loading_radius=15.0, force_std=0.004)
         columns = np.stack([press.time, press.load, press.indentation, press.area], axis=-1)
         header = "time_s,force_N,displacement_mm,area_mm2"
         np.savetxt(folder / "left.csv", columns, delimiter=",", header=header, comments="")
-        lines += ["[[curves]]", 'finger = "left"', "wedge_angle_deg = 30", 'file = "left.csv"']
+    lines += ["[[curves]]", 'finger = "left"', "wedge_angle_deg = 30", 'file = "left.csv"']
     (folder / "study.toml").write_text("\n".join(lines))
     return folder / "study.toml"
 
@@ -94,7 +93,7 @@ def drawn(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("drawn") / "now"
     folder.mkdir()
     with pytest.MonkeyPatch.context() as patched:
-        patched.setattr(write, "_MOST_GROUPS", 5)
+        patched.setattr(write, "_MOST_GROUPS", 3)
         run(folder)
     shutil.copytree(folder, folder.with_name("kept"))
     return folder
@@ -118,10 +117,10 @@ def test_one_page_per_finger_and_index(drawn: Path) -> None:
         assert 'href="../report.html"' in page
         assert f"{name}, wedge 30°" in page
         assert not any(f"{other}, wedge" in page for other in FINGERS if other != name)
-        # The pad, the radius, the area, the budget at each angle.
-        assert page.count("<svg") >= 4 * len(WEDGES)
+        # The pad, the radius, the area, the budget.
+        assert page.count("<svg") >= 4
     assert over.count("<svg") == 1
-    assert len(re.findall(r"<td class=\"number\">30°</td>", over)) == len(FINGERS)
+    assert len(re.findall(r"<td class=\"number\">30°</td>", over)) == len(FINGERS) + 1  # and the curve
 
 
 def test_only_changed_pages_redrawn(finished: Path) -> None:
@@ -137,16 +136,12 @@ def test_only_changed_pages_redrawn(finished: Path) -> None:
     assert {name for name in after if after[name] != before[name]} == {"thumb"}
 
 
-def test_second_process_redraws_nothing(tmp_path: Path) -> None:
-    manifest = manifest_of(tmp_path / "study", curve=True)
-    items = []
-    for seed in ("1", "2"):  # of the order that words have in sets
-        command = [sys.executable, "-c", DRAW, str(manifest), str(tmp_path / "out")]
-        done = subprocess.run(
-            command, capture_output=True, text=True, check=True, env={**os.environ, "PYTHONHASHSEED": seed}
-        )
-        items.append(finger_pages(done.stdout.splitlines()))
-    assert [len(each) for each in items] == [3, 0]
+def test_another_process_redraws_nothing(finished: Path) -> None:
+    command = [sys.executable, "-c", DRAW, str(finished / "study" / "study.toml"), str(finished / "out")]
+    # Words have another order in its sets.
+    environment = {**os.environ, "PYTHONHASHSEED": "1"}
+    done = subprocess.run(command, capture_output=True, text=True, check=True, env=environment)
+    assert finger_pages(done.stdout.splitlines()) == []
 
 
 @pytest.mark.parametrize("lost", ["report/left.html", "figures/left_30deg_area.svg"])
@@ -163,7 +158,7 @@ def test_pages_of_removed_fingers_deleted(finished: Path) -> None:
     out = finished / "out"
     run(finished, fingers=("left",))
     assert not (out / "report").exists()
-    assert all(path.name.startswith("left") for path in out.glob("figures/*"))
+    assert not [path.name for path in out.glob("figures/*") if path.name.startswith(("right", "thumb"))]
     assert "left, wedge 30°" in (out / "report.html").read_text()
 
 
@@ -172,11 +167,9 @@ def without_time(file: Path) -> bytes:
     return re.sub(rb"\d{4}-\d\d-\d\d( at |T| )[\d:+]*", b"", file.read_bytes())
 
 
-def test_two_processes_equal_one(tmp_path: Path) -> None:
-    manifest = manifest_of(tmp_path / "study", curve=True)
-    one, two = tmp_path / "one", tmp_path / "two"
-    for out, workers in ((one, 1), (two, 2)):
-        run_study(manifest, out, workers=workers, write_report=write_report)
+def test_two_processes_equal_one(drawn: Path, tmp_path: Path) -> None:
+    one, two = drawn / "out", tmp_path / "two"
+    run_study(drawn / "study" / "study.toml", two, workers=2, write_report=write_report)
     files = result_files(one)
     assert files == result_files(two)
     for file in files:

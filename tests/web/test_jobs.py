@@ -14,7 +14,7 @@ from types import SimpleNamespace
 import pytest
 from filelock import FileLock
 from tests.waiting import wait_until
-from tests.web.conftest import DEMO, serving, shorten
+from tests.web.conftest import DEMO, serving
 
 from fingerpad.exceptions import ManifestError
 from fingerpad.study.engine.progress import Progress
@@ -279,10 +279,13 @@ def test_one_run_at_a_time_with_events(client):
     assert {run["phase"] for run in runs} >= {"measuring", "tables", "report"}
 
 
-def test_a_cancelled_run_keeps_its_measurements_and_resumes(studies_folder):
-    shorten(studies_folder / "demo")
-    workspace = Workspace(studies_folder)
-    workspace.open_folder(studies_folder / "demo")
+def test_a_cancelled_run_keeps_its_measurements_and_resumes(study):
+    manifest = study / "study.toml"
+    head, *observations = manifest.read_text().split("[[observations]]")
+    more = [one.replace('name = "o', f'name = "again_{n}_') for n in range(4) for one in observations]
+    manifest.write_text("[[observations]]".join([head, *observations, *more]))
+    workspace = Workspace(study.parent)
+    workspace.open_folder(study)
     with serving(workspace) as client:
         client.post("/api/run", json={})
         assert wait_until(lambda: client.get("/api/run").json()["done"])
