@@ -23,6 +23,17 @@ def begin(page, title: str = "Index finger") -> None:
     page.get_by_role("heading", name=title).wait_for()
 
 
+def paste(page, label: str, words: str) -> None:
+    page.get_by_label(label).evaluate(
+        """(input, words) => {
+          const clipboardData = new DataTransfer();
+          clipboardData.setData("text", words);
+          input.dispatchEvent(new ClipboardEvent("paste", { clipboardData, cancelable: true }));
+        }""",
+        words,
+    )
+
+
 def say_scale(page, name: str, way: str, field: str, value: str, takes: str) -> None:
     page.locator("h1").click()
     page.keyboard.press("n")
@@ -45,6 +56,11 @@ def test_six_files_become_a_plot(empty_tab: Tab) -> None:
     assert page.get_by_label("Load of synthetic_30deg_4N.png, newtons").input_value() == "4"
     assert page.get_by_label("Load of synthetic_30deg_0.5N.png, newtons").input_value() == "0.5"
     page.get_by_label("Finger of all new files").fill("left_index")
+    paste(page, "Load of synthetic_30deg_0.5N.png, newtons", "0,5\n2\n4")
+    assert page.get_by_label("Load of synthetic_30deg_0.5N.png, newtons").input_value() == "0.5"
+    paste(page, "Load of synthetic_30deg_2N.png, newtons", "1\n2\n3")
+    page.get_by_text("3 values for 2 fields from here down: nothing was pasted.").wait_for()
+    assert page.get_by_label("Load of synthetic_30deg_4N.png, newtons").input_value() == "4"
     x, y = middle(page.get_by_label("Load of synthetic_30deg_4N.png, newtons"))
     page.mouse.click(x, y)
     page.keyboard.press("End")

@@ -1,6 +1,7 @@
 // Form controls with labels and units.
 
 import { h, newId } from "../core/dom.js";
+import { showError } from "../core/messages.js";
 
 /**
  * A labelled field around a control, with its unit and a hint.
@@ -21,6 +22,46 @@ export function field(label, control, { unit, hint, wide } = {}) {
     h("div.control", null, control, unit && h("span.unit", null, unit)),
     hint && h("p.hint", { id: hintId }, hint),
   );
+}
+
+/**
+ * Fill pasted cells into a field and those below it in its table. A browser would join several lines into one
+ * number.
+ *
+ * @param {HTMLInputElement} input
+ * @param {ClipboardEvent} event
+ */
+function fillDown(input, event) {
+  const cells = event.clipboardData
+    .getData("text")
+    .trim()
+    .split(/\r?\n/)
+    .map((cell) => cell.trim());
+  const numeric = input.type === "number";
+  const values = numeric ? cells.map((cell) => cell.replace(",", ".")) : cells;
+  if (values.length < 2 && values[0] === cells[0]) return;
+  event.preventDefault();
+  const column = input.closest("td")?.cellIndex;
+  const rows = [...(input.closest("tbody")?.rows ?? [])];
+  const below = rows
+    .slice(rows.indexOf(input.closest("tr")) + 1)
+    .map((row) => row.cells[column]?.querySelector("input"));
+  const targets = [input, ...below.filter(Boolean)];
+  const wrong = numeric ? values.find((value) => value === "" || Number.isNaN(Number(value))) : undefined;
+  if (wrong !== undefined) {
+    showError(new Error(`"${wrong}" is not a number: nothing was pasted.`));
+    return;
+  }
+  if (values.length > targets.length) {
+    const fields = targets.length === 1 ? "one field" : `${targets.length} fields from here down`;
+    showError(new Error(`${values.length} values for ${fields}: nothing was pasted.`));
+    return;
+  }
+  for (const [place, value] of values.entries()) {
+    targets[place].value = value;
+    targets[place].dispatchEvent(new Event("input", { bubbles: true }));
+    targets[place].dispatchEvent(new Event("change", { bubbles: true }));
+  }
 }
 
 /**
@@ -49,6 +90,7 @@ export function number({ value, onset, min, max, step = "any", placeholder, disa
     onset?.(input.value === "" ? null : Number(input.value));
   };
   input.addEventListener("change", set);
+  input.addEventListener("paste", (event) => fillDown(input, event));
   input.addEventListener("keydown", (event) => event.key === "Enter" && set());
   return input;
 }
@@ -70,6 +112,7 @@ export function text({ value, onset, placeholder, list, disabled, required, labe
     "aria-label": label,
   });
   if (onset) input.addEventListener("change", () => onset(input.value.trim()));
+  input.addEventListener("paste", (event) => fillDown(input, event));
   return input;
 }
 
