@@ -134,6 +134,7 @@ def indentation_model(
     poisson_ratio: FloatArray,
     load: FloatArray,
     indentation: FloatArray,
+    contact_shift: FloatArray,
     thickness: FloatArray,
 ) -> dict[str, FloatArray]:
     """Return what a load and a measured indentation tell of a pad, by Hertz theory and on a layer.
@@ -148,6 +149,9 @@ def indentation_model(
         ν of the pad; above 0.5, which a draw can have, it is taken as 0.5 on the layer.
     load, indentation : ndarray
         Normal force W, and indentation ξ from the place of first contact.
+    contact_shift : ndarray
+        By how much ξ is larger on the layer, where its place of first contact was found by Hertz theory: on
+        bone the load rises later, and that place seems deeper than it is.
     thickness : ndarray
         Effective thickness of the tissue.
 
@@ -169,6 +173,7 @@ def indentation_model(
     ...     poisson_ratio=0.5,
     ...     load=2.0,
     ...     indentation=(1.81, 0.05),
+    ...     contact_shift=0.0,
     ...     thickness=(8.0, 1.5),
     ... )
     >>> moduli = propagate(indentation_model, inputs)
@@ -190,7 +195,7 @@ def indentation_model(
         thickness=thickness,
         poisson_ratio=_possible(poisson_ratio),
         load=load,
-        indentation=indentation,
+        indentation=indentation + contact_shift,
     )
     return {
         "youngs_modulus_from_indentation": hertz.youngs_modulus,

@@ -14,6 +14,7 @@ from fingerpad.study.manifest import CORRECTIONS, Contact, Observation, Study
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.measuring.measure import Measurement
 from fingerpad.study.results.columns import COLUMNS, ColumnArray
+from fingerpad.study.results.layer import LAYER_PART_SOURCES, POOLED_ON_LAYER, layer_columns
 from fingerpad.study.results.model import GEOMETRY, PART_SOURCES, POOLED_OUTPUTS, Modelled, contact_inputs
 from fingerpad.study.results.table import GrowingArray, Places, ResultsTable, TableBuilder
 from fingerpad.uncertainty import PAD_OUTPUTS, PAD_SOURCES, Inputs
@@ -40,6 +41,7 @@ RANGE_NOTES: Final = {
     "indentation_not_small": f"the indentation exceeds {SMALL_INDENTATION:.0%} of the pad's thickness",
     "aspect_ratio_disagrees": f"measured and predicted aspect ratio differ by more than {SAME_SHAPE:.0%}",
     "long_axis_disagrees": "the long axis lies across the direction that Hertz theory predicts",
+    "layer_out_of_range": "the contact is out of the range of the laws for a layer over bone: see layer_flag",
 }
 
 # Columns that a measurement has as they are.
@@ -86,6 +88,9 @@ class Rows:
         Signed contributions to the uncertainty of their radii, as `Modelled` has them.
     elongation_std : ndarray, shape (pooled rows,)
         Standard uncertainty of the elongation ln(ℓd/ℓe) of each of their contact ellipses.
+    layer_parts : ndarray, shape (pooled rows, outputs, parts)
+        Signed contributions to the uncertainty of `POOLED_ON_LAYER`, of the sources `LAYER_PART_SOURCES`, NaN
+        for rows without them; no rows where no finger has a thickness.
     highest_load : dict of PlacementKey to HighestLoad
         By the values of `PLACEMENT`; without those at which nothing counts.
     """
@@ -94,6 +99,7 @@ class Rows:
     pooled: Places
     parts: FloatArray
     elongation_std: FloatArray
+    layer_parts: FloatArray
     highest_load: dict[PlacementKey, HighestLoad]
 
 
@@ -116,6 +122,8 @@ def model_contacts(
     pooled = GrowingArray(np.empty(0, dtype=np.intp))
     parts = GrowingArray(np.empty((0, len(POOLED_OUTPUTS), len(PART_SOURCES))))
     elongation_std = GrowingArray(np.empty(0))
+    layer_parts = GrowingArray(np.empty((0, len(POOLED_ON_LAYER), len(LAYER_PART_SOURCES))))
+    layered = any(finger.effective_thickness is not None for finger in fingers.values())
     highest_load: dict[PlacementKey, HighestLoad] = {}
     start = 0
     while batch := list(islice(stream, _AT_ONCE)):
@@ -125,6 +133,8 @@ def model_contacts(
         pooled.add(start + done.good[counts])
         parts.add(done.modelled.parts[counts])
         elongation_std.add(done.inputs.std[counts, done.inputs.places(["elongation"])])
+        if layered:
+            layer_parts.add(done.layer_parts[counts])
         done.weigh(highest_load)
         start += len(batch)
     return Rows(
@@ -132,6 +142,7 @@ def model_contacts(
         pooled=pooled.array,
         parts=parts.array,
         elongation_std=elongation_std.array,
+        layer_parts=layer_parts.array,
         highest_load=highest_load,
     )
 
@@ -144,6 +155,7 @@ class _Batch:
     good: Places
     inputs: Inputs
     modelled: Modelled
+    layer_parts: FloatArray
 
     @classmethod
     def of(cls, study: Study, fingers: Mapping[str, FingerResult], seen: Seen) -> "_Batch":
@@ -158,18 +170,21 @@ class _Batch:
         for place in sound[~answered]:
             reasons[place] = _NO_ANSWER
         good, modelled = sound[answered], modelled.only(answered)
-        columns = _described(fingers, seen, reasons)
+        columns, inputs = _described(fingers, seen, reasons), inputs.at(answered)
+        pads = [fingers[seen[place][0].finger] for place in good]
+        layer, layer_parts = layer_columns(pads, inputs, study.uncertainty.method)
         if good.size:
-            pads = [fingers[seen[place][0].finger] for place in good]
-            answers = _modelled({name: column[good] for name, column in columns.items()}, pads, modelled)
+            described = {name: column[good] for name, column in columns.items()}
+            answers = _modelled(described | layer, pads, modelled) | layer
             for name, answer in answers.items():
                 columns[name] = COLUMNS[name].unknown(len(seen))
                 columns[name][good] = answer
         return cls(
             columns=columns,
             good=good,
-            inputs=inputs.at(answered),
+            inputs=inputs,
             modelled=modelled,
+            layer_parts=layer_parts,
         )
 
     def weigh(self, highest_load: dict[PlacementKey, HighestLoad]) -> None:
@@ -285,6 +300,7 @@ def _range_notes(
         "long_axis_disagrees": np.array(crossed, dtype=bool),
         "aspect_ratio_disagrees": np.abs(row["aspect_ratio"] / row["predicted_aspect_ratio"] - 1)
         > SAME_SHAPE,
+        "layer_out_of_range": np.array([bool(flag) for flag in row["layer_flag"]], dtype=bool),
     }
     kinds, kind = np.unique(np.array(list(notes.values())), axis=1, return_inverse=True)
     words = [" ".join(note for note, holds in zip(notes, some, strict=True) if holds) for some in kinds.T]
