@@ -96,4 +96,4 @@ def test_hertz_has_a_layer_beside_it() -> None:
     assert layer["indentation_mm"] == pytest.approx(found.indentation)
     assert layer["flag"] is None
     assert "flag" not in run(*press, "--thickness-mm", 6)[1]
-    assert "flag layer_too_thin" in run(*press, "--thickness-mm", 1)[1]
+    assert "flag layer_too_thin" in run(*press, "--thickness-mm", 0.3)[1]
