@@ -7,9 +7,9 @@ import pytest
 
 from fingerpad.contact.fast_laws import FLAGS
 from fingerpad.report import write_report
-from fingerpad.report.layer import LAYER_FLAG_WORDS, comparisons
+from fingerpad.report.layer import comparisons
 from fingerpad.study.pipeline import run_study
-from fingerpad.study.results.layer import UNCERTAINTY_OUT_OF_RANGE
+from fingerpad.study.results.layer import LAYER_FLAGS, UNCERTAINTY_OUT_OF_RANGE
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.units import value_with_uncertainty
 
@@ -94,7 +94,7 @@ def test_a_contact_out_of_range_is_named(report) -> None:
     assert "wide is out of the range of the laws: the contact is wider than 0.6 of the pad" in text
     assert cells(text, "E from load and area (kPa)", "wide, 2 N")[3] == "–"
     assert not re.search(r"\bnan\b", re.sub("<svg.*?</svg>", "", text, flags=re.DOTALL), re.IGNORECASE)
-    assert set(LAYER_FLAG_WORDS) == {*FLAGS, UNCERTAINTY_OUT_OF_RANGE} - {""}
+    assert set(LAYER_FLAGS) == {*FLAGS, UNCERTAINTY_OUT_OF_RANGE} - {""}
 
 
 def test_one_section_and_no_conditional_figure(report) -> None:

@@ -1,7 +1,7 @@
 """What the report shows of the pad on its layer of tissue over bone, beside Hertz theory."""
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -14,22 +14,11 @@ from fingerpad.figures.style import mark_synthetic
 from fingerpad.geometry import Ellipsoid
 from fingerpad.report.plot import Plot
 from fingerpad.report.plots import group_name
-from fingerpad.study.results.layer import HERTZ_OF
+from fingerpad.study.results.layer import HERTZ_OF, LAYER_FLAGS
 from fingerpad.study.results.layer_summary import LayerQuantity
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.summary import Summary
 from fingerpad.units import KPA_PER_MPA
-
-# What takes a contact out of the range of the laws.
-LAYER_FLAG_WORDS: Final[Mapping[str, str]] = {
-    "no_contact": "there is no contact",
-    "contact_too_wide": "the contact is wider than 0.6 of the pad",
-    "contact_too_skew": "the pad curves too differently to either side of the contact",
-    "contact_too_slender": "the contact is too slender",
-    "layer_too_thin": "the contact radius exceeds three times the thickness",
-    "poisson_ratio_out_of_range": "Poisson's ratio is below 0.3",
-    "uncertainty_out_of_range": "a standard uncertainty reaches beyond their range",
-}
 
 _IF_THICKNESS: Final = (4.0, 8.0, 12.0)
 _THICKNESSES: Final = np.unique([*np.geomspace(3, 16, 40), *_IF_THICKNESS])
@@ -103,8 +92,7 @@ def _of_curves(result: StudyResult, summary: Summary) -> Iterator[Comparison]:
         if same and found is not None:
             yield _comparison(
                 "E from load and indentation (kPa)",
-                f"{of.file}, {found.load:.3g} N"
-                + (f": {LAYER_FLAG_WORDS[found.flag]}" if found.flag else ""),
+                f"{of.file}, {found.load:.3g} N" + (f": {LAYER_FLAGS[found.flag]}" if found.flag else ""),
                 found.quantities["youngs_modulus_from_indentation"],
                 found.quantities["youngs_modulus_from_indentation_on_layer"],
             )

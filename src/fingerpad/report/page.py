@@ -18,7 +18,7 @@ from fingerpad.exceptions import FingerpadError
 from fingerpad.figures import save_figure
 from fingerpad.image import PHOTOGRAPH_FLAGS
 from fingerpad.loading import Quantity, Undetermined
-from fingerpad.report.layer import LAYER_FLAG_WORDS, comparisons, layer_plots
+from fingerpad.report.layer import comparisons, layer_plots
 from fingerpad.report.plot import Plot
 from fingerpad.report.plots import (
     MOST_POINTS,
@@ -35,6 +35,7 @@ from fingerpad.report.plots import (
 from fingerpad.report.templates import templates
 from fingerpad.report.text import FLAG_WORDS, doubtful_frames, face_differences, in_words
 from fingerpad.study.results.check import UncertaintyCheck
+from fingerpad.study.results.layer import LAYER_FLAGS
 from fingerpad.study.results.rows import RANGE_NOTES
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.summary import Summary, area_exponent
@@ -201,7 +202,7 @@ def _on_layer(result: StudyResult, summary: Summary, draw: _Draw, *, with_sectio
     return {
         "layer": summary.layer,
         "layer_lines": comparisons(result, summary),
-        "layer_flag": LAYER_FLAG_WORDS.get(summary.layer.flag) if summary.layer else None,
+        "layer_flag": LAYER_FLAGS.get(summary.layer.flag) if summary.layer else None,
         "layer_figures": draw(layer_plots(result, summary, with_section=with_section)),
     }
 
