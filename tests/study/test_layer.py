@@ -237,3 +237,22 @@ def test_no_curve_without_a_thickness_or_a_file(tmp_path: Path) -> None:
     result = study(tmp_path, "", curves=given.replace("loading_radius_mm = 20.5", 'file = "c.csv"'))
     assert result.curves[0].fit is not None
     assert result.curves_on_layer() == [None]
+
+
+@pytest.mark.parametrize(
+    ("finger", "flag"),
+    [
+        ("effective_thickness_mm = 2.2\neffective_thickness_mm_std = 0.1", "layer_too_thin"),
+        ("effective_thickness_mm = 1.0", "contact_too_wide"),
+        ("effective_thickness_mm = 2.8\neffective_thickness_mm_std = 0.6", "uncertainty_out_of_range"),
+    ],
+)
+def test_a_curve_out_of_range_is_named(tmp_path: Path, finger: str, flag: str) -> None:
+    (tmp_path / "c.csv").write_text(curve_csv(0.05))
+    curves = '[[curves]]\nfinger = "f"\nwedge_angle_deg = 30\nfile = "c.csv"\n'
+    (found,) = study(tmp_path, finger, curves=curves).curves_on_layer()
+    hertz, layered, _ = found.quantities.values()
+    assert found.flag == flag
+    assert math.isnan(layered.std)
+    assert math.isnan(layered.value) == (flag != "uncertainty_out_of_range")
+    assert 0 < hertz.std < hertz.value

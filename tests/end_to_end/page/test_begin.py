@@ -159,7 +159,7 @@ def test_thickness_is_stated_and_the_layer_shown_beside_hertz_theory(tab: Tab, d
         page.get_by_role("button", name="Save").click()
         page.get_by_role("dialog").wait_for(state="detached")
         row = page.get_by_role("row", name="synthetic_pad").first
-        row.get_by_text(re.compile("8.0.±.1.5" if thickness == "8" else "–")).first.wait_for()
+        row.get_by_text(re.compile("8.0.±.1.5" if thickness == "8" else "Enter")).first.wait_for()
         return tomllib.loads((demo / "study.toml").read_text())["fingers"][2]
 
     finger = state("8", "1.5")

@@ -90,7 +90,7 @@ def curve_on_layer(study: Study, finger: FingerResult, curve: CurveResult) -> Cu
     offset = curve.fit and curve.fit.contact_offset
     if (
         curve.fit is None
-        or not isinstance(offset, Estimate)
+        or not (isinstance(offset, Estimate) and math.isfinite(offset.std))
         or finger.effective_thickness is None
         or not np.isfinite(finger.semi_axes).all()
     ):
@@ -129,7 +129,8 @@ def _inputs(
         _contact_shift(gap, secant, at, study.poisson_ratio)
         for at in (thickness, thickness - thickness_std, thickness + thickness_std)
     )
-    shift_std = (ends[1] - ends[0]) / 2  # signed: it goes with the thickness
+    # Signed: it goes with the thickness. Where a shift is unknown, the highest load is out of range.
+    shift_std = (ends[1] - ends[0]) / 2 if np.isfinite(ends).all() else 0.0
     one: dict[str, Any] = dict(zip(SEMI_AXES, finger.semi_axes.tolist(), strict=True))
     inputs = Inputs.of(
         **one,
@@ -138,7 +139,7 @@ def _inputs(
         poisson_ratio=(study.poisson_ratio, given.poisson_ratio_std),
         load=(load, given.load_relative_std * load),
         indentation=(float(secant.indentation.max()), offset_std),
-        contact_shift=(shift, 0.0),
+        contact_shift=(shift if math.isfinite(shift) else 0.0, 0.0),
         thickness=(thickness, 0.0),
     )
     inputs = inputs.with_covariance(SEMI_AXES, finger.covariance)

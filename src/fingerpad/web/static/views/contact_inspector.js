@@ -161,7 +161,7 @@ export class ContactInspector extends Inspector {
         ),
       ),
       model && [
-        h("h3", null, "Model"),
+        h("h3", null, layered(model) ? "Model, Hertz theory" : "Model"),
         h(
           "dl.readings",
           null,
@@ -170,7 +170,7 @@ export class ContactInspector extends Inspector {
           ),
         ),
       ],
-      typeof model?.effective_thickness_mm === "number" && [
+      layered(model) && [
         h("h3", null, `Model, ${quantityText(model, "effective_thickness_mm")} of tissue over bone`),
         h(
           "dl.readings",
@@ -247,6 +247,9 @@ export class ContactInspector extends Inspector {
     );
   }
 }
+
+/** @param {ContactMeasurement["model"]} model */
+const layered = (model) => typeof model?.effective_thickness_mm === "number";
 
 /** @param {ContactMeasurement["model"]} model */
 const notesOf = (model) => model?.range_notes ?? [];

@@ -89,7 +89,7 @@ export class Plots {
           this.groups.some((group) => group.loading_radius_mm != null) &&
             h("span", null, h("i.line-mark.dashed"), symbol("R", "g"), ", from loading data"),
           this.groups.some(({ rows }) => rows.youngs_modulus_on_layer_kpa.some((value) => value !== null)) &&
-            h("span", null, h("i.square-mark"), symbol("E"), ", ", symbol("ξ"), " on the layer over bone"),
+            h("span", null, h("i.square-mark"), "E and ξ on the layer over bone"),
           this.groups.some((group) => group.synthetic) && h("span", null, "hollow: synthetic"),
         ),
       ),

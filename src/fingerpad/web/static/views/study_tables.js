@@ -141,7 +141,13 @@ export class StudyTables {
       h(
         "td.number",
         null,
-        withStd(finger.table.effective_thickness_mm, finger.table.effective_thickness_mm_std),
+        button(
+          finger.table.effective_thickness_mm === undefined
+            ? "Enter"
+            : withStd(finger.table.effective_thickness_mm, finger.table.effective_thickness_mm_std),
+          () => this.#thickness(finger),
+          { kind: "small", label: `Thickness of ${finger.name}`, title: "Effective thickness over bone" },
+        ),
       ),
       h(
         "td",
@@ -167,10 +173,6 @@ export class StudyTables {
               kind: "small",
               label: `Semi-axes of ${finger.name}`,
             }),
-          button("Thickness", () => this.#thickness(finger), {
-            kind: "small",
-            label: `Thickness of ${finger.name}`,
-          }),
           button("✎", () => this.#rename(finger), {
             kind: "icon",
             label: `Rename ${finger.name}`,
