@@ -174,6 +174,15 @@ def test_the_thickness_does_not_average_away(tmp_path: Path) -> None:
     assert pooled.value == pytest.approx(alone.value)
 
 
+def test_contacts_out_of_range_are_left_out_of_both_means(tmp_path: Path) -> None:
+    contacts = [(1, 6.0), (2, 7.4), (4, 14.0)]
+    layer = study(tmp_path, contacts=contacts).summaries[0].layer
+    inside = study(tmp_path, contacts=contacts[:2]).summaries[0].layer
+    assert (layer.observation, layer.load, layer.flag) == ("c1", 2.0, "")
+    assert layer.pooled == inside.pooled
+    assert layer.at_highest_load == inside.at_highest_load
+
+
 def test_contacts_that_scatter_widen_the_mean(tmp_path: Path) -> None:
     layer = study(tmp_path, contacts=[(2, 7.4), (2, 6.4), (2, 8.4)]).summaries[0].layer
     pooled = layer.pooled["youngs_modulus_on_layer"]

@@ -64,7 +64,7 @@ class PooledOnLayer(LayerQuantity):
 
     @classmethod
     def of(cls, rows: Rows, pooled: ResultsTable, estimate: Places, output: str) -> Self | None:
-        """Pool one of `POOLED_ON_LAYER`; None where no contact has it.
+        """Pool one of `POOLED_ON_LAYER` over the contacts in the range of the laws; None where none is.
 
         Parameters
         ----------
@@ -77,12 +77,13 @@ class PooledOnLayer(LayerQuantity):
         output : str
             The quantity.
         """
-        parts = rows.layer_parts[np.searchsorted(rows.pooled, pooled.places), POOLED_ON_LAYER.index(output)]
-        known = np.isfinite(parts).all(axis=-1)
+        parts = rows.layer_parts[np.searchsorted(rows.pooled, pooled.places)]
+        known = np.asarray(np.isfinite(parts).all(axis=(-2, -1)))  # the same contacts for all outputs
         if not known.any():
             return None
         unit, factor = unit_of(output)
-        pooled, parts, estimate = pooled.at(known), factor * parts[known], numbered(estimate[known])
+        pooled, estimate = pooled.at(known), numbered(estimate[known])
+        parts = factor * parts[known, POOLED_ON_LAYER.index(output)]
         own_std = np.sqrt(np.sum(parts[:, _OWN] ** 2, axis=-1))
         counts = np.bincount(estimate)
         weights = np.where(counts[estimate] > 1, own_std**-2.0, 1.0)
@@ -125,7 +126,7 @@ class LayerSummary:
     thickness, thickness_std : float
         Effective thickness as stated, mm; the uncertainty is NaN where none is stated.
     observation : str
-        The contact at the highest load.
+        The contact at the highest load that is in the range of the laws, if any is.
     load : float
         Its load, N.
     flag : str

@@ -93,6 +93,8 @@ class Rows:
         for rows without them; no rows where no finger has a thickness.
     highest_load : dict of PlacementKey to HighestLoad
         By the values of `PLACEMENT`; without those at which nothing counts.
+    highest_on_layer : dict of PlacementKey to HighestLoad
+        The same among contacts on a layer, in the range of its laws.
     """
 
     table: ResultsTable
@@ -101,6 +103,7 @@ class Rows:
     elongation_std: FloatArray
     layer_parts: FloatArray
     highest_load: dict[PlacementKey, HighestLoad]
+    highest_on_layer: dict[PlacementKey, HighestLoad]
 
 
 def model_contacts(
@@ -125,6 +128,7 @@ def model_contacts(
     layer_parts = GrowingArray(np.empty((0, len(POOLED_ON_LAYER), len(LAYER_PART_SOURCES))))
     layered = any(finger.effective_thickness is not None for finger in fingers.values())
     highest_load: dict[PlacementKey, HighestLoad] = {}
+    highest_on_layer: dict[PlacementKey, HighestLoad] = {}
     start = 0
     while batch := list(islice(stream, _AT_ONCE)):
         done = _Batch.of(study, fingers, batch)
@@ -135,7 +139,8 @@ def model_contacts(
         elongation_std.add(done.inputs.std[counts, done.inputs.places(["elongation"])])
         if layered:
             layer_parts.add(done.layer_parts[counts])
-        done.weigh(highest_load)
+        done.weigh(highest_load, counts)
+        done.weigh(highest_on_layer, counts & done.on_layer)
         start += len(batch)
     return Rows(
         table=table.table(),
@@ -144,6 +149,7 @@ def model_contacts(
         elongation_std=elongation_std.array,
         layer_parts=layer_parts.array,
         highest_load=highest_load,
+        highest_on_layer=highest_on_layer,
     )
 
 
@@ -187,9 +193,13 @@ class _Batch:
             layer_parts=layer_parts,
         )
 
-    def weigh(self, highest_load: dict[PlacementKey, HighestLoad]) -> None:
-        """Keep the contact of the highest load at each placement; of equal loads the last one."""
-        counts = self.columns["pooled"][self.good]
+    @property
+    def on_layer(self) -> BoolArray:
+        """Which good rows are on a layer, in the range of its laws."""
+        return np.asarray(np.isfinite(self.layer_parts).all(axis=(-2, -1)))
+
+    def weigh(self, highest_load: dict[PlacementKey, HighestLoad], counts: BoolArray) -> None:
+        """Keep the contact of the highest load at each placement, of those that count; of equals the last."""
         loads = self.columns["load_N"][self.good].tolist()
         keys = list(zip(*(self.columns[name][self.good].tolist() for name in PLACEMENT), strict=True))
         found: dict[PlacementKey, int] = {}

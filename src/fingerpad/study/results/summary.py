@@ -10,7 +10,7 @@ from scipy import stats
 from fingerpad.study.results.layer_summary import LayerSummary
 from fingerpad.study.results.model import POOLED_OUTPUTS
 from fingerpad.study.results.pooling import PooledRadius
-from fingerpad.study.results.rows import PLACEMENT, PlacementKey, Rows
+from fingerpad.study.results.rows import PLACEMENT, HighestLoad, PlacementKey, Rows
 from fingerpad.study.results.table import ResultsTable, numbered
 
 
@@ -91,8 +91,13 @@ def _summary(key: PlacementKey, rows: Rows, group: ResultsTable) -> Summary:
         rows=group.sorted_by("load_N"),
         corrected_radius=corrected,
         compliance_radius=compliance,
-        layer=LayerSummary.of(rows, pooled, estimate, rows.highest_load[key]) if len(pooled) else None,
+        layer=LayerSummary.of(rows, pooled, estimate, _highest(rows, key)) if len(pooled) else None,
     )
+
+
+def _highest(rows: Rows, key: PlacementKey) -> HighestLoad:
+    """Return the contact at the highest load that is in the range of the layer's laws, if any is."""
+    return rows.highest_on_layer.get(key) or rows.highest_load[key]
 
 
 class Exponent(NamedTuple):
