@@ -16,6 +16,7 @@ from fingerpad.figures import (
     plot_contact_compliance,
     plot_corrected_radius,
     plot_initial_modulus,
+    plot_layer_effect,
     plot_load_indentation,
     plot_modulus_from_area_and_indentation,
     plot_pad,
@@ -428,3 +429,12 @@ def test_press_of_one_frame_or_none() -> None:
         figure, axes = new_figure(rows=2, columns=2)
         plot_press(axes, **{name: values[:count] for name, values in PRESS.items()})
         assert "<svg" in figure_svg(figure, "press")
+
+
+def test_layer_effect_marks_what_is_known(axes) -> None:
+    plot_layer_effect(axes, [2, 4, 8], modulus_ratio=[np.nan, 0.5, 0.74], radius_ratio=[np.nan, 1.9, 1.5])
+    modulus, radius = (line for line in axes.lines if line.get_label().startswith(("E from", "$R")))
+    assert_allclose(modulus.get_ydata()[1:], [0.5, 0.74])
+    assert_allclose(radius.get_ydata()[1:], [1.9, 1.5])
+    assert [text.get_text() for text in axes.texts] == ["Hertz", "0.50", "0.74", "1.9", "1.5"]
+    assert axes.get_ylim()[1] > 2

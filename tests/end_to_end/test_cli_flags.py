@@ -53,6 +53,7 @@ STUDY = (
 VALID = {
     "geometry": "--semi-axes-mm 8 14 12 --wedge-deg 30",
     "hertz": "--radii-mm 12 14 --modulus-kpa 100 --load-n 2",
+    "modulus": "--semi-axes-mm 8 14 12 --wedge-deg 30 --load-n 2 --area-mm2 90",
     "solve": "--semi-axes-mm 8 14 12 --wedge-deg 30 --modulus-kpa 100 --load-n 2 --grid 64",
     "fields": "--semi-axes-mm 8 14 12 --wedge-deg 30 --modulus-kpa 70 --load-n 1 --depth-mm 1 --grid 64",
     "correct": "--ellipse-mm 7 5 --radius-mm 18",
@@ -66,6 +67,8 @@ VALID = {
 }
 # What a flag needs beside it, and what it stands in place of.
 BESIDE = {
+    "modulus --area-mm2": ("", "--area-mm2"),
+    "modulus --indentation-mm": ("", "--area-mm2"),
     "--indentation-mm": ("", "--load-n"),
     "--area-mm2": ("", "--load-n"),
     "--radius-mm-std": ("--radius-mm 12", ""),
@@ -125,7 +128,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def arguments(command: str, flag: str, count: int, value: str) -> list[str]:
-    beside, without = BESIDE.get(flag, ("", ""))
+    beside, without = BESIDE.get(f"{command} {flag}") or BESIDE.get(flag, ("", ""))
     base, given = [*VALID[command].split(), *beside.split()], []
     dropped = {flag, *without.split()}
     while base:

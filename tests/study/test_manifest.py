@@ -156,6 +156,24 @@ def test_rows_may_come_from_a_spreadsheet(tmp_path: Path) -> None:
         (VALID.replace('name = "a"', 'name = "../a"'), "observations.0..name: write it with letters"),
         (VALID + ROW, r"observations\[1\].name: 'a' is taken"),
         (VALID.replace("semi_axes_mm_std", "# "), "semi_axes_mm and semi_axes_mm_std belong together"),
+        *(
+            (VALID.replace("[[observations]]", f"{keys}\n[[observations]]"), f"fingers.0.*{words}.*in index")
+            for keys, words in (
+                ("effective_thickness_mm = 0.4", "expected greater than or equal to 0.5, found"),
+                ("effective_thickness_mm = 51.0", "expected less than or equal to 50, found 51"),
+                ("effective_thickness_mm = nan", "expected .*found nan"),
+                ("effective_thickness_mm = inf", "expected .*found inf"),
+                ("effective_thickness_mm = -8", "expected greater than or equal to 0.5, found"),
+                ("effective_thickness_mm = '8'", "expected a valid number, found '8'"),
+                ("effective_thickness_mm_std = 1.0", "give both"),
+                (
+                    "effective_thickness_mm = 8\neffective_thickness_mm_std = 0",
+                    "_mm_std: expected greater than",
+                ),
+                ("effective_thickness_mm = 8\neffective_thickness_mm_std = 8", "uncertainty below the thick"),
+                ("effective_thicknes_mm = 8", "did you mean 'effective_thickness_mm'"),
+            )
+        ),
         (VALID + 'file = "x.png"\nscale = { ppi = 500 }', "give either file or ellipse_mm, one of the two"),
         (VALID.replace("ellipse_mm =", "# "), "give either file or ellipse_mm"),
         (VALID.replace("ellipse_mm =", 'file = "x.png" #'), "an image needs its scale"),
@@ -348,3 +366,8 @@ file = "a.png"
 {scale}
 """
     assert read_study(write(tmp_path, text)).taken_as_exact() == exact
+    thick = text.replace("[[observations]]", "effective_thickness_mm = 8\n[[observations]]")
+    missing = {"the effective thickness of f"}
+    assert set(read_study(write(tmp_path, thick)).taken_as_exact()) == {*exact, *missing}
+    known = thick.replace("_mm = 8", "_mm = 8\neffective_thickness_mm_std = 1.5")
+    assert read_study(write(tmp_path, known)).taken_as_exact() == exact

@@ -26,6 +26,7 @@ PATIENCE_S = 120  # test machines may be slow
 OF_OTHERS = {"paper_bgcolor", "plot_bgcolor", "plotly_click", "error_y", "gl_Position"} | {
     "corrected_radius",
     "left_index",
+    "on_layer",
     "results_columns",
 }
 PHOTO = "synthetic_pad/synthetic/photograph_palmar.jpg"

@@ -11,6 +11,7 @@ from fingerpad.cli.compare import compare
 from fingerpad.cli.export import export
 from fingerpad.cli.fields import fields
 from fingerpad.cli.fit import fit
+from fingerpad.cli.modulus import modulus
 from fingerpad.cli.shared import Command, Commands
 from fingerpad.cli.solve import solve
 
@@ -26,6 +27,7 @@ app = typer.Typer(
 )
 app.command()(model.geometry)
 app.command()(model.hertz)
+app.command()(modulus)
 app.command()(solve)
 app.command()(fields)
 app.command()(model.correct)

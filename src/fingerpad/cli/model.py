@@ -1,7 +1,7 @@
 """Commands of the model: geometry, hertz, correct, reproduce."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 import typer
@@ -12,6 +12,7 @@ from fingerpad.cli.shared import (
     Indentation,
     Load,
     SemiAxes,
+    Thickness,
     WedgeAngle,
     checked_pad,
     print_json,
@@ -63,9 +64,16 @@ def hertz(
     modulus_kpa: Annotated[float, typer.Option(help="Reduced modulus E*, kPa.")],
     load_n: Load = None,
     indentation_mm: Indentation = None,
+    thickness_mm: Thickness = None,
+    poisson_ratio: Annotated[
+        float, typer.Option(min=0, max=0.5, help="Poisson's ratio, which matters to a layer alone.")
+    ] = 0.5,
     as_json: AsJson = False,
 ) -> None:
-    """Solve the elliptical Hertz contact under a load, or at an indentation."""
+    """Solve the elliptical Hertz contact under a load, or at an indentation.
+
+    With a thickness, also the contact of the same paraboloid on a layer of tissue over bone, by fast laws.
+    """
     from fingerpad.contact import HertzGeometry, indentation_factor, size_factor
 
     if (load_n is None) == (indentation_mm is None):
@@ -74,6 +82,7 @@ def hertz(
         ("--modulus-kpa", modulus_kpa),
         ("--load-n", load_n),
         ("--indentation-mm", indentation_mm),
+        ("--thickness-mm", thickness_mm),
     ):
         require_positive(flag, value)
     for radius in radii_mm:
@@ -98,7 +107,33 @@ def hertz(
         "contact_size": np.sqrt(contact.semi_major * contact.semi_minor) / pair.geometric_mean_radius,
         "long_axis_along": {0.0: "first", 1.0: "second"}.get(float(pair.long_axis), "either"),
     }
+    if thickness_mm is not None:
+        on_layer = _on_layer(
+            radii_mm,
+            reduced_modulus=modulus,
+            thickness=thickness_mm,
+            poisson_ratio=poisson_ratio,
+            load=load_n,
+            indentation=indentation_mm,
+        )
+        if not as_json and on_layer["flag"] is None:
+            del on_layer["flag"]
+        record["on_layer"] = on_layer
     print_record(record, as_json)
+
+
+def _on_layer(radii_mm: tuple[float, float], **press: Any) -> dict[str, Any]:
+    """Return the contact of a paraboloid on a layer of tissue over bone."""
+    from fingerpad.contact import PadGap, fast_contact
+
+    contact = fast_contact(PadGap.paraboloid(*radii_mm), **press)
+    return {
+        "load_N": contact.load,
+        "area_mm2": contact.area,
+        "indentation_mm": contact.indentation,
+        "area_over_pi_indentation_mm": contact.area_over_pi_indentation,
+        "flag": str(contact.flag) or None,
+    }
 
 
 def correct(

@@ -166,6 +166,27 @@ def print_text(record: Mapping[str, Any]) -> None:
         typer.echo(f"{key:<{width}}  {_text(value)}")
 
 
+def print_side_by_side(records: Mapping[str, Mapping[str, Any]]) -> None:
+    """Print records, a column each, with the lines of the first."""
+    columns = [plain(record) for record in records.values()]
+    typer.echo(f"{'':<28}" + "".join(f"{title:<16}" for title in records).rstrip())
+    for key in columns[0]:
+        cells = (_cell(column[key]) for column in columns)
+        typer.echo(f"{key:<28}" + "".join(f"{cell:<16}" for cell in cells).rstrip())
+
+
+def _cell(value: str | float | None) -> str:
+    if value is None:
+        return "–"
+    return f"{value:.5g}" if isinstance(value, float) else value
+
+
+def print_law_flag(flag: str | None) -> None:
+    """Say what takes a contact out of the range of the fast laws, if anything does."""
+    if flag:
+        typer.echo(f"The fast laws do not hold here: {flag.replace('_', ' ')}")
+
+
 def _text(value: Any) -> str:
     if isinstance(value, dict):
         return ", ".join(f"{key} {_text(item)}" for key, item in value.items())

@@ -21,6 +21,8 @@ from fingerpad.cli.shared import (
     YoungsModulus,
     checked_pad,
     print_json,
+    print_law_flag,
+    print_side_by_side,
     require_positive,
 )
 from fingerpad.exceptions import ConvergenceError, GeometryError
@@ -188,15 +190,5 @@ def _print_table(record: Mapping[str, Any]) -> None:
     """Print the solved contact and the other answers, a column each."""
     plainly = plain(record)
     others = {name: plainly.pop(name) for name in ("fast", "hertz")}
-    typer.echo(f"{'':<28}" + "".join(f"{title:<16}" for title in ("solved", *others)).rstrip())
-    for key, value in plainly.items():
-        values = (value, *(other[key] for other in others.values()))
-        typer.echo(f"{key:<28}" + "".join(f"{_text(each):<16}" for each in values).rstrip())
-    if others["fast"]["flag"]:
-        typer.echo(f"The fast laws do not hold here: {others['fast']['flag'].replace('_', ' ')}")
-
-
-def _text(value: str | float | None) -> str:
-    if value is None:
-        return "–"
-    return f"{value:.5g}" if isinstance(value, float) else value
+    print_side_by_side({"solved": plainly, **others})
+    print_law_flag(others["fast"]["flag"])

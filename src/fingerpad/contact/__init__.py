@@ -27,6 +27,7 @@ from fingerpad.contact.hertz import (
 )
 from fingerpad.contact.hertz_pressure import HertzPressure, hertz_displacement
 from fingerpad.contact.influence import ElasticBody, layer_compliance_ratio
+from fingerpad.contact.layered import LayeredContact, layered_contact
 from fingerpad.contact.pad import PadContact, pad_contact
 from fingerpad.contact.pad_gap import PadGap
 from fingerpad.contact.solver import ContactSolution, solve_contact
@@ -44,6 +45,7 @@ __all__ = [
     "HertzContact",
     "HertzGeometry",
     "HertzPressure",
+    "LayeredContact",
     "PadContact",
     "PadGap",
     "StressField",
@@ -63,6 +65,7 @@ __all__ = [
     "hertz_stress",
     "indentation_factor",
     "layer_compliance_ratio",
+    "layered_contact",
     "pad_contact",
     "reduced_modulus",
     "size_factor",

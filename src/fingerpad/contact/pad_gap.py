@@ -75,8 +75,7 @@ class PadGap(Displayed):
         )
 
     @classmethod
-    @np.errstate(all="ignore")
-    def of(cls, pad: Ellipsoid, *, wedge_angle: ArrayLike, roll_angle: ArrayLike = 0.0) -> Self:
+    def of(cls, pad: Ellipsoid, *, wedge_angle: ArrayLike, roll_angle: ArrayLike = 0.0) -> "PadGap":
         """Return the gap of a pad on its wedge, against a flat plate.
 
         Parameters
@@ -106,26 +105,31 @@ class PadGap(Displayed):
         -0.0453 per mm, 0.1295 per mm
         """
         normal = platen_normal_kernel(*checked_placement(wedge_angle, roll_angle, margin=0.5))
-        semi_axes = pad.semi_axes
-        flatness = 1 / semi_axes**2
-        support = np.sqrt(np.sum((semi_axes * normal) ** 2, axis=-1))
-        along, across = tangents(normal)
+        return pad_gap_kernel(pad.semi_axes, normal)
 
-        def product(one: FloatArray, other: FloatArray) -> FloatArray:
-            total: FloatArray = support * np.sum(one * flatness * other, axis=-1)
-            return total
 
-        first, second, mixed = product(along, along), product(across, across), product(along, across)
-        curvatures = curvatures_of(first, second, mixed)
-        skew_along, skew_across = product(normal, along), product(normal, across)
-        cosine, sine = _direction(first - second, 2 * mixed)
-        return cls(
-            first_radius=1 / curvatures[..., 0],
-            second_radius=1 / curvatures[..., 1],
-            first_skewness=cosine * skew_along + sine * skew_across,
-            second_skewness=cosine * skew_across - sine * skew_along,
-            flatness=product(normal, normal),
-        )
+@np.errstate(all="ignore")
+def pad_gap_kernel(semi_axes: FloatArray, normal: FloatArray) -> PadGap:
+    """Return the gap of pads of semi-axes of shape (..., 3) where their outward normal is `normal`."""
+    flatness = 1 / semi_axes**2
+    support = np.sqrt(np.sum((semi_axes * normal) ** 2, axis=-1))
+    along, across = tangents(normal)
+
+    def product(one: FloatArray, other: FloatArray) -> FloatArray:
+        total: FloatArray = support * np.sum(one * flatness * other, axis=-1)
+        return total
+
+    first, second, mixed = product(along, along), product(across, across), product(along, across)
+    curvatures = curvatures_of(first, second, mixed)
+    skew_along, skew_across = product(normal, along), product(normal, across)
+    cosine, sine = _direction(first - second, 2 * mixed)
+    return PadGap(
+        first_radius=1 / curvatures[..., 0],
+        second_radius=1 / curvatures[..., 1],
+        first_skewness=cosine * skew_along + sine * skew_across,
+        second_skewness=cosine * skew_across - sine * skew_along,
+        flatness=product(normal, normal),
+    )
 
 
 def _direction(difference: FloatArray, twice_mixed: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -5,6 +5,7 @@ Every ``plot_*`` draws on Matplotlib axes and returns them; `new_figure` makes a
 """
 
 from fingerpad.figures.dzidek2017 import dzidek2017_figures
+from fingerpad.figures.layer import plot_layer_effect
 from fingerpad.figures.loading import (
     plot_contact_compliance,
     plot_initial_modulus,
@@ -36,6 +37,7 @@ __all__ = [
     "plot_contact_pressure",
     "plot_corrected_radius",
     "plot_initial_modulus",
+    "plot_layer_effect",
     "plot_load_indentation",
     "plot_modulus_from_area_and_indentation",
     "plot_pad",

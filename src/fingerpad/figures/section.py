@@ -223,6 +223,8 @@ def section_figure(
     hertz: ContactField | None = None,
     receptors: Mapping[str, tuple[float, float]] | None = None,
     width_mm: float = 85.0,
+    points: int = 181,
+    levels: int = 61,
 ) -> Figure:
     """Return the section under a contact, with its pressure, receptors and bone.
 
@@ -236,6 +238,8 @@ def section_figure(
         Least and greatest depth of receptors by name, mm.
     width_mm : float
         Width on paper; 85 mm is one column of a journal.
+    points, levels : int
+        Points of the section along the finger, and in depth.
 
     Returns
     -------
@@ -250,7 +254,7 @@ def section_figure(
     >>> [axes.get_ylabel() for axes in figure.axes]
     ['pressure (kPa)', 'depth (mm)', '']
     """
-    section = field.section()
+    section = field.section(points=points, levels=levels)
     extent = section.along[-1] - section.along[0]
     deepest = section.depth[-1]
     if deepest == section.thickness:

@@ -18,6 +18,7 @@ from fingerpad.exceptions import FingerpadError
 from fingerpad.figures import save_figure
 from fingerpad.image import PHOTOGRAPH_FLAGS
 from fingerpad.loading import Quantity, Undetermined
+from fingerpad.report.layer import comparisons, layer_plots
 from fingerpad.report.plot import Plot
 from fingerpad.report.plots import (
     MOST_POINTS,
@@ -34,6 +35,7 @@ from fingerpad.report.plots import (
 from fingerpad.report.templates import templates
 from fingerpad.report.text import FLAG_WORDS, doubtful_frames, face_differences, in_words
 from fingerpad.study.results.check import UncertaintyCheck
+from fingerpad.study.results.layer import LAYER_FLAGS
 from fingerpad.study.results.rows import RANGE_NOTES
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.summary import Summary, area_exponent
@@ -108,6 +110,7 @@ def write_page(
             most_presses=_MOST_PRESSES,
             synthetic=bool(result.rows.column("synthetic").any()),
             exact=result.study.taken_as_exact(),
+            thick=any(finger.effective_thickness is not None for finger in result.fingers.values()),
         )
         page.enable_buffering()
         with path.with_suffix(".part").open("w", encoding="utf-8") as file:
@@ -134,10 +137,13 @@ def _tabled(result: StudyResult, draw: _Draw) -> dict[str, Any]:
 
 def _drawn_in_full(result: StudyResult, draw: _Draw) -> dict[str, Any]:
     """Return what a page with all figures and pictures shows."""
+    on_layer = [one for one in result.summaries if one.layer and not one.layer.flag]
     return {
         "overview": [],
         "groups": [
-            _line(result, summary) | _details(result, summary, check, draw)
+            _line(result, summary)
+            | _details(result, summary, check, draw)
+            | _on_layer(result, summary, draw, with_section=on_layer[:1] == [summary])
             for summary, check in zip(result.summaries, result.checks, strict=True)
         ],
         "curves": [
@@ -188,6 +194,16 @@ def _details(
         "range_notes": [(RANGE_NOTES[code], notes[code], len(rows)) for code in RANGE_NOTES if notes[code]],
         "pictures": len(overlays),
         "overlays": thinned(overlays, _share(_MOST_PICTURES, len(result.summaries))),
+    }
+
+
+def _on_layer(result: StudyResult, summary: Summary, draw: _Draw, *, with_section: bool) -> dict[str, Any]:
+    """Return what a section shows of a finger on its layer of tissue."""
+    return {
+        "layer": summary.layer,
+        "layer_lines": comparisons(result, summary),
+        "layer_flag": LAYER_FLAGS.get(summary.layer.flag) if summary.layer else None,
+        "layer_figures": draw(layer_plots(result, summary, with_section=with_section)),
     }
 
 

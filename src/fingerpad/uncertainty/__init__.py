@@ -2,6 +2,14 @@
 
 from fingerpad.uncertainty.correlated import correlated_values, inputs_from_ufloats
 from fingerpad.uncertainty.covariance import covariance_of, covariance_root
+from fingerpad.uncertainty.layer import (
+    LAYER_OUTPUTS,
+    LAYER_SOURCES,
+    indentation_model,
+    layer_flag,
+    layer_model,
+    with_thickness,
+)
 from fingerpad.uncertainty.monte_carlo import (
     MonteCarloResult,
     Validation,
@@ -25,6 +33,8 @@ from fingerpad.uncertainty.quantities import Estimate, Inputs, Model, Outputs
 from fingerpad.uncertainty.sobol import SobolIndices, sobol_indices
 
 __all__ = [
+    "LAYER_OUTPUTS",
+    "LAYER_SOURCES",
     "PAD_OUTPUTS",
     "PAD_SOURCES",
     "Estimate",
@@ -42,7 +52,10 @@ __all__ = [
     "correlated_values",
     "covariance_of",
     "covariance_root",
+    "indentation_model",
     "inputs_from_ufloats",
+    "layer_flag",
+    "layer_model",
     "pad_inputs",
     "pad_model",
     "pad_uncertainty",
@@ -55,4 +68,5 @@ __all__ = [
     "sobol_indices",
     "validate_linear_approximation",
     "variance_components",
+    "with_thickness",
 ]

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from typing import Any, Self, TypeAlias
 
 import numpy as np
+import numpy.typing as npt
 
 from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, as_float_array, check_all
 from fingerpad.exceptions import UncertaintyError
@@ -136,7 +137,7 @@ class Inputs:
                 raise UncertaintyError(f"no input {name!r}; there are {', '.join(self.names)}")
         return [self.names.index(name) for name in wanted]
 
-    def at(self, index: int | slice | BoolArray) -> Self:
+    def at(self, index: int | slice | BoolArray | npt.NDArray[np.intp]) -> Self:
         """Return some of several sets of inputs.
 
         Parameters

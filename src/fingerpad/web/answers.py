@@ -448,6 +448,15 @@ class ContactModel(Answer):
     indentation_mm_std: float | None
     youngs_modulus_kpa: float | None
     youngs_modulus_kpa_std: float | None
+    effective_thickness_mm: float | None
+    effective_thickness_mm_std: float | None
+    youngs_modulus_on_layer_kpa: float | None
+    youngs_modulus_on_layer_kpa_std: float | None
+    indentation_on_layer_mm: float | None
+    indentation_on_layer_mm_std: float | None
+    loading_radius_on_layer_mm: float | None
+    loading_radius_on_layer_mm_std: float | None
+    layer_flag: str | None
     range_notes: list[str]
 
 
@@ -619,6 +628,10 @@ class PlottedRows(Answer):
     indentation_mm_std: list[float | None]
     youngs_modulus_kpa: list[float | None]
     youngs_modulus_kpa_std: list[float | None]
+    indentation_on_layer_mm: list[float | None]
+    indentation_on_layer_mm_std: list[float | None]
+    youngs_modulus_on_layer_kpa: list[float | None]
+    youngs_modulus_on_layer_kpa_std: list[float | None]
     pooled: list[bool]
 
 

@@ -192,5 +192,7 @@ def known_finger(opened: StudySession, name: str) -> FingerResult | None:
         source="photographs",
         scale=record.get("scale"),
         pad_thickness=finger.pad_thickness_mm,
+        effective_thickness=finger.effective_thickness_mm,
+        effective_thickness_std=finger.effective_thickness_mm_std,
         synthetic=record["synthetic"],
     )

@@ -26,6 +26,7 @@ from fingerpad.study.measuring.context import RunContext
 from fingerpad.study.measuring.curves import curve_items
 from fingerpad.study.measuring.fingers import is_rejected
 from fingerpad.study.results.columns import COLUMNS
+from fingerpad.study.results.layer import LAYER_FLAGS
 from fingerpad.study.results.rows import RANGE_NOTES
 from fingerpad.study.status import item_states
 from fingerpad.web import answers
@@ -39,7 +40,7 @@ _UNREADABLE: Final = (OSError, StoreError)
 _WORDS: Final[Mapping[str, Any]] = {
     "flags": dict(FLAG_WORDS),
     "photograph_flags": dict(PHOTOGRAPH_FLAGS),
-    "range_notes": dict(RANGE_NOTES),
+    "range_notes": {**RANGE_NOTES, **LAYER_FLAGS},
     "columns": {name: column.meaning for name, column in COLUMNS.items()},
 }
 

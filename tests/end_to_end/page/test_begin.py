@@ -164,6 +164,36 @@ def test_finger_is_renamed_with_its_contacts(tab: Tab, demo) -> None:
     assert rows.count(",right_middle,") == 2
 
 
+def test_thickness_is_stated_and_the_layer_shown_beside_hertz_theory(tab: Tab, demo) -> None:
+    tab.expected.append("422")
+    page = tab.open()
+
+    def state(thickness: str, std: str) -> dict:
+        page.get_by_role("button", name="Thickness of synthetic_pad").click()
+        page.get_by_label("Effective thickness").fill(thickness)
+        page.get_by_label("± (standard uncertainty)").fill(std)
+        page.get_by_role("button", name="Save").click()
+        page.get_by_role("dialog").wait_for(state="detached")
+        row = page.get_by_role("row", name="synthetic_pad").first
+        row.get_by_text(re.compile("8.0.±.1.5" if thickness == "8" else "Enter")).first.wait_for()
+        return tomllib.loads((demo / "study.toml").read_text())["fingers"][2]
+
+    finger = state("8", "1.5")
+    assert (finger["effective_thickness_mm"], finger["effective_thickness_mm_std"]) == (8, 1.5)
+    tab.go("contacts/images/synthetic_30deg_2N")
+    page.get_by_role("heading", name=re.compile("Model, 8.0.±.1.5 mm of tissue over bone")).wait_for()
+    text = page.locator("[data-live=layer]").inner_text()
+    assert re.search(r"E\s+\d+\S*.±.\S+ kPa", text), text
+    assert re.search(r"Rg\s+2\d\S*.±.\S+ mm", text), text
+    tab.go("study")
+    page.get_by_role("button", name="Thickness of synthetic_pad").wait_for()
+    assert not {"effective_thickness_mm", "effective_thickness_mm_std"} & state("", "").keys()
+    page.get_by_role("button", name="Thickness of synthetic_pad").click()
+    page.get_by_label("Effective thickness").fill("800")
+    page.get_by_role("button", name="Save").click()
+    page.get_by_role("alert").get_by_text("effective_thickness_mm").first.wait_for()
+
+
 def test_an_incomplete_entry_is_named_and_run_when_complete(tab: Tab, demo, tmp_path) -> None:
     page = tab.open()
     shutil.copy(demo / "synthetic" / "synthetic_30deg_1N.png", tmp_path / "print.png")

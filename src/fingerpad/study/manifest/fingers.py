@@ -5,7 +5,15 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from fingerpad.study.manifest.scales import ScaleKey
-from fingerpad.study.manifest.tables import Length, LengthStd, ManifestModel, Name, Pixel, RelativeStd
+from fingerpad.study.manifest.tables import (
+    Length,
+    LengthStd,
+    ManifestModel,
+    Name,
+    Pixel,
+    RelativeStd,
+    TissueThickness,
+)
 
 Side = Literal["up", "down", "left", "right"]
 
@@ -64,6 +72,8 @@ class Finger(ManifestModel):
     semi_axes_mm_std: SemiAxesStd | None = None
     photographs: list[Photograph] = Field(default=[])
     pad_thickness_mm: Length | None = None
+    effective_thickness_mm: TissueThickness | None = None
+    effective_thickness_mm_std: LengthStd | None = None
     synthetic: bool = False
 
     @model_validator(mode="after")
@@ -72,6 +82,12 @@ class Finger(ManifestModel):
             raise ValueError("give either semi_axes_mm or photographs, one of the two")
         if (self.semi_axes_mm is None) != (self.semi_axes_mm_std is None):
             raise ValueError("semi_axes_mm and semi_axes_mm_std belong together")
+        thickness, std = self.effective_thickness_mm, self.effective_thickness_mm_std
+        if std is not None and (thickness is None or std >= thickness):
+            raise ValueError(
+                "effective_thickness_mm_std is the uncertainty of effective_thickness_mm: give both, and the "
+                "uncertainty below the thickness"
+            )
         images = [one.file for one in self.photographs if one.file is not None]
         for image in dict.fromkeys(images):
             if images.count(image) > 1:  # results and corrections know a photograph by its file

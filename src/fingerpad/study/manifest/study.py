@@ -57,6 +57,11 @@ class Study(ManifestModel):
         own = (scale for scale in self.scales_in_use() if isinstance(scale, ManifestModel))
         return [
             *(words for words, std in stds.items() if not std),
+            *(
+                f"the effective thickness of {finger.name}"
+                for finger in self.fingers
+                if finger.effective_thickness_mm is not None and finger.effective_thickness_mm_std is None
+            ),
             *(f"the scale {name}" for name in used if is_exact(self.scales[name])),
             *(["scales of single pictures"] if any(map(is_exact, own)) else []),
         ]

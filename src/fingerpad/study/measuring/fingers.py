@@ -77,6 +77,8 @@ class FingerResult:
         Name of the scale that all its photographs share: one uncertain number for all of them.
     pad_thickness : float or None
         Thickness of the soft pad, mm.
+    effective_thickness, effective_thickness_std : float or None
+        Thickness of the layer over bone that acts like the finger's tissue, and its standard uncertainty, mm.
     synthetic : bool
         Whether anything of it was rendered or simulated.
     reason : str or None
@@ -91,6 +93,8 @@ class FingerResult:
     photographs: tuple[PhotographResult, ...] = ()
     scale: str | None = None
     pad_thickness: float | None = None
+    effective_thickness: float | None = None
+    effective_thickness_std: float | None = None
     synthetic: bool = False
     reason: str | None = None
     person: str | None = None
@@ -122,6 +126,8 @@ def finger_result(
         "name": finger.name,
         "person": finger.person,
         "pad_thickness": finger.pad_thickness_mm,
+        "effective_thickness": finger.effective_thickness_mm,
+        "effective_thickness_std": finger.effective_thickness_mm_std,
         "synthetic": finger.synthetic or any(photograph.synthetic for photograph in finger.photographs),
     }
     if finger.semi_axes_mm is not None and finger.semi_axes_mm_std is not None:

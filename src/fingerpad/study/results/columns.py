@@ -172,6 +172,18 @@ _GROUPS: Final[Mapping[str, Sequence[Column]]] = {
         *_with_std("youngs_modulus_kpa", "kPa", "E = E*(1 - nu^2)"),
         *_with_std("mean_pressure_kpa", "kPa", "W over the area of the ellipse"),
     ),
+    "layer": (
+        *_with_std("effective_thickness_mm", "mm", "effective thickness of the tissue over bone, as stated"),
+        *_with_std(
+            "reduced_modulus_on_layer_kpa", "kPa", "E* of the whole pad on that layer, from load and area"
+        ),
+        *_with_std("youngs_modulus_on_layer_kpa", "kPa", "E = E*(1 - nu^2) of the whole pad on that layer"),
+        *_with_std("indentation_on_layer_mm", "mm", "xi of the whole pad on that layer, from the area"),
+        *_with_std(
+            "loading_radius_on_layer_mm", "mm", "A/(pi xi) of the whole pad on that layer: compare with R_g"
+        ),
+        _text("layer_flag", "why the columns of the layer are empty, or without uncertainty"),
+    ),
     "validity": (
         _number("contact_radius_ratio", "1", "sqrt(l_d l_e)/R_e, which Hertz theory takes to be small"),
         _number("indentation_over_thickness", "1", "indentation over the given thickness of the pad"),

@@ -36,7 +36,7 @@ OF_THE_PLACEMENT: Final = (*GEOMETRY, "Poisson's ratio")
 # Names of the columns of parts: first-order ones, then those of second order.
 PART_SOURCES: Final = np.array(2 * [source for source, names in PAD_SOURCES.items() for _ in names])
 # Draws for a row's own interval; GUM-S1 asks for 10⁶ where two digits must stand.
-_MOST_DRAWS: Final = 200_000
+MOST_DRAWS: Final = 200_000
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -65,7 +65,7 @@ class Modelled:
         covariance = np.where(finite[:, None, None], inputs.covariance, 0.0)
         with np.errstate(all="ignore"):
             propagated = propagate(pad_model, replace(inputs, covariance=covariance))
-            parts = _parts(propagated)
+            parts = parts_of(propagated, POOLED_OUTPUTS)
         has_output = np.isfinite(propagated.value).all(axis=-1) & np.isfinite(propagated.std).all(axis=-1)
         answered = np.asarray(finite & has_output)
         std = METHODS[method](propagated, answered)
@@ -144,7 +144,7 @@ def _monte_carlo(propagated: Propagated, answered: BoolArray) -> FloatArray:
     """Return the same by Monte Carlo."""
     std = propagated.std
     for place in np.flatnonzero(answered).tolist():
-        std[place] = run_monte_carlo(pad_model, propagated.inputs.at(place), max_draws=_MOST_DRAWS).std
+        std[place] = run_monte_carlo(pad_model, propagated.inputs.at(place), max_draws=MOST_DRAWS).std
     return std
 
 
@@ -152,9 +152,9 @@ Method: TypeAlias = Callable[[Propagated, BoolArray], FloatArray]
 METHODS: Final[dict[str, Method]] = {"first_order": _first_order, "monte_carlo": _monte_carlo}
 
 
-def _parts(propagated: Propagated) -> FloatArray:
-    """Return the parts of `POOLED_OUTPUTS`, first-order ones and then those of second order."""
-    pooled = [propagated.place(name) for name in POOLED_OUTPUTS]
+def parts_of(propagated: Propagated, outputs: Sequence[str]) -> FloatArray:
+    """Return the parts of some outputs, first-order ones and then those of second order."""
+    pooled = [propagated.place(name) for name in outputs]
     first = propagated.jacobian[:, pooled] @ _root_by_source(propagated.inputs)
     return np.concatenate([first, propagated.second_order[:, pooled]], axis=-1)
 

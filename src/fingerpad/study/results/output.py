@@ -122,8 +122,9 @@ def summary_record(result: StudyResult) -> dict[str, Any]:
                 "velocity_mm_per_s": curve.velocity,
                 "reason": curve.reason,
                 "fit": curve.fit and curve.fit.as_record(),
+                "on_layer": layered and layered.as_record(),
             }
-            for curve in result.curves
+            for curve, layered in zip(result.curves, result.curves_on_layer(), strict=True)
         ],
         "failures": result.failures,
         "provenance": result.provenance,
@@ -159,6 +160,7 @@ def _summary(
         "geometric_mean_radius_mm_std": first["geometric_mean_radius_mm_std"],
         **_pooled("radius_from_indentation", summary.corrected_radius),
         **_pooled("radius_from_compliance", summary.compliance_radius),
+        "on_layer": summary.layer and summary.layer.as_record(),
         "loading_radius_mm": loading and loading.value,
         "loading_radius_mm_std": loading and loading.std,
         **_exponent(contacts or summary.rows),

@@ -14,6 +14,7 @@ from fingerpad.study.manifest import CORRECTIONS, Contact, Observation, Study
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.measuring.measure import Measurement
 from fingerpad.study.results.columns import COLUMNS, ColumnArray
+from fingerpad.study.results.layer import LAYER_PART_SOURCES, POOLED_ON_LAYER, layer_columns
 from fingerpad.study.results.model import GEOMETRY, PART_SOURCES, POOLED_OUTPUTS, Modelled, contact_inputs
 from fingerpad.study.results.table import GrowingArray, Places, ResultsTable, TableBuilder
 from fingerpad.uncertainty import PAD_OUTPUTS, PAD_SOURCES, Inputs
@@ -40,6 +41,7 @@ RANGE_NOTES: Final = {
     "indentation_not_small": f"the indentation exceeds {SMALL_INDENTATION:.0%} of the pad's thickness",
     "aspect_ratio_disagrees": f"measured and predicted aspect ratio differ by more than {SAME_SHAPE:.0%}",
     "long_axis_disagrees": "the long axis lies across the direction that Hertz theory predicts",
+    "layer_out_of_range": "the contact is out of the range of the laws for a layer over bone: see layer_flag",
 }
 
 # Columns that a measurement has as they are.
@@ -86,15 +88,22 @@ class Rows:
         Signed contributions to the uncertainty of their radii, as `Modelled` has them.
     elongation_std : ndarray, shape (pooled rows,)
         Standard uncertainty of the elongation ln(ℓd/ℓe) of each of their contact ellipses.
+    layer_parts : ndarray, shape (pooled rows, outputs, parts)
+        Signed contributions to the uncertainty of `POOLED_ON_LAYER`, of the sources `LAYER_PART_SOURCES`, NaN
+        for rows without them; no rows where no finger has a thickness.
     highest_load : dict of PlacementKey to HighestLoad
         By the values of `PLACEMENT`; without those at which nothing counts.
+    highest_on_layer : dict of PlacementKey to HighestLoad
+        The same among contacts on a layer, in the range of its laws.
     """
 
     table: ResultsTable
     pooled: Places
     parts: FloatArray
     elongation_std: FloatArray
+    layer_parts: FloatArray
     highest_load: dict[PlacementKey, HighestLoad]
+    highest_on_layer: dict[PlacementKey, HighestLoad]
 
 
 def model_contacts(
@@ -116,7 +125,10 @@ def model_contacts(
     pooled = GrowingArray(np.empty(0, dtype=np.intp))
     parts = GrowingArray(np.empty((0, len(POOLED_OUTPUTS), len(PART_SOURCES))))
     elongation_std = GrowingArray(np.empty(0))
+    layer_parts = GrowingArray(np.empty((0, len(POOLED_ON_LAYER), len(LAYER_PART_SOURCES))))
+    layered = any(finger.effective_thickness is not None for finger in fingers.values())
     highest_load: dict[PlacementKey, HighestLoad] = {}
+    highest_on_layer: dict[PlacementKey, HighestLoad] = {}
     start = 0
     while batch := list(islice(stream, _AT_ONCE)):
         done = _Batch.of(study, fingers, batch)
@@ -125,14 +137,19 @@ def model_contacts(
         pooled.add(start + done.good[counts])
         parts.add(done.modelled.parts[counts])
         elongation_std.add(done.inputs.std[counts, done.inputs.places(["elongation"])])
-        done.weigh(highest_load)
+        if layered:
+            layer_parts.add(done.layer_parts[counts])
+        done.weigh(highest_load, counts)
+        done.weigh(highest_on_layer, counts & done.on_layer)
         start += len(batch)
     return Rows(
         table=table.table(),
         pooled=pooled.array,
         parts=parts.array,
         elongation_std=elongation_std.array,
+        layer_parts=layer_parts.array,
         highest_load=highest_load,
+        highest_on_layer=highest_on_layer,
     )
 
 
@@ -144,6 +161,7 @@ class _Batch:
     good: Places
     inputs: Inputs
     modelled: Modelled
+    layer_parts: FloatArray
 
     @classmethod
     def of(cls, study: Study, fingers: Mapping[str, FingerResult], seen: Seen) -> "_Batch":
@@ -158,23 +176,30 @@ class _Batch:
         for place in sound[~answered]:
             reasons[place] = _NO_ANSWER
         good, modelled = sound[answered], modelled.only(answered)
-        columns = _described(fingers, seen, reasons)
+        columns, inputs = _described(fingers, seen, reasons), inputs.at(answered)
+        pads = [fingers[seen[place][0].finger] for place in good]
+        layer, layer_parts = layer_columns(pads, inputs, study.uncertainty.method)
         if good.size:
-            pads = [fingers[seen[place][0].finger] for place in good]
-            answers = _modelled({name: column[good] for name, column in columns.items()}, pads, modelled)
+            described = {name: column[good] for name, column in columns.items()}
+            answers = _modelled(described | layer, pads, modelled) | layer
             for name, answer in answers.items():
                 columns[name] = COLUMNS[name].unknown(len(seen))
                 columns[name][good] = answer
         return cls(
             columns=columns,
             good=good,
-            inputs=inputs.at(answered),
+            inputs=inputs,
             modelled=modelled,
+            layer_parts=layer_parts,
         )
 
-    def weigh(self, highest_load: dict[PlacementKey, HighestLoad]) -> None:
-        """Keep the contact of the highest load at each placement; of equal loads the last one."""
-        counts = self.columns["pooled"][self.good]
+    @property
+    def on_layer(self) -> BoolArray:
+        """Which good rows are on a layer, in the range of its laws."""
+        return np.asarray(np.isfinite(self.layer_parts).all(axis=(-2, -1)))
+
+    def weigh(self, highest_load: dict[PlacementKey, HighestLoad], counts: BoolArray) -> None:
+        """Keep the contact of the highest load at each placement, of those that count; of equals the last."""
         loads = self.columns["load_N"][self.good].tolist()
         keys = list(zip(*(self.columns[name][self.good].tolist() for name in PLACEMENT), strict=True))
         found: dict[PlacementKey, int] = {}
@@ -285,6 +310,7 @@ def _range_notes(
         "long_axis_disagrees": np.array(crossed, dtype=bool),
         "aspect_ratio_disagrees": np.abs(row["aspect_ratio"] / row["predicted_aspect_ratio"] - 1)
         > SAME_SHAPE,
+        "layer_out_of_range": np.array([bool(flag) for flag in row["layer_flag"]], dtype=bool),
     }
     kinds, kind = np.unique(np.array(list(notes.values())), axis=1, return_inverse=True)
     words = [" ".join(note for note, holds in zip(notes, some, strict=True) if holds) for some in kinds.T]

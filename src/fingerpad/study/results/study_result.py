@@ -22,6 +22,7 @@ from fingerpad.study.measuring.scales import FoundScale
 from fingerpad.study.measuring.sequences import SequenceResult
 from fingerpad.study.results.check import UncertaintyCheck
 from fingerpad.study.results.digest import digest_of_values
+from fingerpad.study.results.layer_curve import CurveOnLayer, curve_on_layer
 from fingerpad.study.results.rows import HighestLoad, model_contacts
 from fingerpad.study.results.summary import Summary, pool_contacts
 from fingerpad.study.results.table import ResultsTable
@@ -101,6 +102,12 @@ class StudyResult(Displayed):
         """Return the rows of frames of each of `sequences`."""
         films = self.rows.at(self.rows.known("frame")).by("sequence")
         return [films.get((film.manifest.name,), self.rows[:0]) for film in self.sequences]
+
+    def curves_on_layer(self) -> list[CurveOnLayer | None]:
+        """Return each of `curves` on its finger's layer of tissue; None without a thickness."""
+        return [
+            curve_on_layer(self.study, self.fingers[curve.manifest.finger], curve) for curve in self.curves
+        ]
 
     def of_finger(self, name: str) -> "StudyResult":
         """Return what was found of one finger, as a study of its own."""

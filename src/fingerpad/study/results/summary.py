@@ -7,9 +7,10 @@ from typing import NamedTuple
 import numpy as np
 from scipy import stats
 
+from fingerpad.study.results.layer_summary import LayerSummary
 from fingerpad.study.results.model import POOLED_OUTPUTS
 from fingerpad.study.results.pooling import PooledRadius
-from fingerpad.study.results.rows import PLACEMENT, PlacementKey, Rows
+from fingerpad.study.results.rows import PLACEMENT, HighestLoad, PlacementKey, Rows
 from fingerpad.study.results.table import ResultsTable, numbered
 
 
@@ -28,6 +29,8 @@ class Summary:
         sound row.
     compliance_radius : PooledRadius or None
         Pooled ``radius_from_compliance_mm``, the one to compare with R_g.
+    layer : LayerSummary or None
+        The same contacts on the finger's layer of tissue; None without a thickness, or without a sound row.
     """
 
     finger: str
@@ -37,6 +40,7 @@ class Summary:
     rows: ResultsTable
     corrected_radius: PooledRadius | None
     compliance_radius: PooledRadius | None
+    layer: LayerSummary | None
 
     @property
     def key(self) -> PlacementKey:
@@ -87,7 +91,13 @@ def _summary(key: PlacementKey, rows: Rows, group: ResultsTable) -> Summary:
         rows=group.sorted_by("load_N"),
         corrected_radius=corrected,
         compliance_radius=compliance,
+        layer=LayerSummary.of(rows, pooled, estimate, _highest(rows, key)) if len(pooled) else None,
     )
+
+
+def _highest(rows: Rows, key: PlacementKey) -> HighestLoad:
+    """Return the contact at the highest load that is in the range of the layer's laws, if any is."""
+    return rows.highest_on_layer.get(key) or rows.highest_load[key]
 
 
 class Exponent(NamedTuple):

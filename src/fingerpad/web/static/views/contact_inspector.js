@@ -34,6 +34,26 @@ const MODEL = [
   ["youngs_modulus_kpa", () => ["Young's modulus ", symbol("E")], "Young's modulus by Hertz theory"],
 ];
 
+/** Beside the model, where the finger's thickness is stated. */
+/** @type {[key: string, label: () => any, title: string][]} */
+const ON_LAYER = [
+  [
+    "youngs_modulus_on_layer_kpa",
+    () => ["Young's modulus ", symbol("E")],
+    "Young's modulus from load and area, of the whole pad on the layer",
+  ],
+  [
+    "indentation_on_layer_mm",
+    () => ["Indentation ", symbol("ξ")],
+    "indentation of the whole pad on the layer, from the area",
+  ],
+  [
+    "loading_radius_on_layer_mm",
+    () => ["Expected ", symbol("R", "g")],
+    "A/(πξ) of the whole pad on the layer; compare with the radius from loading data",
+  ],
+];
+
 const REASONS = ["smeared", "slipped", "cropped", "wrong finger", "no contact"];
 
 const RESETS = [
@@ -141,7 +161,7 @@ export class ContactInspector extends Inspector {
         ),
       ),
       model && [
-        h("h3", null, "Model"),
+        h("h3", null, layered(model) ? "Model, Hertz theory" : "Model"),
         h(
           "dl.readings",
           null,
@@ -149,6 +169,17 @@ export class ContactInspector extends Inspector {
             quantityRow(label(), quantityText(model, key), { title: words }),
           ),
         ),
+      ],
+      layered(model) && [
+        h("h3", null, `Model, ${quantityText(model, "effective_thickness_mm")} of tissue over bone`),
+        h(
+          "dl.readings",
+          { "data-live": "layer" },
+          ON_LAYER.map(([key, label, words]) =>
+            quantityRow(label(), quantityText(model, key), { title: words }),
+          ),
+        ),
+        model.layer_flag && h("p.soft", null, `Out of range: ${describeCode(model.layer_flag)}.`),
       ],
       !model && h("p.soft", null, "The corrected radius needs the finger's semi-axes: run the study."),
       answer.flags.length > 0 &&
@@ -216,6 +247,9 @@ export class ContactInspector extends Inspector {
     );
   }
 }
+
+/** @param {ContactMeasurement["model"]} model */
+const layered = (model) => typeof model?.effective_thickness_mm === "number";
 
 /** @param {ContactMeasurement["model"]} model */
 const notesOf = (model) => model?.range_notes ?? [];

@@ -17,6 +17,8 @@ export class Figures {
       ["pad", "pad and contact"],
       ["area", "area against load"],
       ["aspect_ratio", "aspect ratio"],
+      ["on_layer", "effect of a thickness"],
+      ["section", "section to the bone"],
       ["budget", "uncertainty budget"],
       ["curve", "loading curves"],
       ["sequence", "sequences"],

@@ -16,6 +16,12 @@ const QUANTITIES = [
   ["youngs_modulus_kpa", "Young's modulus", "Young's modulus E (kPa)"],
 ];
 
+// Quantities that the whole pad on its layer of tissue has too.
+const ON_LAYER = {
+  indentation_mm: "indentation_on_layer_mm",
+  youngs_modulus_kpa: "youngs_modulus_on_layer_kpa",
+};
+
 const BARS = [
   ["all", "all uncertainties"],
   ["given", "fixed pad geometry, as in Dzidek et al. (2017)"],
@@ -82,6 +88,8 @@ export class Plots {
           h("span", null, h("i.line-mark.dotted"), symbol("R", "0g"), ", undeformed pad"),
           this.groups.some((group) => group.loading_radius_mm != null) &&
             h("span", null, h("i.line-mark.dashed"), symbol("R", "g"), ", from loading data"),
+          this.groups.some(({ rows }) => rows.youngs_modulus_on_layer_kpa.some((value) => value !== null)) &&
+            h("span", null, h("i.square-mark"), "E and ξ on the layer over bone"),
           this.groups.some((group) => group.synthetic) && h("span", null, "hollow: synthetic"),
         ),
       ),
@@ -183,6 +191,8 @@ export class Plots {
     const radius = this.quantity === QUANTITIES[0][0];
     const [key, words, title, logarithmic] = QUANTITIES.find(([each]) => each === this.quantity);
     const std = rows[radius && this.bars === "given" ? `${key}_fixed_geometry_std` : `${key}_std`];
+    const layerKey = ON_LAYER[key];
+    const onLayer = layerKey && rows[layerKey].some((value) => value !== null);
     const crowded = rows.item.length > 80;
     const name = (index) => rows.item[index];
     const traces = [
@@ -198,6 +208,31 @@ export class Plots {
           line: { color: compliance, width: 1.2 },
         },
         hovertemplate: "%{text}<br>W = %{x:.3g} N<br>R_Aξ = %{y:.2f} mm<extra></extra>",
+        text: rows.item,
+      },
+      onLayer && {
+        x: rows.load_N,
+        y: rows[layerKey],
+        error_y: {
+          type: "data",
+          array: rows[`${layerKey}_std`],
+          color: compliance,
+          thickness: 1.4,
+          width: crowded ? 0 : 4,
+        },
+        mode: "markers",
+        type: "scatter",
+        marker: {
+          symbol: "square",
+          color: group.synthetic ? panel : compliance,
+          size: crowded ? 3 : 7,
+          line: { color: compliance, width: 1.2 },
+        },
+        hovertemplate: rows.item.map(
+          (_, index) =>
+            `${"%{text}"}<br>W = %{x:.3g} N<br>${words} on layer: ` +
+            `${withUnit(withStd(rows[layerKey][index], rows[`${layerKey}_std`][index]), unitOf(layerKey))}<extra></extra>`,
+        ),
         text: rows.item,
       },
       {

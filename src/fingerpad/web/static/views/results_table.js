@@ -7,6 +7,13 @@ import { describeCode, workspace } from "../core/workspace.js";
 import { button, check, chip, choose, field, synthetic } from "../parts/forms.js";
 
 const LIMIT = 100;
+// Shown where a finger's thickness is stated.
+const ON_LAYER = [
+  "youngs_modulus_on_layer_kpa",
+  "indentation_on_layer_mm",
+  "loading_radius_on_layer_mm",
+  "layer_flag",
+];
 const SHOWN = [
   "finger",
   "wedge_angle_deg",
@@ -19,6 +26,7 @@ const SHOWN = [
   "ridge_area_mm2",
   "indentation_mm",
   "youngs_modulus_kpa",
+  ...ON_LAYER,
   "radius_from_compliance_mm",
   "mean_curvature_radius_mm",
   "contact_radius_ratio",
@@ -35,6 +43,10 @@ const SHORT = {
   ridge_area_mm2: "Ridge area, mm²",
   indentation_mm: "ξ, mm",
   youngs_modulus_kpa: "E, kPa",
+  youngs_modulus_on_layer_kpa: "E on layer, kPa",
+  indentation_on_layer_mm: "ξ on layer, mm",
+  loading_radius_on_layer_mm: "R_g on layer, mm",
+  layer_flag: "Layer out of range",
   radius_from_indentation_mm: "Corrected R, mm",
   radius_from_compliance_mm: "R_Aξ, mm",
   mean_curvature_radius_mm: "R_0g, mm",
@@ -144,9 +156,12 @@ export class Table {
     const { offset } = this.asked;
     const stds = new Set(columns.map(({ std }) => std).filter(Boolean));
     const known = new Map(columns.map((column) => [column.key, column]));
+    const layered = workspace.study.fingers.some(({ table }) => table.effective_thickness_mm !== undefined);
     const shown = this.all
       ? columns.filter(({ key }) => !stds.has(key) && key !== "observation")
-      : SHOWN.map((key) => known.get(key)).filter(Boolean);
+      : SHOWN.filter((key) => layered || !ON_LAYER.includes(key))
+          .map((key) => known.get(key))
+          .filter(Boolean);
     const range = `, ${offset + 1} to ${Math.min(matching, offset + LIMIT)} shown`;
     this.count.textContent = `${matching} of ${total} rows${matching > LIMIT ? range : ""}`;
     render(

@@ -100,6 +100,11 @@ export class StudyTables {
                   null,
                   h("th", { scope: "col" }, "Finger"),
                   AXES.map(([, words]) => h("th.number", { scope: "col" }, `${words}, mm`)),
+                  h(
+                    "th.number",
+                    { scope: "col", title: "effective thickness of the tissue over bone" },
+                    "Thickness, mm",
+                  ),
                   h("th", { scope: "col" }, "Photographs"),
                   h("th", { scope: "col" }, h("span.sr", null, "Actions")),
                 ),
@@ -132,6 +137,17 @@ export class StudyTables {
       ),
       AXES.map(([axis]) =>
         h("td.number", null, withStd(finger.semi_axes_mm?.[axis], finger.semi_axes_mm_std?.[axis])),
+      ),
+      h(
+        "td.number",
+        null,
+        button(
+          finger.table.effective_thickness_mm === undefined
+            ? "Enter"
+            : withStd(finger.table.effective_thickness_mm, finger.table.effective_thickness_mm_std),
+          () => this.#thickness(finger),
+          { kind: "small", label: `Thickness of ${finger.name}`, title: "Effective thickness over bone" },
+        ),
       ),
       h(
         "td",
@@ -248,6 +264,40 @@ export class StudyTables {
     this.change("finger", finger.name, {
       semi_axes_mm: Object.fromEntries(inputs.map(([axis, , input]) => [axis, value(input)])),
       semi_axes_mm_std: Object.fromEntries(inputs.map(([axis, , , input]) => [axis, value(input) ?? 0])),
+    });
+  }
+
+  /** @param {Finger} finger */
+  async #thickness(finger) {
+    /** @type {Record<string, any>} */
+    const { effective_thickness_mm: now, effective_thickness_mm_std: std } = finger.table;
+    const [value, its] = [now, std].map((each) => number({ value: each, min: 0 }));
+    const body = h(
+      "div.stack",
+      null,
+      h(
+        "p",
+        null,
+        "Effective thickness of the tissue over bone: that of a flat layer which acts like this finger's narrow and " +
+          "curved bone. Results then show the whole pad on that layer beside Hertz theory. Without an uncertainty it " +
+          "is taken as exact; empty fields remove it.",
+      ),
+      h(
+        "div.fields.two",
+        null,
+        field("Effective thickness", value, { unit: "mm" }),
+        field("± (standard uncertainty)", its, { unit: "mm" }),
+      ),
+    );
+    const answer = await ask(`Thickness of ${finger.name}`, body, [
+      ["", "Cancel"],
+      ["yes", "Save", "primary"],
+    ]);
+    if (answer !== "yes") return;
+    const typed = (input) => (input.value === "" ? null : Number(input.value));
+    this.change("finger", finger.name, {
+      effective_thickness_mm: typed(value),
+      effective_thickness_mm_std: typed(its),
     });
   }
 

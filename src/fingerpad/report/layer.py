@@ -1,0 +1,206 @@
+"""What the report shows of the pad on its layer of tissue over bone, beside Hertz theory."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+
+from fingerpad.contact import ContactField, EllipsoidContact, layered_contact
+from fingerpad.exceptions import ConvergenceError, GeometryError
+from fingerpad.figures import new_figure, plot_layer_effect, section_figure
+from fingerpad.figures.style import mark_synthetic
+from fingerpad.geometry import Ellipsoid
+from fingerpad.report.plot import Plot
+from fingerpad.report.plots import group_name
+from fingerpad.study.results.layer import HERTZ_OF, LAYER_FLAGS
+from fingerpad.study.results.layer_summary import LayerQuantity
+from fingerpad.study.results.study_result import StudyResult
+from fingerpad.study.results.summary import Summary
+from fingerpad.units import KPA_PER_MPA
+
+_IF_THICKNESS: Final = (4.0, 8.0, 12.0)
+_THICKNESSES: Final = np.unique([*np.geomspace(3, 16, 40), *_IF_THICKNESS])
+# A drawing needs no finer grid, and takes half a second with this one.
+_CELLS, _SECTION_POINTS, _SECTION_LEVELS = 64, 91, 31
+_LEAST_SHARE: Final = 0.01
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Comparison:
+    """A line of the table: a quantity by Hertz theory and on the layer.
+
+    Attributes
+    ----------
+    quantity, source : str
+        What it is, with its unit, and of what.
+    hertz, layered : LayerQuantity
+        By either theory.
+    shares : str
+        What its uncertainty on the layer comes from.
+    """
+
+    quantity: str
+    source: str
+    hertz: LayerQuantity | None
+    layered: LayerQuantity
+    shares: str
+
+
+def comparisons(result: StudyResult, summary: Summary) -> list[Comparison]:
+    """Return the lines of a summary's table; none without a thickness."""
+    layer = summary.layer
+    if layer is None:
+        return []
+    names = {
+        "youngs_modulus_on_layer": "E from load and area (kPa)",
+        "indentation_on_layer": "ξ from the area (mm)",
+        "loading_radius_on_layer": "R_g to expect, A/(πξ) (mm)",
+    }
+    at = f"{layer.observation}, {layer.load:.3g} N"
+    lines = {
+        name: _comparison(words, at, layer.at_highest_load[HERTZ_OF[name]], layer.at_highest_load[name])
+        for name, words in names.items()
+    }
+    pooled = layer.pooled["youngs_modulus_on_layer"]
+    means = (
+        [
+            _comparison(
+                "E from load and area (kPa)",
+                f"mean of {pooled.count} contacts",
+                layer.pooled["youngs_modulus"],
+                pooled,
+            )
+        ]
+        if pooled and pooled.count > 1
+        else []
+    )
+    radius = lines.pop("loading_radius_on_layer")
+    return [*means, *lines.values(), *_of_curves(result, summary), radius]
+
+
+def _of_curves(result: StudyResult, summary: Summary) -> Iterator[Comparison]:
+    """Yield a line for each loading curve of the finger at the angle."""
+    for curve, found in zip(result.curves, result.curves_on_layer(), strict=True):
+        of = curve.manifest
+        same = (of.finger, of.wedge_angle_deg, of.synthetic) == (
+            summary.finger,
+            summary.wedge_angle_deg,
+            summary.synthetic,
+        )
+        if same and found is not None:
+            yield _comparison(
+                "E from load and indentation (kPa)",
+                f"{of.file}, {found.load:.3g} N" + (f": {LAYER_FLAGS[found.flag]}" if found.flag else ""),
+                found.quantities["youngs_modulus_from_indentation"],
+                found.quantities["youngs_modulus_from_indentation_on_layer"],
+            )
+
+
+def _comparison(
+    quantity: str, source: str, hertz: LayerQuantity | None, layered: LayerQuantity
+) -> Comparison:
+    largest = sorted(layered.budget.items(), key=lambda item: -item[1])
+    shares = ", ".join(f"{name} {100 * share:.0f} %" for name, share in largest if share >= _LEAST_SHARE)
+    return Comparison(quantity=quantity, source=source, hertz=hertz, layered=layered, shares=shares)
+
+
+def layer_plots(result: StudyResult, summary: Summary, *, with_section: bool) -> Iterator[Plot]:
+    """Draw the section under the contact at the highest load; without a thickness, what one would change.
+
+    Parameters
+    ----------
+    result : StudyResult
+        The study.
+    summary : Summary
+        The finger at its angle.
+    with_section : bool
+        Whether to draw the section, which takes longer than all else.
+    """
+    if result.fingers[summary.finger].effective_thickness is None:
+        yield from _conditional(result, summary)
+    elif with_section:
+        yield from _section(result, summary)
+
+
+def _conditional(result: StudyResult, summary: Summary) -> Iterator[Plot]:
+    """Draw what would follow for the contact at the highest load that is in the range of the laws."""
+    pooled = summary.rows.at(summary.rows.column("pooled"))
+    area = np.pi * pooled.column("semi_major_mm") * pooled.column("semi_minor_mm")
+    found = layered_contact(
+        Ellipsoid(*result.fingers[summary.finger].semi_axes),
+        wedge_angle=math.radians(summary.wedge_angle_deg),
+        roll_angle=math.radians(summary.roll_angle_deg),
+        thickness=_THICKNESSES,
+        poisson_ratio=result.study.poisson_ratio,
+        load=pooled.column("load_N")[:, None],
+        area=area[:, None],
+    )
+    known = np.flatnonzero(np.isfinite(found.youngs_modulus).any(axis=-1))
+    if not known.size:
+        return
+    place = int(known[-1])
+    row, modulus, radius = pooled[place], found.youngs_modulus[place], found.loading_radius[place]
+    figure, (axes,) = new_figure(height_mm=56)
+    plot_layer_effect(
+        axes,
+        _THICKNESSES,
+        modulus_ratio=KPA_PER_MPA * modulus / row["youngs_modulus_kpa"],
+        radius_ratio=radius / row["geometric_radius_from_compliance_mm"],
+        marked=_IF_THICKNESS,
+        synthetic=summary.synthetic,
+    )
+    yield Plot(
+        name=f"{_name(summary)}_if_on_layer",
+        figure=figure,
+        caption=(
+            f"Conditional: no thickness is stated for {summary.finger}. If its tissue acted like a layer of "
+            f"this thickness on bone, modulus and loading radius of {row['observation']} "
+            f"({row['load_N']:.3g} N) would be those of Hertz theory times these factors."
+        ),
+    )
+
+
+def _section(result: StudyResult, summary: Summary) -> Iterator[Plot]:
+    """Draw the section along the finger under the contact at the highest load."""
+    layer = summary.layer
+    if layer is None or layer.flag:
+        return
+    nu = result.study.poisson_ratio
+    press: dict[str, Any] = {
+        "wedge_angle": math.radians(summary.wedge_angle_deg),
+        "roll_angle": math.radians(summary.roll_angle_deg),
+        "load": layer.load,
+        "reduced_modulus": layer.at_highest_load["youngs_modulus_on_layer"].value / KPA_PER_MPA / (1 - nu**2),
+        "poisson_ratio": nu,
+    }
+    pad = Ellipsoid(*result.fingers[summary.finger].semi_axes)
+    try:
+        solved = EllipsoidContact.of(pad, thickness=layer.thickness, points=_CELLS, **press).solution
+    except (GeometryError, ConvergenceError):
+        return
+    figure = section_figure(
+        ContactField.of_solution(solved),
+        hertz=ContactField.of_hertz(pad, **press),
+        points=_SECTION_POINTS,
+        levels=_SECTION_LEVELS,
+    )
+    if summary.synthetic:
+        mark_synthetic(figure.axes[0])
+    yield Plot(
+        name=f"{_name(summary)}_section",
+        figure=figure,
+        caption=(
+            f"Section along the finger under {layer.observation} ({layer.load:.3g} N; {summary.finger}, "
+            f"wedge {summary.wedge_angle_deg:g}°): pressure, and maximum shear stress in {layer.thickness:g} "
+            "mm of tissue over bone, with the modulus on the layer. Dashed: pressure of Hertz theory for the "
+            "same load and modulus."
+        ),
+    )
+
+
+def _name(summary: Summary) -> str:
+    return group_name(
+        summary.finger, summary.wedge_angle_deg, summary.roll_angle_deg, synthetic=summary.synthetic
+    )

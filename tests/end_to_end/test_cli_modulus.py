@@ -1,0 +1,99 @@
+"""The command that finds a modulus, and Hertz theory with a layer beside it."""
+
+import json
+import math
+
+import pytest
+from typer.testing import CliRunner
+
+from fingerpad.cli import app
+from fingerpad.contact import HertzGeometry, PadGap, fast_contact, layered_contact
+from fingerpad.geometry import Ellipsoid, Placement
+
+PAD = ("--semi-axes-mm", 7.9, 13.8, 11.8, "--wedge-deg", 30)
+ELLIPSOID = Ellipsoid(7.9, 13.8, 11.8)
+KEYS = {
+    "load_N",
+    "area_mm2",
+    "indentation_mm",
+    "area_over_pi_indentation_mm",
+    "reduced_modulus_kpa",
+    "youngs_modulus_kpa",
+}
+
+
+def run(*arguments: object) -> tuple[int, str, str]:
+    result = CliRunner().invoke(app, [*map(str, arguments)])
+    assert result.exception is None or isinstance(result.exception, SystemExit), result.exception
+    return result.exit_code, result.stdout, result.stderr
+
+
+def run_json(*arguments: object):
+    code, out, err = run(*arguments, "--json")
+    assert (code, err) == (0, "")
+    return json.loads(out)
+
+
+@pytest.mark.parametrize("given", ["area", "indentation"])
+@pytest.mark.parametrize("thickness", [8, None])
+def test_both_theories(given: str, thickness: float | None) -> None:
+    flag, value = {"area": ("--area-mm2", 100.0), "indentation": ("--indentation-mm", 1.5)}[given]
+    layer = () if thickness is None else ("--thickness-mm", thickness)
+    press = ("--load-n", 1.5, flag, value, "--poisson-ratio", 0.45)
+    record = run_json("modulus", *PAD, *press, *layer)
+    whole = layered_contact(
+        ELLIPSOID,
+        wedge_angle=math.radians(30),
+        thickness=thickness or math.inf,
+        poisson_ratio=0.45,
+        load=1.5,
+        **{given: value},
+    )
+    assert set(record) == {*KEYS, "flag", "thickness_mm", "hertz"}
+    assert set(record["hertz"]) == KEYS
+    assert record["flag"] is None
+    assert record["youngs_modulus_kpa"] == pytest.approx(1000 * whole.youngs_modulus, rel=1e-3)
+    assert record["area_over_pi_indentation_mm"] == pytest.approx(whole.loading_radius, rel=1e-3)
+    geometry = HertzGeometry(*Placement(ELLIPSOID, wedge_angle=math.radians(30)).curvature.principal_radii)
+    unit = getattr(geometry, f"at_{given}")(value, reduced_modulus=1.0)
+    assert record["hertz"]["reduced_modulus_kpa"] == pytest.approx(1000 * 1.5 / unit.load)
+
+
+def test_out_of_range_is_said() -> None:
+    press = ("modulus", *PAD, "--load-n", 2, "--area-mm2", 300, "--thickness-mm", 8)
+    record = run_json(*press)
+    assert record["flag"] == "contact_too_wide"
+    assert record["youngs_modulus_kpa"] is None
+    _, out, _ = run(*press)
+    assert "The fast laws do not hold here: contact too wide" in out
+    assert "nan" not in out
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ((), "give either --area-mm2 or --indentation-mm"),
+        (("--area-mm2", 90, "--indentation-mm", 1), "give either --area-mm2 or --indentation-mm"),
+        (("--area-mm2", 90, "--thickness-mm", 0), "--thickness-mm must be positive and finite, found 0"),
+        (("--area-mm2", -90), "--area-mm2 must be positive and finite, found -90"),
+    ],
+)
+def test_refusals(given: tuple[object, ...], words: str) -> None:
+    code, _, err = run("modulus", *PAD, "--load-n", 2, *given)
+    assert code == 2
+    assert words in " ".join(err.replace("│", " ").split())
+
+
+def test_hertz_has_a_layer_beside_it() -> None:
+    press = ("hertz", "--radii-mm", 12.9, 14.3, "--load-n", 1, "--modulus-kpa", 90)
+    record, plain = run_json(*press, "--thickness-mm", 6, "--poisson-ratio", 0.48), run_json(*press)
+    found = fast_contact(
+        PadGap.paraboloid(12.9, 14.3), load=1.0, reduced_modulus=0.09, thickness=6.0, poisson_ratio=0.48
+    )
+    layer = record.pop("on_layer")
+    assert record == plain
+    assert layer["area_mm2"] == pytest.approx(found.area)
+    assert layer["indentation_mm"] == pytest.approx(found.indentation)
+    assert layer["flag"] is None
+    assert "flag" not in run(*press, "--thickness-mm", 6)[1]
+    assert "flag layer_too_thin" in run(*press, "--thickness-mm", 0.3)[1]

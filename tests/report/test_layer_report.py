@@ -1,0 +1,105 @@
+"""The report on tissue over bone: both theories side by side, or what a thickness would change."""
+
+import html
+import re
+
+import pytest
+
+from fingerpad.contact.fast_laws import FLAGS
+from fingerpad.report import write_report
+from fingerpad.report.layer import comparisons
+from fingerpad.study.pipeline import run_study
+from fingerpad.study.results.layer import LAYER_FLAGS, UNCERTAINTY_OUT_OF_RANGE
+from fingerpad.study.results.study_result import StudyResult
+from fingerpad.units import value_with_uncertainty
+
+FINGER = """
+[[fingers]]
+name = "{name}"
+semi_axes_mm = {{ palmar = 7.9, distal = 13.8, radial_ulnar = 11.8 }}
+semi_axes_mm_std = {{ palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }}
+{thickness}
+"""
+CONTACT = """
+[[observations]]
+name = "{name}"
+finger = "{finger}"
+wedge_angle_deg = {wedge}
+load_N = {load}
+ellipse_mm = {{ semi_major = {major}, semi_minor = 5.0, std = 0.1, long_axis = "along" }}
+"""
+RADIUS = """
+[[curves]]
+finger = "thick"
+wedge_angle_deg = 30
+loading_radius_mm = 19.7
+loading_radius_mm_std = 0.4
+"""
+
+
+@pytest.fixture(scope="module")
+def report(tmp_path_factory: pytest.TempPathFactory) -> tuple[StudyResult, str]:
+    folder = tmp_path_factory.mktemp("layer")
+    stated = "effective_thickness_mm = 8.0\neffective_thickness_mm_std = 1.5"
+    text = 'title = "T"\n' + FINGER.format(name="thick", thickness=stated)
+    contacts = [("a", "thick", 30, 1, 6.0), ("b", "thick", 30, 2, 7.4), ("wide", "thick", 45, 2, 14.0)]
+    for name, finger, wedge, load, major in contacts:
+        text += CONTACT.format(name=name, finger=finger, wedge=wedge, load=load, major=major)
+    (folder / "study.toml").write_text(text + RADIUS)
+    result = run_study(folder / "study.toml", folder / "out")
+    path = write_report(result, folder / "out")
+    return result, path.read_text(encoding="utf-8")
+
+
+def cells(text: str, quantity: str, of: str) -> list[str]:
+    """Return the cells of a line of the table as text."""
+    for line in re.findall(r"<tr>.*?</tr>", text, flags=re.DOTALL):
+        found = [
+            html.unescape(re.sub("<.*?>", "", cell)) for cell in re.findall("<td.*?</td>", line, re.DOTALL)
+        ]
+        if found[:2] == [quantity, of]:
+            return found
+    raise AssertionError(quantity)
+
+
+@pytest.mark.parametrize(
+    ("quantity", "hertz", "layered"),
+    [
+        ("E from load and area (kPa)", "youngs_modulus_kpa", "youngs_modulus_on_layer_kpa"),
+        ("ξ from the area (mm)", "indentation_mm", "indentation_on_layer_mm"),
+        (
+            "Rg to expect, A/(πξ) (mm)",
+            "geometric_radius_from_compliance_mm",
+            "loading_radius_on_layer_mm",
+        ),
+    ],
+)
+def test_both_theories_side_by_side(report, quantity: str, hertz: str, layered: str) -> None:
+    result, text = report
+    row = next(row for row in result.rows if row["observation"] == "b")
+    found = cells(text, quantity, "b, 2 N")
+    assert found[2:4] == [value_with_uncertainty(row[name], row[f"{name}_std"]) for name in (hertz, layered)]
+    assert found[4].startswith("thickness ")
+
+
+def test_the_mean_and_the_measured_radius(report) -> None:
+    _, text = report
+    assert "on 8.0 ± 1.5 mm" in text
+    assert cells(text, "E from load and area (kPa)", "mean of 2 contacts")
+    assert "19.70 ± 0.40" in cells(text, "Rg measured (mm)", "loading data")
+
+
+def test_a_contact_out_of_range_is_named(report) -> None:
+    _, text = report
+    assert "wide is out of the range of the laws: the contact is wider than 0.6 of the pad" in text
+    assert cells(text, "E from load and area (kPa)", "wide, 2 N")[3] == "–"
+    assert not re.search(r"\bnan\b", re.sub("<svg.*?</svg>", "", text, flags=re.DOTALL), re.IGNORECASE)
+    assert set(LAYER_FLAGS) == {*FLAGS, UNCERTAINTY_OUT_OF_RANGE} - {""}
+
+
+def test_one_section_and_no_conditional_figure(report) -> None:
+    result, text = report
+    captions = re.findall("<figcaption>(.*?)</figcaption>", text, flags=re.DOTALL)
+    assert sum(caption.startswith("Section along the finger under b") for caption in captions) == 1
+    assert not any("Conditional" in caption for caption in captions)
+    assert [len(comparisons(result, summary)) for summary in result.summaries] == [4, 3]

@@ -1,0 +1,267 @@
+"""Fingers whose thickness is stated: rows, pooling, loading curves and tables of the layer."""
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fingerpad.contact import PadGap, fast_contact, layered_contact
+from fingerpad.geometry import Ellipsoid
+from fingerpad.study.pipeline import run_study
+from fingerpad.study.results.columns import COLUMNS
+from fingerpad.study.results.layer import POOLED_ON_LAYER
+from fingerpad.study.results.load import load_results
+from fingerpad.study.results.results_reader import read_table
+from fingerpad.study.results.study_result import StudyResult
+from fingerpad.uncertainty import LAYER_SOURCES
+
+PAD = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
+HEAD = """
+title = "T"
+[uncertainty]
+wedge_angle_deg_std = {wedge_std}
+load_relative_std = 0.02
+{more}
+[[fingers]]
+name = "f"
+semi_axes_mm = {{ palmar = 7.9, distal = 13.8, radial_ulnar = 11.8 }}
+semi_axes_mm_std = {{ palmar = {axes_std}, distal = {axes_std}, radial_ulnar = {axes_std} }}
+{finger}
+"""
+CONTACT = """[[observations]]
+name = "c{number}"
+finger = "f"
+wedge_angle_deg = 30
+load_N = {load}
+ellipse_mm = {{ semi_major = {major}, semi_minor = 5.0, std = 0.1, long_axis = "along" }}
+"""
+THICK = "effective_thickness_mm = 8.0\neffective_thickness_mm_std = 0.8"
+LAYER = [name for name, column in COLUMNS.items() if column.group == "layer"]
+
+
+def study(
+    folder: Path,
+    finger: str = THICK,
+    *,
+    contacts=((2, 7.4),),
+    axes_std: float = 0.1,
+    wedge_std: float = 0.5,
+    more: str = "",
+    curves: str = "",
+) -> StudyResult:
+    text = HEAD.format(finger=finger, axes_std=axes_std, wedge_std=wedge_std, more=more)
+    for number, (load, major) in enumerate(contacts):
+        text += CONTACT.format(number=number, load=load, major=major)
+    (folder / "study.toml").write_text(text + curves)
+    return run_study(folder / "study.toml", folder / "out")
+
+
+def test_rows_have_both_theories(tmp_path: Path) -> None:
+    (row,) = study(tmp_path).rows
+    found = layered_contact(
+        PAD, wedge_angle=math.radians(30), thickness=8.0, load=2.0, area=math.pi * 7.4 * 5.0
+    )
+    assert row["youngs_modulus_on_layer_kpa"] == pytest.approx(1000 * found.youngs_modulus)
+    assert row["indentation_on_layer_mm"] == pytest.approx(found.indentation)
+    assert row["loading_radius_on_layer_mm"] == pytest.approx(found.loading_radius)
+    assert row["layer_flag"] is None
+    assert (row["effective_thickness_mm"], row["effective_thickness_mm_std"]) == (8.0, 0.8)
+    # Bone: a softer tissue that is indented less.
+    assert row["youngs_modulus_on_layer_kpa"] < 0.8 * row["youngs_modulus_kpa"]
+    assert row["indentation_on_layer_mm"] < 0.8 * row["indentation_mm"]
+
+
+def test_nothing_changes_without_a_thickness(tmp_path: Path) -> None:
+    (with_layer,), (without,) = study(tmp_path).rows, study(tmp_path, "").rows
+    assert all(without[name] is None for name in LAYER)
+    others = set(COLUMNS) - set(LAYER)
+    assert {name: with_layer[name] for name in others} == {name: without[name] for name in others}
+    assert study(tmp_path, "").summaries[0].layer is None
+
+
+def test_a_thickness_without_uncertainty_is_exact(tmp_path: Path) -> None:
+    (exact,) = study(tmp_path, "effective_thickness_mm = 8.0").rows
+    (stated,) = study(tmp_path).rows
+    assert exact["effective_thickness_mm_std"] is None
+    for name in ("youngs_modulus_on_layer_kpa", "loading_radius_on_layer_mm"):
+        assert exact[name] == stated[name]
+        assert 0 < exact[f"{name}_std"] < stated[f"{name}_std"]
+
+
+@pytest.mark.parametrize(
+    ("finger", "major", "flag"),
+    [
+        (THICK, 14.0, "contact_too_wide"),
+        ("effective_thickness_mm = 1.5", 7.4, "layer_too_thin"),
+        ("effective_thickness_mm = 2.2\neffective_thickness_mm_std = 0.5", 7.4, "uncertainty_out_of_range"),
+    ],
+)
+def test_out_of_range_is_named_and_not_pooled(tmp_path: Path, finger: str, major: float, flag: str) -> None:
+    result = study(tmp_path, finger, contacts=[(2, major)])
+    (row,), (summary,) = result.rows, result.summaries
+    assert row["layer_flag"] == summary.layer.flag == flag
+    assert "layer_out_of_range" in row["range_notes"]
+    assert row["youngs_modulus_on_layer_kpa_std"] is None
+    assert (row["youngs_modulus_on_layer_kpa"] is None) == (flag != "uncertainty_out_of_range")
+    assert summary.layer.pooled["youngs_modulus_on_layer"] is None
+    record = json.loads((tmp_path / "out" / "summary.json").read_text())["summaries"][0]["on_layer"]
+    assert record["pooled"]["youngs_modulus_on_layer_count"] == 0
+    assert record["highest_load"]["layer_flag"] == flag
+
+
+def test_a_poisson_ratio_below_the_laws(tmp_path: Path) -> None:
+    study(tmp_path)
+    text = (tmp_path / "study.toml").read_text().replace('"T"', '"T"\npoisson_ratio = 0.2')
+    (tmp_path / "study.toml").write_text(text)
+    (row,) = run_study(tmp_path / "study.toml", tmp_path / "out").rows
+    assert row["layer_flag"] == "poisson_ratio_out_of_range"
+
+
+@pytest.mark.parametrize("method", ["first_order", "monte_carlo"])
+def test_large_uncertainties_cost_the_layer_alone(tmp_path: Path, method: str) -> None:
+    more = f'roll_angle_deg_std = 30\nmethod = "{method}"'
+    (row,) = study(tmp_path, axes_std=9.0, wedge_std=60, more=more).rows
+    assert row["status"] in {"measured", "failed"}
+    assert row["youngs_modulus_on_layer_kpa_std"] is None
+
+
+def test_monte_carlo(tmp_path: Path) -> None:
+    (first,), (drawn,) = (
+        study(tmp_path, more=f'method = "{m}"').rows for m in ("first_order", "monte_carlo")
+    )
+    for name in ("youngs_modulus_on_layer_kpa", "indentation_on_layer_mm", "loading_radius_on_layer_mm"):
+        assert drawn[name] == first[name]
+        assert drawn[f"{name}_std"] != first[f"{name}_std"]
+        assert drawn[f"{name}_std"] == pytest.approx(first[f"{name}_std"], rel=0.03)
+
+
+def test_incompressible_tissue_with_an_uncertain_poisson_ratio(tmp_path: Path) -> None:
+    (row,) = study(tmp_path, more="poisson_ratio_std = 0.02").rows
+    assert row["layer_flag"] is None
+    (sure,) = study(tmp_path).rows
+    assert row["youngs_modulus_on_layer_kpa_std"] > sure["youngs_modulus_on_layer_kpa_std"]
+
+
+def test_one_contact_is_its_own_mean(tmp_path: Path) -> None:
+    result = study(tmp_path)
+    (row,), layer = result.rows, result.summaries[0].layer
+    assert (layer.observation, layer.load, layer.flag) == ("c0", 2.0, "")
+    for name in POOLED_ON_LAYER:
+        unit = "kpa" if "modulus" in name else "mm"
+        for one in (layer.pooled[name], layer.at_highest_load.get(name)):
+            if one is not None:
+                assert one.value == pytest.approx(row[f"{name}_{unit}"])
+                assert one.std == pytest.approx(row[f"{name}_{unit}_std"])
+        budget = layer.pooled[name].budget
+        assert set(budget) == {*LAYER_SOURCES, "scatter"}
+        assert sum(budget.values()) == pytest.approx(1)
+        assert layer.pooled[name].count == 1
+    assert layer.at_highest_load["youngs_modulus_on_layer"].budget["thickness"] == pytest.approx(
+        layer.pooled["youngs_modulus_on_layer"].budget["thickness"]
+    )
+
+
+def test_the_thickness_does_not_average_away(tmp_path: Path) -> None:
+    one, many = (study(tmp_path, contacts=[(2, 7.4)] * count).summaries[0].layer for count in (1, 30))
+    name = "youngs_modulus_on_layer"
+    alone, pooled = one.pooled[name], many.pooled[name]
+    own = sum(alone.budget[source] for source in ("load", "contact ellipse")) * alone.std**2
+    expected = math.sqrt(alone.std**2 - own + own / 30)
+    assert pooled.std == pytest.approx(expected, rel=1e-6)
+    assert pooled.count == 30
+    assert pooled.value == pytest.approx(alone.value)
+
+
+def test_contacts_out_of_range_are_left_out_of_both_means(tmp_path: Path) -> None:
+    contacts = [(1, 6.0), (2, 7.4), (4, 14.0)]
+    layer = study(tmp_path, contacts=contacts).summaries[0].layer
+    inside = study(tmp_path, contacts=contacts[:2]).summaries[0].layer
+    assert (layer.observation, layer.load, layer.flag) == ("c1", 2.0, "")
+    assert layer.pooled == inside.pooled
+    assert layer.at_highest_load == inside.at_highest_load
+
+
+def test_contacts_that_scatter_widen_the_mean(tmp_path: Path) -> None:
+    layer = study(tmp_path, contacts=[(2, 7.4), (2, 6.4), (2, 8.4)]).summaries[0].layer
+    pooled = layer.pooled["youngs_modulus_on_layer"]
+    assert pooled.birge_ratio > 2
+    assert pooled.budget["scatter"] > 0.3
+
+
+def test_tables_are_read_back(tmp_path: Path) -> None:
+    result = study(tmp_path, contacts=[(1, 6.0), (2, 7.4), (2, 14.0)])
+    read = read_table(tmp_path / "out")
+    assert all(read.items(name) == result.rows.items(name) for name in LAYER)
+    assert read.items("layer_flag") == [None, None, "contact_too_wide"]
+    assert load_results(tmp_path / "out") is not None
+    cells = (tmp_path / "out" / "results.csv").read_text()
+    assert "nan" not in cells.lower()
+    dictionary = (tmp_path / "out" / "results_columns.csv").read_text()
+    assert all(f"\n{name}," in dictionary for name in LAYER)
+
+
+def curve_csv(modulus: float) -> str:
+    """A press of the pad on 8 mm of tissue, first contact at 0.3 mm, by the laws and with noise."""
+    rng = np.random.default_rng(1)
+    depth = np.linspace(-0.3, 1.8, 160)
+    gap = PadGap.of(PAD, wedge_angle=math.radians(30))
+    contact = fast_contact(
+        gap, indentation=np.maximum(depth, 1e-9), thickness=8.0, reduced_modulus=modulus / 0.75
+    )
+    load = contact.load + rng.normal(0, 0.005, depth.size)
+    area = np.where(depth > 0, contact.area + rng.normal(0, 0.5, depth.size), 0.0)
+    rows = zip(0.01 * np.arange(depth.size), load, depth + 0.3, np.maximum(area, 0), strict=True)
+    return "\n".join(["time_s,force_N,displacement_mm,area_mm2", *(",".join(map(str, row)) for row in rows)])
+
+
+def test_a_curve_gives_the_modulus_that_made_it(tmp_path: Path) -> None:
+    (tmp_path / "c.csv").write_text(curve_csv(0.05))
+    curves = '[[curves]]\nfinger = "f"\nwedge_angle_deg = 30\nfile = "c.csv"\n'
+    result = study(tmp_path, curves=curves)
+    (found,) = result.curves_on_layer()
+    hertz, layered, radius = found.quantities.values()
+    assert layered.value == pytest.approx(50, rel=0.03)
+    assert hertz.value > 2 * layered.value
+    assert radius.value == pytest.approx(20.4, abs=0.2)
+    assert found.contact_shift == pytest.approx(0.088, abs=0.01)
+    assert layered.budget["thickness"] > 0.9
+    assert hertz.budget["thickness"] == 0
+    # The uncertainty of the thickness moves the place of contact with it: another thickness, all over again.
+    (thin,), (thick,) = (
+        study(tmp_path, f"effective_thickness_mm = {t}", curves=curves).curves_on_layer() for t in (7.2, 8.8)
+    )
+    name = "youngs_modulus_from_indentation_on_layer"
+    by_hand = (thick.quantities[name].value - thin.quantities[name].value) / 2
+    assert layered.std == pytest.approx(by_hand, rel=0.1)
+    record = json.loads((tmp_path / "out" / "summary.json").read_text())["curves"][0]["on_layer"]
+    assert record[f"{name}_kpa"] == pytest.approx(thick.quantities[name].value)
+
+
+def test_no_curve_without_a_thickness_or_a_file(tmp_path: Path) -> None:
+    given = '[[curves]]\nfinger = "f"\nwedge_angle_deg = 30\nloading_radius_mm = 20.5\n'
+    assert study(tmp_path, curves=given).curves_on_layer() == [None]
+    (tmp_path / "c.csv").write_text(curve_csv(0.05))
+    result = study(tmp_path, "", curves=given.replace("loading_radius_mm = 20.5", 'file = "c.csv"'))
+    assert result.curves[0].fit is not None
+    assert result.curves_on_layer() == [None]
+
+
+@pytest.mark.parametrize(
+    ("finger", "flag"),
+    [
+        ("effective_thickness_mm = 2.2\neffective_thickness_mm_std = 0.1", "layer_too_thin"),
+        ("effective_thickness_mm = 1.0", "contact_too_wide"),
+        ("effective_thickness_mm = 2.8\neffective_thickness_mm_std = 0.6", "uncertainty_out_of_range"),
+    ],
+)
+def test_a_curve_out_of_range_is_named(tmp_path: Path, finger: str, flag: str) -> None:
+    (tmp_path / "c.csv").write_text(curve_csv(0.05))
+    curves = '[[curves]]\nfinger = "f"\nwedge_angle_deg = 30\nfile = "c.csv"\n'
+    (found,) = study(tmp_path, finger, curves=curves).curves_on_layer()
+    hertz, layered, _ = found.quantities.values()
+    assert found.flag == flag
+    assert math.isnan(layered.std)
+    assert math.isnan(layered.value) == (flag != "uncertainty_out_of_range")
+    assert 0 < hertz.std < hertz.value

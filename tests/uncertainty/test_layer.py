@@ -1,0 +1,123 @@
+"""The pad on a layer as a model: first order against Monte Carlo and against differences, and its budget."""
+
+import math
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from fingerpad.contact import HertzGeometry, layered_contact
+from fingerpad.geometry import Ellipsoid, Placement
+from fingerpad.uncertainty import (
+    LAYER_OUTPUTS,
+    LAYER_SOURCES,
+    Inputs,
+    indentation_model,
+    layer_flag,
+    layer_model,
+    pad_uncertainty,
+    propagate,
+    run_monte_carlo,
+    with_thickness,
+)
+
+AXES = {"palmar": 7.9, "distal": 13.8, "radial_ulnar": 11.8}
+MEASURED = {
+    **{name: (value, 0.1) for name, value in AXES.items()},
+    "wedge_angle": (math.radians(30), math.radians(1)),
+    "poisson_ratio": (0.47, 0.01),
+    "image_scale": (1.0, 0.01),
+    "load": (2.0, 0.05),
+    "semi_major": (7.4, 0.1),
+    "semi_minor": (5.0, 0.1),
+}
+
+
+def inputs(thickness=8.0, std=0.8, **changes) -> Inputs:
+    return with_thickness(pad_uncertainty(**{**MEASURED, **changes}).inputs, thickness, std)
+
+
+def test_the_model_is_the_contact_of_the_area_of_the_ellipse() -> None:
+    found = propagate(layer_model, inputs())
+    contact = layered_contact(
+        Ellipsoid(**AXES),
+        wedge_angle=math.radians(30),
+        thickness=8.0,
+        poisson_ratio=0.47,
+        load=2.0,
+        area=math.pi * 7.4 * 5.0,
+    )
+    values = contact.reduced_modulus, contact.youngs_modulus, contact.indentation, contact.loading_radius
+    assert found.names == LAYER_OUTPUTS
+    assert_allclose(found.value, values, rtol=1e-12)
+
+
+@pytest.mark.parametrize("name", LAYER_OUTPUTS)
+def test_budget_of_the_thickness_is_its_own_effect(name: str) -> None:
+    found = propagate(layer_model, inputs())
+    thin, thick = (propagate(layer_model, inputs(t, 0.0)) for t in (7.2, 8.8))
+    alone = (thick[name].value - thin[name].value) / 2
+    shares = found.budget(name)
+    assert set(shares) == set(LAYER_SOURCES)
+    assert sum(shares.values()) == pytest.approx(1)
+    assert shares["thickness"] == pytest.approx((alone / found[name].std) ** 2, rel=0.05)
+    assert propagate(layer_model, inputs(std=0.0)).budget(name)["thickness"] == 0
+
+
+def test_first_order_agrees_with_monte_carlo() -> None:
+    first = propagate(layer_model, inputs())
+    drawn = run_monte_carlo(layer_model, inputs(), seed=1, max_draws=100_000)
+    assert_allclose(first.std, drawn.std, rtol=0.03)
+    assert drawn.undefined == 0
+
+
+def test_an_uncertain_thickness_counts_more_for_the_loading_radius_than_for_the_modulus() -> None:
+    found = propagate(layer_model, inputs())
+    shares = {name: found.budget(name)["thickness"] for name in LAYER_OUTPUTS}
+    assert shares["loading_radius_on_layer"] > 0.5 > shares["youngs_modulus_on_layer"]
+
+
+def test_incompressible_tissue_may_have_an_uncertain_poisson_ratio() -> None:
+    found = propagate(layer_model, inputs(poisson_ratio=(0.5, 0.02)))
+    below = propagate(layer_model, inputs(poisson_ratio=(0.48, 0.0)))
+    exact = propagate(layer_model, inputs(poisson_ratio=0.5))
+    name = "youngs_modulus_on_layer"
+    share = found.budget(name)["Poisson's ratio"]
+    step = abs(float(below[name].value - exact[name].value))
+    assert step < math.sqrt(share) * found[name].std < 1.5 * step
+
+
+def test_flags_are_named_for_each_contact() -> None:
+    many = with_thickness(pad_uncertainty(**{**MEASURED, "load": ([2.0, 2.0, 0.0], 0.1)}).inputs, [8, 1, 8])
+    assert layer_flag(many).tolist() == ["", "layer_too_thin", "no_contact"]
+    value = propagate(layer_model, many).value
+    assert np.isfinite(value[0]).all()
+    assert np.isnan(value[1:]).all()
+
+
+def pressed(thickness, thickness_std=0.0, contact_shift=0.1) -> Inputs:
+    placed = {"wedge_angle": (0.6, 0.01), "roll_angle": 0.0, "poisson_ratio": 0.49}
+    lengths = {name: (value, 0.1) for name, value in AXES.items()}
+    press = {"load": (2.0, 0.04), "indentation": (1.7, 0.05), "contact_shift": contact_shift}
+    return Inputs.of(**lengths, **placed, **press, thickness=(thickness, thickness_std))
+
+
+def test_moduli_from_a_measured_indentation() -> None:
+    found = propagate(indentation_model, pressed(8.0))
+    pad = Ellipsoid(**AXES)
+    radii = Placement(pad, wedge_angle=0.6).curvature.principal_radii
+    hertz = 2.0 / HertzGeometry(radii[0], radii[1]).at_indentation(1.7, reduced_modulus=1.0).load
+    layered = layered_contact(
+        pad, wedge_angle=0.6, thickness=8.0, poisson_ratio=0.49, load=2.0, indentation=1.8
+    )
+    expected = (1 - 0.49**2) * hertz, layered.youngs_modulus, layered.loading_radius
+    assert_allclose(found.value, expected, rtol=1e-12)
+    assert found.value[1] < 0.6 * found.value[0]
+    deep = propagate(indentation_model, pressed(1e4, contact_shift=0.0))
+    assert deep.value[1] == pytest.approx(deep.value[0], rel=0.06)  # the true shape alone
+
+
+def test_first_order_agrees_with_monte_carlo_for_an_indentation() -> None:
+    first = propagate(indentation_model, pressed(8.0, 0.8))
+    drawn = run_monte_carlo(indentation_model, pressed(8.0, 0.8), seed=1, max_draws=100_000)
+    assert_allclose(first.std, drawn.std, rtol=0.03)
