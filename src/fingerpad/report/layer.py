@@ -102,7 +102,9 @@ def _comparison(
     quantity: str, source: str, hertz: LayerQuantity | None, layered: LayerQuantity
 ) -> Comparison:
     largest = sorted(layered.budget.items(), key=lambda item: -item[1])
-    shares = ", ".join(f"{name} {100 * share:.0f} %" for name, share in largest if share >= _LEAST_SHARE)
+    shares = ", ".join(
+        f"{name} {100 * share:.0f}\N{NO-BREAK SPACE}%" for name, share in largest if share >= _LEAST_SHARE
+    )
     return Comparison(quantity=quantity, source=source, hertz=hertz, layered=layered, shares=shares)
 
 
