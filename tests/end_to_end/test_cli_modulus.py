@@ -72,8 +72,8 @@ def test_out_of_range_is_said() -> None:
 @pytest.mark.parametrize(
     ("given", "words"),
     [
-        ((), "give either --area-mm2 or --indentation-mm"),
-        (("--area-mm2", 90, "--indentation-mm", 1), "give either --area-mm2 or --indentation-mm"),
+        ((), "give exactly one of --area-mm2 and --indentation-mm"),
+        (("--area-mm2", 90, "--indentation-mm", 1), "give exactly one of --area-mm2 and --indentation-mm"),
         (("--area-mm2", 90, "--thickness-mm", 0), "--thickness-mm must be positive and finite, found 0"),
         (("--area-mm2", -90), "--area-mm2 must be positive and finite, found -90"),
     ],

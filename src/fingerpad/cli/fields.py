@@ -19,6 +19,7 @@ from fingerpad.cli.shared import (
     WedgeAngle,
     YoungsModulus,
     checked_pad,
+    only_one,
     print_json,
     require_positive,
 )
@@ -78,7 +79,9 @@ def fields(
     from fingerpad.contact import reduced_modulus
 
     given = {"--load-n": load_n, "--area-mm2": area_mm2, "--indentation-mm": indentation_mm}
-    _check(given, modulus_kpa, thickness_mm)
+    only_one(given)
+    for flag, value in (("--modulus-kpa", modulus_kpa), ("--thickness-mm", thickness_mm)):
+        require_positive(flag, value)
     pad = checked_pad(semi_axes_mm)
     if not 0 <= poisson_ratio <= 0.5:
         raise GeometryError(f"--poisson-ratio must be from 0 to 0.5, found {poisson_ratio:g}")
@@ -100,14 +103,6 @@ def fields(
         print_json(record)
     else:
         _print_fields(record)
-
-
-def _check(given: dict[str, float | None], modulus_kpa: float, thickness_mm: float | None) -> None:
-    """Refuse what no contact can have."""
-    if sum(value is not None for value in given.values()) != 1:
-        raise GeometryError("give exactly one of --load-n, --area-mm2 and --indentation-mm")
-    for flag, value in (*given.items(), ("--modulus-kpa", modulus_kpa), ("--thickness-mm", thickness_mm)):
-        require_positive(flag, value)
 
 
 def _contacts(

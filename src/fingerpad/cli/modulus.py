@@ -12,6 +12,7 @@ from fingerpad.cli.shared import (
     Thickness,
     WedgeAngle,
     checked_pad,
+    only_one,
     print_json,
     print_law_flag,
     print_side_by_side,
@@ -46,10 +47,8 @@ def modulus(
     from fingerpad.contact.layered import layered_contact_kernel
     from fingerpad.contact.pad_gap import PadGap
 
-    if (area_mm2 is None) == (indentation_mm is None):
-        raise typer.BadParameter("give either --area-mm2 or --indentation-mm")
-    given = {"--area-mm2": area_mm2, "--indentation-mm": indentation_mm, "--thickness-mm": thickness_mm}
-    for flag, value in {"--load-n": load_n, **given}.items():
+    only_one({"--area-mm2": area_mm2, "--indentation-mm": indentation_mm})
+    for flag, value in (("--load-n", load_n), ("--thickness-mm", thickness_mm)):
         require_positive(flag, value)
     gap = PadGap.of(
         checked_pad(semi_axes_mm), wedge_angle=np.radians(wedge_deg), roll_angle=np.radians(roll_deg)

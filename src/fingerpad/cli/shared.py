@@ -151,6 +151,16 @@ def print_json(value: Any) -> None:
     typer.echo(dumps(value))
 
 
+def only_one(given: Mapping[str, float | None]) -> str:
+    """Return which of some flags is given, exactly one of which must be, with a positive value."""
+    found = [flag for flag, value in given.items() if value is not None]
+    if len(found) != 1:
+        *most, last = given
+        raise typer.BadParameter(f"give exactly one of {', '.join(most)} and {last}")
+    require_positive(found[0], given[found[0]])
+    return found[0]
+
+
 def print_record(record: Mapping[str, Any], as_json: bool) -> None:
     """Print a record as JSON or as lines of text."""
     if as_json:

@@ -20,6 +20,7 @@ from fingerpad.cli.shared import (
     WedgeAngle,
     YoungsModulus,
     checked_pad,
+    only_one,
     print_json,
     print_law_flag,
     print_side_by_side,
@@ -61,10 +62,9 @@ def solve(
     from fingerpad.geometry import Placement
 
     given = {"--load-n": load_n, "--area-mm2": area_mm2, "--indentation-mm": indentation_mm}
-    if len(_only_given(given)) != 1:
-        raise typer.BadParameter("give exactly one of --load-n, --area-mm2 and --indentation-mm")
-    for flag, value in {**given, "--modulus-kpa": modulus_kpa, "--thickness-mm": thickness_mm}.items():
-        require_positive(flag, value)
+    flag = only_one(given)
+    for name, value in (("--modulus-kpa", modulus_kpa), ("--thickness-mm", thickness_mm)):
+        require_positive(name, value)
     placement = Placement(
         checked_pad(semi_axes_mm), wedge_angle=np.radians(wedge_deg), roll_angle=np.radians(roll_deg)
     )
@@ -74,9 +74,8 @@ def solve(
     try:
         solved = _solved_record(placement, modulus, body, wanted, grid)
     except (ConvergenceError, GeometryError) as error:
-        ((flag, value),) = _only_given(given).items()
         way_out = "; try another --grid" if isinstance(error, ConvergenceError) else ""
-        raise type(error)(f"{flag} {value:g}: {error}{way_out}") from None
+        raise type(error)(f"{flag} {given[flag]:g}: {error}{way_out}") from None
     record = {
         **solved,
         "fast": _fast_record(placement, modulus, body, wanted),
