@@ -1,4 +1,4 @@
-"""Pictures without finger ridges are told from contact images; see benchmarks/non_prints.py."""
+"""Pictures without finger ridges are flagged, and contact images are not; see benchmarks/non_prints.py."""
 
 import numpy as np
 import pytest

@@ -119,8 +119,8 @@ def _waves(copy: Float32Array, centres: FloatArray, pitch: float) -> tuple[Float
     share = total / (power.sum(axis=1) + 1e-9)
     waves = (in_peak * np.where(near, _BINS, -_BINS)).sum(axis=1) / (total + 1e-9) / (_SIDE * pitch)
     # Periods per window of the longest and the shortest wave that ridges may have.
-    fewest, most = (_SIDE * pitch / period for period in _PERIODS_MM[::-1])
-    return share * ((np.abs(peak) >= fewest) & (np.abs(peak) <= most)), waves
+    low, high = (_SIDE * pitch / period for period in _PERIODS_MM[::-1])
+    return share * ((np.abs(peak) >= low) & (np.abs(peak) <= high)), waves
 
 
 def _flows_on(waves: FloatArray, share: FloatArray, inside: BoolArray, reach: int) -> BoolArray:
