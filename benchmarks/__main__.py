@@ -19,9 +19,11 @@ from benchmarks import (
     contact_solver,
     engine,
     fields,
+    finger_shapes,
     images,
     loading,
     mutations,
+    non_prints,
     page,
     photographs,
     pooling,
@@ -97,8 +99,10 @@ if __name__ == "__main__":
     contact_images.edge_calibration(72)
     contact_images.independent_accuracy(12)
     contact_images.speed()
+    non_prints.report()
     photographs.photograph_accuracy(marked=True)
     photographs.photograph_accuracy(marked=False)
+    finger_shapes.report()
     sequences.coin_accuracy()
     coins.photographed_coins()
     sequences.press_accuracy()

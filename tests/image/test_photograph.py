@@ -116,7 +116,8 @@ def test_uncertainty_grows_with_shorter_arc():
         found = measured(truth, points=marks)
         assert found.arc_deg == pytest.approx(degrees, abs=6)
         stds.append(found.semi_axes_mm_std["distal"])
-    assert stds[0] < stds[1] / 2 < stds[2] / 4
+    # Any arc leaves some doubt whether its curve is an ellipse.
+    assert stds[0] < stds[1] / 1.5 < stds[2] / 6
     assert "short_arc" in found.flags
 
 

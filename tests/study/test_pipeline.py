@@ -232,11 +232,12 @@ def test_doubtful_pictures_are_shown_but_not_pooled(tmp_path: Path) -> None:
     (summary,) = result.summaries
     assert len(summary.rows) == 2
     assert summary.corrected_radius.count == 1
+    assert summary.pooled_from == "1 of 2 observations"
     only = run_study(
         single_row(tmp_path, row("cut", 'file = "cut.png"\nscale = { ppi = 500 }')), tmp_path / "out"
     )
     assert only.summaries[0].corrected_radius is None
-    assert "is not pooled" in write_report(only, tmp_path / "out").read_text(encoding="utf-8")
+    assert "shown, not pooled" in write_report(only, tmp_path / "out").read_text(encoding="utf-8")
 
 
 def test_slips_of_units_are_noted(tmp_path: Path) -> None:

@@ -15,6 +15,7 @@ from fingerpad.study.manifest import Observation, Study
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.measuring.measure import Measurement
 from fingerpad.study.pipeline import run_study
+from fingerpad.study.results.exclusions import excluding_flags
 from fingerpad.study.results.model import GEOMETRY, PART_SOURCES, contact_inputs
 from fingerpad.study.results.pooling import PooledRadius
 from fingerpad.study.results.rows import Rows, model_contacts
@@ -242,22 +243,39 @@ def test_a_fixed_geometry_leaves_out_the_geometry_only() -> None:
 
 
 @pytest.mark.parametrize(
-    ("flags", "counts"),
+    ("flags", "reviewed", "counts"),
     [
-        ((), True),
-        (("low_contrast",), True),
-        (("scale_doubtful",), False),
-        (("touches_border",), False),
-        (("low_contrast", "cut_by_mask"), False),
+        ((), None, True),
+        (("coin_shadow",), None, True),
+        (("low_contrast",), None, False),
+        (("poor_ellipse",), None, False),
+        (("several_regions",), None, False),
+        (("several_regions", "poor_ellipse"), "accepted", True),
+        (("low_contrast",), "corrected", True),
+        (("scale_doubtful",), "accepted", False),
+        (("touches_border",), "accepted", False),
+        (("not_a_contact_image",), "accepted", False),
+        (("low_contrast", "cut_by_mask"), "corrected", False),
     ],
 )
-def test_contacts_that_are_cut_or_of_a_doubtful_scale_are_not_pooled(
-    flags: tuple[str, ...], counts: bool
+def test_flags_keep_contacts_from_being_pooled(
+    flags: tuple[str, ...], reviewed: str | None, counts: bool
 ) -> None:
-    rows = model_contacts(STUDY, {"f": finger(None)}, [contact(0), contact(1, flags=flags)])
+    doubtful = contact(1, flags=flags, reviewed=reviewed)
+    rows = model_contacts(STUDY, {"f": finger(None)}, [contact(0), doubtful])
     assert [row["status"] for row in rows.table] == ["measured", "measured"]
     assert [row["pooled"] for row in rows.table] == [True, counts]
     assert rows.pooled.tolist() == [0, 1][: 1 + counts]
+
+
+@pytest.mark.parametrize(
+    ("flags", "counts"), [(("several_regions",), True), (("several_regions", "poor_ellipse"), False)]
+)
+def test_a_seed_says_which_of_several_regions_is_meant(flags: tuple[str, ...], counts: bool) -> None:
+    where, measured = contact(0, flags=flags)
+    seeded = where.model_copy(update={"seed_px": (5.0, 5.0)})
+    assert (excluding_flags(seeded, measured) == frozenset()) == counts
+    assert excluding_flags(where, measured) == set(flags)
 
 
 @pytest.mark.parametrize(("loads", "is_known"), [((1, 2), False), ((1, 2, 2), True), ((1, 2, 4), True)])

@@ -180,6 +180,7 @@ def _details(
     for codes, count in Counter(rows.column("range_notes")).items():
         notes.update(dict.fromkeys(codes.split(), count))
     doubtful = contacts.at(contacts.column("flags") != "")
+    doubtful = doubtful.at(np.argsort(doubtful.column("pooled"), kind="stable"))  # those left out first
     overlays = contacts.at(contacts.known("overlay"))
     deepest = rows.column("indentation_over_thickness")
     gc.collect()  # as in _sequences

@@ -72,6 +72,8 @@ def measure_photo(
             "semi_axes_mm": found.semi_axes_mm,
             "semi_axes_mm_std": found.semi_axes_mm_std,
             "arc_deg": found.arc_deg,
+            "exponent": found.exponent,
+            "exponent_std": found.exponent_std,
             "outlier_fraction": found.outlier_fraction,
             "flags": sorted(found.flags),
         }

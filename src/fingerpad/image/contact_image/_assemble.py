@@ -12,6 +12,7 @@ from fingerpad.image.contact_image._patch import Patch, measure_patch
 from fingerpad.image.contact_image._region import UInt8
 from fingerpad.image.contact_image._ridge_map import ridge_map
 from fingerpad.image.contact_image._ridges import Signal
+from fingerpad.image.contact_image._texture import shows_ridges
 from fingerpad.image.contact_image._working_image import WorkingImage
 from fingerpad.image.contact_image.result import FLAGS, PLAUSIBLE_RIDGE_PERIOD_MM, ContactImageResult
 from fingerpad.image.scale import Scale
@@ -63,6 +64,7 @@ def assemble_result(
         "several_regions": region.several,
         "poor_ellipse": contact.overlap < _POOR_OVERLAP,
         "scale_doubtful": not PLAUSIBLE_RIDGE_PERIOD_MM[0] <= period <= PLAUSIBLE_RIDGE_PERIOD_MM[1],
+        "not_a_contact_image": not shows_ridges(ridged.view, contact.outline, scale.mm_per_px),
         "edited_by_person": edited,
     }
     (semi_major, semi_minor, gross_area, ridge_area), covariance = _in_mm(contact, scale)

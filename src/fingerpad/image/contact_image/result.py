@@ -22,6 +22,7 @@ FLAGS = (
     "several_regions",
     "poor_ellipse",
     "scale_doubtful",
+    "not_a_contact_image",
     "edited_by_person",
 )
 # Beyond it a ridge period is doubtful, and with it the scale.

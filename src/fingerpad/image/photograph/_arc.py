@@ -13,6 +13,7 @@ from fingerpad._arrays import BoolArray, FloatArray
 from fingerpad.exceptions import FitError
 from fingerpad.geometry.faces import Face
 from fingerpad.image._orthogonal_fit import distances
+from fingerpad.image.photograph._departure import Departure, departure_of
 from fingerpad.image.photograph._edges import SubpixelOutline
 from fingerpad.image.photograph.outline_fit import OutlineFit, fit_outline_ellipse, parametric_angles
 
@@ -40,6 +41,9 @@ _SHARED_PX = (0.03, 3.0)
 _SHARED_FOUND_PX = (0.045, 6.0)
 _SHARED_REACH = math.radians(25)
 
+# So far on either side of its middle the outline is pad, whether one ellipse fits it or not.
+_SURELY_PAD = math.radians(60)
+
 _HYPOTHESES = 500
 _SPARSE = 240
 _BLOCKS = 72
@@ -66,12 +70,15 @@ class PadArc:
         Indices into the outline, in order along it.
     shared_px : (float, float)
         What the points can be off together: a least value, px, and a share of the noise over the step.
+    departure : Departure or None
+        How the pad's outline departs from the ellipse, None where that is not known.
     """
 
     fit: OutlineFit
     used: IndexArray
     rejected: IndexArray
     shared_px: tuple[float, float] = _SHARED_PX
+    departure: Departure | None = None
 
 
 def candidate_points(points: FloatArray, face: Face) -> IndexArray:
@@ -179,6 +186,31 @@ def add_shared_errors(arc: PadArc, edges: SubpixelOutline) -> PadArc:
     shared = least + by_noise / float(np.median(edges.step_ratio[arc.used]))
     more = fit.shared_error_covariance(shared, shared, _SHARED_REACH)
     return replace(arc, fit=replace(fit, covariance=fit.covariance + more))
+
+
+def add_departure(
+    arc: PadArc, points: FloatArray, order: IndexArray, face: Face, lean: tuple[float, float]
+) -> PadArc:
+    """Compare the ellipse with a superellipse along its arc, and along the pad's middle where it is not.
+
+    Parameters
+    ----------
+    arc : PadArc
+        The arc and its ellipse.
+    points : ndarray, (n, 2)
+        Outline in the face's frame, px.
+    order : ndarray of int
+        Candidates in order along the outline.
+    face : Face
+        The face.
+    lean : (float, float)
+        Lean of the finger's axis and its standard uncertainty, radians.
+    """
+    guess = _initial_ellipse(points, face)
+    turns = parametric_angles(points[order], guess) - PAD_MIDDLE[face]
+    turns = (turns + math.pi) % (2 * math.pi) - math.pi
+    pad = np.isin(order, arc.used) | (np.abs(turns) < _SURELY_PAD)
+    return replace(arc, departure=departure_of(points[order[pad]], arc.fit.ellipse, lean))
 
 
 def _inliers(off: FloatArray) -> BoolArray:

@@ -13,6 +13,7 @@ from fingerpad.exceptions import FitError, ImageError
 from fingerpad.geometry.faces import Direction, Face, face_axes, palmar_directions
 from fingerpad.image.ellipse import rotation
 from fingerpad.image.photograph._arc import PAD_MIDDLE
+from fingerpad.image.photograph._departure import departure_of, is_significant
 from fingerpad.image.photograph.outline_fit import fit_outline_ellipse, parametric_angles
 from fingerpad.image.photograph.result import PhotographFit, size_flags
 from fingerpad.image.scale import Scale
@@ -222,6 +223,7 @@ def with_marked_points(
     x, y, semi_x, semi_y, lean = fit.ellipse
     place = np.array([x, y]) @ axes + centre
     angles = _wrap_about_middle(parametric_angles(local, fit.ellipse), found)
+    departure = departure_of(local, fit.ellipse, (found.lean, max(found.lean_std, 1e-3)))
     result = replace(
         found,
         semi_axes=np.array([semi_x, semi_y]) * found.scale.mm_per_px,
@@ -234,6 +236,8 @@ def with_marked_points(
         points=points,
         outliers=left_out,
         residual_px_std=fit.residual_std,
+        exponent=math.nan,
+        exponent_std=math.nan,
     )
     relative = np.sqrt(np.diagonal(result.edge_covariance)) / result.semi_axes
     if not float(relative.max()) < 0.4:
@@ -241,7 +245,16 @@ def with_marked_points(
             f"the points left leave an axis unknown by {float(relative.max()):.0%}: "
             "keep or add points along a longer arc"
         )
-    flags = found.flags - size_flags(found.semi_axes) | size_flags(result.semi_axes)
+    flags = found.flags - size_flags(found.semi_axes) - {"not_an_ellipse"} | size_flags(result.semi_axes)
+    if departure is not None:
+        result = replace(
+            result,
+            edge_covariance=result.edge_covariance + departure.covariance * found.scale.mm_per_px**2,
+            exponent=departure.exponent,
+            exponent_std=departure.exponent_std,
+        )
+        if is_significant(result.exponent, result.exponent_std):
+            flags |= {"not_an_ellipse"}
     return replace(result, flags=flags | {"by_hand"})
 
 

@@ -18,6 +18,7 @@ from fingerpad.image.inputs import ImageLike, ScaleLike, as_scale, colour_levels
 from fingerpad.image.photograph._arc import (
     PAD_MIDDLE,
     PadArc,
+    add_departure,
     add_shared_errors,
     candidate_points,
     fit_arc,
@@ -25,6 +26,7 @@ from fingerpad.image.photograph._arc import (
 )
 from fingerpad.image.photograph._arc_averaging import average_over_ends
 from fingerpad.image.photograph._arc_extension import extend_arc
+from fingerpad.image.photograph._departure import is_significant
 from fingerpad.image.photograph._edges import SubpixelOutline, locate_edges
 from fingerpad.image.photograph._finger_axis import finger_lean
 from fingerpad.image.photograph._input import (
@@ -67,6 +69,10 @@ def measure_photograph(
     arc may end; or all the outline inside `region_of_interest`, or from the first to the last of `points`.
     Beyond its ends the outline, which has no corner, still informs the fit. The ellipse lies along
     the finger's own axis, as its sides show it, within what they leave open.
+
+    No finger is an ellipse. A superellipse, with an exponent for each quadrant, is fitted to the same arc; by
+    the odds of the two, what its semi-axes differ by stands in the covariance. Where its mean exponent
+    departs from 2 significantly, the flag ``not_an_ellipse`` says so.
 
     Parameters
     ----------
@@ -179,7 +185,7 @@ def _pad_arc(
         arc = average_over_ends(local, found, arc, middle=middle, lean=lean, spacing=edges.spacing)
     else:
         arc = extend_arc(local, edges, fit_arc(local, found, lean), lean)
-    return add_shared_errors(arc, edges), place
+    return add_departure(add_shared_errors(arc, edges), local, found, face, lean), place
 
 
 def _result(
@@ -219,6 +225,13 @@ def _result(
             f"the {face} face's arc of {found.arc_deg:.0f} degrees leaves an axis unknown by {relative:.0%}: "
             "mark a longer arc, come nearer, or choose a backdrop of another colour than the skin"
         )
+    if arc.departure is not None:
+        found = replace(
+            found,
+            edge_covariance=found.edge_covariance + arc.departure.covariance * scale.mm_per_px**2,
+            exponent=arc.departure.exponent,
+            exponent_std=arc.departure.exponent_std,
+        )
     contrast = float(np.quantile(edges.step_ratio[arc.used], 0.25))
     return replace(found, flags=_flags(found, contrast, silhouette))
 
@@ -237,6 +250,7 @@ def _flags(found: PhotographFit, contrast: float, silhouette: Silhouette) -> fro
         "soft_edges": found.blur_px > 0.02 * semi_px,
         "touches_border": float(margin) < 6 + 3 * silhouette.reduction,
         "poor_ellipse": found.residual_px_std > max(0.01 * semi_px, 0.5),
+        "not_an_ellipse": is_significant(found.exponent, found.exponent_std),
         "leaning": abs(found.lean) > math.radians(10),
     }
     return frozenset(name for name, held in holds.items() if held) | size_flags(found.semi_axes)

@@ -23,6 +23,7 @@ PHOTOGRAPH_FLAGS: Mapping[str, str] = {
     "soft_edges": "the edge is blurred over more than 1 percent of the smaller semi-axis",
     "touches_border": "the arc ends where the frame cuts the finger",
     "poor_ellipse": "the outline departs from the ellipse by more than 1 percent of the smaller semi-axis",
+    "not_an_ellipse": "the outline is more pointed or blunter than an ellipse",
     "leaning": "the finger leans by more than 10 degrees",
     "implausible_size": "a semi-axis lies outside 2–40 mm: check the scale",
     "by_hand": "the ellipse was placed manually, or points were added or left out",
@@ -59,6 +60,10 @@ class PhotographFit(Displayed):
         Standard deviation of the points from the ellipse, and of the edges' blur, px.
     flags : frozenset of str
         Doubts, from `PHOTOGRAPH_FLAGS`.
+    exponent, exponent_std : float
+        Exponent p of the superellipse |x/a|^p + |y/b|^p = 1 that follows the pad best, a mean over its
+        quadrants, and its standard uncertainty: 2 for an ellipse, less where the tip is pointed, more where
+        it is blunt. NaN where nothing was fitted.
 
     Examples
     --------
@@ -83,6 +88,8 @@ class PhotographFit(Displayed):
     residual_px_std: float
     blur_px: float
     flags: frozenset[str]
+    exponent: float = math.nan
+    exponent_std: float = math.nan
     _picture: npt.NDArray[Any] | None = None
 
     @property
@@ -104,7 +111,14 @@ class PhotographFit(Displayed):
             for key, number in ((f"{name}_mm", value), (f"{name}_mm_std", stds[name]))
         }
         return record_text(
-            f"Photograph of the {self.face} face", {**axes, "arc_deg": self.arc_deg, "flags": self.flags}
+            f"Photograph of the {self.face} face",
+            {
+                **axes,
+                "arc_deg": self.arc_deg,
+                "exponent": self.exponent,
+                "exponent_std": self.exponent_std,
+                "flags": self.flags,
+            },
         )
 
     @property

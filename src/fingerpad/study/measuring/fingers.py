@@ -42,6 +42,8 @@ class PhotographResult:
         Picture of the measurement, relative to the output folder.
     arc_deg : float
         Extent of the arc used, parametric degrees.
+    exponent : (float, float) or None
+        Exponent of the superellipse that follows the pad best, and its standard uncertainty.
     flags : tuple of str
         Doubts.
     """
@@ -50,6 +52,7 @@ class PhotographResult:
     scale: FoundScale
     overlay: str
     arc_deg: float
+    exponent: tuple[float, float] | None
     flags: tuple[str, ...]
 
 
@@ -219,6 +222,7 @@ def face_record(
         "relative_scale_std": axes.relative_scale_std,
         "overlay": overlay,
         "arc_deg": found.arc_deg,
+        "exponent": None if np.isnan(found.exponent) else (found.exponent, found.exponent_std),
         "flags": [*sorted(found.flags), *known.flags],
     }
 
@@ -250,5 +254,6 @@ def _face(
         scale=scale,
         overlay=record["overlay"],
         arc_deg=record["arc_deg"],
+        exponent=None if record["exponent"] is None else tuple(record["exponent"]),
         flags=tuple(record["flags"]),
     )

@@ -107,8 +107,8 @@ _GROUPS: Final[Mapping[str, Sequence[Column]]] = {
             "pooled",
             "bool",
             "",
-            "whether the row counts in pooled radii: not if its image is cut or its scale in doubt; of a "
-            "sequence only loading frames of a large enough ellipse",
+            "whether the row counts in pooled radii: not if a flag excludes it (see the guide's "
+            "table of flags); of a sequence only loading frames of a large enough ellipse",
         ),
         _text("range_notes", "where the model is out of its range, separated by spaces"),
     ),

@@ -14,6 +14,7 @@ from fingerpad.study.manifest import CORRECTIONS, Contact, Observation, Study
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.measuring.measure import Measurement
 from fingerpad.study.results.columns import COLUMNS, ColumnArray
+from fingerpad.study.results.exclusions import excluding_flags
 from fingerpad.study.results.layer import LAYER_PART_SOURCES, POOLED_ON_LAYER, layer_columns
 from fingerpad.study.results.model import GEOMETRY, PART_SOURCES, POOLED_OUTPUTS, Modelled, contact_inputs
 from fingerpad.study.results.table import GrowingArray, Places, ResultsTable, TableBuilder
@@ -28,9 +29,6 @@ PlacementKey: TypeAlias = tuple[Any, ...]
 SMALL_CONTACT: Final = 0.3
 SMALL_INDENTATION: Final = 0.1
 SAME_SHAPE: Final = 0.1
-
-# A contact that is cut, or whose scale is in doubt, is kept and shown but not pooled.
-NOT_POOLED: Final = frozenset(("touches_border", "cut_by_mask", "scale_doubtful"))
 
 RANGE_NOTES: Final = {
     "faces_disagree": "the finger's photographs disagree about its semi-axes (p < 0.01)",
@@ -230,8 +228,8 @@ def _described(
         "flags": (" ".join(one.flags) for one in measured),
         "measured_by": (one.measured_by or _measured_by(contact) for contact, one in seen),
         "pooled": (
-            reason is None and one.counts and NOT_POOLED.isdisjoint(one.flags)
-            for reason, one in zip(reasons, measured, strict=True)
+            reason is None and one.counts and not excluding_flags(contact, one)
+            for reason, (contact, one) in zip(reasons, seen, strict=True)
         ),
         "wedge_angle_deg": (contact.wedge_angle_deg for contact in contacts),
         "roll_angle_deg": (contact.roll_angle_deg for contact in contacts),

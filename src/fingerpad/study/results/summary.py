@@ -54,12 +54,15 @@ class Summary:
 
     @property
     def pooled_from(self) -> str:
-        """What the pooled radii come from, in words."""
+        """What the pooled radii come from, in words, and of how many observations."""
         pooled = self.rows.at(self.rows.column("pooled"))
         frames = int(pooled.known("frame").sum())
         films = len(set(pooled.column("sequence")) - {None})
-        contacts = len(pooled) - frames
-        parts = [_counted(contacts, "observation")] if contacts or not films else []
+        contacts, seen = len(pooled) - frames, len(self.contacts)
+        counted = _counted(contacts, "observation")
+        if contacts < seen:
+            counted = f"{contacts} of {_counted(seen, 'observation')}"
+        parts = [counted] if seen or not films else []
         if films:
             parts.append(f"{_counted(frames, 'frame')} of {_counted(films, 'sequence')}")
         return " and ".join(parts)

@@ -1,0 +1,190 @@
+"""How far a finger's outline departs from an ellipse, and what that leaves unknown of the semi-axes."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import OptimizeResult, least_squares
+from scipy.special import expit
+
+from fingerpad._arrays import FloatArray
+from fingerpad.image.ellipse import PlaneEllipse
+
+# Standard deviation of fingers' exponents from 2, and of a quadrant's from the others'; exponents searched.
+_EXPONENT_STD, _QUADRANT_STD = 0.3, 0.15
+_EXPONENTS, _STARTS = (1.2, 5.0), (-0.35, -0.15, 0.2, 0.5)
+# Prior odds that a finger is no ellipse; what the difference of the two curves misses of the true error,
+# found on drawn fingers (benchmarks/finger_shapes.py).
+_LOG_ODDS, _MISSED = math.log(3), 1.2
+# Neighbouring points share the skin's roughness; blocks of so many hardly do.
+_BLOCK, _MIN_BLOCKS = 8, 10
+# What a block can be off at least, px; from so many deviations on its distance counts but linearly; and the
+# correlation of neighbouring blocks that is believed at most.
+_LEAST_PX, _FAR, _MOST_ALIKE = 0.12, 4.0, 0.6
+# An exponent so far from 2, in standard deviations and at all, is significant.
+_SIGNIFICANT, _LEAST_DEPARTURE = 3.0, 0.05
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Departure:
+    """How an outline departs from its ellipse.
+
+    Attributes
+    ----------
+    covariance : ndarray, (2, 2)
+        What that adds to the covariance of the semi-axes, px².
+    exponent, exponent_std : float
+        Mean exponent of the superellipse along the arc, and its standard uncertainty; 2 is an ellipse.
+    """
+
+    covariance: FloatArray
+    exponent: float
+    exponent_std: float
+
+
+def is_significant(exponent: float, std: float) -> bool:
+    """Return whether an exponent departs from 2 by more than chance and the skin's roughness allow."""
+    return abs(exponent - 2) > max(_SIGNIFICANT * std, _LEAST_DEPARTURE)
+
+
+def departure_of(points: FloatArray, ellipse: PlaneEllipse, lean: tuple[float, float]) -> Departure | None:
+    """Fit a superellipse whose quadrants have exponents of their own, and compare its semi-axes.
+
+    |X/a|^p + |Y/b|^p = 1, where p departs from 2 by normal deviates, of standard deviation 0.3 for all
+    quadrants together and 0.15 for each. The semi-axes of both curves are the extents to which they continue
+    the arc. By the posterior odds of the two, what is added to the covariance is the square of the difference
+    between the ellipse as given and the superellipse, and its covariance beyond the ellipse's; or the square
+    of the difference to the ellipse of the same points.
+
+    Parameters
+    ----------
+    points : ndarray, (n, 2)
+        Points of the pad, px, in order.
+    ellipse : PlaneEllipse
+        The ellipse as measured.
+    lean : (float, float)
+        Lean of the finger's axis and its standard uncertainty, radians.
+
+    Returns
+    -------
+    Departure or None
+        None where the points are too few to tell.
+    """
+    size = math.sqrt(ellipse.semi_x * ellipse.semi_y)
+    blocks, counts = _blocks(points / size)
+    if counts.sum() < _MIN_BLOCKS * _BLOCK:
+        return None
+    weights = np.sqrt(np.minimum(counts / _BLOCK, 1))
+    given = np.array([ellipse.semi_x, ellipse.semi_y]) / size
+    start = np.array([ellipse.x / size, ellipse.y / size, *np.log(given), ellipse.angle])
+    noise = _LEAST_PX / size
+    curve = _Curve(blocks, weights, lean, noise)
+    bent = min((curve.bent(start, about) for about in (0.0, *_STARTS)), key=lambda fit: fit.cost)
+    for _ in range(2):
+        noise = max(_LEAST_PX / size, curve.deviation(bent.x))
+        curve = _Curve(blocks, weights, lean, noise)
+        bent = curve.fitted(bent.x)
+    plain = curve.fitted(start)
+    (off, covariance, log_evidence), (plain_off, plain_covariance, plain_log_evidence) = (
+        _compared(fit, given) for fit in (bent, plain)
+    )
+    weight = float(expit(_LOG_ODDS + log_evidence - plain_log_evidence))
+    values, vectors = np.linalg.eigh(covariance - plain_covariance)
+    more = (vectors * np.maximum(values, 0)) @ vectors.T + _MISSED**2 * np.outer(off, off)
+    added = weight * more + (1 - weight) * np.outer(plain_off, plain_off)
+    in_quadrants = np.bincount(curve.quadrants(bent.x), weights=counts, minlength=4)
+    shares = np.append(1, in_quadrants / counts.sum())
+    spread = np.linalg.pinv(bent.jac.T @ bent.jac)[5:, 5:]
+    return Departure(
+        covariance=np.asarray(added * size**2),
+        exponent=float(2 + shares @ bent.x[5:]),
+        exponent_std=math.sqrt(shares @ spread @ shares),
+    )
+
+
+def _blocks(points: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the means of points over equal lengths of outline, and the number of points in each."""
+    lengths = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    block = np.floor(np.append(0, np.cumsum(lengths)) / (_BLOCK * float(np.median(lengths))) + 1e-6)
+    starts = np.flatnonzero(np.append(True, np.diff(block) > 0))
+    counts = np.diff(np.append(starts, len(points))).astype(np.float64)
+    return np.asarray(np.add.reduceat(points, starts, axis=0) / counts[:, None]), counts
+
+
+class _Curve:
+    """An ellipse (x, y, log a, log b, angle) or, with five more values, a superellipse, through points.
+
+    The five are the departure of all exponents from 2, and that of each quadrant from theirs.
+    """
+
+    def __init__(
+        self, points: FloatArray, weights: FloatArray, lean: tuple[float, float], noise: float
+    ) -> None:
+        self._points, self._weights, self._lean, self._noise = points, weights, lean, noise
+
+    def fitted(self, start: FloatArray) -> OptimizeResult:
+        """Return the values of least squares; what is known beforehand counts as more observations."""
+        return least_squares(self._off, start, x_scale="jac", max_nfev=100)
+
+    def bent(self, start: FloatArray, about: float) -> OptimizeResult:
+        """Return the best superellipse next to the best one whose exponents depart so far from 2."""
+        exponents = np.array([about, 0.0, 0.0, 0.0, 0.0])
+        held = least_squares(
+            lambda values: self._off(np.append(values, exponents)), start, x_scale="jac", max_nfev=30
+        )
+        return self.fitted(np.append(held.x, exponents))
+
+    def quadrants(self, values: FloatArray) -> FloatArray:
+        """Return the number of the quadrant in which each point lies."""
+        x, y = self._local(values)
+        return np.asarray(np.floor(np.arctan2(y, x) / (math.pi / 2)).astype(int) % 4)
+
+    def deviation(self, values: FloatArray) -> float:
+        """Return the points' standard deviation from a superellipse, but for those that stand out.
+
+        Neighbours that err alike count as fewer.
+        """
+        off = self._weights * self._distances(values)
+        most = _FAR * 1.4826 * float(np.median(np.abs(off)))
+        off = np.clip(off, -most, most)
+        alike = min(max(float(off[1:] @ off[:-1]) / float(off @ off + 1e-30), 0.0), _MOST_ALIKE)
+        return math.sqrt(float(off @ off) / max(len(off) - 8, 3) * (1 + alike) / (1 - alike))
+
+    def _local(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
+        cosine, sine = math.cos(values[4]), math.sin(values[4])
+        x, y = (self._points - values[:2]).T
+        return (x * cosine + y * sine) / math.exp(values[2]), (y * cosine - x * sine) / math.exp(values[3])
+
+    def _distances(self, values: FloatArray) -> FloatArray:
+        """Return the points' distances from the curve, to first order."""
+        exponent = np.full(len(self._points), 2.0)
+        if values.size > 5:
+            each = values[5] + values[6:][self.quadrants(values)]
+            exponent = np.clip(2 + each, *_EXPONENTS)
+        x, y = (np.maximum(np.abs(part), 1e-9) for part in self._local(values))
+        level = (x**exponent + y**exponent) ** (1 / exponent)
+        slope = np.hypot(
+            (x / level) ** (exponent - 1) / math.exp(values[2]),
+            (y / level) ** (exponent - 1) / math.exp(values[3]),
+        )
+        return np.asarray((level - 1) / slope)
+
+    def _off(self, values: FloatArray) -> FloatArray:
+        off = self._weights * self._distances(values) / (_FAR * self._noise)
+        robust = _FAR * np.sign(off) * np.sqrt(2 * (np.sqrt(1 + off**2) - 1))
+        known = [(values[4] - self._lean[0]) / self._lean[1]]
+        if values.size > 5:
+            known += [values[5] / _EXPONENT_STD, *(values[6:] / _QUADRANT_STD)]
+        return np.append(robust, known)
+
+
+def _compared(fit: OptimizeResult, given: FloatArray) -> tuple[FloatArray, FloatArray, float]:
+    """Return how far a curve's semi-axes are from those given, their covariance, and the log evidence."""
+    inverse = np.linalg.pinv(fit.jac.T @ fit.jac)
+    semi_axes = np.exp(fit.x[2:4])
+    prior = 0.0 if fit.x.size == 5 else math.log(_EXPONENT_STD) + 4 * math.log(_QUADRANT_STD)
+    return (
+        semi_axes - given,
+        inverse[2:4, 2:4] * np.outer(semi_axes, semi_axes),
+        float(-fit.cost + 0.5 * np.linalg.slogdet(inverse)[1] - prior),
+    )

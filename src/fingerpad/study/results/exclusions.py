@@ -1,0 +1,39 @@
+"""Which flags of a contact keep it out of pooled results."""
+
+from typing import Final
+
+from fingerpad.study.manifest import Contact
+from fingerpad.study.measuring.measure import Measurement
+
+# The picture does not show all of a contact at a known scale: nothing that a person says of it helps.
+NEVER_POOLED: Final = frozenset(("touches_border", "cut_by_mask", "scale_doubtful", "not_a_contact_image"))
+# What was measured may be a part of the contact, or more than it: a person who has looked can tell.
+POOLED_IF_REVIEWED: Final = frozenset(("low_contrast", "several_regions", "poor_ellipse"))
+_REVIEWED: Final = frozenset(("accepted", "corrected"))
+
+
+def excluding_flags(contact: Contact, measured: Measurement) -> frozenset[str]:
+    """Return the flags of a measured contact that keep it out of pooled results.
+
+    Parameters
+    ----------
+    contact : Contact
+        Its table of the manifest. A seed, mask or region of interest says which of several patches is meant.
+    measured : Measurement
+        What was measured of it, and what a person decided.
+
+    Examples
+    --------
+    >>> from fingerpad.study.manifest import Observation
+    >>> where = {"name": "a", "finger": "index", "wedge_angle_deg": 30, "load_N": 1}
+    >>> contact = Observation(**where, ellipse_mm={"semi_major": 6, "semi_minor": 5, "std": 0.1})
+    >>> sorted(excluding_flags(contact, Measurement(flags=("poor_ellipse", "coin_shadow"))))
+    ['poor_ellipse']
+    >>> excluding_flags(contact, Measurement(flags=("poor_ellipse",), reviewed="accepted"))
+    frozenset()
+    """
+    excluding = NEVER_POOLED
+    if measured.reviewed not in _REVIEWED:
+        chosen = any((contact.seed_px, contact.mask_px, contact.region_of_interest_px))
+        excluding |= POOLED_IF_REVIEWED - ({"several_regions"} if chosen else set())
+    return excluding.intersection(measured.flags)

@@ -1,0 +1,46 @@
+"""Pictures without finger ridges are flagged, and contact images are not; see benchmarks/non_prints.py."""
+
+import numpy as np
+import pytest
+from benchmarks.contact_images import population
+from benchmarks.independent_images import CONDITIONS, independent_images
+from benchmarks.non_prints import FLAG, KINDS, answer, stripes
+
+from fingerpad.image import Scale
+from fingerpad.simulate import render_contact_image
+
+PPI_500 = Scale.of_ppi(500)
+RNG = np.random.default_rng(0)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_pictures_without_ridges_are_refused_or_flagged(kind):
+    pictures = [draw(np.random.default_rng([9, k])) for k, draw in enumerate(KINDS[kind][:3])]
+    assert {answer(pixels, PPI_500) for pixels in pictures} <= {"refused", FLAG}
+
+
+@pytest.mark.parametrize(
+    "name", ["light rim", "300 ppi", "not an ellipse", "breaks, pores and creases", "everything"]
+)
+def test_independent_contact_images_are_not_flagged(name):
+    ((_, image),) = independent_images(1, 3, {name: CONDITIONS[name]})
+    assert answer(image.pixels, Scale(image.mm_per_px)) != FLAG
+
+
+def test_rendered_contact_images_are_not_flagged():
+    assert FLAG not in {answer(truth.pixels, PPI_500) for truth in population(4, seed=8)}
+
+
+@pytest.mark.parametrize("size", [1.2, 1.6, 2, 3])
+def test_small_contacts_are_not_flagged(size):
+    for seed, pattern in enumerate(("arch", "loop", "whorl")):
+        truth = render_contact_image(semi_major=1.2 * size, semi_minor=size, pattern=pattern, seed=seed)
+        assert answer(truth.pixels, PPI_500) != FLAG
+
+
+def test_even_stripes_as_far_apart_as_ridges_are_flagged():
+    assert answer(stripes(RNG, 0.45), PPI_500) == FLAG
+
+
+def test_a_picture_too_coarse_for_ridges_is_not_flagged():
+    assert answer(stripes(RNG, 2.5), Scale(0.13)) != FLAG
