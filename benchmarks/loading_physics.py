@@ -93,7 +93,7 @@ def layer(thickness: float) -> Callable[[Pad, float], Contact]:
     """Press a paraboloid on an incompressible layer bonded to bone, without friction at the platen."""
 
     def contact(pad: Pad, top: float) -> Contact:
-        a = np.linspace(0, 2.5 * thickness, 6000)
+        a = np.linspace(0, min(2.5 * thickness, 1.5 * pad.radius), 6000)
         indentation, force = (spline(a / thickness) for spline in _layer_ratios())
         load = force * 4 * pad.reduced * a**3 / (3 * pad.radius)
         keep = load < 1.1 * top

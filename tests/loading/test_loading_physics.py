@@ -12,6 +12,7 @@ from benchmarks.loading_physics import (
     layer_ratios,
     pink,
 )
+from scipy.interpolate import CubicSpline
 
 PAD = Pad(radius=15.0, modulus=0.04)
 
@@ -19,9 +20,9 @@ PAD = Pad(radius=15.0, modulus=0.04)
 @pytest.mark.parametrize("chi", [0.05, 0.15, 0.25])
 def test_a_layer_agrees_with_the_series_of_garcia_and_garcia(chi):
     """García & García (2018), a bonded incompressible layer, χ = √(Rξ)/t."""
-    a = np.linspace(0.01, 0.6, 60)
+    a = np.linspace(0.01, 0.4, 12)
     indentation, load = np.array([layer_ratios(one) for one in a]).T
-    factor = np.interp(chi, a * np.sqrt(indentation), load / indentation**1.5)
+    factor = CubicSpline(a * np.sqrt(indentation), load / indentation**1.5)(chi)
     series = 1 + 1.133 * chi + 1.497 * chi**2 + 1.469 * chi**3 + 0.755 * chi**4
     assert factor == pytest.approx(series, rel=2e-3)
 
