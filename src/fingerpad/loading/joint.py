@@ -17,7 +17,7 @@ from fingerpad._display import Displayed
 from fingerpad.loading.estimate import Estimate
 from fingerpad.loading.least_squares import LeastSquaresFit, fit_least_squares
 from fingerpad.loading.models import clipped_load, hertz_stiffness, load_slope
-from fingerpad.loading.noise import Noise, NoiseUncertainty, estimate_noise, noise_uncertainty
+from fingerpad.loading.noise import KINDS, Noise, NoiseUncertainty, estimate_noise, noise_uncertainty
 
 Values = Mapping[str, float]
 
@@ -191,12 +191,10 @@ class JointFit(Displayed):
         record, noise = self.record, self.noise
         load = self.load(record.smooth_displacement) + _zero(self.values, record.clock)
         load = load + noise.force_std * rng.standard_normal(load.size)
-        kept = np.append(0.0, np.exp(-noise.steps / noise.drift_time))
-        drift = noise.drift_std * rng.standard_normal(load.size) * np.sqrt(1 - kept**2)
-        for row in range(1, load.size if noise.drift_std > 0 else 0):
-            drift[row] += kept[row] * drift[row - 1]
+        if noise.drift:
+            load = load + noise.drift.simulated(rng)
         displacement = record.smooth_displacement + noise.displacement_std * rng.standard_normal(load.size)
-        return displacement, load + drift
+        return displacement, load
 
     @property
     def aicc(self) -> float:
@@ -208,6 +206,10 @@ class JointFit(Displayed):
     @property
     def _jacobians(self) -> tuple[FloatArray, FloatArray]:
         return _jacobians(self.record, self.law, list(self.fit.names), self.values)
+
+    def estimator(self) -> tuple[FloatArray, FloatArray]:
+        """Return how each free parameter falls with each residual of force and area, (n, p) and (m, p)."""
+        return self.noise.estimator(*self._jacobians)
 
     def estimate(self, name: str) -> Estimate:
         """Return one parameter with a 95 % interval: its profile, widened by noise and by what is held."""
@@ -250,10 +252,10 @@ def fit_joint(
         return _fit(record, law, start, held, noise)
     whole = {**start, **{name: given.value for name, given in held.items()}}
     noise = _first_noise(record, law, whole)
-    for drift in (False, True, True):
+    for kinds in (("white",), KINDS, None):
         noise = replace(noise, slope=_slope(record, whole), radius=whole["loading_radius"])
         jacobians = _jacobians(record, law, names, whole)
-        noise = estimate_noise(noise, _residuals(record, law, whole), jacobians, drift=drift)
+        noise = estimate_noise(noise, _residuals(record, law, whole), jacobians, kinds or (noise.kind,))
         found = _fit(record, law, whole, held, noise)
         whole = found.values
     return found

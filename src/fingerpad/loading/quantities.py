@@ -6,11 +6,11 @@ from collections.abc import Mapping
 import numpy as np
 from scipy import stats
 
-from fingerpad._arrays import FloatArray
+from fingerpad._arrays import BoolArray, FloatArray
 from fingerpad.exceptions import FitError
 from fingerpad.loading.estimate import Estimate, Quantity, Undetermined
 from fingerpad.loading.joint import JointFit, fit_joint
-from fingerpad.loading.least_squares import effective_count, fit_least_squares
+from fingerpad.loading.least_squares import fit_least_squares
 
 # Beyond these no finger pad lies, mm and MPa: a wrong unit.
 PLAUSIBLE_RADIUS, PLAUSIBLE_MODULUS = (2.0, 100.0), (0.001, 5.0)
@@ -59,14 +59,15 @@ def _quantity(fit: JointFit, name: str) -> Quantity:
 
 
 def _area_exponent(main: JointFit) -> Quantity:
-    """Fit A = a W^n to what was measured, with the noise of both."""
+    """Fit A = a W^n to what was measured, with the noise of both and the uncertainty of their zeros."""
     record, noise = main.record, main.noise
+    offset = main.values.get("area_offset", 0.0)
     load = main.corrected_load(record.clock, record.load)[record.with_area]
     smooth = main.load(record.smooth_displacement)[record.with_area]
     used = smooth > max(
         0.05 * float(smooth.max(initial=0.0)), 5 * math.hypot(noise.force_std, noise.drift_std)
     )
-    W, A = load[used], record.area[used]
+    W, A = load[used], record.area[used] - offset
     if W.size < 5:
         return Undetermined(
             _NO_RADIUS if not record.area.size else f"{W.size} areas under load; five are needed"
@@ -79,9 +80,31 @@ def _area_exponent(main: JointFit) -> Quantity:
 
     try:
         fit = fit_least_squares(residuals, [A.max(), 0.5], ["area", "area_exponent"])
-        return fit.with_effective_count(effective_count(fit.residuals)).estimate("area_exponent")
     except FitError as error:
         return Undetermined(str(error))
+    by_area = -np.linalg.pinv(fit.jacobian)[1] / spread
+    exponent = fit.value("area_exponent")
+    std = _exponent_std(main, used, by_area, -exponent * A / smooth[used] * by_area)
+    return Estimate.symmetric(exponent, std, fit.degrees_of_freedom)
+
+
+def _exponent_std(main: JointFit, used: BoolArray, by_area: FloatArray, by_load: FloatArray) -> float:
+    """Return the standard uncertainty of a sum over the used areas and loads, with their fitted zeros."""
+    record = main.record
+    rows = np.flatnonzero(record.with_area)[used]
+    force, area = np.zeros((record.load.size, 1)), np.zeros((record.area.size, 1))
+    force[rows, 0], area[used, 0] = by_load, by_area
+    zeros = {
+        "force_zero": by_load.sum(),
+        "force_tilt": by_load @ record.clock[rows],
+        "area_offset": by_area.sum(),
+    }
+    gradient = np.array([zeros.get(name, 0.0) for name in main.fit.names])[:, None]
+    of_force, of_area = (answer @ gradient for answer in main.estimator())
+    # Noise of the displacement is in the residuals, to which the parameters answer, but not in the data.
+    shared = main.noise.of_displacement(of_force, of_area)
+    variance = main.noise.covariance_of_sums(force + of_force, area + of_area, shared)
+    return math.sqrt(float(variance[0, 0]))
 
 
 def implausible(main: JointFit, given: float | Estimate | None, *, known: bool) -> tuple[str, ...]:
