@@ -8,7 +8,7 @@ import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -30,7 +30,7 @@ from fingerpad.loading import Estimate, LoadingCurve, fit_loading_curve
 
 # Flags that say what the pad is like, not that a number is in doubt.
 DESCRIPTIVE = {"modulus_depends_on_load"}
-QUANTITIES = ("initial_modulus", "loading_radius", "area_exponent")
+QUANTITIES = ("initial_modulus", "loading_radius", "area_exponent", "contact_offset")
 TOP = 2.0
 SPEED = 1.0
 APPROACH = 0.8
@@ -56,6 +56,8 @@ class Condition:
     # n of A ∝ W^n, where there is one.
     area_exponent: float = np.nan
     points: int = 200
+    # Whether the fit is told of compliance (within a tenth) and lag.
+    told: bool = False
 
 
 CONDITIONS: Mapping[str, Condition] = MappingProxyType(
@@ -75,6 +77,8 @@ CONDITIONS: Mapping[str, Condition] = MappingProxyType(
         "A ∝ W^0.42": Condition(contact=free_area(0.42), area_exponent=0.42),
         "A ∝ W^0.55, growing modulus": Condition(contact=free_area(0.55), slope=0.5, area_exponent=0.55),
         "stage yields 0.06 mm/N": Condition(compliance=0.06, area_exponent=2 / 3),
+        "stage yields 0.06 mm/N, given": Condition(compliance=0.06, area_exponent=2 / 3, told=True),
+        "area 100 ms late, given": Condition(lag=0.1, area_exponent=2 / 3, told=True),
         "area 30 ms late": Condition(lag=0.03, area_exponent=2 / 3),
         "area 100 ms late": Condition(lag=0.1, area_exponent=2 / 3),
         "force warms up by 40 mN": Condition(warm_up=0.04, area_exponent=2 / 3),
@@ -98,8 +102,8 @@ def random_pad(condition: Condition, rng: np.random.Generator) -> Pad:
     return Pad(radius=rng.uniform(10, 20), modulus=modulus, slope=condition.slope * modulus)
 
 
-def make_curve(condition: Condition, pad: Pad, rng: np.random.Generator) -> LoadingCurve:
-    """Return a press at 1 mm/s to 2 N, with a random zero, drift and place of contact."""
+def make_curve(condition: Condition, pad: Pad, place: float, rng: np.random.Generator) -> LoadingCurve:
+    """Return a press at 1 mm/s to 2 N with contact at a place (mm), and a random zero and drift."""
     xi, load, area = condition.contact(pad, TOP)
     platen = xi + condition.compliance * load
     end = (APPROACH + np.interp(TOP, load, platen)) / SPEED
@@ -117,7 +121,7 @@ def make_curve(condition: Condition, pad: Pad, rng: np.random.Generator) -> Load
         force += rng.normal(0, 0.001, len(clock))
     return LoadingCurve(
         load=force,
-        indentation=travel + rng.uniform(-2, 2) + rng.normal(0, 0.005, len(clock)),
+        indentation=travel + place + rng.normal(0, 0.005, len(clock)),
         area=np.interp(travel - condition.lag * SPEED, platen, area) + rng.normal(0, 1, len(clock)),
         time=clock,
     )
@@ -127,8 +131,14 @@ def fit_errors(condition: Condition, seed: int) -> dict[str, Found]:
     """Fit one curve; compare with E of the tissue, the radius of curvature, and the exponent of area."""
     rng = np.random.default_rng(seed)
     pad = random_pad(condition, rng)
-    fit = fit_loading_curve(make_curve(condition, pad, rng))
-    truth = dict(zip(QUANTITIES, (pad.modulus, pad.radius, condition.area_exponent), strict=True))
+    place = rng.uniform(-2, 2)
+    given: dict[str, Any] = {}
+    if condition.told:
+        assumed = rng.normal(condition.compliance, 0.1 * condition.compliance)
+        given["stage_compliance"] = Estimate.symmetric(assumed, 0.1 * condition.compliance)
+        given["area_delay"] = condition.lag
+    fit = fit_loading_curve(make_curve(condition, pad, place, rng), **given)
+    truth = dict(zip(QUANTITIES, (pad.modulus, pad.radius, condition.area_exponent, place), strict=True))
     flagged = bool(set(fit.flags) - DESCRIPTIVE)
     found = {}
     for name, true in truth.items():
