@@ -4,7 +4,7 @@ None of them replaces the model. Where one fits better, the stated intervals are
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -126,7 +126,12 @@ def compare(main: JointFit) -> Comparison:
     best = main
     if name == "area_offset" and gains[name] > _FLAGGED:
         main = best = rivals.pop(name)
-    elif name and gains[name] > _FLAGGED:
+        # With an offset of their own the areas may still not be proportional to the indentation.
+        both = dict(_rivals(main, ("area_growth",)))
+        if both and main.aicc - both["area_growth"].aicc > _FLAGGED:
+            rivals |= both
+            name, gains = "area_growth", {"area_growth": main.aicc - both["area_growth"].aicc}
+    if name != "area_offset" and name and gains[name] > _FLAGGED:
         doubts["misfit"] = (
             f"the curve fits {EXPLANATIONS[name]} better, by {gains[name]:.0f} in AICc: intervals are "
             "widened to hold what follows from it"
@@ -141,9 +146,10 @@ def compare(main: JointFit) -> Comparison:
     return Comparison(main=main, rivals=rivals, best=best, doubts=doubts)
 
 
-def _rivals(main: JointFit) -> list[tuple[str, JointFit]]:
+def _rivals(main: JointFit, names: Iterable[str] = EXPLANATIONS) -> list[tuple[str, JointFit]]:
+    """Return those explanations that can be fitted, under the noise of the model."""
     found = []
-    for name in EXPLANATIONS:
+    for name in names:
         if name in main.held:
             continue
         sphere = name == "exact_sphere"

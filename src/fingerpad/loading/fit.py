@@ -11,11 +11,12 @@ from fingerpad._display import Displayed
 from fingerpad._loading_curve import LoadingCurve
 from fingerpad._records import record_text
 from fingerpad.exceptions import FingerpadError, FitError, LoadingError
-from fingerpad.loading._prepare import Press, prepare, start_values
+from fingerpad.loading._prepare import Press, fixed_quantities, instrument_quantities, prepare, start_values
 from fingerpad.loading.alternatives import compare, fit_growing
 from fingerpad.loading.contact_point import ESTIMATORS, estimated_places
 from fingerpad.loading.estimate import Estimate, Quantity, Undetermined, estimates_record
-from fingerpad.loading.joint import FittedForceModel, JointFit, fit_joint
+from fingerpad.loading.force_models import FittedForceModel
+from fingerpad.loading.joint import JointFit, fit_joint
 from fingerpad.loading.modulus_range import Secant, increasing_region, secant_of
 from fingerpad.loading.quantities import implausible, quantities, top_load
 from fingerpad.loading.segments import Cycle, Hysteresis, hysteresis
@@ -297,7 +298,7 @@ def contact_points(
     True
     """
     press = prepare(curve, poisson_ratio, cycle)
-    held = _fixed_quantities(press, loading_radius)
+    held = fixed_quantities(press, loading_radius)
     return estimated_places(_growing_fit(press, held))
 
 
@@ -312,7 +313,7 @@ def _fit_curve(
     given: Mapping[str, float | Estimate | None],
 ) -> LoadingFit:
     press = prepare(curve, poisson_ratio, cycle)
-    held = _fixed_quantities(press, loading_radius) | _instrument(given)
+    held = fixed_quantities(press, loading_radius) | instrument_quantities(given)
     main, limits, doubts = _main_fit(press, held, contact_point, region)
     compared = compare(main)
     main = compared.main
@@ -348,30 +349,6 @@ def _require_options(poisson_ratio: float, contact_point: str) -> None:
         raise LoadingError(f"poisson_ratio must be above -1 and at most 0.5, found {poisson_ratio}")
     if contact_point != "joint" and contact_point not in ESTIMATORS:
         raise LoadingError(f"contact_point must be joint, {', '.join(ESTIMATORS)}; found {contact_point!r}")
-
-
-def _fixed_quantities(press: Press, loading_radius: float | Estimate | None) -> dict[str, Estimate]:
-    """Return what is not fitted. Without area the radius is held at 1 mm: the place of contact needs none."""
-    if loading_radius is None:
-        return {} if press.record.area.size else {"loading_radius": Estimate.symmetric(1.0, 0.0)}
-    given = loading_radius
-    radius = given if isinstance(given, Estimate) else Estimate.symmetric(given, 0.0)
-    if not (radius.value > 0 and math.isfinite(radius.value)):
-        raise LoadingError(f"loading_radius must be positive and finite, found {radius.value} mm")
-    return {"loading_radius": radius}
-
-
-def _instrument(given: Mapping[str, float | Estimate | None]) -> dict[str, Estimate]:
-    """Return what is known of the instrument."""
-    found = {}
-    for name, value in given.items():
-        if value is not None:
-            found[name] = value if isinstance(value, Estimate) else Estimate.symmetric(value, 0.0)
-            if not (math.isfinite(found[name].value) and found[name].std >= 0):
-                raise LoadingError(f"{name} must be finite, found {found[name].value} ± {found[name].std}")
-    if "stage_compliance" in found and found["stage_compliance"].value < 0:
-        raise LoadingError(f"stage_compliance must not be negative, found {found['stage_compliance'].value}")
-    return found
 
 
 def _growing_fit(press: Press, held: Mapping[str, Estimate]) -> JointFit:

@@ -6,24 +6,19 @@ uncertainty is in every result.
 """
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Final
 
 import numpy as np
 
 from fingerpad._arrays import BoolArray, FloatArray, as_float_array
 from fingerpad._display import Displayed
 from fingerpad.loading.estimate import Estimate
+from fingerpad.loading.force_models import FittedForceModel, Values, force_zero, indentation_of, load_at
 from fingerpad.loading.least_squares import LeastSquaresFit, Residuals, fit_least_squares, minimum
-from fingerpad.loading.models import clipped_load, hertz_stiffness, load_slope
+from fingerpad.loading.models import hertz_stiffness, load_slope
 from fingerpad.loading.noise import KINDS, Noise, NoiseUncertainty, estimate_noise, noise_uncertainty
 from fingerpad.loading.shapes import shape_factors
-
-Values = Mapping[str, float]
-
-# Steps in which the indentation is found that a yielding stage leaves.
-_STEPS = 6
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -49,100 +44,6 @@ class FitData(Displayed):
     area: FloatArray
     with_area: BoolArray
     poisson_ratio: float
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ForceModel:
-    """A load as a function of ξ: parameter names, and W(values, ξ, 4/3 R^½/(1 − ν²))."""
-
-    names: tuple[str, ...]
-    load: Callable[[Values, FloatArray, FloatArray], FloatArray]
-
-
-def _power(values: Values, xi: FloatArray, stiffness: FloatArray) -> FloatArray:
-    exponent = min(max(values["load_exponent"], 0.05), 20.0)
-    return values["youngs_modulus"] * stiffness * xi**exponent
-
-
-FORCE_MODELS: Final = {
-    "hertz": ForceModel(
-        names=("youngs_modulus",), load=lambda values, xi, c: values["youngs_modulus"] * (c * xi**1.5)
-    ),
-    "load_dependent": ForceModel(
-        names=("initial_modulus", "load_coefficient"),
-        load=lambda values, xi, c: clipped_load(
-            c * xi**1.5, values["initial_modulus"], values["load_coefficient"]
-        ),
-    ),
-    "exact_sphere": ForceModel(
-        names=("initial_modulus", "load_coefficient"),
-        load=lambda values, xi, c: clipped_load(
-            c * xi**1.5, values["initial_modulus"], values["load_coefficient"]
-        ),
-    ),
-    "free_exponent": ForceModel(names=("youngs_modulus", "load_exponent"), load=_power),
-}
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
-class FittedForceModel(Displayed):
-    """A force model with the values that fit a record.
-
-    Attributes
-    ----------
-    law : str
-        Key of `FORCE_MODELS`.
-    values : dict of str to float
-        All parameters: mm, N, s, MPa.
-    poisson_ratio : float
-        ν of the pad.
-    aicc : float
-        Corrected Akaike criterion χ² + 2k + 2k(k+1)/(n−k−1), to compare models under one noise.
-
-    Examples
-    --------
-    >>> values = {"contact_offset": 1.0, "loading_radius": 20.5, "youngs_modulus": 0.1024}
-    >>> model = FittedForceModel(law="hertz", values=values, poisson_ratio=0.5, aicc=0.0)
-    >>> model.load(np.array([1.0, 2.806])).round(2)
-    array([0., 2.])
-    """
-
-    law: str
-    values: dict[str, float]
-    poisson_ratio: float
-    aicc: float
-
-    def load(self, displacement: FloatArray) -> FloatArray:
-        """Return the fitted load at readings of the displacement.
-
-        Parameters
-        ----------
-        displacement : ndarray
-            Readings, mm, from the instrument's zero.
-
-        Returns
-        -------
-        ndarray
-            W, N.
-        """
-        return _load(self.values, self.law, displacement, self.poisson_ratio)
-
-    def corrected_load(self, clock: FloatArray, load: FloatArray) -> FloatArray:
-        """Return measured forces with zero and tilt removed.
-
-        Parameters
-        ----------
-        clock : ndarray
-            Times of the readings, s, from the start of the record.
-        load : ndarray
-            Readings, N.
-
-        Returns
-        -------
-        ndarray
-            N.
-        """
-        return load - _zero(self.values, clock)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -199,7 +100,7 @@ class JointFit(Displayed):
     def simulated(self, rng: np.random.Generator) -> tuple[FloatArray, FloatArray]:
         """Return displacement and force of one more record like this, with new noise."""
         record, noise = self.record, self.noise
-        load = self.load(record.smooth_displacement) + _zero(self.values, record.clock)
+        load = self.load(record.smooth_displacement) + force_zero(self.values, record.clock)
         load = load + noise.force_std * rng.standard_normal(load.size)
         if noise.drift:
             load = load + noise.drift.simulated(rng)
@@ -288,39 +189,10 @@ def find_noise(
     return noise, whole
 
 
-def _load(values: Values, law: str, displacement: FloatArray, poisson_ratio: float) -> FloatArray:
-    xi = _indentation(values, law, displacement, poisson_ratio)
-    return _load_at(values, law, np.maximum(xi, 0.0), poisson_ratio)
-
-
-def _load_at(values: Values, law: str, xi: FloatArray, poisson_ratio: float) -> FloatArray:
-    stiffness = hertz_stiffness(max(values["loading_radius"], 1e-9), poisson_ratio)
-    factor, _ = shape_factors(law, values, xi, poisson_ratio)
-    return FORCE_MODELS[law].load(values, xi, stiffness * factor)
-
-
-def _indentation(values: Values, law: str, displacement: FloatArray, poisson_ratio: float) -> FloatArray:
-    """Return ξ, negative before contact: the displacement from contact on, less what the stage yields."""
-    whole = displacement - values["contact_offset"]
-    compliance = values.get("stage_compliance", 0.0)
-    if compliance == 0:
-        return whole
-    xi = np.maximum(whole, 0.0)
-    for _ in range(_STEPS):
-        load = _load_at(values, law, xi, poisson_ratio)
-        rise = 1.5 * load / np.maximum(xi, 1e-9)
-        xi = np.maximum(xi - (xi + compliance * load - whole) / np.maximum(1 + compliance * rise, 0.2), 0.0)
-    return np.where(whole > 0, xi, whole)
-
-
-def _zero(values: Values, clock: FloatArray) -> FloatArray:
-    return values.get("force_zero", 0.0) + values.get("force_tilt", 0.0) * clock
-
-
 def _residuals(record: FitData, law: str, values: Values) -> tuple[FloatArray, FloatArray]:
     nu = record.poisson_ratio
-    xi = _indentation(values, law, record.displacement, nu)
-    force = record.load - _load_at(values, law, np.maximum(xi, 0.0), nu) - _zero(values, record.clock)
+    xi = indentation_of(values, law, record.displacement, nu)
+    force = record.load - load_at(values, law, np.maximum(xi, 0.0), nu) - force_zero(values, record.clock)
     return force, record.area - _area(record, law, values, xi[record.with_area])
 
 
