@@ -56,8 +56,8 @@ class Condition:
     # n of A ∝ W^n, where there is one.
     area_exponent: float = np.nan
     points: int = 200
-    # Whether the fit is told of compliance (within a tenth) and lag.
-    told: bool = False
+    # Whether compliance (within a tenth) and lag are given to the fit.
+    given: bool = False
 
 
 CONDITIONS: Mapping[str, Condition] = MappingProxyType(
@@ -77,8 +77,8 @@ CONDITIONS: Mapping[str, Condition] = MappingProxyType(
         "A ∝ W^0.42": Condition(contact=free_area(0.42), area_exponent=0.42),
         "A ∝ W^0.55, growing modulus": Condition(contact=free_area(0.55), slope=0.5, area_exponent=0.55),
         "stage yields 0.06 mm/N": Condition(compliance=0.06, area_exponent=2 / 3),
-        "stage yields 0.06 mm/N, given": Condition(compliance=0.06, area_exponent=2 / 3, told=True),
-        "area 100 ms late, given": Condition(lag=0.1, area_exponent=2 / 3, told=True),
+        "stage yields 0.06 mm/N, given": Condition(compliance=0.06, area_exponent=2 / 3, given=True),
+        "area 100 ms late, given": Condition(lag=0.1, area_exponent=2 / 3, given=True),
         "area 30 ms late": Condition(lag=0.03, area_exponent=2 / 3),
         "area 100 ms late": Condition(lag=0.1, area_exponent=2 / 3),
         "force warms up by 40 mN": Condition(warm_up=0.04, area_exponent=2 / 3),
@@ -132,12 +132,12 @@ def fit_errors(condition: Condition, seed: int) -> dict[str, Found]:
     rng = np.random.default_rng(seed)
     pad = random_pad(condition, rng)
     place = rng.uniform(-2, 2)
-    given: dict[str, Any] = {}
-    if condition.told:
+    known: dict[str, Any] = {}
+    if condition.given:
         assumed = rng.normal(condition.compliance, 0.1 * condition.compliance)
-        given["stage_compliance"] = Estimate.symmetric(assumed, 0.1 * condition.compliance)
-        given["area_delay"] = condition.lag
-    fit = fit_loading_curve(make_curve(condition, pad, place, rng), **given)
+        known["stage_compliance"] = Estimate.symmetric(assumed, 0.1 * condition.compliance)
+        known["area_delay"] = condition.lag
+    fit = fit_loading_curve(make_curve(condition, pad, place, rng), **known)
     truth = dict(zip(QUANTITIES, (pad.modulus, pad.radius, condition.area_exponent, place), strict=True))
     flagged = bool(set(fit.flags) - DESCRIPTIVE)
     found = {}

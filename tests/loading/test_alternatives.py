@@ -48,10 +48,10 @@ def test_late_areas_do_not_move_the_contact_of_the_force() -> None:
     assert "area_offset" in late.flags
     assert "ms late" in late.notes["area_offset"]
     assert late.contact_offset.lower < 0.3 < late.contact_offset.upper
-    told = fit_loading_curve(curve_of("area 100 ms late"), area_delay=0.1)
-    assert "area_offset" not in told.flags
-    assert told.contact_offset.lower < 0.3 < told.contact_offset.upper
-    assert told.contact_offset.std < late.contact_offset.std / 2
+    given = fit_loading_curve(curve_of("area 100 ms late"), area_delay=0.1)
+    assert "area_offset" not in given.flags
+    assert given.contact_offset.lower < 0.3 < given.contact_offset.upper
+    assert given.contact_offset.std < late.contact_offset.std / 2
 
 
 def test_a_given_compliance_of_the_stage_is_corrected_for_with_its_uncertainty() -> None:
