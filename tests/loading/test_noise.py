@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from fingerpad.loading.drift import Drift
 from fingerpad.loading.noise import Noise, NoiseUncertainty, estimate_noise, noise_uncertainty
 
 RNG = np.random.default_rng(0)
@@ -53,6 +54,30 @@ def test_likelihood_equals_dense_matrix(drift_std: float) -> None:
     assert_allclose(
         noise(drift_std).negative_log_likelihood(columns[:COUNT], columns[COUNT:]), expected / 2, rtol=1e-9
     )
+
+
+@pytest.mark.parametrize(
+    "drift", [Drift.long_range(0.01, np.diff(TIME)), Drift.random_walk(0.01, np.diff(TIME))]
+)
+def test_slow_drift_equals_dense_matrix(drift: Drift) -> None:
+    lags = np.abs(TIME[:, None] - TIME)
+    dense = sum(s**2 * np.exp(-lags / t) for s, t in zip(drift.stds, drift.times, strict=True))
+    columns = np.random.default_rng(1).standard_normal((COUNT, 4))
+    assert_allclose(drift.covariance_of(columns), columns.T @ dense @ columns, rtol=1e-8)
+    whole = dense + np.diag(white := np.linspace(1e-6, 1e-4, COUNT))
+    product, volume = drift.information(white, columns)
+    assert_allclose(product, columns.T @ np.linalg.solve(whole, columns), rtol=1e-7)
+    assert_allclose(volume, np.linalg.slogdet(whole)[1] / 2, rtol=1e-9)
+
+
+def test_long_range_drift_has_the_spectrum_of_one_over_f() -> None:
+    """Its correlation written out, in a periodic record longer than any of its times."""
+    drift = Drift.long_range(1.0, np.ones(1000))
+    lags = np.minimum(np.arange(2**17), 2**17 - np.arange(2**17))
+    correlation = sum(s**2 * np.exp(-lags / t) for s, t in zip(drift.stds, drift.times, strict=True))
+    frequency = np.geomspace(2e-3, 0.05, 9)
+    power = np.fft.rfft(correlation).real[(frequency * 2**17).astype(int)]
+    assert_allclose(power * frequency / np.mean(power * frequency), 1, atol=0.15)
 
 
 @pytest.mark.parametrize("drift_std", [0.0, 0.006])
@@ -116,7 +141,7 @@ def test_noise_stds_recovered() -> None:
             steps=np.ones(count - 1),
             with_area=with_area,
         )
-        seen = estimate_noise(start, (force, area), (line, line), drift=True)
+        seen = estimate_noise(start, (force, area), (line, line))
         found.append((seen.force_std, seen.displacement_std, seen.area_std, seen.drift_std, seen.drift_time))
     expected = (0.004, 0.005, 1.0, 0.004 / np.sqrt(1 - 0.81), -1 / np.log(0.9))
     assert_allclose(np.median(found, axis=0), expected, rtol=0.15)
@@ -144,7 +169,8 @@ def white_record(seed: int, count: int = 200) -> tuple[Noise, tuple, tuple]:
 
 @pytest.mark.parametrize("drift", [False, True])
 def test_white_noise_is_given_no_drift(drift: bool) -> None:
-    found = [estimate_noise(*white_record(seed), drift=drift) for seed in range(5)]
+    kinds = ("white", "exponential") if drift else ("white",)
+    found = [estimate_noise(*white_record(seed), kinds) for seed in range(5)]
     assert [each.drift_std for each in found] == [0.0] * 5
     assert_allclose(np.median([each.force_std for each in found]), 0.004, rtol=0.1)
 
@@ -153,8 +179,8 @@ def test_drift_is_found_only_where_it_is_looked_for_and_is_then_uncertain_too() 
     start, (force, area), jacobians = white_record(1)
     drift = np.repeat(np.random.default_rng(2).normal(0, 0.02, 10), 20)
     residuals = (force + drift, area)
-    assert estimate_noise(start, residuals, jacobians, drift=False).drift_std == 0
-    found = estimate_noise(start, residuals, jacobians, drift=True)
+    assert estimate_noise(start, residuals, jacobians, ("white",)).drift_std == 0
+    found = estimate_noise(start, residuals, jacobians)
     assert 0.01 < found.drift_std < 0.04
     white = ("force_std", "displacement_std", "area_std")
     assert noise_uncertainty(found, residuals, jacobians).names == (*white, "drift_std", "drift_time")

@@ -6,7 +6,7 @@ from fingerpad.loading.consistency import ShapeCheck, shape_check
 from fingerpad.loading.contact_point import ESTIMATORS
 from fingerpad.loading.estimate import Estimate, Quantity, Undetermined
 from fingerpad.loading.fit import LoadingFit, contact_points, fit_loading_curve
-from fingerpad.loading.joint import FittedForceModel
+from fingerpad.loading.force_models import FittedForceModel
 from fingerpad.loading.least_squares import LeastSquaresFit, effective_count, fit_least_squares
 from fingerpad.loading.models import (
     area_from_load,

@@ -1,11 +1,14 @@
 """Preparation of one press for the fit: rows, flags, and initial values."""
 
+import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from fingerpad._loading_curve import LoadingCurve
 from fingerpad.exceptions import FitError, LoadingError
+from fingerpad.loading.estimate import Estimate
 from fingerpad.loading.joint import FitData
 from fingerpad.loading.models import hertz_stiffness
 from fingerpad.loading.segments import (
@@ -107,6 +110,30 @@ def start_values(press: Press, radius: float | None) -> dict[str, float]:
     if tilt:
         start["force_tilt"] = float(parts[1])
     return start
+
+
+def fixed_quantities(press: Press, loading_radius: float | Estimate | None) -> dict[str, Estimate]:
+    """Return what is not fitted. Without area the radius is held at 1 mm: the place of contact needs none."""
+    if loading_radius is None:
+        return {} if press.record.area.size else {"loading_radius": Estimate.symmetric(1.0, 0.0)}
+    given = loading_radius
+    radius = given if isinstance(given, Estimate) else Estimate.symmetric(given, 0.0)
+    if not (radius.value > 0 and math.isfinite(radius.value)):
+        raise LoadingError(f"loading_radius must be positive and finite, found {radius.value} mm")
+    return {"loading_radius": radius}
+
+
+def instrument_quantities(given: Mapping[str, float | Estimate | None]) -> dict[str, Estimate]:
+    """Return what is known of the instrument."""
+    found = {}
+    for name, value in given.items():
+        if value is not None:
+            found[name] = value if isinstance(value, Estimate) else Estimate.symmetric(value, 0.0)
+            if not (math.isfinite(found[name].value) and found[name].std >= 0):
+                raise LoadingError(f"{name} must be finite, found {found[name].value} ± {found[name].std}")
+    if "stage_compliance" in found and found["stage_compliance"].value < 0:
+        raise LoadingError(f"stage_compliance must not be negative, found {found['stage_compliance'].value}")
+    return found
 
 
 def _require_contact(record: FitData) -> None:

@@ -57,6 +57,33 @@ class Estimate(Displayed):
         half = float(special.stdtrit(degrees_of_freedom, 0.975)) * std
         return cls(value=float(value), std=float(std), lower=float(value - half), upper=float(value + half))
 
+    def including(self, *others: "Estimate") -> "Estimate":
+        """Return the estimate with an interval that also holds those of others, as of other models.
+
+        Parameters
+        ----------
+        *others : Estimate
+            Of the same quantity.
+
+        Returns
+        -------
+        Estimate
+            The same value; the largest difference is added to the standard uncertainty in quadrature.
+
+        Examples
+        --------
+        >>> radius = Estimate.symmetric(13.8, 0.1).including(Estimate.symmetric(15.0, 0.2))
+        >>> print(f"{radius.value} ± {radius.std:.1f}, {radius.lower:.1f} to {radius.upper:.1f}")
+        13.8 ± 1.2, 13.6 to 15.4
+        """
+        shift = max((abs(other.value - self.value) for other in others), default=0.0)
+        return Estimate(
+            value=self.value,
+            std=math.hypot(self.std, shift),
+            lower=min(self.lower, *(other.lower for other in others)) if others else self.lower,
+            upper=max(self.upper, *(other.upper for other in others)) if others else self.upper,
+        )
+
     def times(self, factor: float) -> "Estimate":
         """Return the estimate multiplied by an exact number, as for another unit.
 

@@ -11,15 +11,18 @@ from fingerpad._display import Displayed
 from fingerpad._loading_curve import LoadingCurve
 from fingerpad._records import record_text
 from fingerpad.exceptions import FingerpadError, FitError, LoadingError
-from fingerpad.loading._prepare import Press, prepare, start_values
+from fingerpad.loading._prepare import Press, fixed_quantities, instrument_quantities, prepare, start_values
+from fingerpad.loading.alternatives import compare, fit_growing
 from fingerpad.loading.contact_point import ESTIMATORS, estimated_places
 from fingerpad.loading.estimate import Estimate, Quantity, Undetermined, estimates_record
-from fingerpad.loading.joint import FittedForceModel, JointFit, fit_joint
+from fingerpad.loading.force_models import FittedForceModel
+from fingerpad.loading.joint import JointFit, fit_joint
 from fingerpad.loading.modulus_range import Secant, increasing_region, secant_of
-from fingerpad.loading.quantities import has_area_offset, implausible, quantities, top_load
+from fingerpad.loading.quantities import implausible, quantities, top_load
 from fingerpad.loading.segments import Cycle, Hysteresis, hysteresis
 from fingerpad.units import KPA_PER_MPA
 
+_MODULI = {"reduced_modulus", "youngs_modulus", "initial_modulus", "load_coefficient"}
 # AICc by which the law with a growing modulus must be ahead before the modulus is said to depend on the load.
 _DECISIVE = 10.0
 
@@ -54,8 +57,15 @@ class LoadingFit(Displayed):
         ``load_dependent``, ``hertz``, ``free_exponent``, under one noise.
     preferred_model : str
         That of the least AICc.
+    alternatives : mapping of str to FittedForceModel
+        Other explanations of the curve under the same noise, by key of `EXPLANATIONS`: an offset or another
+        growth of the areas, a stage that yields, a layer on bone, an exact sphere.
+    misfit_std : mapping of str to float
+        What better explanations add to the standard uncertainty of a quantity; 0 where there are none.
     secant : Secant
         E_g of each row against ξ and W.
+    notes : mapping of str to str
+        What a flag means for this curve.
     flags : tuple of str
         Doubts.
 
@@ -81,7 +91,10 @@ class LoadingFit(Displayed):
     hysteresis: tuple[Hysteresis | None, ...]
     models: Mapping[str, FittedForceModel]
     preferred_model: str
+    alternatives: Mapping[str, FittedForceModel]
+    misfit_std: Mapping[str, float]
     secant: Secant
+    notes: Mapping[str, str]
     flags: tuple[str, ...]
 
     def divide_by_constraint(self, coefficient: Estimate) -> Self:
@@ -116,6 +129,10 @@ class LoadingFit(Displayed):
             youngs_modulus=self.youngs_modulus.over(coefficient),
             initial_modulus=self.initial_modulus.over(coefficient),
             load_coefficient=self.load_coefficient.over(coefficient),
+            misfit_std={
+                name: std / (coefficient.value if name in _MODULI else 1.0)
+                for name, std in self.misfit_std.items()
+            },
             flags=(*self.flags, "constraint_assumed"),
         )
 
@@ -153,6 +170,8 @@ class LoadingFit(Displayed):
             "region_N": list(self.region),
             "preferred_model": self.preferred_model,
             "aicc": {name: model.aicc for name, model in self.models.items()},
+            "aicc_alternatives": {name: model.aicc for name, model in self.alternatives.items()},
+            "notes": dict(self.notes),
             "segments": [cycle.as_record() for cycle in self.cycles],
             "hysteresis_mJ": [loss.energy if loss else None for loss in self.hysteresis],
             "hysteresis_fraction": [loss.fraction if loss else None for loss in self.hysteresis],
@@ -168,6 +187,8 @@ def fit_loading_curve(
     cycle: int = 0,
     contact_point: str = "joint",
     region: tuple[float, float] | None = None,
+    stage_compliance: float | Estimate | None = None,
+    area_delay: float | Estimate | None = None,
 ) -> LoadingFit:
     """Fit radius, modulus and its growth with load, place of contact and exponents to one press.
 
@@ -189,6 +210,10 @@ def fit_loading_curve(
         ``joint``, or a name of `ESTIMATORS`, whose place of contact is then held.
     region : (float, float), optional
         Loads (N) between which E_g increases linearly; found from the curve without it.
+    stage_compliance : float or Estimate, optional
+        By how much stage and support yield under load, mm/N; the indentation is corrected for it.
+    area_delay : float or Estimate, optional
+        By how much the areas are late, in the unit of the curve's time.
 
     Returns
     -------
@@ -221,6 +246,7 @@ def fit_loading_curve(
                 cycle=cycle,
                 contact_point=contact_point,
                 region=region,
+                given={"stage_compliance": stage_compliance, "area_delay": area_delay},
             )
     except FingerpadError:
         raise
@@ -272,7 +298,7 @@ def contact_points(
     True
     """
     press = prepare(curve, poisson_ratio, cycle)
-    held = _fixed_quantities(press, loading_radius)
+    held = fixed_quantities(press, loading_radius)
     return estimated_places(_growing_fit(press, held))
 
 
@@ -284,26 +310,34 @@ def _fit_curve(
     cycle: int,
     contact_point: str,
     region: tuple[float, float] | None,
+    given: Mapping[str, float | Estimate | None],
 ) -> LoadingFit:
     press = prepare(curve, poisson_ratio, cycle)
-    held = _fixed_quantities(press, loading_radius)
+    held = fixed_quantities(press, loading_radius) | instrument_quantities(given)
     main, limits, doubts = _main_fit(press, held, contact_point, region)
+    compared = compare(main)
+    main = compared.main
     models = _models(main)
     preferred = min(models, key=lambda name: models[name].aicc)
     grows = "hertz" in models and models["hertz"].aicc > main.aicc + _DECISIVE
     known = press.record.area.size > 0 or loading_radius is not None
+    found, added = quantities(compared, models, known=known)
     return LoadingFit(
-        **quantities(main, models, known=known),
+        **found,
+        misfit_std=added,
         modulus_load=top_load(main),
         region=limits,
         cycles=press.cycles,
         hysteresis=tuple(hysteresis(curve, each) for each in press.cycles),
         models={name: model.fitted_law() for name, model in models.items()},
         preferred_model=preferred,
+        alternatives={name: rival.fitted_law() for name, rival in compared.rivals.items()},
+        notes=dict(compared.doubts),
         secant=secant_of(main),
         flags=(
             *press.flags,
             *doubts,
+            *compared.doubts,
             *(("modulus_depends_on_load",) if grows else ()),
             *implausible(main, loading_radius, known=known),
         ),
@@ -317,21 +351,10 @@ def _require_options(poisson_ratio: float, contact_point: str) -> None:
         raise LoadingError(f"contact_point must be joint, {', '.join(ESTIMATORS)}; found {contact_point!r}")
 
 
-def _fixed_quantities(press: Press, loading_radius: float | Estimate | None) -> dict[str, Estimate]:
-    """Return what is not fitted. Without area the radius is held at 1 mm: the place of contact needs none."""
-    if loading_radius is None:
-        return {} if press.record.area.size else {"loading_radius": Estimate.symmetric(1.0, 0.0)}
-    given = loading_radius
-    radius = given if isinstance(given, Estimate) else Estimate.symmetric(given, 0.0)
-    if not (radius.value > 0 and math.isfinite(radius.value)):
-        raise LoadingError(f"loading_radius must be positive and finite, found {radius.value} mm")
-    return {"loading_radius": radius}
-
-
 def _growing_fit(press: Press, held: Mapping[str, Estimate]) -> JointFit:
     """Return the fit of the growing modulus over the whole press."""
-    radius = held["loading_radius"].value if held else None
-    return fit_joint(press.record, "load_dependent", start_values(press, radius), held)
+    radius = held["loading_radius"].value if "loading_radius" in held else None
+    return fit_growing(press.record, start_values(press, radius), held)
 
 
 def _main_fit(
@@ -344,17 +367,15 @@ def _main_fit(
         if isinstance(place, Undetermined):
             raise FitError(f"no place of contact by {contact_point}: {place.reason}")
         held = {**held, "contact_offset": place}
-        main = fit_joint(press.record, "load_dependent", main.values, held)
+        main = fit_growing(press.record, main.values, held)
     doubts = []
     limits, record = increasing_region(main, region)
     if record.load.size < press.record.load.size:
         doubts.append("modulus_partly_decreases" if region is None else "region_given")
-        main = fit_joint(record, "load_dependent", main.values, held)
+        main = fit_growing(record, main.values, held)
     before = np.count_nonzero(record.smooth_displacement < main.values["contact_offset"])
     if before < 2 and "no_baseline" not in press.flags:
         doubts.append("no_baseline")
-    if has_area_offset(main):
-        doubts.append("area_offset")
     return main, limits, doubts
 
 

@@ -6,20 +6,19 @@ uncertainty is in every result.
 """
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Final
 
 import numpy as np
 
 from fingerpad._arrays import BoolArray, FloatArray, as_float_array
 from fingerpad._display import Displayed
 from fingerpad.loading.estimate import Estimate
-from fingerpad.loading.least_squares import LeastSquaresFit, fit_least_squares
-from fingerpad.loading.models import clipped_load, hertz_stiffness, load_slope
-from fingerpad.loading.noise import Noise, NoiseUncertainty, estimate_noise, noise_uncertainty
-
-Values = Mapping[str, float]
+from fingerpad.loading.force_models import FittedForceModel, Values, force_zero, indentation_of, load_at
+from fingerpad.loading.least_squares import LeastSquaresFit, Residuals, fit_least_squares, minimum
+from fingerpad.loading.models import hertz_stiffness, load_slope
+from fingerpad.loading.noise import KINDS, Noise, NoiseUncertainty, estimate_noise, noise_uncertainty
+from fingerpad.loading.shapes import shape_factors
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -45,94 +44,6 @@ class FitData(Displayed):
     area: FloatArray
     with_area: BoolArray
     poisson_ratio: float
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ForceModel:
-    """A load as a function of ξ: parameter names, and W(values, ξ, 4/3 R^½/(1 − ν²))."""
-
-    names: tuple[str, ...]
-    load: Callable[[Values, FloatArray, float], FloatArray]
-
-
-def _power(values: Values, xi: FloatArray, stiffness: float) -> FloatArray:
-    exponent = min(max(values["load_exponent"], 0.05), 20.0)
-    return values["youngs_modulus"] * stiffness * xi**exponent
-
-
-FORCE_MODELS: Final = {
-    "hertz": ForceModel(
-        names=("youngs_modulus",), load=lambda values, xi, c: values["youngs_modulus"] * (c * xi**1.5)
-    ),
-    "load_dependent": ForceModel(
-        names=("initial_modulus", "load_coefficient"),
-        load=lambda values, xi, c: clipped_load(
-            c * xi**1.5, values["initial_modulus"], values["load_coefficient"]
-        ),
-    ),
-    "free_exponent": ForceModel(names=("youngs_modulus", "load_exponent"), load=_power),
-}
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
-class FittedForceModel(Displayed):
-    """A force model with the values that fit a record.
-
-    Attributes
-    ----------
-    law : str
-        Key of `FORCE_MODELS`.
-    values : dict of str to float
-        All parameters: mm, N, s, MPa.
-    poisson_ratio : float
-        ν of the pad.
-    aicc : float
-        Corrected Akaike criterion χ² + 2k + 2k(k+1)/(n−k−1), to compare models under one noise.
-
-    Examples
-    --------
-    >>> values = {"contact_offset": 1.0, "loading_radius": 20.5, "youngs_modulus": 0.1024}
-    >>> model = FittedForceModel(law="hertz", values=values, poisson_ratio=0.5, aicc=0.0)
-    >>> model.load(np.array([1.0, 2.806])).round(2)
-    array([0., 2.])
-    """
-
-    law: str
-    values: dict[str, float]
-    poisson_ratio: float
-    aicc: float
-
-    def load(self, displacement: FloatArray) -> FloatArray:
-        """Return the fitted load at readings of the displacement.
-
-        Parameters
-        ----------
-        displacement : ndarray
-            Readings, mm, from the instrument's zero.
-
-        Returns
-        -------
-        ndarray
-            W, N.
-        """
-        return _load(self.values, FORCE_MODELS[self.law], displacement, self.poisson_ratio)
-
-    def corrected_load(self, clock: FloatArray, load: FloatArray) -> FloatArray:
-        """Return measured forces with zero and tilt removed.
-
-        Parameters
-        ----------
-        clock : ndarray
-            Times of the readings, s, from the start of the record.
-        load : ndarray
-            Readings, N.
-
-        Returns
-        -------
-        ndarray
-            N.
-        """
-        return load - _zero(self.values, clock)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -189,14 +100,12 @@ class JointFit(Displayed):
     def simulated(self, rng: np.random.Generator) -> tuple[FloatArray, FloatArray]:
         """Return displacement and force of one more record like this, with new noise."""
         record, noise = self.record, self.noise
-        load = self.load(record.smooth_displacement) + _zero(self.values, record.clock)
+        load = self.load(record.smooth_displacement) + force_zero(self.values, record.clock)
         load = load + noise.force_std * rng.standard_normal(load.size)
-        kept = np.append(0.0, np.exp(-noise.steps / noise.drift_time))
-        drift = noise.drift_std * rng.standard_normal(load.size) * np.sqrt(1 - kept**2)
-        for row in range(1, load.size if noise.drift_std > 0 else 0):
-            drift[row] += kept[row] * drift[row - 1]
+        if noise.drift:
+            load = load + noise.drift.simulated(rng)
         displacement = record.smooth_displacement + noise.displacement_std * rng.standard_normal(load.size)
-        return displacement, load + drift
+        return displacement, load
 
     @property
     def aicc(self) -> float:
@@ -208,6 +117,19 @@ class JointFit(Displayed):
     @property
     def _jacobians(self) -> tuple[FloatArray, FloatArray]:
         return _jacobians(self.record, self.law, list(self.fit.names), self.values)
+
+    def residuals(self) -> tuple[FloatArray, FloatArray]:
+        """Return the residuals of force (N) and area (mm²)."""
+        return _residuals(self.record, self.law, self.values)
+
+    def areas(self) -> FloatArray:
+        """Return the measured areas, mm², from their fitted zero and without their delay."""
+        values = {**self.values, "area_delay": 0.0, "area_offset": 0.0}
+        return self.record.area + self.residuals()[1] - _residuals(self.record, self.law, values)[1]
+
+    def estimator(self) -> tuple[FloatArray, FloatArray]:
+        """Return how each free parameter falls with each residual of force and area, (n, p) and (m, p)."""
+        return self.noise.estimator(*self._jacobians)
 
     def estimate(self, name: str) -> Estimate:
         """Return one parameter with a 95 % interval: its profile, widened by noise and by what is held."""
@@ -245,52 +167,84 @@ def fit_joint(
     Noise of the displacement is carried to force and area by the slopes (effective variance), which makes
     their residuals correlate; all deviations are those of greatest restricted likelihood.
     """
+    if noise is None:
+        noise, start = find_noise(record, law, start, held)
+    return _fit(record, law, start, held, noise)
+
+
+def find_noise(
+    record: FitData, law: str, start: Values, held: Mapping[str, Estimate]
+) -> tuple[Noise, dict[str, float]]:
+    """Return the noise of a record about a law, and the parameters that fit it nearly."""
     names = [name for name in start if name not in held]
-    if noise is not None:
-        return _fit(record, law, start, held, noise)
     whole = {**start, **{name: given.value for name, given in held.items()}}
     noise = _first_noise(record, law, whole)
-    for drift in (False, True, True):
+    for kinds in (("white",), KINDS, None):
         noise = replace(noise, slope=_slope(record, whole), radius=whole["loading_radius"])
         jacobians = _jacobians(record, law, names, whole)
-        noise = estimate_noise(noise, _residuals(record, law, whole), jacobians, drift=drift)
-        found = _fit(record, law, whole, held, noise)
-        whole = found.values
-    return found
-
-
-def _load(values: Values, law: ForceModel, displacement: FloatArray, poisson_ratio: float) -> FloatArray:
-    xi = np.maximum(displacement - values["contact_offset"], 0.0)
-    stiffness = hertz_stiffness(max(values["loading_radius"], 1e-9), poisson_ratio)
-    return law.load(values, xi, stiffness)
-
-
-def _zero(values: Values, clock: FloatArray) -> FloatArray:
-    return values.get("force_zero", 0.0) + values.get("force_tilt", 0.0) * clock
+        found = (noise.kind if noise.drift_std > 0 else "white",)
+        noise = estimate_noise(noise, _residuals(record, law, whole), jacobians, kinds or found)
+        if kinds:
+            whole |= _minimum(record, law, whole, held, noise)
+    return noise, whole
 
 
 def _residuals(record: FitData, law: str, values: Values) -> tuple[FloatArray, FloatArray]:
-    load = _load(values, FORCE_MODELS[law], record.displacement, record.poisson_ratio)
-    force = record.load - load - _zero(values, record.clock)
-    depth = record.displacement[record.with_area] - values["contact_offset"]
-    area = np.pi * values["loading_radius"] * depth + values.get("area_offset", 0.0)
-    return force, record.area - area
+    nu = record.poisson_ratio
+    xi = indentation_of(values, law, record.displacement, nu)
+    force = record.load - load_at(values, law, np.maximum(xi, 0.0), nu) - force_zero(values, record.clock)
+    return force, record.area - _area(record, law, values, xi[record.with_area])
 
 
-def _fit(record: FitData, law: str, start: Values, held: Mapping[str, Estimate], noise: Noise) -> JointFit:
+def _area(record: FitData, law: str, values: Values, xi: FloatArray) -> FloatArray:
+    """Return the areas at indentations ξ of the rows that have one."""
+    delay = values.get("area_delay", 0.0)
+    if delay != 0:
+        before = np.interp(record.clock - delay, record.clock, record.smooth_displacement)
+        xi = xi - (record.smooth_displacement - before)[record.with_area]
+    _, factor = shape_factors(law, values, np.maximum(xi, 0.0), record.poisson_ratio)
+    if "area_growth" in values and xi.size:
+        middle = max(0.5 * float(xi.max()), 1e-9)
+        growth = float(np.clip(values["area_growth"], -0.95, 5.0))
+        factor = factor * np.maximum(xi / middle, 1e-6) ** growth
+    return np.asarray(np.pi * values["loading_radius"] * xi * factor + values.get("area_offset", 0.0))
+
+
+def _scaled_residuals(
+    record: FitData, law: str, start: Values, held: Mapping[str, Estimate], noise: Noise
+) -> tuple[list[str], Residuals]:
+    """Return the free parameters, and the residuals over their spread as a function of these."""
     names = [name for name in start if name not in held]
     given = {name: estimate.value for name, estimate in held.items()}
 
-    def residuals(free: FloatArray, fixed: Values = given) -> FloatArray:
-        values = {**fixed, **dict(zip(names, free.tolist(), strict=True))}
-        force, area = _residuals(record, law, values)
+    def residuals(free: FloatArray) -> FloatArray:
+        force, area = _residuals(record, law, {**given, **dict(zip(names, free.tolist(), strict=True))})
         return noise.scaled(force[:, None], area[:, None])[:, 0]
 
+    return names, residuals
+
+
+def _minimum(
+    record: FitData, law: str, start: Values, held: Mapping[str, Estimate], noise: Noise
+) -> dict[str, float]:
+    """Return the free parameters of least squares."""
+    names, residuals = _scaled_residuals(record, law, start, held, noise)
+    return dict(zip(names, minimum(residuals, [start[name] for name in names], names).tolist(), strict=True))
+
+
+def _fit(record: FitData, law: str, start: Values, held: Mapping[str, Estimate], noise: Noise) -> JointFit:
+    given = {name: estimate.value for name, estimate in held.items()}
+    names, residuals = _scaled_residuals(record, law, start, held, noise)
     fit = fit_least_squares(residuals, [start[name] for name in names], names)
     response: dict[str, FloatArray] = {}
     for name, estimate in held.items():
         step = 1e-4 * max(abs(estimate.value), estimate.std) or 1e-6
-        moved = [residuals(fit.values, {**given, name: estimate.value + way * step}) for way in (1, -1)]
+        moved = [
+            _scaled_residuals(record, law, start, {**held, name: replace(estimate, value=value)}, noise)[1](
+                fit.values
+            )
+            for value in (estimate.value + step, estimate.value - step)
+        ]
         change = (moved[0] - moved[1]) / (2 * step)
         response[name] = as_float_array(-np.linalg.lstsq(fit.jacobian, change)[0])
     whole = {**given, **dict(zip(names, map(float, fit.values), strict=True))}

@@ -207,7 +207,7 @@ def fit_least_squares(
         raise FitError(
             f"{first.size} data for {values.size} parameters ({', '.join(names)}): record more points"
         )
-    values = _minimum(residuals, values, names, evaluations=evaluations)
+    values = minimum(residuals, values, names, evaluations=evaluations)
     fit = LeastSquaresFit(
         names=names,
         values=values,
@@ -265,14 +265,16 @@ def effective_count(residuals: ArrayLike) -> float:
     return float(n / max(inflation, 1.0))
 
 
-def _minimum(
+def minimum(
     residuals: Residuals,
-    start: FloatArray,
+    start: ArrayLike,
     names: Sequence[str],
     *,
     tolerance: float = 1e-14,
     evaluations: int = 300,
 ) -> FloatArray:
+    """Return the parameters of least squares alone. Raise FitError where there are none."""
+    start = as_float_array(start)
     if not np.isfinite(residuals(start)).all():
         raise FitError(f"the model is not finite at {dict(zip(names, start.tolist(), strict=False))}")
     found = optimize.least_squares(
@@ -345,7 +347,7 @@ def _profile_end(fit: LeastSquaresFit, place: int, step: float) -> float:
         part = begin
         if others.any():
             try:
-                part = _minimum(lambda p: fit._function(whole(p)), begin, fit.names, tolerance=1e-8)
+                part = minimum(lambda p: fit._function(whole(p)), begin, fit.names, tolerance=1e-8)
             except FitError:
                 return math.nan
         rest = fit._function(whole(part))

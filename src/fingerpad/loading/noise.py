@@ -3,12 +3,13 @@ r"""Noise of force, displacement and area in a loading curve, and its correlatio
 With :math:`e` the noise of displacement, :math:`s = dW/d\xi` and :math:`g = \pi R_g`, the residuals are
 :math:`r_F = f + w + s e` and :math:`r_A = a - g e`: noise of the displacement enters both (effective
 variance).
-The force has white noise w and drift f with exponential correlation in time. Given :math:`r_A`, the
-force's residuals have covariance :math:`B^{-1} T B^{-\mathsf T}`, with B the bidiagonal filter that makes f
-white and T tridiagonal, so that the cost is linear in the number of rows.
+The force has white noise w and drift f, which forgets exponentially or is 1/f noise (`Drift`). Given
+:math:`r_A`, the force's residuals have a covariance of white noise and drift.
 """
 
 import math
+import operator
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
@@ -17,14 +18,16 @@ from scipy import linalg, optimize
 
 from fingerpad._arrays import BoolArray, FloatArray
 from fingerpad._display import Displayed
+from fingerpad.loading.drift import Drift
 
-# Gain in log-likelihood from which the two parameters of drifting noise are believed (as by AIC).
-_GAIN = 2.0
 # A log-likelihood need not be known better than to a few hundredths.
 _ENOUGH: Final[Any] = {"ftol": 1e-6, "gtol": 1e-3}
 _WHITE: Final = ("force_std", "displacement_std", "area_std")
 _DRIFT: Final = ("drift_std", "drift_time")
 _LOG_STEP = 0.1
+KINDS: Final = ("white", "exponential", "long_range", "random_walk")
+# Of kinds of drift that are as likely within this, in logarithms, that of the greatest uncertainty is taken.
+_MARGIN = 2.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -37,6 +40,8 @@ class Noise(Displayed):
         White noise of one row, N, mm, mm².
     drift_std, drift_time : float
         Standard deviation (N) and correlation time (s, or rows) of the force's drift.
+    kind : str
+        ``exponential``, or a drift without a time of its own: ``long_range`` (1/f) or ``random_walk``.
     slope : ndarray, (n,)
         dW/dξ, N/mm.
     radius : float
@@ -56,25 +61,38 @@ class Noise(Displayed):
     radius: float
     steps: FloatArray
     with_area: BoolArray
+    kind: str = "exponential"
+
+    @property
+    def drift(self) -> Drift | None:
+        """Return the slow noise, None where there is none."""
+        if not self.drift_std > 0:
+            return None
+        if self.kind == "long_range":
+            return Drift.long_range(self.drift_std, self.steps)
+        if self.kind == "random_walk":
+            return Drift.random_walk(self.drift_std, self.steps)
+        return Drift.exponential(self.drift_std, self.drift_time, self.steps)
 
     def scaled(self, force: FloatArray, area: FloatArray) -> FloatArray:
         """Return columns of residuals divided by their spread, those of the area after those of the force.
 
-        Drift counts by its density at zero frequency, where the parameters' traces lie. To filter it out
+        Drift counts by its density at low frequency, where the parameters' traces lie. To filter it out
         of the fit would leave differences of neighbouring rows, which noise of the displacement biases.
         """
         white, force, area_std = self._decorrelate(force, area)
-        return np.concatenate([force / np.sqrt(white + self._slow_variance)[:, None], area / area_std])
+        return np.concatenate([force / np.sqrt(white + self.slow_variance)[:, None], area / area_std])
 
     @property
-    def _slow_variance(self) -> float:
-        step = float(np.median(self.steps)) / self.drift_time
-        return self.drift_std**2 * (1 + math.exp(-step)) / -math.expm1(-step)
+    def slow_variance(self) -> float:
+        """Return the variance of white noise that is as strong as the drift at low frequency."""
+        drift = self.drift
+        return drift.slow_variance if drift else 0.0
 
     @property
     def inflation(self) -> float:
         """Number of rows of the force before contact that carry as much information as one without drift."""
-        return (self.force_std**2 + self._slow_variance) / (self.force_std**2 + self.drift_std**2)
+        return (self.force_std**2 + self.slow_variance) / (self.force_std**2 + self.drift_std**2)
 
     def parameter_covariance(self, force: FloatArray, area: FloatArray) -> FloatArray:
         """Return the covariance of the weighed fit's parameters, from derivatives of the residuals."""
@@ -90,32 +108,34 @@ class Noise(Displayed):
         inverse = np.linalg.inv((scaled / length).T @ (scaled / length)) / np.outer(length, length)
         answer = scaled @ inverse
         white, share_of_area, area_std = self._parts
-        by_force = answer[: len(force)] / np.sqrt(white + self._slow_variance)[:, None]
+        by_force = answer[: len(force)] / np.sqrt(white + self.slow_variance)[:, None]
         by_area = answer[len(force) :] / area_std
         return by_force, by_area + share_of_area[:, None] * by_force[self.with_area][: len(area)]
 
     def covariance_of(self, force: FloatArray, area: FloatArray) -> FloatArray:
         """Return the covariance of sums of residuals of force and area with weights (n, p) and (m, p)."""
+        return self.covariance_of_sums(force, area, self.of_displacement(force, area))
+
+    def of_displacement(self, force: FloatArray, area: FloatArray) -> FloatArray:
+        """Return the weights of the displacement's noise in such sums."""
         shared = self.slope[:, None] * force
         if area.size:
             shared[self.with_area] -= np.pi * self.radius * area
+        return shared
+
+    def covariance_of_sums(self, force: FloatArray, area: FloatArray, shared: FloatArray) -> FloatArray:
+        """Return the covariance of sums of the noise of force, area and displacement with these weights."""
         total = self.force_std**2 * force.T @ force + self.area_std**2 * area.T @ area
         total += self.displacement_std**2 * shared.T @ shared
-        if not self.drift_std > 0:
-            return np.asarray(total)
-        kept = np.exp(-self.steps / self.drift_time)
-        band = np.stack([np.ones(len(force)), np.append(-kept, 0.0)])
-        passed, _ = linalg.lapack.dtbtrs(band, force, uplo="L", trans="T", diag="U")
-        passed *= self.drift_std * np.sqrt(np.append(1.0, 1 - kept**2))[:, None]
-        return np.asarray(total + passed.T @ passed)
+        drift = self.drift
+        return np.asarray(total + drift.covariance_of(force) if drift else total)
 
     def negative_log_likelihood(self, force: FloatArray, area: FloatArray) -> float:
         """Return minus the restricted log-likelihood, which allows for what the fit took up (REML).
 
         The first columns are the residuals, the others their derivatives by the parameters.
         """
-        force, area, volume = self._whiten(force, area)
-        product = force.T @ force + area.T @ area
+        product, volume = self._information(force, area)
         length = np.sqrt(np.diagonal(product)).copy()
         length[0] = 1.0
         product /= np.outer(length, length)
@@ -144,44 +164,43 @@ class Noise(Displayed):
             force[self.with_area] += share_of_area[:, None] * area
         return white, force, area_std
 
-    def _whiten(self, force: FloatArray, area: FloatArray) -> tuple[FloatArray, FloatArray, float]:
-        """Return both as independent ones of unit variance, and half the log of their determinant."""
+    def _information(self, force: FloatArray, area: FloatArray) -> tuple[FloatArray, float]:
+        """Return CᵀV⁻¹C of columns of both with the covariance V of the noise, and ½ log |V|."""
         white, force, area_std = self._decorrelate(force, area)
-        volume = len(area) * math.log(area_std)
-        if not self.drift_std > 0:
-            volume += 0.5 * float(np.log(white).sum())
-            return force / np.sqrt(white)[:, None], area / area_std, volume
-        kept = np.exp(-self.steps / self.drift_time)
-        diagonal = np.append(1.0, 1 - kept**2) * self.drift_std**2 + white
-        diagonal[1:] += kept**2 * white[:-1]
-        pivots, below, _ = linalg.lapack.dpttrf(diagonal, -kept * white[:-1])
-        filtered = force.copy()
-        filtered[1:] -= kept[:, None] * force[:-1]
-        band = np.stack([np.ones_like(pivots), np.append(below, 0.0)])
-        solved, _ = linalg.lapack.dtbtrs(band, filtered, uplo="L", diag="U")
-        return solved / np.sqrt(pivots)[:, None], area / area_std, volume + 0.5 * float(np.log(pivots).sum())
+        drift = self.drift
+        if drift:
+            product, volume = drift.information(white, force)
+        else:
+            product, volume = force.T @ (force / white[:, None]), 0.5 * float(np.log(white).sum())
+        return product + area.T @ area / area_std**2, volume + len(area) * math.log(area_std)
 
 
 def estimate_noise(
     first: Noise,
     residuals: tuple[FloatArray, FloatArray],
     jacobians: tuple[FloatArray, FloatArray],
-    *,
-    drift: bool,
+    kinds: Iterable[str] = KINDS,
 ) -> Noise:
-    """Return the noise of greatest penalised likelihood, with or without a search for drift.
+    """Return the noise of greatest penalised likelihood among kinds of drift, by Akaike's criterion.
 
     `first` gives slope, radius, steps and rows with area; its deviations are where the search begins.
     """
-    white = _maximise_likelihood(
-        replace(first, drift_std=0.0), residuals, jacobians, _WHITE[: 3 if residuals[1].size else 2]
-    )
-    if not drift:
-        return white[0]
-    names = _WHITE[: 3 if residuals[1].size else 2] + _DRIFT
-    seen = replace(first, drift_std=first.drift_std or white[0].force_std)
-    both = _maximise_likelihood(seen, residuals, jacobians, names)
-    return both[0] if both[1] < white[1] - _GAIN else white[0]
+    found = []
+    for kind in kinds:
+        std = 0.0 if kind == "white" else first.drift_std or first.force_std
+        start = replace(first, drift_std=std, kind=kind)
+        found.append(_maximise_likelihood(start, residuals, jacobians, _names(start, residuals[1])))
+    best, criterion = min(found, key=operator.itemgetter(1))
+    rivals = [noise for noise, other in found if other < criterion + _MARGIN and noise.drift_std > 0]
+    return max(rivals, key=lambda noise: noise.slow_variance) if best.drift_std > 0 else best
+
+
+def _names(noise: Noise, area: FloatArray) -> tuple[str, ...]:
+    """Return which numbers of a noise are estimated."""
+    names = _WHITE[: 3 if area.size else 2]
+    if not noise.drift_std > 0:
+        return names
+    return names + _DRIFT if noise.kind == "exponential" else (*names, "drift_std")
 
 
 def _maximise_likelihood(
@@ -190,6 +209,7 @@ def _maximise_likelihood(
     jacobians: tuple[FloatArray, FloatArray],
     names: tuple[str, ...],
 ) -> tuple[Noise, float]:
+    """Return the likeliest noise, and half its Akaike criterion, by which kinds of drift are compared."""
     bounds_by_name = _std_bounds(first, residuals)
     force, area = (np.column_stack(pair) for pair in zip(residuals, jacobians, strict=True))
     bounds = [(math.log(bounds_by_name[name][0]), math.log(bounds_by_name[name][1])) for name in names]
@@ -208,7 +228,7 @@ def _maximise_likelihood(
         bounds=bounds,
         options=_ENOUGH,
     )
-    return _with_logs(first, names, found.x), float(found.fun)
+    return _with_logs(first, names, found.x), float(found.fun) + len(names)
 
 
 def _penalised_negative_log_likelihood(noise: Noise, force: FloatArray, area: FloatArray) -> float:
@@ -277,7 +297,7 @@ def noise_uncertainty(
     noise: Noise, residuals: tuple[FloatArray, FloatArray], jacobians: tuple[FloatArray, FloatArray]
 ) -> NoiseUncertainty:
     """Return the uncertainty of a noise from the curvature of its penalised likelihood."""
-    names = _WHITE[: 3 if residuals[1].size else 2] + (_DRIFT if noise.drift_std > 0 else ())
+    names = _names(noise, residuals[1])
     force, area = (np.column_stack(pair) for pair in zip(residuals, jacobians, strict=True))
     at, moves = np.log([getattr(noise, name) for name in names]), _LOG_STEP * np.eye(len(names))
 

@@ -6,44 +6,55 @@ from collections.abc import Mapping
 import numpy as np
 from scipy import stats
 
-from fingerpad._arrays import FloatArray
+from fingerpad._arrays import BoolArray, FloatArray
 from fingerpad.exceptions import FitError
+from fingerpad.loading.alternatives import Comparison
 from fingerpad.loading.estimate import Estimate, Quantity, Undetermined
-from fingerpad.loading.joint import JointFit, fit_joint
-from fingerpad.loading.least_squares import effective_count, fit_least_squares
+from fingerpad.loading.joint import JointFit
+from fingerpad.loading.least_squares import fit_least_squares
 
 # Beyond these no finger pad lies, mm and MPa: a wrong unit.
 PLAUSIBLE_RADIUS, PLAUSIBLE_MODULUS = (2.0, 100.0), (0.001, 5.0)
 # A given radius is doubted when the slope of the area is so many standard uncertainties away.
 _CONTRADICTED, _MIN_AREAS = 4.0, 5
-# An area at contact is doubtful from this many standard uncertainties on.
-_OFFSET_DEVIATIONS = 3.0
+_PARAMETERS = ("loading_radius", "initial_modulus", "load_coefficient", "contact_offset")
 _NO_RADIUS = (
     "no contact area in the curve, so its radius is not known: give a column area_mm2, or loading_radius"
 )
 
 
-def quantities(main: JointFit, models: Mapping[str, JointFit], *, known: bool) -> dict[str, Quantity]:
-    """Return all quantities by name; those that need a radius are unknown where it is not `known`."""
+def quantities(
+    compared: Comparison, models: Mapping[str, JointFit], *, known: bool
+) -> tuple[dict[str, Quantity], dict[str, float]]:
+    """Return all quantities by name, and what better explanations of the curve add to their uncertainty.
+
+    Those that need a radius are unknown where it is not `known`.
+    """
+    main = compared.main
     top = top_load(main)
-    youngs = main.combined(
-        main.values["initial_modulus"] + main.values["load_coefficient"] * top,
-        {"initial_modulus": 1.0, "load_coefficient": top},
-    )
-    modulus: Quantity = youngs if known else Undetermined(_NO_RADIUS)
-    need_radius = ("loading_radius", "initial_modulus", "load_coefficient")
-    return {
-        **{name: _quantity(main, name) if known else Undetermined(_NO_RADIUS) for name in need_radius},
-        "reduced_modulus": modulus.times(1 / (1 - main.record.poisson_ratio**2)),
-        "youngs_modulus": modulus,
-        "contact_offset": _quantity(main, "contact_offset"),
+    whole = {"initial_modulus": 1.0, "load_coefficient": top}
+    value = sum(main.values[name] * weight for name, weight in whole.items())
+    found: dict[str, Quantity] = {"youngs_modulus": main.combined(value, whole)}
+    found |= {name: _quantity(main, name) for name in _PARAMETERS}
+    added = {}
+    for name in found:
+        gradient = whole if name == "youngs_modulus" else {name: 1.0}
+        found[name], added[name] = compared.widened(name, found[name], gradient)
+    if not known:
+        unknown = set(found) - {"contact_offset"}
+        found |= dict.fromkeys(unknown, Undetermined(_NO_RADIUS))
+        added |= dict.fromkeys(unknown, 0.0)
+    reduction = 1 / (1 - main.record.poisson_ratio**2)
+    found |= {
+        "reduced_modulus": found["youngs_modulus"].times(reduction),
         "load_exponent": (
             _quantity(models["free_exponent"], "load_exponent")
             if "free_exponent" in models
             else Undetermined("a power law with free exponent does not fit the curve")
         ),
-        "area_exponent": _area_exponent(main),
+        "area_exponent": _area_exponent(compared),
     }
+    return found, {**added, "reduced_modulus": reduction * added["youngs_modulus"]}
 
 
 def top_load(main: JointFit) -> float:
@@ -58,15 +69,25 @@ def _quantity(fit: JointFit, name: str) -> Quantity:
     return Undetermined(f"the curve does not bound it: {estimate.value:.3g} is best, but far from certain")
 
 
-def _area_exponent(main: JointFit) -> Quantity:
-    """Fit A = a W^n to what was measured, with the noise of both."""
+def _area_exponent(compared: Comparison) -> Quantity:
+    """Return n by the best explanation; where that moves the areas, with n of the areas as they are."""
+    best = compared.best
+    found = _exponent(best, best.areas(), zeroed=True)
+    if "area_offset" not in best.values or not isinstance(found, Estimate):
+        return found
+    plain = _exponent(best, best.record.area, zeroed=False)
+    return found.including(plain) if isinstance(plain, Estimate) else found
+
+
+def _exponent(main: JointFit, areas: FloatArray, *, zeroed: bool) -> Quantity:
+    """Fit A = a W^n to what was measured, with the noise of both and the uncertainty of their zeros."""
     record, noise = main.record, main.noise
     load = main.corrected_load(record.clock, record.load)[record.with_area]
     smooth = main.load(record.smooth_displacement)[record.with_area]
     used = smooth > max(
         0.05 * float(smooth.max(initial=0.0)), 5 * math.hypot(noise.force_std, noise.drift_std)
     )
-    W, A = load[used], record.area[used]
+    W, A = load[used], areas[used]
     if W.size < 5:
         return Undetermined(
             _NO_RADIUS if not record.area.size else f"{W.size} areas under load; five are needed"
@@ -79,9 +100,33 @@ def _area_exponent(main: JointFit) -> Quantity:
 
     try:
         fit = fit_least_squares(residuals, [A.max(), 0.5], ["area", "area_exponent"])
-        return fit.with_effective_count(effective_count(fit.residuals)).estimate("area_exponent")
     except FitError as error:
         return Undetermined(str(error))
+    by_area = -np.linalg.pinv(fit.jacobian)[1] / spread
+    exponent = fit.value("area_exponent")
+    std = _exponent_std(main, used, by_area, -exponent * A / smooth[used] * by_area, zeroed=zeroed)
+    return Estimate.symmetric(exponent, std, fit.degrees_of_freedom)
+
+
+def _exponent_std(
+    main: JointFit, used: BoolArray, by_area: FloatArray, by_load: FloatArray, *, zeroed: bool
+) -> float:
+    """Return the standard uncertainty of a sum over the used areas and loads, with their fitted zeros."""
+    record = main.record
+    rows = np.flatnonzero(record.with_area)[used]
+    force, area = np.zeros((record.load.size, 1)), np.zeros((record.area.size, 1))
+    force[rows, 0], area[used, 0] = by_load, by_area
+    zeros = {
+        "force_zero": by_load.sum(),
+        "force_tilt": by_load @ record.clock[rows],
+        "area_offset": by_area.sum() if zeroed else 0.0,
+    }
+    gradient = np.array([zeros.get(name, 0.0) for name in main.fit.names])[:, None]
+    of_force, of_area = (answer @ gradient for answer in main.estimator())
+    # Noise of the displacement is in the residuals, to which the parameters answer, but not in the data.
+    shared = main.noise.of_displacement(of_force, of_area)
+    variance = main.noise.covariance_of_sums(force + of_force, area + of_area, shared)
+    return math.sqrt(float(variance[0, 0]))
 
 
 def implausible(main: JointFit, given: float | Estimate | None, *, known: bool) -> tuple[str, ...]:
@@ -100,15 +145,3 @@ def implausible(main: JointFit, given: float | Estimate | None, *, known: bool) 
         "implausible_modulus": known and not PLAUSIBLE_MODULUS[0] <= modulus <= PLAUSIBLE_MODULUS[1],
     }
     return tuple(name for name, seen in doubts.items() if seen)
-
-
-def has_area_offset(main: JointFit) -> bool:
-    """Return whether the areas have an offset at contact, which the model has not."""
-    if not main.record.area.size:
-        return False
-    try:
-        wider = fit_joint(main.record, main.law, {**main.values, "area_offset": 0.0}, main.held)
-    except FitError:
-        return False
-    offset = wider.combined(wider.values["area_offset"], {"area_offset": 1.0})
-    return abs(offset.value) > _OFFSET_DEVIATIONS * offset.std

@@ -11,11 +11,15 @@ from fingerpad.uncertainty import pool, proportional_stds
 
 
 class LoadingRadius(NamedTuple):
-    """R_g of a finger at an angle, from all its curves there, mm."""
+    """R_g of a finger at an angle, from all its curves there, mm, with flags of their fits.
+
+    What a wrong model leaves uncertain is common to curves: pooling does not reduce it.
+    """
 
     value: float
     std: float
     synthetic: bool
+    flags: tuple[str, ...] = ()
 
 
 def loading_radius(
@@ -33,7 +37,10 @@ def loading_radius(
     if not fitting:
         return None
     values, stds = np.array([(each.loading_radius, each.loading_radius_std) for each in fitting]).T
+    misfits = np.array([each.fit.misfit_std["loading_radius"] if each.fit else 0.0 for each in fitting])
+    flags = tuple(sorted({flag for each in fitting if each.fit for flag in each.fit.notes}))
     if not np.isfinite(stds).all():
-        return LoadingRadius(float(values.mean()), math.nan, synthetic)
-    pooled = pool(values, proportional_stds(values, stds))
-    return LoadingRadius(pooled.value, pooled.total_std, synthetic)
+        return LoadingRadius(float(values.mean()), math.nan, synthetic, flags)
+    pooled = pool(values, proportional_stds(values, np.sqrt(np.maximum(stds**2 - misfits**2, 0.0))))
+    std = math.hypot(pooled.total_std, float(misfits.max()))
+    return LoadingRadius(pooled.value, std, synthetic, flags)

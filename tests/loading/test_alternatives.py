@@ -1,0 +1,95 @@
+"""Other explanations of a curve, on curves of `benchmarks.loading_physics`, which is none of them."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from benchmarks.loading_physics import Pad, exact_sphere, layer
+from benchmarks.loading_truth import CONDITIONS, make_curve
+
+from fingerpad.exceptions import LoadingError
+from fingerpad.loading import Estimate, fit_loading_curve
+from fingerpad.loading.alternatives import runs_deviation
+from fingerpad.loading.shapes import shape_factors
+
+PAD = Pad(radius=15.0, modulus=0.05)
+
+
+def curve_of(name: str, seed: int = 1):
+    return make_curve(CONDITIONS[name], PAD, 0.3, np.random.default_rng(seed))
+
+
+@pytest.mark.parametrize(
+    ("name", "explanation"),
+    [
+        ("exact sphere", "a sphere instead of its paraboloid"),
+        ("layer of 8 mm on bone", "a layer of tissue on bone"),
+        ("A ∝ W^0.42", "an area that is not proportional to indentation"),
+    ],
+)
+def test_a_wrong_model_is_named_and_its_intervals_hold_the_truth(name, explanation) -> None:
+    fit = fit_loading_curve(curve_of(name))
+    assert "misfit" in fit.flags
+    assert explanation in fit.notes["misfit"]
+    assert fit.initial_modulus.lower < PAD.modulus < fit.initial_modulus.upper
+    assert fit.loading_radius.lower < PAD.radius < fit.loading_radius.upper
+    assert 0 < fit.misfit_std["loading_radius"] < fit.loading_radius.std
+
+
+def test_a_right_model_has_no_doubts() -> None:
+    fit = fit_loading_curve(curve_of("Hertz, white noise"))
+    assert not fit.notes
+    assert not fit.flags
+    assert fit.misfit_std["loading_radius"] == 0
+
+
+def test_late_areas_do_not_move_the_contact_of_the_force() -> None:
+    late = fit_loading_curve(curve_of("area 100 ms late"))
+    assert "area_offset" in late.flags
+    assert "ms late" in late.notes["area_offset"]
+    assert late.contact_offset.lower < 0.3 < late.contact_offset.upper
+    given = fit_loading_curve(curve_of("area 100 ms late"), area_delay=0.1)
+    assert "area_offset" not in given.flags
+    assert given.contact_offset.lower < 0.3 < given.contact_offset.upper
+    assert given.contact_offset.std < late.contact_offset.std / 2
+
+
+def test_a_given_compliance_of_the_stage_is_corrected_for_with_its_uncertainty() -> None:
+    curve = curve_of("stage yields 0.06 mm/N")
+    exact, vague = (
+        fit_loading_curve(curve, stage_compliance=Estimate.symmetric(0.06, std)) for std in (0.0, 0.02)
+    )
+    assert abs(exact.loading_radius.value - PAD.radius) < 3 * exact.loading_radius.std
+    assert vague.loading_radius.std > 2 * exact.loading_radius.std
+    with pytest.raises(LoadingError, match="stage_compliance must not be negative, found -1"):
+        fit_loading_curve(curve, stage_compliance=-1.0)
+
+
+@pytest.mark.parametrize(
+    ("law", "values", "contact", "tolerance"),
+    [
+        ("exact_sphere", {}, exact_sphere, 1e-6),
+        ("load_dependent", {"inverse_thickness": 1 / 8}, layer(8.0), 3e-3),
+    ],
+)
+def test_factors_agree_with_an_independent_solution(law, values, contact, tolerance) -> None:
+    xi, load, area = (column[300:3000:300] for column in contact(PAD, 2.0))
+    of_load, of_area = shape_factors(law, {"loading_radius": 15.0, **values}, xi, 0.5)
+    assert of_load * 4 / 3 * PAD.reduced * np.sqrt(15) * xi**1.5 == pytest.approx(load, rel=tolerance)
+    assert of_area * np.pi * 15 * xi == pytest.approx(area, rel=tolerance)
+
+
+def test_runs_of_white_noise_are_as_expected() -> None:
+    rng = np.random.default_rng(0)
+    found = [runs_deviation(rng.normal(size=100)) for _ in range(400)]
+    assert abs(np.mean(found)) < 0.2
+    assert np.std(found) == pytest.approx(1, abs=0.15)
+
+
+def test_smoothed_areas_are_flagged() -> None:
+    curve = curve_of("Hertz, white noise")
+    assert curve.area is not None
+    noise = np.random.default_rng(5).normal(size=len(curve.area) + 20)
+    smooth = np.convolve(noise, np.ones(21) / 4.6, "valid")
+    ideal = curve.area - (curve.area - np.pi * 15 * np.maximum(curve.indentation - 0.3, 0))
+    assert "correlated_area" in fit_loading_curve(replace(curve, area=ideal + smooth)).flags
