@@ -72,11 +72,6 @@ class ContactOutline:
     by_hand: BoolArray
     fade: float = 0.0
 
-    @property
-    def common_std(self) -> float:
-        """Standard deviation of the edge's place that all of the outline shares."""
-        return math.hypot(_EDGE_STD * self.period, _BY_FADE * self.fade)
-
     def moved(self, outward: FloatArray | float) -> Points:
         """Return the points moved outward."""
         return np.asarray(self.points + self.normals * np.asarray(outward)[..., None])
@@ -218,16 +213,26 @@ def axis_weights(moments: AreaMoments, points: Points) -> FloatArray:
     return np.stack([major * (plain + stretch), minor * (plain - stretch), np.ones(len(points))], axis=-1)
 
 
-def outline_covariance(edge: ContactOutline, weights: FloatArray) -> FloatArray:
-    """Return the covariance of (semi_major, semi_minor, area) from the position of the edge.
+def edge_offset_std(edge: ContactOutline) -> float:
+    """Return the standard uncertainty of the edge's place that all of the outline shares, px.
+
+    It holds the definition of the edge of a contact that fades, a third of the correction for noise and,
+    where no ridges are resolved, all of the shift for them. Other images of the same device share it too,
+    and so does an edge that a person drew, who sees no more of it.
+    """
+    noise = _NOISE * edge.noise * edge.period / 3
+    unknown = 0.0 if edge.resolved else float(np.average(_beyond_ridges(edge), weights=edge.steps))
+    return math.hypot(_EDGE_STD * edge.period, _BY_FADE * edge.fade, noise, unknown)
+
+
+def outline_noise(edge: ContactOutline, weights: FloatArray) -> FloatArray:
+    """Return the covariance of (semi_major, semi_minor, area) from errors of one image's outline.
 
     Each stretch of outline has an independent error: where it follows a ridge, that of an edge at random on
     valleys of half the period, √(v³/3 − v⁴/4) P = 0.16 P; everywhere that of the local level, which grows
-    with the blur. Shared by all stretches are a third of the correction for noise, the definition of the
-    edge of a contact that fades and, where no ridges are resolved, all of the shift for them. The
-    contribution of blur and the length of a stretch are fitted to the errors of rendered contacts
-    (`accuracy_and_coverage` in benchmarks/contact_images.py). Where the edge was drawn manually, the error of
-    drawing replaces all of these.
+    with the blur. The contribution of blur and the length of a stretch are fitted to the errors of rendered
+    contacts (`accuracy_and_coverage` in benchmarks/contact_images.py). Where the edge was drawn manually, the
+    error of drawing replaces these; half of its variance is shared by all that was drawn.
     """
     along = edge.along.clip(0, 1)
     own = edge.period * np.sqrt(along * _IN_VALLEY**2 + (_BY_SOFTNESS * edge.softness) ** 2)
@@ -236,9 +241,5 @@ def outline_covariance(edge: ContactOutline, weights: FloatArray) -> FloatArray:
     response = weights * (edge.steps * own)[:, None]
     width = min(max(1, round(_STRETCH * edge.period)), len(response))
     spread = running_mean(response, width)
-    noise = _NOISE * edge.noise * edge.period / 3
-    unknown = np.zeros_like(along) if edge.resolved else _beyond_ridges(edge)
-    shared = np.sqrt(noise**2 + unknown**2 + edge.common_std**2)
-    alike = np.where(edge.by_hand, _BY_HAND * edge.period, shared)
-    common = (weights * (edge.steps * alike)[:, None]).sum(axis=0)
-    return np.asarray(spread.T @ spread * width + np.outer(common, common))
+    drawn = (weights * (edge.steps * edge.by_hand * _BY_HAND * edge.period)[:, None]).sum(axis=0)
+    return np.asarray(spread.T @ spread * width + np.outer(drawn, drawn))

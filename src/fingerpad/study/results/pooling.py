@@ -8,7 +8,13 @@ import numpy as np
 
 from fingerpad._arrays import FloatArray, as_float_array
 from fingerpad.study.results.columns import ColumnArray
-from fingerpad.study.results.model import GEOMETRY, OF_THE_PLACEMENT, PART_SOURCES, POOLED_OUTPUTS
+from fingerpad.study.results.model import (
+    GEOMETRY,
+    OF_THE_DEVICE,
+    OF_THE_PLACEMENT,
+    PART_SOURCES,
+    POOLED_OUTPUTS,
+)
 from fingerpad.study.results.rows import Rows
 from fingerpad.study.results.table import Places, ResultsTable, numbered
 from fingerpad.uncertainty import (
@@ -23,7 +29,7 @@ from fingerpad.uncertainty import (
 )
 
 # Parts that a contact shares with no other, and parts of second order.
-_OWN: Final = ~np.isin(PART_SOURCES, (*OF_THE_PLACEMENT, "image scale"))
+_OWN: Final = ~np.isin(PART_SOURCES, (*OF_THE_PLACEMENT, *OF_THE_DEVICE))
 _SECOND: Final = np.arange(PART_SOURCES.size) >= PART_SOURCES.size // 2
 
 
@@ -125,13 +131,18 @@ def _own_std(parts: FloatArray, elongation_std: FloatArray) -> FloatArray:
 
 
 def _shared(parts: FloatArray, scales: ColumnArray) -> SharedErrors:
-    """Return the errors that estimates share: of the placement all, of a scale those that name it."""
+    """Return the errors that estimates share: of the placement all, of scale and edge those of one scale.
+
+    Images that name no scale have one each, but are taken to be of one device, whose edge they share.
+    """
     scale = numbered((place,) if name is None else name for place, name in enumerate(scales))
-    of_scale = PART_SOURCES[~_OWN] == "image scale"
+    groups = {"image scale": scale, "contact edge": numbered(scales)}
+    sources = PART_SOURCES[~_OWN].tolist()
+    everything = np.zeros(len(parts), dtype=np.intp)
     return SharedErrors(
-        sources=tuple(PART_SOURCES[~_OWN].tolist()),
+        sources=tuple(sources),
         parts=parts[:, ~_OWN],
-        groups=np.where(of_scale, scale[:, None], 0),
+        groups=np.stack([groups.get(source, everything) for source in sources], axis=-1),
     )
 
 
