@@ -137,8 +137,8 @@ def test_noise_edge_and_scale_add_up():
     assert not exact.scale_effect.any()
     offset = exact.edge_offset_std
     assert offset == exact.as_record()["edge_offset_mm_std"]
-    # At least the 0.13 ridge periods of a sharp edge; all round, they widen the area by the outline's length.
-    assert 0.13 <= offset / exact.ridge_period < 0.2
+    # About 0.13 ridge periods for a sharp edge; all round, they widen the area by the outline's length.
+    assert 0.1 < offset / exact.ridge_period < 0.2
     around = 2 * np.pi * np.sqrt((8**2 + 6**2) / 2)
     assert exact.edge_effect[2] == pytest.approx(offset * around, rel=0.02)
     record = vague.as_record()
@@ -146,14 +146,16 @@ def test_noise_edge_and_scale_add_up():
     assert record["gross_area_mm2_std"] == pytest.approx(np.linalg.norm(parts), rel=1e-9)
 
 
-def test_noise_of_the_picture_does_not_move_the_edge_of_all():
-    """Errors of one picture grow with its noise and blur much more than what all pictures share."""
-    sharp, dull = (
-        measure_contact_image(render_contact_image(seed=1, noise_std=noise, blur=blur).pixels, PPI_500)
-        for noise, blur in ((4, 0), (25, 0.06))
-    )
-    assert dull.noise_covariance[2, 2] > 1.25 * sharp.noise_covariance[2, 2]
-    assert dull.edge_offset_std == pytest.approx(sharp.edge_offset_std, rel=0.15)
+def test_the_edge_is_less_certain_where_ridges_fade_not_where_a_picture_is_noisy():
+    fades = {"thinning": (1.0, 0.1), "fading": (1.0, 0.1)}
+    for seed in (1, 2, 3):
+        sharp, noisy, soft = (
+            measure_contact_image(render_contact_image(seed=seed, **more).pixels, PPI_500)
+            for more in ({"noise_std": 4}, {"noise_std": 12}, {"noise_std": 4, **fades})
+        )
+        assert noisy.edge_offset_std == pytest.approx(sharp.edge_offset_std, rel=0.05)
+        assert soft.edge_offset_std > 1.3 * sharp.edge_offset_std
+        assert soft.noise_covariance[2, 2] > 1.5 * sharp.noise_covariance[2, 2]
 
 
 def test_settings_of_one_frame_for_others():

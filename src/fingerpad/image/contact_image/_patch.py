@@ -12,9 +12,9 @@ from fingerpad.image.contact_image._outline import (
     ContactOutline,
     axis_weights,
     contact_outline,
-    edge_fade,
     edge_offset_std,
     edge_shift,
+    faded_outline,
     outline_noise,
 )
 from fingerpad.image.contact_image._region import UInt8, filled_polygon
@@ -77,7 +77,7 @@ def trace_patch(
     )
     # A given level says what counts as contact; without ridges nothing tells fading from blur.
     if resolved and not by_threshold:
-        edge = replace(edge, fade=edge_fade(edge, patch, contact))
+        edge = faded_outline(edge, patch, contact)
     rows, columns = patch.shape
     outline = edge.moved(edge_shift(edge)).clip(-0.5, [columns - 0.5, rows - 0.5])
     return replace(edge, points=outline)
