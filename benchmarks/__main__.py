@@ -14,6 +14,7 @@ from benchmarks import (
     browser,
     coins,
     commands,
+    contact_edge,
     contact_images,
     contact_law_errors,
     contact_solver,
@@ -98,6 +99,7 @@ if __name__ == "__main__":
     contact_images.accuracy_and_coverage(72)
     contact_images.edge_calibration(72)
     contact_images.independent_accuracy(12)
+    contact_edge.pooled_coverage()
     contact_images.speed()
     non_prints.report()
     photographs.photograph_accuracy(marked=True)

@@ -14,7 +14,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from benchmarks.independent_images import independent_images
+from benchmarks.contact_edge import Measured, measured_images
 from fingerpad.exceptions import ImageError
 from fingerpad.image import ContactImageResult, Scale, measure_contact_image
 from fingerpad.simulate import SyntheticContactImage, render_contact_image
@@ -133,11 +133,10 @@ def accuracy_and_coverage(count: int) -> None:
         )
 
 
-def independent_errors(count: int, seed: int) -> tuple[Numbers, Numbers, list[str]]:
+def independent_errors(images: Iterable[Measured]) -> tuple[Numbers, Numbers, list[str]]:
     """Return relative errors, errors over uncertainty and conditions, on independently rendered images."""
     errors, scores, names = [], [], []
-    for name, truth in independent_images(count, seed):
-        found = measure_contact_image(truth.pixels, truth.mm_per_px)
+    for name, truth, found in images:
         true = np.array([truth.semi_major, truth.semi_minor, truth.gross_area, truth.ridge_area])
         off = values_of(found) - true
         errors.append(off / true)
@@ -148,7 +147,7 @@ def independent_errors(count: int, seed: int) -> tuple[Numbers, Numbers, list[st
 
 def independent_accuracy(count: int) -> None:
     """Print errors and coverage on images that share no model with the measurement, by condition."""
-    errors, scores, names = independent_errors(count, seed=7)
+    errors, scores, names = independent_errors(measured_images(count, seed=7))
     print(
         f"\nIndependently rendered contact images, {count} of each condition: mean error, intervals of 95 %"
     )

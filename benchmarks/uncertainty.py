@@ -19,6 +19,7 @@ INPUTS = pad_uncertainty(
     wedge_angle=np.radians((30, 0.5)),
     roll_angle=(0.05, np.radians(1)),
     image_scale=(1.0, 0.01),
+    edge_offset=(0.0, 0.06),
     load=(2.0, 0.02),
     semi_major=(7.4, 0.11),
     semi_minor=(5.0, 0.08),

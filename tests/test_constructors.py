@@ -79,6 +79,7 @@ def test_monte_carlo_draws_accepted() -> None:
         "wedge_angle": 0.5,
         "poisson_ratio": 0.5,
         "image_scale": 1.0,
+        "edge_offset": 0.0,
     }
     inputs |= {"load": 2.0, "contact_radius": 6.0, "elongation": 0.3}
     draws = pad_model(palmar=np.array([7.9, np.nan]), roll_angle=np.array([9.0, 0.0]), **inputs)

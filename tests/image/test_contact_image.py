@@ -124,6 +124,39 @@ def test_covariance_from_shared_scale():
     )
 
 
+def test_noise_edge_and_scale_add_up():
+    truth = render_contact_image(semi_major=8, semi_minor=6, seed=1)
+    exact, vague = (measure_contact_image(truth.pixels, scale) for scale in (PPI_500, Scale.of_ppi(500, 5)))
+    np.testing.assert_allclose(exact.noise_covariance, vague.noise_covariance, rtol=1e-9)
+    np.testing.assert_allclose(
+        vague.covariance,
+        vague.noise_covariance
+        + np.outer(vague.edge_effect, vague.edge_effect)
+        + np.outer(vague.scale_effect, vague.scale_effect),
+    )
+    assert not exact.scale_effect.any()
+    offset = exact.edge_offset_std
+    assert offset == exact.as_record()["edge_offset_mm_std"]
+    # About 0.13 ridge periods for a sharp edge; all round, they widen the area by the outline's length.
+    assert 0.1 < offset / exact.ridge_period < 0.2
+    around = 2 * np.pi * np.sqrt((8**2 + 6**2) / 2)
+    assert exact.edge_effect[2] == pytest.approx(offset * around, rel=0.02)
+    record = vague.as_record()
+    parts = [record["gross_area_mm2_noise_std"], record["gross_area_mm2_edge_std"], 0.02 * vague.gross_area]
+    assert record["gross_area_mm2_std"] == pytest.approx(np.linalg.norm(parts), rel=1e-9)
+
+
+def test_the_edge_is_less_certain_where_ridges_fade_not_where_a_picture_is_noisy():
+    fades = {"thinning": (1.0, 0.1), "fading": (1.0, 0.1)}
+    sharp, noisy, soft = (
+        measure_contact_image(render_contact_image(seed=1, **more).pixels, PPI_500)
+        for more in ({"noise_std": 4}, {"noise_std": 12}, {"noise_std": 4, **fades})
+    )
+    assert noisy.edge_offset_std == pytest.approx(sharp.edge_offset_std, rel=0.05)
+    assert soft.edge_offset_std > 1.3 * sharp.edge_offset_std
+    assert soft.noise_covariance[2, 2] > 1.5 * sharp.noise_covariance[2, 2]
+
+
 def test_settings_of_one_frame_for_others():
     truth = render_contact_image(seed=2, noise_std=5)
     first = measure_contact_image(truth.pixels, PPI_500)

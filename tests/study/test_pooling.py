@@ -201,6 +201,46 @@ def test_the_scale_is_not_counted_twice_in_the_ellipse() -> None:
     np.testing.assert_allclose(inputs.std[0, places], [0.5 * np.sqrt(35) * expected, expected], rtol=1e-9)
 
 
+def test_the_edge_is_not_counted_twice_in_the_ellipse() -> None:
+    edge = {"covariance_mm2": 0.01 * np.eye(2) + 0.3**2, "relative_scale_std": 0.0, "edge_offset_mm_std": 0.3}
+    inputs = contact_inputs(STUDY, {"f": finger(None)}, [contact(0, "a", **edge)])
+    assert inputs.std[0, inputs.places(["edge_offset", "elongation"])] == pytest.approx(
+        [0.3, np.hypot(0.1 / 7, 0.1 / 5)], rel=1e-9
+    )
+    (row,) = model_contacts(STUDY, {"f": finger(None)}, [contact(0, "a", **edge)]).table
+    assert row["semi_minor_mm_std"] == pytest.approx(np.hypot(0.1, 0.3))
+    assert row["semi_minor_mm_noise_std"] == pytest.approx(0.1)
+    # E* goes with the cube of the contact's radius.
+    assert row["youngs_modulus_kpa_edge_std"] == pytest.approx(
+        1.5 * (0.3 / 7 + 0.3 / 5) * row["youngs_modulus_kpa"], rel=0.02
+    )
+
+
+@pytest.mark.parametrize(
+    ("scales", "sizes"),
+    [
+        (("a", "a", "a"), [3]),
+        (("a", "b", "b"), [1, 2]),
+        ((None, None, None), [3]),
+        (("a", None, None), [1, 2]),
+    ],
+)
+def test_images_of_one_device_share_its_edge(scales: tuple[str | None, ...], sizes: list[int]) -> None:
+    seen = [
+        contact(
+            0, scale, covariance_mm2=0.01 * np.eye(2) + 0.3**2, relative_scale_std=0.0, edge_offset_mm_std=0.3
+        )
+        for scale in scales
+    ]
+    exact = replace(finger(None), covariance=1e-12 * np.eye(3))
+    rows = model_contacts(STUDY, {"f": exact}, seen)
+    found = pooled(rows, [0, 1, 2])
+    alone = rows.table.column(f"{OUTPUT}_mm_edge_std")[0]
+    expected = alone * np.linalg.norm(sizes) / 3
+    share = np.sqrt(found.budget["contact edge"]) * found.std
+    assert share == pytest.approx(expected, rel=0.02)
+
+
 @pytest.mark.parametrize(
     ("scales", "groups"),
     [(("a", "a", "a"), 1), (("a", "b", "b"), 2), ((None, None, None), 3), (("a", None, None), 3)],
@@ -276,6 +316,25 @@ def test_a_seed_says_which_of_several_regions_is_meant(flags: tuple[str, ...], c
     seeded = where.model_copy(update={"seed_px": (5.0, 5.0)})
     assert (excluding_flags(seeded, measured) == frozenset()) == counts
     assert excluding_flags(where, measured) == set(flags)
+
+
+def test_an_edge_further_out_makes_the_exponent_smaller() -> None:
+    """The stated uncertainty is the change that an edge displaced by its own makes."""
+    loads, edge = np.array([0.25, 1.0, 4.0]), {"scale": "a", "edge_offset_mm_std": 0.1}
+
+    def exponent(offset: float, **more: Any) -> tuple[float, float]:
+        axes = [(1.2 * size + offset, size + offset) for size in 4.0 * loads**0.3]
+        seen = [
+            contact(k, **more, load_N=load, semi_major_mm=major, semi_minor_mm=minor)
+            for k, (load, (major, minor)) in enumerate(zip(loads, axes, strict=True))
+        ]
+        return area_exponent(model_contacts(STUDY, {"f": finger(None)}, seen).table)
+
+    (plain, scatter), (moved, _) = exponent(0.0), exponent(0.1)
+    found, std = exponent(0.0, **edge)
+    assert (plain, scatter) == (pytest.approx(0.6), pytest.approx(0, abs=1e-6))
+    assert found == plain
+    assert std == pytest.approx(plain - moved, rel=0.03)
 
 
 @pytest.mark.parametrize(("loads", "is_known"), [((1, 2), False), ((1, 2, 2), True), ((1, 2, 4), True)])

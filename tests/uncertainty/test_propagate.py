@@ -21,6 +21,7 @@ PAD: dict[str, Any] = {
     "roll_angle": (0.05, np.radians(1)),
     "poisson_ratio": (0.5, 0.01),
     "image_scale": (1.0, 0.01),
+    "edge_offset": (0.0, 0.06),
     "load": (2.0, 0.02),
     "semi_major": (7.4, 0.1),
     "semi_minor": (5.0, 0.1),
@@ -34,6 +35,7 @@ def observed(
     distal: Any,
     radial_ulnar: Any,
     image_scale: Any,
+    edge_offset: Any,
     semi_major: Any,
     semi_minor: Any,
     **rest: Any,
@@ -41,8 +43,8 @@ def observed(
     """Return the contact of measured quantities, without `pad_model`."""
     return pad_contact(
         Ellipsoid(palmar=palmar, distal=distal, radial_ulnar=radial_ulnar),
-        semi_major=image_scale * semi_major,
-        semi_minor=image_scale * semi_minor,
+        semi_major=image_scale * semi_major + edge_offset,
+        semi_minor=image_scale * semi_minor + edge_offset,
         **rest,
     )
 
@@ -89,7 +91,7 @@ def test_pad_agrees_with_monte_carlo() -> None:
         ("semi_major", "semi_minor"): 0.6,
         ("semi_major", "radial_ulnar"): -0.5,
     }
-    correlation, names = np.eye(10), list(PAD)
+    correlation, names = np.eye(len(PAD)), list(PAD)
     for (one, other), value in correlations.items():
         correlation[names.index(one), names.index(other)] = value
         correlation[names.index(other), names.index(one)] = value

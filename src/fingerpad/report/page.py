@@ -14,6 +14,7 @@ import numpy as np
 from markupsafe import Markup
 from PIL import Image
 
+from fingerpad._arrays import FloatArray
 from fingerpad.exceptions import FingerpadError
 from fingerpad.figures import save_figure
 from fingerpad.image import PHOTOGRAPH_FLAGS
@@ -190,6 +191,7 @@ def _details(
         "budget": draw(budget_plot(summary, check)),
         "figures": draw(summary_plots(result, summary)),
         "doubts": doubtful[:MOST_POINTS],
+        "edge": _edge(shown.column("edge_offset_mm_std")),
         "largest_size": float(rows.column("contact_radius_ratio").max()),
         "deepest": float(np.nanmax(deepest, initial=0.0)),
         "range_notes": [(RANGE_NOTES[code], notes[code], len(rows)) for code in RANGE_NOTES if notes[code]],
@@ -206,6 +208,12 @@ def _on_layer(result: StudyResult, summary: Summary, draw: _Draw, *, with_sectio
         "layer_flag": LAYER_FLAGS.get(summary.layer.flag) if summary.layer else None,
         "layer_figures": draw(layer_plots(result, summary, with_section=with_section)),
     }
+
+
+def _edge(stds: FloatArray) -> str:
+    """Return the standard uncertainties of the edge's place as a range, without contacts that have none."""
+    ends = [two_digits(end) for end in (stds[stds > 0].min(), stds.max())] if (stds > 0).any() else []
+    return "–".join(dict.fromkeys(ends))
 
 
 def _quantity(found: Quantity, factor: float = 1.0) -> Markup:

@@ -294,9 +294,9 @@ def _area(rows: ResultsTable, exponent: Exponent) -> Figure:
 def _aspect_ratio(rows: ResultsTable) -> Figure:
     figure, (axes,) = new_figure()
     ratio = rows.column("aspect_ratio")
-    relative = [
-        rows.column(f"semi_{axis}_mm_std") / rows.column(f"semi_{axis}_mm") for axis in ("major", "minor")
-    ]
+    names = ("semi_major_mm", "semi_minor_mm")
+    noise = [rows.column(f"{name}_noise_std") / rows.column(name) for name in names]
+    edge = rows.column("edge_offset_mm_std") * (1 / rows.column(names[1]) - 1 / rows.column(names[0]))
     across = np.where(rows.column("long_axis") == "across", 90.0, 0.0)
     orientation = rows.column("orientation_deg")
     first = rows[0]
@@ -304,7 +304,7 @@ def _aspect_ratio(rows: ResultsTable) -> Figure:
         axes,
         rows.column("load_N"),
         ratio,
-        aspect_ratio_std=ratio * np.hypot(*relative),
+        aspect_ratio_std=ratio * np.linalg.norm([*noise, edge], axis=0),
         long_axis_angle=np.radians(np.where(np.isfinite(orientation), orientation, across)),
         predicted_aspect_ratio=first["predicted_aspect_ratio"],
         predicted_long_axis_angle=np.pi / 2 if first["predicted_long_axis"] == "across" else 0.0,

@@ -22,6 +22,7 @@ PAD_SOURCES: Final[Groups] = {
     "roll angle": ("roll_angle",),
     "Poisson's ratio": ("poisson_ratio",),
     "image scale": ("image_scale",),
+    "contact edge": ("edge_offset",),
     "load": ("load",),
     "contact ellipse": ("contact_radius", "elongation"),
 }
@@ -41,6 +42,7 @@ def pad_model(
     roll_angle: FloatArray,
     poisson_ratio: FloatArray,
     image_scale: FloatArray,
+    edge_offset: FloatArray,
     load: FloatArray,
     contact_radius: FloatArray,
     elongation: FloatArray,
@@ -61,6 +63,9 @@ def pad_model(
     image_scale : ndarray
         Factor on the lengths of the contact ellipse, one: a separate input, because all images that it
         calibrates share it.
+    edge_offset : ndarray
+        Displacement of the contact's edge, added to both semi-axes, zero: an input of its own, because all
+        images of one device share it.
     load : ndarray
         Normal force W.
     contact_radius : ndarray
@@ -83,6 +88,7 @@ def pad_model(
     ...     roll_angle=0.0,
     ...     poisson_ratio=0.5,
     ...     image_scale=1.0,
+    ...     edge_offset=0.0,
     ...     load=2.0,
     ...     contact_radius=np.sqrt(7.4 * 5.0),
     ...     elongation=np.log(7.4 / 5.0),
@@ -95,8 +101,8 @@ def pad_model(
     contact = pad_contact_kernel(
         principal_radii_kernel(palmar, distal, radial_ulnar, normal=normal),
         load=load,
-        semi_major=image_scale * contact_radius * half,
-        semi_minor=image_scale * contact_radius / half,
+        semi_major=image_scale * contact_radius * half + edge_offset,
+        semi_minor=image_scale * contact_radius / half + edge_offset,
         poisson_ratio=poisson_ratio,
     )
     return {name: getattr(contact, name) for name in PAD_OUTPUTS}
@@ -132,6 +138,7 @@ def pad_inputs(measured: Inputs) -> Inputs:
     ...     roll_angle=0.0,
     ...     poisson_ratio=0.5,
     ...     image_scale=1.0,
+    ...     edge_offset=0.0,
     ...     load=2.0,
     ...     semi_major=(7.4, 0.1),
     ...     semi_minor=(5.0, 0.1),
@@ -185,6 +192,7 @@ def pad_uncertainty(
     roll_angle: Quantity = 0.0,
     poisson_ratio: Quantity = 0.5,
     image_scale: Quantity = 1.0,
+    edge_offset: Quantity = 0.0,
     correlations: Mapping[tuple[str, str], ArrayLike] | None = None,
 ) -> Propagated:
     """Return everything that follows from an observed contact ellipse, with uncertainty.
@@ -201,11 +209,15 @@ def pad_uncertainty(
     load : float, or pair of array_like
         Normal force W.
     semi_major, semi_minor : float, or pair of array_like
-        Semi-axes of the contact ellipse, in either order, without the uncertainty of `image_scale`.
+        Semi-axes of the contact ellipse, in either order, without the uncertainties of `image_scale` and
+        `edge_offset`.
     poisson_ratio : float, or pair of array_like
         ν of the pad.
     image_scale : float, or pair of array_like
         Factor on both semi-axes of the contact ellipse, as (1, 0.01) for a scale known to 1 %.
+    edge_offset : float, or pair of array_like
+        Displacement of the contact's edge, added to both semi-axes, as (0, 0.06) with the
+        `ContactImageResult.edge_offset_std` of 0.06 mm.
     correlations : mapping, optional
         From pairs of these names to correlation coefficients.
 
@@ -253,6 +265,7 @@ def pad_uncertainty(
         roll_angle=roll_angle,
         poisson_ratio=poisson_ratio,
         image_scale=image_scale,
+        edge_offset=edge_offset,
         load=load,
         semi_major=semi_major,
         semi_minor=semi_minor,

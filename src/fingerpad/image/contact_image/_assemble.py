@@ -5,10 +5,10 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from fingerpad._arrays import BoolArray, Float32Array, FloatArray
+from fingerpad._arrays import BoolArray, Float32Array
 from fingerpad.geometry.ellipse import Ellipse
 from fingerpad.image.contact_image._outline import ContactOutline
-from fingerpad.image.contact_image._patch import Patch, measure_patch
+from fingerpad.image.contact_image._patch import measure_patch
 from fingerpad.image.contact_image._region import UInt8
 from fingerpad.image.contact_image._ridge_map import ridge_map
 from fingerpad.image.contact_image._ridges import Signal
@@ -67,18 +67,23 @@ def assemble_result(
         "not_a_contact_image": not shows_ridges(ridged.view, contact.outline, scale.mm_per_px),
         "edited_by_person": edited,
     }
-    (semi_major, semi_minor, gross_area, ridge_area), covariance = _in_mm(contact, scale)
+    powers = np.array([1, 1, 2, 2])
+    units = scale.mm_per_px**powers
+    values = np.array([*contact.moments.semi_axes, contact.moments.area, contact.ridge_area]) * units
+    semi_major, semi_minor, gross_area, ridge_area = values.tolist()
     column, row = contact.moments.centroid
     return ContactImageResult(
         ellipse=Ellipse(semi_major, semi_minor),
         orientation=contact.moments.orientation,
         centroid=(float(row), float(column)),
         outline=contact.outline[:, ::-1],
-        gross_area=float(gross_area),
-        ridge_area=float(ridge_area),
+        gross_area=gross_area,
+        ridge_area=ridge_area,
         ridge_period=period,
         overlap=contact.overlap,
-        covariance=covariance,
+        noise_covariance=contact.noise_covariance * np.outer(units, units),
+        edge_effect=contact.edge_effect * units,
+        scale_effect=powers * scale.relative_std * values,
         threshold=_median_level(ridged.level, patch),
         contrast=signal.contrast,
         dark_on_light=signal.dark_on_light,
@@ -86,15 +91,6 @@ def assemble_result(
         _view=ridged.view,
         _ridges=ridges,
     )
-
-
-def _in_mm(contact: Patch, scale: Scale) -> tuple[FloatArray, FloatArray]:
-    """Return semi-axes, gross and ridge area in mm and mm², and their covariance with the scale's."""
-    powers = np.array([1, 1, 2, 2])
-    units = scale.mm_per_px**powers
-    values = np.array([*contact.moments.semi_axes, contact.moments.area, contact.ridge_area]) * units
-    shared = powers * scale.relative_std * values
-    return values, contact.covariance * np.outer(units, units) + np.outer(shared, shared)
 
 
 def _median_level(level: Float32Array, patch: BoolArray) -> float:

@@ -1,7 +1,7 @@
 """The outline of a contact to a fraction of a pixel, its areas, and their uncertainty."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
@@ -23,10 +23,14 @@ _IN_VALLEY, _BY_SOFTNESS, _STRETCH = 0.16, 0.092, 2.75
 # Contrast is compared with the interior's over `_RIM` on both sides of the outline; the interior lies deeper
 # than `_DEEP`, the ground between the distances `_GROUND` outside.
 _RIM, _DEEP, _GROUND = 1.33, 3.5, (2.0, 3.0)
-# How far the edge lies beyond the outline, by the contrast outside and the lack of it inside; and the
-# standard deviation that the whole edge shares: its least, and as a share of that shift.
+# How far the edge lies beyond the outline, by the contrast outside and the lack of it inside.
 _FADED, _OUTSIDE, _INSIDE = -0.2, 1.2, 1.0
-_EDGE_STD, _BY_FADE = 0.13, 0.6
+# The standard deviation that the whole edge shares: its least, as a share of that shift, and by how uneven
+# the contrast within `_NEAR` outside is between `_SECTORS` of the outline; `_EVEN` is that of sharp edges.
+_EDGE_STD, _BY_FADE, _BY_UNEVENNESS = 0.05, 0.3, 4.0
+_NEAR, _SECTORS, _EVEN = 0.5, 24, 0.03
+# By a share of it the edge varies independently of other images, alike over a share of its length.
+_VARIES, _ALIKE = 0.5, 0.25
 # A manual edge lies somewhere within one ridge period, uniformly: half of that variance it has everywhere
 # alike, as a generous outline is generous all round.
 _BY_HAND = math.sqrt(1 / 12 / 2)
@@ -59,6 +63,9 @@ class ContactOutline:
         Where a person drew it.
     fade : float
         How far beyond the outline the edge lies because the contact fades towards it.
+    unevenness : float
+        Standard deviation along the outline of the contrast just outside it, in parts of the interior's; that
+        of a sharp edge where it is not known.
     """
 
     points: Points
@@ -71,11 +78,7 @@ class ContactOutline:
     resolved: bool
     by_hand: BoolArray
     fade: float = 0.0
-
-    @property
-    def common_std(self) -> float:
-        """Standard deviation of the edge's place that all of the outline shares."""
-        return math.hypot(_EDGE_STD * self.period, _BY_FADE * self.fade)
+    unevenness: float = _EVEN
 
     def moved(self, outward: FloatArray | float) -> Points:
         """Return the points moved outward."""
@@ -121,8 +124,8 @@ def contact_outline(
     )
 
 
-def edge_fade(edge: ContactOutline, patch: BoolArray, contact: npt.NDArray[np.float32]) -> float:
-    """Return how far the edge of a fading contact lies beyond its outline, px.
+def faded_outline(edge: ContactOutline, patch: BoolArray, contact: npt.NDArray[np.float32]) -> ContactOutline:
+    """Return an outline with how far the edge of a fading contact lies beyond it, and how unevenly it fades.
 
     `contact` is the contrast of each place with the ground.
 
@@ -133,18 +136,21 @@ def edge_fade(edge: ContactOutline, patch: BoolArray, contact: npt.NDArray[np.fl
     """
     depth = distance_to(~patch)
     interior = contact[depth > min(_DEEP * edge.period, 0.6 * float(depth.max()))].mean()
-    places = np.linspace(0, _RIM, 12) * edge.period
 
-    def mean_at(distances: FloatArray) -> FloatArray:
-        """Return the mean over the outline at some distances outward."""
-        levels = _sample(contact, edge.moved(distances[:, None]).reshape(-1, 2)).reshape(distances.size, -1)
-        return np.asarray(levels.mean(axis=1))
+    def along(start: float, end: float, count: int) -> FloatArray:
+        """Return the mean contrast at each point of the outline, over some distances outward."""
+        distances = np.linspace(start, end, count) * edge.period
+        return np.asarray(np.mean([_sample(contact, edge.moved(distance)) for distance in distances], axis=0))
 
-    ground = mean_at(np.linspace(*_GROUND, 4) * edge.period).mean()
-    outside, inside = (
-        ((mean_at(side) - ground) / max(interior - ground, 1e-9)).mean() * _RIM for side in (places, -places)
+    ground = along(*_GROUND, 4).mean()
+    contrast = max(interior - ground, 1e-9)
+    outside, inside = ((along(0, end, 12).mean() - ground) / contrast * _RIM for end in (_RIM, -_RIM))
+    near = np.array_split(along(0, _NEAR, 6), min(_SECTORS, len(edge.points)))
+    return replace(
+        edge,
+        fade=float(max(0.0, _FADED + _OUTSIDE * outside + _INSIDE * (_RIM - inside)) * edge.period),
+        unevenness=float(np.std([part.mean() for part in near]) / contrast),
     )
-    return float(max(0.0, _FADED + _OUTSIDE * outside + _INSIDE * (_RIM - inside)) * edge.period)
 
 
 def point_spacings(points: Points) -> FloatArray:
@@ -218,16 +224,28 @@ def axis_weights(moments: AreaMoments, points: Points) -> FloatArray:
     return np.stack([major * (plain + stretch), minor * (plain - stretch), np.ones(len(points))], axis=-1)
 
 
-def outline_covariance(edge: ContactOutline, weights: FloatArray) -> FloatArray:
-    """Return the covariance of (semi_major, semi_minor, area) from the position of the edge.
+def edge_offset_std(edge: ContactOutline) -> float:
+    """Return the standard uncertainty of the edge's place that all of the outline shares, px.
+
+    It holds the definition of the edge of a contact that fades, a third of the correction for noise and,
+    where no ridges are resolved, all of the shift for them. Other images of the same device share it too,
+    and so does an edge that a person drew, who sees no more of it.
+    """
+    noise = _NOISE * edge.noise * edge.period / 3
+    unknown = 0.0 if edge.resolved else float(np.average(_beyond_ridges(edge), weights=edge.steps))
+    uneven = _BY_UNEVENNESS * edge.unevenness * edge.period
+    return math.hypot(_EDGE_STD * edge.period, _BY_FADE * edge.fade, uneven, noise, unknown)
+
+
+def outline_noise(edge: ContactOutline, weights: FloatArray) -> FloatArray:
+    """Return the covariance of (semi_major, semi_minor, area) from errors of one image's outline.
 
     Each stretch of outline has an independent error: where it follows a ridge, that of an edge at random on
     valleys of half the period, √(v³/3 − v⁴/4) P = 0.16 P; everywhere that of the local level, which grows
-    with the blur. Shared by all stretches are a third of the correction for noise, the definition of the
-    edge of a contact that fades and, where no ridges are resolved, all of the shift for them. The
-    contribution of blur and the length of a stretch are fitted to the errors of rendered contacts
-    (`accuracy_and_coverage` in benchmarks/contact_images.py). Where the edge was drawn manually, the error of
-    drawing replaces all of these.
+    with the blur. The contribution of blur and the length of a stretch are fitted to the errors of rendered
+    contacts (`accuracy_and_coverage` in benchmarks/contact_images.py). Besides, an edge that fades does not
+    fade alike all round, nor in all images of one device. Where the edge was drawn manually, the
+    error of drawing replaces these; half of its variance is shared by all that was drawn.
     """
     along = edge.along.clip(0, 1)
     own = edge.period * np.sqrt(along * _IN_VALLEY**2 + (_BY_SOFTNESS * edge.softness) ** 2)
@@ -236,9 +254,8 @@ def outline_covariance(edge: ContactOutline, weights: FloatArray) -> FloatArray:
     response = weights * (edge.steps * own)[:, None]
     width = min(max(1, round(_STRETCH * edge.period)), len(response))
     spread = running_mean(response, width)
-    noise = _NOISE * edge.noise * edge.period / 3
-    unknown = np.zeros_like(along) if edge.resolved else _beyond_ridges(edge)
-    shared = np.sqrt(noise**2 + unknown**2 + edge.common_std**2)
-    alike = np.where(edge.by_hand, _BY_HAND * edge.period, shared)
-    common = (weights * (edge.steps * alike)[:, None]).sum(axis=0)
-    return np.asarray(spread.T @ spread * width + np.outer(common, common))
+    varying = weights * (edge.steps * ~edge.by_hand * _VARIES * edge_offset_std(edge))[:, None]
+    long = max(1, round(_ALIKE * len(varying)))
+    varied = running_mean(varying, long)
+    drawn = (weights * (edge.steps * edge.by_hand * _BY_HAND * edge.period)[:, None]).sum(axis=0)
+    return np.asarray(spread.T @ spread * width + varied.T @ varied * long + np.outer(drawn, drawn))

@@ -12,9 +12,10 @@ from fingerpad.image.contact_image._outline import (
     ContactOutline,
     axis_weights,
     contact_outline,
-    edge_fade,
+    edge_offset_std,
     edge_shift,
-    outline_covariance,
+    faded_outline,
+    outline_noise,
 )
 from fingerpad.image.contact_image._region import UInt8, filled_polygon
 from fingerpad.image.contact_image._ridge_map import RidgeMap
@@ -35,13 +36,15 @@ _WINDOW, _MIN_SPREAD = 3.0, 76.0
 class Patch:
     """A patch in px of the picture.
 
-    `covariance` is of (semi_major, semi_minor, gross_area, ridge_area).
+    `noise_covariance` and `edge_effect`, the change by one standard uncertainty of the edge's place, are of
+    (semi_major, semi_minor, gross_area, ridge_area).
     """
 
     moments: AreaMoments
     outline: npt.NDArray[np.float64]
     ridge_area: float
-    covariance: FloatArray
+    noise_covariance: FloatArray
+    edge_effect: FloatArray
     overlap: float
     touches_border: bool
     cut_by_mask: bool
@@ -74,7 +77,7 @@ def trace_patch(
     )
     # A given level says what counts as contact; without ridges nothing tells fading from blur.
     if resolved and not by_threshold:
-        edge = replace(edge, fade=edge_fade(edge, patch, contact))
+        edge = faded_outline(edge, patch, contact)
     rows, columns = patch.shape
     outline = edge.moved(edge_shift(edge)).clip(-0.5, [columns - 0.5, rows - 0.5])
     return replace(edge, points=outline)
@@ -84,27 +87,25 @@ def measure_patch(
     view: WorkingImage, patch: BoolArray, edge: ContactOutline, amount: UInt8, ridges: RidgeMap
 ) -> Patch:
     """Measure a patch of the view inside its traced edge."""
-    pixel = view.steps[0] * view.steps[1]
+    side = math.sqrt(view.steps[0] * view.steps[1])
     points = view.to_picture(edge.points)
     moments = polygon_moments(points)
-    covariance = np.zeros((4, 4))
-    weights = axis_weights(moments, points) * pixel
-    covariance[:3, :3] = outline_covariance(edge, weights)
+    weights = axis_weights(moments, points) * side**2
     smeared = _blurred_ridges(amount, patch, view.period) if edge.resolved else np.ones_like(patch)
     # Where ridges are not resolved any part may be ridge: half of it, uniform from none to all.
     ridge_area, unknown = ridges.area_within(points, ridges.sampled(smeared, view))
     known = ridge_area - unknown / 2
-    covariance[3, 3] = (
-        unknown**2 / 12
-        + known**2 * (_LEVEL_STD**2 + (_NOISY * edge.noise) ** 2)
-        # A wider outline takes in more ridges, thinner than those of the interior.
-        + (_AT_RIM * ridge_area / moments.area) ** 2 * covariance[2, 2]
-    )
+    # A wider outline takes in more ridges, thinner than those of the interior.
+    response = np.vstack([np.eye(3), [0, 0, _AT_RIM * ridge_area / moments.area]])
+    noise = response @ outline_noise(edge, weights) @ response.T
+    noise[3, 3] += unknown**2 / 12 + known**2 * (_LEVEL_STD**2 + (_NOISY * edge.noise) ** 2)
+    offset = edge_offset_std(edge) * side
     return Patch(
         moments=moments,
         outline=points,
         ridge_area=ridge_area,
-        covariance=covariance,
+        noise_covariance=noise,
+        edge_effect=response @ [offset, offset, offset * edge.steps.sum() * side],
         overlap=_overlap(edge.points, polygon_moments(edge.points)),
         # Beyond the edge seen, fading is a guess.
         touches_border=view.touches_border(edge.moved(-edge.fade), edge.steps),

@@ -28,8 +28,8 @@ def measure_contact_image(
     There the outline is moved out: if the true edge falls at random on ridges and on valleys of share v of
     the period P, it lies v²P/2 further out on average. Where ridges fade towards the edge, the contrast just
     outside the outline, and what the rim lacks of the interior's, show by how much it lies further out. How
-    far is partly a matter of definition: 0.13 P, about 0.06 mm, and 0.6 of that shift stand in the covariance
-    as an error that all of the outline shares.
+    far is partly a matter of definition: 0.1 P for sharp edges to 0.3 P for those that fade, about 0.05 to
+    0.15 mm, stand in the covariance as an offset that all of the outline shares, and all images of a device.
 
     Parameters
     ----------

@@ -78,10 +78,15 @@ class ContactImageResult(Displayed):
         Median distance between neighbouring ridges, mm, NaN where no ridges are resolved.
     overlap : float
         Intersection over union of region and ellipse.
-    covariance : ndarray, shape (4, 4)
-        Of (semi_major, semi_minor, gross_area, ridge_area), mm and mm², to first order: the relative
-        uncertainty of the scale, shared by all, the position of the edge, and the ridges' threshold; the
-        share of ridges in parts that count as half ridge lies anywhere from none to all.
+    noise_covariance : ndarray, shape (4, 4)
+        Of (semi_major, semi_minor, gross_area, ridge_area), mm and mm², to first order, from errors that
+        this image shares with no other: of the outline, and of the ridges' threshold; the share of ridges
+        in parts that count as half ridge lies anywhere from none to all.
+    edge_effect : ndarray, shape (4,)
+        Change of the same by one standard uncertainty of the edge's place, which images of one device share:
+        a wider edge displaces both semi-axes by as much.
+    scale_effect : ndarray, shape (4,)
+        Change of the same by one standard uncertainty of the scale.
     threshold : float
         Median level that separates ridges from valleys in the patch, grey levels from the background
         towards contact.
@@ -99,7 +104,7 @@ class ContactImageResult(Displayed):
     >>> truth = render_contact_image(semi_major=3.0, semi_minor=2.5, seed=1)
     >>> contact = measure_contact_image(truth.pixels, truth.mm_per_px)
     >>> print(f"{contact.ellipse.semi_major:.2f} ± {contact.semi_major_std:.2f} mm")
-    2.98 ± 0.06 mm
+    2.98 ± 0.08 mm
     >>> contact.outline.shape[1], contact.flags
     (2, ())
     """
@@ -112,7 +117,9 @@ class ContactImageResult(Displayed):
     ridge_area: float
     ridge_period: float
     overlap: float
-    covariance: FloatArray
+    noise_covariance: FloatArray
+    edge_effect: FloatArray
+    scale_effect: FloatArray
     threshold: float
     contrast: float
     dark_on_light: bool
@@ -152,13 +159,27 @@ class ContactImageResult(Displayed):
             "orientation_deg": math.degrees(self.orientation),
             "gross_area_mm2": self.gross_area,
             "gross_area_mm2_std": self.gross_area_std,
+            "gross_area_mm2_noise_std": math.sqrt(self.noise_covariance[2, 2]),
+            "gross_area_mm2_edge_std": float(self.edge_effect[2]),
             "ridge_area_mm2": self.ridge_area,
             "ridge_area_mm2_std": self.ridge_area_std,
+            "edge_offset_mm_std": self.edge_offset_std,
             "ridge_period_mm": self.ridge_period,
             "ellipse_iou": self.overlap,
             "centroid_px": self.centroid,
             "flags": self.flags,
         }
+
+    @property
+    def covariance(self) -> FloatArray:
+        """Covariance of (semi_major, semi_minor, gross_area, ridge_area), mm and mm²: noise, edge, scale."""
+        shared = np.outer(self.edge_effect, self.edge_effect) + np.outer(self.scale_effect, self.scale_effect)
+        return self.noise_covariance + shared
+
+    @property
+    def edge_offset_std(self) -> float:
+        """Standard uncertainty of the edge's place, mm: of an offset of both semi-axes."""
+        return float(self.edge_effect[0])
 
     @property
     def semi_major_std(self) -> float:

@@ -20,6 +20,9 @@ from fingerpad.study.measuring.scales import FoundScale, require_scale
 _FROM_RECORD: Final = (
     "gross_area_mm2",
     "gross_area_mm2_std",
+    "gross_area_mm2_noise_std",
+    "gross_area_mm2_edge_std",
+    "edge_offset_mm_std",
     "ridge_area_mm2",
     "ridge_area_mm2_std",
     "ridge_period_mm",
@@ -40,7 +43,10 @@ class Measurement:
     reason : str or None
         Why nothing was measured; None where something was.
     covariance_mm2 : ndarray, (2, 2)
-        Covariance of the semi-axes.
+        Covariance of the semi-axes: noise, edge and scale.
+    edge_offset_mm_std : float
+        Standard uncertainty of the edge's place, by which both semi-axes are displaced alike; 0 without an
+        image. Images of one scale share it.
     scale : str or None
         Name of the scale that other pictures share.
     relative_scale_std : float
@@ -59,10 +65,13 @@ class Measurement:
     semi_major_mm: float = np.nan
     semi_minor_mm: float = np.nan
     covariance_mm2: FloatArray = field(default_factory=lambda: np.full((2, 2), np.nan))
+    edge_offset_mm_std: float = 0.0
     long_axis: Direction | None = None
     orientation_deg: float = np.nan
     gross_area_mm2: float = np.nan
     gross_area_mm2_std: float = np.nan
+    gross_area_mm2_noise_std: float = np.nan
+    gross_area_mm2_edge_std: float = np.nan
     ridge_area_mm2: float = np.nan
     ridge_area_mm2_std: float = np.nan
     ridge_period_mm: float = np.nan

@@ -131,6 +131,14 @@ _GROUPS: Final[Mapping[str, Sequence[Column]]] = {
     "ellipse": (
         *_with_std("semi_major_mm", "mm", "semi-major axis of the contact ellipse"),
         *_with_std("semi_minor_mm", "mm", "semi-minor axis of the contact ellipse"),
+        _number("semi_major_mm_noise_std", "mm", "the same of semi_major_mm without edge and scale"),
+        _number("semi_minor_mm_noise_std", "mm", "the same of semi_minor_mm without edge and scale"),
+        _number(
+            "edge_offset_mm_std",
+            "mm",
+            "standard uncertainty of the place of the contact's edge, which displaces both semi-axes alike; "
+            "rows of one scale share it",
+        ),
         _number("program_semi_major_mm", "mm", "semi-major axis as measured automatically"),
         _number("program_semi_minor_mm", "mm", "semi-minor axis as measured automatically"),
         _number("aspect_ratio", "1", "semi-major over semi-minor axis"),
@@ -141,6 +149,8 @@ _GROUPS: Final[Mapping[str, Sequence[Column]]] = {
     ),
     "region": (
         *_with_std("gross_area_mm2", "mm2", "area inside the outline of the contact"),
+        _number("gross_area_mm2_noise_std", "mm2", "the same from errors that no other image shares"),
+        _number("gross_area_mm2_edge_std", "mm2", "the same from the place of the edge alone"),
         *_with_std("ridge_area_mm2", "mm2", "area of the ridges in contact"),
         _number("ridge_period_mm", "mm", "median distance between ridges"),
         _number("ellipse_iou", "1", "intersection over union of ellipse and contact region"),
@@ -158,6 +168,7 @@ _GROUPS: Final[Mapping[str, Sequence[Column]]] = {
     "radius": (
         *_with_std("radius_from_indentation_mm", "mm", "R_0g F2^-3, R_g^corr of Dzidek et al. (2017)"),
         _number("radius_from_indentation_mm_fixed_geometry_std", "mm", "the same with R_0g exact"),
+        _number("radius_from_indentation_mm_edge_std", "mm", "the same from the contact's edge alone"),
         *_with_std("radius_from_area_mm", "mm", "sphere of the same area, R_0g F1^3"),
         *_with_std(
             "radius_from_compliance_mm", "mm", "sphere of the same A/(pi xi), R_0g F1^2/F2: compare with R_g"
@@ -170,6 +181,7 @@ _GROUPS: Final[Mapping[str, Sequence[Column]]] = {
         *_with_std("indentation_mm", "mm", "xi of elliptical Hertz theory from the observed ellipse"),
         *_with_std("reduced_modulus_kpa", "kPa", "E* of elliptical Hertz theory from load and ellipse"),
         *_with_std("youngs_modulus_kpa", "kPa", "E = E*(1 - nu^2)"),
+        _number("youngs_modulus_kpa_edge_std", "kPa", "the same from the contact's edge alone"),
         *_with_std("mean_pressure_kpa", "kPa", "W over the area of the ellipse"),
     ),
     "layer": (

@@ -14,20 +14,20 @@ from fingerpad.study.results.layer import (
     Layered,
     unit_of,
 )
-from fingerpad.study.results.model import OF_THE_PLACEMENT
+from fingerpad.study.results.model import OF_THE_DEVICE, OF_THE_PLACEMENT
+from fingerpad.study.results.pooling import shared_errors
 from fingerpad.study.results.rows import HighestLoad, Rows
 from fingerpad.study.results.table import Places, ResultsTable, numbered
 from fingerpad.uncertainty import (
     LAYER_SOURCES,
     Propagated,
-    SharedErrors,
     pool,
     proportional_stds,
     with_thickness,
 )
 
 # Parts that a contact shares with no other.
-_OWN: Final = ~np.isin(LAYER_PART_SOURCES, (*OF_THE_PLACEMENT, "image scale", "thickness"))
+_OWN: Final = ~np.isin(LAYER_PART_SOURCES, (*OF_THE_PLACEMENT, *OF_THE_DEVICE, "thickness"))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -94,13 +94,8 @@ class PooledOnLayer(LayerQuantity):
 
         value, parts = mean(pooled.column(f"{output}_{unit}")), np.stack(list(map(mean, parts.T)), axis=-1)
         first = np.unique(estimate, return_index=True)[1]
-        scale = numbered(name or place for place, name in enumerate(pooled.column("scale")[first]))
-        sources = LAYER_PART_SOURCES[~_OWN]
-        shared = SharedErrors(
-            sources=tuple(sources.tolist()),
-            parts=parts[:, ~_OWN],
-            groups=np.where(sources == "image scale", scale[:, None], 0),
-        )
+        sources = LAYER_PART_SOURCES[~_OWN].tolist()
+        shared = shared_errors(parts[:, ~_OWN], sources, pooled.column("scale")[first])
         found = pool(value, proportional_stds(value, mean(own_std)), shared)
         variance = dict.fromkeys(LAYER_SOURCES, 0.0) | shared.variances(found.weights)
         for source in np.unique(LAYER_PART_SOURCES[_OWN]).tolist():

@@ -29,9 +29,11 @@ from fingerpad.uncertainty import (
 # Radii that are pooled over the contacts of a finger at one angle.
 POOLED_OUTPUTS: Final = ("radius_from_indentation", "radius_from_compliance")
 
-# Sources that belong to the finger on its wedge. A scale is shared by the contacts that name it.
+# Sources that belong to the finger on its wedge. A scale is shared by the contacts that name it, and so is
+# the place of their edges.
 GEOMETRY: Final = ("semi-axes", "wedge angle", "roll angle")
 OF_THE_PLACEMENT: Final = (*GEOMETRY, "Poisson's ratio")
+OF_THE_DEVICE: Final = ("image scale", "contact edge")
 
 # Names of the columns of parts: first-order ones, then those of second order.
 PART_SOURCES: Final = np.array(2 * [source for source, names in PAD_SOURCES.items() for _ in names])
@@ -47,6 +49,8 @@ class Modelled:
     ----------
     value, std : dict of str to ndarray, shape (contacts,)
         Model outputs and their standard uncertainties, by name.
+    edge_std : dict of str to ndarray, shape (contacts,)
+        Their standard uncertainties from the place of the contact's edge alone.
     parts : ndarray, shape (contacts, pooled outputs, parts)
         Signed contributions to the uncertainty of `POOLED_OUTPUTS`, of the sources `PART_SOURCES`; their
         squares add up to the variance.
@@ -54,6 +58,7 @@ class Modelled:
 
     value: dict[str, FloatArray]
     std: dict[str, FloatArray]
+    edge_std: dict[str, FloatArray]
     parts: FloatArray
 
     @classmethod
@@ -66,6 +71,8 @@ class Modelled:
         with np.errstate(all="ignore"):
             propagated = propagate(pad_model, replace(inputs, covariance=covariance))
             parts = parts_of(propagated, POOLED_OUTPUTS)
+            (edge,) = inputs.places(["edge_offset"])
+            edge_std = np.abs(propagated.jacobian[..., edge]) * inputs.std[:, [edge]]
         has_output = np.isfinite(propagated.value).all(axis=-1) & np.isfinite(propagated.std).all(axis=-1)
         answered = np.asarray(finite & has_output)
         std = METHODS[method](propagated, answered)
@@ -73,6 +80,7 @@ class Modelled:
         return cls(
             value=dict(zip(names, np.where(answered, propagated.value.T, np.nan), strict=True)),
             std=dict(zip(names, np.where(answered, std.T, np.nan), strict=True)),
+            edge_std=dict(zip(names, np.where(answered, edge_std.T, np.nan), strict=True)),
             parts=np.where(np.reshape(answered, (-1, 1, 1)), parts, np.nan),
         )
 
@@ -87,6 +95,7 @@ class Modelled:
             self,
             value={name: value[chosen] for name, value in self.value.items()},
             std={name: std[chosen] for name, std in self.std.items()},
+            edge_std={name: std[chosen] for name, std in self.edge_std.items()},
             parts=self.parts[chosen],
         )
 
@@ -107,21 +116,25 @@ def contact_inputs(
     ]
     semi_axes = np.reshape([pad.semi_axes for pad in pads], (count, 3))
     wedge, roll = np.radians([(one.wedge_angle_deg, one.roll_angle_deg) for one, _ in seen]).reshape(-1, 2).T
-    load, scale_std = np.reshape([(one.load_N, one.relative_scale_std) for _, one in seen], (count, 2)).T
+    load, scale_std, edge_std = np.reshape(
+        [(one.load_N, one.relative_scale_std, one.edge_offset_mm_std) for _, one in seen], (count, 3)
+    ).T
     axes = np.reshape([(one.semi_major_mm, one.semi_minor_mm) for _, one in seen], (count, 2))
     geometry = np.zeros((count, 4, 4))
     geometry[:, :3, :3] = np.reshape([pad.covariance for pad in pads], (count, 3, 3))
     geometry[:, 3, 3] = scale_std**2
     geometry[:, :3, 3] = geometry[:, 3, :3] = np.where(same_scale, scale_std**2, 0.0)[:, None] * semi_axes
     with np.errstate(all="ignore"):
-        # The scale is an input of its own: its contribution to the covariance of the axes is subtracted.
+        # Scale and edge are inputs of their own: what they add to the covariance of the axes is subtracted.
         own = np.reshape([one.covariance_mm2 for _, one in seen], (count, 2, 2))
         own = own - (scale_std**2)[:, None, None] * axes[:, :, None] * axes[:, None, :]
+        own = own - (edge_std**2)[:, None, None]
         root = covariance_root(own)  # without the negative eigenvalues that a difference can have
     lengths: dict[str, Any] = {name: (of, 0.0) for name, of in zip(SEMI_AXES, semi_axes.T, strict=True)}
     measured = Inputs.of(
         **lengths,
         image_scale=(np.ones(count), 0.0),
+        edge_offset=(0.0, edge_std),
         wedge_angle=(wedge, np.radians(given.wedge_angle_deg_std)),
         roll_angle=(roll, np.radians(given.roll_angle_deg_std)),
         poisson_ratio=(study.poisson_ratio, given.poisson_ratio_std),

@@ -1,6 +1,6 @@
 """One radius from the contacts of a finger at one angle, with their shared errors."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final, Self
 
@@ -8,7 +8,13 @@ import numpy as np
 
 from fingerpad._arrays import FloatArray, as_float_array
 from fingerpad.study.results.columns import ColumnArray
-from fingerpad.study.results.model import GEOMETRY, OF_THE_PLACEMENT, PART_SOURCES, POOLED_OUTPUTS
+from fingerpad.study.results.model import (
+    GEOMETRY,
+    OF_THE_DEVICE,
+    OF_THE_PLACEMENT,
+    PART_SOURCES,
+    POOLED_OUTPUTS,
+)
 from fingerpad.study.results.rows import Rows
 from fingerpad.study.results.table import Places, ResultsTable, numbered
 from fingerpad.uncertainty import (
@@ -23,7 +29,7 @@ from fingerpad.uncertainty import (
 )
 
 # Parts that a contact shares with no other, and parts of second order.
-_OWN: Final = ~np.isin(PART_SOURCES, (*OF_THE_PLACEMENT, "image scale"))
+_OWN: Final = ~np.isin(PART_SOURCES, (*OF_THE_PLACEMENT, *OF_THE_DEVICE))
 _SECOND: Final = np.arange(PART_SOURCES.size) >= PART_SOURCES.size // 2
 
 
@@ -104,7 +110,7 @@ class PooledRadius:
         first, last = (np.empty(value.size, dtype=np.intp) for _ in range(2))
         last[estimate] = np.arange(estimate.size)
         first[estimate[::-1]] = np.arange(estimate.size)[::-1]
-        shared = _shared(parts, pooled.column("scale")[first])
+        shared = shared_errors(parts[:, ~_OWN], PART_SOURCES[~_OWN].tolist(), pooled.column("scale")[first])
         fixed = pool(value, own, shared)
         variances = shared.variances(fixed.weights)
         exact = sum(variance for source, variance in variances.items() if source not in GEOMETRY)
@@ -124,14 +130,27 @@ def _own_std(parts: FloatArray, elongation_std: FloatArray) -> FloatArray:
     return as_float_array(np.sqrt(slope * elongation_std**2 + np.sum(parts[:, _OWN & _SECOND] ** 2, axis=-1)))
 
 
-def _shared(parts: FloatArray, scales: ColumnArray) -> SharedErrors:
-    """Return the errors that estimates share: of the placement all, of a scale those that name it."""
+def shared_errors(parts: FloatArray, sources: Sequence[str], scales: ColumnArray) -> SharedErrors:
+    """Return the errors that estimates share: of the placement all, of scale and edge those of one scale.
+
+    Images that name no scale have one each, but are taken to be of one device, whose edge they share.
+
+    Parameters
+    ----------
+    parts : ndarray, shape (estimates, parts)
+        Signed contributions to the uncertainty of each.
+    sources : sequence of str
+        The source of each part.
+    scales : ndarray
+        Name of the scale of each estimate, None where it has its own.
+    """
     scale = numbered((place,) if name is None else name for place, name in enumerate(scales))
-    of_scale = PART_SOURCES[~_OWN] == "image scale"
+    groups = {"image scale": scale, "contact edge": numbered(scales)}
+    everything = np.zeros(len(parts), dtype=np.intp)
     return SharedErrors(
-        sources=tuple(PART_SOURCES[~_OWN].tolist()),
-        parts=parts[:, ~_OWN],
-        groups=np.where(of_scale, scale[:, None], 0),
+        sources=tuple(sources),
+        parts=parts,
+        groups=np.stack([groups.get(source, everything) for source in sources], axis=-1),
     )
 
 

@@ -9,6 +9,8 @@ import fingerpad
 from fingerpad.study.engine.versions import MEASUREMENT_VERSIONS, library_versions
 
 FORMULAS: Final = {
+    "contact_edge": "where the pressure vanishes: the outline at half the ridges' local contrast, moved out "
+    "by what the contrast within 1.33 ridge periods of it, over the interior's, tells of fading",
     "mean_curvature_radius": "R₀g = 1/H, H from the ellipsoid's shape operator; equals ESM Eq. (1)",
     "geometric_mean_radius": "R_e = √(R′R″), Johnson (4.25)",
     "radius_from_indentation": "R₀g F₂⁻³, what ESM Eq. (2) means, with Johnson's F₂ (4.26c)",

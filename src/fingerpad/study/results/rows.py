@@ -238,13 +238,20 @@ def _described(
     columns = {name: COLUMNS[name].array(items) for name, items in known.items()}
     load, major, minor = (columns[name] for name in ("load_N", "semi_major_mm", "semi_minor_mm"))
     variance = np.array([np.diag(one.covariance_mm2) for one in measured]).T
+    scale_std = np.array([one.relative_scale_std for one in measured])
     with np.errstate(all="ignore"):
         semi_major_std, semi_minor_std = np.sqrt(variance)
+        edge_std = np.where(np.isfinite(major), columns["edge_offset_mm_std"], np.nan)
+        noise = variance - np.square(scale_std * [major, minor]) - edge_std**2
+        semi_major_noise_std, semi_minor_noise_std = np.sqrt(np.maximum(noise, 0))
         return {
             **columns,
             "load_N": np.where(np.isfinite(load), load, np.nan),
             "semi_major_mm_std": semi_major_std,
             "semi_minor_mm_std": semi_minor_std,
+            "semi_major_mm_noise_std": semi_major_noise_std,
+            "semi_minor_mm_noise_std": semi_minor_noise_std,
+            "edge_offset_mm_std": edge_std,
             "aspect_ratio": major / minor,
         }
 
@@ -281,6 +288,8 @@ def _modelled(
         "radius_from_indentation_mm_fixed_geometry_std": modelled.std_of(
             "radius_from_indentation", _OF_THE_CONTACT
         ),
+        "radius_from_indentation_mm_edge_std": modelled.edge_std["radius_from_indentation"],
+        "youngs_modulus_kpa_edge_std": KPA_PER_MPA * modelled.edge_std["youngs_modulus"],
         "indentation_over_thickness": value["indentation"] / thickness,
     }
     for names, unit, factor in ((_IN_MM, "mm", 1.0), (_IN_KPA, "kpa", KPA_PER_MPA)):

@@ -104,7 +104,7 @@ def _highest(rows: Rows, key: PlacementKey) -> HighestLoad:
 
 
 class Exponent(NamedTuple):
-    """Slope of ln A against ln W, with its standard uncertainty from the scatter; NaN where not known."""
+    """Slope of ln A against ln W, with its standard uncertainty from scatter and edge, NaN if not known."""
 
     value: float
     std: float
@@ -118,4 +118,10 @@ def area_exponent(rows: ResultsTable) -> Exponent:
     if np.unique(load).size < 2:
         return Exponent(math.nan, math.nan)
     line = stats.linregress(np.log(load), np.log(area))
-    return Exponent(float(line.slope), float(line.stderr) if load.size > 2 else math.nan)
+    if load.size < 3:
+        return Exponent(float(line.slope), math.nan)
+    # An edge further out adds more to the logarithm of a small area: by one line for each device.
+    curvature = 1 / sound.column("semi_major_mm") + 1 / sound.column("semi_minor_mm")
+    added, device = sound.column("edge_offset_mm_std") * curvature, numbered(sound.column("scale"))
+    tilts = [stats.linregress(np.log(load), added * (device == each)).slope for each in np.unique(device)]
+    return Exponent(float(line.slope), math.hypot(line.stderr, *tilts))
