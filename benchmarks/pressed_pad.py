@@ -100,7 +100,7 @@ def boundary_of(press: Press) -> Field:
     angle = np.linspace(0, 2 * np.pi, 4096, endpoint=False)
     radius = _radius(press, angle)
     up, left = radius * np.cos(angle), radius * np.sin(angle)
-    c, s = np.cos(press.tilt), np.sin(press.tilt)
+    c, s = float(np.cos(press.tilt)), float(np.sin(press.tilt))
     return np.stack([-(up * s + left * c), -(up * c - left * s)], axis=1)
 
 
@@ -118,13 +118,14 @@ def _semi_axes(press: Press) -> tuple[float, float]:
 
 def _phase(x: Field, y: Field, press: Press, skin: Skin, rng: np.random.Generator) -> Field:
     """Ridge phase at points right of and below the middle, mm; the finger points along the major axis."""
-    c, s = np.cos(press.tilt), np.sin(press.tilt)
+    c, s = float(np.cos(press.tilt)), float(np.sin(press.tilt))
     right, down = x * c - y * s, x * s + y * c
     pattern = grow_ridges(skin.kind, skin.seed, skin.growth_periods)
-    shift = rng.uniform(-1.2, 1.2, 2)
+    shift = rng.uniform(-1.2, 1.2, 2).tolist()
     for _ in range(2):
-        direction, start = rng.uniform(0, 2 * np.pi, 2)
-        wave = 0.12 * np.sin((right * np.cos(direction) + down * np.sin(direction)) * 0.9 + start)
+        direction, start = rng.uniform(0, 2 * np.pi, 2).tolist()
+        cos, sin = 0.9 * float(np.cos(direction)), 0.9 * float(np.sin(direction))
+        wave = 0.12 * np.sin(right * cos + down * sin + start)
         right, down = right + wave, down - wave
     pixels_per_mm, middle = PIXELS_PER_PERIOD / skin.period, pattern.even.shape[0] / 2
     column, row = ((v + d) * pixels_per_mm + middle for v, d in zip((right, down), shift, strict=True))
@@ -170,7 +171,7 @@ def press_pad(
     """Press the pad on a fine grid of `shape` with spacing `mm`, the contact in its middle."""
     x = (np.arange(shape[1], dtype=np.float32) - (shape[1] - 1) / 2)[None, :] * mm
     y = (np.arange(shape[0], dtype=np.float32) - (shape[0] - 1) / 2)[:, None] * mm
-    c, s = np.cos(press.tilt), np.sin(press.tilt)
+    c, s = float(np.cos(press.tilt)), float(np.sin(press.tilt))
     up, left = -(x * s + y * c), -(x * c - y * s)
     distance = np.hypot(up, left)
     radius = _radius(press, np.linspace(-np.pi, np.pi, 2049))

@@ -1,10 +1,10 @@
 """Contact images made from a pressure field, measured: ``python -m benchmarks.pressure_images``.
 
 Written from the physics, without a look at the measurement. Nothing is shared with it: neither how ridges
-are made, nor what the edge is. The gross contact is where the pad's pressure is positive, by formula; the ridge
-contact is counted on a grid at least four times finer than the image, before any optics. Matters of definition:
-near the edge ridges may not touch although pressure is positive (see the hull of the touching ridges); sweat and
-ink beside a ridge count as optics.
+are made, nor what the edge is. The gross contact is where the pad's pressure is positive, by formula; the
+ridge contact is counted on a grid at least four times finer than the image, before any optics. Matters of
+definition: near the edge ridges may not touch although pressure is positive (see the hull of the touching
+ridges); sweat and ink beside a ridge count as optics.
 """
 
 from collections.abc import Iterator
@@ -91,6 +91,7 @@ CONDITIONS = {
         }
     ),
     "light touch": Condition(areas=(30, 45), mm_per_px=(0.02, 0.03)),
+    "light touch, ridges along the edge": Condition(areas=(30, 45), skin={"kind": "whorl"}),
     "high load, coarse pixels": Condition(areas=(200, 250), mm_per_px=(0.05, 0.06), optics={"blur": 0.8}),
     "superellipse, egg": Condition(press={"power": 2.5, "egg": 0.08}),
 }
@@ -114,11 +115,12 @@ class PressureImage:
         return np.asarray(middle + self.contact.boundary[:, ::-1] / self.mm_per_px)
 
 
-def pressure_image(name: str, number: int, **skin: Any) -> PressureImage:
-    """Make an image of a condition; `skin` overrides the ridges' properties."""
+def pressure_image(name: str, number: int, area: float | None = None, **skin: Any) -> PressureImage:
+    """Make an image of a condition; `area` in mm² and `skin` override what it draws at random."""
     condition = CONDITIONS[name]
     rng = np.random.default_rng([sum(name.encode()), number])
-    area = rng.uniform(*condition.areas)
+    drawn = rng.uniform(*condition.areas)
+    area = drawn if area is None else area
     kinds = sorted(SINGULARITIES)
     press = Press(
         **{"area": area, "aspect": rng.uniform(1.1, 1.55), "tilt": rng.normal(0, 0.35), **condition.press}
