@@ -1,0 +1,44 @@
+"""Contact images from a pressure field, whose truth shares nothing with the measurement."""
+
+import numpy as np
+import pytest
+from benchmarks.pressed_pad import Press, Skin, boundary_of, press_pad
+from benchmarks.pressure_images import Comparison, compare, pressure_image
+
+_RIDGES = {"kind": "whorl", "seed": 0, "growth_periods": 26, "period": 0.45}
+_CONDITIONS = ("prism, Hertz pressure", "prism, moist", "live-scan", "plate lit from the side")
+
+
+@pytest.fixture(scope="module")
+def comparisons() -> list[Comparison]:
+    return [compare(pressure_image(name, 1, area=45.0, **_RIDGES)) for name in _CONDITIONS]
+
+
+def test_the_intervals_hold_gross_area_and_semi_axes(comparisons):
+    for comparison in comparisons:
+        assert comparison.covered[[0, 2, 3]].all()
+        assert not comparison.flags
+
+
+def test_the_interval_holds_ridge_area_under_a_prism(comparisons):
+    assert comparisons[0].covered[1]
+
+
+def test_the_edge_lies_within_a_third_of_a_ridge_period(comparisons):
+    displacements = [comparison.displacement for comparison in comparisons]
+    assert np.max(np.abs(displacements)) < 0.15
+    assert np.sqrt(np.mean(np.square([comparison.error[0] for comparison in comparisons]))) < 0.06
+
+
+def test_the_truth_is_that_of_an_ellipse():
+    press = Press(area=30.0, aspect=1.5)
+    skin = Skin(**_RIDGES)
+    contact = press_pad(press, skin, mm=0.02, shape=(420, 360), rng=np.random.default_rng(0))
+    assert np.pi * contact.semi_major * contact.semi_minor == pytest.approx(30.0, rel=1e-9)
+    assert contact.semi_major / contact.semi_minor == pytest.approx(1.5, rel=1e-6)
+    assert np.abs(boundary_of(press)).max(axis=0) == pytest.approx([contact.semi_minor, contact.semi_major])
+    # ∫p dA is the load of the law from which the mean pressure comes.
+    load = contact.pressure.sum() * 0.02**2 * 1e-3
+    assert load == pytest.approx((30 / 110) ** (1 / 0.45), rel=2e-3)
+    assert contact.ridge_area < contact.hull_area < contact.gross_area
+    assert not contact.touching[contact.outside > 0].any()
