@@ -23,15 +23,18 @@ from benchmarks import (
     finger_shapes,
     images,
     loading,
+    loading_truth,
     mutations,
     non_prints,
     page,
     photographs,
     pooling,
+    pressure_images,
     scale,
     sequences,
     soak,
     studies,
+    tissue_thickness,
     uncertainty,
 )
 from benchmarks.exact import RATIOS, exact_contact
@@ -99,6 +102,7 @@ if __name__ == "__main__":
     contact_images.accuracy_and_coverage(72)
     contact_images.edge_calibration(72)
     contact_images.independent_accuracy(12)
+    pressure_images.report()
     contact_edge.pooled_coverage()
     contact_images.speed()
     non_prints.report()
@@ -113,6 +117,8 @@ if __name__ == "__main__":
     engine.long_film()
     engine.stored_study()
     loading.loading_coverage(repeats=100)
+    loading_truth.print_table(repeats=10)
+    tissue_thickness.report()
     scale.rows_at_scale()
     scale.report_of_many_fingers()
     page.report()

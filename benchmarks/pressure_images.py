@@ -230,6 +230,11 @@ def rows() -> Iterator[str]:
     yield _row(f"all {len(pooled)}", pooled)
 
 
-if __name__ == "__main__":
+def report() -> None:
+    """Print the table, as it is made."""
     for line in rows():
         print(line, flush=True)
+
+
+if __name__ == "__main__":
+    report()

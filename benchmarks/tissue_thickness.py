@@ -193,9 +193,14 @@ def _area_panel(axes: Axes, angle: int, wedge: PublishedWedge) -> None:
     axes.legend(loc="lower right")
 
 
-if __name__ == "__main__":
+def report() -> None:
+    """Print all tables."""
     thicknesses()
     solver()
     consequences()
+
+
+if __name__ == "__main__":
+    report()
     radius_against_thickness()
     area_against_indentation()

@@ -140,7 +140,7 @@ def shared_errors(parts: FloatArray, sources: Sequence[str], scales: ColumnArray
     parts : ndarray, shape (estimates, parts)
         Signed contributions to the uncertainty of each.
     sources : sequence of str
-        The source of each part.
+        Source of each part.
     scales : ndarray
         Name of the scale of each estimate, None where it has its own.
     """
