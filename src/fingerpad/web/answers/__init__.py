@@ -1,0 +1,68 @@
+"""What the API answers: the models behind the OpenAPI document and the types of the page's scripts.
+
+Every key is required, so that the page finds what the types promise; what may be missing is null. Lengths of
+a picture are pairs (row, column) in pixels.
+"""
+
+from fingerpad.web.answers.base import Answer, Refusal
+from fingerpad.web.answers.events import EVENTS
+from fingerpad.web.answers.files import BundleContents, PictureInfo, UploadedFile
+from fingerpad.web.answers.measurements import (
+    ContactMeasurement,
+    ContactModel,
+    ContactNumbers,
+    Corrections,
+    LengthMeasurement,
+    PhotographMeasurement,
+    ScaleMeasurement,
+)
+from fingerpad.web.answers.results import (
+    Audit,
+    Budget,
+    BudgetCheck,
+    Figures,
+    PadGeometry,
+    Plot,
+    PlottedGroup,
+    PlottedRows,
+    Rows,
+)
+from fingerpad.web.answers.study import (
+    Frames,
+    RunStatus,
+    Session,
+    State,
+    StateAfterRemoval,
+    StateAfterRestore,
+)
+
+__all__ = [
+    "EVENTS",
+    "Answer",
+    "Audit",
+    "Budget",
+    "BudgetCheck",
+    "BundleContents",
+    "ContactMeasurement",
+    "ContactModel",
+    "ContactNumbers",
+    "Corrections",
+    "Figures",
+    "Frames",
+    "LengthMeasurement",
+    "PadGeometry",
+    "PhotographMeasurement",
+    "PictureInfo",
+    "Plot",
+    "PlottedGroup",
+    "PlottedRows",
+    "Refusal",
+    "Rows",
+    "RunStatus",
+    "ScaleMeasurement",
+    "Session",
+    "State",
+    "StateAfterRemoval",
+    "StateAfterRestore",
+    "UploadedFile",
+]

@@ -1,0 +1,37 @@
+"""Parts of all answers, and types that many of them have."""
+
+from typing import Literal, TypeAlias
+
+from pydantic import BaseModel, ConfigDict
+
+Point: TypeAlias = tuple[float, float]
+Point3D: TypeAlias = tuple[float, float, float]
+MeasuredBy: TypeAlias = Literal["program", "program with corrections", "person"]
+Status: TypeAlias = Literal["done", "failed", "stale", "left", "given", "rejected"]
+Cell: TypeAlias = str | bool | int | float | None
+Face: TypeAlias = Literal["palmar", "distal", "radial", "ulnar"]
+Axis: TypeAlias = Literal["palmar", "distal", "radial_ulnar"]
+
+
+class Answer(BaseModel):
+    """An answer, or a part of one: no key is added or left out."""
+
+    model_config = ConfigDict(extra="forbid", json_schema_serialization_defaults_required=True)
+
+
+class Fault(BaseModel):
+    """What is wrong with a request, and where."""
+
+    place: str = ""
+    words: str
+
+
+class Refusal(Answer):
+    """Why a request failed: `study` and `digest` where another window changed what it was about."""
+
+    model_config = ConfigDict(extra="allow")
+
+    error: str
+    faults: list[Fault] = []
+    study: str | None = None
+    digest: str | None = None

@@ -1,0 +1,216 @@
+"""Measurements, and the corrections of them."""
+
+from typing import Any
+
+from fingerpad.study.corrections.history import Action
+from fingerpad.web.answers.base import Answer, Axis, Face, MeasuredBy, Point
+from fingerpad.web.answers.study import SemiAxes
+
+
+class CoinOutline(Answer):
+    """A coin found in a picture."""
+
+    outline_px: list[Point]
+    radius_px: float
+    radius_px_std: float
+
+
+class ScaleMeasurement(Answer):
+    """The scale that a table gives."""
+
+    mm_per_px: float
+    mm_per_px_std: float
+    relative_std: float
+    resolution_ppi: float
+    flags: list[str]
+    coin: CoinOutline | None
+
+
+class LengthMeasurement(Answer):
+    """The length of a line."""
+
+    length_mm: float
+    length_mm_std: float
+
+
+class ContactNumbers(Answer):
+    """The numbers measured in a contact image."""
+
+    semi_major_mm: float
+    semi_major_mm_std: float | None
+    semi_minor_mm: float
+    semi_minor_mm_std: float | None
+    orientation_deg: float
+    gross_area_mm2: float
+    gross_area_mm2_std: float | None
+    ridge_area_mm2: float | None
+    ridge_area_mm2_std: float | None
+    ridge_period_mm: float | None
+    ellipse_iou: float | None
+
+
+class AutomaticContact(ContactNumbers):
+    """The automatic measurement, to compare with a corrected one."""
+
+    outline_px: list[Point]
+
+
+class ContactEllipse(Answer):
+    """A contact ellipse; the angle is that of the major axis from straight up."""
+
+    centre: Point
+    semi_axes: Point
+    orientation_deg: float
+
+
+class ContactHandles(Answer):
+    """Where the handles of a contact ellipse are."""
+
+    centre_px: Point
+    major_ends_px: tuple[Point, Point]
+    minor_ends_px: tuple[Point, Point]
+
+
+class ContactSettings(Answer):
+    """Settings of the measurement, chosen automatically unless they were corrected."""
+
+    dark_on_light: bool
+    threshold: float | None
+
+
+class ContactModel(Answer):
+    """What the contact model gives for a contact: keys as in ``results.csv``."""
+
+    load_N: float  # noqa: N815
+    u_deg: float | None
+    mean_curvature_radius_mm: float | None
+    mean_curvature_radius_mm_std: float | None
+    radius_from_indentation_mm: float | None
+    radius_from_indentation_mm_std: float | None
+    radius_from_compliance_mm: float | None
+    radius_from_compliance_mm_std: float | None
+    indentation_mm: float | None
+    indentation_mm_std: float | None
+    youngs_modulus_kpa: float | None
+    youngs_modulus_kpa_std: float | None
+    effective_thickness_mm: float | None
+    effective_thickness_mm_std: float | None
+    youngs_modulus_on_layer_kpa: float | None
+    youngs_modulus_on_layer_kpa_std: float | None
+    indentation_on_layer_mm: float | None
+    indentation_on_layer_mm_std: float | None
+    loading_radius_on_layer_mm: float | None
+    loading_radius_on_layer_mm_std: float | None
+    layer_flag: str | None
+    range_notes: list[str]
+
+
+class ContactMeasurement(Answer):
+    """A contact image measured under a correction."""
+
+    item: str
+    by: MeasuredBy
+    outline_px: list[Point]
+    ellipse_px: ContactEllipse
+    handles: ContactHandles
+    numbers: ContactNumbers
+    program: AutomaticContact | None
+    program_error: str | None
+    model: ContactModel | None
+    settings: ContactSettings
+    flags: list[str]
+    mm_per_px: float
+    mm_per_px_std: float
+    milliseconds: float
+
+
+class FaceEllipse(Answer):
+    """The ellipse of a face."""
+
+    centre: Point
+    semi_axes: Point
+    lean_deg: float
+
+
+class FaceHandles(Answer):
+    """Where the handles of a face's ellipse are."""
+
+    centre_px: Point
+    across_end_px: Point
+    along_end_px: Point
+
+
+class FaceSemiAxes(Answer):
+    """Semi-axes that a face gives, mm, with standard uncertainties."""
+
+    semi_axes_mm: dict[Axis, float]
+    semi_axes_mm_std: dict[Axis, float | None]
+
+
+class FaceDifference(Answer):
+    """By how much a face's semi-axes exceed those of all faces, relative to these; null where it has none."""
+
+    item: str
+    face: Face
+    palmar: float | None
+    distal: float | None
+    radial_ulnar: float | None
+
+
+class CombinedFaces(Answer):
+    """The semi-axes that all faces of a finger give."""
+
+    semi_axes_mm: SemiAxes
+    semi_axes_mm_std: SemiAxes
+    chi_square: float
+    degrees_of_freedom: int
+    p_value: float | None
+    disagree: bool
+    between_relative_std: float
+    disagreements: list[FaceDifference]
+
+
+class PhotographMeasurement(FaceSemiAxes):
+    """A photograph measured under a correction."""
+
+    item: str
+    by: MeasuredBy
+    face: Face
+    axes: list[Axis]
+    ellipse_px: FaceEllipse
+    handles: FaceHandles
+    points_px: list[Point]
+    outliers_px: list[Point]
+    arc_deg: float | None
+    lean_deg: float | None
+    flags: list[str]
+    mm_per_px: float
+    mm_per_px_std: float
+    program: FaceSemiAxes | None
+    finger: CombinedFaces | None
+    finger_error: str | None
+    milliseconds: float
+
+
+class CorrectionRecord(Answer):
+    """One record of the corrections."""
+
+    id: int
+    item: str
+    when: str
+    who: str
+    action: Action
+    change: dict[str, Any]
+    picture: str
+
+
+class Corrections(Answer):
+    """The corrections of an item; `change` is the active one."""
+
+    item: str
+    last_id: int
+    change: dict[str, Any]
+    on_another_image: bool
+    can_undo: bool
+    can_redo: bool
+    history: list[CorrectionRecord]

@@ -1,0 +1,271 @@
+"""The session, and the state of the open study."""
+
+from typing import Any, Literal
+
+from fingerpad.study.editing.file_names import Kind as FileKind
+from fingerpad.study.editing.file_names import Role
+from fingerpad.study.manifest.check import Kind
+from fingerpad.study.manifest.study import Uncertainty
+from fingerpad.web.answers.base import Answer, Face, Status
+
+
+class StudyName(Answer):
+    """A study of the workspace; the title is null where its manifest cannot be read."""
+
+    name: str
+    title: str | None
+
+
+class Limits(Answer):
+    """What can be uploaded."""
+
+    upload_bytes: int
+    picture_memory_bytes: int
+
+
+class Session(Answer):
+    """What is open, what can be opened, and the address of Plotly's script."""
+
+    version: str
+    study: StudyName | None
+    workspace: str
+    studies: list[StudyName]
+    who: str
+    plotly: str
+    limits: Limits
+
+
+class MissingEntry(Answer):
+    """Something that the study lacks."""
+
+    kind: Kind | Literal["file", "folder"]
+    key: str
+    words: str
+
+
+class Review(Answer):
+    """What a person did to an item."""
+
+    corrected: bool
+    accepted: bool
+    rejected: str | None
+    who: str | None
+
+
+class ScaleEntry(Answer):
+    """A named scale; `table` is as the manifest states it."""
+
+    name: str
+    table: dict[str, Any]
+    used_by: int
+    complete: bool
+
+
+class SemiAxes(Answer):
+    """Semi-axes of a pad, or their standard uncertainties, mm."""
+
+    palmar: float
+    distal: float
+    radial_ulnar: float
+
+
+class PhotographEntry(Review):
+    """A photograph or an outline of a finger's face."""
+
+    item: str
+    file: str | None
+    outline: bool
+    status: Status
+    face: Face | None
+    scale: str | dict[str, Any] | None
+    tip: str | None
+    palmar_side: str | None
+    synthetic: bool
+
+
+class FingerEntry(Answer):
+    """A finger of the study."""
+
+    name: str
+    table: dict[str, Any]
+    complete: bool
+    synthetic: bool
+    semi_axes_mm: SemiAxes | None
+    semi_axes_mm_std: SemiAxes | None
+    photographs: list[PhotographEntry]
+
+
+class ObservationEntry(Review):
+    """An observation: one contact at one load."""
+
+    item: str
+    finger: str | None
+    wedge_angle_deg: float | None
+    roll_angle_deg: float | None
+    load_N: float | None  # noqa: N815
+    scale: str | dict[str, Any] | None
+    file: str | None
+    notes: str
+    synthetic: bool
+    status: Status
+    flags: list[str]
+    reason: str | None
+    complete: bool
+
+
+class SequenceEntry(Answer):
+    """A sequence of contact images."""
+
+    name: str
+    finger: str | None
+    wedge_angle_deg: float | None
+    roll_angle_deg: float | None
+    force: str | None
+    scale: str | dict[str, Any] | None
+    file: str | None
+    frames_per_second: float | None
+    synthetic: bool
+    status: Status
+    frames: int | None
+    flags: dict[str, int]
+    corrected: int
+    rejected: int
+    reviewed: int
+    complete: bool
+
+
+class CurveEntry(Answer):
+    """A loading curve, or a radius from loading data."""
+
+    key: str
+    finger: str | None
+    wedge_angle_deg: float | None
+    file: str | None
+    loading_radius_mm: float | None
+    loading_radius_mm_std: float | None
+    synthetic: bool
+    complete: bool
+    status: Status
+    reason: str | None
+
+
+class FileReading(Answer):
+    """What the name of a file says; null where it says nothing or could mean two things."""
+
+    role: Role | None
+    finger: str | None
+    face: Face | None
+    wedge_angle_deg: float | None
+    load_N: float | None  # noqa: N815
+
+
+class FileEntry(Answer):
+    """A file of the study folder; what its name says where the study does not use it."""
+
+    file: str
+    kind: FileKind
+    bytes: int
+    used: bool
+    reading: FileReading | None
+
+
+class Descriptions(Answer):
+    """Descriptions of flags, notes and columns by their codes."""
+
+    flags: dict[str, str]
+    photograph_flags: dict[str, str]
+    range_notes: dict[str, str]
+    columns: dict[str, str]
+
+
+class Counts(Answer):
+    """Number of items of each status."""
+
+    done: int
+    failed: int
+    stale: int
+    left: int
+    total: int
+
+
+class RunStatus(Answer):
+    """Progress of a run; `version` rises with each change."""
+
+    state: Literal["idle", "running", "cancelling", "done", "cancelled", "failed"]
+    phase: Literal["measuring", "tables", "report"] | None
+    total: int
+    done: int
+    failed: int
+    current: str
+    file: str
+    seconds: float
+    seconds_left: float | None
+    error: str | None
+    failures: list[str]
+    version: int
+
+
+class ResultsStatus(Answer):
+    """Whether there are results, and whether they are those of the current study."""
+
+    there: bool
+    faults: list[str]
+    report: bool
+    finished: str | None
+    fresh: bool
+
+
+class State(Answer):
+    """The state of a study."""
+
+    name: str
+    title: str
+    description: str
+    digest: str
+    poisson_ratio: float
+    uncertainty: Uncertainty
+    taken_as_exact: list[str]
+    ready: bool
+    missing: list[MissingEntry]
+    scales: list[ScaleEntry]
+    fingers: list[FingerEntry]
+    observations: list[ObservationEntry]
+    sequences: list[SequenceEntry]
+    curves: list[CurveEntry]
+    files: list[FileEntry]
+    words: Descriptions
+    counts: Counts
+    run: RunStatus
+    results: ResultsStatus
+
+
+class StateAfterRemoval(State):
+    """The state of a study, and the number by which the removed file can be restored."""
+
+    removed: str
+
+
+class StateAfterRestore(State):
+    """The state of a study, and the name of the restored file."""
+
+    restored: str
+
+
+class FrameEntry(Review):
+    """A frame of a sequence."""
+
+    item: str
+    frame: int
+    status: str
+    flags: list[str]
+    phase: str | None
+    time_s: float | None
+    load_N: float | None  # noqa: N815
+    pooled: bool
+
+
+class Frames(Answer):
+    """Some frames of a sequence, and how many there are."""
+
+    total: int
+    frames: list[FrameEntry]
