@@ -54,6 +54,7 @@ def layer_model(*, thickness: FloatArray, **pad: FloatArray) -> dict[str, FloatA
     ...     load=2.0,
     ...     contact_radius=np.sqrt(7.4 * 5.0),
     ...     elongation=np.log(7.4 / 5.0),
+    ...     edge_offset=0.0,
     ... )
     >>> print(f"{outputs['loading_radius_on_layer']:.2f}")
     20.43
