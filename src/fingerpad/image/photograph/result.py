@@ -61,9 +61,9 @@ class PhotographFit(Displayed):
     flags : frozenset of str
         Doubts, from `PHOTOGRAPH_FLAGS`.
     exponent, exponent_std : float
-        Exponent p of the superellipse |x/a|^p + |y/b|^p = 1 that follows the pad best, a mean over its
-        quadrants, and its standard uncertainty: 2 for an ellipse, less where the tip is pointed, more where
-        it is blunt. NaN where nothing was fitted.
+        Exponent p of the superellipse :math:`|x/a|^p + |y/b|^p = 1` that follows the pad best, a mean over
+        its quadrants, and its standard uncertainty: 2 for an ellipse, less where the tip is pointed, more
+        where it is blunt. NaN where nothing was fitted.
 
     Examples
     --------
