@@ -35,13 +35,15 @@ def test_finds_the_modulus_that_the_solver_was_given(solved, given) -> None:
     assert found.youngs_modulus == pytest.approx(0.09 * (1 - 0.48**2), rel=0.006)
     assert found.area == pytest.approx(solution.area, rel=0.006)
     assert found.indentation == pytest.approx(solution.indentation, rel=0.006)
-    assert found.loading_radius == pytest.approx(solution.area / (math.pi * solution.indentation), rel=0.006)
+    assert found.area_over_pi_indentation == pytest.approx(
+        solution.area / (math.pi * solution.indentation), rel=0.006
+    )
 
 
 def test_a_thick_layer_is_the_half_space() -> None:
     thickness = np.array([1e4, math.inf])
     found = layered_contact(PAD, **PLACED, thickness=thickness, load=2.0, area=110.0)
-    for values in (found.youngs_modulus, found.indentation, found.loading_radius):
+    for values in (found.youngs_modulus, found.indentation, found.area_over_pi_indentation):
         assert_allclose(values[0], values[1], rtol=1e-3)
     assert found.flag.tolist() == ["", ""]
 
@@ -59,7 +61,7 @@ def test_a_tiny_contact_is_hertzian(thickness) -> None:
 def test_bone_lowers_the_modulus_and_raises_the_loading_radius() -> None:
     found = layered_contact(PAD, **PLACED, thickness=[4.0, 6, 8, 12, math.inf], load=2.0, area=110.0)
     assert (np.diff(found.youngs_modulus) > 0).all()
-    assert (np.diff(found.loading_radius) < 0).all()
+    assert (np.diff(found.area_over_pi_indentation) < 0).all()
 
 
 @pytest.mark.parametrize(
@@ -80,7 +82,14 @@ def test_flags(change, flag) -> None:
     press = {"thickness": 8.0, "load": 2.0, "area": 110.0} | change
     found = layered_contact(PAD, **PLACED, **press)
     assert str(found.flag) == flag
-    for name in ("load", "area", "indentation", "reduced_modulus", "youngs_modulus", "loading_radius"):
+    for name in (
+        "load",
+        "area",
+        "indentation",
+        "reduced_modulus",
+        "youngs_modulus",
+        "area_over_pi_indentation",
+    ):
         assert math.isnan(getattr(found, name)) == bool(flag), name
 
 

@@ -53,7 +53,7 @@ def test_both_theories(given: str, thickness: float | None) -> None:
     assert set(record["hertz"]) == KEYS
     assert record["flag"] is None
     assert record["youngs_modulus_kpa"] == pytest.approx(1000 * whole.youngs_modulus, rel=1e-3)
-    assert record["area_over_pi_indentation_mm"] == pytest.approx(whole.loading_radius, rel=1e-3)
+    assert record["area_over_pi_indentation_mm"] == pytest.approx(whole.area_over_pi_indentation, rel=1e-3)
     geometry = HertzGeometry(*Placement(ELLIPSOID, wedge_angle=math.radians(30)).curvature.principal_radii)
     unit = getattr(geometry, f"at_{given}")(value, reduced_modulus=1.0)
     assert record["hertz"]["reduced_modulus_kpa"] == pytest.approx(1000 * 1.5 / unit.load)

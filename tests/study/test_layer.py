@@ -69,7 +69,7 @@ def test_rows_have_both_theories(tmp_path: Path) -> None:
     )
     assert row["youngs_modulus_on_layer_kpa"] == pytest.approx(1000 * found.youngs_modulus)
     assert row["indentation_on_layer_mm"] == pytest.approx(found.indentation)
-    assert row["loading_radius_on_layer_mm"] == pytest.approx(found.loading_radius)
+    assert row["loading_radius_on_layer_mm"] == pytest.approx(found.area_over_pi_indentation)
     assert row["layer_flag"] is None
     assert (row["effective_thickness_mm"], row["effective_thickness_mm_std"]) == (8.0, 0.8)
     # Bone: a softer tissue that is indented less.

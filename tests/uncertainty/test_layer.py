@@ -47,7 +47,12 @@ def test_the_model_is_the_contact_of_the_area_of_the_ellipse() -> None:
         load=2.0,
         area=math.pi * 7.4 * 5.0,
     )
-    values = contact.reduced_modulus, contact.youngs_modulus, contact.indentation, contact.loading_radius
+    values = (
+        contact.reduced_modulus,
+        contact.youngs_modulus,
+        contact.indentation,
+        contact.area_over_pi_indentation,
+    )
     assert found.names == LAYER_OUTPUTS
     assert_allclose(found.value, values, rtol=1e-12)
 
@@ -110,7 +115,7 @@ def test_moduli_from_a_measured_indentation() -> None:
     layered = layered_contact(
         pad, wedge_angle=0.6, thickness=8.0, poisson_ratio=0.49, load=2.0, indentation=1.8
     )
-    expected = (1 - 0.49**2) * hertz, layered.youngs_modulus, layered.loading_radius
+    expected = (1 - 0.49**2) * hertz, layered.youngs_modulus, layered.area_over_pi_indentation
     assert_allclose(found.value, expected, rtol=1e-12)
     assert found.value[1] < 0.6 * found.value[0]
     deep = propagate(indentation_model, pressed(1e4, contact_shift=0.0))

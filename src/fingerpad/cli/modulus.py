@@ -79,7 +79,7 @@ def _record(contact: "LayeredContact") -> dict[str, Any]:
         "load_N": contact.load,
         "area_mm2": contact.area,
         "indentation_mm": contact.indentation,
-        "area_over_pi_indentation_mm": contact.loading_radius,
+        "area_over_pi_indentation_mm": contact.area_over_pi_indentation,
         "reduced_modulus_kpa": KPA_PER_MPA * contact.reduced_modulus,
         "youngs_modulus_kpa": KPA_PER_MPA * contact.youngs_modulus,
         "flag": flag or None,

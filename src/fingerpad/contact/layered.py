@@ -3,60 +3,41 @@
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from fingerpad._arrays import ArrayLike, FloatArray, as_float_array
-from fingerpad._display import Displayed
-from fingerpad.contact.fast_laws import FLAGS, fast_contact
+from fingerpad.contact.fast_laws import FLAGS, FastContact, fast_contact
 from fingerpad.contact.hertz import youngs_modulus
 from fingerpad.contact.pad_gap import PadGap
 from fingerpad.geometry import Ellipsoid
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
-class LayeredContact(Displayed):
-    """A pad on a layer of tissue over bone; NaN where it is flagged.
+class LayeredContact(FastContact):
+    """A pad on a layer of tissue over bone, with the moduli that explain it; NaN where it is flagged.
+
+    A/(πξ) is what loading data should show as R_g at its load.
 
     Attributes
     ----------
-    load : ndarray
-        Normal force W.
-    area : ndarray
-        Contact area A.
-    indentation : ndarray
-        Mutual approach ξ.
+    load, area, indentation : ndarray
+        Normal force W, contact area A and mutual approach ξ.
+    flag_code : ndarray
+        Place in `FLAGS` of what takes a contact out of the laws' range; 0 within.
     reduced_modulus : ndarray
         E* with which the load gives that area and indentation.
     youngs_modulus : ndarray
         E = E*(1 − ν²).
-    flag_code : ndarray
-        Place in `FLAGS` of what takes a contact out of the laws' range; 0 within.
 
     Examples
     --------
     >>> pad = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
     >>> contact = layered_contact(pad, wedge_angle=np.radians(30), thickness=[8.0, 1.5], load=2, area=116)
-    >>> contact.loading_radius.round(1), contact.flag.tolist()
+    >>> contact.area_over_pi_indentation.round(1), contact.flag.tolist()
     (array([20.4,  nan]), ['', 'layer_too_thin'])
     """
 
-    load: FloatArray
-    area: FloatArray
-    indentation: FloatArray
     reduced_modulus: FloatArray
     youngs_modulus: FloatArray
-    flag_code: npt.NDArray[np.int8]
-
-    @property
-    def loading_radius(self) -> FloatArray:
-        """A/(πξ), what loading data should show as R_g at this load."""
-        return self.area / (np.pi * self.indentation)
-
-    @property
-    def flag(self) -> npt.NDArray[np.str_]:
-        """Names of the flags, empty where there is none."""
-        names: npt.NDArray[np.str_] = np.array(FLAGS)[self.flag_code]
-        return names
 
 
 def layered_contact(

@@ -76,12 +76,12 @@ class Estimate(Displayed):
         >>> print(f"{radius.value} ± {radius.std:.1f}, {radius.lower:.1f} to {radius.upper:.1f}")
         13.8 ± 1.2, 13.6 to 15.4
         """
-        shift = max((abs(other.value - self.value) for other in others), default=0.0)
+        shift = max(abs(other.value - self.value) for other in (self, *others))
         return Estimate(
             value=self.value,
             std=math.hypot(self.std, shift),
-            lower=min(self.lower, *(other.lower for other in others)) if others else self.lower,
-            upper=max(self.upper, *(other.upper for other in others)) if others else self.upper,
+            lower=min(other.lower for other in (self, *others)),
+            upper=max(other.upper for other in (self, *others)),
         )
 
     def times(self, factor: float) -> "Estimate":

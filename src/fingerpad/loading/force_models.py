@@ -30,22 +30,18 @@ def _power(values: Values, xi: FloatArray, stiffness: FloatArray) -> FloatArray:
     return values["youngs_modulus"] * stiffness * xi**exponent
 
 
+_GROWING: Final = ForceModel(
+    names=("initial_modulus", "load_coefficient"),
+    load=lambda values, xi, c: clipped_load(
+        c * xi**1.5, values["initial_modulus"], values["load_coefficient"]
+    ),
+)
 FORCE_MODELS: Final = {
     "hertz": ForceModel(
         names=("youngs_modulus",), load=lambda values, xi, c: values["youngs_modulus"] * (c * xi**1.5)
     ),
-    "load_dependent": ForceModel(
-        names=("initial_modulus", "load_coefficient"),
-        load=lambda values, xi, c: clipped_load(
-            c * xi**1.5, values["initial_modulus"], values["load_coefficient"]
-        ),
-    ),
-    "exact_sphere": ForceModel(
-        names=("initial_modulus", "load_coefficient"),
-        load=lambda values, xi, c: clipped_load(
-            c * xi**1.5, values["initial_modulus"], values["load_coefficient"]
-        ),
-    ),
+    "load_dependent": _GROWING,
+    "exact_sphere": _GROWING,  # its shape is a factor on the stiffness
     "free_exponent": ForceModel(names=("youngs_modulus", "load_exponent"), load=_power),
 }
 

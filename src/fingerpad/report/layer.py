@@ -7,7 +7,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from fingerpad.contact import ContactField, EllipsoidContact, layered_contact
+from fingerpad.contact import ContactField, EllipsoidContact, layered_contact, reduced_modulus
 from fingerpad.exceptions import ConvergenceError, GeometryError
 from fingerpad.figures import new_figure, plot_layer_effect, section_figure
 from fingerpad.figures.style import mark_synthetic
@@ -15,6 +15,7 @@ from fingerpad.geometry import Ellipsoid
 from fingerpad.report.plot import Plot
 from fingerpad.report.plots import group_name
 from fingerpad.study.results.layer import HERTZ_OF, LAYER_FLAGS
+from fingerpad.study.results.layer_curve import curve_on_layer
 from fingerpad.study.results.layer_summary import LayerQuantity
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.summary import Summary
@@ -82,14 +83,13 @@ def comparisons(result: StudyResult, summary: Summary) -> list[Comparison]:
 
 def _of_curves(result: StudyResult, summary: Summary) -> Iterator[Comparison]:
     """Yield a line for each loading curve of the finger at the angle."""
-    for curve, found in zip(result.curves, result.curves_on_layer(), strict=True):
+    place = summary.finger, summary.wedge_angle_deg, summary.synthetic
+    for curve in result.curves:
         of = curve.manifest
-        same = (of.finger, of.wedge_angle_deg, of.synthetic) == (
-            summary.finger,
-            summary.wedge_angle_deg,
-            summary.synthetic,
-        )
-        if same and found is not None:
+        if (of.finger, of.wedge_angle_deg, of.synthetic) != place:
+            continue
+        found = curve_on_layer(result.study, result.fingers[of.finger], curve)
+        if found is not None:
             yield _comparison(
                 "E from load and indentation (kPa)",
                 f"{of.file}, {found.load:.3g} N" + (f": {LAYER_FLAGS[found.flag]}" if found.flag else ""),
@@ -143,7 +143,7 @@ def _conditional(result: StudyResult, summary: Summary) -> Iterator[Plot]:
     if not known.size:
         return
     place = int(known[-1])
-    row, modulus, radius = pooled[place], found.youngs_modulus[place], found.loading_radius[place]
+    row, modulus, radius = pooled[place], found.youngs_modulus[place], found.area_over_pi_indentation[place]
     figure, (axes,) = new_figure(height_mm=56)
     plot_layer_effect(
         axes,
@@ -169,12 +169,12 @@ def _section(result: StudyResult, summary: Summary) -> Iterator[Plot]:
     layer = summary.layer
     if layer is None or layer.flag:
         return
-    nu = result.study.poisson_ratio
+    nu, modulus = result.study.poisson_ratio, layer.at_highest_load["youngs_modulus_on_layer"].value
     press: dict[str, Any] = {
         "wedge_angle": math.radians(summary.wedge_angle_deg),
         "roll_angle": math.radians(summary.roll_angle_deg),
         "load": layer.load,
-        "reduced_modulus": layer.at_highest_load["youngs_modulus_on_layer"].value / KPA_PER_MPA / (1 - nu**2),
+        "reduced_modulus": float(reduced_modulus(modulus / KPA_PER_MPA, nu)),
         "poisson_ratio": nu,
     }
     pad = Ellipsoid(*result.fingers[summary.finger].semi_axes)

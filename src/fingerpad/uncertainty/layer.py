@@ -60,7 +60,12 @@ def layer_model(*, thickness: FloatArray, **pad: FloatArray) -> dict[str, FloatA
     20.43
     """
     contact = _contact_of(thickness, pad)
-    values = contact.reduced_modulus, contact.youngs_modulus, contact.indentation, contact.loading_radius
+    values = (
+        contact.reduced_modulus,
+        contact.youngs_modulus,
+        contact.indentation,
+        contact.area_over_pi_indentation,
+    )
     return dict(zip(LAYER_OUTPUTS, values, strict=True))
 
 
@@ -201,7 +206,7 @@ def indentation_model(
     return {
         "youngs_modulus_from_indentation": hertz.youngs_modulus,
         "youngs_modulus_from_indentation_on_layer": layered.youngs_modulus,
-        "loading_radius_on_layer": layered.loading_radius,
+        "loading_radius_on_layer": layered.area_over_pi_indentation,
     }
 
 

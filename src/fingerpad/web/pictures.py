@@ -15,7 +15,7 @@ import numpy.typing as npt
 from fingerpad.exceptions import ImageError
 from fingerpad.image import open_frames, read_colour_image, read_image
 from fingerpad.image.read import Picture
-from fingerpad.image.sequence.frames import PICTURE_SUFFIXES, VIDEO_SUFFIXES, frame_files
+from fingerpad.image.sequence.frames import PICTURE_SUFFIXES, TIFF_SUFFIXES, VIDEO_SUFFIXES, frame_files
 from fingerpad.study.editing.file_names import Kind
 from fingerpad.web.errors import RequestError
 
@@ -23,7 +23,7 @@ THUMBNAIL_PX: Final = 192
 PREVIEW_PX: Final = 2048
 _DECODED_BYTES: Final = 400_000_000
 _ENCODED_BYTES: Final = 100_000_000
-_FILM_SUFFIXES: Final = VIDEO_SUFFIXES | {".tif", ".tiff"}
+_FILM_SUFFIXES: Final = VIDEO_SUFFIXES | TIFF_SUFFIXES
 _JPEG: Final = [cv2.IMWRITE_JPEG_QUALITY, 90]
 _WEBP: Final = [cv2.IMWRITE_WEBP_QUALITY, 75]
 _PNG: Final = [cv2.IMWRITE_PNG_COMPRESSION, 1]

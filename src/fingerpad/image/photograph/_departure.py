@@ -1,7 +1,7 @@
 """How far a finger's outline departs from an ellipse, and what that leaves unknown of the semi-axes."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.optimize import OptimizeResult, least_squares
@@ -9,6 +9,7 @@ from scipy.special import expit
 
 from fingerpad._arrays import FloatArray
 from fingerpad.image.ellipse import PlaneEllipse
+from fingerpad.image.photograph.result import PhotographFit
 
 # Standard deviation of fingers' exponents from 2, and of a quadrant's from the others'; exponents searched.
 _EXPONENT_STD, _QUADRANT_STD = 0.3, 0.15
@@ -45,6 +46,18 @@ class Departure:
 def is_significant(exponent: float, std: float) -> bool:
     """Return whether an exponent departs from 2 by more than chance and the skin's roughness allow."""
     return abs(exponent - 2) > max(_SIGNIFICANT * std, _LEAST_DEPARTURE)
+
+
+def with_departure(found: PhotographFit, departure: Departure | None) -> PhotographFit:
+    """Return a measured face with what its departure leaves unknown, without an exponent if that is None."""
+    if departure is None:
+        return replace(found, exponent=math.nan, exponent_std=math.nan)
+    return replace(
+        found,
+        edge_covariance=found.edge_covariance + departure.covariance * found.scale.mm_per_px**2,
+        exponent=departure.exponent,
+        exponent_std=departure.exponent_std,
+    )
 
 
 def departure_of(points: FloatArray, ellipse: PlaneEllipse, lean: tuple[float, float]) -> Departure | None:

@@ -13,7 +13,7 @@ from fingerpad.exceptions import FitError, ImageError
 from fingerpad.geometry.faces import Direction, Face, face_axes, palmar_directions
 from fingerpad.image.ellipse import rotation
 from fingerpad.image.photograph._arc import PAD_MIDDLE
-from fingerpad.image.photograph._departure import departure_of, is_significant
+from fingerpad.image.photograph._departure import departure_of, is_significant, with_departure
 from fingerpad.image.photograph.outline_fit import fit_outline_ellipse, parametric_angles
 from fingerpad.image.photograph.result import PhotographFit, size_flags
 from fingerpad.image.scale import Scale
@@ -236,8 +236,6 @@ def with_marked_points(
         points=points,
         outliers=left_out,
         residual_px_std=fit.residual_std,
-        exponent=math.nan,
-        exponent_std=math.nan,
     )
     relative = np.sqrt(np.diagonal(result.edge_covariance)) / result.semi_axes
     if not float(relative.max()) < 0.4:
@@ -246,15 +244,9 @@ def with_marked_points(
             "keep or add points along a longer arc"
         )
     flags = found.flags - size_flags(found.semi_axes) - {"not_an_ellipse"} | size_flags(result.semi_axes)
-    if departure is not None:
-        result = replace(
-            result,
-            edge_covariance=result.edge_covariance + departure.covariance * found.scale.mm_per_px**2,
-            exponent=departure.exponent,
-            exponent_std=departure.exponent_std,
-        )
-        if is_significant(result.exponent, result.exponent_std):
-            flags |= {"not_an_ellipse"}
+    result = with_departure(result, departure)
+    if is_significant(result.exponent, result.exponent_std):
+        flags |= {"not_an_ellipse"}
     return replace(result, flags=flags | {"by_hand"})
 
 

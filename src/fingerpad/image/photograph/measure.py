@@ -26,7 +26,7 @@ from fingerpad.image.photograph._arc import (
 )
 from fingerpad.image.photograph._arc_averaging import average_over_ends
 from fingerpad.image.photograph._arc_extension import extend_arc
-from fingerpad.image.photograph._departure import is_significant
+from fingerpad.image.photograph._departure import is_significant, with_departure
 from fingerpad.image.photograph._edges import SubpixelOutline, locate_edges
 from fingerpad.image.photograph._finger_axis import finger_lean
 from fingerpad.image.photograph._input import (
@@ -225,13 +225,7 @@ def _result(
             f"the {face} face's arc of {found.arc_deg:.0f} degrees leaves an axis unknown by {relative:.0%}: "
             "mark a longer arc, come nearer, or choose a backdrop of another colour than the skin"
         )
-    if arc.departure is not None:
-        found = replace(
-            found,
-            edge_covariance=found.edge_covariance + arc.departure.covariance * scale.mm_per_px**2,
-            exponent=arc.departure.exponent,
-            exponent_std=arc.departure.exponent_std,
-        )
+    found = with_departure(found, arc.departure)
     contrast = float(np.quantile(edges.step_ratio[arc.used], 0.25))
     return replace(found, flags=_flags(found, contrast, silhouette))
 

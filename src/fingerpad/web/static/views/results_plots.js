@@ -195,39 +195,30 @@ export class Plots {
     const onLayer = layerKey && rows[layerKey].some((value) => value !== null);
     const crowded = rows.item.length > 80;
     const name = (index) => rows.item[index];
+    const square = (size) => ({
+      symbol: "square",
+      color: group.synthetic ? panel : compliance,
+      size: crowded ? 3 : size,
+      line: { color: compliance, width: 1.2 },
+    });
+    const bars = (array, color) => ({ type: "data", array, color, thickness: 1.4, width: crowded ? 0 : 4 });
     const traces = [
       radius && {
         x: rows.load_N,
         y: rows.radius_from_compliance_mm,
         mode: "markers",
         type: "scatter",
-        marker: {
-          symbol: "square",
-          color: group.synthetic ? panel : compliance,
-          size: crowded ? 3 : 6,
-          line: { color: compliance, width: 1.2 },
-        },
+        marker: square(6),
         hovertemplate: "%{text}<br>W = %{x:.3g} N<br>R_Aξ = %{y:.2f} mm<extra></extra>",
         text: rows.item,
       },
       onLayer && {
         x: rows.load_N,
         y: rows[layerKey],
-        error_y: {
-          type: "data",
-          array: rows[`${layerKey}_std`],
-          color: compliance,
-          thickness: 1.4,
-          width: crowded ? 0 : 4,
-        },
+        error_y: bars(rows[`${layerKey}_std`], compliance),
         mode: "markers",
         type: "scatter",
-        marker: {
-          symbol: "square",
-          color: group.synthetic ? panel : compliance,
-          size: crowded ? 3 : 7,
-          line: { color: compliance, width: 1.2 },
-        },
+        marker: square(7),
         hovertemplate: rows.item.map(
           (_, index) =>
             `${"%{text}"}<br>W = %{x:.3g} N<br>${words} on layer: ` +
@@ -238,7 +229,7 @@ export class Plots {
       {
         x: rows.load_N,
         y: rows[key],
-        error_y: std && { type: "data", array: std, color: measured, thickness: 1.4, width: crowded ? 0 : 4 },
+        error_y: std && bars(std, measured),
         mode: "markers",
         type: "scatter",
         marker: {
