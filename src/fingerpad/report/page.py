@@ -37,6 +37,7 @@ from fingerpad.report.templates import templates
 from fingerpad.report.text import FLAG_WORDS, doubtful_frames, face_differences, in_words
 from fingerpad.study.results.check import UncertaintyCheck
 from fingerpad.study.results.layer import LAYER_FLAGS
+from fingerpad.study.results.methods import methods_section
 from fingerpad.study.results.rows import RANGE_NOTES
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.summary import Summary, area_exponent
@@ -111,6 +112,7 @@ def write_page(
             most_presses=_MOST_PRESSES,
             synthetic=bool(result.rows.column("synthetic").any()),
             exact=result.study.taken_as_exact(),
+            methods=methods_section(result),
             thick=any(finger.effective_thickness is not None for finger in result.fingers.values()),
         )
         page.enable_buffering()

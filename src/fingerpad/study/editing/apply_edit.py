@@ -13,7 +13,7 @@ from fingerpad.exceptions import ManifestError
 from fingerpad.study.corrections.log import CorrectionLog
 from fingerpad.study.editing.documents import StudyFiles
 from fingerpad.study.editing.toml_tables import added, new_table, remove, remove_scale, update
-from fingerpad.study.manifest.check import Kind
+from fingerpad.study.manifest.check import SECTIONS, Kind
 from fingerpad.study.manifest.load import LISTS, TABLES
 from fingerpad.study.manifest.scales import SCALE_KINDS
 from fingerpad.study.manifest.tables import Name
@@ -28,8 +28,8 @@ class Edit:
     Attributes
     ----------
     kind : str
-        ``study`` (the top level), ``uncertainty``, ``scale``, ``finger``, ``photograph``, ``observation``,
-        ``sequence`` or ``curve``.
+        ``study`` (the top level), ``uncertainty``, ``apparatus``, ``scale``, ``finger``,
+        ``photograph``, ``observation``, ``sequence`` or ``curve``.
     key : str
         Its name; for a photograph ``FINGER/IMAGE``, for a curve its number from 0, else empty. A key that is
         not there yet is added.
@@ -59,7 +59,7 @@ def apply_edit(files: StudyFiles, edit: Edit) -> None:
 
 
 def _apply(files: StudyFiles, edit: Edit) -> None:
-    if edit.kind in {"study", "uncertainty"}:
+    if edit.kind == "study" or edit.kind in SECTIONS:
         _set_top(files, edit)
     elif edit.kind == "scale":
         _set_scale(files, edit)
@@ -86,16 +86,16 @@ def _set_top(files: StudyFiles, edit: Edit) -> None:
     if edit.set is None:
         if edit.kind == "study":
             raise ManifestError("the study itself cannot be removed; delete its folder")
-        manifest.pop("uncertainty", None)
+        manifest.pop(edit.kind, None)
         return
     if edit.kind == "study":
         if tables := sorted(TABLES & edit.set.keys()):
             raise ManifestError(f"study: {tables[0]} has edits of its own")
         update(manifest, edit.set)
         return
-    if "uncertainty" not in manifest:
-        new_table(manifest, "uncertainty")
-    update(manifest["uncertainty"], edit.set)
+    if edit.kind not in manifest:
+        new_table(manifest, edit.kind)
+    update(manifest[edit.kind], edit.set)
 
 
 def _set_scale(files: StudyFiles, edit: Edit) -> None:

@@ -11,6 +11,7 @@ from tomlkit.exceptions import TOMLKitError
 from fingerpad.exceptions import ManifestError
 from fingerpad.study.atomic_files import read_text_or_none
 from fingerpad.study.journal import replace_files
+from fingerpad.study.manifest.check import SECTIONS
 from fingerpad.study.manifest.files import file_inside
 from fingerpad.study.manifest.load import STUDY_NAME, LoadedStudy, checked_study, load_study
 from fingerpad.study.manifest.sheet import Sheet
@@ -82,7 +83,7 @@ def _require_as_complete(before: LoadedStudy, after: LoadedStudy) -> None:
     """Refuse to make wrong what was complete; what was not may lack other things than before."""
     wrong_before = {(one.kind, one.key) for one in before.incomplete}
     was_complete: set[tuple[str, str]] = {(one.kind, one.key) for one in before.tables if one.complete}
-    was_complete |= {("study", ""), ("uncertainty", "")} - wrong_before
+    was_complete |= {(name, "") for name in ("study", *SECTIONS)} - wrong_before
     contents = [one.content for one in before.incomplete]
     lines = [
         line

@@ -19,10 +19,11 @@ from fingerpad.study.manifest.scales import (
     ScaleKey,
     ScaleTable,
 )
-from fingerpad.study.manifest.study import Study, Uncertainty
+from fingerpad.study.manifest.study import Apparatus, Study, Uncertainty
 
 __all__ = [
     "CORRECTIONS",
+    "Apparatus",
     "CoinScale",
     "Contact",
     "ContactEllipse",

@@ -14,18 +14,20 @@ from fingerpad.study.manifest.curves import Curve
 from fingerpad.study.manifest.files import file_inside
 from fingerpad.study.manifest.fingers import Finger
 from fingerpad.study.manifest.scales import OwnScale
-from fingerpad.study.manifest.study import Study, Uncertainty
+from fingerpad.study.manifest.study import Apparatus, Study, Uncertainty
 from fingerpad.study.manifest.tables import ManifestModel, Name
 from fingerpad.study.manifest.validation import Fault, checked, place_of
 
 Kind: TypeAlias = Literal[
-    "study", "uncertainty", "scale", "finger", "photograph", "observation", "sequence", "curve"
+    "study", "uncertainty", "apparatus", "scale", "finger", "photograph", "observation", "sequence", "curve"
 ]
 
 _NAME: Final = TypeAdapter(Name)
+# Tables that a study has once.
+SECTIONS: Final[Mapping[Kind, type[ManifestModel]]] = {"uncertainty": Uncertainty, "apparatus": Apparatus}
 MODELS: Final[Mapping[Kind, TypeAdapter[Any]]] = {
     "study": TypeAdapter(Study),
-    "uncertainty": TypeAdapter(Uncertainty),
+    **{name: TypeAdapter(model) for name, model in SECTIONS.items()},
     "scale": TypeAdapter(OwnScale),
     "finger": TypeAdapter(Finger),
     "observation": TypeAdapter(Observation),
@@ -41,7 +43,7 @@ class Table:
     Attributes
     ----------
     kind, key : str
-        What it is, and its name; of a curve its number from 0, of the top level and the uncertainty empty.
+        What it is, and its name; of a curve its number from 0, of the top level and the sections empty.
     content : dict
         What it says.
     file, place : str

@@ -13,10 +13,10 @@ from typing import Any, Final
 
 from fingerpad.exceptions import ManifestError
 from fingerpad.study.journal import recover
-from fingerpad.study.manifest.check import MODELS, Kind, Table, TableChecks
+from fingerpad.study.manifest.check import MODELS, SECTIONS, Kind, Table, TableChecks
 from fingerpad.study.manifest.files import file_inside
 from fingerpad.study.manifest.sheet import Sheet
-from fingerpad.study.manifest.study import Study, Uncertainty
+from fingerpad.study.manifest.study import Study
 from fingerpad.study.manifest.validation import Fault, checked
 
 STUDY_NAME: Final = "study.toml"
@@ -27,7 +27,7 @@ LISTS: Final[Mapping[Kind, str]] = {
     "sequence": "sequences",
     "curve": "curves",
 }
-TABLES: Final = frozenset((*LISTS.values(), "scales", "uncertainty"))
+TABLES: Final = frozenset((*LISTS.values(), "scales", *SECTIONS))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -43,7 +43,7 @@ class LoadedStudy:
     study : Study
         What is complete of it.
     tables : tuple of Table
-        All scales, fingers, observations, sequences and curves; of the top level and the uncertainty what is
+        All scales, fingers, observations, sequences and curves; of the top level and the sections what is
         wrong.
     issues : tuple of str
         What is missing or wrong, each naming its file and key; a study without any can be run.
@@ -207,7 +207,7 @@ def require_tables(document: Mapping[str, Any], file: str) -> None:
         _require_list(document.get(name, []), f"{file}: {name}", name)
     for finger in document.get("fingers", []):
         _require_list(finger.get("photographs", []), f"{file}: fingers.photographs", "fingers.photographs")
-    for name in ("scales", "uncertainty"):
+    for name in ("scales", *SECTIONS):
         if not isinstance(document.get(name, {}), Mapping):
             raise ManifestError(f"{file}: {name}: expected a table, as in [{name}]")
     for name, scale in document.get("scales", {}).items():
@@ -226,7 +226,7 @@ def _top_level(document: Mapping[str, Any], path: Path) -> tuple[Study, list[Tab
     """Return the study without its lists of tables, and what is wrong at the top level."""
     parts: dict[Kind, tuple[str, Any]] = {
         "study": ("", {key: value for key, value in document.items() if key not in TABLES}),
-        "uncertainty": ("uncertainty", document.get("uncertainty", {})),
+        **{name: (name, document.get(name, {})) for name in SECTIONS},
     }
     found, wrong = {}, []
     for kind, (place, content) in parts.items():
@@ -236,10 +236,11 @@ def _top_level(document: Mapping[str, Any], path: Path) -> tuple[Study, list[Tab
                 Table(kind=kind, key="", content=content, file=path.name, place=place, faults=faults)
             )
         bad = {fault.place for fault in faults}
-        fields = Study.model_fields if kind == "study" else Uncertainty.model_fields
+        fields = SECTIONS.get(kind, Study).model_fields
         found[kind] = {key: value for key, value in content.items() if key in fields and key not in bad}
     title = {"title": path.absolute().parent.name}
-    return Study(**{**title, **found["study"]}, uncertainty=Uncertainty(**found["uncertainty"])), wrong
+    sections: dict[str, Any] = {name: model(**found[name]) for name, model in SECTIONS.items()}
+    return Study(**{**title, **found["study"], **sections}), wrong
 
 
 def _tables(document: Mapping[str, Any], file: str) -> Iterator[Table]:

@@ -9,7 +9,10 @@ from fingerpad.study.manifest.contacts import ContactSequence, Observation
 from fingerpad.study.manifest.curves import Curve
 from fingerpad.study.manifest.fingers import Finger
 from fingerpad.study.manifest.scales import OwnScale, ScaleKey, is_exact
-from fingerpad.study.manifest.tables import AngleStd, ManifestModel, Name, RelativeStd
+from fingerpad.study.manifest.tables import AngleStd, ManifestModel, Name, Positive, RelativeStd
+
+# A phrase inside a sentence.
+Text = Annotated[str, Field(max_length=300)]
 
 
 class Uncertainty(ManifestModel):
@@ -22,6 +25,20 @@ class Uncertainty(ManifestModel):
     method: Literal["first_order", "monte_carlo"] = "first_order"
 
 
+class Apparatus(ManifestModel):
+    """What a methods section says of the experiment and no file shows, in the words to be printed."""
+
+    imaging: Text = ""
+    platen: Text = ""
+    force_sensor: Text = ""
+    stage: Text = ""
+    scale_calibration: Text = ""
+    poisson_ratio_basis: Text = ""
+    thickness_basis: Text = ""
+    approach_mm_per_s: Positive | None = None
+    dwell_s: Positive | None = None
+
+
 class Study(ManifestModel):
     """The whole manifest."""
 
@@ -31,6 +48,7 @@ class Study(ManifestModel):
     description: str = ""
     poisson_ratio: Annotated[float, Field(gt=-1, le=0.5)] = 0.5
     uncertainty: Uncertainty = Uncertainty()
+    apparatus: Apparatus = Apparatus()
     scales: dict[Name, OwnScale] = Field(default={})
     fingers: list[Finger] = Field(default=[])
     observations: list[Observation] = Field(default=[])

@@ -16,6 +16,7 @@ from fingerpad.study.measuring.sequences import SequenceResult
 from fingerpad.study.results.check import UncertaintyCheck
 from fingerpad.study.results.columns import COLUMNS
 from fingerpad.study.results.loading import LoadingRadius, loading_radius
+from fingerpad.study.results.methods import methods_section
 from fingerpad.study.results.pooling import PooledRadius
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.summary import Summary, area_exponent
@@ -127,6 +128,7 @@ def summary_record(result: StudyResult) -> dict[str, Any]:
             for curve, layered in zip(result.curves, result.curves_on_layer(), strict=True)
         ],
         "failures": result.failures,
+        "methods": asdict(methods_section(result)),
         "provenance": result.provenance,
     }
 

@@ -1,0 +1,244 @@
+"""The methods section of a study in words, and what is missing in it."""
+
+from collections import Counter
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from fingerpad._arrays import FloatArray
+from fingerpad.study.manifest.scales import is_exact
+from fingerpad.study.results.study_result import StudyResult
+from fingerpad.units import two_digits, value_with_uncertainty
+
+_FACES: Final = ("palmar", "distal", "radial", "ulnar")
+_MOST_LISTED: Final = 4
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MethodsSection:
+    """A methods section.
+
+    Attributes
+    ----------
+    paragraphs : tuple of str
+        The text.
+    missing : tuple of str
+        What a reader would ask and the study does not state, each with the key of the manifest for it.
+    """
+
+    paragraphs: tuple[str, ...]
+    missing: tuple[str, ...]
+
+
+def methods_section(result: StudyResult) -> MethodsSection:
+    """Describe how the numbers of a study came about, as a paper does.
+
+    Parameters
+    ----------
+    result : StudyResult
+        What was found.
+
+    Returns
+    -------
+    MethodsSection
+        Paragraphs about fingers, contacts, images, models and uncertainty, and what is missing.
+    """
+    paragraphs = (_fingers(result), _contacts(result), _images(result), _models(result), _uncertainty(result))
+    texts = (" ".join(sentences) for sentences in paragraphs)
+    return MethodsSection(paragraphs=tuple(filter(None, texts)), missing=tuple(_missing(result)))
+
+
+def _fingers(result: StudyResult) -> Iterator[str]:
+    fingers = result.fingers.values()
+    persons = len({finger.person for finger in fingers} - {None})
+    whose = f" of {_counted(persons, 'person')}" if persons else ""
+    yield (
+        f"The pads of {_counted(len(fingers), 'finger')}{whose} were modelled as ellipsoidal caps "
+        "(Dzidek et al., J. R. Soc. Interface 14:20160935, 2017)."
+    )
+    ways = Counter(_semi_axes_from(result, finger.name) for finger in result.study.fingers)
+    listed = [f"{way} ({_counted(count, 'finger')})" for way, count in ways.items()]
+    yield f"Their semi-axes were {_joined(listed)}."
+    if rendered := sum(finger.synthetic for finger in fingers):
+        yield (
+            f"Of these {_counted(rendered, 'finger')} and all that was measured there are synthetic, "
+            "rendered or simulated from known truth."
+        )
+
+
+def _semi_axes_from(result: StudyResult, name: str) -> str:
+    photographs = next(one for one in result.study.fingers if one.name == name).photographs
+    if not photographs:
+        return "given"
+    seen = [face for face in _FACES if any(one.face == face for one in photographs)]
+    kind = "photographs" if any(one.file for one in photographs) else "outlines"
+    return f"fitted to {kind} of the {_joined(seen)} faces"
+
+
+def _contacts(result: StudyResult) -> Iterator[str]:
+    study, of = result.study, result.study.apparatus
+    placed = [*study.observations, *study.sequences]
+    if not placed:
+        return
+    std = study.uncertainty
+    wedge = _listed(one.wedge_angle_deg for one in placed)
+    roll = _listed(one.roll_angle_deg for one in placed)
+    wedge_std, roll_std = _doubt(std.wedge_angle_deg_std, "°"), _doubt(std.roll_angle_deg_std, "°")
+    yield (
+        f"The pads were pressed against {of.platen or 'a flat platen'} at wedge angles of {wedge}° "
+        f"({wedge_std}) and a roll of {roll}° ({roll_std})."
+    )
+    counts = {"single contact": len(study.observations), "filmed press": len(study.sequences)}
+    contacts = _joined([_counted(count, noun) for noun, count in counts.items() if count])
+    loads = _range(result.rows.column("load_N"))
+    sensor = f", by {of.force_sensor}," if of.force_sensor else ""
+    yield (
+        f"Measured were {contacts} at normal loads of {loads} N{sensor} "
+        f"({_doubt(100 * std.load_relative_std, ' %')})."
+    )
+    if moved := " ".join(filter(None, (of.stage and f"by {of.stage}", _velocity(result)))):
+        yield f"Finger and platen approached each other {moved}."
+    if of.dwell_s:
+        yield f"A contact was held for {of.dwell_s:g} s before its image was taken."
+
+
+def _velocity(result: StudyResult) -> str:
+    if stated := result.study.apparatus.approach_mm_per_s:
+        return f"at {stated:g} mm/s"
+    found = np.array([curve.velocity for curve in result.curves])
+    return f"at {_range(found)} mm/s in the loading curves" if np.isfinite(found).any() else ""
+
+
+def _images(result: StudyResult) -> Iterator[str]:
+    of, edge = result.study.apparatus, result.rows.column("edge_offset_mm_std")
+    if not _has_images(result):
+        return
+    device = f" with {of.imaging}" if of.imaging else ""
+    yield f"Contact images were taken{device}."
+    if scales := [_scale(result, name) for name in result.scales]:
+        more = [f"{len(scales) - _MOST_LISTED} more"] if len(scales) > _MOST_LISTED else []
+        calibrated = f", calibrated by {of.scale_calibration}" if of.scale_calibration else ""
+        yield f"Scales of pictures{calibrated}: {'; '.join([*scales[:_MOST_LISTED], *more])}."
+    yield (
+        "The edge of a contact is where the pressure vanishes: the outline at which the ridges fall to half "
+        "of their local contrast, moved outwards by what the contrast on both sides of it tells of fading."
+    )
+    if (edge > 0).any():
+        yield f"Its place has a standard uncertainty of {_edge(edge)} mm, which images of one scale share."
+    yield "The contact ellipse has its area, and the axis ratio and direction of its second moments."
+    yield from _reviewed(result)
+
+
+def _has_images(result: StudyResult) -> bool:
+    return bool(result.study.sequences) or any(one.file for one in result.study.observations)
+
+
+def _edge(stds: FloatArray) -> str:
+    known = stds[stds > 0]
+    return " to ".join(dict.fromkeys(two_digits(end) for end in (known.min(), known.max())))
+
+
+def _reviewed(result: StudyResult) -> Iterator[str]:
+    decided = result.decided
+    if decided:
+        counts = Counter(decided.column("reviewed"))
+        people = sorted(set(decided.column("reviewed_by")) - {None})
+        listed = _joined([f"{count} {verdict}" for verdict, count in counts.items()])
+        yield f"All was measured automatically, then {listed} manually by {_joined(people)}."
+    else:
+        yield "All was measured automatically; nobody has reviewed it."
+    measured = result.rows.at(result.rows.column("status") == "measured")
+    single = measured.at(~measured.known("frame"))
+    if left_out := int((~single.column("pooled")).sum()):
+        yield f"Because of flags {left_out} of {_counted(len(single), 'single contact')} were not pooled."
+
+
+def _models(result: StudyResult) -> Iterator[str]:
+    study, of = result.study, result.study.apparatus
+    basis = f", {of.poisson_ratio_basis}" if of.poisson_ratio_basis else ""
+    yield (
+        "Indentation, Young's modulus and corrected radius of curvature follow from load and ellipse by "
+        "Hertz theory of elliptical contacts on an elastic half-space (Johnson, Contact Mechanics, 1985), "
+        f"with a Poisson's ratio of {study.poisson_ratio:g} "
+        f"({_doubt(study.uncertainty.poisson_ratio_std)}){basis}."
+    )
+    thick = [finger for finger in result.fingers.values() if finger.effective_thickness is not None]
+    if thick:
+        stated = [(one.name, one.effective_thickness, one.effective_thickness_std) for one in thick]
+        listed = _joined([f"{value_with_uncertainty(t, std)} mm ({name})" for name, t, std in stated])
+        basis = f", {of.thickness_basis}" if of.thickness_basis else ""
+        yield (
+            "Beside it stands the whole ellipsoid on a layer bonded to rigid bone, of an effective thickness "
+            f"of {listed}{basis}."
+        )
+    if fitted := sum(curve.fit is not None for curve in result.curves):
+        yield (
+            f"Force, displacement and area of {_counted(fitted, 'loading curve')} were fitted together, with "
+            "the place of contact, the zero and the drift of the force."
+        )
+
+
+def _uncertainty(result: StudyResult) -> Iterator[str]:
+    first_order = result.study.uncertainty.method == "first_order"
+    how = "to first order (GUM)" if first_order else "by Monte Carlo simulation (GUM Supplement 1)"
+    yield f"Numbers are given ± one standard uncertainty, propagated {how}."
+    if exact := result.study.taken_as_exact():
+        yield f"Taken as exact: {_joined(exact)}."
+    made = result.provenance
+    versions = _joined([f"{name} {version}" for name, version in made["measurement_versions"].items()])
+    yield f"All was computed with fingerpad {made['fingerpad']} (versions of the measurements: {versions})."
+
+
+def _missing(result: StudyResult) -> Iterator[str]:
+    study, of = result.study, result.study.apparatus
+    images = _has_images(result)
+    thickness = any(finger.effective_thickness_mm for finger in study.fingers)
+    asked = (
+        (images, of.imaging, "the device that took the contact images (apparatus.imaging)"),
+        (images, of.scale_calibration, "how the scales were calibrated (apparatus.scale_calibration)"),
+        (True, of.platen, "what the finger was pressed against (apparatus.platen)"),
+        (True, of.force_sensor, "the force sensor (apparatus.force_sensor)"),
+        (True, of.stage, "what moved finger or platen (apparatus.stage)"),
+        (True, _velocity(result), "the velocity of approach (apparatus.approach_mm_per_s)"),
+        (bool(study.observations), of.dwell_s, "how long contacts were held (apparatus.dwell_s)"),
+        (True, of.poisson_ratio_basis, "the basis of Poisson's ratio (apparatus.poisson_ratio_basis)"),
+        (True, thickness, "the thickness of the tissue over bone (effective_thickness_mm of the fingers)"),
+        (thickness, of.thickness_basis, "the basis of the effective thickness (apparatus.thickness_basis)"),
+    )
+    return (words for needed, stated, words in asked if needed and not stated)
+
+
+def _scale(result: StudyResult, name: str) -> str:
+    found, table = result.scales[name], result.study.scales[name]
+    if isinstance(found, str):
+        return f"{name}, not found"
+    if is_exact(table):
+        return f"{name}, {found.scale.mm_per_px:.4g} mm/px, taken as exact"
+    return f"{name}, {value_with_uncertainty(found.scale.mm_per_px, found.scale.mm_per_px_std)} mm/px"
+
+
+def _doubt(std: float, unit: str = "") -> str:
+    return f"± {std:.2g}{unit}" if std else "taken as exact"
+
+
+def _listed(values: Iterable[float]) -> str:
+    found = sorted(set(values))
+    if len(found) > _MOST_LISTED:
+        return f"{found[0]:g} to {found[-1]:g}"
+    return _joined([f"{value:g}" for value in found])
+
+
+def _range(values: FloatArray) -> str:
+    return " to ".join(dict.fromkeys(f"{end:.2g}" for end in (np.nanmin(values), np.nanmax(values))))
+
+
+def _counted(count: int, noun: str) -> str:
+    plural = f"{noun}es" if noun.endswith("s") else f"{noun}s"
+    return f"{count} {noun if count == 1 else plural}"
+
+
+def _joined(parts: list[str]) -> str:
+    *first, last = parts
+    return f"{', '.join(first)} and {last}" if first else last

@@ -1,0 +1,96 @@
+"""The methods section: it says what the study states, and names what it does not."""
+
+import json
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+from fingerpad.exceptions import ManifestError
+from fingerpad.simulate import render_contact_image
+from fingerpad.study.pipeline import run_study
+from fingerpad.study.results.methods import MethodsSection, methods_section
+
+STATED = {
+    "imaging": "a glass prism and a camera",
+    "platen": "smooth glass",
+    "force_sensor": "a six-axis sensor",
+    "stage": "a linear stage",
+    "scale_calibration": "a dot grid",
+    "poisson_ratio_basis": "as for soft tissue",
+    "thickness_basis": "from ultrasound",
+    "approach_mm_per_s": 2.5,
+    "dwell_s": 3.0,
+}
+HEAD = """title = "T"
+poisson_ratio = 0.49
+[scales.reader]
+mm_per_px = 0.1
+relative_std = 0.01
+[uncertainty]
+wedge_angle_deg_std = 3.0
+{apparatus}
+[[fingers]]
+name = "f"
+person = "p"
+semi_axes_mm = {{ palmar = 7.9, distal = 13.8, radial_ulnar = 11.8 }}
+semi_axes_mm_std = {{ palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }}
+effective_thickness_mm = 8.0
+[[observations]]
+name = "a"
+finger = "f"
+wedge_angle_deg = 30
+load_N = 1.5
+file = "a.png"
+scale = "reader"
+[[observations]]
+name = "b"
+finger = "f"
+wedge_angle_deg = 45
+load_N = 0.5
+ellipse_mm = {{ semi_major = 4, semi_minor = 3, std = 0.1 }}
+"""
+
+
+def section(folder: Path, stated: dict[str, object]) -> MethodsSection:
+    truth = render_contact_image(semi_major=5.0, semi_minor=4.0, ppi=254, seed=1)
+    Image.fromarray(truth.pixels).save(folder / "a.png")
+    lines = "\n".join(f"{key} = {json.dumps(value)}" for key, value in stated.items())
+    (folder / "study.toml").write_text(HEAD.format(apparatus=f"[apparatus]\n{lines}" if stated else ""))
+    return methods_section(run_study(folder / "study.toml", folder / "out"))
+
+
+def test_everything_stated_is_said(tmp_path: Path) -> None:
+    found = section(tmp_path, STATED)
+    text = " ".join(found.paragraphs)
+    assert found.missing == ()
+    for value in STATED.values():
+        assert (f"{value:g}" if isinstance(value, float) else value) in text
+    for words in (
+        "1 finger of 1 person",
+        "wedge angles of 30 and 45° (± 3°) and a roll of 0° (taken as exact)",
+        "2 single contacts at normal loads of 0.5 to 1.5 N",
+        "reader, 0.1000 ± 0.0010 mm/px",
+        "ratio of 0.49 (taken as exact)",
+        "8 mm (f)",
+        "nobody has reviewed it",
+    ):
+        assert words in text
+    assert json.loads((tmp_path / "out" / "summary.json").read_text())["methods"]["missing"] == []
+
+
+def test_what_is_not_stated_is_missing(tmp_path: Path) -> None:
+    found = section(tmp_path, {})
+    assert len(found.missing) == len(STATED)
+    for key in STATED:
+        assert sum(f"apparatus.{key})" in words for words in found.missing) == 1
+
+
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [("dwel_s = 1", "dwel_s"), ("dwell_s = -1", "dwell_s"), ("imaging = 3", "imaging")],
+)
+def test_wrong_apparatus_is_named(tmp_path: Path, line: str, words: str) -> None:
+    (tmp_path / "study.toml").write_text(HEAD.format(apparatus=f"[apparatus]\n{line}"))
+    with pytest.raises(ManifestError, match=rf"apparatus.*{words}"):
+        run_study(tmp_path / "study.toml", tmp_path / "out")
