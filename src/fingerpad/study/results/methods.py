@@ -59,13 +59,10 @@ def _fingers(result: StudyResult) -> Iterator[str]:
         "(Dzidek et al., J. R. Soc. Interface 14:20160935, 2017)."
     )
     ways = Counter(_semi_axes_from(result, finger.name) for finger in result.study.fingers)
-    listed = [f"{way} ({_counted(count, 'finger')})" for way, count in ways.items()]
+    listed = [f"{way} for {_counted(count, 'finger')}" for way, count in ways.items()]
     yield f"Their semi-axes were {_joined(listed)}."
     if rendered := sum(finger.synthetic for finger in fingers):
-        yield (
-            f"Of these {_counted(rendered, 'finger')} and all that was measured there are synthetic, "
-            "rendered or simulated from known truth."
-        )
+        yield f"All data of {_counted(rendered, 'finger')} are synthetic, made from known truth."
 
 
 def _semi_axes_from(result: StudyResult, name: str) -> str:
@@ -115,8 +112,8 @@ def _images(result: StudyResult) -> Iterator[str]:
     of, edge = result.study.apparatus, result.rows.column("edge_offset_mm_std")
     if not _has_images(result):
         return
-    device = f" with {of.imaging}" if of.imaging else ""
-    yield f"Contact images were taken{device}."
+    if of.imaging:
+        yield f"Contact images were taken with {of.imaging}."
     if scales := [_scale(result, name) for name in result.scales]:
         more = [f"{len(scales) - _MOST_LISTED} more"] if len(scales) > _MOST_LISTED else []
         calibrated = f", calibrated by {of.scale_calibration}" if of.scale_calibration else ""
