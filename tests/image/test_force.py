@@ -12,6 +12,7 @@ from fingerpad.image import (
     ForceSignal,
     FrameRate,
     FrameStamps,
+    alignment_scatter,
     frame_clock,
     read_force_signal,
     read_frame_stamps,
@@ -166,3 +167,23 @@ def test_forces_without_press_refused(tmp_path, rows, message):
 def test_negative_zero_level(tmp_path):
     signal = read_force_signal(write(tmp_path, "time_s,force_N\n0,-0.3\n1,0.2\n2,1.7\n"))
     assert signal.load[0] == -0.3
+
+
+@pytest.mark.parametrize("late", [-0.2, 0.0, 0.13])
+def test_least_scatter_where_frames_are_aligned(late):
+    clock = np.linspace(0, 5, 400)
+    signal = ForceSignal(clock, 2 * np.exp(-((clock - 2.5) ** 2)))
+    time = np.linspace(0.5, 4.5, 120)
+    grown = 45 * signal.load_at(time) ** 0.62 * np.exp(0.01 * np.random.default_rng(1).normal(size=120))
+    grown[::7] = np.nan  # frames that could not be measured
+    shifts = np.linspace(-0.4, 0.4, 81)
+    scatter = alignment_scatter(time + late, grown, signal, shifts)
+    assert shifts[np.argmin(scatter)] == pytest.approx(-late, abs=0.011)
+    assert scatter.min() == pytest.approx(0.01, rel=0.25)
+
+
+def test_scatter_of_too_few_frames_is_unknown():
+    signal = ForceSignal([0, 1], [0, 1])
+    assert math.isnan(alignment_scatter([0.1, 0.2], [1, 2], signal))
+    with pytest.raises(LoadingError, match="one area for each frame"):
+        alignment_scatter([0.1, 0.2], [1], signal)

@@ -260,6 +260,17 @@ def test_geometry_is_that_of_the_library(standing):
     assert by_name["u_deg_std"] == pytest.approx(expected, rel=0.01)
 
 
+def test_signal_without_a_run_or_a_readable_force(client, studies_folder):
+    signal = client.get("/api/study/signal", params={"sequence": "synthetic_press_30deg"})
+    assert signal.json()["start_s"] is None
+    (studies_folder / "demo" / "synthetic" / "synthetic_press_30deg_force.csv").write_text(
+        "time_s,force_N\n0,x\n"
+    )
+    answer = client.get("/api/study/signal", params={"sequence": "synthetic_press_30deg"})
+    assert answer.status_code == 422
+    assert "synthetic_press_30deg_force.csv" in answer.json()["error"]
+
+
 def test_the_audit_of_the_published_tables_needs_no_study(standing):
     items = standing.get("/api/published").json()["items"]
     assert {item["verdict"] for item in items} == {
@@ -274,6 +285,7 @@ BAD = [
     ("POST", "/api/study", {}, 405),
     ("GET", "/api/study/frames", None, 400),
     ("GET", "/api/study/frames?sequence=no", None, 404),
+    ("GET", "/api/study/signal?sequence=no", None, 404),
     ("GET", "/api/picture/preview?item=synthetic_30deg_2N&longest_px=99999", None, 400),
     ("GET", "/api/picture/preview?item=table3_30deg_ellipse", None, 404),
     ("GET", "/api/picture/preview?item=synthetic_press_30deg%2399", None, 422),

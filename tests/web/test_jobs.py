@@ -11,6 +11,7 @@ import threading
 import zipfile
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 from filelock import FileLock
 from tests.waiting import wait_until
@@ -487,6 +488,16 @@ def test_frames_know_their_rows_after_a_run(done):
     live = done.post("/api/measure/contact", json={"item": "synthetic_press_30deg#12"}).json()
     row = next(row for row in rows(done, limit=2000)["rows"] if row["item"] == "synthetic_press_30deg#12")
     assert live["numbers"]["gross_area_mm2"] == pytest.approx(row["gross_area_mm2"])
+
+
+def test_signal_of_a_sequence_agrees_with_its_frames(done):
+    signal = done.get("/api/study/signal", params={"sequence": "synthetic_press_30deg"}).json()
+    frames = done.get("/api/study/frames", params={"sequence": "synthetic_press_30deg"}).json()["frames"]
+    timed = [(frame["frame"], frame["time_s"]) for frame in frames if frame["time_s"] is not None]
+    assert signal["start_s"] == pytest.approx(timed[0][1] - timed[0][0] / 20)
+    assert max(signal["load_N"]) == pytest.approx(2, rel=0.02)
+    best = np.argmin([one if one is not None else np.inf for one in signal["area_scatter"]])
+    assert signal["shift_s"][best] == pytest.approx(0, abs=0.01)
 
 
 def test_inconsistent_results_are_named(client, study):

@@ -41,6 +41,7 @@ from fingerpad.image.photograph.overlay import draw_photograph_overlay, write_ph
 from fingerpad.image.photograph.result import PHOTOGRAPH_FLAGS, PhotographFit
 from fingerpad.image.read import Picture, read_image
 from fingerpad.image.scale import Scale
+from fingerpad.image.sequence.alignment import alignment_scatter
 from fingerpad.image.sequence.clock import frame_clock
 from fingerpad.image.sequence.force import (
     ForceSignal,
@@ -98,6 +99,7 @@ __all__ = [
     "SequenceSettings",
     "SequenceSummary",
     "TextureScan",
+    "alignment_scatter",
     "assign_times",
     "combine_faces",
     "direct_semi_axes",

@@ -31,6 +31,7 @@ from fingerpad.web import (
     photographs,
     results,
     scales,
+    sequences,
     state,
     studies,
 )
@@ -47,6 +48,7 @@ _ROUTES: Final = (
     scales,
     photographs,
     contacts,
+    sequences,
     corrections,
     results,
     geometry,

@@ -16,7 +16,7 @@ from fingerpad.study.results.table import ResultsTable, Row
 from fingerpad.web.study_session import StudySession
 
 _Triple: TypeAlias = Annotated[list[float], Field(min_length=3, max_length=3)]
-_OF_FRAMES: Final = ("status", "flags", "phase", "time_s", "load_N", "pooled")
+_OF_FRAMES: Final = ("status", "flags", "phase", "time_s", "load_N", "gross_area_mm2", "pooled")
 
 
 class _Record(BaseModel):

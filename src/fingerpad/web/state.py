@@ -350,7 +350,7 @@ def _frame(
         "frame": number,
         "status": known.get("status", "none"),
         "flags": (known.get("flags") or "").split(),
-        **{key: known.get(key) for key in ("phase", "time_s", "load_N")},
+        **{key: known.get(key) for key in ("phase", "time_s", "load_N", "gross_area_mm2")},
         "pooled": bool(known.get("pooled")),
         **review_record(active_correction),
     }

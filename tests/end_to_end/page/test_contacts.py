@@ -2,6 +2,7 @@
 
 import json
 import re
+import tomllib
 
 import numpy as np
 import pytest
@@ -229,3 +230,26 @@ def test_real_contact_image_is_corrected_and_accepted(empty_tab: Tab, name: str)
     page.get_by_text("This was the last image").wait_for()
     (study,) = (empty_tab.folder / "one-print").glob("corrections.jsonl")
     assert json.loads(study.read_text().splitlines()[-1])["change"]["accepted"] is True
+
+
+def test_sequence_is_scrubbed_played_and_aligned(tab: Tab, demo) -> None:
+    page = tab.open("contacts/film:synthetic_press_30deg")
+    numbers(page)
+    trace = page.get_by_role("slider", name="Time of the frame")
+    page.wait_for_function("document.querySelector('[role=slider]').getAttribute('aria-valuetext')")
+    x, y = middle(trace)
+    stroke(page, (x - 100, y), (x, y))
+    page.wait_for_url(re.compile(r"%23\d+$"))
+    before = numbers(page)
+    assert page.url.endswith(re.search(r"frame (\d+)", trace.get_attribute("aria-valuetext")).group(1))
+    trace.press("End")
+    changed(page, before)
+    page.get_by_role("button", name="Play").click()
+    page.get_by_role("button", name="Pause").click()
+    page.get_by_label("Drag the area to align it with the force").check()
+    stroke(page, (x, y), (x + 40, y))
+    page.get_by_text(re.compile(r"areas scatter \d+\.\d % about a power of the force; least, 0\.")).wait_for()
+    page.get_by_role("button", name="Keep this alignment").click()
+    page.get_by_text("The alignment is saved").wait_for()
+    (press,) = tomllib.loads((demo / "study.toml").read_text())["sequences"]
+    assert 0.05 < press["start_s"] < 0.3

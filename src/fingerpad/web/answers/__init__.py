@@ -30,6 +30,7 @@ from fingerpad.web.answers.results import (
 from fingerpad.web.answers.study import (
     Frames,
     RunStatus,
+    SequenceSignal,
     Session,
     State,
     StateAfterRemoval,
@@ -60,6 +61,7 @@ __all__ = [
     "Rows",
     "RunStatus",
     "ScaleMeasurement",
+    "SequenceSignal",
     "Session",
     "State",
     "StateAfterRemoval",

@@ -261,7 +261,24 @@ class FrameEntry(Review):
     phase: str | None
     time_s: float | None
     load_N: float | None  # noqa: N815
+    gross_area_mm2: float | None
     pooled: bool
+
+
+class SequenceSignal(Answer):
+    """Force of a sequence over time, thinned for drawing, and how well displaced frames agree with it.
+
+    `time_s` and `load_N` are the extremes in some thousand steps of time. `area_scatter` is the relative
+    scatter of the areas of the last run about a power law of the load, with all frames later by `shift_s`.
+    `start_s` is the time of frame 0 on the force's clock, None where each frame has a time of its own or no
+    run has measured them.
+    """
+
+    time_s: list[float]
+    load_N: list[float]  # noqa: N815
+    start_s: float | None
+    shift_s: list[float]
+    area_scatter: list[float | None]
 
 
 class Frames(Answer):

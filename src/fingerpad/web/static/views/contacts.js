@@ -1,14 +1,15 @@
 // Review of contact images and frames.
 
-import { get, post } from "../core/api.js";
+import { get, picture, post } from "../core/api.js";
 import { withoutDefaults } from "../core/corrections.js";
 import { h, render } from "../core/dom.js";
-import { toast } from "../core/messages.js";
+import { showError, toast } from "../core/messages.js";
 import { plain } from "../core/quantity.js";
 import { workspace } from "../core/workspace.js";
 import { choose, empty } from "../parts/forms.js";
 import { icons } from "../parts/icons.js";
 import { scaleWords } from "../parts/scale_choice.js";
+import { SequenceTraces } from "../parts/sequence_traces.js";
 import { Click } from "../parts/tools.js";
 import { describe, FILTER_TESTS, FILTERS } from "./contact_entries.js";
 import { ContactInspector } from "./contact_inspector.js";
@@ -84,6 +85,12 @@ class Contacts extends Review {
       options: FILTERS,
       onset: (key) => this.#filter(key),
     });
+    this.traces = new SequenceTraces({
+      chosen: (frame) => this.#show(frame),
+      played: (frame) => this.#play(frame),
+      stopped: (frame) => this.#show(frame),
+      aligned: (start) => this.#align(start),
+    });
     this.layOut({
       title: "Contacts",
       words: "Check each region and its ellipse. Enter accepts and goes to the next image.",
@@ -94,13 +101,16 @@ class Contacts extends Review {
       measureDragged: (change) => post("/api/measure/contact", { item: this.entry.item, change }),
       describe,
       inspector: new ContactInspector(this),
-      bar: h(
-        "div.film-bar",
-        null,
-        h("label", null, "Images", this.sourceChoice),
-        h("label", null, "Show", this.filterChoice),
-        this.count,
-      ),
+      bar: [
+        this.traces.root,
+        h(
+          "div.film-bar",
+          null,
+          h("label", null, "Images", this.sourceChoice),
+          h("label", null, "Show", this.filterChoice),
+          this.count,
+        ),
+      ],
     });
     this.bind([
       ["b", "Brush: add (Alt: remove)", () => this.use("add")],
@@ -134,7 +144,45 @@ class Contacts extends Review {
         if (!page.frames.length) break;
       }
     }
-    this.#filter(this.filter, this.wanted);
+    this.traces.set(this.film ? await this.#signal() : null, /** @type {Frame[]} */ (this.all));
+    if (!this.closed) this.#filter(this.filter, this.wanted);
+  }
+
+  /** The force of the sequence; without it the frames are shown alone. */
+  async #signal() {
+    return get("/api/study/signal", { sequence: this.film.name }).catch((error) => showError(error) ?? null);
+  }
+
+  /** Show a frame of the traces, whatever the filter is. */
+  #show(frame) {
+    const index = this.entries.findIndex(({ item }) => item === frame.item);
+    this.at = -1;
+    if (index >= 0) this.choose(index);
+    else {
+      this.filterChoice.value = "";
+      this.#filter("", frame.item);
+    }
+  }
+
+  /** Show the image of a frame alone, as it is played. */
+  async #play(frame) {
+    this.live.cancel();
+    this.editor.hide();
+    this.overlay.clear();
+    await this.stage.show(picture("preview", frame.item), ...this.stage.size, `Frame ${frame.frame}`);
+  }
+
+  async #align(start) {
+    const set = { start_s: Number(start.toFixed(4)), contact_load_N: null };
+    try {
+      await workspace.edit({ kind: "sequence", key: this.film.name, set });
+      toast("The alignment is saved. Run the study to use it.", {
+        kind: "good",
+        action: { words: "Run", do: () => (location.hash = "#/run") },
+      });
+    } catch (error) {
+      showError(error);
+    }
   }
 
   #filter(key, wanted) {
@@ -175,6 +223,7 @@ class Contacts extends Review {
   showInfo(info) {
     this.info = info;
     this.inspector.head();
+    if (this.film) this.traces.choose(/** @type {Frame} */ (this.entry));
     this.mark.hidden = !(this.entry.synthetic ?? this.film?.synthetic);
     this.#ahead();
   }
@@ -306,6 +355,7 @@ class Contacts extends Review {
   close() {
     document.removeEventListener("keyup", this.keyup);
     clearTimeout(this.soon);
+    this.traces?.close();
     super.close();
   }
 }

@@ -81,7 +81,7 @@ export class Review {
    *
    * @param {{ title: string, words: string, label: string, axes: string[],
    *   tools: Parameters<typeof segments>[1], radius: number, measureDragged: (state: any) => Promise<any>,
-   *   describe: (entry: any) => any, inspector: any, bar?: Element }} options
+   *   describe: (entry: any) => any, inspector: any, bar?: any }} options
    */
   layOut({ title, words, label, axes, tools, radius, measureDragged, describe, inspector, bar }) {
     this.radius = radius;

@@ -1,0 +1,87 @@
+"""The force of a sequence, beside what the last run measured on its frames."""
+
+from itertools import pairwise
+from typing import Annotated, Any, Final
+
+import numpy as np
+from pydantic import Field
+
+from fingerpad._arrays import FloatArray
+from fingerpad.exceptions import FingerpadError
+from fingerpad.image import ForceSignal, alignment_scatter, read_force_signal
+from fingerpad.study.manifest import ContactSequence
+from fingerpad.web import answers
+from fingerpad.web.endpoints import Endpoint, Params
+from fingerpad.web.errors import RequestError
+from fingerpad.web.last_results import last_results
+from fingerpad.web.workspace import Workspace
+
+_STEPS: Final = 1000
+_SHIFTS: Final = 81
+# Frames are displaced by up to this share of the time that they cover.
+_FARTHEST: Final = 0.2
+
+
+class SignalParams(Params):
+    """A sequence."""
+
+    sequence: Annotated[str, Field(max_length=100)]
+
+
+def signal(workspace: Workspace, params: SignalParams, _: Any) -> dict[str, Any]:
+    """Return the force of a sequence over time, and how well its frames agree with it."""
+    opened = workspace.study
+    sequence = opened.sequence(params.sequence)
+    columns = {str(name): column for name, column in sequence.force_columns.items()}
+    try:
+        force = read_force_signal(opened.folder / sequence.force, columns)
+    except FingerpadError as error:
+        raise RequestError.impossible(str(error)) from error
+    found = last_results(opened)
+    rows = list(found.frames(sequence.name).items()) if found else []
+    timed = [(frame, row) for frame, row in rows if row["time_s"] is not None]
+    drawn = _extremes(force)
+    return {
+        "time_s": force.time[drawn].tolist(),
+        "load_N": force.load[drawn].tolist(),
+        **_alignment(sequence, force, [frame for frame, _ in timed], [row for _, row in timed]),
+    }
+
+
+def _extremes(force: ForceSignal) -> Any:
+    """Return the samples of least and greatest load in each of many steps of time."""
+    if force.load.size <= 2 * _STEPS:
+        return np.arange(force.load.size)
+    ends = np.linspace(0, force.load.size, _STEPS + 1).astype(int)
+    steps = [(start, force.load[start:stop]) for start, stop in pairwise(ends)]
+    return np.unique([start + end(loads) for start, loads in steps for end in (np.argmin, np.argmax)])
+
+
+def _alignment(
+    sequence: ContactSequence, force: ForceSignal, frames: list[int], rows: list[dict[str, Any]]
+) -> dict[str, Any]:
+    """Return the time of frame 0, and the scatter of areas by how much later the frames would be."""
+    if sequence.times is not None or len(frames) < 2:
+        return {"start_s": None, "shift_s": [], "area_scatter": []}
+    time: FloatArray = np.array([row["time_s"] for row in rows])
+    area: FloatArray = np.array([row["gross_area_mm2"] or np.nan for row in rows])
+    step, start = np.polyfit(frames, time, 1)
+    shift = np.linspace(-_FARTHEST, _FARTHEST, _SHIFTS) * max(float(np.ptp(time)), step)
+    scatter = alignment_scatter(time, area, force, shift)
+    return {
+        "start_s": float(start),
+        "shift_s": shift.tolist(),
+        "area_scatter": [float(one) if np.isfinite(one) else None for one in scatter],
+    }
+
+
+ENDPOINTS: Final = (
+    Endpoint(
+        method="GET",
+        path="/api/study/signal",
+        answer=signal,
+        model=answers.SequenceSignal,
+        query=SignalParams,
+        summary="Force of a sequence",
+    ),
+)

@@ -1,0 +1,322 @@
+// Force and contact area of a sequence over time, and area against force, with the current frame.
+
+import { h, render, s } from "../core/dom.js";
+import { plain } from "../core/quantity.js";
+
+const HEIGHT = 132;
+const SIDE = 190;
+const PAD = { left: 40, right: 48, top: 8, bottom: 22 };
+const SLOWEST_MS = 40;
+
+/** A linear scale from numbers to pixels. */
+const scale = (from, to, start, end) => (value) =>
+  start + ((value - from) / (to - from || 1)) * (end - start);
+
+const path = (points) =>
+  points.map(([x, y], k) => `${k ? "L" : "M"}${x.toFixed(1)} ${y.toFixed(1)}`).join("");
+
+/** The index of the nearest value in a rising list. */
+function nearest(values, wanted) {
+  let low = 0;
+  let high = values.length - 1;
+  while (high - low > 1) {
+    const middle = (low + high) >> 1;
+    if (values[middle] < wanted) low = middle;
+    else high = middle;
+  }
+  return wanted - values[low] < values[high] - wanted ? low : high;
+}
+
+export class SequenceTraces {
+  #signal = null;
+  #frames = [];
+  #at = -1;
+  #shift = 0;
+  #timer = null;
+
+  /**
+   * @param {{ chosen: (frame: Frame) => void, played: (frame: Frame) => Promise<void>,
+   *   stopped: (frame: Frame) => void, aligned: (start: number) => void }} events
+   */
+  constructor(events) {
+    this.events = events;
+    this.plot = s("svg", {
+      height: HEIGHT,
+      role: "slider",
+      tabindex: 0,
+      "aria-label": "Time of the frame",
+    });
+    this.side = s("svg", {
+      width: SIDE,
+      height: HEIGHT,
+      role: "img",
+      "aria-label": "Contact area against force, up to the current frame",
+    });
+    this.playButton = h("button", { type: "button", onclick: () => this.#toggle() }, "Play");
+    this.alignBox = h("input", { type: "checkbox", onchange: () => this.#aligning() });
+    this.alignWords = h("span.soft", { role: "status" });
+    this.keepButton = h(
+      "button",
+      { type: "button", hidden: true, onclick: () => this.events.aligned(this.#start()) },
+      "Keep this alignment",
+    );
+    this.bar = h(
+      "div.trace-bar",
+      null,
+      this.playButton,
+      h("label", null, this.alignBox, "Drag the area to align it with the force"),
+      this.alignWords,
+      this.keepButton,
+    );
+    this.root = h("div.traces", { hidden: true }, this.bar, h("div.trace-plots", null, this.plot, this.side));
+    this.observer = new ResizeObserver(() => this.#draw());
+    this.observer.observe(this.root);
+    this.plot.addEventListener("pointerdown", (event) => this.#press(event));
+    this.plot.addEventListener("keydown", (event) => this.#key(event));
+  }
+
+  /**
+   * Show a sequence.
+   *
+   * @param {Answers["SequenceSignal"] | null} signal
+   * @param {Frame[]} frames in order; those without a time are left out
+   */
+  set(signal, frames) {
+    this.stop();
+    this.#signal = signal;
+    this.#frames = frames.filter(({ time_s }) => time_s !== null);
+    this.#shift = 0;
+    this.alignBox.checked = false;
+    this.root.hidden = !signal;
+    this.bar.hidden = this.#frames.length < 2;
+    this.alignBox.parentElement.hidden = signal?.start_s === null;
+    this.#aligning();
+    this.#draw();
+  }
+
+  /** Move the cursor to a frame. */
+  choose(frame) {
+    this.#at = this.#frames.findIndex((one) => one.frame === frame?.frame);
+    this.#cursor();
+  }
+
+  #draw() {
+    const width = Math.max(200, this.root.clientWidth - SIDE - 12);
+    if (!this.#signal || this.root.hidden || !width) return;
+    const { time_s: time, load_N: load } = this.#signal;
+    const frames = this.#frames;
+    const areas = frames.map(({ gross_area_mm2: area }) => area ?? 0);
+    const times = frames.map(({ time_s }) => time_s);
+    const greatest = (values) => values.reduce((most, value) => Math.max(most, value), 0);
+    const ends = [Math.min(time[0], times[0] ?? time[0]), Math.max(time.at(-1), times.at(-1) ?? time.at(-1))];
+    const bottom = HEIGHT - PAD.bottom;
+    this.x = scale(...ends, PAD.left, width - PAD.right);
+    this.time = scale(PAD.left, width - PAD.right, ...ends);
+    this.loadY = scale(0, greatest(load) || 1, bottom, PAD.top);
+    this.areaY = scale(0, greatest(areas) || 1, bottom, PAD.top);
+    this.plot.setAttribute("width", String(width));
+    const number = (value) => plain(Number(value.toPrecision(2)));
+    const label = (x, y, words, kind, anchor = "start") =>
+      s("text", { x, y, class: kind, "text-anchor": anchor }, words);
+    this.areas = s(
+      "g.areas",
+      null,
+      s("path", {
+        d: frames
+          .filter(({ gross_area_mm2: area }) => area)
+          .map((one) => `M${this.x(one.time_s).toFixed(1)} ${this.areaY(one.gross_area_mm2).toFixed(1)}h0`)
+          .join(""),
+      }),
+    );
+    this.line = s("path.cursor", { d: `M0 ${PAD.top}V${bottom}`, visibility: "hidden" });
+    render(
+      this.plot,
+      this.#bands(bottom),
+      s("path.axis", { d: `M${PAD.left} ${PAD.top}V${bottom}H${width - PAD.right}V${PAD.top}` }),
+      s("path.load", { d: path(time.map((t, k) => [this.x(t), this.loadY(load[k])])) }),
+      this.areas,
+      this.line,
+      label(PAD.left - 4, PAD.top + 9, number(greatest(load)), "load", "end"),
+      label(PAD.left - 4, bottom, "N", "load", "end"),
+      label(width - PAD.right + 4, PAD.top + 9, frames.length ? number(greatest(areas)) : "", "area"),
+      label(width - PAD.right + 4, bottom, frames.length ? "mm²" : "", "area"),
+      label(PAD.left, HEIGHT - 6, `${plain(Number(ends[0].toPrecision(3)))} s`, ""),
+      label(width - PAD.right, HEIGHT - 6, `${plain(Number(ends[1].toPrecision(3)))} s`, "", "end"),
+    );
+    this.#displace();
+    this.#drawSide(areas, greatest);
+    this.#cursor();
+  }
+
+  /** Loading, hold and unloading as bands. */
+  #bands(bottom) {
+    const bands = [];
+    for (const frame of this.#frames) {
+      const last = bands.at(-1);
+      if (last) last.end = frame.time_s;
+      if (last?.phase !== frame.phase)
+        bands.push({ phase: frame.phase, start: frame.time_s, end: frame.time_s });
+    }
+    return bands
+      .filter(({ phase }) => phase)
+      .map(({ phase, start, end }) => {
+        const [left, right] = [this.x(start), this.x(end)];
+        return s(
+          "g.band",
+          { "data-phase": phase },
+          s("rect", { x: left, y: PAD.top, width: Math.max(1, right - left), height: bottom - PAD.top }),
+          right - left > 50 &&
+            s("text", { x: (left + right) / 2, y: HEIGHT - 6, "text-anchor": "middle" }, phase),
+        );
+      });
+  }
+
+  #drawSide(areas, greatest) {
+    const loads = this.#frames.map(({ load_N }) => load_N ?? 0);
+    const bottom = HEIGHT - PAD.bottom;
+    const x = scale(0, greatest(loads) || 1, PAD.left - 14, SIDE - 8);
+    const y = scale(0, greatest(areas) || 1, bottom, PAD.top);
+    this.points = this.#frames.map((_, k) => (areas[k] ? [x(loads[k]), y(areas[k])] : null));
+    this.grown = s("path.grown");
+    const all = this.points.filter(Boolean);
+    render(
+      this.side,
+      s("path.axis", { d: `M${PAD.left - 14} ${PAD.top}V${bottom}H${SIDE - 8}` }),
+      s("path.all", { d: all.map(([px, py]) => `M${px.toFixed(1)} ${py.toFixed(1)}h0`).join("") }),
+      this.grown,
+      s("text", { x: SIDE - 8, y: HEIGHT - 6, "text-anchor": "end" }, "force (N)"),
+      s("text", { x: PAD.left - 8, y: PAD.top + 9 }, "area (mm²)"),
+    );
+    this.side.style.visibility = all.length ? "" : "hidden";
+  }
+
+  #cursor() {
+    const frame = this.#frames[this.#at];
+    if (!this.line) return;
+    this.line.setAttribute("visibility", frame ? "visible" : "hidden");
+    if (!frame) return;
+    this.line.setAttribute("transform", `translate(${this.x(frame.time_s + this.#shift).toFixed(1)} 0)`);
+    const seen = this.points.slice(0, this.#at + 1).filter(Boolean);
+    this.grown.setAttribute("d", seen.map(([x, y]) => `M${x.toFixed(1)} ${y.toFixed(1)}h0`).join(""));
+    this.plot.setAttribute("aria-valuemin", String(this.#frames[0].time_s));
+    this.plot.setAttribute("aria-valuemax", String(this.#frames.at(-1).time_s));
+    this.plot.setAttribute("aria-valuenow", String(frame.time_s));
+    this.plot.setAttribute("aria-valuetext", `frame ${frame.frame}, ${plain(frame.time_s)} s`);
+  }
+
+  #press(event) {
+    if (event.button || !this.#frames.length) return;
+    event.preventDefault();
+    this.plot.focus({ preventScroll: true });
+    this.plot.setPointerCapture(event.pointerId);
+    const left = this.plot.getBoundingClientRect().left;
+    const timeAt = ({ clientX }) => this.time(clientX - left);
+    const begin = timeAt(event) - this.#shift;
+    const move = (now) =>
+      this.alignBox.checked ? this.#shiftTo(timeAt(now) - begin) : this.#scrub(timeAt(now));
+    const up = () => {
+      this.plot.removeEventListener("pointermove", move);
+      this.plot.removeEventListener("pointerup", up);
+      if (!this.alignBox.checked) this.events.chosen(this.#frames[this.#at]);
+    };
+    this.plot.addEventListener("pointermove", move);
+    this.plot.addEventListener("pointerup", up);
+    if (!this.alignBox.checked) move(event);
+  }
+
+  #scrub(time) {
+    const times = this.#frames.map(({ time_s }) => time_s);
+    this.#at = nearest(times, time);
+    this.#cursor();
+    this.events.played(this.#frames[this.#at]);
+  }
+
+  #key(event) {
+    const step = { ArrowLeft: -1, ArrowRight: 1, PageUp: -10, PageDown: 10, Home: -Infinity, End: Infinity }[
+      event.key
+    ];
+    if (!step || event.ctrlKey || event.altKey || event.metaKey) return;
+    event.preventDefault();
+    event.stopPropagation();
+    if (this.alignBox.checked) {
+      const { shift_s: shifts } = this.#signal;
+      this.#shiftTo(this.#shift + (step * (shifts[1] - shifts[0])) / 4);
+      return;
+    }
+    const to = Math.max(0, Math.min(this.#frames.length - 1, this.#at + step));
+    this.events.chosen(this.#frames[to]);
+  }
+
+  #toggle() {
+    if (this.#timer) {
+      this.stop();
+      this.events.stopped(this.#frames[this.#at]);
+      return;
+    }
+    if (this.#at >= this.#frames.length - 1 || this.#at < 0) this.#at = 0;
+    const wait = Math.max(
+      SLOWEST_MS,
+      (1000 * (this.#frames.at(-1).time_s - this.#frames[0].time_s)) / (this.#frames.length - 1),
+    );
+    this.playButton.textContent = "Pause";
+    const next = async () => {
+      this.#at += 1;
+      this.#cursor();
+      await this.events.played(this.#frames[this.#at]);
+      if (!this.#timer) return;
+      if (this.#at < this.#frames.length - 1) this.#timer = setTimeout(next, wait);
+      else this.#toggle();
+    };
+    this.#timer = setTimeout(next, wait);
+  }
+
+  /** Stop playing. */
+  stop() {
+    clearTimeout(this.#timer);
+    this.#timer = null;
+    this.playButton.textContent = "Play";
+  }
+
+  #aligning() {
+    if (!this.alignBox.checked) this.#shift = 0;
+    this.plot.classList.toggle("aligning", this.alignBox.checked);
+    this.#displace();
+  }
+
+  #shiftTo(shift) {
+    const { shift_s: shifts } = this.#signal;
+    this.#shift = Math.max(shifts[0], Math.min(shifts.at(-1), shift));
+    this.#displace();
+  }
+
+  /** Show the areas later or earlier, and how much they scatter about the force. */
+  #displace() {
+    if (!this.areas || !this.#signal) return;
+    const moved = this.x(this.#shift) - this.x(0);
+    this.areas.setAttribute("transform", `translate(${moved.toFixed(1)} 0)`);
+    this.#cursor();
+    this.keepButton.hidden = !this.alignBox.checked || this.#shift === 0;
+    this.alignWords.textContent = this.alignBox.checked ? this.#words() : "";
+  }
+
+  #words() {
+    const { shift_s: shifts, area_scatter: scatter } = this.#signal;
+    const known = scatter.map((one) => one ?? Infinity);
+    const best = known.indexOf(Math.min(...known));
+    const percent = (share) => (share === null ? "–" : `${(100 * share).toFixed(1)} %`);
+    const here = scatter[nearest(shifts, this.#shift)];
+    return (
+      `frames ${(1000 * this.#shift).toFixed(0)} ms later: areas scatter ${percent(here)} about a power of ` +
+      `the force; least, ${percent(scatter[best])}, at ${(1000 * shifts[best]).toFixed(0)} ms`
+    );
+  }
+
+  #start() {
+    return this.#signal.start_s + this.#shift;
+  }
+
+  close() {
+    this.stop();
+    this.observer.disconnect();
+  }
+}
