@@ -145,7 +145,7 @@ def _reviewed(result: StudyResult) -> Iterator[str]:
         listed = _joined([f"{count} {verdict}" for verdict, count in counts.items()])
         yield f"All was measured automatically, then {listed} manually by {_joined(people)}."
     else:
-        yield "All was measured automatically; nobody has reviewed it."
+        yield "All was measured automatically and not reviewed by a person."
     measured = result.rows.at(result.rows.column("status") == "measured")
     single = measured.at(~measured.known("frame"))
     if left_out := int((~single.column("pooled")).sum()):
