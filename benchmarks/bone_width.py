@@ -1,7 +1,7 @@
 """A bone narrower than the pad, by finite elements: ``python -m benchmarks.bone_width [--quick]``.
 
-Needs scikit-fem, which is no dependency of fingerpad: ``pip install scikit-fem``, and takes a tenth of the time
-with ``pip install pypardiso``.
+Needs scikit-fem, which is no dependency of fingerpad: ``pip install scikit-fem``. With ``pip install
+pypardiso`` it takes a fraction of the time.
 
 Tissue is a block with a flat surface, fixed at its base, with a rigid strip of bone along the finger inside.
 Finite elements give by how much the bone changes the displacement of the surface under pressure on any cell
@@ -15,7 +15,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import cache, partial
+from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -118,7 +118,7 @@ def _system(bone: Bone, mesh: Mesh, depth: float) -> tuple[Any, FloatArray]:
 
     The mesh has a plane at `depth`, which follows the bone's top.
     """
-    from skfem import Basis, BilinearForm, ElementHex2, MeshHex, asm
+    from skfem import Basis, BilinearForm, ElementHex2, MeshHex, asm  # noqa: PLC0415 (optional)
 
     side, planes = _lines(mesh), _depths(bone, mesh, depth)
     block = MeshHex.init_tensor(side, side, planes)
@@ -133,7 +133,7 @@ def _system(bone: Bone, mesh: Mesh, depth: float) -> tuple[Any, FloatArray]:
         )
         block = MeshHex(p, block.t)
     nu = mesh.poisson_ratio
-    # E* = 1; volume changes are integrated with fewer points, so that near-incompressible elements do not lock.
+    # E* = 1; changes of volume are integrated with fewer points, so that elements do not lock.
     first, second = (1 - nu**2) * nu / ((1 + nu) * (1 - 2 * nu)), (1 - nu**2) / (2 * (1 + nu))
     full, reduced = (Basis(block, ElementHex2(), intorder=order) for order in (5, 3))
 
@@ -191,9 +191,11 @@ def _cell_weights(mesh: Mesh) -> FloatArray:
 
 def _solved(matrix: Any, loads: FloatArray) -> FloatArray:
     try:
-        from pypardiso import spsolve
+        from pypardiso import spsolve  # noqa: PLC0415 (optional)
     except ImportError:
-        return np.asarray(splu(matrix, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}).solve(loads))
+        return np.asarray(
+            splu(matrix, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}).solve(loads)
+        )
     return np.asarray(spsolve(matrix.tocsr(), loads))
 
 
@@ -204,7 +206,7 @@ def _layer_flexibility(bone: Bone, mesh: Mesh, depth: float) -> FloatArray:
 
 @cache
 def influence(bone: Bone, mesh: Mesh) -> FloatArray:
-    """Return displacements of the contact's cells under unit pressure on them and their images, for E* = 1."""
+    """Return displacements of the contact's cells under unit pressure on cells and their images; E* = 1."""
     exact = exact_influence(mesh, bone.base)
     if math.isinf(bone.depth):
         return exact
@@ -217,8 +219,10 @@ def influence(bone: Bone, mesh: Mesh) -> FloatArray:
     # The change is smooth: splines that are even about both planes of symmetry take it to the finer grid.
     side = (np.arange(n) + 0.5) * mesh.cell
     spline = CubicSpline(np.append(-side[::-1], side), np.vstack([np.eye(n)[::-1], np.eye(n)]))(mesh.grid)
-    finer = np.einsum("ai,bj,ijkl,ck,dl->abcd", spline, spline, change.reshape(4 * (n,)), spline, spline, optimize=True)
-    return exact + finer.reshape(exact.shape) * (mesh.reach / _CELLS) ** 2
+    finer = np.einsum(
+        "ai,bj,ijkl,ck,dl->abcd", spline, spline, change.reshape(4 * (n,)), spline, spline, optimize=True
+    )
+    return np.asarray(exact + finer.reshape(exact.shape) * (mesh.reach / _CELLS) ** 2)
 
 
 @cache
@@ -291,9 +295,7 @@ def pressed(bone: Bone, mesh: Mesh, wedge_deg: float, area: float) -> Contact:
     typical = area / (math.pi * 20)
     at = float(brentq(excess, 0.6 * typical, 1.9 * typical, xtol=1e-2 * typical))
     # The area grows by whole cells a little unevenly: a line through the neighbourhood is even.
-    near = [
-        solve(flexibility, heights, at * factor, mesh, depth) for factor in (0.94, 0.97, 1.0, 1.03, 1.06)
-    ]
+    near = [solve(flexibility, heights, at * factor, mesh, depth) for factor in (0.94, 0.97, 1.0, 1.03, 1.06)]
     columns = np.log(np.array(near))
     values = [np.polyval(np.polyfit(columns[:, 2], column, 1), math.log(area)) for column in columns.T]
     return Contact(*np.exp(values).tolist())
@@ -336,7 +338,8 @@ def _row(name: str, bone: Bone, mesh: Mesh, wedge: tuple[float, float, float]) -
     same = uniform(t, mesh.poisson_ratio, angle, area)
     print(
         f"    {name:<46} {angle:3.0f}°  {found.radius:6.2f}  {t:6.2f}  {found.load / same.load:6.3f}  "
-        f"{found.along_over_across:6.3f}  {same.along_over_across:6.3f}  ({time.perf_counter() - start:.0f} s)",
+        f"{found.along_over_across:6.3f}  {same.along_over_across:6.3f}  "
+        f"({time.perf_counter() - start:.0f} s)",
         flush=True,
     )
 
@@ -355,20 +358,28 @@ def checks(mesh: Mesh) -> None:
     for depth in (4.0, 8.0):
         found = pressed(Bone(half_width=1e3, depth=depth), mesh, *PRINTED[0][:2])
         same = uniform(depth, mesh.poisson_ratio, *PRINTED[0][:2])
-        errors = found.radius / same.radius, found.load / same.load, found.along_over_across / same.along_over_across
+        errors = (
+            found.radius / same.radius,
+            found.load / same.load,
+            found.along_over_across / same.along_over_across,
+        )
         print(f"    {depth:g} mm: " + ", ".join(f"{100 * (one - 1):+.2f} %" for one in errors), flush=True)
 
 
 def report(*, quick: bool = False) -> None:
     """Print which layer a narrow bone acts like, and what it makes of the contact's shape."""
     try:
-        import skfem  # noqa: F401
+        import skfem  # noqa: F401, PLC0415 (optional)
     except ImportError:
         print("\nBone narrower than the pad: needs scikit-fem (pip install scikit-fem), left out")
         return
     mesh = Mesh(side=1.5 if quick else 1.0)
-    print("\nBone narrower than the pad, by finite elements: A/(πξ) at the printed area, mm; thickness t of the")
-    print("uniform layer of the same A/(πξ); load over that layer's; axis along over across, of bone and layer")
+    print(
+        "\nBone narrower than the pad, by finite elements: A/(πξ) at the printed area, mm; thickness t of the"
+    )
+    print(
+        "uniform layer of the same A/(πξ); load over that layer's; axis along over across, of bone and layer"
+    )
     checks(mesh)
     for name, bone in _bones():
         for wedge in PRINTED:

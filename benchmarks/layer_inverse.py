@@ -38,10 +38,13 @@ class Case:
     whole: bool = False
 
 
-def of_layer(thickness: float, spectrum: Callable[[Array], Array] | None = None, **known: float) -> Case:
+def of_layer(
+    thickness: float, spectrum: Callable[[Array], Array] | None = None, radius_relative_std: float = 0.03
+) -> Case:
     """Return a case of circular contacts; a half-space where the thickness is infinite."""
     contact = layer(thickness) if thickness < DEEP else hertz
-    return Case(thickness=thickness, press=Condition(contact=contact, spectrum=spectrum), **known)
+    press = Condition(contact=contact, spectrum=spectrum)
+    return Case(thickness=thickness, press=press, radius_relative_std=radius_relative_std)
 
 
 CASES: Mapping[str, Case] = MappingProxyType(
@@ -130,7 +133,9 @@ def fit_once(case: Case, seed: int) -> Found:
         thickness_held=_held(t, case.thickness),
         modulus_held=_held(fit.youngs_modulus, pad.modulus),
         offset_held=_held(fit.contact_offset, place),
-        width=(t.upper - t.lower) / case.thickness if isinstance(t, Estimate) and t.upper < DEEP else math.nan,
+        width=(t.upper - t.lower) / case.thickness
+        if isinstance(t, Estimate) and t.upper < DEEP
+        else math.nan,
         one_sided=isinstance(t, Estimate) and t.upper == DEEP,
         undetermined=not there,
         weight=fit.layer_weight,

@@ -170,6 +170,7 @@ def fit_joint(
     start: Values,
     held: Mapping[str, Estimate],
     noise: Noise | None = None,
+    *,
     prior: Mapping[str, Estimate] = MappingProxyType({}),
 ) -> JointFit:
     """Fit a law to a record; the noise is found from the residuals unless it is given.
@@ -180,7 +181,7 @@ def fit_joint(
     if noise is None:
         noise, start = find_noise(record, law, start, {**held, **prior})
         start = {**start, **{name: known.value for name, known in prior.items()}}
-    return _fit(record, law, start, held, noise, prior)
+    return _fit(record, law, start, held, noise, prior=prior)
 
 
 def find_noise(
@@ -251,6 +252,7 @@ def _fit(
     start: Values,
     held: Mapping[str, Estimate],
     noise: Noise,
+    *,
     prior: Mapping[str, Estimate],
 ) -> JointFit:
     given = {name: estimate.value for name, estimate in held.items()}

@@ -2,9 +2,9 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Any, Final, cast
+from typing import Any, Final, Self
 
 import numpy as np
 
@@ -97,6 +97,59 @@ class LayerThicknessFit(Displayed):
     def layer_weight(self) -> float:
         """Akaike weight of all models with a layer, against those of a half-space."""
         return sum(weight for name, weight in self.weights.items() if name.startswith("layer"))
+
+    @property
+    def conclusion(self) -> str:
+        """Thickness and modulus with their intervals and the evidence, or why they are unknown, as text."""
+        t, modulus = self.thickness, self.youngs_modulus.times(KPA_PER_MPA)
+        if isinstance(t, Undetermined):
+            return f"thickness of the tissue undetermined: {t.reason}"
+        if t.upper < math.inf and t.lower > 0:
+            said = f"tissue {t.value:.3g} mm thick (95 %: {t.lower:.3g} to {t.upper:.3g} mm)"
+        elif t.lower > 0:
+            said = f"tissue thicker than {t.lower:.3g} mm (95 %)"
+        else:
+            said = f"tissue thinner than {t.upper:.3g} mm (95 %)"
+        if isinstance(modulus, Estimate):
+            said += f", E = {modulus.value:.3g} kPa (95 %: {modulus.lower:.3g} to {modulus.upper:.3g} kPa)"
+        weight = self.layer_weight
+        certain = "above 0.999" if weight > 0.999 else "below 0.001" if weight < 0.001 else f"{weight:.3f}"
+        return f"{said}; Akaike weight of a layer against a half-space {certain}"
+
+    @classmethod
+    def undetermined(cls, reason: str, flags: tuple[str, ...] = ()) -> Self:
+        """Return a result that nothing could be fitted for.
+
+        Parameters
+        ----------
+        reason : str
+            Why.
+        flags : tuple of str
+            Doubts about the curve.
+
+        Returns
+        -------
+        LayerThicknessFit
+            With that reason for every quantity.
+
+        Examples
+        --------
+        >>> LayerThicknessFit.undetermined("no contact area").conclusion
+        'thickness of the tissue undetermined: no contact area'
+        """
+        unknown = Undetermined(reason)
+        return cls(
+            thickness=unknown,
+            youngs_modulus=unknown,
+            contact_offset=unknown,
+            radius=unknown,
+            contact_over_thickness=0.0,
+            correlation=0.0,
+            aicc={},
+            weights={},
+            notes={},
+            flags=flags,
+        )
 
     def summary(self) -> str:
         """Return the fitted numbers as text, one line each.
@@ -211,7 +264,8 @@ def fit_layer_thickness(
     press = prepare(curve, poisson_ratio, cycle)
     if press.record.area.size < _FEWEST_AREAS:
         found = press.record.area.size
-        return _nothing(_NO_AREA if not found else f"{found} areas under load; five are needed", press.flags)
+        reason = f"{found} areas under load; five are needed" if found else _NO_AREA
+        return LayerThicknessFit.undetermined(reason, press.flags)
     radius = (held | prior)["loading_radius"].value
     try:
         with np.errstate(all="ignore"):
@@ -233,8 +287,9 @@ def _geometry(
         if not 0 <= std < math.inf:
             raise LoadingError(f"{name} must be finite and not negative, found {std}")
     radius = 2 / (1 / first + 1 / second)
-    numbers = first / second, *(
-        radius * float(one) for one in (gap.first_skewness, gap.second_skewness, gap.flatness)
+    numbers = (
+        first / second,
+        *(radius * float(one) for one in (gap.first_skewness, gap.second_skewness, gap.flatness)),
     )
     held = {name: Estimate.symmetric(value, 0.0) for name, value in zip(PAD_FORM, numbers, strict=True)}
     held[PAD_FORM[0]] = Estimate.symmetric(numbers[0], radius_ratio_std)
@@ -258,7 +313,7 @@ def _fit(
         for added, names in _ADDED.items():
             begin = {name: value for name, value in start.items() if body == "layer" or "thick" not in name}
             try:
-                models[body + added] = _fitted(record, begin, names, held, noise, prior)
+                models[body + added] = _fitted(record, begin, names, held, noise=noise, prior=prior)
             except _FAILURES:
                 if body + added == "layer":
                     raise
@@ -281,6 +336,7 @@ def _fitted(
     start: dict[str, float],
     added: tuple[str, ...],
     held: Mapping[str, Estimate],
+    *,
     noise: Noise,
     prior: Mapping[str, Estimate],
 ) -> JointFit:
@@ -288,7 +344,7 @@ def _fitted(
     if "load_coefficient" in added:
         law = "load_dependent"
         begin["initial_modulus"] = begin.pop("youngs_modulus")
-    return fit_joint(record, law, begin, held, noise, prior)
+    return fit_joint(record, law, begin, held, noise, prior=prior)
 
 
 def _result(
@@ -366,14 +422,12 @@ def _reason(fit: JointFit, inverse: Estimate, widest: float) -> str:
     """Return why the curve does not tell the thickness; empty where it does."""
     if inverse.upper <= 0:
         return (
-            "the area grows less with indentation than on a half-space, which no layer explains: check radius, "
-            "area and the zero of the displacement"
+            "the area grows less with indentation than on a half-space, which no layer explains: check the "
+            "radius, the areas and the zero of the displacement"
         )
     if inverse.lower > 0 or inverse.upper * widest < 1:
         return ""
-    wide = (
-        f"a half-space fits as well as tissue thinner than the contact's radius of {widest:.1f} mm: "
-    )
+    wide = f"a half-space fits as well as tissue thinner than the contact's radius of {widest:.1f} mm: "
     words = {
         "loading_radius": "the pad's radius is not known well enough, and another radius looks like a layer",
         "contact_offset": "the place of contact is not known well enough",
@@ -395,24 +449,24 @@ def _notes(
 ) -> dict[str, str]:
     """Return flags with their meaning."""
     notes = {}
-    gains = {
-        added: main.aicc - min(models[body + added].aicc for body in ("layer", "half_space") if body + added in models)
-        for added in _ADDED
-        if added and any(body + added in models for body in ("layer", "half_space"))
-    }
     for added, flag, words in (
         ("_load_dependent", "modulus_depends_on_load", "a modulus that grows with load"),
         ("_area_offset", "area_offset", "areas with an offset at contact, as from a late camera,"),
     ):
-        if gains.get(added, 0.0) > _FLAGGED:
-            notes[flag] = f"{words} fits better than a layer alone, by {gains[added]:.0f} in AICc"
+        gain = main.aicc - min(
+            (one.aicc for name, one in models.items() if name.endswith(added)), default=math.inf
+        )
+        if gain > _FLAGGED:
+            notes[flag] = f"{words} fits better than a layer alone, by {gain:.0f} in AICc"
     for name, known in prior.items():
         found = main.estimate(name)
-        moved = abs(found.value - known.value) / math.sqrt(max(known.std**2 - found.std**2, 1e-4 * known.std**2))
+        moved = abs(found.value - known.value) / math.sqrt(
+            max(known.std**2 - found.std**2, 1e-4 * known.std**2)
+        )
         if moved > _CONTRADICTED:
             notes["radius_contradicts_curve"] = (
-                f"the curve asks for a radius of {found.value:.3g} mm, {moved:.0f} standard uncertainties from "
-                f"the geometry's {known.value:.3g} mm"
+                f"the curve asks for a radius of {found.value:.3g} mm, {moved:.0f} standard uncertainties "
+                f"from the geometry's {known.value:.3g} mm"
             )
     if inverse.upper * widest >= _THINNEST:
         notes["layer_too_thin"] = "the layer may be thinner than a third of the contact's radius"
@@ -423,22 +477,6 @@ def _notes(
             "deviations)"
         )
     return notes
-
-
-def _nothing(reason: str, flags: tuple[str, ...]) -> LayerThicknessFit:
-    unknown = Undetermined(reason)
-    return LayerThicknessFit(
-        thickness=unknown,
-        youngs_modulus=unknown,
-        contact_offset=unknown,
-        radius=unknown,
-        contact_over_thickness=0.0,
-        correlation=0.0,
-        aicc={},
-        weights={},
-        notes={},
-        flags=flags,
-    )
 
 
 def _finite(value: Any) -> Any:
