@@ -1,13 +1,17 @@
 """Fit one loading curve."""
 
+import math
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from fingerpad.cli.shared import AsJson, print_json, require_positive
+from fingerpad.cli.shared import AsJson, WedgeAngle, checked_pad, print_json, require_positive
 from fingerpad.exceptions import LoadingError
 from fingerpad.units import value_with_uncertainty
+
+if TYPE_CHECKING:
+    from fingerpad.loading import LayerThicknessFit
 
 
 def fit(
@@ -35,6 +39,17 @@ def fit(
     load_range_n: Annotated[
         str | None, typer.Option(metavar="W0,W1", help="Loads, N, between which the modulus grows.")
     ] = None,
+    semi_axes_mm: Annotated[
+        tuple[float, float, float] | None,
+        typer.Option(
+            help="Palmar, distal and radial-ulnar semi-axes, mm: the thickness over bone is fitted, too.",
+            show_default=False,
+        ),
+    ] = None,
+    wedge_deg: WedgeAngle = 0.0,
+    pad_radius_mm_std: Annotated[
+        float, typer.Option(min=0, help="Standard uncertainty of the pad's radius 1/H, mm.")
+    ] = 0.0,
     constraint: Annotated[
         float | None,
         typer.Option(
@@ -49,7 +64,8 @@ def fit(
 
     The header names quantities with units: time_s, force_N, displacement_mm, area_mm2; time and area are
     optional. Each number comes with its standard uncertainty and 95 % interval, or the reason why the
-    curve does not determine it.
+    curve does not determine it. With --semi-axes-mm the curve is also fitted by the whole pad on a layer of
+    tissue over bone, and compared with a half-space.
     """
     from fingerpad.loading import Estimate, fit_loading_curve, read_loading_curve
 
@@ -67,12 +83,40 @@ def fit(
     )
     if constraint is not None:
         found = found.divide_by_constraint(Estimate.symmetric(constraint, constraint_std))
+    layer = None
+    if semi_axes_mm is not None:
+        layer = _layer(record, semi_axes_mm, wedge_deg, pad_radius_mm_std, poisson_ratio, cycle)
+    elif wedge_deg or pad_radius_mm_std:
+        raise LoadingError("--wedge-deg and --pad-radius-mm-std go with --semi-axes-mm")
     if plot is not None:
         _draw(plot, curve.stem, record, found, cycle)
     if as_json:
-        print_json({"file": str(curve), **found.as_record()})
+        on_layer = {} if layer is None else {"layer": layer.as_record()}
+        print_json({"file": str(curve), **found.as_record(), **on_layer})
     else:
         _print_table(found.as_record())
+        if layer is not None:
+            typer.echo(f"layer: {'; '.join([layer.conclusion, *layer.notes.values()])}")
+
+
+def _layer(
+    record: Any,
+    semi_axes_mm: tuple[float, float, float],
+    wedge_deg: float,
+    radius_std: float,
+    poisson_ratio: float,
+    cycle: int,
+) -> "LayerThicknessFit":
+    from fingerpad.contact import PadGap
+    from fingerpad.loading import fit_layer_thickness
+
+    return fit_layer_thickness(
+        record,
+        gap=PadGap.of(checked_pad(semi_axes_mm), wedge_angle=math.radians(wedge_deg)),
+        radius_std=radius_std,
+        poisson_ratio=poisson_ratio,
+        cycle=cycle,
+    )
 
 
 def _columns(texts: list[str]) -> dict[str, str]:

@@ -7,6 +7,7 @@ from fingerpad.loading.contact_point import ESTIMATORS
 from fingerpad.loading.estimate import Estimate, Quantity, Undetermined
 from fingerpad.loading.fit import LoadingFit, contact_points, fit_loading_curve
 from fingerpad.loading.force_models import FittedForceModel
+from fingerpad.loading.layer_thickness import LayerThicknessFit, fit_layer_thickness
 from fingerpad.loading.least_squares import LeastSquaresFit, effective_count, fit_least_squares
 from fingerpad.loading.models import (
     area_from_load,
@@ -32,6 +33,7 @@ __all__ = [
     "Estimate",
     "FittedForceModel",
     "Hysteresis",
+    "LayerThicknessFit",
     "LeastSquaresFit",
     "LoadingCurve",
     "LoadingFit",
@@ -49,6 +51,7 @@ __all__ = [
     "effective_count",
     "find_cycles",
     "fit_contact_compliance",
+    "fit_layer_thickness",
     "fit_least_squares",
     "fit_loading_curve",
     "fit_relaxation",

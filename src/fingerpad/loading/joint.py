@@ -6,8 +6,9 @@ uncertainty is in every result.
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 
 import numpy as np
 
@@ -18,7 +19,7 @@ from fingerpad.loading.force_models import FittedForceModel, Values, force_zero,
 from fingerpad.loading.least_squares import LeastSquaresFit, Residuals, fit_least_squares, minimum
 from fingerpad.loading.models import hertz_stiffness, load_slope
 from fingerpad.loading.noise import KINDS, Noise, NoiseUncertainty, estimate_noise, noise_uncertainty
-from fingerpad.loading.shapes import shape_factors
+from fingerpad.loading.shapes import PAD_FORM, shape_factors
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -58,6 +59,8 @@ class JointFit(Displayed):
         The free parameters.
     held : mapping of str to Estimate
         Parameters given from elsewhere, whose uncertainty is carried on.
+    prior : mapping of str to Estimate
+        Free parameters that were also measured elsewhere: one datum each.
     noise, noise_uncertainty : Noise, NoiseUncertainty
         Of the record.
     covariance : ndarray, (p, p)
@@ -65,7 +68,7 @@ class JointFit(Displayed):
     record : Record
         What was fitted.
     response : mapping of str to ndarray
-        Derivative of the free parameters by each held one.
+        Derivative of the free parameters by each held one that is uncertain.
     """
 
     law: str
@@ -76,6 +79,7 @@ class JointFit(Displayed):
     covariance: FloatArray
     record: FitData
     response: Mapping[str, FloatArray]
+    prior: Mapping[str, Estimate]
 
     @property
     def values(self) -> dict[str, float]:
@@ -110,7 +114,7 @@ class JointFit(Displayed):
     @property
     def aicc(self) -> float:
         """Corrected Akaike criterion, as `FittedForceModel` has it."""
-        n = self.record.load.size / self.noise.inflation + self.record.area.size
+        n = self.record.load.size / self.noise.inflation + self.record.area.size + len(self.prior)
         k = self.fit.values.size
         return self.fit.sum_of_squares + 2 * k + 2 * k * (k + 1) / (n - k - 1) if n > k + 1 else math.inf
 
@@ -150,17 +154,24 @@ class JointFit(Displayed):
     def combined(self, value: float, gradient: Values) -> Estimate:
         """Return a function of the parameters from its gradient, to first order (GUM Eq. 13 and G.4)."""
         slope = np.array([gradient.get(name, 0.0) for name in self.fit.names])
-        freedom = self.noise_uncertainty.degrees_of_freedom(self.noise, self._jacobians, slope)
+        by_data, _ = _share_of_data(self.noise, self._jacobians, self.fit.names, self.prior)
+        freedom = self.noise_uncertainty.degrees_of_freedom(self.noise, self._jacobians, by_data.T @ slope)
         own = Estimate.symmetric(value, math.sqrt(float(slope @ self.covariance @ slope)), freedom)
         shifts = [
-            (gradient.get(key, 0.0) + float(slope @ self.response[key])) * given.std
-            for key, given in self.held.items()
+            (gradient.get(key, 0.0) + float(slope @ change)) * self.held[key].std
+            for key, change in self.response.items()
         ]
         return _widened(own, math.hypot(*shifts))
 
 
 def fit_joint(
-    record: FitData, law: str, start: Values, held: Mapping[str, Estimate], noise: Noise | None = None
+    record: FitData,
+    law: str,
+    start: Values,
+    held: Mapping[str, Estimate],
+    noise: Noise | None = None,
+    *,
+    prior: Mapping[str, Estimate] = MappingProxyType({}),
 ) -> JointFit:
     """Fit a law to a record; the noise is found from the residuals unless it is given.
 
@@ -168,8 +179,9 @@ def fit_joint(
     their residuals correlate; all deviations are those of greatest restricted likelihood.
     """
     if noise is None:
-        noise, start = find_noise(record, law, start, held)
-    return _fit(record, law, start, held, noise)
+        noise, start = find_noise(record, law, start, {**held, **prior})
+        start = {**start, **{name: known.value for name, known in prior.items()}}
+    return _fit(record, law, start, held, noise, prior=prior)
 
 
 def find_noise(
@@ -180,7 +192,9 @@ def find_noise(
     whole = {**start, **{name: given.value for name, given in held.items()}}
     noise = _first_noise(record, law, whole)
     for kinds in (("white",), KINDS, None):
-        noise = replace(noise, slope=_slope(record, whole), radius=whole["loading_radius"])
+        noise = replace(
+            noise, slope=_slope(record, law, whole), radius=_area_slope(record, law, whole) / math.pi
+        )
         jacobians = _jacobians(record, law, names, whole)
         found = (noise.kind if noise.drift_std > 0 else "white",)
         noise = estimate_noise(noise, _residuals(record, law, whole), jacobians, kinds or found)
@@ -232,12 +246,27 @@ def _minimum(
     return dict(zip(names, minimum(residuals, [start[name] for name in names], names).tolist(), strict=True))
 
 
-def _fit(record: FitData, law: str, start: Values, held: Mapping[str, Estimate], noise: Noise) -> JointFit:
+def _fit(
+    record: FitData,
+    law: str,
+    start: Values,
+    held: Mapping[str, Estimate],
+    noise: Noise,
+    *,
+    prior: Mapping[str, Estimate],
+) -> JointFit:
     given = {name: estimate.value for name, estimate in held.items()}
-    names, residuals = _scaled_residuals(record, law, start, held, noise)
+    names, of_data = _scaled_residuals(record, law, start, held, noise)
+
+    def residuals(free: FloatArray) -> FloatArray:
+        known = [(free[names.index(name)] - one.value) / one.std for name, one in prior.items()]
+        return np.append(of_data(free), known)
+
     fit = fit_least_squares(residuals, [start[name] for name in names], names)
     response: dict[str, FloatArray] = {}
     for name, estimate in held.items():
+        if not estimate.std > 0:
+            continue
         step = 1e-4 * max(abs(estimate.value), estimate.std) or 1e-6
         moved = [
             _scaled_residuals(record, law, start, {**held, name: replace(estimate, value=value)}, noise)[1](
@@ -245,35 +274,71 @@ def _fit(record: FitData, law: str, start: Values, held: Mapping[str, Estimate],
             )
             for value in (estimate.value + step, estimate.value - step)
         ]
-        change = (moved[0] - moved[1]) / (2 * step)
+        change = np.append((moved[0] - moved[1]) / (2 * step), np.zeros(len(prior)))
         response[name] = as_float_array(-np.linalg.lstsq(fit.jacobian, change)[0])
     whole = {**given, **dict(zip(names, map(float, fit.values), strict=True))}
     jacobians = _jacobians(record, law, names, whole)
     known = noise_uncertainty(noise, _residuals(record, law, whole), jacobians)
+    by_data, of_prior = _share_of_data(noise, jacobians, fit.names, prior)
     return JointFit(
         law=law,
         fit=fit,
         held=held,
         noise=noise,
         noise_uncertainty=known,
-        covariance=known.parameter_covariance(noise, jacobians),
+        covariance=by_data @ known.parameter_covariance(noise, jacobians) @ by_data.T + of_prior,
         record=record,
         response=response,
+        prior=prior,
     )
 
 
-def _slope(record: FitData, values: Values) -> FloatArray:
-    """Return dW/dξ, of the law whose modulus grows with load or of Hertz's."""
+def _share_of_data(
+    noise: Noise,
+    jacobians: tuple[FloatArray, FloatArray],
+    names: Sequence[str],
+    prior: Mapping[str, Estimate],
+) -> tuple[FloatArray, FloatArray]:
+    """Return by what the fit to the data alone enters the parameters, and the covariance from the prior.
+
+    With the information A of the data and P of the prior they are (A + P)⁻¹A and (A + P)⁻¹P(A + P)⁻¹.
+    """
+    whole = np.eye(len(names))
+    if not prior:
+        return whole, 0 * whole
+    scaled = noise.scaled(*jacobians)
+    length = np.linalg.norm(scaled, axis=0)
+    data = (scaled / length).T @ (scaled / length)
+    known = np.diag([(1 / prior[name].std if name in prior else 0.0) ** 2 for name in names])
+    inverse = np.linalg.inv(data + known / length**2)
+    by_data = whole - inverse @ (known / length**2)
+    of_prior = inverse @ (known / length**2) @ inverse
+    return by_data * np.outer(1 / length, length), of_prior / np.outer(length, length)
+
+
+def _slope(record: FitData, law: str, values: Values) -> FloatArray:
+    """Return dW/dξ, of the law whose modulus grows with load or of Hertz's; of a pad with its own shape."""
     xi = np.maximum(record.smooth_displacement - values["contact_offset"], 0.0)
+    if PAD_FORM[0] in values:
+        up, down = (load_at(values, law, way * xi, record.poisson_ratio) for way in (1.01, 0.99))
+        return np.asarray((up - down) / (0.02 * np.maximum(xi, 1e-12)))
     h = hertz_stiffness(max(values["loading_radius"], 1e-9), record.poisson_ratio) * xi**1.5
     modulus = values.get("initial_modulus", values.get("youngs_modulus", 0.0))
     return load_slope(xi, h, modulus, values.get("load_coefficient", 0.0))
 
 
+def _area_slope(record: FitData, law: str, values: Values) -> float:
+    """Return dA/dξ, of a pad with its own shape in the mean over its areas."""
+    if PAD_FORM[0] not in values or not record.area.size:
+        return math.pi * values["loading_radius"]
+    xi = record.smooth_displacement[record.with_area] - values["contact_offset"]
+    return float(np.ptp(_area(record, law, values, xi)) / np.ptp(xi))
+
+
 def _first_noise(record: FitData, law: str, values: Values) -> Noise:
     """Return deviations to begin a search with."""
     force, area = _residuals(record, law, values)
-    slope, spread = _slope(record, values), float(np.std(force)) or 1e-12
+    slope, spread = _slope(record, law, values), float(np.std(force)) or 1e-12
     return Noise(
         force_std=0.7 * spread,
         displacement_std=0.3 * spread / max(float(slope.max()), 1e-12),
@@ -281,7 +346,7 @@ def _first_noise(record: FitData, law: str, values: Values) -> Noise:
         drift_std=0.0,
         drift_time=5 * float(np.median(np.diff(record.clock))) or 1.0,
         slope=slope,
-        radius=values["loading_radius"],
+        radius=_area_slope(record, law, values) / math.pi,
         steps=np.diff(record.clock),
         with_area=record.with_area,
     )

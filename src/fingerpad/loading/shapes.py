@@ -1,10 +1,12 @@
 r"""How load and area depart from those of a paraboloid on a half-space: an exact sphere, a layer over bone.
 
 Both are factors at the same indentation ξ: on :math:`\tfrac43 R^{1/2}\xi^{3/2}` and on :math:`\pi R \xi`.
+A pad that is not a sphere has R = 1/H, and its form is four numbers without dimension, `PAD_FORM`.
 """
 
 from collections.abc import Mapping
-from functools import cache
+from functools import cache, lru_cache
+from typing import Final
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -14,7 +16,10 @@ from fingerpad.contact import PadGap, fast_contact
 
 # The exact sphere is tabulated to this a/R, a layer to this a/t (its laws hold to 3).
 _WIDEST, _THINNEST = 0.98, 2.95
+_WIDEST_PAD, _KNOTS = 1.2, 48  # a/R to which a pad is tabulated, where its laws hold
 _LEAST = 0.2
+# Of the gap of a pad: R1/R2, then skewness and flatness times R (see `PadGap`).
+PAD_FORM: Final = ("radius_ratio", "first_skewness", "second_skewness", "flatness")
 
 
 def shape_factors(
@@ -29,6 +34,10 @@ def shape_factors(
     radius = max(values["loading_radius"], 1e-9)
     if law == "exact_sphere":
         return _within(*_sphere(), xi / radius)
+    if PAD_FORM[0] in values:
+        form = tuple(values[name] for name in PAD_FORM)
+        inverse = radius * values.get("inverse_thickness", 0.0)
+        return _on_layer(form, inverse, poisson_ratio, np.sqrt(np.maximum(xi, 0.0) / radius))
     if values.get("inverse_thickness", 0.0) != 0:
         size = np.sqrt(radius * np.maximum(xi, 0.0)) * values["inverse_thickness"]
         return _within(*_layer(poisson_ratio), size)
@@ -41,6 +50,43 @@ def _within(load: CubicSpline, area: CubicSpline, size: FloatArray) -> tuple[Flo
         np.maximum(law(known) + law(known, 1) * (size - known), _LEAST) for law in (load, area)
     )
     return of_load, of_area
+
+
+def _on_layer(
+    form: tuple[float, ...], inverse: float, poisson_ratio: float, size: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return the factors of a pad at sizes √(ξ/R); a negative R/t continues them as an odd function of it."""
+    load, area = _within(*_pad(form, abs(inverse), poisson_ratio), size)
+    if inverse >= 0:
+        return load, area
+    deep = _within(*_pad(form, 0.0, poisson_ratio), size)
+    return np.maximum(2 * deep[0] - load, _LEAST), np.maximum(2 * deep[1] - area, _LEAST)
+
+
+@lru_cache(maxsize=1024)
+def _pad(form: tuple[float, ...], inverse: float, poisson_ratio: float) -> tuple[CubicSpline, CubicSpline]:
+    """Return the factors of a pad of R = 1 on a layer of thickness 1/inverse, against √ξ."""
+    first = (1 + form[0]) / 2
+    radii = np.array([first, first / form[0]])
+    a = np.linspace(0.01, _WIDEST_PAD, _KNOTS) * min(1.0, _THINNEST / (inverse * _WIDEST_PAD + 1e-12))
+    skew = dict(
+        zip(("first_skewness", "second_skewness", "flatness"), map(np.asarray, form[1:]), strict=True)
+    )
+    contact = fast_contact(
+        PadGap(first_radius=radii[0], second_radius=radii[1], **skew),
+        area=np.pi * a**2,
+        reduced_modulus=1.0,
+        thickness=1 / inverse if inverse else None,
+        poisson_ratio=max(poisson_ratio, 0.3),
+    )
+    point = fast_contact(PadGap.paraboloid(*radii), area=np.pi, reduced_modulus=1.0)
+    known = contact.flag_code == 0
+    load, depth, area = (
+        np.append(float(getattr(point, name)), getattr(contact, name)[known])
+        for name in ("load", "indentation", "area")
+    )
+    size = np.append(0.0, np.sqrt(depth[1:]))
+    return CubicSpline(size, 0.75 * load / depth**1.5), CubicSpline(size, area / (np.pi * depth))
 
 
 @cache

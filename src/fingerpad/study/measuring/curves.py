@@ -3,7 +3,7 @@
 import math
 from collections import Counter
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any, Final
@@ -11,7 +11,7 @@ from typing import Any, Final
 import numpy as np
 
 from fingerpad._arrays import FloatArray
-from fingerpad.contact import EllipsoidContact, reduced_modulus
+from fingerpad.contact import EllipsoidContact, PadGap, reduced_modulus
 from fingerpad.exceptions import ConvergenceError, FingerpadError, FitError, GeometryError
 from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.loading import (
@@ -19,12 +19,14 @@ from fingerpad.loading import (
     Estimate,
     FittedForceModel,
     Hysteresis,
+    LayerThicknessFit,
     LoadingCurve,
     LoadingFit,
     Secant,
     Segment,
     Undetermined,
     fit_contact_compliance,
+    fit_layer_thickness,
     fit_loading_curve,
     read_loading_curve,
     shape_check,
@@ -41,7 +43,16 @@ from fingerpad.study.measuring.records import from_plain, to_plain
 _RECOVERABLE_ERRORS: Final = (ArithmeticError, MemoryError, OSError, ValueError)
 _SHAPE_LOADS, _SHAPE_POINTS = 4, 80
 # What the store keeps of a curve.
-_FOUND: Final = ("loading_radius", "loading_radius_std", "curve", "fit", "velocity", "shape", "reason")
+_FOUND: Final = (
+    "loading_radius",
+    "loading_radius_std",
+    "curve",
+    "fit",
+    "velocity",
+    "shape",
+    "layer",
+    "reason",
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -74,6 +85,8 @@ class CurveResult:
         Speed of the platen while loading, mm/s; NaN without times.
     shape : Shape or None
         What the true ellipsoid makes of moduli from area and from indentation, where it can be computed.
+    layer : LayerThicknessFit or None
+        Thickness of the tissue over bone that explains the curve, where it has areas and the pad semi-axes.
     reason : str or None
         Why there is no R_g, or why there is nothing but it.
     """
@@ -85,6 +98,7 @@ class CurveResult:
     fit: LoadingFit | None = None
     velocity: float = math.nan
     shape: Shape | None = None
+    layer: LayerThicknessFit | None = None
     reason: str | None = None
 
     @property
@@ -108,6 +122,7 @@ _KINDS: Final = {
         Estimate,
         FittedForceModel,
         Hysteresis,
+        LayerThicknessFit,
         LoadingCurve,
         LoadingFit,
         Secant,
@@ -138,9 +153,11 @@ def curve_key(curve: Curve, context: RunContext) -> str:
         )
         for item, photograph in ((photograph_item(pad, one), one) for one in pad.photographs)
     ]
-    axes = pad.model_dump(mode="json", include={"semi_axes_mm"})
+    axes = pad.model_dump(mode="json", include={"semi_axes_mm", "semi_axes_mm_std"})
+    angle_stds = context.study.uncertainty.wedge_angle_deg_std, context.study.uncertainty.roll_angle_deg_std
     return cache_key(
         context.key(curve, curve.wedge_angle_deg, context.study.poisson_ratio),
+        angle_stds,
         axes,
         faces,
         versions_of("loading"),
@@ -157,13 +174,51 @@ def curve_tasks(finger: FingerResult, context: RunContext) -> Iterator[Task]:
                 item=item,
                 file=curve.file or "",
                 key=curve_key(curve, context),
-                work=partial(_record, curve, pad, context.study.poisson_ratio),
+                work=partial(
+                    _record,
+                    curve,
+                    pad,
+                    context.study.poisson_ratio,
+                    None if pad is None else _radius_stds(finger, curve, context.study),
+                ),
                 inputs=context.inputs_of(curve),
             )
 
 
-def _record(curve: Curve, pad: Ellipsoid | None, poisson_ratio: float, folder: Path, _out: Path) -> Record:
+def _radius_stds(finger: FingerResult, curve: Curve, study: Study) -> tuple[float, float]:
+    """Return standard uncertainties of 1/H and of R1/R2 where the pad is pressed, to first order."""
+    given = study.uncertainty
+    place = np.array([*finger.semi_axes, math.radians(curve.wedge_angle_deg), 0.0])
+    covariance = np.diag(np.radians([0, 0, 0, given.wedge_angle_deg_std, given.roll_angle_deg_std]) ** 2)
+    covariance[:3, :3] = finger.covariance
+
+    def radii(at: FloatArray) -> FloatArray:
+        gap = PadGap.of(Ellipsoid(*at[:3]), wedge_angle=min(at[3], math.pi / 2), roll_angle=at[4])
+        first, second = gap.first_radius, gap.second_radius
+        return np.array([2 / (1 / first + 1 / second), first / second])
+
+    steps = np.diag(1e-4 * np.array([*finger.semi_axes, 1.0, 1.0]))
+    slope = np.array([(radii(place + step) - radii(place - step)) / (2 * step.max()) for step in steps])
+    radius_std, ratio_std = np.sqrt(np.diagonal(slope.T @ covariance @ slope)).tolist()
+    return radius_std, ratio_std
+
+
+def _record(
+    curve: Curve,
+    pad: Ellipsoid | None,
+    poisson_ratio: float,
+    radius_stds: tuple[float, float] | None,
+    folder: Path,
+    _out: Path,
+) -> Record:
     found = curve_result(curve, pad, poisson_ratio, folder)
+    if (
+        found.curve is not None
+        and found.curve.area is not None
+        and pad is not None
+        and radius_stds is not None
+    ):
+        found = replace(found, layer=_layer(found.curve, curve, pad, poisson_ratio, radius_stds))
     values = {name: to_plain(getattr(found, name)) for name in _FOUND}
     return {"curve": values, "reason": found.reason if found.failed else None}
 
@@ -230,6 +285,23 @@ def curve_result(curve: Curve, pad: Ellipsoid | None, poisson_ratio: float, fold
         shape=_shape(pad, curve, fit, poisson_ratio),
         reason=f"{curve.file}: {found.reason}" if isinstance(found, Undetermined) else None,
     )
+
+
+def _layer(
+    data: LoadingCurve, curve: Curve, pad: Ellipsoid, poisson_ratio: float, radius_stds: tuple[float, float]
+) -> LayerThicknessFit:
+    """Return the thickness of the tissue that explains a curve, or why none is known."""
+    try:
+        return fit_layer_thickness(
+            data,
+            gap=PadGap.of(pad, wedge_angle=math.radians(curve.wedge_angle_deg)),
+            radius_std=radius_stds[0],
+            radius_ratio_std=radius_stds[1],
+            poisson_ratio=poisson_ratio,
+            cycle=curve.cycle,
+        )
+    except FingerpadError as error:
+        return LayerThicknessFit.undetermined(str(error))
 
 
 def _slope_alone(curve: Curve, data: LoadingCurve | None, reason: str) -> CurveResult:

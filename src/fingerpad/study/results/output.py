@@ -123,6 +123,7 @@ def summary_record(result: StudyResult) -> dict[str, Any]:
                 "velocity_mm_per_s": curve.velocity,
                 "reason": curve.reason,
                 "fit": curve.fit and curve.fit.as_record(),
+                "layer": curve.layer and curve.layer.as_record(),
                 "on_layer": layered and layered.as_record(),
             }
             for curve, layered in zip(result.curves, result.curves_on_layer(), strict=True)

@@ -1,0 +1,486 @@
+"""Effective thickness of the tissue over bone, with its modulus, from one loading curve with areas."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Any, Final, Self
+
+import numpy as np
+
+from fingerpad._display import Displayed
+from fingerpad._loading_curve import LoadingCurve
+from fingerpad._records import record_text
+from fingerpad.contact import PadGap
+from fingerpad.exceptions import FingerpadError, FitError, LoadingError
+from fingerpad.loading._prepare import Press, instrument_quantities, prepare, start_values
+from fingerpad.loading.alternatives import runs_deviation
+from fingerpad.loading.estimate import Estimate, Quantity, Undetermined, estimates_record
+from fingerpad.loading.joint import FitData, JointFit, find_noise, fit_joint
+from fingerpad.loading.noise import Noise
+from fingerpad.loading.shapes import PAD_FORM
+from fingerpad.units import KPA_PER_MPA
+
+# What may be added to either body: nothing, β of a modulus that grows with load, an offset of the areas.
+_ADDED: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
+    {"": (), "_load_dependent": ("load_coefficient",), "_area_offset": ("area_offset",)}
+)
+# AICc by which another model must be ahead to widen intervals, within which of the best it may be, and by
+# which it is named in a flag.
+_COUNTS, _EXCLUDES, _FLAGGED = 2.0, 6.0, 7.0
+_THINNEST: Final = 2.95  # a/t, to which the laws hold
+_FEWEST_AREAS: Final = 5
+_CONTRADICTED: Final = 3.0
+_TOO_FEW_RUNS: Final = -3.5
+_FAILURES = (FitError, ArithmeticError, np.linalg.LinAlgError, ValueError)
+_NO_AREA: Final = (
+    "no contact area in the curve: load and indentation alone cannot tell a layer from a modulus that grows "
+    "with load"
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class LayerThicknessFit(Displayed):
+    """Thickness and modulus of a layer of tissue over bone that explain one loading curve.
+
+    Attributes
+    ----------
+    thickness : Quantity
+        Effective thickness t, mm. The upper end of its interval is infinite where the curve says only how
+        thick the tissue is at least, its value too where a half-space fits best.
+    youngs_modulus : Quantity
+        E of the tissue, MPa.
+    contact_offset : Quantity
+        Displacement at first contact, mm.
+    radius : Quantity
+        1/H of the pad, mm: the given one, improved by the curve.
+    contact_over_thickness : float
+        a/t at the largest area, by the best thickness; 0 on a half-space.
+    correlation : float
+        Of the errors of 1/t and E.
+    aicc : mapping of str to float
+        Corrected Akaike criterion of ``layer`` and ``half_space``, each also ``_load_dependent`` (a modulus
+        that grows with load) and ``_area_offset`` (areas with a zero of their own), under one noise.
+    weights : mapping of str to float
+        Akaike weights of the same models; their sum is 1.
+    notes : mapping of str to str
+        What a flag means for this curve.
+    flags : tuple of str
+        Doubts.
+
+    Examples
+    --------
+    >>> from fingerpad.simulate import simulate_loading_curve
+    >>> curve = simulate_loading_curve(points=60, force_std=0.005, area_std=0.5, seed=1, load_coefficient=0)
+    >>> deep = fit_layer_thickness(curve, gap=PadGap.paraboloid(15.0, 15.0), radius_std=0.3)
+    >>> deep.thickness.upper, round(sum(deep.weights.values()), 6)
+    (inf, 1.0)
+    """
+
+    thickness: Quantity
+    youngs_modulus: Quantity
+    contact_offset: Quantity
+    radius: Quantity
+    contact_over_thickness: float
+    correlation: float
+    aicc: Mapping[str, float]
+    weights: Mapping[str, float]
+    notes: Mapping[str, str]
+    flags: tuple[str, ...]
+
+    @property
+    def preferred_model(self) -> str:
+        """That of the least AICc; empty where nothing was fitted."""
+        return min(self.aicc, key=self.aicc.__getitem__, default="")
+
+    @property
+    def layer_weight(self) -> float:
+        """Akaike weight of all models with a layer, against those of a half-space."""
+        return sum(weight for name, weight in self.weights.items() if name.startswith("layer"))
+
+    @property
+    def conclusion(self) -> str:
+        """Thickness and modulus with their intervals and the evidence, or why they are unknown, as text."""
+        t, modulus = self.thickness, self.youngs_modulus.times(KPA_PER_MPA)
+        if isinstance(t, Undetermined):
+            return f"thickness of the tissue undetermined: {t.reason}"
+        if t.upper < math.inf and t.lower > 0:
+            said = f"tissue {t.value:.3g} mm thick (95 %: {t.lower:.3g} to {t.upper:.3g} mm)"
+        elif t.lower > 0:
+            said = f"tissue thicker than {t.lower:.3g} mm (95 %)"
+        else:
+            said = f"tissue thinner than {t.upper:.3g} mm (95 %)"
+        if isinstance(modulus, Estimate):
+            said += f", E = {modulus.value:.3g} kPa (95 %: {modulus.lower:.3g} to {modulus.upper:.3g} kPa)"
+        weight = self.layer_weight
+        certain = "above 0.999" if weight > 0.999 else "below 0.001" if weight < 0.001 else f"{weight:.3f}"
+        return f"{said}; Akaike weight of a layer against a half-space {certain}"
+
+    @classmethod
+    def undetermined(cls, reason: str, flags: tuple[str, ...] = ()) -> Self:
+        """Return a result that nothing could be fitted for.
+
+        Parameters
+        ----------
+        reason : str
+            Why.
+        flags : tuple of str
+            Doubts about the curve.
+
+        Returns
+        -------
+        LayerThicknessFit
+            With that reason for every quantity.
+
+        Examples
+        --------
+        >>> LayerThicknessFit.undetermined("no contact area").conclusion
+        'thickness of the tissue undetermined: no contact area'
+        """
+        unknown = Undetermined(reason)
+        return cls(
+            thickness=unknown,
+            youngs_modulus=unknown,
+            contact_offset=unknown,
+            radius=unknown,
+            contact_over_thickness=0.0,
+            correlation=0.0,
+            aicc={},
+            weights={},
+            notes={},
+            flags=flags,
+        )
+
+    def summary(self) -> str:
+        """Return the fitted numbers as text, one line each.
+
+        Returns
+        -------
+        str
+            With units and uncertainties.
+        """
+        return record_text("Layer of tissue over bone", self.as_record())
+
+    def as_record(self) -> dict[str, Any]:
+        """Return the numbers by names that end in units.
+
+        Returns
+        -------
+        dict
+            Each with ``_std`` and ``_ci95``; None where unknown, and for an end that is infinite.
+        """
+        record = estimates_record(
+            {
+                "thickness_mm": self.thickness,
+                "youngs_modulus_kpa": self.youngs_modulus.times(KPA_PER_MPA),
+                "contact_offset_mm": self.contact_offset,
+                "radius_mm": self.radius,
+            }
+        )
+        return {
+            **{name: _finite(value) for name, value in record.items()},
+            "contact_over_thickness": self.contact_over_thickness,
+            "correlation": _finite(self.correlation),
+            "preferred_model": self.preferred_model or None,
+            "layer_weight": self.layer_weight if self.weights else None,
+            "aicc": dict(self.aicc),
+            "weights": dict(self.weights),
+            "notes": dict(self.notes),
+            "flags": list(self.flags),
+        }
+
+
+def fit_layer_thickness(
+    curve: LoadingCurve,
+    *,
+    gap: PadGap,
+    radius_std: float = 0.0,
+    radius_ratio_std: float = 0.0,
+    poisson_ratio: float = 0.5,
+    cycle: int = 0,
+    stage_compliance: float | Estimate | None = None,
+    area_delay: float | Estimate | None = None,
+) -> LayerThicknessFit:
+    """Fit the effective thickness of the tissue over bone, and its modulus, to one press with areas.
+
+    Force and area follow the fast laws of the pad on a layer bonded to rigid bone (`fast_contact`), of one
+    modulus. Fitted are 1/t, E, the place of contact, zero and tilt of the force, and the pad's radius 1/H,
+    of which the geometry is one more datum. Intervals are profile likelihood; 1/t may be fitted below zero,
+    so that they are right where the tissue is deep, and a half-space within them leaves t open above.
+
+    The half-space, a modulus that grows with load and areas with an offset are fitted as well and compared by
+    AICc: `weights` has the evidence. Intervals are widened to hold those of layered models that are ahead.
+
+    Parameters
+    ----------
+    curve : LoadingCurve
+        The record.
+    gap : PadGap
+        The pad: `PadGap.of` for an ellipsoid on its wedge, `PadGap.paraboloid` for two radii of curvature.
+    radius_std : float
+        Standard uncertainty of its mean-curvature radius 1/H, mm. A whole pad is larger or smaller with it.
+    radius_ratio_std : float
+        Of the ratio of its radii of curvature, at the same 1/H.
+    poisson_ratio : float
+        ν of the tissue, 0.3 to 0.5.
+    cycle : int
+        Which press of the record to fit.
+    stage_compliance, area_delay : float or Estimate, optional
+        As for `fit_loading_curve`.
+
+    Returns
+    -------
+    LayerThicknessFit
+        Quantities with their intervals, or `Undetermined` with the reason.
+
+    Raises
+    ------
+    LoadingError
+        If the curve or an argument cannot be used.
+    FitError
+        If the record shows no contact, or does not determine the model.
+
+    Examples
+    --------
+    >>> from fingerpad.contact import fast_contact
+    >>> gap, rng = PadGap.paraboloid(14.0, 14.0), np.random.default_rng(1)
+    >>> travel = np.linspace(-0.3, 1.5, 100)
+    >>> contact = fast_contact(gap, indentation=np.maximum(travel, 1e-6), reduced_modulus=0.05, thickness=6.0)
+    >>> curve = LoadingCurve(
+    ...     load=contact.load + rng.normal(0, 0.005, 100),
+    ...     indentation=travel,
+    ...     area=contact.area + rng.normal(0, 0.5, 100),
+    ...     time=travel + 0.3,
+    ... )
+    >>> fit = fit_layer_thickness(curve, gap=gap, radius_std=0.4)
+    >>> thickness = fit.thickness
+    >>> thickness.lower < 6 < thickness.upper < 9, fit.layer_weight > 0.99
+    (True, True)
+    """
+    held, prior = _geometry(gap, radius_std, radius_ratio_std)
+    if not 0.3 <= poisson_ratio <= 0.5:
+        raise LoadingError(f"poisson_ratio must be 0.3 to 0.5 on a layer, found {poisson_ratio}")
+    held |= instrument_quantities({"stage_compliance": stage_compliance, "area_delay": area_delay})
+    press = prepare(curve, poisson_ratio, cycle)
+    if press.record.area.size < _FEWEST_AREAS:
+        found = press.record.area.size
+        reason = f"{found} areas under load; five are needed" if found else _NO_AREA
+        return LayerThicknessFit.undetermined(reason, press.flags)
+    radius = (held | prior)["loading_radius"].value
+    try:
+        with np.errstate(all="ignore"):
+            return _fit(press, radius, held, prior)
+    except FingerpadError:
+        raise
+    except _FAILURES as error:
+        raise FitError(f"the record does not determine a layer and its noise ({error})") from error
+
+
+def _geometry(
+    gap: PadGap, radius_std: float, radius_ratio_std: float
+) -> tuple[dict[str, Estimate], dict[str, Estimate]]:
+    """Return what the geometry fixes, and its radius where that is uncertain."""
+    first, second = float(gap.first_radius), float(gap.second_radius)
+    if not (first > 0 and second > 0 and math.isfinite(first + second)):
+        raise LoadingError(f"the radii of curvature must be positive, found {first} and {second} mm")
+    for name, std in (("radius_std", radius_std), ("radius_ratio_std", radius_ratio_std)):
+        if not 0 <= std < math.inf:
+            raise LoadingError(f"{name} must be finite and not negative, found {std}")
+    radius = 2 / (1 / first + 1 / second)
+    numbers = (
+        first / second,
+        *(radius * float(one) for one in (gap.first_skewness, gap.second_skewness, gap.flatness)),
+    )
+    held = {name: Estimate.symmetric(value, 0.0) for name, value in zip(PAD_FORM, numbers, strict=True)}
+    held[PAD_FORM[0]] = Estimate.symmetric(numbers[0], radius_ratio_std)
+    known = {"loading_radius": Estimate.symmetric(radius, radius_std)}
+    return (held, known) if radius_std else (held | known, {})
+
+
+def _fit(
+    press: Press, radius: float, held: dict[str, Estimate], prior: dict[str, Estimate]
+) -> LayerThicknessFit:
+    record = press.record
+    start = start_values(press, radius)
+    modulus = start.pop("initial_modulus")
+    start.pop("load_coefficient")
+    widest = math.sqrt(record.area.max() / math.pi)
+    start |= {"youngs_modulus": 0.7 * modulus, "inverse_thickness": 0.5 / widest, "loading_radius": radius}
+    noise, start = _noise(record, start, held | prior)
+    start["loading_radius"] = radius
+    models: dict[str, JointFit] = {}
+    for body in ("layer", "half_space"):
+        for added, names in _ADDED.items():
+            begin = {name: value for name, value in start.items() if body == "layer" or "thick" not in name}
+            try:
+                models[body + added] = _fitted(record, begin, names, held, noise=noise, prior=prior)
+            except _FAILURES:
+                if body + added == "layer":
+                    raise
+    return _result(press, models, prior, widest)
+
+
+def _noise(
+    record: FitData, start: dict[str, float], known: Mapping[str, Estimate]
+) -> tuple[Noise, dict[str, float]]:
+    """Return the noise that a layer leaves with areas of any offset, and parameters that fit nearly."""
+    try:
+        noise, near = find_noise(record, "hertz", {**start, "area_offset": 0.0}, known)
+    except _FAILURES:
+        noise, near = find_noise(record, "hertz", start, known)
+    return noise, {name: near[name] for name in start}
+
+
+def _fitted(
+    record: FitData,
+    start: dict[str, float],
+    added: tuple[str, ...],
+    held: Mapping[str, Estimate],
+    *,
+    noise: Noise,
+    prior: Mapping[str, Estimate],
+) -> JointFit:
+    law, begin = "hertz", start | dict.fromkeys(added, 0.0)
+    if "load_coefficient" in added:
+        law = "load_dependent"
+        begin["initial_modulus"] = begin.pop("youngs_modulus")
+    return fit_joint(record, law, begin, held, noise, prior=prior)
+
+
+def _result(
+    press: Press, models: Mapping[str, JointFit], prior: Mapping[str, Estimate], widest: float
+) -> LayerThicknessFit:
+    main = models["layer"]
+    aicc = {name: model.aicc for name, model in models.items()}
+    least = min(aicc.values())
+    better = [
+        models[name]
+        for name, value in aicc.items()
+        if name.startswith("layer_") and value < min(main.aicc - _COUNTS, least + _EXCLUDES)
+    ]
+    inverse = main.estimate("inverse_thickness").including(
+        *(model.estimate("inverse_thickness") for model in better)
+    )
+    modulus = main.estimate("youngs_modulus").including(*map(_modulus, better))
+    reason = _reason(main, inverse, widest)
+    weights = np.exp([(least - value) / 2 for value in aicc.values()])
+    notes = _notes(main, models, prior, inverse, widest)
+    undetermined = Undetermined(reason)
+    return LayerThicknessFit(
+        thickness=undetermined if reason else _thickness(inverse, widest),
+        youngs_modulus=undetermined if reason else _bounded(modulus),
+        contact_offset=_bounded(
+            main.estimate("contact_offset").including(*(one.estimate("contact_offset") for one in better))
+        ),
+        radius=_bounded(main.estimate("loading_radius")),
+        contact_over_thickness=widest * max(inverse.value, 0.0),
+        correlation=_correlation(main, "youngs_modulus"),
+        aicc=aicc,
+        weights=dict(zip(aicc, (weights / weights.sum()).tolist(), strict=True)),
+        notes=notes,
+        flags=(*press.flags, *notes),
+    )
+
+
+def _modulus(model: JointFit) -> Estimate:
+    """Return E of a model; a growing one at the largest load."""
+    if "youngs_modulus" in model.values:
+        return model.estimate("youngs_modulus")
+    top = float(model.load(np.array([model.record.smooth_displacement.max()]))[0])
+    whole = {"initial_modulus": 1.0, "load_coefficient": top}
+    return model.combined(sum(model.values[name] * weight for name, weight in whole.items()), whole)
+
+
+def _thickness(inverse: Estimate, widest: float) -> Estimate:
+    """Return t from 1/t, with an end beyond the range of the laws open."""
+    value = 1 / inverse.value if inverse.value > 0 else math.inf
+    return Estimate(
+        value=value,
+        std=inverse.std * value**2,
+        lower=1 / inverse.upper if inverse.upper * widest < _THINNEST else 0.0,
+        upper=1 / inverse.lower if inverse.lower > 0 else math.inf,
+    )
+
+
+def _bounded(estimate: Estimate) -> Quantity:
+    if math.isfinite(estimate.lower) and math.isfinite(estimate.upper):
+        return estimate
+    return Undetermined(f"the curve does not bound it: {estimate.value:.3g} is best, but far from certain")
+
+
+def _correlation(fit: JointFit, name: str) -> float:
+    """Return the correlation of the errors of 1/t and of another parameter; 0 where it is not fitted."""
+    names = fit.fit.names
+    if name not in names:
+        return 0.0
+    one, other = names.index("inverse_thickness"), names.index(name)
+    covariance = fit.covariance
+    return float(covariance[one, other] / math.sqrt(covariance[one, one] * covariance[other, other]))
+
+
+def _reason(fit: JointFit, inverse: Estimate, widest: float) -> str:
+    """Return why the curve does not tell the thickness; empty where it does."""
+    if inverse.upper <= 0:
+        return (
+            "the area grows less with indentation than on a half-space, which no layer explains: check the "
+            "radius, the areas and the zero of the displacement"
+        )
+    if inverse.lower > 0 or inverse.upper * widest < 1:
+        return ""
+    wide = f"a half-space fits as well as tissue thinner than the contact's radius of {widest:.1f} mm: "
+    words = {
+        "loading_radius": "the pad's radius is not known well enough, and another radius looks like a layer",
+        "contact_offset": "the place of contact is not known well enough",
+        "youngs_modulus": "thickness and modulus cannot be separated",
+    }
+    shares = {name: _correlation(fit, name) for name in words}
+    name = max(shares, key=lambda one: abs(shares[one]))
+    if shares[name] ** 2 < 0.5:
+        return f"{wide}the areas are too few or too uncertain, or the press too shallow"
+    return f"{wide}{words[name]} (correlation {shares[name]:.2f} with 1/t)"
+
+
+def _notes(
+    main: JointFit,
+    models: Mapping[str, JointFit],
+    prior: Mapping[str, Estimate],
+    inverse: Estimate,
+    widest: float,
+) -> dict[str, str]:
+    """Return flags with their meaning."""
+    notes = {}
+    for added, flag, words in (
+        ("_load_dependent", "modulus_depends_on_load", "a modulus that grows with load"),
+        ("_area_offset", "area_offset", "areas with an offset at contact, as from a late camera,"),
+    ):
+        gain = main.aicc - min(
+            (one.aicc for name, one in models.items() if name.endswith(added)), default=math.inf
+        )
+        if gain > _FLAGGED:
+            notes[flag] = f"{words} fits better than a layer alone, by {gain:.0f} in AICc"
+    for name, known in prior.items():
+        found = main.estimate(name)
+        moved = abs(found.value - known.value) / math.sqrt(
+            max(known.std**2 - found.std**2, 1e-4 * known.std**2)
+        )
+        if moved > _CONTRADICTED:
+            notes["radius_contradicts_curve"] = (
+                f"the curve asks for a radius of {found.value:.3g} mm, {moved:.0f} standard uncertainties "
+                f"from the geometry's {known.value:.3g} mm"
+            )
+    if inverse.upper * widest >= _THINNEST:
+        notes["layer_too_thin"] = "the layer may be thinner than a third of the contact's radius"
+    runs = runs_deviation(main.residuals()[1])
+    if runs < _TOO_FEW_RUNS:
+        notes["correlated_area"] = (
+            f"neighbouring areas lie on the same side of the fit too often (runs test, {-runs:.1f} standard "
+            "deviations)"
+        )
+    return notes
+
+
+def _finite(value: Any) -> Any:
+    """Return a value with None for what is infinite."""
+    if isinstance(value, list):
+        return [_finite(one) for one in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
