@@ -112,6 +112,8 @@ def test_figures(curve: Path, tmp_path: Path) -> None:
         (None, ("--cycle", "7"), "cycle"),
         (None, ("--contact-point", "guess"), "contact_point must be"),
         (None, ("--radius-mm-std", "1"), "goes with --radius-mm"),
+        (None, ("--area-delay-s-std", "1"), "goes with --area-delay-s"),
+        ("force_N,displacement_mm\n0,0\n1,1\n", ("--area-delay-s", "0.1"), "add its column of time"),
     ],
 )
 def test_invalid_arguments(

@@ -72,6 +72,8 @@ BESIDE = {
     "--indentation-mm": ("", "--load-n"),
     "--area-mm2": ("", "--load-n"),
     "--radius-mm-std": ("--radius-mm 12", ""),
+    "--stage-compliance-mm-per-n-std": ("--stage-compliance-mm-per-n 0.01", ""),
+    "--area-delay-s-std": ("--area-delay-s 0.02", ""),
     "--constraint-std": ("--constraint 2", ""),
     "--scale-line": ("--line-mm 10", "--ppi --mm-per-px"),
     "--line-mm": ("--scale-line 5,5,5,200", "--ppi --mm-per-px"),

@@ -68,6 +68,18 @@ def test_a_curve_tells_radius_modulus_and_velocity(tmp_path: Path) -> None:
     assert curve.shape.ratio[-1] > curve.shape.ratio[0]
 
 
+def test_a_stated_instrument_is_corrected_for(tmp_path: Path) -> None:
+    write_curve(tmp_path / "a.csv", loading_radius=15.0, initial_modulus=0.04)
+    rows = np.loadtxt(tmp_path / "a.csv", delimiter=",", skiprows=1)
+    rows[:, 2] += 0.06 * rows[:, 1]  # the stage yields by this much, and its encoder counts it as indentation
+    header = "time_s,force_N,displacement_mm,area_mm2"
+    np.savetxt(tmp_path / "a.csv", rows, delimiter=",", header=header, comments="")
+    stated = "stage_compliance_mm_per_N = 0.06\nstage_compliance_mm_per_N_std = 0.002\n"
+    given, plain = study(tmp_path, f'file = "a.csv"\n{stated}', 'file = "a.csv"\n').curves
+    assert abs(given.loading_radius - 15) < 3 * given.loading_radius_std
+    assert plain.loading_radius < 14.6
+
+
 def test_two_processes_fit_and_check_what_one_does(tmp_path: Path) -> None:
     for name, rate in (("a", 1.0), ("b", 3.0)):
         write_curve(tmp_path / f"{name}.csv", loading_radius=15.0, initial_modulus=0.04, rate=rate)

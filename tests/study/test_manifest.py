@@ -143,6 +143,11 @@ def test_rows_may_come_from_a_spreadsheet(tmp_path: Path) -> None:
             "curves.0.: there is no use for loading_radius_mm_std here",
         ),
         (
+            VALID + '[[curves]]\nfinger = "index"\nwedge_angle_deg = 30\nfile = "c.csv"\n'
+            "area_delay_s_std = 0.1",
+            "curves.0.: there is no use for area_delay_s_std here",
+        ),
+        (
             VALID.replace("deg = 30", "deg = 91"),
             "wedge_angle_deg: expected less than or equal to 90, found 91",
         ),

@@ -11,7 +11,7 @@ from fingerpad.exceptions import LoadingError
 from fingerpad.units import value_with_uncertainty
 
 if TYPE_CHECKING:
-    from fingerpad.loading import LayerThicknessFit
+    from fingerpad.loading import Estimate
 
 
 def fit(
@@ -39,6 +39,17 @@ def fit(
     load_range_n: Annotated[
         str | None, typer.Option(metavar="W0,W1", help="Loads, N, between which the modulus grows.")
     ] = None,
+    stage_compliance_mm_per_n: Annotated[
+        float | None,
+        typer.Option(min=0, help="By how much the stage yields under load, mm/N.", show_default=False),
+    ] = None,
+    stage_compliance_mm_per_n_std: Annotated[
+        float, typer.Option(min=0, help="Its standard uncertainty, mm/N.")
+    ] = 0.0,
+    area_delay_s: Annotated[
+        float | None, typer.Option(help="By how much the areas are late, s.", show_default=False)
+    ] = None,
+    area_delay_s_std: Annotated[float, typer.Option(min=0, help="Its standard uncertainty, s.")] = 0.0,
     semi_axes_mm: Annotated[
         tuple[float, float, float] | None,
         typer.Option(
@@ -67,25 +78,39 @@ def fit(
     curve does not determine it. With --semi-axes-mm the curve is also fitted by the whole pad on a layer of
     tissue over bone, and compared with a half-space.
     """
-    from fingerpad.loading import Estimate, fit_loading_curve, read_loading_curve
+    from fingerpad.contact import PadGap
+    from fingerpad.loading import Estimate, fit_layer_thickness, fit_loading_curve, read_loading_curve
 
     require_positive("--radius-mm", radius_mm)
-    if not radius_mm_std >= 0 or (radius_mm_std and radius_mm is None):
-        raise LoadingError("--radius-mm-std must not be negative, and goes with --radius-mm")
+    compliance = _given(
+        "--stage-compliance-mm-per-n", stage_compliance_mm_per_n, stage_compliance_mm_per_n_std
+    )
+    delay = _given("--area-delay-s", area_delay_s, area_delay_s_std)
     record = read_loading_curve(curve, _columns(column or []))
     found = fit_loading_curve(
         record,
         poisson_ratio=poisson_ratio,
-        loading_radius=None if radius_mm is None else Estimate.symmetric(radius_mm, radius_mm_std),
+        loading_radius=_given("--radius-mm", radius_mm, radius_mm_std),
         cycle=cycle,
         contact_point=contact_point,
         region=None if load_range_n is None else _loads(load_range_n),
+        stage_compliance=compliance,
+        area_delay=delay,
     )
     if constraint is not None:
         found = found.divide_by_constraint(Estimate.symmetric(constraint, constraint_std))
     layer = None
     if semi_axes_mm is not None:
-        layer = _layer(record, semi_axes_mm, wedge_deg, pad_radius_mm_std, poisson_ratio, cycle)
+        pad = checked_pad(semi_axes_mm)
+        layer = fit_layer_thickness(
+            record,
+            gap=PadGap.of(pad, wedge_angle=math.radians(wedge_deg)),
+            radius_std=pad_radius_mm_std,
+            poisson_ratio=poisson_ratio,
+            cycle=cycle,
+            stage_compliance=compliance,
+            area_delay=delay,
+        )
     elif wedge_deg or pad_radius_mm_std:
         raise LoadingError("--wedge-deg and --pad-radius-mm-std go with --semi-axes-mm")
     if plot is not None:
@@ -99,24 +124,13 @@ def fit(
             typer.echo(f"layer: {'; '.join([layer.conclusion, *layer.notes.values()])}")
 
 
-def _layer(
-    record: Any,
-    semi_axes_mm: tuple[float, float, float],
-    wedge_deg: float,
-    radius_std: float,
-    poisson_ratio: float,
-    cycle: int,
-) -> "LayerThicknessFit":
-    from fingerpad.contact import PadGap
-    from fingerpad.loading import fit_layer_thickness
+def _given(flag: str, value: float | None, std: float) -> "Estimate | None":
+    """Return a quantity with its uncertainty, None without it."""
+    from fingerpad.loading import Estimate
 
-    return fit_layer_thickness(
-        record,
-        gap=PadGap.of(checked_pad(semi_axes_mm), wedge_angle=math.radians(wedge_deg)),
-        radius_std=radius_std,
-        poisson_ratio=poisson_ratio,
-        cycle=cycle,
-    )
+    if not std >= 0 or (std and value is None):
+        raise LoadingError(f"{flag}-std must not be negative, and goes with {flag}")
+    return None if value is None else Estimate.symmetric(value, std)
 
 
 def _columns(texts: list[str]) -> dict[str, str]:

@@ -123,8 +123,10 @@ def fixed_quantities(press: Press, loading_radius: float | Estimate | None) -> d
     return {"loading_radius": radius}
 
 
-def instrument_quantities(given: Mapping[str, float | Estimate | None]) -> dict[str, Estimate]:
-    """Return what is known of the instrument."""
+def instrument_quantities(
+    curve: LoadingCurve, given: Mapping[str, float | Estimate | None]
+) -> dict[str, Estimate]:
+    """Return what is known of the instrument that recorded a curve."""
     found = {}
     for name, value in given.items():
         if value is not None:
@@ -133,6 +135,8 @@ def instrument_quantities(given: Mapping[str, float | Estimate | None]) -> dict[
                 raise LoadingError(f"{name} must be finite, found {found[name].value} ± {found[name].std}")
     if "stage_compliance" in found and found["stage_compliance"].value < 0:
         raise LoadingError(f"stage_compliance must not be negative, found {found['stage_compliance'].value}")
+    if "area_delay" in found and curve.time is None:
+        raise LoadingError("area_delay is a time, and the curve has none: add its column of time")
     return found
 
 

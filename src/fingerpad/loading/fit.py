@@ -213,7 +213,7 @@ def fit_loading_curve(
     stage_compliance : float or Estimate, optional
         By how much stage and support yield under load, mm/N; the indentation is corrected for it.
     area_delay : float or Estimate, optional
-        By how much the areas are late, in the unit of the curve's time.
+        By how much the areas are late, s; the curve needs its times.
 
     Returns
     -------
@@ -312,8 +312,9 @@ def _fit_curve(
     region: tuple[float, float] | None,
     given: Mapping[str, float | Estimate | None],
 ) -> LoadingFit:
+    instrument = instrument_quantities(curve, given)
     press = prepare(curve, poisson_ratio, cycle)
-    held = fixed_quantities(press, loading_radius) | instrument_quantities(given)
+    held = fixed_quantities(press, loading_radius) | instrument
     main, limits, doubts = _main_fit(press, held, contact_point, region)
     compared = compare(main)
     main = compared.main

@@ -260,7 +260,7 @@ def fit_layer_thickness(
     held, prior = _geometry(gap, radius_std, radius_ratio_std)
     if not 0.3 <= poisson_ratio <= 0.5:
         raise LoadingError(f"poisson_ratio must be 0.3 to 0.5 on a layer, found {poisson_ratio}")
-    held |= instrument_quantities({"stage_compliance": stage_compliance, "area_delay": area_delay})
+    held |= instrument_quantities(curve, {"stage_compliance": stage_compliance, "area_delay": area_delay})
     press = prepare(curve, poisson_ratio, cycle)
     if press.record.area.size < _FEWEST_AREAS:
         found = press.record.area.size

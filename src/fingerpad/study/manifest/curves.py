@@ -6,7 +6,14 @@ from pydantic import Field, model_validator
 
 from fingerpad.study.manifest.tables import Length, LengthStd, Load, ManifestModel, WedgeAngle
 
-_FILE_KEYS = frozenset(("file_columns", "contact_point", "cycle", "fit_load_range_N"))
+_INSTRUMENT = ("stage_compliance_mm_per_N", "area_delay_s")
+_FILE_KEYS = frozenset(
+    (
+        *("file_columns", "contact_point", "cycle", "fit_load_range_N"),
+        *_INSTRUMENT,
+        *(f"{key}_std" for key in _INSTRUMENT),
+    )
+)
 
 
 class Curve(ManifestModel):
@@ -19,6 +26,10 @@ class Curve(ManifestModel):
     cycle: Annotated[int, Field(ge=0)] = 0
     contact_point: Literal["joint", "contact_by_threshold", "two_lines", "gradient", "power_law"] = "joint"
     fit_load_range_N: Annotated[list[Load], Field(min_length=2, max_length=2)] | None = None  # noqa: N815
+    stage_compliance_mm_per_N: Annotated[float, Field(ge=0, le=100)] | None = None  # noqa: N815
+    stage_compliance_mm_per_N_std: LengthStd | None = None  # noqa: N815
+    area_delay_s: Annotated[float, Field(ge=-60, le=60)] | None = None
+    area_delay_s_std: Annotated[float, Field(gt=0, le=60)] | None = None
     loading_radius_mm: Length | None = None
     loading_radius_mm_std: LengthStd | None = None
     synthetic: bool = False
@@ -34,6 +45,7 @@ class Curve(ManifestModel):
             raise ValueError(
                 f"fit_load_range_N must rise, found {self.fit_load_range_N}; give the smaller load first"
             )
+        idle |= {f"{key}_std" for key in _INSTRUMENT if getattr(self, key) is None}
         if found := sorted(idle & self.model_fields_set):
             raise ValueError(f"there is no use for {found[0]} here; remove it")
         return self

@@ -266,6 +266,7 @@ def curve_result(curve: Curve, pad: Ellipsoid | None, poisson_ratio: float, fold
             region=None
             if curve.fit_load_range_N is None
             else (curve.fit_load_range_N[0], curve.fit_load_range_N[1]),
+            **_instrument(curve),
         )
     except FitError as error:
         return _slope_alone(curve, data, _named(error, curve.file, folder))
@@ -299,9 +300,23 @@ def _layer(
             radius_ratio_std=radius_stds[1],
             poisson_ratio=poisson_ratio,
             cycle=curve.cycle,
+            **_instrument(curve),
         )
     except FingerpadError as error:
         return LayerThicknessFit.undetermined(str(error))
+
+
+def _instrument(curve: Curve) -> dict[str, Estimate]:
+    """Return what the manifest states of the instrument, as the fits take it."""
+    stated = {
+        "stage_compliance": (curve.stage_compliance_mm_per_N, curve.stage_compliance_mm_per_N_std),
+        "area_delay": (curve.area_delay_s, curve.area_delay_s_std),
+    }
+    return {
+        name: Estimate.symmetric(value, std or 0.0)
+        for name, (value, std) in stated.items()
+        if value is not None
+    }
 
 
 def _slope_alone(curve: Curve, data: LoadingCurve | None, reason: str) -> CurveResult:
