@@ -30,8 +30,8 @@ def value_with_uncertainty(value: float | None, std: float | None = None) -> str
     Returns
     -------
     str
-        Rounded to the digits of the uncertainty, to five significant ones at most: an uncertainty that would ask
-        for more is rounded up.
+        Rounded to the digits of the uncertainty, to five significant ones at most: an uncertainty that would
+        ask for more is rounded up.
 
     Examples
     --------

@@ -278,7 +278,6 @@ def within_covariance(values: ArrayLike, groups: ArrayLike) -> tuple[FloatArray,
            [0.01, 0.01]]), 2)
     """
     values = as_float_array(values)
-    values = values.reshape(len(values), -1)
     check_all(np.isfinite(values), "value", values, "finite", UncertaintyError)
     group = _numbers(groups, len(values))
     freedom = len(values) - np.unique(group).size

@@ -9,9 +9,15 @@ import numpy as np
 from scipy import special
 
 from fingerpad._arrays import FloatArray, as_float_array
-from fingerpad.study.results.repeats import ContactRepeatability, contact_quantity, nominal_loads
+from fingerpad.study.results.repeats import (
+    ContactRepeatability,
+    StudyScatter,
+    contact_quantity,
+    nominal_loads,
+)
 from fingerpad.study.results.rows import PLACEMENT
 from fingerpad.study.results.table import ResultsTable
+from fingerpad.uncertainty import ScatterComponent
 
 _NORMAL_97_5: Final = 1.959963984540054
 _ROUNDING: Final = 1e-9
@@ -26,10 +32,12 @@ class LoadMean:
     value, std : float
         The mean and its standard uncertainty.
     interval : (float, float)
-        95 % interval, with Student's t for noise and repeatability where the latter is known.
+        95 % interval, with Student's t for noise, repeatability and sessions where these are known.
     noise_std, repeatability_std : float
-        Standard uncertainty from what no contacts share, divided by √n: noise (and the load, in a modulus), and
-        the scatter of repeats beyond it; NaN where the study has too few repeats.
+        Standard uncertainty from what no contacts share, divided by √n: noise (in a modulus with the load's),
+        and the scatter of repeats beyond it; NaN where the study has too few repeats.
+    session_std : float
+        From the difference between sessions, divided by the root of their number; NaN where it is not known.
     edge_std : float
         From the place of the contact's edge, which all contacts share.
     other_std : float
@@ -41,6 +49,7 @@ class LoadMean:
     interval: tuple[float, float]
     noise_std: float
     repeatability_std: float
+    session_std: float
     edge_std: float
     other_std: float
 
@@ -51,6 +60,7 @@ class LoadMean:
         parts: Mapping[str, FloatArray],
         total: FloatArray,
         freedom: float,
+        sessions: tuple[int, ScatterComponent | None],
     ) -> Self:
         """Pool values.
 
@@ -64,6 +74,8 @@ class LoadMean:
             Standard uncertainty of each from all.
         freedom : float
             Degrees of freedom of the repeatability; infinite where it is not known.
+        sessions : (int, ScatterComponent or None)
+            Number of sessions, and how they scatter.
         """
         count = values.size
         relative = {part: np.nan_to_num(std) / values for part, std in parts.items()}
@@ -75,16 +87,22 @@ class LoadMean:
             float(np.sqrt(np.sum(relative[part] ** 2)) / count) for part in ("noise", "repeatability")
         )
         edge = float(np.mean(relative["edge"]))
-        own, shared = math.hypot(noise, repeat), math.hypot(edge, other)
+        number, scatter = sessions
+        session = scatter.std / math.sqrt(number) if scatter is not None else math.nan
+        own, between, shared = math.hypot(noise, repeat), np.nan_to_num(session), math.hypot(edge, other)
         mean = float(np.exp(np.mean(np.log(values))))
-        quantile = _NORMAL_97_5 if math.isinf(freedom) else float(special.stdtrit(freedom, 0.975))
-        half = math.hypot(quantile * own, _NORMAL_97_5 * shared)
+        half = math.hypot(
+            _quantile(freedom) * own,
+            _quantile(scatter.freedom if scatter is not None else math.inf) * between,
+            _quantile(math.inf) * shared,
+        )
         return cls(
             value=mean,
-            std=mean * math.hypot(own, shared),
+            std=mean * math.hypot(own, between, shared),
             interval=(mean * math.exp(-half), mean * math.exp(half)),
             noise_std=mean * noise,
             repeatability_std=math.nan if math.isinf(freedom) else mean * repeat,
+            session_std=mean * session,
             edge_std=mean * edge,
             other_std=mean * other,
         )
@@ -98,6 +116,7 @@ class LoadMean:
             f"{name}_{unit}_ci95_high": self.interval[1],
             f"{name}_{unit}_noise_std": self.noise_std,
             f"{name}_{unit}_repeatability_std": self.repeatability_std,
+            f"{name}_{unit}_session_std": self.session_std,
             f"{name}_{unit}_edge_std": self.edge_std,
             f"{name}_{unit}_other_std": self.other_std,
         }
@@ -146,7 +165,16 @@ class AtLoad:
         }
 
 
-def pool_by_load(table: ResultsTable, repeatability: Mapping[bool, ContactRepeatability]) -> list[AtLoad]:
+def _quantile(freedom: float) -> float:
+    """Return the 97.5 % quantile of Student's t."""
+    return _NORMAL_97_5 if math.isinf(freedom) else float(special.stdtrit(freedom, 0.975))
+
+
+def pool_by_load(
+    table: ResultsTable,
+    repeatability: Mapping[bool, ContactRepeatability],
+    scatter: Sequence[StudyScatter] = (),
+) -> list[AtLoad]:
     """Pool the contacts that count, for each finger, placement and nominal load.
 
     Parameters
@@ -155,21 +183,36 @@ def pool_by_load(table: ResultsTable, repeatability: Mapping[bool, ContactRepeat
         All rows. Frames of sequences are left out.
     repeatability : mapping of bool to ContactRepeatability
         That of the study, for real (False) and synthetic contacts (True).
+    scatter : sequence of StudyScatter
+        How quantities scatter between sessions.
     """
+    between = {(one.quantity, one.synthetic): one.scatter.components["session"] for one in scatter}
     rows = table.at(table.column("pooled") & ~table.known("frame"))
     rows = rows.at((rows.column("load_N") > 0) & (contact_quantity(rows, "youngs_modulus") > 0))
     found = []
-    for key, group in rows.by(*PLACEMENT).items():
-        group = group.sorted_by("load_N")
+    for key, unsorted in rows.by(*PLACEMENT).items():
+        group = unsorted.sorted_by("load_N")
         load = nominal_loads(group.column("load_N"))
         found += [
-            _at_load(key, group.at(load == one), repeatability[bool(key[-1])]) for one in np.unique(load)
+            _at_load(key, group.at(load == one), repeatability[bool(key[-1])], between)
+            for one in np.unique(load)
         ]
     return found
 
 
-def _at_load(key: Sequence[Any], rows: ResultsTable, repeatability: ContactRepeatability) -> AtLoad:
+def _at_load(
+    key: Sequence[Any],
+    rows: ResultsTable,
+    repeatability: ContactRepeatability,
+    between: Mapping[tuple[str, bool], ScatterComponent],
+) -> AtLoad:
     finger, wedge, roll, synthetic = key
+    count = len(set(rows.items("session")))
+
+    def sessions(quantity: str) -> tuple[int, ScatterComponent | None]:
+        found = between.get((quantity, synthetic))
+        return count, found if found is not None and found.known else None
+
     freedom = float(repeatability.freedom) if repeatability.known else math.inf
     area = contact_quantity(rows, "contact_area")
     own = {part: rows.column(f"gross_area_mm2_{part}_std") for part in ("noise", "edge")}
@@ -186,15 +229,20 @@ def _at_load(key: Sequence[Any], rows: ResultsTable, repeatability: ContactRepea
         synthetic=synthetic,
         load=float(np.mean(rows.column("load_N"))),
         count=len(rows),
-        sessions=len(set(rows.items("session"))),
+        sessions=count,
         area=LoadMean.of(
             area,
             {"noise": noise, "repeatability": repeats, "edge": np.where(by_image, own["edge"], 0.0)},
             as_float_array(np.hypot(total, repeats)),
             freedom,
+            sessions("contact_area"),
         ),
         modulus=LoadMean.of(
-            contact_quantity(rows, "youngs_modulus"), modulus, rows.column("youngs_modulus_kpa_std"), freedom
+            contact_quantity(rows, "youngs_modulus"),
+            modulus,
+            rows.column("youngs_modulus_kpa_std"),
+            freedom,
+            sessions("youngs_modulus"),
         ),
     )
 

@@ -188,6 +188,7 @@ def result_of(
     study, folder = measured.context.study, measured.context.folder
     repeatability = contact_repeatability(study, measured.fingers, measured.contacts)
     rows = model_contacts(study, measured.fingers, measured.contacts, repeatability)
+    scatter = study_scatter(study, rows.table)
     found = pool_contacts(rows)
     return StudyResult(
         study=study,
@@ -201,8 +202,8 @@ def result_of(
             [rows.highest_load.get(summary.key) for summary in found], executor, store, folder, on_check
         ),
         repeatability=repeatability,
-        scatter=study_scatter(study, rows.table),
-        by_load=pool_by_load(rows.table, repeatability),
+        scatter=scatter,
+        by_load=pool_by_load(rows.table, repeatability, scatter),
         curves=measured.curves,
         provenance=origin,
         notes=notes,
