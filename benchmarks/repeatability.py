@@ -137,8 +137,10 @@ def mean_coverage(
             again = draw_repeats(population, drawn, rng)
             for place, log_radius in enumerate(again + 0.25 * np.log(load)):
                 elongation = ELONGATION + rng.normal(0, population.repeat)
-                seen.append(_contact(rng, drawn, place, load, log_radius, elongation))
-                truths[f"f{drawn.finger[place]:.0f}", load] = drawn.of_finger[place] + 0.25 * np.log(load)
+                finger, session = f"f{drawn.finger[place]:.0f}", f"s{drawn.session[place]:.0f}"
+                log_axes = log_radius + np.array([0.5, -0.5]) * elongation
+                seen.append(_contact(rng, (finger, session), load, log_axes))
+                truths[finger, load] = drawn.of_finger[place] + 0.25 * np.log(load)
         repeatability = contact_repeatability(study, pads, seen)
         rows = model_contacts(study, pads, seen, repeatability)
         for at in pool_by_load(rows.table, repeatability, study_scatter(study, rows.table)):
@@ -171,16 +173,16 @@ def _pairs(at: AtLoad, log_radius: float) -> Iterator[tuple[str, Any, float]]:
 
 
 def _contact(
-    rng: np.random.Generator, drawn: Draws, place: int, load: float, log_radius: float, elongation: float
+    rng: np.random.Generator, where: tuple[str, str], load: float, log_axes: FloatArray
 ) -> tuple[Observation, Measurement]:
-    axes = np.exp(log_radius + np.array([0.5, -0.5]) * elongation) * (1 + NOISE * rng.normal(size=2))
-    name = f"c{place}_{load:g}"
+    axes = np.exp(log_axes) * (1 + NOISE * rng.normal(size=2))
+    name, (finger, session) = f"c{rng.integers(2**60)}", where
     observation = Observation(
         name=name,
-        finger=f"f{drawn.finger[place]:.0f}",
+        finger=finger,
         wedge_angle_deg=30,
         load_N=load,
-        session=f"s{drawn.session[place]:.0f}",
+        session=session,
         file="x.png",
         scale="s",
     )

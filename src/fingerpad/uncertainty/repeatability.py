@@ -88,7 +88,8 @@ def nested_scatter(
     Analysis of variance with unweighted means (Thomas and Hultquist): the mean square :math:`S_l^2` of the
     means at a level has the expectation :math:`\sigma_l^2 + \sum_{j<l} a_{lj}\sigma_j^2`, where the
     :math:`a_{lj}` follow from the numbers of members. Intervals are those of the generalised pivotal
-    quantities :math:`\nu_l S_l^2/\chi^2_{\nu_l} - \sum_{j<l} a_{lj}\sigma_j^2`, exact for repeats.
+    quantities :math:`\nu_l S_l^2/\chi^2_{\nu_l} - \sum_{j<l} a_{lj}\sigma_j^2`, exact for repeats. A
+    variance that comes out negative is taken as zero.
 
     Parameters
     ----------
@@ -214,8 +215,9 @@ def _solved(squares: list[_Squares], between: tuple[str, ...]) -> NestedScatter:
             )
             continue
         below = {key: by for key, by in one.added.items() if key in variance}
-        found = one.mean_square - sum(by * variance[key] for key, by in below.items())
-        square = one.freedom * one.mean_square
+        expected = sum(by * variance[key] for key, by in below.items())
+        found = max(0.0, one.mean_square - expected)
+        square = one.freedom * (found + expected)
         pivot = square / special.chdtri(one.freedom, share) - sum(
             by * drawn[key] for key, by in below.items()
         )
@@ -225,7 +227,7 @@ def _solved(squares: list[_Squares], between: tuple[str, ...]) -> NestedScatter:
             ends = square / special.chdtri(one.freedom, _LEVELS)
         low, high = np.sqrt(ends).tolist()
         components[one.level] = ScatterComponent(
-            std=float(np.sqrt(max(found, 0.0))),
+            std=float(np.sqrt(found)),
             interval=(low, high),
             freedom=one.freedom,
             groups=one.groups,
@@ -236,10 +238,9 @@ def _solved(squares: list[_Squares], between: tuple[str, ...]) -> NestedScatter:
     icc, ends = np.nan, np.full(2, np.nan)
     outer = [level for level in variance if level in between]
     if outer and not any(components[level].groups for level in unknown):
-        positive = {level: max(of, 0.0) for level, of in variance.items()}
         sampled = {level: np.maximum(of, 0) for level, of in drawn.items()}
-        total = sum(positive.values())
-        icc = sum(positive[level] for level in outer) / total if total > 0 else np.nan
+        total = sum(variance.values())
+        icc = sum(variance[level] for level in outer) / total if total > 0 else np.nan
         if total > 0:
             ends = np.quantile(sum(sampled[level] for level in outer) / sum(sampled.values()), _LEVELS)
     return NestedScatter(

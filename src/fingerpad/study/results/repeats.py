@@ -39,6 +39,7 @@ LEVELS: Final[Mapping[str, str]] = {
     "session": "between sessions",
     REPEAT: "repeats",
 }
+_GAP: Final = (1 + SAME_LOAD) / (1 - SAME_LOAD) * (1 + 1e-9)
 _BETWEEN: Final = ("person", "finger")
 _PLACED: Final = ("wedge_angle_deg", "roll_angle_deg", "synthetic")
 _AT_ONCE: Final = 500
@@ -47,8 +48,8 @@ _AT_ONCE: Final = 500
 def nominal_loads(loads: ArrayLike) -> Places:
     """Return a number for the nominal load of each of some loads, counted from 0 upwards.
 
-    Loads that follow one another by no more than `SAME_LOAD` are one nominal load if all of them are within
-    that share of their middle. Where they run on further, as those of a ramp, only equal loads are.
+    Loads are one nominal load if they are within `SAME_LOAD` of their middle, and the next one is not. Where
+    they run on without such a gap, as those of a ramp, only equal loads are.
 
     Examples
     --------
@@ -59,10 +60,10 @@ def nominal_loads(loads: ArrayLike) -> Places:
     """
     distinct, place = np.unique(as_float_array(loads), return_inverse=True)
     with np.errstate(divide="ignore", invalid="ignore"):
-        chain = np.cumsum(np.append(False, distinct[1:] > (1 + SAME_LOAD) * distinct[:-1])[: distinct.size])
+        chain = np.cumsum(np.append(False, distinct[1:] > _GAP * distinct[:-1])[: distinct.size])
     for number in np.unique(chain):
         low, high = distinct[chain == number][[0, -1]]
-        if high - low > SAME_LOAD * (high + low):
+        if high > _GAP * low:
             chain = np.where(chain == number, chain.max() + 1 + np.arange(chain.size), chain)
     _, first = np.unique(chain, return_index=True)
     rank = np.searchsorted(np.sort(first), [int(np.flatnonzero(chain == of)[0]) for of in chain])
