@@ -95,7 +95,7 @@ def test_no_scatter_between_groups_is_zero_with_an_interval_from_zero() -> None:
     values = np.tile([0.0, 0.1, -0.1, 0.2], 5) + np.repeat([0.0, 0.02, 0.01, 0.0, 0.01], 4)
     finger = nested_scatter(values, {"finger": np.repeat(np.arange(5), 4)}).components["finger"]
     assert finger.std == finger.interval[0] == 0
-    assert 0 < finger.interval[1] < 0.1
+    assert 0 < finger.interval[1] < 0.2
 
 
 def test_values_without_a_group_are_refused() -> None:
