@@ -1,6 +1,6 @@
 """Scatter of repeats, and of what repeats are nested in: sessions, fingers, persons."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -89,7 +89,7 @@ def nested_scatter(
     means at a level has the expectation :math:`\sigma_l^2 + \sum_{j<l} a_{lj}\sigma_j^2`, where the
     :math:`a_{lj}` follow from the numbers of members. Intervals are those of the generalised pivotal
     quantities :math:`\nu_l S_l^2/\chi^2_{\nu_l} - \sum_{j<l} a_{lj}\sigma_j^2`, exact for repeats. A
-    variance that comes out negative is taken as zero.
+    variance that comes out negative is stated as zero.
 
     Parameters
     ----------
@@ -199,55 +199,64 @@ def _solved(squares: list[_Squares], between: tuple[str, ...]) -> NestedScatter:
     """Return the components from the mean squares, the innermost first."""
     random, strata = np.random.default_rng(0), (np.arange(_DRAWS) + 0.5) / _DRAWS
     variance: dict[str, float] = {}
-    drawn: dict[str, FloatArray] = {}
+    pivots: dict[str, FloatArray] = {}
     components: dict[str, ScatterComponent] = {}
     unknown: tuple[str, ...] = ()
     for one in squares:
+        std, interval, includes = np.nan, (np.nan, np.nan), unknown
         enough = one.freedom >= (MIN_REPEAT_FREEDOM if one.level == REPEAT else MIN_LEVEL_FREEDOM)
-        if not enough or REPEAT in unknown:
-            unknown += (one.level,)
-            components[one.level] = ScatterComponent(
-                std=np.nan,
-                interval=(np.nan, np.nan),
-                freedom=one.freedom,
-                groups=one.groups,
-                count=one.count,
-            )
-            continue
-        below = {key: by for key, by in one.added.items() if key in variance}
-        expected = sum(by * variance[key] for key, by in below.items())
-        found = max(0.0, one.mean_square - expected)
-        square = one.freedom * (found + expected)
-        pivot = square / special.chdtri(one.freedom, random.permutation(strata)) - sum(
-            by * drawn[key] for key, by in below.items()
-        )
-        variance[one.level], drawn[one.level] = found, pivot
-        ends = np.quantile(np.maximum(pivot, 0), _LEVELS)
-        if one.level == REPEAT:
-            ends = square / special.chdtri(one.freedom, _LEVELS)
-        low, high = np.sqrt(ends).tolist()
+        if enough and REPEAT not in unknown:
+            below = {level: by for level, by in one.added.items() if level in variance}
+            expected = float(sum(by * variance[level] for level, by in below.items()))
+            inner = np.asarray(sum(by * pivots[level] for level, by in below.items()))
+            variance[one.level] = one.mean_square - expected
+            chi_square = special.chdtri(one.freedom, random.permutation(strata))
+            pivots[one.level] = one.freedom * one.mean_square / chi_square - inner
+            std = float(np.sqrt(max(0.0, variance[one.level])))
+            # Of a mean square far too small no pivot may be left: the interval is then that of zero.
+            ends = _interval(pivots[one.level]), _interval(one.freedom * expected / chi_square - inner)
+            interval = _exact_interval(one) if one.level == REPEAT else ends[0] if ends[0][1] > 0 else ends[1]
+            unknown = ()
+        else:
+            includes, unknown = (), (*unknown, one.level)
         components[one.level] = ScatterComponent(
-            std=float(np.sqrt(found)),
-            interval=(low, high),
+            std=std,
+            interval=interval,
             freedom=one.freedom,
             groups=one.groups,
             count=one.count,
-            includes=unknown,
+            includes=includes,
         )
-        unknown = ()
-    icc, ends = np.nan, np.full(2, np.nan)
     outer = [level for level in variance if level in between]
+    icc, ends_of_icc = np.nan, (np.nan, np.nan)
     if outer and not any(components[level].groups for level in unknown):
-        sampled = {level: np.maximum(of, 0) for level, of in drawn.items()}
-        total = sum(variance.values())
-        icc = sum(variance[level] for level in outer) / total if total > 0 else np.nan
-        if total > 0:
-            ends = np.quantile(sum(sampled[level] for level in outer) / sum(sampled.values()), _LEVELS)
-    return NestedScatter(
-        components=dict(reversed(components.items())),
-        icc=float(icc),
-        icc_interval=(float(ends[0]), float(ends[1])),
-    )
+        icc, ends_of_icc = _intraclass_correlation(variance, pivots, outer)
+    return NestedScatter(components=dict(reversed(components.items())), icc=icc, icc_interval=ends_of_icc)
+
+
+def _interval(pivot: FloatArray) -> tuple[float, float]:
+    """Return the interval of a standard deviation from draws of its square."""
+    low, high = np.sqrt(np.maximum(np.quantile(pivot, _LEVELS), 0))
+    return float(low), float(high)
+
+
+def _exact_interval(one: _Squares) -> tuple[float, float]:
+    low, high = np.sqrt(one.freedom * one.mean_square / special.chdtri(one.freedom, _LEVELS))
+    return float(low), float(high)
+
+
+def _intraclass_correlation(
+    variance: Mapping[str, float], pivots: Mapping[str, FloatArray], outer: Sequence[str]
+) -> tuple[float, tuple[float, float]]:
+    """Return the share of the outer levels in the whole variance, with its interval."""
+    found = {level: max(0.0, of) for level, of in variance.items()}
+    drawn = {level: np.maximum(of, 0) for level, of in pivots.items()}
+    total = sum(found.values())
+    if total == 0:
+        return np.nan, (np.nan, np.nan)
+    shares = sum(drawn[level] for level in outer) / sum(drawn.values())
+    low, high = np.quantile(shares, _LEVELS)
+    return sum(found[level] for level in outer) / total, (float(low), float(high))
 
 
 def within_covariance(values: ArrayLike, groups: ArrayLike) -> tuple[FloatArray, int]:
