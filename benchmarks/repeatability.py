@@ -91,7 +91,7 @@ def component_coverage(
                     one.interval,
                     float(np.hypot.reduce([true[each] for each in (level, *one.includes)])),
                 )
-        # Sessions that cannot be told from fingers are part of what lies between these.
+        # Sessions that cannot be separated from fingers are part of what lies between these.
         if np.isfinite(found.icc) and (population.session == 0 or found.components["session"].known):
             add("icc", found.icc_interval, icc)
     return held
@@ -151,7 +151,7 @@ def mean_coverage(
 
 
 def draw_repeats(population: Population, drawn: Draws, rng: np.random.Generator) -> FloatArray:
-    """Draw the same fingers under another load: their sessions as they were, their repeats anew."""
+    """Draw the same fingers under another load: the same sessions, new repeats."""
     number = drawn.session.astype(int)
     of_session = rng.normal(0, population.session, number.max() + 1)
     return as_float_array(

@@ -28,7 +28,7 @@ class ScatterComponent:
     Attributes
     ----------
     std : float
-        The standard deviation; NaN if there is too little to tell it.
+        The standard deviation; NaN without enough degrees of freedom.
     interval : (float, float)
         Its 95 % confidence interval; NaN with `std`.
     freedom : int
@@ -36,7 +36,7 @@ class ScatterComponent:
     groups, count : int
         Groups of two and more members, and members of these groups.
     includes : tuple of str
-        Levels below that cannot be told from this one.
+        Levels below that cannot be separated from this one.
     """
 
     std: float
@@ -48,7 +48,7 @@ class ScatterComponent:
 
     @property
     def known(self) -> bool:
-        """Whether there is enough to tell it."""
+        """Whether there are enough degrees of freedom."""
         return bool(np.isfinite(self.std))
 
     @property

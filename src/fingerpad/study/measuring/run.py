@@ -47,8 +47,8 @@ class Measured:
     curves : list of CurveResult
         One per loading curve.
     contacts : iterable of (Contact, Measurement)
-        What was measured of each observation and frame, in the manifest's order; read from the store anew
-        whenever it is gone through.
+        What was measured of each observation and frame, in the manifest's order; read from the store
+        each time it is gone through.
     """
 
     context: RunContext

@@ -318,7 +318,7 @@ def _why_missing(level: str, one: ScatterComponent, *, named: bool, scatter: Nes
     if level == REPEAT:
         return _too_few_repeats(one.groups, one.freedom)
     if not repeat.known:
-        return "not told from repeats, which are missing"
+        return "cannot be separated from repeats, which are missing"
     if not named:
         return f"the manifest names no {level}"
     if one.groups == 0:
