@@ -30,6 +30,7 @@ from benchmarks import (
     photographs,
     pooling,
     pressure_images,
+    repeatability,
     scale,
     sequences,
     soak,
@@ -99,6 +100,7 @@ if __name__ == "__main__":
     uncertainty.first_order_against_simulation()
     studies.study_coverage()
     pooling.pooled_means()
+    repeatability.repeatability_coverage()
     contact_images.accuracy_and_coverage(72)
     contact_images.edge_calibration(72)
     contact_images.independent_accuracy(12)

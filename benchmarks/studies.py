@@ -59,7 +59,7 @@ def simulated_study(seed: int) -> Scores:
     return Scores(
         corrected=(row["radius_from_indentation_mm"] - truth) / row["radius_from_indentation_mm_std"],
         modulus=(row["reduced_modulus_kpa"] - true_modulus) / row["reduced_modulus_kpa_std"],
-        pooled=(pooled.value - truth) / pooled.std,
+        pooled=(pooled.fixed.value - truth) / pooled.fixed.total_std,
         random=low <= truth <= high,
     )
 

@@ -25,6 +25,8 @@ PAD: dict[str, Any] = {
     "load": (2.0, 0.02),
     "semi_major": (7.4, 0.1),
     "semi_minor": (5.0, 0.1),
+    "radius_deviation": (0.0, 0.015),
+    "elongation_deviation": (0.0, 0.03),
 }
 EXACT = {name: float(pair[0]) for name, pair in PAD.items()}
 CIRCLE = {**EXACT, "semi_major": 5.0}
@@ -38,13 +40,17 @@ def observed(
     edge_offset: Any,
     semi_major: Any,
     semi_minor: Any,
+    radius_deviation: Any,
+    elongation_deviation: Any,
     **rest: Any,
 ) -> Any:
     """Return the contact of measured quantities, without `pad_model`."""
     return pad_contact(
         Ellipsoid(palmar=palmar, distal=distal, radial_ulnar=radial_ulnar),
-        semi_major=image_scale * semi_major + edge_offset,
-        semi_minor=image_scale * semi_minor + edge_offset,
+        semi_major=image_scale * semi_major * np.exp(radius_deviation + elongation_deviation / 2)
+        + edge_offset,
+        semi_minor=image_scale * semi_minor * np.exp(radius_deviation - elongation_deviation / 2)
+        + edge_offset,
         **rest,
     )
 

@@ -33,6 +33,7 @@ from fingerpad.report.plots import (
     velocity_plots,
     wedge_plot,
 )
+from fingerpad.report.repeatability import repeatability_section
 from fingerpad.report.templates import templates
 from fingerpad.report.text import FLAG_WORDS, doubtful_frames, face_differences, in_words
 from fingerpad.study.results.check import UncertaintyCheck
@@ -111,6 +112,7 @@ def write_page(
             **(_tabled(result, draw) if pages else _drawn_in_full(result, draw)),
             most_presses=_MOST_PRESSES,
             synthetic=bool(result.rows.column("synthetic").any()),
+            repeats=repeatability_section(result),
             exact=result.study.taken_as_exact(),
             methods=methods_section(result),
             thick=any(finger.effective_thickness is not None for finger in result.fingers.values()),
@@ -193,6 +195,7 @@ def _details(
         "budget": draw(budget_plot(summary, check)),
         "figures": draw(summary_plots(result, summary)),
         "doubts": doubtful[:MOST_POINTS],
+        "repeatability": result.repeatability[summary.synthetic].known,
         "edge": _edge(shown.column("edge_offset_mm_std")),
         "largest_size": float(rows.column("contact_radius_ratio").max()),
         "deepest": float(np.nanmax(deepest, initial=0.0)),

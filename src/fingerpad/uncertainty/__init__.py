@@ -30,6 +30,12 @@ from fingerpad.uncertainty.pool import (
 )
 from fingerpad.uncertainty.propagate import Propagated, propagate
 from fingerpad.uncertainty.quantities import Estimate, Inputs, Model, Outputs
+from fingerpad.uncertainty.repeatability import (
+    NestedScatter,
+    ScatterComponent,
+    nested_scatter,
+    within_covariance,
+)
 from fingerpad.uncertainty.sobol import SobolIndices, sobol_indices
 
 __all__ = [
@@ -41,10 +47,12 @@ __all__ = [
     "Inputs",
     "Model",
     "MonteCarloResult",
+    "NestedScatter",
     "Outputs",
     "Pooled",
     "Propagated",
     "RandomEffects",
+    "ScatterComponent",
     "SharedErrors",
     "SobolIndices",
     "Validation",
@@ -56,6 +64,7 @@ __all__ = [
     "inputs_from_ufloats",
     "layer_flag",
     "layer_model",
+    "nested_scatter",
     "pad_inputs",
     "pad_model",
     "pad_uncertainty",
@@ -69,4 +78,5 @@ __all__ = [
     "validate_linear_approximation",
     "variance_components",
     "with_thickness",
+    "within_covariance",
 ]

@@ -24,6 +24,7 @@ PAD_SOURCES: Final[Groups] = {
     "image scale": ("image_scale",),
     "contact edge": ("edge_offset",),
     "load": ("load",),
+    "repeatability": ("radius_deviation", "elongation_deviation"),
     "contact ellipse": ("contact_radius", "elongation"),
 }
 PAD_OUTPUTS: Final = tuple(field.name for field in fields(PadContact))
@@ -46,6 +47,8 @@ def pad_model(
     load: FloatArray,
     contact_radius: FloatArray,
     elongation: FloatArray,
+    radius_deviation: FloatArray | float = 0.0,
+    elongation_deviation: FloatArray | float = 0.0,
 ) -> dict[str, FloatArray]:
     """Return the fields of `PadContact` by name.
 
@@ -72,6 +75,9 @@ def pad_model(
         √(ℓd ℓe).
     elongation : ndarray
         ln(ℓd/ℓe).
+    radius_deviation, elongation_deviation : ndarray
+        By how much the logarithm of the radius, and the elongation, of one impression differ from those of
+        others under the same load, zero: inputs of their own, whose uncertainty is the repeatability.
 
     Returns
     -------
@@ -96,13 +102,14 @@ def pad_model(
     >>> print(f"{outputs['mean_curvature_radius']:.3f}")
     13.608
     """
-    half = np.exp(0.5 * elongation)
+    half = np.exp(0.5 * (elongation + elongation_deviation))
+    radius = image_scale * contact_radius * np.exp(radius_deviation)
     normal = platen_normal_kernel(wedge_angle, roll_angle)
     contact = pad_contact_kernel(
         principal_radii_kernel(palmar, distal, radial_ulnar, normal=normal),
         load=load,
-        semi_major=image_scale * contact_radius * half + edge_offset,
-        semi_minor=image_scale * contact_radius / half + edge_offset,
+        semi_major=radius * half + edge_offset,
+        semi_minor=radius / half + edge_offset,
         poisson_ratio=poisson_ratio,
     )
     return {name: getattr(contact, name) for name in PAD_OUTPUTS}
@@ -142,6 +149,8 @@ def pad_inputs(measured: Inputs) -> Inputs:
     ...     load=2.0,
     ...     semi_major=(7.4, 0.1),
     ...     semi_minor=(5.0, 0.1),
+    ...     radius_deviation=0.0,
+    ...     elongation_deviation=0.0,
     ... )
     >>> inputs = pad_inputs(measured)
     >>> inputs.mean[inputs.places(["contact_radius", "elongation"])].round(3)
@@ -193,6 +202,8 @@ def pad_uncertainty(
     poisson_ratio: Quantity = 0.5,
     image_scale: Quantity = 1.0,
     edge_offset: Quantity = 0.0,
+    radius_deviation: Quantity = 0.0,
+    elongation_deviation: Quantity = 0.0,
     correlations: Mapping[tuple[str, str], ArrayLike] | None = None,
 ) -> Propagated:
     """Return everything that follows from an observed contact ellipse, with uncertainty.
@@ -218,6 +229,9 @@ def pad_uncertainty(
     edge_offset : float, or pair of array_like
         Displacement of the contact's edge, added to both semi-axes, as (0, 0.06) with the
         `ContactImageResult.edge_offset_std` of 0.06 mm.
+    radius_deviation, elongation_deviation : float, or pair of array_like
+        By how much one impression differs from others under the same load, in ln √(ℓd ℓe) and ln(ℓd/ℓe): as
+        (0, 0.02) with a repeatability of 2 %.
     correlations : mapping, optional
         From pairs of these names to correlation coefficients.
 
@@ -266,6 +280,8 @@ def pad_uncertainty(
         poisson_ratio=poisson_ratio,
         image_scale=image_scale,
         edge_offset=edge_offset,
+        radius_deviation=radius_deviation,
+        elongation_deviation=elongation_deviation,
         load=load,
         semi_major=semi_major,
         semi_minor=semi_minor,

@@ -35,6 +35,8 @@ _TABLES: Final = (
     "report.html",
     "results.csv",
     "results_columns.csv",
+    "by_load.csv",
+    "repeatability.csv",
     "results.json",
     "summary.json",
     "results.parquet",

@@ -65,6 +65,7 @@ class Observation(PlacedFinger):
     """One contact at one load: a contact image with its scale, or an ellipse measured elsewhere."""
 
     load_N: Load  # noqa: N815 (the unit's own letter)
+    session: Name | None = None
     file: str | None = None
     ellipse_mm: ContactEllipse | None = None
 

@@ -18,7 +18,16 @@ from fingerpad.study.measuring.scales import FoundScale, Scales, scale_key
 
 # What of a contact's table changes nothing in what is measured on its picture.
 _NOT_MEASURED: Final = frozenset(
-    ("finger", "wedge_angle_deg", "roll_angle_deg", "load_N", "notes", "scale", "pool_min_load_N")
+    (
+        "finger",
+        "wedge_angle_deg",
+        "roll_angle_deg",
+        "load_N",
+        "session",
+        "notes",
+        "scale",
+        "pool_min_load_N",
+    )
 )
 
 

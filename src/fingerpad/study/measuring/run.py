@@ -47,7 +47,8 @@ class Measured:
     curves : list of CurveResult
         One per loading curve.
     contacts : iterable of (Contact, Measurement)
-        What was measured of each observation and frame, in the manifest's order; gone through once.
+        What was measured of each observation and frame, in the manifest's order; read from the store
+        each time it is gone through.
     """
 
     context: RunContext
@@ -118,25 +119,31 @@ def measure_study(
         fingers={finger.name: pad_of(finger, context) for finger in study.fingers},
         sequences=sequences,
         curves=curve_results(context),
-        contacts=_contacts(context, sequences),
+        contacts=_Contacts(context, sequences),
     )
 
 
-def _contacts(
-    context: RunContext, sequences: Sequence[SequenceResult]
-) -> Iterator[tuple[Contact, Measurement]]:
-    for observation in context.study.observations:
-        key = context.item_key(observation.name, observation)
-        record = context.measured(observation.name, key, observation.file)
-        if record.keys() == {"reason"}:
-            seen = Measurement(observation=observation.name, reason=record["reason"])
-        else:
-            seen = measurement_from(record)
-        seen = replace(seen, load_N=observation.load_N)  # which may have changed since
-        yield observation, reviewed(seen, context.active_corrections.get(observation.name))
-    for film in sequences:
-        for measured in film_measurements(film, context):
-            yield film.manifest, measured
+@dataclass(frozen=True, slots=True)
+class _Contacts:
+    """What was measured of each contact; held is one at a time."""
+
+    context: RunContext
+    sequences: Sequence[SequenceResult]
+
+    def __iter__(self) -> Iterator[tuple[Contact, Measurement]]:
+        context = self.context
+        for observation in context.study.observations:
+            key = context.item_key(observation.name, observation)
+            record = context.measured(observation.name, key, observation.file)
+            if record.keys() == {"reason"}:
+                seen = Measurement(observation=observation.name, reason=record["reason"])
+            else:
+                seen = measurement_from(record)
+            seen = replace(seen, load_N=observation.load_N)  # which may have changed since
+            yield observation, reviewed(seen, context.active_corrections.get(observation.name))
+        for film in self.sequences:
+            for measured in film_measurements(film, context):
+                yield film.manifest, measured
 
 
 def _finger_plan(finger: Finger, context: RunContext) -> Plan:

@@ -116,6 +116,7 @@ _GROUPS: Final[Mapping[str, Sequence[Column]]] = {
         _number("wedge_angle_deg", "deg", "angle of the wedge on which the finger rests"),
         _number("roll_angle_deg", "deg", "roll of the finger about its own long axis"),
         _number("load_N", "N", "normal force W"),
+        _text("session", "session in which the contact was made, as the manifest names it"),
     ),
     "sequence": (
         _text("sequence", "name of the sequence of which this is a frame; empty for single observations"),
@@ -151,6 +152,12 @@ _GROUPS: Final[Mapping[str, Sequence[Column]]] = {
         *_with_std("gross_area_mm2", "mm2", "area inside the outline of the contact"),
         _number("gross_area_mm2_noise_std", "mm2", "the same from errors that no other image shares"),
         _number("gross_area_mm2_edge_std", "mm2", "the same from the place of the edge alone"),
+        _number(
+            "gross_area_mm2_repeatability_std",
+            "mm2",
+            "standard deviation of other impressions under the same load, from the study's repeats, beyond "
+            "noise; not part of gross_area_mm2_std",
+        ),
         *_with_std("ridge_area_mm2", "mm2", "area of the ridges in contact"),
         _number("ridge_period_mm", "mm", "median distance between ridges"),
         _number("ellipse_iou", "1", "intersection over union of ellipse and contact region"),
@@ -169,6 +176,7 @@ _GROUPS: Final[Mapping[str, Sequence[Column]]] = {
         *_with_std("radius_from_indentation_mm", "mm", "R_0g F2^-3, R_g^corr of Dzidek et al. (2017)"),
         _number("radius_from_indentation_mm_fixed_geometry_std", "mm", "the same with R_0g exact"),
         _number("radius_from_indentation_mm_edge_std", "mm", "the same from the contact's edge alone"),
+        _number("radius_from_indentation_mm_repeatability_std", "mm", "the same from repeatability alone"),
         *_with_std("radius_from_area_mm", "mm", "sphere of the same area, R_0g F1^3"),
         *_with_std(
             "radius_from_compliance_mm", "mm", "sphere of the same A/(pi xi), R_0g F1^2/F2: compare with R_g"
@@ -179,9 +187,14 @@ _GROUPS: Final[Mapping[str, Sequence[Column]]] = {
     ),
     "hertz": (
         *_with_std("indentation_mm", "mm", "xi of elliptical Hertz theory from the observed ellipse"),
+        _number("indentation_mm_repeatability_std", "mm", "the same from repeatability alone"),
         *_with_std("reduced_modulus_kpa", "kPa", "E* of elliptical Hertz theory from load and ellipse"),
         *_with_std("youngs_modulus_kpa", "kPa", "E = E*(1 - nu^2)"),
         _number("youngs_modulus_kpa_edge_std", "kPa", "the same from the contact's edge alone"),
+        _number(
+            "youngs_modulus_kpa_noise_std", "kPa", "the same from the ellipse's noise and the load alone"
+        ),
+        _number("youngs_modulus_kpa_repeatability_std", "kPa", "the same from repeatability alone"),
         *_with_std("mean_pressure_kpa", "kPa", "W over the area of the ellipse"),
     ),
     "layer": (

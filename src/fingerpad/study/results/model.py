@@ -6,11 +6,12 @@ parts, one for each of its independent errors, so that contacts which share a so
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 from typing import Any, Final, Self, TypeAlias
 
 import numpy as np
 
-from fingerpad._arrays import BoolArray, FloatArray
+from fingerpad._arrays import BoolArray, FloatArray, as_float_array
 from fingerpad.image import SEMI_AXES
 from fingerpad.study.manifest import Contact, Study
 from fingerpad.study.measuring.fingers import FingerResult
@@ -35,6 +36,13 @@ GEOMETRY: Final = ("semi-axes", "wedge angle", "roll angle")
 OF_THE_PLACEMENT: Final = (*GEOMETRY, "Poisson's ratio")
 OF_THE_DEVICE: Final = ("image scale", "contact edge")
 
+# Parts of an uncertainty that have columns of their own, with their sources.
+STATED_APART: Final[Mapping[str, tuple[str, ...]]] = {
+    "edge": ("contact edge",),
+    "noise": ("contact ellipse", "load"),
+    "repeatability": ("repeatability",),
+}
+
 # Names of the columns of parts: first-order ones, then those of second order.
 PART_SOURCES: Final = np.array(2 * [source for source, names in PAD_SOURCES.items() for _ in names])
 # Draws for a row's own interval; GUM-S1 asks for 10⁶ where two digits must stand.
@@ -49,8 +57,8 @@ class Modelled:
     ----------
     value, std : dict of str to ndarray, shape (contacts,)
         Model outputs and their standard uncertainties, by name.
-    edge_std : dict of str to ndarray, shape (contacts,)
-        Their standard uncertainties from the place of the contact's edge alone.
+    std_from : dict of str to dict of str to ndarray, shape (contacts,)
+        Their standard uncertainties from one of `STATED_APART` alone.
     parts : ndarray, shape (contacts, pooled outputs, parts)
         Signed contributions to the uncertainty of `POOLED_OUTPUTS`, of the sources `PART_SOURCES`; their
         squares add up to the variance.
@@ -58,7 +66,7 @@ class Modelled:
 
     value: dict[str, FloatArray]
     std: dict[str, FloatArray]
-    edge_std: dict[str, FloatArray]
+    std_from: dict[str, dict[str, FloatArray]]
     parts: FloatArray
 
     @classmethod
@@ -71,8 +79,6 @@ class Modelled:
         with np.errstate(all="ignore"):
             propagated = propagate(pad_model, replace(inputs, covariance=covariance))
             parts = parts_of(propagated, POOLED_OUTPUTS)
-            (edge,) = inputs.places(["edge_offset"])
-            edge_std = np.abs(propagated.jacobian[..., edge]) * inputs.std[:, [edge]]
         has_output = np.isfinite(propagated.value).all(axis=-1) & np.isfinite(propagated.std).all(axis=-1)
         answered = np.asarray(finite & has_output)
         std = METHODS[method](propagated, answered)
@@ -80,7 +86,10 @@ class Modelled:
         return cls(
             value=dict(zip(names, np.where(answered, propagated.value.T, np.nan), strict=True)),
             std=dict(zip(names, np.where(answered, std.T, np.nan), strict=True)),
-            edge_std=dict(zip(names, np.where(answered, edge_std.T, np.nan), strict=True)),
+            std_from={
+                part: dict(zip(names, np.where(answered, _std_from(propagated, of), np.nan), strict=True))
+                for part, of in STATED_APART.items()
+            },
             parts=np.where(np.reshape(answered, (-1, 1, 1)), parts, np.nan),
         )
 
@@ -95,7 +104,9 @@ class Modelled:
             self,
             value={name: value[chosen] for name, value in self.value.items()},
             std={name: std[chosen] for name, std in self.std.items()},
-            edge_std={name: std[chosen] for name, std in self.edge_std.items()},
+            std_from={
+                part: {name: std[chosen] for name, std in of.items()} for part, of in self.std_from.items()
+            },
             parts=self.parts[chosen],
         )
 
@@ -106,9 +117,24 @@ class Modelled:
 
 
 def contact_inputs(
-    study: Study, fingers: Mapping[str, FingerResult], seen: Sequence[tuple[Contact, Measurement]]
+    study: Study,
+    fingers: Mapping[str, FingerResult],
+    seen: Sequence[tuple[Contact, Measurement]],
+    repeatability: Mapping[bool, FloatArray] = MappingProxyType({}),
 ) -> Inputs:
-    """Return the inputs of `pad_model` for some contacts."""
+    """Return the inputs of `pad_model` for some contacts.
+
+    Parameters
+    ----------
+    study : Study
+        The manifest.
+    fingers : mapping
+        Semi-axes by finger.
+    seen : sequence of (Contact, Measurement)
+        The contacts.
+    repeatability : mapping of bool to ndarray, (2, 2), optional
+        Covariance of the deviations of one impression, for real contacts (False) and synthetic ones (True).
+    """
     given, count = study.uncertainty, len(seen)
     pads = [fingers[contact.finger] for contact, _ in seen]
     same_scale = [
@@ -141,7 +167,13 @@ def contact_inputs(
         load=(load, given.load_relative_std * load),
         semi_major=(axes[:, 0], 0.0),
         semi_minor=(axes[:, 1], 0.0),
+        radius_deviation=(np.zeros(count), 0.0),
+        elongation_deviation=(0.0, 0.0),
     )
+    if repeatability:
+        synthetic = [one.synthetic or pad.synthetic for (one, _), pad in zip(seen, pads, strict=True)]
+        deviations = np.reshape([repeatability[each] for each in synthetic], (count, 2, 2))
+        measured = measured.with_covariance(PAD_SOURCES["repeatability"], deviations)
     measured = measured.with_covariance((*SEMI_AXES, "image_scale"), geometry)
     return pad_inputs(
         measured.with_covariance(("semi_major", "semi_minor"), root @ np.swapaxes(root, -1, -2))
@@ -163,6 +195,16 @@ def _monte_carlo(propagated: Propagated, answered: BoolArray) -> FloatArray:
 
 Method: TypeAlias = Callable[[Propagated, BoolArray], FloatArray]
 METHODS: Final[dict[str, Method]] = {"first_order": _first_order, "monte_carlo": _monte_carlo}
+
+
+def _std_from(propagated: Propagated, sources: Sequence[str]) -> FloatArray:
+    """Return first-order standard uncertainties from some sources, shape (outputs, contacts)."""
+    names = [name for source in sources for name in PAD_SOURCES[source]]
+    places = propagated.inputs.places(names)
+    slopes = propagated.jacobian[..., places]
+    covariance = propagated.inputs.covariance[..., np.array(places)[:, None], places]
+    variance = np.einsum("...oi,...ij,...oj->o...", slopes, covariance, slopes)
+    return as_float_array(np.sqrt(np.maximum(variance, 0)))
 
 
 def parts_of(propagated: Propagated, outputs: Sequence[str]) -> FloatArray:

@@ -1,7 +1,7 @@
-"""Writing a study's tables: results.csv with its data dictionary, results.json, summary.json."""
+"""Writing a study's tables: one row per contact, one per load, scatter of repeats, and summary.json."""
 
 import csv
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from json.encoder import encode_basestring
 from pathlib import Path
@@ -24,7 +24,10 @@ from fingerpad.study.results.table import ResultsTable
 
 
 def write_tables(result: StudyResult, out: Path) -> None:
-    """Write ``results.csv``, ``results_columns.csv``, ``results.json`` and ``summary.json`` into `out`.
+    """Write the tables of a run into `out`.
+
+    They are ``results.csv``, ``results_columns.csv``, ``results.json``, ``by_load.csv``,
+    ``repeatability.csv`` and ``summary.json``.
 
     Raises
     ------
@@ -37,10 +40,17 @@ def write_tables(result: StudyResult, out: Path) -> None:
             (each.name, each.dtype, each.unit, each.group, each.meaning) for each in COLUMNS.values()
         )
         write_csv(out / "results_columns.csv", [("column", "type", "unit", "group", "meaning"), *dictionary])
+        _write_records(out / "by_load.csv", [one.as_record() for one in result.by_load])
+        _write_records(out / "repeatability.csv", [line for one in result.scatter for line in one.lines()])
         record = dumps(summary_record(result), indent=1)
         (out / "summary.json").write_text(record + "\n", encoding="utf-8")
     except OSError as error:
         raise FingerpadError(f"{error.filename}: cannot be written ({error.strerror})") from error
+
+
+def _write_records(path: Path, records: Sequence[Mapping[str, Any]]) -> None:
+    """Write records with the same keys as a table, none as an empty file."""
+    write_csv(path, [tuple(records[0]), *(record.values() for record in records)] if records else [])
 
 
 def write_rows(rows: ResultsTable, table: Path, records: Path) -> None:
@@ -108,6 +118,24 @@ def summary_record(result: StudyResult) -> dict[str, Any]:
             )
             for summary, check in zip(result.summaries, result.checks, strict=True)
         ],
+        "repeatability": {
+            "contact": [
+                {
+                    "synthetic": synthetic,
+                    "contact_area_log_std": one.area_std if one.known else None,
+                    "aspect_ratio_log_std": one.aspect_ratio_std if one.known else None,
+                    "log_radius_and_elongation_covariance": one.covariance if one.known else None,
+                    "degrees_of_freedom": one.freedom,
+                    "groups": one.groups,
+                    "count": one.count,
+                    "missing": one.missing or None,
+                }
+                for synthetic, one in result.repeatability.items()
+                if (result.rows.column("synthetic") == synthetic).any()
+            ],
+            "scatter": [one.as_record() for one in result.scatter],
+        },
+        "by_load": [one.as_record() for one in result.by_load],
         "sequences": [
             _sequence(film, frames) for film, frames in zip(result.sequences, result.frames(), strict=True)
         ],
@@ -223,11 +251,13 @@ def _pooled(name: str, pooled: PooledRadius | None) -> dict[str, Any]:
         f"{name}_mm": pooled.value,
         f"{name}_mm_std": pooled.std,
         f"{name}_mm_fixed_geometry_std": pooled.fixed_geometry,
-        f"{name}_birge_ratio": pooled.fixed.birge_ratio,
+        f"{name}_mm_ci95": pooled.random.interval,
         f"{name}_count": pooled.count,
-        f"{name}_random_effects_mm": pooled.random.value,
-        f"{name}_random_effects_mm_std": pooled.random.total_std,
-        f"{name}_random_effects_mm_ci95": pooled.random.interval,
+        f"{name}_effective_count": pooled.effective_count,
+        f"{name}_largest_weight": pooled.largest_weight,
+        f"{name}_birge_ratio": pooled.fixed.birge_ratio,
+        f"{name}_same_for_all_mm": pooled.fixed.value,
+        f"{name}_same_for_all_mm_std": pooled.fixed.total_std,
         f"{name}_between_std_mm": pooled.random.between_std,
         f"{name}_scatter_within_loads_mm": pooled.scatter.within_std,
         f"{name}_scatter_between_loads_mm": pooled.scatter.between_std,

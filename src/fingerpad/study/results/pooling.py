@@ -39,38 +39,49 @@ class PooledRadius:
 
     Attributes
     ----------
-    fixed : Pooled
-        All contacts taken to have one radius; the scatter beyond their uncertainties widens it (Birge).
+    random : RandomEffects
+        Contacts taken to have different radii about a mean: the pooled radius.
     fixed_geometry : float
         Its standard uncertainty with semi-axes and angles held exact, as in Dzidek et al. (2017).
-    random : RandomEffects
-        Contacts taken to have different radii about a mean.
+    fixed : Pooled
+        All contacts taken to have one radius; the scatter beyond their uncertainties widens it (Birge).
     scatter : VarianceComponents
         Of contacts under one load, and between loads.
     budget : dict of str to float
-        Share of each source in the variance of `fixed`, with ``"scatter"`` for what Birge's ratio adds.
+        Share of each source in the variance of `random`, with ``"scatter"`` for what the difference between
+        contacts adds.
     """
 
-    fixed: Pooled
-    fixed_geometry: float
     random: RandomEffects
+    fixed_geometry: float
+    fixed: Pooled
     scatter: VarianceComponents
     budget: dict[str, float]
 
     @property
     def value(self) -> float:
         """The pooled radius, mm."""
-        return self.fixed.value
+        return self.random.value
 
     @property
     def std(self) -> float:
         """Its standard uncertainty, with everything that contacts share, mm."""
-        return self.fixed.total_std
+        return self.random.total_std
 
     @property
     def count(self) -> int:
         """Number of contacts, a sequence counting as one."""
-        return self.fixed.count
+        return self.random.count
+
+    @property
+    def largest_weight(self) -> float:
+        """The largest weight of a contact."""
+        return float(self.random.weights.max())
+
+    @property
+    def effective_count(self) -> float:
+        """Number of contacts of equal weight that would make as much of a mean: 1/Σw²."""
+        return float(1 / np.sum(self.random.weights**2))
 
     @classmethod
     def of(cls, rows: Rows, pooled: ResultsTable, estimate: Places, output: str) -> Self:
@@ -79,7 +90,8 @@ class PooledRadius:
         A radius changes with the square of its contact's elongation, and its stated uncertainty with the
         elongation: weights from the stated ones would be largest for contacts that are round by chance, and
         bias the mean. So one slope is used for all contacts; and the pooled radius is that at the mean
-        elongation, to second order, without the bias of a mean of squares.
+        elongation, to second order, without the bias of a mean of squares. The weights contain repeatability
+        and the variance between contacts, so that one of little noise does not count for all.
 
         Parameters
         ----------
@@ -105,21 +117,22 @@ class PooledRadius:
             return as_float_array(np.bincount(estimate, weights * of))
 
         value, own = mean(pooled.column(f"{output}_mm")), mean(own_std)
-        value -= (1 - pool(value, own).weights) * mean(bias)
+        own = np.maximum(own, np.spacing(value))
+        value -= (1 - pool_random_effects(value, own).weights) * mean(bias)
         parts = np.stack([mean(part) for part in parts.T], axis=-1)
         first, last = (np.empty(value.size, dtype=np.intp) for _ in range(2))
         last[estimate] = np.arange(estimate.size)
         first[estimate[::-1]] = np.arange(estimate.size)[::-1]
         shared = shared_errors(parts[:, ~_OWN], PART_SOURCES[~_OWN].tolist(), pooled.column("scale")[first])
-        fixed = pool(value, own, shared)
-        variances = shared.variances(fixed.weights)
+        random = pool_random_effects(value, own, shared)
+        variances = shared.variances(random.weights)
         exact = sum(variance for source, variance in variances.items() if source not in GEOMETRY)
         return cls(
-            fixed=fixed,
-            fixed_geometry=float(np.hypot(fixed.std, np.sqrt(exact))),
-            random=pool_random_effects(value, np.maximum(own, np.spacing(value)), shared),
+            random=random,
+            fixed_geometry=float(np.hypot(random.std, np.sqrt(exact))),
+            fixed=pool(value, own, shared),
             scatter=variance_components(value, pooled.column("load_N")[last]),
-            budget=_budget(fixed, variances, parts[:, _OWN], own),
+            budget=_budget(random, variances, parts[:, _OWN], own),
         )
 
 
@@ -155,15 +168,15 @@ def shared_errors(parts: FloatArray, sources: Sequence[str], scales: ColumnArray
 
 
 def _budget(
-    fixed: Pooled, shared: Mapping[str, float], own_parts: FloatArray, own_std: FloatArray
+    pooled: RandomEffects, shared: Mapping[str, float], own_parts: FloatArray, own_std: FloatArray
 ) -> dict[str, float]:
     """Return the share of each source in the variance of the pooled value."""
-    own = fixed.weights**2 @ own_parts**2
+    own = pooled.weights**2 @ own_parts**2
     total = own.sum()
-    own *= fixed.weights**2 @ own_std**2 / total if total > 0 else 1.0
+    own *= pooled.weights**2 @ own_std**2 / total if total > 0 else 1.0
     variance = {
         source: shared.get(source, float(own[source == PART_SOURCES[_OWN]].sum())) for source in PAD_SOURCES
     }
-    variance["scatter"] = max(0.0, fixed.total_std**2 - sum(variance.values()))
+    variance["scatter"] = max(0.0, pooled.total_std**2 - sum(variance.values()))
     total = sum(variance.values())
     return {source: each / total if total > 0 else each for source, each in variance.items()}

@@ -25,8 +25,10 @@ SUMS_NAME: Final = "SHA256SUMS"
 OUTPUT_NAMES: Final = frozenset(
     (
         SUMS_NAME,
+        "by_load.csv",
         "figures",
         "overlays",
+        "repeatability.csv",
         "report",
         "report.html",
         "results.csv",

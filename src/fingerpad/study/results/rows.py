@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from itertools import islice
+from types import MappingProxyType
 from typing import Any, Final, NamedTuple, TypeAlias
 
 import numpy as np
@@ -17,6 +18,7 @@ from fingerpad.study.results.columns import COLUMNS, ColumnArray
 from fingerpad.study.results.exclusions import excluding_flags
 from fingerpad.study.results.layer import LAYER_PART_SOURCES, POOLED_ON_LAYER, layer_columns
 from fingerpad.study.results.model import GEOMETRY, PART_SOURCES, POOLED_OUTPUTS, Modelled, contact_inputs
+from fingerpad.study.results.repeats import ContactRepeatability
 from fingerpad.study.results.table import GrowingArray, Places, ResultsTable, TableBuilder
 from fingerpad.uncertainty import PAD_OUTPUTS, PAD_SOURCES, Inputs
 from fingerpad.units import KPA_PER_MPA
@@ -85,7 +87,7 @@ class Rows:
     parts : ndarray, shape (pooled rows, pooled outputs, parts)
         Signed contributions to the uncertainty of their radii, as `Modelled` has them.
     elongation_std : ndarray, shape (pooled rows,)
-        Standard uncertainty of the elongation ln(ℓd/ℓe) of each of their contact ellipses.
+        Standard uncertainty of the elongation ln(ℓd/ℓe) of each contact ellipse, with repeatability.
     layer_parts : ndarray, shape (pooled rows, outputs, parts)
         Signed contributions to the uncertainty of `POOLED_ON_LAYER`, of the sources `LAYER_PART_SOURCES`, NaN
         for rows without them; no rows where no finger has a thickness.
@@ -105,7 +107,10 @@ class Rows:
 
 
 def model_contacts(
-    study: Study, fingers: Mapping[str, FingerResult], seen: Iterable[tuple[Contact, Measurement]]
+    study: Study,
+    fingers: Mapping[str, FingerResult],
+    seen: Iterable[tuple[Contact, Measurement]],
+    repeatability: Mapping[bool, ContactRepeatability] = MappingProxyType({}),
 ) -> Rows:
     """Turn measurements into rows: placement, model and uncertainty.
 
@@ -118,6 +123,8 @@ def model_contacts(
     seen : iterable of (Contact, Measurement)
         Each contact that was seen, with the table of the manifest that it belongs to, in the manifest's
         order. It is gone through once, and no more than a batch is held.
+    repeatability : mapping of bool to ContactRepeatability, optional
+        That of the study, from `contact_repeatability`: what one impression is uncertain by beyond its noise.
     """
     table, stream = TableBuilder(), iter(seen)
     pooled = GrowingArray(np.empty(0, dtype=np.intp))
@@ -129,12 +136,13 @@ def model_contacts(
     highest_on_layer: dict[PlacementKey, HighestLoad] = {}
     start = 0
     while batch := list(islice(stream, _AT_ONCE)):
-        done = _Batch.of(study, fingers, batch)
+        done = _Batch.of(study, fingers, batch, repeatability)
         table.add(done.columns)
         counts = done.columns["pooled"][done.good]
         pooled.add(start + done.good[counts])
         parts.add(done.modelled.parts[counts])
-        elongation_std.add(done.inputs.std[counts, done.inputs.places(["elongation"])])
+        elongation = done.inputs.places(["elongation", "elongation_deviation"])
+        elongation_std.add(np.hypot(*done.inputs.std[counts][:, elongation].T))
         if layered:
             layer_parts.add(done.layer_parts[counts])
         done.weigh(highest_load, counts)
@@ -162,13 +170,20 @@ class _Batch:
     layer_parts: FloatArray
 
     @classmethod
-    def of(cls, study: Study, fingers: Mapping[str, FingerResult], seen: Seen) -> "_Batch":
+    def of(
+        cls,
+        study: Study,
+        fingers: Mapping[str, FingerResult],
+        seen: Seen,
+        repeatability: Mapping[bool, ContactRepeatability],
+    ) -> "_Batch":
         reasons = [
             measured.rejected or measured.reason or fingers[contact.finger].reason
             for contact, measured in seen
         ]
         sound = np.array([place for place, reason in enumerate(reasons) if reason is None], dtype=np.intp)
-        inputs = contact_inputs(study, fingers, [seen[place] for place in sound])
+        covariance = {synthetic: of.covariance for synthetic, of in repeatability.items()}
+        inputs = contact_inputs(study, fingers, [seen[place] for place in sound], covariance)
         modelled = Modelled.of(inputs, study.uncertainty.method)
         answered = modelled.answered
         for place in sound[~answered]:
@@ -179,7 +194,7 @@ class _Batch:
         layer, layer_parts = layer_columns(pads, inputs, study.uncertainty.method)
         if good.size:
             described = {name: column[good] for name, column in columns.items()}
-            answers = _modelled(described | layer, pads, modelled) | layer
+            answers = _modelled(described | layer, pads, modelled, inputs) | layer
             for name, answer in answers.items():
                 columns[name] = COLUMNS[name].unknown(len(seen))
                 columns[name][good] = answer
@@ -233,6 +248,7 @@ def _described(
         ),
         "wedge_angle_deg": (contact.wedge_angle_deg for contact in contacts),
         "roll_angle_deg": (contact.roll_angle_deg for contact in contacts),
+        "session": (contact.session if isinstance(contact, Observation) else None for contact in contacts),
         "file": (contact.file for contact in contacts),
     }
     columns = {name: COLUMNS[name].array(items) for name, items in known.items()}
@@ -264,7 +280,7 @@ def _measured_by(contact: Contact) -> str:
 
 
 def _modelled(
-    seen: Mapping[str, ColumnArray], pads: Sequence[FingerResult], modelled: Modelled
+    seen: Mapping[str, ColumnArray], pads: Sequence[FingerResult], modelled: Modelled, inputs: Inputs
 ) -> dict[str, ColumnArray]:
     """Return the columns that follow from the model for the rows `seen` on `pads`."""
     value, std = modelled.value, modelled.std
@@ -276,6 +292,7 @@ def _modelled(
     )
     elongation = value["predicted_elongation"]
     sides = COLUMNS["predicted_long_axis"].array((None, "along", "across"))
+    deviation_std = inputs.std[:, inputs.places(["radius_deviation"])[0]]
     thickness = COLUMNS["indentation_over_thickness"].array([pad.pad_thickness for pad in pads])
     columns: dict[str, ColumnArray] = {
         "u_deg": np.degrees(placement.u),
@@ -288,8 +305,8 @@ def _modelled(
         "radius_from_indentation_mm_fixed_geometry_std": modelled.std_of(
             "radius_from_indentation", _OF_THE_CONTACT
         ),
-        "radius_from_indentation_mm_edge_std": modelled.edge_std["radius_from_indentation"],
-        "youngs_modulus_kpa_edge_std": KPA_PER_MPA * modelled.edge_std["youngs_modulus"],
+        "gross_area_mm2_repeatability_std": 2 * seen["gross_area_mm2"] * deviation_std,
+        **_stated_apart(modelled),
         "indentation_over_thickness": value["indentation"] / thickness,
     }
     for names, unit, factor in ((_IN_MM, "mm", 1.0), (_IN_KPA, "kpa", KPA_PER_MPA)):
@@ -298,6 +315,16 @@ def _modelled(
             columns[f"{name}_{unit}_std"] = factor * std[name]
     columns["range_notes"] = _range_notes({**seen, **columns}, pads, semi_axes)
     return columns
+
+
+def _stated_apart(modelled: Modelled) -> dict[str, ColumnArray]:
+    """Return the columns of uncertainty from one part alone."""
+    found: dict[str, ColumnArray] = {}
+    for part, by_output in modelled.std_from.items():
+        for names, unit, factor in ((_IN_MM, "mm", 1.0), (_IN_KPA, "kpa", KPA_PER_MPA)):
+            columns = {f"{name}_{unit}_{part}_std": factor * by_output[name] for name in names}
+            found |= {name: std for name, std in columns.items() if name in COLUMNS}
+    return found
 
 
 def _range_notes(

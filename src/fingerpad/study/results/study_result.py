@@ -20,9 +20,16 @@ from fingerpad.study.measuring.records import from_plain, to_plain
 from fingerpad.study.measuring.run import Measured
 from fingerpad.study.measuring.scales import FoundScale
 from fingerpad.study.measuring.sequences import SequenceResult
+from fingerpad.study.results.by_load import AtLoad, pool_by_load
 from fingerpad.study.results.check import UncertaintyCheck
 from fingerpad.study.results.digest import digest_of_values
 from fingerpad.study.results.layer_curve import CurveOnLayer, curve_on_layer
+from fingerpad.study.results.repeats import (
+    ContactRepeatability,
+    StudyScatter,
+    contact_repeatability,
+    study_scatter,
+)
 from fingerpad.study.results.rows import HighestLoad, model_contacts
 from fingerpad.study.results.summary import Summary, pool_contacts
 from fingerpad.study.results.table import ResultsTable
@@ -51,6 +58,12 @@ class StudyResult(Displayed):
     checks : list of UncertaintyCheck or None
         Of the counted contact at the highest load in each summary; None where none counts or it cannot be
         checked.
+    repeatability : dict of bool to ContactRepeatability
+        What repeats tell of one impression: of a real contact (False), of a synthetic one (True).
+    scatter : list of StudyScatter
+        How each quantity scatters between repeats, sessions, fingers and persons.
+    by_load : list of AtLoad
+        Area and modulus of each finger at each load.
     curves : list of CurveResult
         One per loading curve.
     provenance : dict
@@ -67,6 +80,9 @@ class StudyResult(Displayed):
     scales: dict[str, FoundScale | str]
     summaries: list[Summary]
     checks: list[UncertaintyCheck | None]
+    repeatability: dict[bool, ContactRepeatability]
+    scatter: list[StudyScatter]
+    by_load: list[AtLoad]
     curves: list[CurveResult]
     provenance: dict[str, Any]
     notes: tuple[str, ...] = ()
@@ -135,6 +151,7 @@ class StudyResult(Displayed):
             scales={key: found for key, found in self.scales.items() if key in scales},
             summaries=list(compress(self.summaries, own)),
             checks=list(compress(self.checks, own)),
+            by_load=[one for one in self.by_load if one.finger == name],
             curves=[curve for curve in self.curves if curve.manifest.finger == name],
             provenance={
                 **self.provenance,
@@ -169,7 +186,9 @@ def result_of(
         Called with the name of each contact whose uncertainty was checked.
     """
     study, folder = measured.context.study, measured.context.folder
-    rows = model_contacts(study, measured.fingers, measured.contacts)
+    repeatability = contact_repeatability(study, measured.fingers, measured.contacts)
+    rows = model_contacts(study, measured.fingers, measured.contacts, repeatability)
+    scatter = study_scatter(study, rows.table)
     found = pool_contacts(rows)
     return StudyResult(
         study=study,
@@ -182,6 +201,9 @@ def result_of(
         checks=_checks(
             [rows.highest_load.get(summary.key) for summary in found], executor, store, folder, on_check
         ),
+        repeatability=repeatability,
+        scatter=scatter,
+        by_load=pool_by_load(rows.table, repeatability, scatter),
         curves=measured.curves,
         provenance=origin,
         notes=notes,

@@ -2,6 +2,8 @@
 
 import { h } from "./dom.js";
 
+// Of a value at most so many significant digits are shown, and its uncertainty is rounded up to the last of them.
+const MOST_DIGITS = 5;
 const EN = "–";
 const SPACE = "\u00a0";
 
@@ -26,8 +28,13 @@ export function plain(value) {
 export function withStd(value, std) {
   if (value === null || value === undefined || !Number.isFinite(value)) return EN;
   if (!(std > 0) || !Number.isFinite(std)) return plain(value);
-  const decimals = decimalsOf(std);
-  return `${fixed(value, decimals)}${SPACE}±${SPACE}${fixed(std, decimals)}`;
+  const finest = value === 0 ? 99 : MOST_DIGITS - 1 - Math.floor(Math.log10(Math.abs(value)));
+  if (decimalsOf(std) <= finest) {
+    const decimals = decimalsOf(std);
+    return `${fixed(value, decimals)}${SPACE}±${SPACE}${fixed(std, decimals)}`;
+  }
+  const least = Math.ceil(std * 10 ** finest) / 10 ** finest;
+  return `${fixed(value, finest)}${SPACE}±${SPACE}${fixed(least, finest)}`;
 }
 
 const UNITS = [

@@ -31,6 +31,8 @@ const FILES = [
   ],
   ["results.csv", "Results as CSV", "One row per contact and frame; units and _std in the headers."],
   ["results_columns.csv", "Column descriptions", "Data dictionary of the CSV."],
+  ["by_load.csv", "Area and modulus by load", "Pooled over repeats, with what each uncertainty is made of."],
+  ["repeatability.csv", "Repeatability", "Scatter of repeats, sessions, fingers and persons."],
   ["results.json", "Results as JSON", "The same rows as JSON."],
   ["summary.json", "Summary as JSON", "Pooled radii, versions, hashes of all inputs, formulas."],
 ];

@@ -1,0 +1,115 @@
+"""What the report says of repeats: how quantities scatter, and what each load's mean is uncertain by."""
+
+import math
+from typing import Any, Final
+
+from fingerpad.study.results.repeats import (
+    LEVELS,
+    SAME_LOAD,
+    SCATTER_OF,
+    ContactRepeatability,
+    StudyScatter,
+)
+from fingerpad.study.results.study_result import StudyResult
+from fingerpad.uncertainty import ScatterComponent
+from fingerpad.uncertainty.repeatability import REPEAT
+from fingerpad.units import two_digits
+
+_MOST_LOADS: Final = 120
+_OUTWARDS: Final = tuple(LEVELS)[::-1]
+
+
+def repeatability_section(result: StudyResult) -> dict[str, Any]:
+    """Return what the template shows of repeats."""
+    kinds = sorted({one.synthetic for one in result.scatter})
+    return {
+        "tolerance": f"{100 * SAME_LOAD:g}",
+        "kinds": [_kind(result, synthetic) for synthetic in kinds],
+        "loads": result.by_load[:_MOST_LOADS],
+        "more_loads": max(0, len(result.by_load) - _MOST_LOADS),
+        "by_session": any(math.isfinite(one.area.session_std) for one in result.by_load),
+        "sessions": any(one.sessions > 1 for one in result.by_load),
+    }
+
+
+def borrowed(found: ContactRepeatability) -> str:
+    """Return what a study's repeats tell of one impression, in words.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> known = ContactRepeatability(
+    ...     covariance=np.diag([0.01**2, 0.03**2]), freedom=8, groups=4, count=12
+    ... )
+    >>> borrowed(known)
+    '2.0 % in area and 3.0 % in aspect ratio, from 12 repeats of 4 contacts (8 degrees of freedom)'
+    """
+    return (
+        f"{percent(found.area_std)} in area and {percent(found.aspect_ratio_std)} in aspect ratio, "
+        f"from {found.count} repeats of {found.groups} contact{'s' if found.groups > 1 else ''} "
+        f"({found.freedom} degrees of freedom)"
+    )
+
+
+def percent(share: float) -> str:
+    """Return a share in percent, with two digits.
+
+    Examples
+    --------
+    >>> percent(0.0316), percent(0.0)
+    ('3.2 %', '0 %')
+    """
+    return f"{two_digits(100 * share)} %" if share > 0 else "0 %"
+
+
+def _kind(result: StudyResult, synthetic: bool) -> dict[str, Any]:
+    scatter = [one for one in result.scatter if one.synthetic == synthetic]
+    known = [one for one in scatter if one.scatter.components[REPEAT].known]
+    found = result.repeatability[synthetic]
+    return {
+        "synthetic": synthetic,
+        "missing": found.missing,
+        "borrowed": borrowed(found) if found.known else "",
+        "levels": [LEVELS[level] for level in _OUTWARDS],
+        "lines": [_line(one) for one in known],
+        "left_out": [LEVELS[level] for level in _unknown(known)],
+    }
+
+
+def _unknown(known: list[StudyScatter]) -> list[str]:
+    """Return levels other than repeats of which nothing is known for any quantity."""
+    return [
+        level
+        for level in _OUTWARDS
+        if level != REPEAT and not any(one.scatter.components[level].known for one in known)
+    ]
+
+
+def _line(one: StudyScatter) -> dict[str, Any]:
+    components, icc = one.scatter.components, one.scatter
+    return {
+        "quantity": SCATTER_OF[one.quantity],
+        "cells": [_cell(components[level], one.missing.get(level, "")) for level in _OUTWARDS],
+        "limit": percent(math.expm1(components[REPEAT].limit_of_agreement)),
+        "icc": _shares(icc.icc, icc.icc_interval) if math.isfinite(icc.icc) else "missing",
+    }
+
+
+def _cell(one: ScatterComponent, missing: str) -> dict[str, str]:
+    if not one.known:
+        return {"text": "missing", "small": missing}
+    low, high = one.interval
+    with_those = f", with those {' and '.join(LEVELS[each] for each in one.includes)}" if one.includes else ""
+    return {
+        "text": percent(one.std),
+        "small": f"95 %: {_range(low, high)}; {one.count} in {one.groups} "
+        f"group{'s' if one.groups > 1 else ''}{with_those}",
+    }
+
+
+def _range(low: float, high: float) -> str:
+    return f"{percent(low).removesuffix(' %')} to {percent(high)}"
+
+
+def _shares(icc: float, interval: tuple[float, float]) -> str:
+    return f"{icc:.2f} ({interval[0]:.2f} to {interval[1]:.2f})"

@@ -1,0 +1,254 @@
+"""Contact area and Young's modulus of a finger at each load, pooled over repeats."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Final, Self
+
+import numpy as np
+from scipy import special
+
+from fingerpad._arrays import FloatArray, as_float_array
+from fingerpad.study.results.repeats import (
+    ContactRepeatability,
+    StudyScatter,
+    contact_quantity,
+    nominal_loads,
+)
+from fingerpad.study.results.rows import PLACEMENT
+from fingerpad.study.results.table import ResultsTable
+from fingerpad.uncertainty import ScatterComponent
+
+_NORMAL_97_5: Final = 1.959963984540054
+_ROUNDING: Final = 1e-9
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LoadMean:
+    """The geometric mean of a quantity over the contacts of one finger under one load.
+
+    Attributes
+    ----------
+    value, std : float
+        The mean and its standard uncertainty.
+    interval : (float, float)
+        95 % interval, with Student's t for noise, repeatability and sessions where these are known.
+    noise_std, repeatability_std : float
+        Standard uncertainty from what no contacts share, divided by √n: noise (in a modulus with the load's),
+        and the scatter of repeats beyond it; NaN where the study has too few repeats.
+    session_std : float
+        From the difference between sessions, divided by the root of their number; NaN where it is not known.
+    edge_std : float
+        From the place of the contact's edge, which all contacts share.
+    other_std : float
+        From what else they share: scale, and in a modulus geometry and Poisson's ratio.
+    """
+
+    value: float
+    std: float
+    interval: tuple[float, float]
+    noise_std: float
+    repeatability_std: float
+    session_std: float
+    edge_std: float
+    other_std: float
+
+    @classmethod
+    def of(
+        cls,
+        values: FloatArray,
+        parts: Mapping[str, FloatArray],
+        total: FloatArray,
+        freedom: float,
+        sessions: tuple[int, ScatterComponent | None],
+    ) -> Self:
+        """Pool values.
+
+        Parameters
+        ----------
+        values : ndarray, shape (n,)
+            Positive values.
+        parts : mapping of str to ndarray
+            Standard uncertainty of each from noise, repeatability and edge.
+        total : ndarray, shape (n,)
+            Standard uncertainty of each from all.
+        freedom : float
+            Degrees of freedom of the repeatability; infinite where it is not known.
+        sessions : (int, ScatterComponent or None)
+            Number of sessions, and how they scatter.
+        """
+        count = values.size
+        relative = {part: np.nan_to_num(std) / values for part, std in parts.items()}
+        apart = sum(each**2 for each in relative.values())
+        whole = (np.nan_to_num(total) / values) ** 2
+        rest = np.where(whole - apart > _ROUNDING * whole, whole - apart, 0.0)
+        other = float(np.mean(np.sqrt(rest)))
+        noise, repeat = (
+            float(np.sqrt(np.sum(relative[part] ** 2)) / count) for part in ("noise", "repeatability")
+        )
+        edge = float(np.mean(relative["edge"]))
+        number, scatter = sessions
+        session = scatter.std / math.sqrt(number) if scatter is not None else math.nan
+        own, between, shared = math.hypot(noise, repeat), np.nan_to_num(session), math.hypot(edge, other)
+        mean = float(np.exp(np.mean(np.log(values))))
+        half = math.hypot(
+            _quantile(freedom) * own,
+            _quantile(scatter.freedom if scatter is not None else math.inf) * between,
+            _quantile(math.inf) * shared,
+        )
+        return cls(
+            value=mean,
+            std=mean * math.hypot(own, between, shared),
+            interval=(mean * math.exp(-half), mean * math.exp(half)),
+            noise_std=mean * noise,
+            repeatability_std=math.nan if math.isinf(freedom) else mean * repeat,
+            session_std=mean * session,
+            edge_std=mean * edge,
+            other_std=mean * other,
+        )
+
+    def as_record(self, name: str, unit: str) -> dict[str, float]:
+        """Return it by names that end in units."""
+        return {
+            f"{name}_{unit}": self.value,
+            f"{name}_{unit}_std": self.std,
+            f"{name}_{unit}_ci95_low": self.interval[0],
+            f"{name}_{unit}_ci95_high": self.interval[1],
+            f"{name}_{unit}_noise_std": self.noise_std,
+            f"{name}_{unit}_repeatability_std": self.repeatability_std,
+            f"{name}_{unit}_session_std": self.session_std,
+            f"{name}_{unit}_edge_std": self.edge_std,
+            f"{name}_{unit}_other_std": self.other_std,
+        }
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AtLoad:
+    """A finger at one placement under one load.
+
+    Attributes
+    ----------
+    finger, wedge_angle_deg, roll_angle_deg, synthetic
+        Whose contacts.
+    load : float
+        Mean of their loads, N.
+    count, sessions : int
+        Number of contacts, and of sessions in which they were made.
+    area : LoadMean
+        Contact area, mm².
+    modulus : LoadMean
+        Young's modulus from load and area, kPa.
+    """
+
+    finger: str
+    wedge_angle_deg: float
+    roll_angle_deg: float
+    synthetic: bool
+    load: float
+    count: int
+    sessions: int
+    area: LoadMean
+    modulus: LoadMean
+
+    def as_record(self) -> dict[str, Any]:
+        """Return it by names that end in units."""
+        return {
+            "finger": self.finger,
+            "wedge_angle_deg": self.wedge_angle_deg,
+            "roll_angle_deg": self.roll_angle_deg,
+            "synthetic": self.synthetic,
+            "load_N": self.load,
+            "contacts": self.count,
+            "sessions": self.sessions,
+            **self.area.as_record("contact_area", "mm2"),
+            **self.modulus.as_record("youngs_modulus", "kpa"),
+        }
+
+
+def _quantile(freedom: float) -> float:
+    """Return the 97.5 % quantile of Student's t."""
+    return _NORMAL_97_5 if math.isinf(freedom) else float(special.stdtrit(freedom, 0.975))
+
+
+def pool_by_load(
+    table: ResultsTable,
+    repeatability: Mapping[bool, ContactRepeatability],
+    scatter: Sequence[StudyScatter] = (),
+) -> list[AtLoad]:
+    """Pool the contacts that count, for each finger, placement and nominal load.
+
+    Parameters
+    ----------
+    table : ResultsTable
+        All rows. Frames of sequences are left out.
+    repeatability : mapping of bool to ContactRepeatability
+        That of the study, for real (False) and synthetic contacts (True).
+    scatter : sequence of StudyScatter
+        How quantities scatter between sessions.
+    """
+    between = {(one.quantity, one.synthetic): one.scatter.components["session"] for one in scatter}
+    rows = table.at(table.column("pooled") & ~table.known("frame"))
+    rows = rows.at((rows.column("load_N") > 0) & (contact_quantity(rows, "youngs_modulus") > 0))
+    found = []
+    for key, unsorted in rows.by(*PLACEMENT).items():
+        group = unsorted.sorted_by("load_N")
+        load = nominal_loads(group.column("load_N"))
+        found += [
+            _at_load(key, group.at(load == one), repeatability[bool(key[-1])], between)
+            for one in np.unique(load)
+        ]
+    return found
+
+
+def _at_load(
+    key: Sequence[Any],
+    rows: ResultsTable,
+    repeatability: ContactRepeatability,
+    between: Mapping[tuple[str, bool], ScatterComponent],
+) -> AtLoad:
+    finger, wedge, roll, synthetic = key
+    count = len(set(rows.items("session")))
+
+    def sessions(quantity: str) -> tuple[int, ScatterComponent | None]:
+        found = between.get((quantity, synthetic))
+        return count, found if found is not None and found.known else None
+
+    freedom = float(repeatability.freedom) if repeatability.known else math.inf
+    area = contact_quantity(rows, "contact_area")
+    own = {part: rows.column(f"gross_area_mm2_{part}_std") for part in ("noise", "edge")}
+    by_image = np.isfinite(rows.column("gross_area_mm2"))
+    ellipse = area * np.hypot(*(_relative(rows, axis) for axis in ("semi_major_mm", "semi_minor_mm")))
+    noise = np.where(by_image, own["noise"], ellipse)
+    total = np.where(by_image, rows.column("gross_area_mm2_std"), ellipse)
+    repeats = area * repeatability.area_std
+    modulus = {part: rows.column(f"youngs_modulus_kpa_{part}_std") for part in _PARTS}
+    return AtLoad(
+        finger=finger,
+        wedge_angle_deg=wedge,
+        roll_angle_deg=roll,
+        synthetic=synthetic,
+        load=float(np.mean(rows.column("load_N"))),
+        count=len(rows),
+        sessions=count,
+        area=LoadMean.of(
+            area,
+            {"noise": noise, "repeatability": repeats, "edge": np.where(by_image, own["edge"], 0.0)},
+            as_float_array(np.hypot(total, repeats)),
+            freedom,
+            sessions("contact_area"),
+        ),
+        modulus=LoadMean.of(
+            contact_quantity(rows, "youngs_modulus"),
+            modulus,
+            rows.column("youngs_modulus_kpa_std"),
+            freedom,
+            sessions("youngs_modulus"),
+        ),
+    )
+
+
+_PARTS: Final = ("noise", "repeatability", "edge")
+
+
+def _relative(rows: ResultsTable, axis: str) -> FloatArray:
+    return as_float_array(rows.column(f"{axis}_noise_std") / rows.column(axis))

@@ -1,0 +1,340 @@
+"""Repeats of a contact, recognised by finger, placement and load, and how they scatter."""
+
+from collections.abc import Hashable, Iterable, Mapping
+from dataclasses import dataclass
+from itertools import takewhile
+from typing import Any, Final, Self
+
+import numpy as np
+
+from fingerpad._arrays import ArrayLike, FloatArray, as_float_array
+from fingerpad.study.manifest import Contact, Observation, Study
+from fingerpad.study.measuring.fingers import FingerResult
+from fingerpad.study.measuring.measure import Measurement
+from fingerpad.study.results.exclusions import excluding_flags
+from fingerpad.study.results.model import contact_inputs
+from fingerpad.study.results.table import Places, ResultsTable, numbered
+from fingerpad.uncertainty import (
+    NestedScatter,
+    ScatterComponent,
+    covariance_root,
+    nested_scatter,
+    within_covariance,
+)
+from fingerpad.uncertainty.repeatability import MIN_LEVEL_FREEDOM, MIN_REPEAT_FREEDOM, REPEAT
+
+# Loads within this share of the middle of them are one nominal load.
+SAME_LOAD: Final = 0.05
+# Columns of which the scatter is stated, each as the standard deviation of its logarithm.
+SCATTER_OF: Final[Mapping[str, str]] = {
+    "contact_area": "contact area A",
+    "ridge_area": "ridge area",
+    "youngs_modulus": "Young's modulus E from load and area",
+    "aspect_ratio": "aspect ratio ℓd/ℓe",
+    "radius_from_indentation": "corrected radius",
+}
+LEVELS: Final[Mapping[str, str]] = {
+    "person": "between persons",
+    "finger": "between fingers",
+    "session": "between sessions",
+    REPEAT: "repeats",
+}
+_GAP: Final = (1 + SAME_LOAD) / (1 - SAME_LOAD) * (1 + 1e-9)
+_BETWEEN: Final = ("person", "finger")
+_PLACED: Final = ("wedge_angle_deg", "roll_angle_deg", "synthetic")
+_AT_ONCE: Final = 500
+
+
+def nominal_loads(loads: ArrayLike) -> Places:
+    """Return a number for the nominal load of each of some loads, counted from 0 upwards.
+
+    Loads are one nominal load if they are within `SAME_LOAD` of their middle, and the next one is not. Where
+    they run on without such a gap, as those of a ramp, only equal loads are.
+
+    Examples
+    --------
+    >>> nominal_loads([0.98, 1.0, 2.05, 2.0, 1.03])
+    array([0, 0, 1, 1, 0])
+    >>> nominal_loads([1.0, 1.04, 1.08, 1.12, 1.12])
+    array([0, 1, 2, 3, 3])
+    """
+    distinct, place = np.unique(as_float_array(loads), return_inverse=True)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        chain = np.cumsum(np.append(False, distinct[1:] > _GAP * distinct[:-1])[: distinct.size])
+    for number in np.unique(chain):
+        low, high = distinct[chain == number][[0, -1]]
+        if high > _GAP * low:
+            chain = np.where(chain == number, chain.max() + 1 + np.arange(chain.size), chain)
+    _, first = np.unique(chain, return_index=True)
+    rank = np.searchsorted(np.sort(first), [int(np.flatnonzero(chain == of)[0]) for of in chain])
+    return np.asarray(rank[place.reshape(-1)], dtype=np.intp)
+
+
+def conditions_of(placed: Iterable[Hashable], loads: ArrayLike) -> Places:
+    """Return a number for the placement and nominal load of each contact."""
+    placement, loads = numbered(placed), as_float_array(loads)
+    load = np.zeros(placement.size, dtype=np.intp)
+    for one in np.unique(placement):
+        load[placement == one] = nominal_loads(loads[placement == one])
+    return numbered(zip(placement.tolist(), load.tolist(), strict=True))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ContactRepeatability:
+    """By how much the ellipses of repeats scatter beyond the noise of their images.
+
+    Attributes
+    ----------
+    covariance : ndarray, (2, 2)
+        Of ln √(ℓd ℓe) and ln(ℓd/ℓe) of one impression; zero if it is not known.
+    freedom : int
+        Degrees of freedom from which it is known.
+    groups, count : int
+        Contacts that were repeated, and their repeats in all.
+    """
+
+    covariance: FloatArray
+    freedom: int
+    groups: int
+    count: int
+
+    @property
+    def known(self) -> bool:
+        """Whether there are enough repeats."""
+        return self.freedom >= MIN_REPEAT_FREEDOM
+
+    @property
+    def area_std(self) -> float:
+        """Relative standard deviation of the area that it amounts to."""
+        return float(2 * np.sqrt(self.covariance[0, 0]))
+
+    @property
+    def aspect_ratio_std(self) -> float:
+        """Relative standard deviation of the aspect ratio that it amounts to."""
+        return float(np.sqrt(self.covariance[1, 1]))
+
+    @property
+    def missing(self) -> str:
+        """Why it is not known, in words; empty where it is."""
+        return "" if self.known else _too_few_repeats(self.groups, self.freedom)
+
+    @classmethod
+    def of(cls, axes: ArrayLike, noise: ArrayLike, group: ArrayLike) -> Self:
+        """Return that of contacts of known noise.
+
+        Parameters
+        ----------
+        axes : array_like, shape (n, 2)
+            ln √(ℓd ℓe) and ln(ℓd/ℓe) of each.
+        noise : array_like, shape (n, 2, 2)
+            Covariance of these from the image's own noise.
+        group : array_like, shape (n,)
+            What each is a repeat of.
+        """
+        found, freedom = within_covariance(axes, group)
+        _, place, size = np.unique(np.asarray(group), return_inverse=True, return_counts=True)
+        covariance = np.zeros((2, 2))
+        if freedom >= MIN_REPEAT_FREEDOM:
+            share = (1 - 1 / size[place.reshape(-1)]) / freedom
+            root = covariance_root(found - np.einsum("n,nij->ij", share, as_float_array(noise)))
+            covariance = root @ root.T  # without the negative eigenvalues of a difference
+        repeated = size[size > 1]
+        return cls(covariance=covariance, freedom=freedom, groups=repeated.size, count=int(repeated.sum()))
+
+
+def contact_repeatability(
+    study: Study,
+    fingers: Mapping[str, FingerResult],
+    seen: Iterable[tuple[Contact, Measurement]],
+) -> dict[bool, ContactRepeatability]:
+    """Return how the repeats of a study scatter: of its real contacts (False) and of synthetic ones (True).
+
+    Parameters
+    ----------
+    study : Study
+        The manifest.
+    fingers : mapping
+        Semi-axes by finger.
+    seen : iterable of (Contact, Measurement)
+        What was measured of each contact, observations first.
+    """
+    known: dict[bool, list[tuple[Any, ...]]] = {False: [], True: []}
+    for contact, measured in _repeated(study, seen):
+        if measured.reason is None and measured.counts and not excluding_flags(contact, measured):
+            synthetic = contact.synthetic or fingers[contact.finger].synthetic
+            placed = contact.wedge_angle_deg, contact.roll_angle_deg
+            unit = contact.finger, contact.session
+            known[synthetic].append((contact, measured, placed, unit))
+    return {synthetic: _scatter_of(study, fingers, some) for synthetic, some in known.items()}
+
+
+def _repeated(
+    study: Study, seen: Iterable[tuple[Contact, Measurement]]
+) -> Iterable[tuple[Observation, Measurement]]:
+    """Yield observations, none if no finger has two at one placement: then nothing need be read."""
+    placed = {(one.finger, one.wedge_angle_deg, one.roll_angle_deg) for one in study.observations}
+    if study.observations and len(placed) == len(study.observations):
+        return ()
+    return (
+        (contact, measured)
+        for contact, measured in takewhile(lambda one: isinstance(one[0], Observation), seen)
+        if isinstance(contact, Observation)
+    )
+
+
+def _scatter_of(
+    study: Study, fingers: Mapping[str, FingerResult], known: list[tuple[Any, ...]]
+) -> ContactRepeatability:
+    axes, noise = np.empty((len(known), 2)), np.empty((len(known), 2, 2))
+    for start in range(0, len(known), _AT_ONCE):
+        some = slice(start, start + _AT_ONCE)
+        inputs = contact_inputs(study, fingers, [one[:2] for one in known[some]])
+        places = inputs.places(["contact_radius", "elongation"])
+        radius = inputs.mean[:, places[0]]
+        axes[some] = np.stack([np.log(radius), inputs.mean[:, places[1]]], axis=-1)
+        unit = np.stack([1 / radius, np.ones_like(radius)], axis=-1)
+        own = inputs.covariance[:, np.array(places)[:, None], places]
+        noise[some] = own * unit[:, :, None] * unit[:, None, :]
+    usable = np.isfinite(axes).all(axis=-1) & np.isfinite(noise).all(axis=(-2, -1))
+    condition = conditions_of([one[2] for one in known], [one[1].load_N for one in known])
+    group = numbered(zip((one[3] for one in known), condition.tolist(), strict=True))
+    return ContactRepeatability.of(axes[usable], noise[usable], group[usable])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StudyScatter:
+    """How a quantity scatters over a study's contacts, on the scale of its logarithm.
+
+    Attributes
+    ----------
+    quantity : str
+        One of `SCATTER_OF`.
+    synthetic : bool
+        Whether it is of rendered contacts.
+    scatter : NestedScatter
+        By level.
+    missing : dict of str to str
+        Why a level is not known, in words.
+    """
+
+    quantity: str
+    synthetic: bool
+    scatter: NestedScatter
+    missing: dict[str, str]
+
+    def as_record(self) -> dict[str, Any]:
+        """Return it by plain names."""
+        return {
+            "quantity": self.quantity,
+            "synthetic": self.synthetic,
+            "icc": self.scatter.icc,
+            "icc_ci95": self.scatter.icc_interval,
+            "levels": self.lines(),
+        }
+
+    def lines(self) -> list[dict[str, Any]]:
+        """Return a record of each level, with the same keys."""
+        return [
+            {
+                "quantity": self.quantity,
+                "synthetic": self.synthetic,
+                "level": level,
+                "log_std": one.std,
+                "log_std_ci95_low": one.interval[0],
+                "log_std_ci95_high": one.interval[1],
+                "log_limit_of_agreement": one.limit_of_agreement,
+                "degrees_of_freedom": one.freedom,
+                "groups": one.groups,
+                "count": one.count,
+                "includes": " ".join(one.includes),
+                "missing": self.missing.get(level, ""),
+            }
+            for level, one in self.scatter.components.items()
+        ]
+
+
+def study_scatter(study: Study, table: ResultsTable) -> list[StudyScatter]:
+    """Return the scatter of each quantity over the contacts that count, real and synthetic ones apart.
+
+    The frames of a sequence show one impression: they repeat nothing, and are left out.
+
+    Parameters
+    ----------
+    study : Study
+        The manifest, which names persons.
+    table : ResultsTable
+        All rows.
+    """
+    rows = table.at(table.column("pooled") & ~table.known("frame"))
+    persons = {finger.name: finger.person for finger in study.fingers}
+    return [
+        _scatter(name, synthetic, some, persons)
+        for (synthetic,), some in sorted(rows.by("synthetic").items())
+        for name in SCATTER_OF
+    ]
+
+
+def _scatter(
+    quantity: str, synthetic: bool, rows: ResultsTable, persons: Mapping[str, str | None]
+) -> StudyScatter:
+    values = contact_quantity(rows, quantity)
+    usable = np.isfinite(values) & (values > 0)
+    rows, values = rows.at(usable), values[usable]
+    fingers, sessions = rows.items("finger"), rows.items("session")
+    levels = {
+        "person": numbered(("", name) if persons[name] is None else (persons[name],) for name in fingers),
+        "finger": numbered(fingers),
+        "session": numbered(zip(fingers, sessions, strict=True)),
+    }
+    placed = zip(*map(rows.items, _PLACED), strict=True)
+    condition = conditions_of(placed, rows.column("load_N"))
+    scatter = nested_scatter(np.log(values), levels, condition, _BETWEEN)
+    named = {"person": any(persons[name] for name in fingers), "session": any(sessions), "finger": True}
+    missing = {
+        level: _why_missing(level, one, named=named.get(level, True), scatter=scatter)
+        for level, one in scatter.components.items()
+        if not one.known
+    }
+    return StudyScatter(quantity=quantity, synthetic=synthetic, scatter=scatter, missing=missing)
+
+
+def contact_quantity(rows: ResultsTable, quantity: str) -> FloatArray:
+    """Return one of `SCATTER_OF` for some rows; the area is the ellipse's where no image has given it."""
+    if quantity == "contact_area":
+        gross = rows.column("gross_area_mm2")
+        ellipse = np.pi * rows.column("semi_major_mm") * rows.column("semi_minor_mm")
+        return np.where(np.isfinite(gross), gross, ellipse)
+    names = {
+        "ridge_area": "ridge_area_mm2",
+        "youngs_modulus": "youngs_modulus_kpa",
+        "aspect_ratio": "aspect_ratio",
+        "radius_from_indentation": "radius_from_indentation_mm",
+    }
+    return as_float_array(rows.column(names[quantity]))
+
+
+def _why_missing(level: str, one: ScatterComponent, *, named: bool, scatter: NestedScatter) -> str:
+    repeat = scatter.components[REPEAT]
+    if level == REPEAT:
+        return _too_few_repeats(one.groups, one.freedom)
+    if not repeat.known:
+        return "cannot be separated from repeats, which are missing"
+    if not named:
+        return f"the manifest names no {level}"
+    if one.groups == 0:
+        return {
+            "person": "one person",
+            "finger": "no person has two fingers under one load",
+            "session": "no finger has two sessions under one load",
+        }[level]
+    return f"{_degrees(one.freedom)} of freedom; {MIN_LEVEL_FREEDOM} are needed"
+
+
+def _too_few_repeats(groups: int, freedom: int) -> str:
+    if groups == 0:
+        return "no contact was repeated"
+    return f"{_degrees(freedom)} of freedom; {MIN_REPEAT_FREEDOM} are needed"
+
+
+def _degrees(freedom: int) -> str:
+    return f"{freedom} degree{'' if freedom == 1 else 's'}"

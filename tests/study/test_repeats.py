@@ -1,0 +1,283 @@
+"""Repeats in studies: recognised, borrowed by single contacts, and pooled at each load."""
+
+import csv
+import json
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from benchmarks import repeatability
+
+from fingerpad.report.repeatability import repeatability_section
+from fingerpad.report.templates import templates
+from fingerpad.study.manifest import ContactSequence, Observation, Study
+from fingerpad.study.measuring.fingers import FingerResult
+from fingerpad.study.measuring.measure import Measurement
+from fingerpad.study.pipeline import run_study
+from fingerpad.study.results.by_load import pool_by_load
+from fingerpad.study.results.repeats import ContactRepeatability, contact_repeatability, nominal_loads
+from fingerpad.study.results.rows import model_contacts
+from fingerpad.study.results.summary import pool_contacts
+from fingerpad.units import two_digits, value_with_uncertainty
+
+AXES = np.array([7.9, 13.8, 11.8])
+STUDY = Study.model_validate(
+    {
+        "title": "T",
+        "fingers": [
+            {
+                "name": "f",
+                "semi_axes_mm": {"palmar": 7.9, "distal": 13.8, "radial_ulnar": 11.8},
+                "semi_axes_mm_std": {"palmar": 0.1, "distal": 0.1, "radial_ulnar": 0.1},
+            }
+        ],
+    }
+)
+PADS = {"f": FingerResult(name="f", semi_axes=AXES, covariance=1e-18 * np.eye(3), source="given")}
+KNOWN = ContactRepeatability(
+    covariance=np.array([[0.02**2, 0.0], [0.0, 0.05**2]]), freedom=12, groups=6, count=18
+)
+NONE = ContactRepeatability(covariance=np.zeros((2, 2)), freedom=0, groups=0, count=0)
+BOTH = {False: KNOWN, True: NONE}
+
+
+def contact(
+    number: int, radius: float = 6.0, elongation: float = 0.3, *, load: float = 1.0, **more: Any
+) -> tuple[Observation, Measurement]:
+    where = {key: more.pop(key) for key in ("session", "synthetic", "wedge_angle_deg") if key in more}
+    placed = {"wedge_angle_deg": 30, **where}
+    observation = Observation(name=f"c{number}", finger="f", load_N=load, file="x.png", scale="s", **placed)
+    axes = radius * np.exp(np.array([0.5, -0.5]) * elongation)
+    measured = Measurement(
+        observation=observation.name,
+        load_N=load,
+        semi_major_mm=axes[0],
+        semi_minor_mm=axes[1],
+        covariance_mm2=1e-8 * np.eye(2),
+        gross_area_mm2=np.pi * axes.prod(),
+        gross_area_mm2_std=0.5,
+        gross_area_mm2_noise_std=0.3,
+        gross_area_mm2_edge_std=0.4,
+        scale="s",
+    )
+    return observation, replace(measured, **more)
+
+
+def repeats(count: int = 4, **more: Any) -> list[tuple[Observation, Measurement]]:
+    rng = np.random.default_rng(5)
+    return [contact(k, 6 * np.exp(rng.normal(0, 0.02)), 0.3, **more) for k in range(count)]
+
+
+@pytest.mark.parametrize(
+    ("loads", "expected"),
+    [
+        ([2.0, 0.5, 1.0], [2, 0, 1]),
+        ([0.95, 1.0, 1.05], [0, 0, 0]),
+        ([1.0, 1.06], [0, 0]),
+        ([1.0, 1.12], [0, 1]),
+        ([1.0, 1.04, 1.08, 1.12, 1.16], [0, 1, 2, 3, 4]),  # a ramp
+        ([1.0, 1.04, 1.08, 1.12, 1.04, 5.0, 5.1], [0, 1, 2, 3, 1, 4, 4]),
+        ([], []),
+    ],
+)
+def test_nominal_loads(loads: list[float], expected: list[int]) -> None:
+    assert nominal_loads(loads).tolist() == expected
+
+
+@pytest.mark.parametrize(
+    ("other", "are_repeats"),
+    [
+        ({}, True),
+        ({"load": 1.03}, True),
+        ({"load": 1.3}, False),
+        ({"wedge_angle_deg": 45}, False),
+        ({"session": "tuesday"}, False),
+        ({"synthetic": True}, False),
+        ({"flags": ("touches_border",)}, False),
+        ({"counts": False}, False),
+        ({"reason": "no contact"}, False),
+    ],
+)
+def test_which_contacts_are_repeats(other: dict[str, Any], are_repeats: bool) -> None:
+    seen = [contact(0), contact(1, **other)]
+    assert contact_repeatability(STUDY, PADS, seen)[False].freedom == are_repeats
+
+
+def test_frames_of_a_sequence_are_no_repeats() -> None:
+    film = ContactSequence(
+        name="p", finger="f", wedge_angle_deg=30, file="p.tif", force="f.csv", scale={"ppi": 500}
+    )
+    frames = [
+        (film, replace(measured, observation=f"p#{k}", sequence="p", frame=k))
+        for k, (_, measured) in enumerate(repeats(5))
+    ]
+    assert contact_repeatability(STUDY, PADS, [contact(9), *frames])[False].count == 0
+    rows = model_contacts(STUDY, PADS, frames, BOTH)
+    assert pool_by_load(rows.table, BOTH) == []
+
+
+def test_noise_is_not_counted_twice() -> None:
+    """What repeats scatter by beyond their noise is theirs; noise alone makes no repeatability."""
+    rng, group = np.random.default_rng(3), np.repeat(np.arange(300), 4)
+    noise = np.diag([0.02**2, 0.04**2])
+    axes = rng.normal(0, (0.02, 0.04), (1200, 2))
+    more = axes + rng.normal(0, (0.03, 0.01), (1200, 2))
+    alone, both = (ContactRepeatability.of(of, [noise] * 1200, group) for of in (axes, more))
+    assert both.area_std == pytest.approx(0.06, rel=0.1)
+    assert alone.area_std < 0.02
+    assert (both.freedom, both.groups, both.count) == (900, 300, 1200)
+
+
+def test_repeatability_reaches_modulus_indentation_and_radius() -> None:
+    """By Hertz theory E goes with the cube of the contact's radius, ξ with its square."""
+    (plain,), (row,) = (
+        model_contacts(STUDY, PADS, [contact(0)], known).table for known in ({False: NONE, True: NONE}, BOTH)
+    )
+    exact = replace(KNOWN, covariance=np.diag([0.02**2, 0.0]))
+    (radial,) = model_contacts(STUDY, PADS, [contact(0)], {False: exact, True: NONE}).table
+    modulus = radial["youngs_modulus_kpa_repeatability_std"] / radial["youngs_modulus_kpa"]
+    assert modulus == pytest.approx(3 * 0.02, rel=1e-6)
+    indentation = radial["indentation_mm_repeatability_std"] / radial["indentation_mm"]
+    assert indentation == pytest.approx(2 * 0.02, rel=1e-6)
+    assert radial["gross_area_mm2_repeatability_std"] == pytest.approx(2 * 0.02 * radial["gross_area_mm2"])
+    assert radial["radius_from_indentation_mm_repeatability_std"] == pytest.approx(0, abs=1e-9)
+    up, down = (
+        model_contacts(STUDY, PADS, [contact(0, elongation=0.3 + off)]).table[0]["radius_from_indentation_mm"]
+        for off in (0.001, -0.001)
+    )
+    expected = 0.05 * abs(up - down) / 0.002
+    assert row["radius_from_indentation_mm_repeatability_std"] == pytest.approx(expected, rel=1e-3)
+    for name in ("youngs_modulus_kpa", "indentation_mm"):
+        added = row[f"{name}_repeatability_std"]
+        assert added > 0 == plain[f"{name}_repeatability_std"]
+        assert row[f"{name}_std"] ** 2 - plain[f"{name}_std"] ** 2 == pytest.approx(added**2, rel=0.05)
+        assert row[name] == plain[name]
+
+
+def test_no_contact_counts_for_all_because_of_its_little_noise() -> None:
+    """Without repeatability the contact of the least noise has almost all weight, unless contacts differ."""
+    quiet = contact(0, elongation=0.2)
+    others = [contact(k, elongation=0.2, covariance_mm2=0.01 * np.eye(2)) for k in (1, 2, 3, 4)]
+    weights = []
+    for known in ({False: NONE, True: NONE}, BOTH):
+        (summary,) = pool_contacts(model_contacts(STUDY, PADS, [quiet, *others], known))
+        assert summary.corrected_radius is not None
+        weights.append(summary.corrected_radius.largest_weight)
+    assert weights[0] > 0.99
+    assert weights[1] < 0.3
+    assert summary.corrected_radius.effective_count > 4
+    assert summary.corrected_radius.budget["repeatability"] > 0.5
+
+
+def test_scatter_between_contacts_is_in_the_weights() -> None:
+    quiet = contact(0, elongation=0.1)
+    others = [
+        contact(k, elongation=e, covariance_mm2=0.001 * np.eye(2)) for k, e in enumerate((0.3, 0.4, 0.5), 1)
+    ]
+    (summary,) = pool_contacts(model_contacts(STUDY, PADS, [quiet, *others]))
+    pooled = summary.corrected_radius
+    assert pooled is not None
+    assert pooled.fixed.weights.max() > 0.99
+    assert pooled.largest_weight < 0.4
+    assert pooled.value == pooled.random.value
+
+
+def test_means_at_each_load_state_what_they_are_uncertain_by() -> None:
+    rows = model_contacts(STUDY, PADS, repeats(4), BOTH)
+    (at,) = pool_by_load(rows.table, BOTH)
+    areas = rows.table.column("gross_area_mm2")
+    assert (at.count, at.sessions, at.load) == (4, 1, 1.0)
+    assert at.area.value == pytest.approx(np.exp(np.log(areas).mean()))
+    assert at.area.repeatability_std == pytest.approx(at.area.value * 0.04 / 2)
+    assert at.area.noise_std == pytest.approx(0.3 / 2, rel=0.02)
+    assert at.area.edge_std == pytest.approx(0.4, rel=0.02)
+    assert at.area.other_std == pytest.approx(0, abs=1e-6)
+    parts = at.modulus.noise_std, at.modulus.repeatability_std, at.modulus.edge_std, at.modulus.other_std
+    assert at.modulus.std == pytest.approx(np.linalg.norm(parts))
+    (at,) = pool_by_load(rows.table, {False: NONE, True: NONE})
+    assert np.isnan(at.area.repeatability_std)
+
+
+def manifest(folder: Path, count: int) -> Path:
+    rng = np.random.default_rng(2)
+    (folder / "study.toml").write_text(
+        """title = "T"
+observations_csv = "o.csv"
+[[fingers]]
+name = "f"
+semi_axes_mm = { palmar = 7.9, distal = 13.8, radial_ulnar = 11.8 }
+semi_axes_mm_std = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }
+"""
+    )
+    lines = ["name,finger,wedge_angle_deg,load_N,session,semi_major_mm,semi_minor_mm,ellipse_mm_std"]
+    for load in (1.0, 2.0):
+        for k in range(count):
+            major, minor = 6 * np.exp(rng.normal(0, 0.03) + np.array([0.15, -0.15]))
+            lines.append(f"c{k}_{load:g},f,30,{load},monday,{major:.4f},{minor:.4f},0.05")
+    (folder / "o.csv").write_text("\n".join(lines) + "\n")
+    return folder / "study.toml"
+
+
+@pytest.mark.parametrize(("count", "known"), [(1, False), (2, False), (3, True)])
+def test_a_run_tables_repeatability_or_says_that_it_is_missing(
+    tmp_path: Path, count: int, known: bool
+) -> None:
+    out = tmp_path / "out"
+    result = run_study(manifest(tmp_path, count), out)
+    summary = json.loads((out / "summary.json").read_text())
+    (borrowed,) = summary["repeatability"]["contact"]
+    assert (borrowed["contact_area_log_std"] is not None) == known
+    assert bool(borrowed["missing"]) != known
+    with (out / "repeatability.csv").open() as file:
+        lines = {(row["quantity"], row["level"]): row for row in csv.DictReader(file)}
+    repeat = lines["contact_area", "repeat"]
+    assert (repeat["log_std"] != "") == known
+    assert int(repeat["degrees_of_freedom"]) == 2 * (count - 1)
+    assert lines["contact_area", "person"]["missing"]
+    with (out / "by_load.csv").open() as file:
+        at_loads = list(csv.DictReader(file))
+    assert [float(row["load_N"]) for row in at_loads] == [1, 2]
+    assert all((row["contact_area_mm2_repeatability_std"] != "") == known for row in at_loads)
+    assert {row["session"] for row in result.rows} == {"monday"}
+    environment = templates()
+    environment.globals["two"] = two_digits
+    section = environment.get_template("repeatability.html.jinja").render(
+        repeats=repeatability_section(result)
+    )
+    assert ("Repeatability is missing" in section) != known
+    assert ("Two repeats agree" in section) == known
+    assert ("repeatability missing" in section) != known
+
+
+@pytest.mark.parametrize(
+    ("value", "std", "text"),
+    [
+        (13.61796, 0.00025, "13.618 ± 0.001"),
+        (13.805, 0.018, "13.805 ± 0.018"),
+        (123456.0, 0.3, "123460 ± 10"),
+        (-0.0123456789, 1e-9, "-0.012346 ± 0.000001"),
+        (0.0, 0.00025, "0.00000 ± 0.00025"),
+    ],
+)
+def test_no_more_digits_than_can_be_known(value: float, std: float, text: str) -> None:
+    assert value_with_uncertainty(value, std) == text
+
+
+def test_a_session_measures_nothing_again(tmp_path: Path) -> None:
+    out, path = tmp_path / "out", manifest(tmp_path, 2)
+    run_study(path, out)
+    sheet = path.with_name("o.csv")
+    sheet.write_text(sheet.read_text().replace("monday", "tuesday"))
+    seen: list[str | None] = []
+    run_study(path, out, on_progress=lambda now: seen.append(now.status))
+    assert "done" not in seen
+
+
+def test_coverage_of_means_at_each_load() -> None:
+    """On a few studies what `benchmarks.repeatability` measures on many."""
+    found = [repeatability.mean_coverage(of, design, 10) for _, of, design in repeatability.MEANS[1::2]]
+    for name in ("area", "modulus"):
+        hits, count = np.sum([one[name] for one in found], axis=0)
+        assert hits / count > 0.88
