@@ -181,6 +181,15 @@ def _uncertainty(result: StudyResult) -> Iterator[str]:
     first_order = result.study.uncertainty.method == "first_order"
     how = "to first order (GUM)" if first_order else "by Monte Carlo simulation (GUM Supplement 1)"
     yield f"Numbers are given ± one standard uncertainty, propagated {how}."
+    for synthetic, repeats in result.repeatability.items():
+        if repeats.known:
+            kind = "synthetic contacts" if synthetic else "contacts"
+            yield (
+                f"Of {kind} of one finger, placement and load {repeats.groups} were repeated, "
+                f"{repeats.count} impressions in all: beyond the noise of their images areas scatter by "
+                f"{100 * repeats.area_std:.2g} % and aspect ratios by {100 * repeats.aspect_ratio_std:.2g} % "
+                "(standard deviations), which is part of each uncertainty."
+            )
     if exact := result.study.taken_as_exact():
         yield f"Taken as exact: {_joined(exact)}."
     made = result.provenance
@@ -192,7 +201,10 @@ def _missing(result: StudyResult) -> Iterator[str]:
     study, of = result.study, result.study.apparatus
     images = _has_images(result)
     thickness = any(finger.effective_thickness_mm for finger in study.fingers)
+    kinds = set(result.rows.column("synthetic").tolist())
+    repeated = all(result.repeatability[kind].known for kind in kinds)
     asked = (
+        (True, repeated, "repeats, which tell by how much a second impression would differ"),
         (images, of.imaging, "the device that took the contact images (apparatus.imaging)"),
         (images, of.scale_calibration, "how the scales were calibrated (apparatus.scale_calibration)"),
         (True, of.platen, "what the finger was pressed against (apparatus.platen)"),
