@@ -26,6 +26,7 @@ from fingerpad.study.results.layer_curve import CurveOnLayer, curve_on_layer
 from fingerpad.study.results.rows import HighestLoad, model_contacts
 from fingerpad.study.results.summary import Summary, pool_contacts
 from fingerpad.study.results.table import ResultsTable
+from fingerpad.study.results.validity import Validity, fill_columns, validity_of
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -51,6 +52,8 @@ class StudyResult(Displayed):
     checks : list of UncertaintyCheck or None
         Of the counted contact at the highest load in each summary; None where none counts or it cannot be
         checked.
+    validities : list of Validity
+        Whether the model holds in each summary.
     curves : list of CurveResult
         One per loading curve.
     provenance : dict
@@ -67,6 +70,7 @@ class StudyResult(Displayed):
     scales: dict[str, FoundScale | str]
     summaries: list[Summary]
     checks: list[UncertaintyCheck | None]
+    validities: list[Validity]
     curves: list[CurveResult]
     provenance: dict[str, Any]
     notes: tuple[str, ...] = ()
@@ -135,6 +139,7 @@ class StudyResult(Displayed):
             scales={key: found for key, found in self.scales.items() if key in scales},
             summaries=list(compress(self.summaries, own)),
             checks=list(compress(self.checks, own)),
+            validities=list(compress(self.validities, own)),
             curves=[curve for curve in self.curves if curve.manifest.finger == name],
             provenance={
                 **self.provenance,
@@ -171,6 +176,8 @@ def result_of(
     study, folder = measured.context.study, measured.context.folder
     rows = model_contacts(study, measured.fingers, measured.contacts)
     found = pool_contacts(rows)
+    validities = validity_of(study, measured.fingers, rows, found, measured.curves)
+    fill_columns(found, validities)
     return StudyResult(
         study=study,
         folder=folder,
@@ -182,6 +189,7 @@ def result_of(
         checks=_checks(
             [rows.highest_load.get(summary.key) for summary in found], executor, store, folder, on_check
         ),
+        validities=validities,
         curves=measured.curves,
         provenance=origin,
         notes=notes,

@@ -1,0 +1,377 @@
+"""Whether a model holds: comparisons of two ways to one quantity, known errors, and what they add to ±."""
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from scipy import optimize, special
+
+from fingerpad._arrays import ArrayLike, as_float_array, check_all
+from fingerpad.exceptions import UncertaintyError
+
+HOLDS: Final = "holds"
+STRAINED: Final = "strained"
+FAILS: Final = "fails"
+NOT_TESTED: Final = "not tested"
+# From good to bad; what was not tested says nothing.
+VERDICTS: Final = (NOT_TESTED, HOLDS, STRAINED, FAILS)
+
+# A difference counts where chance does not explain it, and where it is large enough to matter.
+STRAINED_BELOW_P, FAILS_BELOW_P = 0.05, 0.001
+STRAINED_ABOVE, FAILS_ABOVE = 0.05, 0.2
+_NORMAL_97_5: Final = 1.959963984540054
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ValidityCheck:
+    """One check of a model.
+
+    Attributes
+    ----------
+    name : str
+        Its name in files.
+    compared : str
+        What is compared, in words.
+    quantities : tuple of str
+        Results that it bears on.
+    verdict : str
+        ``holds``, ``strained``, ``fails`` or ``not tested``.
+    unit : str
+        Of the values; empty for pure numbers.
+    value, value_std : float
+        What the model gives, with its standard uncertainty; NaN where there is none.
+    reference, reference_std : float
+        What it is compared with.
+    relative_difference : float
+        Size of the difference: of the results that it bears on, relative to them, signed.
+    deviations : float
+        The difference over its standard uncertainty.
+    p_value : float
+        Chance of a larger difference if the model held; NaN for a known error.
+    note : str
+        What was assumed, or why there is no verdict.
+    """
+
+    name: str
+    compared: str
+    quantities: tuple[str, ...]
+    verdict: str = NOT_TESTED
+    unit: str = ""
+    value: float = math.nan
+    value_std: float = math.nan
+    reference: float = math.nan
+    reference_std: float = math.nan
+    relative_difference: float = math.nan
+    deviations: float = math.nan
+    p_value: float = math.nan
+    note: str = ""
+
+    @property
+    def difference(self) -> float:
+        """The value less the reference, in their unit."""
+        return self.value - self.reference
+
+
+def verdict_of(p_value: float, relative_difference: float, relative_std: float = 0.0) -> str:
+    """Return the verdict on a difference from its probability and its size.
+
+    Strained: p < 0.05 and more than 5 %. Fails: p < 0.001 and more than 20 %. Where p ≥ 0.05, but the
+    uncertainty would hide a difference of 20 %, nothing was tested.
+
+    Parameters
+    ----------
+    p_value : float
+        Chance of a larger difference if there were none.
+    relative_difference, relative_std : float
+        Its size, relative to the quantity that it changes, and the standard uncertainty of that.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    A certain difference of 1 % is small; one of a factor of two is not, if it is certain:
+
+    >>> verdict_of(1e-9, 0.01), verdict_of(1e-9, 1.0), verdict_of(0.01, 1.0), verdict_of(0.3, 1.0, 0.9)
+    ('holds', 'fails', 'strained', 'not tested')
+    """
+    size = abs(relative_difference)
+    if p_value < FAILS_BELOW_P and size > FAILS_ABOVE:
+        return FAILS
+    if p_value < STRAINED_BELOW_P:
+        return STRAINED if size > STRAINED_ABOVE else HOLDS
+    return NOT_TESTED if not _NORMAL_97_5 * relative_std <= FAILS_ABOVE else HOLDS
+
+
+def verdict_of_error(relative_error: float) -> str:
+    """Return the verdict on a known error of a model: strained above 5 %, fails above 20 %.
+
+    Examples
+    --------
+    >>> [verdict_of_error(error) for error in (0.02, -0.1, 0.6, float("nan"))]
+    ['holds', 'strained', 'fails', 'not tested']
+    """
+    size = abs(relative_error)
+    if math.isnan(size):
+        return NOT_TESTED
+    return FAILS if size > FAILS_ABOVE else STRAINED if size > STRAINED_ABOVE else HOLDS
+
+
+def p_value_of(deviations: float, degrees_of_freedom: float = math.inf) -> float:
+    """Return the chance of a larger difference of either sign, by Student's t.
+
+    Parameters
+    ----------
+    deviations : float
+        The difference over its standard uncertainty.
+    degrees_of_freedom : float
+        Of that uncertainty; infinite for the normal distribution.
+
+    Returns
+    -------
+    float
+
+    Examples
+    --------
+    >>> round(p_value_of(1.96), 3), round(p_value_of(12.71, 1), 3)
+    (0.05, 0.05)
+    """
+    return float(2 * special.stdtr(degrees_of_freedom, -abs(deviations)))
+
+
+def overall_verdict(verdicts: Iterable[str]) -> str:
+    """Return the worst of some verdicts; ``not tested`` where nothing was.
+
+    Examples
+    --------
+    >>> overall_verdict(["not tested", "holds", "strained"]), overall_verdict([])
+    ('strained', 'not tested')
+    """
+    return max(verdicts, key=VERDICTS.index, default=NOT_TESTED)
+
+
+def compare_ratio(
+    name: str,
+    compared: str,
+    quantities: Sequence[str],
+    value: tuple[float, float],
+    reference: tuple[float, float],
+    *,
+    unit: str = "",
+    log_std: float | None = None,
+    note: str = "",
+) -> ValidityCheck:
+    """Compare a positive quantity with another value of it, by the logarithm of their ratio.
+
+    Parameters
+    ----------
+    name, compared, quantities, unit, note
+        As in `ValidityCheck`.
+    value, reference : (float, float)
+        Value and standard uncertainty of each.
+    log_std : float, optional
+        Standard uncertainty of the logarithm of the ratio, where the two have errors in common; without it
+        they are independent.
+
+    Returns
+    -------
+    ValidityCheck
+
+    Examples
+    --------
+    >>> check = compare_ratio("radius", "R from the image and R_g", ["radius"], (13.5, 0.2), (20.5, 0.6))
+    >>> check.verdict, round(check.deviations, 1), f"{check.relative_difference:+.0%}"
+    ('fails', -12.7, '-34%')
+    """
+    (of, std), (other, other_std) = value, reference
+    spread = math.hypot(std / of, other_std / other) if log_std is None else log_std
+    ratio = math.log(of / other)
+    deviations = ratio / spread if spread > 0 else math.copysign(math.inf, ratio) if ratio else 0.0
+    p_value = p_value_of(deviations)
+    size = math.expm1(abs(ratio))
+    verdict = verdict_of(p_value, size, spread)
+    if verdict == NOT_TESTED:
+        note = _joined(note, f"an uncertainty of {100 * spread:.0f} % would hide a difference of 20 %")
+    return ValidityCheck(
+        name=name,
+        compared=compared,
+        quantities=tuple(quantities),
+        verdict=verdict,
+        unit=unit,
+        value=of,
+        value_std=std,
+        reference=other,
+        reference_std=other_std,
+        relative_difference=math.expm1(ratio),
+        deviations=deviations,
+        p_value=p_value,
+        note=note,
+    )
+
+
+def compare_difference(
+    name: str,
+    compared: str,
+    quantities: Sequence[str],
+    value: tuple[float, float],
+    reference: tuple[float, float],
+    *,
+    effect: float,
+    degrees_of_freedom: float = math.inf,
+    note: str = "",
+) -> ValidityCheck:
+    """Compare a pure number, such as an exponent, with what the model has for it.
+
+    Parameters
+    ----------
+    name, compared, quantities, note
+        As in `ValidityCheck`.
+    value, reference : (float, float)
+        Value and standard uncertainty of each, independent.
+    effect : float
+        By how much a unit of the difference changes the logarithm of the results that it bears on.
+    degrees_of_freedom : float
+        Of the uncertainty.
+
+    Returns
+    -------
+    ValidityCheck
+
+    Examples
+    --------
+    An exponent of the area of 0.4 where Hertz theory has 2/3, over loads of 1 to 4 N, changes the modulus:
+
+    >>> effect = 1.5 * np.log(4)
+    >>> check = compare_difference("area", "n of A ∝ Wⁿ", ["E"], (0.4, 0.03), (2 / 3, 0.0), effect=-effect)
+    >>> check.verdict, f"{check.relative_difference:+.0%}"
+    ('fails', '+74%')
+    """
+    spread = math.hypot(value[1], reference[1])
+    difference = value[0] - reference[0]
+    deviations = difference / spread if spread > 0 else math.nan
+    p_value = p_value_of(deviations, degrees_of_freedom)
+    change = effect * difference
+    verdict = verdict_of(p_value, math.expm1(abs(change)), abs(effect) * spread)
+    if verdict == NOT_TESTED:
+        note = _joined(note, "its uncertainty would hide a change of 20 %")
+    return ValidityCheck(
+        name=name,
+        compared=compared,
+        quantities=tuple(quantities),
+        verdict=verdict,
+        value=value[0],
+        value_std=value[1],
+        reference=reference[0],
+        reference_std=reference[1],
+        relative_difference=math.expm1(change),
+        deviations=deviations,
+        p_value=p_value,
+        note=note,
+    )
+
+
+def known_error(
+    name: str,
+    compared: str,
+    quantities: Sequence[str],
+    value: float,
+    reference: float,
+    *,
+    unit: str = "",
+    note: str = "",
+) -> ValidityCheck:
+    """Compare a model with a better one on the same data: a known error, without a probability.
+
+    Examples
+    --------
+    >>> known_error("bone", "ξ of Hertz theory and on a layer", ["xi"], 2.7, 1.8, unit="mm").verdict
+    'fails'
+    """
+    error = value / reference - 1
+    return ValidityCheck(
+        name=name,
+        compared=compared,
+        quantities=tuple(quantities),
+        verdict=verdict_of_error(math.expm1(abs(math.log1p(error)))),
+        unit=unit,
+        value=value,
+        reference=reference,
+        relative_difference=error,
+        note=note,
+    )
+
+
+def _joined(*notes: str) -> str:
+    return "; ".join(note for note in notes if note)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ModelDiscrepancy:
+    """By how much a model is wrong, as two ways through it to one quantity show.
+
+    Attributes
+    ----------
+    relative_std : float
+        Standard deviation that each of the two ways needs beside its stated uncertainty, relative to the
+        quantity; zero where the stated uncertainties explain the differences.
+    between_std : float
+        The same of the difference of the two ways, √2 times as large.
+    count : int
+        Number of comparisons, which are the degrees of freedom.
+    """
+
+    relative_std: float
+    between_std: float
+    count: int
+
+
+def model_discrepancy(log_ratios: ArrayLike, stds: ArrayLike) -> ModelDiscrepancy:
+    r"""Estimate the discrepancy of a model from pairs of values that would agree if it held.
+
+    s² solves :math:`\sum_i r_i^2/(u_i^2 + s^2) = n`, Paule and Mandel's equation about a mean that is known
+    to be zero: with s, the differences are as large as their uncertainties. Nothing tells which of the two
+    ways is wrong, so that each has s/√2 (Kennedy and O'Hagan's discrepancy, as one number).
+
+    Parameters
+    ----------
+    log_ratios : array_like, shape (n,)
+        Logarithms of the ratio of both values.
+    stds : array_like, shape (n,)
+        Their standard uncertainties.
+
+    Returns
+    -------
+    ModelDiscrepancy
+
+    Raises
+    ------
+    UncertaintyError
+        If there is no pair, or an uncertainty is negative or NaN.
+
+    Examples
+    --------
+    >>> found = model_discrepancy(np.log([0.66, 0.7]), [0.02, 0.05])
+    >>> print(f"{found.relative_std:.2f} from {found.count}")
+    0.27 from 2
+    """
+    ratio, std = np.atleast_1d(as_float_array(log_ratios)), np.atleast_1d(as_float_array(stds))
+    check_all(np.isfinite(ratio), "log_ratios", ratio, "finite", UncertaintyError)
+    check_all(std >= 0, "standard uncertainty", std, "at least zero", UncertaintyError)
+    if not ratio.size or ratio.shape != std.shape:
+        raise UncertaintyError(
+            f"as many standard uncertainties as ratios are needed, and one at least; found {ratio.size} and "
+            f"{std.size}"
+        )
+
+    def excess(variance: float) -> float:
+        return float(np.sum(ratio**2 / (std**2 + variance))) - ratio.size
+
+    upper = float(np.sum(ratio**2))
+    smallest = 1e-12 * upper
+    between = optimize.brentq(excess, smallest, upper) if upper > 0 and excess(smallest) > 0 else 0.0
+    return ModelDiscrepancy(
+        relative_std=math.sqrt(between / 2), between_std=math.sqrt(between), count=ratio.size
+    )
