@@ -2,8 +2,8 @@
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
-from typing import Final
+from dataclasses import dataclass, replace
+from typing import Final, Self
 
 import numpy as np
 from scipy import optimize, special
@@ -46,6 +46,8 @@ class ValidityCheck:
         What it is compared with.
     relative_difference : float
         Size of the difference: of the results that it bears on, relative to them, signed.
+    relative_std : float
+        Standard uncertainty of that, as of a logarithm; NaN for a known error.
     deviations : float
         The difference over its standard uncertainty.
     p_value : float
@@ -64,6 +66,7 @@ class ValidityCheck:
     reference: float = math.nan
     reference_std: float = math.nan
     relative_difference: float = math.nan
+    relative_std: float = math.nan
     deviations: float = math.nan
     p_value: float = math.nan
     note: str = ""
@@ -72,6 +75,20 @@ class ValidityCheck:
     def difference(self) -> float:
         """The value less the reference, in their unit."""
         return self.value - self.reference
+
+    def among(self, count: int) -> Self:
+        """Return the check as one of several: its verdict is by Bonferroni's p, `count` times as large.
+
+        The chance that any of the checks raises a false alarm is then that of one.
+        """
+        if math.isnan(self.p_value):
+            return self
+        size = math.expm1(abs(math.log1p(self.relative_difference)))
+        verdict = verdict_of(min(1.0, count * self.p_value), size, self.relative_std)
+        hidden = f"uncertain by {100 * self.relative_std:.0f} %, which would hide a difference of 20 %"
+        if verdict == NOT_TESTED and hidden not in self.note:
+            return replace(self, verdict=verdict, note="; ".join(filter(None, (self.note, hidden))))
+        return replace(self, verdict=verdict)
 
 
 def verdict_of(p_value: float, relative_difference: float, relative_std: float = 0.0) -> str:
@@ -190,26 +207,21 @@ def compare_ratio(
     spread = math.hypot(std / of, other_std / other) if log_std is None else log_std
     ratio = math.log(of / other)
     deviations = ratio / spread if spread > 0 else math.copysign(math.inf, ratio) if ratio else 0.0
-    p_value = p_value_of(deviations)
-    size = math.expm1(abs(ratio))
-    verdict = verdict_of(p_value, size, spread)
-    if verdict == NOT_TESTED:
-        note = _joined(note, f"an uncertainty of {100 * spread:.0f} % would hide a difference of 20 %")
     return ValidityCheck(
         name=name,
         compared=compared,
         quantities=tuple(quantities),
-        verdict=verdict,
         unit=unit,
         value=of,
         value_std=std,
         reference=other,
         reference_std=other_std,
         relative_difference=math.expm1(ratio),
+        relative_std=spread,
         deviations=deviations,
-        p_value=p_value,
+        p_value=p_value_of(deviations),
         note=note,
-    )
+    ).among(1)
 
 
 def compare_difference(
@@ -252,25 +264,20 @@ def compare_difference(
     spread = math.hypot(value[1], reference[1])
     difference = value[0] - reference[0]
     deviations = difference / spread if spread > 0 else math.nan
-    p_value = p_value_of(deviations, degrees_of_freedom)
-    change = effect * difference
-    verdict = verdict_of(p_value, math.expm1(abs(change)), abs(effect) * spread)
-    if verdict == NOT_TESTED:
-        note = _joined(note, "its uncertainty would hide a change of 20 %")
     return ValidityCheck(
         name=name,
         compared=compared,
         quantities=tuple(quantities),
-        verdict=verdict,
         value=value[0],
         value_std=value[1],
         reference=reference[0],
         reference_std=reference[1],
-        relative_difference=math.expm1(change),
+        relative_difference=math.expm1(effect * difference),
+        relative_std=abs(effect) * spread,
         deviations=deviations,
-        p_value=p_value,
+        p_value=p_value_of(deviations, degrees_of_freedom),
         note=note,
-    )
+    ).among(1)
 
 
 def known_error(
@@ -304,10 +311,6 @@ def known_error(
     )
 
 
-def _joined(*notes: str) -> str:
-    return "; ".join(note for note in notes if note)
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ModelDiscrepancy:
     """By how much a model is wrong, as two ways through it to one quantity show.
@@ -315,10 +318,10 @@ class ModelDiscrepancy:
     Attributes
     ----------
     relative_std : float
-        Standard deviation that each of the two ways needs beside its stated uncertainty, relative to the
-        quantity; zero where the stated uncertainties explain the differences.
+        Standard deviation that each of the two ways needs beside its stated uncertainty, relative to its
+        value; zero where the stated uncertainties explain the differences.
     between_std : float
-        The same of the difference of the two ways, √2 times as large.
+        Standard deviation s of the logarithm of their ratio, beyond chance.
     count : int
         Number of comparisons, which are the degrees of freedom.
     """
@@ -333,7 +336,8 @@ def model_discrepancy(log_ratios: ArrayLike, stds: ArrayLike) -> ModelDiscrepanc
 
     s² solves :math:`\sum_i r_i^2/(u_i^2 + s^2) = n`, Paule and Mandel's equation about a mean that is known
     to be zero: with s, the differences are as large as their uncertainties. Nothing tells which of the two
-    ways is wrong, so that each has s/√2 (Kennedy and O'Hagan's discrepancy, as one number).
+    ways is wrong, so that each has s/√2 of the logarithm, which is up to exp(s/√2) − 1 of the value (Kennedy
+    and O'Hagan's discrepancy, as one number).
 
     Parameters
     ----------
@@ -373,5 +377,5 @@ def model_discrepancy(log_ratios: ArrayLike, stds: ArrayLike) -> ModelDiscrepanc
     smallest = 1e-12 * upper
     between = optimize.brentq(excess, smallest, upper) if upper > 0 and excess(smallest) > 0 else 0.0
     return ModelDiscrepancy(
-        relative_std=math.sqrt(between / 2), between_std=math.sqrt(between), count=ratio.size
+        relative_std=math.expm1(math.sqrt(between / 2)), between_std=math.sqrt(between), count=ratio.size
     )

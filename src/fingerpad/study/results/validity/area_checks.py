@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from typing import Final, NamedTuple
 
 import numpy as np
+from scipy import stats
 
 from fingerpad._arrays import FloatArray, as_float_array
 from fingerpad.study.results.table import Places, numbered
@@ -19,10 +20,10 @@ from fingerpad.study.results.validity.place import (
 )
 from fingerpad.uncertainty import (
     HOLDS,
+    STRAINED_BELOW_P,
     ValidityCheck,
     compare_difference,
     p_value_of,
-    verdict_of,
 )
 
 GROWTH: Final = "area_against_load"
@@ -77,13 +78,18 @@ def _areas_of(place: Place) -> _Areas:
 
 def _growth(seen: _Areas) -> ValidityCheck:
     """Compare the exponent of the area with 2/3, by what the difference makes of E from load to load."""
-    centred = seen.load - seen.load.mean()
-    slope = centred / (centred @ centred)
+    weights = seen.own**-2.0
+    centred = seen.load - weights @ seen.load / weights.sum()
+    slope = weights * centred / (weights @ centred**2)
     value, freedom = float(slope @ seen.area), seen.load.size - 2
-    residuals = seen.area - seen.area.mean() - value * centred
-    stated = float(np.sum((slope * seen.own) ** 2))
-    scatter = float(residuals @ residuals) / freedom * float(slope @ slope) if freedom else 0.0
-    std = math.sqrt(max(stated, scatter) + sum(float(slope @ edge) ** 2 for edge in seen.edges))
+    residuals = seen.area - value * centred
+    residuals -= weights @ residuals / weights.sum()
+    own, chi_square = 1 / float(weights @ centred**2), float(weights @ residuals**2)
+    # Areas that scatter more about the line than chance allows tell its uncertainty themselves.
+    scatters = freedom > 0 and stats.chi2.sf(chi_square, freedom) < STRAINED_BELOW_P
+    if scatters:
+        own *= chi_square / freedom
+    std = math.sqrt(own + sum(float(slope @ edge) ** 2 for edge in seen.edges))
     return compare_difference(
         GROWTH,
         _WORDS[GROWTH],
@@ -91,7 +97,7 @@ def _growth(seen: _Areas) -> ValidityCheck:
         (value, std),
         (HERTZ_EXPONENT, 0.0),
         effect=_OF_MODULUS * float(np.ptp(seen.load)),
-        degrees_of_freedom=freedom if scatter > stated else math.inf,
+        degrees_of_freedom=freedom if scatters else math.inf,
         note=f"E over {_range(seen.load[0], seen.load[-1])}",
     )
 
@@ -115,25 +121,23 @@ def _largest_fall(seen: _Areas) -> ValidityCheck:
             verdict=HOLDS,
             note="no area is smaller than one at a lower load",
         )
-    deviations = float(grown[worst] / std[worst])
-    p_value = min(1.0, p_value_of(deviations) / 2 * grown.size)  # of one side
-    ends = load[lower[worst]], load[upper[worst]]
+    deviations, ends = float(grown[worst] / std[worst]), (load[lower[worst]], load[upper[worst]])
     change = _OF_MODULUS * float(grown[worst]) + (ends[1] - ends[0])  # of ln E
     ratio = math.exp(grown[worst])
     return ValidityCheck(
         name=_FALL,
         compared=_WORDS[_FALL],
         quantities=_BEARS_ON,
-        verdict=verdict_of(p_value, math.expm1(change)),
         value=ratio,
         value_std=ratio * float(std[worst]),
         reference=1.0,
         reference_std=0.0,
         relative_difference=math.expm1(change),
+        relative_std=-_OF_MODULUS * float(std[worst]),
         deviations=deviations,
-        p_value=p_value,
+        p_value=min(1.0, p_value_of(deviations) / 2 * grown.size),  # of one side
         note=f"from {_range(*ends)}",
-    )
+    ).among(1)
 
 
 def _range(low: float, high: float) -> str:

@@ -1,4 +1,8 @@
-"""Radius, modulus and indentation from images against those of the finger's loading data."""
+"""Radius, modulus and indentation from images against those of the finger's loading data.
+
+What a misfit of the model adds to the uncertainty of loading data is left out: whether the model holds is
+the question.
+"""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -43,6 +47,11 @@ def loading_checks(place: Place) -> Iterator[ValidityCheck]:
     yield from _curve_checks(place) if place.fits else _from_loading_radius(place)
 
 
+def _without(std: float, part: float) -> float:
+    """Return a standard uncertainty without a part of it."""
+    return math.sqrt(max(std**2 - part**2, 0.0))
+
+
 def _missing(name: str, why: str) -> ValidityCheck:
     return missing(ROUTES[name], _WORDS[name], (name,), why)
 
@@ -55,12 +64,13 @@ def _radius_check(place: Place) -> ValidityCheck:
     first = place.summary.rows[0]
     factor = first["geometric_mean_radius_mm"] / first["mean_curvature_radius_mm"]
     exact = math.isnan(loading.std)
+    other = 0.0 if exact else _without(loading.std, loading.misfit_std)
     return compare_ratio(
         ROUTES[RADIUS],
         _WORDS[RADIUS],
         (RADIUS,),
         (factor * pooled.value, factor * pooled.std),
-        (loading.value, 0.0 if exact else loading.std),
+        (loading.value, other),
         unit=UNITS[RADIUS],
         note=_TAKEN_AS_EXACT if exact else "",
     )
@@ -69,19 +79,17 @@ def _radius_check(place: Place) -> ValidityCheck:
 def _from_loading_radius(place: Place) -> Iterator[ValidityCheck]:
     """Compare E and ξ with those that follow from the area and R_g, where no loading curve was fitted."""
     row, loading = place.highest_row, place.loading
-    # ξ = A/(πR) and E = 3(1 − ν²)WR/(4a³): area and load are the same on both sides.
-    for name, of_hertz, power in (
-        (MODULUS, "geometric_radius_from_area_mm", 1),
-        (INDENTATION, "geometric_radius_from_compliance_mm", -1),
-    ):
+    # For one area and load ξ goes with 1/R and E with R.
+    for name, power in ((MODULUS, 1), (INDENTATION, -1)):
         if row is None or loading is None:
             yield _missing(name, NO_CURVE if loading is None else NOTHING_COUNTS)
             continue
-        relative = row[f"{of_hertz}_std"] / row[of_hertz]
-        other = 0.0 if math.isnan(loading.std) else loading.std / loading.value
+        radius = row["geometric_radius_from_compliance_mm"]
+        relative = row["geometric_radius_from_compliance_mm_std"] / radius
+        other = 0.0 if math.isnan(loading.std) else _without(loading.std, loading.misfit_std) / loading.value
         value, std = row[name], row[f"{name}_std"]
-        reference = value * (loading.value / row[of_hertz]) ** power
-        of_area = math.sqrt(max((std / value) ** 2 - relative**2, 0.0))
+        reference = value * (loading.value / radius) ** power
+        of_area = _without(std / value, relative)
         yield compare_ratio(
             ROUTES[name],
             _WORDS[name],
@@ -107,7 +115,11 @@ def _curve_checks(place: Place) -> Iterator[ValidityCheck]:
     repeats = _one_of_each(inside.at(inside.column("load_N") >= SAME_LOAD * inside.column("load_N").max()))
     common = math.exp(np.log(repeats.column("load_N")).mean())
     factor = 1 - place.study.poisson_ratio**2  # the same in both moduli, so without its uncertainty
-    reference = _at_load(place.fits, common, factor)
+    # The fit takes the contact for that of a sphere of radius R_g, which makes E too large by 1/(F1 F2).
+    of_ellipse = repeats.column("geometric_radius_from_area_mm") / repeats.column(
+        "geometric_radius_from_compliance_mm"
+    )
+    reference = _at_load(place.fits, common, factor * float(of_ellipse.mean()))
     load_std = place.study.uncertainty.load_relative_std
     modulus, modulus_std = _mean_of_repeats(
         repeats, "reduced_modulus_kpa", np.hypot(1.5 * area_noise(repeats), load_std)
@@ -167,15 +179,17 @@ def _at_load(fits: Sequence[LoadingFit], load: float, factor: float) -> _Referen
         law, offset = fit.models["load_dependent"], fit.contact_offset
         radius, top = fit.loading_radius, fit.reduced_modulus
         assert isinstance(offset, Estimate)  # chosen so
+        place_std = _without(offset.std, fit.misfit_std["contact_offset"])
         depth = np.linspace(0, _LARGEST_LOAD * float(fit.secant.indentation.max()), _LAW_POINTS)
         loads = law.load(depth + law.values["contact_offset"])
         xi, deepest = (float(np.interp(at, loads, depth)) for at in (load, fit.modulus_load))
         modulus = math.nan, math.nan
         if isinstance(radius, Estimate) and isinstance(top, Estimate):
             e = 0.75 * KPA_PER_MPA * factor * load / (math.sqrt(radius.value) * xi**1.5)
-            more = 1.5 * offset.std * (1 / xi - 1 / deepest)  # of the place of contact at a smaller load
-            modulus = math.log(e), math.hypot(top.std / top.value, more)
-        found.append((math.log(xi), offset.std / xi, *modulus))
+            more = 1.5 * place_std * (1 / xi - 1 / deepest)  # of the place of contact at a smaller load
+            at_top = _without(top.std, fit.misfit_std["reduced_modulus"]) / top.value
+            modulus = math.log(e), math.hypot(at_top, more)
+        found.append((math.log(xi), place_std / xi, *modulus))
     xi_values, xi_stds, moduli, modulus_stds = np.transpose(found)
     return _Reference(_of_curves(xi_values, xi_stds), _of_curves(moduli, modulus_stds))
 
