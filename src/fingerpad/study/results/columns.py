@@ -110,7 +110,7 @@ _GROUPS: Final[Mapping[str, Sequence[Column]]] = {
             "whether the row counts in pooled radii: not if a flag excludes it (see the guide's "
             "table of flags); of a sequence only loading frames of a large enough ellipse",
         ),
-        _text("range_notes", "where the model is out of its range, separated by spaces"),
+        _text("range_notes", "doubts about values, separated by spaces"),
     ),
     "placement": (
         _number("wedge_angle_deg", "deg", "angle of the wedge on which the finger rests"),
