@@ -54,6 +54,12 @@ class ValidityCheck:
         Chance of a larger difference if the model held; NaN for a known error.
     note : str
         What was assumed, or why there is no verdict.
+
+    Examples
+    --------
+    >>> check = compare_ratio("radius", "R from the image and R_g", ["radius"], (13.5, 0.2), (14.2, 0.2))
+    >>> check.verdict, f"{check.difference:.1f} mm", f"p = {check.p_value:.3f}"
+    ('strained', '-0.7 mm', 'p = 0.013')
     """
 
     name: str
@@ -80,6 +86,16 @@ class ValidityCheck:
         """Return the check as one of several: its verdict is by Bonferroni's p, `count` times as large.
 
         The chance that any of the checks raises a false alarm is then that of one.
+
+        Parameters
+        ----------
+        count : int
+            Number of checks.
+
+        Returns
+        -------
+        ValidityCheck
+            With another verdict, and a note where nothing was tested.
         """
         if math.isnan(self.p_value):
             return self
@@ -126,6 +142,15 @@ def verdict_of(p_value: float, relative_difference: float, relative_std: float =
 def verdict_of_error(relative_error: float) -> str:
     """Return the verdict on a known error of a model: strained above 5 %, fails above 20 %.
 
+    Parameters
+    ----------
+    relative_error : float
+        The error, NaN where it is not known.
+
+    Returns
+    -------
+    str
+
     Examples
     --------
     >>> [verdict_of_error(error) for error in (0.02, -0.1, 0.6, float("nan"))]
@@ -161,6 +186,15 @@ def p_value_of(deviations: float, degrees_of_freedom: float = math.inf) -> float
 
 def overall_verdict(verdicts: Iterable[str]) -> str:
     """Return the worst of some verdicts; ``not tested`` where nothing was.
+
+    Parameters
+    ----------
+    verdicts : iterable of str
+        Of `VERDICTS`.
+
+    Returns
+    -------
+    str
 
     Examples
     --------
@@ -292,6 +326,17 @@ def known_error(
 ) -> ValidityCheck:
     """Compare a model with a better one on the same data: a known error, without a probability.
 
+    Parameters
+    ----------
+    name, compared, quantities, unit, note
+        As in `ValidityCheck`.
+    value, reference : float
+        By the model, and by the better one.
+
+    Returns
+    -------
+    ValidityCheck
+
     Examples
     --------
     >>> known_error("bone", "ξ of Hertz theory and on a layer", ["xi"], 2.7, 1.8, unit="mm").verdict
@@ -324,6 +369,12 @@ class ModelDiscrepancy:
         Standard deviation s of the logarithm of their ratio, beyond chance.
     count : int
         Number of comparisons, which are the degrees of freedom.
+
+    Examples
+    --------
+    >>> found = model_discrepancy([-0.4], [0.02])
+    >>> print(f"{found.relative_std:.3f} of each, {found.between_std:.3f} between them")
+    0.326 of each, 0.399 between them
     """
 
     relative_std: float
@@ -359,7 +410,7 @@ def model_discrepancy(log_ratios: ArrayLike, stds: ArrayLike) -> ModelDiscrepanc
     --------
     >>> found = model_discrepancy(np.log([0.66, 0.7]), [0.02, 0.05])
     >>> print(f"{found.relative_std:.2f} from {found.count}")
-    0.27 from 2
+    0.31 from 2
     """
     ratio, std = np.atleast_1d(as_float_array(log_ratios)), np.atleast_1d(as_float_array(stds))
     check_all(np.isfinite(ratio), "log_ratios", ratio, "finite", UncertaintyError)
