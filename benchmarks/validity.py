@@ -58,6 +58,8 @@ class Truth:
         Contacts at each load.
     with_curve : bool
         Whether the finger has a loading curve, or R_g alone.
+    stated_thickness : float or None
+        What the manifest says of the tissue's effective thickness, mm.
     """
 
     modulus: float = 0.3
@@ -68,6 +70,7 @@ class Truth:
     elongation: float | None = None
     repeats: int = 1
     with_curve: bool = False
+    stated_thickness: float | None = None
 
 
 class Pressed(NamedTuple):
@@ -159,6 +162,8 @@ def simulated(truth: Truth, seed: int, folder: Path) -> SimulatedStudy:
         semi_axes=axes + rng.normal(0, AXES_STD, 3),
         covariance=AXES_STD**2 * np.eye(3),
         source="given",
+        effective_thickness=truth.stated_thickness,
+        effective_thickness_std=truth.stated_thickness and 0.1 * truth.stated_thickness,
     )
     rows = model_contacts(study, {"f": finger}, list(_contacts(truth, radii, wedge, rng)))
     summaries = pool_contacts(rows)

@@ -210,3 +210,17 @@ def test_a_direction_that_is_not_known_is_not_judged(tmp_path: Path) -> None:
     assert (across.verdict, along.verdict) == (HOLDS, STRAINED)
     assert unknown.value == pytest.approx(across.value)
     assert "direction is not known" in unknown.note
+
+
+@pytest.mark.parametrize(("stated", "verdict"), [(7.0, HOLDS), (20.0, FAILS)])
+def test_the_layer_has_a_verdict_of_its_own(tmp_path: Path, stated: float, verdict: str) -> None:
+    truth = Truth(thickness=7.0, modulus=0.25, with_curve=True, stated_thickness=stated)
+    found = simulated(truth, 0, tmp_path)
+    assert (found.validity.verdict, found.validity.layer_verdict) == (FAILS, verdict)
+    modulus = next(check for check in found.validity.layer_checks if check.name == "modulus_on_layer")
+    if verdict == HOLDS:
+        assert modulus.value == pytest.approx(found.truth[MODULUS], rel=0.1)
+        assert modulus.reference == pytest.approx(found.truth[MODULUS], rel=0.1)
+    else:
+        assert modulus.reference > 1.4 * modulus.value
+    assert "on_layer" in found.validity.as_record()

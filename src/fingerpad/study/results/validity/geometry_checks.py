@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -35,11 +35,31 @@ _BEARS_ON: Final = {MODULUS: ("E", (MODULUS,)), INDENTATION: ("ξ", (INDENTATION
 _SIZES: Final = np.linspace(0.02, 1.0, 50)
 
 
-def shape_check(place: Place) -> ValidityCheck:
-    """Compare the contact's length along the finger over that across with Hertz theory for the pad."""
+class Shape(NamedTuple):
+    """ln of the length along the finger over that across, measured and of Hertz theory for the pad.
+
+    Where the direction is not `known`, `measured` is that of the aspect ratio.
+    """
+
+    measured: float
+    std: float
+    predicted: float
+    predicted_std: float
+    known: bool
+    observation: str
+
+    def toward(self, predicted: float) -> tuple[float, str]:
+        """Return what was measured to compare with a prediction, and a note."""
+        if self.known:
+            return self.measured, self.observation
+        return math.copysign(self.measured, predicted), f"{self.observation}; {_NO_DIRECTION}"
+
+
+def measured_shape(place: Place) -> Shape | None:
+    """Return the shape of the contact at the highest load; None without one."""
     row = place.highest_row
     if place.highest is None or row is None:
-        return missing("shape", _SHAPE, HEADLINES, NOTHING_COUNTS)
+        return None
 
     def elongations(**inputs: FloatArray) -> dict[str, FloatArray]:
         radius, half = inputs["image_scale"] * inputs["contact_radius"], np.exp(0.5 * inputs["elongation"])
@@ -50,21 +70,32 @@ def shape_check(place: Place) -> ValidityCheck:
         }
 
     found = propagate(elongations, place.highest.inputs)
-    measured, predicted = (float(found[name].value) for name in ("measured", "predicted"))
-    note = f"{row['observation']}"
+    direction = {"along": 1.0, "across": -1.0}.get(row["long_axis"] or "")
     if row["orientation_deg"] is not None:
-        measured *= math.cos(2 * math.radians(row["orientation_deg"]))
-    elif row["long_axis"] is not None:
-        measured *= 1 if row["long_axis"] == "along" else -1
-    else:
-        measured, note = math.copysign(measured, predicted), f"{note}; {_NO_DIRECTION}"
-    ratio, expected = math.exp(measured), math.exp(predicted)
+        direction = math.cos(2 * math.radians(row["orientation_deg"]))
+    return Shape(
+        measured=float(found["measured"].value) * (1.0 if direction is None else direction),
+        std=float(found["measured"].std),
+        predicted=float(found["predicted"].value),
+        predicted_std=float(found["predicted"].std),
+        known=direction is not None,
+        observation=row["observation"],
+    )
+
+
+def shape_check(place: Place) -> ValidityCheck:
+    """Compare the contact's length along the finger over that across with Hertz theory for the pad."""
+    shape = measured_shape(place)
+    if shape is None:
+        return missing("shape", _SHAPE, HEADLINES, NOTHING_COUNTS)
+    measured, note = shape.toward(shape.predicted)
+    ratio, expected = math.exp(measured), math.exp(shape.predicted)
     return compare_ratio(
         "shape",
         _SHAPE,
         HEADLINES,
-        (ratio, ratio * float(found["measured"].std)),
-        (expected, expected * float(found["predicted"].std)),
+        (ratio, ratio * shape.std),
+        (expected, expected * shape.predicted_std),
         note=note,
     )
 

@@ -12,6 +12,7 @@ import numpy as np
 
 from fingerpad._arrays import FloatArray
 from fingerpad.loading import Estimate, LoadingFit
+from fingerpad.study.results.loading import LoadingRadius
 from fingerpad.study.results.table import ResultsTable, numbered
 from fingerpad.study.results.validity.place import (
     INDENTATION,
@@ -52,6 +53,13 @@ def _without(std: float, part: float) -> float:
     return math.sqrt(max(std**2 - part**2, 0.0))
 
 
+def without_misfit(loading: LoadingRadius) -> tuple[tuple[float, float], str]:
+    """Return R_g with its standard uncertainty without that of a misfit, and a note."""
+    if math.isnan(loading.std):
+        return (loading.value, 0.0), _TAKEN_AS_EXACT
+    return (loading.value, _without(loading.std, loading.misfit_std)), ""
+
+
 def _missing(name: str, why: str) -> ValidityCheck:
     return missing(ROUTES[name], _WORDS[name], (name,), why)
 
@@ -63,16 +71,15 @@ def _radius_check(place: Place) -> ValidityCheck:
     # Pooled on 1/H; exact Hertz theory has the geometric mean radius.
     first = place.summary.rows[0]
     factor = first["geometric_mean_radius_mm"] / first["mean_curvature_radius_mm"]
-    exact = math.isnan(loading.std)
-    other = 0.0 if exact else _without(loading.std, loading.misfit_std)
+    reference, note = without_misfit(loading)
     return compare_ratio(
         ROUTES[RADIUS],
         _WORDS[RADIUS],
         (RADIUS,),
         (factor * pooled.value, factor * pooled.std),
-        (loading.value, other),
+        reference,
         unit=UNITS[RADIUS],
-        note=_TAKEN_AS_EXACT if exact else "",
+        note=note,
     )
 
 
@@ -86,7 +93,7 @@ def _from_loading_radius(place: Place) -> Iterator[ValidityCheck]:
             continue
         radius = row["geometric_radius_from_compliance_mm"]
         relative = row["geometric_radius_from_compliance_mm_std"] / radius
-        other = 0.0 if math.isnan(loading.std) else _without(loading.std, loading.misfit_std) / loading.value
+        other = without_misfit(loading)[0][1] / loading.value
         value, std = row[name], row[f"{name}_std"]
         reference = value * (loading.value / radius) ** power
         of_area = _without(std / value, relative)
@@ -191,10 +198,10 @@ def _at_load(fits: Sequence[LoadingFit], load: float, factor: float) -> _Referen
             modulus = math.log(e), math.hypot(at_top, more)
         found.append((math.log(xi), place_std / xi, *modulus))
     xi_values, xi_stds, moduli, modulus_stds = np.transpose(found)
-    return _Reference(_of_curves(xi_values, xi_stds), _of_curves(moduli, modulus_stds))
+    return _Reference(of_curves(xi_values, xi_stds), of_curves(moduli, modulus_stds))
 
 
-def _of_curves(values: FloatArray, stds: FloatArray) -> tuple[float, float]:
+def of_curves(values: FloatArray, stds: FloatArray) -> tuple[float, float]:
     """Return the mean of curves, with how far another one would differ from it."""
     known = np.isfinite(values) & (stds > 0)
     if not known.any():

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -14,6 +14,7 @@ from fingerpad.study.results.rows import Rows
 from fingerpad.study.results.summary import Summary
 from fingerpad.study.results.validity.area_checks import GROWTH, area_checks
 from fingerpad.study.results.validity.geometry_checks import shape_check, size_checks
+from fingerpad.study.results.validity.layer_checks import layer_checks
 from fingerpad.study.results.validity.loading_checks import loading_checks
 from fingerpad.study.results.validity.place import HEADLINES, MODULUS, RADIUS, ROUTES, Place
 from fingerpad.uncertainty import ModelDiscrepancy, ValidityCheck, model_discrepancy, overall_verdict
@@ -66,6 +67,8 @@ class Validity:
         Its load, N.
     relative_stds : dict of str to float
         What the model adds to each headline, relative to it; NaN where nothing tells it.
+    layer_checks : tuple of ValidityCheck
+        Those of the whole pad on the finger's layer of tissue; none without a thickness.
     """
 
     checks: tuple[ValidityCheck, ...]
@@ -73,6 +76,12 @@ class Validity:
     observation: str
     load: float
     relative_stds: dict[str, float]
+    layer_checks: tuple[ValidityCheck, ...] = ()
+
+    @property
+    def layer_verdict(self) -> str:
+        """The worst of the checks of the layer."""
+        return overall_verdict(check.verdict for check in self.layer_checks)
 
     @property
     def verdict(self) -> str:
@@ -98,26 +107,33 @@ class Validity:
                 }
                 for name, one in self.headlines.items()
             },
-            "checks": [
-                {
-                    "check": one.name,
-                    "compared": one.compared,
-                    "headlines": list(one.quantities),
-                    "verdict": one.verdict,
-                    "unit": one.unit or None,
-                    "value": one.value,
-                    "value_std": one.value_std,
-                    "reference": one.reference,
-                    "reference_std": one.reference_std,
-                    "difference": one.difference,
-                    "relative_difference": one.relative_difference,
-                    "deviations": one.deviations,
-                    "p_value": one.p_value,
-                    "note": one.note or None,
-                }
-                for one in self.checks
-            ],
+            "checks": [_check_record(one) for one in self.checks],
+            "on_layer": {
+                "verdict": self.layer_verdict,
+                "checks": [_check_record(one) for one in self.layer_checks],
+            }
+            if self.layer_checks
+            else None,
         }
+
+
+def _check_record(one: ValidityCheck) -> dict[str, Any]:
+    return {
+        "check": one.name,
+        "compared": one.compared,
+        "headlines": list(one.quantities),
+        "verdict": one.verdict,
+        "unit": one.unit or None,
+        "value": one.value,
+        "value_std": one.value_std,
+        "reference": one.reference,
+        "reference_std": one.reference_std,
+        "difference": one.difference,
+        "relative_difference": one.relative_difference,
+        "deviations": one.deviations,
+        "p_value": one.p_value,
+        "note": one.note or None,
+    }
 
 
 def validity_of(
@@ -165,16 +181,25 @@ def validity_of(
         for synthetic in (False, True)
     }
     return [
-        _validity(place, found, routes[place.summary.synthetic])
+        replace(
+            _validity(place, found, routes[place.summary.synthetic]),
+            layer_checks=_among_all(tuple(layer_checks(place, curves))),
+        )
         for place, found in zip(places, checks, strict=True)
     ]
 
 
 def _checks(place: Place) -> tuple[ValidityCheck, ...]:
-    """Return all checks of a place, each as one of so many: any may raise a false alarm."""
+    """Return all checks of Hertz theory at a place."""
     found = (*loading_checks(place), shape_check(place), *area_checks(place), *size_checks(place))
-    count = sum(not math.isnan(one.p_value) for one in found) - (0 if place.fits else len(ROUTES) - 1)
-    return tuple(one.among(max(count, 1)) for one in found)
+    # R_g alone makes one comparison of three.
+    return _among_all(found, same=0 if place.fits else len(ROUTES) - 1)
+
+
+def _among_all(checks: tuple[ValidityCheck, ...], same: int = 0) -> tuple[ValidityCheck, ...]:
+    """Return each check as one of so many, since any may raise a false alarm."""
+    count = sum(not math.isnan(one.p_value) for one in checks) - same
+    return tuple(one.among(max(count, 1)) for one in checks)
 
 
 def _discrepancy(checks: Iterable[ValidityCheck]) -> ModelDiscrepancy | None:
