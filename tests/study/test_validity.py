@@ -224,3 +224,14 @@ def test_the_layer_has_a_verdict_of_its_own(tmp_path: Path, stated: float, verdi
     else:
         assert modulus.reference > 1.4 * modulus.value
     assert "on_layer" in found.validity.as_record()
+
+
+def test_exact_inputs_are_judged_too(tmp_path: Path) -> None:
+    text = HEAD.replace("load_relative_std = 0.02", "load_relative_std = 0") + finger("f", radius=20.0)
+    second = text[text.index("[[observations]]") : text.index("[[curves]]")].replace("of_f", "again")
+    (tmp_path / "study.toml").write_text(
+        (text + second.replace("load_N = 1", "load_N = 4")).replace("std = 0.05", "std = 1e-9")
+    )
+    (validity,) = run_study(tmp_path / "study.toml", tmp_path / "out").validities
+    assert named(validity, "area_against_load").verdict == FAILS
+    assert math.isfinite(validity.relative_stds[MODULUS])

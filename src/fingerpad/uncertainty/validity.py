@@ -35,7 +35,7 @@ class ValidityCheck:
     compared : str
         What is compared, in words.
     quantities : tuple of str
-        Results that it bears on.
+        Results that it concerns.
     verdict : str
         ``holds``, ``strained``, ``fails`` or ``not tested``.
     unit : str
@@ -45,7 +45,7 @@ class ValidityCheck:
     reference, reference_std : float
         What it is compared with.
     relative_difference : float
-        Size of the difference: of the results that it bears on, relative to them, signed.
+        Size of the difference: of the results that it concerns, relative to them, signed.
     relative_std : float
         Standard uncertainty of that, as of a logarithm; NaN for a known error.
     deviations : float
@@ -278,7 +278,7 @@ def compare_difference(
     value, reference : (float, float)
         Value and standard uncertainty of each, independent.
     effect : float
-        By how much a unit of the difference changes the logarithm of the results that it bears on.
+        By how much a unit of the difference changes the logarithm of the results that it concerns.
     degrees_of_freedom : float
         Of the uncertainty.
 

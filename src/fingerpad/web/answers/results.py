@@ -72,7 +72,7 @@ class ModelCheck(Answer):
 
 
 class ModelHeadline(Answer):
-    """A result with the verdict of the checks that bear on it, and its uncertainty with the model's part."""
+    """A result with the verdict of the checks that concern it, and its uncertainty with the model's part."""
 
     verdict: str
     total_std: float | None

@@ -32,8 +32,9 @@ _WORDS: Final = {
     GROWTH: "exponent n of A ∝ Wⁿ, and 2/3 of Hertz theory",
     _FALL: "area over that at a lower load, where it falls most significantly",
 }
-_BEARS_ON: Final = (MODULUS, INDENTATION)
+_CONCERNS: Final = (MODULUS, INDENTATION)
 _OF_MODULUS: Final = -1.5  # E ∝ W A^−3/2
+_LEAST_STD: Final = 1e-6  # areas and loads taken as exact are known to rounding
 
 
 class _Areas(NamedTuple):
@@ -54,7 +55,7 @@ def area_checks(place: Place) -> Iterator[ValidityCheck]:
     seen = _areas_of(place)
     if not seen.load.size or np.ptp(seen.load) < -math.log(SAME_LOAD):
         yield from (
-            missing(name, words, _BEARS_ON, "contacts at one load only") for name, words in _WORDS.items()
+            missing(name, words, _CONCERNS, "contacts at one load only") for name, words in _WORDS.items()
         )
         return
     yield _growth(seen)
@@ -70,7 +71,7 @@ def _areas_of(place: Place) -> _Areas:
     return _Areas(
         load=np.log(rows.column("load_N")),
         area=np.log(np.pi * major * minor),
-        own=np.hypot(area_noise(rows), load_std),
+        own=np.maximum(np.hypot(area_noise(rows), load_std), _LEAST_STD),
         edges=[edge * (device == each) for each in np.unique(device)],
         item=numbered(np.where(rows.known("sequence"), rows.column("sequence"), rows.column("observation"))),
     )
@@ -93,7 +94,7 @@ def _growth(seen: _Areas) -> ValidityCheck:
     return compare_difference(
         GROWTH,
         _WORDS[GROWTH],
-        _BEARS_ON,
+        _CONCERNS,
         (value, std),
         (HERTZ_EXPONENT, 0.0),
         effect=_OF_MODULUS * float(np.ptp(seen.load)),
@@ -117,7 +118,7 @@ def _largest_fall(seen: _Areas) -> ValidityCheck:
         return ValidityCheck(
             name=_FALL,
             compared=_WORDS[_FALL],
-            quantities=_BEARS_ON,
+            quantities=_CONCERNS,
             verdict=HOLDS,
             note="no area is smaller than one at a lower load",
         )
@@ -127,7 +128,7 @@ def _largest_fall(seen: _Areas) -> ValidityCheck:
     return ValidityCheck(
         name=_FALL,
         compared=_WORDS[_FALL],
-        quantities=_BEARS_ON,
+        quantities=_CONCERNS,
         value=ratio,
         value_std=ratio * float(std[worst]),
         reference=1.0,

@@ -30,7 +30,7 @@ _BETTER: Final = {
     "layer": "Hertz theory and the whole pad on tissue over bone",
 }
 # A/(πξ) is as wrong as ξ.
-_BEARS_ON: Final = {MODULUS: ("E", (MODULUS,)), INDENTATION: ("ξ", (INDENTATION, RADIUS))}
+_CONCERNS: Final = {MODULUS: ("E", (MODULUS,)), INDENTATION: ("ξ", (INDENTATION, RADIUS))}
 # Sizes of the contact, from small to its own, at which the error is known or not.
 _SIZES: Final = np.linspace(0.02, 1.0, 50)
 
@@ -106,7 +106,7 @@ def size_checks(place: Place) -> Iterator[ValidityCheck]:
     for kind, words in _BETTER.items():
         if row is None or (kind == "layer" and thickness is None):
             why = NOTHING_COUNTS if row is None else "no thickness of the tissue is stated"
-            for name, (symbol, of) in _BEARS_ON.items():
+            for name, (symbol, of) in _CONCERNS.items():
                 yield missing(f"{name.rsplit('_', 1)[0]}_on_{kind}", f"{symbol} of {words}", of, why)
             continue
         yield from _errors(place, row, kind, thickness if kind == "layer" else None)
@@ -134,7 +134,7 @@ def _errors(
         size = f"a/t = {a / thickness:.2f}, ξ/t = {row[INDENTATION] / thickness:.2f}"
     flag = str(better.flag[-1])
     known = np.flatnonzero(better.flag_code == 0)
-    for name, (symbol, of) in _BEARS_ON.items():
+    for name, (symbol, of) in _CONCERNS.items():
         check, compared = f"{name.rsplit('_', 1)[0]}_on_{kind}", f"{symbol} of {_BETTER[kind]}"
         if not known.size:
             yield missing(check, compared, of, f"{size}; {LAYER_FLAGS[flag]}")

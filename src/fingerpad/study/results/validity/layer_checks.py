@@ -53,7 +53,7 @@ def _radius_check(place: Place, layer: LayerSummary) -> ValidityCheck:
         (found.value, found.std),
         (value, math.hypot(std, _READING * value)),
         unit="mm",
-        note="; ".join(filter(None, (note, f"{_READING:.0%} for how R_g was read"))),
+        note="; ".join(filter(None, (note, f"± {100 * _READING:.0f} % for how R_g was read"))),
     )
 
 

@@ -36,7 +36,7 @@ class Headline:
     model_from : str
         What that was estimated from, or why it was not.
     verdict : str
-        The worst of the checks that bear on it.
+        The worst of the checks that concern it.
     """
 
     value: float
@@ -213,17 +213,18 @@ def _discrepancy(checks: Iterable[ValidityCheck]) -> ModelDiscrepancy | None:
 
 
 def _validity(place: Place, checks: tuple[ValidityCheck, ...], routes: Discrepancies) -> Validity:
-    """Return the checks of a place with the headlines that they bear on."""
+    """Return the checks of a place with the headlines that they concern."""
     over_loads = _change_over_loads(place, checks)
     relative, headlines = {}, {}
     for name in HEADLINES:
         parts, words = [], []
         if (route := routes[name]) is not None:
             parts.append(route.relative_std)
-            words.append(f"images against loading data ({route.count} of them)")
+            times = f"{route.count} comparison{'s' if route.count > 1 else ''}"
+            words.append(f"{times} of images with loading data")
         if name == MODULUS and not math.isnan(over_loads):
             parts.append(over_loads)
-            words.append("change over loads")
+            words.append("its change over loads")
         relative[name] = math.hypot(*parts) if parts else math.nan
         value, std = _result(place, name)
         headlines[name] = Headline(
