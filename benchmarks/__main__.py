@@ -37,6 +37,7 @@ from benchmarks import (
     studies,
     tissue_thickness,
     uncertainty,
+    validity,
 )
 from benchmarks.exact import RATIOS, exact_contact
 from fingerpad.contact import HertzGeometry, hertz_contact, solve_contact_ellipse
@@ -101,6 +102,7 @@ if __name__ == "__main__":
     studies.study_coverage()
     pooling.pooled_means()
     repeatability.repeatability_coverage()
+    validity.report()
     contact_images.accuracy_and_coverage(72)
     contact_images.edge_calibration(72)
     contact_images.independent_accuracy(12)

@@ -87,17 +87,22 @@ def test_synthetic_is_labelled(demo: tuple[StudyResult, str, Path]) -> None:
     tag = '<span class="synthetic">synthetic</span>'
     assert re.search(rf"<h3>synthetic_press_30deg{tag}</h3>", text)
     for row in (row for row in result.rows if row["frame"] is None):
-        cell = re.search(rf"<td>{row['observation']}(<span[^>]*>synthetic</span>)?</td>", text)
+        cell = re.search(rf"<tr><td>{row['observation']}(<span[^>]*>synthetic</span>)?</td>", text)
         assert cell is not None
         assert bool(cell.group(1)) == row["synthetic"]
     for heading in re.findall(r"<h2[^>]*>(.*?)</h2>", text):
         assert (tag in heading) == heading.startswith("synthetic_pad")
 
 
-def test_model_limits_shown(demo: tuple[StudyResult, str, Path]) -> None:
-    _, text, _ = demo
-    assert text.count("In 1 of 1 contacts the contact radius exceeds 0.3 of the radius of curvature.") == 4
-    assert "In 1 of 1 contacts measured and predicted aspect ratio differ by more than 10%" in text
+def test_verdicts_stand_beside_the_results(demo: tuple[StudyResult, str, Path]) -> None:
+    result, text, _ = demo
+    for summary, validity in zip(result.summaries, result.validities, strict=True):
+        assert validity.verdict == ("strained" if summary.synthetic else "fails")
+    headings = re.findall(r'<h3 id="holds\d">Does the model hold\? <span class="verdict (\w+)">', text)
+    assert headings == [validity.verdict for validity in result.validities]
+    table = text[text.index('<h2 id="results">') : text.index('<h2 id="fingers">')]
+    assert table.count('">○ fails</span></a>') == 4
+    assert "13.80 ± 0.18</strong><br><small>± 4.6 with the model</small>" in table
 
 
 def test_fingers_without_a_thickness_get_conditional_figures(demo: tuple[StudyResult, str, Path]) -> None:

@@ -153,14 +153,15 @@ def verify(
 def _print_outcome(result: "StudyResult", report: Path) -> None:
     from fingerpad.report.text import FLAG_WORDS, doubtful_frames, face_differences, in_words
 
-    for summary in result.summaries:
+    for summary, validity in zip(result.summaries, result.validities, strict=True):
         pooled = summary.corrected_radius
         if pooled is None:
             continue
         label = "  (synthetic)" if summary.synthetic else ""
         typer.echo(
             f"{summary.finger}, wedge {summary.wedge_angle_deg:g}°: corrected radius "
-            f"{value_with_uncertainty(pooled.value, pooled.std)} mm from {summary.pooled_from}{label}"
+            f"{value_with_uncertainty(pooled.value, pooled.std)} mm from {summary.pooled_from}{label}; "
+            f"Hertz theory: {validity.verdict}"
         )
     for finger in result.fingers.values():
         if finger.outlines is not None and finger.outlines.disagree:

@@ -35,13 +35,23 @@ from fingerpad.report.plots import (
 )
 from fingerpad.report.repeatability import repeatability_section
 from fingerpad.report.templates import templates
-from fingerpad.report.text import FLAG_WORDS, doubtful_frames, face_differences, in_words
+from fingerpad.report.text import (
+    FLAG_WORDS,
+    HEADLINE_WORDS,
+    VERDICT_SYMBOLS,
+    doubtful_frames,
+    face_differences,
+    in_words,
+    percent,
+    probability,
+)
 from fingerpad.study.results.check import UncertaintyCheck
 from fingerpad.study.results.layer import LAYER_FLAGS
 from fingerpad.study.results.methods import methods_section
 from fingerpad.study.results.rows import RANGE_NOTES
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.summary import Summary, area_exponent
+from fingerpad.study.results.validity import Validity
 from fingerpad.units import two_digits, value_with_uncertainty
 
 # Saves plots, and returns what the page shows of them.
@@ -88,6 +98,8 @@ def write_page(
     filters: dict[str, Callable[..., Any]] = {
         "flags": lambda codes: in_words(codes, FLAG_WORDS),
         "face_differences": face_differences,
+        "probability": probability,
+        "percent": percent,
         # Read as the page is written: all together they would take more memory than all rows.
         "drawing": _drawing,
         "picture": lambda overlay: _picture(overlays / overlay),
@@ -97,6 +109,8 @@ def write_page(
     environment.globals |= {
         "two": two_digits,
         "quantity": _quantity,
+        "headlines": HEADLINE_WORDS,
+        "symbols": VERDICT_SYMBOLS,
     }
     path, draw = out / name, partial(_drawn, out, on_drawn)
     try:
@@ -132,7 +146,10 @@ def _tabled(result: StudyResult, draw: _Draw) -> dict[str, Any]:
     """Return what the page over those of the fingers shows: a line of each, and one figure of all."""
     return {
         "overview": draw(wedge_plot(result)),
-        "groups": [_line(result, summary) for summary in result.summaries],
+        "groups": [
+            _line(result, summary, validity)
+            for summary, validity in zip(result.summaries, result.validities, strict=True)
+        ],
         "curves": [{"curve": curve, "figures": []} for curve in result.curves],
         "velocities": [],
         "photographs": [],
@@ -146,10 +163,12 @@ def _drawn_in_full(result: StudyResult, draw: _Draw) -> dict[str, Any]:
     return {
         "overview": [],
         "groups": [
-            _line(result, summary)
+            _line(result, summary, validity)
             | _details(result, summary, check, draw)
             | _on_layer(result, summary, draw, with_section=on_layer[:1] == [summary])
-            for summary, check in zip(result.summaries, result.checks, strict=True)
+            for summary, check, validity in zip(
+                result.summaries, result.checks, result.validities, strict=True
+            )
         ],
         "curves": [
             {"curve": curve, "figures": draw(curve_plots(curve, number))}
@@ -165,11 +184,12 @@ def _drawn_in_full(result: StudyResult, draw: _Draw) -> dict[str, Any]:
     }
 
 
-def _line(result: StudyResult, summary: Summary) -> dict[str, Any]:
+def _line(result: StudyResult, summary: Summary, validity: Validity) -> dict[str, Any]:
     """Return what a table shows of one finger at one placement."""
     contacts = summary.contacts
     return {
         "summary": summary,
+        "validity": validity,
         "contacts": len(contacts),
         "doubtful": int(np.count_nonzero(contacts.column("flags") != "")),
         "loading": loading_radius_of(result, summary),
@@ -187,7 +207,6 @@ def _details(
     doubtful = contacts.at(contacts.column("flags") != "")
     doubtful = doubtful.at(np.argsort(doubtful.column("pooled"), kind="stable"))  # those left out first
     overlays = contacts.at(contacts.known("overlay"))
-    deepest = rows.column("indentation_over_thickness")
     gc.collect()  # as in _sequences
     return {
         "shown": shown if contacts else (),
@@ -197,8 +216,6 @@ def _details(
         "doubts": doubtful[:MOST_POINTS],
         "repeatability": result.repeatability[summary.synthetic].known,
         "edge": _edge(shown.column("edge_offset_mm_std")),
-        "largest_size": float(rows.column("contact_radius_ratio").max()),
-        "deepest": float(np.nanmax(deepest, initial=0.0)),
         "range_notes": [(RANGE_NOTES[code], notes[code], len(rows)) for code in RANGE_NOTES if notes[code]],
         "pictures": len(overlays),
         "overlays": thinned(overlays, _share(_MOST_PICTURES, len(result.summaries))),

@@ -1,11 +1,14 @@
 """Remarks in words."""
 
+import math
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from typing import Final
 
 from fingerpad.image import OutlineSemiAxes
 from fingerpad.study.results.study_result import StudyResult
+from fingerpad.study.results.validity import INDENTATION, MODULUS, RADIUS
+from fingerpad.uncertainty import FAILS, HOLDS, NOT_TESTED, STRAINED
 
 FLAG_WORDS: Final[Mapping[str, str]] = {
     "touches_border": "the contact is cut by the edge of the picture",
@@ -19,6 +22,21 @@ FLAG_WORDS: Final[Mapping[str, str]] = {
     "coin_shadow": "a shadow beside the coin may make the scale too small",
     "no_time": "the frame has no time",
     "no_force": "the force signal does not cover the frame",
+}
+
+# They differ in shades of grey too.
+VERDICT_SYMBOLS: Final[Mapping[str, str]] = {
+    HOLDS: "●",
+    STRAINED: "◐",
+    FAILS: "○",
+    NOT_TESTED: "–",
+}
+
+# Name, unit and symbol of what has a verdict.
+HEADLINE_WORDS: Final[Mapping[str, str]] = {
+    RADIUS: "corrected radius (mm)",
+    MODULUS: "E from load and area (kPa)",
+    INDENTATION: "ξ from the area (mm)",
 }
 
 _AXIS_WORDS: Final[Mapping[str, str]] = {
@@ -45,6 +63,19 @@ def doubtful_frames(result: StudyResult) -> Iterator[tuple[str, int, str]]:
         yield name, count, FLAG_WORDS.get(flag, flag)
 
 
+def probability(p_value: float) -> str:
+    """Return a probability with two digits, or as less than a thousandth.
+
+    Examples
+    --------
+    >>> probability(0.04321), probability(1e-9), probability(float("nan"))
+    ('0.043', '< 0.001', '–')
+    """
+    if math.isnan(p_value):
+        return "–"
+    return "< 0.001" if p_value < 0.001 else f"{p_value:.2g}"
+
+
 def face_differences(outlines: OutlineSemiAxes) -> str:
     """Return by how much the semi-axes of each face exceed the joint ones, in percent.
 
@@ -58,11 +89,11 @@ def face_differences(outlines: OutlineSemiAxes) -> str:
     'palmar face: radial–ulnar +0.0 %, distal −0.7 %; radial face: palmar +0.0 %, distal +0.7 %'
     """
     return "; ".join(
-        f"{one.face} face: "
-        + ", ".join(f"{_AXIS_WORDS[axis]} {_percent(off)}" for axis, off in found.items())
+        f"{one.face} face: " + ", ".join(f"{_AXIS_WORDS[axis]} {percent(off)}" for axis, off in found.items())
         for one, found in zip(outlines.faces, outlines.disagreements, strict=True)
     )
 
 
-def _percent(share: float) -> str:
+def percent(share: float) -> str:
+    """Return a relative difference in percent, with its sign."""
     return f"{round(100 * share, 1) + 0.0:+.1f} %".replace("-", "−")

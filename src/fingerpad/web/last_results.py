@@ -53,6 +53,26 @@ class _Check(_Record):
     total: dict[str, float | None]
 
 
+class _ModelHeadline(_Record):
+    verdict: str
+    total_std: float | None
+    model_std: float | None
+
+
+class _ModelCheck(_Record):
+    compared: str
+    verdict: str
+    relative_difference: float | None
+    p_value: float | None
+    note: str | None
+
+
+class _Validity(_Record):
+    verdict: str
+    headlines: dict[str, _ModelHeadline]
+    checks: list[_ModelCheck]
+
+
 class _Placement(_Record):
     finger: str
     wedge_angle_deg: float
@@ -66,6 +86,7 @@ class _Placement(_Record):
     loading_radius_mm: float | None
     loading_radius_mm_std: float | None
     uncertainty_check: _Check | None
+    validity: _Validity
 
 
 class _Curve(_Record):

@@ -129,6 +129,18 @@ def _group(of: Mapping[str, Any], table: ResultsTable) -> dict[str, Any]:
             for code, words in RANGE_NOTES.items()
             if code in codes
         ],
+        "validity": _validity(of["validity"]),
+    }
+
+
+def _validity(of: Mapping[str, Any]) -> dict[str, Any]:
+    return {
+        "verdict": of["verdict"],
+        "headlines": {
+            name: {key: one[key] for key in answers.ModelHeadline.model_fields}
+            for name, one in of["headlines"].items()
+        },
+        "checks": [{key: one[key] for key in answers.ModelCheck.model_fields} for one in of["checks"]],
     }
 
 

@@ -65,13 +65,15 @@ def test_corrected_radius_with_its_lines_and_bars(tab: Tab) -> None:
     first = cards.first.inner_text().replace("\N{NO-BREAK SPACE}", " ")
     assert "13.80 ± 0.18 mm" in first
     assert "20.5 mm" in first
+    assert "○ fails" in first
+    assert "± 4.6 mm with the model" in first
     assert cards.first.locator(".shapelayer path").count() == 2
     assert cards.first.locator(".errorbar").count() == 1
     page.get_by_label("Finger", exact=True).select_option("synthetic_pad")
     page.locator(".plot-card .synthetic").first.wait_for()
     assert cards.count() == 2
-    cards.first.get_by_text("Outside model validity").click()
-    cards.first.get_by_text("the contact radius exceeds 0.3 of the radius of curvature").wait_for()
+    cards.first.get_by_text("Does the model hold? strained").click()
+    cards.first.get_by_text("E of Hertz theory and the whole pad on a half-space: strained").wait_for()
     page.get_by_label("Against load", exact=True).select_option("gross_area_mm2")
     page.get_by_text("gross area (mm²)").first.wait_for()
 

@@ -110,7 +110,7 @@ _GROUPS: Final[Mapping[str, Sequence[Column]]] = {
             "whether the row counts in pooled radii: not if a flag excludes it (see the guide's "
             "table of flags); of a sequence only loading frames of a large enough ellipse",
         ),
-        _text("range_notes", "where the model is out of its range, separated by spaces"),
+        _text("range_notes", "doubts about values, separated by spaces"),
     ),
     "placement": (
         _number("wedge_angle_deg", "deg", "angle of the wedge on which the finger rests"),
@@ -212,6 +212,22 @@ _GROUPS: Final[Mapping[str, Sequence[Column]]] = {
     "validity": (
         _number("contact_radius_ratio", "1", "sqrt(l_d l_e)/R_e, which Hertz theory takes to be small"),
         _number("indentation_over_thickness", "1", "indentation over the given thickness of the pad"),
+        _text(
+            "model_verdict",
+            "whether Hertz theory holds for the finger at the angle: holds, strained, fails or not tested",
+        ),
+        *(
+            _number(
+                f"{name}_model_std",
+                unit,
+                f"what the model's discrepancy adds to {name}_std; empty where no loading data tell it",
+            )
+            for name, unit in (
+                ("radius_from_indentation_mm", "mm"),
+                ("youngs_modulus_kpa", "kPa"),
+                ("indentation_mm", "mm"),
+            )
+        ),
     ),
     "output": (_text("overlay", "image of the measurement"),),
 }

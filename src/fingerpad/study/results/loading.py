@@ -13,13 +13,15 @@ from fingerpad.uncertainty import pool, proportional_stds
 class LoadingRadius(NamedTuple):
     """R_g of a finger at an angle, from all its curves there, mm, with flags of their fits.
 
-    What a wrong model leaves uncertain is common to curves: pooling does not reduce it.
+    What a wrong model leaves uncertain is common to curves: pooling does not reduce it. `misfit_std` is that
+    part of `std`.
     """
 
     value: float
     std: float
     synthetic: bool
     flags: tuple[str, ...] = ()
+    misfit_std: float = 0.0
 
 
 def loading_radius(
@@ -42,5 +44,5 @@ def loading_radius(
     if not np.isfinite(stds).all():
         return LoadingRadius(float(values.mean()), math.nan, synthetic, flags)
     pooled = pool(values, proportional_stds(values, np.sqrt(np.maximum(stds**2 - misfits**2, 0.0))))
-    std = math.hypot(pooled.total_std, float(misfits.max()))
-    return LoadingRadius(pooled.value, std, synthetic, flags)
+    misfit = float(misfits.max())
+    return LoadingRadius(pooled.value, math.hypot(pooled.total_std, misfit), synthetic, flags, misfit)

@@ -116,7 +116,10 @@ def summary_record(result: StudyResult) -> dict[str, Any]:
                     result.curves, summary.finger, summary.wedge_angle_deg, synthetic=summary.synthetic
                 ),
             )
-            for summary, check in zip(result.summaries, result.checks, strict=True)
+            | {"validity": validity.as_record()}
+            for summary, check, validity in zip(
+                result.summaries, result.checks, result.validities, strict=True
+            )
         ],
         "repeatability": {
             "contact": [

@@ -33,6 +33,7 @@ from fingerpad.study.results.repeats import (
 from fingerpad.study.results.rows import HighestLoad, model_contacts
 from fingerpad.study.results.summary import Summary, pool_contacts
 from fingerpad.study.results.table import ResultsTable
+from fingerpad.study.results.validity import Validity, fill_columns, validity_of
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -64,6 +65,8 @@ class StudyResult(Displayed):
         How each quantity scatters between repeats, sessions, fingers and persons.
     by_load : list of AtLoad
         Area and modulus of each finger at each load.
+    validities : list of Validity
+        Whether the model holds in each summary.
     curves : list of CurveResult
         One per loading curve.
     provenance : dict
@@ -83,6 +86,7 @@ class StudyResult(Displayed):
     repeatability: dict[bool, ContactRepeatability]
     scatter: list[StudyScatter]
     by_load: list[AtLoad]
+    validities: list[Validity]
     curves: list[CurveResult]
     provenance: dict[str, Any]
     notes: tuple[str, ...] = ()
@@ -152,6 +156,7 @@ class StudyResult(Displayed):
             summaries=list(compress(self.summaries, own)),
             checks=list(compress(self.checks, own)),
             by_load=[one for one in self.by_load if one.finger == name],
+            validities=list(compress(self.validities, own)),
             curves=[curve for curve in self.curves if curve.manifest.finger == name],
             provenance={
                 **self.provenance,
@@ -190,6 +195,8 @@ def result_of(
     rows = model_contacts(study, measured.fingers, measured.contacts, repeatability)
     scatter = study_scatter(study, rows.table)
     found = pool_contacts(rows)
+    validities = validity_of(study, measured.fingers, rows, found, measured.curves)
+    fill_columns(found, validities)
     return StudyResult(
         study=study,
         folder=folder,
@@ -204,6 +211,7 @@ def result_of(
         repeatability=repeatability,
         scatter=scatter,
         by_load=pool_by_load(rows.table, repeatability, scatter),
+        validities=validities,
         curves=measured.curves,
         provenance=origin,
         notes=notes,

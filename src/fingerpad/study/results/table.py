@@ -96,6 +96,10 @@ class ResultsTable(Sequence[Row]):
         """Return some rows, by their places or by truths."""
         return ResultsTable(self._columns, self._places[places])
 
+    def fill(self, name: str, values: Any) -> None:
+        """Fill a column of these rows, in every table that shares it."""
+        self._columns[name][self._places] = values
+
     def by(self, *names: str) -> dict[tuple[Any, ...], "ResultsTable"]:
         """Return the rows with the same values in some columns, in the order in which they first come."""
         groups: dict[tuple[Any, ...], list[int]] = {}

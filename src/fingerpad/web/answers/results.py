@@ -61,6 +61,32 @@ class PlottedRows(Answer):
     pooled: list[bool]
 
 
+class ModelCheck(Answer):
+    """A check of the model: what is compared, and the outcome in one word."""
+
+    compared: str
+    verdict: str
+    relative_difference: float | None
+    p_value: float | None
+    note: str | None
+
+
+class ModelHeadline(Answer):
+    """A result with the verdict of the checks that concern it, and its uncertainty with the model's part."""
+
+    verdict: str
+    total_std: float | None
+    model_std: float | None
+
+
+class ModelValidity(Answer):
+    """Whether the model holds; headlines by column."""
+
+    verdict: str
+    headlines: dict[str, ModelHeadline]
+    checks: list[ModelCheck]
+
+
 class PlottedGroup(Group):
     """A finger at one placement: pooled values, and the rows to plot."""
 
@@ -72,6 +98,7 @@ class PlottedGroup(Group):
     loading_radius_mm_std: float | None
     rows: PlottedRows
     range_notes: list[RangeNote]
+    validity: ModelValidity
 
 
 class Plot(Answer):

@@ -196,7 +196,7 @@ export class ContactInspector extends Inspector {
         h(
           "details",
           null,
-          h("summary", null, `Outside model validity (${notesOf(model).length})`),
+          h("summary", null, `Doubtful values (${notesOf(model).length})`),
           h(
             "ul.note",
             null,

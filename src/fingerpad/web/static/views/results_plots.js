@@ -5,6 +5,7 @@ import { h, render, symbol } from "../core/dom.js";
 import { plain, unitOf, withStd, withUnit } from "../core/quantity.js";
 import { chart, colour, forget } from "../parts/chart.js";
 import { choose, field, synthetic } from "../parts/forms.js";
+import { checkList, verdictChip } from "../parts/verdict.js";
 
 // Quantities plotted against load: key, name, axis title, and whether the axes are logarithmic.
 /** @type {[key: string, name: string, axis: string, logarithmic?: boolean][]} */
@@ -119,6 +120,8 @@ export class Plots {
   #card(group) {
     const node = h("div.chart", { role: "img", "aria-label": this.#words(group) });
     node.group = group;
+    const { model_std, total_std } = group.validity.headlines.radius_from_indentation_mm;
+    const model = model_std === null ? null : total_std;
     const fact = (label, value, std, mark) =>
       value !== null &&
       value !== undefined &&
@@ -150,18 +153,31 @@ export class Plots {
               "dd.number",
               null,
               withStd(group.radius_from_indentation_mm, group.radius_from_indentation_mm_std),
-              " mm",
+              " mm ",
+              verdictChip(group.validity),
             ),
+            model !== null &&
+              h(
+                "dd.soft.number",
+                { title: "standard uncertainty with what the model leaves uncertain" },
+                `${withStd(group.radius_from_indentation_mm, model).replace(/^.*±/, "±")} mm with the model`,
+              ),
           ),
         fact(symbol("R", "0g"), group.mean_curvature_radius_mm, group.mean_curvature_radius_mm_std),
         fact(symbol("R", "g"), group.loading_radius_mm, group.loading_radius_mm_std),
       ),
       node,
+      h(
+        "details.range",
+        null,
+        h("summary", null, `Does the model hold? ${group.validity.verdict}`),
+        checkList(group.validity),
+      ),
       group.range_notes.length > 0 &&
         h(
           "details.range",
           null,
-          h("summary", null, `Outside model validity (${group.range_notes.length})`),
+          h("summary", null, `Doubtful values (${group.range_notes.length})`),
           h(
             "ul.note",
             null,

@@ -1,0 +1,171 @@
+"""The contact's area over loads against its growth in Hertz theory."""
+
+import math
+from collections.abc import Iterator
+from typing import Final, NamedTuple
+
+import numpy as np
+from scipy import stats
+
+from fingerpad._arrays import FloatArray, as_float_array
+from fingerpad.study.results.table import Places, numbered
+from fingerpad.study.results.validity.place import (
+    HERTZ_EXPONENT,
+    INDENTATION,
+    MODULUS,
+    SAME_LOAD,
+    Place,
+    area_noise,
+    missing,
+)
+from fingerpad.uncertainty import (
+    HOLDS,
+    STRAINED_BELOW_P,
+    ValidityCheck,
+    compare_difference,
+    p_value_of,
+)
+
+GROWTH: Final = "area_against_load"
+_FALL: Final = "area_falls"
+_WORDS: Final = {
+    GROWTH: "exponent n of A ∝ Wⁿ, and 2/3 of Hertz theory",
+    _FALL: "area over that at a lower load, where it falls most significantly",
+}
+_CONCERNS: Final = (MODULUS, INDENTATION)
+_OF_MODULUS: Final = -1.5  # E ∝ W A^−3/2
+_LEAST_STD: Final = 1e-6  # areas and loads taken as exact are known to rounding
+
+
+class _Areas(NamedTuple):
+    """Logarithms of loads and areas, ascending, their own uncertainties, and what edges add to each area.
+
+    `item` numbers contacts and sequences, whose frames are not independent.
+    """
+
+    load: FloatArray
+    area: FloatArray
+    own: FloatArray
+    edges: list[FloatArray]
+    item: Places
+
+
+def area_checks(place: Place) -> Iterator[ValidityCheck]:
+    """Yield the checks of areas over loads."""
+    seen = _areas_of(place)
+    if not seen.load.size or np.ptp(seen.load) < -math.log(SAME_LOAD):
+        yield from (
+            missing(name, words, _CONCERNS, "contacts at one load only") for name, words in _WORDS.items()
+        )
+        return
+    yield _growth(seen)
+    yield _largest_fall(seen)
+
+
+def _areas_of(place: Place) -> _Areas:
+    rows = place.loaded.sorted_by("load_N")
+    major, minor = rows.column("semi_major_mm"), rows.column("semi_minor_mm")
+    edge, device = rows.column("edge_offset_mm_std") * (1 / major + 1 / minor), numbered(rows.column("scale"))
+    # An error of the load is one of the area that belongs to it.
+    load_std = HERTZ_EXPONENT * place.study.uncertainty.load_relative_std
+    return _Areas(
+        load=np.log(rows.column("load_N")),
+        area=np.log(np.pi * major * minor),
+        own=np.maximum(np.hypot(area_noise(rows), load_std), _LEAST_STD),
+        edges=[edge * (device == each) for each in np.unique(device)],
+        item=numbered(np.where(rows.known("sequence"), rows.column("sequence"), rows.column("observation"))),
+    )
+
+
+def _growth(seen: _Areas) -> ValidityCheck:
+    """Compare the exponent of the area with 2/3, by what the difference makes of E from load to load."""
+    weights = seen.own**-2.0
+    centred = seen.load - weights @ seen.load / weights.sum()
+    slope = weights * centred / (weights @ centred**2)
+    value, freedom = float(slope @ seen.area), seen.load.size - 2
+    residuals = seen.area - value * centred
+    residuals -= weights @ residuals / weights.sum()
+    own, chi_square = 1 / float(weights @ centred**2), float(weights @ residuals**2)
+    # Areas that scatter more about the line than chance allows tell its uncertainty themselves.
+    scatters = freedom > 0 and stats.chi2.sf(chi_square, freedom) < STRAINED_BELOW_P
+    if scatters:
+        own *= chi_square / freedom
+    std = math.sqrt(own + sum(float(slope @ edge) ** 2 for edge in seen.edges))
+    return compare_difference(
+        GROWTH,
+        _WORDS[GROWTH],
+        _CONCERNS,
+        (value, std),
+        (HERTZ_EXPONENT, 0.0),
+        effect=_OF_MODULUS * float(np.ptp(seen.load)),
+        degrees_of_freedom=freedom if scatters else math.inf,
+        note=f"E over {_range(seen.load[0], seen.load[-1])}",
+    )
+
+
+def _largest_fall(seen: _Areas) -> ValidityCheck:
+    """Return the most significant fall of the area from a lower load to a higher one.
+
+    Its p is that of the largest of so many pairs. Repeats at one load that scatter more than stated widen it.
+    """
+    seen = _by_level(seen)
+    lower, upper = np.triu_indices(seen.load.size, 1)
+    shared = sum((edge[lower] - edge[upper]) ** 2 for edge in seen.edges)
+    load, grown = seen.load, seen.area[upper] - seen.area[lower]
+    std = np.sqrt(seen.own[lower] ** 2 + seen.own[upper] ** 2 + shared)
+    worst = int(np.argmin(grown / np.maximum(std, np.finfo(float).tiny))) if grown.size else -1
+    if worst < 0 or grown[worst] >= 0:
+        return ValidityCheck(
+            name=_FALL,
+            compared=_WORDS[_FALL],
+            quantities=_CONCERNS,
+            verdict=HOLDS,
+            note="no area is smaller than one at a lower load",
+        )
+    deviations, ends = float(grown[worst] / std[worst]), (load[lower[worst]], load[upper[worst]])
+    change = _OF_MODULUS * float(grown[worst]) + (ends[1] - ends[0])  # of ln E
+    ratio = math.exp(grown[worst])
+    return ValidityCheck(
+        name=_FALL,
+        compared=_WORDS[_FALL],
+        quantities=_CONCERNS,
+        value=ratio,
+        value_std=ratio * float(std[worst]),
+        reference=1.0,
+        reference_std=0.0,
+        relative_difference=math.expm1(change),
+        relative_std=-_OF_MODULUS * float(std[worst]),
+        deviations=deviations,
+        p_value=min(1.0, p_value_of(deviations) / 2 * grown.size),  # of one side
+        note=f"from {_range(*ends)}",
+    ).among(1)
+
+
+def _range(low: float, high: float) -> str:
+    return f"{math.exp(low):.3g} to {math.exp(high):.3g} N"
+
+
+def _by_level(seen: _Areas) -> _Areas:
+    """Return one area for each level of load; repeats that scatter more than stated widen all."""
+    level, first = np.zeros(seen.load.size, dtype=np.intp), seen.load[0]
+    for place, load in enumerate(seen.load):
+        if load - first > -math.log(SAME_LOAD):
+            first = load
+            level[place:] += 1
+    weights = seen.own**-2.0
+
+    def mean(of: FloatArray) -> FloatArray:
+        return as_float_array(np.bincount(level, weights * of) / np.bincount(level, weights))
+
+    # Frames of a sequence show the same skin: together they are as uncertain as one.
+    items = np.unique(np.stack([level, seen.item]), axis=1)[0]
+    at_middle = seen.area - HERTZ_EXPONENT * (seen.load - mean(seen.load)[level])
+    freedom = items.size - level[-1] - 1
+    scatter = float(weights @ (at_middle - mean(at_middle)[level]) ** 2) / freedom if freedom else 1.0
+    return _Areas(
+        load=mean(seen.load),
+        area=mean(at_middle),
+        own=math.sqrt(max(1.0, scatter)) * mean(seen.own) / np.sqrt(np.bincount(items)),
+        edges=[mean(edge) for edge in seen.edges],
+        item=np.arange(level[-1] + 1),
+    )

@@ -1,0 +1,153 @@
+"""The contact's shape against that of Hertz theory, and its size against what the theory can be used for."""
+
+import math
+from collections.abc import Iterator
+from typing import Final, NamedTuple
+
+import numpy as np
+
+from fingerpad._arrays import FloatArray
+from fingerpad.contact import PadGap, fast_contact
+from fingerpad.geometry import Ellipsoid
+from fingerpad.study.results.layer import LAYER_FLAGS
+from fingerpad.study.results.validity.place import (
+    HEADLINES,
+    INDENTATION,
+    MODULUS,
+    NOTHING_COUNTS,
+    RADIUS,
+    UNITS,
+    Place,
+    missing,
+)
+from fingerpad.uncertainty import ValidityCheck, compare_ratio, known_error, pad_model, propagate
+from fingerpad.units import KPA_PER_MPA
+
+_SHAPE: Final = "length along the finger over that across, and of Hertz theory for the pad"
+_NO_DIRECTION: Final = "the contact's direction is not known: only its aspect ratio is compared"
+_BETTER: Final = {
+    "half_space": "Hertz theory and the whole pad on a half-space",
+    "layer": "Hertz theory and the whole pad on tissue over bone",
+}
+# A/(πξ) is as wrong as ξ.
+_CONCERNS: Final = {MODULUS: ("E", (MODULUS,)), INDENTATION: ("ξ", (INDENTATION, RADIUS))}
+# Sizes of the contact, from small to its own, at which the error is known or not.
+_SIZES: Final = np.linspace(0.02, 1.0, 50)
+
+
+class Shape(NamedTuple):
+    """ln of the length along the finger over that across, measured and of Hertz theory for the pad.
+
+    Where the direction is not `known`, `measured` is that of the aspect ratio.
+    """
+
+    measured: float
+    std: float
+    predicted: float
+    predicted_std: float
+    known: bool
+    observation: str
+
+    def toward(self, predicted: float) -> tuple[float, str]:
+        """Return what was measured to compare with a prediction, and a note."""
+        if self.known:
+            return self.measured, self.observation
+        return math.copysign(self.measured, predicted), f"{self.observation}; {_NO_DIRECTION}"
+
+
+def measured_shape(place: Place) -> Shape | None:
+    """Return the shape of the contact at the highest load; None without one."""
+    row = place.highest_row
+    if place.highest is None or row is None:
+        return None
+
+    def elongations(**inputs: FloatArray) -> dict[str, FloatArray]:
+        radius, half = inputs["image_scale"] * inputs["contact_radius"], np.exp(0.5 * inputs["elongation"])
+        edge = inputs["edge_offset"]
+        return {
+            "measured": np.log(radius * half + edge) - np.log(radius / half + edge),
+            "predicted": pad_model(**inputs)["predicted_elongation"],
+        }
+
+    found = propagate(elongations, place.highest.inputs)
+    direction = {"along": 1.0, "across": -1.0}.get(row["long_axis"] or "")
+    if row["orientation_deg"] is not None:
+        direction = math.cos(2 * math.radians(row["orientation_deg"]))
+    return Shape(
+        measured=float(found["measured"].value) * (1.0 if direction is None else direction),
+        std=float(found["measured"].std),
+        predicted=float(found["predicted"].value),
+        predicted_std=float(found["predicted"].std),
+        known=direction is not None,
+        observation=row["observation"],
+    )
+
+
+def shape_check(place: Place) -> ValidityCheck:
+    """Compare the contact's length along the finger over that across with Hertz theory for the pad."""
+    shape = measured_shape(place)
+    if shape is None:
+        return missing("shape", _SHAPE, HEADLINES, NOTHING_COUNTS)
+    measured, note = shape.toward(shape.predicted)
+    ratio, expected = math.exp(measured), math.exp(shape.predicted)
+    return compare_ratio(
+        "shape",
+        _SHAPE,
+        HEADLINES,
+        (ratio, ratio * shape.std),
+        (expected, expected * shape.predicted_std),
+        note=note,
+    )
+
+
+def size_checks(place: Place) -> Iterator[ValidityCheck]:
+    """Yield the error of Hertz theory for the contact's size, by the laws of the whole pad."""
+    row, thickness = place.highest_row, place.pad.effective_thickness or place.pad.pad_thickness
+    for kind, words in _BETTER.items():
+        if row is None or (kind == "layer" and thickness is None):
+            why = NOTHING_COUNTS if row is None else "no thickness of the tissue is stated"
+            for name, (symbol, of) in _CONCERNS.items():
+                yield missing(f"{name.rsplit('_', 1)[0]}_on_{kind}", f"{symbol} of {words}", of, why)
+            continue
+        yield from _errors(place, row, kind, thickness if kind == "layer" else None)
+
+
+def _errors(
+    place: Place, row: dict[str, float], kind: str, thickness: float | None
+) -> Iterator[ValidityCheck]:
+    """Yield the errors of E and ξ at the contact's load and area, or at the largest area with a law."""
+    area = math.pi * row["semi_major_mm"] * row["semi_minor_mm"]
+    better = fast_contact(
+        PadGap.of(
+            Ellipsoid(*place.pad.semi_axes),
+            wedge_angle=math.radians(row["wedge_angle_deg"]),
+            roll_angle=math.radians(row["roll_angle_deg"]),
+        ),
+        reduced_modulus=1.0,
+        thickness=thickness,
+        poisson_ratio=place.study.poisson_ratio,
+        area=area * _SIZES,
+    )
+    size = f"a/R = {row['contact_radius_ratio']:.2f}"
+    if thickness is not None:
+        a = math.sqrt(area / math.pi)
+        size = f"a/t = {a / thickness:.2f}, ξ/t = {row[INDENTATION] / thickness:.2f}"
+    flag = str(better.flag[-1])
+    known = np.flatnonzero(better.flag_code == 0)
+    for name, (symbol, of) in _CONCERNS.items():
+        check, compared = f"{name.rsplit('_', 1)[0]}_on_{kind}", f"{symbol} of {_BETTER[kind]}"
+        if not known.size:
+            yield missing(check, compared, of, f"{size}; {LAYER_FLAGS[flag]}")
+            continue
+        last = known[-1]
+        power, exact = (-1.5, better.load) if name == MODULUS else (1.0, better.indentation)
+        factor = KPA_PER_MPA * (1 - place.study.poisson_ratio**2) * row["load_N"]
+        yield known_error(
+            check,
+            compared,
+            of,
+            row[name] * _SIZES[last] ** power,
+            factor / float(exact[last]) if name == MODULUS else float(exact[last]),
+            unit=UNITS[name],
+            note=f"{size}; at least this: {LAYER_FLAGS[flag]}" if flag else size,
+        )

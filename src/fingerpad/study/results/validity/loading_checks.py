@@ -1,0 +1,210 @@
+"""Radius, modulus and indentation from images against those of the finger's loading data.
+
+What a misfit of the model adds to the uncertainty of loading data is left out: whether the model holds is
+the question.
+"""
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import Final, NamedTuple
+
+import numpy as np
+
+from fingerpad._arrays import FloatArray
+from fingerpad.loading import Estimate, LoadingFit
+from fingerpad.study.results.loading import LoadingRadius
+from fingerpad.study.results.table import ResultsTable, numbered
+from fingerpad.study.results.validity.place import (
+    INDENTATION,
+    MODULUS,
+    NO_CURVE,
+    NOTHING_COUNTS,
+    RADIUS,
+    ROUTES,
+    SAME_LOAD,
+    UNITS,
+    Place,
+    area_noise,
+    missing,
+)
+from fingerpad.uncertainty import ValidityCheck, compare_ratio, pool, pool_random_effects
+from fingerpad.units import KPA_PER_MPA
+
+_WORDS: Final = {
+    RADIUS: "A/(πξ) of Hertz theory for the pad, and R_g from loading data",
+    MODULUS: "E from load and area, and from load and indentation",
+    INDENTATION: "ξ from the area, and of the loading data",
+}
+_TAKEN_AS_EXACT: Final = "R_g has no stated uncertainty and is taken as exact"
+_SAME_COMPARISON: Final = "from area and R_g, so the same comparison as that of the radius"
+# Loads at which a curve is compared, relative to its highest.
+_SMALLEST_LOAD, _LARGEST_LOAD = 0.1, 1.05
+_LAW_POINTS: Final = 400
+
+
+def loading_checks(place: Place) -> Iterator[ValidityCheck]:
+    """Yield the comparisons of images with loading data."""
+    yield _radius_check(place)
+    yield from _curve_checks(place) if place.fits else _from_loading_radius(place)
+
+
+def _without(std: float, part: float) -> float:
+    """Return a standard uncertainty without a part of it."""
+    return math.sqrt(max(std**2 - part**2, 0.0))
+
+
+def without_misfit(loading: LoadingRadius) -> tuple[tuple[float, float], str]:
+    """Return R_g with its standard uncertainty without that of a misfit, and a note."""
+    if math.isnan(loading.std):
+        return (loading.value, 0.0), _TAKEN_AS_EXACT
+    return (loading.value, _without(loading.std, loading.misfit_std)), ""
+
+
+def _missing(name: str, why: str) -> ValidityCheck:
+    return missing(ROUTES[name], _WORDS[name], (name,), why)
+
+
+def _radius_check(place: Place) -> ValidityCheck:
+    loading, pooled = place.loading, place.summary.compliance_radius
+    if loading is None or pooled is None:
+        return _missing(RADIUS, NO_CURVE if loading is None else NOTHING_COUNTS)
+    # Pooled on 1/H; exact Hertz theory has the geometric mean radius.
+    first = place.summary.rows[0]
+    factor = first["geometric_mean_radius_mm"] / first["mean_curvature_radius_mm"]
+    reference, note = without_misfit(loading)
+    return compare_ratio(
+        ROUTES[RADIUS],
+        _WORDS[RADIUS],
+        (RADIUS,),
+        (factor * pooled.value, factor * pooled.std),
+        reference,
+        unit=UNITS[RADIUS],
+        note=note,
+    )
+
+
+def _from_loading_radius(place: Place) -> Iterator[ValidityCheck]:
+    """Compare E and ξ with those that follow from the area and R_g, where no loading curve was fitted."""
+    row, loading = place.highest_row, place.loading
+    # For one area and load ξ goes with 1/R and E with R.
+    for name, power in ((MODULUS, 1), (INDENTATION, -1)):
+        if row is None or loading is None:
+            yield _missing(name, NO_CURVE if loading is None else NOTHING_COUNTS)
+            continue
+        radius = row["geometric_radius_from_compliance_mm"]
+        relative = row["geometric_radius_from_compliance_mm_std"] / radius
+        other = without_misfit(loading)[0][1] / loading.value
+        value, std = row[name], row[f"{name}_std"]
+        reference = value * (loading.value / radius) ** power
+        of_area = _without(std / value, relative)
+        yield compare_ratio(
+            ROUTES[name],
+            _WORDS[name],
+            (name,),
+            (value, std),
+            (reference, reference * math.hypot(of_area, other)),
+            unit=UNITS[name],
+            log_std=math.hypot(relative, other),
+            note=f"at {row['load_N']:.3g} N, {_SAME_COMPARISON}",
+        )
+
+
+def _curve_checks(place: Place) -> Iterator[ValidityCheck]:
+    """Compare E and ξ with those of the loading curves, at the highest load of both."""
+    rows = place.summary.rows.at(place.summary.rows.column("pooled"))
+    load, top = rows.column("load_N"), min(fit.modulus_load for fit in place.fits)
+    inside = rows.at((load <= _LARGEST_LOAD * top) & (load >= _SMALLEST_LOAD * top))
+    if not inside:
+        yield from (
+            _missing(name, "no contact under a load of the curves") for name in (MODULUS, INDENTATION)
+        )
+        return
+    repeats = _one_of_each(inside.at(inside.column("load_N") >= SAME_LOAD * inside.column("load_N").max()))
+    common = math.exp(np.log(repeats.column("load_N")).mean())
+    factor = 1 - place.study.poisson_ratio**2  # the same in both moduli, so without its uncertainty
+    # The fit takes the contact for that of a sphere of radius R_g, which makes E too large by 1/(F1 F2).
+    of_ellipse = repeats.column("geometric_radius_from_area_mm") / repeats.column(
+        "geometric_radius_from_compliance_mm"
+    )
+    reference = _at_load(place.fits, common, factor * float(of_ellipse.mean()))
+    load_std = place.study.uncertainty.load_relative_std
+    modulus, modulus_std = _mean_of_repeats(
+        repeats, "reduced_modulus_kpa", np.hypot(1.5 * area_noise(repeats), load_std)
+    )
+    indentation = _mean_of_repeats(repeats, INDENTATION, area_noise(repeats))
+    for name, value, (log_reference, log_std) in (
+        (MODULUS, (factor * modulus, factor * modulus_std), reference.modulus),
+        # The curve's ξ is read at the contact's load, which is uncertain.
+        (
+            INDENTATION,
+            indentation,
+            (reference.indentation[0], math.hypot(reference.indentation[1], load_std * 2 / 3)),
+        ),
+    ):
+        if math.isnan(log_reference):
+            yield _missing(name, "the loading curves have no areas, so no radius, which E needs")
+            continue
+        other = math.exp(log_reference)
+        yield compare_ratio(
+            ROUTES[name],
+            _WORDS[name],
+            (name,),
+            value,
+            (other, other * log_std),
+            unit=UNITS[name],
+            note=f"at {common:.3g} N",
+        )
+
+
+def _one_of_each(rows: ResultsTable) -> ResultsTable:
+    """Return single contacts, and of each sequence the frame at the highest load."""
+    rows = rows.sorted_by("load_N", descending=True)
+    of = np.where(rows.known("sequence"), rows.column("sequence"), rows.column("observation"))
+    return rows.at(np.unique(numbered(of), return_index=True)[1])
+
+
+def _mean_of_repeats(rows: ResultsTable, column: str, own: FloatArray) -> tuple[float, float]:
+    """Return the mean of a column over repeats, with what they share and how they scatter."""
+    relative = rows.column(f"{column}_std") / rows.column(column)
+    own = np.minimum(relative, own)
+    shared = np.sqrt(relative**2 - own**2)
+    pooled = pool(np.log(rows.column(column)), own, np.outer(shared, shared))
+    return math.exp(pooled.value), math.exp(pooled.value) * pooled.total_std
+
+
+class _Reference(NamedTuple):
+    """Logarithms of ξ (mm) and E (kPa) of the loading curves, each with its standard uncertainty."""
+
+    indentation: tuple[float, float]
+    modulus: tuple[float, float]
+
+
+def _at_load(fits: Sequence[LoadingFit], load: float, factor: float) -> _Reference:
+    """Return ξ and E of some loading curves at a load; how far curves differ is part of the uncertainty."""
+    found = []
+    for fit in fits:
+        law, offset = fit.models["load_dependent"], fit.contact_offset
+        radius, top = fit.loading_radius, fit.reduced_modulus
+        assert isinstance(offset, Estimate)  # chosen so
+        place_std = _without(offset.std, fit.misfit_std["contact_offset"])
+        depth = np.linspace(0, _LARGEST_LOAD * float(fit.secant.indentation.max()), _LAW_POINTS)
+        loads = law.load(depth + law.values["contact_offset"])
+        xi, deepest = (float(np.interp(at, loads, depth)) for at in (load, fit.modulus_load))
+        modulus = math.nan, math.nan
+        if isinstance(radius, Estimate) and isinstance(top, Estimate):
+            e = 0.75 * KPA_PER_MPA * factor * load / (math.sqrt(radius.value) * xi**1.5)
+            more = 1.5 * place_std * (1 / xi - 1 / deepest)  # of the place of contact at a smaller load
+            at_top = _without(top.std, fit.misfit_std["reduced_modulus"]) / top.value
+            modulus = math.log(e), math.hypot(at_top, more)
+        found.append((math.log(xi), place_std / xi, *modulus))
+    xi_values, xi_stds, moduli, modulus_stds = np.transpose(found)
+    return _Reference(of_curves(xi_values, xi_stds), of_curves(moduli, modulus_stds))
+
+
+def of_curves(values: FloatArray, stds: FloatArray) -> tuple[float, float]:
+    """Return the mean of curves, with how far another one would differ from it."""
+    known = np.isfinite(values) & (stds > 0)
+    if not known.any():
+        return math.nan, math.nan
+    pooled = pool_random_effects(values[known], stds[known])
+    return pooled.value, math.hypot(pooled.total_std, pooled.between_std)

@@ -1,0 +1,105 @@
+"""What is known of a finger at an angle, for all checks."""
+
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Final, NamedTuple, Self
+
+import numpy as np
+
+from fingerpad._arrays import FloatArray
+from fingerpad.loading import Estimate, LoadingFit
+from fingerpad.study.manifest import Study
+from fingerpad.study.measuring.curves import CurveResult
+from fingerpad.study.measuring.fingers import FingerResult
+from fingerpad.study.results.loading import LoadingRadius, loading_radius
+from fingerpad.study.results.rows import HighestLoad, Rows
+from fingerpad.study.results.summary import Summary
+from fingerpad.study.results.table import ResultsTable, Row
+from fingerpad.uncertainty import ValidityCheck
+
+# Results with a verdict, by the column that holds them.
+RADIUS: Final = "radius_from_indentation_mm"
+MODULUS: Final = "youngs_modulus_kpa"
+INDENTATION: Final = "indentation_mm"
+HEADLINES: Final = (RADIUS, MODULUS, INDENTATION)
+# Checks by two ways to a headline.
+ROUTES: Final = {
+    RADIUS: "radius_against_loading",
+    MODULUS: "modulus_against_curve",
+    INDENTATION: "indentation_against_curve",
+}
+UNITS: Final = {RADIUS: "mm", MODULUS: "kPa", INDENTATION: "mm"}
+
+HERTZ_EXPONENT: Final = 2 / 3
+# Loads are the same where their ratio is above this.
+SAME_LOAD: Final = 0.9
+NO_CURVE: Final = "no loading data of this finger at this angle"
+NOTHING_COUNTS: Final = "no contact counts"
+
+
+class Place(NamedTuple):
+    """A finger at an angle: its contacts, the one at the highest load, and its loading data."""
+
+    study: Study
+    pad: FingerResult
+    summary: Summary
+    highest: HighestLoad | None
+    highest_row: Row | None
+    loading: LoadingRadius | None
+    fits: tuple[LoadingFit, ...]
+
+    @classmethod
+    def of(
+        cls,
+        study: Study,
+        fingers: Mapping[str, FingerResult],
+        rows: Rows,
+        summary: Summary,
+        curves: Sequence[CurveResult],
+    ) -> Self:
+        """Gather what is known of a summary's finger at its angle."""
+        highest = rows.highest_load.get(summary.key)
+        of = summary.rows
+        return cls(
+            study=study,
+            pad=fingers[summary.finger],
+            summary=summary,
+            highest=highest,
+            highest_row=highest and of.at(of.column("observation") == highest.observation)[0],
+            loading=loading_radius(
+                curves, summary.finger, summary.wedge_angle_deg, synthetic=summary.synthetic
+            ),
+            fits=tuple(_fits(curves, summary)),
+        )
+
+    @property
+    def loaded(self) -> ResultsTable:
+        """Rows whose areas are compared over loads: contacts, or frames where there are none."""
+        rows = self.summary.contacts or self.summary.rows
+        return rows.at(rows.column("pooled") & (rows.column("load_N") > 0))
+
+
+def _fits(curves: Iterable[CurveResult], of: Summary) -> Iterator[LoadingFit]:
+    """Yield the fits of the loading curves of a finger at its angle that found the place of contact."""
+    place = of.finger, of.wedge_angle_deg, of.synthetic
+    for curve in curves:
+        given, fit = curve.manifest, curve.fit
+        if fit is None or (given.finger, given.wedge_angle_deg, given.synthetic) != place:
+            continue
+        if isinstance(fit.contact_offset, Estimate) and 0 < fit.contact_offset.std < math.inf:
+            yield fit
+
+
+def missing(name: str, compared: str, quantities: Sequence[str], why: str) -> ValidityCheck:
+    """Return a check without data."""
+    return ValidityCheck(name=name, compared=compared, quantities=tuple(quantities), note=why)
+
+
+def area_noise(rows: ResultsTable) -> FloatArray:
+    """Return the relative standard uncertainty of the ellipse's area from errors of its own image."""
+    major, minor = (
+        rows.column(f"{axis}_mm_noise_std") / rows.column(f"{axis}_mm")
+        for axis in ("semi_major", "semi_minor")
+    )
+    noise = rows.column("gross_area_mm2_noise_std") / rows.column("gross_area_mm2")
+    return np.where(np.isfinite(noise), noise, np.hypot(major, minor))

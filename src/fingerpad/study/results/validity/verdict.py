@@ -1,0 +1,269 @@
+"""Verdicts on the results of a finger at an angle, and what the model adds to their uncertainty."""
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from fingerpad.study.manifest import Study
+from fingerpad.study.measuring.curves import CurveResult
+from fingerpad.study.measuring.fingers import FingerResult
+from fingerpad.study.results.rows import Rows
+from fingerpad.study.results.summary import Summary
+from fingerpad.study.results.validity.area_checks import GROWTH, area_checks
+from fingerpad.study.results.validity.geometry_checks import shape_check, size_checks
+from fingerpad.study.results.validity.layer_checks import layer_checks
+from fingerpad.study.results.validity.loading_checks import loading_checks
+from fingerpad.study.results.validity.place import HEADLINES, MODULUS, RADIUS, ROUTES, Place
+from fingerpad.uncertainty import ModelDiscrepancy, ValidityCheck, model_discrepancy, overall_verdict
+
+_NOT_ESTIMATED = "not estimated: there are no loading data"
+Discrepancies = Mapping[str, ModelDiscrepancy | None]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Headline:
+    """A result with its uncertainty from what was measured and from the model.
+
+    Attributes
+    ----------
+    value, std : float
+        With the standard uncertainty of what was measured; NaN where it is not known.
+    model_std : float
+        Standard uncertainty from the model's discrepancy; NaN where nothing tells it.
+    model_from : str
+        What that was estimated from, or why it was not.
+    verdict : str
+        The worst of the checks that concern it.
+    """
+
+    value: float
+    std: float
+    model_std: float
+    model_from: str
+    verdict: str
+
+    @property
+    def total_std(self) -> float:
+        """Both together; that of what was measured where the other is unknown."""
+        return self.std if math.isnan(self.model_std) else math.hypot(self.std, self.model_std)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Validity:
+    """Whether Hertz theory holds for a finger at an angle.
+
+    Attributes
+    ----------
+    checks : tuple of ValidityCheck
+        All checks, also those without data.
+    headlines : dict of str to Headline
+        By column: the corrected radius, pooled, and Young's modulus and indentation of one contact.
+    observation : str
+        That contact, the one at the highest load; empty without one.
+    load : float
+        Its load, N.
+    relative_stds : dict of str to float
+        What the model adds to each headline, relative to it; NaN where nothing tells it.
+    layer_checks : tuple of ValidityCheck
+        Those of the whole pad on the finger's layer of tissue; none without a thickness.
+    """
+
+    checks: tuple[ValidityCheck, ...]
+    headlines: dict[str, Headline]
+    observation: str
+    load: float
+    relative_stds: dict[str, float]
+    layer_checks: tuple[ValidityCheck, ...] = ()
+
+    @property
+    def layer_verdict(self) -> str:
+        """The worst of the checks of the layer."""
+        return overall_verdict(check.verdict for check in self.layer_checks)
+
+    @property
+    def verdict(self) -> str:
+        """The worst of all checks."""
+        return overall_verdict(check.verdict for check in self.checks)
+
+    def as_record(self) -> dict[str, Any]:
+        """Return all of it as plain data."""
+        return {
+            "model": "Hertz theory",
+            "verdict": self.verdict,
+            "observation": self.observation or None,
+            "load_N": self.load,
+            "headlines": {
+                name: {
+                    "verdict": one.verdict,
+                    "value": one.value,
+                    "value_std": one.std,
+                    "model_std": one.model_std,
+                    "total_std": one.total_std,
+                    "model_relative_std": self.relative_stds[name],
+                    "model_from": one.model_from,
+                }
+                for name, one in self.headlines.items()
+            },
+            "checks": [_check_record(one) for one in self.checks],
+            "on_layer": {
+                "verdict": self.layer_verdict,
+                "checks": [_check_record(one) for one in self.layer_checks],
+            }
+            if self.layer_checks
+            else None,
+        }
+
+
+def _check_record(one: ValidityCheck) -> dict[str, Any]:
+    return {
+        "check": one.name,
+        "compared": one.compared,
+        "headlines": list(one.quantities),
+        "verdict": one.verdict,
+        "unit": one.unit or None,
+        "value": one.value,
+        "value_std": one.value_std,
+        "reference": one.reference,
+        "reference_std": one.reference_std,
+        "difference": one.difference,
+        "relative_difference": one.relative_difference,
+        "deviations": one.deviations,
+        "p_value": one.p_value,
+        "note": one.note or None,
+    }
+
+
+def validity_of(
+    study: Study,
+    fingers: Mapping[str, FingerResult],
+    rows: Rows,
+    summaries: Sequence[Summary],
+    curves: Sequence[CurveResult],
+) -> list[Validity]:
+    """Check Hertz theory for each finger at each angle.
+
+    The model's discrepancy is estimated from all fingers and angles at which there are two ways to a result,
+    real and synthetic ones apart.
+
+    Parameters
+    ----------
+    study : Study
+        The manifest.
+    fingers : mapping
+        Semi-axes by finger.
+    rows : Rows
+        All rows.
+    summaries : sequence of Summary
+        From `pool_contacts`.
+    curves : sequence of CurveResult
+        All loading data.
+
+    Returns
+    -------
+    list of Validity
+        One for each summary.
+    """
+    places = [Place.of(study, fingers, rows, one, curves) for one in summaries]
+    checks = [_checks(place) for place in places]
+    routes = {
+        synthetic: {
+            name: _discrepancy(
+                found
+                for one, all_of_one in zip(summaries, checks, strict=True)
+                for found in all_of_one
+                if one.synthetic == synthetic and found.name == route
+            )
+            for name, route in ROUTES.items()
+        }
+        for synthetic in (False, True)
+    }
+    return [
+        replace(
+            _validity(place, found, routes[place.summary.synthetic]),
+            layer_checks=_among_all(tuple(layer_checks(place, curves))),
+        )
+        for place, found in zip(places, checks, strict=True)
+    ]
+
+
+def _checks(place: Place) -> tuple[ValidityCheck, ...]:
+    """Return all checks of Hertz theory at a place."""
+    found = (*loading_checks(place), shape_check(place), *area_checks(place), *size_checks(place))
+    # R_g alone makes one comparison of three.
+    return _among_all(found, same=0 if place.fits else len(ROUTES) - 1)
+
+
+def _among_all(checks: tuple[ValidityCheck, ...], same: int = 0) -> tuple[ValidityCheck, ...]:
+    """Return each check as one of so many, since any may raise a false alarm."""
+    count = sum(not math.isnan(one.p_value) for one in checks) - same
+    return tuple(one.among(max(count, 1)) for one in checks)
+
+
+def _discrepancy(checks: Iterable[ValidityCheck]) -> ModelDiscrepancy | None:
+    """Return the discrepancy that comparisons of two ways to a result show; None without any."""
+    pairs = [
+        (ratio := math.log1p(one.relative_difference), ratio / one.deviations)
+        for one in checks
+        if one.deviations and math.isfinite(one.relative_difference)
+    ]
+    return model_discrepancy(*np.transpose(pairs)) if pairs else None
+
+
+def _validity(place: Place, checks: tuple[ValidityCheck, ...], routes: Discrepancies) -> Validity:
+    """Return the checks of a place with the headlines that they concern."""
+    over_loads = _change_over_loads(place, checks)
+    relative, headlines = {}, {}
+    for name in HEADLINES:
+        parts, words = [], []
+        if (route := routes[name]) is not None:
+            parts.append(route.relative_std)
+            times = f"{route.count} comparison{'s' if route.count > 1 else ''}"
+            words.append(f"{times} of images with loading data")
+        if name == MODULUS and not math.isnan(over_loads):
+            parts.append(over_loads)
+            words.append("its change over loads")
+        relative[name] = math.hypot(*parts) if parts else math.nan
+        value, std = _result(place, name)
+        headlines[name] = Headline(
+            value=value,
+            std=std,
+            model_std=value * relative[name],
+            model_from=" and ".join(words) or _NOT_ESTIMATED,
+            verdict=overall_verdict(one.verdict for one in checks if name in one.quantities),
+        )
+    return Validity(
+        checks=checks,
+        headlines=headlines,
+        observation=place.highest.observation if place.highest else "",
+        load=place.highest.load if place.highest else math.nan,
+        relative_stds=relative,
+    )
+
+
+def _result(place: Place, name: str) -> tuple[float, float]:
+    """Return a headline and its standard uncertainty from what was measured, NaN without one."""
+    row, pooled = place.highest_row, place.summary.corrected_radius
+    if name == RADIUS:
+        return (pooled.value, pooled.std) if pooled else (math.nan, math.nan)
+    return (row[name], row[f"{name}_std"]) if row else (math.nan, math.nan)
+
+
+def _change_over_loads(place: Place, checks: Iterable[ValidityCheck]) -> float:
+    """Return the standard deviation of ln E that its trend over loads makes; NaN at one load."""
+    (growth,) = (one for one in checks if one.name == GROWTH)
+    if math.isnan(growth.value):
+        return math.nan
+    excess = growth.difference**2 - growth.value_std**2
+    return 1.5 * math.sqrt(max(excess, 0.0)) * float(np.log(place.loaded.column("load_N")).std())
+
+
+def fill_columns(summaries: Iterable[Summary], validities: Iterable[Validity]) -> None:
+    """Fill the columns of the verdict and of what the model adds, in the rows of each summary."""
+    for summary, validity in zip(summaries, validities, strict=True):
+        rows = summary.rows
+        rows.fill("model_verdict", validity.verdict)
+        for name in HEADLINES:
+            rows.fill(f"{name}_model_std", validity.relative_stds[name] * rows.column(name))

@@ -1,0 +1,432 @@
+"""Whether a model holds: comparisons of two ways to one quantity, known errors, and what they add to ±."""
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from typing import Final, Self
+
+import numpy as np
+from scipy import optimize, special
+
+from fingerpad._arrays import ArrayLike, as_float_array, check_all
+from fingerpad.exceptions import UncertaintyError
+
+HOLDS: Final = "holds"
+STRAINED: Final = "strained"
+FAILS: Final = "fails"
+NOT_TESTED: Final = "not tested"
+# From good to bad; what was not tested says nothing.
+VERDICTS: Final = (NOT_TESTED, HOLDS, STRAINED, FAILS)
+
+# A difference counts where chance does not explain it, and where it is large enough to matter.
+STRAINED_BELOW_P, FAILS_BELOW_P = 0.05, 0.001
+STRAINED_ABOVE, FAILS_ABOVE = 0.05, 0.2
+_NORMAL_97_5: Final = 1.959963984540054
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ValidityCheck:
+    """One check of a model.
+
+    Attributes
+    ----------
+    name : str
+        Its name in files.
+    compared : str
+        What is compared, in words.
+    quantities : tuple of str
+        Results that it concerns.
+    verdict : str
+        ``holds``, ``strained``, ``fails`` or ``not tested``.
+    unit : str
+        Of the values; empty for pure numbers.
+    value, value_std : float
+        What the model gives, with its standard uncertainty; NaN where there is none.
+    reference, reference_std : float
+        What it is compared with.
+    relative_difference : float
+        Size of the difference: of the results that it concerns, relative to them, signed.
+    relative_std : float
+        Standard uncertainty of that, as of a logarithm; NaN for a known error.
+    deviations : float
+        The difference over its standard uncertainty.
+    p_value : float
+        Chance of a larger difference if the model held; NaN for a known error.
+    note : str
+        What was assumed, or why there is no verdict.
+
+    Examples
+    --------
+    >>> check = compare_ratio("radius", "R from the image and R_g", ["radius"], (13.5, 0.2), (14.2, 0.2))
+    >>> check.verdict, f"{check.difference:.1f} mm", f"p = {check.p_value:.3f}"
+    ('strained', '-0.7 mm', 'p = 0.013')
+    """
+
+    name: str
+    compared: str
+    quantities: tuple[str, ...]
+    verdict: str = NOT_TESTED
+    unit: str = ""
+    value: float = math.nan
+    value_std: float = math.nan
+    reference: float = math.nan
+    reference_std: float = math.nan
+    relative_difference: float = math.nan
+    relative_std: float = math.nan
+    deviations: float = math.nan
+    p_value: float = math.nan
+    note: str = ""
+
+    @property
+    def difference(self) -> float:
+        """The value less the reference, in their unit."""
+        return self.value - self.reference
+
+    def among(self, count: int) -> Self:
+        """Return the check as one of several: its verdict is by Bonferroni's p, `count` times as large.
+
+        The chance that any of the checks raises a false alarm is then that of one.
+
+        Parameters
+        ----------
+        count : int
+            Number of checks.
+
+        Returns
+        -------
+        ValidityCheck
+            With another verdict, and a note where nothing was tested.
+        """
+        if math.isnan(self.p_value):
+            return self
+        size = math.expm1(abs(math.log1p(self.relative_difference)))
+        verdict = verdict_of(min(1.0, count * self.p_value), size, self.relative_std)
+        hidden = f"uncertain by {100 * self.relative_std:.0f} %, which would hide a difference of 20 %"
+        if verdict == NOT_TESTED and hidden not in self.note:
+            return replace(self, verdict=verdict, note="; ".join(filter(None, (self.note, hidden))))
+        return replace(self, verdict=verdict)
+
+
+def verdict_of(p_value: float, relative_difference: float, relative_std: float = 0.0) -> str:
+    """Return the verdict on a difference from its probability and its size.
+
+    Strained: p < 0.05 and more than 5 %. Fails: p < 0.001 and more than 20 %. Where p ≥ 0.05, but the
+    uncertainty would hide a difference of 20 %, nothing was tested.
+
+    Parameters
+    ----------
+    p_value : float
+        Chance of a larger difference if there were none.
+    relative_difference, relative_std : float
+        Its size, relative to the quantity that it changes, and the standard uncertainty of that.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    A certain difference of 1 % is small; one of a factor of two is not, if it is certain:
+
+    >>> verdict_of(1e-9, 0.01), verdict_of(1e-9, 1.0), verdict_of(0.01, 1.0), verdict_of(0.3, 1.0, 0.9)
+    ('holds', 'fails', 'strained', 'not tested')
+    """
+    size = abs(relative_difference)
+    if p_value < FAILS_BELOW_P and size > FAILS_ABOVE:
+        return FAILS
+    if p_value < STRAINED_BELOW_P:
+        return STRAINED if size > STRAINED_ABOVE else HOLDS
+    return NOT_TESTED if not _NORMAL_97_5 * relative_std <= FAILS_ABOVE else HOLDS
+
+
+def verdict_of_error(relative_error: float) -> str:
+    """Return the verdict on a known error of a model: strained above 5 %, fails above 20 %.
+
+    Parameters
+    ----------
+    relative_error : float
+        The error, NaN where it is not known.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> [verdict_of_error(error) for error in (0.02, -0.1, 0.6, float("nan"))]
+    ['holds', 'strained', 'fails', 'not tested']
+    """
+    size = abs(relative_error)
+    if math.isnan(size):
+        return NOT_TESTED
+    return FAILS if size > FAILS_ABOVE else STRAINED if size > STRAINED_ABOVE else HOLDS
+
+
+def p_value_of(deviations: float, degrees_of_freedom: float = math.inf) -> float:
+    """Return the chance of a larger difference of either sign, by Student's t.
+
+    Parameters
+    ----------
+    deviations : float
+        The difference over its standard uncertainty.
+    degrees_of_freedom : float
+        Of that uncertainty; infinite for the normal distribution.
+
+    Returns
+    -------
+    float
+
+    Examples
+    --------
+    >>> round(p_value_of(1.96), 3), round(p_value_of(12.71, 1), 3)
+    (0.05, 0.05)
+    """
+    return float(2 * special.stdtr(degrees_of_freedom, -abs(deviations)))
+
+
+def overall_verdict(verdicts: Iterable[str]) -> str:
+    """Return the worst of some verdicts; ``not tested`` where nothing was.
+
+    Parameters
+    ----------
+    verdicts : iterable of str
+        Of `VERDICTS`.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> overall_verdict(["not tested", "holds", "strained"]), overall_verdict([])
+    ('strained', 'not tested')
+    """
+    return max(verdicts, key=VERDICTS.index, default=NOT_TESTED)
+
+
+def compare_ratio(
+    name: str,
+    compared: str,
+    quantities: Sequence[str],
+    value: tuple[float, float],
+    reference: tuple[float, float],
+    *,
+    unit: str = "",
+    log_std: float | None = None,
+    note: str = "",
+) -> ValidityCheck:
+    """Compare a positive quantity with another value of it, by the logarithm of their ratio.
+
+    Parameters
+    ----------
+    name, compared, quantities, unit, note
+        As in `ValidityCheck`.
+    value, reference : (float, float)
+        Value and standard uncertainty of each.
+    log_std : float, optional
+        Standard uncertainty of the logarithm of the ratio, where the two have errors in common; without it
+        they are independent.
+
+    Returns
+    -------
+    ValidityCheck
+
+    Examples
+    --------
+    >>> check = compare_ratio("radius", "R from the image and R_g", ["radius"], (13.5, 0.2), (20.5, 0.6))
+    >>> check.verdict, round(check.deviations, 1), f"{check.relative_difference:+.0%}"
+    ('fails', -12.7, '-34%')
+    """
+    (of, std), (other, other_std) = value, reference
+    spread = math.hypot(std / of, other_std / other) if log_std is None else log_std
+    ratio = math.log(of / other)
+    deviations = ratio / spread if spread > 0 else math.copysign(math.inf, ratio) if ratio else 0.0
+    return ValidityCheck(
+        name=name,
+        compared=compared,
+        quantities=tuple(quantities),
+        unit=unit,
+        value=of,
+        value_std=std,
+        reference=other,
+        reference_std=other_std,
+        relative_difference=math.expm1(ratio),
+        relative_std=spread,
+        deviations=deviations,
+        p_value=p_value_of(deviations),
+        note=note,
+    ).among(1)
+
+
+def compare_difference(
+    name: str,
+    compared: str,
+    quantities: Sequence[str],
+    value: tuple[float, float],
+    reference: tuple[float, float],
+    *,
+    effect: float,
+    degrees_of_freedom: float = math.inf,
+    note: str = "",
+) -> ValidityCheck:
+    """Compare a pure number, such as an exponent, with what the model has for it.
+
+    Parameters
+    ----------
+    name, compared, quantities, note
+        As in `ValidityCheck`.
+    value, reference : (float, float)
+        Value and standard uncertainty of each, independent.
+    effect : float
+        By how much a unit of the difference changes the logarithm of the results that it concerns.
+    degrees_of_freedom : float
+        Of the uncertainty.
+
+    Returns
+    -------
+    ValidityCheck
+
+    Examples
+    --------
+    An exponent of the area of 0.4 where Hertz theory has 2/3, over loads of 1 to 4 N, changes the modulus:
+
+    >>> effect = 1.5 * np.log(4)
+    >>> check = compare_difference("area", "n of A ∝ Wⁿ", ["E"], (0.4, 0.03), (2 / 3, 0.0), effect=-effect)
+    >>> check.verdict, f"{check.relative_difference:+.0%}"
+    ('fails', '+74%')
+    """
+    spread = math.hypot(value[1], reference[1])
+    difference = value[0] - reference[0]
+    deviations = difference / spread if spread > 0 else math.nan
+    return ValidityCheck(
+        name=name,
+        compared=compared,
+        quantities=tuple(quantities),
+        value=value[0],
+        value_std=value[1],
+        reference=reference[0],
+        reference_std=reference[1],
+        relative_difference=math.expm1(effect * difference),
+        relative_std=abs(effect) * spread,
+        deviations=deviations,
+        p_value=p_value_of(deviations, degrees_of_freedom),
+        note=note,
+    ).among(1)
+
+
+def known_error(
+    name: str,
+    compared: str,
+    quantities: Sequence[str],
+    value: float,
+    reference: float,
+    *,
+    unit: str = "",
+    note: str = "",
+) -> ValidityCheck:
+    """Compare a model with a better one on the same data: a known error, without a probability.
+
+    Parameters
+    ----------
+    name, compared, quantities, unit, note
+        As in `ValidityCheck`.
+    value, reference : float
+        By the model, and by the better one.
+
+    Returns
+    -------
+    ValidityCheck
+
+    Examples
+    --------
+    >>> known_error("bone", "ξ of Hertz theory and on a layer", ["xi"], 2.7, 1.8, unit="mm").verdict
+    'fails'
+    """
+    error = value / reference - 1
+    return ValidityCheck(
+        name=name,
+        compared=compared,
+        quantities=tuple(quantities),
+        verdict=verdict_of_error(math.expm1(abs(math.log1p(error)))),
+        unit=unit,
+        value=value,
+        reference=reference,
+        relative_difference=error,
+        note=note,
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ModelDiscrepancy:
+    """By how much a model is wrong, as two ways through it to one quantity show.
+
+    Attributes
+    ----------
+    relative_std : float
+        Standard deviation that each of the two ways needs beside its stated uncertainty, relative to its
+        value; zero where the stated uncertainties explain the differences.
+    between_std : float
+        Standard deviation s of the logarithm of their ratio, beyond chance.
+    count : int
+        Number of comparisons, which are the degrees of freedom.
+
+    Examples
+    --------
+    >>> found = model_discrepancy([-0.4], [0.02])
+    >>> print(f"{found.relative_std:.3f} of each, {found.between_std:.3f} between them")
+    0.326 of each, 0.399 between them
+    """
+
+    relative_std: float
+    between_std: float
+    count: int
+
+
+def model_discrepancy(log_ratios: ArrayLike, stds: ArrayLike) -> ModelDiscrepancy:
+    r"""Estimate the discrepancy of a model from pairs of values that would agree if it held.
+
+    s² solves :math:`\sum_i r_i^2/(u_i^2 + s^2) = n`, Paule and Mandel's equation about a mean that is known
+    to be zero: with s, the differences are as large as their uncertainties. Nothing tells which of the two
+    ways is wrong, so that each has s/√2 of the logarithm, which is up to exp(s/√2) − 1 of the value (Kennedy
+    and O'Hagan's discrepancy, as one number).
+
+    Parameters
+    ----------
+    log_ratios : array_like, shape (n,)
+        Logarithms of the ratio of both values.
+    stds : array_like, shape (n,)
+        Their standard uncertainties.
+
+    Returns
+    -------
+    ModelDiscrepancy
+
+    Raises
+    ------
+    UncertaintyError
+        If there is no pair, or an uncertainty is negative or NaN.
+
+    Examples
+    --------
+    >>> found = model_discrepancy(np.log([0.66, 0.7]), [0.02, 0.05])
+    >>> print(f"{found.relative_std:.2f} from {found.count}")
+    0.31 from 2
+    """
+    ratio, std = np.atleast_1d(as_float_array(log_ratios)), np.atleast_1d(as_float_array(stds))
+    check_all(np.isfinite(ratio), "log_ratios", ratio, "finite", UncertaintyError)
+    check_all(std >= 0, "standard uncertainty", std, "at least zero", UncertaintyError)
+    if not ratio.size or ratio.shape != std.shape:
+        raise UncertaintyError(
+            f"as many standard uncertainties as ratios are needed, and one at least; found {ratio.size} and "
+            f"{std.size}"
+        )
+
+    def excess(variance: float) -> float:
+        return float(np.sum(ratio**2 / (std**2 + variance))) - ratio.size
+
+    upper = float(np.sum(ratio**2))
+    smallest = 1e-12 * upper
+    between = optimize.brentq(excess, smallest, upper) if upper > 0 and excess(smallest) > 0 else 0.0
+    return ModelDiscrepancy(
+        relative_std=math.expm1(math.sqrt(between / 2)), between_std=math.sqrt(between), count=ratio.size
+    )

@@ -1,0 +1,37 @@
+// Whether the model holds: one word, and the checks behind it.
+
+import { h } from "../core/dom.js";
+import { probability } from "../core/quantity.js";
+import { chip } from "./forms.js";
+
+// The symbols differ without colour too.
+const SYMBOL = { holds: "●", strained: "◐", fails: "○" };
+const KIND = { holds: "good", strained: "warn", fails: "bad" };
+
+/** @param {Answers["ModelCheck"]} check */
+function words({ compared, verdict, relative_difference: difference, p_value: p, note }) {
+  const numbers = [
+    difference !== null && `${difference < 0 ? "−" : "+"}${(100 * Math.abs(difference)).toFixed(1)} %`,
+    p !== null && probability(p),
+    note,
+  ].filter(Boolean);
+  return `${compared}: ${verdict}${numbers.length ? ` (${numbers.join(", ")})` : ""}`;
+}
+
+/** @param {Answers["ModelValidity"]} validity */
+export function verdictChip({ verdict, checks }) {
+  const tested = checks.filter((check) => check.verdict !== "not tested");
+  return chip(
+    `${SYMBOL[verdict] ?? "–"} ${verdict}`,
+    KIND[verdict] ?? "",
+    `Hertz theory: ${verdict}\n${tested.map(words).join("\n")}`,
+  );
+}
+
+/** @param {Answers["ModelValidity"]} validity */
+export const checkList = ({ checks }) =>
+  h(
+    "ul.note",
+    null,
+    checks.map((check) => h("li", null, words(check))),
+  );

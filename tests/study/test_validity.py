@@ -1,0 +1,237 @@
+"""Verdicts on the model in simulated studies: where it holds, and where it fails in known ways."""
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from benchmarks.validity import CASES, Truth, press, principal_radii, scores, simulated
+from scipy.special import ellipe, ellipk
+
+from fingerpad.study.pipeline import run_study
+from fingerpad.study.results.output import write_tables
+from fingerpad.study.results.study_result import StudyResult
+from fingerpad.study.results.validity import INDENTATION, MODULUS, RADIUS, Validity
+from fingerpad.uncertainty import FAILS, HOLDS, NOT_TESTED, STRAINED, ValidityCheck
+
+WRONG = [name for name in CASES if not name.startswith("Hertz") and not name.endswith("with curve")]
+
+
+def named(validity: Validity, name: str) -> ValidityCheck:
+    (found,) = (check for check in validity.checks if check.name == name)
+    return found
+
+
+def test_the_truth_is_that_of_the_equations() -> None:
+    # Reference numbers of the geometry; Hertz theory for a sphere; Johnson (4.26c) for the ellipse.
+    assert principal_radii(np.array([7.9, 13.8, 11.8]), np.radians(30)) == pytest.approx(
+        (12.955, 14.330), abs=1e-3
+    )
+    sphere = press(Truth(modulus=0.1), (14.0, 14.0), 1.0)
+    assert sphere.area / (np.pi * sphere.indentation) == pytest.approx(14.0, rel=1e-6)
+    assert 4 / 3 * 0.1 * np.sqrt(14) * sphere.indentation**1.5 == pytest.approx(1.0, rel=1e-6)
+    elongation = press(Truth(), (8.0, 16.0), 1.0).elongation
+    k = np.exp(elongation)  # across is longer
+    K, E = ellipk(1 - k**2), ellipe(1 - k**2)
+    assert (E / k**2 - K) / (K - E) == pytest.approx(2.0)
+    thin = press(Truth(thickness=7.0, modulus=0.1), (14.0, 14.0), 1.0)
+    assert thin.area / (np.pi * thin.indentation) > 1.4 * 14
+
+
+def test_the_model_holds_where_it_holds() -> None:
+    found = scores(60, 0, {"Hertz theory": CASES["Hertz theory"]})["Hertz theory"]
+    assert found.share(HOLDS) > 0.87  # 95 % less three standard deviations of 60 studies
+    assert found.share(FAILS) == 0
+    p_values = np.array(found.p_values)
+    assert 0.35 < np.mean(p_values < 0.5) < 0.65
+    assert np.mean(p_values < 0.01) < 0.05
+    assert all(np.mean(covered) > 0.85 for covered in found.covered.values())
+
+
+@pytest.mark.parametrize("case", WRONG)
+def test_each_way_to_fail_is_found_and_covered(case: str) -> None:
+    found = scores(12, 0, {case: CASES[case]})[case]
+    assert found.share(FAILS, STRAINED) == 1
+    assert found.share(FAILS) > 0.8
+    assert np.mean(found.covered[MODULUS]) > 0.7
+    assert np.mean(found.covered[INDENTATION]) > 0.7
+
+
+@pytest.mark.parametrize(
+    ("case", "check", "holding"),
+    [
+        ("7 mm of tissue over bone", "radius_against_loading", "shape"),
+        ("the same area at all loads", "area_against_load", "shape"),
+        ("area falling above 0.4 N", "area_falls", "shape"),
+        ("long axis the other way, 1.4:1", "shape", "area_against_load"),
+    ],
+)
+def test_the_check_that_sees_it_says_so_and_others_do_not(
+    tmp_path: Path, case: str, check: str, holding: str
+) -> None:
+    validity = simulated(CASES[case], 1, tmp_path).validity
+    assert named(validity, check).verdict == FAILS
+    assert named(validity, holding).verdict in {HOLDS, NOT_TESTED}
+
+
+def test_bone_is_seen_in_a_fitted_curve_and_its_term_covers_the_truth(tmp_path: Path) -> None:
+    for case, verdicts in (("7 mm over bone, with curve", {FAILS}), ("Hertz theory, with curve", {HOLDS})):
+        found = simulated(CASES[case], 0, tmp_path)
+        routes = [
+            named(found.validity, name)
+            for name in ("radius_against_loading", "modulus_against_curve", "indentation_against_curve")
+        ]
+        assert {one.verdict for one in routes} == verdicts
+        for name, truth in found.truth.items():
+            headline = found.validity.headlines[name]
+            assert abs(headline.value - truth) < 2 * headline.total_std
+            assert headline.total_std >= headline.std
+
+
+HEAD = """
+title = "T"
+[uncertainty]
+wedge_angle_deg_std = 0.5
+load_relative_std = 0.02
+"""
+FINGER = """[[fingers]]
+name = "{name}"
+semi_axes_mm = {{ palmar = 7.9, distal = 13.8, radial_ulnar = 11.8 }}
+semi_axes_mm_std = {{ palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }}
+{keys}
+[[observations]]
+name = "of_{name}"
+finger = "{name}"
+wedge_angle_deg = 30
+load_N = 1
+ellipse_mm = {{ semi_major = {major}, semi_minor = {minor}, std = 0.05{axis} }}
+"""
+RADIUS_GIVEN = """[[curves]]
+finger = "{name}"
+wedge_angle_deg = 30
+loading_radius_mm = {radius}
+loading_radius_mm_std = 0.3
+"""
+
+
+def finger(
+    name: str, *, keys: str = "", radius: float | None = None, major: float = 3.5, axis: str = "across"
+) -> str:
+    side = f', long_axis = "{axis}"' if axis else ""
+    text = FINGER.format(name=name, keys=keys, major=major, minor=major / 1.07, axis=side)
+    return text + (RADIUS_GIVEN.format(name=name, radius=radius) if radius else "")
+
+
+def run(folder: Path, *fingers: str) -> tuple[StudyResult, list[Validity]]:
+    folder.mkdir(exist_ok=True)
+    (folder / "study.toml").write_text(HEAD + "".join(fingers))
+    result = run_study(folder / "study.toml", folder / "out")
+    write_tables(result, folder / "out")
+    return result, result.validities
+
+
+def test_without_loading_data_no_term_is_made_up(tmp_path: Path) -> None:
+    result, (validity,) = run(tmp_path, finger("f"))
+    assert np.isnan(list(validity.relative_stds.values())).all()
+    headline = validity.headlines[RADIUS]
+    assert np.isnan(headline.model_std)
+    assert headline.total_std == headline.std
+    assert "no loading data" in headline.model_from
+    assert named(validity, "radius_against_loading").note == "no loading data of this finger at this angle"
+    assert named(validity, "area_against_load").note == "contacts at one load only"
+    (row,) = result.rows
+    assert (row["model_verdict"], row["radius_from_indentation_mm_model_std"]) == (HOLDS, None)
+
+
+def test_loading_data_of_one_finger_tell_of_all_but_not_of_synthetic_ones(tmp_path: Path) -> None:
+    result, validities = run(
+        tmp_path, finger("f", radius=20.0), finger("g"), finger("s", keys="synthetic = true")
+    )
+    of = {one.finger: validity for one, validity in zip(result.summaries, validities, strict=True)}
+    term = math.expm1(math.log(20.0 / named(of["f"], "radius_against_loading").value) / math.sqrt(2))
+    for name in ("f", "g"):
+        assert of[name].relative_stds[RADIUS] == pytest.approx(term, rel=0.01)
+    assert np.isnan(of["s"].relative_stds[RADIUS])
+    assert (of["f"].verdict, of["g"].verdict) == (FAILS, HOLDS)
+    for row in result.rows:
+        model = row["youngs_modulus_kpa_model_std"]
+        validity = of[row["finger"]]
+        assert row["model_verdict"] == validity.verdict
+        assert (model is None) == (row["finger"] == "s")
+        if model:
+            assert model == pytest.approx(validity.relative_stds[MODULUS] * row["youngs_modulus_kpa"])
+
+
+def test_files_have_what_the_verdict_is_from(tmp_path: Path) -> None:
+    _, (validity,) = run(tmp_path, finger("f", radius=20.0))
+    (summary,) = json.loads((tmp_path / "out" / "summary.json").read_text())["summaries"]
+    record = summary["validity"]
+    assert record["verdict"] == FAILS
+    assert {one["check"] for one in record["checks"]} == {check.name for check in validity.checks}
+    radius = next(one for one in record["checks"] if one["check"] == "radius_against_loading")
+    assert radius["difference"] == pytest.approx(radius["value"] - 20.0)
+    assert radius["headlines"] == [RADIUS]
+    headline = record["headlines"][RADIUS]
+    assert headline["total_std"] == pytest.approx(math.hypot(headline["value_std"], headline["model_std"]))
+    untested = next(one for one in record["checks"] if one["check"] == "area_falls")
+    assert (untested["value"], untested["p_value"]) == (None, None)
+    assert untested["note"]
+
+
+def test_sizes_are_judged_by_the_error_of_hertz_theory(tmp_path: Path) -> None:
+    small, large, wide = (
+        run(tmp_path / str(major), finger("f", major=major))[1][0] for major in (2.0, 6.0, 11.0)
+    )
+    name = "youngs_modulus_on_half_space"
+    assert named(small, name).verdict == HOLDS
+    assert named(large, name).verdict == STRAINED
+    # Whole sphere at a/R = 0.45 (Sneddon 1965): E of Hertz theory from load and area is 11 % too high.
+    assert named(large, name).relative_difference == pytest.approx(0.1, abs=0.03)
+    assert named(wide, name).verdict != HOLDS
+    assert "at least this" in named(wide, name).note
+
+
+def test_thickness_spoils_the_indentation_before_the_modulus(tmp_path: Path) -> None:
+    _, (validity,) = run(tmp_path, finger("f", keys="pad_thickness_mm = 8"))
+    assert named(validity, "indentation_on_layer").verdict == FAILS  # A/(πRξ) = 1.37 at a/t = 0.42
+    assert named(validity, "indentation_on_layer").relative_difference == pytest.approx(0.37, abs=0.05)
+    assert named(validity, "youngs_modulus_on_layer").verdict in {HOLDS, STRAINED}
+    assert validity.headlines[INDENTATION].verdict == validity.headlines[RADIUS].verdict == FAILS
+    assert validity.headlines[MODULUS].verdict != FAILS
+
+
+def test_a_direction_that_is_not_known_is_not_judged(tmp_path: Path) -> None:
+    across, along, unknown = (
+        named(run(tmp_path / (axis or "unknown"), finger("f", axis=axis))[1][0], "shape")
+        for axis in ("across", "along", "")
+    )
+    assert across.value == pytest.approx(1 / 1.07) == pytest.approx(1 / along.value)
+    assert (across.verdict, along.verdict) == (HOLDS, STRAINED)
+    assert unknown.value == pytest.approx(across.value)
+    assert "direction is not known" in unknown.note
+
+
+@pytest.mark.parametrize(("stated", "verdict"), [(7.0, HOLDS), (20.0, FAILS)])
+def test_the_layer_has_a_verdict_of_its_own(tmp_path: Path, stated: float, verdict: str) -> None:
+    truth = Truth(thickness=7.0, modulus=0.25, with_curve=True, stated_thickness=stated)
+    found = simulated(truth, 0, tmp_path)
+    assert (found.validity.verdict, found.validity.layer_verdict) == (FAILS, verdict)
+    modulus = next(check for check in found.validity.layer_checks if check.name == "modulus_on_layer")
+    if verdict == HOLDS:
+        assert modulus.value == pytest.approx(found.truth[MODULUS], rel=0.1)
+        assert modulus.reference == pytest.approx(found.truth[MODULUS], rel=0.1)
+    else:
+        assert modulus.reference > 1.4 * modulus.value
+    assert "on_layer" in found.validity.as_record()
+
+
+def test_exact_inputs_are_judged_too(tmp_path: Path) -> None:
+    text = HEAD.replace("load_relative_std = 0.02", "load_relative_std = 0") + finger("f", radius=20.0)
+    second = text[text.index("[[observations]]") : text.index("[[curves]]")].replace("of_f", "again")
+    (tmp_path / "study.toml").write_text(
+        (text + second.replace("load_N = 1", "load_N = 4")).replace("std = 0.05", "std = 1e-9")
+    )
+    (validity,) = run_study(tmp_path / "study.toml", tmp_path / "out").validities
+    assert named(validity, "area_against_load").verdict == FAILS
+    assert math.isfinite(validity.relative_stds[MODULUS])

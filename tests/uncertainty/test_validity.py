@@ -1,0 +1,150 @@
+"""Comparisons of two ways to a quantity, verdicts, and the discrepancy of a model."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from fingerpad.exceptions import UncertaintyError
+from fingerpad.uncertainty import (
+    FAILS,
+    HOLDS,
+    NOT_TESTED,
+    STRAINED,
+    ValidityCheck,
+    compare_difference,
+    compare_ratio,
+    known_error,
+    model_discrepancy,
+    overall_verdict,
+    p_value_of,
+    verdict_of,
+    verdict_of_error,
+)
+
+
+def ratio(value: float, std: float, reference: float, reference_std: float) -> ValidityCheck:
+    return compare_ratio("r", "r", ["r"], (value, std), (reference, reference_std))
+
+
+@pytest.mark.parametrize(
+    ("p_value", "size", "std", "verdict"),
+    [
+        (1e-300, 0.01, 0.001, HOLDS),  # certain, and too small to matter
+        (0.04, 0.06, 0.03, STRAINED),
+        (0.06, 0.06, 0.03, HOLDS),
+        (1e-5, 0.19, 0.04, STRAINED),  # certain, of middle size
+        (1e-5, 0.21, 0.04, FAILS),
+        (0.002, 3.0, 0.5, STRAINED),  # large, but not certain
+        (0.5, 0.01, 0.1, HOLDS),
+        (0.5, 0.01, 0.11, NOT_TESTED),  # a difference of 20 % would not be seen
+        (0.5, 0.01, math.nan, NOT_TESTED),
+    ],
+)
+def test_a_verdict_needs_probability_and_size(p_value: float, size: float, std: float, verdict: str) -> None:
+    assert verdict_of(p_value, size, std) == verdict
+    assert verdict_of(p_value, -size, std) == verdict
+
+
+def test_known_errors_count_in_factors() -> None:
+    assert [verdict_of_error(size) for size in (0.05, 0.051, 0.2, 0.21)] == [HOLDS, STRAINED, STRAINED, FAILS]
+    # A third too small is as wrong as half too large.
+    low, high = known_error("e", "e", [], 1.0, 1.21), known_error("e", "e", [], 1.21, 1.0)
+    assert low.verdict == high.verdict == FAILS
+    assert low.relative_difference == pytest.approx(1 / 1.21 - 1)
+    assert math.isnan(low.p_value)
+
+
+def test_the_worst_counts_and_what_was_not_tested_does_not() -> None:
+    assert overall_verdict([NOT_TESTED, HOLDS]) == HOLDS
+    assert overall_verdict([FAILS, HOLDS, STRAINED]) == FAILS
+    assert overall_verdict([NOT_TESTED]) == NOT_TESTED
+
+
+def test_p_is_uniform_where_two_values_have_one_truth() -> None:
+    rng = np.random.default_rng(3)
+    truth, std, other_std = 14.0, 0.4, 0.9
+    found = [
+        ratio(truth + std * a, std, truth + other_std * b, other_std)
+        for a, b in rng.standard_normal((2000, 2))
+    ]
+    p_values = [one.p_value for one in found]
+    assert stats.kstest(p_values, "uniform").pvalue > 0.01
+    assert np.mean([one.verdict == HOLDS for one in found]) > 0.94
+
+
+def test_shared_errors_cancel() -> None:
+    rng = np.random.default_rng(4)
+    shared, own = rng.normal(0, 0.2, 2000), rng.normal(0, 0.02, (2, 2000))
+    first, second = np.exp(shared + own)
+    found = [
+        compare_ratio(
+            "r", "r", ["r"], (a, 0.201 * a), (b, 0.201 * b), log_std=math.hypot(0.02, 0.02)
+        ).deviations
+        for a, b in zip(first, second, strict=True)
+    ]
+    assert np.std(found) == pytest.approx(1.0, abs=0.05)
+
+
+def test_both_directions_are_the_same() -> None:
+    one, other = ratio(10.0, 0.3, 15.0, 0.6), ratio(15.0, 0.6, 10.0, 0.3)
+    assert one.deviations == pytest.approx(-other.deviations)
+    assert one.p_value == pytest.approx(other.p_value)
+    assert one.verdict == other.verdict == FAILS
+    assert one.difference == pytest.approx(-5.0)
+
+
+def test_exact_values_differ_for_certain_or_not_at_all() -> None:
+    assert ratio(10.0, 0.0, 15.0, 0.0).p_value == 0.0
+    assert ratio(10.0, 0.0, 10.0, 0.0).verdict == HOLDS
+
+
+def test_small_samples_are_judged_by_t() -> None:
+    assert p_value_of(12.706, 1) == pytest.approx(0.05, abs=1e-4)
+    one = compare_difference("n", "n", ["n"], (0.4, 0.05), (2 / 3, 0.0), effect=-3.0)
+    few = compare_difference("n", "n", ["n"], (0.4, 0.05), (2 / 3, 0.0), effect=-3.0, degrees_of_freedom=1)
+    assert (one.verdict, few.verdict) == (FAILS, NOT_TESTED)
+    assert one.relative_difference == pytest.approx(math.exp(0.8) - 1)
+
+
+def test_several_checks_share_the_chance_of_a_false_alarm() -> None:
+    one = ratio(10.0, 0.25, 10.9, 0.25)  # p = 0.012
+    assert one.verdict == STRAINED
+    assert one.among(3).verdict == STRAINED
+    assert one.among(5).verdict == HOLDS
+    rng = np.random.default_rng(5)
+    alarms = [
+        overall_verdict(ratio(x, 0.07, 1.0, 0.0).among(4).verdict for x in 1 + 0.07 * four) != HOLDS
+        for four in rng.standard_normal((1000, 4))
+    ]
+    assert np.mean(alarms) < 0.065
+
+
+def test_the_discrepancy_makes_differences_as_large_as_expected() -> None:
+    ratios, stds = np.array([0.5, 0.42, 0.1, 0.61]), np.array([0.05, 0.2, 0.1, 0.3])
+    found = model_discrepancy(ratios, stds)
+    assert np.sum(ratios**2 / (stds**2 + found.between_std**2)) == pytest.approx(4)
+    assert found.relative_std == pytest.approx(math.expm1(found.between_std / math.sqrt(2)))
+    assert found.count == 4
+
+
+def test_there_is_no_discrepancy_where_uncertainties_explain_the_differences() -> None:
+    assert model_discrepancy([0.1, -0.1], [0.2, 0.2]).relative_std == 0.0
+    assert model_discrepancy([0.0], [0.0]).relative_std == 0.0
+
+
+def test_the_discrepancy_is_found_again() -> None:
+    rng = np.random.default_rng(6)
+    stds = rng.uniform(0.02, 0.1, 4000)
+    each = rng.normal(0, 0.15, (2, stds.size))  # of either way
+    found = model_discrepancy(each[0] - each[1] + rng.normal(0, stds), stds)
+    assert found.between_std == pytest.approx(0.15 * math.sqrt(2), rel=0.04)
+
+
+@pytest.mark.parametrize(
+    ("ratios", "stds"), [([], []), ([0.1], [0.1, 0.1]), ([math.nan], [0.1]), ([0.1], [-0.1])]
+)
+def test_pairs_that_say_nothing_are_refused(ratios: list[float], stds: list[float]) -> None:
+    with pytest.raises(UncertaintyError):
+        model_discrepancy(ratios, stds)
