@@ -205,14 +205,16 @@ def print_semi_axes(fingers: Iterable[tuple[str, ShapedFinger, PhotographFit | N
         std = np.sqrt(np.diagonal(found.covariance)) / found.semi_axes
         rows.setdefault(name, []).append((off, std, "not_an_ellipse" in found.flags))
     print(f"\nSemi-axes of fingers that are no ellipsoids, {refused} refused")
-    print("    shape                 n    bias      rms      stated (median)   held by 95 % intervals   flagged")
+    print(
+        "    shape                 n    bias      rms      stated (median)   held by 95 % intervals   flagged"
+    )
     every = [row for some in rows.values() for row in some]
     for name, some in [*rows.items(), ("all", every)]:
         off, std = (np.array([row[k] for row in some]) for k in (0, 1))
         held = np.mean(np.abs(off) < 1.96 * std)
         print(f"    {name:<18} {len(some):4} {100 * off.mean():+6.1f} %", end="")
         print(f"  {100 * np.sqrt((off**2).mean()):5.1f} %   {100 * np.median(std):10.2f} %", end="")
-        print(f"   {100 * held:18.0f} %   {np.mean([row[2] for row in some]):16.0%}")
+        print(f"   {100 * held:7.0f} %   {np.mean([row[2] for row in some]):7.0%}")
 
 
 if __name__ == "__main__":

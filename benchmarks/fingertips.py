@@ -1,10 +1,10 @@
 """Photographs of fingertips of known curvature: semi-axes, and the radius at the place of contact.
 
-Each outline is drawn from its radius of curvature as a function of its normal's angle, R(psi), so that the radius
-at every place is known without any fit: eggs, flattened and narrow tips, shoulders, arches of three circles,
-sides that differ, side views of a pad that flattens towards the crease, and smooth random departures. Written from geometry alone, and
-not used to choose any constant. The true semi-axes are half of the width and the height of the tip above its widest
-places. Run alone with ``python -m benchmarks.fingertips [fingers]``.
+Each outline is drawn from its radius of curvature as a function of its normal's angle, R(psi), so that the
+radius at every place is known without any fit: eggs, flattened and narrow tips, shoulders, arches of three
+circles, sides that differ, pads flatter near the middle, and smooth random departures. Written from geometry
+alone. The true semi-axes are half of the width and the height of the tip above its widest places. Run alone
+with ``python -m benchmarks.fingertips [fingers]``.
 """
 
 import math
@@ -64,9 +64,7 @@ def _arch(psi: Array, across: float, along: float, rng: np.random.Generator) -> 
 def _random(psi: Array, across: float, along: float, rng: np.random.Generator) -> Array:
     order = np.arange(1, 5)
     phase, size = rng.uniform(0, 2 * math.pi, 4), rng.normal(0, 0.16, 4) / np.sqrt(order)
-    return np.asarray(
-        _ellipse(psi, across, along) * np.exp(np.cos(psi[:, None] * order + phase) @ size)
-    )
+    return np.asarray(_ellipse(psi, across, along) * np.exp(np.cos(psi[:, None] * order + phase) @ size))
 
 
 def _scaled(factor: Callable[[Array, np.random.Generator], Array]) -> Callable[..., Array]:
@@ -77,13 +75,17 @@ def _scaled(factor: Callable[[Array, np.random.Generator], Array]) -> Callable[.
 
 
 SHAPES: Final[dict[str, Callable[..., Array]]] = {
-    "ellipse": _scaled(lambda psi, rng: np.ones_like(psi)),
+    "ellipse": lambda psi, across, along, _: _ellipse(psi, across, along),
     "egg": _egg,
     "flattened tip": _scaled(lambda psi, rng: 1 + rng.uniform(0.4, 1.0) * _bump(psi, 90, 25)),
     "narrow tip": _scaled(lambda psi, rng: 1 - rng.uniform(0.2, 0.45) * _bump(psi, 90, 25)),
-    "shoulders": _scaled(lambda psi, rng: 1 - rng.uniform(0.2, 0.4) * (_bump(psi, 45, 15) + _bump(psi, 135, 15))),
+    "shoulders": _scaled(
+        lambda psi, rng: 1 - rng.uniform(0.2, 0.4) * (_bump(psi, 45, 15) + _bump(psi, 135, 15))
+    ),
     "three circles": _arch,
-    "sides differ": _scaled(lambda psi, rng: np.exp(rng.choice([-1, 1]) * rng.uniform(0.15, 0.35) * _step(psi, 90, 30))),
+    "sides differ": _scaled(
+        lambda psi, rng: np.exp(rng.choice([-1, 1]) * rng.uniform(0.15, 0.35) * _step(psi, 90, 30))
+    ),
     "flat pad": _scaled(lambda psi, rng: 1 + rng.uniform(0.3, 0.8) * _bump(psi, 10, 25)),
     "random": _random,
 }

@@ -225,7 +225,7 @@ def _result(
             f"the {face} face's arc of {found.arc_deg:.0f} degrees leaves an axis unknown by {relative:.0%}: "
             "mark a longer arc, come nearer, or choose a backdrop of another colour than the skin"
         )
-    found = with_departure(found, arc.departure)
+    found = with_departure(found, fit.ellipse, arc.departure)
     contrast = float(np.quantile(edges.step_ratio[arc.used], 0.25))
     return replace(found, flags=_flags(found, contrast, silhouette))
 
