@@ -10,7 +10,7 @@ import sys
 import zlib
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, TypeAlias
 
 import cv2
 import numpy as np
@@ -193,7 +193,45 @@ def measure_one(truth: ShapedFinger) -> tuple[ShapedFinger, PhotographFit | None
         return truth, None
 
 
-def print_semi_axes(fingers: Iterable[tuple[str, ShapedFinger, PhotographFit | None]]) -> None:
+Finger: TypeAlias = tuple[str, ShapedFinger, PhotographFit | None]
+
+
+def print_accuracy(fingers: Iterable[Finger]) -> None:
+    """Print how well semi-axes and radii at the place of contact are found."""
+    done = list(fingers)
+    print_semi_axes(done)
+    print_radii(done)
+
+
+def print_radii(fingers: Iterable[Finger], wedges_deg: tuple[int, ...] = (15, 30, 45, 60)) -> None:
+    """Print errors of the radius of curvature in the plane of a side face, where wedges touch."""
+    rows: dict[str, list[tuple[float, float, float]]] = {}
+    for name, truth, found in fingers:
+        if found is None or truth.face != "radial":
+            continue
+        for angle in np.radians(wedges_deg):
+            true, (radius, std) = truth.radius(angle), found.outline_radius(angle)
+            ellipse = found.ellipse_radius(angle)
+            rows.setdefault(name, []).append((radius / true - 1, std / radius, ellipse / true - 1))
+    rows["all"] = [row for some in rows.values() for row in some]
+    print("\nRadius of curvature in a side face, from the outline itself and from the ellipse")
+    print("    shape                 n   seen   median     rms   stated   covered   ellipse: median     rms")
+    for name, some in rows.items():
+        off, std, by_ellipse = np.array(some).T
+        seen = np.isfinite(off)
+        off, std = off[seen], std[seen]
+        print(
+            f"    {name:<18} {len(seen):4} {seen.mean():6.0%}  {100 * np.median(np.abs(off)):5.1f} %", end=""
+        )
+        print(f"  {100 * np.sqrt(np.mean(off**2)):5.1f} %  {100 * np.median(std):5.1f} %", end="")
+        print(
+            f"  {np.mean(np.abs(off) < 1.96 * std):6.0%}   {100 * np.median(np.abs(by_ellipse)):16.1f} %",
+            end="",
+        )
+        print(f"  {100 * np.sqrt(np.mean(by_ellipse**2)):5.1f} %")
+
+
+def print_semi_axes(fingers: Iterable[Finger]) -> None:
     """Print bias, spread, stated uncertainty and coverage of each shape's semi-axes."""
     rows: dict[str, list[tuple[Array, Array, bool]]] = {}
     refused = 0
@@ -218,4 +256,4 @@ def print_semi_axes(fingers: Iterable[tuple[str, ShapedFinger, PhotographFit | N
 
 
 if __name__ == "__main__":
-    print_semi_axes(measured(int(sys.argv[1]) if len(sys.argv) > 1 else 24, 3))
+    print_accuracy(measured(int(sys.argv[1]) if len(sys.argv) > 1 else 24, 4))

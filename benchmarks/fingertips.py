@@ -3,8 +3,9 @@
 Each outline is drawn from its radius of curvature as a function of its normal's angle, R(psi), so that the
 radius at every place is known without any fit: eggs, flattened and narrow tips, shoulders, arches of three
 circles, sides that differ, pads flatter near the middle, and smooth random departures. Written from geometry
-alone. The true semi-axes are half of the width and the height of the tip above its widest places. Run alone
-with ``python -m benchmarks.fingertips [fingers]``.
+alone. The true semi-axes are half of the width and the height of the tip above its widest places; of a side
+face, whose other half is the nail's side, what the palmar half reaches out from the tip and down from it. Run
+alone with ``python -m benchmarks.fingertips [fingers]``.
 """
 
 import math
@@ -21,7 +22,7 @@ from benchmarks.finger_shapes import (
     ShapedFinger,
     measure_one,
     photograph_outline,
-    print_semi_axes,
+    print_accuracy,
 )
 from fingerpad.image import Face, PhotographFit
 
@@ -109,9 +110,9 @@ def render(rng: np.random.Generator, name: str, face: Face) -> ShapedFinger:
     curve = curve - (curve[right] + curve[-1]) / 2
     tip = curve[right:]
     shaft = _shaft(rng, tip, face, curve if face == "radial" else tip)
-    return ShapedFinger(
-        photograph_outline(rng, shaft, face, scale), face, scale, (tip[0, 0], tip[:, 1].max()), tip
-    )
+    top = tip[tip[:, 1].argmax()]
+    reach = (tip[0, 0] - top[0], top[1] - tip[0, 1]) if face == "radial" else (tip[0, 0], top[1])
+    return ShapedFinger(photograph_outline(rng, shaft, face, scale), face, scale, reach, tip)
 
 
 def _shaft(rng: np.random.Generator, tip: Array, face: Face, seen: Array) -> Array:
@@ -137,4 +138,4 @@ def measured(count: int, seed: int) -> Iterator[tuple[str, ShapedFinger, Photogr
 
 
 if __name__ == "__main__":
-    print_semi_axes(measured(int(sys.argv[1]) if len(sys.argv) > 1 else 24, 3))
+    print_accuracy(measured(int(sys.argv[1]) if len(sys.argv) > 1 else 24, 4))

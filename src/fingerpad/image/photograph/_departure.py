@@ -17,11 +17,12 @@ _EXPONENTS, _STARTS = (1.2, 5.0), (-0.35, -0.15, 0.2, 0.5)
 # Prior odds that a finger is no ellipse. What a superellipse misses: its standard uncertainties are so many
 # times what its points tell, and more by a share of the difference between the curves and of the semi-axes.
 # All found on drawn fingers (benchmarks/finger_shapes.py).
-_LOG_ODDS, _WIDENING, _MISSED, _FLOOR = math.log(3), 2.0, 0.1, 0.003
+_LOG_ODDS, _WIDENING, _MISSED, _FLOOR = math.log(3), 2.0, 0.1, 0.03
 # Relative standard deviation of half of a finger's width from the semi-axis across its pad.
 _WIDTH_STD = 0.04
 # An outline that a superellipse follows much worse than an ellipse its arc is neither: it has a fold or nail.
-_TOO_ROUGH = 10.0
+# How far the ellipse may then be off as a whole, relatively.
+_TOO_ROUGH, _ROUGH_STD = 10.0, 0.08
 # Neighbouring points share the skin's roughness; blocks of so many hardly do.
 _BLOCK, _MIN_BLOCKS = 8, 10
 # What a block can be off at least, px; from so many deviations on its distance counts but linearly; and the
@@ -138,9 +139,9 @@ def departure_of(
         bent = curve.fitted(bent.x)
     plain = curve.fitted(start)
     weight = float(expit(_LOG_ODDS + _log_evidence(bent) - _log_evidence(plain)))
-    if noise * size > _TOO_ROUGH * max(shape.noise, _LEAST_PX):
-        weight, plain.x = 0.0, start
     more, off = np.exp(bent.x[2:4]) * size, np.exp(plain.x[2:4]) * size - given
+    if noise * size > _TOO_ROUGH * max(shape.noise, _LEAST_PX):
+        weight, off = 0.0, _ROUGH_STD * given
     apart = more - given
     inverse = np.linalg.pinv(bent.jac.T @ bent.jac)
     bent_covariance = (

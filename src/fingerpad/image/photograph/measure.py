@@ -130,7 +130,9 @@ def measure_photograph(
                 check_not_cut(silhouette, pad_sides(face, tip, side), tip)
             axes = face_axes(face, tip, side)
             arc, place = _pad_arc(edges, face, axes, window, marks)
-            tried.append(_result(arc, (axes, place), (edges, silhouette), face, scale))
+            found = _result(arc, (axes, place), (edges, silhouette), face, scale)
+            order = candidate_points((edges.points - place) @ axes.T, face)
+            tried.append(replace(found, outline=edges.points[order[edges.found[order]]]))
         except (FitError, ImageError) as error:
             errors.append(error)
     if not tried:

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, Self
 
 import numpy as np
@@ -12,6 +12,7 @@ from fingerpad._arrays import FloatArray
 from fingerpad._display import Displayed
 from fingerpad._records import record_text
 from fingerpad.geometry.faces import FACE_AXES, Face
+from fingerpad.image.photograph._outline_radius import radius_of_outline
 from fingerpad.image.photograph.faces import FaceSemiAxes, implausible_size
 from fingerpad.image.scale import Scale
 
@@ -64,6 +65,8 @@ class PhotographFit(Displayed):
         Exponent p of the superellipse :math:`|x/a|^p + |y/b|^p = 1` that follows the pad best, a mean over
         its quadrants, and its standard uncertainty: 2 for an ellipse, less where the tip is pointed, more
         where it is blunt. NaN where nothing was fitted.
+    outline : ndarray, shape (n, 2)
+        All points of the outline that can be pad, in order, (row, column), px.
 
     Examples
     --------
@@ -90,6 +93,7 @@ class PhotographFit(Displayed):
     flags: frozenset[str]
     exponent: float = math.nan
     exponent_std: float = math.nan
+    outline: FloatArray = field(default_factory=lambda: np.empty((0, 2)))
     _picture: npt.NDArray[Any] | None = None
 
     @property
@@ -163,6 +167,55 @@ class PhotographFit(Displayed):
         centre = np.array(self.centre)
         ends = self.directions * self.semi_axes[:, None] / self.scale.mm_per_px
         return np.stack([centre, *(centre + ends)])
+
+    def outline_radius(self, angle: float) -> tuple[float, float]:
+        """Return the radius of curvature of the outline itself, mm, and its standard uncertainty.
+
+        Of a side face, with the angle of the wedge, it is the radius of the pad in the plane along the
+        finger at the place of contact. It is fitted to the outline within 0.35 radii of that place, whatever
+        ellipse fits the whole; `ellipse_radius` is that of the ellipse.
+
+        Parameters
+        ----------
+        angle : float
+            Angle of the outward normal from the first semi-axis towards the second, radians.
+
+        Returns
+        -------
+        (float, float)
+            NaN where the outline does not show the place.
+
+        Examples
+        --------
+        >>> from fingerpad.image import measure_photograph
+        >>> from fingerpad.simulate import render_finger
+        >>> truth = render_finger("radial", semi_axes=(8, 12), palmar="right", mm_per_px=0.1, seed=1)
+        >>> found = measure_photograph(truth.pixels, "radial", Scale(truth.mm_per_px), palmar="right")
+        >>> radius, std = found.outline_radius(math.radians(30))
+        >>> bool(abs(radius - found.ellipse_radius(math.radians(30))) < 2 * std)
+        True
+        """
+        scale = self.scale
+        points = (self.outline - self.centre) @ self.directions.T
+        guess = self.ellipse_radius(angle) / scale.mm_per_px
+        radius, std = radius_of_outline(points, angle, self.lean_std, guess)
+        return radius * scale.mm_per_px, math.hypot(std * scale.mm_per_px, radius * scale.mm_per_px_std)
+
+    def ellipse_radius(self, angle: float) -> float:
+        """Return the radius of curvature of the ellipse, mm, where its outward normal has an angle.
+
+        Parameters
+        ----------
+        angle : float
+            Angle of the normal from the first semi-axis towards the second, radians.
+
+        Returns
+        -------
+        float
+        """
+        across, along = self.semi_axes
+        support = math.hypot(across * math.cos(angle), along * math.sin(angle))
+        return float((across * along) ** 2 / support**3)
 
     def without_picture(self) -> Self:
         """Return the same without the picture that was measured, to save memory.
