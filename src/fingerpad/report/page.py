@@ -111,6 +111,7 @@ def write_page(
             most_presses=_MOST_PRESSES,
             synthetic=bool(result.rows.column("synthetic").any()),
             exact=result.study.taken_as_exact(),
+            assumed=result.study.assumed(),
             thick=any(finger.effective_thickness is not None for finger in result.fingers.values()),
         )
         page.enable_buffering()

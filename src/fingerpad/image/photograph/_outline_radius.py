@@ -9,7 +9,7 @@ from fingerpad._arrays import FloatArray
 from fingerpad.image._correlation import correlation_length
 
 # Half of the window, in radii of curvature, and the degree of the polynomial in it: chosen on outlines of
-# known radius (benchmarks/finger_shapes.py). What changes of curvature in the window leave unknown, relatively.
+# known radius (benchmarks/finger_shapes.py). What changes of curvature in the window leave unknown.
 _WINDOW: Final = 0.35
 _DEGREE: Final = 3
 _MISSED_STD: Final = 0.04

@@ -121,6 +121,15 @@ class PhotographFit(Displayed):
                 "arc_deg": self.arc_deg,
                 "exponent": self.exponent,
                 "exponent_std": self.exponent_std,
+                **{
+                    f"{name}_{radii['wedge_angle_deg']:g}deg": radii[key]
+                    for radii in self.side_radii()
+                    for name, key in (
+                        ("outline_radius_mm", "outline_mm"),
+                        ("outline_radius_mm_std", "outline_mm_std"),
+                        ("ellipse_radius_mm", "ellipse_mm"),
+                    )
+                },
                 "flags": self.flags,
             },
         )
@@ -216,6 +225,34 @@ class PhotographFit(Displayed):
         across, along = self.semi_axes
         support = math.hypot(across * math.cos(angle), along * math.sin(angle))
         return float((across * along) ** 2 / support**3)
+
+    def side_radii(self, wedges_deg: tuple[float, ...] = (30.0, 45.0, 60.0)) -> list[dict[str, float]]:
+        """Return the radii of curvature of a side face where wedges touch, by outline and by ellipse, mm.
+
+        Parameters
+        ----------
+        wedges_deg : tuple of float
+            Angles of the wedges, degrees.
+
+        Returns
+        -------
+        list of dict
+            ``wedge_angle_deg``, ``outline_mm``, ``outline_mm_std`` and ``ellipse_mm`` of each place that the
+            outline shows; empty for the other faces.
+        """
+        if self.face not in ("radial", "ulnar"):
+            return []
+        seen = [(wedge, *self.outline_radius(math.radians(wedge))) for wedge in wedges_deg]
+        return [
+            {
+                "wedge_angle_deg": wedge,
+                "outline_mm": radius,
+                "outline_mm_std": std,
+                "ellipse_mm": self.ellipse_radius(math.radians(wedge)),
+            }
+            for wedge, radius, std in seen
+            if math.isfinite(radius)
+        ]
 
     def without_picture(self) -> Self:
         """Return the same without the picture that was measured, to save memory.
