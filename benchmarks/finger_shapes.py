@@ -256,4 +256,4 @@ def print_semi_axes(fingers: Iterable[Finger]) -> None:
 
 
 if __name__ == "__main__":
-    print_accuracy(measured(int(sys.argv[1]) if len(sys.argv) > 1 else 24, 4))
+    print_accuracy(measured(int(sys.argv[1]) if len(sys.argv) > 1 else 24, 5))

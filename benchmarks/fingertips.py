@@ -138,4 +138,4 @@ def measured(count: int, seed: int) -> Iterator[tuple[str, ShapedFinger, Photogr
 
 
 if __name__ == "__main__":
-    print_accuracy(measured(int(sys.argv[1]) if len(sys.argv) > 1 else 24, 4))
+    print_accuracy(measured(int(sys.argv[1]) if len(sys.argv) > 1 else 24, 5))

@@ -13,6 +13,8 @@ from fingerpad.image._correlation import correlation_length
 _WINDOW: Final = 0.35
 _DEGREE: Final = 3
 _MISSED_STD: Final = 0.04
+# What the finger's axis may be off the ellipse's beyond the latter's own uncertainty: no finger is one.
+_AXIS_STD: Final = math.radians(2.5)
 # Points on so much of the window, on either side, and so many of them, are needed.
 _SHARE: Final = 0.85
 _MIN_POINTS: Final = 20
@@ -23,21 +25,21 @@ NOT_SHOWN: Final = (math.nan, math.nan)
 
 
 def radius_of_outline(
-    points: FloatArray, angle: float, angle_std: float, guess: float
+    points: FloatArray, semi_axes: tuple[float, float], angle: float, angle_std: float
 ) -> tuple[float, float]:
     """Return the radius of curvature where the outward normal has an angle, and its standard uncertainty.
 
-    In the frame of the normal, a cubic is fitted to the outline within 0.35 radii on either side of the place
-    where its slope vanishes.
+    In the frame of the normal, a cubic is fitted to the distance of the outline from the ellipse within 0.35
+    radii on either side of the place where the outline's slope vanishes.
 
     Parameters
     ----------
     points : ndarray, (n, 2)
-        Points (x, y) of the outline, in order.
+        Points (x, y) of the outline, in order, in the frame of the ellipse.
+    semi_axes : (float, float)
+        Semi-axes of the ellipse along x and y.
     angle, angle_std : float
         Angle of the normal from x towards y and its standard uncertainty, radians.
-    guess : float
-        Radius to start from.
 
     Returns
     -------
@@ -46,33 +48,55 @@ def radius_of_outline(
     """
     if len(points) < _MIN_POINTS:
         return NOT_SHOWN
-    along = points @ np.array([-math.sin(angle), math.cos(angle)])
-    out = points @ np.array([math.cos(angle), math.sin(angle)])
-    place, radius = float(along[out.argmax()]), guess
+    frame = np.array([[-math.sin(angle), math.cos(angle)], [math.cos(angle), math.sin(angle)]])
+    along, out = (points @ frame.T).T
+    ellipse = _Ellipse(semi_axes, frame)
+    place, radius = float(along[out.argmax()]), ellipse.radius
     for _ in range(_ROUNDS):
         half = _WINDOW * radius
         near = (np.abs(along - place) < half) & (out > out.max() - half)
-        s, height = (along[near] - place) / half, out[near]
+        s = (along[near] - place) / half
         if near.sum() < _MIN_POINTS or s.min() > -_SHARE or s.max() < _SHARE:
             return NOT_SHOWN
-        curve = np.polynomial.Polynomial.fit(s, height, _DEGREE, domain=[-1, 1])
-        roots = np.asarray(curve.deriv().roots(), dtype=np.complex128)
-        tops = roots.real[(np.abs(roots.imag) < 1e-9) & (np.abs(roots) < 1)].tolist()
-        bend = [float(-curve.deriv(2)(top)) / half**2 for top in tops]
-        if not bend or not max(bend) > 0:
+        off = out[near] - ellipse.height(s * half)
+        if not np.isfinite(off).all():
             return NOT_SHOWN
-        top, curvature = tops[int(np.argmax(bend))], max(bend)
+        curve = np.polynomial.Polynomial.fit(s, off, _DEGREE, domain=[-1, 1])
+        # The place moves by one step of Newton's method on the slope.
+        slope, bend = float(curve.deriv(1)(0)), float(curve.deriv(2)(0)) - half**2 / ellipse.radius
+        if not bend < 0:
+            return NOT_SHOWN
+        top = float(np.clip(-slope / bend, -0.5, 0.5))
         place += top * half
-        found, before = 1 / curvature, radius
-        radius = min(max(found, before / _MAX_CHANGE), before * _MAX_CHANGE)
+        before, radius = radius, float(np.clip(-(half**2) / bend, radius / _MAX_CHANGE, radius * _MAX_CHANGE))
         if abs(radius / before - 1) < 0.01 and abs(top) < 0.02:
             break
     design = np.vander(s, _DEGREE + 1, increasing=True)
-    off = height - curve(s)
-    alike = correlation_length(off, np.arange(len(off)))
-    freedom = max(len(off) / alike - _DEGREE - 1, 2)
-    variance = float(off @ off) / freedom
-    bending = np.array([0, 0, 2, 6 * top]) / half**2
-    noise = float(bending @ np.linalg.solve(design.T @ design, bending)) * variance * radius**2
-    turn = float(curve.deriv(3)(top)) / half**3 * radius**2 * angle_std
-    return radius, radius * math.sqrt(noise + turn**2 + _MISSED_STD**2)
+    left = off - curve(s)
+    freedom = max(len(left) / correlation_length(left, np.arange(len(left))) - _DEGREE - 1, 2)
+    noise = 2 * math.sqrt(np.linalg.inv(design.T @ design)[2, 2] * float(left @ left) / freedom) / half**2
+    third = float(curve.deriv(3)(0)) / half**3 + ellipse.third
+    turn = third * radius**2 * math.hypot(angle_std, _AXIS_STD)
+    return radius, radius * math.hypot(noise * radius, turn, _MISSED_STD)
+
+
+class _Ellipse:
+    """An ellipse as height over its tangent at the place of a normal."""
+
+    def __init__(self, semi_axes: tuple[float, float], frame: FloatArray) -> None:
+        # w'Qw = 1 with w = (along, out).
+        quadric = frame @ np.diag(1 / np.square(semi_axes)) @ frame.T
+        (self._p, self._q), (_, self._r) = quadric
+        support = math.sqrt(self._p / np.linalg.det(quadric))
+        self._place = -self._q * support / self._p
+        self._support = support
+        self.radius = self._r * support / self._p - self._q**2 * support / self._p**2
+        steps = 0.02 * self.radius * np.array([-2, -1, 1, 2])
+        self.third = float(self.height(steps) @ [-0.5, 1, -1, 0.5]) / (0.02 * self.radius) ** 3
+
+    def height(self, along: FloatArray) -> FloatArray:
+        """Return the height, zero at the place; NaN beyond the ellipse."""
+        u = along + self._place
+        with np.errstate(invalid="ignore"):
+            root = np.sqrt(np.square(self._q * u) - self._r * (self._p * u**2 - 1))
+        return np.asarray((root - self._q * u) / self._r - self._support)

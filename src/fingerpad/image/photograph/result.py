@@ -181,8 +181,8 @@ class PhotographFit(Displayed):
         """Return the radius of curvature of the outline itself, mm, and its standard uncertainty.
 
         Of a side face, with the angle of the wedge, it is the radius of the pad in the plane along the
-        finger at the place of contact. It is fitted to the outline within 0.35 radii of that place, whatever
-        ellipse fits the whole; `ellipse_radius` is that of the ellipse.
+        finger at the place of contact. It is fitted to the outline within 0.35 radii of that place;
+        `ellipse_radius` is that of the ellipse.
 
         Parameters
         ----------
@@ -204,11 +204,11 @@ class PhotographFit(Displayed):
         >>> bool(abs(radius - found.ellipse_radius(math.radians(30))) < 2 * std)
         True
         """
-        scale = self.scale
+        mm_per_px = self.scale.mm_per_px
         points = (self.outline - self.centre) @ self.directions.T
-        guess = self.ellipse_radius(angle) / scale.mm_per_px
-        radius, std = radius_of_outline(points, angle, self.lean_std, guess)
-        return radius * scale.mm_per_px, math.hypot(std * scale.mm_per_px, radius * scale.mm_per_px_std)
+        across, along = map(float, self.semi_axes / mm_per_px)
+        radius, std = radius_of_outline(points, (across, along), angle, self.lean_std)
+        return radius * mm_per_px, math.hypot(std * mm_per_px, radius * self.scale.mm_per_px_std)
 
     def ellipse_radius(self, angle: float) -> float:
         """Return the radius of curvature of the ellipse, mm, where its outward normal has an angle.
