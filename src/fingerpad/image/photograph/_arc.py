@@ -212,7 +212,7 @@ def add_departure(
     pad = np.isin(order, arc.used) | (np.abs(turns) < _SURELY_PAD)
     fit = arc.fit
     # A side face shows the nail's side too, whose distance is no semi-axis.
-    across = points[order] @ [math.cos(lean[0]), math.sin(lean[0])]
+    across = points[candidate_points(points, face)] @ [math.cos(lean[0]), math.sin(lean[0])]
     half_width = float(np.ptp(across)) / 2 if face in ("palmar", "distal") else math.nan
     shape = PadShape(lean=lean, half_width=half_width, noise=fit.residual_std)
     departure = departure_of(points[order[pad]], fit.ellipse, fit.covariance[2:4, 2:4], shape)
