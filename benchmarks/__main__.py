@@ -21,6 +21,7 @@ from benchmarks import (
     engine,
     fields,
     finger_shapes,
+    fingertips,
     images,
     loading,
     loading_truth,
@@ -112,7 +113,8 @@ if __name__ == "__main__":
     non_prints.report()
     photographs.photograph_accuracy(marked=True)
     photographs.photograph_accuracy(marked=False)
-    finger_shapes.report()
+    finger_shapes.print_accuracy(finger_shapes.measured(24, 5))
+    finger_shapes.print_accuracy(fingertips.measured(24, 5))
     sequences.coin_accuracy()
     coins.photographed_coins()
     sequences.press_accuracy()

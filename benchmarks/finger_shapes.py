@@ -8,9 +8,9 @@ with ``python -m benchmarks.finger_shapes [fingers]``.
 import math
 import sys
 import zlib
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, TypeAlias
 
 import cv2
 import numpy as np
@@ -34,17 +34,33 @@ SHAPES: Final[dict[str, tuple[float, float] | str]] = {
     "offset ellipse": "offset",
 }
 SIDES: Final[dict[Face, Direction | None]] = {"palmar": None, "distal": "up", "radial": "right"}
+# Least and greatest semi-axes across and along.
+SIZES_MM: Final[dict[Face, tuple[tuple[float, float], tuple[float, float]]]] = {
+    "palmar": ((8, 11), (10, 15)),
+    "distal": ((8, 11), (6, 9)),
+    "radial": ((6, 9), (10, 15)),
+}
 _SHAFT = 1.6
 
 
 @dataclass(frozen=True, eq=False)
 class ShapedFinger:
-    """A photograph of a finger, and its true semi-axes across and along, mm."""
+    """A photograph of a finger, its true semi-axes across and along, and the outline of its tip, mm."""
 
     pixels: npt.NDArray[np.uint8]
     face: Face
     mm_per_px: float
     semi_axes: tuple[float, float]
+    tip: Array
+
+    def radius(self, angle: float) -> float:
+        """Return the radius of curvature, mm, where the normal is at this angle from the right, rad."""
+        step = np.diff(self.tip, axis=0)
+        length = np.linalg.norm(step, axis=1)
+        turn = np.unwrap(np.arctan2(-step[:, 0], step[:, 1]))
+        place = np.cumsum(length) - length / 2
+        low, high = np.interp([angle - 0.01, angle + 0.01], turn, place)
+        return float(high - low) / 0.02
 
 
 def tip_outline(shape: tuple[float, float] | str, across: float, along: float) -> Array:
@@ -93,20 +109,25 @@ def _body(tip: Array, face: Face, proximal: float) -> Array:
 def render(rng: np.random.Generator, shape: tuple[float, float] | str, face: Face) -> ShapedFinger:
     """Draw one finger before a backdrop, with rough skin, blur, pixels and noise."""
     scale = rng.uniform(0.045, 0.07)
-    ranges = {"palmar": ((8, 11), (10, 15)), "distal": ((8, 11), (6, 9)), "radial": ((6, 9), (10, 15))}
-    across, along = (rng.uniform(*limits) for limits in ranges[face])
+    across, along = (rng.uniform(*limits) for limits in SIZES_MM[face])
     if isinstance(shape, tuple) and rng.uniform() < 0.5:
         shape = shape[::-1]
     tip = tip_outline(shape, across, along)
     # Of a side face the palmar half is the right one: below the tip it goes on as it began.
     proximal = shape[0] if isinstance(shape, tuple) else 2.0
     body = _body(tip, face, proximal)
+    return ShapedFinger(photograph_outline(rng, body, face, scale), face, scale, (across, along), tip)
+
+
+def photograph_outline(
+    rng: np.random.Generator, body: Array, face: Face, scale: float
+) -> npt.NDArray[np.uint8]:
+    """Draw a closed outline as rough skin before a backdrop."""
     even = _even(body, 0.05)
     even = even + _normals(even) * _rough(rng, len(even))[:, None]
     lean = math.radians(rng.uniform(-3, 3))
     turned = even @ np.array([[math.cos(lean), math.sin(lean)], [-math.sin(lean), math.cos(lean)]])
-    pixels = _photograph(rng, turned, scale, cut=face != "distal")
-    return ShapedFinger(pixels, face, scale, (across, along))
+    return _photograph(rng, turned, scale, cut=face != "distal")
 
 
 def _even(points: Array, step: float) -> Array:
@@ -160,36 +181,79 @@ def measured(
             face = faces[number % len(faces)]
             if name == "ogive" and face == "distal":
                 face = "palmar"  # an ogive is higher than wide
-            truth = render(rng, shape, face)
-            side = SIDES[face]
-            try:
-                found = measure_photograph(truth.pixels, face, Scale(truth.mm_per_px), palmar=side)
-            except (FitError, ImageError):
-                found = None
-            yield name, truth, found
+            yield name, *measure_one(render(rng, shape, face))
 
 
-def report(count: int = 24, seed: int = 3) -> None:
+def measure_one(truth: ShapedFinger) -> tuple[ShapedFinger, PhotographFit | None]:
+    """Return a finger and its measurement, None where that is refused."""
+    try:
+        scale, palmar = Scale(truth.mm_per_px), SIDES[truth.face]
+        return truth, measure_photograph(truth.pixels, truth.face, scale, palmar=palmar)
+    except (FitError, ImageError):
+        return truth, None
+
+
+Finger: TypeAlias = tuple[str, ShapedFinger, PhotographFit | None]
+
+
+def print_accuracy(fingers: Iterable[Finger]) -> None:
+    """Print how well semi-axes and radii at the place of contact are found."""
+    done = list(fingers)
+    print_semi_axes(done)
+    print_radii(done)
+
+
+def print_radii(fingers: Iterable[Finger], wedges_deg: tuple[int, ...] = (15, 30, 45, 60)) -> None:
+    """Print errors of the radius of curvature in the plane of a side face, where wedges touch."""
+    rows: dict[str, list[tuple[float, float, float]]] = {}
+    for name, truth, found in fingers:
+        if found is None or truth.face != "radial":
+            continue
+        for angle in np.radians(wedges_deg):
+            true, (radius, std) = truth.radius(angle), found.outline_radius(angle)
+            ellipse = found.ellipse_radius(angle)
+            rows.setdefault(name, []).append((radius / true - 1, std / radius, ellipse / true - 1))
+    rows["all"] = [row for some in rows.values() for row in some]
+    print("\nRadius of curvature in a side face, from the outline itself and from the ellipse")
+    print("    shape                 n   seen   median     rms   stated   covered   ellipse: median     rms")
+    for name, some in rows.items():
+        off, std, by_ellipse = np.array(some).T
+        seen = np.isfinite(off)
+        off, std = off[seen], std[seen]
+        print(
+            f"    {name:<18} {len(seen):4} {seen.mean():6.0%}  {100 * np.median(np.abs(off)):5.1f} %", end=""
+        )
+        print(f"  {100 * np.sqrt(np.mean(off**2)):5.1f} %  {100 * np.median(std):5.1f} %", end="")
+        print(
+            f"  {np.mean(np.abs(off) < 1.96 * std):6.0%}   {100 * np.median(np.abs(by_ellipse)):16.1f} %",
+            end="",
+        )
+        print(f"  {100 * np.sqrt(np.mean(by_ellipse**2)):5.1f} %")
+
+
+def print_semi_axes(fingers: Iterable[Finger]) -> None:
     """Print bias, spread, stated uncertainty and coverage of each shape's semi-axes."""
-    rows: dict[str, list[tuple[Array, Array, bool]]] = {name: [] for name in SHAPES}
+    rows: dict[str, list[tuple[Array, Array, bool]]] = {}
     refused = 0
-    for name, truth, found in measured(count, seed):
+    for name, truth, found in fingers:
         if found is None:
             refused += 1
             continue
         off = found.semi_axes / np.array(truth.semi_axes) - 1
         std = np.sqrt(np.diagonal(found.covariance)) / found.semi_axes
-        rows[name].append((off, std, "not_an_ellipse" in found.flags))
-    print(f"\nFingers that are no ellipsoids, {count} of each shape, {refused} refused: semi-axes")
-    print("    shape                bias      rms      stated (median)   held by 95 % intervals   flagged")
+        rows.setdefault(name, []).append((off, std, "not_an_ellipse" in found.flags))
+    print(f"\nSemi-axes of fingers that are no ellipsoids, {refused} refused")
+    print(
+        "    shape                 n    bias      rms      stated (median)   held by 95 % intervals   flagged"
+    )
     every = [row for some in rows.values() for row in some]
     for name, some in [*rows.items(), ("all", every)]:
         off, std = (np.array([row[k] for row in some]) for k in (0, 1))
         held = np.mean(np.abs(off) < 1.96 * std)
-        print(f"    {name:<18} {100 * off.mean():+6.1f} %  {100 * np.sqrt((off**2).mean()):5.1f} %", end="")
-        print(f"   {100 * np.median(std):10.2f} %   {100 * held:18.0f} %", end="")
-        print(f"   {np.mean([row[2] for row in some]):16.0%}")
+        print(f"    {name:<18} {len(some):4} {100 * off.mean():+6.1f} %", end="")
+        print(f"  {100 * np.sqrt((off**2).mean()):5.1f} %   {100 * np.median(std):10.2f} %", end="")
+        print(f"   {100 * held:7.0f} %   {np.mean([row[2] for row in some]):7.0%}")
 
 
 if __name__ == "__main__":
-    report(int(sys.argv[1]) if len(sys.argv) > 1 else 24)
+    print_accuracy(measured(int(sys.argv[1]) if len(sys.argv) > 1 else 24, 5))

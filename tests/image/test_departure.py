@@ -2,13 +2,16 @@
 
 import math
 import zlib
+from dataclasses import replace
 
 import numpy as np
 import pytest
+from benchmarks import fingertips
 from benchmarks.finger_shapes import SHAPES, SIDES, render, tip_outline
 
 from fingerpad.image import Scale, measure_photograph
-from fingerpad.image.photograph._departure import departure_of, is_significant
+from fingerpad.image.photograph._departure import PadShape, departure_of, is_significant
+from fingerpad.image.photograph._outline_radius import radius_of_outline
 from fingerpad.image.photograph.outline_fit import fit_outline_ellipse
 
 ACROSS, ALONG = 180.0, 250.0
@@ -25,53 +28,85 @@ def arc_of(shape, half_deg, seed=0, noise_px=0.15):
     return points + np.random.default_rng(seed).normal(0, noise_px, points.shape)
 
 
+def compared(points, half_width=math.nan):
+    fit = fit_outline_ellipse(points, lean=0.0, lean_std=math.radians(2))
+    shape = PadShape(lean=(0.0, math.radians(2)), half_width=half_width, noise=fit.residual_std)
+    return fit, departure_of(points, fit.ellipse, fit.covariance[2:4, 2:4], shape)
+
+
 def found(shape, half_deg, seed=0):
-    points = arc_of(shape, half_deg, seed)
-    lean = (0.0, math.radians(2))
-    fit = fit_outline_ellipse(points, lean=lean[0], lean_std=lean[1])
-    return fit, departure_of(points, fit.ellipse, lean)
+    return compared(arc_of(shape, half_deg, seed))
+
+
+def off_truth(ellipse):
+    return np.array([ellipse.semi_x - ACROSS, ellipse.semi_y - ALONG])
 
 
 @pytest.mark.parametrize("half_deg", [60, 75, 85])
-def test_an_ellipse_is_told_from_other_curves(half_deg):
+def test_an_ellipse_stays_what_it_is(half_deg):
     fit, departure = found((2.0, 2.0), half_deg)
     assert departure.exponent == pytest.approx(2, abs=4 * departure.exponent_std)
     assert not is_significant(departure.exponent, departure.exponent_std)
-    assert np.sqrt(departure.covariance[1, 1]) < 2 * np.sqrt(fit.covariance[3, 3])
+    stds = np.sqrt(np.diagonal(departure.covariance))
+    # Another curve is not excluded, but all but.
+    assert stds[1] < math.hypot(2 * np.sqrt(fit.covariance[3, 3]), 0.0015 * ALONG)
+    assert departure.ellipse.semi_y == pytest.approx(fit.ellipse.semi_y, abs=stds[1] / 2)
 
 
 @pytest.mark.parametrize("exponent", [1.7, 1.85, 2.2, 2.5])
 @pytest.mark.parametrize("half_deg", [75, 85])
-def test_the_exponent_of_a_superellipse_is_found_and_its_semi_axes_are_held(exponent, half_deg):
+def test_the_semi_axes_of_a_superellipse_are_found(exponent, half_deg):
     fit, departure = found((exponent, exponent), half_deg)
     assert departure.exponent == pytest.approx(exponent, abs=0.05)
     assert is_significant(departure.exponent, departure.exponent_std)
-    off = np.array([fit.ellipse.semi_x - ACROSS, fit.ellipse.semi_y - ALONG])
-    assert (np.abs(off) > 1.96 * np.sqrt(np.diagonal(fit.covariance)[2:4])).any()
-    assert (np.abs(off) < 1.96 * np.sqrt(np.diagonal(fit.covariance[2:4, 2:4] + departure.covariance))).all()
+    assert (np.abs(off_truth(fit.ellipse)) > 1.96 * np.sqrt(np.diagonal(fit.covariance)[2:4])).any()
+    off = off_truth(departure.ellipse)
+    assert (np.abs(off) < 1.96 * np.sqrt(np.diagonal(departure.covariance))).all()
+    assert np.linalg.norm(off) < 0.3 * np.linalg.norm(off_truth(fit.ellipse))
 
 
 def test_a_tip_fuller_on_one_side_needs_two_exponents():
     fit, departure = found((1.8, 2.2), 80)
     assert departure.exponent == pytest.approx(2, abs=0.06)
-    off = np.array([fit.ellipse.semi_x - ACROSS, fit.ellipse.semi_y - ALONG])
-    assert (np.abs(off) < 1.96 * np.sqrt(np.diagonal(fit.covariance[2:4, 2:4] + departure.covariance))).all()
+    off = off_truth(departure.ellipse)
+    assert (np.abs(off) < 1.96 * np.sqrt(np.diagonal(departure.covariance))).all()
+    assert np.linalg.norm(off) < np.linalg.norm(off_truth(fit.ellipse))
+
+
+def test_half_of_the_width_helps_a_short_arc():
+    points = arc_of((1.85, 1.85), 45)
+    without, known = compared(points)[1], compared(points, ACROSS)[1]
+    assert abs(off_truth(known.ellipse)[0]) < abs(off_truth(without.ellipse)[0])
+
+
+def test_a_width_that_contradicts_an_ellipse_widens_its_uncertainty():
+    points = arc_of((2.0, 2.0), 60)
+    agrees, contradicts = (compared(points, width)[1] for width in (ACROSS, 1.2 * ACROSS))
+    assert contradicts.covariance[0, 0] > 4 * agrees.covariance[0, 0]
+
+
+def test_an_outline_that_neither_curve_follows_keeps_the_ellipse_of_its_arc():
+    points = arc_of((2.0, 2.0), 60)
+    folded = points + np.where(points[:, :1] > 0.7 * ACROSS, [0.0, -25.0], 0.0)
+    fit, _ = compared(points)
+    shape = PadShape(lean=(0.0, math.radians(2)), noise=fit.residual_std)
+    departure = departure_of(folded, fit.ellipse, fit.covariance[2:4, 2:4], shape)
+    assert departure.ellipse.semi_x == pytest.approx(fit.ellipse.semi_x)
+    assert math.sqrt(departure.covariance[0, 0]) == pytest.approx(0.08 * ACROSS, rel=0.1)
 
 
 def test_the_unit_and_the_spacing_of_points_do_not_matter():
-    fit, departure = found((1.8, 1.8), 75)
-    fewer = departure_of(arc_of((1.8, 1.8), 75)[::2], fit.ellipse, (0.0, math.radians(2)))
+    points = arc_of((1.8, 1.8), 75)
+    (_, departure), (_, fewer) = compared(points), compared(points[::2])
     assert fewer.exponent == pytest.approx(departure.exponent, abs=0.02)
-    np.testing.assert_allclose(
-        np.sqrt(np.diagonal(fewer.covariance)), np.sqrt(np.diagonal(departure.covariance)), rtol=0.3
-    )
+    np.testing.assert_allclose(fewer.ellipse[2:4], departure.ellipse[2:4], rtol=0.02)
 
 
 def test_few_points_tell_nothing():
-    assert (
-        departure_of(arc_of((1.7, 1.7), 75)[:60], fit_outline_ellipse(arc_of((1.7, 1.7), 75)).ellipse, (0, 1))
-        is None
-    )
+    points = arc_of((1.7, 1.7), 75)
+    fit, _ = compared(points)
+    shape = PadShape(lean=(0.0, 1.0))
+    assert departure_of(points[:60], fit.ellipse, fit.covariance[2:4, 2:4], shape) is None
 
 
 @pytest.mark.parametrize("name", ["slightly pointed", "blunt", "one side fuller"])
@@ -81,3 +116,41 @@ def test_photographs_of_fingers_that_are_no_ellipses(name):
     seen = measure_photograph(truth.pixels, "palmar", Scale(truth.mm_per_px), palmar=SIDES["palmar"])
     assert ("not_an_ellipse" in seen.flags) == (name != "one side fuller")
     assert (np.abs(seen.semi_axes - truth.semi_axes) < 1.96 * np.sqrt(np.diagonal(seen.covariance))).all()
+    np.testing.assert_allclose(seen.semi_axes, truth.semi_axes, rtol=0.06)
+    # The ellipse drawn reaches where the finger does: the tip, and its sides.
+    top = min(seen.points[:, 0])
+    assert seen.handles[2][0] == pytest.approx(top, abs=0.04 * truth.semi_axes[1] / truth.mm_per_px)
+
+
+def ellipse_arc(first_deg, last_deg):
+    t = np.linspace(math.radians(first_deg), math.radians(last_deg), 900)
+    return np.stack([ACROSS * np.cos(t), ALONG * np.sin(t)], axis=-1)
+
+
+@pytest.mark.parametrize("angle_deg", [15, 30, 60])
+def test_the_outlines_radius_is_the_ellipses_whatever_ellipse_is_given(angle_deg):
+    angle = math.radians(angle_deg)
+    true = (ACROSS * ALONG) ** 2 / math.hypot(ACROSS * math.cos(angle), ALONG * math.sin(angle)) ** 3
+    exact, _ = radius_of_outline(ellipse_arc(-70, 160), (ACROSS, ALONG), angle, 0.0)
+    assert exact == pytest.approx(true, rel=3e-3)
+    wrong, std = radius_of_outline(ellipse_arc(-70, 160), (1.2 * ACROSS, 0.9 * ALONG), angle, 0.0)
+    assert wrong == pytest.approx(true, abs=1.96 * std)
+    assert wrong == pytest.approx(true, rel=0.08)
+
+
+def test_an_outline_that_ends_short_of_the_place_shows_no_radius():
+    assert np.isnan(radius_of_outline(ellipse_arc(40, 160), (ACROSS, ALONG), math.radians(15), 0.0)).all()
+    assert np.isnan(radius_of_outline(np.empty((0, 2)), (ACROSS, ALONG), 0.5, 0.0)).all()
+
+
+def test_a_side_face_tells_its_own_curvature_from_the_ellipses():
+    truth = fingertips.render(np.random.default_rng([3, 9]), "three circles", "radial")
+    seen = measure_photograph(truth.pixels, "radial", Scale(truth.mm_per_px), palmar="right")
+    angle = math.radians(30)
+    radius, std = seen.outline_radius(angle)
+    assert abs(radius - truth.radius(angle)) < 1.96 * std
+    assert 0.02 < std / radius < 0.25
+    (at_30, *_), palmar = seen.side_radii(), replace(seen, face="palmar")
+    assert (at_30["outline_mm"], at_30["ellipse_mm"]) == (radius, seen.ellipse_radius(angle))
+    assert "outline_radius_mm_30deg" in seen.summary()
+    assert palmar.side_radii() == []

@@ -41,7 +41,9 @@ loading_radius_mm_std = 0.4
 def report(tmp_path_factory: pytest.TempPathFactory) -> tuple[StudyResult, str]:
     folder = tmp_path_factory.mktemp("layer")
     stated = "effective_thickness_mm = 8.0\neffective_thickness_mm_std = 1.5"
-    text = 'title = "T"\n' + FINGER.format(name="thick", thickness=stated)
+    text = 'title = "T"\n[uncertainty]\nwedge_angle_deg_std = 0\nroll_angle_deg_std = 0\n' + FINGER.format(
+        name="thick", thickness=stated
+    )
     contacts = [("a", "thick", 30, 1, 6.0), ("b", "thick", 30, 2, 7.4), ("wide", "thick", 45, 2, 14.0)]
     for name, finger, wedge, load, major in contacts:
         text += CONTACT.format(name=name, finger=finger, wedge=wedge, load=load, major=major)

@@ -340,11 +340,25 @@ def test_says_every_fault_at_once(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("uncertainty", "scale", "exact"),
     [
-        ("", 'scale = "reader"', ["the wedge angle", "the load", "the scale reader"]),
-        ("wedge_angle_deg_std = 1", "scale = { ppi = 500 }", ["the load", "scales of single pictures"]),
-        ("load_relative_std = 0.1", "scale = { ppi = 500, relative_std = 0.01 }", ["the wedge angle"]),
+        ("", 'scale = "reader"', ["the load", "Poisson's ratio", "the scale reader"]),
         (
-            "load_relative_std = 0.1\nwedge_angle_deg_std = 1",
+            "wedge_angle_deg_std = 0\nroll_angle_deg_std = 0",
+            "scale = { ppi = 500 }",
+            [
+                "the wedge angle",
+                "the roll angle",
+                "the load",
+                "Poisson's ratio",
+                "scales of single pictures",
+            ],
+        ),
+        (
+            "load_relative_std = 0.1\nroll_angle_deg_std = 0",
+            "scale = { ppi = 500, relative_std = 0.01 }",
+            ["the roll angle", "Poisson's ratio"],
+        ),
+        (
+            "load_relative_std = 0.1\npoisson_ratio_std = 0.02",
             "scale = { line = [[0, 0], [0, 9]], length_mm = 1, ends_px_std = 1 }",
             [],
         ),
@@ -374,5 +388,30 @@ file = "a.png"
     thick = text.replace("[[observations]]", "effective_thickness_mm = 8\n[[observations]]")
     missing = {"the effective thickness of f"}
     assert set(read_study(write(tmp_path, thick)).taken_as_exact()) == {*exact, *missing}
+    loading = f"{text}[[curves]]\nfinger = 'f'\nwedge_angle_deg = 30\nloading_radius_mm = 20.5\n"
+    assert set(read_study(write(tmp_path, loading)).taken_as_exact()) == {*exact, "R_g of f at 30°"}
     known = thick.replace("_mm = 8", "_mm = 8\neffective_thickness_mm_std = 1.5")
     assert read_study(write(tmp_path, known)).taken_as_exact() == exact
+
+
+@pytest.mark.parametrize(
+    ("uncertainty", "assumed"),
+    [
+        ("", ["the wedge angle to ± 3°", "the roll angle to ± 3°"]),
+        ("wedge_angle_deg_std = 0", ["the roll angle to ± 3°"]),
+        ("wedge_angle_deg_std = 3\nroll_angle_deg_std = 1", []),
+    ],
+)
+def test_angles_without_an_uncertainty_are_assumed_known_to_3_degrees(
+    tmp_path: Path, uncertainty: str, assumed: list
+) -> None:
+    text = f"""
+title = "T"
+[uncertainty]
+{uncertainty}
+[[fingers]]
+name = "f"
+semi_axes_mm = {{ palmar = 7.9, distal = 13.8, radial_ulnar = 11.8 }}
+semi_axes_mm_std = {{ palmar = 0.2, distal = 0.2, radial_ulnar = 0.2 }}
+"""
+    assert read_study(write(tmp_path, text)).assumed() == assumed

@@ -14,6 +14,7 @@ title = "T"
 {top}
 [uncertainty]
 wedge_angle_deg_std = {wedge_std}
+roll_angle_deg_std = 0
 load_relative_std = {load_std}
 {more}
 [[fingers]]

@@ -254,8 +254,8 @@ def test_geometry_is_that_of_the_library(standing):
     ).json()
     assert by_name["u_deg"] == pytest.approx(found["u_deg"])
     assert by_name["mean_curvature_radius_mm_std"] > 0
-    # tan u = (distal / palmar) tan(wedge), axes to 0.1 mm and the wedge to 0.5°.
-    relative = np.linalg.norm([0.1 / 13.8, 0.1 / 7.9, np.radians(0.5) / (np.sin(np.pi / 3) / 2)])
+    # tan u = (distal / palmar) tan(wedge), axes to 0.1 mm and the wedge to 3°.
+    relative = np.linalg.norm([0.1 / 13.8, 0.1 / 7.9, np.radians(3) / (np.sin(np.pi / 3) / 2)])
     expected = np.degrees(0.5 * np.sin(2 * placement.u) * relative)
     assert by_name["u_deg_std"] == pytest.approx(expected, rel=0.01)
 

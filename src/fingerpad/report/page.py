@@ -129,6 +129,7 @@ def write_page(
             repeats=repeatability_section(result),
             exact=result.study.taken_as_exact(),
             methods=methods_section(result),
+            assumed=result.study.assumed(),
             thick=any(finger.effective_thickness is not None for finger in result.fingers.values()),
         )
         page.enable_buffering()

@@ -62,6 +62,7 @@ def document(opened: StudySession) -> dict[str, Any]:
         "poisson_ratio": study.poisson_ratio,
         "uncertainty": study.uncertainty.model_dump(),
         "taken_as_exact": study.taken_as_exact(),
+        "assumed": study.assumed(),
         "ready": not loaded.issues,
         "missing": [asdict(one) for one in opened.missing()],
         "scales": _scales(loaded),

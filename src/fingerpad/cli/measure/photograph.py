@@ -74,6 +74,7 @@ def measure_photo(
             "arc_deg": found.arc_deg,
             "exponent": found.exponent,
             "exponent_std": found.exponent_std,
+            "radii": found.side_radii(),
             "outlier_fraction": found.outlier_fraction,
             "flags": sorted(found.flags),
         }

@@ -13,7 +13,7 @@ from fingerpad._arrays import BoolArray, FloatArray
 from fingerpad.exceptions import FitError
 from fingerpad.geometry.faces import Face
 from fingerpad.image._orthogonal_fit import distances
-from fingerpad.image.photograph._departure import Departure, departure_of
+from fingerpad.image.photograph._departure import Departure, PadShape, departure_of
 from fingerpad.image.photograph._edges import SubpixelOutline
 from fingerpad.image.photograph.outline_fit import OutlineFit, fit_outline_ellipse, parametric_angles
 
@@ -210,7 +210,13 @@ def add_departure(
     turns = parametric_angles(points[order], guess) - PAD_MIDDLE[face]
     turns = (turns + math.pi) % (2 * math.pi) - math.pi
     pad = np.isin(order, arc.used) | (np.abs(turns) < _SURELY_PAD)
-    return replace(arc, departure=departure_of(points[order[pad]], arc.fit.ellipse, lean))
+    fit = arc.fit
+    # A side face shows the nail's side too, whose distance is no semi-axis.
+    across = points[candidate_points(points, face)] @ [math.cos(lean[0]), math.sin(lean[0])]
+    half_width = float(np.ptp(across)) / 2 if face in ("palmar", "distal") else math.nan
+    shape = PadShape(lean=lean, half_width=half_width, noise=fit.residual_std)
+    departure = departure_of(points[order[pad]], fit.ellipse, fit.covariance[2:4, 2:4], shape)
+    return replace(arc, departure=departure)
 
 
 def _inliers(off: FloatArray) -> BoolArray:

@@ -1,4 +1,4 @@
-"""How far a finger's outline departs from an ellipse, and what that leaves unknown of the semi-axes."""
+"""How far a finger's outline departs from an ellipse, and its semi-axes in view of that."""
 
 import math
 from dataclasses import dataclass, replace
@@ -8,15 +8,21 @@ from scipy.optimize import OptimizeResult, least_squares
 from scipy.special import expit
 
 from fingerpad._arrays import FloatArray
-from fingerpad.image.ellipse import PlaneEllipse
+from fingerpad.image.ellipse import PlaneEllipse, rotation
 from fingerpad.image.photograph.result import PhotographFit
 
 # Standard deviation of fingers' exponents from 2, and of a quadrant's from the others'; exponents searched.
 _EXPONENT_STD, _QUADRANT_STD = 0.3, 0.15
 _EXPONENTS, _STARTS = (1.2, 5.0), (-0.35, -0.15, 0.2, 0.5)
-# Prior odds that a finger is no ellipse; what the difference of the two curves misses of the true error,
-# found on drawn fingers (benchmarks/finger_shapes.py).
-_LOG_ODDS, _MISSED = math.log(3), 1.2
+# Prior odds that a finger is no ellipse. What a superellipse misses: its standard uncertainties are so many
+# times what its points tell, and more by a share of the difference between the curves and of the semi-axes.
+# All found on drawn fingers (benchmarks/finger_shapes.py).
+_LOG_ODDS, _WIDENING, _MISSED, _FLOOR = math.log(3), 2.0, 0.1, 0.03
+# Relative standard deviation of half of a finger's width from the semi-axis across its pad.
+_WIDTH_STD = 0.04
+# An outline that a superellipse follows much worse than an ellipse its arc is neither: it has a fold or nail.
+# How far the ellipse may then be off as a whole, relatively.
+_TOO_ROUGH, _ROUGH_STD = 10.0, 0.08
 # Neighbouring points share the skin's roughness; blocks of so many hardly do.
 _BLOCK, _MIN_BLOCKS = 8, 10
 # What a block can be off at least, px; from so many deviations on its distance counts but linearly; and the
@@ -27,17 +33,39 @@ _SIGNIFICANT, _LEAST_DEPARTURE = 3.0, 0.05
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Departure:
-    """How an outline departs from its ellipse.
+class PadShape:
+    """What is known of an outline before its shape is compared with an ellipse.
 
     Attributes
     ----------
+    lean : (float, float)
+        Lean of the finger's axis and its standard uncertainty, radians.
+    half_width : float
+        Half of the finger's width, px; NaN where this face does not show the pad's.
+    noise : float
+        Standard deviation of the points on the ellipse's arc from it, px.
+    """
+
+    lean: tuple[float, float]
+    half_width: float = math.nan
+    noise: float = math.inf
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Departure:
+    """How an outline departs from an ellipse.
+
+    Attributes
+    ----------
+    ellipse : PlaneEllipse
+        Centre, semi-axes and angle, averaged over the ellipse and the superellipse, px.
     covariance : ndarray, (2, 2)
-        What that adds to the covariance of the semi-axes, px².
+        Of its semi-axes, px².
     exponent, exponent_std : float
         Mean exponent of the superellipse along the arc, and its standard uncertainty; 2 is an ellipse.
     """
 
+    ellipse: PlaneEllipse
     covariance: FloatArray
     exponent: float
     exponent_std: float
@@ -48,35 +76,47 @@ def is_significant(exponent: float, std: float) -> bool:
     return abs(exponent - 2) > max(_SIGNIFICANT * std, _LEAST_DEPARTURE)
 
 
-def with_departure(found: PhotographFit, departure: Departure | None) -> PhotographFit:
-    """Return a measured face with what its departure leaves unknown, without an exponent if that is None."""
+def with_departure(found: PhotographFit, fitted: PlaneEllipse, departure: Departure | None) -> PhotographFit:
+    """Return a measured face with the ellipse averaged over both curves, without an exponent if that is None.
+
+    The ellipse fitted is the one that ``found`` has, in the frame in which the departure was found.
+    """
     if departure is None:
         return replace(found, exponent=math.nan, exponent_std=math.nan)
+    scale, better = found.scale.mm_per_px, departure.ellipse
+    frame = rotation(found.lean) @ found.directions
+    row, column = found.centre + np.array([better.x - fitted.x, better.y - fitted.y]) @ frame
     return replace(
         found,
-        edge_covariance=found.edge_covariance + departure.covariance * found.scale.mm_per_px**2,
+        semi_axes=np.array([better.semi_x, better.semi_y]) * scale,
+        edge_covariance=departure.covariance * scale**2,
+        centre=(float(row), float(column)),
+        directions=rotation(better.angle).T @ frame,
+        lean=better.angle,
         exponent=departure.exponent,
         exponent_std=departure.exponent_std,
     )
 
 
-def departure_of(points: FloatArray, ellipse: PlaneEllipse, lean: tuple[float, float]) -> Departure | None:
-    """Fit a superellipse whose quadrants have exponents of their own, and compare its semi-axes.
+def departure_of(
+    points: FloatArray, ellipse: PlaneEllipse, covariance: FloatArray, shape: PadShape
+) -> Departure | None:
+    """Fit a superellipse whose quadrants have exponents of their own, and average with the ellipse.
 
     |X/a|^p + |Y/b|^p = 1, where p departs from 2 by normal deviates, of standard deviation 0.3 for all
     quadrants together and 0.15 for each. The semi-axes of both curves are the extents to which they continue
-    the arc. By the posterior odds of the two, what is added to the covariance is the square of the difference
-    between the ellipse as given and the superellipse, and its covariance beyond the ellipse's; or the square
-    of the difference to the ellipse of the same points.
+    the arc. They are averaged by the posterior odds of the two.
 
     Parameters
     ----------
     points : ndarray, (n, 2)
         Points of the pad, px, in order.
     ellipse : PlaneEllipse
-        The ellipse as measured.
-    lean : (float, float)
-        Lean of the finger's axis and its standard uncertainty, radians.
+        The ellipse as fitted to its arc.
+    covariance : ndarray, (2, 2)
+        Of its semi-axes, px².
+    shape : PadShape
+        What is known of the outline.
 
     Returns
     -------
@@ -88,31 +128,50 @@ def departure_of(points: FloatArray, ellipse: PlaneEllipse, lean: tuple[float, f
     if counts.sum() < _MIN_BLOCKS * _BLOCK:
         return None
     weights = np.sqrt(np.minimum(counts / _BLOCK, 1))
-    given = np.array([ellipse.semi_x, ellipse.semi_y]) / size
-    start = np.array([ellipse.x / size, ellipse.y / size, *np.log(given), ellipse.angle])
-    noise = _LEAST_PX / size
-    curve = _Curve(blocks, weights, lean, noise)
+    given = np.array([ellipse.semi_x, ellipse.semi_y])
+    start = np.array([ellipse.x / size, ellipse.y / size, *np.log(given / size), ellipse.angle])
+    width = math.log(shape.half_width / size)
+    curve = _Curve(blocks, weights, shape.lean, width, _LEAST_PX / size)
     bent = min((curve.bent(start, about) for about in (0.0, *_STARTS)), key=lambda fit: fit.cost)
     for _ in range(2):
         noise = max(_LEAST_PX / size, curve.deviation(bent.x))
-        curve = _Curve(blocks, weights, lean, noise)
+        curve = _Curve(blocks, weights, shape.lean, width, noise)
         bent = curve.fitted(bent.x)
     plain = curve.fitted(start)
-    (off, covariance, log_evidence), (plain_off, plain_covariance, plain_log_evidence) = (
-        _compared(fit, given) for fit in (bent, plain)
+    weight = float(expit(_LOG_ODDS + _log_evidence(bent) - _log_evidence(plain)))
+    more, off = np.exp(bent.x[2:4]) * size, np.exp(plain.x[2:4]) * size - given
+    if noise * size > _TOO_ROUGH * max(shape.noise, _LEAST_PX):
+        weight, off = 0.0, _ROUGH_STD * given
+    apart = more - given
+    inverse = np.linalg.pinv(bent.jac.T @ bent.jac)
+    bent_covariance = (
+        _WIDENING**2 * inverse[2:4, 2:4] * np.outer(more, more)
+        + _MISSED**2 * np.outer(apart, apart)
+        + _FLOOR**2 * np.diag(more**2)
     )
-    weight = float(expit(_LOG_ODDS + log_evidence - plain_log_evidence))
-    values, vectors = np.linalg.eigh(covariance - plain_covariance)
-    more = (vectors * np.maximum(values, 0)) @ vectors.T + _MISSED**2 * np.outer(off, off)
-    added = weight * more + (1 - weight) * np.outer(plain_off, plain_off)
+    plain_covariance = _with_width(given, covariance, shape.half_width) + np.outer(off, off)
+    x, y, _, _, angle = map(float, weight * bent.x[:5] + (1 - weight) * start)
+    semi_x, semi_y = map(float, weight * more + (1 - weight) * given)
     in_quadrants = np.bincount(curve.quadrants(bent.x), weights=counts, minlength=4)
     shares = np.append(1, in_quadrants / counts.sum())
-    spread = np.linalg.pinv(bent.jac.T @ bent.jac)[5:, 5:]
     return Departure(
-        covariance=np.asarray(added * size**2),
+        ellipse=PlaneEllipse(x * size, y * size, semi_x, semi_y, angle),
+        covariance=np.asarray(
+            weight * bent_covariance
+            + (1 - weight) * plain_covariance
+            + weight * (1 - weight) * np.outer(apart, apart)
+        ),
         exponent=float(2 + shares @ bent.x[5:]),
-        exponent_std=math.sqrt(shares @ spread @ shares),
+        exponent_std=math.sqrt(shares @ inverse[5:, 5:] @ shares),
     )
+
+
+def _with_width(semi_axes: FloatArray, covariance: FloatArray, half_width: float) -> FloatArray:
+    """Return an ellipse's covariance with what half of the finger's width contradicts beyond chance."""
+    gap = 0.0 if math.isnan(half_width) else half_width - semi_axes[0]
+    excess = max(gap**2 - covariance[0, 0] - (_WIDTH_STD * semi_axes[0]) ** 2, 0.0)
+    along = covariance[:, 0] / covariance[0, 0]
+    return np.asarray(covariance + excess * np.outer(along, along))
 
 
 def _blocks(points: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -131,9 +190,15 @@ class _Curve:
     """
 
     def __init__(
-        self, points: FloatArray, weights: FloatArray, lean: tuple[float, float], noise: float
+        self,
+        points: FloatArray,
+        weights: FloatArray,
+        lean: tuple[float, float],
+        log_width: float,
+        noise: float,
     ) -> None:
         self._points, self._weights, self._lean, self._noise = points, weights, lean, noise
+        self._log_width = log_width
 
     def fitted(self, start: FloatArray) -> OptimizeResult:
         """Return the values of least squares; what is known beforehand counts as more observations."""
@@ -186,18 +251,14 @@ class _Curve:
         off = self._weights * self._distances(values) / (_FAR * self._noise)
         robust = _FAR * np.sign(off) * np.sqrt(2 * (np.sqrt(1 + off**2) - 1))
         known = [(values[4] - self._lean[0]) / self._lean[1]]
+        if not math.isnan(self._log_width):
+            known += [(values[2] - self._log_width) / _WIDTH_STD]
         if values.size > 5:
             known += [values[5] / _EXPONENT_STD, *(values[6:] / _QUADRANT_STD)]
         return np.append(robust, known)
 
 
-def _compared(fit: OptimizeResult, given: FloatArray) -> tuple[FloatArray, FloatArray, float]:
-    """Return how far a curve's semi-axes are from those given, their covariance, and the log evidence."""
-    inverse = np.linalg.pinv(fit.jac.T @ fit.jac)
-    semi_axes = np.exp(fit.x[2:4])
+def _log_evidence(fit: OptimizeResult) -> float:
+    """Return the log of a curve's evidence, by Laplace's approximation."""
     prior = 0.0 if fit.x.size == 5 else math.log(_EXPONENT_STD) + 4 * math.log(_QUADRANT_STD)
-    return (
-        semi_axes - given,
-        inverse[2:4, 2:4] * np.outer(semi_axes, semi_axes),
-        float(-fit.cost + 0.5 * np.linalg.slogdet(inverse)[1] - prior),
-    )
+    return float(-fit.cost - 0.5 * np.linalg.slogdet(fit.jac.T @ fit.jac)[1] - prior)

@@ -13,7 +13,7 @@ from fingerpad.exceptions import FitError, ImageError
 from fingerpad.geometry.faces import Direction, Face, face_axes, palmar_directions
 from fingerpad.image.ellipse import rotation
 from fingerpad.image.photograph._arc import PAD_MIDDLE
-from fingerpad.image.photograph._departure import departure_of, is_significant, with_departure
+from fingerpad.image.photograph._departure import PadShape, departure_of, is_significant, with_departure
 from fingerpad.image.photograph.outline_fit import fit_outline_ellipse, parametric_angles
 from fingerpad.image.photograph.result import PhotographFit, size_flags
 from fingerpad.image.scale import Scale
@@ -223,11 +223,13 @@ def with_marked_points(
     x, y, semi_x, semi_y, lean = fit.ellipse
     place = np.array([x, y]) @ axes + centre
     angles = _wrap_about_middle(parametric_angles(local, fit.ellipse), found)
-    departure = departure_of(local, fit.ellipse, (found.lean, max(found.lean_std, 1e-3)))
+    covariance = (fit.covariance + shared)[2:4, 2:4]
+    shape = PadShape(lean=(found.lean, max(found.lean_std, 1e-3)), noise=fit.residual_std)
+    departure = departure_of(local, fit.ellipse, covariance, shape)
     result = replace(
         found,
         semi_axes=np.array([semi_x, semi_y]) * found.scale.mm_per_px,
-        edge_covariance=(fit.covariance + shared)[2:4, 2:4] * found.scale.mm_per_px**2,
+        edge_covariance=covariance * found.scale.mm_per_px**2,
         centre=(float(place[0]), float(place[1])),
         directions=rotation(lean).T @ axes,
         lean=lean,
@@ -244,7 +246,7 @@ def with_marked_points(
             "keep or add points along a longer arc"
         )
     flags = found.flags - size_flags(found.semi_axes) - {"not_an_ellipse"} | size_flags(result.semi_axes)
-    result = with_departure(result, departure)
+    result = with_departure(result, fit.ellipse, departure)
     if is_significant(result.exponent, result.exponent_std):
         flags |= {"not_an_ellipse"}
     return replace(result, flags=flags | {"by_hand"})

@@ -130,7 +130,9 @@ def measure_photograph(
                 check_not_cut(silhouette, pad_sides(face, tip, side), tip)
             axes = face_axes(face, tip, side)
             arc, place = _pad_arc(edges, face, axes, window, marks)
-            tried.append(_result(arc, (axes, place), (edges, silhouette), face, scale))
+            found = _result(arc, (axes, place), (edges, silhouette), face, scale)
+            order = candidate_points((edges.points - place) @ axes.T, face)
+            tried.append(replace(found, outline=edges.points[order[edges.found[order]]]))
         except (FitError, ImageError) as error:
             errors.append(error)
     if not tried:
@@ -225,7 +227,7 @@ def _result(
             f"the {face} face's arc of {found.arc_deg:.0f} degrees leaves an axis unknown by {relative:.0%}: "
             "mark a longer arc, come nearer, or choose a backdrop of another colour than the skin"
         )
-    found = with_departure(found, arc.departure)
+    found = with_departure(found, fit.ellipse, arc.departure)
     contrast = float(np.quantile(edges.step_ratio[arc.used], 0.25))
     return replace(found, flags=_flags(found, contrast, silhouette))
 

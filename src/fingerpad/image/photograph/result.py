@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, Self
 
 import numpy as np
@@ -12,6 +12,7 @@ from fingerpad._arrays import FloatArray
 from fingerpad._display import Displayed
 from fingerpad._records import record_text
 from fingerpad.geometry.faces import FACE_AXES, Face
+from fingerpad.image.photograph._outline_radius import radius_of_outline
 from fingerpad.image.photograph.faces import FaceSemiAxes, implausible_size
 from fingerpad.image.scale import Scale
 
@@ -64,6 +65,8 @@ class PhotographFit(Displayed):
         Exponent p of the superellipse :math:`|x/a|^p + |y/b|^p = 1` that follows the pad best, a mean over
         its quadrants, and its standard uncertainty: 2 for an ellipse, less where the tip is pointed, more
         where it is blunt. NaN where nothing was fitted.
+    outline : ndarray, shape (n, 2)
+        All points of the outline that can be pad, in order, (row, column), px.
 
     Examples
     --------
@@ -90,6 +93,7 @@ class PhotographFit(Displayed):
     flags: frozenset[str]
     exponent: float = math.nan
     exponent_std: float = math.nan
+    outline: FloatArray = field(default_factory=lambda: np.empty((0, 2)))
     _picture: npt.NDArray[Any] | None = None
 
     @property
@@ -117,6 +121,15 @@ class PhotographFit(Displayed):
                 "arc_deg": self.arc_deg,
                 "exponent": self.exponent,
                 "exponent_std": self.exponent_std,
+                **{
+                    f"{name}_{radii['wedge_angle_deg']:g}deg": radii[key]
+                    for radii in self.side_radii()
+                    for name, key in (
+                        ("outline_radius_mm", "outline_mm"),
+                        ("outline_radius_mm_std", "outline_mm_std"),
+                        ("ellipse_radius_mm", "ellipse_mm"),
+                    )
+                },
                 "flags": self.flags,
             },
         )
@@ -163,6 +176,83 @@ class PhotographFit(Displayed):
         centre = np.array(self.centre)
         ends = self.directions * self.semi_axes[:, None] / self.scale.mm_per_px
         return np.stack([centre, *(centre + ends)])
+
+    def outline_radius(self, angle: float) -> tuple[float, float]:
+        """Return the radius of curvature of the outline itself, mm, and its standard uncertainty.
+
+        Of a side face, with the angle of the wedge, it is the radius of the pad in the plane along the
+        finger at the place of contact. It is fitted to the outline within 0.35 radii of that place;
+        `ellipse_radius` is that of the ellipse.
+
+        Parameters
+        ----------
+        angle : float
+            Angle of the outward normal from the first semi-axis towards the second, radians.
+
+        Returns
+        -------
+        (float, float)
+            NaN where the outline does not show the place.
+
+        Examples
+        --------
+        >>> from fingerpad.image import measure_photograph
+        >>> from fingerpad.simulate import render_finger
+        >>> truth = render_finger("radial", semi_axes=(8, 12), palmar="right", mm_per_px=0.1, seed=1)
+        >>> found = measure_photograph(truth.pixels, "radial", Scale(truth.mm_per_px), palmar="right")
+        >>> radius, std = found.outline_radius(math.radians(30))
+        >>> bool(abs(radius - found.ellipse_radius(math.radians(30))) < 2 * std)
+        True
+        """
+        mm_per_px = self.scale.mm_per_px
+        points = (self.outline - self.centre) @ self.directions.T
+        across, along = map(float, self.semi_axes / mm_per_px)
+        radius, std = radius_of_outline(points, (across, along), angle, self.lean_std)
+        return radius * mm_per_px, math.hypot(std * mm_per_px, radius * self.scale.mm_per_px_std)
+
+    def ellipse_radius(self, angle: float) -> float:
+        """Return the radius of curvature of the ellipse, mm, where its outward normal has an angle.
+
+        Parameters
+        ----------
+        angle : float
+            Angle of the normal from the first semi-axis towards the second, radians.
+
+        Returns
+        -------
+        float
+        """
+        across, along = self.semi_axes
+        support = math.hypot(across * math.cos(angle), along * math.sin(angle))
+        return float((across * along) ** 2 / support**3)
+
+    def side_radii(self, wedges_deg: tuple[float, ...] = (30.0, 45.0, 60.0)) -> list[dict[str, float]]:
+        """Return the radii of curvature of a side face where wedges touch, by outline and by ellipse, mm.
+
+        Parameters
+        ----------
+        wedges_deg : tuple of float
+            Angles of the wedges, degrees.
+
+        Returns
+        -------
+        list of dict
+            ``wedge_angle_deg``, ``outline_mm``, ``outline_mm_std`` and ``ellipse_mm`` of each place that the
+            outline shows; empty for the other faces.
+        """
+        if self.face not in ("radial", "ulnar"):
+            return []
+        seen = [(wedge, *self.outline_radius(math.radians(wedge))) for wedge in wedges_deg]
+        return [
+            {
+                "wedge_angle_deg": wedge,
+                "outline_mm": radius,
+                "outline_mm_std": std,
+                "ellipse_mm": self.ellipse_radius(math.radians(wedge)),
+            }
+            for wedge, radius, std in seen
+            if math.isfinite(radius)
+        ]
 
     def without_picture(self) -> Self:
         """Return the same without the picture that was measured, to save memory.

@@ -24,7 +24,9 @@ title = "Synthetic example"
 description = "Rendered and simulated from an ellipsoid with semi-axes 7.9, 13.8 and 11.8 mm."
 
 [uncertainty]
+# The angles of a rendered finger are exact; of a real one they are known to about 3 degrees.
 wedge_angle_deg_std = 0.5
+roll_angle_deg_std = 0.5
 load_relative_std = 0.01
 
 [scales.camera]

@@ -18,8 +18,9 @@ Text = Annotated[str, Field(max_length=300)]
 class Uncertainty(ManifestModel):
     """Standard uncertainties common to all observations."""
 
-    wedge_angle_deg_std: AngleStd = 0.0
-    roll_angle_deg_std: AngleStd = 0.0
+    # A finger's angle on a wedge is known like a joint's by a goniometer, to 2 to 5 degrees.
+    wedge_angle_deg_std: AngleStd = 3.0
+    roll_angle_deg_std: AngleStd = 3.0
     load_relative_std: RelativeStd = 0.0
     poisson_ratio_std: Annotated[float, Field(ge=0, le=0.5)] = 0.0
     method: Literal["first_order", "monte_carlo"] = "first_order"
@@ -67,10 +68,24 @@ class Study(ManifestModel):
                 if (scale := getattr(one, "scale", None)) is not None:
                     yield scale
 
+    def assumed(self) -> list[str]:
+        """Name the uncertainties that results assume, since the manifest does not state them."""
+        common = self.uncertainty
+        stds = {
+            "wedge_angle_deg_std": f"the wedge angle to ± {common.wedge_angle_deg_std:g}°",
+            "roll_angle_deg_std": f"the roll angle to ± {common.roll_angle_deg_std:g}°",
+        }
+        return [words for key, words in stds.items() if key not in common.model_fields_set]
+
     def taken_as_exact(self) -> list[str]:
         """Name what results take as exact, since the manifest gives no uncertainty of it."""
         common = self.uncertainty
-        stds = {"the wedge angle": common.wedge_angle_deg_std, "the load": common.load_relative_std}
+        stds = {
+            "the wedge angle": common.wedge_angle_deg_std,
+            "the roll angle": common.roll_angle_deg_std,
+            "the load": common.load_relative_std,
+            "Poisson's ratio": common.poisson_ratio_std,
+        }
         used = dict.fromkeys(self.named_scales())
         own = (scale for scale in self.scales_in_use() if isinstance(scale, ManifestModel))
         return [
@@ -79,6 +94,16 @@ class Study(ManifestModel):
                 f"the effective thickness of {finger.name}"
                 for finger in self.fingers
                 if finger.effective_thickness_mm is not None and finger.effective_thickness_mm_std is None
+            ),
+            *(
+                f"the scale of the outlines of {finger.name}"
+                for finger in self.fingers
+                if any(one.outline and not one.outline_relative_std for one in finger.photographs)
+            ),
+            *(
+                f"R_g of {curve.finger} at {curve.wedge_angle_deg:g}°"
+                for curve in self.curves
+                if curve.loading_radius_mm is not None and not curve.loading_radius_mm_std
             ),
             *(f"the scale {name}" for name in used if is_exact(self.scales[name])),
             *(["scales of single pictures"] if any(map(is_exact, own)) else []),

@@ -1,10 +1,11 @@
 """The fingers of a study: semi-axes as given, or measured in photographs of the faces or their outlines."""
 
-from collections.abc import Mapping
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from fingerpad.exceptions import FingerpadError
 from fingerpad.image import (
     FaceSemiAxes,
     OutlineSemiAxes,
+    PhotographFit,
     combine_faces,
     face_from_outline,
     read_colour_image,
@@ -26,6 +28,9 @@ from fingerpad.study.corrections.history import ActiveCorrection
 from fingerpad.study.error_text import in_study
 from fingerpad.study.manifest import Finger, Photograph
 from fingerpad.study.measuring.scales import FoundScale, Scales, require_scale, scale_key
+
+# Wedge angles between which an outline's radius of curvature is interpolated.
+_WEDGE_STEP_DEG: Final = 5
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -44,6 +49,9 @@ class PhotographResult:
         Extent of the arc used, parametric degrees.
     exponent : (float, float) or None
         Exponent of the superellipse that follows the pad best, and its standard uncertainty.
+    outline_radii : tuple of (float, float, float)
+        Of a side face: angles of wedges, degrees, at whose places the outline shows its radius of curvature,
+        that radius and its standard uncertainty, mm.
     flags : tuple of str
         Doubts.
     """
@@ -53,6 +61,7 @@ class PhotographResult:
     overlay: str
     arc_deg: float
     exponent: tuple[float, float] | None
+    outline_radii: tuple[tuple[float, float, float], ...]
     flags: tuple[str, ...]
 
 
@@ -101,6 +110,48 @@ class FingerResult:
     synthetic: bool = False
     reason: str | None = None
     person: str | None = None
+
+    def outline_radius(self, wedge_deg: float) -> tuple[float, float]:
+        """Return the radius along the finger where a wedge touches, from side faces' outlines alone.
+
+        Returns
+        -------
+        (float, float)
+            Mean over the side faces, weighted by their uncertainties, and its standard uncertainty, mm; NaN
+            where no outline shows the place.
+        """
+        found = np.array(
+            [_interpolated(one.outline_radii, wedge_deg) for one in self.photographs if one.outline_radii]
+        ).reshape(-1, 2)
+        found = found[np.isfinite(found).all(axis=1)]
+        if not len(found):
+            return np.nan, np.nan
+        relative = (found[:, 0] / found[:, 1]) ** 2
+        radius = float(np.exp(relative @ np.log(found[:, 0]) / relative.sum()))
+        return radius, radius / float(np.sqrt(relative.sum()))
+
+    def in_plane_radius_std(self, wedge_deg: float) -> float:
+        """Return the standard uncertainty of the ellipsoid's radius along the finger there, mm."""
+        angle, axes = np.radians(wedge_deg), self.semi_axes[:2]
+        shares = np.square(axes * [np.cos(angle), np.sin(angle)])
+        radius = axes.prod() ** 2 / shares.sum() ** 1.5
+        slope = radius * (2 - 3 * shares / shares.sum()) / axes
+        return float(np.sqrt(slope @ self.covariance[:2, :2] @ slope))
+
+
+def _interpolated(radii: Sequence[tuple[float, float, float]], wedge_deg: float) -> tuple[float, float]:
+    """Return radius and uncertainty between the nearest angles on either side, NaN where one is missing."""
+    known = {angle: (radius, std) for angle, radius, std in radii}
+    low = _WEDGE_STEP_DEG * math.floor(wedge_deg / _WEDGE_STEP_DEG)
+    high = low if low == wedge_deg else low + _WEDGE_STEP_DEG
+    if low not in known or high not in known:
+        return math.nan, math.nan
+    share = (wedge_deg - low) / _WEDGE_STEP_DEG
+    radius, std = (
+        math.exp((1 - share) * math.log(first) + share * math.log(second))
+        for first, second in zip(known[low], known[high], strict=True)
+    )
+    return radius, std
 
 
 def finger_result(
@@ -223,8 +274,18 @@ def face_record(
         "overlay": overlay,
         "arc_deg": found.arc_deg,
         "exponent": None if np.isnan(found.exponent) else (found.exponent, found.exponent_std),
+        "outline_radii": _outline_radii(found),
         "flags": [*sorted(found.flags), *known.flags],
     }
+
+
+def _outline_radii(found: PhotographFit) -> list[tuple[float, float, float]]:
+    """Return wedge angles, degrees, and the radii, mm, that a side face's outline shows there."""
+    if found.face not in ("radial", "ulnar"):
+        return []
+    angles = range(0, 90, _WEDGE_STEP_DEG)
+    radii = [(float(angle), *found.outline_radius(math.radians(angle))) for angle in angles]
+    return [one for one in radii if math.isfinite(one[1])]
 
 
 def _face(
@@ -255,5 +316,6 @@ def _face(
         overlay=record["overlay"],
         arc_deg=record["arc_deg"],
         exponent=None if record["exponent"] is None else tuple(record["exponent"]),
+        outline_radii=tuple(map(tuple, record["outline_radii"])),
         flags=tuple(record["flags"]),
     )

@@ -168,6 +168,9 @@ _GROUPS: Final[Mapping[str, Sequence[Column]]] = {
         _number("u_deg", "deg", "parametric angle u of the place of contact"),
         _number("v_deg", "deg", "parametric angle v of the place of contact"),
         _number("in_plane_radius_mm", "mm", "principal radius along the finger at the place of contact"),
+        *_with_std(
+            "outline_radius_mm", "mm", "the same from the outline of the side faces there, not the ellipsoid"
+        ),
         _number("transverse_radius_mm", "mm", "principal radius across the finger at the place of contact"),
         *_with_std("mean_curvature_radius_mm", "mm", "R_0g = 1/H of the undeformed pad"),
         *_with_std("geometric_mean_radius_mm", "mm", "R_e = sqrt(R'R'') of the undeformed pad"),

@@ -104,6 +104,18 @@ def summary_record(result: StudyResult) -> dict[str, Any]:
                 "p_value": finger.outlines and finger.outlines.p_value,
                 "between_faces_relative_std": finger.outlines and finger.outlines.between_relative_std,
                 "faces": finger.outlines and _faces(finger.outlines),
+                "photographs": [
+                    {
+                        "face": one.manifest.face,
+                        "file": one.manifest.file,
+                        "arc_deg": one.arc_deg,
+                        "exponent": one.exponent and one.exponent[0],
+                        "exponent_std": one.exponent and one.exponent[1],
+                        "outline_radii_deg_mm": one.outline_radii,
+                        "flags": one.flags,
+                    }
+                    for one in finger.photographs
+                ],
                 "reason": finger.reason,
             }
             for finger in result.fingers.values()

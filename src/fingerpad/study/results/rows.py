@@ -29,6 +29,8 @@ PlacementKey: TypeAlias = tuple[Any, ...]
 
 RANGE_NOTES: Final = {
     "faces_disagree": "the finger's photographs disagree about its semi-axes (p < 0.01)",
+    "curvature_disagrees": "at the place of contact the outline of the finger's side has another radius of "
+    "curvature than the ellipsoid, beyond their uncertainties",
     "implausible_size": "a semi-axis of the pad lies outside 2–40 mm: check the units",
     "implausible_modulus": "Young's modulus lies outside 1–5000 kPa: check load and scale",
     "deeper_than_pad": "the indentation exceeds the palmar semi-axis: check load, scale and units",
@@ -289,6 +291,7 @@ def _modelled(
         "u_deg": np.degrees(placement.u),
         "v_deg": np.degrees(placement.v),
         "in_plane_radius_mm": placement.curvature.in_plane_radius,
+        **_outline_radii(seen, pads),
         "transverse_radius_mm": placement.curvature.transverse_radius,
         "contact_radius_ratio": value["contact_radius_ratio"],
         "predicted_aspect_ratio": np.exp(np.abs(elongation)),
@@ -318,6 +321,24 @@ def _stated_apart(modelled: Modelled) -> dict[str, ColumnArray]:
     return found
 
 
+def _outline_radii(seen: Mapping[str, ColumnArray], pads: Sequence[FingerResult]) -> dict[str, ColumnArray]:
+    """Return the radius along the finger that side faces show where each contact is, unless it is rolled."""
+    angles = np.where(seen["roll_angle_deg"] == 0, seen["wedge_angle_deg"], np.nan).tolist()
+    found = np.full((len(pads), 2), np.nan)
+    for place, (pad, angle) in enumerate(zip(pads, angles, strict=True)):
+        if not np.isnan(angle):
+            found[place] = pad.outline_radius(angle)
+    return {"outline_radius_mm": found[:, 0], "outline_radius_mm_std": found[:, 1]}
+
+
+def _curvature_disagrees(row: Mapping[str, ColumnArray], pads: Sequence[FingerResult]) -> BoolArray:
+    """Return where the radii of outline and ellipsoid differ by more than their 95 % intervals allow."""
+    pairs = zip(pads, row["wedge_angle_deg"].tolist(), strict=True)
+    own = np.array([pad.in_plane_radius_std(angle) for pad, angle in pairs])
+    apart = np.abs(row["outline_radius_mm"] - row["in_plane_radius_mm"])
+    return np.asarray(apart > 1.96 * np.hypot(own, row["outline_radius_mm_std"]))
+
+
 def _range_notes(
     row: Mapping[str, ColumnArray], pads: Sequence[FingerResult], semi_axes: FloatArray
 ) -> ColumnArray:
@@ -325,6 +346,7 @@ def _range_notes(
     disagree = [pad.outlines is not None and pad.outlines.disagree for pad in pads]
     notes: dict[str, BoolArray] = {
         "faces_disagree": np.array(disagree, dtype=bool),
+        "curvature_disagrees": _curvature_disagrees(row, pads),
         "implausible_size": np.asarray(implausible_size(semi_axes).any(axis=-1)),
         "implausible_modulus": (row["youngs_modulus_kpa"] < 1) | (row["youngs_modulus_kpa"] > 5000),
         "deeper_than_pad": row["indentation_mm"] > semi_axes[:, 0],

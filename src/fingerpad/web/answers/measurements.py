@@ -170,6 +170,15 @@ class CombinedFaces(Answer):
     disagreements: list[FaceDifference]
 
 
+class SideRadius(Answer):
+    """Radii of curvature of a side face where a wedge touches: of the outline itself, and of the ellipse."""
+
+    wedge_angle_deg: float
+    outline_mm: float
+    outline_mm_std: float
+    ellipse_mm: float
+
+
 class PhotographMeasurement(FaceSemiAxes):
     """A photograph measured under a correction."""
 
@@ -182,6 +191,9 @@ class PhotographMeasurement(FaceSemiAxes):
     points_px: list[Point]
     outliers_px: list[Point]
     arc_deg: float | None
+    exponent: float | None
+    exponent_std: float | None
+    radii: list[SideRadius]
     lean_deg: float | None
     flags: list[str]
     mm_per_px: float

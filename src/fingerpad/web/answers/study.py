@@ -225,6 +225,7 @@ class State(Answer):
     poisson_ratio: float
     uncertainty: Uncertainty
     taken_as_exact: list[str]
+    assumed: list[str]
     ready: bool
     missing: list[MissingEntry]
     scales: list[ScaleEntry]

@@ -96,6 +96,14 @@ export class PhotographInspector extends Inspector {
           ),
         ),
         quantityRow("Arc of the pad", answer.arc_deg === null ? "–" : `${plain(answer.arc_deg)}°`),
+        answer.exponent !== null &&
+          quantityRow("Exponent (ellipse: 2)", withStd(answer.exponent, answer.exponent_std)),
+        answer.radii.map(({ wedge_angle_deg, outline_mm, outline_mm_std, ellipse_mm }) =>
+          quantityRow(
+            `Radius at ${plain(wedge_angle_deg)}°, outline`,
+            `${withStd(outline_mm, outline_mm_std)} mm (ellipse ${plain(ellipse_mm)} mm)`,
+          ),
+        ),
         quantityRow("Tilt", answer.lean_deg === null ? "–" : `${plain(answer.lean_deg)}°`),
       ),
       answer.flags.length > 0 &&

@@ -120,7 +120,7 @@ class Results {
 
   #sayFresh() {
     const { results } = workspace.study;
-    const exact = workspace.study.taken_as_exact;
+    const { assumed, taken_as_exact: exact } = workspace.study;
     render(
       this.banner,
       results?.there &&
@@ -135,6 +135,15 @@ class Results {
           " or ",
           h("a", { href: "#/scale" }, "Scale"),
           ".",
+        ),
+      results?.there &&
+        this.key !== "audit" &&
+        assumed.length > 0 &&
+        h(
+          "div.banner.note",
+          null,
+          `Assumed known, since the study does not say: ${assumed.join(" and ")}. `,
+          h("a", { href: "#/study" }, "Set"),
         ),
       results?.there &&
         !results.fresh &&
