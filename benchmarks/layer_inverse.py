@@ -1,4 +1,4 @@
-"""Thickness and modulus from loading curves on a layer: ``python -m benchmarks.layer_inverse [REPEATS]``.
+"""Thickness and modulus from loading curves: ``python -m benchmarks.layer_inverse [REPEATS [WORDS]]``.
 
 Circular contacts are solutions of the integral equation in `benchmarks.loading_physics`, whole pads those of
 the contact solver; none of the curves is made by the fast laws that are fitted.
@@ -134,7 +134,7 @@ def fit_once(case: Case, seed: int) -> Found:
         modulus_held=_held(fit.youngs_modulus, pad.modulus),
         offset_held=_held(fit.contact_offset, place),
         width=(t.upper - t.lower) / case.thickness
-        if isinstance(t, Estimate) and t.upper < DEEP
+        if isinstance(t, Estimate) and t.upper < DEEP > case.thickness
         else math.nan,
         one_sided=isinstance(t, Estimate) and t.upper == DEEP,
         undetermined=not there,
@@ -148,12 +148,12 @@ def _held(quantity: Quantity, truth: float) -> float:
     return float(quantity.lower <= truth <= quantity.upper)
 
 
-def print_table(repeats: int, first_seed: int = 90_000) -> None:
-    """Print, of each case, the share of 95 % intervals that hold the truth, and how t is told."""
+def print_table(repeats: int, words: str = "", first_seed: int = 90_000) -> None:
+    """Print, of each case named with some words, the share of intervals that hold, and how t is told."""
     print(f"\nLayer on bone from loading curves, {repeats} each: 95 % intervals that hold the truth")
     print(f"  {'':34s}    t     E    x₀   width of t   open above  undetermined  weight of a layer  ms")
     pooled = []
-    for name, case in CASES.items():
+    for name, case in ((name, case) for name, case in CASES.items() if words in name):
         start, found, refused = time.perf_counter(), [], 0
         for seed in range(first_seed, first_seed + repeats):
             try:
@@ -184,4 +184,4 @@ def _percent(column: Array) -> str:
 
 
 if __name__ == "__main__":
-    print_table(int(sys.argv[1]) if len(sys.argv) > 1 else 40)
+    print_table(int(sys.argv[1]) if len(sys.argv) > 1 else 40, " ".join(sys.argv[2:]))
