@@ -131,7 +131,10 @@ def speed() -> None:
 
 def _solvers() -> dict[str, Callable[[int, float, float], tuple[float, float]]]:
     """Return solvers of a sphere's contact under a load on a grid: area and indentation."""
-    solvers = {"fingerpad": _by_fingerpad, "Tamaas": _by_tamaas}
+    solvers: dict[str, Callable[[int, float, float], tuple[float, float]]] = {
+        "fingerpad": _by_fingerpad,
+        "Tamaas": _by_tamaas,
+    }
     try:
         import ContactMechanics  # noqa: F401, PLC0415 (optional)
     except ImportError:

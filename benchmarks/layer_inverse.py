@@ -171,7 +171,8 @@ def print_table(repeats: int, words: str = "", first_seed: int = 90_000) -> None
             + (f"  {refused} refused" if refused else ""),
             flush=True,
         )
-    print(f"  {'all but late areas':34s} {_shares(np.concatenate(pooled))}")
+    if pooled:
+        print(f"  {'all but late areas':34s} {_shares(np.concatenate(pooled))}")
 
 
 def _shares(table: Array) -> str:

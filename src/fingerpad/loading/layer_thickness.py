@@ -270,7 +270,7 @@ def fit_layer_thickness(
     radius = (held | prior)["loading_radius"].value
     if radius_std > radius / 3:
         return LayerThicknessFit.undetermined(
-            f"the pad's radius of {radius:.3g} mm is not known to a third, and another radius looks like a layer",
+            f"the pad's radius of {radius:.3g} mm is not known to a third: another one looks like a layer",
             press.flags,
         )
     try:
@@ -481,7 +481,7 @@ def _notes(
             )
     if inverse.upper * widest >= _THINNEST:
         notes["layer_too_thin"] = "the layer may be thinner than a third of the contact's radius"
-    if 0 < inverse.lower and inverse.value * _THICKEST < 1:
+    if inverse.lower > 0 and inverse.value * _THICKEST < 1:
         notes["thicker_than_finger"] = (
             "a layer thicker than a finger hardly differs from a half-space: some other departure from the "
             "model can look like it"
