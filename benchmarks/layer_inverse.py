@@ -65,7 +65,7 @@ CASES: Mapping[str, Case] = MappingProxyType(
 
 
 class Found(NamedTuple):
-    """What one fit says: whether intervals hold the truth, and how t is told."""
+    """What one fit says: whether intervals hold the truth, and how wide that of t is."""
 
     thickness_held: float
     modulus_held: float
@@ -149,7 +149,7 @@ def _held(quantity: Quantity, truth: float) -> float:
 
 
 def print_table(repeats: int, words: str = "", first_seed: int = 90_000) -> None:
-    """Print, of each case named with some words, the share of intervals that hold, and how t is told."""
+    """Print, of each case named with some words, the share of intervals that hold, and how wide t is."""
     print(f"\nLayer on bone from loading curves, {repeats} each: 95 % intervals that hold the truth")
     print(f"  {'':34s}    t     E    x₀   width of t   open above  undetermined  weight of a layer  ms")
     pooled = []
