@@ -11,6 +11,7 @@ import numpy as np
 from scipy.special import ellipe, ellipk
 
 from benchmarks import (
+    bone_width,
     browser,
     coins,
     commands,
@@ -23,6 +24,7 @@ from benchmarks import (
     finger_shapes,
     fingertips,
     images,
+    layer_inverse,
     loading,
     loading_truth,
     mutations,
@@ -124,7 +126,9 @@ if __name__ == "__main__":
     engine.stored_study()
     loading.loading_coverage(repeats=100)
     loading_truth.print_table(repeats=10)
+    layer_inverse.print_table(repeats=20)
     tissue_thickness.report()
+    bone_width.report(quick=True)
     scale.rows_at_scale()
     scale.report_of_many_fingers()
     page.report()

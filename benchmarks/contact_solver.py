@@ -1,4 +1,7 @@
-"""The contact solver against exact solutions, and beside Tamaas: ``python -m benchmarks.contact_solver``."""
+"""The contact solver against exact solutions and beside others: ``python -m benchmarks.contact_solver``.
+
+Tamaas is a dependency of the tests; ContactMechanics is timed where it is installed.
+"""
 
 import math
 import time
@@ -95,17 +98,13 @@ def _layer_ratios(ratio: float, poisson_ratio: float, points: int) -> tuple[floa
 
 
 def speed() -> None:
-    """Print the time of the solver and of Tamaas, on the half-space, and of the solver on a layer."""
+    """Print the time of the solver and of others on the half-space, and of the solver on a layer."""
     pad = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
     hertz = HertzGeometry(_RADIUS, _RADIUS).under_load(0.5, reduced_modulus=_MODULUS)
-    radius, body = float(hertz.semi_major), ElasticBody.of(reduced_modulus=_MODULUS)
-    gap = _paraboloid(1.0)
+    radius, exact = float(hertz.semi_major), (float(hertz.area), float(hertz.indentation))
+    runs: dict[str, list[tuple[float, float]]] = {}
     print("\nOne contact, one thread, warm: seconds (relative error of area · of indentation)")
     for points in _GRIDS:
-        ours, found = _timed(
-            partial(solve_contact, gap, body, half_widths=(radius, radius), load=0.5, points=points)
-        )
-        theirs, (area, indentation) = _timed(partial(_by_tamaas, points, 2.2 * radius, 0.5))
         on_layer, _ = _timed(
             partial(
                 EllipsoidContact.of,
@@ -118,12 +117,56 @@ def speed() -> None:
                 points=points,
             )
         )
-        exact = float(hertz.area), float(hertz.indentation)
-        print(
-            f"    {points}²: ours {ours:.3f} ({found.area / exact[0] - 1:.0e} · "
-            f"{found.indentation / exact[1] - 1:.0e}), Tamaas {theirs:.3f} ({area / exact[0] - 1:.0e} · "
-            f"{indentation / exact[1] - 1:.0e}), whole pad on a layer {on_layer:.3f}"
-        )
+        cells = [f"whole pad on a layer {on_layer:.3f}"]
+        for name, solved in _solvers().items():
+            spent, (area, indentation) = _timed(partial(solved, points, radius, 0.5))
+            runs.setdefault(name, []).append((spent, abs(area / exact[0] - 1)))
+            cells.append(f"{name} {spent:.3f} ({area / exact[0] - 1:.0e} · {indentation / exact[1] - 1:.0e})")
+        print(f"    {points}²: " + ", ".join(cells))
+    print("    seconds to an area within 0.5 % and within 0.1 %")
+    for name, found in runs.items():
+        reached = [min((t for t, error in found if error <= limit), default=None) for limit in (0.005, 0.001)]
+        print(f"    {name:<18}" + "".join(f"{'–' if t is None else f'{t:.3f}':>8}" for t in reached))
+
+
+def _solvers() -> dict[str, Callable[[int, float, float], tuple[float, float]]]:
+    """Return solvers of a sphere's contact under a load on a grid: area and indentation."""
+    solvers: dict[str, Callable[[int, float, float], tuple[float, float]]] = {
+        "fingerpad": _by_fingerpad,
+        "Tamaas": _by_tamaas,
+    }
+    try:
+        import ContactMechanics  # noqa: F401, PLC0415 (optional)
+    except ImportError:
+        return solvers
+    return {**solvers, "ContactMechanics": _by_contact_mechanics}
+
+
+def _by_fingerpad(points: int, radius: float, load: float) -> tuple[float, float]:
+    body = ElasticBody.of(reduced_modulus=_MODULUS)
+    found = solve_contact(_paraboloid(1.0), body, half_widths=(radius, radius), load=load, points=points)
+    return found.area, found.indentation
+
+
+def _by_contact_mechanics(points: int, radius: float, load: float) -> tuple[float, float]:
+    from ContactMechanics import FreeFFTElasticHalfSpace  # noqa: PLC0415 (optional)
+    from ContactMechanics.Systems import NonSmoothContactSystem  # noqa: PLC0415 (optional)
+    from SurfaceTopography import Topography  # noqa: PLC0415 (optional)
+
+    width, gap = _window(points, radius)
+    system = NonSmoothContactSystem(
+        substrate=FreeFFTElasticHalfSpace((points, points), _MODULUS, (width, width)),
+        surface=Topography(-gap, (width, width)),
+    )
+    found = system.minimize_proxy(external_force=load, pentol=1e-7)
+    return float(system.compute_contact_area()), float(found["offset"])
+
+
+def _window(points: int, radius: float) -> tuple[float, FloatArray]:
+    """Return the side of a grid a little wider than a contact, and the gap on it."""
+    width = 2.2 * radius
+    along = (np.arange(points) + 0.5) * width / points - width / 2
+    return width, _paraboloid(1.0)(along[:, None], along)
 
 
 def _timed(call: Callable[[], T]) -> tuple[float, T]:
@@ -136,10 +179,9 @@ def _timed(call: Callable[[], T]) -> tuple[float, T]:
     return min(times), result
 
 
-def _by_tamaas(points: int, width: float, load: float) -> tuple[float, float]:
+def _by_tamaas(points: int, radius: float, load: float) -> tuple[float, float]:
     tamaas.set_log_level(tamaas.LogLevel.error)
-    along = (np.arange(points) + 0.5) * width / points - width / 2
-    gap = _paraboloid(1.0)(along[:, None], along)
+    width, gap = _window(points, radius)
     model = tamaas.ModelFactory.createModel(tamaas.model_type.basic_2d, [width] * 2, [points] * 2)
     model.E, model.nu = _MODULUS, 0.0
     tamaas.ModelFactory.registerNonPeriodic(model, "dcfft")

@@ -134,3 +134,18 @@ def test_missing_file(tmp_path: Path) -> None:
     code, _, err = run(tmp_path / "none.csv")
     assert code == 2
     assert "none.csv: cannot be read" in err
+
+
+def test_semi_axes_add_the_layer_and_change_nothing_else(curve: Path) -> None:
+    pad = "--semi-axes-mm", 7.9, 13.8, 11.8, "--wedge-deg", 30, "--pad-radius-mm-std", 0.5
+    plain, whole = (json.loads(run(curve, *flags, "--json")[1]) for flags in ((), pad))
+    layer = whole.pop("layer")
+    assert whole == plain
+    assert layer["thickness_mm_ci95"][0] > 0
+    assert sum(layer["weights"].values()) == pytest.approx(1)
+    code, out, _ = run(curve, *pad)
+    assert code == 0
+    assert "\nlayer: t" in out
+    code, _, err = run(curve, "--wedge-deg", 30)
+    assert code == 2
+    assert "go with --semi-axes-mm" in err

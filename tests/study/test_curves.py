@@ -63,6 +63,8 @@ def test_a_curve_tells_radius_modulus_and_velocity(tmp_path: Path) -> None:
     assert abs(curve.fit.initial_modulus.value - 0.04) < 4 * curve.fit.initial_modulus.std
     (record,) = summary_record(result)["curves"]
     assert record["fit"]["initial_modulus_kpa"] == pytest.approx(1000 * curve.fit.initial_modulus.value)
+    # With areas and semi-axes the curve says what it can of the tissue over bone.
+    assert record["layer"]["thickness_mm_ci95"][0] == curve.layer.thickness.lower
     # The true ellipsoid reads a higher modulus from the area than from the indentation, the more so loaded.
     assert (curve.shape.ratio > 1).all()
     assert curve.shape.ratio[-1] > curve.shape.ratio[0]

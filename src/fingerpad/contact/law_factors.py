@@ -88,7 +88,9 @@ class LayerFactors:
         self._thickness, self.poisson_ratio, self._slenderness = thickness, poisson_ratio, slenderness
         self._basis: FloatArray | None = None
         self._known: dict[str, FloatArray] = {}
-        self._radius: FloatArray | None = None  # at which the thin layer's values are known
+        # At which the thin layer's values, and u, are known.
+        self._radius: FloatArray | None = None
+        self._sized: FloatArray | None = None
 
     def ratio(self, radius: FloatArray) -> FloatArray:
         """Return a/t."""
@@ -96,8 +98,10 @@ class LayerFactors:
 
     def size(self, radius: FloatArray) -> FloatArray:
         """Return u."""
-        ratio = radius / self._thickness
-        return ratio / (1 + ratio / law.SCALE)
+        if radius is not self._sized:
+            ratio = radius / self._thickness
+            self._size, self._sized = ratio / (1 + ratio / law.SCALE), radius
+        return self._size
 
     def coefficients(self, table: FloatArray) -> FloatArray:
         """Return the powers of u that a table of coefficients gives, along the first axis."""

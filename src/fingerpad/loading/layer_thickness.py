@@ -31,6 +31,7 @@ _COUNTS, _EXCLUDES, _FLAGGED = 2.0, 6.0, 7.0
 _THINNEST: Final = 2.95  # a/t, to which the laws hold
 _FEWEST_AREAS: Final = 5
 _CONTRADICTED: Final = 3.0
+_THICKEST: Final = 25.0  # mm, of a finger
 _TOO_FEW_RUNS: Final = -3.5
 _FAILURES = (FitError, ArithmeticError, np.linalg.LinAlgError, ValueError)
 _NO_AREA: Final = (
@@ -267,6 +268,11 @@ def fit_layer_thickness(
         reason = f"{found} areas under load; five are needed" if found else _NO_AREA
         return LayerThicknessFit.undetermined(reason, press.flags)
     radius = (held | prior)["loading_radius"].value
+    if radius_std > radius / 3:
+        return LayerThicknessFit.undetermined(
+            f"the pad's radius of {radius:.3g} mm is not known to a third: another one looks like a layer",
+            press.flags,
+        )
     try:
         with np.errstate(all="ignore"):
             return _fit(press, radius, held, prior)
@@ -369,10 +375,10 @@ def _result(
     return LayerThicknessFit(
         thickness=undetermined if reason else _thickness(inverse, widest),
         youngs_modulus=undetermined if reason else _bounded(modulus),
-        contact_offset=_bounded(
-            main.estimate("contact_offset").including(*(one.estimate("contact_offset") for one in better))
+        contact_offset=_first_order(main, "contact_offset").including(
+            *(_first_order(one, "contact_offset") for one in better)
         ),
-        radius=_bounded(main.estimate("loading_radius")),
+        radius=_first_order(main, "loading_radius"),
         contact_over_thickness=widest * max(inverse.value, 0.0),
         correlation=_correlation(main, "youngs_modulus"),
         aicc=aicc,
@@ -406,6 +412,11 @@ def _bounded(estimate: Estimate) -> Quantity:
     if math.isfinite(estimate.lower) and math.isfinite(estimate.upper):
         return estimate
     return Undetermined(f"the curve does not bound it: {estimate.value:.3g} is best, but far from certain")
+
+
+def _first_order(fit: JointFit, name: str) -> Estimate:
+    """Return a parameter whose profile is a parabola: of little interest, and not worth its time."""
+    return fit.held[name] if name in fit.held else fit.combined(fit.values[name], {name: 1.0})
 
 
 def _correlation(fit: JointFit, name: str) -> float:
@@ -459,7 +470,7 @@ def _notes(
         if gain > _FLAGGED:
             notes[flag] = f"{words} fits better than a layer alone, by {gain:.0f} in AICc"
     for name, known in prior.items():
-        found = main.estimate(name)
+        found = _first_order(main, name)
         moved = abs(found.value - known.value) / math.sqrt(
             max(known.std**2 - found.std**2, 1e-4 * known.std**2)
         )
@@ -470,6 +481,11 @@ def _notes(
             )
     if inverse.upper * widest >= _THINNEST:
         notes["layer_too_thin"] = "the layer may be thinner than a third of the contact's radius"
+    if inverse.lower > 0 and inverse.value * _THICKEST < 1:
+        notes["thicker_than_finger"] = (
+            "a layer thicker than a finger hardly differs from a half-space: some other departure from the "
+            "model can look like it"
+        )
     runs = runs_deviation(main.residuals()[1])
     if runs < _TOO_FEW_RUNS:
         notes["correlated_area"] = (

@@ -1,0 +1,123 @@
+"""Thickness and modulus of a layer, on curves that the fast laws had no part in."""
+
+import numpy as np
+import pytest
+from benchmarks.layer_inverse import CASES, TABLE_1, WEDGE, fit_once, whole_pad
+from benchmarks.loading_physics import Pad, hertz, layer
+from benchmarks.loading_truth import Condition, make_curve
+
+from fingerpad.contact import PadGap
+from fingerpad.exceptions import LoadingError
+from fingerpad.loading import Estimate, LoadingCurve, Undetermined, fit_layer_thickness
+from fingerpad.loading._prepare import prepare
+from fingerpad.loading.joint import fit_joint
+
+PAD = Pad(radius=14.0, modulus=0.05)
+SPHERE = PadGap.paraboloid(14.0, 14.0)
+
+
+def curve_on(thickness: float | None, seed: int = 1, pad: Pad = PAD) -> LoadingCurve:
+    contact = layer(thickness) if thickness else hertz
+    return make_curve(Condition(contact=contact), pad, 0.3, np.random.default_rng(seed))
+
+
+@pytest.fixture(scope="module")
+def on_6_mm():
+    return fit_layer_thickness(curve_on(6.0), gap=SPHERE, radius_std=0.4)
+
+
+def test_intervals_hold_thickness_modulus_contact_and_radius(on_6_mm) -> None:
+    truths = {"thickness": 6.0, "youngs_modulus": 0.05, "contact_offset": 0.3, "radius": 14.0}
+    for name, truth in truths.items():
+        found = getattr(on_6_mm, name)
+        assert found.lower < truth < found.upper, name
+    assert on_6_mm.thickness.upper / on_6_mm.thickness.lower < 1.5
+    assert on_6_mm.radius.std < 0.4  # the curve adds to what the geometry knows
+    assert on_6_mm.layer_weight > 0.999
+    assert on_6_mm.preferred_model.startswith("layer")
+    assert "mm thick" in on_6_mm.conclusion
+    assert not on_6_mm.flags
+
+
+def test_a_half_space_leaves_the_thickness_open_above() -> None:
+    deep = fit_layer_thickness(curve_on(None), gap=SPHERE, radius_std=0.4)
+    assert deep.thickness.upper == np.inf
+    assert deep.thickness.lower > 15
+    assert deep.youngs_modulus.lower < PAD.modulus < deep.youngs_modulus.upper
+    assert deep.layer_weight < 0.6
+    record = deep.as_record()
+    assert record["thickness_mm_ci95"] == [deep.thickness.lower, None]
+    assert deep.conclusion.startswith(f"tissue thicker than {deep.thickness.lower:.3g} mm")
+
+
+@pytest.mark.parametrize("case", ["3 mm, white noise", "12 mm, 1/f noise", "deep, 1/f noise"])
+def test_intervals_hold_the_truth_of_random_pads(case) -> None:
+    found = fit_once(CASES[case], 90_000)
+    assert found.thickness_held == found.modulus_held == 1
+    assert found.one_sided == case.startswith("deep")
+
+
+def test_a_whole_pad_takes_its_own_gap() -> None:
+    gap = PadGap.of(TABLE_1, wedge_angle=WEDGE)
+    radius = 2 / (1 / float(gap.first_radius) + 1 / float(gap.second_radius))
+    pad = Pad(radius=radius, modulus=0.05)
+    curve = make_curve(Condition(contact=whole_pad(12.0)), pad, 0.3, np.random.default_rng(3))
+    whole, paraboloid = (
+        fit_layer_thickness(curve, gap=one, radius_std=0.2)
+        for one in (gap, PadGap.paraboloid(gap.first_radius, gap.second_radius))
+    )
+    assert whole.thickness.lower < 12 < whole.thickness.upper
+    assert whole.youngs_modulus.lower < 0.05 < whole.youngs_modulus.upper
+    assert paraboloid.thickness.lower > 12  # the pad's own flattening hides a part of the layer
+
+
+def test_without_areas_nothing_is_told() -> None:
+    curve = curve_on(6.0)
+    bare = LoadingCurve(load=curve.load, indentation=curve.indentation, time=curve.time, area=None)
+    fit = fit_layer_thickness(bare, gap=SPHERE)
+    assert isinstance(fit.thickness, Undetermined)
+    assert "no contact area" in fit.thickness.reason
+    assert fit.weights == {}
+
+
+def test_a_shallow_press_does_not_tell() -> None:
+    shallow = make_curve(Condition(contact=layer(12.0), points=40), PAD, 0.3, np.random.default_rng(2))
+    rows = shallow.load < shallow.load[:10].mean() + 0.03
+    curve = LoadingCurve(
+        load=shallow.load[rows],
+        indentation=shallow.indentation[rows],
+        area=shallow.area[rows],
+        time=shallow.time[rows],
+    )
+    fit = fit_layer_thickness(curve, gap=SPHERE, radius_std=1.0)
+    assert isinstance(fit.thickness, Undetermined)
+    assert isinstance(fit.youngs_modulus, Undetermined)
+    assert "half-space fits as well" in fit.thickness.reason
+    assert "cannot be separated" in fit.thickness.reason
+    unknown = fit_layer_thickness(curve, gap=SPHERE, radius_std=5.0)
+    assert "is not known to a third" in unknown.conclusion
+
+
+def test_a_prior_goes_from_a_free_to_a_held_parameter() -> None:
+    record = prepare(curve_on(None), 0.5, 0).record
+    start = {"contact_offset": 0.3, "youngs_modulus": 0.05, "loading_radius": 14.0, "force_zero": 0.0}
+    known = Estimate.symmetric(15.0, 0.0)
+    free = fit_joint(record, "hertz", start, {})
+    held = fit_joint(record, "hertz", start, {"loading_radius": known}, free.noise)
+
+    def with_prior(std: float):
+        prior = {"loading_radius": Estimate.symmetric(15.0, std)}
+        return fit_joint(record, "hertz", start, {}, free.noise, prior=prior).estimate("youngs_modulus")
+
+    for std, limit in ((1e4, free), (1e-5, held)):
+        expected, found = limit.estimate("youngs_modulus"), with_prior(std)
+        for name in ("value", "lower", "upper", "std"):
+            assert getattr(found, name) == pytest.approx(getattr(expected, name), rel=2e-3), (std, name)
+
+
+@pytest.mark.parametrize(
+    ("name", "wrong"), [("radius_std", -1.0), ("radius_ratio_std", np.inf), ("poisson_ratio", 0.2)]
+)
+def test_bad_arguments_are_named(name, wrong) -> None:
+    with pytest.raises(LoadingError, match=name):
+        fit_layer_thickness(curve_on(6.0), gap=SPHERE, **{name: wrong})
