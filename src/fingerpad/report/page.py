@@ -111,7 +111,7 @@ def write_page(
             **(_tabled(result, draw) if pages else _drawn_in_full(result, draw)),
             most_presses=_MOST_PRESSES,
             synthetic=bool(result.rows.column("synthetic").any()),
-            repeats=repeatability_section(result),
+            repeats=repeatability_section(result, with_loads=not pages),
             exact=result.study.taken_as_exact(),
             thick=any(finger.effective_thickness is not None for finger in result.fingers.values()),
         )

@@ -19,14 +19,15 @@ _MOST_LOADS: Final = 120
 _OUTWARDS: Final = tuple(LEVELS)[::-1]
 
 
-def repeatability_section(result: StudyResult) -> dict[str, Any]:
-    """Return what the template shows of repeats."""
-    kinds = sorted({one.synthetic for one in result.scatter})
+def repeatability_section(result: StudyResult, *, with_loads: bool = True) -> dict[str, Any]:
+    """Return what the template shows of repeats, with a line for each load of each finger or without."""
+    kinds = sorted({one.synthetic for one in result.scatter} | {one.synthetic for one in result.by_load})
+    loads = result.by_load if with_loads else []
     return {
         "tolerance": f"{100 * SAME_LOAD:g}",
         "kinds": [_kind(result, synthetic) for synthetic in kinds],
-        "loads": result.by_load[:_MOST_LOADS],
-        "more_loads": max(0, len(result.by_load) - _MOST_LOADS),
+        "loads": loads[:_MOST_LOADS],
+        "more_loads": max(0, len(loads) - _MOST_LOADS),
         "by_session": any(math.isfinite(one.area.session_std) for one in result.by_load),
         "sessions": any(one.sessions > 1 for one in result.by_load),
     }
