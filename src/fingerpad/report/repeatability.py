@@ -12,7 +12,7 @@ from fingerpad.study.results.repeats import (
 )
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.uncertainty import ScatterComponent
-from fingerpad.uncertainty.repeatability import REPEAT
+from fingerpad.uncertainty.repeatability import LIMIT_FACTOR, REPEAT
 from fingerpad.units import two_digits
 
 _MOST_LOADS: Final = 120
@@ -88,10 +88,12 @@ def _unknown(known: list[StudyScatter]) -> list[str]:
 
 def _line(one: StudyScatter) -> dict[str, Any]:
     components, icc = one.scatter.components, one.scatter
+    repeat = components[REPEAT]
     return {
         "quantity": SCATTER_OF[one.quantity],
         "cells": [_cell(components[level], one.missing.get(level, "")) for level in _OUTWARDS],
-        "limit": percent(math.expm1(components[REPEAT].limit_of_agreement)),
+        "limit": percent(math.expm1(repeat.limit_of_agreement)),
+        "limit_range": _range(*(math.expm1(LIMIT_FACTOR * end) for end in repeat.interval)),
         "icc": _shares(icc.icc, icc.icc_interval) if math.isfinite(icc.icc) else "missing",
     }
 

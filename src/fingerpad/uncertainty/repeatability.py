@@ -15,10 +15,11 @@ REPEAT: Final = "repeat"
 # Below these degrees of freedom a standard deviation is known to no better than a factor of four or six.
 MIN_REPEAT_FREEDOM: Final = 3
 MIN_LEVEL_FREEDOM: Final = 2
+# Two values differ by no more standard deviations in 95 % of cases.
+LIMIT_FACTOR: Final = 1.959963984540054 * 2**0.5
 
 _LEVELS: Final = (0.025, 0.975)
 _DRAWS: Final = 5_000
-_SAME_95: Final = 1.959963984540054 * np.sqrt(2)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -59,8 +60,8 @@ class ScatterComponent:
 
     @property
     def limit_of_agreement(self) -> float:
-        """By how much two values differ at most in 95 % of cases: 1.96 √2 standard deviations."""
-        return float(_SAME_95 * self.std)
+        """By how much two members of a group differ at most in 95 % of cases: 1.96 √2 standard deviations."""
+        return LIMIT_FACTOR * self.std
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
