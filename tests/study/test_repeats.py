@@ -17,7 +17,12 @@ from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.measuring.measure import Measurement
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.by_load import pool_by_load
-from fingerpad.study.results.repeats import ContactRepeatability, contact_repeatability, nominal_loads
+from fingerpad.study.results.repeats import (
+    ContactRepeatability,
+    contact_repeatability,
+    nominal_loads,
+    study_scatter,
+)
 from fingerpad.study.results.rows import model_contacts
 from fingerpad.study.results.summary import pool_contacts
 from fingerpad.units import two_digits, value_with_uncertainty
@@ -263,6 +268,26 @@ def test_a_run_tables_repeatability_or_says_that_it_is_missing(
 )
 def test_no_more_digits_than_can_be_known(value: float, std: float, text: str) -> None:
     assert value_with_uncertainty(value, std) == text
+
+
+def test_limits_of_agreement_add_what_lies_within() -> None:
+    """Two sessions of a finger differ by what lies between sessions, and between repeats."""
+    rng = np.random.default_rng(9)
+    seen = [
+        contact(10 * s + k, 6 * np.exp(0.1 * s + rng.normal(0, 0.02)), session=f"s{s}")
+        for s in range(4)
+        for k in range(4)
+    ]
+    rows = model_contacts(STUDY, PADS, seen).table
+    found = next(one for one in study_scatter(STUDY, rows) if one.quantity == "contact_area")
+    lines = {line["level"]: line for line in found.lines()}
+    repeat, session = lines["repeat"], lines["session"]
+    assert repeat["log_limit_of_agreement"] == pytest.approx(1.96 * np.sqrt(2) * repeat["log_std"], rel=1e-4)
+    both = np.hypot(repeat["log_std"], session["log_std"])
+    assert session["log_limit_of_agreement"] == pytest.approx(1.96 * np.sqrt(2) * both, rel=1e-4)
+    assert session["log_std"] == pytest.approx(2 * np.std([0, 0.1, 0.2, 0.3], ddof=1), rel=0.2)
+    assert lines["finger"]["log_limit_of_agreement"] is None
+    assert lines["finger"]["missing"] == "no person has two fingers under one load"
 
 
 def test_a_session_measures_nothing_again(tmp_path: Path) -> None:

@@ -24,6 +24,7 @@ EXAMPLES = 100 if os.environ.get("HYPOTHESIS_PROFILE") == "nightly" else 5
 PATIENCE_S = 120  # test machines may be slow
 # Names of Plotly and WebGL, of files, and an example.
 OF_OTHERS = {"paper_bgcolor", "plot_bgcolor", "plotly_click", "error_y", "gl_Position"} | {
+    "by_load",
     "corrected_radius",
     "left_index",
     "on_layer",

@@ -126,7 +126,7 @@ def write_page(
             **(_tabled(result, draw) if pages else _drawn_in_full(result, draw)),
             most_presses=_MOST_PRESSES,
             synthetic=bool(result.rows.column("synthetic").any()),
-            repeats=repeatability_section(result),
+            repeats=repeatability_section(result, with_loads=not pages),
             exact=result.study.taken_as_exact(),
             methods=methods_section(result),
             assumed=result.study.assumed(),

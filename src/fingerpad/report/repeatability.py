@@ -12,21 +12,22 @@ from fingerpad.study.results.repeats import (
 )
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.uncertainty import ScatterComponent
-from fingerpad.uncertainty.repeatability import REPEAT
+from fingerpad.uncertainty.repeatability import LIMIT_FACTOR, REPEAT
 from fingerpad.units import two_digits
 
 _MOST_LOADS: Final = 120
 _OUTWARDS: Final = tuple(LEVELS)[::-1]
 
 
-def repeatability_section(result: StudyResult) -> dict[str, Any]:
-    """Return what the template shows of repeats."""
-    kinds = sorted({one.synthetic for one in result.scatter})
+def repeatability_section(result: StudyResult, *, with_loads: bool = True) -> dict[str, Any]:
+    """Return what the template shows of repeats, with a line for each load of each finger or without."""
+    kinds = sorted({one.synthetic for one in result.scatter} | {one.synthetic for one in result.by_load})
+    loads = result.by_load if with_loads else []
     return {
         "tolerance": f"{100 * SAME_LOAD:g}",
         "kinds": [_kind(result, synthetic) for synthetic in kinds],
-        "loads": result.by_load[:_MOST_LOADS],
-        "more_loads": max(0, len(result.by_load) - _MOST_LOADS),
+        "loads": loads[:_MOST_LOADS],
+        "more_loads": max(0, len(loads) - _MOST_LOADS),
         "by_session": any(math.isfinite(one.area.session_std) for one in result.by_load),
         "sessions": any(one.sessions > 1 for one in result.by_load),
     }
@@ -87,10 +88,12 @@ def _unknown(known: list[StudyScatter]) -> list[str]:
 
 def _line(one: StudyScatter) -> dict[str, Any]:
     components, icc = one.scatter.components, one.scatter
+    repeat = components[REPEAT]
     return {
         "quantity": SCATTER_OF[one.quantity],
         "cells": [_cell(components[level], one.missing.get(level, "")) for level in _OUTWARDS],
-        "limit": percent(math.expm1(components[REPEAT].limit_of_agreement)),
+        "limit": percent(math.expm1(repeat.limit_of_agreement)),
+        "limit_range": _range(*(math.expm1(LIMIT_FACTOR * end) for end in repeat.interval)),
         "icc": _shares(icc.icc, icc.icc_interval) if math.isfinite(icc.icc) else "missing",
     }
 

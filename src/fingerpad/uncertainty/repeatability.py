@@ -15,10 +15,11 @@ REPEAT: Final = "repeat"
 # Below these degrees of freedom a standard deviation is known to no better than a factor of four or six.
 MIN_REPEAT_FREEDOM: Final = 3
 MIN_LEVEL_FREEDOM: Final = 2
+# Two values differ by no more standard deviations in 95 % of cases.
+LIMIT_FACTOR: Final = 1.959963984540054 * 2**0.5
 
 _LEVELS: Final = (0.025, 0.975)
 _DRAWS: Final = 5_000
-_SAME_95: Final = 1.959963984540054 * np.sqrt(2)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -37,6 +38,12 @@ class ScatterComponent:
         Groups of two and more members, and members of these groups.
     includes : tuple of str
         Levels below that cannot be separated from this one.
+
+    Examples
+    --------
+    >>> repeat = nested_scatter([0.0, 0.1, 0.2, 0.1], {"finger": np.zeros(4)}).components["repeat"]
+    >>> repeat.freedom, round(repeat.std, 3), round(repeat.limit_of_agreement, 2)
+    (3, 0.082, 0.23)
     """
 
     std: float
@@ -53,8 +60,8 @@ class ScatterComponent:
 
     @property
     def limit_of_agreement(self) -> float:
-        """By how much two values differ at most in 95 % of cases: 1.96 √2 standard deviations."""
-        return float(_SAME_95 * self.std)
+        """By how much two members of a group differ at most in 95 % of cases: 1.96 √2 standard deviations."""
+        return LIMIT_FACTOR * self.std
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -70,6 +77,13 @@ class NestedScatter:
         if one of them has groups to compare, and too few.
     icc_interval : (float, float)
         Its 95 % confidence interval.
+
+    Examples
+    --------
+    >>> fingers = [0, 0, 1, 1, 2, 2, 3, 3]
+    >>> scatter = nested_scatter([0.0, 0.1, 0.5, 0.6, 0.9, 1.0, 1.3, 1.5], {"finger": fingers})
+    >>> list(scatter.components), round(scatter.icc, 3)
+    (['finger', 'repeat'], 0.974)
     """
 
     components: dict[str, ScatterComponent]

@@ -21,7 +21,12 @@ from fingerpad.uncertainty import (
     nested_scatter,
     within_covariance,
 )
-from fingerpad.uncertainty.repeatability import MIN_LEVEL_FREEDOM, MIN_REPEAT_FREEDOM, REPEAT
+from fingerpad.uncertainty.repeatability import (
+    LIMIT_FACTOR,
+    MIN_LEVEL_FREEDOM,
+    MIN_REPEAT_FREEDOM,
+    REPEAT,
+)
 
 # Loads within this share of the middle of them are one nominal load.
 SAME_LOAD: Final = 0.05
@@ -233,7 +238,15 @@ class StudyScatter:
         }
 
     def lines(self) -> list[dict[str, Any]]:
-        """Return a record of each level, with the same keys."""
+        """Return a record of each level, with the same keys.
+
+        The limit of agreement is that of two contacts in different groups of the level: of two repeats in one
+        session, of two sessions, and so on, with what lies between all levels below.
+        """
+        components = self.scatter.components
+        outwards = np.array([one.std for one in reversed(components.values())])
+        whole = np.sqrt(np.nancumsum(outwards**2))[::-1]
+        limits = dict(zip(components, LIMIT_FACTOR * whole, strict=True))
         return [
             {
                 "quantity": self.quantity,
@@ -242,14 +255,14 @@ class StudyScatter:
                 "log_std": one.std,
                 "log_std_ci95_low": one.interval[0],
                 "log_std_ci95_high": one.interval[1],
-                "log_limit_of_agreement": one.limit_of_agreement,
+                "log_limit_of_agreement": float(limits[level]) if one.known else None,
                 "degrees_of_freedom": one.freedom,
                 "groups": one.groups,
                 "count": one.count,
                 "includes": " ".join(one.includes),
                 "missing": self.missing.get(level, ""),
             }
-            for level, one in self.scatter.components.items()
+            for level, one in components.items()
         ]
 
 

@@ -130,7 +130,7 @@ class StudyResult(Displayed):
         ]
 
     def of_finger(self, name: str) -> "StudyResult":
-        """Return what was found of one finger, as a study of its own."""
+        """Return what was found of one finger, as a study of its own, without the scatter over fingers."""
         study = self.study.model_copy(
             update={
                 "fingers": [finger for finger in self.study.fingers if finger.name == name],
@@ -155,6 +155,7 @@ class StudyResult(Displayed):
             scales={key: found for key, found in self.scales.items() if key in scales},
             summaries=list(compress(self.summaries, own)),
             checks=list(compress(self.checks, own)),
+            scatter=[],
             by_load=[one for one in self.by_load if one.finger == name],
             validities=list(compress(self.validities, own)),
             curves=[curve for curve in self.curves if curve.manifest.finger == name],
