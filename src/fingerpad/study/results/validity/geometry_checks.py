@@ -46,13 +46,12 @@ class Shape(NamedTuple):
     predicted: float
     predicted_std: float
     known: bool
-    observation: str
 
     def toward(self, predicted: float) -> tuple[float, str]:
         """Return what was measured to compare with a prediction, and a note."""
         if self.known:
-            return self.measured, self.observation
-        return math.copysign(self.measured, predicted), f"{self.observation}; {_NO_DIRECTION}"
+            return self.measured, ""
+        return math.copysign(self.measured, predicted), _NO_DIRECTION
 
 
 def measured_shape(place: Place) -> Shape | None:
@@ -79,7 +78,6 @@ def measured_shape(place: Place) -> Shape | None:
         predicted=float(found["predicted"].value),
         predicted_std=float(found["predicted"].std),
         known=direction is not None,
-        observation=row["observation"],
     )
 
 
