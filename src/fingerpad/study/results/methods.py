@@ -190,6 +190,8 @@ def _uncertainty(result: StudyResult) -> Iterator[str]:
                 f"{100 * repeats.area_std:.2g} % and aspect ratios by {100 * repeats.aspect_ratio_std:.2g} % "
                 "(standard deviations), which is part of each uncertainty."
             )
+    if assumed := result.study.assumed():
+        yield f"Assumed to be known: {_joined(assumed)}."
     if exact := result.study.taken_as_exact():
         yield f"Taken as exact: {_joined(exact)}."
     made = result.provenance
