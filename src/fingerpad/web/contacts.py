@@ -29,14 +29,13 @@ from fingerpad.web.errors import RequestError
 from fingerpad.web.last_results import known_finger, last_results
 from fingerpad.web.pictures import Cache, ImageLocation
 from fingerpad.web.scales import scale_of
-from fingerpad.web.study_session import StudySession
+from fingerpad.web.study_session import NO_TABLE, StudySession
 from fingerpad.web.workspace import Workspace
 
 _PREPARED: Final[Cache[PreparedContactImage]] = Cache(12, lambda _: 1)
 _SETTINGS: Final[Cache[SequenceSettings | None]] = Cache(50, lambda _: 1)
 # A sequence may have thousands of frames; some of them suffice to estimate its settings.
 _SAMPLED_FRAMES: Final = 200
-_NO_TABLE: Final = "none"
 
 
 class ContactParams(Params):
@@ -85,7 +84,7 @@ def _contact(opened: StudySession, params: ContactParams) -> Contact:
             raise RequestError.impossible(f"{item}: state its scale")
         file = item.removeprefix("file:")
         return Observation(
-            name=_NO_TABLE, finger=_NO_TABLE, wedge_angle_deg=0, load_N=1, file=file, scale=params.scale
+            name=NO_TABLE, finger=NO_TABLE, wedge_angle_deg=0, load_N=1, file=file, scale=params.scale
         )
     contact = opened.sequence(item.rpartition("#")[0]) if "#" in item else opened.observation(item)
     if contact is None or contact.scale is None:

@@ -57,14 +57,14 @@ def document(opened: StudySession, item: str) -> dict[str, Any]:
 def show(workspace: Workspace, params: ItemParams, _: Any) -> dict[str, Any]:
     """Return the corrections of an item."""
     opened = workspace.study
-    kind_of(params.item, opened.study())
+    kind_of(params.item, opened.with_incomplete())
     return document(opened, params.item)
 
 
 def add(workspace: Workspace, _: Any, params: ChangeParams) -> dict[str, Any]:
     """Save a correction; it is on the disk before the response."""
     opened = workspace.study
-    study = opened.study()
+    study = opened.with_incomplete()
     kind_of(params.item, study)
     return _save(
         workspace,

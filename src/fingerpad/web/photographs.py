@@ -65,6 +65,8 @@ def measure(workspace: Workspace, _: Any, params: PhotographParams) -> dict[str,
     fit = _fit(opened, params.item, photograph, change, params.handles)
     together: dict[str, Any] | None = None
     error = None
+    if params.with_finger and finger is None and not params.item.startswith("file:"):
+        error = "The other faces of this finger are not complete yet."
     if params.with_finger and finger is not None:
         try:
             together = _together(opened, finger, params.item, fit)

@@ -36,11 +36,12 @@ class Session(Answer):
 
 
 class MissingEntry(Answer):
-    """Something that the study lacks."""
+    """Something that the study lacks; `place` is the key of the table that would hold it, or empty."""
 
     kind: Kind | Literal["file", "folder"]
     key: str
     words: str
+    place: str
 
 
 class Review(Answer):

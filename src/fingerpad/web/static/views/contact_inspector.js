@@ -111,11 +111,12 @@ export class ContactInspector extends Inspector {
         this.parts.numbers,
         h("h3", null, "Result"),
         h("p.note.bad", { role: "alert" }, problem),
-        h(
-          "p.soft",
-          null,
-          "Try another threshold, polarity, seed point or the brush; otherwise reject the image.",
-        ),
+        !this.view.lacking?.length &&
+          h(
+            "p.soft",
+            null,
+            "Try another threshold, polarity, seed point or the brush; otherwise reject the image.",
+          ),
       );
       this.settings(null);
       return;
@@ -181,7 +182,14 @@ export class ContactInspector extends Inspector {
         ),
         model.layer_flag && h("p.soft", null, `Out of range: ${describeCode(model.layer_flag)}.`),
       ],
-      !model && h("p.soft", null, "The corrected radius needs the finger's semi-axes: run the study."),
+      !model &&
+        h(
+          "p.soft",
+          null,
+          this.view.lacking?.length
+            ? "The corrected radius needs what is missing above."
+            : "The corrected radius needs the finger's semi-axes: see Study and Photographs.",
+        ),
       answer.flags.length > 0 &&
         h(
           "div.note",

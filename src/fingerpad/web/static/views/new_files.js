@@ -6,6 +6,7 @@ import { showError, toast } from "../core/messages.js";
 import { bytes } from "../core/quantity.js";
 import { workspace } from "../core/workspace.js";
 import { button, check, choose, faultList, number, text } from "../parts/forms.js";
+import { FACES } from "../parts/missing_fields.js";
 import { scaleNames } from "../parts/scale_choice.js";
 
 const KINDS = {
@@ -22,7 +23,6 @@ const KINDS = {
   ],
   other: [["", "unknown"]],
 };
-const FACES = ["palmar", "distal", "radial", "ulnar"];
 
 /** Name and values of a new file, as a proposal; empty where its name leaves them open. */
 function draftOf({ file, reading }) {

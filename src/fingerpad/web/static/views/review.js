@@ -2,7 +2,7 @@
 
 import { get, LatestRequest, picture } from "../core/api.js";
 import { Corrections, withoutDefaults } from "../core/corrections.js";
-import { h, render } from "../core/dom.js";
+import { h, redraw, render } from "../core/dom.js";
 import { bindHere } from "../core/keys.js";
 import { showError, toast } from "../core/messages.js";
 import { EllipseEditor } from "../parts/ellipse_editor.js";
@@ -47,6 +47,8 @@ export class Review {
   /** @type {Brush | null} */
   brush = null;
   at = -1;
+  /** @type {Answers["MissingEntry"][] | undefined} */
+  lacking;
   tool = "ellipse";
   measured = null;
   #turn = 0;
@@ -69,6 +71,10 @@ export class Review {
     return {};
   }
   dropped() {}
+  /** @returns {Answers["MissingEntry"][]} what the item of the entry lacks */
+  missing() {
+    return [];
+  }
   address(_item) {
     return "";
   }
@@ -169,15 +175,27 @@ export class Review {
     this.editor.hide();
     this.box.set(null);
     this.clearOverlay();
+    this.lacking = undefined;
     this.inspector.wait();
+    this.refreshMissing();
     this.inspector.why.value = "";
+    this.stage.setScale(null);
     const mine = this.corrections;
+    const loaded = mine.load();
+    loaded.catch(() => {}); // awaited below
     try {
-      const [info] = await Promise.all([get("/api/picture/info", { item }), mine.load()]);
+      // The picture shows whatever else is missing.
+      const info = await get("/api/picture/info", { item });
       if (this.corrections !== mine) return;
       this.showInfo(info);
       this.stage.show(info.preview ?? picture("preview", item), info.rows_px, info.columns_px, this.title());
-      await this.remeasure();
+    } catch (error) {
+      if (this.corrections !== mine) return;
+      this.stage.setMessage(error.message, "bad");
+    }
+    try {
+      await loaded;
+      if (this.corrections === mine) await this.remeasure();
     } catch (error) {
       if (this.corrections === mine) this.#failed(error);
     }
@@ -213,9 +231,19 @@ export class Review {
     this.measured = null;
     this.editor.hide();
     this.clearOverlay();
-    this.stage.setMessage(error.message, "bad");
+    this.stage.setScale(null);
     this.inspector.show(null, error.message);
     this.#busy(false);
+  }
+
+  /** Show what the item lacks, and measure it again once that has changed. */
+  refreshMissing() {
+    if (!this.entry) return;
+    const before = JSON.stringify(this.lacking);
+    this.lacking = this.missing();
+    if (JSON.stringify(this.lacking) === before) return;
+    redraw(() => this.inspector.missing(this.lacking));
+    if (before !== undefined) this.remeasure();
   }
 
   #corrected() {

@@ -1,10 +1,12 @@
 // Tables of fingers, contacts, sequences and loading data, edited in place.
 
+import { picture } from "../core/api.js";
 import { h, redraw, render, symbol } from "../core/dom.js";
 import { ask } from "../core/messages.js";
 import { plain, withStd } from "../core/quantity.js";
 import { describeCode, workspace } from "../core/workspace.js";
 import { button, chip, choose, faultList, field, number, synthetic, text } from "../parts/forms.js";
+import { missingList, missingOf } from "../parts/missing_fields.js";
 import { scaleChoice } from "../parts/scale_choice.js";
 
 const PAGE = 50;
@@ -189,18 +191,30 @@ export class StudyTables {
 
   /** @param {Finger["photographs"][number]} photograph */
   #face(photograph) {
-    const words = `${photograph.face ?? "face missing"}${photograph.scale ? "" : ", no scale"}`;
+    const words = [photograph.face, photograph.outline && "outline"].filter(Boolean).join(", ");
     const kind = photograph.rejected ? "warn" : photograph.accepted ? "good" : "";
-    if (photograph.outline) return chip(`${words}, outline`, kind);
+    const name = photograph.file?.split("/").at(-1);
     return h(
-      "a.face-link",
-      { href: `#/photographs/${encodeURIComponent(photograph.item)}`, title: photograph.file },
-      h("img.small-thumb", {
-        src: `/api/picture/thumbnail?${new URLSearchParams({ item: photograph.item })}`,
-        alt: "",
-        loading: "lazy",
+      "div.face",
+      null,
+      photograph.outline
+        ? words && chip(words, kind)
+        : h(
+            "a.face-link",
+            {
+              href: `#/photographs/${encodeURIComponent(photograph.item)}`,
+              title: photograph.file,
+              "aria-label": `Photograph ${name}`,
+            },
+            h("img.small-thumb", { src: picture("thumbnail", photograph.item), alt: "", loading: "lazy" }),
+            words && chip(words, kind),
+          ),
+      missingList(missingOf("photograph", photograph.item)),
+      button("×", () => this.#remove("photograph", photograph.item, `the photograph ${name}`), {
+        kind: "icon",
+        label: `Remove the photograph ${name}`,
+        title: "Remove this photograph",
       }),
-      chip(words, kind),
     );
   }
 
@@ -227,6 +241,12 @@ export class StudyTables {
   async #rename(finger) {
     const name = await this.#askName(`Rename ${finger.name}`, "Rename", finger.name);
     if (name && name !== finger.name) this.change("finger", finger.name, { name });
+  }
+
+  /** Ask for the semi-axes of a finger by its name. */
+  askSemiAxes(name) {
+    const finger = workspace.study.fingers.find((each) => each.name === name);
+    if (finger) this.#semiAxes(finger);
   }
 
   /** @param {Finger} finger */
@@ -378,7 +398,7 @@ export class StudyTables {
     const num = (key, words, more) =>
       h(
         "td",
-        null,
+        { "data-empty": (one[key] === null || one[key] === undefined) && key !== "roll_angle_deg" },
         number({
           value: one[key],
           min: 0,
@@ -415,7 +435,11 @@ export class StudyTables {
       rolled && num("roll_angle_deg", "Roll angle", { min: undefined }),
       num("load_N", "Load"),
       one.file
-        ? h("td", null, scaleChoice({ value: one.scale, label: `Scale of ${one.item}`, onset: set("scale") }))
+        ? h(
+            "td",
+            { "data-empty": !one.scale },
+            scaleChoice({ value: one.scale, label: `Scale of ${one.item}`, onset: set("scale") }),
+          )
         : h("td.soft", null, "ellipse given"),
       h("td", null, incomplete(one) || statusChip(one)),
       h(
