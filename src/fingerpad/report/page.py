@@ -34,7 +34,7 @@ from fingerpad.report.plots import (
     wedge_plot,
 )
 from fingerpad.report.templates import templates
-from fingerpad.report.text import FLAG_WORDS, doubtful_frames, face_differences, in_words
+from fingerpad.report.text import FLAG_WORDS, doubtful_frames, face_differences, in_words, pooling_words
 from fingerpad.study.results.check import UncertaintyCheck
 from fingerpad.study.results.layer import LAYER_FLAGS
 from fingerpad.study.results.rows import RANGE_NOTES
@@ -167,6 +167,7 @@ def _line(result: StudyResult, summary: Summary) -> dict[str, Any]:
     return {
         "summary": summary,
         "contacts": len(contacts),
+        "pooled": int(np.count_nonzero(contacts.column("pooled"))),
         "doubtful": int(np.count_nonzero(contacts.column("flags") != "")),
         "loading": loading_radius_of(result, summary),
     }
@@ -182,6 +183,7 @@ def _details(
         notes.update(dict.fromkeys(codes.split(), count))
     doubtful = contacts.at(contacts.column("flags") != "")
     doubtful = doubtful.at(np.argsort(doubtful.column("pooled"), kind="stable"))  # those left out first
+    out = contacts.at(~contacts.column("pooled"))
     overlays = contacts.at(contacts.known("overlay"))
     deepest = rows.column("indentation_over_thickness")
     gc.collect()  # as in _sequences
@@ -191,6 +193,11 @@ def _details(
         "budget": draw(budget_plot(summary, check)),
         "figures": draw(summary_plots(result, summary)),
         "doubts": doubtful[:MOST_POINTS],
+        "left_out": [(row["observation"], pooling_words(row)) for row in out[:MOST_POINTS]],
+        "by_hand": [
+            (row["observation"], pooling_words(row))
+            for row in contacts.at(contacts.column("pooled") & contacts.known("pooling_decided_by"))
+        ],
         "edge": _edge(shown.column("edge_offset_mm_std")),
         "largest_size": float(rows.column("contact_radius_ratio").max()),
         "deepest": float(np.nanmax(deepest, initial=0.0)),

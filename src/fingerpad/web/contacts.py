@@ -20,10 +20,12 @@ from fingerpad.image import (
 from fingerpad.study.corrections.apply import contact_correction, place_of, prepared_contact
 from fingerpad.study.corrections.changes import ContactCorrection
 from fingerpad.study.manifest import Contact, ContactSequence, Observation, ScaleKey
-from fingerpad.study.measuring.measure import doubts_of, from_contact_image
+from fingerpad.study.measuring.measure import Measurement, doubts_of, from_contact_image, reviewed
 from fingerpad.study.measuring.scales import FoundScale
+from fingerpad.study.results.exclusions import excluding_flags
 from fingerpad.study.results.rows import model_contacts
 from fingerpad.web import answers
+from fingerpad.web.corrections import pooling_choice
 from fingerpad.web.endpoints import Endpoint, Item, Params
 from fingerpad.web.errors import RequestError
 from fingerpad.web.last_results import known_finger, last_results
@@ -70,6 +72,7 @@ def measure(workspace: Workspace, _: Any, params: ContactParams) -> dict[str, An
             "threshold": contact_image.threshold,
         },
         "flags": [*doubts_of(contact_image), *found.flags],
+        "pooling": _pooling(opened, params.item, contact, from_contact_image(contact_image, contact, found)),
         "mm_per_px": found.scale.mm_per_px,
         "mm_per_px_std": found.scale.mm_per_px_std,
         "milliseconds": 1000 * (time.perf_counter() - began),
@@ -98,7 +101,7 @@ def _prepared(
     """Return a prepared contact image; strokes and a manual ellipse do not change it."""
     place = opened.place_of(item)
     reading = change.model_copy(
-        update={"strokes": [], "ellipse_px": None, "accepted": False, "rejected": None}
+        update={"strokes": [], "ellipse_px": None, "accepted": False, "rejected": None, "pooling": None}
     )
     settings = sequence_settings(opened, contact, found) if isinstance(contact, ContactSequence) else None
     background = None if contact.background is None else ImageLocation(opened.file(contact.background)).stamp
@@ -207,6 +210,23 @@ def _model(
     row = model_contacts(opened.study(), {finger.name: finger}, [(contact, measured)]).table[0]
     found_model = {name: row[name] for name in answers.ContactModel.model_fields}
     return found_model | {"range_notes": (row["range_notes"] or "").split()}
+
+
+def _pooling(
+    opened: StudySession, item: str, contact: Contact, measured: Measurement
+) -> dict[str, Any] | None:
+    """Return whether a contact will be pooled; None of frames and files, for which other rules hold."""
+    if item.startswith("file:") or "#" in item:
+        return None
+    active_correction = opened.corrections.active_correction(item)
+    seen = reviewed(measured, active_correction)
+    excluding = sorted(excluding_flags(contact, seen))
+    pooled = not excluding if seen.pooling is None else seen.pooling
+    return {
+        "pooled": pooled and seen.rejected is None,
+        "excluding_flags": excluding,
+        "decision": pooling_choice(active_correction),
+    }
 
 
 def _load_of_frame(opened: StudySession, item: str) -> float | None:

@@ -7,7 +7,8 @@ from typing import Annotated, Any, Final
 from pydantic import Field
 
 from fingerpad.exceptions import CorrectionConflict
-from fingerpad.study.corrections.history import Record
+from fingerpad.study.corrections.changes import ContactCorrection
+from fingerpad.study.corrections.history import ActiveCorrection, Record
 from fingerpad.study.corrections.log import kind_of, on_another_image
 from fingerpad.web import answers
 from fingerpad.web.endpoints import Endpoint, Item, Params, Person
@@ -51,6 +52,19 @@ def document(opened: StudySession, item: str) -> dict[str, Any]:
         "can_undo": history.can_undo,
         "can_redo": history.can_redo,
         "history": [record.as_json() for record in history.records],
+    }
+
+
+def pooling_choice(active_correction: ActiveCorrection | None) -> dict[str, Any] | None:
+    """Return what a person decided about the pooling of a contact, None where nobody did."""
+    change = active_correction and active_correction.change
+    if active_correction is None or not isinstance(change, ContactCorrection) or change.pooling is None:
+        return None
+    return {
+        "include": change.pooling.include,
+        "why": change.pooling.why,
+        "who": active_correction.pooling_who,
+        "when": active_correction.pooling_when,
     }
 
 

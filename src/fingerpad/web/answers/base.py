@@ -35,3 +35,12 @@ class Refusal(Answer):
     faults: list[Fault] = []
     study: str | None = None
     digest: str | None = None
+
+
+class PoolingChoice(Answer):
+    """A person's decision whether a contact is pooled."""
+
+    include: bool
+    why: str
+    who: str
+    when: str

@@ -1,6 +1,6 @@
 """Results of a run, and the pad in three dimensions."""
 
-from fingerpad.web.answers.base import Answer, Cell, Point3D
+from fingerpad.web.answers.base import Answer, Cell, Point3D, PoolingChoice
 
 
 class Column(Answer):
@@ -61,6 +61,29 @@ class PlottedRows(Answer):
     pooled: list[bool]
 
 
+class PooledContact(Answer):
+    """A contact that is left out of the pooled radius, or about which a person or a flag has a say.
+
+    `pooled` and `why` are of the last run; `decision` is what a person wants now.
+    """
+
+    item: str
+    load_N: float | None  # noqa: N815
+    pooled: bool
+    why: str
+    decision: PoolingChoice | None
+
+
+class Pooling(Answer):
+    """How many contacts and frames of a group count in its pooled radius, and the contacts in question."""
+
+    contacts: int
+    contacts_pooled: int
+    frames: int
+    frames_pooled: int
+    in_question: list[PooledContact]
+
+
 class PlottedGroup(Group):
     """A finger at one placement: pooled values, and the rows to plot."""
 
@@ -72,6 +95,7 @@ class PlottedGroup(Group):
     loading_radius_mm_std: float | None
     rows: PlottedRows
     range_notes: list[RangeNote]
+    pooling: Pooling
 
 
 class Plot(Answer):

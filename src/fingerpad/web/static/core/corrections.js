@@ -125,6 +125,7 @@ const WORDS = {
   palmar_side: "palmar side",
   accepted: "accepted",
   rejected: "rejected",
+  pooling: "pooling",
 };
 
 /** Describe a record of the history. */

@@ -4,6 +4,7 @@ import { h, render, symbol } from "../core/dom.js";
 import { BY, plain, quantityRow, quantityText } from "../core/quantity.js";
 import { describeCode } from "../core/workspace.js";
 import { check, chip, choose, field, number, synthetic } from "../parts/forms.js";
+import { poolingOf } from "../parts/pooling.js";
 import { Inspector } from "./inspector.js";
 
 /** @type {[key: string, label: () => any, title: string, mark: string][]} */
@@ -200,6 +201,12 @@ export class ContactInspector extends Inspector {
             answer.flags.map((flag) => h("li", null, describeCode(flag))),
           ),
         ),
+      answer.pooling &&
+        !this.view.corrections.change.rejected &&
+        poolingOf(answer.pooling, {
+          words: describeCode,
+          set: (pooling) => this.view.decidePooling(pooling),
+        }),
       notesOf(model).length > 0 &&
         h(
           "details",

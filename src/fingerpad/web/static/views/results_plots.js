@@ -5,6 +5,7 @@ import { h, render, symbol } from "../core/dom.js";
 import { plain, unitOf, withStd, withUnit } from "../core/quantity.js";
 import { chart, colour, forget } from "../parts/chart.js";
 import { choose, field, synthetic } from "../parts/forms.js";
+import { poolingList } from "../parts/pooling.js";
 
 // Quantities plotted against load: key, name, axis title, and whether the axes are logarithmic.
 /** @type {[key: string, name: string, axis: string, logarithmic?: boolean][]} */
@@ -156,6 +157,7 @@ export class Plots {
         fact(symbol("R", "0g"), group.mean_curvature_radius_mm, group.mean_curvature_radius_mm_std),
         fact(symbol("R", "g"), group.loading_radius_mm, group.loading_radius_mm_std),
       ),
+      poolingList(group.pooling),
       node,
       group.range_notes.length > 0 &&
         h(

@@ -12,7 +12,7 @@ import { whoButton } from "../parts/person.js";
 import { Stage } from "../parts/stage.js";
 import { Box, Brush } from "../parts/tools.js";
 
-const VERDICTS = ["accepted", "rejected"];
+const VERDICTS = ["accepted", "rejected", "pooling"];
 
 /**
  * Marks of a thumbnail for what a person did: kind and text.
@@ -325,6 +325,11 @@ export class Review {
     return { ...change, ellipse_px: null };
   }
 
+  /** Save whether the contact is pooled; the verdict stays. */
+  decidePooling(pooling) {
+    return this.#change((mine) => mine.keep((change) => withoutDefaults({ ...change, pooling })));
+  }
+
   undo() {
     return this.#change((mine) => mine.undo());
   }
@@ -352,7 +357,10 @@ export class Review {
         .catch(showError);
     if (this.corrections !== mine) return;
     if (this.entries[this.at + 1]) this.step(1);
-    else toast(this.last[0], this.last[1]);
+    else {
+      toast(this.last[0], this.last[1]);
+      await this.remeasure(); // whether it is pooled may have changed
+    }
   }
 
   async reject() {
