@@ -1,6 +1,8 @@
 """Every endpoint of the API with valid and invalid requests."""
 
 import math
+import shutil
+from urllib.parse import quote
 
 import cv2
 import numpy as np
@@ -410,18 +412,23 @@ def test_an_invalid_manifest_opens_and_names_the_error(client, studies_folder):
     assert any("poisson_ratio" in one["words"] for one in state["missing"])
 
 
-@pytest.mark.parametrize("meant", ["another", "%C3%BCbung"])
-def test_requests_for_another_study_change_nothing(client, studies_folder, meant: str):
+@pytest.mark.parametrize("name", ["another", "übung"])
+def test_several_studies_are_open_at_once(client, studies_folder, name: str):
+    shutil.copytree(studies_folder / "demo", studies_folder / name)
     before = (studies_folder / "demo" / "study.toml").read_bytes()
-    body = {
-        "expected": client.get("/api/study").json()["digest"],
-        "edits": [{"kind": "study", "key": "", "set": {"title": "x"}}],
-    }
-    error_response = client.post("/api/study/edits", json=body, headers={"fingerpad-study": meant})
-    assert (error_response.status_code, error_response.json()["study"]) == (409, "demo")
-    assert "another window opened the study 'demo'" in error_response.json()["error"]
+    of = f"/of/{quote(name)}"
+    digest = client.get(f"{of}/api/study").json()["digest"]
+    edits = [{"kind": "study", "key": "", "set": {"title": "x"}}]
+    changed = client.post(f"{of}/api/study/edits", json={"expected": digest, "edits": edits}).json()
+    assert (changed["name"], changed["title"]) == (name, "x")
+    info = client.get(f"{of}/api/picture/info", params={"item": "synthetic_30deg_1N"}).json()
+    assert info["preview"].startswith(f"{of}/api/picture/preview")
+    assert client.get(info["preview"]).headers["content-type"] == "image/png"
+    # Without a name, requests are about the study that was opened last.
+    assert client.get("/api/study").json()["name"] == "demo"
     assert (studies_folder / "demo" / "study.toml").read_bytes() == before
-    assert client.get("/api/study", headers={"fingerpad-study": "demo"}).status_code == 200
-    client.post("/api/session/close")
-    closed = client.get("/api/study", headers={"fingerpad-study": "demo"})
-    assert (closed.status_code, closed.json()["study"]) == (409, None)
+    assert client.post(f"{of}/api/session/close").json()["study"]["name"] == "demo"
+    assert client.get(f"{of}/api/study").json()["title"] == "x"  # opened again
+    assert client.get("/of/nowhere/api/study").status_code == 404
+    assert client.get("/of/nowhere").status_code == 404
+    assert client.get(f"{of}/api/study", headers={"authorization": ""}).status_code == 403

@@ -116,7 +116,7 @@ def _save(workspace: Workspace, params: StepParams, keep: Callable[[], object]) 
         now = document(opened, params.item)
         raise RequestError.conflict(str(conflict), latest=latest, corrections=now) from conflict
     found = document(opened, params.item)
-    workspace.events.send("corrections", {"item": params.item, "last_id": found["last_id"]})
+    workspace.study.events.send("corrections", {"item": params.item, "last_id": found["last_id"]})
     return found
 
 

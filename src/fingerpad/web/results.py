@@ -22,6 +22,7 @@ from fingerpad.web.corrections import pooling_choice
 from fingerpad.web.endpoints import Endpoint, Params
 from fingerpad.web.errors import RequestError
 from fingerpad.web.last_results import Results, last_results, results_faults
+from fingerpad.web.study_session import StudySession
 from fingerpad.web.workspace import Workspace
 
 _MOST_IN_QUESTION: Final = 200
@@ -192,10 +193,10 @@ def figures(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
     _results(workspace)
     out = workspace.study.out
     names = [name for name in result_files(out) if name.startswith("figures/") and name.endswith(".svg")]
-    return {"figures": list(_figures([out / name for name in names]))}
+    return {"figures": list(_figures(workspace.study, [out / name for name in names]))}
 
 
-def _figures(drawings: Iterable[Path]) -> Iterator[dict[str, str]]:
+def _figures(opened: StudySession, drawings: Iterable[Path]) -> Iterator[dict[str, str]]:
     for path in drawings:
         with path.open(encoding="utf-8") as file:
             start = file.read(4000)
@@ -204,8 +205,8 @@ def _figures(drawings: Iterable[Path]) -> Iterator[dict[str, str]]:
         yield {
             "name": path.stem,
             "caption": words.replace("&quot;", '"').replace("&lt;", "<").replace("&amp;", "&"),
-            "svg": f"/api/download/figures/{path.name}",
-            "png": f"/api/download/figures/{path.stem}.png",
+            "svg": opened.address(f"/api/download/figures/{path.name}"),
+            "png": opened.address(f"/api/download/figures/{path.stem}.png"),
         }
 
 

@@ -81,13 +81,13 @@ def edit(workspace: Workspace, _: Any, params: EditsParams) -> dict[str, Any]:
     except EditConflict as conflict:
         raise RequestError.conflict(str(conflict), digest=opened.read().digest) from conflict
     found = document(opened)
-    workspace.events.send("study", {"digest": found["digest"]})
+    workspace.study.events.send("study", {"digest": found["digest"]})
     return found
 
 
 def close(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
     """Close the study."""
-    workspace.close()
+    workspace.close_study()
     return workspace.describe()
 
 
@@ -101,7 +101,7 @@ def run(workspace: Workspace, _: Any, params: RunParams) -> dict[str, Any]:
         opened.out,
         workers=workers,
         force=params.force,
-        when_done=lambda: workspace.events.send("study", {"digest": opened.read().digest}),
+        when_done=lambda: opened.events.send("study", {"digest": opened.read().digest}),
     )
 
 

@@ -6,6 +6,7 @@ from dataclasses import asdict
 from pathlib import Path, PurePosixPath
 from threading import Lock
 from typing import Any, Final, TypeVar
+from urllib.parse import quote
 
 from fingerpad._files import digest_of
 from fingerpad.exceptions import ImageError, ManifestError
@@ -36,6 +37,8 @@ from fingerpad.web.events import Events
 from fingerpad.web.pictures import Cache, ImageLocation, Pictures
 from fingerpad.web.run_job import RunJob
 
+# Before the name of a study at the start of an address.
+OF_STUDY: Final = "/of/"
 _MOST_FILES: Final = 100_000
 _TIMEOUT_S: Final = 30.0
 # A finger, or a file, that no table states.
@@ -52,16 +55,20 @@ class StudySession:
     folder, out : Path
         The study folder, and the folder of results.
     events : Events
-        Receives the events.
+        Those of its windows.
+    pictures : Pictures
+        The cache of pictures, which all studies share.
     memory_limit : int
         The most bytes that reading and measuring a picture may take, as for `read_image`.
     """
 
-    def __init__(self, folder: Path, *, out: Path, events: Events, memory_limit: int) -> None:
+    def __init__(
+        self, folder: Path, *, out: Path, events: Events, pictures: Pictures, memory_limit: int
+    ) -> None:
         self.folder, self.out = folder, out
         self.events = events
         self.memory_limit = memory_limit
-        self.pictures = Pictures(memory_limit)
+        self.pictures = pictures
         self.run_job = RunJob(events)
         self.corrections = CorrectionLog(folder)
         self._counts: Cache[int] = Cache(10_000, lambda _: 1)
@@ -75,9 +82,14 @@ class StudySession:
         """Name of the folder."""
         return self.folder.name
 
+    def address(self, path: str) -> str:
+        """Return the address of a request that is about this study, whichever was opened last."""
+        return f"{OF_STUDY}{quote(self.name, safe='')}{path}"
+
     def close(self) -> None:
-        """Cancel the run, and wait until it has stopped."""
+        """Cancel the run, and wait until it has stopped; disconnect the listeners."""
         self.run_job.cancel()
+        self.events.end()
         self.run_job.wait(_TIMEOUT_S)
 
     def read(self) -> LoadedStudy:

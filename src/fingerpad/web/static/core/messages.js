@@ -28,6 +28,9 @@ export function toast(words, { kind = "info", action, stays = kind === "error" }
   return message;
 }
 
+/** Remove all messages: they are about a study that is left. */
+export const clearMessages = () => render(document.getElementById("messages"));
+
 export const showError = (error) => error.name === "AbortError" || toast(error.message, { kind: "error" });
 
 /** Ask a question; resolves to the button's value or null. Enter in a field presses the primary button. */

@@ -1,6 +1,6 @@
 // New files: what each of them is, entered one by one or for all.
 
-import { get, post, remove } from "../core/api.js";
+import { get, picture, post, remove } from "../core/api.js";
 import { h, redraw, render } from "../core/dom.js";
 import { showError, toast } from "../core/messages.js";
 import { bytes } from "../core/quantity.js";
@@ -258,7 +258,7 @@ export class NewFiles {
         null,
         kind === "picture"
           ? h("img.small-thumb", {
-              src: `/api/picture/thumbnail?${new URLSearchParams({ item: `file:${file}` })}`,
+              src: picture("thumbnail", `file:${file}`),
               alt: "",
               loading: "lazy",
             })

@@ -1,6 +1,6 @@
 // The results as a table that can be filtered and sorted.
 
-import { get } from "../core/api.js";
+import { download, get } from "../core/api.js";
 import { h, render } from "../core/dom.js";
 import { plain, withStd } from "../core/quantity.js";
 import { describeCode, workspace } from "../core/workspace.js";
@@ -124,7 +124,7 @@ export class Table {
         ),
         check("All columns", { onset: (on) => ((this.all = on), this.#draw()) }),
         h("span.grow"),
-        h("a.button", { href: "/api/download/results.csv?attachment=1" }, "CSV"),
+        h("a.button", { href: download("results.csv?attachment=1") }, "CSV"),
       ),
       h("div.table-head", null, this.count, this.pager),
       this.table,
