@@ -107,9 +107,10 @@ class _OfStudy:
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] == "http" and scope["path"].startswith(OF_STUDY):
-            name, slash, path = scope["path"].removeprefix(OF_STUDY).partition("/")
-            REQUESTED.set(name)
-            scope = {**scope, "path": slash + path, "raw_path": None}
+            name, _, path = scope["path"].removeprefix(OF_STUDY).partition("/")
+            if path.startswith("api/"):
+                REQUESTED.set(name)
+                scope = {**scope, "path": f"/{path}", "raw_path": None}
         await self._app(scope, receive, send)
 
 

@@ -6,7 +6,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from fingerpad.exceptions import ImageError
+from fingerpad.exceptions import FingerpadError, ImageError
 from fingerpad.image import (
     ContactImageResult,
     ContactImageSettings,
@@ -28,7 +28,8 @@ from fingerpad.web import answers
 from fingerpad.web.corrections import pooling_choice
 from fingerpad.web.endpoints import Endpoint, Item, Params
 from fingerpad.web.errors import RequestError
-from fingerpad.web.last_results import known_finger, last_results
+from fingerpad.web.last_results import last_results
+from fingerpad.web.photographs import measured_finger
 from fingerpad.web.pictures import Cache, ImageLocation
 from fingerpad.web.scales import scale_of
 from fingerpad.web.study_session import NO_TABLE, StudySession
@@ -199,7 +200,10 @@ def _model(
     opened: StudySession, item: str, contact: Contact, contact_image: ContactImageResult, found: FoundScale
 ) -> dict[str, Any] | None:
     """Return what the contact model gives, as in the results."""
-    finger = None if item.startswith("file:") else known_finger(opened, contact.finger)
+    try:
+        finger = None if item.startswith("file:") else measured_finger(opened, contact.finger)
+    except FingerpadError:  # said where the photographs are
+        finger = None
     if finger is None:
         return None
     load = getattr(contact, "load_N", None) or _load_of_frame(opened, item)

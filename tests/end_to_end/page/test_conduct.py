@@ -138,9 +138,8 @@ def test_each_window_has_its_own_study(tab: Tab, demo) -> None:
     two.get_by_label("Wedge angle ±").fill("800")
     two.get_by_label("Wedge angle ±").press("Enter")
     two.get_by_role("alert").get_by_text("wedge_angle_deg_std").first.wait_for()
-    two.evaluate(
-        "() => import('/static/core/messages.js').then((all) => all.showError(new Error('Of demo')))"
-    )
+    messages = "import('/static/core/messages.js')"
+    two.evaluate(f"() => {messages}.then((all) => all.showError(new Error('Of demo')))")
     two.get_by_text("Of demo").wait_for()
     two.get_by_role("button", name="Other studies").click()
     two.get_by_role("button", name="The other pad").click()

@@ -1,6 +1,7 @@
 """Results of a run, and the pad in three dimensions."""
 
 from fingerpad.web.answers.base import Answer, Cell, Point3D, PoolingChoice
+from fingerpad.web.answers.study import SemiAxes
 
 
 class Column(Answer):
@@ -200,8 +201,10 @@ class SurfacePoint(Answer):
 
 
 class PadGeometry(Answer):
-    """A pad on its wedge: place of contact, curvature, and what to draw."""
+    """A pad on its wedge: semi-axes, place of contact, curvature, and what to draw."""
 
+    semi_axes_mm: SemiAxes
+    semi_axes_mm_std: SemiAxes | None
     u_deg: float
     u_deg_std: float | None
     v_deg: float

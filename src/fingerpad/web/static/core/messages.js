@@ -55,7 +55,11 @@ export function ask(title, body, buttons) {
               class: kind,
               type: "button",
               autofocus: kind === "primary",
-              onclick: () => dialog.close(value),
+              onclick: () => {
+                const wrong = kind === "primary" && dialog.querySelector("input:invalid");
+                if (wrong) wrong.reportValidity();
+                else dialog.close(value);
+              },
             },
             words,
           ),
@@ -66,7 +70,9 @@ export function ask(title, body, buttons) {
     dialog.addEventListener("keydown", (event) => {
       if (event.key !== "Enter" || !primary || !event.target.matches("input")) return;
       event.preventDefault();
-      dialog.close(primary[0]);
+      const wrong = dialog.querySelector("input:invalid");
+      if (wrong) wrong.reportValidity();
+      else dialog.close(primary[0]);
     });
     document.body.append(dialog);
     dialog.showModal();

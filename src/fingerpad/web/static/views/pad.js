@@ -5,7 +5,7 @@ import { h, render, symbol } from "../core/dom.js";
 import { bindHere } from "../core/keys.js";
 import { plain, quantityRow, quantityText, withStd } from "../core/quantity.js";
 import { workspace } from "../core/workspace.js";
-import { button, choose, field, number, synthetic } from "../parts/forms.js";
+import { button, choose, empty, field, number, synthetic } from "../parts/forms.js";
 import { PadScene } from "../parts/pad_scene.js";
 
 const AXES = [
@@ -24,9 +24,12 @@ const QUANTITIES_SHOWN = [
 
 class PadView {
   constructor(root, rest) {
-    const known = workspace.study.fingers.filter(({ semi_axes_mm: axes }) => axes);
+    const known = this.#fingers();
     this.finger = (known.find(({ name }) => name === rest[0]) ?? known[0])?.name ?? "";
-    this.axes = { palmar: 8, distal: 14, radial_ulnar: 12 };
+    /** @type {Record<string, number | null>} semi-axes entered here; none is assumed */
+    this.axes = { palmar: null, distal: null, radial_ulnar: null };
+    /** @type {Answers["PadGeometry"] | null} */
+    this.answer = null;
     const placed = workspace.study.observations.find(({ finger }) => finger === this.finger);
     this.wedge = placed?.wedge_angle_deg ?? 30;
     this.roll = placed?.roll_angle_deg ?? 0;
@@ -39,6 +42,12 @@ class PadView {
       this.numbers,
     );
     this.side = h("div.stack");
+    this.nothing = empty(
+      "No semi-axes yet",
+      "Photographs of the finger's faces give them, or enter them for the finger on the Study page. " +
+        "To try a pad, enter three semi-axes beside this.",
+      h("a.button", { href: "#/study" }, "Go to study"),
+    );
     this.caption = h("div.pad-caption");
     render(
       root,
@@ -56,7 +65,7 @@ class PadView {
       h(
         "div.panes.no-tools.pad-panes",
         null,
-        h("div.pad-main", null, this.scene.root, this.caption),
+        h("div.pad-main", null, this.nothing, this.scene.root, this.caption),
         h("aside.inspector", { "aria-label": "Placement", tabindex: 0 }, this.side),
       ),
     );
@@ -72,6 +81,13 @@ class PadView {
     this.#ask();
   }
 
+  /** Fingers whose semi-axes are entered, or given by their photographs. */
+  #fingers() {
+    return workspace.study.fingers.filter(
+      ({ complete, semi_axes_mm: axes, photographs }) => axes || (complete && photographs.length),
+    );
+  }
+
   #views() {
     const look = (words, view) => button(words, () => this.scene.look(view), { kind: "small" });
     return [
@@ -83,10 +99,10 @@ class PadView {
   }
 
   #draw() {
-    const known = workspace.study.fingers.filter(({ semi_axes_mm: axes }) => axes);
+    const known = this.#fingers();
     const options = [...known.map(({ name }) => [name, name]), ["", "semi-axes entered here"]];
     const finger = workspace.study.fingers.find(({ name }) => name === this.finger);
-    const axes = finger?.semi_axes_mm ?? this.axes;
+    this.axesShown = h("dl.readings");
     const angle = (key, words, min, max) => {
       const slider = h("input", {
         type: "range",
@@ -127,7 +143,7 @@ class PadView {
           choose({
             value: this.finger,
             options,
-            onset: (value) => ((this.finger = value), this.#draw(), this.#ask()),
+            onset: (value) => this.#choose(value),
           }),
         ),
         finger?.synthetic && h("div", null, synthetic(true)),
@@ -137,13 +153,7 @@ class PadView {
         null,
         h("h3", null, "Semi-axes"),
         finger
-          ? h(
-              "dl.readings",
-              null,
-              AXES.map(([axis, words]) =>
-                quantityRow(words, `${withStd(axes[axis], finger.semi_axes_mm_std?.[axis])} mm`),
-              ),
-            )
+          ? this.axesShown
           : h(
               "div.fields",
               null,
@@ -153,7 +163,7 @@ class PadView {
                   number({
                     value: this.axes[axis],
                     min: 0.1,
-                    onset: (value) => value && ((this.axes[axis] = value), this.#ask()),
+                    onset: (value) => ((this.axes[axis] = value), this.#ask()),
                   }),
                   { unit: "mm" },
                 ),
@@ -175,7 +185,23 @@ class PadView {
     this[`set_${key}`](Math.max(0, Math.min(90, this[key] + by)));
   }
 
+  /** Show a finger, or semi-axes to enter, which start from those shown before. */
+  #choose(finger) {
+    if (!finger && this.answer) this.axes = { ...this.answer.semi_axes_mm };
+    this.finger = finger;
+    this.#draw();
+    this.#ask();
+  }
+
   #ask() {
+    const lacking = !this.finger && Object.values(this.axes).some((axis) => !axis);
+    this.scene.root.hidden = this.caption.hidden = lacking;
+    this.nothing.hidden = !lacking;
+    if (lacking) {
+      this.live.cancel();
+      render(this.numbers);
+      return;
+    }
     const which = this.finger
       ? { finger: this.finger }
       : { palmar_mm: this.axes.palmar, distal_mm: this.axes.distal, radial_ulnar_mm: this.axes.radial_ulnar };
@@ -184,6 +210,13 @@ class PadView {
 
   /** @param {Answers["PadGeometry"]} answer */
   #show(answer) {
+    this.answer = answer;
+    render(
+      this.axesShown,
+      AXES.map(([axis, words]) =>
+        quantityRow(words, `${withStd(answer.semi_axes_mm[axis], answer.semi_axes_mm_std?.[axis])} mm`),
+      ),
+    );
     this.scene.show(
       answer,
       `The pad on a wedge of ${plain(this.wedge)}°, touching at u = ${plain(answer.u_deg)}°`,

@@ -5,7 +5,7 @@ import { h, redraw, render, symbol } from "../core/dom.js";
 import { ask } from "../core/messages.js";
 import { plain, withStd } from "../core/quantity.js";
 import { describeCode, workspace } from "../core/workspace.js";
-import { button, chip, choose, faultList, field, number, synthetic, text } from "../parts/forms.js";
+import { button, chip, choose, faultList, field, NAME, number, synthetic, text } from "../parts/forms.js";
 import { missingList, missingOf } from "../parts/missing_fields.js";
 import { scaleChoice } from "../parts/scale_choice.js";
 
@@ -220,7 +220,7 @@ export class StudyTables {
 
   /** Ask for the name of a finger; empty if cancelled. */
   async #askName(words, doing, value = "") {
-    const name = text({ placeholder: "left_index", value });
+    const name = text({ placeholder: "left_index", value, pattern: NAME });
     const body = h("div", null, field("Name of the finger", name, { hint: "Letters, digits, - and _." }));
     const answer = await ask(words, body, [
       ["", "Cancel"],
