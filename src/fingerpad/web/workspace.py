@@ -5,6 +5,7 @@ import os
 import re
 import shutil
 from contextvars import ContextVar
+from dataclasses import asdict
 from http import HTTPStatus
 from importlib.metadata import version
 from pathlib import Path
@@ -15,6 +16,7 @@ import fingerpad
 from fingerpad.image import MEMORY_LIMIT
 from fingerpad.study.editing.documents import title_of
 from fingerpad.study.manifest.load import STUDY_NAME
+from fingerpad.study.results.glossary import GLOSSARY
 from fingerpad.study.results.result_set import RESULTS_NAME
 from fingerpad.web.errors import RequestError
 from fingerpad.web.events import Events
@@ -85,6 +87,7 @@ class Workspace:
             "who": _login(),
             "plotly": PLOTLY_ADDRESS,
             "limits": {"upload_bytes": self.upload_limit, "picture_memory_bytes": self.memory_limit},
+            "glossary": {symbol: asdict(meaning) for symbol, meaning in GLOSSARY.items()},
         }
 
     def studies(self) -> list[str]:

@@ -4,7 +4,9 @@ import shutil
 
 import numpy as np
 import pytest
-from tests.end_to_end.page.browser import Tab, middle, numbers, stroke
+from tests.end_to_end.page.browser import Tab, middle, numbers, stroke, unexplained
+
+from fingerpad.study.results.glossary import GLOSSARY
 
 PICTURE_THERE = """() => document.querySelector('.stage .picture').naturalWidth
   && !document.querySelector('.stage.waiting')"""
@@ -25,6 +27,18 @@ def test_pad_and_contact_take_the_semi_axes_of_the_photographs(example_tab: Tab)
     assert float(page.get_by_label("Distal", exact=True).input_value()) == pytest.approx(13.8, abs=0.3)
     example_tab.go("contacts/images/contact_1N")
     assert "mm" in numbers(page, "radius")
+    # Symbols are explained on hover and on focus, in the words of the library.
+    assert page.locator(".symbol").count() > 5
+    assert unexplained(page) == []
+    tip = page.get_by_role("tooltip")
+    page.locator(".inspector [data-term=R_Aξ]").hover()
+    tip.get_by_text(GLOSSARY["R_Aξ"].meaning).wait_for()
+    page.mouse.move(1, 1)
+    tip.wait_for(state="hidden")
+    page.locator(".inspector [data-term=ξ]").focus()
+    tip.get_by_text(GLOSSARY["ξ"].meaning).wait_for()
+    page.keyboard.press("Escape")
+    tip.wait_for(state="hidden")
     page.get_by_role("button", name="Other studies").click()
     page.get_by_label("Title").fill("Empty")
     page.keyboard.press("Enter")

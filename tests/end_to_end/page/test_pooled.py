@@ -4,7 +4,7 @@ import json
 import re
 
 from PIL import Image
-from tests.end_to_end.page.browser import Tab, numbers
+from tests.end_to_end.page.browser import Tab, numbers, unexplained
 
 from fingerpad.report import write_report
 from fingerpad.study.pipeline import run_study
@@ -44,6 +44,12 @@ def test_an_accepted_contact_that_a_flag_leaves_out_is_named_and_included(exampl
     report = re.sub(r"\s+", " ", (example / "results" / "report.html").read_text())
     assert "3 of 3 contacts pooled" in report
     assert f"contact_1N is included by {record['who']}: shown whole enough (the contact is cut" in report
+    # Symbols are explained where they stand.
+    for part, there in (("table", "tbody tr"), ("budget", ".budget"), ("plot", ".chart")):
+        example_tab.go(f"results/{part}")
+        page.locator(there).first.wait_for()
+        assert page.locator(".symbol").count() > 0
+        assert unexplained(page) == []
     # Back to the rule, and one that nothing speaks against left out by its picture.
     card.get_by_text("3 of 3 contacts pooled").click()
     card.get_by_role("button", name="Undo the decision about contact_1N").click()

@@ -1,6 +1,7 @@
 // Results, settings and history of a contact image, with the automatic result to compare.
 
-import { h, render, symbol } from "../core/dom.js";
+import { h, render } from "../core/dom.js";
+import { symbol } from "../core/glossary.js";
 import { BY, plain, quantityRow, quantityText } from "../core/quantity.js";
 import { describeCode } from "../core/workspace.js";
 import { check, chip, choose, field, number, synthetic } from "../parts/forms.js";
@@ -9,8 +10,8 @@ import { Inspector } from "./inspector.js";
 
 /** @type {[key: string, label: () => any, title: string, mark: string][]} */
 const QUANTITIES_SHOWN = [
-  ["semi_major_mm", () => ["Semi-major ", symbol("ℓ", "d")], "semi-major axis of the ellipse", "ellipse"],
-  ["semi_minor_mm", () => ["Semi-minor ", symbol("ℓ", "e")], "semi-minor axis of the ellipse", "ellipse"],
+  ["semi_major_mm", () => ["Semi-major ", symbol("ℓ_d")], "semi-major axis of the ellipse", "ellipse"],
+  ["semi_minor_mm", () => ["Semi-minor ", symbol("ℓ_e")], "semi-minor axis of the ellipse", "ellipse"],
   ["gross_area_mm2", () => "Gross area", "area inside the outline of the contact", "region"],
   ["ridge_area_mm2", () => "Ridge area", "area of the ridges in contact", "ridges"],
 ];
@@ -19,12 +20,12 @@ const QUANTITIES_SHOWN = [
 const MODEL = [
   [
     "mean_curvature_radius_mm",
-    () => ["Undeformed pad ", symbol("R", "0g")],
+    () => ["Undeformed pad ", symbol("R_0g")],
     "1/H of the undeformed pad at the contact",
   ],
   [
     "radius_from_compliance_mm",
-    () => ["Equivalent sphere ", symbol("R", "Aξ")],
+    () => ["Equivalent sphere ", symbol("R_Aξ")],
     "sphere with the same area at the same indentation; compare with the radius from loading data",
   ],
   [
@@ -50,7 +51,7 @@ const ON_LAYER = [
   ],
   [
     "loading_radius_on_layer_mm",
-    () => ["Expected ", symbol("R", "g")],
+    () => ["Expected ", symbol("R_g")],
     "A/(πξ) of the whole pad on the layer; compare with the radius from loading data",
   ],
 ];
@@ -136,7 +137,7 @@ export class ContactInspector extends Inspector {
         h(
           "div.headline.main-number",
           null,
-          h("span", null, "Corrected radius ", symbol("R", "g", "corr")),
+          h("span", null, "Corrected radius ", symbol("R_g^corr")),
           h(
             "span.figure-big.number",
             { "data-live": "radius" },
@@ -155,7 +156,7 @@ export class ContactInspector extends Inspector {
         QUANTITIES_SHOWN.map(line),
         quantityRow("Ridge period", quantityText(numbers, "ridge_period_mm")),
         quantityRow(
-          "IoU of ellipse and region",
+          [symbol("IoU"), " of ellipse and region"],
           numbers.ellipse_iou === null || numbers.ellipse_iou === undefined
             ? "–"
             : plain(numbers.ellipse_iou),

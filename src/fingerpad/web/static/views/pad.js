@@ -1,7 +1,8 @@
 // The pad on its wedge: point of contact and curvature.
 
 import { LatestRequest, post } from "../core/api.js";
-import { h, render, symbol } from "../core/dom.js";
+import { h, render } from "../core/dom.js";
+import { symbol } from "../core/glossary.js";
 import { bindHere } from "../core/keys.js";
 import { plain, quantityRow, quantityText, withStd } from "../core/quantity.js";
 import { workspace } from "../core/workspace.js";
@@ -18,8 +19,8 @@ const AXES = [
 const QUANTITIES_SHOWN = [
   ["in_plane_radius_mm", () => "Radius along the finger"],
   ["transverse_radius_mm", () => "Radius across the finger"],
-  ["mean_curvature_radius_mm", () => symbol("R", "0g")],
-  ["geometric_mean_radius_mm", () => symbol("R", "e")],
+  ["mean_curvature_radius_mm", () => symbol("R_0g")],
+  ["geometric_mean_radius_mm", () => symbol("R_e")],
 ];
 
 class PadView {
@@ -103,7 +104,7 @@ class PadView {
     const options = [...known.map(({ name }) => [name, name]), ["", "semi-axes entered here"]];
     const finger = workspace.study.fingers.find(({ name }) => name === this.finger);
     this.axesShown = h("dl.readings");
-    const angle = (key, words, min, max) => {
+    const angle = (key, title, words, min, max) => {
       const slider = h("input", {
         type: "range",
         min,
@@ -128,7 +129,7 @@ class PadView {
       return h(
         "div.angle",
         null,
-        field(words, slider),
+        field(title, slider),
         h("div.control", null, typed, h("span.unit", null, "°")),
       );
     };
@@ -174,8 +175,8 @@ class PadView {
         "section",
         null,
         h("h3", null, "Placement"),
-        angle("wedge", "Wedge angle θ", 0, 90),
-        angle("roll", "Roll angle φ", -60, 60),
+        angle("wedge", ["Wedge angle ", symbol("θ")], "Wedge angle θ", 0, 90),
+        angle("roll", ["Roll angle ", symbol("φ")], "Roll angle φ", -60, 60),
       ),
       this.numbers,
     );
@@ -239,7 +240,7 @@ class PadView {
       ),
       answer.v_deg !== null &&
         Math.abs(answer.v_deg - 90) > 0.005 &&
-        h("p.soft.number", null, `v = ${quantityText(answer, "v_deg")}`),
+        h("p.soft.number", null, symbol("v"), ` = ${quantityText(answer, "v_deg")}`),
       h(
         "dl.readings",
         { "data-live": "radii" },

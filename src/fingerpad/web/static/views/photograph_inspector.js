@@ -1,6 +1,7 @@
 // Results of one face, and of all faces of the finger combined.
 
 import { h, render, s } from "../core/dom.js";
+import { symbol } from "../core/glossary.js";
 import { showError } from "../core/messages.js";
 import { BY, plain, probability, quantityRow, quantityText, withStd } from "../core/quantity.js";
 import { describeCode, workspace } from "../core/workspace.js";
@@ -162,11 +163,11 @@ export class PhotographInspector extends Inspector {
           ),
         ),
         finger.degrees_of_freedom > 0 &&
-          quantityRow(
-            "Agreement",
-            `χ² = ${finger.chi_square.toPrecision(3)}, df = ${finger.degrees_of_freedom}, ` +
+          quantityRow("Agreement", [
+            symbol("χ²"),
+            ` = ${finger.chi_square.toPrecision(3)}, df = ${finger.degrees_of_freedom}, ` +
               probability(finger.p_value),
-          ),
+          ]),
       ),
       finger.disagreements?.length > 0 &&
         h(

@@ -2,6 +2,7 @@
 
 import { download, get } from "../core/api.js";
 import { h, render } from "../core/dom.js";
+import { symbol } from "../core/glossary.js";
 import { plain, withStd } from "../core/quantity.js";
 import { describeCode, workspace } from "../core/workspace.js";
 import { button, check, chip, choose, field, synthetic } from "../parts/forms.js";
@@ -53,6 +54,10 @@ const SHORT = {
   contact_radius_ratio: "a/R",
   measured_by: "By",
 };
+
+// Symbols of the headers, by the column.
+const symbolOf = (key) =>
+  Object.entries(workspace.session.glossary).find(([, { column }]) => column === key)?.[0];
 
 const KIND = { measured: "good", failed: "bad", rejected: "bad" };
 
@@ -245,6 +250,7 @@ export class Table {
     const { sort } = this.asked;
     const way = sort === key ? "ascending" : sort === `-${key}` ? "descending" : undefined;
     const next = way === "ascending" ? `-${key}` : way === "descending" ? "" : key;
+    const term = symbolOf(key);
     const label =
       key === "observation"
         ? "Contact"
@@ -252,10 +258,15 @@ export class Table {
           `${key.replace(/_(mm2?|kpa|deg|px|N|s)$/, "").replaceAll("_", " ")}${unit ? `, ${unit}` : ""}`);
     return h(
       "th",
-      { scope: "col", class: number ? "number" : undefined, "aria-sort": way, title: words },
+      {
+        scope: "col",
+        class: number ? "number" : undefined,
+        "aria-sort": way,
+        title: term ? undefined : words,
+      },
       button(
         [
-          label,
+          term ? symbol(term, { inControl: true, words: label }) : label,
           h("span", { "aria-hidden": "true" }, way === "ascending" ? " ↑" : way === "descending" ? " ↓" : ""),
         ],
         () => this.#ask({ sort: next, offset: 0 }),

@@ -1,7 +1,8 @@
 // Tables of fingers, contacts, sequences and loading data, edited in place.
 
 import { picture } from "../core/api.js";
-import { h, redraw, render, symbol } from "../core/dom.js";
+import { h, redraw, render } from "../core/dom.js";
+import { symbol } from "../core/glossary.js";
 import { ask } from "../core/messages.js";
 import { plain, withStd } from "../core/quantity.js";
 import { describeCode, workspace } from "../core/workspace.js";
@@ -567,14 +568,18 @@ export class StudyTables {
         "header",
         null,
         h("h2", null, "Loading data"),
-        h("span.soft", null, "force–displacement curves, or ", symbol("R", "g"), " from elsewhere"),
+        h("span.soft", null, "force–displacement curves, or ", symbol("R_g"), " from elsewhere"),
         h(
           "div.actions",
           null,
-          button(h("span", null, "Add ", symbol("R", "g"), " from elsewhere"), () => this.#addRadius(), {
-            kind: "small",
-            disabled: !workspace.study.fingers.length,
-          }),
+          button(
+            h("span", null, "Add ", symbol("R_g", { inControl: true }), " from elsewhere"),
+            () => this.#addRadius(),
+            {
+              kind: "small",
+              disabled: !workspace.study.fingers.length,
+            },
+          ),
         ),
       ),
       curves.length
@@ -594,7 +599,9 @@ export class StudyTables {
                     h(
                       "th",
                       { scope: "col", class: words.startsWith("R") ? "number" : undefined },
-                      words || h("span.sr", null, "Actions"),
+                      words.startsWith("R_g")
+                        ? [symbol("R_g"), ", mm"]
+                        : words || h("span.sr", null, "Actions"),
                     ),
                   ),
                 ),
@@ -646,7 +653,7 @@ export class StudyTables {
             "p.soft",
             null,
             "None. The study runs without them; ",
-            symbol("R", "g"),
+            symbol("R_g"),
             " is then not compared with the corrected radius.",
           ),
     );
