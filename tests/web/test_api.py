@@ -432,3 +432,9 @@ def test_several_studies_are_open_at_once(client, studies_folder, name: str):
     assert client.get("/of/nowhere/api/study").status_code == 404
     assert client.get("/of/nowhere").status_code == 404
     assert client.get(f"{of}/api/study", headers={"authorization": ""}).status_code == 403
+
+
+def test_an_example_study_is_made_and_another(client):
+    made = [client.post("/api/session/example").json() for _ in range(2)]
+    assert [one["name"] for one in made] == ["example", "example-2"]
+    assert all(one["ready"] and one["fingers"][0]["synthetic"] for one in made)

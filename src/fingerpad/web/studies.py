@@ -9,6 +9,7 @@ from pydantic import Field
 from fingerpad.exceptions import EditConflict
 from fingerpad.study.editing.apply_edit import Edit
 from fingerpad.study.editing.edit import create_study
+from fingerpad.study.editing.example import write_example
 from fingerpad.study.manifest.check import Kind
 from fingerpad.study.manifest.load import STUDY_NAME
 from fingerpad.web import answers
@@ -49,6 +50,15 @@ def new(workspace: Workspace, _: Any, params: NewParams) -> dict[str, Any]:
     """Create a study in a new folder."""
     folder = workspace.new_folder(params.name)
     create_study(folder, params.title or params.name)
+    return document(workspace.open_folder(folder))
+
+
+def example(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
+    """Write the example study into a new folder, and open it."""
+    taken = {path.name for path in workspace.workspace.iterdir()}
+    names = ("example", *(f"example-{number}" for number in range(2, 1000)))
+    folder = workspace.new_folder(next(name for name in names if name not in taken))
+    write_example(folder)
     return document(workspace.open_folder(folder))
 
 
@@ -131,6 +141,14 @@ ENDPOINTS: Final = (
         body=NewParams,
         status=HTTPStatus.CREATED,
         summary="Create a study",
+    ),
+    Endpoint(
+        method="POST",
+        path="/api/session/example",
+        answer=example,
+        model=answers.State,
+        status=HTTPStatus.CREATED,
+        summary="Create the synthetic example study",
     ),
     Endpoint(
         method="POST",

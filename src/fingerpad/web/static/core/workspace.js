@@ -140,6 +140,11 @@ class Workspace extends EventTarget {
     this.#update(await post("/api/session/new", { name, title }));
   }
 
+  /** Open a new copy of the synthetic example study. */
+  async createExample() {
+    this.#update(await post("/api/session/example"));
+  }
+
   /** Leave the study: it stays open for other windows, and its run goes on. */
   async close() {
     this.#leave();
