@@ -140,7 +140,9 @@ def test_a_contact_is_measured_and_modelled(standing):
     assert math.dist(*ends) == pytest.approx(2 * major)
     assert np.mean(ends, axis=0) == pytest.approx(centre)
     assert math.dist(*one["handles"]["minor_ends_px"]) == pytest.approx(2 * minor)
-    assert one["model"] is None  # the finger is not measured yet
+    # Before a run the finger's photographs give its semi-axes; they are rendered of 7.9, 13.8 and 11.8 mm.
+    truth = Placement(Ellipsoid(7.9, 13.8, 11.8), wedge_angle=math.radians(30), roll_angle=0).curvature
+    assert one["model"]["mean_curvature_radius_mm"] == pytest.approx(1 / truth.mean_curvature, rel=0.02)
 
 
 def test_an_unchanged_ellipse_changes_nothing(standing):
