@@ -56,7 +56,7 @@ def document(opened: StudySession, item: str) -> dict[str, Any]:
 
 
 def pooling_choice(active_correction: ActiveCorrection | None) -> dict[str, Any] | None:
-    """Return what a person decided about the pooling of a contact, None where nobody did."""
+    """Return what a person decided about the pooling of a contact, None where no person did."""
     change = active_correction and active_correction.change
     if active_correction is None or not isinstance(change, ContactCorrection) or change.pooling is None:
         return None

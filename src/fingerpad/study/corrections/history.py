@@ -74,7 +74,7 @@ class ActiveCorrection:
     picture : str
         SHA-256 of the picture's file as it was then, where that is known.
     pooling_who, pooling_when : str
-        Who decided whether it is pooled, and when; empty where nobody did.
+        Who decided whether it is pooled, and when; empty where no person did.
     """
 
     item: str

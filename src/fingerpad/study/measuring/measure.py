@@ -58,7 +58,7 @@ class Measurement:
     rejected : str or None
         Why a person does not want it; it is no failure, and never counts.
     pooling : bool or None
-        Whether it is pooled whatever its flags, as a person decided; None where nobody did.
+        Whether it is pooled whatever its flags, as a person decided; None where no person did.
     pooling_decided_by, pooling_reason : str or None
         Who decided that, and why.
     """

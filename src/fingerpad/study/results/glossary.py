@@ -1,4 +1,4 @@
-"""The symbols of results, each with what it means: one list for the page and whoever shows them."""
+"""The symbols of results, each with what it means: one list for the page and for reports."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
