@@ -85,6 +85,19 @@ def test_the_newest_rules_and_every_decision_stays(tmp_path):
     assert all(record["who"] == "anna" and record["when"].endswith("Z") for record in kept)
 
 
+def test_who_decided_about_pooling_stays_whoever_corrects_later(tmp_path):
+    log, out = CorrectionLog(tmp_path), {"include": False, "why": "slipped"}
+    said(log, "print_1", {"pooling": {"include": True, "why": "slipped"}}, who="first")
+    said(log, "print_1", {"pooling": out}, who="anna")
+    said(log, "print_1", {"pooling": out, "threshold": 20}, who="ben")
+    rules = log.active_correction("print_1")
+    assert (rules.who, rules.pooling_who) == ("ben", "anna")
+    assert rules.pooling_when == log.history("print_1").records[1].when
+    assert rules.change.edits == {"threshold": 20}
+    said(log, "print_1", {"threshold": 20}, who="ben")
+    assert log.active_correction("print_1").pooling_who == ""
+
+
 def test_nothing_said_is_the_programs_own(tmp_path):
     log = CorrectionLog(tmp_path)
     said(log, "print_1", {"threshold": 10})

@@ -465,9 +465,13 @@ def test_what_is_missing_is_said(tmp_path):
     changed(tmp_path, ("scale", "reader", {"ppi": 500}), ("finger", "left", {}))
     assert said(tmp_path)["finger", "left"] == "give its semi-axes, or photographs of its faces"
     changed(tmp_path, ("photograph", "left/a.png", {"scale": "reader"}))
-    assert said(tmp_path)["finger", "left"] == "a.png: which face it shows is missing"
+    assert said(tmp_path)["photograph", "left/a.png"] == "a.png: which face it shows is missing"
     changed(tmp_path, ("photograph", "left/a.png", {"face": "palmar", "scale": None}))
-    assert said(tmp_path)["finger", "left"] == "a.png: its scale is missing"
+    assert said(tmp_path)["photograph", "left/a.png"] == "a.png: its scale is missing"
+    assert [one.place for one in missing(load_study(tmp_path / "study.toml")) if one.key] == [
+        "scale",
+        *[""] * 2,
+    ]
     changed(tmp_path, ("photograph", "left/a.png", {"face": "palmar", "scale": "reader"}))
     words = said(tmp_path)
     assert "palmar semi-axis: add one of the distal or radial or ulnar face" in words["finger", "left"]

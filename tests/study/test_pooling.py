@@ -11,9 +11,11 @@ from benchmarks import pooling
 
 from fingerpad.exceptions import ManifestError
 from fingerpad.image import SEMI_AXES
+from fingerpad.study.corrections.changes import ContactCorrection
+from fingerpad.study.corrections.history import ActiveCorrection
 from fingerpad.study.manifest import Observation, Study
 from fingerpad.study.measuring.fingers import FingerResult
-from fingerpad.study.measuring.measure import Measurement
+from fingerpad.study.measuring.measure import Measurement, reviewed
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.exclusions import excluding_flags
 from fingerpad.study.results.model import GEOMETRY, PART_SOURCES, contact_inputs
@@ -305,6 +307,31 @@ def test_flags_keep_contacts_from_being_pooled(
     rows = model_contacts(STUDY, {"f": finger(None)}, [contact(0), doubtful])
     assert [row["status"] for row in rows.table] == ["measured", "measured"]
     assert [row["pooled"] for row in rows.table] == [True, counts]
+    assert rows.pooled.tolist() == [0, 1][: 1 + counts]
+
+
+@pytest.mark.parametrize(
+    ("flags", "wanted", "rejected", "counts"),
+    [
+        (("touches_border",), None, None, False),
+        (("touches_border",), True, None, True),
+        ((), False, None, False),
+        ((), True, "blurred", False),  # what is rejected never counts
+    ],
+)
+def test_a_person_decides_what_flags_would(
+    flags: tuple[str, ...], wanted: bool | None, rejected: str | None, counts: bool
+) -> None:
+    pooling = None if wanted is None else {"include": wanted, "why": "seen"}
+    change = ContactCorrection.model_validate({"pooling": pooling, "rejected": rejected})
+    said = ActiveCorrection(item="c1", change=change, who="B", when="", pooling_who="A" if pooling else "")
+    where, measured = contact(1, flags=flags)
+    rows = model_contacts(STUDY, {"f": finger(None)}, [contact(0), (where, reviewed(measured, said))])
+    row = rows.table[1]
+    assert row["pooled"] == counts
+    assert row["excluding_flags"] == " ".join(flags)
+    assert row["pooling_decided_by"] == ("A" if pooling else None)
+    assert row["reviewed"] == ("rejected" if rejected else None)
     assert rows.pooled.tolist() == [0, 1][: 1 + counts]
 
 

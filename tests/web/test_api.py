@@ -1,6 +1,8 @@
 """Every endpoint of the API with valid and invalid requests."""
 
 import math
+import shutil
+from urllib.parse import quote
 
 import cv2
 import numpy as np
@@ -138,7 +140,9 @@ def test_a_contact_is_measured_and_modelled(standing):
     assert math.dist(*ends) == pytest.approx(2 * major)
     assert np.mean(ends, axis=0) == pytest.approx(centre)
     assert math.dist(*one["handles"]["minor_ends_px"]) == pytest.approx(2 * minor)
-    assert one["model"] is None  # the finger is not measured yet
+    # Before a run the finger's photographs give its semi-axes; they are rendered of 7.9, 13.8 and 11.8 mm.
+    truth = Placement(Ellipsoid(7.9, 13.8, 11.8), wedge_angle=math.radians(30), roll_angle=0).curvature
+    assert one["model"]["mean_curvature_radius_mm"] == pytest.approx(1 / truth.mean_curvature, rel=0.02)
 
 
 def test_an_unchanged_ellipse_changes_nothing(standing):
@@ -422,18 +426,29 @@ def test_an_invalid_manifest_opens_and_names_the_error(client, studies_folder):
     assert any("poisson_ratio" in one["words"] for one in state["missing"])
 
 
-@pytest.mark.parametrize("meant", ["another", "%C3%BCbung"])
-def test_requests_for_another_study_change_nothing(client, studies_folder, meant: str):
+@pytest.mark.parametrize("name", ["another", "übung"])
+def test_several_studies_are_open_at_once(client, studies_folder, name: str):
+    shutil.copytree(studies_folder / "demo", studies_folder / name)
     before = (studies_folder / "demo" / "study.toml").read_bytes()
-    body = {
-        "expected": client.get("/api/study").json()["digest"],
-        "edits": [{"kind": "study", "key": "", "set": {"title": "x"}}],
-    }
-    error_response = client.post("/api/study/edits", json=body, headers={"fingerpad-study": meant})
-    assert (error_response.status_code, error_response.json()["study"]) == (409, "demo")
-    assert "another window opened the study 'demo'" in error_response.json()["error"]
+    of = f"/of/{quote(name)}"
+    digest = client.get(f"{of}/api/study").json()["digest"]
+    edits = [{"kind": "study", "key": "", "set": {"title": "x"}}]
+    changed = client.post(f"{of}/api/study/edits", json={"expected": digest, "edits": edits}).json()
+    assert (changed["name"], changed["title"]) == (name, "x")
+    info = client.get(f"{of}/api/picture/info", params={"item": "synthetic_30deg_1N"}).json()
+    assert info["preview"].startswith(f"{of}/api/picture/preview")
+    assert client.get(info["preview"]).headers["content-type"] == "image/png"
+    # Without a name, requests are about the study that was opened last.
+    assert client.get("/api/study").json()["name"] == "demo"
     assert (studies_folder / "demo" / "study.toml").read_bytes() == before
-    assert client.get("/api/study", headers={"fingerpad-study": "demo"}).status_code == 200
-    client.post("/api/session/close")
-    closed = client.get("/api/study", headers={"fingerpad-study": "demo"})
-    assert (closed.status_code, closed.json()["study"]) == (409, None)
+    assert client.post(f"{of}/api/session/close").json()["study"]["name"] == "demo"
+    assert client.get(f"{of}/api/study").json()["title"] == "x"  # opened again
+    assert client.get("/of/nowhere/api/study").status_code == 404
+    assert client.get("/of/nowhere").status_code == 404
+    assert client.get(f"{of}/api/study", headers={"authorization": ""}).status_code == 403
+
+
+def test_an_example_study_is_made_and_another(client):
+    made = [client.post("/api/session/example").json() for _ in range(2)]
+    assert [one["name"] for one in made] == ["example", "example-2"]
+    assert all(one["ready"] and one["fingers"][0]["synthetic"] for one in made)

@@ -43,6 +43,7 @@ from fingerpad.report.text import (
     face_differences,
     in_words,
     percent,
+    pooling_words,
     probability,
 )
 from fingerpad.study.results.check import UncertaintyCheck
@@ -192,6 +193,7 @@ def _line(result: StudyResult, summary: Summary, validity: Validity) -> dict[str
         "summary": summary,
         "validity": validity,
         "contacts": len(contacts),
+        "pooled": int(np.count_nonzero(contacts.column("pooled"))),
         "doubtful": int(np.count_nonzero(contacts.column("flags") != "")),
         "loading": loading_radius_of(result, summary),
     }
@@ -207,6 +209,7 @@ def _details(
         notes.update(dict.fromkeys(codes.split(), count))
     doubtful = contacts.at(contacts.column("flags") != "")
     doubtful = doubtful.at(np.argsort(doubtful.column("pooled"), kind="stable"))  # those left out first
+    out = contacts.at(~contacts.column("pooled"))
     overlays = contacts.at(contacts.known("overlay"))
     gc.collect()  # as in _sequences
     return {
@@ -216,6 +219,11 @@ def _details(
         "figures": draw(summary_plots(result, summary)),
         "doubts": doubtful[:MOST_POINTS],
         "repeatability": result.repeatability[summary.synthetic].known,
+        "left_out": [(row["observation"], pooling_words(row)) for row in out[:MOST_POINTS]],
+        "by_hand": [
+            (row["observation"], pooling_words(row))
+            for row in contacts.at(contacts.column("pooled") & contacts.known("pooling_decided_by"))
+        ],
         "edge": _edge(shown.column("edge_offset_mm_std")),
         "range_notes": [(RANGE_NOTES[code], notes[code], len(rows)) for code in RANGE_NOTES if notes[code]],
         "pictures": len(overlays),

@@ -3,7 +3,7 @@
 import math
 from collections import Counter
 from collections.abc import Iterator, Mapping
-from typing import Final
+from typing import Any, Final
 
 from fingerpad.image import OutlineSemiAxes
 from fingerpad.study.results.study_result import StudyResult
@@ -49,6 +49,25 @@ _AXIS_WORDS: Final[Mapping[str, str]] = {
 def in_words(codes: str, words: Mapping[str, str]) -> list[str]:
     """Return the remark for each of the codes, which are separated by spaces."""
     return [words.get(code, code) for code in codes.split()]
+
+
+def pooling_words(row: Mapping[str, Any]) -> str:
+    """Return why a measured row is pooled or not, in words; empty where nothing speaks against it.
+
+    Examples
+    --------
+    >>> row = {"excluding_flags": "low_contrast", "pooling_decided_by": None, "pooled": False}
+    >>> pooling_words(row)
+    'the contact has little contrast with the background'
+    >>> pooling_words(row | {"pooled": True, "pooling_decided_by": "Ada", "pooling_reason": "whole print"})
+    'included by Ada: whole print (the contact has little contrast with the background)'
+    """
+    flags = "; ".join(in_words(row["excluding_flags"] or "", FLAG_WORDS))
+    if row["pooling_decided_by"]:
+        done = "included" if row["pooled"] else "left out"
+        words = f"{done} by {row['pooling_decided_by']}: {row['pooling_reason']}"
+        return f"{words} ({flags})" if flags else words
+    return flags
 
 
 def doubtful_frames(result: StudyResult) -> Iterator[tuple[str, int, str]]:

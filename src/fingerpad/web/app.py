@@ -18,7 +18,7 @@ from starlette.requests import Request
 from starlette.responses import FileResponse, HTMLResponse, JSONResponse, RedirectResponse, Response
 from starlette.routing import Mount, Route
 from starlette.staticfiles import StaticFiles
-from starlette.types import ASGIApp, Scope
+from starlette.types import ASGIApp, Receive, Scope, Send
 
 import fingerpad
 from fingerpad.exceptions import FingerpadError
@@ -37,7 +37,8 @@ from fingerpad.web import (
 )
 from fingerpad.web.endpoints import Endpoint, openapi
 from fingerpad.web.security import START, Access, Guard, cookie_name
-from fingerpad.web.workspace import PLOTLY_ADDRESS, Workspace
+from fingerpad.web.study_session import OF_STUDY
+from fingerpad.web.workspace import PLOTLY_ADDRESS, REQUESTED, Workspace
 
 STATIC: Final = Path(__file__).parent / "static"
 _IMMUTABLE: Final = {"cache-control": "private, max-age=31536000, immutable"}
@@ -97,7 +98,22 @@ def make_app(workspace: Workspace, access: Access) -> ASGIApp:
         ],
         exception_handlers={HTTPException: _not_there},
     )
-    return Guard(starlette, access)
+    return _OfStudy(Guard(starlette, access))
+
+
+class _OfStudy:
+    """ASGI middleware that takes the name of a study from the start of an address."""
+
+    def __init__(self, app: ASGIApp) -> None:
+        self._app = app
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        if scope["type"] == "http" and scope["path"].startswith(OF_STUDY):
+            name, _, path = scope["path"].removeprefix(OF_STUDY).partition("/")
+            if path.startswith("api/"):
+                REQUESTED.set(name)
+                scope = {**scope, "path": f"/{path}", "raw_path": None}
+        await self._app(scope, receive, send)
 
 
 _CLOSED: Final = """<!doctype html>
@@ -195,7 +211,7 @@ def serve(workspace: Workspace, *, port: int, on_ready: Callable[[Launch], None]
             on_ready(Launch(f"{page}?token={access.token}", browser_address, token_file))
 
         async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
-            workspace.events.end()
+            workspace.end_events()
             # Responses cut off by the shutdown are not errors to print.
             logging.getLogger("uvicorn.error").setLevel(logging.CRITICAL + 1)
             await super().shutdown(sockets)

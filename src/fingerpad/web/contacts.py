@@ -6,7 +6,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from fingerpad.exceptions import ImageError
+from fingerpad.exceptions import FingerpadError, ImageError
 from fingerpad.image import (
     ContactImageResult,
     ContactImageSettings,
@@ -20,23 +20,25 @@ from fingerpad.image import (
 from fingerpad.study.corrections.apply import contact_correction, place_of, prepared_contact
 from fingerpad.study.corrections.changes import ContactCorrection
 from fingerpad.study.manifest import Contact, ContactSequence, Observation, ScaleKey
-from fingerpad.study.measuring.measure import doubts_of, from_contact_image
+from fingerpad.study.measuring.measure import Measurement, doubts_of, from_contact_image, reviewed
 from fingerpad.study.measuring.scales import FoundScale
+from fingerpad.study.results.exclusions import excluding_flags
 from fingerpad.study.results.rows import model_contacts
 from fingerpad.web import answers
+from fingerpad.web.corrections import pooling_choice
 from fingerpad.web.endpoints import Endpoint, Item, Params
 from fingerpad.web.errors import RequestError
-from fingerpad.web.last_results import known_finger, last_results
+from fingerpad.web.last_results import last_results
+from fingerpad.web.photographs import measured_finger
 from fingerpad.web.pictures import Cache, ImageLocation
 from fingerpad.web.scales import scale_of
-from fingerpad.web.study_session import StudySession
+from fingerpad.web.study_session import NO_TABLE, StudySession
 from fingerpad.web.workspace import Workspace
 
 _PREPARED: Final[Cache[PreparedContactImage]] = Cache(12, lambda _: 1)
 _SETTINGS: Final[Cache[SequenceSettings | None]] = Cache(50, lambda _: 1)
 # A sequence may have thousands of frames; some of them suffice to estimate its settings.
 _SAMPLED_FRAMES: Final = 200
-_NO_TABLE: Final = "none"
 
 
 class ContactParams(Params):
@@ -71,6 +73,7 @@ def measure(workspace: Workspace, _: Any, params: ContactParams) -> dict[str, An
             "threshold": contact_image.threshold,
         },
         "flags": [*doubts_of(contact_image), *found.flags],
+        "pooling": _pooling(opened, params.item, contact, from_contact_image(contact_image, contact, found)),
         "mm_per_px": found.scale.mm_per_px,
         "mm_per_px_std": found.scale.mm_per_px_std,
         "milliseconds": 1000 * (time.perf_counter() - began),
@@ -85,7 +88,7 @@ def _contact(opened: StudySession, params: ContactParams) -> Contact:
             raise RequestError.impossible(f"{item}: state its scale")
         file = item.removeprefix("file:")
         return Observation(
-            name=_NO_TABLE, finger=_NO_TABLE, wedge_angle_deg=0, load_N=1, file=file, scale=params.scale
+            name=NO_TABLE, finger=NO_TABLE, wedge_angle_deg=0, load_N=1, file=file, scale=params.scale
         )
     contact = opened.sequence(item.rpartition("#")[0]) if "#" in item else opened.observation(item)
     if contact is None or contact.scale is None:
@@ -99,7 +102,7 @@ def _prepared(
     """Return a prepared contact image; strokes and a manual ellipse do not change it."""
     place = opened.place_of(item)
     reading = change.model_copy(
-        update={"strokes": [], "ellipse_px": None, "accepted": False, "rejected": None}
+        update={"strokes": [], "ellipse_px": None, "accepted": False, "rejected": None, "pooling": None}
     )
     settings = sequence_settings(opened, contact, found) if isinstance(contact, ContactSequence) else None
     background = None if contact.background is None else ImageLocation(opened.file(contact.background)).stamp
@@ -197,7 +200,10 @@ def _model(
     opened: StudySession, item: str, contact: Contact, contact_image: ContactImageResult, found: FoundScale
 ) -> dict[str, Any] | None:
     """Return what the contact model gives, as in the results."""
-    finger = None if item.startswith("file:") else known_finger(opened, contact.finger)
+    try:
+        finger = None if item.startswith("file:") else measured_finger(opened, contact.finger)
+    except FingerpadError:  # said where the photographs are
+        finger = None
     if finger is None:
         return None
     load = getattr(contact, "load_N", None) or _load_of_frame(opened, item)
@@ -208,6 +214,23 @@ def _model(
     row = model_contacts(opened.study(), {finger.name: finger}, [(contact, measured)]).table[0]
     found_model = {name: row[name] for name in answers.ContactModel.model_fields}
     return found_model | {"range_notes": (row["range_notes"] or "").split()}
+
+
+def _pooling(
+    opened: StudySession, item: str, contact: Contact, measured: Measurement
+) -> dict[str, Any] | None:
+    """Return whether a contact will be pooled; None of frames and files, for which other rules hold."""
+    if item.startswith("file:") or "#" in item:
+        return None
+    active_correction = opened.corrections.active_correction(item)
+    seen = reviewed(measured, active_correction)
+    excluding = sorted(excluding_flags(contact, seen))
+    pooled = not excluding if seen.pooling is None else seen.pooling
+    return {
+        "pooled": pooled and seen.rejected is None,
+        "excluding_flags": excluding,
+        "decision": pooling_choice(active_correction),
+    }
 
 
 def _load_of_frame(opened: StudySession, item: str) -> float | None:

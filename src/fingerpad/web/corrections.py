@@ -7,7 +7,8 @@ from typing import Annotated, Any, Final
 from pydantic import Field
 
 from fingerpad.exceptions import CorrectionConflict
-from fingerpad.study.corrections.history import Record
+from fingerpad.study.corrections.changes import ContactCorrection
+from fingerpad.study.corrections.history import ActiveCorrection, Record
 from fingerpad.study.corrections.log import kind_of, on_another_image
 from fingerpad.web import answers
 from fingerpad.web.endpoints import Endpoint, Item, Params, Person
@@ -54,17 +55,30 @@ def document(opened: StudySession, item: str) -> dict[str, Any]:
     }
 
 
+def pooling_choice(active_correction: ActiveCorrection | None) -> dict[str, Any] | None:
+    """Return what a person decided about the pooling of a contact, None where no person did."""
+    change = active_correction and active_correction.change
+    if active_correction is None or not isinstance(change, ContactCorrection) or change.pooling is None:
+        return None
+    return {
+        "include": change.pooling.include,
+        "why": change.pooling.why,
+        "who": active_correction.pooling_who,
+        "when": active_correction.pooling_when,
+    }
+
+
 def show(workspace: Workspace, params: ItemParams, _: Any) -> dict[str, Any]:
     """Return the corrections of an item."""
     opened = workspace.study
-    kind_of(params.item, opened.study())
+    kind_of(params.item, opened.with_incomplete())
     return document(opened, params.item)
 
 
 def add(workspace: Workspace, _: Any, params: ChangeParams) -> dict[str, Any]:
     """Save a correction; it is on the disk before the response."""
     opened = workspace.study
-    study = opened.study()
+    study = opened.with_incomplete()
     kind_of(params.item, study)
     return _save(
         workspace,
@@ -102,7 +116,7 @@ def _save(workspace: Workspace, params: StepParams, keep: Callable[[], object]) 
         now = document(opened, params.item)
         raise RequestError.conflict(str(conflict), latest=latest, corrections=now) from conflict
     found = document(opened, params.item)
-    workspace.events.send("corrections", {"item": params.item, "last_id": found["last_id"]})
+    workspace.study.events.send("corrections", {"item": params.item, "last_id": found["last_id"]})
     return found
 
 

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from http import HTTPStatus
 from pathlib import PurePath
 from typing import Annotated, Any, Final, Literal, TypeAlias
-from urllib.parse import unquote
 
 import cv2
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
@@ -25,8 +24,6 @@ from fingerpad.web.errors import RequestError
 from fingerpad.web.workspace import Workspace
 
 BODY_LIMIT: Final = 8_000_000
-# Name of the study that a request is about, percent-encoded.
-STUDY_HEADER: Final = "fingerpad-study"
 # Odd pictures and numbers may raise these: the request fails, and the page goes on.
 _RECOVERABLE_ERRORS: Final = (ArithmeticError, MemoryError, ValueError, cv2.error)
 
@@ -93,13 +90,12 @@ class Endpoint:
 
         async def respond(request: Request) -> Response:
             try:
-                _require_same_study(workspace, request)
-                query = validated_query(self.query, {**request.query_params, **request.path_params})
+                params = validated_query(self.query, {**request.query_params, **request.path_params})
                 if self.streamed:
                     with plain_errors():
-                        return self._response(await self.answer(workspace, query, request))
+                        return self._response(await self.answer(workspace, params, request))
                 body = NoParams() if self.body is NoParams else await _body(self.body, request)
-                return await run_in_threadpool(self._answer, workspace, query, body)
+                return await run_in_threadpool(self._answer, workspace, params, body)
             except RequestError as error:
                 return error_response(error)
 
@@ -120,14 +116,6 @@ class Endpoint:
         text = _encoded(content)
         self.model.model_validate_json(text)
         return Response(text, status_code=status, media_type="application/json")
-
-
-def _require_same_study(workspace: Workspace, request: Request) -> None:
-    """Refuse a request for another study than the open one: another window has opened that."""
-    meant, name = request.headers.get(STUDY_HEADER), workspace.name
-    if meant is not None and unquote(meant) != name:
-        words = "closed the study" if name is None else f"opened the study {name!r}"
-        raise RequestError.conflict(f"another window {words}: nothing was changed", study=name)
 
 
 class plain_errors:  # noqa: N801 (used as a statement)
@@ -231,7 +219,8 @@ def openapi(operations: Sequence[Endpoint], version: str) -> dict[str, Any]:
         "info": {
             "title": "fingerpad",
             "version": version,
-            "description": "The API under the page of fingerpad app.",
+            "description": "The API under the page of fingerpad app. A request is about the study that was "
+            "opened last; with /of/NAME before its path it is about the study NAME of the workspace.",
         },
         "components": {
             "securitySchemes": {"token": {"type": "http", "scheme": "bearer"}},

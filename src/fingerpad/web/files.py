@@ -98,7 +98,7 @@ async def upload(
             if new:
                 (opened.folder / record["file"]).unlink(missing_ok=True)
             raise RequestError.impossible(record["problem"])
-        workspace.events.send("study", {"digest": opened.read().digest})
+        workspace.study.events.send("study", {"digest": opened.read().digest})
         return record, HTTPStatus.CREATED if new else HTTPStatus.OK
 
     return await run_in_threadpool(keep)
@@ -121,7 +121,7 @@ async def import_study(workspace: Workspace, params: ImportParams, request: Requ
 
 async def listen(workspace: Workspace, _: Any, __: Request) -> Response:
     """Stream events."""
-    return StreamingResponse(workspace.events.listen(), media_type="text/event-stream")
+    return StreamingResponse(workspace.study.events.listen(), media_type="text/event-stream")
 
 
 def remove(workspace: Workspace, _: Any, params: RemoveParams) -> dict[str, Any]:

@@ -12,7 +12,7 @@ from fingerpad.uncertainty import Inputs, placement_model, propagate
 from fingerpad.web import answers
 from fingerpad.web.endpoints import Endpoint, Params
 from fingerpad.web.errors import RequestError
-from fingerpad.web.last_results import known_finger
+from fingerpad.web.photographs import measured_finger
 from fingerpad.web.workspace import Workspace
 
 _AXES: Final = ("palmar", "distal", "radial_ulnar")
@@ -53,7 +53,10 @@ def geometry(workspace: Workspace, _: Any, params: GeometryParams) -> dict[str, 
     turn = np.linspace(0, 2 * np.pi, 2 * params.detail + 1)
     height = np.linspace(0, np.pi, params.detail + 1)
     mesh = pad.point(turn[:, None], height)
+    stds = None if covariance is None else np.sqrt(covariance.diagonal())
     return {
+        "semi_axes_mm": dict(zip(_AXES, axes, strict=True)),
+        "semi_axes_mm_std": None if stds is None else dict(zip(_AXES, stds, strict=True)),
         **_placed(axes, covariance, np.array([wedge, roll]), angle_stds),
         "v_deg": np.degrees(placement.v),
         "contact_point_mm": placement.point,
@@ -75,9 +78,9 @@ def _pad(workspace: Workspace, params: PadParams) -> tuple[FloatArray, FloatArra
         given = np.array([params.palmar_mm, params.distal_mm, params.radial_ulnar_mm], dtype=float)
         return given, None, np.zeros(2)
     study = workspace.study.study()
-    finger = known_finger(workspace.study, params.finger)
+    finger = measured_finger(workspace.study, params.finger)
     if finger is None:
-        raise RequestError.impossible(f"{params.finger}: its semi-axes are not measured yet: run the study")
+        raise RequestError.impossible(f"{params.finger}: no complete finger of the study has this name")
     of = study.uncertainty
     return (
         finger.semi_axes,

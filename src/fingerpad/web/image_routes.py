@@ -44,8 +44,8 @@ def info(workspace: Workspace, params: PictureParams, _: Any) -> dict[str, Any]:
         "columns_px": columns,
         "bits": 8 * picture.pixels.itemsize,
         "resolution_ppi": picture.dots_per_inch,
-        "preview": f"/api/picture/preview?{query}",
-        "thumbnail": f"/api/picture/thumbnail?{query}",
+        "preview": opened.address(f"/api/picture/preview?{query}"),
+        "thumbnail": opened.address(f"/api/picture/thumbnail?{query}"),
     }
 
 

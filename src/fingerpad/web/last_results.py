@@ -162,6 +162,8 @@ class Results:
         return self.table[int(places[0])] if places.size else None
 
 
+# Results kept, of studies that are open in several windows.
+_MOST_READ: Final = 3
 _READ: dict[Path, tuple[object, Results | str]] = {}
 
 
@@ -190,7 +192,8 @@ def _read(out: Path) -> Results | str | None:
         return None
     except FingerpadError as error:
         known = (stamp, str(error).removesuffix(f"; {RERUN}"))
-    _READ.clear()
+    while len(_READ) >= _MOST_READ:
+        _READ.pop(next(iter(_READ)), None)
     _READ[out] = known
     return known[1]
 

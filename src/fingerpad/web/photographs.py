@@ -11,6 +11,7 @@ from fingerpad.exceptions import FingerpadError
 from fingerpad.image import (
     FACE_AXES,
     SEMI_AXES,
+    FaceSemiAxes,
     OutlineSemiAxes,
     PhotographFit,
     combine_faces,
@@ -22,10 +23,11 @@ from fingerpad.image import (
 from fingerpad.study.corrections.apply import corrected_photograph
 from fingerpad.study.corrections.changes import PhotographCorrection
 from fingerpad.study.manifest import Finger, Photograph, ScaleKey
-from fingerpad.study.measuring.fingers import photograph_item
+from fingerpad.study.measuring.fingers import FingerResult, photograph_item
 from fingerpad.web import answers
 from fingerpad.web.endpoints import Endpoint, Item, Params, Point
 from fingerpad.web.errors import RequestError
+from fingerpad.web.last_results import known_finger
 from fingerpad.web.pictures import Cache
 from fingerpad.web.scales import scale_of
 from fingerpad.web.study_session import StudySession
@@ -65,6 +67,8 @@ def measure(workspace: Workspace, _: Any, params: PhotographParams) -> dict[str,
     fit = _fit(opened, params.item, photograph, change, params.handles)
     together: dict[str, Any] | None = None
     error = None
+    if params.with_finger and finger is None and not params.item.startswith("file:"):
+        error = "The other faces of this finger are not complete yet."
     if params.with_finger and finger is not None:
         try:
             together = _together(opened, finger, params.item, fit)
@@ -179,15 +183,47 @@ def _fit(
     return with_marked_points(found, added=change.added_points_px, erased=erased)
 
 
+def measured_finger(opened: StudySession, name: str) -> FingerResult | None:
+    """Return a finger's semi-axes as entered or of the last run, or else as its photographs give them now.
+
+    None where it has neither; raises `FingerpadError` where its photographs cannot be measured.
+    """
+    finger = next((one for one in opened.study().fingers if one.name == name), None)
+    if finger is None or (found := known_finger(opened, name)) is not None:
+        return found if finger is not None else None
+    outlines = combine_faces(_faces(opened, finger).values())
+    names = {face.scale for face in outlines.faces}
+    return FingerResult(
+        name=name,
+        semi_axes=outlines.semi_axes,
+        covariance=outlines.covariance,
+        source="photographs",
+        outlines=outlines,
+        scale=names.pop() if len(names) == 1 else None,
+        pad_thickness=finger.pad_thickness_mm,
+        effective_thickness=finger.effective_thickness_mm,
+        effective_thickness_std=finger.effective_thickness_mm_std,
+        synthetic=finger.synthetic or any(photograph.synthetic for photograph in finger.photographs),
+    )
+
+
 def _together(opened: StudySession, finger: Finger, item: str, fit: PhotographFit) -> dict[str, Any]:
     """Return the finger's semi-axes with the current fit of one face."""
+    faces = _faces(opened, finger, item, fit)
+    return _joint(combine_faces(faces.values()), list(faces))
+
+
+def _faces(
+    opened: StudySession, finger: Finger, item: str = "", fit: PhotographFit | None = None
+) -> dict[str, FaceSemiAxes]:
+    """Return the faces of a finger by their items, one of them with its current fit."""
     faces = {}
     for one in finger.photographs:
         own = photograph_item(finger, one)
         scale = one.scale if isinstance(one.scale, str) else None
         active_correction = opened.corrections.active_correction(own)
         change = None if active_correction is None else active_correction.change
-        if own == item:
+        if fit is not None and own == item:
             faces[own] = replace(fit.face_semi_axes, scale=scale)
         elif change is not None and change.rejected is not None:
             continue
@@ -197,7 +233,7 @@ def _together(opened: StudySession, finger: Finger, item: str, fit: PhotographFi
         else:
             stored = change if isinstance(change, PhotographCorrection) else PhotographCorrection()
             faces[own] = replace(_fit(opened, own, one, stored).face_semi_axes, scale=scale)
-    return _joint(combine_faces(faces.values()), list(faces))
+    return faces
 
 
 def _joint(found: OutlineSemiAxes, items: list[str]) -> dict[str, Any]:

@@ -11,16 +11,21 @@ from pydantic import Field
 
 from fingerpad._arrays import BoolArray
 from fingerpad.published import audit
+from fingerpad.report.text import pooling_words
+from fingerpad.study.corrections.history import ActiveCorrection
 from fingerpad.study.results.columns import COLUMNS, Column
 from fingerpad.study.results.result_set import RERUN, result_files
 from fingerpad.study.results.rows import PLACEMENT, RANGE_NOTES
 from fingerpad.study.results.table import ResultsTable
 from fingerpad.web import answers
+from fingerpad.web.corrections import pooling_choice
 from fingerpad.web.endpoints import Endpoint, Params
 from fingerpad.web.errors import RequestError
 from fingerpad.web.last_results import Results, last_results, results_faults
+from fingerpad.web.study_session import StudySession
 from fingerpad.web.workspace import Workspace
 
+_MOST_IN_QUESTION: Final = 200
 _CAPTION: Final = re.compile(r'aria-label="([^"]*)"')
 
 
@@ -104,15 +109,18 @@ class PlotParams(Params):
 def plot(workspace: Workspace, params: PlotParams, _: Any) -> dict[str, Any]:
     """Return the data to plot for each finger and placement."""
     found = _results(workspace)
+    active_corrections = workspace.study.corrections.active_corrections()
     groups = [
-        _group(one, found.table)
+        _group(one, found.table, active_corrections)
         for one in found.summary["summaries"]
         if params.finger in {None, one["finger"]}
     ]
     return {"groups": groups}
 
 
-def _group(of: Mapping[str, Any], table: ResultsTable) -> dict[str, Any]:
+def _group(
+    of: Mapping[str, Any], table: ResultsTable, active_corrections: Mapping[str, ActiveCorrection]
+) -> dict[str, Any]:
     chosen = table.known("radius_from_indentation_mm")
     for name in PLACEMENT:
         chosen &= table.column(name) == of[name]
@@ -120,6 +128,7 @@ def _group(of: Mapping[str, Any], table: ResultsTable) -> dict[str, Any]:
     codes = Counter(code for notes in rows.items("range_notes") for code in (notes or "").split())
     return {
         **{name: of.get(name) for name in answers.PlottedGroup.model_fields},
+        "pooling": _pooling(rows, active_corrections),
         "rows": {
             name: rows.items("observation" if name == "item" else name)
             for name in answers.PlottedRows.model_fields
@@ -144,6 +153,38 @@ def _validity(of: Mapping[str, Any]) -> dict[str, Any]:
     }
 
 
+def _pooling(rows: ResultsTable, active_corrections: Mapping[str, ActiveCorrection]) -> dict[str, Any]:
+    """Return how many rows are pooled, and the contacts that are not or about which there is a say."""
+    decided = {name for name, one in active_corrections.items() if pooling_choice(one)}
+    of_film = rows.known("frame")
+    contacts, frames = rows.at(~of_film), rows.at(of_film)
+    asked = contacts.at(
+        np.array(
+            [
+                not row["pooled"] or bool(row["excluding_flags"]) or row["observation"] in decided
+                for row in contacts.records("observation", "pooled", "excluding_flags")
+            ],
+            dtype=bool,
+        )
+    )
+    return {
+        "contacts": len(contacts),
+        "contacts_pooled": int(contacts.column("pooled").sum()),
+        "frames": len(frames),
+        "frames_pooled": int(frames.column("pooled").sum()),
+        "in_question": [
+            {
+                "item": row["observation"],
+                "load_N": row["load_N"],
+                "pooled": row["pooled"],
+                "why": pooling_words(row),
+                "decision": pooling_choice(active_corrections.get(row["observation"])),
+            }
+            for row in asked[:_MOST_IN_QUESTION]
+        ],
+    }
+
+
 def budget(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
     """Return the uncertainty budgets of pooled radii and of the highest-load contacts."""
     return {
@@ -164,10 +205,10 @@ def figures(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
     _results(workspace)
     out = workspace.study.out
     names = [name for name in result_files(out) if name.startswith("figures/") and name.endswith(".svg")]
-    return {"figures": list(_figures([out / name for name in names]))}
+    return {"figures": list(_figures(workspace.study, [out / name for name in names]))}
 
 
-def _figures(drawings: Iterable[Path]) -> Iterator[dict[str, str]]:
+def _figures(opened: StudySession, drawings: Iterable[Path]) -> Iterator[dict[str, str]]:
     for path in drawings:
         with path.open(encoding="utf-8") as file:
             start = file.read(4000)
@@ -176,8 +217,8 @@ def _figures(drawings: Iterable[Path]) -> Iterator[dict[str, str]]:
         yield {
             "name": path.stem,
             "caption": words.replace("&quot;", '"').replace("&lt;", "<").replace("&amp;", "&"),
-            "svg": f"/api/download/figures/{path.name}",
-            "png": f"/api/download/figures/{path.stem}.png",
+            "svg": opened.address(f"/api/download/figures/{path.name}"),
+            "png": opened.address(f"/api/download/figures/{path.stem}.png"),
         }
 
 

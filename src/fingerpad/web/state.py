@@ -265,7 +265,7 @@ def _sequence(
         "file": _text(table, "file"),
         "synthetic": table.get("synthetic") is True,
         "status": states.get(name, "left"),
-        "frames": opened.count_frames(opened.sequence(name).file) if complete else None,
+        "frames": None if (file := _text(table, "file")) is None else opened.count_frames(file),
         "flags": Counter(flag for row in rows for flag in (row["flags"] or "").split()),
         "corrected": sum(bool(active_correction.change.edits) for active_correction in of_frames),
         "rejected": sum(active_correction.change.rejected is not None for active_correction in of_frames),
@@ -330,15 +330,14 @@ class FramesParams(Params):
 def frames(workspace: Workspace, params: FramesParams, _: Any) -> dict[str, Any]:
     """Return frames of a sequence, with the results of the last run."""
     opened = workspace.study
-    sequence = opened.sequence(params.sequence)
-    found = last_results(opened)
-    rows = found.frames(sequence.name) if found else {}
-    total = opened.count_frames(sequence.file) or 0
+    name, found = params.sequence, last_results(opened)
+    total = opened.count_frames(opened.film_name(name)) or 0
+    rows = found.frames(name) if found else {}
     shown = range(min(params.offset, total), min(params.offset + params.limit, total))
-    ruled = frames_of(opened.corrections.active_corrections(), sequence.name)
+    ruled = frames_of(opened.corrections.active_corrections(), name)
     return {
         "total": total,
-        "frames": [_frame(sequence.name, number, rows.get(number), ruled.get(number)) for number in shown],
+        "frames": [_frame(name, number, rows.get(number), ruled.get(number)) for number in shown],
     }
 
 

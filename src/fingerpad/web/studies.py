@@ -9,6 +9,7 @@ from pydantic import Field
 from fingerpad.exceptions import EditConflict
 from fingerpad.study.editing.apply_edit import Edit
 from fingerpad.study.editing.edit import create_study
+from fingerpad.study.editing.example import write_example
 from fingerpad.study.manifest.check import Kind
 from fingerpad.study.manifest.load import STUDY_NAME
 from fingerpad.web import answers
@@ -52,6 +53,15 @@ def new(workspace: Workspace, _: Any, params: NewParams) -> dict[str, Any]:
     return document(workspace.open_folder(folder))
 
 
+def example(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
+    """Write the example study into a new folder, and open it."""
+    taken = {path.name for path in workspace.workspace.iterdir()}
+    names = ("example", *(f"example-{number}" for number in range(2, 1000)))
+    folder = workspace.new_folder(next(name for name in names if name not in taken))
+    write_example(folder)
+    return document(workspace.open_folder(folder))
+
+
 def open_study(workspace: Workspace, _: Any, params: OpenParams) -> dict[str, Any]:
     """Open a study of the workspace."""
     return document(workspace.open(params.name))
@@ -81,13 +91,13 @@ def edit(workspace: Workspace, _: Any, params: EditsParams) -> dict[str, Any]:
     except EditConflict as conflict:
         raise RequestError.conflict(str(conflict), digest=opened.read().digest) from conflict
     found = document(opened)
-    workspace.events.send("study", {"digest": found["digest"]})
+    workspace.study.events.send("study", {"digest": found["digest"]})
     return found
 
 
 def close(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
     """Close the study."""
-    workspace.close()
+    workspace.close_study()
     return workspace.describe()
 
 
@@ -101,7 +111,7 @@ def run(workspace: Workspace, _: Any, params: RunParams) -> dict[str, Any]:
         opened.out,
         workers=workers,
         force=params.force,
-        when_done=lambda: workspace.events.send("study", {"digest": opened.read().digest}),
+        when_done=lambda: opened.events.send("study", {"digest": opened.read().digest}),
     )
 
 
@@ -131,6 +141,14 @@ ENDPOINTS: Final = (
         body=NewParams,
         status=HTTPStatus.CREATED,
         summary="Create a study",
+    ),
+    Endpoint(
+        method="POST",
+        path="/api/session/example",
+        answer=example,
+        model=answers.State,
+        status=HTTPStatus.CREATED,
+        summary="Create the synthetic example study",
     ),
     Endpoint(
         method="POST",

@@ -5,7 +5,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path, PurePosixPath
 from threading import Lock
-from typing import Any, Final
+from typing import Any, Final, TypeVar
+from urllib.parse import quote
 
 from fingerpad._files import digest_of
 from fingerpad.exceptions import ImageError, ManifestError
@@ -29,14 +30,20 @@ from fingerpad.study.manifest import (
 from fingerpad.study.manifest.check import Table
 from fingerpad.study.manifest.files import file_inside
 from fingerpad.study.manifest.load import STUDY_NAME
-from fingerpad.study.manifest.validation import Fault
+from fingerpad.study.manifest.tables import ManifestModel
+from fingerpad.study.manifest.validation import Fault, validated
 from fingerpad.web.errors import RequestError
 from fingerpad.web.events import Events
 from fingerpad.web.pictures import Cache, ImageLocation, Pictures
 from fingerpad.web.run_job import RunJob
 
+# Before the name of a study at the start of an address.
+OF_STUDY: Final = "/of/"
 _MOST_FILES: Final = 100_000
 _TIMEOUT_S: Final = 30.0
+# A finger, or a file, that no table states.
+NO_TABLE: Final = "none"
+Drafted = TypeVar("Drafted", bound=ManifestModel)
 _OWN: Final = frozenset((STUDY_NAME, SCHEMA_NAME, CORRECTIONS_NAME))
 
 
@@ -48,16 +55,20 @@ class StudySession:
     folder, out : Path
         The study folder, and the folder of results.
     events : Events
-        Receives the events.
+        Those of its windows.
+    pictures : Pictures
+        The cache of pictures, which all studies share.
     memory_limit : int
         The most bytes that reading and measuring a picture may take, as for `read_image`.
     """
 
-    def __init__(self, folder: Path, *, out: Path, events: Events, memory_limit: int) -> None:
+    def __init__(
+        self, folder: Path, *, out: Path, events: Events, pictures: Pictures, memory_limit: int
+    ) -> None:
         self.folder, self.out = folder, out
         self.events = events
         self.memory_limit = memory_limit
-        self.pictures = Pictures(memory_limit)
+        self.pictures = pictures
         self.run_job = RunJob(events)
         self.corrections = CorrectionLog(folder)
         self._counts: Cache[int] = Cache(10_000, lambda _: 1)
@@ -71,9 +82,14 @@ class StudySession:
         """Name of the folder."""
         return self.folder.name
 
+    def address(self, path: str) -> str:
+        """Return the address of a request that is about this study, whichever was opened last."""
+        return f"{OF_STUDY}{quote(self.name, safe='')}{path}"
+
     def close(self) -> None:
-        """Cancel the run, and wait until it has stopped."""
+        """Cancel the run, and wait until it has stopped; disconnect the listeners."""
         self.run_job.cancel()
+        self.events.end()
         self.run_job.wait(_TIMEOUT_S)
 
     def read(self) -> LoadedStudy:
@@ -129,29 +145,73 @@ class StudySession:
         with self._lock:
             self._read = None
 
+    def with_incomplete(self) -> Study:
+        """Return the study with the names of what is incomplete too, whose corrections are kept as well."""
+        study = self.study()
+        fingers, observations = list(study.fingers), list(study.observations)
+        for one in self.read().incomplete:
+            if one.kind == "finger":
+                faces = [Photograph.model_construct(None, **each) for each in one.tables[1:]]
+                fingers.append(Finger.model_construct(None, name=one.key, photographs=faces))
+            elif one.kind == "observation":
+                observations.append(Observation.model_construct(None, **{**one.content, "name": one.key}))
+        return study.model_copy(update={"fingers": fingers, "observations": observations})
+
     def observation(self, name: str) -> Observation | None:
-        """Return an observation by its name."""
-        return next((one for one in self.study().observations if one.name == name), None)
+        """Return an observation by its name.
+
+        One that is incomplete can be measured if its scale is known: it is of no finger, so that no model
+        applies.
+        """
+        found = next((one for one in self.study().observations if one.name == name), None)
+        return found or self._draft("observation", name, Observation, load_N=1)
 
     def sequence(self, name: str) -> ContactSequence:
-        """Return a sequence by its name."""
+        """Return a sequence by its name; one that is incomplete as an observation."""
         found = next((one for one in self.study().sequences if one.name == name), None)
+        found = found or self._draft("sequence", name, ContactSequence, force=NO_TABLE)
         if found is None:
             raise RequestError.not_there(f"no sequence is named {name!r}")
         return found
 
-    def photograph(self, item: str) -> tuple[Finger, Photograph]:
-        """Return a photograph and its finger, by finger and file."""
+    def _draft(self, kind: str, name: str, model: type[Drafted], **needed: Any) -> Drafted | None:
+        """Return an incomplete contact with what is needed to measure its picture; None without a picture."""
+        content = self._content(kind, name)
+        if not content.get("file"):
+            return None
+        if not content.get("scale"):
+            raise RequestError.impossible("state the scale of the picture")
+        needed |= {"name": name, "finger": NO_TABLE, "wedge_angle_deg": 0}
+        return validated(model, {**content, **needed}, name, strict=False)
+
+    def film_name(self, name: str) -> str:
+        """Return the file or folder of a sequence."""
+        file = self._named("sequence", name, "file")
+        if file is None:
+            raise RequestError.not_there(f"no sequence is named {name!r}")
+        return file
+
+    def photograph(self, item: str) -> tuple[Finger | None, Photograph]:
+        """Return a photograph by finger and file, and its finger, None where that is incomplete."""
         finger_name, _, file = item.partition("/")
         for finger in self.study().fingers:
             for photograph in finger.photographs:
                 if finger.name == finger_name and photograph.file == file:
                     return finger, photograph
+        for one in self._content("finger", finger_name).get("photographs", []):
+            if one.get("file") == file:
+                if one.get("face") is None:
+                    raise RequestError.impossible("state which face the photograph shows")
+                if one.get("scale") is None:
+                    raise RequestError.impossible("state the scale of the photograph")
+                return None, validated(Photograph, one, item, strict=False)
         raise RequestError.not_there(f"no item is named {item!r}")
 
     def count_frames(self, name: str) -> int | None:
         """Return the number of frames of a folder, TIFF or video, None where it cannot be opened."""
-        path = self.folder / name
+        path = self._inside(name)
+        if path is None:
+            return None
         try:
             return self._counts.get(
                 (name, _stamp_of(path)),
@@ -194,7 +254,7 @@ class StudySession:
 
     def shape_of(self, item: str) -> tuple[int, int] | None:
         """Return rows and columns of an item's image, None where it has none."""
-        if "/" not in item and "#" not in item and (one := self.observation(item)) and one.file is None:
+        if "/" not in item and "#" not in item and self._named("observation", item, "file") is None:
             return None
         place = self.place_of(item)
         pixels = self.pictures.colour(place) if place.colour else self.pictures.grey(place).pixels

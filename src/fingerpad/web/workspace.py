@@ -1,22 +1,26 @@
-"""The workspace: its studies, the open one, and the listeners to its events."""
+"""The workspace: its studies, and those that are open."""
 
 import getpass
 import os
 import re
 import shutil
+from contextvars import ContextVar
+from dataclasses import asdict
 from http import HTTPStatus
 from importlib.metadata import version
 from pathlib import Path
-from threading import Lock
+from threading import RLock
 from typing import Any, Final
 
 import fingerpad
 from fingerpad.image import MEMORY_LIMIT
 from fingerpad.study.editing.documents import title_of
 from fingerpad.study.manifest.load import STUDY_NAME
+from fingerpad.study.results.glossary import GLOSSARY
 from fingerpad.study.results.result_set import RESULTS_NAME
 from fingerpad.web.errors import RequestError
 from fingerpad.web.events import Events
+from fingerpad.web.pictures import Pictures
 from fingerpad.web.study_session import StudySession
 
 UPLOAD_LIMIT: Final = 4 * 2**30
@@ -26,8 +30,12 @@ NAME: Final = r"^\w[\w.+-]{0,59}$"
 PLOTLY_ADDRESS: Final = f"/static/vendor/plotly-{version('plotly')}.min.js"
 
 
+# Name of the study that the current request is about; None for the one that was opened last.
+REQUESTED: Final[ContextVar[str | None]] = ContextVar("requested", default=None)
+
+
 class Workspace:
-    """A folder of studies, one of which can be open.
+    """A folder of studies, any of which can be open: each window of the page has its own.
 
     Parameters
     ----------
@@ -51,25 +59,26 @@ class Workspace:
     ) -> None:
         self.workspace = workspace.absolute()
         self.upload_limit, self.import_limit, self.memory_limit = upload_limit, import_limit, memory_limit
-        self.events = Events()
-        self._study: StudySession | None = None
-        self._lock = Lock()
+        self.pictures = Pictures(memory_limit)
+        self._open: dict[Path, StudySession] = {}
+        self._last: StudySession | None = None
+        self._lock = RLock()
 
     @property
     def study(self) -> StudySession:
-        """The open study."""
-        if self._study is None:
-            raise RequestError.not_there("no study is open: create one, or open one")
-        return self._study
-
-    @property
-    def name(self) -> str | None:
-        """Name of the open study, None if there is none."""
-        return None if self._study is None else self._study.name
+        """The study that the current request names, opened if it is not; or the one opened last."""
+        name = REQUESTED.get()
+        with self._lock:
+            if name is not None:
+                found = next((one for one in self._open.values() if one.name == name), None)
+                return found or self._session(self._folder_of(name))
+            if self._last is None:
+                raise RequestError.not_there("no study is open: create one, or open one")
+            return self._last
 
     def describe(self) -> dict[str, Any]:
-        """Return the studies of the workspace and the open one."""
-        study = self._study
+        """Return the studies of the workspace and the one that was opened last."""
+        study = self._last
         return {
             "version": fingerpad.__version__,
             "study": None if study is None else {"name": study.name, "title": study.study().title},
@@ -78,6 +87,7 @@ class Workspace:
             "who": _login(),
             "plotly": PLOTLY_ADDRESS,
             "limits": {"upload_bytes": self.upload_limit, "picture_memory_bytes": self.memory_limit},
+            "glossary": {symbol: asdict(meaning) for symbol, meaning in GLOSSARY.items()},
         }
 
     def studies(self) -> list[str]:
@@ -91,32 +101,51 @@ class Workspace:
 
     def open(self, name: str) -> StudySession:
         """Open one of the workspace's studies, with its results beside its manifest."""
+        return self.open_folder(self._folder_of(name))
+
+    def _folder_of(self, name: str) -> Path:
         if name not in self.studies():
             raise RequestError.not_there(f"the workspace holds no study {name!r}")
-        return self.open_folder(self.workspace / name)
+        return self.workspace / name
 
     def open_folder(self, folder: Path, out: Path | None = None) -> StudySession:
-        """Open the study in a folder."""
+        """Open the study in a folder; others stay open."""
         with self._lock:
-            opened = StudySession(
-                folder.absolute(),
+            self._last = self._session(folder, out)
+            return self._last
+
+    def _session(self, folder: Path, out: Path | None = None) -> StudySession:
+        folder = folder.absolute()
+        if folder not in self._open:
+            self._open[folder] = StudySession(
+                folder,
                 out=(out or folder / RESULTS_NAME).absolute(),
-                events=self.events,
+                events=Events(),
+                pictures=self.pictures,
                 memory_limit=self.memory_limit,
             )
-            if self._study is not None:
-                self._study.close()
-            self._study = opened
-            self.events.send("session", {"study": self._study.name})
-            return self._study
+        return self._open[folder]
+
+    def close_study(self) -> None:
+        """Close the requested study; its run is stopped, and its finished measurements are kept."""
+        with self._lock:
+            study = self.study
+            del self._open[study.folder]
+            if self._last is study:
+                self._last = None
+        study.close()
 
     def close(self) -> None:
-        """Close the open study; a run is stopped, and its finished measurements are kept."""
+        """Close all studies; runs are stopped, and their finished measurements are kept."""
         with self._lock:
-            if self._study is not None:
-                self._study.close()
-            self._study = None
-            self.events.send("session", {"study": None})
+            closed, self._open, self._last = list(self._open.values()), {}, None
+        for study in closed:
+            study.close()
+
+    def end_events(self) -> None:
+        """Disconnect all listeners, so that the server can stop."""
+        for study in list(self._open.values()):
+            study.events.end()
 
     @property
     def room(self) -> int:

@@ -201,3 +201,12 @@ def focus(page: Page, name: str, role: str = "button") -> Locator:
     place = page.get_by_role(role, name=name, exact=True)
     place.focus()
     return place
+
+
+def unexplained(page: Page) -> list[str]:
+    """The symbols in view that have no explanation, and those that a keyboard does not reach."""
+    return page.evaluate(
+        """() => [...document.querySelectorAll('.symbol')]
+          .filter((one) => !one.dataset.term || !(one.tabIndex === 0 || one.closest('button')))
+          .map((one) => one.textContent)"""
+    )

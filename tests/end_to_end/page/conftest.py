@@ -9,6 +9,8 @@ import pytest
 from playwright.sync_api import Browser, sync_playwright
 from tests.end_to_end.page.browser import Tab, served
 
+from fingerpad.study.editing.example import write_example
+
 
 @pytest.fixture(scope="session")
 def chromium() -> Iterator[Callable[..., AbstractContextManager[Browser]]]:
@@ -56,5 +58,25 @@ def empty_tab(browser, tmp_path) -> Iterator[Tab]:
     with served(folder) as server:
         tab = Tab(browser, server)
         tab.folder = folder
+        yield tab
+        tab.close()
+
+
+@pytest.fixture(scope="session")
+def written_example(tmp_path_factory) -> Path:
+    """The example study, before a run."""
+    return write_example(tmp_path_factory.mktemp("example") / "example").parent
+
+
+@pytest.fixture
+def example(written_example, tmp_path) -> Path:
+    """A copy of the example study that a test may change; it was never run."""
+    return Path(shutil.copytree(written_example, tmp_path / "studies" / "example"))
+
+
+@pytest.fixture
+def example_tab(browser, example) -> Iterator[Tab]:
+    with served(example.parent, example) as server:
+        tab = Tab(browser, server)
         yield tab
         tab.close()

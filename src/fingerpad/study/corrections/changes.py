@@ -50,6 +50,13 @@ class ManualFaceEllipse(ManifestModel):
     lean_deg: Annotated[float, Field(ge=-90, le=90)] = 0.0
 
 
+class PoolingDecision(ManifestModel):
+    """Whether a contact counts in pooled results, as a person decided, and why."""
+
+    include: bool
+    why: Reason
+
+
 class _Judged(ManifestModel):
     """Whether a person takes the measurement, or why not."""
 
@@ -64,8 +71,9 @@ class _Judged(ManifestModel):
 
     @property
     def edits(self) -> dict[str, Any]:
-        """What it says beyond the verdict, as JSON."""
-        return self.model_dump(mode="json", exclude_defaults=True, exclude={"accepted", "rejected"})
+        """What it says of the measurement beyond the verdict, as JSON."""
+        verdict = {"accepted", "rejected", "pooling"}
+        return self.model_dump(mode="json", exclude_defaults=True, exclude=verdict)
 
     def as_json(self) -> dict[str, Any]:
         """Return it as a record keeps it."""
@@ -82,6 +90,7 @@ class ContactCorrection(_Judged):
     region_of_interest_px: Box | None = None
     strokes: Annotated[list[RegionStroke], Field(max_length=2000)] = Field(default=[])
     ellipse_px: ManualContactEllipse | None = None
+    pooling: PoolingDecision | None = None
 
     @property
     def brush_strokes(self) -> list[BrushStroke]:

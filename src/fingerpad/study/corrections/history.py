@@ -2,7 +2,7 @@
 
 import hashlib
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final, Literal, TypeAlias
 
@@ -73,6 +73,8 @@ class ActiveCorrection:
         Who wanted it first, and when.
     picture : str
         SHA-256 of the picture's file as it was then, where that is known.
+    pooling_who, pooling_when : str
+        Who decided whether it is pooled, and when; empty where no person did.
     """
 
     item: str
@@ -80,6 +82,8 @@ class ActiveCorrection:
     who: str
     when: str
     picture: str = ""
+    pooling_who: str = ""
+    pooling_when: str = ""
 
     @property
     def key(self) -> list[Any]:
@@ -127,8 +131,15 @@ class History:
         record = changes[place - 1]
         model = PhotographCorrection if "/" in self.item else ContactCorrection
         change = checked_change(model, record.change, f"{CORRECTIONS_NAME}: record {record.id}: {self.item}")
+        decided = _first_with_pooling(changes[:place])
         return ActiveCorrection(
-            item=self.item, change=change, who=record.who, when=record.when, picture=record.picture
+            item=self.item,
+            change=change,
+            who=record.who,
+            when=record.when,
+            picture=record.picture,
+            pooling_who=decided.who if decided else "",
+            pooling_when=decided.when if decided else "",
         )
 
     def _place(self) -> tuple[list[Record], int]:
@@ -144,6 +155,16 @@ class History:
             else:
                 place = min(len(changes), place + 1)
         return changes, place
+
+
+def _first_with_pooling(changes: Sequence[Record]) -> Record | None:
+    """Return the change that decided what the last of some says of pooling; None where it says nothing."""
+    found = None
+    for record in reversed(changes):
+        if (pooling := record.change.get("pooling")) is None or pooling != changes[-1].change.get("pooling"):
+            break
+        found = record
+    return found
 
 
 def checked_change(model: type[Change], content: Mapping[str, Any], where: str) -> Any:

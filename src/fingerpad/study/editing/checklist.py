@@ -20,6 +20,8 @@ _OF_A_RUN: Final = frozenset(("store.sqlite", "results.json", "results.csv"))
 # More pictures than these in a folder of their own are the frames of a film.
 _FILM: Final = 20
 _OF_PHOTOGRAPH: Final = re.compile(r"photographs\[(?P<number>\d+)\]\.?(?P<place>.*)")
+_NEEDS_AXES: Final = "give either semi_axes_mm or photographs"
+_NEEDS_SCALE: Final = " needs its scale"
 _FIELD_WORDS: Final = {
     "diameter_mm": "the coin's diameter",
     "face": "which face it shows",
@@ -43,18 +45,21 @@ class Missing:
         for a folder of frames.
     words : str
         What is lacking, and the way out.
+    place : str
+        The key to set in that table; empty where it takes more than one value.
     """
 
     kind: str
     key: str
     words: str
+    place: str = ""
 
 
 def missing(loaded: LoadedStudy) -> list[Missing]:
     """Return what a study lacks to say something about every finger, and files that it does not use."""
     study = loaded.study
     found = [
-        Missing(kind=one.kind, key=one.key, words=_words(one, fault) if one.key else line)
+        _lacking(one, fault) if one.key else Missing(kind=one.kind, key="", words=line)
         for one in loaded.incomplete
         for fault, line in zip(one.faults, one.lines, strict=True)
     ]
@@ -69,21 +74,29 @@ def missing(loaded: LoadedStudy) -> list[Missing]:
     return found
 
 
-def _words(one: Table, fault: Fault) -> str:
+def _lacking(one: Table, fault: Fault) -> Missing:
     """Return a fault of a table for someone who sees its fields on a page, and not the manifest."""
     place, words = fault
-    of = ""
+    kind, key, of = str(one.kind), one.key, ""
     if (found := _OF_PHOTOGRAPH.fullmatch(place)) is not None:
         photograph = one.content["photographs"][int(found["number"])]
-        of = f"{PurePosixPath(str(photograph.get('file') or photograph.get('outline'))).name}: "
+        file = str(photograph.get("file") or photograph.get("outline"))
+        kind, key, of = "photograph", f"{one.key}/{file}", f"{PurePosixPath(file).name}: "
         place = found["place"]
+    if _NEEDS_SCALE in words:
+        place = "scale"
+    if words.startswith(_NEEDS_AXES):
+        place = "semi_axes_mm"
+    return Missing(kind=kind, key=key, words=f"{of}{_words(place, words)}", place=place)
+
+
+def _words(place: str, words: str) -> str:
+    """Return what is wrong at a place, without the names of keys where that can be."""
     if words == "required, but missing" and place in _FIELD_WORDS:
-        return f"{of}{_FIELD_WORDS[place]} is missing"
-    if words.startswith("give either semi_axes_mm or photographs"):
+        return f"{_FIELD_WORDS[place]} is missing"
+    if words.startswith(_NEEDS_AXES):
         return "give its semi-axes, or photographs of its faces"
-    if " needs its scale" in words:
-        return f"{of}its scale is missing"
-    return f"{of}{Fault(place, words)}"
+    return "its scale is missing" if _NEEDS_SCALE in words else str(Fault(place, words))
 
 
 def _lacking_faces(finger: Finger) -> Iterator[Missing]:

@@ -57,6 +57,10 @@ class Measurement:
         Whether it may be pooled, its flags apart: not every frame of a press may.
     rejected : str or None
         Why a person does not want it; it is no failure, and never counts.
+    pooling : bool or None
+        Whether it is pooled whatever its flags, as a person decided; None where no person did.
+    pooling_decided_by, pooling_reason : str or None
+        Who decided that, and why.
     """
 
     observation: str = ""
@@ -91,6 +95,9 @@ class Measurement:
     reviewed_by: str | None = None
     counts: bool = True
     rejected: str | None = None
+    pooling: bool | None = None
+    pooling_decided_by: str | None = None
+    pooling_reason: str | None = None
     sequence: str | None = None
     frame: int | None = None
     time_s: float = np.nan
@@ -177,22 +184,29 @@ def reviewed(measured: Measurement, active_correction: ActiveCorrection | None) 
     """Return a measurement with what a person decided about it, and who."""
     if active_correction is None:
         return measured
-    edits, rejected = active_correction.change.edits, active_correction.change.rejected
+    change = active_correction.change
+    edits, rejected = change.edits, change.rejected
     verdict = (
         "rejected"
         if rejected is not None
         else "accepted"
-        if active_correction.change.accepted
+        if change.accepted
         else "corrected"
+        if edits
+        else None
     )
     by = "person" if "ellipse_px" in edits else "program with corrections"
+    pooling = change.pooling if isinstance(change, ContactCorrection) else None
     return replace(
         measured,
         reviewed=verdict,
-        reviewed_by=active_correction.who,
+        reviewed_by=active_correction.who if verdict else None,
         measured_by=by if edits else None,
         rejected=rejected,
         counts=measured.counts and rejected is None,
+        pooling=pooling.include if pooling else None,
+        pooling_decided_by=active_correction.pooling_who if pooling else None,
+        pooling_reason=pooling.why if pooling else None,
     )
 
 

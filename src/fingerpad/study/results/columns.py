@@ -107,9 +107,12 @@ _GROUPS: Final[Mapping[str, Sequence[Column]]] = {
             "pooled",
             "bool",
             "",
-            "whether the row counts in pooled radii: not if a flag excludes it (see the guide's "
-            "table of flags); of a sequence only loading frames of a large enough ellipse",
+            "whether the row counts in pooled radii: as a person decided, or else not if a flag excludes it "
+            "(see the guide's table of flags); of a sequence only loading frames of a large enough ellipse",
         ),
+        _text("excluding_flags", "flags that keep it out of pooled radii unless a person includes it"),
+        _text("pooling_decided_by", "who decided whether it is pooled; empty where its flags do"),
+        _text("pooling_reason", "why they decided so"),
         _text("range_notes", "doubts about values, separated by spaces"),
     ),
     "placement": (

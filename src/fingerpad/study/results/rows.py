@@ -224,6 +224,7 @@ def _described(
 ) -> dict[str, ColumnArray]:
     """Return the columns known before any model."""
     contacts, measured = zip(*seen, strict=True)
+    excluding = [excluding_flags(*one) for one in seen]
     known: dict[str, Iterable[Any]] = {
         **{name: [getattr(one, name) for one in measured] for name in _MEASURED},
         "finger": (contact.finger for contact in contacts),
@@ -236,8 +237,12 @@ def _described(
         "flags": (" ".join(one.flags) for one in measured),
         "measured_by": (one.measured_by or _measured_by(contact) for contact, one in seen),
         "pooled": (
-            reason is None and one.counts and not excluding_flags(contact, one)
-            for reason, (contact, one) in zip(reasons, seen, strict=True)
+            reason is None and (one.counts and not flags if one.pooling is None else one.pooling)
+            for reason, one, flags in zip(reasons, measured, excluding, strict=True)
+        ),
+        "excluding_flags": (
+            " ".join(flag for flag in one.flags if flag in flags)
+            for one, flags in zip(measured, excluding, strict=True)
         ),
         "wedge_angle_deg": (contact.wedge_angle_deg for contact in contacts),
         "roll_angle_deg": (contact.roll_angle_deg for contact in contacts),

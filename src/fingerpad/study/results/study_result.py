@@ -116,7 +116,7 @@ class StudyResult(Displayed):
     @property
     def decided(self) -> ResultsTable:
         """Rows about which a person decided."""
-        return self.rows.at(self.rows.known("reviewed"))
+        return self.rows.at(self.rows.known("reviewed") | self.rows.known("pooling_decided_by"))
 
     def frames(self) -> list[ResultsTable]:
         """Return the rows of frames of each of `sequences`."""

@@ -27,11 +27,19 @@ class Fault(BaseModel):
 
 
 class Refusal(Answer):
-    """Why a request failed: `study` and `digest` where another window changed what it was about."""
+    """Why a request failed: `digest` where another window changed what it was about."""
 
     model_config = ConfigDict(extra="allow")
 
     error: str
     faults: list[Fault] = []
-    study: str | None = None
     digest: str | None = None
+
+
+class PoolingChoice(Answer):
+    """A person's decision whether a contact is pooled."""
+
+    include: bool
+    why: str
+    who: str
+    when: str

@@ -12,12 +12,6 @@ class StudyEvent(Answer):
     digest: str
 
 
-class SessionEvent(Answer):
-    """Event ``session``: another study is open, or none."""
-
-    study: str | None
-
-
 class CorrectionsEvent(Answer):
     """Event ``corrections``: an item was corrected."""
 
@@ -27,7 +21,6 @@ class CorrectionsEvent(Answer):
 
 EVENTS: Final[dict[str, type[Answer]]] = {
     "study": StudyEvent,
-    "session": SessionEvent,
     "corrections": CorrectionsEvent,
     "run": RunStatus,
 }

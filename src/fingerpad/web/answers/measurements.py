@@ -3,7 +3,7 @@
 from typing import Any
 
 from fingerpad.study.corrections.history import Action
-from fingerpad.web.answers.base import Answer, Axis, Face, MeasuredBy, Point
+from fingerpad.web.answers.base import Answer, Axis, Face, MeasuredBy, Point, PoolingChoice
 from fingerpad.web.answers.study import SemiAxes
 
 
@@ -105,6 +105,14 @@ class ContactModel(Answer):
     range_notes: list[str]
 
 
+class ContactPooling(Answer):
+    """Whether a contact will be pooled: the flags against it, and what a person decided."""
+
+    pooled: bool
+    excluding_flags: list[str]
+    decision: PoolingChoice | None
+
+
 class ContactMeasurement(Answer):
     """A contact image measured under a correction."""
 
@@ -119,6 +127,7 @@ class ContactMeasurement(Answer):
     model: ContactModel | None
     settings: ContactSettings
     flags: list[str]
+    pooling: ContactPooling | None
     mm_per_px: float
     mm_per_px_std: float
     milliseconds: float

@@ -1,6 +1,7 @@
 """Results of a run, and the pad in three dimensions."""
 
-from fingerpad.web.answers.base import Answer, Cell, Point3D
+from fingerpad.web.answers.base import Answer, Cell, Point3D, PoolingChoice
+from fingerpad.web.answers.study import SemiAxes
 
 
 class Column(Answer):
@@ -87,6 +88,29 @@ class ModelValidity(Answer):
     checks: list[ModelCheck]
 
 
+class PooledContact(Answer):
+    """A contact that is left out of the pooled radius, or about which a person or a flag has a say.
+
+    `pooled` and `why` are of the last run; `decision` is what a person wants now.
+    """
+
+    item: str
+    load_N: float | None  # noqa: N815
+    pooled: bool
+    why: str
+    decision: PoolingChoice | None
+
+
+class Pooling(Answer):
+    """How many contacts and frames of a group count in its pooled radius, and the contacts in question."""
+
+    contacts: int
+    contacts_pooled: int
+    frames: int
+    frames_pooled: int
+    in_question: list[PooledContact]
+
+
 class PlottedGroup(Group):
     """A finger at one placement: pooled values, and the rows to plot."""
 
@@ -99,6 +123,7 @@ class PlottedGroup(Group):
     rows: PlottedRows
     range_notes: list[RangeNote]
     validity: ModelValidity
+    pooling: Pooling
 
 
 class Plot(Answer):
@@ -203,8 +228,10 @@ class SurfacePoint(Answer):
 
 
 class PadGeometry(Answer):
-    """A pad on its wedge: place of contact, curvature, and what to draw."""
+    """A pad on its wedge: semi-axes, place of contact, curvature, and what to draw."""
 
+    semi_axes_mm: SemiAxes
+    semi_axes_mm_std: SemiAxes | None
     u_deg: float
     u_deg_std: float | None
     v_deg: float

@@ -23,8 +23,17 @@ class Limits(Answer):
     picture_memory_bytes: int
 
 
+class SymbolMeaning(Answer):
+    """What a symbol means, its unit, and the column of ``results.csv`` that holds it."""
+
+    name: str
+    meaning: str
+    unit: str
+    column: str
+
+
 class Session(Answer):
-    """What is open, what can be opened, and the address of Plotly's script."""
+    """What is open, what can be opened, the meaning of symbols, and the address of Plotly's script."""
 
     version: str
     study: StudyName | None
@@ -33,14 +42,16 @@ class Session(Answer):
     who: str
     plotly: str
     limits: Limits
+    glossary: dict[str, SymbolMeaning]
 
 
 class MissingEntry(Answer):
-    """Something that the study lacks."""
+    """Something that the study lacks; `place` is the key of the table that would hold it, or empty."""
 
     kind: Kind | Literal["file", "folder"]
     key: str
     words: str
+    place: str
 
 
 class Review(Answer):

@@ -1,6 +1,7 @@
 // The page: steps in the sidebar, and the view of the current step.
 
 import { h, render } from "./core/dom.js";
+import { explain } from "./core/glossary.js";
 import { bindEverywhere, bindHere, listen, showHelp } from "./core/keys.js";
 import { showError } from "./core/messages.js";
 import { drawSidebar } from "./core/sidebar.js";
@@ -79,6 +80,7 @@ bindEverywhere(
 );
 
 listen();
+explain();
 window.addEventListener("hashchange", () => show());
 window.addEventListener("unhandledrejection", (event) => {
   event.preventDefault();

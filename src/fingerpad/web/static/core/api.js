@@ -22,13 +22,18 @@ export class ApiError extends Error {
   }
 }
 
-/** Name of the study of all requests; `conflict` is called if another window opened another one. */
-export const context = { study: /** @type {string | null} */ (null), conflict: () => {} };
+/** Name of this window's study, which all requests are about; other windows have their own. */
+export const context = { study: /** @type {string | null} */ (null) };
 
-const studyHeader = (path) =>
+/**
+ * The address of a request about this window's study.
+ *
+ * @param {string} path
+ */
+export const addressOf = (path) =>
   context.study === null || path.startsWith("/api/session")
-    ? {}
-    : { "fingerpad-study": encodeURIComponent(context.study) };
+    ? path
+    : `/of/${encodeURIComponent(context.study)}${path}`;
 
 /**
  * @param {string} method
@@ -37,9 +42,9 @@ const studyHeader = (path) =>
  * @returns {Promise<any>}
  */
 async function request(method, path, { body, query, signal }) {
-  const address = query ? `${path}?${new URLSearchParams(withoutEmpty(query))}` : path;
+  const address = addressOf(query ? `${path}?${new URLSearchParams(withoutEmpty(query))}` : path);
   /** @type {Record<string, string>} */
-  const headers = { ...studyHeader(path) };
+  const headers = {};
   if (body !== undefined) headers["content-type"] = "application/json";
   let response;
   try {
@@ -49,7 +54,6 @@ async function request(method, path, { body, query, signal }) {
     throw new ApiError(0);
   }
   const answer = await response.json().catch(() => null);
-  if (response.status === 409 && answer?.study !== undefined) context.conflict();
   if (!response.ok) throw new ApiError(response.status, answer);
   return answer;
 }
@@ -92,7 +96,10 @@ export const remove = (path, body) => request("DELETE", path, { body });
  * @param {"preview" | "thumbnail"} kind
  * @param {string} item
  */
-export const picture = (kind, item) => `/api/picture/${kind}?${new URLSearchParams({ item })}`;
+export const picture = (kind, item) => addressOf(`/api/picture/${kind}?${new URLSearchParams({ item })}`);
+
+/** Address of a file of the results, or of the study folder as a ZIP. */
+export const download = (file) => addressOf(`/api/download/${file}`);
 
 /**
  * Send a file; `progress` is called with the fraction sent.
@@ -104,9 +111,8 @@ export const picture = (kind, item) => `/api/picture/${kind}?${new URLSearchPara
 export function upload(file, { folder, progress } = {}) {
   return new Promise((resolve, reject) => {
     const request = new XMLHttpRequest();
-    request.open("POST", `/api/files?${new URLSearchParams(withoutEmpty({ name: file.name, folder }))}`);
-    for (const [name, value] of Object.entries(studyHeader("/api/files")))
-      request.setRequestHeader(name, value);
+    const query = new URLSearchParams(withoutEmpty({ name: file.name, folder }));
+    request.open("POST", addressOf(`/api/files?${query}`));
     request.responseType = "json";
     request.upload.onprogress = (event) => event.lengthComputable && progress?.(event.loaded / event.total);
     request.onload = () =>

@@ -89,7 +89,7 @@ export class Corrections {
     try {
       return this.#take(await send());
     } catch (error) {
-      if (!(error instanceof ApiError) || error.status !== 409 || error.body.study !== undefined) throw error;
+      if (!(error instanceof ApiError) || error.status !== 409) throw error;
       await this.#read();
       const theirs = this.document.history.at(-1);
       const answer = await ask(
@@ -125,6 +125,7 @@ const WORDS = {
   palmar_side: "palmar side",
   accepted: "accepted",
   rejected: "rejected",
+  pooling: "pooling",
 };
 
 /** Describe a record of the history. */

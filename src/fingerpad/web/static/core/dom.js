@@ -87,11 +87,6 @@ export function attributes(node, values) {
   for (const [key, value] of Object.entries(values)) node.setAttribute(key, value);
 }
 
-/** A symbol with subscript and superscript: symbol("R", "0g"), symbol("R", "g", "corr"). */
-export function symbol(letter, sub, sup) {
-  return h("span.symbol", null, h("i", null, letter), sub && h("sub", null, sub), sup && h("sup", null, sup));
-}
-
 /** Points [row, column] as an SVG path. */
 export function pathOf(points, closed = true) {
   if (!points?.length) return "";

@@ -28,6 +28,9 @@ export function toast(words, { kind = "info", action, stays = kind === "error" }
   return message;
 }
 
+/** Remove all messages: they are about a study that is left. */
+export const clearMessages = () => render(document.getElementById("messages"));
+
 export const showError = (error) => error.name === "AbortError" || toast(error.message, { kind: "error" });
 
 /** Ask a question; resolves to the button's value or null. Enter in a field presses the primary button. */
@@ -52,7 +55,11 @@ export function ask(title, body, buttons) {
               class: kind,
               type: "button",
               autofocus: kind === "primary",
-              onclick: () => dialog.close(value),
+              onclick: () => {
+                const wrong = kind === "primary" && dialog.querySelector("input:invalid");
+                if (wrong) wrong.reportValidity();
+                else dialog.close(value);
+              },
             },
             words,
           ),
@@ -63,7 +70,9 @@ export function ask(title, body, buttons) {
     dialog.addEventListener("keydown", (event) => {
       if (event.key !== "Enter" || !primary || !event.target.matches("input")) return;
       event.preventDefault();
-      dialog.close(primary[0]);
+      const wrong = dialog.querySelector("input:invalid");
+      if (wrong) wrong.reportValidity();
+      else dialog.close(primary[0]);
     });
     document.body.append(dialog);
     dialog.showModal();

@@ -1,7 +1,10 @@
 // The open study: its state, kept up to date, and edits of its manifest.
 
-import { ApiError, context, get, post } from "./api.js";
-import { toast } from "./messages.js";
+import { ApiError, addressOf, context, get, post } from "./api.js";
+import { clearMessages, toast } from "./messages.js";
+
+// The study of this window, empty after it was left; kept over a reload.
+const OPEN = "fingerpad.study";
 
 class Workspace extends EventTarget {
   /** @type {Answers["Session"] | null} */
@@ -39,9 +42,17 @@ class Workspace extends EventTarget {
   }
 
   async start() {
-    context.conflict = () => this.follow().catch(() => {});
     this.session = await get("/api/session");
-    if (this.session.study) await this.reload();
+    const name = sessionStorage.getItem(OPEN) ?? this.session.study?.name;
+    if (!name) return;
+    context.study = name;
+    try {
+      await this.reload();
+    } catch (error) {
+      if (!(error instanceof ApiError) || error.status !== 404) throw error;
+      context.study = null; // moved or removed since
+      sessionStorage.removeItem(OPEN);
+    }
   }
 
   /** Load a state that is not older than this call. */
@@ -60,27 +71,13 @@ class Workspace extends EventTarget {
     return this.#update(document);
   }
 
-  /** Follow another window that opened another study or closed this one: one is open at a time. */
-  async follow() {
-    const { study } = (this.session = await get("/api/session"));
-    if (study?.name === this.study?.name) return;
-    toast(
-      study
-        ? `Another window opened the study ${study.title || study.name}; this window follows.`
-        : "Another window closed the study.",
-      { kind: "error" },
-    );
-    this.#leave();
-    if (study) await this.reload();
-    else this.emit("study", { first: true });
-  }
-
   /** Leave the study. */
   #leave() {
     this.#stream?.close();
     clearTimeout(this.#reloadTimer);
     this.#version += 1;
     this.study = this.run = context.study = null;
+    clearMessages();
     location.hash = "#/study";
   }
 
@@ -88,12 +85,14 @@ class Workspace extends EventTarget {
   #update(document) {
     this.#version += 1;
     context.study = document.name;
+    sessionStorage.setItem(OPEN, document.name);
     const first = this.study?.name !== document.name;
     // Unused files are listed as files, not as missing entries.
     const missing = document.missing.filter(({ kind }) => kind !== "file");
     this.study = { ...document, missing };
     if (first) {
       this.run = null;
+      clearMessages(); // of another study
       this.#listen();
     }
     this.#updateRun(document.run);
@@ -104,10 +103,9 @@ class Workspace extends EventTarget {
   /** Listen to other windows and to the run. */
   #listen() {
     this.#stream?.close();
-    this.#stream = new EventSource("/api/events");
+    this.#stream = new EventSource(addressOf("/api/events"));
     const on = (kind, then) => this.#stream.addEventListener(kind, (event) => then(JSON.parse(event.data)));
     on("study", ({ digest }) => digest !== this.study?.digest && this.reload().catch(() => {}));
-    on("session", ({ study }) => study !== this.study?.name && this.follow().catch(() => {}));
     on("run", (run) => this.takeRun(run));
     on("corrections", (detail) => {
       this.emit("corrections", detail);
@@ -142,9 +140,16 @@ class Workspace extends EventTarget {
     this.#update(await post("/api/session/new", { name, title }));
   }
 
+  /** Open a new copy of the synthetic example study. */
+  async createExample() {
+    this.#update(await post("/api/session/example"));
+  }
+
+  /** Leave the study: it stays open for other windows, and its run goes on. */
   async close() {
     this.#leave();
-    this.session = await post("/api/session/close");
+    sessionStorage.setItem(OPEN, "");
+    this.session = await get("/api/session");
     this.emit("study", { first: true });
   }
 

@@ -95,11 +95,16 @@ export function number({ value, onset, min, max, step = "any", placeholder, disa
   return input;
 }
 
+/** Names of a study, as the library takes them: they become names of files. */
+export const NAME = "[\\p{L}\\p{N}_][\\p{L}\\p{N}_.+\\-]*";
+
 /**
+ * A field for text; `pattern` is what it may be.
+ *
  * @param {{ value?: string | null, onset?: (value: string) => any, placeholder?: string, list?: string,
- *   disabled?: boolean, required?: boolean, label?: string }} options
+ *   disabled?: boolean, required?: boolean, label?: string, pattern?: string }} options
  */
-export function text({ value, onset, placeholder, list, disabled, required, label }) {
+export function text({ value, onset, placeholder, list, disabled, required, label, pattern }) {
   const input = h("input", {
     type: "text",
     placeholder,
@@ -110,7 +115,17 @@ export function text({ value, onset, placeholder, list, disabled, required, labe
     spellcheck: "false",
     autocomplete: "off",
     "aria-label": label,
+    pattern,
+    maxlength: pattern && 60,
   });
+  if (pattern) {
+    const say = () => {
+      const wrong = input.validity.patternMismatch;
+      input.title = wrong ? "Letters, digits and . _ + - only, without spaces, as in left_index" : "";
+    };
+    input.addEventListener("input", say);
+    input.addEventListener("change", () => (say(), input.reportValidity()));
+  }
   if (onset) input.addEventListener("change", () => onset(input.value.trim()));
   input.addEventListener("paste", (event) => fillDown(input, event));
   return input;

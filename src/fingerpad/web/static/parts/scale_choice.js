@@ -3,14 +3,17 @@
 import { workspace } from "../core/workspace.js";
 import { choose } from "./forms.js";
 
-/** @param {string | ScaleTable | null | undefined} scale */
-export function scaleWords(scale) {
+/**
+ * @param {string | ScaleTable | null | undefined} scale
+ * @param {string} [before] what stands before the scale, if there is one
+ */
+export function scaleWords(scale, before = "") {
   if (!scale) return "no scale";
-  if (typeof scale === "string") return scale;
-  if (scale.ppi !== undefined) return `${scale.ppi} ppi`;
-  if (scale.mm_per_px !== undefined) return `${scale.mm_per_px} mm/px`;
-  if (scale.line) return `line of ${scale.length_mm} mm`;
-  return scale.coin ? `coin of ${scale.diameter_mm} mm` : "own scale";
+  if (typeof scale === "string") return before + scale;
+  if (scale.ppi !== undefined) return `${before}${scale.ppi} ppi`;
+  if (scale.mm_per_px !== undefined) return `${before}${scale.mm_per_px} mm/px`;
+  if (scale.line) return `${before}line of ${scale.length_mm} mm`;
+  return scale.coin ? `${before}coin of ${scale.diameter_mm} mm` : "own scale";
 }
 
 export const scaleNames = () => workspace.study?.scales.map(({ name }) => name) ?? [];

@@ -13,6 +13,8 @@ export class Stage {
     this.x = this.y = 0;
     /** @type {[rows: number, columns: number] | null} */
     this.size = null;
+    /** @type {string | undefined} file of the picture, where the view tells */
+    this.file = undefined;
     /** @type {any} */
     this.tool = null;
     /** @type {Point | null} */

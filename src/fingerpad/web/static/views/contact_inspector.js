@@ -1,15 +1,17 @@
 // Results, settings and history of a contact image, with the automatic result to compare.
 
-import { h, render, symbol } from "../core/dom.js";
+import { h, render } from "../core/dom.js";
+import { symbol } from "../core/glossary.js";
 import { BY, plain, quantityRow, quantityText } from "../core/quantity.js";
 import { describeCode } from "../core/workspace.js";
 import { check, chip, choose, field, number, synthetic } from "../parts/forms.js";
+import { poolingOf } from "../parts/pooling.js";
 import { Inspector } from "./inspector.js";
 
 /** @type {[key: string, label: () => any, title: string, mark: string][]} */
 const QUANTITIES_SHOWN = [
-  ["semi_major_mm", () => ["Semi-major ", symbol("ℓ", "d")], "semi-major axis of the ellipse", "ellipse"],
-  ["semi_minor_mm", () => ["Semi-minor ", symbol("ℓ", "e")], "semi-minor axis of the ellipse", "ellipse"],
+  ["semi_major_mm", () => ["Semi-major ", symbol("ℓ_d")], "semi-major axis of the ellipse", "ellipse"],
+  ["semi_minor_mm", () => ["Semi-minor ", symbol("ℓ_e")], "semi-minor axis of the ellipse", "ellipse"],
   ["gross_area_mm2", () => "Gross area", "area inside the outline of the contact", "region"],
   ["ridge_area_mm2", () => "Ridge area", "area of the ridges in contact", "ridges"],
 ];
@@ -18,12 +20,12 @@ const QUANTITIES_SHOWN = [
 const MODEL = [
   [
     "mean_curvature_radius_mm",
-    () => ["Undeformed pad ", symbol("R", "0g")],
+    () => ["Undeformed pad ", symbol("R_0g")],
     "1/H of the undeformed pad at the contact",
   ],
   [
     "radius_from_compliance_mm",
-    () => ["Equivalent sphere ", symbol("R", "Aξ")],
+    () => ["Equivalent sphere ", symbol("R_Aξ")],
     "sphere with the same area at the same indentation; compare with the radius from loading data",
   ],
   [
@@ -49,7 +51,7 @@ const ON_LAYER = [
   ],
   [
     "loading_radius_on_layer_mm",
-    () => ["Expected ", symbol("R", "g")],
+    () => ["Expected ", symbol("R_g")],
     "A/(πξ) of the whole pad on the layer; compare with the radius from loading data",
   ],
 ];
@@ -111,11 +113,12 @@ export class ContactInspector extends Inspector {
         this.parts.numbers,
         h("h3", null, "Result"),
         h("p.note.bad", { role: "alert" }, problem),
-        h(
-          "p.soft",
-          null,
-          "Try another threshold, polarity, seed point or the brush; otherwise reject the image.",
-        ),
+        !this.view.lacking?.length &&
+          h(
+            "p.soft",
+            null,
+            "Try another threshold, polarity, seed point or the brush; otherwise reject the image.",
+          ),
       );
       this.settings(null);
       return;
@@ -134,7 +137,7 @@ export class ContactInspector extends Inspector {
         h(
           "div.headline.main-number",
           null,
-          h("span", null, "Corrected radius ", symbol("R", "g", "corr")),
+          h("span", null, "Corrected radius ", symbol("R_g^corr")),
           h(
             "span.figure-big.number",
             { "data-live": "radius" },
@@ -153,7 +156,7 @@ export class ContactInspector extends Inspector {
         QUANTITIES_SHOWN.map(line),
         quantityRow("Ridge period", quantityText(numbers, "ridge_period_mm")),
         quantityRow(
-          "IoU of ellipse and region",
+          [symbol("IoU"), " of ellipse and region"],
           numbers.ellipse_iou === null || numbers.ellipse_iou === undefined
             ? "–"
             : plain(numbers.ellipse_iou),
@@ -181,7 +184,14 @@ export class ContactInspector extends Inspector {
         ),
         model.layer_flag && h("p.soft", null, `Out of range: ${describeCode(model.layer_flag)}.`),
       ],
-      !model && h("p.soft", null, "The corrected radius needs the finger's semi-axes: run the study."),
+      !model &&
+        h(
+          "p.soft",
+          null,
+          this.view.lacking?.length
+            ? "The corrected radius needs what is missing above."
+            : "The corrected radius needs the finger's semi-axes: see Study and Photographs.",
+        ),
       answer.flags.length > 0 &&
         h(
           "div.note",
@@ -192,6 +202,12 @@ export class ContactInspector extends Inspector {
             answer.flags.map((flag) => h("li", null, describeCode(flag))),
           ),
         ),
+      answer.pooling &&
+        !this.view.corrections.change.rejected &&
+        poolingOf(answer.pooling, {
+          words: describeCode,
+          set: (pooling) => this.view.decidePooling(pooling),
+        }),
       notesOf(model).length > 0 &&
         h(
           "details",

@@ -8,6 +8,7 @@ import { plain } from "../core/quantity.js";
 import { workspace } from "../core/workspace.js";
 import { choose, empty } from "../parts/forms.js";
 import { icons } from "../parts/icons.js";
+import { missingOf } from "../parts/missing_fields.js";
 import { scaleWords } from "../parts/scale_choice.js";
 import { SequenceTraces } from "../parts/sequence_traces.js";
 import { Click } from "../parts/tools.js";
@@ -210,6 +211,10 @@ class Contacts extends Review {
     return `#/contacts/${encodeURIComponent(this.source)}/${encodeURIComponent(item)}`;
   }
 
+  missing() {
+    return this.film ? missingOf("sequence", this.film.name) : missingOf("observation", this.entry.item);
+  }
+
   title() {
     return `Contact image ${this.entry.item}`;
   }
@@ -326,14 +331,14 @@ class Contacts extends Review {
     return {
       entry,
       lines: [
-        of.finger ?? "finger missing",
-        `θ ${plain(of.wedge_angle_deg)}°`,
+        of.finger ?? "no finger",
+        ...(of.wedge_angle_deg === null ? [] : [`θ ${plain(of.wedge_angle_deg)}°`]),
         ...(of.roll_angle_deg ? [`φ ${plain(of.roll_angle_deg)}°`] : []),
         ...(entry.load_N === null || entry.load_N === undefined ? [] : [`${plain(entry.load_N)} N`]),
         ...(entry.time_s === undefined || entry.time_s === null
           ? []
           : [`${plain(entry.time_s)} s${entry.phase ? `, ${entry.phase}` : ""}`]),
-        `scale ${scaleWords(of.scale)}`,
+        scaleWords(of.scale, "scale "),
         ...(this.info?.bits > 8 ? [`${this.info.bits} bit, shown in 8`] : []),
       ],
     };
@@ -346,10 +351,17 @@ class Contacts extends Review {
   }
 
   update() {
-    if (!this.stage || this.source !== "images") return;
+    if (!this.stage) return;
+    if (this.source !== "images") {
+      this.film = workspace.study.sequences.find(({ name }) => name === this.film?.name) ?? this.film;
+      this.refreshMissing();
+      return;
+    }
     const now = new Map(workspace.study.observations.map((entry) => [entry.item, entry]));
     for (const entry of this.all ?? []) Object.assign(entry, now.get(entry.item) ?? {});
     this.strip.refresh();
+    if (this.entry) this.inspector.head();
+    this.refreshMissing();
   }
 
   close() {

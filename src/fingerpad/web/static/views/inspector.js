@@ -4,6 +4,7 @@ import { describeChange } from "../core/corrections.js";
 import { h, render } from "../core/dom.js";
 import { ago } from "../core/quantity.js";
 import { button, chip, slider, text } from "../parts/forms.js";
+import { missingList } from "../parts/missing_fields.js";
 
 export class Inspector {
   /** @type {Record<string, { words?: any, brush?: string, hint?: string }>} */
@@ -12,7 +13,7 @@ export class Inspector {
   constructor(view, parts, reasons) {
     this.view = view;
     this.parts = Object.fromEntries(
-      ["head", "tool", ...parts, "settings", "history"].map((name) => [
+      ["head", "missing", "tool", ...parts, "settings", "history"].map((name) => [
         name,
         h("section", { "data-part": name }),
       ]),
@@ -49,6 +50,16 @@ export class Inspector {
       h("div.decision", null, accept, undo, redo, reject),
       h("label.why", null, h("span", null, "Reason to reject"), this.why),
     ];
+  }
+
+  /**
+   * Show what the item lacks, with its fields.
+   *
+   * @param {Answers["MissingEntry"][]} entries
+   */
+  missing(entries) {
+    this.parts.missing.hidden = !entries.length;
+    render(this.parts.missing, h("h3", null, "Missing"), missingList(entries));
   }
 
   reason() {

@@ -1,11 +1,12 @@
 // New files: what each of them is, entered one by one or for all.
 
-import { get, post, remove } from "../core/api.js";
+import { get, picture, post, remove } from "../core/api.js";
 import { h, redraw, render } from "../core/dom.js";
 import { showError, toast } from "../core/messages.js";
 import { bytes } from "../core/quantity.js";
 import { workspace } from "../core/workspace.js";
-import { button, check, choose, faultList, number, text } from "../parts/forms.js";
+import { button, check, choose, faultList, NAME, number, text } from "../parts/forms.js";
+import { FACES } from "../parts/missing_fields.js";
 import { scaleNames } from "../parts/scale_choice.js";
 
 const KINDS = {
@@ -22,7 +23,6 @@ const KINDS = {
   ],
   other: [["", "unknown"]],
 };
-const FACES = ["palmar", "distal", "radial", "ulnar"];
 
 /** Name and values of a new file, as a proposal; empty where its name leaves them open. */
 function draftOf({ file, reading }) {
@@ -43,12 +43,29 @@ function draftOf({ file, reading }) {
 export class NewFiles {
   constructor() {
     this.problem = h("div");
-    this.drafts = new Map();
+    this.study = workspace.study.name;
+    /** What was entered for each file, kept over a reload until the file is used. */
+    this.drafts = new Map(Object.entries(JSON.parse(localStorage.getItem(this.#key) ?? "{}")));
     /** @type {Map<string, Partial<Answers["UploadedFile"]>>} */
     this.info = new Map();
     this.shared = {};
-    this.root = h("section.card.new-files", { hidden: true, "aria-label": "New files" });
+    this.root = h("section.card.new-files", {
+      hidden: true,
+      "aria-label": "New files",
+      oninput: () => setTimeout(() => this.#keep()),
+      onchange: () => setTimeout(() => this.#keep()),
+    });
     this.rest = h("details.card", { hidden: true });
+  }
+
+  get #key() {
+    return `fingerpad.files.${this.study}`;
+  }
+
+  /** Keep what was entered. */
+  #keep() {
+    if (this.drafts.size) localStorage.setItem(this.#key, JSON.stringify(Object.fromEntries(this.drafts)));
+    else localStorage.removeItem(this.#key);
   }
 
   /** Store what was found in uploaded files. */
@@ -71,6 +88,7 @@ export class NewFiles {
     }
     this.files = files.map(({ file }) => file);
     for (const file of this.drafts.keys()) if (!this.files.includes(file)) this.drafts.delete(file);
+    this.#keep();
     const shown = files.slice(0, 60);
     render(
       this.root,
@@ -178,8 +196,9 @@ export class NewFiles {
       value: this.shared.finger,
       placeholder: "e.g. left_index",
       list: "fingers",
+      pattern: NAME,
       label: "Finger of all new files",
-      onset: (value) => value && every("finger", value),
+      onset: (value) => value && finger.checkValidity() && every("finger", value),
     });
     const scale = choose({
       value: this.shared.scale ?? "",
@@ -221,6 +240,7 @@ export class NewFiles {
       value: draft.finger,
       placeholder: "e.g. left_index",
       list: "fingers",
+      pattern: NAME,
       label: `Finger on ${name}`,
       onset: put("finger"),
     });
@@ -258,7 +278,7 @@ export class NewFiles {
         null,
         kind === "picture"
           ? h("img.small-thumb", {
-              src: `/api/picture/thumbnail?${new URLSearchParams({ item: `file:${file}` })}`,
+              src: picture("thumbnail", `file:${file}`),
               alt: "",
               loading: "lazy",
             })

@@ -1,11 +1,12 @@
 // The pad on its wedge: point of contact and curvature.
 
 import { LatestRequest, post } from "../core/api.js";
-import { h, render, symbol } from "../core/dom.js";
+import { h, render } from "../core/dom.js";
+import { symbol } from "../core/glossary.js";
 import { bindHere } from "../core/keys.js";
 import { plain, quantityRow, quantityText, withStd } from "../core/quantity.js";
 import { workspace } from "../core/workspace.js";
-import { button, choose, field, number, synthetic } from "../parts/forms.js";
+import { button, choose, empty, field, number, synthetic } from "../parts/forms.js";
 import { PadScene } from "../parts/pad_scene.js";
 
 const AXES = [
@@ -18,15 +19,18 @@ const AXES = [
 const QUANTITIES_SHOWN = [
   ["in_plane_radius_mm", () => "Radius along the finger"],
   ["transverse_radius_mm", () => "Radius across the finger"],
-  ["mean_curvature_radius_mm", () => symbol("R", "0g")],
-  ["geometric_mean_radius_mm", () => symbol("R", "e")],
+  ["mean_curvature_radius_mm", () => symbol("R_0g")],
+  ["geometric_mean_radius_mm", () => symbol("R_e")],
 ];
 
 class PadView {
   constructor(root, rest) {
-    const known = workspace.study.fingers.filter(({ semi_axes_mm: axes }) => axes);
+    const known = this.#fingers();
     this.finger = (known.find(({ name }) => name === rest[0]) ?? known[0])?.name ?? "";
-    this.axes = { palmar: 8, distal: 14, radial_ulnar: 12 };
+    /** @type {Record<string, number | null>} semi-axes entered here; none is assumed */
+    this.axes = { palmar: null, distal: null, radial_ulnar: null };
+    /** @type {Answers["PadGeometry"] | null} */
+    this.answer = null;
     const placed = workspace.study.observations.find(({ finger }) => finger === this.finger);
     this.wedge = placed?.wedge_angle_deg ?? 30;
     this.roll = placed?.roll_angle_deg ?? 0;
@@ -39,6 +43,12 @@ class PadView {
       this.numbers,
     );
     this.side = h("div.stack");
+    this.nothing = empty(
+      "No semi-axes yet",
+      "Photographs of the finger's faces give them, or enter them for the finger on the Study page. " +
+        "To try a pad, enter three semi-axes beside this.",
+      h("a.button", { href: "#/study" }, "Go to study"),
+    );
     this.caption = h("div.pad-caption");
     render(
       root,
@@ -56,7 +66,7 @@ class PadView {
       h(
         "div.panes.no-tools.pad-panes",
         null,
-        h("div.pad-main", null, this.scene.root, this.caption),
+        h("div.pad-main", null, this.nothing, this.scene.root, this.caption),
         h("aside.inspector", { "aria-label": "Placement", tabindex: 0 }, this.side),
       ),
     );
@@ -72,6 +82,13 @@ class PadView {
     this.#ask();
   }
 
+  /** Fingers whose semi-axes are entered, or given by their photographs. */
+  #fingers() {
+    return workspace.study.fingers.filter(
+      ({ complete, semi_axes_mm: axes, photographs }) => axes || (complete && photographs.length),
+    );
+  }
+
   #views() {
     const look = (words, view) => button(words, () => this.scene.look(view), { kind: "small" });
     return [
@@ -83,11 +100,11 @@ class PadView {
   }
 
   #draw() {
-    const known = workspace.study.fingers.filter(({ semi_axes_mm: axes }) => axes);
+    const known = this.#fingers();
     const options = [...known.map(({ name }) => [name, name]), ["", "semi-axes entered here"]];
     const finger = workspace.study.fingers.find(({ name }) => name === this.finger);
-    const axes = finger?.semi_axes_mm ?? this.axes;
-    const angle = (key, words, min, max) => {
+    this.axesShown = h("dl.readings");
+    const angle = (key, title, words, min, max) => {
       const slider = h("input", {
         type: "range",
         min,
@@ -112,7 +129,7 @@ class PadView {
       return h(
         "div.angle",
         null,
-        field(words, slider),
+        field(title, slider),
         h("div.control", null, typed, h("span.unit", null, "°")),
       );
     };
@@ -127,7 +144,7 @@ class PadView {
           choose({
             value: this.finger,
             options,
-            onset: (value) => ((this.finger = value), this.#draw(), this.#ask()),
+            onset: (value) => this.#choose(value),
           }),
         ),
         finger?.synthetic && h("div", null, synthetic(true)),
@@ -137,13 +154,7 @@ class PadView {
         null,
         h("h3", null, "Semi-axes"),
         finger
-          ? h(
-              "dl.readings",
-              null,
-              AXES.map(([axis, words]) =>
-                quantityRow(words, `${withStd(axes[axis], finger.semi_axes_mm_std?.[axis])} mm`),
-              ),
-            )
+          ? this.axesShown
           : h(
               "div.fields",
               null,
@@ -153,7 +164,7 @@ class PadView {
                   number({
                     value: this.axes[axis],
                     min: 0.1,
-                    onset: (value) => value && ((this.axes[axis] = value), this.#ask()),
+                    onset: (value) => ((this.axes[axis] = value), this.#ask()),
                   }),
                   { unit: "mm" },
                 ),
@@ -164,8 +175,8 @@ class PadView {
         "section",
         null,
         h("h3", null, "Placement"),
-        angle("wedge", "Wedge angle θ", 0, 90),
-        angle("roll", "Roll angle φ", -60, 60),
+        angle("wedge", ["Wedge angle ", symbol("θ")], "Wedge angle θ", 0, 90),
+        angle("roll", ["Roll angle ", symbol("φ")], "Roll angle φ", -60, 60),
       ),
       this.numbers,
     );
@@ -175,7 +186,23 @@ class PadView {
     this[`set_${key}`](Math.max(0, Math.min(90, this[key] + by)));
   }
 
+  /** Show a finger, or semi-axes to enter, which start from those shown before. */
+  #choose(finger) {
+    if (!finger && this.answer) this.axes = { ...this.answer.semi_axes_mm };
+    this.finger = finger;
+    this.#draw();
+    this.#ask();
+  }
+
   #ask() {
+    const lacking = !this.finger && Object.values(this.axes).some((axis) => !axis);
+    this.scene.root.hidden = this.caption.hidden = lacking;
+    this.nothing.hidden = !lacking;
+    if (lacking) {
+      this.live.cancel();
+      render(this.numbers);
+      return;
+    }
     const which = this.finger
       ? { finger: this.finger }
       : { palmar_mm: this.axes.palmar, distal_mm: this.axes.distal, radial_ulnar_mm: this.axes.radial_ulnar };
@@ -184,6 +211,13 @@ class PadView {
 
   /** @param {Answers["PadGeometry"]} answer */
   #show(answer) {
+    this.answer = answer;
+    render(
+      this.axesShown,
+      AXES.map(([axis, words]) =>
+        quantityRow(words, `${withStd(answer.semi_axes_mm[axis], answer.semi_axes_mm_std?.[axis])} mm`),
+      ),
+    );
     this.scene.show(
       answer,
       `The pad on a wedge of ${plain(this.wedge)}°, touching at u = ${plain(answer.u_deg)}°`,
@@ -206,7 +240,7 @@ class PadView {
       ),
       answer.v_deg !== null &&
         Math.abs(answer.v_deg - 90) > 0.005 &&
-        h("p.soft.number", null, `v = ${quantityText(answer, "v_deg")}`),
+        h("p.soft.number", null, symbol("v"), ` = ${quantityText(answer, "v_deg")}`),
       h(
         "dl.readings",
         { "data-live": "radii" },

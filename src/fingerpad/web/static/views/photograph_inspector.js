@@ -1,10 +1,13 @@
 // Results of one face, and of all faces of the finger combined.
 
 import { h, render, s } from "../core/dom.js";
+import { symbol } from "../core/glossary.js";
+import { showError } from "../core/messages.js";
 import { BY, plain, probability, quantityRow, quantityText, withStd } from "../core/quantity.js";
-import { describeCode } from "../core/workspace.js";
+import { describeCode, workspace } from "../core/workspace.js";
 import { chip, choose, field, synthetic } from "../parts/forms.js";
-import { scaleWords } from "../parts/scale_choice.js";
+import { FACES } from "../parts/missing_fields.js";
+import { scaleChoice, scaleWords } from "../parts/scale_choice.js";
 import { Inspector } from "./inspector.js";
 
 const NAMES = { palmar: "Palmar", distal: "Distal", radial_ulnar: "Radial–ulnar" };
@@ -44,13 +47,17 @@ export class PhotographInspector extends Inspector {
     super(view, ["pad", "face"], REASONS);
   }
 
-  wait() {
-    const { finger, face, scale, file, synthetic: made } = this.view.entry;
+  head() {
+    const { finger, scale, file, synthetic: made } = this.view.entry;
     render(
       this.parts.head,
-      h("div.headline", null, h("h2", null, `${finger}, ${face} face`), synthetic(made)),
-      h("p.soft", null, `${file} · scale ${scaleWords(scale)}`),
+      h("div.headline", null, h("h2", null, `${finger}, ${faceWords(this.view.entry)}`), synthetic(made)),
+      h("p.soft", null, `${file} · ${scaleWords(scale, "scale ")}`),
     );
+  }
+
+  wait() {
+    this.head();
     render(this.parts.face, h("p.loading", null, "Finding the outline …"));
     render(this.parts.pad);
     this.tool();
@@ -65,7 +72,8 @@ export class PhotographInspector extends Inspector {
       render(
         this.parts.face,
         h("p.note.bad", { role: "alert" }, problem),
-        h("p.soft", null, "Draw a region of interest round the fingertip, or add points on its outline."),
+        !this.view.lacking?.length &&
+          h("p.soft", null, "Draw a region of interest round the fingertip, or add points on its outline."),
       );
       render(this.parts.pad);
       this.settings();
@@ -163,11 +171,11 @@ export class PhotographInspector extends Inspector {
           ),
         ),
         finger.degrees_of_freedom > 0 &&
-          quantityRow(
-            "Agreement",
-            `χ² = ${finger.chi_square.toPrecision(3)}, df = ${finger.degrees_of_freedom}, ` +
+          quantityRow("Agreement", [
+            symbol("χ²"),
+            ` = ${finger.chi_square.toPrecision(3)}, df = ${finger.degrees_of_freedom}, ` +
               probability(finger.p_value),
-          ),
+          ]),
       ),
       finger.disagreements?.length > 0 &&
         h(
@@ -179,8 +187,18 @@ export class PhotographInspector extends Inspector {
     );
   }
 
+  /** Change the photograph's table of the study. */
+  #state(key, value) {
+    const { item } = this.view.entry;
+    workspace
+      .edit({ kind: "photograph", key: item, set: { [key]: value } })
+      .then(() => this.view.remeasure())
+      .catch(showError);
+  }
+
   settings() {
     const { change } = this.view.corrections;
+    const { face, scale } = this.view.entry;
     const side = (key, label) =>
       field(
         label,
@@ -196,6 +214,16 @@ export class PhotographInspector extends Inspector {
       h(
         "div.fields",
         null,
+        face &&
+          field(
+            "Face",
+            choose({ value: face, options: FACES, onset: (value) => this.#state("face", value) }),
+          ),
+        scale &&
+          field(
+            "Scale",
+            scaleChoice({ value: scale, onset: (value) => value && this.#state("scale", value) }),
+          ),
         side("tip", "Fingertip points"),
         ["distal", "radial", "ulnar"].includes(this.view.entry.face) && side("palmar_side", "Palmar side"),
       ),
@@ -215,6 +243,9 @@ export class PhotographInspector extends Inspector {
       );
   }
 }
+
+/** @param {{ face?: string | null }} entry */
+export const faceWords = ({ face }) => (face ? `${face} face` : "face not stated");
 
 /**
  * Bars of the deviation of each face from all faces combined.

@@ -7,8 +7,9 @@ import { workspace } from "../core/workspace.js";
 import { empty } from "../parts/forms.js";
 import { handle } from "../parts/handle.js";
 import { icons } from "../parts/icons.js";
+import { missingOf } from "../parts/missing_fields.js";
 import { Click, Line } from "../parts/tools.js";
-import { PhotographInspector } from "./photograph_inspector.js";
+import { faceWords, PhotographInspector } from "./photograph_inspector.js";
 import { Review, reviewMarks } from "./review.js";
 
 /** @type {Parameters<typeof import("../parts/forms.js").segments>[1]} */
@@ -111,8 +112,12 @@ class Photographs extends Review {
     return `#/photographs/${encodeURIComponent(item)}`;
   }
 
+  missing() {
+    return missingOf("photograph", this.entry.item);
+  }
+
   title() {
-    return `Photograph, ${this.entry.face} face of ${this.entry.finger}`;
+    return `Photograph, ${faceWords(this.entry)} of ${this.entry.finger}`;
   }
 
   clearOverlay() {
@@ -240,11 +245,19 @@ class Photographs extends Review {
   }
 
   update() {
-    if (!this.stage && this.#photographs().length) {
-      this.entries = this.#photographs();
+    const now = this.#photographs();
+    if (!this.stage) {
+      if (!now.length) return;
+      this.entries = now;
       render(this.root);
       this.#build();
+      return;
     }
+    const known = new Map(now.map((entry) => [entry.item, entry]));
+    for (const entry of this.entries) Object.assign(entry, known.get(entry.item) ?? {});
+    this.strip.refresh();
+    this.inspector.head();
+    this.refreshMissing();
   }
 
   close() {
@@ -264,8 +277,8 @@ const dots = (points) => (points ?? []).map(([row, column]) => `M${column} ${row
 function describe(entry) {
   const marks = reviewMarks(entry);
   return {
-    label: entry.face,
-    name: [`${entry.finger}, ${entry.face} face`, ...marks.map(([, words]) => words)].join(", "),
+    label: entry.face ?? "face?",
+    name: [`${entry.finger}, ${faceWords(entry)}`, ...marks.map(([, words]) => words)].join(", "),
     state: entry.rejected ? "rejected" : "done",
     marks,
   };

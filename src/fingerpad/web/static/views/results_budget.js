@@ -1,7 +1,8 @@
 // Uncertainty budget of the corrected radius.
 
 import { get } from "../core/api.js";
-import { h, render, symbol } from "../core/dom.js";
+import { h, render } from "../core/dom.js";
+import { symbol } from "../core/glossary.js";
 import { plain, withStd } from "../core/quantity.js";
 import { chip, synthetic } from "../parts/forms.js";
 
@@ -20,7 +21,7 @@ export class Budget {
         "p.lead",
         null,
         "Shares of the variance of the corrected radius ",
-        symbol("R", "g", "corr"),
+        symbol("R_g^corr"),
         ": of the pooled value, and of the highest-load contact by linear approximation and by Sobol's " +
           "total index, which includes interactions.",
       ),
@@ -48,7 +49,15 @@ export class Budget {
       h(
         "header",
         null,
-        h("h2", null, `${finger}, θ = ${plain(wedge)}°${roll ? `, φ = ${plain(roll)}°` : ""}`),
+        h(
+          "h2",
+          null,
+          finger,
+          ", ",
+          symbol("θ"),
+          ` = ${plain(wedge)}°`,
+          roll ? [", ", symbol("φ"), ` = ${plain(roll)}°`] : "",
+        ),
         synthetic(made),
       ),
       check &&

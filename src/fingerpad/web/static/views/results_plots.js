@@ -1,10 +1,12 @@
 // Charts of each finger and placement against load, with R_0g and R_g as lines.
 
 import { get } from "../core/api.js";
-import { h, render, symbol } from "../core/dom.js";
+import { h, render } from "../core/dom.js";
+import { symbol } from "../core/glossary.js";
 import { plain, unitOf, withStd, withUnit } from "../core/quantity.js";
 import { chart, colour, forget } from "../parts/chart.js";
 import { choose, field, synthetic } from "../parts/forms.js";
+import { poolingList } from "../parts/pooling.js";
 import { checkList, verdictChip } from "../parts/verdict.js";
 
 // Quantities plotted against load: key, name, axis title, and whether the axes are logarithmic.
@@ -84,13 +86,13 @@ export class Plots {
         h(
           "div.legend",
           { "aria-label": "Legend" },
-          h("span", null, h("i.dot-mark"), symbol("R", "g", "corr")),
-          h("span", null, h("i.square-mark"), symbol("R", "Aξ"), ", compare with ", symbol("R", "g")),
-          h("span", null, h("i.line-mark.dotted"), symbol("R", "0g"), ", undeformed pad"),
+          h("span", null, h("i.dot-mark"), symbol("R_g^corr")),
+          h("span", null, h("i.square-mark"), symbol("R_Aξ"), ", compare with ", symbol("R_g")),
+          h("span", null, h("i.line-mark.dotted"), symbol("R_0g"), ", undeformed pad"),
           this.groups.some((group) => group.loading_radius_mm != null) &&
-            h("span", null, h("i.line-mark.dashed"), symbol("R", "g"), ", from loading data"),
+            h("span", null, h("i.line-mark.dashed"), symbol("R_g"), ", from loading data"),
           this.groups.some(({ rows }) => rows.youngs_modulus_on_layer_kpa.some((value) => value !== null)) &&
-            h("span", null, h("i.square-mark"), "E and ξ on the layer over bone"),
+            h("span", null, h("i.square-mark"), symbol("E"), " and ", symbol("ξ"), " on the layer over bone"),
           this.groups.some((group) => group.synthetic) && h("span", null, "hollow: synthetic"),
         ),
       ),
@@ -136,8 +138,10 @@ export class Plots {
           "h2",
           null,
           group.finger,
-          `, θ = ${plain(group.wedge_angle_deg)}°`,
-          group.roll_angle_deg ? `, φ = ${plain(group.roll_angle_deg)}°` : "",
+          ", ",
+          symbol("θ"),
+          ` = ${plain(group.wedge_angle_deg)}°`,
+          group.roll_angle_deg ? [", ", symbol("φ"), ` = ${plain(group.roll_angle_deg)}°`] : "",
         ),
         synthetic(group.synthetic),
       ),
@@ -148,7 +152,7 @@ export class Plots {
           h(
             "div.main-fact",
             null,
-            h("dt", null, symbol("R", "g", "corr"), ", pooled"),
+            h("dt", null, symbol("R_g^corr"), ", pooled"),
             h(
               "dd.number",
               null,
@@ -163,9 +167,10 @@ export class Plots {
                 `${withStd(group.radius_from_indentation_mm, model).replace(/^.*±/, "±")} mm with the model`,
               ),
           ),
-        fact(symbol("R", "0g"), group.mean_curvature_radius_mm, group.mean_curvature_radius_mm_std),
-        fact(symbol("R", "g"), group.loading_radius_mm, group.loading_radius_mm_std),
+        fact(symbol("R_0g"), group.mean_curvature_radius_mm, group.mean_curvature_radius_mm_std),
+        fact(symbol("R_g"), group.loading_radius_mm, group.loading_radius_mm_std),
       ),
+      poolingList(group.pooling),
       node,
       h(
         "details.range",

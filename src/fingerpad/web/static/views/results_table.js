@@ -1,7 +1,8 @@
 // The results as a table that can be filtered and sorted.
 
-import { get } from "../core/api.js";
+import { download, get } from "../core/api.js";
 import { h, render } from "../core/dom.js";
+import { symbol } from "../core/glossary.js";
 import { plain, withStd } from "../core/quantity.js";
 import { describeCode, workspace } from "../core/workspace.js";
 import { button, check, chip, choose, field, synthetic } from "../parts/forms.js";
@@ -53,6 +54,10 @@ const SHORT = {
   contact_radius_ratio: "a/R",
   measured_by: "By",
 };
+
+// Symbols of the headers, by the column.
+const symbolOf = (key) =>
+  Object.entries(workspace.session.glossary).find(([, { column }]) => column === key)?.[0];
 
 const KIND = { measured: "good", failed: "bad", rejected: "bad" };
 
@@ -124,7 +129,7 @@ export class Table {
         ),
         check("All columns", { onset: (on) => ((this.all = on), this.#draw()) }),
         h("span.grow"),
-        h("a.button", { href: "/api/download/results.csv?attachment=1" }, "CSV"),
+        h("a.button", { href: download("results.csv?attachment=1") }, "CSV"),
       ),
       h("div.table-head", null, this.count, this.pager),
       this.table,
@@ -245,6 +250,7 @@ export class Table {
     const { sort } = this.asked;
     const way = sort === key ? "ascending" : sort === `-${key}` ? "descending" : undefined;
     const next = way === "ascending" ? `-${key}` : way === "descending" ? "" : key;
+    const term = symbolOf(key);
     const label =
       key === "observation"
         ? "Contact"
@@ -252,10 +258,15 @@ export class Table {
           `${key.replace(/_(mm2?|kpa|deg|px|N|s)$/, "").replaceAll("_", " ")}${unit ? `, ${unit}` : ""}`);
     return h(
       "th",
-      { scope: "col", class: number ? "number" : undefined, "aria-sort": way, title: words },
+      {
+        scope: "col",
+        class: number ? "number" : undefined,
+        "aria-sort": way,
+        title: term ? undefined : words,
+      },
       button(
         [
-          label,
+          term ? symbol(term, { inControl: true, words: label }) : label,
           h("span", { "aria-hidden": "true" }, way === "ascending" ? " ↑" : way === "descending" ? " ↓" : ""),
         ],
         () => this.#ask({ sort: next, offset: 0 }),

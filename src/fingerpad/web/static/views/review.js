@@ -2,7 +2,7 @@
 
 import { get, LatestRequest, picture } from "../core/api.js";
 import { Corrections, withoutDefaults } from "../core/corrections.js";
-import { h, render } from "../core/dom.js";
+import { h, redraw, render } from "../core/dom.js";
 import { bindHere } from "../core/keys.js";
 import { showError, toast } from "../core/messages.js";
 import { EllipseEditor } from "../parts/ellipse_editor.js";
@@ -12,7 +12,7 @@ import { whoButton } from "../parts/person.js";
 import { Stage } from "../parts/stage.js";
 import { Box, Brush } from "../parts/tools.js";
 
-const VERDICTS = ["accepted", "rejected"];
+const VERDICTS = ["accepted", "rejected", "pooling"];
 
 /**
  * Marks of a thumbnail for what a person did: kind and text.
@@ -47,6 +47,8 @@ export class Review {
   /** @type {Brush | null} */
   brush = null;
   at = -1;
+  /** @type {Answers["MissingEntry"][] | undefined} */
+  lacking;
   tool = "ellipse";
   measured = null;
   #turn = 0;
@@ -69,6 +71,10 @@ export class Review {
     return {};
   }
   dropped() {}
+  /** @returns {Answers["MissingEntry"][]} what the item of the entry lacks */
+  missing() {
+    return [];
+  }
   address(_item) {
     return "";
   }
@@ -169,15 +175,27 @@ export class Review {
     this.editor.hide();
     this.box.set(null);
     this.clearOverlay();
+    this.lacking = undefined;
     this.inspector.wait();
+    this.refreshMissing();
     this.inspector.why.value = "";
+    this.stage.setScale(null);
     const mine = this.corrections;
+    const loaded = mine.load();
+    loaded.catch(() => {}); // awaited below
     try {
-      const [info] = await Promise.all([get("/api/picture/info", { item }), mine.load()]);
+      // The picture shows whatever else is missing.
+      const info = await get("/api/picture/info", { item });
       if (this.corrections !== mine) return;
       this.showInfo(info);
       this.stage.show(info.preview ?? picture("preview", item), info.rows_px, info.columns_px, this.title());
-      await this.remeasure();
+    } catch (error) {
+      if (this.corrections !== mine) return;
+      this.stage.setMessage(error.message, "bad");
+    }
+    try {
+      await loaded;
+      if (this.corrections === mine) await this.remeasure();
     } catch (error) {
       if (this.corrections === mine) this.#failed(error);
     }
@@ -213,9 +231,19 @@ export class Review {
     this.measured = null;
     this.editor.hide();
     this.clearOverlay();
-    this.stage.setMessage(error.message, "bad");
+    this.stage.setScale(null);
     this.inspector.show(null, error.message);
     this.#busy(false);
+  }
+
+  /** Show what the item lacks, and measure it again once that has changed. */
+  refreshMissing() {
+    if (!this.entry) return;
+    const before = JSON.stringify(this.lacking);
+    this.lacking = this.missing();
+    if (JSON.stringify(this.lacking) === before) return;
+    redraw(() => this.inspector.missing(this.lacking));
+    if (before !== undefined) this.remeasure();
   }
 
   #corrected() {
@@ -297,6 +325,11 @@ export class Review {
     return { ...change, ellipse_px: null };
   }
 
+  /** Save whether the contact is pooled; the verdict stays. */
+  decidePooling(pooling) {
+    return this.#change((mine) => mine.keep((change) => withoutDefaults({ ...change, pooling })));
+  }
+
   undo() {
     return this.#change((mine) => mine.undo());
   }
@@ -324,7 +357,10 @@ export class Review {
         .catch(showError);
     if (this.corrections !== mine) return;
     if (this.entries[this.at + 1]) this.step(1);
-    else toast(this.last[0], this.last[1]);
+    else {
+      toast(this.last[0], this.last[1]);
+      await this.remeasure(); // whether it is pooled may have changed
+    }
   }
 
   async reject() {

@@ -1,6 +1,6 @@
 // Run the study, show its progress, and export the results.
 
-import { get, post } from "../core/api.js";
+import { download, get, post } from "../core/api.js";
 import { h, render } from "../core/dom.js";
 import { bindHere } from "../core/keys.js";
 import { bytes } from "../core/quantity.js";
@@ -253,7 +253,7 @@ class Run {
                 ? h(
                     "a.button",
                     {
-                      href: `/api/download/${file}?attachment=1`,
+                      href: download(`${file}?attachment=1`),
                       download: "",
                       "aria-label": `Download ${title}`,
                     },
@@ -262,7 +262,7 @@ class Run {
                 : h("span.soft", null, "available after a run"),
               can &&
                 file === "report.html" &&
-                h("a.button", { href: `/api/download/${file}`, target: "_blank", rel: "noopener" }, "Open"),
+                h("a.button", { href: download(file), target: "_blank", rel: "noopener" }, "Open"),
             ),
           );
         }),

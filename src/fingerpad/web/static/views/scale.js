@@ -6,7 +6,7 @@ import { bindHere } from "../core/keys.js";
 import { showError, toast } from "../core/messages.js";
 import { plain, withStd } from "../core/quantity.js";
 import { describeCode, workspace } from "../core/workspace.js";
-import { button, chip, choose, faultList, field, number, segments, text } from "../parts/forms.js";
+import { button, chip, choose, faultList, field, NAME, number, segments, text } from "../parts/forms.js";
 import { Stage } from "../parts/stage.js";
 import { Line } from "../parts/tools.js";
 
@@ -35,12 +35,17 @@ const COINS = [
   ["20.3", "UK penny, 20.3 mm"],
 ];
 
-// A scale that is not saved yet, kept while other steps are shown.
-let unsaved = null;
+// A scale that is not saved yet, kept while other steps are shown, and over a reload.
+const UNSAVED = "fingerpad.scale";
+const unsavedScale = () => {
+  const draft = JSON.parse(sessionStorage.getItem(UNSAVED) ?? "null");
+  return draft?.study === workspace.study?.name ? draft : null;
+};
 
 class Scales {
   constructor(root, rest) {
     this.root = root;
+    this.study = workspace.study.name;
     this.stage = new Stage(
       "Image of a ruler or coin. Arrow keys move the cross-hair, space starts and ends the line.",
     );
@@ -99,15 +104,18 @@ class Scales {
       ["Space", "Start and end the line at the cross-hair", null],
     ]);
     const first = workspace.study.scales.find(({ name }) => name === rest[0]) ?? workspace.study.scales[0];
-    this.#start(unsaved?.study === workspace.study.name ? null : (first ?? null));
+    this.#start(unsavedScale() ? null : (first ?? null));
+    this.leaving = () => this.#keepDraft();
+    addEventListener("pagehide", this.leaving);
   }
 
   /** @param {State["scales"][number] | null} scale */
   #start(scale) {
     this.live.cancel();
     this.old = scale;
-    const draft = !scale && unsaved?.study === workspace.study.name ? unsaved : null;
-    unsaved = null;
+    const draft = scale ? null : unsavedScale();
+    sessionStorage.removeItem(UNSAVED);
+    this.stage.setScale(null);
     this.name = scale?.name ?? draft?.name ?? "";
     /** @type {ScaleTable} */
     this.table = structuredClone(scale?.table ?? draft?.table ?? DEFAULTS.line);
@@ -172,6 +180,7 @@ class Scales {
       value: this.name,
       onset: (value) => (this.name = value),
       placeholder: "reader, camera …",
+      pattern: NAME,
     });
     this.nameField.addEventListener("input", () => (this.name = this.nameField.value.trim()));
     render(
@@ -303,6 +312,8 @@ class Scales {
   }
 
   async #show(file) {
+    if (file !== this.stage.file) this.stage.setScale(null);
+    this.stage.file = file;
     if (!file)
       return this.stage.setMessage(
         "Drop an image of a ruler or a coin on the Study page, or enter the resolution.",
@@ -456,6 +467,8 @@ class Scales {
   async #keep() {
     render(this.problem);
     if (!this.name) return this.#wrong("Enter a name for the scale, for example camera.", this.nameField);
+    if (!this.nameField.reportValidity())
+      return this.#wrong("Name: letters, digits and . _ + - only.", this.nameField);
     if (!this.#ready()) return this.#wrong("The scale is incomplete yet.");
     /** @type {Edit[]} */
     const edits = [{ kind: "scale", key: this.name, set: this.#definition() }];
@@ -492,9 +505,16 @@ class Scales {
     this.#drawList();
   }
 
+  #keepDraft() {
+    if (this.old || !(this.name || JSON.stringify(this.table) !== JSON.stringify(DEFAULTS[this.way] ?? {})))
+      return;
+    const draft = { study: this.study, name: this.name, way: this.way, table: this.table };
+    sessionStorage.setItem(UNSAVED, JSON.stringify(draft));
+  }
+
   close() {
-    if (!this.old && (this.name || JSON.stringify(this.table) !== JSON.stringify(DEFAULTS[this.way] ?? {})))
-      unsaved = { study: workspace.study?.name, name: this.name, way: this.way, table: this.table };
+    removeEventListener("pagehide", this.leaving);
+    this.#keepDraft();
     this.live.cancel();
     this.stage.close();
   }

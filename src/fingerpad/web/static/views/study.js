@@ -5,6 +5,7 @@ import { bindHere } from "../core/keys.js";
 import { workspace } from "../core/workspace.js";
 import { Drop } from "../parts/drop.js";
 import { choose, faultList, field, number, text } from "../parts/forms.js";
+import { missingList } from "../parts/missing_fields.js";
 import { NewFiles } from "./new_files.js";
 import { StudyTables } from "./study_tables.js";
 
@@ -115,20 +116,10 @@ class StudyView {
       h("header", null, h("h2", null, "Missing"), h("span.soft", null, missing.length)),
       missing.length
         ? h(
-            "ul.missing",
-            { tabindex: 0 },
-            missing
-              .slice(0, 40)
-              .map(({ kind, key, words }) =>
-                h(
-                  "li",
-                  null,
-                  h("strong", null, key || kind),
-                  h("span", null, words),
-                  /scale/.test(words) && kind !== "scale" && h("a", { href: "#/scale" }, "Set the scale"),
-                ),
-              ),
-            missing.length > 40 && h("li.soft", null, `and ${missing.length - 40} more`),
+            "div.missing-box",
+            { tabindex: 0, role: "group", "aria-label": "Missing entries" },
+            missingList(missing.slice(0, 40), { named: true, axes: (name) => this.tables.askSemiAxes(name) }),
+            missing.length > 40 && h("p.soft", null, `and ${missing.length - 40} more`),
           )
         : h("p.soft", null, "Start by dropping files: photographs of the finger and contact images."),
       ready && h("p.soft", null, "The study can run without them."),

@@ -1,10 +1,13 @@
 // Tables of fingers, contacts, sequences and loading data, edited in place.
 
-import { h, redraw, render, symbol } from "../core/dom.js";
+import { picture } from "../core/api.js";
+import { h, redraw, render } from "../core/dom.js";
+import { symbol } from "../core/glossary.js";
 import { ask } from "../core/messages.js";
 import { plain, withStd } from "../core/quantity.js";
 import { describeCode, workspace } from "../core/workspace.js";
-import { button, chip, choose, faultList, field, number, synthetic, text } from "../parts/forms.js";
+import { button, chip, choose, faultList, field, NAME, number, synthetic, text } from "../parts/forms.js";
+import { missingList, missingOf } from "../parts/missing_fields.js";
 import { scaleChoice } from "../parts/scale_choice.js";
 
 const PAGE = 50;
@@ -189,24 +192,36 @@ export class StudyTables {
 
   /** @param {Finger["photographs"][number]} photograph */
   #face(photograph) {
-    const words = `${photograph.face ?? "face missing"}${photograph.scale ? "" : ", no scale"}`;
+    const words = [photograph.face, photograph.outline && "outline"].filter(Boolean).join(", ");
     const kind = photograph.rejected ? "warn" : photograph.accepted ? "good" : "";
-    if (photograph.outline) return chip(`${words}, outline`, kind);
+    const name = photograph.file?.split("/").at(-1);
     return h(
-      "a.face-link",
-      { href: `#/photographs/${encodeURIComponent(photograph.item)}`, title: photograph.file },
-      h("img.small-thumb", {
-        src: `/api/picture/thumbnail?${new URLSearchParams({ item: photograph.item })}`,
-        alt: "",
-        loading: "lazy",
+      "div.face",
+      null,
+      photograph.outline
+        ? words && chip(words, kind)
+        : h(
+            "a.face-link",
+            {
+              href: `#/photographs/${encodeURIComponent(photograph.item)}`,
+              title: photograph.file,
+              "aria-label": `Photograph ${name}`,
+            },
+            h("img.small-thumb", { src: picture("thumbnail", photograph.item), alt: "", loading: "lazy" }),
+            words && chip(words, kind),
+          ),
+      missingList(missingOf("photograph", photograph.item)),
+      button("×", () => this.#remove("photograph", photograph.item, `the photograph ${name}`), {
+        kind: "icon",
+        label: `Remove the photograph ${name}`,
+        title: "Remove this photograph",
       }),
-      chip(words, kind),
     );
   }
 
   /** Ask for the name of a finger; empty if cancelled. */
   async #askName(words, doing, value = "") {
-    const name = text({ placeholder: "left_index", value });
+    const name = text({ placeholder: "left_index", value, pattern: NAME });
     const body = h("div", null, field("Name of the finger", name, { hint: "Letters, digits, - and _." }));
     const answer = await ask(words, body, [
       ["", "Cancel"],
@@ -227,6 +242,12 @@ export class StudyTables {
   async #rename(finger) {
     const name = await this.#askName(`Rename ${finger.name}`, "Rename", finger.name);
     if (name && name !== finger.name) this.change("finger", finger.name, { name });
+  }
+
+  /** Ask for the semi-axes of a finger by its name. */
+  askSemiAxes(name) {
+    const finger = workspace.study.fingers.find((each) => each.name === name);
+    if (finger) this.#semiAxes(finger);
   }
 
   /** @param {Finger} finger */
@@ -378,7 +399,7 @@ export class StudyTables {
     const num = (key, words, more) =>
       h(
         "td",
-        null,
+        { "data-empty": (one[key] === null || one[key] === undefined) && key !== "roll_angle_deg" },
         number({
           value: one[key],
           min: 0,
@@ -415,7 +436,11 @@ export class StudyTables {
       rolled && num("roll_angle_deg", "Roll angle", { min: undefined }),
       num("load_N", "Load"),
       one.file
-        ? h("td", null, scaleChoice({ value: one.scale, label: `Scale of ${one.item}`, onset: set("scale") }))
+        ? h(
+            "td",
+            { "data-empty": !one.scale },
+            scaleChoice({ value: one.scale, label: `Scale of ${one.item}`, onset: set("scale") }),
+          )
         : h("td.soft", null, "ellipse given"),
       h("td", null, incomplete(one) || statusChip(one)),
       h(
@@ -543,14 +568,18 @@ export class StudyTables {
         "header",
         null,
         h("h2", null, "Loading data"),
-        h("span.soft", null, "force–displacement curves, or ", symbol("R", "g"), " from elsewhere"),
+        h("span.soft", null, "force–displacement curves, or ", symbol("R_g"), " from elsewhere"),
         h(
           "div.actions",
           null,
-          button(h("span", null, "Add ", symbol("R", "g"), " from elsewhere"), () => this.#addRadius(), {
-            kind: "small",
-            disabled: !workspace.study.fingers.length,
-          }),
+          button(
+            h("span", null, "Add ", symbol("R_g", { inControl: true }), " from elsewhere"),
+            () => this.#addRadius(),
+            {
+              kind: "small",
+              disabled: !workspace.study.fingers.length,
+            },
+          ),
         ),
       ),
       curves.length
@@ -570,7 +599,9 @@ export class StudyTables {
                     h(
                       "th",
                       { scope: "col", class: words.startsWith("R") ? "number" : undefined },
-                      words || h("span.sr", null, "Actions"),
+                      words.startsWith("R_g")
+                        ? [symbol("R_g"), ", mm"]
+                        : words || h("span.sr", null, "Actions"),
                     ),
                   ),
                 ),
@@ -622,7 +653,7 @@ export class StudyTables {
             "p.soft",
             null,
             "None. The study runs without them; ",
-            symbol("R", "g"),
+            symbol("R_g"),
             " is then not compared with the corrected radius.",
           ),
     );

@@ -52,6 +52,9 @@ class Welcome {
               "div.actions",
               null,
               button("Create study", () => this.#create(), { kind: "primary" }),
+              button("Try the example", () => this.#example(), {
+                title: "A small synthetic study: photographs, contacts and a loading curve of known truth",
+              }),
             ),
             this.problem,
           ),
@@ -126,6 +129,8 @@ class Welcome {
     }
     return undefined;
   });
+
+  #example = withoutOverlap(() => workspace.createExample().catch(showError));
 
   async #import(file) {
     if (!file) return;

@@ -1,0 +1,128 @@
+// Whether a contact counts in the pooled radius: why, and a person's decision.
+
+import { Corrections, withoutDefaults } from "../core/corrections.js";
+import { h, redraw, render } from "../core/dom.js";
+import { showError } from "../core/messages.js";
+import { ago, plain } from "../core/quantity.js";
+import { button, text } from "./forms.js";
+
+const REASON = "after a look at the picture";
+
+/** @param {Answers["PoolingChoice"]} decision */
+export const decisionWords = ({ include, why, who, when }) =>
+  `${include ? "included" : "left out"} by ${who}, ${ago(when)}: ${why}`;
+
+/** Save a decision about a contact; null goes back to the rule. */
+async function decide(item, pooling) {
+  const corrections = new Corrections(item, { changed: () => {}, conflict: () => {} });
+  try {
+    await corrections.load();
+    await corrections.keep((change) => withoutDefaults({ ...change, pooling }));
+    return corrections.document;
+  } finally {
+    corrections.close();
+  }
+}
+
+/**
+ * The decision that a correction holds, with who made it first.
+ *
+ * @param {Answers["Corrections"]} document
+ * @returns {Answers["PoolingChoice"] | null}
+ */
+function decisionOf({ change, history }) {
+  /** @type {any} */
+  const pooling = change.pooling;
+  const record = history.at(-1);
+  return pooling && record ? { ...pooling, who: record.who, when: record.when } : null;
+}
+
+/**
+ * Which contacts of a group are pooled, who is out and why, with a button for each.
+ *
+ * @param {Answers["PlottedGroup"]["pooling"]} pooling
+ */
+export function poolingList(pooling) {
+  const { contacts, contacts_pooled: pooled, frames, frames_pooled: framesPooled } = pooling;
+  const why = text({ value: "", placeholder: REASON, label: "Reason of the decision" });
+  const list = h("ul.pooling-list");
+  const draw = () =>
+    render(
+      list,
+      pooling.in_question.map((one) => row(one)),
+    );
+  /** @param {Answers["PooledContact"]} one */
+  const row = (one) => {
+    const wanted = one.decision?.include ?? one.pooled;
+    const set = (value) => async () => {
+      try {
+        const document = await decide(one.item, value && { ...value, why: why.value.trim() || REASON });
+        one.decision = decisionOf(document);
+        redraw(draw);
+      } catch (error) {
+        showError(error);
+      }
+    };
+    const load = one.load_N === null ? "" : `, ${plain(one.load_N)} N`;
+    return h(
+      "li",
+      { "data-pooled": String(one.pooled) },
+      h(
+        "div",
+        null,
+        h("a", { href: `#/contacts/images/${encodeURIComponent(one.item)}` }, one.item),
+        `${load} is ${one.pooled ? "pooled" : "left out"}${one.why ? `: ${one.why}` : ""}. `,
+        one.decision && h("strong", null, decisionWords(one.decision), ". "),
+        one.decision && one.decision.include !== one.pooled && "It takes effect with the next run.",
+      ),
+      h(
+        "div.actions",
+        null,
+        button(wanted ? "Leave out" : "Include", set({ include: !wanted }), {
+          kind: "small",
+          label: `${wanted ? "Leave out" : "Include"} ${one.item}`,
+        }),
+        one.decision &&
+          button("Undo", set(null), { kind: "small", label: `Undo the decision about ${one.item}` }),
+      ),
+    );
+  };
+  draw();
+  const counts = [
+    contacts > 0 && `${pooled} of ${contacts} contacts pooled`,
+    frames > 0 && `${framesPooled} of ${frames} frames pooled`,
+  ].filter(Boolean);
+  if (!pooling.in_question.length) return h("p.soft.pooling-count", null, counts.join(", "));
+  return h(
+    "details.pooling",
+    { open: pooled < contacts },
+    h("summary", null, counts.join(", ")),
+    h("label.why", null, h("span", null, "Reason"), why),
+    list,
+  );
+}
+
+/**
+ * What keeps the contact beside an image out of the pooled radius, with a button.
+ *
+ * @param {NonNullable<ContactMeasurement["pooling"]>} pooling
+ * @param {{ words: (code: string) => string, set: (pooling: object | null) => any }} options
+ */
+export function poolingOf({ pooled, excluding_flags: flags, decision }, { words, set }) {
+  return h(
+    pooled ? "div.pooling-note" : "div.pooling-note.note",
+    null,
+    h("strong", null, pooled ? "Counts in the pooled radius" : "Left out of the pooled radius"),
+    flags.length > 0 && [": ", flags.map(words).join("; ")],
+    ". ",
+    decision && [decisionWords(decision), ". "],
+    h(
+      "div.actions",
+      null,
+      button(pooled ? "Leave out" : "Include", () => set({ include: !pooled, why: REASON }), {
+        kind: "small",
+      }),
+      decision && button("Undo the decision", () => set(null), { kind: "small" }),
+    ),
+  );
+}

@@ -1,0 +1,77 @@
+"""A study that lacks something: its pictures show, and what is missing is entered where it stands."""
+
+import re
+import tomllib
+
+from tests.end_to_end.page.browser import Tab, numbers
+
+PICTURE_THERE = """() => document.querySelector('.stage .picture').naturalWidth
+  && !document.querySelector('.stage.waiting')"""
+
+
+def without(example, pattern: str) -> None:
+    """Take the first place of a pattern out of the manifest."""
+    manifest = example / "study.toml"
+    text, count = re.subn(pattern, "", manifest.read_text(), count=1)
+    assert count == 1
+    manifest.write_text(text)
+
+
+def stated(example) -> dict:
+    return tomllib.loads((example / "study.toml").read_text())
+
+
+def test_a_photograph_without_face_shows_and_takes_its_face(example_tab: Tab, example) -> None:
+    without(example, r'face = "palmar", ')
+    example_tab.expected.append("422")
+    page = example_tab.open("photographs")
+    page.wait_for_function(PICTURE_THERE)
+    side = page.locator(".inspector")
+    side.get_by_role("alert").get_by_text("state which face").wait_for()
+    assert page.get_by_role("alert").count() == 1
+    assert page.get_by_text("state which face").count() == 1  # not on the picture as well
+    assert "null" not in page.locator("#work").inner_text()
+    assert "scale no scale" not in page.locator("#work").inner_text()
+    # The other faces of the finger measure, and the contacts too, though no model applies yet.
+    page.keyboard.press("ArrowRight")
+    numbers(page, "face")
+    example_tab.go("contacts")
+    page.wait_for_function(PICTURE_THERE)
+    assert "Gross area" in numbers(page)
+    example_tab.go("photographs")
+    side.get_by_label(re.compile("which face it shows is missing")).select_option("palmar")
+    numbers(page, "finger")
+    assert stated(example)["fingers"][0]["photographs"][0]["face"] == "palmar"
+    # One that is of no use goes, and the finger stays.
+    example_tab.go("study")
+    page.get_by_role("button", name="Remove the photograph photograph_radial.jpg").click()
+    page.get_by_role("button", name="Remove", exact=True).click()
+    page.get_by_role("button", name="Remove the photograph photograph_radial.jpg").wait_for(state="detached")
+    assert [one["face"] for one in stated(example)["fingers"][0]["photographs"]] == ["palmar", "distal"]
+
+
+def test_a_contact_without_load_or_scale_shows_and_takes_them(example_tab: Tab, example) -> None:
+    without(example, r"load_N = 1\n")
+    without(example, r'scale = "reader"\n(?=\n\[\[observations\]\]\nname = "contact_1N")')
+    example_tab.expected.append("422")
+    page = example_tab.open("contacts/images/contact_1N")
+    page.wait_for_function(PICTURE_THERE)
+    side = page.locator(".inspector")
+    assert "Gross area" in numbers(page)
+    side.get_by_text("the load is missing").wait_for()
+    side.get_by_label(re.compile("the load is missing")).fill("1")
+    side.get_by_label(re.compile("the load is missing")).press("Enter")
+    side.get_by_text("the load is missing").wait_for(state="detached")
+    assert stated(example)["observations"][1]["load_N"] == 1
+    page.keyboard.press("ArrowLeft")
+    page.wait_for_function(PICTURE_THERE)
+    side.get_by_role("alert").get_by_text("state the scale").wait_for()
+    assert page.locator(".scale-bar").is_hidden()  # not that of the picture before
+    # A correction is kept before the entry is complete.
+    page.keyboard.press("x")
+    page.locator(".stage.rejected").wait_for()
+    # And in the list on the study's page.
+    example_tab.go("study")
+    page.get_by_label(re.compile("its scale is missing .contact_0.5N")).select_option("reader")
+    page.get_by_text("Nothing is missing.").wait_for()
+    assert stated(example)["observations"][0]["scale"] == "reader"

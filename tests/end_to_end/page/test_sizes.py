@@ -1,0 +1,25 @@
+"""The page on small screens: at 390 px, and at 1366 px with 200 %, which are 683."""
+
+import pytest
+from tests.end_to_end.page.browser import Tab, numbers
+
+STEPS = ("study", "scale", "photographs", "contacts", "pad", "results", "run")
+# How far the page, or its work area, can be scrolled sideways.
+SIDEWAYS = """() => Math.max(...['html', '#work'].map((one) => document.querySelector(one))
+  .map((one) => one.scrollWidth - one.clientWidth))"""
+
+
+@pytest.mark.parametrize("width", [390, 683])
+def test_nothing_scrolls_sideways_and_a_contact_is_accepted(example_tab: Tab, width: int) -> None:
+    page = example_tab.open()
+    page.set_viewport_size({"width": width, "height": 780})
+    for step in STEPS:
+        example_tab.go(step)
+        page.locator("#work h1").first.wait_for()
+        page.wait_for_timeout(200)
+        assert page.evaluate(SIDEWAYS) <= 0, step
+    example_tab.go("contacts/images/contact_1N")
+    numbers(page)
+    assert page.locator(".stage").bounding_box()["width"] > 0.95 * width
+    page.get_by_role("button", name="Accept and next").click()
+    page.get_by_role("heading", name="contact_2N").wait_for()

@@ -1,0 +1,176 @@
+"""Every number that the page is sent has the unit that its key says, as the tables of results have it."""
+
+import re
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+
+from fingerpad.study.results.columns import COLUMNS
+from fingerpad.study.results.glossary import GLOSSARY
+from fingerpad.web.app import STATIC
+
+CONTACT = "synthetic_30deg_2N"
+PHOTOGRAPH = "synthetic_pad/synthetic/photograph_palmar.jpg"
+# What the page shows a key's unit by: the longest ending counts.
+UNITS = {
+    "mm_per_px": "mm/px",
+    "_mm2": "mm2",
+    "_mm": "mm",
+    "_kpa": "kPa",
+    "_deg": "deg",
+    "_px": "px",
+    "_ppi": "ppi",
+    "_N": "N",
+    "_s": "s",
+}
+# Pure numbers and counts, and what holds numbers that follow units of their own.
+PURE = {
+    "aspect_ratio",
+    "bits",
+    "bytes",
+    "chi_square",
+    "columns_px",
+    "contact_radius_ratio",
+    "degrees_of_freedom",
+    "disagreements",  # relative differences, shown in percent
+    "between_relative_std",
+    "ellipse_iou",
+    "frame",
+    "frames",
+    "id",
+    "indentation_over_thickness",
+    "last_id",
+    "load_relative_std",
+    "matching",
+    "milliseconds",
+    "orientation",
+    "p_value",
+    "poisson_ratio",
+    "poisson_ratio_std",
+    "predicted_aspect_ratio",
+    "relative_std",
+    "rows",
+    "rows_px",
+    "shares",
+    "pooled",
+    "total",
+    "threshold",
+    "version",
+    "used_by",
+    "corrected",
+    "rejected",
+    "reviewed",
+    "contacts",
+    "contacts_pooled",
+    "frames_pooled",
+    "table",  # as the manifest states it, under its own keys
+    "scale",
+    "frames_per_second",
+    "flags",
+    "missing",
+    "history",
+} | {"normal", "principal_directions", "range_notes", "faces", "counts", "run", "limits"}
+RELATIVE = {"disagreements", "shares"}
+# Of a unit that an item beside them names, or that stands in the sentence beside them.
+NAMED_BESIDE = {"printed", "computed", "low", "high", "with_misprint", "value", "std"}
+IN_PIXELS = {"ellipse_px", "semi_axes", "centre"}
+
+
+def numbers(value: Any, path: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], float]]:
+    if isinstance(value, dict):
+        for key, part in value.items():
+            yield from numbers(part, (*path, key))
+    elif isinstance(value, list):
+        for part in value:
+            yield from numbers(part, path)
+    elif isinstance(value, int | float) and not isinstance(value, bool):
+        yield path, value
+
+
+def unit_of(key: str) -> str | None:
+    """The unit that a key ends with; `_std` and its kin are in that of their quantity."""
+    stem = re.sub(r"(_noise|_edge|_fixed_geometry)?_std$", "", key)
+    return next((unit for ending, unit in UNITS.items() if stem.endswith(ending)), None)
+
+
+def answers(client: Any) -> Iterator[tuple[str, Any]]:
+    for path in (
+        "/api/study",
+        "/api/study/frames?sequence=synthetic_press_30deg",
+        "/api/results/rows",
+        "/api/results/plot",
+        "/api/results/budget",
+        "/api/published",
+        f"/api/picture/info?item={CONTACT}",
+        f"/api/corrections?item={CONTACT}",
+    ):
+        yield path, client.get(path).raise_for_status().json()
+    for path, body in (
+        ("/api/measure/contact", {"item": CONTACT, "change": {"threshold": 100}}),
+        ("/api/measure/photograph", {"item": PHOTOGRAPH, "with_finger": True}),
+        ("/api/measure/scale", {"table": {"ppi": 500}}),
+        ("/api/measure/length", {"scale": {"ppi": 500}, "line_px": [[0, 0], [0, 100]]}),
+        ("/api/geometry", {"finger": "synthetic_pad"}),
+    ):
+        yield path, client.post(path, json=body).raise_for_status().json()
+
+
+def test_every_number_has_the_unit_of_its_column(done):
+    """By the key itself or by one that holds it, as semi_axes_mm; nothing is left without."""
+    nameless = set()
+    for source, answer in answers(done):
+        for path, _ in numbers(answer):
+            key = path[-1]
+            units = [unit for each in reversed(path) if (unit := unit_of(each)) is not None]
+            if key in COLUMNS and COLUMNS[key].unit == "1":
+                assert unit_of(key) is None, (source, path)
+            elif key in COLUMNS and COLUMNS[key].unit:
+                assert units[:1] == [COLUMNS[key].unit], (source, path)
+            if not units and {*path}.isdisjoint(PURE | NAMED_BESIDE | IN_PIXELS):
+                nameless.add(f"{source}: {'.'.join(path)}")
+            if not {*path}.isdisjoint(RELATIVE):
+                assert not units, (source, path)
+    assert sorted(nameless) == []  # name them by their endings, or list them above
+
+
+def test_numbers_are_those_of_the_tables(done):
+    """A quantity that has a column is the column's value, in its unit."""
+    rows = {row["item"]: row for row in done.get("/api/results/rows?limit=2000").json()["rows"]}
+    for group in done.get("/api/results/plot").json()["groups"]:
+        shown = group["rows"]
+        for place, item in enumerate(shown["item"]):
+            assert {key: shown[key][place] for key in shown if key != "item"} == {
+                key: rows[item][key] for key in shown if key != "item"
+            }
+    model = done.post("/api/measure/contact", json={"item": CONTACT}).json()
+    found = {**model["numbers"], **model["model"]}
+    shared = [key for key in found if key in COLUMNS and isinstance(found[key], float)]
+    assert len(shared) > 20
+    for key in shared:
+        assert found[key] == pytest.approx(rows[CONTACT][key], rel=1e-3, abs=1e-6), key
+
+
+def test_the_page_writes_those_units():
+    """Its table of endings is the one that is tested here."""
+    script = (STATIC / "core" / "quantity.js").read_text()
+    shown = dict(re.findall(r'\["(_\w+)", "([^"]+)"\]', script))
+    written = {"mm²": "mm2", "°": "deg"}
+    tested = {key: unit for key, unit in UNITS.items() if key != "mm_per_px"}
+    assert {key: written.get(unit, unit) for key, unit in shown.items() if key != "_per_mm"} == tested
+    # And the headers that name their unit themselves.
+    table = (STATIC / "views" / "results_table.js").read_text()
+    for key, header in re.findall(r'^  (\w+): "([^"]+)",$', table, re.MULTILINE):
+        if key in COLUMNS and COLUMNS[key].unit not in {"", "1"}:
+            unit = header.rpartition(", ")[2]
+            assert written.get(unit, unit) == COLUMNS[key].unit, (key, header)
+        elif key in COLUMNS:
+            assert ", " not in header, (key, header)
+
+
+def test_symbols_are_those_of_their_columns():
+    written = {"": "1", "°": "deg"}
+    for symbol, meaning in GLOSSARY.items():
+        if meaning.column:
+            unit = COLUMNS[meaning.column].unit
+            assert written.get(meaning.unit, meaning.unit) == unit, symbol
