@@ -8,6 +8,7 @@ import zipfile
 import pytest
 from PIL import Image
 from tests.end_to_end.page.browser import DEMO, PRINTS, Late, Tab, drag, focus, middle, stroke
+from tests.waiting import wait_until
 
 from fingerpad.simulate import render_coin
 
@@ -148,6 +149,22 @@ def test_wrong_value_is_refused_with_a_message(tab: Tab, demo) -> None:
     assert (demo / "study.toml").read_text() == before
 
 
+def test_apparatus_is_stated_for_the_methods_section(tab: Tab, demo) -> None:
+    page = tab.open("study")
+    card = page.get_by_role("region", name="Apparatus")
+    card.get_by_text("for the methods section").click()
+    card.get_by_label("Force sensor").fill('a "six-axis" sensor')
+    card.get_by_label("Dwell before the image").fill("2.5")
+    card.get_by_label("Platen").click()
+    page.wait_for_function("document.querySelector('[aria-label=Apparatus] details').open")
+    stated = {"force_sensor": 'a "six-axis" sensor', "dwell_s": 2.5}
+
+    def kept() -> bool:
+        return stated.items() <= tomllib.loads((demo / "study.toml").read_text())["apparatus"].items()
+
+    assert wait_until(kept, 20)
+
+
 def test_finger_is_renamed_with_its_contacts(tab: Tab, demo) -> None:
     tab.expected.append("422")
     page = tab.open()
@@ -277,9 +294,17 @@ def test_line_drawn_with_keys_alone(tab: Tab) -> None:
     for _ in range(6):
         page.keyboard.press("Shift+ArrowRight")
     page.keyboard.press("Space")
+    page.get_by_label("Line along").select_option("a bank card's long side, 85.60 mm")
+    scale = page.locator("[data-live=scale]")
+    scale.wait_for()
+    assert page.get_by_label("Length of the line").input_value() == "85.6"
+    card = float(scale.inner_text().split()[0])
     page.get_by_label("Length of the line").fill("10")
     page.keyboard.press("Enter")
-    page.locator("[data-live=scale]").wait_for()
+    page.wait_for_function(
+        "half => parseFloat(document.querySelector('[data-live=scale]').innerText) < half", arg=card / 2
+    )
+    assert float(scale.inner_text().split()[0]) == pytest.approx(card * 10 / 85.6, rel=0.01)
 
 
 def test_run_names_its_file_and_can_be_stopped(tab: Tab) -> None:

@@ -5,7 +5,7 @@ from typing import Any, Literal
 from fingerpad.study.editing.file_names import Kind as FileKind
 from fingerpad.study.editing.file_names import Role
 from fingerpad.study.manifest.check import Kind
-from fingerpad.study.manifest.study import Uncertainty
+from fingerpad.study.manifest.study import Apparatus, Uncertainty
 from fingerpad.web.answers.base import Answer, Face, Status
 
 
@@ -235,6 +235,7 @@ class State(Answer):
     digest: str
     poisson_ratio: float
     uncertainty: Uncertainty
+    apparatus: Apparatus
     taken_as_exact: list[str]
     assumed: list[str]
     ready: bool

@@ -204,7 +204,7 @@ class Workspace extends EventTarget {
  */
 function tableOf(study, { kind, key }) {
   if (kind === "study") return JSON.stringify([study.title, study.description, study.poisson_ratio]);
-  if (kind === "uncertainty") return JSON.stringify(study.uncertainty);
+  if (kind === "uncertainty" || kind === "apparatus") return JSON.stringify(study[kind]);
   if (kind === "photograph")
     return JSON.stringify(
       study.fingers.flatMap(({ photographs }) => photographs).find(({ item }) => item === key) ?? null,

@@ -21,6 +21,12 @@ const WAYS = [
 // Defaults of a new scale: the ends of a line are drawn to about one pixel.
 const DEFAULTS = { line: { ends_px_std: 1 } };
 
+// ISO/IEC 7810, format ID-1: bank cards, most identity cards and driving licences.
+const KNOWN_LENGTHS = [
+  ["", "a ruler, or other"],
+  ["85.6", "a bank card's long side, 85.60 mm"],
+  ["53.98", "a bank card's short side, 53.98 mm"],
+];
 const COINS = [
   ["", "– other –"],
   ["16.25", "1 euro cent, 16.25 mm"],
@@ -248,6 +254,14 @@ class Scales {
     const of = (key, more) => number({ value: this.table[key], min: 0, onset: set(key), ...more });
     const ways = {
       line: () => [
+        field(
+          "Line along",
+          choose({
+            value: String(this.table.length_mm ?? ""),
+            options: KNOWN_LENGTHS,
+            onset: (value) => value && (set("length_mm")(Number(value)), this.#drawFields()),
+          }),
+        ),
         field("Length of the line", of("length_mm"), { unit: "mm" }),
         field("Uncertainty", of("length_mm_std", { placeholder: "not stated" }), { unit: "mm" }),
         field("Uncertainty of each end", of("ends_px_std", { placeholder: "not stated" }), { unit: "px" }),

@@ -87,7 +87,7 @@ class StudyView {
     );
     this.files.draw();
     this.tables.draw();
-    render(this.side, this.#missing(), this.#uncertainty(), this.#settings());
+    render(this.side, this.#missing(), this.#uncertainty(), this.#settings(), this.#apparatus());
   }
 
   #missing() {
@@ -182,6 +182,38 @@ class StudyView {
     );
   }
 
+  /** What the methods section of the report says of the experiment. */
+  #apparatus() {
+    const now = workspace.study.apparatus;
+    const problem = h("div");
+    const onset = (key) => (value) => this.#change("apparatus", { [key]: value || null }, problem);
+    return h(
+      "section.card",
+      { "aria-label": "Apparatus" },
+      h(
+        "details",
+        { open: this.apparatusOpen, ontoggle: (event) => (this.apparatusOpen = event.target.open) },
+        h("summary", null, h("strong", null, "Apparatus"), " – for the methods section of the report"),
+        h(
+          "div.fields.two",
+          null,
+          APPARATUS.map(([key, words, example]) =>
+            field(words, text({ value: now[key], placeholder: example, onset: onset(key) }), { wide: true }),
+          ),
+          field(
+            "Velocity of approach",
+            number({ value: now.approach_mm_per_s, min: 0, onset: onset("approach_mm_per_s") }),
+            { unit: "mm/s" },
+          ),
+          field("Dwell before the image", number({ value: now.dwell_s, min: 0, onset: onset("dwell_s") }), {
+            unit: "s",
+          }),
+        ),
+        problem,
+      ),
+    );
+  }
+
   #settings() {
     const { study } = workspace;
     const problem = h("div");
@@ -215,6 +247,17 @@ class StudyView {
     );
   }
 }
+
+/** Keys of the apparatus that are words: key, label, example. */
+const APPARATUS = [
+  ["imaging", "Contact images", "a glass prism and a monochrome camera"],
+  ["scale_calibration", "Calibration of the scale", "a dot grid in the plane of contact"],
+  ["platen", "Platen", "smooth glass"],
+  ["force_sensor", "Force sensor", "a six-axis force sensor"],
+  ["stage", "Stage", "a motorised linear stage"],
+  ["poisson_ratio_basis", "Basis of Poisson's ratio", "as usual for soft tissue"],
+  ["thickness_basis", "Basis of the thickness", "from ultrasound"],
+];
 
 const count = (number, noun) => `${number} ${noun}${number === 1 ? "" : "s"}`;
 
