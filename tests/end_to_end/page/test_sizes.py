@@ -18,6 +18,9 @@ def test_nothing_scrolls_sideways_and_a_contact_is_accepted(example_tab: Tab, wi
         page.locator("#work h1").first.wait_for()
         page.wait_for_timeout(200)
         assert page.evaluate(SIDEWAYS) <= 0, step
+        box = page.locator("[aria-current=step]").bounding_box()
+        assert box["x"] >= 0, step
+        assert box["x"] + box["width"] <= width, step
     example_tab.go("contacts/images/contact_1N")
     numbers(page)
     assert page.locator(".stage").bounding_box()["width"] > 0.95 * width

@@ -111,6 +111,8 @@ export function drawSidebar(open, steps) {
     ),
     h("p.version", null, `fingerpad ${workspace.session?.version ?? ""} · local only`),
   );
+  // On a small screen the steps are one row, which scrolls.
+  sidebar.querySelector("[aria-current]")?.scrollIntoView({ block: "nearest", inline: "center" });
 }
 
 function themeSwitch() {
