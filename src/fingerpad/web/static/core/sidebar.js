@@ -41,7 +41,7 @@ function stepStatus(step) {
         ? ["up to date", "good"]
         : ["out of date", "warn"]
       : study.results.faults?.length
-        ? ["damaged", "bad"]
+        ? ["run again", "bad"]
         : ["none yet", ""],
     run: busy
       ? [`${run.done} of ${run.total}`, "busy"]

@@ -74,7 +74,7 @@ class Results {
       render(
         this.body,
         empty(
-          "The results are damaged",
+          "These results cannot be shown",
           `${results.faults.slice(0, 5).join("; ")}. Run the study again: finished measurements are reused.`,
           h("a.button.primary", { href: "#/run/start" }, "Run the study"),
         ),
