@@ -6,6 +6,7 @@ import signal
 import socket
 import subprocess
 import sys
+import threading
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from pathlib import Path
@@ -225,6 +226,17 @@ def refusal(manifest: Path, out: Path, scheduler: str) -> str:
     result = CliRunner().invoke(app, ["run", str(manifest), "--out", str(out), "--scheduler", scheduler])
     assert (result.exit_code, result.exception.__class__) == (2, SystemExit)
     return " ".join(result.stderr.split())
+
+
+def test_waiting_for_one_result_delays_no_other(processes: Processes) -> None:
+    processes.worker()
+    lost, seen = threading.Event(), threading.Event()
+    with Client(processes.address, timeout=60, set_as_default=False) as client:
+        cluster.when_done(client.submit(sum, [1]), lambda _: lost.wait())
+        cluster.when_done(client.submit(sum, [2]), lambda _: seen.set())
+        came = seen.wait(60)
+        lost.set()
+    assert came
 
 
 def test_a_scheduler_of_ones_own(made: Path, undisturbed: list[dict], tmp_path: Path) -> None:

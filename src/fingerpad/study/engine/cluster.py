@@ -9,11 +9,12 @@ import logging
 import math
 import re
 from collections import OrderedDict
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import CancelledError, Future
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from threading import Thread
 from time import monotonic
 from typing import Any, Final
 
@@ -71,7 +72,7 @@ class ClusterExecutor:
         )
         future: Future[TaskResult] = Future()
         future.set_running_or_notify_cancel()  # an interrupt waits for what is at work
-        remote.add_done_callback(lambda done: _pass_on(done, future, task.file, self.limits))
+        when_done(remote, lambda done: _pass_on(done, future, task.file, self.limits))
         return future
 
     def _files(self, task: Task) -> Any:
@@ -168,6 +169,16 @@ def _quiet() -> Iterator[None]:
         yield
     finally:
         logger.setLevel(before)
+
+
+def when_done(remote: Any, act: Callable[[Any], None]) -> None:
+    """Call `act` with a future of Dask once it is done, in a thread of its own.
+
+    Dask calls back in one thread for all clients of a process. To ask for a result never ends where the
+    connection is closed meanwhile: in that thread it would keep all later runs from theirs, and the process
+    from its end.
+    """
+    remote.add_done_callback(lambda done: Thread(target=act, args=(done,), daemon=True).start())
 
 
 def _pass_on(remote: Any, future: Future[TaskResult], file: str, limits: Limits) -> None:
