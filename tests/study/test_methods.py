@@ -69,7 +69,8 @@ def test_everything_stated_is_said(tmp_path: Path) -> None:
         assert (f"{value:g}" if isinstance(value, float) else value) in text
     for words in (
         "1 finger of 1 person",
-        "wedge angles of 30 and 45° (± 3°) and a roll of 0° (taken as exact)",
+        "wedge angles of 30 and 45° (± 3°) and a roll of 0° (± 3°)",
+        "Assumed to be known: the roll angle to ± 3°.",
         "2 single contacts at normal loads of 0.5 to 1.5 N",
         "reader, 0.1000 ± 0.0010 mm/px",
         "ratio of 0.49 (taken as exact)",

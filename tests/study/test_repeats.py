@@ -31,6 +31,7 @@ AXES = np.array([7.9, 13.8, 11.8])
 STUDY = Study.model_validate(
     {
         "title": "T",
+        "uncertainty": {"wedge_angle_deg_std": 0, "roll_angle_deg_std": 0},
         "fingers": [
             {
                 "name": "f",

@@ -25,6 +25,7 @@ PATIENCE_S = 120  # test machines may be slow
 # Names of Plotly and WebGL, of files, and an example.
 OF_OTHERS = {"paper_bgcolor", "plot_bgcolor", "plotly_click", "error_y", "gl_Position"} | {
     "by_load",
+    "contact_load_N",
     "corrected_radius",
     "left_index",
     "on_layer",

@@ -9,6 +9,7 @@ from pydantic import Field
 from fingerpad._arrays import FloatArray
 from fingerpad.exceptions import FingerpadError
 from fingerpad.image import ForceSignal, alignment_scatter, read_force_signal
+from fingerpad.study.error_text import in_study
 from fingerpad.study.manifest import ContactSequence
 from fingerpad.web import answers
 from fingerpad.web.endpoints import Endpoint, Params
@@ -36,7 +37,7 @@ def signal(workspace: Workspace, params: SignalParams, _: Any) -> dict[str, Any]
     try:
         force = read_force_signal(opened.folder / sequence.force, columns)
     except FingerpadError as error:
-        raise RequestError.impossible(str(error)) from error
+        raise RequestError.impossible(in_study(error, opened.folder)) from error
     found = last_results(opened)
     rows = list(found.frames(sequence.name).items()) if found else []
     timed = [(frame, row) for frame, row in rows if row["time_s"] is not None]

@@ -86,7 +86,7 @@ def test_six_files_become_a_plot(empty_tab: Tab) -> None:
     page.keyboard.press("Enter")
     page.get_by_role("link", name="See the results").click()
     page.locator(".chart .scatterlayer .point").first.wait_for()
-    radius = float(page.locator(".main-fact dd").inner_text().split()[0])
+    radius = float(page.locator(".main-fact dd").first.inner_text().split()[0])
     assert radius == pytest.approx(13.61, abs=0.15)
     manifest = (empty_tab.folder / "index-finger" / "study.toml").read_text()
     assert manifest.count("[[observations]]") == 3

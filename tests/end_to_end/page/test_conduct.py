@@ -240,7 +240,7 @@ def test_two_thousand_frames_open_at_once_and_scroll(browser, tmp_path) -> None:
     frame.save(study / "film" / "f0000.png")
     for number in range(1, 2000):
         (study / "film" / f"f{number:04d}.png").hardlink_to(study / "film" / "f0000.png")
-    times = "\n".join(f"{number / 500},1" for number in range(2000))
+    times = "\n".join(f"{number / 500},{number / 2000}" for number in range(2000))
     (study / "force.csv").write_text(f"time_s,force_N\n{times}\n")
     (study / "study.toml").write_text(LONG)
     with served(tmp_path, study) as server:

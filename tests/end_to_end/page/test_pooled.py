@@ -29,7 +29,7 @@ def test_an_accepted_contact_that_a_flag_leaves_out_is_named_and_included(exampl
     card.get_by_text("2 of 3 contacts pooled").wait_for()
     words = card.locator(".pooling-list li").first.inner_text()
     assert "contact_1N, 1 N is left out: the contact is cut by the edge of the picture" in words
-    before = card.locator(".main-fact dd").inner_text()
+    before = card.locator(".main-fact dd").first.inner_text()
     card.get_by_label("Reason of the decision").fill("shown whole enough")
     card.get_by_role("button", name="Include contact_1N").click()
     card.get_by_text(re.compile("included by .+, just now: shown whole enough")).wait_for()
@@ -40,7 +40,7 @@ def test_an_accepted_contact_that_a_flag_leaves_out_is_named_and_included(exampl
     run_study(example / "study.toml", example / "results", write_report=write_report)
     page.reload()
     card.get_by_text("3 of 3 contacts pooled").wait_for()
-    assert card.locator(".main-fact dd").inner_text() != before
+    assert card.locator(".main-fact dd").first.inner_text() != before
     report = re.sub(r"\s+", " ", (example / "results" / "report.html").read_text())
     assert "3 of 3 contacts pooled" in report
     assert f"contact_1N is included by {record['who']}: shown whole enough (the contact is cut" in report

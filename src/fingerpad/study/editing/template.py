@@ -49,6 +49,6 @@ def manifest_schema() -> str:
     Examples
     --------
     >>> sorted(json.loads(manifest_schema())["properties"])[:3]
-    ['curves', 'description', 'fingers']
+    ['apparatus', 'curves', 'description']
     """
     return json.dumps(Study.model_json_schema(), indent=1, ensure_ascii=False) + "\n"

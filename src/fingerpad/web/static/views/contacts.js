@@ -151,7 +151,10 @@ class Contacts extends Review {
 
   /** The force of the sequence; without it the frames are shown alone. */
   async #signal() {
-    return get("/api/study/signal", { sequence: this.film.name }).catch((error) => showError(error) ?? null);
+    return get("/api/study/signal", { sequence: this.film.name }).catch((error) => {
+      showError(error);
+      return null;
+    });
   }
 
   /** Show a frame of the traces, whatever the filter is. */
