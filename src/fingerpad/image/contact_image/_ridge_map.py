@@ -8,13 +8,23 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from fingerpad._arrays import BoolArray, FloatArray, as_float32
-from fingerpad.image.contact_image._region import filled_polygon
-from fingerpad.image.contact_image._ridges import Signal, ridge_amount
-from fingerpad.image.contact_image._working_image import WORKING_PERIOD_PX, Points, WorkingImage
+from fingerpad._arrays import BoolArray, Float32Array, FloatArray, as_float32
+from fingerpad.image.contact_image._region import disk, filled_polygon
+from fingerpad.image.contact_image._ridges import MIN_RISE, Signal
+from fingerpad.image.contact_image._working_image import Points, WorkingImage
 
-# More pixels to a ridge period than this tell nothing more.
-_MOST_PER_PERIOD = 12
+# More pixels to a ridge period than this tell nothing more; directions and levels need fewer.
+_MOST_PER_PERIOD, _FEWER_PER_PERIOD = 12, 5
+# All lengths in ridge periods. The direction of the ridges is that of gradients smoothed over `_GRADIENT`,
+# averaged over `_DIRECTION`; samples along it are `_SAMPLE` apart.
+_GRADIENT, _DIRECTION, _SAMPLE = 0.1, 0.6, 0.35
+# Valley and ridge levels are the extremes within `_REACH`, smoothed over `_LEVELS`.
+_REACH, _LEVELS = 1.1, 1.0
+# What a device clips to white (or black) would be so much further off, in parts of the rise: half of that is
+# the shift of the half level.
+_BEYOND_WHITE = 0.25
+# The softness is taken between levels so far from half.
+_NEAR_HALF = 0.1
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -28,11 +38,17 @@ class RidgeMap:
         (row, column) of the box in the picture.
     step : int
         Pixels of the picture in one of the map.
+    softness : float
+        Relative change of the ridges' area for a change of their level, in parts of the rise.
+    clipped : float
+        Share of the valleys that the device shows as white, or as black where ridges are bright.
     """
 
     is_ridge: BoolArray
     corner: tuple[int, int]
     step: int
+    softness: float
+    clipped: float
 
     def in_picture(self, shape: tuple[int, int]) -> BoolArray:
         """Return the ridges in a picture of this shape, none outside the box."""
@@ -77,9 +93,11 @@ def _warped(
 
 
 def ridge_map(view: WorkingImage, signal: Signal, edge: Points, threshold: float | None) -> RidgeMap:
-    """Find the ridges inside an outline (x, y) of the working copy, above half their local contrast.
+    """Find the ridges inside an outline (x, y) of the working copy.
 
-    At the resolution of the working copy, narrow ridges and narrow valleys blur into one another.
+    A ridge is what lies above half between the levels of the valleys and the ridges around, or above a
+    threshold, in means along the ridges. At the resolution of the working copy, narrow ridges and narrow
+    valleys blur into one another.
     """
     scale = math.sqrt(view.steps[0] * view.steps[1])
     step = max(1, int(view.period * scale // _MOST_PER_PERIOD))
@@ -96,6 +114,83 @@ def ridge_map(view: WorkingImage, signal: Signal, edge: Points, threshold: float
     row, column = (int(k) for k in low[::-1] + view.corner)
     ground = _warped(ground, _to_copy((row, column), step, view), box.shape[::-1], cv2.INTER_LINEAR)
     period = view.period * scale / step
-    every = max(1, round(period / WORKING_PERIOD_PX))
-    amount, _ = ridge_amount(as_float32(sign * box - ground), signal.contrast, period, threshold, step=every)
-    return RidgeMap(is_ridge=np.asarray(amount >= 128), corner=(row, column), step=step)
+    values = as_float32(sign * box - ground)
+    if threshold is not None:
+        amount = values / np.float32(2 * threshold)
+    else:
+        values = mean_along_ridges(values, period)
+        valley, rise = local_levels(values, signal.contrast, period)
+        amount = (values - valley) / rise
+    inside = filled_polygon((outline - low + 0.5) / step - 0.5, box.shape) > 0
+    within = amount[inside]
+    clipped = 0.0
+    if threshold is None:
+        clipped = _clipped_share(box[inside][within < 0.5], signal.dark_on_light)
+    half = 0.5 - _BEYOND_WHITE / 2 * clipped
+    fewer, more = (np.count_nonzero(within > half + off) for off in (_NEAR_HALF, -_NEAR_HALF))
+    softness = (more - fewer) / (2 * _NEAR_HALF) / max(np.count_nonzero(within > half), 1)
+    return RidgeMap(
+        is_ridge=np.asarray(amount > half),
+        corner=(row, column),
+        step=step,
+        softness=softness,
+        clipped=clipped,
+    )
+
+
+def _clipped_share(valleys: Float32Array, dark_on_light: bool) -> float:
+    """Return the share of valleys at the end of the range of 8 or 16 bits."""
+    end = valleys.max(initial=0.0) if dark_on_light else 0.0
+    return float(np.mean(valleys == end)) if valleys.size and end in (0, 255, 65535) else 0.0
+
+
+def mean_along_ridges(values: Float32Array, period: float) -> Float32Array:
+    """Return means of three samples along the ridges, `_SAMPLE` apart.
+
+    They leave the width of ridges as it is, while noise, mottle and grain no longer count as gaps.
+    """
+    along = _ridge_direction(values, period)
+    columns, rows = np.meshgrid(*(np.arange(n, dtype=np.float32) for n in values.shape[::-1]), sparse=True)
+    total = values.copy()
+    for way in (-_SAMPLE * period, _SAMPLE * period):
+        x, y = (start + np.float32(way) * part for start, part in zip((columns, rows), along, strict=True))
+        total += cv2.remap(values, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    return as_float32(total / 3)
+
+
+def _ridge_direction(values: Float32Array, period: float) -> list[Float32Array]:
+    """Return cosine and sine of the angle of the ridges from rightward to downward."""
+    every = max(1, round(period / _FEWER_PER_PERIOD))
+    few = period / every
+    smooth = cv2.GaussianBlur(values[::every, ::every], (0, 0), max(0.5, _GRADIENT * few))
+    x, y = cv2.Scharr(smooth, cv2.CV_32F, 1, 0), cv2.Scharr(smooth, cv2.CV_32F, 0, 1)
+    cos2, sin2 = (cv2.GaussianBlur(each, (0, 0), _DIRECTION * few) for each in (y * y - x * x, -2 * x * y))
+    angle = np.arctan2(sin2, cos2) / 2
+    return [
+        _enlarged(each, every, values.shape, cv2.INTER_NEAREST) for each in (np.cos(angle), np.sin(angle))
+    ]
+
+
+def _enlarged(
+    few: Float32Array, every: int, shape: tuple[int, ...], interpolation: int = cv2.INTER_LINEAR
+) -> Float32Array:
+    """Return values given at every so many pixels at each pixel of an image of this shape."""
+    size = (few.shape[1] * every, few.shape[0] * every)
+    return as_float32(cv2.resize(few, size, interpolation=interpolation))[: shape[0], : shape[1]]
+
+
+def local_levels(values: Float32Array, contrast: float, period: float) -> tuple[Float32Array, Float32Array]:
+    """Return the level of the valleys and the rise from it to the ridges around each pixel.
+
+    They are the extremes within a disk of about a period. Blur and ridges of any width leave them alone, where
+    means of all that is above and below half would move with both.
+    """
+    every = max(1, round(period / _FEWER_PER_PERIOD))
+    few = np.ascontiguousarray(values[::every, ::every])
+    around = disk(_REACH * period / every / 2)
+    sigma = _LEVELS * period / every
+    low, high = (
+        _enlarged(as_float32(cv2.GaussianBlur(extreme(few, around), (0, 0), sigma)), every, values.shape)
+        for extreme in (cv2.erode, cv2.dilate)
+    )
+    return low, as_float32(np.maximum(high - low, MIN_RISE * contrast))
