@@ -23,7 +23,12 @@ _REACH, _LEVELS = 1.1, 1.0
 # What a device clips to white (or black) would be so much further off, in parts of the rise: half of that is
 # the shift of the half level.
 _BEYOND_WHITE = 0.25
-# The softness is taken between levels so far from half.
+# Grain is what ridges, above `_CREST`, vary more than valleys; less than `_USUAL_GRAIN` is pores and blur. Half of
+# the more is faint contact, for which the level falls; the rest may be gaps.
+_CREST, _USUAL_GRAIN, _BY_GRAIN = 0.7, 0.12, 0.4
+# Shift of the level by blur, for the share of ridges and its change with the level.
+_BY_BLUR = 0.58
+# The change with the level is taken between levels so far from half.
 _NEAR_HALF = 0.1
 
 
@@ -40,6 +45,8 @@ class RidgeMap:
         Pixels of the picture in one of the map.
     softness : float
         Relative change of the ridges' area for a change of their level, in parts of the rise.
+    grain : float
+        By how much ridges vary along themselves, beyond noise and what is usual, in parts of the rise.
     clipped : float
         Share of the valleys that the device shows as white, or as black where ridges are bright.
     """
@@ -48,6 +55,7 @@ class RidgeMap:
     corner: tuple[int, int]
     step: int
     softness: float
+    grain: float
     clipped: float
 
     def in_picture(self, shape: tuple[int, int]) -> BoolArray:
@@ -115,33 +123,61 @@ def ridge_map(view: WorkingImage, signal: Signal, edge: Points, threshold: float
     ground = _warped(ground, _to_copy((row, column), step, view), box.shape[::-1], cv2.INTER_LINEAR)
     period = view.period * scale / step
     values = as_float32(sign * box - ground)
-    if threshold is not None:
-        amount = values / np.float32(2 * threshold)
-    else:
-        values = mean_along_ridges(values, period)
-        valley, rise = local_levels(values, signal.contrast, period)
-        amount = (values - valley) / rise
     inside = filled_polygon((outline - low + 0.5) / step - 0.5, box.shape) > 0
+    level, grain, clipped = 0.5, 0.0, 0.0
+    if threshold is not None:
+        amount = as_float32(values / np.float32(2 * threshold))
+    else:
+        means = mean_along_ridges(values, period)
+        valley, rise = local_levels(means, signal.contrast, period)
+        amount = as_float32((means - valley) / rise)
+        grain = _excess_grain(as_float32((values - means) / rise), amount, inside)
+        clipped = _clipped_share(box, inside & (amount < level), dark_on_light=signal.dark_on_light)
+        level += _blur_shift(amount[inside]) - _BY_GRAIN * grain - _BEYOND_WHITE / 2 * clipped
     within = amount[inside]
-    clipped = 0.0
-    if threshold is None:
-        clipped = _clipped_share(box[inside][within < 0.5], signal.dark_on_light)
-    half = 0.5 - _BEYOND_WHITE / 2 * clipped
-    fewer, more = (np.count_nonzero(within > half + off) for off in (_NEAR_HALF, -_NEAR_HALF))
-    softness = (more - fewer) / (2 * _NEAR_HALF) / max(np.count_nonzero(within > half), 1)
     return RidgeMap(
-        is_ridge=np.asarray(amount > half),
+        is_ridge=np.asarray(amount > level),
         corner=(row, column),
         step=step,
-        softness=softness,
+        softness=_change_with_level(within, level) / max(np.count_nonzero(within > level), 1),
+        grain=grain,
         clipped=clipped,
     )
 
 
-def _clipped_share(valleys: Float32Array, dark_on_light: bool) -> float:
+def _excess_grain(off: Float32Array, amount: Float32Array, inside: BoolArray) -> float:
+    """Return by how much ridges vary along themselves, beyond noise and what is usual, in parts of the rise.
+
+    `off` is what lies above the means along the ridges. Valleys show the noise.
+    """
+    ridges, valleys = (
+        float(cv2.meanStdDev(off, mask=(where & inside).astype(np.uint8))[1][0, 0])
+        for where in (amount > _CREST, amount < 1 - _CREST)
+    )
+    return max(0.0, math.sqrt(max(0.0, ridges**2 - valleys**2)) - _USUAL_GRAIN)
+
+
+def _change_with_level(amount: Float32Array, level: float) -> float:
+    """Return how many pixels fewer would be ridge for each unit of their level."""
+    more, fewer = (np.count_nonzero(amount > level + off) for off in (-_NEAR_HALF, _NEAR_HALF))
+    return (more - fewer) / (2 * _NEAR_HALF)
+
+
+def _blur_shift(amount: Float32Array) -> float:
+    """Return how far the level at the border of blurred ridges lies above half.
+
+    Blur lowers the crest of ridges narrower than half a period, and raises the floor of narrow valleys.
+    """
+    share = np.count_nonzero(amount > 0.5) / max(amount.size, 1)
+    return _BY_BLUR * (0.5 - share) * _change_with_level(amount, 0.5) / max(amount.size, 1)
+
+
+def _clipped_share(box: Float32Array, valleys: BoolArray, *, dark_on_light: bool) -> float:
     """Return the share of valleys at the end of the range of 8 or 16 bits."""
-    end = valleys.max(initial=0.0) if dark_on_light else 0.0
-    return float(np.mean(valleys == end)) if valleys.size and end in (0, 255, 65535) else 0.0
+    end = float(box.max()) if dark_on_light else 0.0
+    if end not in {0.0, 255.0, 65535.0}:
+        return 0.0
+    return np.count_nonzero((box == end) & valleys) / max(np.count_nonzero(valleys), 1)
 
 
 def mean_along_ridges(values: Float32Array, period: float) -> Float32Array:
