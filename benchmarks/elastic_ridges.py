@@ -11,6 +11,7 @@ import sys
 import zlib
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import cv2
 import numpy as np
@@ -19,7 +20,7 @@ import numpy.typing as npt
 from fingerpad.image import measure_contact_image
 
 _FINEST, _MARGIN_MM, _WIDEST = 0.012, 2.0, 0.82
-Numbers = npt.NDArray[np.floating]
+Numbers = npt.NDArray[Any]
 Range = tuple[float, float]
 
 
@@ -82,10 +83,10 @@ class ElasticImage:
 def smooth(rng: np.random.Generator, shape: tuple[int, int], length: float) -> Numbers:
     """Return noise of unit variance over a length in samples."""
     coarse = max(length / 3, 1.0)
-    noise = rng.normal(size=[int(n / coarse) + 3 for n in shape]).astype(np.float32)
-    noise = cv2.GaussianBlur(noise, (0, 0), length / coarse)
-    noise = cv2.resize(noise / noise.std(), None, fx=coarse, fy=coarse, interpolation=cv2.INTER_CUBIC)
-    return np.asarray(noise[: shape[0], : shape[1]])
+    white = rng.normal(size=[int(n / coarse) + 3 for n in shape]).astype(np.float32)
+    noise = cv2.GaussianBlur(white, (0, 0), length / coarse)
+    enlarged = cv2.resize(noise / noise.std(), None, fx=coarse, fy=coarse, interpolation=cv2.INTER_CUBIC)
+    return np.asarray(enlarged[: shape[0], : shape[1]])
 
 
 def _phase(x: Numbers, y: Numbers, step: float, rng: np.random.Generator) -> Numbers:
@@ -176,9 +177,9 @@ def _picture(touching: Numbers, step: float, binning: int, c: Condition, rng: np
         kernel = np.clip(disc - np.sqrt(square) + 0.5, 0, 1)
         density = cv2.filter2D(density, -1, kernel / kernel.sum())
     rows, columns = (n // binning for n in shape)
-    grey = cv2.resize(density, (columns, rows), interpolation=cv2.INTER_AREA)
-    grey = (1 - c.stray) * grey + c.stray * cv2.GaussianBlur(grey, (0, 0), 0.8 / step / binning)
-    grey = c.ground + (c.ridge - c.ground) * grey
+    seen = np.asarray(cv2.resize(density, (columns, rows), interpolation=cv2.INTER_AREA))
+    seen = (1 - c.stray) * seen + c.stray * cv2.GaussianBlur(seen, (0, 0), 0.8 / step / binning)
+    grey = np.asarray(c.ground + (c.ridge - c.ground) * seen)
     down, right = np.mgrid[-1 : 1 : rows * 1j, -1 : 1 : columns * 1j]
     grey = grey * (1 + rng.uniform(-0.08, 0.08) * right + rng.uniform(-0.08, 0.08) * down)
     if c.mottle:

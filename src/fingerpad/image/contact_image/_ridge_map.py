@@ -20,14 +20,14 @@ _MOST_PER_PERIOD, _FEWER_PER_PERIOD = 12, 5
 _GRADIENT, _DIRECTION, _SAMPLE = 0.1, 0.6, 0.35
 # Valley and ridge levels are the extremes within `_REACH`, smoothed over `_LEVELS`.
 _REACH, _LEVELS = 1.1, 1.0
-# What a device clips to white (or black) would be so much further off, in parts of the rise: half of that is
-# the shift of the half level.
-_BEYOND_WHITE = 0.25
-# Grain is what ridges, above `_CREST`, vary more than valleys; less than `_USUAL_GRAIN` is pores and blur. Half of
-# the more is faint contact, for which the level falls; the rest may be gaps.
+# What a device clips to white, or black, would lie a quarter of the rise beyond, give or take: half of that
+# is the shift of the half level.
+_BY_CLIPPING = 0.125
+# Grain is what ridges, above `_CREST`, vary more than valleys; `_USUAL_GRAIN` are pores and blur. The level
+# falls with what is more, as if half of it were faint contact; the rest may be gaps.
 _CREST, _USUAL_GRAIN, _BY_GRAIN = 0.7, 0.12, 0.4
-# Shift of the level by blur, for how far the share of ridges is from half and changes with the level: near that of
-# a square wave under a Gaussian of 0.1 periods, and of pictures of known truth.
+# Shift of the level by blur, for how far the share of ridges is from half and how it changes with the level:
+# near that of a square wave under a Gaussian of 0.1 periods, and of pictures of known truth.
 _BY_BLUR, _CUBIC = 0.45, 30.0
 # The change with the level is taken between levels so far from half.
 _NEAR_HALF = 0.1
@@ -104,43 +104,41 @@ def _warped(
 def ridge_map(view: WorkingImage, signal: Signal, edge: Points, threshold: float | None) -> RidgeMap:
     """Find the ridges inside an outline (x, y) of the working copy.
 
-    A ridge is what lies above half between the levels of the valleys and the ridges around, or above a
-    threshold, in means along the ridges. At the resolution of the working copy, narrow ridges and narrow
-    valleys blur into one another.
+    Where no threshold is given, a ridge is what lies, in means along the ridges, about half-way between the
+    levels of the valleys and the ridges around. At the resolution of the working copy, narrow ridges and
+    narrow valleys blur into one another.
     """
-    scale = math.sqrt(view.steps[0] * view.steps[1])
-    step = max(1, int(view.period * scale // _MOST_PER_PERIOD))
-    margin = view.period * scale
+    period = view.period * math.sqrt(view.steps[0] * view.steps[1])
+    step = max(1, int(period // _MOST_PER_PERIOD))
     outline = view.to_picture(edge) - view.corner[::-1]
-    low = np.maximum(np.floor(outline.min(axis=0) - margin), 0).astype(int)
-    high = np.minimum(np.ceil(outline.max(axis=0) + margin) + 1, view.picture.shape[::-1]).astype(int)
+    low = np.maximum(np.floor(outline.min(axis=0) - period), 0).astype(int)
+    high = np.minimum(np.ceil(outline.max(axis=0) + period) + 1, view.picture.shape[::-1]).astype(int)
     columns, rows = ((high - low) // step * step).tolist()
     box = as_float32(view.picture[low[1] : low[1] + rows, low[0] : low[0] + columns])
     if step > 1:
         box = as_float32(cv2.resize(box, (columns // step, rows // step), interpolation=cv2.INTER_AREA))
     sign = -1.0 if signal.dark_on_light else 1.0
-    ground = as_float32(sign * view.values - signal.values)
     row, column = (int(k) for k in low[::-1] + view.corner)
-    ground = _warped(ground, _to_copy((row, column), step, view), box.shape[::-1], cv2.INTER_LINEAR)
-    period = view.period * scale / step
-    values = as_float32(sign * box - ground)
+    turn = _to_copy((row, column), step, view)
+    ground = as_float32(sign * view.values - signal.values)
+    values = as_float32(sign * box - _warped(ground, turn, box.shape[::-1], cv2.INTER_LINEAR))
     inside = filled_polygon((outline - low + 0.5) / step - 0.5, box.shape) > 0
     level, grain, clipped = 0.5, 0.0, 0.0
     if threshold is not None:
         amount = as_float32(values / np.float32(2 * threshold))
     else:
-        means = mean_along_ridges(values, period)
-        valley, rise = local_levels(means, signal.contrast, period)
+        means = mean_along_ridges(values, period / step)
+        valley, rise = local_levels(means, signal.contrast, period / step)
         amount = as_float32((means - valley) / rise)
         grain = _excess_grain(as_float32((values - means) / rise), amount, inside)
         clipped = _clipped_share(box, inside & (amount < level), dark_on_light=signal.dark_on_light)
-        level += _blur_shift(amount[inside]) - _BY_GRAIN * grain - _BEYOND_WHITE / 2 * clipped
+        level += _blur_shift(amount[inside]) - _BY_GRAIN * grain - _BY_CLIPPING * clipped
     within = amount[inside]
     return RidgeMap(
         is_ridge=np.asarray(amount > level),
         corner=(row, column),
         step=step,
-        softness=_change_with_level(within, level) / max(np.count_nonzero(within > level), 1),
+        softness=_change_with_level(within, level) / max(int(np.count_nonzero(within > level)), 1),
         grain=grain,
         clipped=clipped,
     )
@@ -160,8 +158,8 @@ def _excess_grain(off: Float32Array, amount: Float32Array, inside: BoolArray) ->
 
 def _change_with_level(amount: Float32Array, level: float) -> float:
     """Return how many pixels fewer would be ridge for each unit of their level."""
-    more, fewer = (np.count_nonzero(amount > level + off) for off in (-_NEAR_HALF, _NEAR_HALF))
-    return (more - fewer) / (2 * _NEAR_HALF)
+    between = np.count_nonzero((amount > level - _NEAR_HALF) & (amount <= level + _NEAR_HALF))
+    return between / (2 * _NEAR_HALF)
 
 
 def _blur_shift(amount: Float32Array) -> float:
@@ -179,7 +177,7 @@ def _clipped_share(box: Float32Array, valleys: BoolArray, *, dark_on_light: bool
     end = float(box.max()) if dark_on_light else 0.0
     if end not in {0.0, 255.0, 65535.0}:
         return 0.0
-    return np.count_nonzero((box == end) & valleys) / max(np.count_nonzero(valleys), 1)
+    return int(np.count_nonzero((box == end) & valleys)) / max(int(np.count_nonzero(valleys)), 1)
 
 
 def mean_along_ridges(values: Float32Array, period: float) -> Float32Array:
@@ -220,8 +218,8 @@ def _enlarged(
 def local_levels(values: Float32Array, contrast: float, period: float) -> tuple[Float32Array, Float32Array]:
     """Return the level of the valleys and the rise from it to the ridges around each pixel.
 
-    They are the extremes within a disk of about a period. Blur and ridges of any width leave them alone, where
-    means of all that is above and below half would move with both.
+    They are the extremes within a disk of about a period, which depend little on mottle and on how wide the
+    ridges are, while means of all that is above and below half move with both.
     """
     every = max(1, round(period / _FEWER_PER_PERIOD))
     few = np.ascontiguousarray(values[::every, ::every])
