@@ -25,11 +25,14 @@ from fingerpad.image.ellipse import AreaMoments, polygon_moments
 # Levels this near to half-way.
 _RAMP = 64
 _NEAR_HALF = slice(128 - _RAMP // 2, 128 + _RAMP // 2)
-# Relative standard deviation of the ridges' area by the place of their level, and by noise in parts of the
-# contrast; and how much of the rim is ridge, relative to the interior.
-_LEVEL_STD, _NOISY, _AT_RIM = 0.03, 0.2, 0.5
-# Over windows of so many periods resolved ridges spread by more than so many levels.
-_WINDOW, _MIN_SPREAD = 3.0, 76.0
+# Standard deviation of the ridges' level in parts of the rise, and by grain and by the share of the valleys
+# that is clipped; relative standard deviation of the ridges' area that is left where the level does not
+# matter, and by noise in parts of the contrast; and how much of the rim is ridge, relative to the interior.
+_LEVEL_STD, _GRAINY, _CLIPPED = 0.025, 0.5, 0.13
+_LEAST_STD, _NOISY, _AT_RIM = 0.01, 0.1, 0.5
+# Over windows of so many periods resolved ridges spread by more than so many levels; where their mean is
+# below this, nothing touches.
+_WINDOW, _MIN_SPREAD, _NOTHING = 3.0, 76.0, 64.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -98,7 +101,9 @@ def measure_patch(
     # A wider outline takes in more ridges, thinner than those of the interior.
     response = np.vstack([np.eye(3), [0, 0, _AT_RIM * ridge_area / moments.area]])
     noise = response @ outline_noise(edge, weights) @ response.T
-    noise[3, 3] += unknown**2 / 12 + known**2 * (_LEVEL_STD**2 + (_NOISY * edge.noise) ** 2)
+    level_std = math.hypot(_LEVEL_STD, _GRAINY * ridges.grain, _CLIPPED * ridges.clipped)
+    known_std = known * math.hypot(_LEAST_STD, ridges.softness * level_std, _NOISY * edge.noise)
+    noise[3, 3] += unknown**2 / 12 + known_std**2
     offset = edge_offset_std(edge) * side
     return Patch(
         moments=moments,
@@ -124,7 +129,7 @@ def _blurred_ridges(amount: UInt8, patch: BoolArray, period: float) -> BoolArray
     part = np.ascontiguousarray(amount[::2, ::2])
     side = 2 * round(_WINDOW * period / 4) + 1
     mean, square = (box(part, cv2.CV_32F, (side, side)) for box in (cv2.boxFilter, cv2.sqrBoxFilter))
-    smooth = (square - mean * mean < _MIN_SPREAD**2).astype(np.uint8)
+    smooth = ((square - mean * mean < _MIN_SPREAD**2) & (mean > _NOTHING)).astype(np.uint8)
     return patch & (cv2.resize(smooth, patch.shape[::-1], interpolation=cv2.INTER_NEAREST) > 0)
 
 

@@ -8,13 +8,29 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from fingerpad._arrays import BoolArray, FloatArray, as_float32
-from fingerpad.image.contact_image._region import filled_polygon
-from fingerpad.image.contact_image._ridges import Signal, ridge_amount
-from fingerpad.image.contact_image._working_image import WORKING_PERIOD_PX, Points, WorkingImage
+from fingerpad._arrays import BoolArray, Float32Array, FloatArray, as_float32
+from fingerpad.image.contact_image._region import disk, filled_polygon
+from fingerpad.image.contact_image._ridges import MIN_RISE, Signal
+from fingerpad.image.contact_image._working_image import Points, WorkingImage
 
-# More pixels to a ridge period than this tell nothing more.
-_MOST_PER_PERIOD = 12
+# More pixels to a ridge period than this tell nothing more; directions and levels need fewer.
+_MOST_PER_PERIOD, _FEWER_PER_PERIOD = 12, 5
+# All lengths in ridge periods. The direction of the ridges is that of gradients smoothed over `_GRADIENT`,
+# averaged over `_DIRECTION`; samples along it are `_SAMPLE` apart.
+_GRADIENT, _DIRECTION, _SAMPLE = 0.1, 0.6, 0.35
+# Valley and ridge levels are the extremes within `_REACH`, smoothed over `_LEVELS`.
+_REACH, _LEVELS = 1.1, 1.0
+# What a device clips to white, or black, would lie a quarter of the rise beyond, give or take: half of that
+# is the shift of the half level.
+_BY_CLIPPING = 0.125
+# Grain is what ridges, above `_CREST`, vary more than valleys; `_USUAL_GRAIN` are pores and blur. The level
+# falls with what is more, as if half of it were faint contact; the rest may be gaps.
+_CREST, _USUAL_GRAIN, _BY_GRAIN = 0.7, 0.12, 0.4
+# Shift of the level by blur, for how far the share of ridges is from half and how it changes with the level:
+# near that of a square wave under a Gaussian of 0.1 periods, and of pictures of known truth.
+_BY_BLUR, _CUBIC = 0.45, 30.0
+# The change with the level is taken between levels so far from half.
+_NEAR_HALF = 0.1
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -28,11 +44,20 @@ class RidgeMap:
         (row, column) of the box in the picture.
     step : int
         Pixels of the picture in one of the map.
+    softness : float
+        Relative change of the ridges' area for a change of their level, in parts of the rise.
+    grain : float
+        By how much ridges vary along themselves, beyond noise and what is usual, in parts of the rise.
+    clipped : float
+        Share of the valleys that the device shows as white, or as black where ridges are bright.
     """
 
     is_ridge: BoolArray
     corner: tuple[int, int]
     step: int
+    softness: float
+    grain: float
+    clipped: float
 
     def in_picture(self, shape: tuple[int, int]) -> BoolArray:
         """Return the ridges in a picture of this shape, none outside the box."""
@@ -77,25 +102,131 @@ def _warped(
 
 
 def ridge_map(view: WorkingImage, signal: Signal, edge: Points, threshold: float | None) -> RidgeMap:
-    """Find the ridges inside an outline (x, y) of the working copy, above half their local contrast.
+    """Find the ridges inside an outline (x, y) of the working copy.
 
-    At the resolution of the working copy, narrow ridges and narrow valleys blur into one another.
+    Where no threshold is given, a ridge is what lies, in means along the ridges, about half-way between the
+    levels of the valleys and the ridges around. At the resolution of the working copy, narrow ridges and
+    narrow valleys blur into one another.
     """
-    scale = math.sqrt(view.steps[0] * view.steps[1])
-    step = max(1, int(view.period * scale // _MOST_PER_PERIOD))
-    margin = view.period * scale
+    period = view.period * math.sqrt(view.steps[0] * view.steps[1])
+    step = max(1, int(period // _MOST_PER_PERIOD))
     outline = view.to_picture(edge) - view.corner[::-1]
-    low = np.maximum(np.floor(outline.min(axis=0) - margin), 0).astype(int)
-    high = np.minimum(np.ceil(outline.max(axis=0) + margin) + 1, view.picture.shape[::-1]).astype(int)
+    low = np.maximum(np.floor(outline.min(axis=0) - period), 0).astype(int)
+    high = np.minimum(np.ceil(outline.max(axis=0) + period) + 1, view.picture.shape[::-1]).astype(int)
     columns, rows = ((high - low) // step * step).tolist()
     box = as_float32(view.picture[low[1] : low[1] + rows, low[0] : low[0] + columns])
     if step > 1:
         box = as_float32(cv2.resize(box, (columns // step, rows // step), interpolation=cv2.INTER_AREA))
     sign = -1.0 if signal.dark_on_light else 1.0
-    ground = as_float32(sign * view.values - signal.values)
     row, column = (int(k) for k in low[::-1] + view.corner)
-    ground = _warped(ground, _to_copy((row, column), step, view), box.shape[::-1], cv2.INTER_LINEAR)
-    period = view.period * scale / step
-    every = max(1, round(period / WORKING_PERIOD_PX))
-    amount, _ = ridge_amount(as_float32(sign * box - ground), signal.contrast, period, threshold, step=every)
-    return RidgeMap(is_ridge=np.asarray(amount >= 128), corner=(row, column), step=step)
+    turn = _to_copy((row, column), step, view)
+    ground = as_float32(sign * view.values - signal.values)
+    values = as_float32(sign * box - _warped(ground, turn, box.shape[::-1], cv2.INTER_LINEAR))
+    inside = filled_polygon((outline - low + 0.5) / step - 0.5, box.shape) > 0
+    level, grain, clipped = 0.5, 0.0, 0.0
+    if threshold is not None:
+        amount = as_float32(values / np.float32(2 * threshold))
+    else:
+        means = mean_along_ridges(values, period / step)
+        valley, rise = local_levels(means, signal.contrast, period / step)
+        amount = as_float32((means - valley) / rise)
+        grain = _excess_grain(as_float32((values - means) / rise), amount, inside)
+        clipped = _clipped_share(box, inside & (amount < level), dark_on_light=signal.dark_on_light)
+        level += _blur_shift(amount[inside]) - _BY_GRAIN * grain - _BY_CLIPPING * clipped
+    within = amount[inside]
+    return RidgeMap(
+        is_ridge=np.asarray(amount > level),
+        corner=(row, column),
+        step=step,
+        softness=_change_with_level(within, level) / max(int(np.count_nonzero(within > level)), 1),
+        grain=grain,
+        clipped=clipped,
+    )
+
+
+def _excess_grain(off: Float32Array, amount: Float32Array, inside: BoolArray) -> float:
+    """Return by how much ridges vary along themselves, beyond noise and what is usual, in parts of the rise.
+
+    `off` is what lies above the means along the ridges. Valleys show the noise.
+    """
+    ridges, valleys = (
+        float(cv2.meanStdDev(off, mask=(where & inside).astype(np.uint8))[1][0, 0])
+        for where in (amount > _CREST, amount < 1 - _CREST)
+    )
+    return max(0.0, math.sqrt(max(0.0, ridges**2 - valleys**2)) - _USUAL_GRAIN)
+
+
+def _change_with_level(amount: Float32Array, level: float) -> float:
+    """Return how many pixels fewer would be ridge for each unit of their level."""
+    between = np.count_nonzero((amount > level - _NEAR_HALF) & (amount <= level + _NEAR_HALF))
+    return between / (2 * _NEAR_HALF)
+
+
+def _blur_shift(amount: Float32Array) -> float:
+    """Return how far the level at the border of blurred ridges lies above half.
+
+    Blur lowers the crest of ridges narrower than half a period, and raises the floor of narrow valleys.
+    """
+    pixels = max(amount.size, 1)
+    off = 0.5 - np.count_nonzero(amount > 0.5) / pixels
+    return _BY_BLUR * (off + _CUBIC * off**3) * _change_with_level(amount, 0.5) / pixels
+
+
+def _clipped_share(box: Float32Array, valleys: BoolArray, *, dark_on_light: bool) -> float:
+    """Return the share of valleys at the end of the range of 8 or 16 bits."""
+    end = float(box.max()) if dark_on_light else 0.0
+    if end not in {0.0, 255.0, 65535.0}:
+        return 0.0
+    return int(np.count_nonzero((box == end) & valleys)) / max(int(np.count_nonzero(valleys)), 1)
+
+
+def mean_along_ridges(values: Float32Array, period: float) -> Float32Array:
+    """Return means of three samples along the ridges, `_SAMPLE` apart.
+
+    They leave the width of ridges as it is, while noise, mottle and grain no longer count as gaps.
+    """
+    along = _ridge_direction(values, period)
+    columns, rows = np.meshgrid(*(np.arange(n, dtype=np.float32) for n in values.shape[::-1]), sparse=True)
+    total = values.copy()
+    for way in (-_SAMPLE * period, _SAMPLE * period):
+        x, y = (start + np.float32(way) * part for start, part in zip((columns, rows), along, strict=True))
+        total += cv2.remap(values, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    return as_float32(total / 3)
+
+
+def _ridge_direction(values: Float32Array, period: float) -> list[Float32Array]:
+    """Return cosine and sine of the angle of the ridges from rightward to downward."""
+    every = max(1, round(period / _FEWER_PER_PERIOD))
+    few = period / every
+    smooth = cv2.GaussianBlur(values[::every, ::every], (0, 0), max(0.5, _GRADIENT * few))
+    x, y = cv2.Scharr(smooth, cv2.CV_32F, 1, 0), cv2.Scharr(smooth, cv2.CV_32F, 0, 1)
+    cos2, sin2 = (cv2.GaussianBlur(each, (0, 0), _DIRECTION * few) for each in (y * y - x * x, -2 * x * y))
+    angle = np.arctan2(sin2, cos2) / 2
+    return [
+        _enlarged(each, every, values.shape, cv2.INTER_NEAREST) for each in (np.cos(angle), np.sin(angle))
+    ]
+
+
+def _enlarged(
+    few: Float32Array, every: int, shape: tuple[int, ...], interpolation: int = cv2.INTER_LINEAR
+) -> Float32Array:
+    """Return values given at every so many pixels at each pixel of an image of this shape."""
+    size = (few.shape[1] * every, few.shape[0] * every)
+    return as_float32(cv2.resize(few, size, interpolation=interpolation))[: shape[0], : shape[1]]
+
+
+def local_levels(values: Float32Array, contrast: float, period: float) -> tuple[Float32Array, Float32Array]:
+    """Return the level of the valleys and the rise from it to the ridges around each pixel.
+
+    They are the extremes within a disk of about a period, which depend little on mottle and on how wide the
+    ridges are, while means of all that is above and below half move with both.
+    """
+    every = max(1, round(period / _FEWER_PER_PERIOD))
+    few = np.ascontiguousarray(values[::every, ::every])
+    around = disk(_REACH * period / every / 2)
+    sigma = _LEVELS * period / every
+    low, high = (
+        _enlarged(as_float32(cv2.GaussianBlur(extreme(few, around), (0, 0), sigma)), every, values.shape)
+        for extreme in (cv2.erode, cv2.dilate)
+    )
+    return low, as_float32(np.maximum(high - low, MIN_RISE * contrast))

@@ -15,7 +15,7 @@ _ROUNDS = 3
 # Weight of the whole picture's levels against a window's own, as a share of the window.
 _PRIOR = 0.03
 # Least rise from valley to ridge, as a share of the picture's contrast.
-_MIN_RISE = 0.3
+MIN_RISE = 0.3
 # Blocks and windows, and the smoothing, in ridge periods.
 _BLOCK, _WINDOW, _SMOOTHING = 1.35, 3.0, 0.09
 # Fewer quiet blocks than this show a level of the background, but no slope.
@@ -202,7 +202,7 @@ def _levels(smooth: Float32Array, side: int, contrast: float) -> tuple[Float32Ar
         high = _window_means(np.multiply(inside, smooth, out=inside), side)
         valley = (whole - high) / ((1 + _PRIOR) - share)
         ridge = (high + _PRIOR * contrast) / (share + _PRIOR)
-        rise = np.maximum(ridge - valley, _MIN_RISE * contrast)
+        rise = np.maximum(ridge - valley, MIN_RISE * contrast)
         middle = valley + rise / 2
     return as_float32(valley), as_float32(rise)
 
