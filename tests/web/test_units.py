@@ -33,6 +33,9 @@ PURE = {
     "columns_px",
     "contact_radius_ratio",
     "degrees_of_freedom",
+    "exponent",  # of a superellipse
+    "exponent_std",
+    "relative_difference",
     "disagreements",  # relative differences, shown in percent
     "between_relative_std",
     "ellipse_iou",
