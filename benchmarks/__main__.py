@@ -19,6 +19,7 @@ from benchmarks import (
     contact_images,
     contact_law_errors,
     contact_solver,
+    elastic_ridges,
     engine,
     fields,
     finger_shapes,
@@ -110,6 +111,7 @@ if __name__ == "__main__":
     contact_images.edge_calibration(72)
     contact_images.independent_accuracy(12)
     pressure_images.report()
+    elastic_ridges.report()
     contact_edge.pooled_coverage()
     contact_images.speed()
     non_prints.report()
