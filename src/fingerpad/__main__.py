@@ -47,7 +47,8 @@ def main() -> None:
     finally:
         # From here on an interrupt ends the process at once, without a traceback of what is being closed.
         signal.signal(signal.SIGINT, signal.SIG_DFL)
-    sys.exit(code if _flushed(sys.stdout) and _flushed(sys.stderr) else code or 1)
+    flushed = [_flushed(stream) for stream in (sys.stdout, sys.stderr)]
+    sys.exit(code if all(flushed) else code or 1)
 
 
 def _raise_interrupt_again(fault: "sys.UnraisableHookArgs") -> None:

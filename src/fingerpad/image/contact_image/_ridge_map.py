@@ -20,9 +20,9 @@ _MOST_PER_PERIOD, _FEWER_PER_PERIOD = 12, 5
 _GRADIENT, _DIRECTION, _SAMPLE = 0.1, 0.6, 0.35
 # Valley and ridge levels are the extremes within `_REACH`, smoothed over `_LEVELS`.
 _REACH, _LEVELS = 1.1, 1.0
-# What a device clips to white, or black, would lie a quarter of the rise beyond, give or take: half of that
-# is the shift of the half level.
-_BY_CLIPPING = 0.125
+# What a device clips to white, or black, would lie a seventh of the rise beyond, give or take, and less where
+# few pixels are clipped: half of that is the shift of the half level.
+_BY_CLIPPING = 0.07
 # Grain is what ridges, above `_CREST`, vary more than valleys; `_USUAL_GRAIN` are pores and blur. The level
 # falls with what is more, as if half of it were faint contact; the rest may be gaps.
 _CREST, _USUAL_GRAIN, _BY_GRAIN = 0.7, 0.12, 0.4
@@ -132,7 +132,7 @@ def ridge_map(view: WorkingImage, signal: Signal, edge: Points, threshold: float
         amount = as_float32((means - valley) / rise)
         grain = _excess_grain(as_float32((values - means) / rise), amount, inside)
         clipped = _clipped_share(box, inside & (amount < level), dark_on_light=signal.dark_on_light)
-        level += _blur_shift(amount[inside]) - _BY_GRAIN * grain - _BY_CLIPPING * clipped
+        level += _blur_shift(amount[inside]) - _BY_GRAIN * grain - _BY_CLIPPING * clipped**2
     within = amount[inside]
     return RidgeMap(
         is_ridge=np.asarray(amount > level),
