@@ -19,9 +19,12 @@ def measure_contact_image(
     The ridge period is estimated from local spectra of the image, which is then reduced so that a period is
     4.5 px. Uneven lighting is removed by a smooth surface through the background. Pixels above half the local
     contrast are ridges; closed with a disk of 1.1 ridge periods they give the gross region, which is cut at
-    necks (joint creases) and freed of appendages narrower than a third of it. The outline is located to
-    a fraction of a pixel where the closed ridges fall through half. Ridge area is what lies above half the
-    local contrast inside the outline, at the resolution of the image.
+    necks (joint creases) and freed of appendages narrower than a third of it. The outline is located to a
+    fraction of a pixel where the closed ridges fall through half. Ridge area is, at the resolution of the
+    image, what lies in means along the ridges about half-way from the level of the valleys to that of the
+    ridges around, inside the outline. That level is shifted by what blur does to ridges of such width, by
+    grain within the ridges, and by valleys that the device clips to white; what these leave unknown stands in
+    the uncertainty. Sweat and ink beside a ridge count as ridge.
 
     The edge of a contact is where its outermost ridges stop touching. A region closed over ridges ends at
     their ends where the outline crosses them, and at the outer border of the last ridge where it follows one.
