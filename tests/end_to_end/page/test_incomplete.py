@@ -68,8 +68,9 @@ def test_a_contact_without_load_or_scale_shows_and_takes_them(example_tab: Tab, 
     side.get_by_role("alert").get_by_text("state the scale").wait_for()
     assert page.locator(".scale-bar").is_hidden()  # not that of the picture before
     # A correction is kept before the entry is complete.
-    page.keyboard.press("x")
-    page.locator(".stage.rejected").wait_for()
+    page.keyboard.press("x")  # which goes on to the next image
+    page.wait_for_url(re.compile("contact_1N"))
+    assert '"rejected"' in (example / "corrections.jsonl").read_text()
     # And in the list on the study's page.
     example_tab.go("study")
     page.get_by_label(re.compile("its scale is missing .contact_0.5N")).select_option("reader")

@@ -29,7 +29,7 @@ _NEAR_HALF = slice(128 - _RAMP // 2, 128 + _RAMP // 2)
 # that is clipped; relative standard deviation of the ridges' area that is left where the level does not
 # matter, and by noise in parts of the contrast; and how much of the rim is ridge, relative to the interior.
 _LEVEL_STD, _GRAINY, _CLIPPED = 0.025, 0.5, 0.13
-_LEAST_STD, _NOISY, _AT_RIM = 0.01, 0.1, 0.5
+_LEAST_STD, _NOISY, _AT_RIM = 0.008, 0.1, 0.5
 # Over windows of so many periods resolved ridges spread by more than so many levels; where their mean is
 # below this, nothing touches.
 _WINDOW, _MIN_SPREAD, _NOTHING = 3.0, 76.0, 64.0
