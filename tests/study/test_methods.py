@@ -75,7 +75,7 @@ def test_everything_stated_is_said(tmp_path: Path) -> None:
         "reader, 0.1000 ± 0.0010 mm/px",
         "ratio of 0.49 (taken as exact)",
         "8 mm (f)",
-        "not reviewed by a person",
+        "All was measured automatically, without manual review.",
     ):
         assert words in text
     assert json.loads((tmp_path / "out" / "summary.json").read_text())["methods"]["missing"] == list(

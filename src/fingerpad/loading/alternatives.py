@@ -17,11 +17,11 @@ from fingerpad.loading.estimate import Estimate, Quantity
 from fingerpad.loading.joint import FitData, JointFit, find_noise, fit_joint
 
 # AICc by which an explanation must be ahead to count, to be named in a flag, and to exclude others.
-_COUNTS, _FLAGGED, _EXCLUDES = 2.0, 7.0, 6.0
+COUNTS, FLAGGED, EXCLUDES = 2.0, 7.0, 6.0
 # Deviations by which residuals of one sign follow each other too often.
-_TOO_FEW_RUNS = -3.5
+TOO_FEW_RUNS = -3.5
 _MIN_AREAS = 20
-_FAILURES = (FitError, ArithmeticError, np.linalg.LinAlgError, ValueError)
+FAILURES = (FitError, ArithmeticError, np.linalg.LinAlgError, ValueError)
 
 # What each says of the curve; all but the sphere add the parameter of that name.
 EXPLANATIONS: Final = {
@@ -75,7 +75,7 @@ class Comparison(Displayed):
             value = sum(rival.values.get(key, 0.0) * weight for key, weight in gradient.items())
             try:
                 others.append(rival.combined(value, gradient))
-            except _FAILURES:  # its own uncertainty is lost in rounding
+            except FAILURES:  # its own uncertainty is lost in rounding
                 others.append(Estimate.symmetric(value, 0.0))
         if "correlated_area" in self.doubts and name == "loading_radius":
             half = 2 * (estimate.upper - estimate.value)
@@ -92,7 +92,7 @@ class Comparison(Displayed):
         ahead = [
             rival
             for rival in self.rivals.values()
-            if rival.aicc < self.main.aicc - _COUNTS and rival.aicc < least + _EXCLUDES
+            if rival.aicc < self.main.aicc - COUNTS and rival.aicc < least + EXCLUDES
         ]
         return ahead if self.best is self.main else [self.best, *ahead]
 
@@ -108,7 +108,7 @@ def fit_growing(record: FitData, start: Mapping[str, float], held: Mapping[str, 
         try:
             noise, _ = find_noise(record, law, {**start, **free}, held)
             return fit_joint(record, law, start, held, noise)
-        except _FAILURES:
+        except FAILURES:
             pass
     return fit_joint(record, law, start, held)
 
@@ -120,25 +120,25 @@ def compare(main: JointFit) -> Comparison:
     rivals = dict(_rivals(main))
     gains = {name: main.aicc - rival.aicc for name, rival in rivals.items()}
     doubts = {}
-    if gains.get("area_offset", 0.0) > _FLAGGED:
+    if gains.get("area_offset", 0.0) > FLAGGED:
         doubts["area_offset"] = _offset_note(main, rivals["area_offset"])
     name = max(gains, key=gains.__getitem__, default="")
     best = main
-    if name == "area_offset" and gains[name] > _FLAGGED:
+    if name == "area_offset" and gains[name] > FLAGGED:
         main = best = rivals.pop(name)
         # With an offset of their own the areas may still not be proportional to the indentation.
         both = dict(_rivals(main, ("area_growth",)))
-        if both and main.aicc - both["area_growth"].aicc > _FLAGGED:
+        if both and main.aicc - both["area_growth"].aicc > FLAGGED:
             rivals |= both
             name, gains = "area_growth", {"area_growth": main.aicc - both["area_growth"].aicc}
-    if name != "area_offset" and name and gains[name] > _FLAGGED:
+    if name != "area_offset" and name and gains[name] > FLAGGED:
         doubts["misfit"] = (
             f"the curve fits {EXPLANATIONS[name]} better, by {gains[name]:.0f} in AICc: intervals are "
             "widened to hold what follows from it"
         )
         best = _refitted(rivals[name])
     runs = runs_deviation(best.residuals()[1])
-    if runs < _TOO_FEW_RUNS:
+    if runs < TOO_FEW_RUNS:
         doubts["correlated_area"] = (
             f"neighbouring areas lie on the same side of the fit too often (runs test, {-runs:.1f} standard "
             "deviations): the areas are smoothed, or none of the models has their shape"
@@ -156,7 +156,7 @@ def _rivals(main: JointFit, names: Iterable[str] = EXPLANATIONS) -> list[tuple[s
         start = main.values if sphere else {**main.values, name: 0.0}
         try:
             rival = fit_joint(main.record, name if sphere else main.law, start, main.held, main.noise)
-        except _FAILURES:
+        except FAILURES:
             continue
         if name not in _POSITIVE or rival.values[name] > 0:
             found.append((name, rival))
@@ -167,7 +167,7 @@ def _refitted(rival: JointFit) -> JointFit:
     """Return an explanation with noise from its own residuals, without what the model left in them."""
     try:
         return fit_joint(rival.record, rival.law, rival.values, rival.held)
-    except _FAILURES:
+    except FAILURES:
         return rival
 
 

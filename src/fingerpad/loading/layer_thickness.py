@@ -14,7 +14,14 @@ from fingerpad._records import record_text
 from fingerpad.contact import PadGap
 from fingerpad.exceptions import FingerpadError, FitError, LoadingError
 from fingerpad.loading._prepare import Press, instrument_quantities, prepare, start_values
-from fingerpad.loading.alternatives import runs_deviation
+from fingerpad.loading.alternatives import (
+    COUNTS,
+    EXCLUDES,
+    FAILURES,
+    FLAGGED,
+    TOO_FEW_RUNS,
+    runs_deviation,
+)
 from fingerpad.loading.estimate import Estimate, Quantity, Undetermined, estimates_record
 from fingerpad.loading.joint import FitData, JointFit, find_noise, fit_joint
 from fingerpad.loading.noise import Noise
@@ -25,15 +32,10 @@ from fingerpad.units import KPA_PER_MPA
 _ADDED: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
     {"": (), "_load_dependent": ("load_coefficient",), "_area_offset": ("area_offset",)}
 )
-# AICc by which another model must be ahead to widen intervals, within which of the best it may be, and by
-# which it is named in a flag.
-_COUNTS, _EXCLUDES, _FLAGGED = 2.0, 6.0, 7.0
 _THINNEST: Final = 2.95  # a/t, to which the laws hold
 _FEWEST_AREAS: Final = 5
 _CONTRADICTED: Final = 3.0
 _THICKEST: Final = 25.0  # mm, of a finger
-_TOO_FEW_RUNS: Final = -3.5
-_FAILURES = (FitError, ArithmeticError, np.linalg.LinAlgError, ValueError)
 _NO_AREA: Final = (
     "no contact area in the curve: load and indentation alone cannot tell a layer from a modulus that grows "
     "with load"
@@ -278,7 +280,7 @@ def fit_layer_thickness(
             return _fit(press, radius, held, prior)
     except FingerpadError:
         raise
-    except _FAILURES as error:
+    except FAILURES as error:
         raise FitError(f"the record does not determine a layer and its noise ({error})") from error
 
 
@@ -320,7 +322,7 @@ def _fit(
             begin = {name: value for name, value in start.items() if body == "layer" or "thick" not in name}
             try:
                 models[body + added] = _fitted(record, begin, names, held, noise=noise, prior=prior)
-            except _FAILURES:
+            except FAILURES:
                 if body + added == "layer":
                     raise
     return _result(press, models, prior, widest)
@@ -332,7 +334,7 @@ def _noise(
     """Return the noise that a layer leaves with areas of any offset, and parameters that fit nearly."""
     try:
         noise, near = find_noise(record, "hertz", {**start, "area_offset": 0.0}, known)
-    except _FAILURES:
+    except FAILURES:
         noise, near = find_noise(record, "hertz", start, known)
     return noise, {name: near[name] for name in start}
 
@@ -362,7 +364,7 @@ def _result(
     better = [
         models[name]
         for name, value in aicc.items()
-        if name.startswith("layer_") and value < min(main.aicc - _COUNTS, least + _EXCLUDES)
+        if name.startswith("layer_") and value < min(main.aicc - COUNTS, least + EXCLUDES)
     ]
     inverse = main.estimate("inverse_thickness").including(
         *(model.estimate("inverse_thickness") for model in better)
@@ -467,7 +469,7 @@ def _notes(
         gain = main.aicc - min(
             (one.aicc for name, one in models.items() if name.endswith(added)), default=math.inf
         )
-        if gain > _FLAGGED:
+        if gain > FLAGGED:
             notes[flag] = f"{words} fits better than a layer alone, by {gain:.0f} in AICc"
     for name, known in prior.items():
         found = _first_order(main, name)
@@ -487,7 +489,7 @@ def _notes(
             "model can look like it"
         )
     runs = runs_deviation(main.residuals()[1])
-    if runs < _TOO_FEW_RUNS:
+    if runs < TOO_FEW_RUNS:
         notes["correlated_area"] = (
             f"neighbouring areas lie on the same side of the fit too often (runs test, {-runs:.1f} standard "
             "deviations)"

@@ -129,7 +129,7 @@ def write_page(
             synthetic=bool(result.rows.column("synthetic").any()),
             repeats=repeatability_section(result, with_loads=not pages),
             exact=result.study.taken_as_exact(),
-            methods=methods_section(result),
+            methods=None if home else methods_section(result),
             assumed=result.study.assumed(),
             thick=any(finger.effective_thickness is not None for finger in result.fingers.values()),
         )

@@ -1,4 +1,4 @@
-"""Reasons in the words of a study: its files by the names that its manifest gives them."""
+"""Words of a study: its files by the names that its manifest gives them, and counts of things."""
 
 import os
 from pathlib import Path
@@ -13,3 +13,15 @@ def in_study(words: object, folder: Path) -> str:
     'prints/a.png: no such file'
     """
     return str(words).replace(f"{folder}{os.sep}", "")
+
+
+def counted(count: int, noun: str) -> str:
+    """Return a count with its noun, in the plural where that is due.
+
+    Examples
+    --------
+    >>> counted(1, "press"), counted(2, "press"), counted(3, "frame")
+    ('1 press', '2 presses', '3 frames')
+    """
+    plural = f"{noun}es" if noun.endswith("s") else f"{noun}s"
+    return f"{count} {noun if count == 1 else plural}"

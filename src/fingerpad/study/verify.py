@@ -11,6 +11,7 @@ from fingerpad.exceptions import FingerpadError
 from fingerpad.study.corrections.history import CORRECTIONS_NAME
 from fingerpad.study.corrections.log import CorrectionLog
 from fingerpad.study.engine.store import STORE_NAME, Store
+from fingerpad.study.error_text import counted
 from fingerpad.study.manifest import manifest_in, read_study
 from fingerpad.study.results.result_set import result_files, result_set_faults
 
@@ -51,13 +52,13 @@ def verify_study(manifest: Path, out: Path) -> Verification:
     try:
         study = read_study(manifest)
         count = len(study.observations) + len(study.sequences)
-        intact[manifest.name] = f"{_counted(len(study.fingers), 'finger')}, {_counted(count, 'contact')}"
+        intact[manifest.name] = f"{counted(len(study.fingers), 'finger')}, {counted(count, 'contact')}"
     except FingerpadError as error:
         faults += str(error).splitlines()
     if (folder / CORRECTIONS_NAME).is_file():
         try:
             log = CorrectionLog(folder)
-            intact[CORRECTIONS_NAME] = _counted(log.count, "record")
+            intact[CORRECTIONS_NAME] = counted(log.count, "record")
             faults += log.notes
         except FingerpadError as error:
             faults.append(str(error))
@@ -65,12 +66,12 @@ def verify_study(manifest: Path, out: Path) -> Verification:
         found = list(_store_faults(out / STORE_NAME))
         if not found:
             with Store.reading(out / STORE_NAME) as store:
-                intact[STORE_NAME] = _counted(len(store.statuses()), "result")
+                intact[STORE_NAME] = counted(len(store.statuses()), "result")
         faults += found
     listed = result_files(out)
     found = result_set_faults(out, digest_of)
     if listed and not found:
-        intact["results"] = _counted(len(listed), "file")
+        intact["results"] = counted(len(listed), "file")
     faults += found
     return Verification(
         intact=intact, faults=tuple(faults), changed_inputs=tuple(_changed_inputs(folder, out))
@@ -99,7 +100,3 @@ def _changed_inputs(folder: Path, out: Path) -> Iterator[str]:
             path = folder / name
             if path.is_file() and digest_of(path) != digest:
                 yield name
-
-
-def _counted(count: int, noun: str) -> str:
-    return f"{count} {noun}{'' if count == 1 else 's'}"

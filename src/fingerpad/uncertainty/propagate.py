@@ -10,7 +10,7 @@ from fingerpad.uncertainty.quantities import Inputs, Model, Outputs, evaluate
 
 # The imaginary part of f(x + ih) is h f'(x) + O(h³). Nothing is subtracted, so h may be tiny.
 _COMPLEX_STEP = 1e-30
-_NORMAL_97_5 = 1.959963984540054
+NORMAL_97_5 = 1.959963984540054
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -137,7 +137,7 @@ def propagate(model: Model, inputs: Inputs) -> Propagated:
     jacobian = _jacobian(model, inputs)
     propagated = jacobian @ covariance @ np.swapaxes(jacobian, -1, -2)
     propagated += second_order @ np.swapaxes(second_order, -1, -2)
-    half = _NORMAL_97_5 * np.sqrt(np.diagonal(propagated, axis1=-2, axis2=-1))
+    half = NORMAL_97_5 * np.sqrt(np.diagonal(propagated, axis1=-2, axis2=-1))
     return Propagated(
         names=names,
         value=value,

@@ -10,13 +10,14 @@ from scipy import special
 
 from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, check_all
 from fingerpad.exceptions import UncertaintyError
+from fingerpad.uncertainty.propagate import NORMAL_97_5
 
 REPEAT: Final = "repeat"
 # Below these degrees of freedom a standard deviation is known to no better than a factor of four or six.
 MIN_REPEAT_FREEDOM: Final = 3
 MIN_LEVEL_FREEDOM: Final = 2
 # Two values differ by no more standard deviations in 95 % of cases.
-LIMIT_FACTOR: Final = 1.959963984540054 * 2**0.5
+LIMIT_FACTOR: Final = NORMAL_97_5 * 2**0.5
 
 _LEVELS: Final = (0.025, 0.975)
 _DRAWS: Final = 5_000

@@ -10,6 +10,7 @@ from scipy import optimize, special
 
 from fingerpad._arrays import ArrayLike, as_float_array, check_all
 from fingerpad.exceptions import UncertaintyError
+from fingerpad.uncertainty.propagate import NORMAL_97_5
 
 HOLDS: Final = "holds"
 STRAINED: Final = "strained"
@@ -21,7 +22,6 @@ VERDICTS: Final = (NOT_TESTED, HOLDS, STRAINED, FAILS)
 # A difference counts where chance does not explain it, and where it is large enough to matter.
 STRAINED_BELOW_P, FAILS_BELOW_P = 0.05, 0.001
 STRAINED_ABOVE, FAILS_ABOVE = 0.05, 0.2
-_NORMAL_97_5: Final = 1.959963984540054
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -136,7 +136,7 @@ def verdict_of(p_value: float, relative_difference: float, relative_std: float =
         return FAILS
     if p_value < STRAINED_BELOW_P:
         return STRAINED if size > STRAINED_ABOVE else HOLDS
-    return NOT_TESTED if not _NORMAL_97_5 * relative_std <= FAILS_ABOVE else HOLDS
+    return NOT_TESTED if not NORMAL_97_5 * relative_std <= FAILS_ABOVE else HOLDS
 
 
 def verdict_of_error(relative_error: float) -> str:

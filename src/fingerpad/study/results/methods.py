@@ -8,6 +8,7 @@ from typing import Final
 import numpy as np
 
 from fingerpad._arrays import FloatArray
+from fingerpad.study.error_text import counted
 from fingerpad.study.manifest.scales import is_exact
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.units import two_digits, value_with_uncertainty
@@ -53,16 +54,16 @@ def methods_section(result: StudyResult) -> MethodsSection:
 def _fingers(result: StudyResult) -> Iterator[str]:
     fingers = result.fingers.values()
     persons = len({finger.person for finger in fingers} - {None})
-    whose = f" of {_counted(persons, 'person')}" if persons else ""
+    whose = f" of {counted(persons, 'person')}" if persons else ""
     yield (
-        f"The pads of {_counted(len(fingers), 'finger')}{whose} were modelled as ellipsoidal caps "
+        f"The pads of {counted(len(fingers), 'finger')}{whose} were modelled as ellipsoidal caps "
         "(Dzidek et al., J. R. Soc. Interface 14:20160935, 2017)."
     )
     ways = Counter(_semi_axes_from(result, finger.name) for finger in result.study.fingers)
-    listed = [f"{way} for {_counted(count, 'finger')}" for way, count in ways.items()]
+    listed = [f"{way} for {counted(count, 'finger')}" for way, count in ways.items()]
     yield f"Their semi-axes were {_joined(listed)}."
     if rendered := sum(finger.synthetic for finger in fingers):
-        yield f"All data of {_counted(rendered, 'finger')} are synthetic, made from known truth."
+        yield f"All data of {counted(rendered, 'finger')} are synthetic, made from known truth."
 
 
 def _semi_axes_from(result: StudyResult, name: str) -> str:
@@ -88,7 +89,7 @@ def _contacts(result: StudyResult) -> Iterator[str]:
         f"({wedge_std}) and a roll of {roll}° ({roll_std})."
     )
     counts = {"single contact": len(study.observations), "filmed press": len(study.sequences)}
-    contacts = _joined([_counted(count, noun) for noun, count in counts.items() if count])
+    contacts = _joined([counted(count, noun) for noun, count in counts.items() if count])
     loads = _range(result.rows.column("load_N"))
     sensor = f", by {of.force_sensor}," if of.force_sensor else ""
     yield (
@@ -145,11 +146,11 @@ def _reviewed(result: StudyResult) -> Iterator[str]:
         listed = _joined([f"{count} {verdict}" for verdict, count in counts.items()])
         yield f"All was measured automatically, then {listed} manually by {_joined(people)}."
     else:
-        yield "All was measured automatically and not reviewed by a person."
+        yield "All was measured automatically, without manual review."
     measured = result.rows.at(result.rows.column("status") == "measured")
     single = measured.at(~measured.known("frame"))
     if left_out := int((~single.column("pooled")).sum()):
-        yield f"Because of flags {left_out} of {_counted(len(single), 'single contact')} were not pooled."
+        yield f"Because of flags {left_out} of {counted(len(single), 'single contact')} were not pooled."
 
 
 def _models(result: StudyResult) -> Iterator[str]:
@@ -172,7 +173,7 @@ def _models(result: StudyResult) -> Iterator[str]:
         )
     if fitted := sum(curve.fit is not None for curve in result.curves):
         yield (
-            f"Force, displacement and area of {_counted(fitted, 'loading curve')} were fitted together, with "
+            f"Force, displacement and area of {counted(fitted, 'loading curve')} were fitted together, with "
             "the place of contact, the zero and the drift of the force."
         )
 
@@ -243,11 +244,6 @@ def _listed(values: Iterable[float]) -> str:
 
 def _range(values: FloatArray) -> str:
     return " to ".join(dict.fromkeys(f"{end:.2g}" for end in (np.nanmin(values), np.nanmax(values))))
-
-
-def _counted(count: int, noun: str) -> str:
-    plural = f"{noun}es" if noun.endswith("s") else f"{noun}s"
-    return f"{count} {noun if count == 1 else plural}"
 
 
 def _joined(parts: list[str]) -> str:

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
+from functools import cache
 from itertools import islice
 from types import MappingProxyType
 from typing import Any, Final, NamedTuple, TypeAlias
@@ -330,16 +331,16 @@ def _outline_radii(seen: Mapping[str, ColumnArray], pads: Sequence[FingerResult]
     """Return the radius along the finger that side faces show where each contact is, unless it is rolled."""
     angles = np.where(seen["roll_angle_deg"] == 0, seen["wedge_angle_deg"], np.nan).tolist()
     found = np.full((len(pads), 2), np.nan)
+    radius = cache(FingerResult.outline_radius)  # a film has thousands of rows at one angle
     for place, (pad, angle) in enumerate(zip(pads, angles, strict=True)):
         if not np.isnan(angle):
-            found[place] = pad.outline_radius(angle)
+            found[place] = radius(pad, angle)
     return {"outline_radius_mm": found[:, 0], "outline_radius_mm_std": found[:, 1]}
 
 
 def _curvature_disagrees(row: Mapping[str, ColumnArray], pads: Sequence[FingerResult]) -> BoolArray:
     """Return where the radii of outline and ellipsoid differ by more than their 95 % intervals allow."""
-    pairs = zip(pads, row["wedge_angle_deg"].tolist(), strict=True)
-    own = np.array([pad.in_plane_radius_std(angle) for pad, angle in pairs])
+    own = np.array(list(map(cache(FingerResult.in_plane_radius_std), pads, row["wedge_angle_deg"].tolist())))
     apart = np.abs(row["outline_radius_mm"] - row["in_plane_radius_mm"])
     return np.asarray(apart > 1.96 * np.hypot(own, row["outline_radius_mm_std"]))
 

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy import stats
 
+from fingerpad.study.error_text import counted
 from fingerpad.study.results.layer_summary import LayerSummary
 from fingerpad.study.results.model import POOLED_OUTPUTS
 from fingerpad.study.results.pooling import PooledRadius
@@ -59,17 +60,13 @@ class Summary:
         frames = int(pooled.known("frame").sum())
         films = len(set(pooled.column("sequence")) - {None})
         contacts, seen = len(pooled) - frames, len(self.contacts)
-        counted = _counted(contacts, "observation")
+        singles = counted(contacts, "observation")
         if contacts < seen:
-            counted = f"{contacts} of {_counted(seen, 'observation')}"
-        parts = [counted] if seen or not films else []
+            singles = f"{contacts} of {counted(seen, 'observation')}"
+        parts = [singles] if seen or not films else []
         if films:
-            parts.append(f"{_counted(frames, 'frame')} of {_counted(films, 'sequence')}")
+            parts.append(f"{counted(frames, 'frame')} of {counted(films, 'sequence')}")
         return " and ".join(parts)
-
-
-def _counted(count: int, noun: str) -> str:
-    return f"{count} {noun}{'' if count == 1 else 's'}"
 
 
 def pool_contacts(rows: Rows) -> list[Summary]:
