@@ -86,8 +86,6 @@ print(f"R_g {fit.loading_radius.value:.2f} ± {fit.loading_radius.std:.2f} mm")
 fitted = fp.show(fit)
 
 # %%
-# The radius to compare with R_g is not the corrected radius of the source, but that of the sphere with
-# the same area at the same
-# indentation.
+# The radius to compare with R_g is that of the sphere with the same area at the same indentation.
 
 print(f"R_Aξ {result['radius_from_compliance']:.2f} mm")

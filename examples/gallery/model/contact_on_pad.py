@@ -2,7 +2,7 @@
 Predicted and measured contact on the pad
 =========================================
 
-The pad as seen through the platen. The source measured a contact that is longer along the finger than the
+The pad as seen through the platen. Dzidek et al. (2017) measured a contact that is longer along the finger than the
 undeformed ellipsoid lets expect, whose predicted ellipse is almost a circle.
 """
 

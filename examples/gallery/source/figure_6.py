@@ -2,8 +2,8 @@
 Corrected radius against load (Fig. 6)
 ======================================
 
-The radius corrected for the ellipse of contact, from the numbers that the source prints at 2 N, with its
-R_0g (dotted) and R_g (dashed). The diamond is the printed value, which no equation of the source gives.
+The radius corrected for the ellipse of contact, from the numbers that Dzidek et al. (2017) print at 2 N, with
+R_0g (dotted) and R_g (dashed). The diamond is the printed value, which none of the equations gives.
 """
 
 from fingerpad.contact import equivalent_radius_from_indentation
