@@ -3,9 +3,6 @@
 Ratios compare runs side by side in one process; seconds depend on the machine.
 """
 
-import time
-from collections.abc import Callable
-
 import mpmath as mp
 import numpy as np
 from scipy.special import ellipe, ellipk
@@ -31,6 +28,7 @@ from benchmarks import (
     mutations,
     non_prints,
     page,
+    peers,
     photographs,
     pooling,
     pressure_images,
@@ -44,17 +42,8 @@ from benchmarks import (
     validity,
 )
 from benchmarks.exact import RATIOS, exact_contact
+from benchmarks.timing import best
 from fingerpad.contact import HertzGeometry, hertz_contact, solve_contact_ellipse
-
-
-def best(function: Callable[[], object], repeats: int = 9) -> float:
-    """Return the shortest of several run times, in seconds."""
-    times = []
-    for _ in range(repeats):
-        start = time.perf_counter()
-        function()
-        times.append(time.perf_counter() - start)
-    return min(times)
 
 
 def hertz_accuracy() -> None:
@@ -99,6 +88,7 @@ if __name__ == "__main__":
     hertz_accuracy()
     hertz_speed()
     contact_solver.report()
+    peers.report()
     contact_law_errors.report()
     fields.report()
     uncertainty.monte_carlo_speed()

@@ -3,13 +3,11 @@
 Run alone with ``python -m benchmarks.uncertainty``.
 """
 
-import time
-from collections.abc import Callable
-
 import numpy as np
 from scipy.special import ellipe, ellipk
 
 from benchmarks.memory import peak_mb
+from benchmarks.timing import best
 from fingerpad.uncertainty import pad_model, pad_uncertainty, propagate, run_monte_carlo
 
 INPUTS = pad_uncertainty(
@@ -25,16 +23,6 @@ INPUTS = pad_uncertainty(
     semi_minor=(5.0, 0.08),
 ).inputs
 DRAWS = 1_000_000
-
-
-def best(function: Callable[[], object], repeats: int) -> float:
-    """Return the shortest of several run times of this thread, in seconds."""
-    times = []
-    for _ in range(repeats):
-        start = time.thread_time()
-        function()
-        times.append(time.thread_time() - start)
-    return min(times)
 
 
 def monte_carlo_speed() -> None:

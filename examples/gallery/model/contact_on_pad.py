@@ -2,8 +2,8 @@
 Predicted and measured contact on the pad
 =========================================
 
-The pad as seen through the platen. Dzidek et al. (2017) measured a contact that is longer along the finger than the
-undeformed ellipsoid lets expect, whose predicted ellipse is almost a circle.
+The pad as seen through the platen. Dzidek et al. (2017) measured a contact that is longer along the finger
+than the undeformed ellipsoid lets expect, whose predicted ellipse is almost a circle.
 """
 
 import numpy as np

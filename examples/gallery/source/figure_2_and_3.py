@@ -2,8 +2,8 @@
 Photographs of the faces with fitted ellipses (Figs 2 and 3)
 ============================================================
 
-Each face shows two of the three semi-axes. The photographs here are synthetic; those of Dzidek et al. (2017) are not
-public. Green: the arc that belongs to the pad. Yellow: the ellipse.
+Each face shows two of the three semi-axes. The photographs here are synthetic; those of Dzidek et al.
+(2017) are not public. Green: the arc that belongs to the pad. Yellow: the ellipse.
 """
 
 import fingerpad as fp
