@@ -13,6 +13,7 @@ from typing import Final
 import cv2
 import numpy as np
 import numpy.typing as npt
+from scipy import ndimage
 from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
 from skimage import filters, measure, morphology
@@ -193,7 +194,7 @@ def _by_imagej(image: IndependentImage) -> Measured:
     kernel = np.ones((3, 3), np.uint8)
     times = round(0.5 / image.mm_per_px)
     closed = cv2.erode(cv2.dilate(ridges, kernel, iterations=times), kernel, iterations=times)
-    filled = morphology.remove_small_holes(closed.astype(bool), closed.size)
+    filled = ndimage.binary_fill_holes(closed)
     return _largest_region(filled, image)
 
 
@@ -222,7 +223,7 @@ def pooled() -> None:
         std = random.uniform(0.2, 1.0, count)
         values = 14 + 0.6 * random.standard_normal(count) + std * random.standard_normal(count)
         ours = pool_random_effects(values, std)
-        theirs = combine_effects(values, std**2, method_re="iterated", use_t=True)
+        theirs = combine_effects(values, std**2, method_re="iterated")
         table = theirs.summary_frame()
         difference = ours.value - table.loc["random effect", "eff"], ours.between_std - np.sqrt(theirs.tau2)
         worst = np.maximum(worst, np.abs(difference))
