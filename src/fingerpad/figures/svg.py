@@ -307,7 +307,7 @@ class _Drawing:
         return [
             (float(scale(place)), label)
             for place, label in zip(places, labels, strict=True)
-            if scale.low - room <= place <= scale.high + room
+            if min(scale.low, scale.high) - room <= place <= max(scale.low, scale.high) + room
         ]
 
     def _axes(self) -> None:
@@ -468,6 +468,8 @@ class _Drawing:
         across = "axes fraction" if options["beside"] else "data"
         drawn = ""
         for place, width, height, angle in zip(zip(x, y, strict=True), *columns, strict=True):
+            if None in (*place, width, height, angle):
+                continue
             px, py = self._position(place, (across, "data"))
             drawn += (
                 f'<ellipse rx="{width / 2:.2f}" ry="{height / 2:.2f}" '
