@@ -14,6 +14,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from filelock import FileLock
+from PIL import Image
 from tests.waiting import wait_until
 from tests.web.conftest import DEMO, serving
 
