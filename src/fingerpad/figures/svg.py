@@ -554,6 +554,8 @@ class _Limits:
             low, high = low / factor, high * factor
         else:
             low, high = low - room * (high - low), high + room * (high - low)
+        for call in self.calls.get(f"set_{axis}ticks", ()):
+            low, high = min(low, *call.args[0]), max(high, *call.args[0])
         names = ("left", "right") if axis == "x" else ("bottom", "top")
         for call in self.calls.get(f"set_{axis}lim", ()):
             given = dict(zip(names, call.args, strict=False)) | call.options
