@@ -13,7 +13,7 @@ const WIDTHS = [
   ["190", "190 mm, two columns (Elsevier)"],
 ];
 const SCALES = [
-  ["", "as in the report"],
+  ["", "as it is"],
   ["linear", "linear"],
   ["log", "logarithmic"],
 ];
