@@ -227,7 +227,9 @@ def _shaded(pad: Ellipsoid, view: Camera, reach: FloatArray) -> npt.NDArray[np.u
     light = view.towards + 0.5 * view.up - 0.4 * view.right
     shade = 0.62 + 0.38 * np.clip(normal @ (light / np.linalg.norm(light)), 0, 1)
     colour = np.where(point[..., :1] >= 0, _SKIN, _BACK)
-    picture = np.concatenate([colour * shade[..., None], (discriminant >= 0)[..., None]], axis=-1)
+    inside = discriminant / np.hypot(*np.gradient(discriminant))  # pixels within the outline
+    opacity = np.clip(1 + inside, 0, 1)
+    picture = np.concatenate([colour * shade[..., None], opacity[..., None]], axis=-1)
     return (255 * picture).round().astype(np.uint8)  # of floats Matplotlib keeps copies at full size
 
 
@@ -275,7 +277,7 @@ def _draw_coordinate_axes(axes: Axes, pad: Ellipsoid, view: Camera) -> FloatArra
 def _draw_directions(
     axes: AnyAxes, centre: FloatArray, outline: FloatArray, directions: FloatArray, radii: FloatArray
 ) -> None:
-    """Draw the principal directions through the place of contact, named beyond the outline; set limits."""
+    """Draw the principal directions through the place of contact, named inside the outline; set limits."""
     ends: list[FloatArray] = []
     for direction, radius, word in zip(directions, radii, ("along", "across"), strict=True):
         upwards = word == "along"
