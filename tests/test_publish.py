@@ -87,6 +87,13 @@ def test_log_axes_can_be_linear() -> None:
     assert (axes.get_xscale(), axes.get_yscale(), axes.get_xlim()[0]) == ("linear", "linear", 0)
 
 
+def test_one_end_beyond_the_data_is_refused(figure) -> None:
+    with pytest.raises(FigureError, match="x_range: the axis would end at .* and begin at 7: give both ends"):
+        draw_figure(figure, FigureSettings(x_range=(7, None)))
+    (axes,) = draw_figure(figure, FigureSettings(x_range=(7, 9))).axes
+    assert axes.get_xlim() == (7, 9)
+
+
 def test_same_bytes_each_time(figure) -> None:
     for kind in ("svg", "pdf", "png"):
         settings = FigureSettings(width_mm=60, dpi=60)

@@ -106,7 +106,8 @@ class FigureSettings:
             ends = [end for end in (low, high) if end is not None]
             if not all(map(math.isfinite, ends)) or (len(ends) == 2 and not ends[0] < ends[1]):
                 raise FigureError(
-                    f"{name}: an axis goes from a smaller to a larger number, found {low} to {high}"
+                    f"{name}: an axis goes from a smaller to a larger number, "
+                    f"found {ends[0]:g} to {ends[-1]:g}"
                 )
             if scale == "log" and any(end <= 0 for end in ends):
                 raise FigureError(f"{name}: a logarithmic axis has no zero, found {min(ends):g}")
@@ -207,8 +208,19 @@ def _draw_panel(axes: Axes, panel: Panel, settings: FigureSettings, colours: Map
     for axis, scale in scales.items():
         if scale == "log":
             style.plain_log_ticks(axes, axis)
-    axes.set_xlim(*settings.x_range)
-    axes.set_ylim(*settings.y_range)
+    _set_range(axes, "x", settings.x_range)
+    _set_range(axes, "y", settings.y_range)
+
+
+def _set_range(axes: Axes, axis: str, ends: Range) -> None:
+    """Set the ends of an axis that are given; the other one stays."""
+    turned = getattr(axes, f"{axis}axis_inverted")()
+    getattr(axes, f"set_{axis}lim")(*ends)
+    if None in ends and getattr(axes, f"{axis}axis_inverted")() != turned:
+        low, high = sorted(getattr(axes, f"get_{axis}lim")())
+        raise FigureError(
+            f"{axis}_range: the axis would end at {low:g} and begin at {high:g}: give both ends"
+        )
 
 
 def _drawable(call: Call, colours: Mapping[str, str], factor: float) -> tuple[list[Any], dict[str, Any]]:

@@ -116,6 +116,7 @@ def test_late_results_of_another_part_are_not_shown(tab: Tab, left: str, then: s
 
 
 def test_figure_for_publication(tab: Tab) -> None:
+    tab.expected.append("422")
     page = tab.open("results/figures")
     page.get_by_label("Show", exact=True).select_option("corrected_radius")
     page.get_by_role("button", name="Size, axes and colours of").first.click()
