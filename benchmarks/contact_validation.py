@@ -105,7 +105,7 @@ def layer() -> None:
     ):
         axes.axhline(1, color=GREY, lw=0.8, ls=(0, (4, 2)))
         axes.set(xscale="log", xlim=(0.03, 3), title=title)
-        plain_log_ticks(axes.xaxis)
+        plain_log_ticks(axes, "x")
     above[0].set(ylim=(0.9, 4.2))
     for axes in above[1:]:
         axes.set(
@@ -114,7 +114,7 @@ def layer() -> None:
     for axes, title in zip(below, ("A at given W", "ξ at given W", "W at given ξ"), strict=True):
         _error_axes(axes)
         axes.set(xscale="log", xlim=(0.03, 3), xlabel="contact radius over thickness, a/t", title=title)
-        plain_log_ticks(axes.xaxis)
+        plain_log_ticks(axes, "x")
     above[1].legend(loc="upper left")
     below[0].set_ylabel("relative error")
     below[0].plot([], [], color=BLACK, ls=(0, (4, 2)), label="Hertz theory")

@@ -36,6 +36,10 @@ class UncertaintyError(FingerpadError, ValueError):
     """A variance, covariance or set of estimates that no uncertainty can be computed from."""
 
 
+class FigureError(FingerpadError, ValueError):
+    """Settings with which a figure cannot be drawn."""
+
+
 class StoreError(FingerpadError):
     """A study's store of results that cannot be opened, read or written."""
 

@@ -14,6 +14,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from filelock import FileLock
+from PIL import Image
 from tests.waiting import wait_until
 from tests.web.conftest import DEMO, serving
 
@@ -450,9 +451,39 @@ def test_figures_are_listed_with_captions_and_can_be_fetched(done):
     for figure in listed:
         assert figure["caption"] != figure["name"]
         for kind, media in (("svg", "image/svg+xml"), ("png", "image/png")):
+            if figure[kind] is None:
+                continue
             answer = done.get(figure[kind])
             assert answer.status_code == 200
             assert answer.headers["content-type"].startswith(media)
+    assert {figure["settable"] for figure in listed if not figure["name"].endswith("section")} == {True}
+
+
+def test_figures_are_drawn_for_publication(done):
+    names = [figure["name"] for figure in done.get("/api/results/figures").json()["figures"]]
+    name = next(name for name in names if name.endswith("corrected_radius"))
+    details = done.get("/api/results/figure", params={"name": name}).json()
+    assert details["width_mm"] == 85
+    assert [axis["name"] for axis in details["axes"]] == [
+        "normal load W (N)",
+        "corrected radius of curvature (mm)",
+    ]
+
+    def file(kind, **settings):
+        return done.get("/api/results/figure/file", params={"name": name, "kind": kind, **settings})
+
+    picture = file("png", width_mm=90, dpi=100, colours="#000000", x_low=0.1, x_scale="log", attachment=True)
+    assert picture.headers["content-disposition"] == f'attachment; filename="{name}.png"'
+    with Image.open(io.BytesIO(picture.content)) as image:
+        assert image.width == round(90 / 25.4 * 100)
+    assert file("pdf").content.startswith(b"%PDF-")
+    table = file("csv").text.splitlines()
+    assert table[0].startswith("panel,x_name,y_name,series,x,y")
+    assert len(table) > 2
+    refused = file("svg", width_mm=2000)
+    assert refused.status_code == 422
+    assert refused.json()["error"] == "width_mm: a figure is 20 to 500 mm wide and high, found 2000"
+    assert done.get("/api/results/figure", params={"name": "../results"}).status_code == 404
 
 
 def test_a_download_can_be_saved_under_its_name(done):

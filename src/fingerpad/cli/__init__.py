@@ -10,6 +10,7 @@ from fingerpad.cli.app import app as page
 from fingerpad.cli.compare import compare
 from fingerpad.cli.export import export
 from fingerpad.cli.fields import fields
+from fingerpad.cli.figure import figure
 from fingerpad.cli.fit import fit
 from fingerpad.cli.modulus import modulus
 from fingerpad.cli.shared import Command, Commands
@@ -39,6 +40,7 @@ app.command()(study.run)
 app.command()(study.status)
 app.command()(study.verify)
 app.command()(compare)
+app.command()(figure)
 app.command()(export)
 app.add_typer(imports.app, name="import")
 app.command("app")(page)

@@ -68,7 +68,7 @@ def fit(
         ),
     ] = None,
     constraint_std: Annotated[float, typer.Option(min=0, help="Its standard uncertainty.")] = 0.0,
-    plot: Annotated[Path | None, typer.Option(help="Folder for the figures, SVG and PNG.")] = None,
+    plot: Annotated[Path | None, typer.Option(help="Folder for the figures, as SVG and JSON.")] = None,
     as_json: AsJson = False,
 ) -> None:
     """Fit radius, moduli, place of contact and exponents to a loading curve.
@@ -154,12 +154,12 @@ def _loads(text: str) -> tuple[float, float]:
 
 def _draw(folder: Path, name: str, record: Any, found: Any, cycle: int) -> None:
     from fingerpad._files import make_folder
-    from fingerpad.figures import save_figure
     from fingerpad.report.loading import loading_plots
+    from fingerpad.report.plot import save_plot
 
     make_folder(folder)
     for drawn in loading_plots(name, record, found, cycle=cycle):
-        save_figure(drawn.figure, folder / drawn.name, description=drawn.caption)
+        save_plot(drawn, folder)
 
 
 def _print_table(record: dict[str, Any]) -> None:

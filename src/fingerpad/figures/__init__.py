@@ -15,6 +15,7 @@ from fingerpad.figures.loading import (
     plot_secant_modulus,
 )
 from fingerpad.figures.pad import plot_pad, plot_pad_with_contact
+from fingerpad.figures.panels import new_panels
 from fingerpad.figures.results import (
     plot_area_against_load,
     plot_aspect_ratio,
@@ -23,6 +24,7 @@ from fingerpad.figures.results import (
 from fingerpad.figures.section import mark_receptors, plot_contact_pressure, plot_section, section_figure
 from fingerpad.figures.sequence import plot_press
 from fingerpad.figures.style import figure_svg, new_figure, save_figure
+from fingerpad.figures.svg import panels_svg, save_panels
 from fingerpad.figures.uncertainty import plot_uncertainty_budget
 from fingerpad.figures.wedge import plot_wedge, plot_wedge_in_pad_axes
 
@@ -31,6 +33,8 @@ __all__ = [
     "figure_svg",
     "mark_receptors",
     "new_figure",
+    "new_panels",
+    "panels_svg",
     "plot_area_against_load",
     "plot_aspect_ratio",
     "plot_contact_compliance",
@@ -50,5 +54,6 @@ __all__ = [
     "plot_wedge",
     "plot_wedge_in_pad_axes",
     "save_figure",
+    "save_panels",
     "section_figure",
 ]

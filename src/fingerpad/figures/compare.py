@@ -6,9 +6,9 @@ from itertools import cycle
 from typing import Final
 
 import numpy as np
-from matplotlib.axes import Axes
 
 from fingerpad._arrays import ArrayLike, FloatArray, as_float_array
+from fingerpad.figures.panels import AnyAxes
 from fingerpad.figures.style import (
     BLACK,
     BLUE,
@@ -17,7 +17,7 @@ from fingerpad.figures.style import (
     ORANGE,
     SKY,
     VERMILLION,
-    draw_points,
+    draw_unmarked_points,
     in_style,
     legend_above,
 )
@@ -79,7 +79,7 @@ def colours_of(people: Sequence[str]) -> dict[str, str]:
 
 @in_style
 def plot_forest(
-    axes: Axes,
+    axes: AnyAxes,
     place: ArrayLike,
     value: ArrayLike,
     std: ArrayLike,
@@ -88,7 +88,7 @@ def plot_forest(
     synthetic: ArrayLike,
     means: Sequence[tuple[float, MeanMark]] = (),
     title: str = "",
-) -> Axes:
+) -> AnyAxes:
     """Draw values in rows, each with its standard uncertainty, and means below them.
 
     A mean is a diamond on its 95 % interval; the bar round it is one standard deviation between people.
@@ -116,7 +116,7 @@ def plot_forest(
         for known in (True, False):
             chosen = same & (np.isfinite(spread) == known)
             if chosen.any():
-                draw_points(
+                draw_unmarked_points(
                     axes,
                     x[chosen],
                     y[chosen],
@@ -124,13 +124,11 @@ def plot_forest(
                     synthetic=np.broadcast_to(synthetic, x.shape)[chosen],
                     colour=colour,
                 )
-    for mark in [text for text in axes.texts if text.get_gid() == "synthetic"]:
-        mark.remove()  # the rows are labelled
     ends = [x - np.nan_to_num(spread), x + np.nan_to_num(spread)]
     for line, mean in means:
         if np.isfinite(mean.between_std):
             band = mean.value - mean.between_std, mean.value + mean.between_std
-            axes.fill_betweenx((line - 0.4, line + 0.4), *band, color=BLACK, alpha=0.15, linewidth=0)
+            axes.fill_between(band, line - 0.4, line + 0.4, color=BLACK, alpha=0.15, linewidth=0)
             ends.append(as_float_array(band))
         if mean.interval is not None:
             axes.plot(mean.interval, (line, line), color=BLACK, linewidth=1.2, solid_capstyle="butt")
@@ -148,12 +146,12 @@ def plot_forest(
 
 @in_style
 def plot_by_wedge(
-    axes: Axes,
+    axes: AnyAxes,
     lines: Sequence[FingerLine],
     means: Sequence[tuple[float, MeanMark]] = (),
     *,
     label: str,
-) -> Axes:
+) -> AnyAxes:
     """Draw each finger's values against the wedge angle, people by colour, and the means over people.
 
     More than eight people have thin grey lines without names or bars.
@@ -207,7 +205,9 @@ def plot_by_wedge(
     return axes
 
 
-def _draw_means(axes: Axes, angles: Sequence[float], means: Sequence[MeanMark], *, synthetic: bool) -> None:
+def _draw_means(
+    axes: AnyAxes, angles: Sequence[float], means: Sequence[MeanMark], *, synthetic: bool
+) -> None:
     value: FloatArray = as_float_array([mean.value for mean in means])
     spread = np.nan_to_num(as_float_array([mean.between_std for mean in means]))
     label = f"mean over people{' (synthetic)' if synthetic else ''}, band: between people"

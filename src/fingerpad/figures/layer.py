@@ -3,10 +3,9 @@
 from typing import Final
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.ticker import FixedLocator, NullLocator, StrMethodFormatter
 
 from fingerpad._arrays import ArrayLike, FloatArray, as_float_array
+from fingerpad.figures.panels import AnyAxes
 from fingerpad.figures.style import BLACK, BLUE, VERMILLION, in_style, legend_above, mark_synthetic
 
 _TICKS: Final = (3, 4, 6, 8, 12, 16)
@@ -14,14 +13,14 @@ _TICKS: Final = (3, 4, 6, 8, 12, 16)
 
 @in_style
 def plot_layer_effect(
-    axes: Axes,
+    axes: AnyAxes,
     thickness: ArrayLike,
     *,
     modulus_ratio: ArrayLike,
     radius_ratio: ArrayLike,
     marked: ArrayLike = (4.0, 8.0, 12.0),
     synthetic: bool = False,
-) -> Axes:
+) -> AnyAxes:
     """Draw modulus and loading radius over those of Hertz theory, against the thickness of tissue over bone.
 
     Parameters
@@ -55,18 +54,22 @@ def plot_layer_effect(
     axes.annotate(
         "Hertz", (1, 1), (-2, 2), xycoords=("axes fraction", "data"), textcoords="offset points", ha="right"
     )
-    for ratio, colour, label, side in (
-        (modulus_ratio, BLUE, "E from load and area", -1),
-        (radius_ratio, VERMILLION, r"$R_\mathrm{g} = A/(\pi\xi)$", 1),
+    ratios: list[FloatArray] = [
+        np.atleast_1d(as_float_array(ratio)) for ratio in (modulus_ratio, radius_ratio)
+    ]
+    for values, colour, label, side in zip(
+        ratios,
+        (BLUE, VERMILLION),
+        ("E from load and area", r"$R_\mathrm{g} = A/(\pi\xi)$"),
+        (-1, 1),
+        strict=True,
     ):
-        values = as_float_array(ratio)
         axes.plot(at, values, color=colour, label=label)
         _mark(axes, at, values, as_float_array(marked), colour=colour, side=side)
     axes.set_xscale("log")
-    axes.xaxis.set_major_locator(FixedLocator(_TICKS))
-    axes.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
-    axes.xaxis.set_minor_locator(NullLocator())
-    axes.set_ylim(0, 1.2 * axes.dataLim.y1)
+    axes.set_xticks(_TICKS, [str(tick) for tick in _TICKS])
+    axes.minorticks_off()
+    axes.set_ylim(0, 1.2 * float(np.nanmax(np.concatenate([[1.0], *ratios]))))
     axes.set_xlabel("assumed effective thickness of the tissue (mm)")
     axes.set_ylabel("over Hertz theory")
     legend_above(axes)
@@ -76,7 +79,7 @@ def plot_layer_effect(
 
 
 def _mark(
-    axes: Axes, at: FloatArray, values: FloatArray, marked: FloatArray, *, colour: str, side: int
+    axes: AnyAxes, at: FloatArray, values: FloatArray, marked: FloatArray, *, colour: str, side: int
 ) -> None:
     """Mark some thicknesses, their ratios with two digits."""
     for place in np.flatnonzero(np.isin(at, marked) & np.isfinite(values)):

@@ -8,9 +8,9 @@ from collections.abc import Mapping
 from typing import Final, Literal, TypeAlias
 
 import numpy as np
-from matplotlib.axes import Axes
 
 from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, as_float_array, broadcast
+from fingerpad.figures.panels import AnyAxes
 from fingerpad.figures.style import (
     BLACK,
     BLUE,
@@ -42,7 +42,7 @@ _LINE_STYLES: Final = ((ORANGE, "-"), (BLACK, "--"), (SKY, "-."))
 
 @in_style
 def plot_load_indentation(
-    axes: Axes,
+    axes: AnyAxes,
     indentation: ArrayLike,
     load: ArrayLike,
     *,
@@ -51,7 +51,7 @@ def plot_load_indentation(
     phase: ArrayLike | None = None,
     fits: Mapping[str, Line] | None = None,
     synthetic: ArrayLike = False,
-) -> Axes:
+) -> AnyAxes:
     """Draw load against indentation, its loop by phase, and fitted force models.
 
     Parameters
@@ -95,14 +95,14 @@ def plot_load_indentation(
     return axes
 
 
-def _draw_fits(axes: Axes, fits: Mapping[str, Line] | None) -> None:
+def _draw_fits(axes: AnyAxes, fits: Mapping[str, Line] | None) -> None:
     for (name, (x, y)), (colour, style) in zip((fits or {}).items(), _LINE_STYLES, strict=False):
         axes.plot(x, y, style, color=colour, label=name, zorder=4)
 
 
 @in_style
 def plot_contact_compliance(
-    axes: Axes,
+    axes: AnyAxes,
     indentation: ArrayLike,
     area: ArrayLike,
     *,
@@ -111,7 +111,7 @@ def plot_contact_compliance(
     loading_radius_std: float = 0.0,
     area_at_zero: float = 0.0,
     synthetic: ArrayLike = False,
-) -> Axes:
+) -> AnyAxes:
     """Draw contact area against πξ, with the line whose slope is R_g and the fan of its uncertainty.
 
     The fan turns about the mean of the points.
@@ -158,7 +158,7 @@ def plot_contact_compliance(
 
 @in_style
 def plot_secant_modulus(
-    axes: Axes,
+    axes: AnyAxes,
     abscissa: ArrayLike,
     secant_modulus: ArrayLike,
     *,
@@ -168,7 +168,7 @@ def plot_secant_modulus(
     fit_std: ArrayLike = 0.0,
     label: str = "fit",
     synthetic: bool = False,
-) -> Axes:
+) -> AnyAxes:
     """Draw the secant modulus E_g against indentation or load, with the region that was fitted.
 
     Parameters
@@ -227,13 +227,13 @@ def plot_secant_modulus(
 
 @in_style
 def plot_initial_modulus(
-    axes: Axes,
+    axes: AnyAxes,
     velocity: ArrayLike,
     initial_modulus: ArrayLike,
     *,
     initial_modulus_std: ArrayLike | None = None,
     synthetic: ArrayLike = False,
-) -> Axes:
+) -> AnyAxes:
     """Draw E_0g against the velocity of loading, on a logarithmic axis.
 
     Parameters
@@ -263,7 +263,7 @@ def plot_initial_modulus(
     draw_points(axes, velocity, KPA_PER_MPA * as_float_array(initial_modulus), y_std=std, synthetic=synthetic)
     axes.margins(x=0.15)
     axes.set_ylim(bottom=0)
-    plain_log_ticks(axes.xaxis)
+    plain_log_ticks(axes, "x")
     axes.set_xlabel("velocity of loading (mm/s)")
     axes.set_ylabel(r"initial modulus $E_\mathrm{0g}$ (kPa)")
     return axes
@@ -271,7 +271,7 @@ def plot_initial_modulus(
 
 @in_style
 def plot_relaxation(
-    axes: Axes,
+    axes: AnyAxes,
     time: ArrayLike,
     value: ArrayLike,
     *,
@@ -281,7 +281,7 @@ def plot_relaxation(
     ramp_time: float | None = None,
     time_constants: ArrayLike = (),
     synthetic: bool = False,
-) -> Axes:
+) -> AnyAxes:
     """Draw load or ridge area against time since the hold began, on a logarithmic axis.
 
     Parameters
@@ -341,14 +341,14 @@ def plot_relaxation(
 
 @in_style
 def plot_modulus_from_area_and_indentation(
-    axes: Axes,
+    axes: AnyAxes,
     load: ArrayLike,
     from_area: ArrayLike,
     from_indentation: ArrayLike,
     *,
     expected_ratio: Line | None = None,
     synthetic: bool = False,
-) -> Axes:
+) -> AnyAxes:
     """Draw E* from the area over E* from the indentation, against load: one where Hertz theory holds.
 
     Parameters

@@ -1,5 +1,7 @@
 """The pad in three dimensions, seen along a direction without perspective, shaded as matt skin would be."""
 
+import base64
+import io
 from dataclasses import dataclass
 from typing import Final, Self
 
@@ -7,16 +9,20 @@ import numpy as np
 import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
+from PIL import Image
 
 from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, check_radians
+from fingerpad.figures.panels import AnyAxes
 from fingerpad.figures.style import (
     BLACK,
     BLUE,
     GREEN,
     GREY,
     ORANGE,
+    PNG_LEVEL,
     VERMILLION,
     YELLOW,
+    draw_picture,
     in_style,
     mark_synthetic,
     pair,
@@ -27,7 +33,7 @@ from fingerpad.geometry import Ellipse, Ellipsoid, Placement
 POINT_COLOURS: Final = {0: YELLOW, 30: GREEN, 45: BLUE, 60: ORANGE, 90: VERMILLION}
 _SKIN: Final = to_rgb("#f3d9c6")
 _BACK: Final = to_rgb("#dfe3e8")
-_PIXELS: Final = 240
+_PIXELS: Final = 160
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -112,7 +118,7 @@ def plot_pad(
 
 @in_style
 def plot_pad_with_contact(
-    axes: Axes,
+    axes: AnyAxes,
     pad: Ellipsoid,
     *,
     wedge_angle: float,
@@ -121,7 +127,7 @@ def plot_pad_with_contact(
     measured: Ellipse | None = None,
     measured_long_axis_angle: float = 0.0,
     synthetic: bool = False,
-) -> Axes:
+) -> AnyAxes:
     """Draw the pad as seen through the platen: place of contact, principal directions, contact ellipses.
 
     Parameters
@@ -156,7 +162,7 @@ def plot_pad_with_contact(
     """
     placement = Placement(pad, wedge_angle=wedge_angle, roll_angle=roll_angle)
     # The finger's axis as it lies on the platen, ∂n/∂θ: regular even where the finger stands on its tip.
-    rise = np.array([-np.sin(wedge_angle) * np.cos(roll_angle), np.cos(wedge_angle)])
+    rise: FloatArray = np.array([-np.sin(wedge_angle) * np.cos(roll_angle), np.cos(wedge_angle)])
     view = Camera.of(placement.normal, up=(*rise, -np.sin(wedge_angle) * np.sin(roll_angle)))
     centre = view.project(placement.point)
     directions = view.project(placement.curvature.principal_directions)
@@ -180,32 +186,25 @@ def plot_pad_with_contact(
     return axes
 
 
-def _draw_surface(axes: Axes, pad: Ellipsoid, view: Camera) -> FloatArray:
+def _draw_surface(axes: AnyAxes, pad: Ellipsoid, view: Camera) -> FloatArray:
     """Draw the shaded ellipsoid with its parametric lines and outline; return the outline."""
     turn = np.linspace(0, 2 * np.pi, 361)
     rim = np.cos(turn)[:, None] * view.right + np.sin(turn)[:, None] * view.up
     outline = view.project(pad.contact_point(rim))
     reach = np.abs(outline).max(axis=0)  # the outline is symmetric about the centre
-    axes.imshow(
-        _shaded(pad, view, reach),
-        extent=(-reach[0], reach[0], -reach[1], reach[1]),
-        origin="lower",
-        interpolation="bilinear",
-        zorder=1,
-    )
+    draw_picture(axes, _png(_shaded(pad, view, reach)), (-reach[0], reach[0], -reach[1], reach[1]))
     axes.plot(*outline.T, color=GREY, linewidth=0.9, zorder=2)
-    for u in np.radians(np.arange(-90, 91, 15)):
-        _draw_line(axes, pad, view, np.full(91, u), np.linspace(0, np.pi, 91))
-    for v in np.radians(np.arange(15, 166, 15)):
-        _draw_line(
-            axes, pad, view, np.linspace(-np.pi / 2, np.pi / 2, 181), np.full(181, v), bold=v == np.pi / 2
-        )
+    across, along = np.linspace(0, np.pi, 91), np.linspace(-np.pi / 2, np.pi / 2, 181)
+    u, v = np.radians(np.arange(-90, 91, 15))[:, None], np.radians(np.arange(15, 166, 15))[:, None]
+    lines = np.concatenate([_parametric(pad, view, u, across), _parametric(pad, view, along, v)])
+    axes.plot(*lines.T, color=GREY, linewidth=0.35, alpha=0.6)
+    axes.plot(*_parametric(pad, view, along, np.pi / 2).T, color=BLACK, linewidth=0.9, alpha=0.9)
     axes.set_aspect("equal")
     axes.set_axis_off()
     return outline
 
 
-def _frame(axes: Axes, points: FloatArray) -> None:
+def _frame(axes: AnyAxes, points: FloatArray) -> None:
     """Set the limits to hold `points` with a margin."""
     low, high = points.min(axis=0), points.max(axis=0)
     margin = 0.05 * (high - low)
@@ -228,19 +227,25 @@ def _shaded(pad: Ellipsoid, view: Camera, reach: FloatArray) -> npt.NDArray[np.u
     light = view.towards + 0.5 * view.up - 0.4 * view.right
     shade = 0.62 + 0.38 * np.clip(normal @ (light / np.linalg.norm(light)), 0, 1)
     colour = np.where(point[..., :1] >= 0, _SKIN, _BACK)
-    picture = np.concatenate([colour * shade[..., None], (discriminant >= 0)[..., None]], axis=-1)
+    inside = discriminant / np.hypot(*np.gradient(discriminant))  # pixels within the outline
+    opacity = np.clip(1 + inside, 0, 1)
+    picture = np.concatenate([colour * shade[..., None], opacity[..., None]], axis=-1)
     return (255 * picture).round().astype(np.uint8)  # of floats Matplotlib keeps copies at full size
 
 
-def _draw_line(
-    axes: Axes, pad: Ellipsoid, view: Camera, u: FloatArray, v: FloatArray, *, bold: bool = False
-) -> None:
-    """Draw the part of a parametric line that faces the eye."""
+def _parametric(pad: Ellipsoid, view: Camera, u: ArrayLike, v: ArrayLike) -> FloatArray:
+    """Return the parts of parametric lines that face the eye, each followed by a gap."""
+    u, v = np.broadcast_arrays(np.atleast_2d(u), np.atleast_2d(v))
     seen = pad.normal(u, v) @ view.towards > 0
-    line = np.where(seen[:, None], view.project(pad.point(u, v)), np.nan)
-    axes.plot(
-        *line.T, color=BLACK if bold else GREY, linewidth=0.9 if bold else 0.35, alpha=0.9 if bold else 0.6
-    )
+    lines = np.where(seen[..., None], view.project(pad.point(u, v)), np.nan)
+    return np.pad(lines, ((0, 0), (0, 1), (0, 0)), constant_values=np.nan).reshape(-1, 2)
+
+
+def _png(pixels: npt.NDArray[np.uint8]) -> str:
+    """Return pixels, the lowest row first, as a PNG file in base64."""
+    buffer = io.BytesIO()
+    Image.fromarray(pixels[::-1]).save(buffer, "PNG", compress_level=PNG_LEVEL)
+    return base64.b64encode(buffer.getvalue()).decode()
 
 
 def _draw_coordinate_axes(axes: Axes, pad: Ellipsoid, view: Camera) -> FloatArray:
@@ -270,10 +275,10 @@ def _draw_coordinate_axes(axes: Axes, pad: Ellipsoid, view: Camera) -> FloatArra
 
 
 def _draw_directions(
-    axes: Axes, centre: FloatArray, outline: FloatArray, directions: FloatArray, radii: FloatArray
+    axes: AnyAxes, centre: FloatArray, outline: FloatArray, directions: FloatArray, radii: FloatArray
 ) -> None:
-    """Draw the principal directions through the place of contact, named beyond the outline; set limits."""
-    ends = []
+    """Draw the principal directions through the place of contact, named inside the outline; set limits."""
+    ends: list[FloatArray] = []
     for direction, radius, word in zip(directions, radii, ("along", "across"), strict=True):
         upwards = word == "along"
         side = direction * np.sign(direction[1] if upwards else direction[0])
@@ -294,7 +299,7 @@ def _draw_directions(
 
 
 def _draw_contact(
-    axes: Axes, centre: FloatArray, ellipse: Ellipse, angle: float, *, colour: str, style: str, label: str
+    axes: AnyAxes, centre: FloatArray, ellipse: Ellipse, angle: float, *, colour: str, style: str, label: str
 ) -> None:
     """Draw a contact ellipse to scale, its long axis `angle` from upwards, counter-clockwise."""
     turn = np.linspace(0, 2 * np.pi, 181)
@@ -305,7 +310,7 @@ def _draw_contact(
     axes.plot(x, y, style, color=colour, linewidth=1.5, zorder=5, label=f"{label}, {size}")
 
 
-def _draw_scale_bar(axes: Axes, length: float = 5.0) -> None:
+def _draw_scale_bar(axes: AnyAxes, length: float = 5.0) -> None:
     """Draw a bar of `length` mm in the lower left corner, the axes having no ticks."""
     left, bottom = axes.get_xlim()[0], axes.get_ylim()[0]
     axes.plot([left, left + length], [bottom, bottom], color=BLACK, linewidth=1.8, clip_on=False)

@@ -7,10 +7,9 @@ to either side. `synthetic` marks data that were rendered or simulated, for all 
 from typing import Final, Literal, TypeAlias
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.collections import EllipseCollection
 
 from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, broadcast, check_radians
+from fingerpad.figures.panels import AnyAxes
 from fingerpad.figures.style import (
     BLACK,
     BLUE,
@@ -18,6 +17,7 @@ from fingerpad.figures.style import (
     ORANGE,
     VERMILLION,
     draw_points,
+    draw_shapes,
     in_style,
     legend_above,
     plain_log_ticks,
@@ -31,7 +31,7 @@ _SHAPE_POINTS: Final = 13.0
 
 @in_style
 def plot_corrected_radius(
-    axes: Axes,
+    axes: AnyAxes,
     load: ArrayLike,
     corrected_radius: ArrayLike,
     *,
@@ -41,7 +41,7 @@ def plot_corrected_radius(
     mean_curvature_radius: float | None = None,
     printed: PublishedWedge | None = None,
     synthetic: ArrayLike = False,
-) -> Axes:
+) -> AnyAxes:
     """Draw R_g^corr against load, as in Fig. 6 of Dzidek et al. (2017).
 
     Parameters
@@ -105,7 +105,7 @@ def plot_corrected_radius(
     return axes
 
 
-def _mark_levels(axes: Axes, levels: list[tuple[str, float | None, str]]) -> None:
+def _mark_levels(axes: AnyAxes, levels: list[tuple[str, float | None, str]]) -> None:
     """Draw horizontal lines named at their right end, the higher name above its line, the lower below."""
     given = sorted(((value, name, style) for name, value, style in levels if value is not None), reverse=True)
     for place, (value, name, style) in enumerate(given):
@@ -115,7 +115,7 @@ def _mark_levels(axes: Axes, levels: list[tuple[str, float | None, str]]) -> Non
 
 
 def _name_level(
-    axes: Axes,
+    axes: AnyAxes,
     value: float,
     name: str,
     *,
@@ -136,7 +136,7 @@ def _name_level(
 
 @in_style
 def plot_area_against_load(
-    axes: Axes,
+    axes: AnyAxes,
     load: ArrayLike,
     area: ArrayLike,
     *,
@@ -144,7 +144,7 @@ def plot_area_against_load(
     exponent: float | None = None,
     exponent_std: float | None = None,
     synthetic: ArrayLike = False,
-) -> Axes:
+) -> AnyAxes:
     """Draw contact area against load in logarithmic axes, with the fitted power law and Hertz's 2/3.
 
     Both lines pass through the mean of the logarithms, about which the band of the exponent turns. Points
@@ -195,7 +195,7 @@ def plot_area_against_load(
         axes.plot(line, power_law(2 / 3), "--", color=ORANGE, label=r"Hertz, $A \propto W^{2/3}$")
         axes.set_xlim(line[0], line[-1])
     axes.grid(visible=True, which="major")
-    plain_log_ticks(axes.xaxis, axes.yaxis)
+    plain_log_ticks(axes, "xy")
     axes.set_xlabel("normal load W (N)")
     axes.set_ylabel("contact area A (mm²)")
     if W.size:
@@ -205,7 +205,7 @@ def plot_area_against_load(
 
 @in_style
 def plot_aspect_ratio(
-    axes: Axes,
+    axes: AnyAxes,
     load: ArrayLike,
     aspect_ratio: ArrayLike,
     *,
@@ -214,7 +214,7 @@ def plot_aspect_ratio(
     predicted_aspect_ratio: float | None = None,
     predicted_long_axis_angle: float = 0.0,
     synthetic: ArrayLike = False,
-) -> Axes:
+) -> AnyAxes:
     """Draw the aspect ratio ℓd/ℓe of contacts against load, each as an ellipse of its own shape.
 
     The ellipses stand as seen through the platen with the fingertip upwards, so that they show the direction
@@ -273,7 +273,7 @@ def plot_aspect_ratio(
 
 
 def _draw_shapes(
-    axes: Axes,
+    axes: AnyAxes,
     x: FloatArray,
     y: FloatArray,
     aspect_ratio: FloatArray,
@@ -284,19 +284,14 @@ def _draw_shapes(
     beside: bool = False,
 ) -> None:
     """Draw ellipses of one length and true shape; `beside` takes x in fractions of the frame."""
-    axes.add_collection(
-        EllipseCollection(
-            np.full(x.shape, _SHAPE_POINTS),
-            _SHAPE_POINTS / aspect_ratio,
-            90 + np.degrees(angle),
-            units="points",
-            offsets=np.column_stack([x, y]),
-            offset_transform=axes.get_yaxis_transform() if beside else axes.transData,
-            facecolors=face,
-            edgecolors=edge,
-            linewidths=0.9,
-            clip_on=False,
-            zorder=4,
-        ),
-        autolim=False,
+    draw_shapes(
+        axes,
+        x,
+        y,
+        widths=np.full(x.shape, _SHAPE_POINTS),
+        heights=_SHAPE_POINTS / aspect_ratio,
+        angles_deg=90 + np.degrees(angle),
+        edge=edge,
+        face=face,
+        beside=beside,
     )

@@ -5,10 +5,10 @@ from typing import Final
 
 import numpy as np
 import numpy.typing as npt
-from matplotlib.axes import Axes
 
 from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, as_float_array, broadcast
-from fingerpad.figures.style import BLUE, GREY, VERMILLION, in_style, mark_synthetic
+from fingerpad.figures.panels import AnyAxes
+from fingerpad.figures.style import BLUE, GREY, VERMILLION, in_style, legend_above, mark_synthetic
 
 # Distinguished by colour and by shape.
 _PHASES: Final = (("loading", BLUE, "o"), ("hold", GREY, "s"), ("unloading", VERMILLION, "v"))
@@ -16,7 +16,7 @@ _PHASES: Final = (("loading", BLUE, "o"), ("hold", GREY, "s"), ("unloading", VER
 
 @in_style
 def plot_press(
-    axes: Sequence[Axes],
+    axes: Sequence[AnyAxes],
     *,
     time: ArrayLike,
     load: ArrayLike,
@@ -25,7 +25,7 @@ def plot_press(
     semi_major: ArrayLike,
     semi_minor: ArrayLike,
     synthetic: bool = False,
-) -> Sequence[Axes]:
+) -> Sequence[AnyAxes]:
     """Draw area and semi-axes of a contact against time and force, loading and unloading marked differently.
 
     Parameters
@@ -77,14 +77,20 @@ def plot_press(
         panel.set_xlabel("normal load W (N)")
         panel.set_xlim(left=min(0.0, float(W.min())) if W.size else 0.0)
     if t.size:
-        area_by_time.legend(loc="lower left", bbox_to_anchor=(-0.02, 1.0), borderaxespad=0.1, ncols=3)
+        legend_above(area_by_time, columns=3)
     if synthetic:
         mark_synthetic(area_by_load)
     return axes
 
 
 def _draw(
-    axes: Axes, x: FloatArray, y: FloatArray, phase: npt.NDArray[np.str_], *, hollow: bool, named: bool = True
+    axes: AnyAxes,
+    x: FloatArray,
+    y: FloatArray,
+    phase: npt.NDArray[np.str_],
+    *,
+    hollow: bool,
+    named: bool = True,
 ) -> None:
     size = 1.8 if x.size > 80 else 3.6
     axes.plot(x, y, color="#c9c9c9", linewidth=0.7, zorder=2)
@@ -104,7 +110,7 @@ def _draw(
             )
 
 
-def _name(axes: Axes, x: FloatArray, y: FloatArray, name: str, *, above: bool) -> None:
+def _name(axes: AnyAxes, x: FloatArray, y: FloatArray, name: str, *, above: bool) -> None:
     """Write the name of a curve above or below its largest value."""
     if x.size:
         k = int(np.argmax(as_float_array(y)))

@@ -1,30 +1,34 @@
 """One style for every figure, and files that are reproducible byte for byte."""
 
+import base64
 import hashlib
 import io
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import wraps
 from os import PathLike
 from pathlib import Path
 from typing import Any, Final, ParamSpec, TypeVar
 
 import matplotlib as mpl
+import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.collections import EllipseCollection
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
+from PIL import Image
 
 from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, as_float_array, broadcast
 from fingerpad.exceptions import FingerpadError
+from fingerpad.figures.panels import Panel
 from fingerpad.units import MM_PER_INCH
 
 Arguments = ParamSpec("Arguments")
 Result = TypeVar("Result")
 
 # Of PNG files: a tenth larger than by the usual 6, in half the time.
-_PNG_LEVEL: Final = 3
+PNG_LEVEL: Final = 3
 
 # Okabe and Ito's palette, distinguished with any kind of colour vision.
 BLACK: Final = "#222222"
@@ -35,6 +39,10 @@ GREEN: Final = "#009E73"
 YELLOW: Final = "#F0E442"
 BLUE: Final = "#0072B2"
 VERMILLION: Final = "#D55E00"
+GRID: Final = "#e4e4e4"
+
+# Labelled in each decade: most data span little more than one.
+LOG_SUBS: Final = (1.0, 2.0, 5.0)
 
 _STYLE: Final[Any] = {  # Matplotlib's types want literal keys
     "font.family": "DejaVu Sans",  # shipped with Matplotlib: the same on every machine
@@ -49,7 +57,7 @@ _STYLE: Final[Any] = {  # Matplotlib's types want literal keys
     "axes.spines.right": False,
     "axes.axisbelow": True,
     "axes.grid": True,
-    "grid.color": "#e4e4e4",
+    "grid.color": GRID,
     "grid.linewidth": 0.5,
     "xtick.labelsize": 7,
     "ytick.labelsize": 7,
@@ -76,6 +84,8 @@ def in_style(function: Callable[Arguments, Result]) -> Callable[Arguments, Resul
 
     @wraps(function)
     def styled(*args: Arguments.args, **kwargs: Arguments.kwargs) -> Result:
+        if args and isinstance(args[0], Panel):  # has no settings
+            return function(*args, **kwargs)
         with mpl.rc_context():
             mpl.rcdefaults()
             mpl.rcParams.update(_STYLE)
@@ -110,6 +120,11 @@ def new_figure(
     >>> len(axes), (figure.get_size_inches() * 25.4).round(1).tolist()
     (4, [85.0, 64.0])
     """
+    return empty_figure(width_mm, height_mm, rows, columns)
+
+
+def empty_figure(width_mm: float, height_mm: float, rows: int, columns: int) -> tuple[Figure, list[Axes]]:
+    """Return an empty figure and its axes, in the style that is set."""
     figure = Figure(figsize=(width_mm / MM_PER_INCH, height_mm / MM_PER_INCH), layout="constrained")
     FigureCanvasAgg(figure)
     return figure, list(figure.subplots(rows, columns, squeeze=False).flat)
@@ -200,7 +215,7 @@ def save_figure(
             # Once for both: left to itself each file takes two layouts, which cost more than to draw it.
             layout.execute(figure)
             figure.set_layout_engine(None)
-        packing = {"compress_level": _PNG_LEVEL}
+        packing = {"compress_level": PNG_LEVEL}
         figure.savefig(png, format="png", dpi=dpi, metadata={"Software": None}, pil_kwargs=packing)
         FigureCanvasAgg(figure)  # the one before holds ten megabytes of pixels, until the SVG is drawn
         drawing = figure_svg(figure, path.name, description=description)
@@ -222,13 +237,12 @@ def pair(point: ArrayLike) -> tuple[float, float]:
     return float(x), float(y)
 
 
-def mark_synthetic(axes: Axes) -> None:
+def mark_synthetic(axes: Axes | Panel) -> None:
     """Write "synthetic" into the lower right corner, where a growing curve leaves room."""
-    axes.text(
-        0.99,
-        0.02,
+    axes.annotate(
         "synthetic",
-        transform=axes.transAxes,
+        (0.99, 0.02),
+        xycoords="axes fraction",
         ha="right",
         va="bottom",
         zorder=10,
@@ -241,7 +255,7 @@ def mark_synthetic(axes: Axes) -> None:
 
 
 def draw_points(
-    axes: Axes,
+    axes: Axes | Panel,
     x: ArrayLike,
     y: ArrayLike,
     *,
@@ -252,6 +266,24 @@ def draw_points(
     label: str = "measured",
 ) -> None:
     """Draw points with error bars of one standard uncertainty; synthetic ones hollow and labelled."""
+    bars = {"x_std": x_std, "y_std": y_std}
+    draw_unmarked_points(axes, x, y, **bars, synthetic=synthetic, colour=colour, label=label)
+    if np.any(synthetic):
+        mark_synthetic(axes)
+
+
+def draw_unmarked_points(
+    axes: Axes | Panel,
+    x: ArrayLike,
+    y: ArrayLike,
+    *,
+    x_std: ArrayLike | None = None,
+    y_std: ArrayLike | None = None,
+    synthetic: ArrayLike = False,
+    colour: str = BLUE,
+    label: str = "measured",
+) -> None:
+    """Draw points with error bars of one standard uncertainty, synthetic ones hollow."""
     x, y, flags = broadcast(x, y, synthetic)
     x, y, hollow = x.ravel(), y.ravel(), flags.ravel() != 0
     crowded = x.size > 80
@@ -271,8 +303,6 @@ def draw_points(
                 label=f"{label}{kind}",
                 zorder=3,
             )
-    if hollow.any():
-        mark_synthetic(axes)
 
 
 def _selected(std: ArrayLike | None, mask: BoolArray) -> FloatArray | None:
@@ -281,8 +311,11 @@ def _selected(std: ArrayLike | None, mask: BoolArray) -> FloatArray | None:
     return broadcast(as_float_array(std).ravel() if as_float_array(std).ndim else std, mask)[0][mask]
 
 
-def legend_above(axes: Axes, *, columns: int | None = None) -> None:
+def legend_above(axes: Axes | Panel, *, columns: int | None = None) -> None:
     """Put the legend over the frame, where no data can be; by default in two columns from four entries on."""
+    if isinstance(axes, Panel):
+        axes.record("legend_above", columns=columns)
+        return
     count = len(axes.get_legend_handles_labels()[0])
     if count:
         axes.legend(
@@ -295,9 +328,57 @@ def legend_above(axes: Axes, *, columns: int | None = None) -> None:
         )
 
 
-def plain_log_ticks(*every: Axis) -> None:
-    """Label 1, 2, 5 of each decade with plain numbers: most data span little more than one."""
-    for axis in every:
-        axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+def plain_log_ticks(axes: Axes | Panel, names: str) -> None:
+    """Label 1, 2, 5 of each decade of the axes named, ``"x"``, ``"y"`` or ``"xy"``, with plain numbers."""
+    if isinstance(axes, Panel):
+        axes.record("plain_log_ticks", names)
+        return
+    for name in names:
+        axis = {"x": axes.xaxis, "y": axes.yaxis}[name]
+        axis.set_major_locator(LogLocator(subs=LOG_SUBS))
         axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
         axis.set_minor_locator(NullLocator())
+
+
+def draw_shapes(
+    axes: Axes | Panel,
+    x: ArrayLike,
+    y: ArrayLike,
+    *,
+    widths: ArrayLike,
+    heights: ArrayLike,
+    angles_deg: ArrayLike,
+    edge: str,
+    face: str,
+    beside: bool,
+) -> None:
+    """Draw ellipses of sizes on paper, points; `beside` takes x in fractions of the frame."""
+    options = {"widths": widths, "heights": heights, "angles_deg": angles_deg}
+    if isinstance(axes, Panel):
+        axes.record("draw_shapes", x, y, **options, edge=edge, face=face, beside=beside)
+        return
+    shapes = EllipseCollection(
+        as_float_array(widths),
+        as_float_array(heights),
+        as_float_array(angles_deg),
+        units="points",
+        offsets=np.column_stack([x, y]),
+        offset_transform=axes.get_yaxis_transform() if beside else axes.transData,
+        facecolors=face,
+        edgecolors=edge,
+        linewidths=0.9,
+        clip_on=False,
+        zorder=4,
+    )
+    axes.add_collection(shapes, autolim=False)
+
+
+def draw_picture(axes: Axes | Panel, png: str, extent: Sequence[float]) -> None:
+    """Draw a PNG file, given in base64, from left to right and from bottom to top of an extent."""
+    if isinstance(axes, Panel):
+        axes.record("draw_picture", png, extent)
+        return
+    with Image.open(io.BytesIO(base64.b64decode(png))) as picture:
+        pixels = np.asarray(picture)
+    left, right, bottom, top = extent
+    axes.imshow(pixels, extent=(left, right, bottom, top), interpolation="bilinear", zorder=1)

@@ -3,19 +3,19 @@
 from collections.abc import Mapping
 
 import numpy as np
-from matplotlib.axes import Axes
 
+from fingerpad.figures.panels import AnyAxes
 from fingerpad.figures.style import BLUE, ORANGE, in_style, legend_above, mark_synthetic
 
 
 @in_style
 def plot_uncertainty_budget(
-    axes: Axes,
+    axes: AnyAxes,
     first_order: Mapping[str, float],
     *,
     total: Mapping[str, float] | None = None,
     synthetic: bool = False,
-) -> Axes:
+) -> AnyAxes:
     """Draw the contribution of each source to the variance of a result, as bars from the largest down.
 
     Parameters

@@ -9,13 +9,13 @@ from markupsafe import Markup
 import fingerpad
 from fingerpad._files import make_folder
 from fingerpad.exceptions import FingerpadError
-from fingerpad.figures import new_figure, save_figure
+from fingerpad.figures import new_panels
 from fingerpad.figures.compare import FingerLine, MeanMark, colours_of, plot_forest
-from fingerpad.report.plot import Plot
+from fingerpad.report.plot import Plot, save_plot
 from fingerpad.report.plots import by_wedge_plot
 from fingerpad.report.templates import templates
 from fingerpad.study.compare import QUANTITIES, Comparison, Mean, Value
-from fingerpad.units import two_digits, value_with_uncertainty
+from fingerpad.units import MM_PER_INCH, two_digits, value_with_uncertainty
 
 _LONGEST_LABEL: Final = 38
 # More fingers than these make no readable figure: their people are drawn in their place.
@@ -84,7 +84,7 @@ def forest_plot(comparison: Comparison, quantity: str) -> Iterator[Plot]:
     values = _shown(every_value, means)
     rows, labels, places = _rows(values, means)
     panels = list(dict.fromkeys((value.wedge_angle_deg, value.roll_angle_deg) for value in values))
-    figure, every = new_figure(
+    figure, every = new_panels(
         width_mm=48 + 52 * len(panels), height_mm=16 + 4.6 * len(labels), columns=len(panels)
     )
     colours = colours_of([value.person.name for value in comparison.values])
@@ -223,8 +223,8 @@ def _drawn(plots: Iterator[Plot], out: Path) -> list[dict[str, str]]:
     """Save each plot as files, and return it as SVG for the page."""
     drawn = []
     for plot in plots:
-        file, _ = save_figure(plot.figure, out / "figures" / plot.name, description=plot.caption)
+        file = save_plot(plot, out / "figures")
         _, _, drawing = file.read_text(encoding="utf-8").partition("\n")  # without the XML declaration
-        width_px = round(_PX_PER_INCH * plot.figure.get_figwidth())
+        width_px = round(_PX_PER_INCH * plot.width_mm / MM_PER_INCH)
         drawn.append({"svg": Markup(drawing), "caption": plot.caption, "width_px": str(width_px)})  # noqa: S704 (drawn here)
     return drawn

@@ -9,7 +9,8 @@ import numpy as np
 
 from fingerpad.contact import ContactField, EllipsoidContact, layered_contact, reduced_modulus
 from fingerpad.exceptions import ConvergenceError, GeometryError
-from fingerpad.figures import new_figure, plot_layer_effect, section_figure
+from fingerpad.figures import plot_layer_effect, section_figure
+from fingerpad.figures.panels import new_panels
 from fingerpad.figures.style import mark_synthetic
 from fingerpad.geometry import Ellipsoid
 from fingerpad.report.plot import Plot
@@ -144,7 +145,7 @@ def _conditional(result: StudyResult, summary: Summary) -> Iterator[Plot]:
         return
     place = int(known[-1])
     row, modulus, radius = pooled[place], found.youngs_modulus[place], found.area_over_pi_indentation[place]
-    figure, (axes,) = new_figure(height_mm=56)
+    figure, (axes,) = new_panels(height_mm=56)
     plot_layer_effect(
         axes,
         _THICKNESSES,

@@ -7,7 +7,6 @@ import numpy as np
 from fingerpad._arrays import ArrayLike, FloatArray
 from fingerpad.exceptions import FitError
 from fingerpad.figures import (
-    new_figure,
     plot_contact_compliance,
     plot_load_indentation,
     plot_modulus_from_area_and_indentation,
@@ -15,6 +14,7 @@ from fingerpad.figures import (
     plot_secant_modulus,
 )
 from fingerpad.figures.loading import FORCE_MODEL_NAMES
+from fingerpad.figures.panels import new_panels
 from fingerpad.loading import Estimate, LoadingCurve, LoadingFit, Relaxation, fit_relaxation, shape_check
 from fingerpad.report.plot import Plot
 from fingerpad.units import KPA_PER_MPA, value_with_uncertainty
@@ -52,7 +52,7 @@ def loading_plots(
     """
     where = where or name
     drawn = _Drawn(curve, fit, cycle)
-    figure, (axes,) = new_figure()
+    figure, (axes,) = new_panels()
     plot_load_indentation(
         axes, drawn.indentation, drawn.load, phase=drawn.phase, fits=drawn.laws(), synthetic=synthetic
     )
@@ -63,7 +63,7 @@ def loading_plots(
         f"loading ({where}).",
     )
     if drawn.area is not None:
-        figure, (axes,) = new_figure()
+        figure, (axes,) = new_panels()
         radius = fit.loading_radius if isinstance(fit.loading_radius, Estimate) else None
         fitted = drawn.phase == "loading"
         plot_contact_compliance(
@@ -130,7 +130,7 @@ def _secant_plots(name: str, where: str, fit: LoadingFit, *, synthetic: bool) ->
         label = rf"$E_\mathrm{{0g}}$ = {_in_kpa(initial)} kPa, β = {_in_kpa(growth)} kPa/N"
     region = (secant.load >= low) & (secant.load <= high)
     for against, abscissa in (("load", secant.load), ("indentation", secant.indentation)):
-        figure, (axes,) = new_figure()
+        figure, (axes,) = new_panels()
         plot_secant_modulus(
             axes,
             abscissa,
@@ -166,7 +166,7 @@ def _shape(
     check = shape_check(
         drawn.load[fitted], drawn.indentation[fitted], drawn.area[fitted], loading_radius=radius
     )
-    figure, (axes,) = new_figure()
+    figure, (axes,) = new_panels()
     plot_modulus_from_area_and_indentation(
         axes,
         check.load,
@@ -188,7 +188,7 @@ def _relaxation(name: str, where: str, drawn: _Drawn, found: Relaxation, *, synt
     assert hold is not None and drawn.zeroed.time is not None  # noqa: PT018 (fitted only with both)
     begin = drawn.zeroed.time[hold.start]
     times = [term.time for term in found.terms]
-    figure, (axes,) = new_figure()
+    figure, (axes,) = new_panels()
     plot_relaxation(
         axes,
         drawn.zeroed.time[hold.rows] - begin,

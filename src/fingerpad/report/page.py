@@ -1,7 +1,6 @@
 """Writing one page of the report, and its figures."""
 
 import base64
-import gc
 import io
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
@@ -16,11 +15,10 @@ from PIL import Image
 
 from fingerpad._arrays import FloatArray
 from fingerpad.exceptions import FingerpadError
-from fingerpad.figures import save_figure
 from fingerpad.image import PHOTOGRAPH_FLAGS
 from fingerpad.loading import Quantity, Undetermined
 from fingerpad.report.layer import comparisons, layer_plots
-from fingerpad.report.plot import Plot
+from fingerpad.report.plot import Plot, save_plot
 from fingerpad.report.plots import (
     MOST_POINTS,
     budget_plot,
@@ -61,7 +59,6 @@ _Draw: TypeAlias = Callable[[Iterable[Plot]], list[dict[str, Any]]]
 _OVERLAY_WIDTH_PX = 560
 _MOST_FAILED = 200
 _MOST_PRESSES = 60
-_FIGURES_HELD = 2
 # Of contacts and of sequences each: some twenty kilobytes a picture make a page that still opens.
 _MOST_PICTURES = 240
 
@@ -76,7 +73,7 @@ def write_page(
     pages: Mapping[str, str] = MappingProxyType({}),
     on_drawn: Callable[[str], None] = lambda _: None,
 ) -> None:
-    """Write a page and its figures, ``figures/*.svg, *.png``.
+    """Write a page and its figures, ``figures/*.svg, *.json``.
 
     Parameters
     ----------
@@ -211,7 +208,6 @@ def _details(
     doubtful = doubtful.at(np.argsort(doubtful.column("pooled"), kind="stable"))  # those left out first
     out = contacts.at(~contacts.column("pooled"))
     overlays = contacts.at(contacts.known("overlay"))
-    gc.collect()  # as in _sequences
     return {
         "shown": shown if contacts else (),
         "check": check,
@@ -276,8 +272,6 @@ def _sequences(result: StudyResult, draw: _Draw) -> list[dict[str, Any]]:
                 "overlays": film.overlays[:pictures],
             }
         )
-        if number % _FIGURES_HELD == 0:
-            gc.collect()  # a drawn figure and its ten megabytes of pixels go in circles
     return shown
 
 
@@ -290,7 +284,7 @@ def _drawn(out: Path, on_drawn: Callable[[str], None], plots: Iterable[Plot]) ->
     """Save each plot as files, and return its SVG and caption for the page."""
     shown = []
     for plot in plots:
-        file, _ = save_figure(plot.figure, out / "figures" / plot.name, description=plot.caption)
+        file = save_plot(plot, out / "figures")
         shown.append({"file": file, "caption": plot.caption})
         on_drawn(plot.name.replace("_", " "))
     return shown

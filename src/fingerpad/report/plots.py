@@ -4,12 +4,10 @@ from collections.abc import Iterator, Sequence
 from typing import Final
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from fingerpad._files import file_stem
 from fingerpad.contact import HertzGeometry
 from fingerpad.figures import (
-    new_figure,
     plot_area_against_load,
     plot_aspect_ratio,
     plot_corrected_radius,
@@ -19,6 +17,7 @@ from fingerpad.figures import (
     plot_uncertainty_budget,
 )
 from fingerpad.figures.compare import FingerLine, MeanMark, colours_of, plot_by_wedge
+from fingerpad.figures.panels import PanelFigure, new_panels
 from fingerpad.geometry import Ellipse, Ellipsoid, Placement
 from fingerpad.loading import Estimate
 from fingerpad.report.loading import loading_plots
@@ -117,7 +116,7 @@ def by_wedge_plot(
     name: str, lines: Sequence[FingerLine], means: Sequence[tuple[float, MeanMark]] = (), *, label: str
 ) -> Plot:
     """Return corrected radii against wedge angle as a separate figure."""
-    figure, (axes,) = new_figure(width_mm=140, height_mm=95)
+    figure, (axes,) = new_panels(width_mm=140, height_mm=95)
     plot_by_wedge(axes, lines, means, label=label)
     return Plot(
         name=name,
@@ -156,7 +155,7 @@ def velocity_plots(curves: Sequence[CurveResult]) -> Iterator[Plot]:
     for (finger, wedge, synthetic), found in groups.items():
         if len({velocity for velocity, _ in found}) < 2:
             continue
-        figure, (axes,) = new_figure()
+        figure, (axes,) = new_panels()
         plot_initial_modulus(
             axes,
             [velocity for velocity, _ in found],
@@ -176,7 +175,7 @@ def budget_plot(summary: Summary, check: UncertaintyCheck | None) -> Iterator[Pl
     """Draw who contributes what to the uncertainty of the highest_load contact's corrected radius."""
     if check is None:
         return
-    figure, (axes,) = new_figure()
+    figure, (axes,) = new_panels()
     plot_uncertainty_budget(axes, check.shares, total=check.total, synthetic=summary.synthetic)
     name = group_name(
         summary.finger, summary.wedge_angle_deg, summary.roll_angle_deg, synthetic=summary.synthetic
@@ -196,10 +195,7 @@ def press_plot(film: SequenceResult, frames: ResultsTable) -> Iterator[Plot]:
     if not seen:
         return
     rows = thinned(seen, _MOST_FRAMES)
-    figure, axes = new_figure(width_mm=170, height_mm=110, rows=2, columns=2)
-    # All presses in one frame, as eyes go from one to the next; and to find a frame takes as long as to draw.
-    figure.set_layout_engine(None)
-    figure.subplots_adjust(left=0.08, right=0.985, bottom=0.085, top=0.945, wspace=0.2, hspace=0.3)
+    figure, axes = new_panels(width_mm=170, height_mm=110, rows=2, columns=2)
     synthetic = bool(rows[0]["synthetic"])
     plot_press(
         axes,
@@ -235,7 +231,7 @@ def thinned(rows: ResultsTable, most: int) -> ResultsTable:
     return rows.at(np.linspace(0, len(rows) - 1, most).round().astype(int))
 
 
-def _pad(result: StudyResult, summary: Summary, row: Row) -> Figure:
+def _pad(result: StudyResult, summary: Summary, row: Row) -> PanelFigure:
     pad = Ellipsoid(*result.fingers[summary.finger].semi_axes)
     wedge, roll = np.radians([summary.wedge_angle_deg, summary.roll_angle_deg])
     radii = Placement(pad, wedge_angle=wedge, roll_angle=roll).curvature.principal_radii
@@ -247,7 +243,7 @@ def _pad(result: StudyResult, summary: Summary, row: Row) -> Figure:
         if row["orientation_deg"] is not None
         else 90.0 * (row["long_axis"] == "across")
     )
-    figure, (axes,) = new_figure(height_mm=95)
+    figure, (axes,) = new_panels(height_mm=95)
     plot_pad_with_contact(
         axes,
         pad,
@@ -261,8 +257,8 @@ def _pad(result: StudyResult, summary: Summary, row: Row) -> Figure:
     return figure
 
 
-def _corrected_radius(rows: ResultsTable, loading: LoadingRadius | None) -> Figure:
-    figure, (axes,) = new_figure()
+def _corrected_radius(rows: ResultsTable, loading: LoadingRadius | None) -> PanelFigure:
+    figure, (axes,) = new_panels()
     plot_corrected_radius(
         axes,
         rows.column("load_N"),
@@ -276,8 +272,8 @@ def _corrected_radius(rows: ResultsTable, loading: LoadingRadius | None) -> Figu
     return figure
 
 
-def _area(rows: ResultsTable, exponent: Exponent) -> Figure:
-    figure, (axes,) = new_figure()
+def _area(rows: ResultsTable, exponent: Exponent) -> PanelFigure:
+    figure, (axes,) = new_panels()
     major, minor = rows.column("semi_major_mm"), rows.column("semi_minor_mm")
     plot_area_against_load(
         axes,
@@ -291,8 +287,8 @@ def _area(rows: ResultsTable, exponent: Exponent) -> Figure:
     return figure
 
 
-def _aspect_ratio(rows: ResultsTable) -> Figure:
-    figure, (axes,) = new_figure()
+def _aspect_ratio(rows: ResultsTable) -> PanelFigure:
+    figure, (axes,) = new_panels()
     ratio = rows.column("aspect_ratio")
     names = ("semi_major_mm", "semi_minor_mm")
     noise = [rows.column(f"{name}_noise_std") / rows.column(name) for name in names]

@@ -25,7 +25,7 @@ def write_report(
     draw: Callable[[list[Task], Callable[[Task], None]], None] | None = None,
     on_drawn: Callable[[str], None] = lambda _: None,
 ) -> Path:
-    """Write ``report.html`` and ``figures/*.svg, *.png`` into a folder.
+    """Write ``report.html`` and ``figures/*.svg, *.json`` into a folder.
 
     A study of more than 20 fingers at angles has a page for each finger, ``report/FINGER.html``;
     ``report.html`` tables all and links to them.

@@ -25,6 +25,7 @@ from fingerpad.exceptions import FingerpadError
 from fingerpad.web import (
     contacts,
     corrections,
+    figures,
     files,
     geometry,
     image_routes,
@@ -52,6 +53,7 @@ _ROUTES: Final = (
     sequences,
     corrections,
     results,
+    figures,
     geometry,
     files,
 )

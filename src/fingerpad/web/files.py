@@ -50,7 +50,7 @@ _TYPES: Final = {
     ".png": "image/png",
 }
 _DRAWN: Final = re.compile(
-    r"(figures|overlays)/((photographs|sequences)/)?[^/\\\0]+\.(svg|png)|report/[^/\\\0]+\.html"
+    r"(figures|overlays)/((photographs|sequences)/)?[^/\\\0]+\.(svg|png|json)|report/[^/\\\0]+\.html"
 )
 
 

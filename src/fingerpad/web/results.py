@@ -1,9 +1,7 @@
-"""Results of the last run: rows, plots, uncertainty budgets, figures, and the audit of published numbers."""
+"""Results of the last run: rows, plots, uncertainty budgets, and the audit of published numbers."""
 
-import re
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
-from pathlib import Path
+from collections.abc import Mapping
 from typing import Annotated, Any, Final
 
 import numpy as np
@@ -14,7 +12,7 @@ from fingerpad.published import audit
 from fingerpad.report.text import pooling_words
 from fingerpad.study.corrections.history import ActiveCorrection
 from fingerpad.study.results.columns import COLUMNS, Column
-from fingerpad.study.results.result_set import RERUN, result_files
+from fingerpad.study.results.result_set import RERUN
 from fingerpad.study.results.rows import PLACEMENT, RANGE_NOTES
 from fingerpad.study.results.table import ResultsTable
 from fingerpad.web import answers
@@ -22,14 +20,19 @@ from fingerpad.web.corrections import pooling_choice
 from fingerpad.web.endpoints import Endpoint, Params
 from fingerpad.web.errors import RequestError
 from fingerpad.web.last_results import Results, last_results, results_faults
-from fingerpad.web.study_session import StudySession
 from fingerpad.web.workspace import Workspace
 
 _MOST_IN_QUESTION: Final = 200
-_CAPTION: Final = re.compile(r'aria-label="([^"]*)"')
 
 
-def _results(workspace: Workspace) -> Results:
+def require_results(workspace: Workspace) -> Results:
+    """Return the results of the last run.
+
+    Raises
+    ------
+    RequestError
+        If there are none, or they are damaged.
+    """
     found = last_results(workspace.study)
     if found is None:
         faults = results_faults(workspace.study)
@@ -56,7 +59,7 @@ class RowsParams(Params):
 
 def rows(workspace: Workspace, params: RowsParams, _: Any) -> dict[str, Any]:
     """Return some rows of the results."""
-    found = _results(workspace)
+    found = require_results(workspace)
     chosen = found.table.at(_chosen(found.table, params))
     if params.sort:
         key = params.sort.lstrip("-")
@@ -108,7 +111,7 @@ class PlotParams(Params):
 
 def plot(workspace: Workspace, params: PlotParams, _: Any) -> dict[str, Any]:
     """Return the data to plot for each finger and placement."""
-    found = _results(workspace)
+    found = require_results(workspace)
     active_corrections = workspace.study.corrections.active_corrections()
     groups = [
         _group(one, found.table, active_corrections)
@@ -195,31 +198,9 @@ def budget(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
                 "check": (check := one["uncertainty_check"])
                 and {name: check[name] for name in answers.BudgetCheck.model_fields},
             }
-            for one in _results(workspace).summary["summaries"]
+            for one in require_results(workspace).summary["summaries"]
         ]
     }
-
-
-def figures(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
-    """Return the report's figures with their captions."""
-    _results(workspace)
-    out = workspace.study.out
-    names = [name for name in result_files(out) if name.startswith("figures/") and name.endswith(".svg")]
-    return {"figures": list(_figures(workspace.study, [out / name for name in names]))}
-
-
-def _figures(opened: StudySession, drawings: Iterable[Path]) -> Iterator[dict[str, str]]:
-    for path in drawings:
-        with path.open(encoding="utf-8") as file:
-            start = file.read(4000)
-        caption = _CAPTION.search(start)
-        words = caption[1] if caption else path.stem
-        yield {
-            "name": path.stem,
-            "caption": words.replace("&quot;", '"').replace("&lt;", "<").replace("&amp;", "&"),
-            "svg": opened.address(f"/api/download/figures/{path.name}"),
-            "png": opened.address(f"/api/download/figures/{path.stem}.png"),
-        }
 
 
 def published(_: Workspace, __: Any, ___: Any) -> dict[str, Any]:
@@ -250,13 +231,6 @@ ENDPOINTS: Final = (
         answer=budget,
         model=answers.Budget,
         summary="Uncertainty budgets",
-    ),
-    Endpoint(
-        method="GET",
-        path="/api/results/figures",
-        answer=figures,
-        model=answers.Figures,
-        summary="The report's figures",
     ),
     Endpoint(
         method="GET",

@@ -115,6 +115,29 @@ def test_late_results_of_another_part_are_not_shown(tab: Tab, left: str, then: s
     assert page.locator(".results > *").count() == 1
 
 
+def test_figure_for_publication(tab: Tab) -> None:
+    tab.expected.append("422")
+    page = tab.open("results/figures")
+    page.get_by_label("Show", exact=True).select_option("corrected_radius")
+    page.get_by_role("button", name="Size, axes and colours of").first.click()
+    dialog = page.locator("dialog.figure-settings")
+    preview = dialog.locator("img.preview")
+    page.wait_for_function("() => document.querySelector('img.preview')?.naturalWidth > 100")
+    before = preview.get_attribute("src")
+    dialog.get_by_label("Journal").select_option("90")
+    page.wait_for_function(
+        "(before) => document.querySelector('img.preview').getAttribute('src') !== before", arg=before
+    )
+    assert "width_mm=90" in dialog.get_by_role("link", name="PDF").get_attribute("href")
+    dialog.get_by_label("From").first.fill("3")
+    dialog.get_by_label("To").first.fill("1")
+    dialog.get_by_label("To").first.press("Enter")
+    dialog.get_by_text("an axis goes from a smaller to a larger number, found 3 to 1").wait_for()
+    assert dialog.get_by_role("link", name="PDF").count() == 0
+    dialog.get_by_role("button", name="Close").click()
+    assert dialog.count() == 0
+
+
 def test_figures_budget_and_audit(tab: Tab) -> None:
     page = tab.open("results/figures")
     page.get_by_label("Show", exact=True).select_option("corrected_radius")

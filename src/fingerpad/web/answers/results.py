@@ -1,5 +1,7 @@
 """Results of a run, and the pad in three dimensions."""
 
+from typing import Literal
+
 from fingerpad.web.answers.base import Answer, Cell, Point3D, PoolingChoice
 from fingerpad.web.answers.study import SemiAxes
 
@@ -162,7 +164,27 @@ class Figure(Answer):
     name: str
     caption: str
     svg: str
-    png: str
+    png: str | None
+    settable: bool
+
+
+class FigureAxis(Answer):
+    """An axis of a figure; it can be set where all panels show one quantity on it."""
+
+    axis: Literal["x", "y"]
+    name: str
+    scale: Literal["linear", "log"]
+    settable: bool
+
+
+class FigureDetails(Answer):
+    """What can be set of a figure, as it is in the report."""
+
+    name: str
+    width_mm: float
+    height_mm: float
+    colours: list[str]
+    axes: list[FigureAxis]
 
 
 class Figures(Answer):

@@ -2,7 +2,9 @@
 
 import { get } from "../core/api.js";
 import { h, render } from "../core/dom.js";
-import { choose, field } from "../parts/forms.js";
+import { showError } from "../core/messages.js";
+import { openFigureSettings } from "../parts/figure_settings.js";
+import { button, choose, field } from "../parts/forms.js";
 
 export class Figures {
   constructor(root) {
@@ -31,25 +33,7 @@ export class Figures {
       );
       render(
         this.grid,
-        shown.map(({ name, caption, svg, png }) =>
-          h(
-            "figure.card",
-            null,
-            h("img", { src: svg, alt: caption || name.replaceAll("_", " "), loading: "lazy" }),
-            h(
-              "figcaption",
-              null,
-              h("p", null, caption || name.replaceAll("_", " ")),
-              h(
-                "p",
-                null,
-                h("a", { href: `${svg}?attachment=1`, "aria-label": `SVG of ${name}` }, "SVG"),
-                " · ",
-                h("a", { href: `${png}?attachment=1`, "aria-label": `PNG of ${name}` }, "PNG"),
-              ),
-            ),
-          ),
-        ),
+        shown.map((figure) => this.#card(figure)),
         !shown.length && h("p.soft", null, "There are no such figures in this study."),
       );
     };
@@ -59,5 +43,33 @@ export class Figures {
       this.grid,
     );
     draw("");
+  }
+
+  /** @param {Answers["Figures"]["figures"][number]} figure */
+  #card(figure) {
+    const { name, caption, svg, png, settable } = figure;
+    const words = caption || name.replaceAll("_", " ");
+    const save = (address, kind) =>
+      h("a.button", { href: `${address}?attachment=1`, "aria-label": `${kind} of ${name}` }, kind);
+    return h(
+      "figure.card",
+      null,
+      h("img", { src: svg, alt: words, loading: "lazy" }),
+      h(
+        "figcaption",
+        null,
+        h("p", null, words),
+        h(
+          "div.actions",
+          null,
+          save(svg, "SVG"),
+          png && save(png, "PNG"),
+          settable &&
+            button("Figure…", () => openFigureSettings(figure).catch(showError), {
+              label: `Size, axes and colours of ${name}`,
+            }),
+        ),
+      ),
+    );
   }
 }

@@ -270,7 +270,7 @@ class Run {
           "section.card.export",
           { "aria-label": "Figures" },
           h("h3", null, "Figures"),
-          h("p.soft", null, "Each figure of the report as SVG and PNG."),
+          h("p.soft", null, "Each figure of the report as SVG, PDF, PNG and CSV."),
           h(
             "div.actions",
             null,

@@ -1,0 +1,140 @@
+"""Text of SVG drawings: its width, and simple formulas as runs of upright, slanted, low and high text."""
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Final
+
+import matplotlib as mpl
+from PIL import ImageFont
+
+FONT_FAMILY: Final = "'DejaVu Sans', Verdana, sans-serif"
+LINE_HEIGHT: Final = 1.2
+_SCRIPT_SIZE: Final = 0.7
+_LOWERED, _RAISED = 0.15, -0.38  # of the font size, downwards
+_MEASURED_AT: Final = 100  # px
+_COMMANDS: Final = {
+    "beta": "β",
+    "ell": "ℓ",
+    "pi": "π",
+    "propto": " ∝ ",
+    "tau": "τ",
+    "xi": "ξ",
+}
+_SPACED: Final = {"=": " = ", "±": " ± "}
+_TOKEN: Final = re.compile(r"\\mathrm\{(?P<upright>[^{}]*)\}|\\(?P<command>[a-z]+)\s*|(?P<other>.)")
+_SCRIPT: Final = re.compile(r"([_^])(\{(?:[^{}]|\{[^{}]*\})*\}|\\mathrm\{[^{}]*\}|\\[a-z]+|.)")
+
+
+@dataclass(frozen=True, slots=True)
+class Run:
+    """Text of one kind: `script` is 1 for a superscript, −1 for a subscript, 0 on the line."""
+
+    text: str
+    slanted: bool = False
+    script: int = 0
+
+    def width(self, size: float) -> float:
+        """Return the width at a font size, both in points."""
+        return text_width(self.text, size * (_SCRIPT_SIZE if self.script else 1.0))
+
+
+@cache
+def runs(text: str) -> tuple[Run, ...]:
+    r"""Return the runs of one line, in which formulas stand between dollar signs as in Matplotlib.
+
+    Formulas have letters, ``\mathrm``, subscripts, superscripts, and the Greek letters of these figures.
+
+    Examples
+    --------
+    >>> [(run.text, run.script) for run in runs(r"radius $R_\mathrm{g}$ (mm)")]
+    [('radius ', 0), ('R', 0), ('g', -1), (' (mm)', 0)]
+    """
+    found: list[Run] = []
+    for place, part in enumerate(text.split("$")):
+        if place % 2 == 0:
+            found += [Run(part)] if part else []
+            continue
+        end = 0
+        for match in _SCRIPT.finditer(part):
+            found += _symbols(part[end : match.start()], 0)
+            inner = match[2][1:-1] if match[2].startswith("{") else match[2]
+            found += _symbols(inner, 1 if match[1] == "^" else -1)
+            end = match.end()
+        found += _symbols(part[end:], 0)
+    return tuple(found)
+
+
+def _symbols(formula: str, script: int) -> Iterator[Run]:
+    """Yield the symbols of a formula without scripts: letters slanted, digits and signs upright."""
+    for match in _TOKEN.finditer(formula):
+        if match["upright"] is not None:
+            yield Run(match["upright"], script=script)
+        else:
+            symbol = _COMMANDS[match["command"]] if match["command"] else _SPACED.get(*2 * (match["other"],))
+            if symbol != " ":
+                yield Run(symbol, slanted=symbol.isalpha(), script=script)
+
+
+def line_width(text: str, size: float) -> float:
+    """Return the width of the longest line of a text at a font size, both in points."""
+    return max(sum(run.width(size) for run in runs(line)) for line in text.split("\n"))
+
+
+@cache
+def text_width(text: str, size: float) -> float:
+    """Return the width of plain text at a font size, both in points."""
+    return _font().getlength(text) * size / _MEASURED_AT
+
+
+@cache
+def _font() -> ImageFont.FreeTypeFont:
+    file = Path(mpl.get_data_path(), "fonts", "ttf", "DejaVuSans.ttf")
+    return ImageFont.truetype(file, _MEASURED_AT, layout_engine=ImageFont.Layout.BASIC)
+
+
+@cache
+def text_element(text: str, size: float, colour: str, anchor: str, extra: str = "") -> str:
+    """Return a text of one line as the inner part of an element, to be placed by its x and y.
+
+    Parameters
+    ----------
+    text : str
+        The line.
+    size : float
+        Font size, points.
+    colour : str
+        Its colour.
+    anchor : {"start", "middle", "end"}
+        What stands at x.
+    extra : str
+        Further attributes.
+    """
+    start = f'font-size="{size:g}" fill="{colour}"'
+    start += f' text-anchor="{anchor}"' if anchor != "start" else ""
+    return f"{start}{extra}>{''.join(_spans(runs(text), size))}</text>"
+
+
+def _spans(of: tuple[Run, ...], size: float) -> Iterator[str]:
+    """Yield the runs as spans, a superscript over the subscript before it."""
+    height = 0.0
+    before = Run("")
+    for run in of:
+        target = {0: 0.0, 1: _RAISED * size, -1: _LOWERED * size}[run.script]
+        attributes = f' dy="{target - height:.2f}"' if target != height else ""
+        if run.script == 1 and before.script == -1:
+            attributes += f' dx="{-before.width(size):.2f}"'
+        if run.script:
+            attributes += f' font-size="{_SCRIPT_SIZE * size:.2f}"'
+        if run.slanted:
+            attributes += ' font-style="italic"'
+        yield f"<tspan{attributes}>{escaped(run.text)}</tspan>" if attributes else escaped(run.text)
+        height = target
+        before = Run(before.text + run.text, script=run.script) if run.script == before.script == -1 else run
+
+
+def escaped(text: str) -> str:
+    """Return text as it stands in XML, also in an attribute."""
+    return text.replace("&", "&amp;").replace("<", "&lt;").replace('"', "&quot;")

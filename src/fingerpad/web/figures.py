@@ -1,0 +1,163 @@
+"""Figures of the last report: their list, and each as a file for publication."""
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Annotated, Any, Final
+
+from pydantic import Field
+from starlette.responses import Response
+
+from fingerpad._files import file_stem
+from fingerpad.figures.panels import PanelFigure
+from fingerpad.figures.publish import (
+    FigureSettings,
+    Format,
+    Scale,
+    figure_colours,
+    figure_file,
+    figure_scale,
+    label,
+    plain_text,
+)
+from fingerpad.study.results.result_set import RERUN, result_files
+from fingerpad.web import answers
+from fingerpad.web.endpoints import Endpoint, Params
+from fingerpad.web.errors import RequestError
+from fingerpad.web.results import require_results
+from fingerpad.web.workspace import Workspace
+
+_CAPTION: Final = re.compile(r'aria-label="([^"]*)"')
+_MEDIA: Final = {
+    "svg": "image/svg+xml",
+    "pdf": "application/pdf",
+    "png": "image/png",
+    "csv": "text/csv; charset=utf-8",
+}
+
+
+class FigureParams(Params):
+    """A figure, by its name."""
+
+    name: Annotated[str, Field(min_length=1, max_length=300)]
+
+
+class FigureFileParams(FigureParams):
+    """A figure, the format of its file, and how to draw it; what is left out stays as in the report."""
+
+    kind: Format
+    width_mm: float | None = None
+    height_mm: float | None = None
+    font_pt: float | None = None
+    x_low: float | None = None
+    x_high: float | None = None
+    y_low: float | None = None
+    y_high: float | None = None
+    x_scale: Scale | None = None
+    y_scale: Scale | None = None
+    colours: Annotated[str, Field(max_length=500, description="Separated by commas.")] = ""
+    dpi: float = 300.0
+    attachment: bool = False
+
+
+def figures(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
+    """Return the report's figures with their captions."""
+    require_results(workspace)
+    names = [name for name in result_files(workspace.study.out) if name.startswith("figures/")]
+    return {"figures": list(_listed(workspace, names))}
+
+
+def _listed(workspace: Workspace, names: list[str]) -> Iterator[dict[str, Any]]:
+    opened, every = workspace.study, set(names)
+    for drawing in (name for name in names if name.endswith(".svg")):
+        stem = Path(drawing).stem
+        with (opened.out / drawing).open(encoding="utf-8") as file:
+            caption = _CAPTION.search(file.read(4000))
+        words = caption[1] if caption else stem
+        drawn_too = f"figures/{stem}.png"
+        yield {
+            "name": stem,
+            "caption": words.replace("&quot;", '"').replace("&lt;", "<").replace("&amp;", "&"),
+            "svg": opened.address(f"/api/download/{drawing}"),
+            "png": opened.address(f"/api/download/{drawn_too}") if drawn_too in every else None,
+            "settable": f"figures/{stem}.json" in every,
+        }
+
+
+def figure(workspace: Workspace, params: FigureParams, _: Any) -> dict[str, Any]:
+    """Return what can be set of a figure, as it is in the report."""
+    found = _read(workspace, params.name)
+    return {
+        "name": params.name,
+        "width_mm": found.width_mm,
+        "height_mm": found.height_mm,
+        "colours": figure_colours(found),
+        "axes": [
+            {
+                "axis": axis,
+                "name": plain_text(label(found.panels[0], axis)),
+                "scale": figure_scale(found.panels[0], axis),
+                "settable": len({label(panel, axis) for panel in found.panels}) == 1,
+            }
+            for axis in "xy"
+        ],
+    }
+
+
+def figure_download(workspace: Workspace, params: FigureFileParams, _: Any) -> Response:
+    """Return a figure as a file."""
+    settings = FigureSettings(
+        width_mm=params.width_mm,
+        height_mm=params.height_mm,
+        font_pt=params.font_pt,
+        x_range=(params.x_low, params.x_high),
+        y_range=(params.y_low, params.y_high),
+        x_scale=params.x_scale,
+        y_scale=params.y_scale,
+        colours=tuple(filter(None, params.colours.split(","))),
+        dpi=params.dpi,
+    )
+    content = figure_file(_read(workspace, params.name), params.kind, settings)
+    headers = {"cache-control": "private, no-cache"}
+    if params.attachment:
+        name = file_stem(params.name).encode("ascii", "replace").decode().replace("?", "_")
+        headers["content-disposition"] = f'attachment; filename="{name}.{params.kind}"'
+    return Response(content, media_type=_MEDIA[params.kind], headers=headers)
+
+
+def _read(workspace: Workspace, name: str) -> PanelFigure:
+    """Return a figure of the results as data."""
+    require_results(workspace)
+    file = f"figures/{name}.json"
+    if file not in result_files(workspace.study.out):
+        raise RequestError.not_there(f"{name[:80]!r}: no figure of the last run that can be set")
+    try:
+        return PanelFigure.of_json((workspace.study.out / file).read_text(encoding="utf-8"))
+    except ValueError as error:
+        raise RequestError.conflict(f"{file}: is damaged: {RERUN}") from error
+
+
+ENDPOINTS: Final = (
+    Endpoint(
+        method="GET",
+        path="/api/results/figures",
+        answer=figures,
+        model=answers.Figures,
+        summary="The report's figures",
+    ),
+    Endpoint(
+        method="GET",
+        path="/api/results/figure",
+        answer=figure,
+        model=answers.FigureDetails,
+        query=FigureParams,
+        summary="What can be set of a figure",
+    ),
+    Endpoint(
+        method="GET",
+        path="/api/results/figure/file",
+        answer=figure_download,
+        query=FigureFileParams,
+        summary="A figure as SVG, PDF or PNG for publication, or its data as CSV",
+    ),
+)

@@ -1,0 +1,191 @@
+"""SVG of panels: the limits of Matplotlib, data where the ticks say, text inside the figure."""
+
+import re
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from fingerpad.figures import (
+    new_figure,
+    new_panels,
+    panels_svg,
+    plot_area_against_load,
+    plot_aspect_ratio,
+    plot_contact_compliance,
+    plot_corrected_radius,
+    plot_initial_modulus,
+    plot_layer_effect,
+    plot_load_indentation,
+    plot_pad_with_contact,
+    plot_relaxation,
+    plot_uncertainty_budget,
+    save_panels,
+)
+from fingerpad.figures.panels import PanelFigure
+from fingerpad.figures.svg_text import line_width, runs
+from fingerpad.geometry import Ellipse, Ellipsoid
+
+SVG = "{http://www.w3.org/2000/svg}"
+LOAD = np.array([0.2, 0.5, 1.0, 2.0])
+VALUE = np.array([12.0, 30.0, 55.0, 80.0])
+STD = np.array([1.0, 2.0, 2.5, 3.0])
+PLOTS = {
+    "radius": lambda axes: plot_corrected_radius(
+        axes, LOAD, VALUE, corrected_radius_std=STD, measured_radius=90.0, mean_curvature_radius=70.0
+    ),
+    "area": lambda axes: plot_area_against_load(
+        axes, LOAD, VALUE, area_std=STD, exponent=0.8, exponent_std=0.05, synthetic=True
+    ),
+    "aspect ratio": lambda axes: plot_aspect_ratio(
+        axes, LOAD, 1 + VALUE / 100, aspect_ratio_std=STD / 100, predicted_aspect_ratio=1.1
+    ),
+    "budget": lambda axes: plot_uncertainty_budget(
+        axes, {"wedge angle": 0.7, "load": 0.3}, total={"load": 0.3, "wedge angle": 0.8}
+    ),
+    "layer": lambda axes: plot_layer_effect(
+        axes, [3, 4, 8, 12], modulus_ratio=[0.4, 0.5, 0.7, 0.8], radius_ratio=[2.2, 2, 1.5, 1.4]
+    ),
+    "compliance": lambda axes: plot_contact_compliance(
+        axes, LOAD, VALUE, area_std=STD, loading_radius=12.0, loading_radius_std=0.5
+    ),
+    "load": lambda axes: plot_load_indentation(axes, LOAD, VALUE, fits={"Hertz": (LOAD, VALUE)}),
+    "velocity": lambda axes: plot_initial_modulus(axes, LOAD, VALUE / 1000, initial_modulus_std=STD / 1000),
+    "relaxation": lambda axes: plot_relaxation(
+        axes, [0.01, 0.1, 1, 10], VALUE, time_constants=[0.5], ramp_time=0.05
+    ),
+}
+
+
+def drawn(plot) -> tuple[PanelFigure, ElementTree.Element]:
+    figure, (panel,) = new_panels()
+    plot(panel)
+    return figure, ElementTree.fromstring(panels_svg(figure, "test"))
+
+
+def texts(root: ElementTree.Element) -> list[tuple[str, float, float, ElementTree.Element]]:
+    return [
+        ("".join(each.itertext()), float(each.get("x")), float(each.get("y")), each)
+        for each in root.iter(f"{SVG}text")
+    ]
+
+
+def ticks(root: ElementTree.Element) -> tuple[np.ndarray, np.ndarray]:
+    """Return values and places of the ticks, in x and in y, from the figure alone."""
+    path = next(each.get("d") for each in root.iter(f"{SVG}path") if re.search(r"v3\.5", each.get("d")))
+    x = [float(found) for found in re.findall(r"M([\d.]+) [\d.]+v3\.5", path)]
+    y = [float(found) for found in re.findall(r"M[\d.]+ ([\d.]+)h-3\.5", path)]
+    found = [
+        one for one in texts(root) if one[3].get("font-size") == "7" and re.fullmatch(r"−?[\d.]+", one[0])
+    ]
+    return tuple(
+        np.array(
+            [
+                (float(text.replace("−", "-")), place)
+                for place in places
+                for text, a, b, each in found
+                if re.fullmatch(r"−?[\d.]+", text)
+                and each.get("text-anchor") == anchor
+                and abs((a, b - 2.66)[axis] - place) < 0.1
+            ]
+        ).T
+        for axis, (places, anchor) in enumerate(((x, "middle"), (y, "end")))
+    )
+
+
+def scaled(values, scale: str) -> np.ndarray:
+    return np.log(values) if scale == "log" else np.asarray(values)
+
+
+def markers(root: ElementTree.Element) -> np.ndarray:
+    path = next(each.get("d") for each in root.iter(f"{SVG}path") if each.get("d").count("z") >= LOAD.size)
+    return np.array(re.findall(r"M([\d.]+) ([\d.]+)m", path), dtype=float).T
+
+
+@pytest.mark.parametrize("name", PLOTS)
+def test_limits_are_those_of_matplotlib(name) -> None:
+    _, (axes,) = new_figure()
+    PLOTS[name](axes)
+    _, root = drawn(PLOTS[name])
+    frame = next(root.iter(f"{SVG}clipPath"))[0]
+    sides = [
+        (float(frame.get(low)), float(frame.get(size))) for low, size in (("x", "width"), ("y", "height"))
+    ]
+    limits, scales = (axes.get_xlim(), axes.get_ylim()), (axes.get_xscale(), axes.get_yscale())
+    if name == "budget":  # its y axis has names
+        sides, limits = sides[:1], limits[:1]
+    for (values, places), ends, scale, (begin, extent) in zip(
+        ticks(root), limits, scales, sides, strict=False
+    ):
+        line = np.polyfit(scaled(values, scale), places, 1)
+        assert_allclose(np.polyval(line, scaled(values, scale)), places, atol=0.02)
+        assert_allclose(sorted(np.polyval(line, scaled(ends, scale))), [begin, begin + extent], atol=0.1)
+
+
+@pytest.mark.parametrize("name", ["radius", "area", "compliance", "load"])
+def test_points_stand_where_the_ticks_say(name) -> None:
+    _, root = drawn(PLOTS[name])
+    x, y = (LOAD, VALUE) if name != "compliance" else (np.pi * LOAD, VALUE)
+    scale = "log" if name == "area" else "linear"
+    for data, drawn_at, (values, places) in zip((x, y), markers(root), ticks(root), strict=True):
+        line = np.polyfit(scaled(values, scale), places, 1)
+        assert_allclose(drawn_at, np.polyval(line, scaled(data, scale)), atol=0.05)
+
+
+@pytest.mark.parametrize("name", PLOTS)
+def test_text_stays_inside(name) -> None:
+    _, root = drawn(PLOTS[name])
+    _, _, width, height = map(float, root.get("viewBox").split())
+    for text, x, y, element in texts(root):
+        if element.get("transform"):
+            continue
+        size = float(element.get("font-size"))
+        long = line_width(text, size)
+        left = x - long * {"start": 0, "middle": 0.5, "end": 1}[element.get("text-anchor", "start")]
+        assert left >= -0.5, text
+        assert left + long <= width + 4, text  # scripts are narrower than measured here
+        assert 0 <= y - 0.7 * size <= y <= height, text
+
+
+def test_pad_has_equal_scales() -> None:
+    pad = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
+    _, root = drawn(
+        lambda axes: plot_pad_with_contact(axes, pad, wedge_angle=0.0, measured=Ellipse(8.0, 4.0))
+    )
+    outline = next(root.iter(f"{SVG}image"))
+    assert_allclose(float(outline.get("height")) / float(outline.get("width")), 13.8 / 11.8, rtol=1e-3)
+
+
+def test_formulas_become_text() -> None:
+    found = runs(r"fit, $A \propto W^{0.60 ± 0.02}$ and $R_\mathrm{g}^\mathrm{corr}$")
+    assert [(run.text, run.script, run.slanted) for run in found] == [
+        ("fit, ", 0, False), ("A", 0, True), (" ∝ ", 0, False), ("W", 0, True),
+        *((sign, 1, False) for sign in ("0", ".", "6", "0", " ± ", "0", ".", "0", "2")),
+        (" and ", 0, False), ("R", 0, True), ("g", -1, False), ("corr", 1, False),
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize("values", [[], [np.nan, np.nan], [np.nan, 1.0]])
+@pytest.mark.parametrize("plot", [plot_corrected_radius, plot_area_against_load, plot_aspect_ratio])
+def test_missing_values(plot, values) -> None:
+    _, root = drawn(lambda axes: plot(axes, values, values, synthetic=True))
+    assert "nan" not in ElementTree.tostring(root, encoding="unicode")
+
+
+def test_data_survive_the_file(tmp_path) -> None:
+    figure, _ = drawn(PLOTS["radius"])
+    for folder in ("a", "b"):
+        (tmp_path / folder).mkdir()
+        drawing, data = save_panels(figure, tmp_path / folder / "radius", description='R < 2 & "more"')
+        figure = PanelFigure.of_json(data.read_text("utf-8"))
+    for name in ("radius.svg", "radius.json"):
+        assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes()
+    assert ElementTree.parse(drawing).getroot().get("aria-label") == 'R < 2 & "more"'
+
+
+def test_ids_differ_between_figures() -> None:
+    figure, _ = drawn(PLOTS["radius"])
+    ids = [set(re.findall(r'\bid="([^"]+)"', panels_svg(figure, name))) for name in ("a", "b")]
+    assert ids[0].isdisjoint(ids[1])
+    assert len(ids[0]) == 2

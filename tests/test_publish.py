@@ -1,0 +1,154 @@
+"""Figures for publication: sizes in mm and pixels, data as CSV, axes, colours, and refusals in words."""
+
+import csv
+import io
+import re
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from PIL import Image
+from typer.testing import CliRunner
+
+from fingerpad.cli import app
+from fingerpad.exceptions import FigureError
+from fingerpad.figures import new_panels, plot_area_against_load, plot_corrected_radius, plot_press
+from fingerpad.figures.publish import (
+    FigureSettings,
+    draw_figure,
+    figure_colours,
+    figure_csv,
+    figure_file,
+)
+
+LOAD = np.array([0.25, 0.5, 1.0, 2.0])
+VALUE = np.array([13.1, 13.4, 13.25, 13.9])
+STD = np.array([0.1, 0.2, 0.15, 0.3])
+
+
+@pytest.fixture(scope="module")
+def figure():
+    made, (panel,) = new_panels()
+    plot_corrected_radius(panel, LOAD, VALUE, corrected_radius_std=STD, measured_radius=15.0)
+    return made
+
+
+@pytest.mark.parametrize("width_mm", [89.0, 190.0])
+def test_width_as_asked(figure, width_mm) -> None:
+    settings = FigureSettings(width_mm=width_mm, height_mm=60.0, dpi=150)
+    with Image.open(io.BytesIO(figure_file(figure, "png", settings))) as picture:
+        assert picture.size == (round(width_mm / 25.4 * 150), round(60 / 25.4 * 150))
+        assert_allclose(picture.info["dpi"], 150, atol=0.05)
+    box = re.search(rb"/MediaBox \[ 0 0 ([\d.]+) ([\d.]+) \]", figure_file(figure, "pdf", settings))
+    assert_allclose([float(end) / 72 * 25.4 for end in box.groups()], [width_mm, 60.0], atol=0.01)
+    root = ElementTree.fromstring(figure_file(figure, "svg", settings))
+    assert_allclose(float(root.get("width").removesuffix("pt")) / 72 * 25.4, width_mm, atol=0.01)
+
+
+def test_height_keeps_proportions(figure) -> None:
+    width, height = draw_figure(figure, FigureSettings(width_mm=170.0)).get_size_inches()
+    assert_allclose(height / width, 64 / 85)
+
+
+def test_csv_has_the_plotted_data(figure) -> None:
+    rows = list(csv.DictReader(io.StringIO(figure_csv(figure))))
+    points = [row for row in rows if row["series"] == "Rgcorr"]
+    columns = (("x", LOAD), ("y", VALUE), ("y_std", STD))
+    for name, expected in columns:
+        assert_allclose([float(row[name]) for row in points], expected, rtol=1e-6)
+    assert {row["x_name"] for row in rows} == {"normal load W (N)"}
+    assert [row["y"] for row in rows if row["series"] == "level"] == ["15.0"]
+
+
+def test_csv_matches_what_matplotlib_draws(figure) -> None:
+    (axes,) = draw_figure(figure, FigureSettings(width_mm=100)).axes
+    drawn = axes.containers[0][0].get_xydata()
+    points = [row for row in csv.DictReader(io.StringIO(figure_csv(figure))) if row["series"] == "Rgcorr"]
+    assert_allclose(drawn, [(float(row["x"]), float(row["y"])) for row in points])
+
+
+def test_axes_font_and_colours(figure) -> None:
+    settings = FigureSettings(
+        x_range=(0.1, 3), y_range=(None, 20), x_scale="log", font_pt=10, colours=("black", "#aa0000")
+    )
+    (axes,) = draw_figure(figure, settings).axes
+    assert (axes.get_xscale(), axes.get_xlim(), axes.get_ylim()[1]) == ("log", (0.1, 3.0), 20.0)
+    assert axes.containers[0][0].get_color() == "#000000"
+    svg = figure_file(figure, "svg", settings).decode()
+    assert re.search(r"font-size: 10px;[^>]*>normal load W", svg)
+    assert figure_colours(figure)[0].lower() not in svg.lower()
+
+
+def test_log_axes_can_be_linear() -> None:
+    made, (panel,) = new_panels()
+    plot_area_against_load(panel, LOAD, 10 * VALUE, exponent=0.1)
+    (axes,) = draw_figure(made, FigureSettings(x_scale="linear", y_scale="linear", x_range=(0, None))).axes
+    assert (axes.get_xscale(), axes.get_yscale(), axes.get_xlim()[0]) == ("linear", "linear", 0)
+
+
+def test_one_end_beyond_the_data_is_refused(figure) -> None:
+    with pytest.raises(FigureError, match="x_range: the axis would end at .* and begin at 7: give both ends"):
+        draw_figure(figure, FigureSettings(x_range=(7, None)))
+    (axes,) = draw_figure(figure, FigureSettings(x_range=(7, 9))).axes
+    assert axes.get_xlim() == (7, 9)
+
+
+def test_same_bytes_each_time(figure) -> None:
+    for kind in ("svg", "pdf", "png"):
+        settings = FigureSettings(width_mm=60, dpi=60)
+        assert figure_file(figure, kind, settings) == figure_file(figure, kind, settings)
+
+
+@pytest.mark.parametrize(
+    ("settings", "words"),
+    [
+        ({"width_mm": 3.0}, "width_mm: .*20 to 500 mm"),
+        ({"height_mm": float("nan")}, "height_mm: "),
+        ({"font_pt": 0}, "font_pt: labels have 3 to 30 points"),
+        ({"dpi": 1e6}, "dpi: "),
+        ({"x_range": (2, 1)}, "x_range: an axis goes from a smaller to a larger number, found 2 to 1"),
+        ({"y_range": (float("inf"), None)}, "y_range: "),
+        ({"y_range": (0, 1), "y_scale": "log"}, "y_range: a logarithmic axis has no zero"),
+        ({"x_scale": "cubic"}, "x_scale: an axis is linear or log, found 'cubic'"),
+        ({"colours": ("blue", "no colour")}, "colours: .*'no colour'"),
+    ],
+)
+def test_bad_values_refused_in_words(settings, words) -> None:
+    with pytest.raises(FigureError, match=words):
+        FigureSettings(**settings)
+
+
+def test_panels_of_several_quantities_keep_their_axes() -> None:
+    made, panels = new_panels(rows=2, columns=2)
+    columns = dict.fromkeys(("time", "load", "area", "semi_major", "semi_minor"), LOAD)
+    plot_press(panels, **columns, phase=["loading"] * 4)
+    with pytest.raises(FigureError, match="the panels of this figure show 2 quantities"):
+        draw_figure(made, FigureSettings(x_range=(0, 1)))
+    assert len(draw_figure(made, FigureSettings(width_mm=183)).axes) == 4
+
+
+def test_from_the_command_line(figure, tmp_path) -> None:
+    data = tmp_path / "radius.json"
+    data.write_text(figure.to_json(), encoding="utf-8")
+
+    def cli(*arguments) -> tuple[int, str]:
+        found = CliRunner().invoke(app, ["figure", str(data), "--out", *map(str, arguments)])
+        return found.exit_code, found.stderr
+
+    out = tmp_path / "radius.png"
+    assert cli(out, "--width-mm", 89, "--dpi", 100, "--x-range", "0.1:", "--x-scale", "log") == (0, "")
+    with Image.open(out) as picture:
+        assert picture.width == round(89 / 25.4 * 100)
+    assert cli(tmp_path / "radius.csv") == (0, "")
+    assert (tmp_path / "radius.csv").read_text(encoding="utf-8") == figure_csv(figure)
+    for arguments, words in (
+        ((tmp_path / "radius.gif",), "--out: a figure is written as .svg, .pdf, .png or .csv"),
+        ((out, "--y-range", "1"), "--y-range: takes two numbers separated by a colon, found '1'"),
+        ((out, "--width-mm", 1), "width_mm: a figure is 20 to 500 mm wide and high, found 1"),
+    ):
+        code, said = cli(*arguments)
+        assert code != 0
+        assert words in said
+    data.write_text("[]")
+    assert "not a figure of a report" in cli(out)[1]
