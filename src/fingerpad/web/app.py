@@ -28,6 +28,7 @@ from fingerpad.web import (
     files,
     geometry,
     image_routes,
+    new_files,
     photographs,
     results,
     scales,
@@ -54,6 +55,7 @@ _ROUTES: Final = (
     results,
     geometry,
     files,
+    new_files,
 )
 ENDPOINTS: Final[tuple[Endpoint, ...]] = tuple(one for room in _ROUTES for one in room.ENDPOINTS)
 

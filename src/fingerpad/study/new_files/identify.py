@@ -36,6 +36,7 @@ _OF_SUBJECT: Final[Mapping[Subject, Content]] = {
 # A name that says what a file is counts as this factor; a likelihood at which a guess need not be asked.
 _NAMED: Final = 200.0
 SURE: Final = 0.9
+_SIDES: Final[tuple[Face, ...]] = ("radial", "ulnar")
 _HEAD_BYTES: Final = 65536
 
 
@@ -68,6 +69,12 @@ class FileIdentity:
     def is_sure(self) -> bool:
         """Whether nothing else is at all likely; otherwise it is to be asked."""
         return self.contents[self.content] >= SURE
+
+    @property
+    def is_face_sure(self) -> bool:
+        """Whether no other face is at all likely; the two sides, which look alike, count as one."""
+        sides = sum(self.faces.get(face, 0.0) for face in _SIDES)
+        return bool(self.faces) and max(*self.faces.values(), sides) >= SURE
 
 
 def identify_file(path: str | PathLike[str], *, memory_limit: int = MEMORY_LIMIT) -> FileIdentity:

@@ -9,7 +9,7 @@ from typing import Final, get_args
 from fingerpad.exceptions import ManifestError
 from fingerpad.study.new_files.quantities import Field, FileValues, read_value
 
-_FIELDS: Final[tuple[str, ...]] = get_args(Field)
+_FIELDS: Final[tuple[Field, ...]] = get_args(Field)
 _PLACE: Final = re.compile(r"\{([^{}]*)\}")
 _NUMBER: Final = r"\d+(?:[.,]\d+)?"
 _TEXT: Final = r"[^\W_]+(?:-[^\W_]+)*?"
@@ -78,7 +78,7 @@ def _compiled(pattern: str) -> tuple[re.Pattern[str], list[tuple[Field, str | No
         if not name:
             expression += ".*?"
             continue
-        field = next((field for field in _FIELDS if field == name), None)
+        field: Field | None = next((field for field in _FIELDS if field == name), None)
         if field is None or field == "scale":
             known = ", ".join(f"{{{one}}}" for one in _FIELDS if one != "scale")
             raise ManifestError(f"{{{part}}} is unknown: a pattern holds {known}, and {{}} for anything")

@@ -6,7 +6,14 @@ a picture are pairs (row, column) in pixels.
 
 from fingerpad.web.answers.base import Answer, Refusal
 from fingerpad.web.answers.events import EVENTS
-from fingerpad.web.answers.files import BundleContents, PictureInfo, UploadedFile
+from fingerpad.web.answers.files import (
+    BundleContents,
+    FileGuess,
+    JoinedTable,
+    PatternMatches,
+    PictureInfo,
+    UploadedFile,
+)
 from fingerpad.web.answers.measurements import (
     ContactMeasurement,
     ContactModel,
@@ -51,11 +58,14 @@ __all__ = [
     "ContactNumbers",
     "Corrections",
     "Figures",
+    "FileGuess",
     "Frames",
+    "JoinedTable",
     "LengthMeasurement",
     "ModelCheck",
     "ModelHeadline",
     "PadGeometry",
+    "PatternMatches",
     "PhotographMeasurement",
     "PictureInfo",
     "Plot",

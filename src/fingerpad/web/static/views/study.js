@@ -11,14 +11,14 @@ import { StudyTables } from "./study_tables.js";
 
 class StudyView {
   constructor(root) {
-    this.files = new NewFiles();
+    this.files = new NewFiles({ changed: () => this.update() });
     this.tables = new StudyTables();
     this.drop = new Drop({
       sent: (files) => {
         this.files.addInfo(files);
         this.files.draw();
         this.files.root.scrollIntoView({ block: "nearest" });
-        this.files.root.querySelector("select, input")?.focus();
+        this.files.root.querySelector("input")?.focus();
       },
     });
     this.side = h("aside.stack.study-side", {
