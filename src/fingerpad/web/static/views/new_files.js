@@ -44,7 +44,7 @@ const COLUMNS = [
   ["Finger", "finger"],
   ["Face", "face"],
   ["Wedge, °", "wedge_angle_deg"],
-  ["Load, N", "load_N"],
+  ["Load, N", ""],
   ["Scale", "scale"],
   ["", ""],
 ];
@@ -52,9 +52,13 @@ const base = (file) => file.split("/").at(-1);
 const plural = (count) => `${count} file${count === 1 ? "" : "s"}`;
 
 export class NewFiles {
-  /** @param {{ changed: () => void }} options what draws the view once files are told apart */
-  constructor({ changed }) {
+  /**
+   * @param {{ changed: () => void, showMissing: () => void }} options what draws the view once files are told
+   *   apart, and what goes to the missing entries
+   */
+  constructor({ changed, showMissing }) {
     this.changed = changed;
+    this.showMissing = showMissing;
     this.problem = h("div");
     /** Files that are looked at now, one after the other. */
     this.looking = Promise.resolve();
@@ -72,6 +76,7 @@ export class NewFiles {
       oninput: () => setTimeout(() => this.#keep()),
       onchange: () => setTimeout(() => this.#keep()),
     });
+    this.root.addEventListener("paste", (event) => this.#pasted(event), true);
     this.rest = h("details.card", { hidden: true });
   }
 
@@ -251,6 +256,15 @@ export class NewFiles {
     redraw(() => this.draw());
   }
 
+  /** Join cells of a spreadsheet that are pasted anywhere here; a single column is for the field. */
+  #pasted(event) {
+    const words = event.clipboardData.getData("text");
+    if (!/\t/.test(words) || !/\n/.test(words.trim()) || event.target.matches("textarea")) return;
+    event.preventDefault();
+    event.stopPropagation();
+    this.tools.join({ text: words });
+  }
+
   /** List unused files of the study folder that were not uploaded. */
   #drawRest(files) {
     this.rest.hidden = !files.length;
@@ -388,6 +402,8 @@ export class NewFiles {
       label: `Load of ${name}, newtons`,
       onset: put("load_N"),
     });
+    load.dataset.unit = "N";
+    wedge.dataset.unit = "°";
     for (const [control, key] of [
       [finger, "finger"],
       [wedge, "wedge_angle_deg"],
@@ -412,11 +428,11 @@ export class NewFiles {
       draft.as === "coin"
         ? h("td", { colspan: 5 }, this.#coin(file))
         : [
-            h("td", null, takes(draft, "finger") && finger),
-            h("td", null, takes(draft, "face") && [face, draft.faceAsked && guessed()]),
-            h("td", null, takes(draft, "wedge_angle_deg") && wedge),
-            h("td", null, takes(draft, "load_N") && load),
-            h("td", null, takes(draft, "scale") && this.#scale(file)),
+            h("td", { "data-label": "Finger" }, takes(draft, "finger") && finger),
+            h("td", { "data-label": "Face" }, takes(draft, "face") && [face, draft.faceAsked && guessed()]),
+            h("td", { "data-label": "Wedge, °" }, takes(draft, "wedge_angle_deg") && wedge),
+            h("td", { "data-label": "Load, N" }, takes(draft, "load_N") && load),
+            h("td", { "data-label": "Scale" }, takes(draft, "scale") && this.#scale(file)),
           ],
       h(
         "td",
@@ -579,7 +595,14 @@ export class NewFiles {
     }
     try {
       await workspace.edit(...edits);
-      return toast(`${plural(added)} added.`, { kind: "good" });
+      const { missing } = workspace.study;
+      const left =
+        missing.length &&
+        `${missing.length === 1 ? "One entry is" : `${missing.length} entries are`} missing.`;
+      return toast(left ? `${plural(added)} added. ${left}` : `${plural(added)} added.`, {
+        kind: "good",
+        ...(left && { action: { words: "Show", do: this.showMissing }, stays: true }),
+      });
     } catch (error) {
       render(this.problem, faultList(error));
       return undefined;

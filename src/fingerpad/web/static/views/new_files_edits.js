@@ -179,5 +179,6 @@ export function editsOf(files, drafts, { synthetic = false }) {
         set: said({ finger, wedge_angle_deg, file, ...own }),
       });
   }
-  return { edits, added: added + scales.size, waiting };
+  const coins = [...scales.keys()].filter((scale) => scale.startsWith("coin:")).length;
+  return { edits, added: added + coins, waiting };
 }
