@@ -48,6 +48,8 @@ const COLUMNS = [
   ["Scale", "scale"],
   ["", ""],
 ];
+const LOOKED =
+  "What each file is was read from its content and name. Correct it where needed, and enter what is empty.";
 const base = (file) => file.split("/").at(-1);
 const plural = (count) => `${count} file${count === 1 ? "" : "s"}`;
 
@@ -60,6 +62,7 @@ export class NewFiles {
     this.changed = changed;
     this.showMissing = showMissing;
     this.problem = h("div");
+    this.status = h("span.soft", { role: "status" });
     /** Files that are looked at now, one after the other. */
     this.looking = Promise.resolve();
     this.toLookAt = 0;
@@ -116,19 +119,14 @@ export class NewFiles {
     if (!files.length) return;
     this.#useCoin();
     const shown = files.slice(0, 60);
+    this.status.textContent = this.toLookAt ? `Looking at ${plural(this.toLookAt)} …` : LOOKED;
     render(
       this.root,
       h(
         "header",
         null,
         h("h2", null, `${files.length} new file${files.length > 1 ? "s" : ""}`),
-        h(
-          "span.soft",
-          { role: "status" },
-          this.toLookAt
-            ? `Looking at ${plural(this.toLookAt)} …`
-            : "What each file is was read from its content and name. Correct it where needed, and enter what is empty.",
-        ),
+        this.status,
         h(
           "div.actions",
           null,
@@ -204,10 +202,14 @@ export class NewFiles {
       const draft = this.drafts.get(file);
       this.toLookAt -= 1;
       if (guess && draft) {
+        const before = JSON.stringify([draft.as, draft.face]);
         draft.guesses = guess.contents.map((content) => AS_OF_CONTENT[content]);
         if (!draft.touched) Object.assign(draft, { as: draft.guesses[0], asked: !guess.sure });
-        if (draft.face === undefined && guess.faces.length)
-          Object.assign(draft, { face: guess.faces[0], faceAsked: !guess.face_sure });
+        draft.faceGuess = { face: guess.faces[0], faceAsked: !guess.face_sure };
+        takeFace(draft);
+        // What is as drawn stays: drawing again would drop a value that is being entered.
+        this.different ||=
+          draft.asked || draft.faceAsked || JSON.stringify([draft.as, draft.face]) !== before;
         if (draft.as === "sheet") this.sheets = [...(this.sheets ?? []), file];
       }
       if (this.toLookAt) return;
@@ -216,9 +218,11 @@ export class NewFiles {
       this.files = this.files.filter((one) => this.drafts.get(one)?.as !== "sheet");
       for (const sheet of sheets) await this.tools.join({ file: sheet });
       this.#keep();
-      this.changed();
+      if (this.different) this.changed();
+      else this.status.textContent = LOOKED;
+      this.different = false;
     };
-    this.looking = this.looking.then(look);
+    this.looking = this.looking.then(look).catch(showError);
   }
 
   /** Take stated values into the drafts; return what cannot be taken. */
@@ -368,6 +372,7 @@ export class NewFiles {
       label: `Type of ${name}`,
       onset: (value) => {
         Object.assign(draft, { as: value, asked: false, touched: true });
+        takeFace(draft);
         setTimeout(() => redraw(() => this.draw()));
       },
     });
@@ -601,13 +606,19 @@ export class NewFiles {
         `${missing.length === 1 ? "One entry is" : `${missing.length} entries are`} missing.`;
       return toast(left ? `${plural(added)} added. ${left}` : `${plural(added)} added.`, {
         kind: "good",
-        ...(left && { action: { words: "Show", do: this.showMissing }, stays: true }),
+        ...(left && { action: { words: "Show", do: this.showMissing } }),
       });
     } catch (error) {
       render(this.problem, faultList(error));
       return undefined;
     }
   }
+}
+
+/** Take the guessed face of a photograph whose face nothing states. */
+function takeFace(draft) {
+  if (draft.as === "photograph" && !draft.face && draft.faceGuess?.face)
+    Object.assign(draft, draft.faceGuess);
 }
 
 const guessed = () =>
