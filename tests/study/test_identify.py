@@ -1,4 +1,4 @@
-"""What new files are, told from content and name: a small seeded table of confusion."""
+"""What new files are, by content and name: a small seeded table of confusion."""
 
 from collections import Counter
 from pathlib import Path
@@ -40,7 +40,7 @@ def test_example_files_under_names_that_say_nothing(tmp_path) -> None:
 
 
 def test_subjects_of_pictures() -> None:
-    """Nothing is taken surely for what it is not; most are told."""
+    """Nothing is taken surely for what it is not; most are recognised."""
     rng = np.random.default_rng(4)
     pictures = [
         ("contact", pressure_image("light touch", 2).pixels),
@@ -50,13 +50,13 @@ def test_subjects_of_pictures() -> None:
         ("coin", render_coin(radius=100, seed=2).pixels),
         *(("ruler", ruler_scene(kind, 3, side=480)) for kind in KINDS[:3]),
     ]
-    told: Counter[str] = Counter()
+    recognised: Counter[str] = Counter()
     for subject, pixels in pictures:
         (best, share), *_ = guess_subject(pixels).subjects.items()
         assert best == subject or share < 0.9, (subject, best, share)
-        told[subject] += best == subject
-    assert told == {"contact": 2, "finger": 3, "coin": 1, "ruler": told["ruler"]}
-    assert told["ruler"] >= 2
+        recognised[subject] += best == subject
+    assert recognised == {"contact": 2, "finger": 3, "coin": 1, "ruler": recognised["ruler"]}
+    assert recognised["ruler"] >= 2
 
 
 @pytest.mark.parametrize("tip", ["up", "left"])

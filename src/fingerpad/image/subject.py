@@ -1,4 +1,4 @@
-"""What a picture shows: a contact, a finger, a coin or a ruler, told from its pixels alone."""
+"""What a picture shows: a contact, a finger, a coin or a ruler, from its pixels alone."""
 
 import math
 from collections.abc import Iterable, Mapping

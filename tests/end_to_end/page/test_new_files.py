@@ -1,4 +1,4 @@
-"""New files on the page: told apart by content, filled in from spreadsheets and names."""
+"""New files on the page: identified by content, filled in from spreadsheets and names."""
 
 import re
 import shutil

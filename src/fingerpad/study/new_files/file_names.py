@@ -8,7 +8,7 @@ from pathlib import PurePosixPath
 from typing import Final, Literal, TypeAlias
 
 from fingerpad.image import Face
-from fingerpad.study.new_files.quantities import DIGITS, FACES, HANDS, INITIALS, Role
+from fingerpad.study.new_files.quantities import DIGITS, FACES, HAND_WORDS, INITIALS, Role
 
 Kind: TypeAlias = Literal["picture", "film", "table", "other"]
 
@@ -103,8 +103,12 @@ def _finger(stem: str) -> str | None:
     words = [word.lower() for word in re.findall(r"[^\W\d_]+", re.sub(r"(?<=[a-z])(?=[A-Z])", " ", stem))]
     pairs = [pair for one, other in pairwise(words) for pair in ((one, other), (other, one))]
     found = [
-        *(f"{HANDS[hand]}_{DIGITS[digit]}" for hand, digit in pairs if hand in HANDS and digit in DIGITS),
-        *(f"{HANDS[hand.lower()]}_{INITIALS[digit]}" for hand, digit in _CAPITALS.findall(stem)),
+        *(
+            f"{HAND_WORDS[hand]}_{DIGITS[digit]}"
+            for hand, digit in pairs
+            if hand in HAND_WORDS and digit in DIGITS
+        ),
+        *(f"{HAND_WORDS[hand.lower()]}_{INITIALS[digit]}" for hand, digit in _CAPITALS.findall(stem)),
     ]
     if not found:
         return None

@@ -1,4 +1,4 @@
-"""What a new file is, told from its content and its name together."""
+"""What a new file is, by its content and its name together."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -80,7 +80,7 @@ class FileIdentity:
 def identify_file(path: str | PathLike[str], *, memory_limit: int = MEMORY_LIMIT) -> FileIdentity:
     r"""Guess what a file is, by its content and its name.
 
-    Pictures are looked at (`fingerpad.image.guess_subject`), tables are told by their headers, and films by
+    Pictures are looked at (`fingerpad.image.guess_subject`), tables are known by their headers, and films by
     their frames. A name that says it, as ``palmar``, ``30deg_2N`` or ``coin``, counts for much.
 
     Parameters

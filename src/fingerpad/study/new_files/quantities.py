@@ -26,7 +26,7 @@ class FileValues(TypedDict, total=False):
     session: str
 
 
-HANDS: Final = {"left": "left", "right": "right", "l": "left", "r": "right"}
+HAND_WORDS: Final = {"left": "left", "right": "right", "l": "left", "r": "right"}
 DIGITS: Final = {
     "thumb": "thumb",
     "index": "index",
@@ -114,12 +114,12 @@ def finger_name(text: str, hand: str = "") -> str:
     ('left_index', 'right_middle', 'left_index', 'pad_3')
     """
     words = [word.lower() for word in re.findall(r"[^\W\d_]+", f"{hand} {text}")]
-    sides = [HANDS[word] for word in words if word in HANDS]
+    sides = [HAND_WORDS[word] for word in words if word in HAND_WORDS]
     digits = [DIGITS[word] for word in words if word in DIGITS]
     if sides and digits:
         return f"{sides[0]}_{digits[0]}"
     if re.fullmatch(r"[LR][TIMRLP]", text.strip()):
-        return f"{HANDS[text.strip()[0].lower()]}_{INITIALS[text.strip()[1]]}"
+        return f"{HAND_WORDS[text.strip()[0].lower()]}_{INITIALS[text.strip()[1]]}"
     if sides and text.strip().upper() in INITIALS:
         return f"{sides[0]}_{INITIALS[text.strip().upper()]}"
     return plain_name(text)

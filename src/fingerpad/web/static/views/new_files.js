@@ -55,8 +55,8 @@ const plural = (count) => `${count} file${count === 1 ? "" : "s"}`;
 
 export class NewFiles {
   /**
-   * @param {{ changed: () => void, showMissing: () => void }} options what draws the view once files are told
-   *   apart, and what goes to the missing entries
+   * @param {{ changed: () => void, showMissing: () => void }} options what draws the view once files are
+   *   identified, and what goes to the missing entries
    */
   constructor({ changed, showMissing }) {
     this.changed = changed;
