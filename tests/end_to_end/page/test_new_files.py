@@ -95,7 +95,9 @@ def test_a_spreadsheet_fills_in_the_files(empty_tab: Tab, plain_names, tmp_path)
         "IMG_0031.JPG;S7;LI;;;0,05;\nIMG_0033;S7;LI;30;500;0,0508;calm\nIMG_0034;S8;RI;45;2 N;0,0508;\n"
         "IMG_0099;S8;RI;45;4000;0,0508;\n"
     )
-    drop(page, [*plain_names, sheet])
+    page.set_input_files("input[type=file][multiple]", sheet)
+    page.get_by_text("1 more file in the study folder, not used").wait_for()
+    drop(page, plain_names)
     page.get_by_text("3 of 6 files found in the spreadsheet.").wait_for()
     page.get_by_text("Not used: Mood.").wait_for()
     page.get_by_text("Rows without one file: IMG_0099 (line 5).").wait_for()

@@ -66,6 +66,9 @@ export class NewFiles {
     /** Files that are looked at now, one after the other. */
     this.looking = Promise.resolve();
     this.toLookAt = 0;
+    this.lookedAt = new Set();
+    /** Files that no spreadsheet was joined to yet. */
+    this.fresh = /** @type {string[]} */ ([]);
     this.tools = new NewFileTools({ files: () => this.files, take: (stated) => this.#take(stated) });
     this.study = workspace.study.name;
     /** What was entered for each file, kept over a reload until the file is used. */
@@ -103,10 +106,11 @@ export class NewFiles {
     const uploaded = unused.filter(({ file }) => file.startsWith("uploads/"));
     for (const each of uploaded) {
       const { file, kind } = each;
-      if (this.drafts.has(file)) continue;
-      this.drafts.set(file, draftOf(each));
-      if (kind === "picture" && !this.info.has(file)) this.#loadInfo(file);
-      this.#lookAt(file);
+      if (!this.drafts.has(file)) {
+        this.drafts.set(file, draftOf(each));
+        if (kind === "picture" && !this.info.has(file)) this.#loadInfo(file);
+      }
+      if (!this.drafts.get(file).guesses && !this.lookedAt.has(file)) this.#lookAt(file);
     }
     const names = new Set(uploaded.map(({ file }) => file));
     for (const file of this.drafts.keys()) if (!names.has(file)) this.drafts.delete(file);
@@ -197,6 +201,8 @@ export class NewFiles {
   /** Find out what a file is, after those before it. */
   #lookAt(file) {
     this.toLookAt += 1;
+    this.lookedAt.add(file);
+    this.fresh.push(file);
     const look = async () => {
       const guess = await get("/api/files/identity", { file }).catch(() => null);
       const draft = this.drafts.get(file);
@@ -210,13 +216,16 @@ export class NewFiles {
         // What is as drawn stays: drawing again would drop a value that is being entered.
         this.different ||=
           draft.asked || draft.faceAsked || JSON.stringify([draft.as, draft.face]) !== before;
-        if (draft.as === "sheet") this.sheets = [...(this.sheets ?? []), file];
       }
       if (this.toLookAt) return;
-      const sheets = this.sheets ?? [];
-      this.sheets = [];
-      this.files = this.files.filter((one) => this.drafts.get(one)?.as !== "sheet");
-      for (const sheet of sheets) await this.tools.join({ file: sheet });
+      const fresh = this.fresh.splice(0);
+      const isSheet = (one) => this.drafts.get(one)?.as === "sheet";
+      this.files = this.files.filter((one) => !isSheet(one));
+      const wanted = this.files.filter((one) => fresh.includes(one));
+      for (const sheet of [...this.drafts.keys()].filter(isSheet)) {
+        if (fresh.includes(sheet)) await this.tools.join({ file: sheet }, this.files);
+        else if (wanted.length) await this.tools.join({ file: sheet }, wanted, { quiet: true });
+      }
       this.#keep();
       if (this.different) this.changed();
       else this.status.textContent = LOOKED;
@@ -285,7 +294,15 @@ export class NewFiles {
         files
           .slice(0, 200)
           .map(({ file, bytes: size }) =>
-            h("li", null, h("code", null, file), " ", h("span.soft.number", null, bytes(size))),
+            h(
+              "li",
+              null,
+              h("code", null, file),
+              " ",
+              h("span.soft.number", null, bytes(size)),
+              file.startsWith("uploads/") &&
+                button("×", () => this.#forget(file), { kind: "icon", label: `Remove ${base(file)}` }),
+            ),
           ),
       ),
     );
@@ -527,7 +544,7 @@ export class NewFiles {
   async #restore(removed, draft) {
     try {
       const { restored } = await post("/api/files/restore", { removed });
-      this.drafts.set(restored, draft);
+      if (draft) this.drafts.set(restored, draft);
       toast(`${restored.split("/").at(-1)} was restored.`, { kind: "good" });
     } catch (error) {
       showError(error);
@@ -600,6 +617,7 @@ export class NewFiles {
     }
     try {
       await workspace.edit(...edits);
+      if (!waiting.length) render(this.tools.report);
       const { missing } = workspace.study;
       const left =
         missing.length &&

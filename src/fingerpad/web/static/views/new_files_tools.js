@@ -94,11 +94,12 @@ export class NewFileTools {
   }
 
   /** Join a spreadsheet that was dropped or pasted. */
-  async join(source) {
-    const files = this.files();
+  async join(source, files = this.files(), { quiet = false } = {}) {
+    if (!files.length) return;
     if (source.text !== undefined && !source.text.trim()) return;
     try {
       const found = await post("/api/files/table", { ...source, files });
+      if (quiet && !found.files.length) return;
       const problems = [
         ...found.files
           .filter(({ problem }) => problem)
