@@ -8,8 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from PIL import Image
-from tests.end_to_end.page.browser import Tab
+from tests.end_to_end.page.browser import Tab, served
 from tests.end_to_end.page.test_begin import CONTACTS, FACES, begin, paste
+from tests.end_to_end.page.test_conduct import AXE, JUDGE
 
 from fingerpad.simulate import render_coin
 
@@ -153,3 +154,28 @@ def test_pasted_cells_are_a_spreadsheet(empty_tab: Tab, plain_names) -> None:
     assert page.get_by_label("Load of IMG_0033.png, newtons").input_value() == "1.5"
     assert page.get_by_label("Load of IMG_0034.png, newtons").input_value() == "0.5"
     assert page.get_by_label("Finger on IMG_0031.jpg").input_value() == ""
+
+
+@pytest.mark.parametrize("width", [390, 1366])
+def test_new_files_are_accessible_and_fit_the_screen(browser, tmp_path, plain_names, width: int) -> None:
+    with served(tmp_path) as server:
+        tab = Tab(browser, server, bypass_csp=True)
+        page = tab.open()
+        page.set_viewport_size({"width": width, "height": 844})
+        begin(page)
+        drop(page, plain_names)
+        for words in ("Fill in from a spreadsheet", "Fill in from the file names"):
+            page.get_by_text(words).click()
+        page.get_by_label("Pattern of the names").fill("IMG_00{load}")
+        page.get_by_text("6 of 6 names fit.").wait_for()
+        page.evaluate(AXE)
+        serious = [
+            (each["id"], each["nodes"][0]["html"])
+            for each in page.evaluate(JUDGE)["violations"]
+            if each["impact"] in ("serious", "critical")
+        ]
+        assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+        box = page.get_by_label("Load of IMG_0033.png, newtons").bounding_box()
+        assert box["x"] + box["width"] <= width
+        tab.close()
+    assert serious == []
