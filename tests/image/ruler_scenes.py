@@ -46,9 +46,9 @@ def ruler_scene(kind: str, seed: int, side: int = 640) -> UInt8:
         rng.normal() * np.linspace(-1, 1, rows), rng.normal() * np.linspace(-1, 1, columns)
     )
     picture = (seen * mask + table * (1 - mask)) * light[..., None]
-    picture = cv2.GaussianBlur(picture.astype(np.float32), (0, 0), rng.uniform(0.5, 1.1))
-    noisy = picture + rng.normal(0, rng.uniform(1, 4), picture.shape)
-    return np.clip(np.rint(noisy), 0, 255).astype(np.uint8)
+    blurred = cv2.GaussianBlur(picture.astype(np.float32), (0, 0), rng.uniform(0.5, 1.1))
+    noisy = blurred + rng.normal(0, rng.uniform(1, 4), blurred.shape)
+    return np.asarray(np.clip(np.rint(noisy), 0, 255), dtype=np.uint8)
 
 
 def _board(kind: str, rng: np.random.Generator) -> UInt8:
@@ -74,4 +74,4 @@ def _board(kind: str, rng: np.random.Generator) -> UInt8:
 def _table(rng: np.random.Generator, rows: int, columns: int) -> npt.NDArray[np.float32]:
     colour = rng.uniform(40, 215, 3) * 0.4 + rng.uniform(40, 215) * 0.6
     grain = cv2.GaussianBlur(rng.standard_normal((rows, columns)), (0, 0), rng.uniform(0.7, 12))
-    return (colour + (rng.uniform(1, 6) * grain / grain.std())[..., None]).astype(np.float32)
+    return np.asarray(colour + (rng.uniform(1, 6) * grain / grain.std())[..., None], dtype=np.float32)
