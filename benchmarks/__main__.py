@@ -30,6 +30,7 @@ from benchmarks import (
     page,
     peers,
     photographs,
+    picture_subjects,
     pooling,
     pressure_images,
     repeatability,
@@ -105,6 +106,7 @@ if __name__ == "__main__":
     contact_edge.pooled_coverage()
     contact_images.speed()
     non_prints.report()
+    picture_subjects.confusion()
     photographs.photograph_accuracy(marked=True)
     photographs.photograph_accuracy(marked=False)
     finger_shapes.print_accuracy(finger_shapes.measured(24, 5))

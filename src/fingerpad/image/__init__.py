@@ -61,6 +61,7 @@ from fingerpad.image.sequence.settings import (
     estimate_settings,
     scan_texture,
 )
+from fingerpad.image.subject import SUBJECTS, Subject, SubjectGuess, guess_subject
 
 __all__ = [
     "FACE_AXES",
@@ -70,6 +71,7 @@ __all__ = [
     "PHOTOGRAPH_FLAGS",
     "PLAUSIBLE_RIDGE_PERIOD_MM",
     "SEMI_AXES",
+    "SUBJECTS",
     "BrushStroke",
     "Coin",
     "ContactImageOptions",
@@ -98,6 +100,8 @@ __all__ = [
     "Scale",
     "SequenceSettings",
     "SequenceSummary",
+    "Subject",
+    "SubjectGuess",
     "TextureScan",
     "alignment_scatter",
     "assign_times",
@@ -113,6 +117,7 @@ __all__ = [
     "fit_ellipse",
     "fit_outline_ellipse",
     "frame_clock",
+    "guess_subject",
     "implausible_size",
     "measure_coin",
     "measure_contact_image",

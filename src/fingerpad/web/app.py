@@ -29,6 +29,7 @@ from fingerpad.web import (
     files,
     geometry,
     image_routes,
+    new_files,
     photographs,
     results,
     scales,
@@ -56,6 +57,7 @@ _ROUTES: Final = (
     figures,
     geometry,
     files,
+    new_files,
 )
 ENDPOINTS: Final[tuple[Endpoint, ...]] = tuple(one for room in _ROUTES for one in room.ENDPOINTS)
 

@@ -16,7 +16,8 @@ from fingerpad.exceptions import ImageError
 from fingerpad.image import open_frames, read_colour_image, read_image
 from fingerpad.image.read import Picture
 from fingerpad.image.sequence.frames import PICTURE_SUFFIXES, TIFF_SUFFIXES, VIDEO_SUFFIXES, frame_files
-from fingerpad.study.editing.file_names import Kind
+from fingerpad.study.new_files.file_names import Kind
+from fingerpad.study.new_files.sheet_cells import SHEET_SUFFIXES
 from fingerpad.web.errors import RequestError
 
 THUMBNAIL_PX: Final = 192
@@ -177,7 +178,7 @@ def kind_of_file(name: str) -> Kind:
     suffix = Path(name).suffix.lower()
     if suffix in PICTURE_SUFFIXES:
         return "picture"
-    if suffix == ".csv":
+    if suffix in SHEET_SUFFIXES:
         return "table"
     return "film" if suffix in _FILM_SUFFIXES else "other"
 

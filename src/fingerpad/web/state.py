@@ -18,13 +18,13 @@ from fingerpad.report.text import FLAG_WORDS
 from fingerpad.report.write import REPORT_NAME
 from fingerpad.study.corrections.history import CORRECTIONS_NAME, ActiveCorrection
 from fingerpad.study.corrections.log import frames_of
-from fingerpad.study.editing.file_names import read_file_name
 from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.manifest import LoadedStudy, Study
 from fingerpad.study.manifest.load import STUDY_NAME
 from fingerpad.study.measuring.context import RunContext
 from fingerpad.study.measuring.curves import curve_items
 from fingerpad.study.measuring.fingers import is_rejected
+from fingerpad.study.new_files.file_names import read_file_name
 from fingerpad.study.results.columns import COLUMNS
 from fingerpad.study.results.layer import LAYER_FLAGS
 from fingerpad.study.results.rows import RANGE_NOTES

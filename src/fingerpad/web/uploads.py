@@ -18,13 +18,14 @@ from fingerpad._files import sha256_of
 from fingerpad.exceptions import FingerpadError
 from fingerpad.image import open_frames, read_image
 from fingerpad.image.sequence.frames import PICTURE_SUFFIXES, VIDEO_SUFFIXES
+from fingerpad.study.new_files.sheet_cells import SHEET_SUFFIXES, read_cells
 from fingerpad.web.errors import RequestError
 from fingerpad.web.pictures import is_film, kind_of_file
 from fingerpad.web.study_session import StudySession
 
 FOLDER: Final = "uploads"
 _LONGEST: Final = 120
-_SUFFIXES: Final = PICTURE_SUFFIXES | VIDEO_SUFFIXES | {".csv"}
+_SUFFIXES: Final = PICTURE_SUFFIXES | VIDEO_SUFFIXES | SHEET_SUFFIXES
 
 
 def plain_name(name: str) -> str:
@@ -43,7 +44,7 @@ def plain_name(name: str) -> str:
         raise RequestError(
             HTTPStatus.UNSUPPORTED_MEDIA_TYPE,
             f"{name[-80:]!r}: only pictures (PNG, TIFF, JPEG, BMP, PGM), films (TIFF, AVI, MP4) and tables "
-            "(CSV) can be used",
+            "(CSV, TSV, XLSX) can be used",
         )
     plain = re.sub(r"(?:(?!(?<=\d)\.(?=\d))[^\w+-])+", "-", stem).strip("-.+_")[:_LONGEST] or "file"
     return f"{plain}.{suffix}"
@@ -118,6 +119,14 @@ def placed(path: Path, target: Path, digest: str | None = None) -> Path:
     raise AssertionError
 
 
+def _headers(path: Path) -> list[str]:
+    """Return the cells of a table's first line."""
+    if path.suffix.lower() != ".csv":
+        return next(iter(read_cells(path)), [])
+    with path.open(encoding="utf-8-sig", errors="replace") as file:
+        return [cell.strip() for cell in file.readline(4000).split(",")]
+
+
 def described(opened: StudySession, path: Path) -> dict[str, Any]:
     """Return the kind and size of a file."""
     record: dict[str, Any] = {
@@ -133,8 +142,7 @@ def described(opened: StudySession, path: Path) -> dict[str, Any]:
     }
     try:
         if record["kind"] == "table":
-            with path.open(encoding="utf-8-sig", errors="replace") as file:
-                record["columns"] = [cell.strip() for cell in file.readline(4000).split(",")]
+            record["columns"] = _headers(path)
         elif is_film(path) and (count := open_frames(path, memory_limit=opened.memory_limit).count) > 1:
             record |= {"kind": "film", "frames": count}
         else:

@@ -70,7 +70,7 @@ def test_six_files_become_a_plot(empty_tab: Tab) -> None:
     page.keyboard.press("Backspace")
     page.get_by_label("These files are synthetic (rendered or simulated)").check()
     page.get_by_role("button", name="Add to study").click()
-    page.get_by_role("heading", name="Missing").wait_for()
+    page.get_by_text("6 files added.").wait_for()  # once all are looked at
     page.locator("h1").click()
     page.keyboard.press("2")
     say_scale(page, "camera", "mm/px", "Millimetres per pixel", "0.05", takes="photographs")

@@ -1,7 +1,7 @@
 """Whether the place measured shows the ridges of a finger."""
 
 import math
-from typing import Final
+from typing import Final, NamedTuple
 
 import cv2
 import numpy as np
@@ -26,6 +26,9 @@ _BENT = 0.6
 _PARALLEL, _EVEN = 0.98, 0.03
 # Fewer windows than this, some 10 mm², tell nothing.
 _TELLING = 20
+
+# Without a scale, windows are judged by their deviation: this share of the picture's range, so many levels.
+_BUSY_SHARE, _BUSY_LEVELS, _FEWEST = 0.08, 0.7, 6
 
 # Half of the spectrum, by the bins from the mean; its first and last column stand for themselves.
 _BINS = np.add.outer(1j * fft.fftfreq(_SIDE), fft.rfftfreq(_SIDE)).ravel() * _SIDE
@@ -64,6 +67,53 @@ def shows_ridges(view: WorkingImage, outline: Points, mm_per_px: float) -> bool:
     if ridged.mean() < _MIN_RIDGED:
         return False
     return not _is_grating(waves[ridged])
+
+
+class LineTexture(NamedTuple):
+    """Windows of a picture that are filled by lines of one spacing, which go on in the windows next to them.
+
+    Attributes
+    ----------
+    share : float
+        Their share of the picture.
+    parallel : float
+        1 where all lines have one direction, about 0 where they have all.
+    spread : float
+        Standard deviation of their spacing over its mean.
+    """
+
+    share: float
+    parallel: float
+    spread: float
+
+
+def line_texture(picture: Float32Array) -> LineTexture:
+    """Return the lines of a picture of unknown scale: of reduced copies, those of which most are seen."""
+    best = LineTexture(0.0, 0.0, 0.0)
+    while min(picture.shape) >= 2 * _SIDE:
+        best = max(best, _lines_of_copy(picture))
+        picture = as_float32(cv2.resize(picture, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA))
+    return best
+
+
+def _lines_of_copy(copy: Float32Array) -> LineTexture:
+    step = _STEP if copy.size > _MANY * 4 * _STEP**2 else _STEP // 2
+    y, x = (np.arange(_SIDE / 2, n - _SIDE / 2 + 1, step) for n in copy.shape)
+    centres = np.stack(np.meshgrid(x, y), axis=-1)
+    mean = cv2.blur(copy, (_SIDE, _SIDE))
+    deviation = np.sqrt(np.maximum(cv2.blur(copy * copy, (_SIDE, _SIDE)) - mean * mean, 0))
+    low, high = np.percentile(copy, [1, 99])
+    busy = deviation[np.ix_(y.astype(int), x.astype(int))] > max(_BUSY_SHARE * (high - low), _BUSY_LEVELS)
+    if np.count_nonzero(busy) < _FEWEST:
+        return LineTexture(0.0, 0.0, 0.0)
+    share, waves = _waves(copy, centres[busy], _PITCH_MM)
+    lined = (share > _MIN_SHARE) & _flows_on(waves, share, busy, _STEP // step)
+    if np.count_nonzero(lined) < _FEWEST:
+        return LineTexture(0.0, 0.0, 0.0)
+    lengths = np.abs(waves[lined])
+    parallel = abs(((waves[lined] / lengths) ** 2).mean())
+    filled = float(np.count_nonzero(lined) / busy.size)
+    return LineTexture(filled, float(parallel), float(lengths.std() / lengths.mean()))
 
 
 def _copy_of(view: WorkingImage, outline: Points, reduction: float) -> tuple[Float32Array, Points]:

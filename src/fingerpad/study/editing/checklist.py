@@ -12,9 +12,10 @@ from fingerpad.study.manifest import Finger, LoadedStudy, Study
 from fingerpad.study.manifest.check import Table
 from fingerpad.study.manifest.load import STUDY_NAME
 from fingerpad.study.manifest.validation import Fault
+from fingerpad.study.new_files.sheet_cells import SHEET_SUFFIXES
 
-# What can be a picture, a film, a curve or an outline.
-_USABLE: Final = PICTURE_SUFFIXES | VIDEO_SUFFIXES | {".csv"}
+# What can be a picture, a film, a curve, an outline or a spreadsheet that tells of them.
+_USABLE: Final = PICTURE_SUFFIXES | VIDEO_SUFFIXES | SHEET_SUFFIXES
 # A run's output folder, which may lie inside the study's.
 _OF_A_RUN: Final = frozenset(("store.sqlite", "results.json", "results.csv"))
 # More pictures than these in a folder of their own are the frames of a film.

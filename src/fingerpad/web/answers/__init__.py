@@ -6,7 +6,14 @@ a picture are pairs (row, column) in pixels.
 
 from fingerpad.web.answers.base import Answer, Refusal
 from fingerpad.web.answers.events import EVENTS
-from fingerpad.web.answers.files import BundleContents, PictureInfo, UploadedFile
+from fingerpad.web.answers.files import (
+    BundleContents,
+    FileGuess,
+    JoinedTable,
+    PatternMatches,
+    PictureInfo,
+    UploadedFile,
+)
 from fingerpad.web.answers.measurements import (
     ContactMeasurement,
     ContactModel,
@@ -53,11 +60,14 @@ __all__ = [
     "Corrections",
     "FigureDetails",
     "Figures",
+    "FileGuess",
     "Frames",
+    "JoinedTable",
     "LengthMeasurement",
     "ModelCheck",
     "ModelHeadline",
     "PadGeometry",
+    "PatternMatches",
     "PhotographMeasurement",
     "PictureInfo",
     "Plot",

@@ -2,10 +2,10 @@
 
 from typing import Any, Literal
 
-from fingerpad.study.editing.file_names import Kind as FileKind
-from fingerpad.study.editing.file_names import Role
 from fingerpad.study.manifest.check import Kind
 from fingerpad.study.manifest.study import Apparatus, Uncertainty
+from fingerpad.study.new_files.file_names import Kind as FileKind
+from fingerpad.study.new_files.quantities import Role
 from fingerpad.web.answers.base import Answer, Face, Status
 
 

@@ -53,7 +53,7 @@ export class Drop {
         h(
           "p.soft",
           null,
-          "PNG, JPEG, TIFF (8 or 16 bit), a folder of frames, CSV. Files stay on this computer.",
+          "PNG, JPEG, TIFF (8 or 16 bit), a folder of frames, CSV; a spreadsheet (CSV, XLSX) that says what they are. Files stay on this computer.",
         ),
       ),
       button("Choose files", () => this.chooser.click(), { kind: "primary" }),

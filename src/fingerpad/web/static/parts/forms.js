@@ -24,6 +24,16 @@ export function field(label, control, { unit, hint, wide } = {}) {
   );
 }
 
+/** A number as a field takes it: with a decimal point, and in the unit of the field where the cell says its own. */
+function plainNumber(cell, unit) {
+  const found = /^([-+]?[\d.,]+(?:e[-+]?\d+)?)\s*(mN|N|°|deg)$/i.exec(cell);
+  if (!found || !unit) return cell.replace(",", ".");
+  const value = found[1].replace(",", ".");
+  if (unit !== "N") return /n$/i.test(found[2]) ? cell : value;
+  if (!/n$/i.test(found[2])) return cell;
+  return found[2].length > 1 ? String(Number((Number(value) / 1000).toPrecision(12))) : value;
+}
+
 /**
  * Fill pasted cells into a field and those below it in its table. A browser would join several lines into one
  * number.
@@ -38,7 +48,9 @@ function fillDown(input, event) {
     .split(/\r?\n/)
     .map((cell) => cell.trim());
   const numeric = input.type === "number";
-  const values = numeric ? cells.map((cell) => cell.replace(",", ".")) : cells;
+  const values = numeric ? cells.map((cell) => plainNumber(cell, input.dataset.unit)) : cells;
+  if (numeric && values.length > 1 && Number.isNaN(Number(values[0])) && !/^[-+\d]/.test(values[0]))
+    values.shift(); // a header
   if (values.length < 2 && values[0] === cells[0]) return;
   event.preventDefault();
   const column = input.closest("td")?.cellIndex;

@@ -3,6 +3,21 @@
 import { workspace } from "../core/workspace.js";
 import { choose } from "./forms.js";
 
+/** Diameters of coins, mm. */
+export const COINS = [
+  ["", "– other –"],
+  ["16.25", "1 euro cent, 16.25 mm"],
+  ["18.75", "2 euro cent, 18.75 mm"],
+  ["21.25", "5 euro cent, 21.25 mm"],
+  ["19.75", "10 euro cent, 19.75 mm"],
+  ["22.25", "20 euro cent, 22.25 mm"],
+  ["24.25", "50 euro cent, 24.25 mm"],
+  ["23.25", "1 euro, 23.25 mm"],
+  ["25.75", "2 euro, 25.75 mm"],
+  ["24.26", "US quarter, 24.26 mm"],
+  ["20.3", "UK penny, 20.3 mm"],
+];
+
 /**
  * @param {string | ScaleTable | null | undefined} scale
  * @param {string} [before] what stands before the scale, if there is one

@@ -2,47 +2,74 @@
 
 import { get, picture, post, remove } from "../core/api.js";
 import { h, redraw, render } from "../core/dom.js";
-import { showError, toast } from "../core/messages.js";
+import { ask, showError, toast } from "../core/messages.js";
 import { bytes } from "../core/quantity.js";
 import { workspace } from "../core/workspace.js";
-import { button, check, choose, faultList, NAME, number, text } from "../parts/forms.js";
+import { button, check, chip, choose, faultList, NAME, number, text } from "../parts/forms.js";
 import { FACES } from "../parts/missing_fields.js";
-import { scaleNames } from "../parts/scale_choice.js";
+import { COINS, scaleNames } from "../parts/scale_choice.js";
+import {
+  AS_OF_CONTENT,
+  draftOf,
+  editsOf,
+  isNewScale,
+  newScaleWords,
+  parseScale,
+  takeValues,
+} from "./new_files_edits.js";
+import { NewFileTools } from "./new_files_tools.js";
 
 const KINDS = {
   picture: [
     ["observation", "contact image"],
     ["photograph", "photograph"],
-    ["", "ruler or coin, later"],
+    ["coin", "coin, for the scale"],
+    ["ruler", "ruler, for the scale"],
+    ["", "something else"],
   ],
   film: [["sequence", "sequence"]],
   table: [
     ["curve", "loading curve"],
     ["outline", "outline of a face"],
-    ["", "force of a sequence, later"],
+    ["force", "force of a sequence"],
+    ["sheet", "spreadsheet of files"],
+    ["", "something else"],
   ],
   other: [["", "unknown"]],
 };
-
-/** Name and values of a new file, as a proposal; empty where its name leaves them open. */
-function draftOf({ file, reading }) {
-  const { fingers } = workspace.study;
-  return {
-    name: file
-      .split("/")
-      .at(-1)
-      .replace(/\.[^.]+$/, ""),
-    as: reading.role ?? "",
-    finger: reading.finger ?? (fingers.length === 1 ? fingers[0].name : ""),
-    face: reading.face ?? undefined,
-    wedge_angle_deg: reading.wedge_angle_deg ?? undefined,
-    load_N: reading.load_N ?? undefined,
-  };
-}
+const COLUMNS = [
+  ["", ""],
+  ["File", ""],
+  ["Type", ""],
+  ["Finger", "finger"],
+  ["Face", "face"],
+  ["Wedge, °", "wedge_angle_deg"],
+  ["Load, N", ""],
+  ["Scale", "scale"],
+  ["", ""],
+];
+const LOOKED =
+  "What each file is was read from its content and name. Correct it where needed, and enter what is empty.";
+const base = (file) => file.split("/").at(-1);
+const plural = (count) => `${count} file${count === 1 ? "" : "s"}`;
 
 export class NewFiles {
-  constructor() {
+  /**
+   * @param {{ changed: () => void, showMissing: () => void }} options what draws the view once files are
+   *   identified, and what goes to the missing entries
+   */
+  constructor({ changed, showMissing }) {
+    this.changed = changed;
+    this.showMissing = showMissing;
     this.problem = h("div");
+    this.status = h("span.soft", { role: "status" });
+    /** Files that are looked at now, one after the other. */
+    this.looking = Promise.resolve();
+    this.toLookAt = 0;
+    this.lookedAt = new Set();
+    /** Files that no spreadsheet was joined to yet. */
+    this.fresh = /** @type {string[]} */ ([]);
+    this.tools = new NewFileTools({ files: () => this.files, take: (stated) => this.#take(stated) });
     this.study = workspace.study.name;
     /** What was entered for each file, kept over a reload until the file is used. */
     this.drafts = new Map(Object.entries(JSON.parse(localStorage.getItem(this.#key) ?? "{}")));
@@ -55,6 +82,7 @@ export class NewFiles {
       oninput: () => setTimeout(() => this.#keep()),
       onchange: () => setTimeout(() => this.#keep()),
     });
+    this.root.addEventListener("paste", (event) => this.#pasted(event), true);
     this.rest = h("details.card", { hidden: true });
   }
 
@@ -75,32 +103,34 @@ export class NewFiles {
 
   draw() {
     const unused = workspace.study.files.filter(({ used, kind }) => !used && kind !== "other");
-    const files = unused.filter(({ file }) => file.startsWith("uploads/"));
-    this.#drawRest(unused.filter(({ file }) => !file.startsWith("uploads/")));
-    this.root.hidden = !files.length;
-    if (!files.length) return;
-    for (const each of files) {
+    const uploaded = unused.filter(({ file }) => file.startsWith("uploads/"));
+    for (const each of uploaded) {
       const { file, kind } = each;
       if (!this.drafts.has(file)) {
         this.drafts.set(file, draftOf(each));
         if (kind === "picture" && !this.info.has(file)) this.#loadInfo(file);
       }
+      if (!this.drafts.get(file).guesses && !this.lookedAt.has(file)) this.#lookAt(file);
     }
-    this.files = files.map(({ file }) => file);
-    for (const file of this.drafts.keys()) if (!this.files.includes(file)) this.drafts.delete(file);
+    const names = new Set(uploaded.map(({ file }) => file));
+    for (const file of this.drafts.keys()) if (!names.has(file)) this.drafts.delete(file);
     this.#keep();
+    const isSheet = ({ file }) => this.drafts.get(file)?.as === "sheet";
+    const files = uploaded.filter((each) => !isSheet(each));
+    this.#drawRest(unused.filter((each) => !names.has(each.file) || isSheet(each)));
+    this.files = files.map(({ file }) => file);
+    this.root.hidden = !files.length;
+    if (!files.length) return;
+    this.#useCoin();
     const shown = files.slice(0, 60);
+    this.status.textContent = this.toLookAt ? `Looking at ${plural(this.toLookAt)} …` : LOOKED;
     render(
       this.root,
       h(
         "header",
         null,
         h("h2", null, `${files.length} new file${files.length > 1 ? "s" : ""}`),
-        h(
-          "span.soft",
-          null,
-          "Enter what each file is. The values were read from the file names; correct them where needed.",
-        ),
+        this.status,
         h(
           "div.actions",
           null,
@@ -109,6 +139,7 @@ export class NewFiles {
       ),
       this.problem,
       this.#common(),
+      this.tools.root,
       h(
         "div.table-wrap",
         { tabindex: 0, role: "group", "aria-label": "New files" },
@@ -121,8 +152,19 @@ export class NewFiles {
             h(
               "tr",
               null,
-              ["", "File", "Type", "Finger", "Face", "Wedge, °", "Load, N", "Scale", ""].map((words) =>
-                h("th", { scope: "col" }, words),
+              COLUMNS.map(([words, key]) =>
+                h(
+                  "th",
+                  { scope: "col" },
+                  words,
+                  key &&
+                    files.length > 1 &&
+                    button("↓", () => this.#fillDown(key), {
+                      kind: "icon",
+                      label: `Fill down: ${words}`,
+                      title: "Fill empty fields from the one above",
+                    }),
+                ),
               ),
             ),
           ),
@@ -148,7 +190,92 @@ export class NewFiles {
         { id: "fingers" },
         workspace.study.fingers.map(({ name }) => h("option", { value: name })),
       ),
+      h(
+        "datalist",
+        { id: "new-scales" },
+        [...scaleNames(), "500 ppi", "1000 ppi", "0.05 mm/px"].map((value) => h("option", { value })),
+      ),
     );
+  }
+
+  /** Find out what a file is, after those before it. */
+  #lookAt(file) {
+    this.toLookAt += 1;
+    this.lookedAt.add(file);
+    this.fresh.push(file);
+    const look = async () => {
+      const guess = await get("/api/files/identity", { file }).catch(() => null);
+      const draft = this.drafts.get(file);
+      this.toLookAt -= 1;
+      if (guess && draft) {
+        const before = JSON.stringify([draft.as, draft.face]);
+        draft.guesses = guess.contents.map((content) => AS_OF_CONTENT[content]);
+        if (!draft.touched) Object.assign(draft, { as: draft.guesses[0], asked: !guess.sure });
+        draft.faceGuess = { face: guess.faces[0], faceAsked: !guess.face_sure };
+        takeFace(draft);
+        // What is as drawn stays: drawing again would drop a value that is being entered.
+        this.different ||=
+          draft.asked || draft.faceAsked || JSON.stringify([draft.as, draft.face]) !== before;
+      }
+      if (this.toLookAt) return;
+      const fresh = this.fresh.splice(0);
+      const isSheet = (one) => this.drafts.get(one)?.as === "sheet";
+      this.files = this.files.filter((one) => !isSheet(one));
+      const wanted = this.files.filter((one) => fresh.includes(one));
+      for (const sheet of [...this.drafts.keys()].filter(isSheet)) {
+        if (fresh.includes(sheet)) await this.tools.join({ file: sheet }, this.files);
+        else if (wanted.length) await this.tools.join({ file: sheet }, wanted, { quiet: true });
+      }
+      this.#keep();
+      if (this.different) this.changed();
+      else this.status.textContent = LOOKED;
+      this.different = false;
+    };
+    this.looking = this.looking.then(look).catch(showError);
+  }
+
+  /** Take stated values into the drafts; return what cannot be taken. */
+  #take(stated) {
+    const problems = stated
+      .map(({ file, values }) => [file, takeValues(this.drafts.get(file), values)])
+      .filter(([, problem]) => problem)
+      .map(([file, problem]) => `${base(file)}: ${problem}`);
+    this.#keep();
+    redraw(() => this.draw());
+    return problems;
+  }
+
+  /** Take the scale of the one coin for photographs that have none. */
+  #useCoin() {
+    const coins = this.files.filter((file) => this.drafts.get(file).as === "coin");
+    const scale = coins.length === 1 && this.drafts.get(coins[0]).diameter_mm > 0 ? `coin:${coins[0]}` : "";
+    for (const file of this.files) {
+      const draft = this.drafts.get(file);
+      if (draft.scale?.startsWith("coin:") && !coins.includes(draft.scale.slice(5))) draft.scale = "";
+      if (scale && draft.as === "photograph" && !draft.scale) draft.scale = scale;
+    }
+  }
+
+  /** Fill the empty fields of a column from the field above them. */
+  #fillDown(key) {
+    let above;
+    for (const file of this.files) {
+      const draft = this.drafts.get(file);
+      if (!takes(draft, key)) continue;
+      if (draft[key] === undefined || draft[key] === "") draft[key] = above;
+      else above = draft[key];
+    }
+    this.#keep();
+    redraw(() => this.draw());
+  }
+
+  /** Join cells of a spreadsheet that are pasted anywhere here; a single column is for the field. */
+  #pasted(event) {
+    const words = event.clipboardData.getData("text");
+    if (!/\t/.test(words) || !/\n/.test(words.trim()) || event.target.matches("textarea")) return;
+    event.preventDefault();
+    event.stopPropagation();
+    this.tools.join({ text: words });
   }
 
   /** List unused files of the study folder that were not uploaded. */
@@ -167,7 +294,15 @@ export class NewFiles {
         files
           .slice(0, 200)
           .map(({ file, bytes: size }) =>
-            h("li", null, h("code", null, file), " ", h("span.soft.number", null, bytes(size))),
+            h(
+              "li",
+              null,
+              h("code", null, file),
+              " ",
+              h("span.soft.number", null, bytes(size)),
+              file.startsWith("uploads/") &&
+                button("×", () => this.#forget(file), { kind: "icon", label: `Remove ${base(file)}` }),
+            ),
           ),
       ),
     );
@@ -200,12 +335,27 @@ export class NewFiles {
       label: "Finger of all new files",
       onset: (value) => value && finger.checkValidity() && every("finger", value),
     });
-    const scale = choose({
-      value: this.shared.scale ?? "",
-      options: [["", "–"], ...scaleNames()],
-      label: "Scale of all new pictures",
-      onset: (value) => value && every("scale", value),
-    });
+    const scaleFor = (as, words, placeholder) => {
+      if (!this.files.some((file) => this.drafts.get(file).as === as)) return null;
+      const field = text({
+        value: this.shared[`scale_${as}`],
+        placeholder,
+        list: "new-scales",
+        label: `Scale of all new ${words}`,
+        onset: (value) => {
+          const scale = value && parseScale(value);
+          field.setCustomValidity(
+            value && !scale ? "As in 500 ppi or 0.05 mm/px, or the name of a scale of the study" : "",
+          );
+          if (!field.reportValidity()) return;
+          this.shared[`scale_${as}`] = value;
+          for (const draft of this.drafts.values()) if (draft.as === as) draft.scale = scale;
+          this.#keep();
+          setTimeout(() => redraw(() => this.draw()));
+        },
+      });
+      return h("label", null, `scale of ${words}`, field);
+    };
     const wedge = number({
       value: this.shared.wedge_angle_deg,
       min: 0,
@@ -221,7 +371,8 @@ export class NewFiles {
         h("span.soft", null, "All files:"),
         h("label", null, "finger", finger),
         h("label", null, "wedge °", wedge),
-        h("label", null, "scale", scale),
+        scaleFor("observation", "contact images", "e.g. 500 ppi"),
+        scaleFor("photograph", "photographs", "e.g. 0.05 mm/px"),
       )
     );
   }
@@ -230,11 +381,17 @@ export class NewFiles {
     const draft = this.drafts.get(file);
     const put = (key) => (value) => (draft[key] = value ?? undefined);
     const name = file.split("/").at(-1);
+    const order = draft.guesses ?? [];
+    const rank = ([value]) => (order.includes(value) ? order.indexOf(value) : order.length);
     const as = choose({
       value: draft.as,
-      options: KINDS[kind],
+      options: [...KINDS[kind]].sort((one, other) => rank(one) - rank(other)),
       label: `Type of ${name}`,
-      onset: (value) => ((draft.as = value), redraw(() => this.draw())),
+      onset: (value) => {
+        Object.assign(draft, { as: value, asked: false, touched: true });
+        takeFace(draft);
+        setTimeout(() => redraw(() => this.draw()));
+      },
     });
     const finger = text({
       value: draft.finger,
@@ -249,7 +406,10 @@ export class NewFiles {
       value: draft.face ?? "",
       options: [["", "–"], ...FACES],
       label: `Face on ${name}`,
-      onset: (value) => (draft.face = value || undefined),
+      onset: (value) => {
+        Object.assign(draft, { face: value || undefined, faceAsked: false });
+        face.nextElementSibling?.remove();
+      },
     });
     const wedge = number({
       value: draft.wedge_angle_deg,
@@ -264,12 +424,13 @@ export class NewFiles {
       label: `Load of ${name}, newtons`,
       onset: put("load_N"),
     });
+    load.dataset.unit = "N";
+    wedge.dataset.unit = "°";
     for (const [control, key] of [
       [finger, "finger"],
       [wedge, "wedge_angle_deg"],
     ])
       control.dataset.field = `${file}:${key}`;
-    const placed = ["observation", "sequence", "curve"].includes(draft.as);
     return h(
       "tr",
       null,
@@ -285,12 +446,16 @@ export class NewFiles {
           : h("span.chip", null, kind),
       ),
       h("td", null, h("strong", null, name), h("div.soft", null, this.#about(file, size))),
-      h("td", null, as),
-      h("td", null, draft.as && finger),
-      h("td", null, ["photograph", "outline"].includes(draft.as) && face),
-      h("td", null, placed && wedge),
-      h("td", null, draft.as === "observation" && load),
-      h("td", null, ["observation", "photograph", "sequence"].includes(draft.as) && this.#scale(file)),
+      h("td", null, as, draft.asked && guessed()),
+      draft.as === "coin"
+        ? h("td", { colspan: 5 }, this.#coin(file))
+        : [
+            h("td", { "data-label": "Finger" }, takes(draft, "finger") && finger),
+            h("td", { "data-label": "Face" }, takes(draft, "face") && [face, draft.faceAsked && guessed()]),
+            h("td", { "data-label": "Wedge, °" }, takes(draft, "wedge_angle_deg") && wedge),
+            h("td", { "data-label": "Load, N" }, takes(draft, "load_N") && load),
+            h("td", { "data-label": "Scale" }, takes(draft, "scale") && this.#scale(file)),
+          ],
       h(
         "td",
         null,
@@ -307,6 +472,40 @@ export class NewFiles {
     return parts.join(" · ");
   }
 
+  /** The diameter of a coin, which makes it a scale. */
+  #coin(file) {
+    const draft = this.drafts.get(file);
+    const name = base(file);
+    const set = (value) => {
+      draft.diameter_mm = value ?? undefined;
+      this.#keep();
+      setTimeout(() => redraw(() => this.draw()));
+    };
+    const known = String(draft.diameter_mm ?? "");
+    return h(
+      "div.coin-choice",
+      null,
+      choose({
+        value: COINS.some(([diameter]) => diameter === known) ? known : "",
+        options: COINS.map(([diameter, words]) => [diameter, diameter ? words : "which coin?"]),
+        label: `Coin on ${name}`,
+        onset: (value) => value && set(Number(value)),
+      }),
+      h(
+        "label",
+        null,
+        "diameter, mm",
+        number({
+          value: draft.diameter_mm,
+          min: 1,
+          max: 200,
+          label: `Diameter of the coin on ${name}, mm`,
+          onset: set,
+        }),
+      ),
+    );
+  }
+
   #scale(file) {
     const draft = this.drafts.get(file);
     const ppi = this.info.get(file)?.resolution_ppi;
@@ -314,6 +513,9 @@ export class NewFiles {
     draft.scale ??= names.length === 1 ? names[0] : "";
     const options = [["", "– later –"], ...names.map((name) => [name, name])];
     if (ppi) options.push([`ppi:${ppi}`, `${Number(ppi.toFixed(1))} ppi (from file)`]);
+    const others = [...this.drafts.values()].map(({ scale }) => scale).filter(isNewScale);
+    for (const scale of new Set(others))
+      if (!options.some(([value]) => value === scale)) options.push([scale, newScaleWords(scale)]);
     const select = choose({
       value: draft.scale,
       options,
@@ -342,7 +544,7 @@ export class NewFiles {
   async #restore(removed, draft) {
     try {
       const { restored } = await post("/api/files/restore", { removed });
-      this.drafts.set(restored, draft);
+      if (draft) this.drafts.set(restored, draft);
       toast(`${restored.split("/").at(-1)} was restored.`, { kind: "good" });
     } catch (error) {
       showError(error);
@@ -350,93 +552,80 @@ export class NewFiles {
     await workspace.reload().catch(showError);
   }
 
+  /** Ask whether the guesses are right; true if they are. */
+  async #confirmed() {
+    const open = this.files
+      .map((file) => ({ file, draft: this.drafts.get(file) }))
+      .filter(({ draft }) => draft.asked || (draft.as === "photograph" && draft.faceAsked));
+    if (!open.length) return true;
+    const kinds = Object.fromEntries(Object.values(KINDS).flat());
+    const answer = await ask(
+      open.length === 1 ? "Is this right?" : "Are these right?",
+      h(
+        "ul.guesses",
+        null,
+        open
+          .slice(0, 30)
+          .map(({ file, draft }) =>
+            h(
+              "li",
+              null,
+              h("img.small-thumb", { src: picture("thumbnail", `file:${file}`), alt: "" }),
+              h("strong", null, base(file)),
+              h(
+                "span",
+                null,
+                kinds[draft.as],
+                draft.as === "photograph" && draft.face && `, ${draft.face} face`,
+              ),
+            ),
+          ),
+        open.length > 30 && h("li", null, `and ${open.length - 30} more`),
+      ),
+      [
+        ["", "Change"],
+        ["yes", "Yes, add them", "primary"],
+      ],
+    );
+    if (answer !== "yes") {
+      const { file, draft } = open[0];
+      const what = draft.asked ? "Type of" : "Face on";
+      this.root.querySelector(`select[aria-label="${CSS.escape(`${what} ${base(file)}`)}"]`)?.focus();
+      return false;
+    }
+    for (const { draft } of open) Object.assign(draft, { asked: false, faceAsked: false });
+    return true;
+  }
+
   async #use() {
     const wrong = this.root.querySelector("input:invalid");
     if (wrong) return wrong.reportValidity();
-    /** @type {Edit[]} */
-    const edits = [];
-    const taken = new Set([
-      ...workspace.study.observations.map(({ item }) => item),
-      ...workspace.study.sequences.map(({ name }) => name),
-    ]);
-    const fingers = new Set(workspace.study.fingers.map(({ name }) => name));
-    let curves = workspace.study.curves.length;
-    for (const file of this.files) {
-      const draft = this.drafts.get(file);
-      if (!draft.as || !draft.finger) continue;
-      const scale = draft.scale?.startsWith("ppi:")
-        ? { ppi: Number(draft.scale.slice(4)) }
-        : draft.scale || undefined;
-      const synthetic = this.shared.synthetic || undefined;
-      const said = (set) =>
-        Object.fromEntries(Object.entries(set).filter(([, value]) => value !== undefined && value !== ""));
-      if (!fingers.has(draft.finger) && ["photograph", "outline"].includes(draft.as)) {
-        edits.push({ kind: "finger", key: draft.finger, set: {} });
-        fingers.add(draft.finger);
-      }
-      let name = draft.name;
-      for (let number = 2; taken.has(name); number += 1) name = `${draft.name}_${number}`;
-      if (draft.as === "observation") {
-        edits.push({
-          kind: "observation",
-          key: name,
-          set: said({
-            finger: draft.finger,
-            file,
-            wedge_angle_deg: draft.wedge_angle_deg,
-            load_N: draft.load_N,
-            scale,
-            synthetic,
-          }),
-        });
-        taken.add(name);
-      } else if (draft.as === "photograph")
-        edits.push({
-          kind: "photograph",
-          key: `${draft.finger}/${file}`,
-          set: said({ face: draft.face, scale, synthetic }),
-        });
-      else if (draft.as === "outline")
-        edits.push({
-          kind: "photograph",
-          key: `${draft.finger}/${file}`,
-          set: said({ face: draft.face, outline: file, synthetic }),
-        });
-      else if (draft.as === "sequence") {
-        const force = workspace.study.files.find(
-          (other) => !other.used && other.kind === "table" && /force/i.test(other.file),
-        )?.file;
-        edits.push({
-          kind: "sequence",
-          key: name,
-          set: said({
-            finger: draft.finger,
-            file,
-            wedge_angle_deg: draft.wedge_angle_deg,
-            scale,
-            force,
-            synthetic,
-          }),
-        });
-        taken.add(name);
-      } else if (draft.as === "curve")
-        edits.push({
-          kind: "curve",
-          key: String(curves++),
-          set: said({ finger: draft.finger, wedge_angle_deg: draft.wedge_angle_deg, file, synthetic }),
-        });
-    }
+    await this.looking;
+    if (!(await this.#confirmed())) return undefined;
+    const { edits, added, waiting } = editsOf(this.files, this.drafts, this.shared);
     render(this.problem);
+    if (waiting.length) {
+      const words = edits.length
+        ? `${plural(waiting.length)} not added yet: enter the finger.`
+        : "Enter the finger of the files.";
+      render(this.problem, h("div.faults", { role: "alert" }, h("p", null, words)));
+    }
     if (!edits.length) {
-      render(
-        this.problem,
-        h("div.faults", { role: "alert" }, h("p", null, "Enter at least the finger of the files.")),
-      );
+      if (waiting.length) this.root.querySelector(`input[aria-label^="Finger o"]`)?.focus();
+      else toast("There is nothing to add: state what the files are.");
       return undefined;
     }
     try {
       await workspace.edit(...edits);
-      return toast(inUse(edits.filter(({ kind }) => kind !== "finger").length), { kind: "good" });
+      if (!waiting.length) render(this.tools.report);
+      const { missing } = workspace.study;
+      const left =
+        missing.length &&
+        `${missing.length === 1 ? "One entry is" : `${missing.length} entries are`} missing.`;
+      return toast(left ? `${plural(added)} added. ${left}` : `${plural(added)} added.`, {
+        kind: "good",
+        ...(left && { action: { words: "Show", do: this.showMissing } }),
+      });
     } catch (error) {
       render(this.problem, faultList(error));
       return undefined;
@@ -444,4 +633,21 @@ export class NewFiles {
   }
 }
 
-const inUse = (count) => `${count} file${count === 1 ? "" : "s"} added.`;
+/** Take the guessed face of a photograph whose face nothing states. */
+function takeFace(draft) {
+  if (draft.as === "photograph" && !draft.face && draft.faceGuess?.face)
+    Object.assign(draft, draft.faceGuess);
+}
+
+const guessed = () =>
+  chip("guess: check", "warn", "The page is not sure. Choose again, or confirm when you add.");
+
+/** Whether a file of its kind takes a value. */
+const takes = ({ as }, key) =>
+  ({
+    finger: ["observation", "photograph", "sequence", "curve", "outline"],
+    face: ["photograph", "outline"],
+    wedge_angle_deg: ["observation", "sequence", "curve"],
+    load_N: ["observation"],
+    scale: ["observation", "photograph", "sequence"],
+  })[key].includes(as);

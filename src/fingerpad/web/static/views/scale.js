@@ -7,6 +7,7 @@ import { showError, toast } from "../core/messages.js";
 import { plain, withStd } from "../core/quantity.js";
 import { describeCode, workspace } from "../core/workspace.js";
 import { button, chip, choose, faultList, field, NAME, number, segments, text } from "../parts/forms.js";
+import { COINS } from "../parts/scale_choice.js";
 import { Stage } from "../parts/stage.js";
 import { Line } from "../parts/tools.js";
 
@@ -27,20 +28,6 @@ const KNOWN_LENGTHS = [
   ["85.6", "a bank card's long side, 85.60 mm"],
   ["53.98", "a bank card's short side, 53.98 mm"],
 ];
-const COINS = [
-  ["", "– other –"],
-  ["16.25", "1 euro cent, 16.25 mm"],
-  ["18.75", "2 euro cent, 18.75 mm"],
-  ["21.25", "5 euro cent, 21.25 mm"],
-  ["19.75", "10 euro cent, 19.75 mm"],
-  ["22.25", "20 euro cent, 22.25 mm"],
-  ["24.25", "50 euro cent, 24.25 mm"],
-  ["23.25", "1 euro, 23.25 mm"],
-  ["25.75", "2 euro, 25.75 mm"],
-  ["24.26", "US quarter, 24.26 mm"],
-  ["20.3", "UK penny, 20.3 mm"],
-];
-
 // A scale that is not saved yet, kept while other steps are shown, and over a reload.
 const UNSAVED = "fingerpad.scale";
 const unsavedScale = () => {

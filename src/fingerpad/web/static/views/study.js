@@ -4,21 +4,24 @@ import { h, redraw, render } from "../core/dom.js";
 import { bindHere } from "../core/keys.js";
 import { workspace } from "../core/workspace.js";
 import { Drop } from "../parts/drop.js";
-import { choose, faultList, field, number, text } from "../parts/forms.js";
+import { button, choose, faultList, field, number, text } from "../parts/forms.js";
 import { missingList } from "../parts/missing_fields.js";
 import { NewFiles } from "./new_files.js";
 import { StudyTables } from "./study_tables.js";
 
 class StudyView {
   constructor(root) {
-    this.files = new NewFiles();
+    this.files = new NewFiles({
+      changed: () => this.update(),
+      showMissing: () => this.#showMissing(),
+    });
     this.tables = new StudyTables();
     this.drop = new Drop({
       sent: (files) => {
         this.files.addInfo(files);
         this.files.draw();
         this.files.root.scrollIntoView({ block: "nearest" });
-        this.files.root.querySelector("select, input")?.focus();
+        this.files.root.querySelector("input")?.focus();
       },
     });
     this.side = h("aside.stack.study-side", {
@@ -40,9 +43,15 @@ class StudyView {
     this.drop.watch(root);
     bindHere([
       ["a", "Add files", () => this.drop.chooser.click()],
-      ["g", "Go to missing entries", () => this.side.querySelector("a, button, input")?.focus()],
+      ["g", "Go to missing entries", () => this.#showMissing()],
     ]);
     this.update();
+  }
+
+  #showMissing() {
+    const first = this.side.querySelector("a, button, input, select");
+    first?.scrollIntoView({ block: "center" });
+    first?.focus();
   }
 
   /** Delay updates while the user types. */
@@ -83,7 +92,12 @@ class StudyView {
       this.ready,
       study.ready
         ? h("a.button.primary", { href: "#/run/start" }, "Run the study")
-        : h("span.soft", null, "Not ready to run"),
+        : [
+            h("span.soft", null, "Not ready to run"),
+            study.missing.length > 0 &&
+              study.fingers.length + all > 0 &&
+              button("Show what is missing", () => this.#showMissing(), { kind: "small" }),
+          ],
     );
     this.files.draw();
     this.tables.draw();

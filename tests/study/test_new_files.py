@@ -2,7 +2,7 @@
 
 import pytest
 
-from fingerpad.study.editing.file_names import read_file_name
+from fingerpad.study.new_files.file_names import read_file_name
 
 
 @pytest.mark.parametrize(

@@ -5,14 +5,13 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import PurePosixPath
-from typing import Final, Literal, TypeAlias, get_args
+from typing import Final, Literal, TypeAlias
 
 from fingerpad.image import Face
+from fingerpad.study.new_files.quantities import DIGITS, FACES, HAND_WORDS, INITIALS, Role
 
 Kind: TypeAlias = Literal["picture", "film", "table", "other"]
-Role: TypeAlias = Literal["observation", "photograph", "sequence", "curve", "outline"]
 
-_FACES: Final[tuple[Face, ...]] = get_args(Face)
 # Letters, or one number with its decimal mark.
 _WORD: Final = re.compile(r"[^\W\d_]+|\d+(?:[.,]\d+)?")
 _NUMBER: Final = r"(?<![\d.,])(\d+(?:[.,]\d+)?)"
@@ -22,18 +21,6 @@ _WEDGE: Final = (
     re.compile(rf"(?<!(?<!\d)\d[-_]){_NUMBER}[ _-]?(?:deg|°)", re.IGNORECASE),
     re.compile(rf"(?:wedge|theta|θ)(?:[ _-]?angle)?[ _-]?{_NUMBER}", re.IGNORECASE),
 )
-_HANDS: Final = {"left": "left", "right": "right", "l": "left", "r": "right"}
-_DIGITS: Final = {
-    "thumb": "thumb",
-    "index": "index",
-    "forefinger": "index",
-    "middle": "middle",
-    "ring": "ring",
-    "little": "little",
-    "pinky": "little",
-    "pinkie": "little",
-}
-_INITIALS: Final = {"T": "thumb", "I": "index", "M": "middle", "R": "ring", "L": "little", "P": "little"}
 _PERSON: Final = re.compile(r"(?<![^\W_])(?:s|p|subject|participant|person)[ _-]?(\d+)(?!\d)", re.IGNORECASE)
 _CAPITALS: Final = re.compile(r"(?<![^\W\d_])([LR])([TIMRLP])(?![^\W\d_])")
 _OF_SCALE: Final = frozenset(("ruler", "scale", "coin", "euro", "cent", "calibration", "card"))
@@ -92,9 +79,9 @@ def read_file_name(name: str, kind: Kind, *, fingers: Iterable[str] = ()) -> Fil
     """
     stem = PurePosixPath(name).stem
     words = [word.lower() for word in _WORD.findall(stem)]
-    face = next((face for face in _FACES if face in words), None)
+    face = next((face for face in FACES if face in words), None)
     role = (_FACE_ROLES if face else _ROLES).get(kind, _ROLES.get(kind))
-    if _OF_SCALE.intersection(words) or (kind == "table" and "force" in words):
+    if names_a_scale(name) or (kind == "table" and "force" in words):
         role = None
     known = [finger for finger in fingers if finger.lower() in stem.lower()]
     return FileNameReading(
@@ -106,13 +93,22 @@ def read_file_name(name: str, kind: Kind, *, fingers: Iterable[str] = ()) -> Fil
     )
 
 
+def names_a_scale(name: str) -> bool:
+    """Tell whether a name says that a file shows a ruler, a coin or the like."""
+    return not _OF_SCALE.isdisjoint(word.lower() for word in _WORD.findall(PurePosixPath(name).stem))
+
+
 def _finger(stem: str) -> str | None:
     """Return hand and digit, by full words in any order or by two capitals, after the person."""
     words = [word.lower() for word in re.findall(r"[^\W\d_]+", re.sub(r"(?<=[a-z])(?=[A-Z])", " ", stem))]
     pairs = [pair for one, other in pairwise(words) for pair in ((one, other), (other, one))]
     found = [
-        *(f"{_HANDS[hand]}_{_DIGITS[digit]}" for hand, digit in pairs if hand in _HANDS and digit in _DIGITS),
-        *(f"{_HANDS[hand.lower()]}_{_INITIALS[digit]}" for hand, digit in _CAPITALS.findall(stem)),
+        *(
+            f"{HAND_WORDS[hand]}_{DIGITS[digit]}"
+            for hand, digit in pairs
+            if hand in HAND_WORDS and digit in DIGITS
+        ),
+        *(f"{HAND_WORDS[hand.lower()]}_{INITIALS[digit]}" for hand, digit in _CAPITALS.findall(stem)),
     ]
     if not found:
         return None

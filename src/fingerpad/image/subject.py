@@ -1,0 +1,205 @@
+"""What a picture shows: a contact, a finger, a coin or a ruler, from its pixels alone."""
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any, Final, Literal, TypeAlias, get_args
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from fingerpad._arrays import BoolArray, FloatArray, as_float32
+from fingerpad.exceptions import CalibrationError, ImageError
+from fingerpad.geometry.faces import Direction, Face
+from fingerpad.image._levels import eight_bit
+from fingerpad.image.coin.measure import measure_coin
+from fingerpad.image.contact_image._texture import LineTexture, line_texture
+from fingerpad.image.inputs import ImageLike, colour_levels
+from fingerpad.image.photograph._input import opponent_light
+from fingerpad.image.photograph._silhouette import Silhouette, find_silhouette
+
+Subject: TypeAlias = Literal["contact", "finger", "coin", "ruler", "other"]
+SUBJECTS: Final[tuple[Subject, ...]] = get_args(Subject)
+
+# Longest sides of the copies in which lines, a coin and a finger are looked for, px.
+_LINES_PX, _COIN_PX, _FINGER_PX = 1400, 480, 360
+# Lines fill so much of a contact image; a ruler's marks are parallel and evenly spaced beyond these.
+_RIDGED, _MARKS = 0.15, 0.03
+_PARALLEL, _EVEN = 0.985, 0.1
+# Straighter lines than these may be those of a table under a coin.
+_STRAIGHT = 0.8
+# Skin of every tone lies within these limits of Cr and Cb (Chai and Ngan 1999, IEEE Trans. CSVT 9:551).
+_SKIN_CR, _SKIN_CB = (133, 173), (77, 127)
+# Deviation of a finger's middle line from straight, in widths, at which front and side are equally likely.
+_BENT: Final = 0.005
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SubjectGuess:
+    """What a picture may show.
+
+    Attributes
+    ----------
+    subjects : mapping of str to float
+        ``contact``, ``finger``, ``coin``, ``ruler`` and ``other``, most likely first. The numbers sum to 1;
+        they rank and are no frequencies.
+    faces : mapping of str to float
+        If it is a finger, the face that it shows, most likely first; empty where no outline was found. The
+        two sides look alike, and are equally likely.
+
+    Examples
+    --------
+    >>> from fingerpad.image import guess_subject
+    >>> guess = guess_subject(np.full((80, 90), 200, np.uint8))  # blank paper
+    >>> round(sum(guess.subjects.values()), 6), max(guess.subjects.values()) < 0.9
+    (1.0, True)
+    """
+
+    subjects: Mapping[Subject, float]
+    faces: Mapping[Face, float]
+
+
+def guess_subject(image: ImageLike) -> SubjectGuess:
+    """Guess what a picture shows; no scale is needed.
+
+    Lines of one spacing that fill a part of the picture and turn are the ridges of a contact; parallel and
+    evenly spaced they are the marks of a ruler. One circular edge is a coin. Skin colour, or one smooth body
+    before a plain backdrop, is a finger, and its outline tells the face: end-on it is closed, from the front
+    its middle line is straight, from the side it is bent.
+
+    Parameters
+    ----------
+    image : array_like, (rows, columns) or (rows, columns, 3), path-like or Picture
+        Grey levels or red, green, blue.
+
+    Returns
+    -------
+    SubjectGuess
+
+    Raises
+    ------
+    ImageError
+        If the file cannot be read, or the array is no picture.
+
+    Examples
+    --------
+    >>> from fingerpad.image import guess_subject
+    >>> from fingerpad.simulate import render_contact_image, render_finger
+    >>> next(iter(guess_subject(render_contact_image(semi_major=6, semi_minor=5).pixels).subjects))
+    'contact'
+    >>> guess = guess_subject(render_finger("distal", mm_per_px=0.1).pixels)
+    >>> next(iter(guess.subjects)), next(iter(guess.faces))
+    ('finger', 'distal')
+    """
+    levels = np.asarray(colour_levels(image))
+    if levels.ndim not in {2, 3} or min(levels.shape[:2]) < 2 or (levels.ndim == 3 and levels.shape[2] < 3):
+        raise ImageError(f"a picture is (rows, columns) or (rows, columns, 3), found shape {levels.shape}")
+    pixels = eight_bit(_reduced(levels[..., :3] if levels.ndim == 3 else levels, _LINES_PX))
+    grey = cv2.cvtColor(pixels, cv2.COLOR_RGB2GRAY) if pixels.ndim == 3 else pixels
+    lines = line_texture(as_float32(grey))
+    silhouette, tip = _silhouette(_reduced(pixels, _FINGER_PX))
+    scores = dict.fromkeys(SUBJECTS, 0.0)
+    scores["contact"], scores["ruler"] = _line_scores(lines)
+    if scores["contact"] < 4 or lines.parallel > _STRAIGHT:
+        scores["coin"] = _coin_score(_reduced(grey, _COIN_PX))
+    scores["finger"] = _finger_score(pixels, silhouette)
+    scores["other"] = 1.5
+    faces = _faces(silhouette, tip) if silhouette is not None else {}
+    return SubjectGuess(subjects=_shares(scores), faces=faces)
+
+
+def _reduced(pixels: npt.NDArray[Any], longest_px: int) -> npt.NDArray[Any]:
+    zoom = longest_px / max(pixels.shape[:2])
+    if zoom >= 1:
+        return pixels
+    size = [max(2, round(n * zoom)) for n in pixels.shape[1::-1]]
+    return np.asarray(cv2.resize(pixels, size, interpolation=cv2.INTER_AREA))
+
+
+def _shares(scores: Mapping[Any, float]) -> dict[Any, float]:
+    """Return shares of 1 from log scores, largest first."""
+    weights = {name: math.exp(score) for name, score in scores.items()}
+    whole = sum(weights.values())
+    return {name: weights[name] / whole for name in sorted(weights, key=lambda name: -weights[name])}
+
+
+def _line_scores(lines: LineTexture) -> tuple[float, float]:
+    """Return the scores of a contact's ridges and of a ruler's marks."""
+    if lines.parallel > _PARALLEL and lines.spread < _EVEN:
+        return 0.0, 6.0 * min(1.0, lines.share / _MARKS)
+    turning = min(1.0, (1 - lines.parallel) / (1 - _PARALLEL) / 2)
+    return 6.0 * min(1.0, lines.share / _RIDGED) * turning, 0.0
+
+
+def _coin_score(grey: npt.NDArray[np.uint8]) -> float:
+    try:
+        coin = measure_coin(grey)
+    except CalibrationError:
+        return 0.0
+    return 5.5 if coin.semi_minor > 0.9 * coin.semi_major else 1.5
+
+
+def _finger_score(pixels: npt.NDArray[np.uint8], silhouette: Silhouette | None) -> float:
+    if silhouette is None:
+        return 0.0
+    if pixels.ndim == 2:
+        return 1.5
+    rows, columns = silhouette.mask.shape
+    small = cv2.resize(pixels, (columns, rows), interpolation=cv2.INTER_AREA)
+    _, red, blue = np.moveaxis(cv2.cvtColor(small, cv2.COLOR_RGB2YCrCb), -1, 0)
+    skin = (red > _SKIN_CR[0]) & (red < _SKIN_CR[1]) & (blue > _SKIN_CB[0]) & (blue < _SKIN_CB[1])
+    return 1.5 + 4.0 * min(1.0, 2 * float(skin[silhouette.mask].mean()))
+
+
+def _silhouette(pixels: npt.NDArray[np.uint8]) -> tuple[Silhouette | None, Direction | None]:
+    """Return the finger, if one stands out from its backdrop, and where its tip points, None end on."""
+    light = opponent_light(pixels)
+    whole = _found(light, None)
+    if whole is not None and not whole.cut_sides():
+        return whole, None
+    roots: Iterable[Direction] = ("down", "up", "left", "right")
+    tips: dict[Direction, Direction] = {"down": "up", "up": "down", "left": "right", "right": "left"}
+    best: tuple[Silhouette | None, Direction | None] = None, None
+    for root in roots:
+        found = _found(light, root)
+        if found is not None and set(found.cut_sides()) == {root}:
+            return found, tips[root]
+        if found is not None and root in found.cut_sides() and best[0] is None:
+            best = found, tips[root]
+    return best
+
+
+def _found(light: npt.NDArray[np.float32], root: Direction | None) -> Silhouette | None:
+    try:
+        return find_silhouette(light, root, None)
+    except ImageError:
+        return None
+
+
+def _faces(silhouette: Silhouette, tip: Direction | None) -> dict[Face, float]:
+    """Return how likely the outline is of each face."""
+    if tip is None:
+        scores: dict[Face, float] = {"distal": 3.0, "palmar": 0.0, "radial": 0.0, "ulnar": 0.0}
+        return _shares(scores)
+    side = 4.0 * math.tanh(1.5 * math.log(max(_middle_line_bend(silhouette.mask, tip), 1e-6) / _BENT))
+    return _shares({"palmar": 0.0, "radial": side, "ulnar": side, "distal": -3.0})
+
+
+def _middle_line_bend(mask: BoolArray, tip: Direction) -> float:
+    """Return how far the middle line of a finger departs from straight near its tip, in widths."""
+    upright = np.rot90(mask, {"up": 0, "right": 1, "down": 2, "left": 3}[tip])
+    rows = np.flatnonzero(upright.any(axis=1))
+    if rows.size < 10:
+        return 0.0
+    upright = upright[rows[0] :]
+    left, right = upright.argmax(axis=1), upright.shape[1] - upright[:, ::-1].argmax(axis=1)
+    width = float(np.max((right - left)[upright.any(axis=1)]))
+    heights: FloatArray = np.arange(0.04 * width, min(1.5 * width, len(upright) - 1))
+    if heights.size < 5:
+        return 0.0
+    at = heights.astype(int)
+    middle = (left[at] + right[at]) / 2
+    straight = np.polynomial.polynomial.polyfit(heights, middle, 1)
+    off = middle - np.polynomial.polynomial.polyval(heights, straight)
+    return float(np.sqrt(np.mean(off**2)) / width)

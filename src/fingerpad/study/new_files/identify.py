@@ -1,0 +1,198 @@
+"""What a new file is, by its content and its name together."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from os import PathLike
+from pathlib import Path
+from typing import Final, Literal, TypeAlias
+
+from fingerpad.exceptions import ManifestError
+from fingerpad.image import MEMORY_LIMIT, Face, Subject, guess_subject, open_frames, read_colour_image
+from fingerpad.image.sequence.frames import PICTURE_SUFFIXES, TIFF_SUFFIXES, VIDEO_SUFFIXES
+from fingerpad.study.new_files.file_names import Kind, names_a_scale, read_file_name
+from fingerpad.study.new_files.file_table import read_file_table
+from fingerpad.study.new_files.sheet_cells import SHEET_SUFFIXES, cells_of_text, read_cells
+
+Content: TypeAlias = Literal[
+    "contact image",
+    "photograph",
+    "coin",
+    "ruler",
+    "sequence",
+    "loading curve",
+    "force table",
+    "outline",
+    "table of files",
+    "other",
+]
+
+_OF_SUBJECT: Final[Mapping[Subject, Content]] = {
+    "contact": "contact image",
+    "finger": "photograph",
+    "coin": "coin",
+    "ruler": "ruler",
+    "other": "other",
+}
+# A name that says what a file is counts as this factor; a likelihood at which a guess need not be asked.
+_NAMED: Final = 200.0
+SURE: Final = 0.9
+_SIDES: Final[tuple[Face, ...]] = ("radial", "ulnar")
+_HEAD_BYTES: Final = 65536
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FileIdentity:
+    """What a file may be.
+
+    Attributes
+    ----------
+    contents : mapping of str to float
+        What it may be, most likely first; the numbers sum to 1. They rank, and are no frequencies.
+    faces : mapping of str to float
+        The face that it shows if it is a photograph, most likely first.
+    """
+
+    contents: Mapping[Content, float]
+    faces: Mapping[Face, float]
+
+    @property
+    def content(self) -> Content:
+        """The most likely content."""
+        return next(iter(self.contents))
+
+    @property
+    def face(self) -> Face | None:
+        """The most likely face, None where nothing tells."""
+        return next(iter(self.faces), None)
+
+    @property
+    def is_sure(self) -> bool:
+        """Whether nothing else is at all likely; otherwise it is to be asked."""
+        return self.contents[self.content] >= SURE
+
+    @property
+    def is_face_sure(self) -> bool:
+        """Whether no other face is at all likely; the two sides, which look alike, count as one."""
+        sides = sum(self.faces.get(face, 0.0) for face in _SIDES)
+        return bool(self.faces) and max(*self.faces.values(), sides) >= SURE
+
+
+def identify_file(path: str | PathLike[str], *, memory_limit: int = MEMORY_LIMIT) -> FileIdentity:
+    r"""Guess what a file is, by its content and its name.
+
+    Pictures are looked at (`fingerpad.image.guess_subject`), tables are known by their headers, and films by
+    their frames. A name that says it, as ``palmar``, ``30deg_2N`` or ``coin``, counts for much.
+
+    Parameters
+    ----------
+    path : path-like
+        A picture, a film, a table or a spreadsheet.
+    memory_limit : int
+        The most bytes that reading may take, as for `fingerpad.image.read_image`.
+
+    Returns
+    -------
+    FileIdentity
+
+    Raises
+    ------
+    ImageError
+        If a picture or a film cannot be read.
+    ManifestError
+        If a table cannot be read.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> import tempfile
+    >>> folder = tempfile.TemporaryDirectory()
+    >>> path = Path(folder.name, "data_12.csv")
+    >>> _ = path.write_text("time_s,force_N,displacement_mm\n0,0,0\n1,0.5,1\n")
+    >>> found = identify_file(path)
+    >>> found.content, found.is_sure
+    ('loading curve', True)
+    >>> folder.cleanup()
+    """
+    path = Path(path)
+    suffix = path.suffix.lower()
+    if suffix in SHEET_SUFFIXES:
+        return _identity(_table_contents(path), path, "table")
+    if suffix in VIDEO_SUFFIXES:
+        return _identity({"sequence": 1.0}, path, "film")
+    if suffix in TIFF_SUFFIXES and open_frames(path, memory_limit=memory_limit).count > 1:
+        return _identity({"sequence": 1.0}, path, "film")
+    if suffix not in PICTURE_SUFFIXES:
+        return _identity({"other": 1.0}, path, "other")
+    guess = guess_subject(read_colour_image(path, memory_limit=memory_limit))
+    contents = {_OF_SUBJECT[subject]: share for subject, share in guess.subjects.items()}
+    return _identity(contents, path, "picture", guess.faces)
+
+
+def _identity(
+    contents: Mapping[Content, float], path: Path, kind: Kind, faces: Mapping[Face, float] | None = None
+) -> FileIdentity:
+    """Return what content and name say together."""
+    reading = read_file_name(path.name, kind)
+    weights, by_face = dict(contents), dict(faces or {})
+    if kind == "picture":
+        named: list[Content] = []
+        if names_a_scale(path.name):
+            named = ["coin", "ruler"]
+        elif reading.face is not None:
+            named = ["photograph"]
+        elif reading.load_N is not None:
+            named = ["contact image"]
+        for content in named:
+            weights[content] *= _NAMED
+    if reading.face is not None and kind in {"picture", "table"}:
+        by_face = {face: share for face, share in by_face.items() if face != reading.face}
+        by_face = {reading.face: 1.0, **dict.fromkeys(by_face, 0.0)}
+    return FileIdentity(contents=_ranked(weights), faces=by_face)
+
+
+def _ranked(weights: Mapping[Content, float]) -> dict[Content, float]:
+    whole = sum(weights.values())
+    return {name: weights[name] / whole for name in sorted(weights, key=lambda name: -weights[name])}
+
+
+def _table_contents(path: Path) -> dict[Content, float]:
+    """Return what a table may be, by its headers."""
+    if path.suffix.lower() == ".csv":
+        with path.open("rb") as file:
+            head = file.read(_HEAD_BYTES).decode("utf-8-sig", errors="replace")
+        cells = cells_of_text(head.rpartition("\n")[0] or head, path.name)
+    else:
+        cells = read_cells(path)
+    headers = [cell.casefold() for cell in cells[0]] if cells else []
+    has = {
+        name: any(_begins(header, words) for header in headers)
+        for name, words in {
+            "force": ("force", "load", "normal force", "fz", "w"),
+            "travel": ("displacement", "indentation", "travel", "position", "depth", "approach", "z"),
+            "time": ("time", "t"),
+            "x": ("x",),
+            "y": ("y",),
+        }.items()
+    }
+    if has["force"] and has["travel"]:
+        return {"loading curve": 0.95, "force table": 0.04, "other": 0.01}
+    if _names_files(path):
+        return {"table of files": 0.95, "other": 0.05}
+    if has["force"] and has["time"]:
+        return {"force table": 0.95, "loading curve": 0.03, "other": 0.02}
+    if has["x"] and has["y"]:
+        return {"outline": 0.95, "other": 0.05}
+    return {"other": 0.6, "loading curve": 0.2, "force table": 0.1, "outline": 0.1}
+
+
+def _begins(header: str, words: Iterable[str]) -> bool:
+    """Tell whether a header is one of the words, with or without a unit after it."""
+    return any(header == word or header.startswith((f"{word}_", f"{word} ", f"{word}(")) for word in words)
+
+
+def _names_files(path: Path) -> bool:
+    try:
+        table = read_file_table(path)
+    except ManifestError:
+        return False
+    return any(row.values for row in table.rows)

@@ -1,0 +1,115 @@
+"""New files: what each may be, and what a spreadsheet or their names state of them."""
+
+from threading import Lock
+from typing import Annotated, Any, Final
+
+from pydantic import Field
+
+from fingerpad.study.new_files import (
+    FileValues,
+    identify_file,
+    join_files,
+    match_file_names,
+    read_file_table,
+)
+from fingerpad.web import answers
+from fingerpad.web.endpoints import Endpoint, Params
+from fingerpad.web.errors import RequestError
+from fingerpad.web.workspace import Workspace
+
+FileName = Annotated[str, Field(min_length=1, max_length=1000)]
+# One at a time: together pictures could take more memory than the limit of each.
+_READING: Final = Lock()
+_KEYS: Final = tuple(FileValues.__annotations__)
+
+
+class FileParams(Params):
+    """A file of the study."""
+
+    file: FileName
+
+
+class TableParams(Params):
+    """A spreadsheet, as a file of the study or as pasted text, and the new files."""
+
+    file: FileName | None = None
+    text: Annotated[str, Field(max_length=1_000_000)] | None = None
+    files: Annotated[list[FileName], Field(max_length=20_000)]
+
+
+class PatternParams(Params):
+    """A pattern of names, and the new files."""
+
+    pattern: Annotated[str, Field(max_length=300)]
+    files: Annotated[list[FileName], Field(max_length=20_000)]
+
+
+def identity(workspace: Workspace, params: FileParams, _: Any) -> dict[str, Any]:
+    """Guess what a file is."""
+    opened = workspace.study
+    path = opened.file(params.file)
+    with _READING:
+        found = identify_file(path, memory_limit=opened.memory_limit)
+    return {
+        "file": params.file,
+        "contents": list(found.contents),
+        "faces": list(found.faces),
+        "sure": found.is_sure,
+        "face_sure": found.is_face_sure,
+    }
+
+
+def join(workspace: Workspace, _: Any, params: TableParams) -> dict[str, Any]:
+    """Join a spreadsheet to new files."""
+    if params.file is not None:
+        table = read_file_table(workspace.study.file(params.file))
+    elif params.text is not None:
+        table = read_file_table(params.text, pasted=True)
+    else:
+        raise RequestError.impossible("give a file or a text")
+    found = join_files(table, params.files)
+    problems = {id(row.values): "; ".join(row.problems) for row in table.rows}
+    return {
+        "columns": [column._asdict() for column in table.columns],
+        "files": [_stated(file, values, problems[id(values)]) for file, values in found.values.items()],
+        "rows_without_file": [{"line": row.line, "file": row.file} for row in found.rows_without_file],
+        "files_without_row": found.files_without_row,
+    }
+
+
+def match(_: Workspace, __: Any, params: PatternParams) -> dict[str, Any]:
+    """Read the names of new files by a pattern."""
+    found = match_file_names(params.pattern, params.files)
+    return {"files": [_stated(one.file, one.values, one.problem) for one in found]}
+
+
+def _stated(file: str, values: FileValues, problem: str) -> dict[str, Any]:
+    return {"file": file, "values": {key: values.get(key) for key in _KEYS}, "problem": problem}
+
+
+ENDPOINTS: Final = (
+    Endpoint(
+        method="GET",
+        path="/api/files/identity",
+        answer=identity,
+        model=answers.FileGuess,
+        query=FileParams,
+        summary="What a file may be, by its content and its name",
+    ),
+    Endpoint(
+        method="POST",
+        path="/api/files/table",
+        answer=join,
+        model=answers.JoinedTable,
+        body=TableParams,
+        summary="Join a spreadsheet to new files by their names",
+    ),
+    Endpoint(
+        method="POST",
+        path="/api/files/pattern",
+        answer=match,
+        model=answers.PatternMatches,
+        body=PatternParams,
+        summary="Read names of new files by a pattern",
+    ),
+)

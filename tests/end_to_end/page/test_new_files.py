@@ -1,0 +1,181 @@
+"""New files on the page: identified by content, filled in from spreadsheets and names."""
+
+import re
+import shutil
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+from tests.end_to_end.page.browser import Tab, served
+from tests.end_to_end.page.test_begin import CONTACTS, FACES, begin, paste
+from tests.end_to_end.page.test_conduct import AXE, JUDGE
+
+from fingerpad.simulate import render_coin
+
+LOOKED = re.compile("was read from its content")
+
+
+@pytest.fixture
+def plain_names(tmp_path):
+    """Two faces, three contact images and a coin, under the names of a camera."""
+    paths = [FACES[0], FACES[2], *CONTACTS]
+    named = [
+        Path(shutil.copy(path, tmp_path / f"IMG_{number:04}{path.suffix}"))
+        for number, path in enumerate(paths, 31)
+    ]
+    # 23.25 mm, at the scale of the photographs, 0.05 mm per pixel.
+    coin = render_coin(radius=232.5, shape=(640, 640), seed=3).pixels
+    Image.fromarray(coin).save(tmp_path / "IMG_0036.png")
+    return [*named, tmp_path / "IMG_0036.png"]
+
+
+def drop(page, files) -> None:
+    page.set_input_files("input[type=file][multiple]", files)
+    page.get_by_text(LOOKED).wait_for()
+
+
+def manifest_of(tab: Tab) -> dict:
+    return tomllib.loads((tab.folder / "index-finger" / "study.toml").read_text())
+
+
+def test_files_of_a_camera_become_a_plot(empty_tab: Tab, plain_names) -> None:
+    """Twelve actions from the title to the plot, and no step but the first is opened."""
+    page = empty_tab.open()
+    begin(page)  # 1: the title and Enter
+    drop(page, plain_names)  # 2
+    kinds = [page.get_by_label(f"Type of {path.name}").input_value() for path in plain_names]
+    assert kinds == ["photograph"] * 2 + ["observation"] * 3 + ["coin"]
+    assert page.get_by_label("Face on IMG_0031.jpg").input_value() == "palmar"
+    assert page.get_by_label("Face on IMG_0032.jpg").input_value() == "radial"
+    page.get_by_label("Finger of all new files").fill("left_index")  # 3
+    page.get_by_label("Wedge angle of all new files, degrees").fill("30")  # 4
+    paste(page, "Load of IMG_0033.png, newtons", "Load\n500 mN\n2 N\n4")  # 5
+    page.get_by_label("Coin on IMG_0036.png", exact=True).select_option("1 euro, 23.25 mm")  # 6
+    page.get_by_label("Scale of all new contact images").fill("500 ppi")  # 7
+    page.keyboard.press("Tab")
+    page.get_by_role("button", name="Add to study").click()  # 8
+    page.get_by_text("6 files added.").wait_for()  # nothing was doubtful, so nothing was asked
+    page.get_by_text("Nothing is missing.").wait_for()
+    page.get_by_role("link", name="Run the study").click()  # 9
+    page.get_by_role("link", name="See the results").click()  # 10
+    page.locator(".chart .scatterlayer .point").first.wait_for()
+    radius = float(page.locator(".main-fact dd").first.inner_text().split()[0])
+    assert radius == pytest.approx(13.61, abs=0.15)
+    written = manifest_of(empty_tab)
+    assert [one["load_N"] for one in written["observations"]] == [0.5, 2, 4]
+    assert {one["scale"] for one in written["fingers"][0]["photographs"]} == {"coin"}
+    assert written["scales"]["coin"]["diameter_mm"] == 23.25
+
+
+def test_a_doubtful_guess_is_asked(empty_tab: Tab, tmp_path) -> None:
+    page = empty_tab.open()
+    begin(page)
+    Image.fromarray(np.full((200, 200), 200, np.uint8)).save(tmp_path / "IMG_1.png")
+    drop(page, [tmp_path / "IMG_1.png"])
+    page.get_by_text("guess: check").first.wait_for()
+    page.get_by_label("Finger on IMG_1.png").or_(page.get_by_label("Type of IMG_1.png")).first.wait_for()
+    if page.get_by_label("Type of IMG_1.png").input_value() == "":
+        page.get_by_role("button", name="Add to study").click()
+        page.get_by_role("button", name="Change").click()
+        page.get_by_label("Type of IMG_1.png").select_option("observation")
+        assert page.get_by_text("guess: check").count() == 0  # a choice is no guess
+    page.get_by_label("Finger on IMG_1.png").fill("left_index")
+    page.get_by_role("button", name="Add to study").click()
+    page.get_by_text("1 file added.").wait_for()
+    assert [one["file"] for one in manifest_of(empty_tab)["observations"]] == ["uploads/IMG_1.png"]
+
+
+def test_a_spreadsheet_fills_in_the_files(empty_tab: Tab, plain_names, tmp_path) -> None:
+    page = empty_tab.open()
+    begin(page)
+    sheet = tmp_path / "details.csv"
+    sheet.write_text(
+        "Picture;Subject;Digit;Theta (deg);Load (mN);mm/px;Mood\n"
+        "IMG_0031.JPG;S7;LI;;;0,05;\nIMG_0033;S7;LI;30;500;0,0508;calm\nIMG_0034;S8;RI;45;2 N;0,0508;\n"
+        "IMG_0099;S8;RI;45;4000;0,0508;\n"
+    )
+    page.set_input_files("input[type=file][multiple]", sheet)
+    page.get_by_text("1 more file in the study folder, not used").wait_for()
+    drop(page, plain_names)
+    page.get_by_text("3 of 6 files found in the spreadsheet.").wait_for()
+    page.get_by_text("Not used: Mood.").wait_for()
+    page.get_by_text("Rows without one file: IMG_0099 (line 5).").wait_for()
+    page.get_by_text("Files without a row: IMG_0032.jpg, IMG_0035.png, IMG_0036.png.").wait_for()
+    assert page.get_by_label("Finger on IMG_0034.png").input_value() == "S8_right_index"
+    page.get_by_role("button", name="Fill down: Finger").click()
+    assert page.get_by_label("Finger on IMG_0032.jpg").input_value() == "S7_left_index"
+    assert page.get_by_label("Finger on IMG_0035.png").input_value() == "S8_right_index"
+    page.get_by_label("Wedge angle of IMG_0035.png, degrees").fill("0")
+    page.get_by_label("Load of IMG_0035.png, newtons").fill("4")
+    page.get_by_role("button", name="Add to study").click()
+    page.get_by_text("5 files added.").wait_for()
+    written = manifest_of(empty_tab)
+    assert [(one["finger"], one.get("load_N")) for one in written["observations"]] == [
+        ("S7_left_index", 0.5),
+        ("S8_right_index", 2),
+        ("S8_right_index", 4),
+    ]
+    assert written["observations"][0]["scale"] in written["scales"]  # two share it
+    assert {one["name"]: one["person"] for one in written["fingers"]} == {
+        "S7_left_index": "S7",
+        "S8_right_index": "S8",
+    }
+
+
+def test_a_pattern_is_previewed_and_fills_in_the_files(empty_tab: Tab, tmp_path) -> None:
+    empty_tab.expected.append("422")
+    page = empty_tab.open()
+    begin(page)
+    names = ["7-LI-w30-f500", "8-RM-w45-f2000", "odd"]
+    files = [shutil.copy(CONTACTS[0], tmp_path / f"{name}.png") for name in names]
+    drop(page, files)
+    page.get_by_text("Fill in from the file names").click()
+    page.get_by_label("Pattern of the names").fill("{person}-{finger}-w{wedge}-f{load}_{mood}")
+    page.get_by_text("is unknown").wait_for()
+    page.get_by_label("Pattern of the names").fill("{person}-{finger}-w{wedge}-f{load}")
+    page.get_by_text("2 of 3 names fit.").wait_for()
+    page.get_by_role("row", name=re.compile("odd.*does not fit")).wait_for()
+    tools = page.locator(".new-file-tools details").nth(1)
+    tools.get_by_role("button", name="Fill in").click()
+    page.get_by_text("2 files filled in by the pattern.").wait_for()
+    assert page.get_by_label("Finger on 8-RM-w45-f2000.png").input_value() == "8_right_middle"
+    assert page.get_by_label("Load of 7-LI-w30-f500.png, newtons").input_value() == "500"
+    assert page.get_by_label("Finger on odd.png").input_value() == ""
+
+
+def test_pasted_cells_are_a_spreadsheet(empty_tab: Tab, plain_names) -> None:
+    page = empty_tab.open()
+    begin(page)
+    drop(page, plain_names)
+    paste(page, "Finger on IMG_0031.jpg", "file\tload\nIMG_0033\t1,5\nIMG_0034\t500mN")
+    page.get_by_text("2 of 6 files found in the spreadsheet.").wait_for()
+    assert page.get_by_label("Load of IMG_0033.png, newtons").input_value() == "1.5"
+    assert page.get_by_label("Load of IMG_0034.png, newtons").input_value() == "0.5"
+    assert page.get_by_label("Finger on IMG_0031.jpg").input_value() == ""
+
+
+@pytest.mark.parametrize("width", [390, 1366])
+def test_new_files_are_accessible_and_fit_the_screen(browser, tmp_path, plain_names, width: int) -> None:
+    with served(tmp_path) as server:
+        tab = Tab(browser, server, bypass_csp=True)
+        page = tab.open()
+        page.set_viewport_size({"width": width, "height": 844})
+        begin(page)
+        drop(page, plain_names)
+        for words in ("Fill in from a spreadsheet", "Fill in from the file names"):
+            page.get_by_text(words).click()
+        page.get_by_label("Pattern of the names").fill("IMG_00{load}")
+        page.get_by_text("6 of 6 names fit.").wait_for()
+        page.evaluate(AXE)
+        serious = [
+            (each["id"], each["nodes"][0]["html"])
+            for each in page.evaluate(JUDGE)["violations"]
+            if each["impact"] in ("serious", "critical")
+        ]
+        assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+        box = page.get_by_label("Load of IMG_0033.png, newtons").bounding_box()
+        assert box["x"] + box["width"] <= width
+        tab.close()
+    assert serious == []

@@ -1,0 +1,58 @@
+"""New files over the API: what each may be, spreadsheets and patterns of names."""
+
+import pytest
+from tests.study.test_file_tables import SHARED, SHEET, workbook
+from tests.web.test_files import png, upload
+
+
+def test_identity_of_a_file(client) -> None:
+    upload(client, "IMG_1.csv", b"time_s,force_N,displacement_mm\n0,0,0\n")
+    found = client.get("/api/files/identity", params={"file": "uploads/IMG_1.csv"}).json()
+    assert (found["contents"][0], found["sure"]) == ("loading curve", True)
+    found = client.get("/api/files/identity", params={"file": "synthetic/photograph_radial.jpg"}).json()
+    assert (found["contents"][0], found["faces"][0], found["face_sure"]) == ("photograph", "radial", True)
+    assert client.get("/api/files/identity", params={"file": "../../etc/passwd"}).status_code == 404
+
+
+def test_a_workbook_is_kept_and_joined(client) -> None:
+    record = upload(client, "details.xlsx", workbook(SHEET, SHARED)).json()
+    assert (record["kind"], record["columns"]) == ("table", ["File", "Load N", "", "theta (deg)"])
+    listed = {file["file"]: file for file in client.get("/api/study").json()["files"]}
+    assert listed["uploads/details.xlsx"]["used"] is False
+    files = ["uploads/IMG_1.png", "uploads/IMG_2.png"]
+    answer = client.post("/api/files/table", json={"file": record["file"], "files": files})
+    assert answer.status_code == 200, answer.text
+    joined = answer.json()
+    assert [one["file"] for one in joined["files"]] == files[:1]
+    assert joined["files"][0]["values"]["load_N"] == 0.1
+    assert joined["files_without_row"] == files[1:]
+
+
+def test_a_damaged_workbook_is_refused_and_not_kept(client, studies_folder) -> None:
+    answer = upload(client, "details.xlsx", b"PK\3\4 nothing")
+    assert answer.status_code == 422
+    assert "no XLSX workbook" in answer.json()["error"]
+    assert not (studies_folder / "demo/uploads/details.xlsx").exists()
+
+
+@pytest.mark.parametrize(
+    ("path", "body", "words"),
+    [
+        ("table", {"text": "a,b\n1,2", "files": []}, "no column names the files"),
+        ("table", {"files": []}, "give a file or a text"),
+        ("pattern", {"pattern": "{mood}", "files": []}, "is unknown"),
+    ],
+)
+def test_refusals_say_why(client, path: str, body: dict, words: str) -> None:
+    answer = client.post(f"/api/files/{path}", json=body)
+    assert answer.status_code == 422
+    assert words in answer.json()["error"]
+
+
+def test_pattern(client) -> None:
+    upload(client, "S1_LI_30deg_500mN.png", png())
+    files = ["uploads/S1_LI_30deg_500mN.png", "uploads/x.png"]
+    body = {"pattern": "S{person}_{finger}_{wedge}deg_{load}mN", "files": files}
+    fit, other = client.post("/api/files/pattern", json=body).json()["files"]
+    assert (fit["values"]["person"], fit["values"]["load_N"], fit["problem"]) == ("1", 0.5, "")
+    assert other["problem"] == "does not fit the pattern"
