@@ -20,14 +20,14 @@ _ENDS, _FOLLOWING, _NOISE = 0.084, 0.206, 0.192
 # Standard deviation of the edge's place in a valley, and by how soft the picture is; neighbours share an
 # error over `_STRETCH`.
 _IN_VALLEY, _BY_SOFTNESS, _STRETCH = 0.16, 0.092, 2.75
-# Contrast is compared with the interior's over `_RIM` on both sides of the outline; the interior lies deeper
-# than `_DEEP`, the ground between the distances `_GROUND` outside.
-_RIM, _DEEP, _GROUND = 1.33, 3.5, (2.0, 3.0)
-# How far the edge lies beyond the outline, by the contrast outside and the lack of it inside.
-_FADED, _OUTSIDE, _INSIDE = -0.2, 1.2, 1.0
+# The interior lies deeper than `_DEEP`, the ground between the distances `_GROUND` outside. Ridges beyond the
+# outline are sought between the distances `_BEYOND`, as what varies along it over less than `_ALONG`.
+_DEEP, _GROUND, _BEYOND, _ALONG = 3.5, (2.0, 3.0), (0.4, 0.7), 2.0
+# How far the edge lies beyond the outline: where no ridges are seen there, and by the root of their contrast.
+_FADED, _BY_RIDGES = -0.1, 2.45
 # The standard deviation that the whole edge shares: its least, as a share of that shift, and by how uneven
 # the contrast within `_NEAR` outside is between `_SECTORS` of the outline; `_EVEN` is that of sharp edges.
-_EDGE_STD, _BY_FADE, _BY_UNEVENNESS = 0.05, 0.3, 4.0
+_EDGE_STD, _BY_FADE, _BY_UNEVENNESS = 0.05, 0.4, 2.5
 _NEAR, _SECTORS, _EVEN = 0.5, 24, 0.03
 # By a share of it the edge varies independently of other images, alike over a share of its length.
 _VARIES, _ALIKE = 0.5, 0.25
@@ -130,25 +130,28 @@ def faded_outline(edge: ContactOutline, patch: BoolArray, contact: npt.NDArray[n
     `contact` is the contrast of each place with the ground.
 
     Pressure falls to nothing at the edge, and with it the width of the ridges and, on many devices, their
-    contrast. The outline at half the local contrast then lies inside the edge: the mean contrast just outside
-    it, and what the rim lacks of the interior's, show how far, but not exactly. The constants are round
-    numbers near the fit to rendered contacts whose ridges fade over 0.2 to 1.6 mm in width, contrast or both.
+    contrast. The outline at half the local contrast then lies inside the edge. How far, what still varies
+    along it just outside shows: those are ridges, where a halo, a dark rim or stray light is smooth. How much
+    the rim lacks of the interior's contrast says little: ridges that thin out slowly may end sharply.
     """
     depth = distance_to(~patch)
     interior = contact[depth > min(_DEEP * edge.period, 0.6 * float(depth.max()))].mean()
 
-    def along(start: float, end: float, count: int) -> FloatArray:
-        """Return the mean contrast at each point of the outline, over some distances outward."""
-        distances = np.linspace(start, end, count) * edge.period
-        return np.asarray(np.mean([_sample(contact, edge.moved(distance)) for distance in distances], axis=0))
+    def around(start: float, end: float) -> FloatArray:
+        """Return the contrast at some distances outward of each point of the outline, (n, distances)."""
+        distances = np.linspace(start, end, 4) * edge.period
+        return np.stack([_sample(contact, edge.moved(distance)) for distance in distances], axis=-1)
 
-    ground = along(*_GROUND, 4).mean()
-    contrast = max(interior - ground, 1e-9)
-    outside, inside = ((along(0, end, 12).mean() - ground) / contrast * _RIM for end in (_RIM, -_RIM))
-    near = np.array_split(along(0, _NEAR, 6), min(_SECTORS, len(edge.points)))
+    def variation(values: FloatArray) -> float:
+        return float(np.abs(values - running_mean(values, round(_ALONG * edge.period))).mean())
+
+    ground, beyond = around(*_GROUND), around(*_BEYOND)
+    contrast = max(interior - ground.mean(), 1e-9)
+    ridges = math.sqrt(max(variation(beyond) ** 2 - variation(ground) ** 2, 0.0)) / contrast
+    near = np.array_split(around(0, _NEAR).mean(axis=1), min(_SECTORS, len(edge.points)))
     return replace(
         edge,
-        fade=float(max(0.0, _FADED + _OUTSIDE * outside + _INSIDE * (_RIM - inside)) * edge.period),
+        fade=max(0.0, _FADED + _BY_RIDGES * math.sqrt(ridges)) * edge.period,
         unevenness=float(np.std([part.mean() for part in near]) / contrast),
     )
 
