@@ -20,17 +20,20 @@ _ENDS, _FOLLOWING, _NOISE = 0.084, 0.206, 0.192
 # Standard deviation of the edge's place in a valley, and by how soft the picture is; neighbours share an
 # error over `_STRETCH`.
 _IN_VALLEY, _BY_SOFTNESS, _STRETCH = 0.16, 0.092, 2.75
-# The interior lies deeper than `_DEEP`, the ground between the distances `_GROUND` outside. Ridges beyond the
-# outline are sought between the distances `_BEYOND`, as what varies along it over less than `_ALONG`.
-_DEEP, _GROUND, _BEYOND, _ALONG = 3.5, (2.0, 3.0), (0.4, 0.7), 2.0
-# How far the edge lies beyond the outline: where no ridges are seen there, and by the root of their contrast.
-_FADED, _BY_RIDGES = -0.1, 2.45
-# The standard deviation that the whole edge shares: its least, as a share of that shift, and by how uneven
-# the contrast within `_NEAR` outside is between `_SECTORS` of the outline; `_EVEN` is that of sharp edges.
-_EDGE_STD, _BY_FADE, _BY_UNEVENNESS = 0.05, 0.4, 2.5
+# The interior lies deeper than `_DEEP`, the ground between the distances `_GROUND` outside. Ridges are what varies
+# along the outline over less than `_ALONG`, without a `_TRIM`th of it at either end: inside, just outside, beyond.
+_DEEP, _GROUND, _ALONG, _TRIM = 3.5, (2.0, 3.0), 2.0, 5
+_INSIDE, _OUTSIDE, _BEYOND = (-0.8, -0.2), (0.1, 0.3), (0.4, 0.7)
+# How far the edge lies beyond the outline: for a sharp one, by the ridges just outside in parts of those inside,
+# by those beyond in parts of the interior's contrast, and by how far the outline follows ridges. Means and
+# variations are at least `_LEAST`.
+_FADED, _BY_OUTSIDE, _BY_BEYOND, _BY_FOLLOWING, _LEAST = -0.32, 1.75, 3.9, -0.35, 0.03
+# The standard deviation that the whole edge shares: its least, as a share of that shift, by the rim, and by how
+# uneven the contrast within `_NEAR` outside is between `_SECTORS` of the outline; `_EVEN` is that of sharp edges.
+_EDGE_STD, _BY_FADE, _RIM_STD, _BY_UNEVENNESS = 0.1, 0.4, 0.7, 1.2
 _NEAR, _SECTORS, _EVEN = 0.5, 24, 0.03
 # By a share of it the edge varies independently of other images, alike over a share of its length.
-_VARIES, _ALIKE = 0.5, 0.25
+_VARIES, _ALIKE = 0.7, 0.25
 # A manual edge lies somewhere within one ridge period, uniformly: half of that variance it has everywhere
 # alike, as a generous outline is generous all round.
 _BY_HAND = math.sqrt(1 / 12 / 2)
@@ -63,6 +66,9 @@ class ContactOutline:
         Where a person drew it.
     fade : float
         How far beyond the outline the edge lies because the contact fades towards it.
+    rim : float
+        By how much ridges stand out less at the outline than inside because a halo or a meniscus covers them,
+        from 0 to 1; squared.
     unevenness : float
         Standard deviation along the outline of the contrast just outside it, in parts of the interior's; that
         of a sharp edge where it is not known.
@@ -78,6 +84,7 @@ class ContactOutline:
     resolved: bool
     by_hand: BoolArray
     fade: float = 0.0
+    rim: float = 0.0
     unevenness: float = _EVEN
 
     def moved(self, outward: FloatArray | float) -> Points:
@@ -134,24 +141,39 @@ def faded_outline(edge: ContactOutline, patch: BoolArray, contact: npt.NDArray[n
     along it just outside shows: those are ridges, where a halo, a dark rim or stray light is smooth. How much
     the rim lacks of the interior's contrast says little: ridges that thin out slowly may end sharply.
     """
+    parts = min(_SECTORS, len(edge.points))
     depth = distance_to(~patch)
     interior = contact[depth > min(_DEEP * edge.period, 0.6 * float(depth.max()))].mean()
 
     def around(start: float, end: float) -> FloatArray:
         """Return the contrast at some distances outward of each point of the outline, (n, distances)."""
-        distances = np.linspace(start, end, 4) * edge.period
+        distances = np.linspace(start, end, 6) * edge.period
         return np.stack([_sample(contact, edge.moved(distance)) for distance in distances], axis=-1)
 
     def variation(values: FloatArray) -> float:
-        return float(np.abs(values - running_mean(values, round(_ALONG * edge.period))).mean())
+        """Return the mean variation along the outline without its extreme parts: dirt is in few of them."""
+        varying = np.abs(values - running_mean(values, round(_ALONG * edge.period)))
+        means = np.sort([part.mean() for part in np.array_split(varying, parts)])
+        return float(means[parts // _TRIM : parts - parts // _TRIM].mean())
 
-    ground, beyond = around(*_GROUND), around(*_BEYOND)
-    contrast = max(interior - ground.mean(), 1e-9)
-    ridges = math.sqrt(max(variation(beyond) ** 2 - variation(ground) ** 2, 0.0)) / contrast
-    near = np.array_split(around(0, _NEAR).mean(axis=1), min(_SECTORS, len(edge.points)))
+    ground = around(*_GROUND)
+    plain, floor = float(ground.mean()), variation(ground)
+    contrast = max(interior - plain, 1e-9)
+
+    def ridges(values: FloatArray) -> tuple[float, float]:
+        """Return the variation along the outline, little of it noise, and its ratio to the mean contrast."""
+        above = max(variation(values) ** 2 - floor**2, 0.0)
+        seen = above / max(math.hypot(math.sqrt(above), floor / 2), 1e-9) / contrast
+        return seen, seen / max((float(values.mean()) - plain) / contrast, _LEAST)
+
+    inside, outside, beyond = (ridges(around(*place)) for place in (_INSIDE, _OUTSIDE, _BEYOND))
+    fade = _FADED + _BY_OUTSIDE * outside[0] / max(inside[0], _LEAST) + _BY_BEYOND * beyond[0]
+    fade += _BY_FOLLOWING * float(np.average(edge.along, weights=edge.steps))
+    near = np.array_split(around(0, _NEAR).mean(axis=1), parts)
     return replace(
         edge,
-        fade=max(0.0, _FADED + _BY_RIDGES * math.sqrt(ridges)) * edge.period,
+        fade=max(0.0, fade) * edge.period,
+        rim=max(0.0, 1 - outside[1] / max(inside[1], _LEAST)) ** 2,
         unevenness=float(np.std([part.mean() for part in near]) / contrast),
     )
 
@@ -237,7 +259,8 @@ def edge_offset_std(edge: ContactOutline) -> float:
     noise = _NOISE * edge.noise * edge.period / 3
     unknown = 0.0 if edge.resolved else float(np.average(_beyond_ridges(edge), weights=edge.steps))
     uneven = _BY_UNEVENNESS * edge.unevenness * edge.period
-    return math.hypot(_EDGE_STD * edge.period, _BY_FADE * edge.fade, uneven, noise, unknown)
+    rim = _RIM_STD * edge.rim * edge.period
+    return math.hypot(_EDGE_STD * edge.period, _BY_FADE * edge.fade, rim, uneven, noise, unknown)
 
 
 def outline_noise(edge: ContactOutline, weights: FloatArray) -> FloatArray:
