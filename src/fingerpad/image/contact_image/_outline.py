@@ -20,20 +20,23 @@ _ENDS, _FOLLOWING, _NOISE = 0.084, 0.206, 0.192
 # Standard deviation of the edge's place in a valley, and by how soft the picture is; neighbours share an
 # error over `_STRETCH`.
 _IN_VALLEY, _BY_SOFTNESS, _STRETCH = 0.16, 0.092, 2.75
-# The interior lies deeper than `_DEEP`, the ground between the distances `_GROUND` outside. Ridges are what varies
-# along the outline over less than `_ALONG`, without a `_TRIM`th of it at either end: inside, just outside, beyond.
+# The interior lies deeper than `_DEEP`, the ground between the distances `_GROUND` outside. Ridges are what
+# varies along the outline over less than `_ALONG`, without a `_TRIM`th of it at either end: inside, just
+# outside, and beyond.
 _DEEP, _GROUND, _ALONG, _TRIM = 3.5, (2.0, 3.0), 2.0, 5
 _INSIDE, _OUTSIDE, _BEYOND = (-0.8, -0.2), (0.1, 0.3), (0.4, 0.7)
-# How far the edge lies beyond the outline: for a sharp one, by the ridges just outside in parts of those inside,
-# by those beyond in parts of the interior's contrast, and by how far the outline follows ridges. Means and
-# variations are at least `_LEAST`.
+# How far the edge lies beyond the outline: for a sharp one, by the ridges just outside in parts of those
+# inside, by those beyond in parts of the interior's contrast, and by how far the outline follows ridges. Means
+# and variations are at least `_LEAST`.
 _FADED, _BY_OUTSIDE, _BY_BEYOND, _BY_FOLLOWING, _LEAST = -0.32, 1.75, 3.9, -0.35, 0.03
 # The standard deviation that the whole edge shares: its least, as a share of that shift, by the rim, and by how
-# uneven the contrast within `_NEAR` outside is between `_SECTORS` of the outline; `_EVEN` is that of sharp edges.
+# uneven the contrast within `_NEAR` outside is between `_SECTORS` of the outline; `_EVEN` is that of sharp
+# edges.
 _EDGE_STD, _BY_FADE, _RIM_STD, _BY_UNEVENNESS = 0.1, 0.4, 0.7, 1.2
 _NEAR, _SECTORS, _EVEN = 0.5, 24, 0.03
-# By a share of it the edge varies independently of other images, alike over a share of its length.
-_VARIES, _ALIKE = 0.7, 0.25
+# By a share of it the edge varies independently of other images, alike over a share of its length; and by how
+# the contrast at the distances `_RIM` differs between such stretches, as where the tips fade more slowly.
+_VARIES, _ALIKE, _RIM, _BY_LACK = 0.7, 0.25, (-1.2, -0.4), 1.0
 # A manual edge lies somewhere within one ridge period, uniformly: half of that variance it has everywhere
 # alike, as a generous outline is generous all round.
 _BY_HAND = math.sqrt(1 / 12 / 2)
@@ -64,6 +67,9 @@ class ContactOutline:
         Whether the period was seen in the picture, or is one that fingers usually have.
     by_hand : ndarray of bool, (n,)
         Where a person drew it.
+    differs : ndarray, (n,)
+        Standard deviation of how far the edge lies further out than elsewhere (or in, below 0), one for all
+        points, by how the contrast inside differs from that along the rest of the outline.
     fade : float
         How far beyond the outline the edge lies because the contact fades towards it.
     rim : float
@@ -83,6 +89,7 @@ class ContactOutline:
     softness: float
     resolved: bool
     by_hand: BoolArray
+    differs: FloatArray
     fade: float = 0.0
     rim: float = 0.0
     unevenness: float = _EVEN
@@ -128,6 +135,7 @@ def contact_outline(
         softness=softness,
         resolved=resolved,
         by_hand=np.zeros(len(points), dtype=bool),
+        differs=np.zeros(len(points)),
     )
 
 
@@ -169,9 +177,11 @@ def faded_outline(edge: ContactOutline, patch: BoolArray, contact: npt.NDArray[n
     inside, outside, beyond = (ridges(around(*place)) for place in (_INSIDE, _OUTSIDE, _BEYOND))
     fade = _FADED + _BY_OUTSIDE * outside[0] / max(inside[0], _LEAST) + _BY_BEYOND * beyond[0]
     fade += _BY_FOLLOWING * float(np.average(edge.along, weights=edge.steps))
+    rim = running_mean(around(*_RIM).mean(axis=1)[:, None], round(_ALIKE * len(edge.points)))[:, 0]
     near = np.array_split(around(0, _NEAR).mean(axis=1), parts)
     return replace(
         edge,
+        differs=_BY_LACK * (rim.mean() - rim) / contrast * edge.period,
         fade=max(0.0, fade) * edge.period,
         rim=max(0.0, 1 - outside[1] / max(inside[1], _LEAST)) ** 2,
         unevenness=float(np.std([part.mean() for part in near]) / contrast),
@@ -270,7 +280,7 @@ def outline_noise(edge: ContactOutline, weights: FloatArray) -> FloatArray:
     valleys of half the period, √(v³/3 − v⁴/4) P = 0.16 P; everywhere that of the local level, which grows
     with the blur. The contribution of blur and the length of a stretch are fitted to the errors of rendered
     contacts (`accuracy_and_coverage` in benchmarks/contact_images.py). Besides, an edge that fades does not
-    fade alike all round, nor in all images of one device. Where the edge was drawn manually, the
+    fade alike all round, nor in all images of one device: less so where the contrast inside differs as well. Where the edge was drawn manually, the
     error of drawing replaces these; half of its variance is shared by all that was drawn.
     """
     along = edge.along.clip(0, 1)
@@ -284,4 +294,6 @@ def outline_noise(edge: ContactOutline, weights: FloatArray) -> FloatArray:
     long = max(1, round(_ALIKE * len(varying)))
     varied = running_mean(varying, long)
     drawn = (weights * (edge.steps * edge.by_hand * _BY_HAND * edge.period)[:, None]).sum(axis=0)
-    return np.asarray(spread.T @ spread * width + varied.T @ varied * long + np.outer(drawn, drawn))
+    uneven = weights.T @ (edge.steps * ~edge.by_hand * edge.differs)
+    independent = spread.T @ spread * width + varied.T @ varied * long
+    return np.asarray(independent + np.outer(uneven, uneven) + np.outer(drawn, drawn))
