@@ -16,6 +16,7 @@ from fingerpad.image.contact_image._outline import (
     edge_shift,
     faded_outline,
     outline_noise,
+    running_mean,
 )
 from fingerpad.image.contact_image._region import UInt8, filled_polygon
 from fingerpad.image.contact_image._ridge_map import RidgeMap
@@ -101,6 +102,9 @@ def measure_patch(
     # A wider outline takes in more ridges, thinner than those of the interior.
     response = np.vstack([np.eye(3), [0, 0, _AT_RIM * ridge_area / moments.area]])
     noise = response @ outline_noise(edge, weights) @ response.T
+    # An outline that is no ellipse has other semi-axes by other definitions.
+    other = _half_extents(points, moments, edge.period * side) - moments.semi_axes
+    noise[:2, :2] += np.outer(other, other) / 3
     level_std = math.hypot(_LEVEL_STD, _GRAINY * ridges.grain, _CLIPPED * ridges.clipped)
     known_std = known * math.hypot(_LEAST_STD, ridges.softness * level_std, _NOISY * edge.noise)
     noise[3, 3] += unknown**2 / 12 + known_std**2
@@ -116,6 +120,12 @@ def measure_patch(
         touches_border=view.touches_border(edge.moved(-edge.fade), edge.steps),
         cut_by_mask=view.cut_by_mask(edge.points, edge.steps),
     )
+
+
+def _half_extents(points: npt.NDArray[np.float64], moments: AreaMoments, period: float) -> FloatArray:
+    """Return half of an outline's extents along its axes, seen at the scale of a ridge period."""
+    place = running_mean(points, round(period)) @ moments.axes.T
+    return np.asarray(np.ptp(place, axis=0) / 2)
 
 
 def _softness(amount: UInt8, patch: BoolArray) -> float:
