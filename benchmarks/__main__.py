@@ -38,6 +38,7 @@ from benchmarks import (
     scale,
     sequences,
     soak,
+    stripe_images,
     studies,
     tissue_thickness,
     uncertainty,
@@ -112,6 +113,7 @@ if __name__ == "__main__":
     contact_images.independent_accuracy(12)
     pressure_images.report()
     elastic_ridges.report()
+    stripe_images.report()
     contact_edge.pooled_coverage()
     contact_images.speed()
     non_prints.report()

@@ -26,12 +26,12 @@ _IN_VALLEY, _BY_SOFTNESS, _STRETCH = 0.16, 0.092, 2.75
 _DEEP, _GROUND, _ALONG, _TRIM = 3.5, (2.0, 3.0), 2.0, 5
 _INSIDE, _OUTSIDE, _BEYOND = (-0.8, -0.2), (0.1, 0.3), (0.4, 0.7)
 # How far the edge lies beyond the outline: for a sharp one, by the ridges just outside in parts of those
-# inside, by those beyond in parts of the interior's contrast, and by how far the outline follows ridges. Means
-# and variations are at least `_LEAST`.
+# inside, by those beyond in parts of the interior's contrast, and by how far the outline follows ridges.
+# Means and variations are at least `_LEAST`.
 _FADED, _BY_OUTSIDE, _BY_BEYOND, _BY_FOLLOWING, _LEAST = -0.32, 1.75, 3.9, -0.35, 0.03
-# The standard deviation that the whole edge shares: its least, as a share of that shift, by the rim, and by how
-# uneven the contrast within `_NEAR` outside is between `_SECTORS` of the outline; `_EVEN` is that of sharp
-# edges.
+# The standard deviation that the whole edge shares: its least, as a share of that shift, by the rim, and by
+# how uneven the contrast within `_NEAR` outside is between `_SECTORS` of the outline; `_EVEN` is that of a
+# sharp edge.
 _EDGE_STD, _BY_FADE, _RIM_STD, _BY_UNEVENNESS = 0.1, 0.4, 0.7, 1.2
 _NEAR, _SECTORS, _EVEN = 0.5, 24, 0.03
 # By a share of it the edge varies independently of other images, alike over a share of its length; and by how
@@ -280,8 +280,9 @@ def outline_noise(edge: ContactOutline, weights: FloatArray) -> FloatArray:
     valleys of half the period, √(v³/3 − v⁴/4) P = 0.16 P; everywhere that of the local level, which grows
     with the blur. The contribution of blur and the length of a stretch are fitted to the errors of rendered
     contacts (`accuracy_and_coverage` in benchmarks/contact_images.py). Besides, an edge that fades does not
-    fade alike all round, nor in all images of one device: less so where the contrast inside differs as well. Where the edge was drawn manually, the
-    error of drawing replaces these; half of its variance is shared by all that was drawn.
+    fade alike all round, nor in all images of one device: less so where the contrast inside differs as well.
+    Where the edge was drawn manually, the error of drawing replaces these; half of its variance is shared by
+    all that was drawn.
     """
     along = edge.along.clip(0, 1)
     own = edge.period * np.sqrt(along * _IN_VALLEY**2 + (_BY_SOFTNESS * edge.softness) ** 2)
