@@ -33,7 +33,7 @@ _LEVEL_STD, _GRAINY, _CLIPPED = 0.025, 0.5, 0.13
 _LEAST_STD, _NOISY, _AT_RIM = 0.008, 0.1, 0.5
 # The same where a rim covers ridges; where a contact fades, so that its edge lies `_SHARP` periods further
 # out, or up to `_SOFT` more; and by the share of ridges above `_DRY`, where sweat or ink may fill valleys.
-_RIM_STD, _FADING, _SHARP, _SOFT, _MOIST, _DRY = 0.4, 0.2, 0.08, 0.2, 0.8, 0.55
+_RIM_STD, _FADING, _SHARP, _SOFT, _MOIST, _DRY = 0.3, 0.2, 0.08, 0.2, 0.8, 0.55
 # Over windows of so many periods resolved ridges spread by more than so many levels; where their mean is
 # below this, nothing touches.
 _WINDOW, _MIN_SPREAD, _NOTHING = 3.0, 76.0, 64.0
