@@ -37,6 +37,7 @@ from benchmarks import (
     scale,
     sequences,
     soak,
+    stripe_images,
     studies,
     tissue_thickness,
     uncertainty,
@@ -103,6 +104,7 @@ if __name__ == "__main__":
     contact_images.independent_accuracy(12)
     pressure_images.report()
     elastic_ridges.report()
+    stripe_images.report()
     contact_edge.pooled_coverage()
     contact_images.speed()
     non_prints.report()

@@ -20,17 +20,23 @@ _ENDS, _FOLLOWING, _NOISE = 0.084, 0.206, 0.192
 # Standard deviation of the edge's place in a valley, and by how soft the picture is; neighbours share an
 # error over `_STRETCH`.
 _IN_VALLEY, _BY_SOFTNESS, _STRETCH = 0.16, 0.092, 2.75
-# Contrast is compared with the interior's over `_RIM` on both sides of the outline; the interior lies deeper
-# than `_DEEP`, the ground between the distances `_GROUND` outside.
-_RIM, _DEEP, _GROUND = 1.33, 3.5, (2.0, 3.0)
-# How far the edge lies beyond the outline, by the contrast outside and the lack of it inside.
-_FADED, _OUTSIDE, _INSIDE = -0.2, 1.2, 1.0
-# The standard deviation that the whole edge shares: its least, as a share of that shift, and by how uneven
-# the contrast within `_NEAR` outside is between `_SECTORS` of the outline; `_EVEN` is that of sharp edges.
-_EDGE_STD, _BY_FADE, _BY_UNEVENNESS = 0.05, 0.3, 4.0
+# The interior lies deeper than `_DEEP`, the ground between the distances `_GROUND` outside. Ridges are what
+# varies along the outline over less than `_ALONG`, without a `_TRIM`th of it at either end: inside, just
+# outside, and beyond.
+_DEEP, _GROUND, _ALONG, _TRIM = 3.5, (2.0, 3.0), 2.0, 5
+_INSIDE, _OUTSIDE, _BEYOND = (-0.8, -0.2), (0.1, 0.3), (0.4, 0.7)
+# How far the edge lies beyond the outline: for a sharp one, by the ridges just outside in parts of those
+# inside, by those beyond in parts of the interior's contrast, and by how far the outline follows ridges.
+# Means and variations are at least `_LEAST`.
+_FADED, _BY_OUTSIDE, _BY_BEYOND, _BY_FOLLOWING, _LEAST = -0.32, 1.75, 3.9, -0.35, 0.03
+# The standard deviation that the whole edge shares: its least, as a share of that shift, by the rim, and by
+# how uneven the contrast within `_NEAR` outside is between `_SECTORS` of the outline; `_EVEN` is that of a
+# sharp edge.
+_EDGE_STD, _BY_FADE, _RIM_STD, _BY_UNEVENNESS = 0.1, 0.4, 0.7, 1.2
 _NEAR, _SECTORS, _EVEN = 0.5, 24, 0.03
-# By a share of it the edge varies independently of other images, alike over a share of its length.
-_VARIES, _ALIKE = 0.5, 0.25
+# By a share of it the edge varies independently of other images, alike over a share of its length; and by how
+# the contrast at the distances `_RIM` differs between such stretches, as where the tips fade more slowly.
+_VARIES, _ALIKE, _RIM, _BY_LACK = 0.7, 0.25, (-1.2, -0.4), 1.0
 # A manual edge lies somewhere within one ridge period, uniformly: half of that variance it has everywhere
 # alike, as a generous outline is generous all round.
 _BY_HAND = math.sqrt(1 / 12 / 2)
@@ -61,8 +67,14 @@ class ContactOutline:
         Whether the period was seen in the picture, or is one that fingers usually have.
     by_hand : ndarray of bool, (n,)
         Where a person drew it.
+    differs : ndarray, (n,)
+        Standard deviation of how far the edge lies further out than elsewhere (or in, below 0), one for all
+        points, by how the contrast inside differs from that along the rest of the outline.
     fade : float
         How far beyond the outline the edge lies because the contact fades towards it.
+    rim : float
+        By how much ridges stand out less at the outline than inside because a halo or a meniscus covers them,
+        from 0 to 1; squared.
     unevenness : float
         Standard deviation along the outline of the contrast just outside it, in parts of the interior's; that
         of a sharp edge where it is not known.
@@ -77,7 +89,9 @@ class ContactOutline:
     softness: float
     resolved: bool
     by_hand: BoolArray
+    differs: FloatArray
     fade: float = 0.0
+    rim: float = 0.0
     unevenness: float = _EVEN
 
     def moved(self, outward: FloatArray | float) -> Points:
@@ -121,6 +135,7 @@ def contact_outline(
         softness=softness,
         resolved=resolved,
         by_hand=np.zeros(len(points), dtype=bool),
+        differs=np.zeros(len(points)),
     )
 
 
@@ -130,25 +145,45 @@ def faded_outline(edge: ContactOutline, patch: BoolArray, contact: npt.NDArray[n
     `contact` is the contrast of each place with the ground.
 
     Pressure falls to nothing at the edge, and with it the width of the ridges and, on many devices, their
-    contrast. The outline at half the local contrast then lies inside the edge: the mean contrast just outside
-    it, and what the rim lacks of the interior's, show how far, but not exactly. The constants are round
-    numbers near the fit to rendered contacts whose ridges fade over 0.2 to 1.6 mm in width, contrast or both.
+    contrast. The outline at half the local contrast then lies inside the edge. How far, what still varies
+    along it just outside shows: those are ridges, where a halo, a dark rim or stray light is smooth. How much
+    the rim lacks of the interior's contrast says little: ridges that thin out slowly may end sharply.
     """
+    parts = min(_SECTORS, len(edge.points))
     depth = distance_to(~patch)
     interior = contact[depth > min(_DEEP * edge.period, 0.6 * float(depth.max()))].mean()
 
-    def along(start: float, end: float, count: int) -> FloatArray:
-        """Return the mean contrast at each point of the outline, over some distances outward."""
-        distances = np.linspace(start, end, count) * edge.period
-        return np.asarray(np.mean([_sample(contact, edge.moved(distance)) for distance in distances], axis=0))
+    def around(start: float, end: float) -> FloatArray:
+        """Return the contrast at some distances outward of each point of the outline, (n, distances)."""
+        distances = np.linspace(start, end, 6) * edge.period
+        return np.stack([_sample(contact, edge.moved(distance)) for distance in distances], axis=-1)
 
-    ground = along(*_GROUND, 4).mean()
-    contrast = max(interior - ground, 1e-9)
-    outside, inside = ((along(0, end, 12).mean() - ground) / contrast * _RIM for end in (_RIM, -_RIM))
-    near = np.array_split(along(0, _NEAR, 6), min(_SECTORS, len(edge.points)))
+    def variation(values: FloatArray) -> float:
+        """Return the mean variation along the outline without its extreme parts: dirt is in few of them."""
+        varying = np.abs(values - running_mean(values, round(_ALONG * edge.period)))
+        means = np.sort([part.mean() for part in np.array_split(varying, parts)])
+        return float(means[parts // _TRIM : parts - parts // _TRIM].mean())
+
+    ground = around(*_GROUND)
+    plain, floor = float(ground.mean()), variation(ground)
+    contrast = max(interior - plain, 1e-9)
+
+    def ridges(values: FloatArray) -> tuple[float, float]:
+        """Return the variation along the outline, little of it noise, and its ratio to the mean contrast."""
+        above = max(variation(values) ** 2 - floor**2, 0.0)
+        seen = above / max(math.hypot(math.sqrt(above), floor / 2), 1e-9) / contrast
+        return seen, seen / max((float(values.mean()) - plain) / contrast, _LEAST)
+
+    inside, outside, beyond = (ridges(around(*place)) for place in (_INSIDE, _OUTSIDE, _BEYOND))
+    fade = _FADED + _BY_OUTSIDE * outside[0] / max(inside[0], _LEAST) + _BY_BEYOND * beyond[0]
+    fade += _BY_FOLLOWING * float(np.average(edge.along, weights=edge.steps))
+    rim = running_mean(around(*_RIM).mean(axis=1)[:, None], round(_ALIKE * len(edge.points)))[:, 0]
+    near = np.array_split(around(0, _NEAR).mean(axis=1), parts)
     return replace(
         edge,
-        fade=float(max(0.0, _FADED + _OUTSIDE * outside + _INSIDE * (_RIM - inside)) * edge.period),
+        differs=_BY_LACK * (rim.mean() - rim) / contrast * edge.period,
+        fade=max(0.0, fade) * edge.period,
+        rim=max(0.0, 1 - outside[1] / max(inside[1], _LEAST)) ** 2,
         unevenness=float(np.std([part.mean() for part in near]) / contrast),
     )
 
@@ -234,7 +269,8 @@ def edge_offset_std(edge: ContactOutline) -> float:
     noise = _NOISE * edge.noise * edge.period / 3
     unknown = 0.0 if edge.resolved else float(np.average(_beyond_ridges(edge), weights=edge.steps))
     uneven = _BY_UNEVENNESS * edge.unevenness * edge.period
-    return math.hypot(_EDGE_STD * edge.period, _BY_FADE * edge.fade, uneven, noise, unknown)
+    rim = _RIM_STD * edge.rim * edge.period
+    return math.hypot(_EDGE_STD * edge.period, _BY_FADE * edge.fade, rim, uneven, noise, unknown)
 
 
 def outline_noise(edge: ContactOutline, weights: FloatArray) -> FloatArray:
@@ -244,8 +280,9 @@ def outline_noise(edge: ContactOutline, weights: FloatArray) -> FloatArray:
     valleys of half the period, √(v³/3 − v⁴/4) P = 0.16 P; everywhere that of the local level, which grows
     with the blur. The contribution of blur and the length of a stretch are fitted to the errors of rendered
     contacts (`accuracy_and_coverage` in benchmarks/contact_images.py). Besides, an edge that fades does not
-    fade alike all round, nor in all images of one device. Where the edge was drawn manually, the
-    error of drawing replaces these; half of its variance is shared by all that was drawn.
+    fade alike all round, nor in all images of one device: less so where the contrast inside differs as well.
+    Where the edge was drawn manually, the error of drawing replaces these; half of its variance is shared by
+    all that was drawn.
     """
     along = edge.along.clip(0, 1)
     own = edge.period * np.sqrt(along * _IN_VALLEY**2 + (_BY_SOFTNESS * edge.softness) ** 2)
@@ -258,4 +295,6 @@ def outline_noise(edge: ContactOutline, weights: FloatArray) -> FloatArray:
     long = max(1, round(_ALIKE * len(varying)))
     varied = running_mean(varying, long)
     drawn = (weights * (edge.steps * edge.by_hand * _BY_HAND * edge.period)[:, None]).sum(axis=0)
-    return np.asarray(spread.T @ spread * width + varied.T @ varied * long + np.outer(drawn, drawn))
+    uneven = weights.T @ (edge.steps * ~edge.by_hand * edge.differs)
+    independent = spread.T @ spread * width + varied.T @ varied * long
+    return np.asarray(independent + np.outer(uneven, uneven) + np.outer(drawn, drawn))

@@ -16,6 +16,7 @@ from fingerpad.image.contact_image._outline import (
     edge_shift,
     faded_outline,
     outline_noise,
+    running_mean,
 )
 from fingerpad.image.contact_image._region import UInt8, filled_polygon
 from fingerpad.image.contact_image._ridge_map import RidgeMap
@@ -30,6 +31,9 @@ _NEAR_HALF = slice(128 - _RAMP // 2, 128 + _RAMP // 2)
 # matter, and by noise in parts of the contrast; and how much of the rim is ridge, relative to the interior.
 _LEVEL_STD, _GRAINY, _CLIPPED = 0.025, 0.5, 0.13
 _LEAST_STD, _NOISY, _AT_RIM = 0.008, 0.1, 0.5
+# The same where a rim covers ridges; where a contact fades, so that its edge lies `_SHARP` periods further
+# out, or up to `_SOFT` more; and by the share of ridges above `_DRY`, where sweat or ink may fill valleys.
+_RIM_STD, _FADING, _SHARP, _SOFT, _MOIST, _DRY = 0.3, 0.2, 0.08, 0.2, 0.8, 0.55
 # Over windows of so many periods resolved ridges spread by more than so many levels; where their mean is
 # below this, nothing touches.
 _WINDOW, _MIN_SPREAD, _NOTHING = 3.0, 76.0, 64.0
@@ -101,8 +105,18 @@ def measure_patch(
     # A wider outline takes in more ridges, thinner than those of the interior.
     response = np.vstack([np.eye(3), [0, 0, _AT_RIM * ridge_area / moments.area]])
     noise = response @ outline_noise(edge, weights) @ response.T
+    # An outline that is no ellipse has other semi-axes by other definitions.
+    other = _half_extents(points, moments, edge.period * side) - moments.semi_axes
+    noise[:2, :2] += np.outer(other, other) / 3
     level_std = math.hypot(_LEVEL_STD, _GRAINY * ridges.grain, _CLIPPED * ridges.clipped)
-    known_std = known * math.hypot(_LEAST_STD, ridges.softness * level_std, _NOISY * edge.noise)
+    known_std = known * math.hypot(
+        _LEAST_STD,
+        ridges.softness * level_std,
+        _NOISY * edge.noise,
+        _RIM_STD * edge.rim,
+        _FADING * min(max(0.0, edge.fade / edge.period - _SHARP), _SOFT),
+        _MOIST * max(0.0, known / moments.area - _DRY),
+    )
     noise[3, 3] += unknown**2 / 12 + known_std**2
     offset = edge_offset_std(edge) * side
     return Patch(
@@ -116,6 +130,12 @@ def measure_patch(
         touches_border=view.touches_border(edge.moved(-edge.fade), edge.steps),
         cut_by_mask=view.cut_by_mask(edge.points, edge.steps),
     )
+
+
+def _half_extents(points: npt.NDArray[np.float64], moments: AreaMoments, period: float) -> FloatArray:
+    """Return half of an outline's extents along its axes, seen at the scale of a ridge period."""
+    place = running_mean(points, round(period)) @ moments.axes.T
+    return np.asarray(np.ptp(place, axis=0) / 2)
 
 
 def _softness(amount: UInt8, patch: BoolArray) -> float:

@@ -155,6 +155,7 @@ def _restore_edge(outline: Points, edge: ContactOutline) -> ContactOutline:
         steps=point_spacings(points),
         along=np.where(same, edge.along[nearest], 0.0),
         by_hand=~same | edge.by_hand[nearest],
+        differs=np.where(same, edge.differs[nearest], 0.0),
     )
 
 
@@ -170,6 +171,7 @@ def _manual_outline(points: Points, view: WorkingImage, noise: float) -> Contact
         softness=0.0,
         resolved=True,
         by_hand=np.ones(len(points), dtype=bool),
+        differs=np.zeros(len(points)),
     )
 
 

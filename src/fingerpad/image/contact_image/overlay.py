@@ -41,9 +41,9 @@ def draw_overlay(
 ) -> Canvas:
     """Draw the measurement of a contact image over the image.
 
-    Green outline: contact region. Orange: equal-area ellipse, its axes and the centroid. Blue tint: ridges.
-    Small images are enlarged by a whole number, so that lines stay thin beside the ridges; those of more
-    than 8000 px on a side are reduced to that.
+    Green: the outline whose inside is the gross area. Orange: equal-area ellipse, its axes and the
+    centroid. Blue tint: ridges. Small images are enlarged by a whole number, so that lines stay thin beside
+    the ridges; those of more than 8000 px on a side are reduced to that.
 
     Parameters
     ----------
@@ -84,7 +84,7 @@ def draw_overlay(
     zoom = min(max(1, math.ceil(_MIN_SIDE_PX / longest)), _MAX_SIDE_PX / longest)
     canvas = _tint_ridges(grey, contact_image, zoom, ridge_tint)
     width = max(2, round(max(canvas.shape) / 600))
-    _draw_region(canvas, contact_image, width)
+    _draw_region(canvas, contact_image, zoom, width)
     _draw_ellipse(canvas, contact_image, zoom, width)
     draw_scale_bar(canvas, _mm_per_px(contact_image) / zoom, width)
     if label:
@@ -167,10 +167,9 @@ def _resize_mask(mask: npt.NDArray[np.bool_], size: tuple[int, int]) -> npt.NDAr
     return np.asarray(reduced, dtype=np.float32) / np.float32(255)
 
 
-def _draw_region(canvas: Canvas, contact_image: ContactImageResult, width: int) -> None:
-    smooth = _resize_mask(contact_image.region, (canvas.shape[1], canvas.shape[0])) > 0.5
-    contours, _ = cv2.findContours(smooth.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
-    cv2.drawContours(canvas, contours, -1, REGION_COLOUR, width, cv2.LINE_AA)
+def _draw_region(canvas: Canvas, contact_image: ContactImageResult, zoom: float, width: int) -> None:
+    outline = canvas_points(contact_image.outline, zoom)
+    draw_line(canvas, np.concatenate([outline, outline[:1]]), REGION_COLOUR, width)
 
 
 def _draw_ellipse(canvas: Canvas, contact_image: ContactImageResult, zoom: float, width: int) -> None:
