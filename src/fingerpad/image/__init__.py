@@ -4,7 +4,7 @@ from fingerpad.geometry.faces import FACE_AXES, SEMI_AXES, Direction, Face
 from fingerpad.image._memory import MEMORY_LIMIT
 from fingerpad.image.coin.measure import Coin, measure_coin
 from fingerpad.image.colour import read_colour_image
-from fingerpad.image.contact_image.manual import BrushStroke
+from fingerpad.image.contact_image.manual import BrushStroke, RegionPolygon
 from fingerpad.image.contact_image.measure import measure_contact_image
 from fingerpad.image.contact_image.options import ContactImageOptions, MeasurementRegion
 from fingerpad.image.contact_image.overlay import draw_overlay, write_overlay
@@ -95,6 +95,7 @@ __all__ = [
     "Picture",
     "PlaneEllipse",
     "PreparedContactImage",
+    "RegionPolygon",
     "Scale",
     "SequenceSettings",
     "SequenceSummary",

@@ -58,7 +58,7 @@ def measure(workspace: Workspace, _: Any, params: ContactParams) -> dict[str, An
     found = scale_of(opened, contact.scale)
     change = params.change or contact_correction(opened.corrections.active_correction(params.item))
     prepared = _prepared(opened, params.item, contact, found, change)
-    contact_image = prepared.with_corrections(change.brush_strokes, change.manual_ellipse)
+    contact_image = prepared.with_corrections(change.region_edits, change.manual_ellipse)
     own, error = _program(opened, params.item, contact, found) if change.edits else (contact_image, None)
     return {
         "item": params.item,

@@ -140,7 +140,7 @@ def corrected_contact_image(
         prepared = plain
         if prepared is None or _OF_THE_READING & correction.edits.keys():
             prepared = prepared_contact(pixels, scale, contact, folder, correction, settings=settings)
-        contact_image = prepared.with_corrections(correction.brush_strokes, correction.manual_ellipse)
+        contact_image = prepared.with_corrections(correction.region_edits, correction.manual_ellipse)
     except ImageError as error:
         return CorrectedContactImage(contact_image=None, reason=str(error), program=program)
     return CorrectedContactImage(contact_image=contact_image, reason=None, program=program)
