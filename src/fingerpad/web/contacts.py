@@ -80,6 +80,22 @@ def measure(workspace: Workspace, _: Any, params: ContactParams) -> dict[str, An
     }
 
 
+def levels(workspace: Workspace, _: Any, params: ContactParams) -> dict[str, Any]:
+    """Return the histogram of levels in which a threshold is chosen, and the automatic threshold."""
+    opened = workspace.study
+    contact = _contact(opened, params)
+    assert contact.scale is not None
+    found = scale_of(opened, contact.scale)
+    change = (params.change or ContactCorrection()).model_copy(update={"threshold": None})
+    prepared = _prepared(opened, params.item, contact, found, change)
+    counts, edges = prepared.level_histogram()
+    return {
+        "counts": counts,
+        "edges": edges,
+        "automatic_threshold": None if prepared.reason else prepared.contact_image.threshold,
+    }
+
+
 def _contact(opened: StudySession, params: ContactParams) -> Contact:
     """Return the table of an item, or a temporary one for a file that is not used yet."""
     item = params.item
@@ -246,6 +262,14 @@ ENDPOINTS: Final = (
         answer=measure,
         model=answers.ContactMeasurement,
         summary="Measure a contact image under a correction, without storing it",
+        body=ContactParams,
+    ),
+    Endpoint(
+        method="POST",
+        path="/api/measure/levels",
+        answer=levels,
+        model=answers.ContactLevels,
+        summary="Histogram of an image's levels, to choose a threshold by",
         body=ContactParams,
     ),
 )

@@ -7,9 +7,11 @@ from typing import Annotated, Any, Final
 from pydantic import Field
 
 from fingerpad.exceptions import CorrectionConflict
+from fingerpad.study.corrections.apply import contact_correction
 from fingerpad.study.corrections.changes import ContactCorrection
 from fingerpad.study.corrections.history import ActiveCorrection, Record
 from fingerpad.study.corrections.log import kind_of, on_another_image
+from fingerpad.study.corrections.similar import similar_images, with_settings_of
 from fingerpad.web import answers
 from fingerpad.web.endpoints import Endpoint, Item, Params, Person
 from fingerpad.web.errors import RequestError
@@ -107,6 +109,30 @@ def redo(workspace: Workspace, _: Any, params: StepParams) -> dict[str, Any]:
     return _save(workspace, params, lambda: log.redo(params.item, who=params.who, expected=params.expected))
 
 
+def similar(workspace: Workspace, params: ItemParams, _: Any) -> dict[str, Any]:
+    """Return the images that a correction's settings may apply to, with their new corrections."""
+    opened = workspace.study
+    study = opened.with_incomplete()
+    kind_of(params.item, study)
+    source = contact_correction(opened.corrections.active_correction(params.item))
+    images = []
+    for item in similar_images(params.item, study):
+        history = opened.corrections.history(item)
+        now = contact_correction(history.active_correction)
+        proposed = with_settings_of(source, now)
+        images.append(
+            {
+                "item": item,
+                "last_id": history.last_id,
+                "change": now.as_json(),
+                "proposed": proposed.as_json(),
+                "differs": proposed.edits != now.edits,
+            }
+        )
+    settings = with_settings_of(source, ContactCorrection()).as_json()
+    return {"item": params.item, "settings": settings, "images": images}
+
+
 def _save(workspace: Workspace, params: StepParams, keep: Callable[[], object]) -> dict[str, Any]:
     opened = workspace.study
     try:
@@ -128,6 +154,14 @@ ENDPOINTS: Final = (
         model=answers.Corrections,
         query=ItemParams,
         summary="Corrections of an item",
+    ),
+    Endpoint(
+        method="GET",
+        path="/api/corrections/similar",
+        answer=similar,
+        model=answers.SimilarImages,
+        query=ItemParams,
+        summary="Images of the same finger and device, with what their corrections would become",
     ),
     Endpoint(
         method="POST",

@@ -8,6 +8,7 @@ from fingerpad.web.answers.base import Answer, Refusal
 from fingerpad.web.answers.events import EVENTS
 from fingerpad.web.answers.files import BundleContents, PictureInfo, UploadedFile
 from fingerpad.web.answers.measurements import (
+    ContactLevels,
     ContactMeasurement,
     ContactModel,
     ContactNumbers,
@@ -15,6 +16,7 @@ from fingerpad.web.answers.measurements import (
     LengthMeasurement,
     PhotographMeasurement,
     ScaleMeasurement,
+    SimilarImages,
 )
 from fingerpad.web.answers.results import (
     Audit,
@@ -46,6 +48,7 @@ __all__ = [
     "Budget",
     "BudgetCheck",
     "BundleContents",
+    "ContactLevels",
     "ContactMeasurement",
     "ContactModel",
     "ContactNumbers",
@@ -67,6 +70,7 @@ __all__ = [
     "ScaleMeasurement",
     "SequenceSignal",
     "Session",
+    "SimilarImages",
     "State",
     "StateAfterRemoval",
     "StateAfterRestore",

@@ -133,6 +133,14 @@ class ContactMeasurement(Answer):
     milliseconds: float
 
 
+class ContactLevels(Answer):
+    """How many pixels have which level: grey levels from the background towards contact."""
+
+    counts: list[float]
+    edges: list[float]
+    automatic_threshold: float | None
+
+
 class FaceEllipse(Answer):
     """The ellipse of a face."""
 
@@ -235,3 +243,21 @@ class Corrections(Answer):
     can_undo: bool
     can_redo: bool
     history: list[CorrectionRecord]
+
+
+class SimilarImage(Answer):
+    """Another image of the same finger and device: its correction, and what it would become."""
+
+    item: str
+    last_id: int
+    change: dict[str, Any]
+    proposed: dict[str, Any]
+    differs: bool
+
+
+class SimilarImages(Answer):
+    """The settings of an image's correction, and the images that they may apply to."""
+
+    item: str
+    settings: dict[str, Any]
+    images: list[SimilarImage]

@@ -117,7 +117,7 @@ const WORDS = {
   seed_px: "seed point",
   region_of_interest_px: "region of interest",
   mask_px: "mask",
-  strokes: "brush",
+  strokes: "drawing",
   ellipse_px: "ellipse",
   added_points_px: "points added",
   erased: "points erased",

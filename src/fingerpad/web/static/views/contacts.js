@@ -8,6 +8,7 @@ import { plain } from "../core/quantity.js";
 import { workspace } from "../core/workspace.js";
 import { choose, empty } from "../parts/forms.js";
 import { icons } from "../parts/icons.js";
+import { Lasso, Polygon } from "../parts/lasso.js";
 import { missingOf } from "../parts/missing_fields.js";
 import { scaleWords } from "../parts/scale_choice.js";
 import { SequenceTraces } from "../parts/sequence_traces.js";
@@ -16,12 +17,16 @@ import { describe, FILTER_TESTS, FILTERS } from "./contact_entries.js";
 import { ContactInspector } from "./contact_inspector.js";
 import { ContactOverlay } from "./contact_overlay.js";
 import { Review } from "./review.js";
+import { applyToSimilar } from "./similar.js";
 
 /** @type {Parameters<typeof import("../parts/forms.js").segments>[1]} */
 const TOOLS = [
   ["ellipse", "Drag the ellipse", { icon: icons.ellipse, shortcut: "v" }],
   ["add", "Brush: add to the region", { icon: icons.add, shortcut: "b" }],
   ["remove", "Brush: remove from the region", { icon: icons.remove, shortcut: "e" }],
+  ["lasso", "Lasso: draw around an area", { icon: icons.lasso, shortcut: "l" }],
+  ["polygon", "Polygon: corners of an area", { icon: icons.polygon, shortcut: "g" }],
+  ["threshold", "Threshold on the histogram", { icon: icons.histogram, shortcut: "t" }],
   ["seed", "Seed point inside the contact", { icon: icons.seed, shortcut: "s" }],
   ["box", "Region of interest", { icon: icons.box, shortcut: "o" }],
 ];
@@ -33,6 +38,14 @@ class Contacts extends Review {
   entries = [];
   /** @type {Sequence | undefined} */
   film;
+
+  /** @type {"add" | "remove" | "replace"} */
+  action = "replace";
+  /** @type {Lasso | Polygon | null} */
+  area = null;
+  /** @type {Answers["ContactLevels"] | null} */
+  levels = null;
+  levelsKey = "";
 
   nothing = "No contact was found. Reject the image, or set threshold, polarity or seed point.";
   last = [
@@ -116,6 +129,9 @@ class Contacts extends Review {
     this.bind([
       ["b", "Brush: add (Alt: remove)", () => this.use("add")],
       ["e", "Brush: remove", () => this.use("remove")],
+      ["l", "Lasso (Alt: remove)", () => this.use("lasso")],
+      ["g", "Polygon: Space sets a corner, Enter closes it", () => this.use("polygon")],
+      ["t", "Threshold: arrow keys move it", () => this.use("threshold")],
       ["s", "Seed point", () => this.use("seed")],
       ["n", "Next flagged image", () => this.#nextFlagged()],
       ["p", "Hold: show the automatic outline", () => this.showAutomatic(true)],
@@ -252,7 +268,33 @@ class Contacts extends Review {
 
   async measure(item, newest) {
     const answer = await post("/api/measure/contact", { item });
-    if (newest()) this.show(answer);
+    if (!newest()) return;
+    this.show(answer);
+    await this.#levels(item, newest);
+  }
+
+  /** Show the histogram; only some corrections change it. */
+  async #levels(item, newest) {
+    const { threshold, ...change } = this.corrections.change;
+    for (const key of ["strokes", "ellipse_px", "accepted", "rejected", "pooling"]) delete change[key];
+    const key = JSON.stringify([item, change]);
+    if (key !== this.levelsKey) {
+      const levels = await post("/api/measure/levels", { item, change }).catch(() => null);
+      if (!newest()) return;
+      [this.levels, this.levelsKey] = [levels, key];
+    }
+    this.inspector.levels(this.levels, threshold ?? null);
+  }
+
+  /** The correction with another threshold, while it is moved. */
+  tryThreshold(threshold) {
+    this.editor.hide();
+    this.tryOut(withoutDefaults({ ...this.corrections.change, threshold, accepted: false, rejected: null }));
+  }
+
+  setThreshold(threshold) {
+    this.held = false;
+    this.set("threshold", threshold);
   }
 
   /**
@@ -269,6 +311,7 @@ class Contacts extends Review {
       this.editor.show(centre, major[0], minor[0]);
       this.showTool();
       this.brush?.dry();
+      this.area?.dry();
     }
     this.inspector.show(answer);
   }
@@ -279,13 +322,28 @@ class Contacts extends Review {
 
   makeTool(tool) {
     if (tool === "seed") return new Click((at) => this.set("seed_px", at));
-    if (tool === "ellipse") return null;
-    return this.paint(tool, (stroke) =>
+    if (tool === "ellipse" || tool === "threshold") return null;
+    const done = (stroke) =>
       this.keep((change) => ({
         ...this.withoutEllipse(change),
-        strokes: [...(change.strokes ?? []), stroke],
-      })),
-    );
+        strokes: [...(stroke.action === "replace" ? [] : (change.strokes ?? [])), stroke],
+      }));
+    if (tool === "lasso" || tool === "polygon") {
+      this.area = new (tool === "lasso" ? Lasso : Polygon)(this.stage, { action: this.action, done });
+      return this.area;
+    }
+    return this.paint(tool, done);
+  }
+
+  applyToSimilar() {
+    return applyToSimilar(this.entry.item).catch(showError);
+  }
+
+  /** @param {"add" | "remove" | "replace"} action what an area that is drawn around does */
+  setAction(action) {
+    this.action = action;
+    this.area?.setAction(action);
+    this.stage.root.focus({ preventScroll: true });
   }
 
   #ellipse() {

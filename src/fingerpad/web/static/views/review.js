@@ -268,8 +268,8 @@ export class Review {
     this.brush = null;
     this.stage.use(tool === "box" ? this.box : this.makeTool(tool));
     this.showTool();
-    this.inspector.tool();
     this.stage.root.focus({ preventScroll: true });
+    this.inspector.tool();
   }
 
   /** Make a brush; `done` is called with each stroke. */
@@ -299,11 +299,18 @@ export class Review {
   }
 
   #dragged(final) {
-    this.held = !final;
-    if (final) return this.dropped();
+    if (final) {
+      this.held = false;
+      this.dropped();
+    } else this.tryOut(this.dragged());
+  }
+
+  /** Show what a correction would give while the hand still moves; nothing is saved. */
+  tryOut(change) {
+    this.held = true;
     this.#turn += 1;
     this.#busy(true);
-    this.live.request(this.dragged());
+    this.live.request(change);
   }
 
   set(key, value) {
