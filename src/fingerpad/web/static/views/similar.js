@@ -4,14 +4,14 @@ import { get, picture, post } from "../core/api.js";
 import { describeChange, withoutDefaults } from "../core/corrections.js";
 import { h, pathOf, render, s, saveFocus } from "../core/dom.js";
 import { showError } from "../core/messages.js";
-import { plain, quantityText } from "../core/quantity.js";
+import { quantityText } from "../core/quantity.js";
 import { describeCode, who } from "../core/workspace.js";
 import { button } from "../parts/forms.js";
 
 /** Settings that other images may share. */
 export const SHARED = ["dark_on_light", "threshold", "region_of_interest_px", "mask_px"];
 
-const percent = (share) => `${share > 0 ? "+" : share < 0 ? "−" : "±"}${plain(Math.abs(100 * share))} %`;
+const percent = (share) => `${share < 0 ? "−" : "+"}${Math.abs(100 * share).toFixed(1)} %`;
 
 /** One image: its outline now and with the settings. */
 class Card {
