@@ -16,7 +16,7 @@ from fingerpad.image import FACE_AXES, PHOTOGRAPH_FLAGS
 from fingerpad.image.sequence.frames import TIFF_SUFFIXES
 from fingerpad.report.text import FLAG_WORDS
 from fingerpad.report.write import REPORT_NAME
-from fingerpad.study.corrections.history import CORRECTIONS_NAME, ActiveCorrection
+from fingerpad.study.corrections.history import CORRECTIONS_NAME, SECOND_OPERATOR_NAME, ActiveCorrection
 from fingerpad.study.corrections.log import frames_of
 from fingerpad.study.editing.file_names import read_file_name
 from fingerpad.study.engine.store import STORE_NAME, Store
@@ -121,7 +121,8 @@ def _item_states(
 
 def _same_inputs(opened: StudySession, study: Study, provenance: Mapping[str, Any]) -> bool:
     """Tell whether manifest, spreadsheet and corrections are those of a run."""
-    names = [STUDY_NAME, *([study.observations_csv] if study.observations_csv else []), CORRECTIONS_NAME]
+    sheet = [study.observations_csv] if study.observations_csv else []
+    names = [STUDY_NAME, *sheet, CORRECTIONS_NAME, SECOND_OPERATOR_NAME]
     known = provenance["inputs_sha256"]
     return all(digest_of(opened.folder / name) == known.get(name, "") for name in names)
 
