@@ -60,7 +60,7 @@ def plot_agreement(
         axes.axhspan(*(100 * end for end in found.bias_interval), color=BLUE, alpha=0.15, linewidth=0)
         for end in found.limits:
             axes.axhline(100 * end, color=BLACK, linestyle="--", linewidth=1.0)
-    lines = [("bias", found.bias), *(("95 %", end) for end in found.limits if np.isfinite(end))]
+    lines = [("bias", found.bias), *(("limit", end) for end in found.limits if np.isfinite(end))]
     for words, value in lines:
         axes.annotate(
             f"{words} {100 * value:+.1f} %",
@@ -73,5 +73,5 @@ def plot_agreement(
         )
     axes.margins(x=0.1, y=0.2)
     axes.set_xlabel(f"{quantity}, mean of both")
-    axes.set_ylabel(f"{names[1]} from {names[0]} (%)")
+    axes.set_ylabel(f"{names[1]}, difference from {names[0]} (%)")
     return axes

@@ -53,8 +53,8 @@ def agreement(first: ArrayLike, second: ArrayLike) -> Agreement:
     r"""Compare pairs of positive values as Bland and Altman (1986, 1999) do, on logarithms.
 
     The differences are :math:`d = \ln(x_2/x_1)`, whose scatter does not grow with the size of what is
-    measured; they are stated as :math:`e^d - 1`. The limits are :math:`\bar d \pm 1.96\,s`; their intervals are
-    exact for normal differences, by the noncentral t distribution (Carkeet 2015).
+    measured; they are stated as :math:`e^d - 1`. The limits are :math:`\bar d \pm 1.96\,s`; their intervals
+    are exact for normal differences, by the noncentral t distribution (Carkeet 2015).
 
     Parameters
     ----------

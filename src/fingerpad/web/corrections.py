@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from http import HTTPStatus
-from typing import Annotated, Any, Final
+from typing import Annotated, Any, Final, Literal
 
 from pydantic import Field
 
@@ -10,7 +10,7 @@ from fingerpad.exceptions import CorrectionConflict
 from fingerpad.study.corrections.apply import contact_correction
 from fingerpad.study.corrections.changes import ContactCorrection
 from fingerpad.study.corrections.history import ActiveCorrection, Record
-from fingerpad.study.corrections.log import kind_of, on_another_image
+from fingerpad.study.corrections.log import CorrectionLog, kind_of, on_another_image
 from fingerpad.study.corrections.similar import similar_images, with_settings_of
 from fingerpad.web import answers
 from fingerpad.web.endpoints import Endpoint, Item, Params, Person
@@ -22,15 +22,15 @@ _Seen = Annotated[int, Field(ge=0, le=2**53)]
 
 
 class ItemParams(Params):
-    """An item."""
+    """An item, and whose corrections are meant."""
 
     item: Item
+    operator: Literal["first", "second"] = "first"
 
 
-class StepParams(Params):
+class StepParams(ItemParams):
     """Author of an undo or redo, and the last record that they have seen."""
 
-    item: Item
     expected: _Seen
     who: Person
 
@@ -41,9 +41,14 @@ class ChangeParams(StepParams):
     change: dict[str, Any]
 
 
-def document(opened: StudySession, item: str) -> dict[str, Any]:
+def _log(opened: StudySession, params: ItemParams) -> CorrectionLog:
+    return opened.corrections if params.operator == "first" else opened.second_operator
+
+
+def _document(opened: StudySession, params: ItemParams) -> dict[str, Any]:
     """Return the corrections of an item."""
-    history = opened.corrections.history(item)
+    item = params.item
+    history = _log(opened, params).history(item)
     active_correction = history.active_correction
     elsewhere = active_correction and on_another_image({item: active_correction}, opened.picture_digest)
     return {
@@ -74,7 +79,7 @@ def show(workspace: Workspace, params: ItemParams, _: Any) -> dict[str, Any]:
     """Return the corrections of an item."""
     opened = workspace.study
     kind_of(params.item, opened.with_incomplete())
-    return document(opened, params.item)
+    return _document(opened, params)
 
 
 def add(workspace: Workspace, _: Any, params: ChangeParams) -> dict[str, Any]:
@@ -85,7 +90,7 @@ def add(workspace: Workspace, _: Any, params: ChangeParams) -> dict[str, Any]:
     return _save(
         workspace,
         params,
-        lambda: opened.corrections.append(
+        lambda: _log(opened, params).append(
             params.item,
             params.change,
             who=params.who,
@@ -99,13 +104,13 @@ def add(workspace: Workspace, _: Any, params: ChangeParams) -> dict[str, Any]:
 
 def undo(workspace: Workspace, _: Any, params: StepParams) -> dict[str, Any]:
     """Undo the last correction."""
-    log = workspace.study.corrections
+    log = _log(workspace.study, params)
     return _save(workspace, params, lambda: log.undo(params.item, who=params.who, expected=params.expected))
 
 
 def redo(workspace: Workspace, _: Any, params: StepParams) -> dict[str, Any]:
     """Redo the correction that was undone last."""
-    log = workspace.study.corrections
+    log = _log(workspace.study, params)
     return _save(workspace, params, lambda: log.redo(params.item, who=params.who, expected=params.expected))
 
 
@@ -139,9 +144,9 @@ def _save(workspace: Workspace, params: StepParams, keep: Callable[[], object]) 
         keep()
     except CorrectionConflict as conflict:
         latest = conflict.latest.as_json() if isinstance(conflict.latest, Record) else None
-        now = document(opened, params.item)
+        now = _document(opened, params)
         raise RequestError.conflict(str(conflict), latest=latest, corrections=now) from conflict
-    found = document(opened, params.item)
+    found = _document(opened, params)
     workspace.study.events.send("corrections", {"item": params.item, "last_id": found["last_id"]})
     return found
 

@@ -191,6 +191,34 @@ def test_a_threshold_is_applied_to_similar_images_one_by_one(tab: Tab, demo) -> 
     ]
 
 
+def test_second_operator_sees_no_outline_but_their_own(tab: Tab, demo) -> None:
+    page = tab.open(f"contacts/images/{PRINT}")
+    before = numbers(page)
+    focus(page, "End of the semi-major axis").press("Shift+ArrowUp")
+    first = changed(page, before)
+    page.evaluate("localStorage.setItem('fingerpad.who', 'bob')")
+    tab.go("contacts/second")
+    page.get_by_text("No other outline is shown").wait_for()
+    assert page.locator("path.region").get_attribute("d") == ""
+    assert page.get_by_label("Show the automatic outline").count() == 0
+    page.keyboard.press("Enter")  # nothing to accept yet
+    page.get_by_text("Outline the contact first").wait_for()
+    x, y = middle(page.locator(".stage"))
+    page.mouse.move(x + 200, y)
+    page.mouse.down()
+    for turn in np.linspace(0.1, 2 * np.pi, 40):
+        page.mouse.move(x + 200 * np.cos(turn), y + 190 * np.sin(turn))
+    lift(page)
+    mine = numbers(page)
+    assert value(mine, "mm²") != value(first, "mm²")
+    assert "program" not in page.locator("[data-part=numbers]").inner_text()
+    page.keyboard.press("Enter")
+    page.get_by_text("This was the last image").wait_for()
+    (line,) = (demo / "second_operator.jsonl").read_text().splitlines()[-1:]
+    assert (json.loads(line)["who"], json.loads(line)["change"]["accepted"]) == ("bob", True)
+    assert [record["who"] for record in corrections(demo)] != ["bob"]
+
+
 def test_threshold_polarity_seed_and_region_of_interest(tab: Tab, demo) -> None:
     page = tab.open(f"contacts/images/{PRINT}")
     before = numbers(page)

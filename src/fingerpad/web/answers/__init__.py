@@ -34,6 +34,7 @@ from fingerpad.web.answers.results import (
 from fingerpad.web.answers.study import (
     Frames,
     RunStatus,
+    SecondOperator,
     SequenceSignal,
     Session,
     State,
@@ -68,6 +69,7 @@ __all__ = [
     "Rows",
     "RunStatus",
     "ScaleMeasurement",
+    "SecondOperator",
     "SequenceSignal",
     "Session",
     "SimilarImages",

@@ -7,6 +7,7 @@ import { describeCode } from "../core/workspace.js";
 import { button, check, chip, choose, field, number, segments, synthetic } from "../parts/forms.js";
 import { Histogram } from "../parts/histogram.js";
 import { poolingOf } from "../parts/pooling.js";
+import { agreementOf } from "./agreement.js";
 import { Inspector } from "./inspector.js";
 import { SHARED } from "./similar.js";
 
@@ -91,7 +92,8 @@ export class ContactInspector extends Inspector {
   };
 
   constructor(view) {
-    super(view, ["numbers"], REASONS);
+    super(view, ["agreement", "numbers"], REASONS);
+    this.parts.agreement.hidden = !view.blind;
     this.histogram = new Histogram({
       tried: (threshold) => view.tryThreshold(threshold),
       set: (threshold) => view.setThreshold(threshold),
@@ -153,6 +155,21 @@ export class ContactInspector extends Inspector {
     this.tool();
   }
 
+  /** Before the second operator has outlined anything. */
+  blind() {
+    render(
+      this.parts.numbers,
+      h("h3", null, "Contact"),
+      h("p", null, "Outline the contact by lasso, polygon or threshold. No other outline is shown."),
+    );
+    this.settings(null);
+  }
+
+  corrected() {
+    super.corrected();
+    if (this.view.blind) render(this.parts.agreement, agreementOf(this.view.agreement));
+  }
+
   /**
    * @param {ContactMeasurement | null} answer
    * @param {string} [problem]
@@ -174,7 +191,7 @@ export class ContactInspector extends Inspector {
       return;
     }
     const { numbers, program, model } = answer;
-    const corrected = answer.by !== "program";
+    const corrected = answer.by !== "program" && !this.view.blind;
     const line = ([key, label, words, mark]) =>
       quantityRow(label(), quantityText(numbers, key), {
         mark,
@@ -253,6 +270,7 @@ export class ContactInspector extends Inspector {
           ),
         ),
       answer.pooling &&
+        !this.view.blind &&
         !this.view.corrections.change.rejected &&
         poolingOf(answer.pooling, {
           words: describeCode,
@@ -312,7 +330,7 @@ export class ContactInspector extends Inspector {
       this.view.source === "images" &&
         SHARED.some((key) => change[key] !== undefined && change[key] !== null) &&
         button("Apply to similar images …", () => this.view.applyToSimilar(), { kind: "small" }),
-      check("Show the automatic outline", { onset: (on) => this.view.showAutomatic(on) }),
+      !this.view.blind && check("Show the automatic outline", { onset: (on) => this.view.showAutomatic(on) }),
     );
   }
 }

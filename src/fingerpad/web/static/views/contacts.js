@@ -31,6 +31,14 @@ const TOOLS = [
   ["box", "Region of interest", { icon: icons.box, shortcut: "o" }],
 ];
 
+/**
+ * Whether a person outlined the contact themselves.
+ *
+ * @param {Partial<Change>} change
+ */
+const outlined = ({ ellipse_px: ellipse, threshold, strokes }) =>
+  Boolean(ellipse || threshold || strokes?.some(({ action }) => action === "replace"));
+
 class Contacts extends Review {
   /** @type {(Observation | Frame)[]} */
   all = [];
@@ -47,7 +55,12 @@ class Contacts extends Review {
   levels = null;
   levelsKey = "";
 
-  nothing = "No contact was found. Reject the image, or set threshold, polarity or seed point.";
+  /** @type {Answers["SecondOperator"] | null} */
+  agreement = null;
+  /** @type {"first" | "second"} */
+  operator = "first";
+
+  nothingToAccept = "No contact was found. Reject the image, or set threshold, polarity or seed point.";
   last = [
     "This was the last image. Run the study to see the results.",
     { kind: "good", action: { words: "Run", do: () => (location.hash = "#/run") } },
@@ -59,6 +72,11 @@ class Contacts extends Review {
     this.filter = "";
     this.source = this.#sources().some(([key]) => key === rest[0]) ? rest[0] : this.#sources()[0]?.[0];
     this.wanted = rest[1];
+    if (this.source === "second") {
+      this.operator = "second";
+      this.tool = "lasso";
+      this.nothingToAccept = "Outline the contact first: lasso, polygon or threshold.";
+    }
     if (!this.source) this.#nothing();
     else this.#build();
   }
@@ -67,6 +85,7 @@ class Contacts extends Review {
     const images = workspace.study.observations.filter(({ file }) => file).length;
     return [
       ...(images ? [["images", `Contact images (${images})`]] : []),
+      ...(images ? [["second", "Second operator, blind"]] : []),
       ...workspace.study.sequences
         .filter(({ file }) => file)
         .map(({ name, frames }) => [`film:${name}`, `Sequence ${name}${frames ? ` (${frames})` : ""}`]),
@@ -141,6 +160,11 @@ class Contacts extends Review {
     this.load();
   }
 
+  /** Whether the person works without seeing any outline but their own. */
+  get blind() {
+    return this.operator === "second";
+  }
+
   addOverlay() {
     this.overlay = new ContactOverlay(this.stage);
   }
@@ -149,6 +173,16 @@ class Contacts extends Review {
     this.count.textContent = "loading …";
     if (this.source === "images") {
       this.all = workspace.study.observations.filter(({ file }) => file).map((entry) => ({ ...entry }));
+    } else if (this.blind) {
+      this.agreement = await get("/api/study/second-operator");
+      if (this.closed) return;
+      const known = new Map(workspace.study.observations.map((entry) => [entry.item, entry]));
+      this.all = this.agreement.images.map((image) => ({
+        ...known.get(image.item),
+        flags: [],
+        status: "done",
+        ...image,
+      }));
     } else {
       const name = this.source.slice(5);
       this.film = workspace.study.sequences.find((entry) => entry.name === name);
@@ -212,9 +246,10 @@ class Contacts extends Review {
     this.strip.set(this.entries);
     if (!this.entries.length) {
       this.count.textContent = `none of ${this.all.length}`;
-      this.stage.setMessage(
-        this.all.length ? "No image matches this filter." : "This sequence has no frames.",
-      );
+      const none = this.blind
+        ? "The first operator has not accepted or corrected any image yet."
+        : "This sequence has no frames.";
+      this.stage.setMessage(this.all.length ? "No image matches this filter." : none);
       return;
     }
     this.at = -1;
@@ -223,7 +258,9 @@ class Contacts extends Review {
   }
 
   #firstInContact() {
-    return this.source === "images" ? 0 : this.entries.findIndex(({ status }) => status !== "none");
+    return this.source === "images" || this.blind
+      ? 0
+      : this.entries.findIndex(({ status }) => status !== "none");
   }
 
   address(item) {
@@ -267,9 +304,18 @@ class Contacts extends Review {
   }
 
   async measure(item, newest) {
-    const answer = await post("/api/measure/contact", { item });
-    if (!newest()) return;
-    this.show(answer);
+    const change = this.blind ? this.corrections.change : undefined;
+    if (this.blind && !outlined(change)) {
+      this.measured = null;
+      this.editor.hide();
+      this.overlay.clear();
+      this.area?.dry();
+      this.inspector.blind();
+    } else {
+      const answer = await post("/api/measure/contact", { item, change });
+      if (!newest()) return;
+      this.show(answer);
+    }
     await this.#levels(item, newest);
   }
 
@@ -283,7 +329,9 @@ class Contacts extends Review {
       if (!newest()) return;
       [this.levels, this.levelsKey] = [levels, key];
     }
-    this.inspector.levels(this.levels, threshold ?? null);
+    const levels = this.levels && { ...this.levels };
+    if (levels && this.blind) levels.automatic_threshold = null;
+    this.inspector.levels(levels, threshold ?? null);
   }
 
   /** The correction with another threshold, while it is moved. */
@@ -323,11 +371,18 @@ class Contacts extends Review {
   makeTool(tool) {
     if (tool === "seed") return new Click((at) => this.set("seed_px", at));
     if (tool === "ellipse" || tool === "threshold") return null;
-    const done = (stroke) =>
+    const done = (stroke) => {
+      if (this.blind && stroke.action !== "replace" && !outlined(this.corrections.change)) {
+        toast(this.nothingToAccept);
+        this.brush?.dry();
+        this.area?.dry();
+        return;
+      }
       this.keep((change) => ({
         ...this.withoutEllipse(change),
         strokes: [...(stroke.action === "replace" ? [] : (change.strokes ?? [])), stroke],
       }));
+    };
     if (tool === "lasso" || tool === "polygon") {
       this.area = new (tool === "lasso" ? Lasso : Polygon)(this.stage, { action: this.action, done });
       return this.area;
@@ -378,6 +433,7 @@ class Contacts extends Review {
   }
 
   showAutomatic(show) {
+    if (this.blind) return;
     const own = this.measured?.program;
     this.overlay.own(show && own ? own.outline_px : null);
     this.stage.root.classList.toggle("comparing", show);
@@ -412,7 +468,7 @@ class Contacts extends Review {
   }
 
   update() {
-    if (!this.stage) return;
+    if (!this.stage || this.blind) return;
     if (this.source !== "images") {
       this.film = workspace.study.sequences.find(({ name }) => name === this.film?.name) ?? this.film;
       this.refreshMissing();

@@ -47,6 +47,8 @@ export class Review {
   /** @type {Brush | null} */
   brush = null;
   at = -1;
+  /** @type {"first" | "second"} */
+  operator = "first";
   /** @type {Answers["MissingEntry"][] | undefined} */
   lacking;
   tool = "ellipse";
@@ -169,6 +171,7 @@ export class Review {
     this.corrections = new Corrections(item, {
       changed: () => this.#corrected(),
       conflict: () => this.#conflict(),
+      operator: this.operator,
     });
     this.#turned();
     this.measured = null;
