@@ -15,7 +15,13 @@ from fingerpad.image.contact_image.result import (
     ContactImageResult,
     ContactImageSettings,
 )
-from fingerpad.image.ellipse import ImageEllipse, PlaneEllipse, ellipse_of_polygon, equal_area_ellipse
+from fingerpad.image.ellipse import (
+    ImageEllipse,
+    PlaneEllipse,
+    ellipse_of_polygon,
+    equal_area_ellipse,
+    interpolated_ellipse,
+)
 from fingerpad.image.ellipse_fit import EllipseFit, fit_aligned_ellipse, fit_ellipse
 from fingerpad.image.photograph.direct import direct_semi_axes
 from fingerpad.image.photograph.faces import (
@@ -115,6 +121,7 @@ __all__ = [
     "fit_outline_ellipse",
     "frame_clock",
     "implausible_size",
+    "interpolated_ellipse",
     "measure_coin",
     "measure_contact_image",
     "measure_frames",

@@ -17,9 +17,11 @@ from fingerpad.image import (
     open_frames,
     scan_texture,
 )
-from fingerpad.study.corrections.apply import contact_correction, place_of, prepared_contact
+from fingerpad.study.corrections.apply import contact_correction, measured_under, place_of, prepared_contact
 from fingerpad.study.corrections.changes import ContactCorrection
-from fingerpad.study.manifest import Contact, ContactSequence, Observation, ScaleKey
+from fingerpad.study.corrections.key_frames import with_interpolated
+from fingerpad.study.corrections.log import frames_of
+from fingerpad.study.manifest import CORRECTIONS, Contact, ContactSequence, Observation, ScaleKey
 from fingerpad.study.measuring.measure import Measurement, doubts_of, from_contact_image, reviewed
 from fingerpad.study.measuring.scales import FoundScale
 from fingerpad.study.results.exclusions import excluding_flags
@@ -56,9 +58,9 @@ def measure(workspace: Workspace, _: Any, params: ContactParams) -> dict[str, An
     contact = _contact(opened, params)
     assert contact.scale is not None
     found = scale_of(opened, contact.scale)
-    change = params.change or contact_correction(opened.corrections.active_correction(params.item))
+    change = params.change or correction_of(opened, params.item)
     prepared = _prepared(opened, params.item, contact, found, change)
-    contact_image = prepared.with_corrections(change.region_edits, change.manual_ellipse)
+    contact_image = measured_under(prepared, change)
     own, error = _program(opened, params.item, contact, found) if change.edits else (contact_image, None)
     return {
         "item": params.item,
@@ -112,14 +114,21 @@ def _contact(opened: StudySession, params: ContactParams) -> Contact:
     return contact if params.scale is None else contact.model_copy(update={"scale": params.scale})
 
 
+def correction_of(opened: StudySession, item: str) -> ContactCorrection:
+    """Return what holds for a contact image: a person's correction, or what key frames carry to a frame."""
+    name, mark, number = item.rpartition("#")
+    if not mark:
+        return contact_correction(opened.corrections.active_correction(item))
+    frames = with_interpolated(frames_of(opened.corrections.active_corrections(), name), name)
+    return contact_correction(frames.get(int(number)))
+
+
 def _prepared(
     opened: StudySession, item: str, contact: Contact, found: FoundScale, change: ContactCorrection
 ) -> PreparedContactImage:
     """Return a prepared contact image; strokes and a manual ellipse do not change it."""
     place = opened.place_of(item)
-    reading = change.model_copy(
-        update={"strokes": [], "ellipse_px": None, "accepted": False, "rejected": None, "pooling": None}
-    )
+    reading = ContactCorrection.model_validate({name: getattr(change, name) for name in CORRECTIONS})
     settings = sequence_settings(opened, contact, found) if isinstance(contact, ContactSequence) else None
     background = None if contact.background is None else ImageLocation(opened.file(contact.background)).stamp
     return _PREPARED.get(

@@ -17,6 +17,7 @@ from fingerpad.image.sequence.frames import TIFF_SUFFIXES
 from fingerpad.report.text import FLAG_WORDS
 from fingerpad.report.write import REPORT_NAME
 from fingerpad.study.corrections.history import CORRECTIONS_NAME, SECOND_OPERATOR_NAME, ActiveCorrection
+from fingerpad.study.corrections.key_frames import InterpolatedCorrection, with_interpolated
 from fingerpad.study.corrections.log import frames_of
 from fingerpad.study.editing.file_names import read_file_name
 from fingerpad.study.engine.store import STORE_NAME, Store
@@ -336,7 +337,7 @@ def frames(workspace: Workspace, params: FramesParams, _: Any) -> dict[str, Any]
     total = opened.count_frames(opened.film_name(name)) or 0
     rows = found.frames(name) if found else {}
     shown = range(min(params.offset, total), min(params.offset + params.limit, total))
-    ruled = frames_of(opened.corrections.active_corrections(), name)
+    ruled = with_interpolated(frames_of(opened.corrections.active_corrections(), name), name)
     return {
         "total": total,
         "frames": [_frame(name, number, rows.get(number), ruled.get(number)) for number in shown],
@@ -354,6 +355,8 @@ def _frame(
         "flags": (known.get("flags") or "").split(),
         **{key: known.get(key) for key in ("phase", "time_s", "load_N", "gross_area_mm2")},
         "pooled": bool(known.get("pooled")),
+        "interpolated": active_correction is not None
+        and isinstance(active_correction.change, InterpolatedCorrection),
         **review_record(active_correction),
     }
 

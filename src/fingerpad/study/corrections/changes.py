@@ -109,7 +109,14 @@ class ContactCorrection(_Judged):
     region_of_interest_px: Box | None = None
     strokes: Annotated[list[RegionStroke], Field(max_length=2000)] = Field(default=[])
     ellipse_px: ManualContactEllipse | None = None
+    key_frame: bool = False
     pooling: PoolingDecision | None = None
+
+    @model_validator(mode="after")
+    def _carried(self) -> Self:
+        if self.key_frame and self.ellipse_px is None:
+            raise ValueError("key_frame: only an ellipse is carried to other frames: give ellipse_px")
+        return self
 
     @property
     def region_edits(self) -> list[BrushStroke | RegionPolygon]:

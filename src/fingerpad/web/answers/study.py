@@ -276,6 +276,7 @@ class FrameEntry(Review):
     load_N: float | None  # noqa: N815
     gross_area_mm2: float | None
     pooled: bool
+    interpolated: bool
 
 
 class SequenceSignal(Answer):

@@ -132,6 +132,7 @@ const WORDS = {
   mask_px: "mask",
   strokes: "drawing",
   ellipse_px: "ellipse",
+  key_frame: "key frame",
   added_points_px: "points added",
   erased: "points erased",
   tip: "side of the fingertip",

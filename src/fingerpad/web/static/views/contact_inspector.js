@@ -326,6 +326,12 @@ export class ContactInspector extends Inspector {
           }),
         ),
       ),
+      this.view.film &&
+        answer &&
+        check("Key frame: carry this ellipse to the frames up to the next one (k)", {
+          checked: Boolean(change.key_frame),
+          onset: (on) => this.view.setKeyFrame(on),
+        }),
       this.resetButtons(RESETS),
       this.view.source === "images" &&
         SHARED.some((key) => change[key] !== undefined && change[key] !== null) &&

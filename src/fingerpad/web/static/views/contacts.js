@@ -152,11 +152,13 @@ class Contacts extends Review {
       ["g", "Polygon: Space sets a corner, Enter closes it", () => this.use("polygon")],
       ["t", "Threshold: arrow keys move it", () => this.use("threshold")],
       ["s", "Seed point", () => this.use("seed")],
+      ["k", "Key frame of a sequence", () => this.setKeyFrame(!this.corrections?.change.key_frame)],
       ["n", "Next flagged image", () => this.#nextFlagged()],
       ["p", "Hold: show the automatic outline", () => this.showAutomatic(true)],
     ]);
     this.keyup = (event) => event.key === "p" && this.showAutomatic(false);
     document.addEventListener("keyup", this.keyup);
+    if (this.blind) this.use(this.tool);
     this.load();
   }
 
@@ -422,6 +424,27 @@ class Contacts extends Review {
 
   dropped() {
     this.set("ellipse_px", this.#ellipse());
+  }
+
+  /** Carry the ellipse of this frame to those up to the next key frame, or no longer. */
+  async setKeyFrame(on) {
+    if (!this.film || !this.measured) return;
+    await this.keep((change) => ({
+      ...change,
+      ellipse_px: on ? (change.ellipse_px ?? this.#ellipse()) : change.ellipse_px,
+      key_frame: on,
+    }));
+    await this.#refreshFrames();
+  }
+
+  /** Read again which frames around this one are interpolated. */
+  async #refreshFrames() {
+    const offset = Math.max(0, this.entry.frame - 1000);
+    const { frames } = await get("/api/study/frames", { sequence: this.film.name, offset, limit: 2000 });
+    frames.forEach((frame, k) => {
+      Object.assign(this.all[offset + k] ?? {}, frame);
+    });
+    this.strip.refresh();
   }
 
   #nextFlagged() {

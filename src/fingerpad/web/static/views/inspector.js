@@ -93,7 +93,10 @@ export class Inspector {
       null,
       parts.map(
         ([key, words]) =>
-          made(change[key]) && button(words, () => this.view.set(key, null), { kind: "small" }),
+          made(change[key]) &&
+          button(words, () => (key === "ellipse_px" ? this.view.resetEllipse() : this.view.set(key, null)), {
+            kind: "small",
+          }),
       ),
     );
   }

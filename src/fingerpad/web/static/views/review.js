@@ -17,13 +17,14 @@ const VERDICTS = ["accepted", "rejected", "pooling"];
 /**
  * Marks of a thumbnail for what a person did: kind and text.
  *
- * @param {Partial<Pick<Answers["FrameEntry"], "corrected" | "accepted" | "rejected">>} entry
+ * @param {Partial<Pick<Answers["FrameEntry"], "corrected" | "accepted" | "rejected" | "interpolated">>} entry
  */
-export function reviewMarks({ corrected, accepted, rejected }) {
+export function reviewMarks({ corrected, accepted, rejected, interpolated }) {
   return [
-    corrected && ["corrected", "corrected"],
+    corrected && !interpolated && ["corrected", "corrected"],
     accepted && ["accepted", "accepted"],
     rejected && ["rejected", `rejected: ${rejected}`],
+    interpolated && ["interpolated", "interpolated between key frames"],
   ].filter(Boolean);
 }
 
@@ -332,7 +333,11 @@ export class Review {
   /** Remove the manual ellipse from a correction, with a message if there is one. */
   withoutEllipse(change) {
     if (change.ellipse_px) toast("This replaces the manual ellipse; Undo restores it.");
-    return { ...change, ellipse_px: null };
+    return { ...change, ellipse_px: null, key_frame: false };
+  }
+
+  resetEllipse() {
+    return this.keep((change) => ({ ...change, ellipse_px: null, key_frame: false }));
   }
 
   /** Save whether the contact is pooled; the verdict stays. */
