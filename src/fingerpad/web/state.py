@@ -353,7 +353,7 @@ def _frame(
         "frame": number,
         "status": known.get("status", "none"),
         "flags": (known.get("flags") or "").split(),
-        **{key: known.get(key) for key in ("phase", "time_s", "load_N", "gross_area_mm2")},
+        **{key: known.get(key) for key in ("phase", "time_s", "load_N", "gross_area_mm2", "aspect_ratio")},
         "pooled": bool(known.get("pooled")),
         "interpolated": active_correction is not None
         and isinstance(active_correction.change, InterpolatedCorrection),

@@ -290,6 +290,33 @@ def test_frames_of_a_sequence(tab: Tab, demo) -> None:
     assert corrections(demo)[-1]["item"] == "synthetic_press_30deg#3"
 
 
+def test_key_frames_carry_their_ellipses_to_those_between(tab: Tab, demo) -> None:
+    page = tab.open("contacts/film:synthetic_press_30deg/synthetic_press_30deg%25234")
+    program = numbers(page)
+    grown = page.get_by_label("Aspect ratio against force, up to the current frame").locator("path.grown")
+    first = len(grown.get_attribute("d"))
+    page.locator("h1").click()
+    page.keyboard.press("k")
+    page.get_by_text("manual", exact=True).wait_for()
+    for _ in range(4):
+        page.keyboard.press(".")
+        numbers(page)
+    assert len(grown.get_attribute("d")) > first
+    focus(page, "End of the semi-major axis").press("Shift+ArrowUp")
+    page.get_by_role("checkbox", name="Key frame").check()
+    page.locator(".cell[data-index='6'] .dot[data-kind='interpolated']").wait_for()
+    page.keyboard.press(",")
+    page.get_by_text("the ellipse is interpolated between two key frames").wait_for()
+    between = numbers(page)
+    assert page.url.endswith("%237")
+    assert program != between
+    assert [record["item"][-1] for record in corrections(demo) if record["change"].get("key_frame")] == [
+        "4",
+        "8",
+    ]
+    assert not page.get_by_role("checkbox", name="Key frame").is_checked()
+
+
 def test_sixteen_bit_tiff_is_shown_and_measured(empty_tab: Tab) -> None:
     page = empty_tab.open()
     deep = empty_tab.folder / "deep.tif"

@@ -275,6 +275,7 @@ class FrameEntry(Review):
     time_s: float | None
     load_N: float | None  # noqa: N815
     gross_area_mm2: float | None
+    aspect_ratio: float | None
     pooled: bool
     interpolated: bool
 

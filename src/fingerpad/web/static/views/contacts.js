@@ -323,8 +323,8 @@ class Contacts extends Review {
 
   /** Show the histogram; only some corrections change it. */
   async #levels(item, newest) {
-    const { threshold, ...change } = this.corrections.change;
-    for (const key of ["strokes", "ellipse_px", "accepted", "rejected", "pooling"]) delete change[key];
+    const { threshold, dark_on_light, seed_px, mask_px, region_of_interest_px } = this.corrections.change;
+    const change = withoutDefaults({ dark_on_light, seed_px, mask_px, region_of_interest_px });
     const key = JSON.stringify([item, change]);
     if (key !== this.levelsKey) {
       const levels = await post("/api/measure/levels", { item, change }).catch(() => null);
