@@ -23,6 +23,7 @@ from fingerpad.image.ellipse import (
     interpolated_ellipse,
 )
 from fingerpad.image.ellipse_fit import EllipseFit, fit_aligned_ellipse, fit_ellipse
+from fingerpad.image.grid import Grid, measure_grid
 from fingerpad.image.photograph.direct import direct_semi_axes
 from fingerpad.image.photograph.faces import (
     FaceSemiAxes,
@@ -92,6 +93,7 @@ __all__ = [
     "FrameResult",
     "FrameStamps",
     "Frames",
+    "Grid",
     "ImageEllipse",
     "MeasurementRegion",
     "OutlineFit",
@@ -125,6 +127,7 @@ __all__ = [
     "measure_coin",
     "measure_contact_image",
     "measure_frames",
+    "measure_grid",
     "measure_photograph",
     "measure_sequence",
     "open_frames",

@@ -29,6 +29,8 @@ _FIELD_WORDS: Final = {
     "force": "the file of the force",
     "length_mm": "the line's length",
     "load_N": "the load",
+    "points": "the inner corners or dots, down and along",
+    "spacing_mm": "the spacing of the grid",
     "wedge_angle_deg": "the wedge angle",
 }
 _AXIS_WORDS: Final = {"palmar": "palmar", "distal": "distal", "radial_ulnar": "radial-ulnar"}

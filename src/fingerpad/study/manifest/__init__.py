@@ -13,6 +13,7 @@ from fingerpad.study.manifest.fingers import Finger, Photograph
 from fingerpad.study.manifest.load import LoadedStudy, load_study, manifest_in, read_study
 from fingerpad.study.manifest.scales import (
     CoinScale,
+    GridScale,
     LineScale,
     PitchScale,
     ResolutionScale,
@@ -31,6 +32,7 @@ __all__ = [
     "Curve",
     "Direction",
     "Finger",
+    "GridScale",
     "LineScale",
     "LoadedStudy",
     "Observation",

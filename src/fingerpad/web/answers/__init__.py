@@ -15,6 +15,7 @@ from fingerpad.web.answers.measurements import (
     Corrections,
     LengthMeasurement,
     PhotographMeasurement,
+    RectifiedPictures,
     ScaleMeasurement,
     SimilarImages,
 )
@@ -65,6 +66,7 @@ __all__ = [
     "Plot",
     "PlottedGroup",
     "PlottedRows",
+    "RectifiedPictures",
     "Refusal",
     "Rows",
     "RunStatus",

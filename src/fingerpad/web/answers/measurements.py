@@ -15,6 +15,18 @@ class CoinOutline(Answer):
     radius_px_std: float
 
 
+class GridMeasurement(Answer):
+    """A grid found in a picture, how far it is from flat, and the scale of rectified pictures."""
+
+    points_px: list[Point]
+    residual_px: float
+    anisotropy: float
+    variation: float
+    unevenness: float
+    rectified_mm_per_px: float
+    rectified_relative_std: float
+
+
 class ScaleMeasurement(Answer):
     """The scale that a table gives."""
 
@@ -24,6 +36,15 @@ class ScaleMeasurement(Answer):
     resolution_ppi: float
     flags: list[str]
     coin: CoinOutline | None
+    grid: GridMeasurement | None
+
+
+class RectifiedPictures(Answer):
+    """Files of rectified pictures, by those that they were made of, and the scale of all of them."""
+
+    files: dict[str, str]
+    mm_per_px: float
+    relative_std: float
 
 
 class LengthMeasurement(Answer):

@@ -14,12 +14,15 @@ import { Line } from "../parts/tools.js";
 const WAYS = [
   ["line", "Ruler"],
   ["coin", "Coin"],
+  ["grid", "Grid"],
   ["ppi", "Resolution"],
   ["mm_per_px", "mm/px"],
 ];
 
 // Defaults of a new scale: the ends of a line are drawn to about one pixel.
-const DEFAULTS = { line: { ends_px_std: 1 } };
+const DEFAULTS = { line: { ends_px_std: 1 }, grid: { pattern: "checkerboard" } };
+// Ways that need a picture.
+const PICTURED = ["line", "coin", "grid"];
 
 // ISO/IEC 7810, format ID-1: bank cards, most identity cards and driving licences.
 const KNOWN_LENGTHS = [
@@ -57,7 +60,8 @@ class Scales {
     );
     this.line = new Line(this.stage, (ends) => this.#drawn(ends));
     this.coin = s("path.coin");
-    this.stage.world.append(this.coin);
+    this.grid = s("path.grid-points");
+    this.stage.world.append(this.coin, this.grid);
     this.stage.use(this.line);
     this.result = h("div.result", { "aria-live": "polite" });
     this.form = h("div.stack");
@@ -127,7 +131,7 @@ class Scales {
     this.table = structuredClone(scale?.table ?? draft?.table ?? DEFAULTS.line);
     this.way = draft?.way ?? this.#wayOf(this.table) ?? "line";
     this.answer = null;
-    this.file = this.table.coin ?? this.#guess();
+    this.file = this.table.coin ?? this.table.grid ?? this.#guess();
     this.#drawList();
     this.#drawForm();
     this.#show(this.file);
@@ -174,7 +178,7 @@ class Scales {
         "button.scale-item.new",
         { type: "button", "aria-pressed": String(!this.old), onclick: () => this.#start(null) },
         h("strong", null, "+ New scale"),
-        h("span.soft", null, "ruler, coin or resolution"),
+        h("span.soft", null, "ruler, coin, grid or resolution"),
       ),
     );
   }
@@ -203,7 +207,7 @@ class Scales {
         h("h3", null, "Type of scale"),
         segments("Type of scale", WAYS, this.way, (way) => this.#choose(way)),
       ),
-      ["line", "coin"].includes(this.way) &&
+      PICTURED.includes(this.way) &&
         h(
           "section",
           null,
@@ -215,10 +219,11 @@ class Scales {
               onset: (file) => this.#take(file),
             }),
             {
-              hint:
-                this.way === "line"
-                  ? "Draw a line between two marks of the ruler."
-                  : "The whole coin, parallel to the image plane, on a plain background.",
+              hint: {
+                line: "Draw a line between two marks of the ruler.",
+                coin: "The whole coin, parallel to the image plane, on a plain background.",
+                grid: "A flat checkerboard or grid of dots where the finger touches, on a light margin.",
+              }[this.way],
             },
           ),
         ),
@@ -241,7 +246,7 @@ class Scales {
       ),
     );
     this.#drawFields();
-    this.stage.root.hidden = !["line", "coin"].includes(this.way);
+    this.stage.root.hidden = !PICTURED.includes(this.way);
     this.plainWords.hidden = !this.stage.root.hidden;
   }
 
@@ -279,6 +284,37 @@ class Scales {
         field("Diameter", of("diameter_mm"), { unit: "mm" }),
         field("Uncertainty", of("diameter_mm_std", { placeholder: "not stated" }), { unit: "mm" }),
       ],
+      grid: () => [
+        field(
+          "Pattern",
+          choose({
+            value: this.table.pattern ?? "checkerboard",
+            options: [
+              ["checkerboard", "checkerboard: inner corners count"],
+              ["dots", "grid of dots"],
+            ],
+            onset: set("pattern"),
+          }),
+          { wide: true },
+        ),
+        ...["down", "along"].map((words, place) =>
+          field(
+            `Points ${words}`,
+            number({
+              value: this.table.points?.[place] ?? null,
+              min: 3,
+              onset: (value) => {
+                const points = [...(this.table.points ?? [null, null])];
+                points[place] = value === null ? null : Math.round(value);
+                this.table.points = points;
+                this.#ask();
+              },
+            }),
+          ),
+        ),
+        field("Spacing", of("spacing_mm"), { unit: "mm" }),
+        field("Uncertainty", of("spacing_mm_std", { placeholder: "not stated" }), { unit: "mm" }),
+      ],
       ppi: () => [
         field("Pixels per inch", of("ppi"), { unit: "ppi" }),
         field("Relative uncertainty", of("relative_std", { placeholder: "not stated", max: 1 }), {
@@ -300,11 +336,12 @@ class Scales {
     this.way = way;
     this.table =
       way === this.#wayOf(this.old?.table) ? structuredClone(this.old.table) : { ...DEFAULTS[way] };
-    if (way === "coin") this.table.coin = this.file;
+    if (way === "coin" || way === "grid") this.table[way] = this.file;
     this.answer = null;
     this.#drawForm();
     this.form.querySelector("[role=radio][aria-checked=true]")?.focus();
     this.coin.setAttribute("d", "");
+    this.grid.setAttribute("d", "");
     this.line.set(way === "line" ? (this.table.line ?? null) : null);
     this.stage.use(way === "line" ? this.line : null);
     if (!this.stage.root.hidden) this.#show(this.file);
@@ -318,7 +355,9 @@ class Scales {
   #take(file) {
     this.live.cancel();
     this.file = file;
-    if (this.way === "coin") this.table.coin = file;
+    if (this.way === "coin" || this.way === "grid") this.table[this.way] = file;
+    this.coin.setAttribute("d", "");
+    this.grid.setAttribute("d", "");
     this.line.set(null);
     delete this.table.line;
     this.#show(file);
@@ -351,6 +390,7 @@ class Scales {
     const keys = {
       line: ["line", "length_mm", "length_mm_std", "ends_px_std"],
       coin: ["coin", "diameter_mm", "diameter_mm_std"],
+      grid: ["grid", "pattern", "points", "spacing_mm", "spacing_mm_std"],
       ppi: ["ppi", "relative_std"],
       mm_per_px: ["mm_per_px", "relative_std"],
     }[this.way];
@@ -363,10 +403,13 @@ class Scales {
     const needs = {
       line: ["line", "length_mm"],
       coin: ["coin", "diameter_mm"],
+      grid: ["grid", "points", "spacing_mm"],
       ppi: ["ppi"],
       mm_per_px: ["mm_per_px"],
     }[this.way];
-    return needs.every((key) => this.table[key] !== undefined && this.table[key] !== "");
+    const given = (value) =>
+      value !== undefined && value !== "" && !(Array.isArray(value) && value.includes(null));
+    return needs.every((key) => given(this.table[key]));
   }
 
   #ask() {
@@ -376,6 +419,7 @@ class Scales {
       const next = {
         line: this.table.line ? "Enter the length of the line." : "Draw a line on the ruler.",
         coin: "Select or enter the coin's diameter.",
+        grid: "Count the points of the grid, and enter their spacing.",
         ppi: "Enter the resolution.",
         mm_per_px: "Enter the size of a pixel.",
       }[this.way];
@@ -389,6 +433,10 @@ class Scales {
     this.answer = answer;
     this.stage.setScale(answer.mm_per_px);
     this.coin.setAttribute("d", pathOf(answer.coin?.outline_px));
+    this.grid.setAttribute(
+      "d",
+      (answer.grid?.points_px ?? []).map(([row, column]) => `M${column} ${row}h0`).join(""),
+    );
     if (this.way === "line") this.line.write(`${plain(this.table.length_mm)} mm`);
     render(
       this.result,
@@ -413,13 +461,53 @@ class Scales {
           null,
           `coin: radius ${withStd(answer.coin.radius_px, answer.coin.radius_px_std)} px`,
         ),
+      answer.grid && gridWords(answer.grid),
       answer.flags?.length > 0 &&
         h(
           "div.note",
           null,
           answer.flags.map((flag) => h("p", null, describeCode(flag))),
         ),
+      answer.grid && this.#rectification(),
     );
+  }
+
+  /** Contact images with this scale, and the button that rectifies them. */
+  #rectification() {
+    const images = workspace.study.observations.filter(
+      ({ file, scale }) => file && this.old && scale === this.old.name,
+    );
+    if (!images.length)
+      return h("p.soft", null, "Once contact images use this scale, they can be rectified here.");
+    return button(
+      `Rectify ${images.length} contact image${images.length > 1 ? "s" : ""}`,
+      () => this.#rectify(images),
+      { kind: "small", title: "Write them as if seen straight on, and measure these instead" },
+    );
+  }
+
+  async #rectify(images) {
+    const name = `${this.old.name}_rectified`;
+    try {
+      const { files, mm_per_px, relative_std } = await post("/api/scale/rectify", {
+        table: /** @type {any} */ (this.#definition()),
+        files: [...new Set(images.map(({ file }) => file))],
+      });
+      await workspace.edit(
+        { kind: "scale", key: name, set: { mm_per_px, relative_std } },
+        ...images.map(({ item, file }) => ({
+          kind: "observation",
+          key: item,
+          set: { file: files[file], scale: name },
+        })),
+      );
+      toast(`${images.length} rectified, with the scale ${name}. The pictures before stay where they are.`, {
+        kind: "good",
+      });
+      this.#start(workspace.study.scales.find((scale) => scale.name === name) ?? null);
+    } catch (error) {
+      render(this.problem, faultList(error));
+    }
   }
 
   #failed(error) {
@@ -540,7 +628,27 @@ function words(table) {
   if (table.mm_per_px !== undefined) return `${table.mm_per_px} mm/px`;
   if (table.line) return `line of ${table.length_mm} mm`;
   if (table.coin) return `coin of ${table.diameter_mm} mm`;
+  if (table.grid) return `grid of ${table.spacing_mm} mm`;
   return "incomplete";
+}
+
+/** @param {NonNullable<ScaleMeasurement["grid"]>} grid */
+function gridWords(grid) {
+  const percent = (share) => `${(100 * share).toFixed(share < 0.001 ? 2 : 1)} %`;
+  return h(
+    "dl.grid-words.number",
+    null,
+    [
+      ["Points off the plane", `${grid.residual_px.toFixed(2)} px`],
+      ["Sides of a pixel differ by", percent(grid.anisotropy)],
+      ["Scale differs over the grid by", percent(grid.variation)],
+      ["Lengths wrong once rectified by up to", percent(grid.unevenness)],
+      [
+        "Once rectified, mm/px",
+        `${withStd(grid.rectified_mm_per_px, grid.rectified_mm_per_px * grid.rectified_relative_std)}`,
+      ],
+    ].map(([words, value]) => [h("dt", null, words), h("dd", null, value)]),
+  );
 }
 
 export const open = (root, rest) => new Scales(root, rest);
