@@ -219,6 +219,18 @@ def test_second_operator_sees_no_outline_but_their_own(tab: Tab, demo) -> None:
     assert [record["who"] for record in corrections(demo)] != ["bob"]
 
 
+def test_brightness_changes_what_is_seen_and_nothing_else(tab: Tab, demo) -> None:
+    page = tab.open(f"contacts/images/{PRINT}")
+    before = numbers(page)
+    page.get_by_text("Brightness and contrast, for looking only").click()
+    page.get_by_role("slider", name="Contrast").fill("250")
+    assert "contrast(250%)" in page.locator(".stage .picture").get_attribute("style")
+    assert numbers(page) == before
+    assert corrections(demo) == []
+    page.get_by_role("button", name="Reset", exact=True).click()
+    assert "contrast" not in page.locator(".stage .picture").get_attribute("style")
+
+
 def test_threshold_polarity_seed_and_region_of_interest(tab: Tab, demo) -> None:
     page = tab.open(f"contacts/images/{PRINT}")
     before = numbers(page)

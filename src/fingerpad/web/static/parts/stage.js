@@ -103,6 +103,12 @@ export class Stage {
     this.note.textContent = words;
   }
 
+  /** Show the picture brighter or with more contrast; it is measured as it is. */
+  setLook(brightness, contrast) {
+    const plain = brightness === 100 && contrast === 100;
+    this.picture.style.filter = plain ? "" : `brightness(${brightness}%) contrast(${contrast}%)`;
+  }
+
   /** Draw a scale bar. */
   setScale(mmPerPx) {
     this.mmPerPx = mmPerPx;

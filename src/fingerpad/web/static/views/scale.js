@@ -642,7 +642,7 @@ function gridWords(grid) {
       ["Points off the plane", `${grid.residual_px.toFixed(2)} px`],
       ["Sides of a pixel differ by", percent(grid.anisotropy)],
       ["Scale differs over the grid by", percent(grid.variation)],
-      ["Lengths wrong once rectified by up to", percent(grid.unevenness)],
+      ["Left once rectified", percent(grid.unevenness)],
       [
         "Once rectified, mm/px",
         `${withStd(grid.rectified_mm_per_px, grid.rectified_mm_per_px * grid.rectified_relative_std)}`,
