@@ -204,7 +204,7 @@ def test_rows_may_come_from_a_spreadsheet(tmp_path: Path) -> None:
         ),
         (
             VALID + "[scales.s]\nrelative_std = 0.1",
-            "scales.s: give one of ppi, mm_per_px, line, coin, grid, found none",
+            "scales.s: give one of ppi, mm_per_px, line, coin, circle, grid, found none",
         ),
         (VALID + "[scales.s]\nppi = 0", "scales.s.ppi: expected greater than or equal to 20, found 0"),
         (VALID + "[scales.s]\nppi = 500\nlength_mm = 5", "scales.s.length_mm: unknown key; write it in the"),

@@ -4,11 +4,13 @@ from pathlib import PurePosixPath
 from typing import Annotated, Any, Final
 
 import cv2
+import numpy as np
 from pydantic import Field
 
 from fingerpad._files import file_stem
 from fingerpad.image import Coin, Grid, ImageEllipse, measure_coin
-from fingerpad.study.manifest import CoinScale, GridScale, ScaleKey
+from fingerpad.image.scale import circle_through
+from fingerpad.study.manifest import CircleScale, CoinScale, GridScale, ScaleKey
 from fingerpad.study.measuring.scales import FoundScale, grid_of, require_scale, scale_from, scale_record
 from fingerpad.web import answers
 from fingerpad.web.endpoints import Endpoint, Item, Params, Point
@@ -76,7 +78,7 @@ def scale(workspace: Workspace, _: Any, params: ScaleParams) -> dict[str, Any]:
         "relative_std": found.scale.relative_std,
         "resolution_ppi": found.scale.ppi,
         "flags": list(found.flags),
-        "coin": coin and _coin(coin),
+        "coin": _circle(table) if isinstance(table, CircleScale) else coin and _coin(coin),
         "grid": grid and _grid(grid),
     }
 
@@ -98,6 +100,16 @@ def _grid(grid: Grid) -> dict[str, Any]:
         "unevenness": grid.unevenness,
         "rectified_mm_per_px": sides.mm_per_px,
         "rectified_relative_std": sides.relative_std,
+    }
+
+
+def _circle(table: CircleScale) -> dict[str, Any]:
+    centre, radius, weights = circle_through([(row, column) for row, column in table.circle])
+    outline = ImageEllipse(centre=(float(centre[0]), float(centre[1])), semi_axes=(radius, radius))
+    return {
+        "outline_px": outline.points(_OUTLINE_POINTS).round(2),
+        "radius_px": radius,
+        "radius_px_std": table.points_px_std * float(np.linalg.norm(weights)),
     }
 
 

@@ -23,7 +23,7 @@ _OF_PHOTOGRAPH: Final = re.compile(r"photographs\[(?P<number>\d+)\]\.?(?P<place>
 _NEEDS_AXES: Final = "give either semi_axes_mm or photographs"
 _NEEDS_SCALE: Final = " needs its scale"
 _FIELD_WORDS: Final = {
-    "diameter_mm": "the coin's diameter",
+    "diameter_mm": "the diameter of the coin or circle",
     "face": "which face it shows",
     "finger": "which finger it is",
     "force": "the file of the force",

@@ -12,6 +12,7 @@ from fingerpad.study.manifest.curves import Curve
 from fingerpad.study.manifest.fingers import Finger, Photograph
 from fingerpad.study.manifest.load import LoadedStudy, load_study, manifest_in, read_study
 from fingerpad.study.manifest.scales import (
+    CircleScale,
     CoinScale,
     GridScale,
     LineScale,
@@ -25,6 +26,7 @@ from fingerpad.study.manifest.study import Apparatus, Study, Uncertainty
 __all__ = [
     "CORRECTIONS",
     "Apparatus",
+    "CircleScale",
     "CoinScale",
     "Contact",
     "ContactEllipse",

@@ -47,6 +47,15 @@ class CoinScale(ManifestModel):
     diameter_mm_std: MarkStd = 0.0
 
 
+class CircleScale(ManifestModel):
+    """Three points (row, column), px, on the rim of a coin or another circle of known diameter."""
+
+    circle: Annotated[list[Mark], Field(min_length=3, max_length=3)]
+    diameter_mm: Length
+    diameter_mm_std: MarkStd = 0.0
+    points_px_std: MarkStd = 0.0
+
+
 class GridScale(ManifestModel):
     """A checkerboard or a grid of dots in a picture taken like those to measure."""
 
@@ -57,7 +66,7 @@ class GridScale(ManifestModel):
     pattern: Literal["checkerboard", "dots"] = "checkerboard"
 
 
-ScaleTable: TypeAlias = ResolutionScale | PitchScale | LineScale | CoinScale | GridScale
+ScaleTable: TypeAlias = ResolutionScale | PitchScale | LineScale | CoinScale | CircleScale | GridScale
 # The first key of each tells which kind of table it is; the tag must not look like a key in messages.
 SCALE_KINDS: Final = tuple(next(iter(model.model_fields)) for model in get_args(ScaleTable))
 NAMED: Final = "<name>"
@@ -95,6 +104,7 @@ _Tagged: TypeAlias = (
     | Annotated[PitchScale, Tag("<mm_per_px>")]
     | Annotated[LineScale, Tag("<line>")]
     | Annotated[CoinScale, Tag("<coin>")]
+    | Annotated[CircleScale, Tag("<circle>")]
     | Annotated[GridScale, Tag("<grid>")]
 )
 # A table, or the name of one that several pictures share: one uncertain number for all of them.
@@ -110,4 +120,6 @@ def is_exact(scale: ManifestModel) -> bool:
     """Tell whether a scale has no uncertainty; that of a coin or a grid follows from its picture."""
     if isinstance(scale, LineScale):
         return not (scale.length_mm_std or scale.ends_px_std)
+    if isinstance(scale, CircleScale):
+        return not (scale.diameter_mm_std or scale.points_px_std)
     return isinstance(scale, ResolutionScale | PitchScale) and not scale.relative_std

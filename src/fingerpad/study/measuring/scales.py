@@ -12,7 +12,16 @@ from fingerpad.exceptions import CalibrationError, FingerpadError
 from fingerpad.image import Grid, Scale, measure_coin, measure_grid, read_image
 from fingerpad.study.engine.task import Record
 from fingerpad.study.error_text import in_study
-from fingerpad.study.manifest import CoinScale, GridScale, LineScale, PitchScale, ScaleKey, ScaleTable, Study
+from fingerpad.study.manifest import (
+    CircleScale,
+    CoinScale,
+    GridScale,
+    LineScale,
+    PitchScale,
+    ScaleKey,
+    ScaleTable,
+    Study,
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -112,6 +121,13 @@ def measure_scale(table: ScaleTable, folder: Path, name: str | None = None) -> F
             (end_row, end_column),
             length_mm_std=table.length_mm_std,
             point_px_std=table.ends_px_std,
+        )
+    elif isinstance(table, CircleScale):
+        scale = Scale.of_circle(
+            table.diameter_mm,
+            [(row, column) for row, column in table.circle],
+            diameter_mm_std=table.diameter_mm_std,
+            point_px_std=table.points_px_std,
         )
     elif isinstance(table, PitchScale):
         scale = Scale(table.mm_per_px, table.mm_per_px * table.relative_std)

@@ -8,21 +8,26 @@ import { plain, withStd } from "../core/quantity.js";
 import { describeCode, workspace } from "../core/workspace.js";
 import { button, chip, choose, faultList, field, NAME, number, segments, text } from "../parts/forms.js";
 import { Stage } from "../parts/stage.js";
-import { Line } from "../parts/tools.js";
+import { Line, ThreePoints } from "../parts/tools.js";
 
 /** @type {[key: string, words: string][]} */
 const WAYS = [
   ["line", "Ruler"],
   ["coin", "Coin"],
+  ["circle", "Circle"],
   ["grid", "Grid"],
   ["ppi", "Resolution"],
   ["mm_per_px", "mm/px"],
 ];
 
 // Defaults of a new scale: the ends of a line are drawn to about one pixel.
-const DEFAULTS = { line: { ends_px_std: 1 }, grid: { pattern: "checkerboard" } };
+const DEFAULTS = {
+  line: { ends_px_std: 1 },
+  circle: { points_px_std: 1 },
+  grid: { pattern: "checkerboard" },
+};
 // Ways that need a picture.
-const PICTURED = ["line", "coin", "grid"];
+const PICTURED = ["line", "coin", "circle", "grid"];
 
 // ISO/IEC 7810, format ID-1: bank cards, most identity cards and driving licences.
 const KNOWN_LENGTHS = [
@@ -62,6 +67,10 @@ class Scales {
     this.coin = s("path.coin");
     this.grid = s("path.grid-points");
     this.stage.world.append(this.coin, this.grid);
+    this.rim = new ThreePoints(this.stage, (points) => {
+      this.table.circle = points;
+      this.#ask();
+    });
     this.stage.use(this.line);
     this.result = h("div.result", { "aria-live": "polite" });
     this.form = h("div.stack");
@@ -137,6 +146,7 @@ class Scales {
     this.#show(this.file);
     this.line.set(this.table.line ?? null);
     this.line.kept = this.table.line;
+    this.#useTool();
     this.#ask();
   }
 
@@ -222,6 +232,7 @@ class Scales {
               hint: {
                 line: "Draw a line between two marks of the ruler.",
                 coin: "The whole coin, parallel to the image plane, on a plain background.",
+                circle: "Click three points on the rim of a coin, far apart; drag them to move them.",
                 grid: "A flat checkerboard or grid of dots where the finger touches, on a light margin.",
               }[this.way],
             },
@@ -284,6 +295,22 @@ class Scales {
         field("Diameter", of("diameter_mm"), { unit: "mm" }),
         field("Uncertainty", of("diameter_mm_std", { placeholder: "not stated" }), { unit: "mm" }),
       ],
+      circle: () => [
+        field(
+          "Coin type",
+          choose({
+            value: String(this.table.diameter_mm ?? ""),
+            options: COINS,
+            onset: (value) => value && (set("diameter_mm")(Number(value)), this.#drawFields()),
+          }),
+          { wide: true },
+        ),
+        field("Diameter", of("diameter_mm"), { unit: "mm" }),
+        field("Uncertainty", of("diameter_mm_std", { placeholder: "not stated" }), { unit: "mm" }),
+        field("Uncertainty of each point", of("points_px_std", { placeholder: "not stated" }), {
+          unit: "px",
+        }),
+      ],
       grid: () => [
         field(
           "Pattern",
@@ -343,9 +370,15 @@ class Scales {
     this.coin.setAttribute("d", "");
     this.grid.setAttribute("d", "");
     this.line.set(way === "line" ? (this.table.line ?? null) : null);
-    this.stage.use(way === "line" ? this.line : null);
+    this.#useTool();
     if (!this.stage.root.hidden) this.#show(this.file);
     this.#ask();
+  }
+
+  /** The tool of this type of scale; the others' marks are hidden. */
+  #useTool() {
+    this.rim.set(this.way === "circle" ? (this.table.circle ?? []) : []);
+    this.stage.use({ line: this.line, circle: this.rim }[this.way] ?? null);
   }
 
   #wayOf(table) {
@@ -360,6 +393,8 @@ class Scales {
     this.grid.setAttribute("d", "");
     this.line.set(null);
     delete this.table.line;
+    this.rim.set([]);
+    delete this.table.circle;
     this.#show(file);
     this.#ask();
   }
@@ -390,6 +425,7 @@ class Scales {
     const keys = {
       line: ["line", "length_mm", "length_mm_std", "ends_px_std"],
       coin: ["coin", "diameter_mm", "diameter_mm_std"],
+      circle: ["circle", "diameter_mm", "diameter_mm_std", "points_px_std"],
       grid: ["grid", "pattern", "points", "spacing_mm", "spacing_mm_std"],
       ppi: ["ppi", "relative_std"],
       mm_per_px: ["mm_per_px", "relative_std"],
@@ -403,6 +439,7 @@ class Scales {
     const needs = {
       line: ["line", "length_mm"],
       coin: ["coin", "diameter_mm"],
+      circle: ["circle", "diameter_mm"],
       grid: ["grid", "points", "spacing_mm"],
       ppi: ["ppi"],
       mm_per_px: ["mm_per_px"],
@@ -419,6 +456,7 @@ class Scales {
       const next = {
         line: this.table.line ? "Enter the length of the line." : "Draw a line on the ruler.",
         coin: "Select or enter the coin's diameter.",
+        circle: this.table.circle ? "Enter the diameter." : "Click three points on the rim.",
         grid: "Count the points of the grid, and enter their spacing.",
         ppi: "Enter the resolution.",
         mm_per_px: "Enter the size of a pixel.",
@@ -459,7 +497,7 @@ class Scales {
         h(
           "p.soft.number",
           null,
-          `coin: radius ${withStd(answer.coin.radius_px, answer.coin.radius_px_std)} px`,
+          `${this.way === "circle" ? "circle" : "coin"}: radius ${withStd(answer.coin.radius_px, answer.coin.radius_px_std)} px`,
         ),
       answer.grid && gridWords(answer.grid),
       answer.flags?.length > 0 &&
@@ -628,6 +666,7 @@ function words(table) {
   if (table.mm_per_px !== undefined) return `${table.mm_per_px} mm/px`;
   if (table.line) return `line of ${table.length_mm} mm`;
   if (table.coin) return `coin of ${table.diameter_mm} mm`;
+  if (table.circle) return `circle of ${table.diameter_mm} mm`;
   if (table.grid) return `grid of ${table.spacing_mm} mm`;
   return "incomplete";
 }
