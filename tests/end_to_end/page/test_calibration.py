@@ -6,7 +6,7 @@ import tomllib
 
 import pytest
 from PIL import Image
-from tests.end_to_end.page.browser import Tab, focus, middle, numbers
+from tests.end_to_end.page.browser import Tab, focus, numbers
 from tests.image.grid_scenes import Scene
 
 from fingerpad.simulate import render_coin
@@ -31,16 +31,16 @@ def test_three_points_on_the_rim_of_a_coin(tab: Tab, demo) -> None:
     page.wait_for_selector(".stage:not(.waiting) .picture")
     box = page.locator(".stage .picture").bounding_box()
     zoom = box["width"] / coin.pixels.shape[1]
-    row, column = coin.centre
+    (row, column), radius = coin.centre, float(coin.ellipse.semi_major)
     for turn in (0.3, 2.4, 4.5):
         page.mouse.click(
-            box["x"] + zoom * (column + 0.5 + coin.semi_major * math.cos(turn)),
-            box["y"] + zoom * (row + 0.5 + coin.semi_major * math.sin(turn)),
+            box["x"] + zoom * (column + 0.5 + radius * math.cos(turn)),
+            box["y"] + zoom * (row + 0.5 + radius * math.sin(turn)),
         )
     page.get_by_label("Diameter", exact=True).fill("20")
     page.keyboard.press("Tab")
     found, std = scale_of(numbers(page, "scale"))
-    assert found == pytest.approx(10 / coin.semi_major, rel=0.02)
+    assert found == pytest.approx(10 / radius, rel=0.02)
     assert std > 0
     assert page.locator("path.coin").get_attribute("d")
     focus(page, "Point 1 on the rim").press("Shift+ArrowRight")
@@ -71,7 +71,7 @@ def test_a_grid_shows_a_tilt_and_rectifies_contact_images(tab: Tab, demo) -> Non
     assert study["scales"]["board_rectified"]["mm_per_px"] == pytest.approx(found, rel=2e-3)
     assert study["scales"]["board_rectified"]["relative_std"] < 0.005
     tab.go("contacts/images/synthetic_30deg_2N")
-    page.get_by_text("scale board_rectified").wait_for()
+    page.locator(".context", has_text="scale board_rectified").wait_for()
     assert (demo / "rectified" / "synthetic__synthetic_30deg_2N.png").is_file()
 
 
