@@ -213,7 +213,7 @@ def test_settings_apply_to_other_images_of_the_finger_and_device(client):
     assert kept.json()["history"][-1]["who"] == "bob"
     again = client.get("/api/corrections/similar", params={"item": PRINT}).json()["images"]
     assert [image["differs"] for image in again] == [False, *[True] * (len(again) - 1)]
-    # What is there stays, but a verdict is asked for anew.
+    # What is there stays, but for the verdict.
     correct(client, again[1]["item"], 0, {"ellipse_px": None, "rejected": "smeared", "dark_on_light": True})
     now = client.get("/api/corrections/similar", params={"item": PRINT}).json()["images"][1]
     assert now["proposed"] == {"dark_on_light": True, "threshold": 60.0}

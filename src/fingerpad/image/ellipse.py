@@ -79,6 +79,11 @@ def interpolated_ellipse(first: ImageEllipse, second: ImageEllipse, share: float
     share : float
         From 0 for the first to 1 for the second.
 
+    Returns
+    -------
+    ImageEllipse
+        With its semi-axes sorted.
+
     Examples
     --------
     >>> first = ImageEllipse(centre=(100.0, 80.0), semi_axes=(40.0, 30.0))

@@ -36,6 +36,16 @@ class Grid:
         Distance of neighbours, mm.
     homography : ndarray, shape (3, 3)
         Takes homogeneous (x, y), in spacings from the first point along rows and columns, to px.
+
+    Examples
+    --------
+    >>> dark = np.indices((8, 10)).sum(axis=0) % 2 == 0
+    >>> board = np.full((200, 240), 230, dtype=np.uint8)
+    >>> board[20:180, 20:220][np.kron(dark, np.ones((20, 20), bool))] = 30
+    >>> grid = measure_grid(board, (7, 9), 1.0)
+    >>> seen, scale = grid.rectified(board)
+    >>> grid.points.shape, round(scale.mm_per_px, 4)
+    ((7, 9, 2), 0.05)
     """
 
     points: FloatArray

@@ -41,7 +41,7 @@ def similar_images(item: str, study: Study) -> list[str]:
 
 
 def with_settings_of(source: ContactCorrection, target: ContactCorrection) -> ContactCorrection:
-    """Return a correction with another one's settings where that has them, to be judged anew.
+    """Return a correction with another one's settings where that has them, without a verdict.
 
     Parameters
     ----------

@@ -70,7 +70,7 @@ class OperatorPair:
 def blind_order(names: Sequence[str]) -> list[str]:
     """Return names in a random order that is the same on every machine.
 
-    Whoever takes the first few of it has a random sample, and a larger one by going on.
+    The first few of them are a random sample, and the first few more a larger one.
 
     Examples
     --------
