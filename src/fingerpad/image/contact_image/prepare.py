@@ -139,7 +139,7 @@ class PreparedContactImage(Displayed):
 
         Examples
         --------
-        >>> from fingerpad.image import Scale
+        >>> from fingerpad.image import BrushStroke, Scale
         >>> from fingerpad.simulate import render_contact_image
         >>> truth = render_contact_image(semi_major=3.0, semi_minor=2.5, seed=1)
         >>> prepared = prepare_contact_image(truth.pixels, Scale.of_ppi(500))

@@ -25,7 +25,9 @@ def similar_images(item: str, study: Study) -> list[str]:
     ...     place = {"finger": finger, "wedge_angle_deg": 30, "load_N": 1}
     ...     return {"name": name, "file": f"{name}.png", "scale": {"ppi": ppi}, **place}
     >>> images = [image("a", "f", 500), image("b", "f", 500), image("c", "f", 1000), image("d", "g", 500)]
-    >>> fingers = [{"name": "f"}, {"name": "g"}]
+    >>> axes = {"palmar": 8, "distal": 14, "radial_ulnar": 12}
+    >>> known = {"semi_axes_mm": axes, "semi_axes_mm_std": dict.fromkeys(axes, 0.1)}
+    >>> fingers = [{"name": "f", **known}, {"name": "g", **known}]
     >>> study = Study.model_validate({"title": "t", "fingers": fingers, "observations": images})
     >>> similar_images("a", study)
     ['b']

@@ -74,8 +74,8 @@ def blind_order(names: Sequence[str]) -> list[str]:
 
     Examples
     --------
-    >>> blind_order(["a", "b", "c", "d"])
-    ['d', 'a', 'c', 'b']
+    >>> blind_order(["2N", "4N", "8N"]) == blind_order(["8N", "4N", "2N"])
+    True
     """
     return sorted(names, key=lambda name: hashlib.sha256(name.encode(errors="surrogatepass")).hexdigest())
 
