@@ -65,6 +65,7 @@ def test_every_commented_line_of_the_template_is_valid_too(tmp_path: Path) -> No
     for name in (
         *("images/index_30deg_1N.png", "images/background.png", "curves/index_30deg.csv"),
         *("films/index_30deg", "films/index_30deg_force.csv", "photographs/one_euro.jpg"),
+        "photographs/board.png",
         *(f"outlines/right_index_{face}.csv" for face in ("palmar", "distal", "radial")),
         *(f"photographs/{face}.jpg" for face in ("palmar", "distal", "radial")),
     ):
@@ -73,7 +74,7 @@ def test_every_commented_line_of_the_template_is_valid_too(tmp_path: Path) -> No
     study = read_study(path)
     assert (len(study.fingers), len(study.observations), len(study.curves)) == (3, 2, 2)
     assert study.observations[1].seed_px == [250, 200]
-    assert list(study.scales) == ["reader", "camera", "ruler", "coin"]
+    assert list(study.scales) == ["reader", "camera", "ruler", "coin", "rim", "board"]
     assert study.sequences[0].contact_load_N == 0.02
 
 
