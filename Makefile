@@ -34,11 +34,11 @@ check: setup ## Lint and type-check Python and the page's scripts, and check the
 	sh tools/check-page
 
 docs: setup ## Build the documentation into docs/_build
-	rm -rf docs/_generated
+	rm -rf docs/reference/_generated docs/gallery docs/tutorial/notebook
 	$(BIN)/python -m sphinx -W --keep-going -q -b html docs docs/_build/html
 
 bench: setup ## Measure accuracy and speed and print the tables
 	$(BIN)/python -m benchmarks
 
 clean: ## Remove everything that the other targets made
-	rm -rf .venv node_modules build demo-report docs/_build docs/_generated .pytest_cache .mypy_cache .ruff_cache .hypothesis dist
+	rm -rf .venv node_modules build demo-report docs/_build docs/_static docs/gallery docs/tutorial/notebook docs/reference/_*.md docs/reference/_generated .pytest_cache .mypy_cache .ruff_cache .hypothesis dist

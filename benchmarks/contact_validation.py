@@ -1,4 +1,4 @@
-"""Figures of docs/validation.md: ``python -m benchmarks.contact_validation``."""
+"""Figures of docs/reference/validation.md: ``python -m benchmarks.contact_validation``."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Tables and figures of docs/bone.md: ``python -m benchmarks.tissue_thickness``."""
+"""Tables and figures of docs/explanation/bone.md: ``python -m benchmarks.tissue_thickness``."""
 
 from pathlib import Path
 

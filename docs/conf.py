@@ -1,6 +1,19 @@
 """Configuration of the documentation."""
 
+import os
+import sys
+from pathlib import Path
+
 import fingerpad
+
+HERE = Path(__file__).parent
+sys.path.insert(0, str(HERE / "_extensions"))
+import generated_reference  # noqa: E402
+
+(HERE / "_static").mkdir(exist_ok=True)
+generated_reference.write(HERE / "reference")
+# Real prints are not distributed; gallery scripts show them where they are.
+os.environ.setdefault("FINGERPAD_PRINTS", str(HERE.parents[1] / "shared" / "data"))
 
 project = "fingerpad"
 author = "The fingerpad developers"
@@ -10,15 +23,37 @@ extensions = [
     "numpydoc",
     "sphinx.ext.autodoc",
     "sphinx.ext.autosummary",
+    "sphinx_design",
+    "sphinx_gallery.gen_gallery",
     "sphinx-mathjax-offline",
 ]
-myst_enable_extensions = ["dollarmath"]
+myst_heading_anchors = 3
+myst_enable_extensions = ["colon_fence", "dollarmath"]
 autosummary_generate = True
 autodoc_typehints = "none"
 numpydoc_show_class_members = False
+sphinx_gallery_conf = {
+    "examples_dirs": ["../examples/gallery", "../examples/notebook"],
+    "gallery_dirs": ["gallery", "tutorial/notebook"],
+    "capture_repr": (),
+    "filename_pattern": "/",
+    "image_scrapers": ("gallery_figures.save_drawings",),
+    "reset_modules": ("gallery_figures.use_style",),
+    "download_all_examples": False,
+    "show_signature": False,
+    "remove_config_comments": True,
+    "write_computation_times": False,
+    "subsection_order": [
+        "../examples/gallery/source",
+        "../examples/gallery/model",
+        "../examples/gallery/measurements",
+        "../examples/gallery/uncertainty",
+    ],
+}
 html_theme = "pydata_sphinx_theme"
 html_title = "fingerpad"
 html_theme_options = {"show_prev_next": False, "secondary_sidebar_items": ["page-toc"]}
 html_sidebars = {"*": []}
-exclude_patterns = ["_build"]
+exclude_patterns = ["_build", "**/_manifest_keys.md", "**/_command_line.md"]
+html_static_path = ["_static"]
 templates_path = ["_templates"]

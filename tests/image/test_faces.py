@@ -178,3 +178,8 @@ def test_disagreement_widens_result():
 
 def test_implausible_sizes():
     assert implausible_size([1.9, 2.0, 40.0, 41.0]).tolist() == [True, False, False, True]
+
+
+def test_other_objects_refused():
+    with pytest.raises(FitError, match="face_semi_axes of a measured photograph, found float"):
+        combine_faces([1.0, 2.0])

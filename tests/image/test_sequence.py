@@ -286,3 +286,8 @@ def test_rendered_area_is_hertz_area(press):
     spread = (np.ptp(rows), np.ptp(columns))
     expected = 2 * np.array([press.semi_major[30], press.semi_minor[30]]) / SCALE.mm_per_px
     np.testing.assert_allclose(spread, expected, rtol=0.04)
+
+
+def test_generator_refused(frames):
+    with pytest.raises(ImageError, match="give a list"):
+        next(measure_sequence((frame for frame in frames), 25.4 / 300))

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from fingerpad.study.editing.example import write_example
-from fingerpad.study.editing.template import SCHEMA_NAME, write_template
+from fingerpad.study.editing.template import SCHEMA_NAME, manifest_schema, write_template
 from fingerpad.study.manifest import Study
 from fingerpad.study.pipeline import run_study
 
@@ -26,3 +26,9 @@ def test_the_manifest_names_its_schema(tmp_path: Path) -> None:
     assert manifest.read_text(encoding="utf-8").startswith(f"#:schema ./{SCHEMA_NAME}\n")
     schema = json.loads(manifest.with_name(SCHEMA_NAME).read_text(encoding="utf-8"))
     assert set(schema["properties"]) == set(Study.model_fields)
+
+
+def test_every_key_of_the_schema_has_a_description() -> None:
+    schema = json.loads(manifest_schema())
+    for table in (schema, *schema["$defs"].values()):
+        assert all("description" in value for value in table["properties"].values()), table["title"]

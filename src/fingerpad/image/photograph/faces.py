@@ -183,8 +183,8 @@ def combine_faces(faces: Iterable[FaceSemiAxes]) -> OutlineSemiAxes:
     Raises
     ------
     FitError
-        If no face shows one of the semi-axes, a covariance or scale is not one, or the faces contradict each
-        other, as where the axes of one are swapped: τ exceeds 0.3.
+        If something else is given, no face shows one of the semi-axes, a covariance or scale is not one, or
+        the faces contradict each other, as where the axes of one are swapped: τ exceeds 0.3.
 
     Examples
     --------
@@ -208,6 +208,9 @@ def _require_std(name: str, value: float) -> None:
 
 
 def _require_face(one: FaceSemiAxes) -> None:
+    if not isinstance(one, FaceSemiAxes):
+        found = type(one).__name__
+        raise FitError(f"give face_semi_axes of a measured photograph, found {found}")
     if one.face not in FACE_AXES:
         raise FitError(f"face must be one of {', '.join(FACE_AXES)}, found {one.face!r}")
     _require_std("relative_scale_std", one.relative_scale_std)

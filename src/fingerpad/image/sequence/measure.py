@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fingerpad._arrays import FloatArray
-from fingerpad.exceptions import LoadingError, reason_of
+from fingerpad.exceptions import ImageError, LoadingError, reason_of
 from fingerpad.image._levels import Pixels
 from fingerpad.image.contact_image.measure import measure_contact_image
 from fingerpad.image.contact_image.options import MeasurementRegion
@@ -81,7 +81,7 @@ def measure_sequence(
     Raises
     ------
     ImageError
-        If no frame can be read, or none shows a contact.
+        If no frame can be read, none shows a contact, or `frames` can be gone through only once.
     LoadingError
         If a force is given without a clock.
 
@@ -102,6 +102,8 @@ def measure_sequence(
         raise LoadingError("a force signal needs the times of the frames: give frames per second, or stamps")
     scale = as_scale(scale)
     if settings is None:
+        if iter(frames) is frames:
+            raise ImageError("frames are read twice, a generator only once: give a list, or settings")
         settings = estimate_settings(frames, scale, dark_on_light=dark_on_light, threshold=threshold, **place)
     measured = measure_frames(frames, scale, settings, watch=watch, **place)
     yield from assign_times(measured, settings.texture, clock=clock, force=force)

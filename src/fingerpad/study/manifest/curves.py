@@ -20,19 +20,33 @@ class Curve(ManifestModel):
     """Loading data of one finger at one wedge angle: a curve, the radius R_g found elsewhere, or both."""
 
     finger: str
+    """Name of the finger."""
     wedge_angle_deg: WedgeAngle
+    """Angle of the wedge: 0 is flat, 90 on the fingertip."""
     file: str | None = None
+    """CSV file, `time_s,force_N,displacement_mm,area_mm2`; time and area are optional."""
     file_columns: dict[Literal["time", "force", "displacement", "area"], str] = Field(default={})
+    """Other headers of that file, as in `stage:um`."""
     cycle: Annotated[int, Field(ge=0)] = 0
+    """Which press of the record is fitted, from 0."""
     contact_point: Literal["joint", "contact_by_threshold", "two_lines", "gradient", "power_law"] = "joint"
+    """How the place of contact is found."""
     fit_load_range_N: Annotated[list[Load], Field(min_length=2, max_length=2)] | None = None  # noqa: N815
+    """Loads between which the modulus grows, N."""
     stage_compliance_mm_per_N: Annotated[float, Field(ge=0, le=100)] | None = None  # noqa: N815
+    """Compliance of the stage, mm/N."""
     stage_compliance_mm_per_N_std: LengthStd | None = None  # noqa: N815
+    """Its standard uncertainty, mm/N."""
     area_delay_s: Annotated[float, Field(ge=-60, le=60)] | None = None
+    """By how much areas are late, s."""
     area_delay_s_std: Annotated[float, Field(gt=0, le=60)] | None = None
+    """Its standard uncertainty, s."""
     loading_radius_mm: Length | None = None
+    """R_g found elsewhere, mm."""
     loading_radius_mm_std: LengthStd | None = None
+    """Its standard uncertainty, mm."""
     synthetic: bool = False
+    """Whether the curve was simulated."""
 
     @model_validator(mode="after")
     def _useful(self) -> Self:

@@ -14,23 +14,31 @@ class ResolutionScale(ManifestModel):
     """Pixels per inch."""
 
     ppi: Annotated[float, Field(ge=20, le=1e5)]
+    """Pixels per inch."""
     relative_std: RelativeStd = 0.0
+    """Relative standard uncertainty."""
 
 
 class PitchScale(ManifestModel):
     """Millimetres per pixel."""
 
     mm_per_px: Annotated[float, Field(ge=1e-4, le=1)]
+    """Millimetres per pixel."""
     relative_std: RelativeStd = 0.0
+    """Relative standard uncertainty."""
 
 
 class LineScale(ManifestModel):
     """A line of known length, drawn on a ruler: its two ends (row, column), px."""
 
     line: Annotated[list[Mark], Field(min_length=2, max_length=2)]
+    """The two ends, each (row, column), px."""
     length_mm: Length
+    """Length of the line, mm."""
     length_mm_std: MarkStd = 0.0
+    """Standard uncertainty of the length, mm."""
     ends_px_std: MarkStd = 0.0
+    """Standard uncertainty of each end, px."""
 
     @model_validator(mode="after")
     def _two_ends(self) -> Self:
@@ -43,8 +51,11 @@ class CoinScale(ManifestModel):
     """A coin of known diameter, found in a picture taken like those to measure."""
 
     coin: str
+    """Picture of the coin, in the plane of what is measured."""
     diameter_mm: Length
+    """Diameter of the coin, mm."""
     diameter_mm_std: MarkStd = 0.0
+    """Standard uncertainty of the diameter, mm."""
 
 
 class CircleScale(ManifestModel):

@@ -20,24 +20,38 @@ class Uncertainty(ManifestModel):
 
     # A finger's angle on a wedge is known like a joint's by a goniometer, to 2 to 5 degrees.
     wedge_angle_deg_std: AngleStd = 3.0
+    """Standard uncertainty of wedge angles; 0 takes them as exact."""
     roll_angle_deg_std: AngleStd = 3.0
+    """Standard uncertainty of roll angles; 0 takes them as exact."""
     load_relative_std: RelativeStd = 0.0
+    """Relative standard uncertainty of loads."""
     poisson_ratio_std: Annotated[float, Field(ge=0, le=0.5)] = 0.0
+    """Standard uncertainty of Poisson's ratio."""
     method: Literal["first_order", "monte_carlo"] = "first_order"
+    """How uncertainties are propagated."""
 
 
 class Apparatus(ManifestModel):
     """What a methods section says of the experiment and no file shows, in the words to be printed."""
 
     imaging: Text = ""
+    """How contact images were taken."""
     platen: Text = ""
+    """What the finger pressed on."""
     force_sensor: Text = ""
+    """What measured the force."""
     stage: Text = ""
+    """What moved finger or platen."""
     scale_calibration: Text = ""
+    """How the scale was found."""
     poisson_ratio_basis: Text = ""
+    """Why Poisson's ratio is what it is."""
     thickness_basis: Text = ""
+    """Where the thickness of the tissue comes from."""
     approach_mm_per_s: Positive | None = None
+    """Speed of approach, mm/s."""
     dwell_s: Positive | None = None
+    """Time held before the image was taken, s."""
 
 
 class Study(ManifestModel):
@@ -46,16 +60,27 @@ class Study(ManifestModel):
     model_config = ConfigDict(json_schema_extra={"required": ["title", "fingers"]})
 
     title: str
+    """Title of the study."""
     description: str = ""
+    """Whose fingers, which apparatus, which day."""
     poisson_ratio: Annotated[float, Field(gt=-1, le=0.5)] = 0.5
+    """Poisson's ratio of the tissue."""
     uncertainty: Uncertainty = Uncertainty()
+    """Standard uncertainties that all observations share."""
     apparatus: Apparatus = Apparatus()
+    """What the methods section says of the experiment."""
     scales: dict[Name, OwnScale] = Field(default={})
+    """Scales by name, for pictures that share one."""
     fingers: list[Finger] = Field(default=[])
+    """The fingers."""
     observations: list[Observation] = Field(default=[])
+    """Contacts, each at one load."""
     observations_csv: str | None = None
+    """CSV file of observations, with the same keys as headers."""
     sequences: list[ContactSequence] = Field(default=[])
+    """Filmed presses."""
     curves: list[Curve] = Field(default=[])
+    """Loading curves."""
 
     def named_scales(self) -> Iterator[str]:
         """Yield the name of a scale for every use of it."""

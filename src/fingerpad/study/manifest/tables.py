@@ -44,7 +44,7 @@ _TABLE_KEYS: Final = ("scale", "scales", "fingers", "photographs", "observations
 class ManifestModel(BaseModel):
     """A table of the manifest: no key that is not known, no value that changes."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=True)
 
     def files(self) -> Iterator[tuple[Loc, str]]:
         """Yield where this table and those in it name a file, and the name."""

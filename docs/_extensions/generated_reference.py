@@ -1,0 +1,89 @@
+"""Parts of the reference that the program itself states: the manifest's keys and the command line."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+from fingerpad.study.editing.template import manifest_schema
+
+_TABLES = {
+    "Study": "Top of the file",
+    "Uncertainty": "`[uncertainty]`",
+    "Apparatus": "`[apparatus]`",
+    "ResolutionScale": "`[scales.NAME]`: pixels per inch",
+    "PitchScale": "`[scales.NAME]`: millimetres per pixel",
+    "LineScale": "`[scales.NAME]`: a line of known length",
+    "CoinScale": "`[scales.NAME]`: a coin",
+    "Finger": "`[[fingers]]`",
+    "SemiAxes": "`semi_axes_mm` of a finger",
+    "SemiAxesStd": "`semi_axes_mm_std` of a finger",
+    "Photograph": "`photographs` of a finger",
+    "Observation": "`[[observations]]`",
+    "ContactEllipse": "`ellipse_mm` of an observation",
+    "ContactSequence": "`[[sequences]]`",
+    "Curve": "`[[curves]]`",
+}
+
+
+def manifest_keys() -> str:
+    """Return tables of the manifest's keys, in Markdown."""
+    study = json.loads(manifest_schema())
+    tables = {"Study": study, **study["$defs"]}
+    titles = {**{name: f"`{name}`" for name in tables}, **_TABLES}
+    ordered = [*_TABLES, *(name for name in tables if name not in _TABLES)]
+    return "\n".join(_table(titles[name], tables[name]) for name in ordered)
+
+
+def _table(title: str, table: dict) -> str:
+    required = table.get("required", [])
+    rows = ""
+    for key, value in table["properties"].items():
+        name = f"`{key}` (required)" if key in required else f"`{key}`"
+        rows += f"| {name} | {_values(value)} | {value.get('description', '')} |\n"
+    about = "" if title == _TABLES["Study"] else f"{table['description']}\n\n"
+    return f"## {title}\n\n{about}| key | value | meaning |\n|---|---|---|\n{rows}"
+
+
+def _values(value: dict) -> str:
+    """Return what a key takes, and its default, in a few words."""
+    choices = [one for one in value.get("anyOf", [value]) if one.get("type") != "null"]
+    kinds = dict.fromkeys(_kind(one) for one in choices)
+    default = value.get("default")
+    stated = default not in (None, "", [], {}) and not isinstance(default, dict)
+    shown = str(default).lower() if isinstance(default, bool) else default
+    return " or ".join(kinds) + (f", default {shown}" if stated else "")
+
+
+def _kind(value: dict) -> str:
+    if "enum" in value:
+        return ", ".join(f"`{one}`" for one in value["enum"])
+    if "$ref" in value or "oneOf" in value:
+        return "table" if "oneOf" not in value else "name or table"
+    names = {
+        "string": "text",
+        "boolean": "true or false",
+        "object": "table",
+        "array": "list",
+        "integer": "number",
+    }
+    kind = names.get(value.get("type", ""), value.get("type", ""))
+    low = value.get("minimum", value.get("exclusiveMinimum"))
+    high = value.get("maximum", value.get("exclusiveMaximum"))
+    if kind == "number" and low is not None and high is not None:
+        return f"number, {low:g} to {high:g}"
+    return kind
+
+
+def command_line() -> str:
+    """Return the commands and their flags, in Markdown, as Typer writes them."""
+    command = [sys.executable, "-m", "typer", "fingerpad.cli", "utils", "docs", "--name", "fingerpad"]
+    found = subprocess.run(command, capture_output=True, text=True, check=True)
+    _title, _, body = found.stdout.partition("\n")
+    return body
+
+
+def write(folder: Path) -> None:
+    """Write both parts into a folder, for pages to include."""
+    (folder / "_manifest_keys.md").write_text(manifest_keys(), encoding="utf-8")
+    (folder / "_command_line.md").write_text(command_line(), encoding="utf-8")

@@ -1,0 +1,28 @@
+"""
+Predicted and measured contact on the pad
+=========================================
+
+The pad as seen through the platen. Dzidek et al. (2017) measured a contact that is longer along the finger than the
+undeformed ellipsoid lets expect, whose predicted ellipse is almost a circle.
+"""
+
+import numpy as np
+
+import fingerpad as fp
+from fingerpad.figures import new_figure, plot_pad_with_contact
+from fingerpad.published import dzidek2017
+
+source = dzidek2017()
+pad = source.semi_axes["ellipse"].ellipsoid
+
+figure, axes = new_figure(width_mm=170, height_mm=90, columns=2)
+for each, (angle, wedge) in zip(axes, source.wedges.items(), strict=False):
+    radii = fp.Placement(pad, wedge_angle=np.radians(angle)).curvature.principal_radii
+    hertz = fp.hertz_contact(*radii, wedge.load_N, reduced_modulus=0.1365)
+    plot_pad_with_contact(
+        each,
+        pad,
+        wedge_angle=np.radians(angle),
+        predicted=fp.Ellipse(hertz.semi_major, hertz.semi_minor),
+        measured=fp.Ellipse(wedge.semi_major_mm.value, wedge.semi_minor_mm.value),
+    )

@@ -1,0 +1,24 @@
+"""
+Shear stress under the contact
+==============================
+
+The maximum shear stress in the section along the finger, for 8 mm of tissue bonded to bone, with the depths
+at which mechanoreceptors lie. Dashed: the pressure of Hertz theory.
+"""
+
+import numpy as np
+
+import fingerpad as fp
+from fingerpad.contact import ContactField
+from fingerpad.figures import section_figure
+
+pad = fp.Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
+press = {"wedge_angle": np.radians(30), "load": 2.0, "reduced_modulus": 0.1}
+contact = fp.EllipsoidContact.of(pad, thickness=8.0, points=96, **press)
+
+figure = section_figure(
+    ContactField.of_solution(contact.solution),
+    hertz=ContactField.of_hertz(pad, **press),
+    receptors={"Meissner": (0.5, 0.7), "Merkel": (0.7, 1.0), "Pacini": (2.0, 3.0)},
+    width_mm=120,
+)

@@ -1,0 +1,17 @@
+"""
+Elliptical Hertz contact
+========================
+
+Contact ellipses and pressures of one pad at 30° under four loads.
+"""
+
+import numpy as np
+
+import fingerpad as fp
+
+pad = fp.Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
+radii = fp.Placement(pad, wedge_angle=np.radians(30)).curvature.principal_radii
+contact = fp.hertz_contact(*radii, np.array([0.25, 0.5, 1.0, 2.0]), reduced_modulus=0.1365)
+print(contact.summary())
+
+drawing = fp.show(contact)

@@ -1,0 +1,27 @@
+"""
+Principal radii of a rolled finger
+==================================
+
+Rolling the finger about its own axis moves the place of contact to the side. Shown are both principal radii
+of curvature there and the aspect ratio of the small contact that Hertz theory predicts.
+"""
+
+import numpy as np
+
+import fingerpad as fp
+from fingerpad.figures import new_figure
+
+pad = fp.Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
+roll_deg = np.linspace(-60, 60, 121)
+
+figure, (left, right) = new_figure(width_mm=170, columns=2)
+for wedge_deg in (15, 30, 45):
+    place = fp.Placement(pad, wedge_angle=np.radians(wedge_deg), roll_angle=np.radians(roll_deg))
+    larger, smaller = np.sort(place.curvature.principal_radii, axis=-1).T[::-1]
+    (line,) = left.plot(roll_deg, larger, label=f"wedge {wedge_deg}°")
+    left.plot(roll_deg, smaller, "--", color=line.get_color())
+    contact = fp.hertz_contact(larger, smaller, 1.0, reduced_modulus=0.1)
+    right.plot(roll_deg, contact.semi_major / contact.semi_minor, color=line.get_color())
+left.set(xlabel="roll angle (°)", ylabel="principal radii (mm)")
+left.legend()
+right.set(xlabel="roll angle (°)", ylabel="aspect ratio of the contact")
