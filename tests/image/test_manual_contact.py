@@ -9,7 +9,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fingerpad.exceptions import ImageError
-from fingerpad.image import BrushStroke, ImageEllipse, Scale, measure_contact_image, prepare_contact_image
+from fingerpad.image import (
+    BrushStroke,
+    ImageEllipse,
+    RegionPolygon,
+    Scale,
+    measure_contact_image,
+    prepare_contact_image,
+)
 from fingerpad.simulate import render_contact_image
 
 PPI_500 = Scale.of_ppi(500)
@@ -150,6 +157,12 @@ def test_manual_contact_where_none_found():
 
 
 BAD = {
+    "flat polygon": ([RegionPolygon(action="replace", points=[(9, 9), (50, 50)])], None, "3 or more"),
+    "polygon elsewhere": (
+        [RegionPolygon(action="add", points=[(9000, 9000), (9000, 9050), (9050, 9000)])],
+        None,
+        "outside the picture",
+    ),
     "nothing left": ([stroke("remove", CENTRE, radius=390)], None, "leave no contact"),
     "outside": ([stroke("add", (-50, 20), radius=10)], None, "lies outside the picture"),
     "no points": ([stroke("add")], None, "finite points"),
@@ -164,6 +177,104 @@ BAD = {
     "huge ellipse": ([], ImageEllipse(centre=CENTRE, semi_axes=(1e200, 50)), "must not reach 1e\\+200 px"),
     "ellipse nowhere": ([], ImageEllipse(centre=(math.inf, 10), semi_axes=(60, 50)), "finite"),
 }
+
+
+def polygon(action, points):
+    return RegionPolygon(action=action, points=[tuple(point) for point in points])
+
+
+def true_outline(count=120):
+    """The truth's ellipse, written out: (row, column)."""
+    t = np.linspace(0, 2 * np.pi, count, endpoint=False)
+    row, column = TRUTH.centroid
+    size = TRUTH.mm_per_px
+    return np.stack([row + 8 / size * np.cos(t), column + 6 / size * np.sin(t)], axis=1)
+
+
+def test_a_polygon_replaces_the_region():
+    outline = true_outline()
+    drawn = PREPARED.with_corrections([stroke("remove", CENTRE, radius=60), polygon("replace", outline)])
+    assert drawn.gross_area == pytest.approx(TRUTH.gross_area, rel=3e-3)
+    assert drawn.ellipse.semi_major == pytest.approx(8, rel=3e-3)
+    assert "edited_by_person" in drawn.flags
+    # The hand's error: that of an ellipse placed by hand, which is drawn all round as well.
+    ellipse = ImageEllipse(centre=TRUTH.centroid, semi_axes=(8 / TRUTH.mm_per_px, 6 / TRUTH.mm_per_px))
+    assert drawn.gross_area_std == pytest.approx(
+        PREPARED.with_corrections(ellipse=ellipse).gross_area_std, rel=0.02
+    )
+    larger = true_outline() + 0.1 * (true_outline() - TRUTH.centroid)
+    assert PREPARED.with_corrections([polygon("replace", larger)]).gross_area == pytest.approx(
+        1.21 * TRUTH.gross_area, rel=3e-3
+    )
+
+
+def test_polygons_add_and_remove_what_they_enclose():
+    row, column = CENTRE
+    box = [(row - 90, column - 25), (row - 90, column + 25), (row - 40, column + 25), (row - 40, column - 25)]
+    hole = PREPARED.with_corrections([polygon("remove", box)])
+    assert hole.gross_area == pytest.approx(PLAIN.gross_area, rel=2e-3)  # a contact has no holes
+    notch = np.array([(row - 400, column - 25), (row - 400, column + 25), *box[2:]])
+    cut = PREPARED.with_corrections([polygon("remove", notch)])
+    top = PLAIN.outline[np.abs(PLAIN.outline[:, 1] - column) < 25][:, 0].min()
+    lost = 50 * (row - 40 - top) * PPI_500.mm_per_px**2
+    assert PLAIN.gross_area - cut.gross_area == pytest.approx(lost, rel=0.05)
+    back = PREPARED.with_corrections([polygon("remove", notch), polygon("add", notch.clip(top, None))])
+    assert back.gross_area == pytest.approx(PLAIN.gross_area, rel=0.01)
+    around = PREPARED.with_corrections([polygon("replace", [(-50, -50), (-50, 900), (900, 900), (900, -50)])])
+    assert around.gross_area > 1.5 * PLAIN.gross_area
+
+
+def test_a_lasso_that_crosses_itself_holds_all_inside():
+    outline = true_outline(100)
+    tail = [outline[0] + [30, 0], outline[10] + [-60, 20]]  # the ends of the line overlap
+    plain = PREPARED.with_corrections([polygon("replace", outline)])
+    crossed = PREPARED.with_corrections(
+        [polygon("replace", [*tail[:1], *outline[1:], *outline[:10], tail[1]])]
+    )
+    assert crossed.gross_area == pytest.approx(plain.gross_area, rel=0.03)
+
+
+def test_lassos_by_an_unsteady_hand_are_covered():
+    rng = np.random.default_rng(3)
+    period = TRUTH.ridge_period / TRUTH.mm_per_px
+    outline = true_outline(300)
+    outward = (outline - TRUTH.centroid) / np.linalg.norm(outline - TRUTH.centroid, axis=1, keepdims=True)
+    errors = []
+    for _ in range(12):
+        # Generous or strict all round, and a tremor that wanders along the line.
+        tremor = np.fft.irfft(np.fft.rfft(rng.normal(size=300)) * (np.arange(151) < 12)) * 300**0.5 / 24**0.5
+        off = period * (rng.uniform(-0.35, 0.35) + 0.03 * tremor)
+        drawn = PREPARED.with_corrections([polygon("replace", outline + off[:, None] * outward)])
+        errors.append((drawn.gross_area - TRUTH.gross_area) / drawn.gross_area_std)
+    assert np.max(np.abs(errors)) < 2.2
+    assert np.sqrt(np.mean(np.square(errors))) > 0.3  # and not by far too much
+
+
+@pytest.mark.parametrize("look", ["livescan", "prism"])
+def test_a_threshold_by_hand_is_as_uncertain_as_its_choice(look):
+    truth = render_contact_image(
+        semi_major=5.0, semi_minor=4.0, look=look, noise_std=20, blur=0.1, lighting=0.2, seed=8
+    )
+    automatic = prepare_contact_image(truth.pixels, PPI_500).contact_image
+    found = {
+        share: measure_contact_image(truth.pixels, PPI_500, threshold=share * automatic.threshold)
+        for share in (0.64, 0.8, 0.9, 1.0, 1.25)
+    }
+    for contact in found.values():
+        assert abs(contact.gross_area - truth.gross_area) < 2 * contact.gross_area_std
+    # The level is known to 20 %: a change by so much is about one standard uncertainty.
+    step = found[0.64].gross_area - found[0.8].gross_area
+    assert found[0.8].gross_area_std > 0.7 * step
+    assert found[0.8].edge_effect[2] > 0.7 * step  # shared by images of one device
+
+
+def test_histogram_counts_the_levels_that_a_threshold_parts():
+    counts, edges = PREPARED.level_histogram()
+    above = counts[edges[:-1] > PLAIN.threshold].sum() / counts.sum()
+    ridges = TRUTH.ridge_area / TRUTH.mm_per_px**2 / TRUTH.pixels.size
+    assert above == pytest.approx(ridges, rel=0.1)
+    part = prepare_contact_image(TRUTH.pixels, PPI_500, region_of_interest=(0, 0, 300, 300))
+    assert part.level_histogram()[0].sum() < counts.sum()
 
 
 @pytest.mark.parametrize("case", BAD)

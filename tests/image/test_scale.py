@@ -91,3 +91,31 @@ def test_wrong_resolution_flagged():
     for ppi, doubtful in ((500, False), (1200, True), (150, True)):
         contact_image = measure_contact_image(pixels, Scale.of_picture(picture(ppi, pixels)))
         assert ("scale_doubtful" in contact_image.flags) == doubtful
+
+
+def rim(angles, radius=150.0, centre=(200.0, 260.0)):
+    return [(centre[0] + radius * math.cos(t), centre[1] + radius * math.sin(t)) for t in angles]
+
+
+@given(st.floats(0.3, 2.5), st.floats(0.3, 2.5), st.floats(0, 6))
+def test_three_points_of_a_circle(first, second, start):
+    found = Scale.of_circle(23.25, rim([start, start + first, start + first + second]))
+    assert found.mm_per_px == pytest.approx(23.25 / 300, rel=1e-9)
+    assert found.mm_per_px_std == 0
+
+
+@pytest.mark.parametrize("angles", [(0, 2.1, 4.2), (0, 0.5, 1.0), (0, 1.5, 3.5)])
+def test_points_by_an_unsteady_hand_scatter_as_the_scale_says(angles):
+    rng = np.random.default_rng(2)
+    points = np.array(rim(angles))
+    found = [Scale.of_circle(20, points + rng.normal(0, 0.5, (3, 2))).mm_per_px for _ in range(2000)]
+    stated = Scale.of_circle(20, points, point_px_std=0.5).mm_per_px_std
+    assert np.std(found) == pytest.approx(stated, rel=0.07)
+    with_diameter = Scale.of_circle(20, points, diameter_mm_std=0.2, point_px_std=0.5)
+    assert with_diameter.relative_std == pytest.approx(math.hypot(0.01, stated * 15), rel=1e-6)
+
+
+@pytest.mark.parametrize("points", [[(0, 0), (1, 1)], [(0, 0), (5, 5), (9, 9)], [(0, 0), (0, 0), (9, 3)]])
+def test_no_circle(points):
+    with pytest.raises(CalibrationError, match=r"three points"):
+        Scale.of_circle(20, points)

@@ -65,6 +65,7 @@ def test_every_commented_line_of_the_template_is_valid_too(tmp_path: Path) -> No
     for name in (
         *("images/index_30deg_1N.png", "images/background.png", "curves/index_30deg.csv"),
         *("films/index_30deg", "films/index_30deg_force.csv", "photographs/one_euro.jpg"),
+        "photographs/board.png",
         *(f"outlines/right_index_{face}.csv" for face in ("palmar", "distal", "radial")),
         *(f"photographs/{face}.jpg" for face in ("palmar", "distal", "radial")),
     ):
@@ -73,7 +74,7 @@ def test_every_commented_line_of_the_template_is_valid_too(tmp_path: Path) -> No
     study = read_study(path)
     assert (len(study.fingers), len(study.observations), len(study.curves)) == (3, 2, 2)
     assert study.observations[1].seed_px == [250, 200]
-    assert list(study.scales) == ["reader", "camera", "ruler", "coin"]
+    assert list(study.scales) == ["reader", "camera", "ruler", "coin", "rim", "board"]
     assert study.sequences[0].contact_load_N == 0.02
 
 
@@ -204,7 +205,7 @@ def test_rows_may_come_from_a_spreadsheet(tmp_path: Path) -> None:
         ),
         (
             VALID + "[scales.s]\nrelative_std = 0.1",
-            "scales.s: give one of ppi, mm_per_px, line, coin, found none",
+            "scales.s: give one of ppi, mm_per_px, line, coin, circle, grid, found none",
         ),
         (VALID + "[scales.s]\nppi = 0", "scales.s.ppi: expected greater than or equal to 20, found 0"),
         (VALID + "[scales.s]\nppi = 500\nlength_mm = 5", "scales.s.length_mm: unknown key; write it in the"),

@@ -9,8 +9,12 @@ import pytest
 from numpy.testing import assert_allclose
 from PIL import Image
 
+from fingerpad.exceptions import StoreError
+from fingerpad.image import ImageEllipse, interpolated_ellipse
 from fingerpad.report import write_report
 from fingerpad.simulate import SyntheticSequence, render_sequence
+from fingerpad.study.corrections.log import CorrectionLog
+from fingerpad.study.manifest import read_study
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.output import summary_record
 from fingerpad.study.results.study_result import StudyResult
@@ -206,3 +210,72 @@ def test_memory_grows_with_rows_only(film: Path, press: SyntheticSequence) -> No
     (few, before), (many, after) = peaks
     assert many > 2.5 * few
     assert (after - before) / (many - few) < press.pixels(0).size / 2
+
+
+def key_frame(press: SyntheticSequence, frame: int, **more: object) -> dict:
+    """The true ellipse of a frame as a person would place it."""
+    size = 25.4 / press.ppi
+    ellipse = {
+        "centre": [(length - 1) / 2 for length in press.pixels(frame).shape],
+        "semi_axes": [press.semi_major[frame] / size, press.semi_minor[frame] / size],
+    }
+    return {"ellipse_px": ellipse, "key_frame": True, **more}
+
+
+def test_ellipses_of_key_frames_are_carried_to_the_frames_between(
+    film: Path, plain: StudyResult, press: SyntheticSequence
+) -> None:
+    assert run(film, ("p", CLOCK)).rows[0]["measured_by"] == "program"
+    study, log = read_study(film / "study.toml"), CorrectionLog(film)
+    for frame, change in {
+        5: key_frame(press, 5),
+        8: {"rejected": "slipped"},
+        11: key_frame(press, 11),
+        14: {**key_frame(press, 14), "key_frame": False},
+    }.items():
+        log.append(f"p#{frame}", change, who="anna", expected=0, study=study)
+    rows = {row["frame"]: row for row in run(film, ("p", CLOCK)).rows}
+    before = {row["frame"]: row for row in plain.rows}
+    for frame in (6, 7, 9, 10):
+        row = rows[frame]
+        assert "interpolated" in row["flags"]
+        assert (row["measured_by"], row["reviewed_by"]) == ("person", "anna")
+        for name, truth in (("semi_major_mm", press.semi_major), ("semi_minor_mm", press.semi_minor)):
+            expected = np.interp(frame, [5, 11], truth[[5, 11]])
+            assert row[name] == pytest.approx(expected, rel=3e-3)
+            assert abs(row[name] - truth[frame]) < 2 * row[f"{name}_std"]
+        # Half-way from 5 to 11 little is known of the size: more than the hand's own uncertainty is added.
+        assert row["gross_area_mm2_noise_std"] > 1.5 * rows[5]["gross_area_mm2_noise_std"]
+    assert rows[7]["gross_area_mm2_noise_std"] > rows[6]["gross_area_mm2_noise_std"]
+    assert rows[8]["status"] == "rejected"
+    assert "interpolated" not in rows[5]["flags"] + rows[11]["flags"]
+    for frame in (4, 12, 13, 15):  # beyond the key frames, and up to a frame that is none
+        assert rows[frame]["semi_major_mm"] == before[frame]["semi_major_mm"]
+    # Without its second key frame nothing is carried.
+    log.append("p#11", {}, who="anna", expected=log.history("p#11").last_id, study=study)
+    after = {row["frame"]: row for row in run(film, ("p", CLOCK)).rows}
+    assert after[9] == before[9]
+
+
+def test_ellipses_between_keep_their_direction_and_turn_the_short_way() -> None:
+    one = ImageEllipse(centre=(0, 0), semi_axes=(50, 30), orientation=np.radians(80))
+    other = ImageEllipse(centre=(10, 20), semi_axes=(50, 30), orientation=np.radians(-80))
+    between = interpolated_ellipse(one, other, 0.5)
+    assert abs(np.degrees(between.orientation)) == pytest.approx(90)
+    assert between.centre == (5, 10)
+    for share, same in ((0, one), (1, other)):
+        end = interpolated_ellipse(one, other, share)
+        assert_allclose(end.semi_axes, same.semi_axes)
+        assert np.degrees(end.orientation) == pytest.approx(np.degrees(same.orientation))
+    # What the points of the circle become moves along straight lines, wherever the axes point.
+    turned = interpolated_ellipse(one, ImageEllipse(centre=(0, 0), semi_axes=(40, 40)), 0.25)
+    assert_allclose(turned.semi_axes, (47.5, 32.5))
+    assert np.degrees(turned.orientation) == pytest.approx(80)
+
+
+def test_a_key_frame_needs_an_ellipse(film: Path) -> None:
+    run(film, ("p", CLOCK))
+    with pytest.raises(StoreError, match="give ellipse_px"):
+        CorrectionLog(film).append(
+            "p#5", {"key_frame": True}, who="anna", expected=0, study=read_study(film / "study.toml")
+        )

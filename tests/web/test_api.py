@@ -7,6 +7,8 @@ from urllib.parse import quote
 import cv2
 import numpy as np
 import pytest
+from PIL import Image
+from tests.image.grid_scenes import Scene
 from tests.web.conftest import DEMO
 
 from fingerpad.geometry import Ellipsoid, Placement
@@ -284,7 +286,29 @@ def test_the_audit_of_the_published_tables_needs_no_study(standing):
     }
 
 
+def test_a_grid_gives_a_scale_and_rectifies_pictures(client, studies_folder):
+    folder = studies_folder / "demo"
+    scene = Scene(tilt=0.3, turn=0.4)
+    board = scene.picture((7, 9), 4.0, "checkerboard")
+    Image.fromarray(board).save(folder / "board.png")
+    table = {"grid": "board.png", "points": [7, 9], "spacing_mm": 4.0, "spacing_mm_std": 0.004}
+    found = client.post("/api/measure/scale", json={"table": table}).json()
+    assert found["flags"] == ["grid_tilted"]
+    assert found["relative_std"] > 0.02 > found["grid"]["rectified_relative_std"] > 0.001
+    assert len(found["grid"]["points_px"]) == 63
+    made = client.post("/api/scale/rectify", json={"table": table, "files": ["board.png"]}).json()
+    assert made["files"] == {"board.png": "rectified/board.png"}
+    again = {**table, "grid": "rectified/board.png"}
+    straight = client.post("/api/measure/scale", json={"table": again}).json()
+    assert straight["flags"] == []
+    assert straight["mm_per_px"] == pytest.approx(made["mm_per_px"], rel=2e-3)
+    wrong = client.post("/api/measure/scale", json={"table": {**table, "points": [6, 9]}})
+    assert wrong.status_code == 422
+    assert "board.png: no grid of 6 × 9 inner corners found" in wrong.json()["error"]
+
+
 BAD = [
+    ("POST", "/api/scale/rectify", {"table": {"ppi": 500}, "files": ["x.png"]}, 400),
     ("GET", "/api/nothing", None, 404),
     ("POST", "/api/study", {}, 405),
     ("GET", "/api/study/frames", None, 400),

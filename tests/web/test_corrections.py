@@ -192,3 +192,48 @@ def test_a_killed_page_loses_nothing_that_it_confirmed(studies_folder):
     _, errors = process.communicate(timeout=20)
     assert "Traceback" not in errors, errors
     assert process.returncode in {0, 130}
+
+
+def test_settings_apply_to_other_images_of_the_finger_and_device(client):
+    change = {"threshold": 60.0, "seed_px": [150.0, 150.0], "accepted": True}
+    correct(client, PRINT, 0, change)
+    state = client.get("/api/study").json()
+    one = next(each for each in state["observations"] if each["item"] == PRINT)
+    expected = {
+        each["item"]
+        for each in state["observations"]
+        if each["file"] and (each["finger"], each["scale"]) == (one["finger"], one["scale"])
+    } - {PRINT}
+    found = client.get("/api/corrections/similar", params={"item": PRINT}).json()
+    assert found["settings"] == {"threshold": 60.0}
+    assert {image["item"] for image in found["images"]} == expected
+    first = found["images"][0]
+    kept = correct(client, first["item"], first["last_id"], first["proposed"] | {"accepted": True}, "bob")
+    assert kept.json()["change"] == {"threshold": 60.0, "accepted": True}
+    assert kept.json()["history"][-1]["who"] == "bob"
+    again = client.get("/api/corrections/similar", params={"item": PRINT}).json()["images"]
+    assert [image["differs"] for image in again] == [False, *[True] * (len(again) - 1)]
+    # What is there stays, but for the verdict.
+    correct(client, again[1]["item"], 0, {"ellipse_px": None, "rejected": "smeared", "dark_on_light": True})
+    now = client.get("/api/corrections/similar", params={"item": PRINT}).json()["images"][1]
+    assert now["proposed"] == {"dark_on_light": True, "threshold": 60.0}
+
+
+def test_the_second_operator_has_corrections_of_their_own(client, studies_folder):
+    assert client.get("/api/study/second-operator").json()["images"] == []
+    correct(client, PRINT, 0, {"accepted": True}, "ada")
+    body = {"item": PRINT, "operator": "second", "expected": 0, "who": "bob", "change": {"threshold": 60.0}}
+    assert client.post("/api/corrections", json=body).json()["change"] == {"threshold": 60.0}
+    assert now(client, PRINT)["change"] == {"accepted": True}
+    asked = client.get("/api/corrections", params={"item": PRINT, "operator": "second"}).json()
+    assert [record["who"] for record in asked["history"]] == ["bob"]
+    found = client.get("/api/study/second-operator").json()
+    assert (found["first_operators"], found["agreement"]) == (["ada"], [])
+    ((image,), unseen) = found["images"], found["unseen"]
+    assert (image["item"], image["corrected"], image["who"]) == (PRINT, True, "bob")
+    state = client.get("/api/study").json()
+    assert unseen == sum(one["file"] is not None for one in state["observations"]) - 1
+    step = {"item": PRINT, "operator": "second", "who": "bob", "expected": asked["last_id"]}
+    assert client.post("/api/corrections/undo", json=step).json()["change"] == {}
+    assert (studies_folder / "demo" / "second_operator.jsonl").read_text().count("\n") == 2
+    assert "second_operator.jsonl" not in {one["file"] for one in state["files"]}

@@ -4,6 +4,7 @@ Every ``plot_*`` draws on Matplotlib axes and returns them; `new_figure` makes a
 `save_figure` and `figure_svg` write them.
 """
 
+from fingerpad.figures.agreement import plot_agreement
 from fingerpad.figures.dzidek2017 import dzidek2017_figures
 from fingerpad.figures.layer import plot_layer_effect
 from fingerpad.figures.loading import (
@@ -35,6 +36,7 @@ __all__ = [
     "new_figure",
     "new_panels",
     "panels_svg",
+    "plot_agreement",
     "plot_area_against_load",
     "plot_aspect_ratio",
     "plot_contact_compliance",

@@ -63,6 +63,7 @@ class Panel:
     barh = _kept("barh")
     axhline = _kept("axhline")
     axvline = _kept("axvline")
+    axhspan = _kept("axhspan")
     axvspan = _kept("axvspan")
     annotate = _kept("annotate")
     legend = _kept("legend")

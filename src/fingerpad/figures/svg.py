@@ -437,6 +437,14 @@ class _Drawing:
             f'height="{self.bottom - self.top:.2f}" {_fill(options)}/>',
         )
 
+    def _draw_axhspan(self, low: float, high: float, **options: Any) -> None:
+        top, bottom = float(self.y(high)), float(self.y(low))
+        self._add(
+            _MIDDLE,
+            f'<rect x="{self.left:.2f}" y="{top:.2f}" width="{self.right - self.left:.2f}" '
+            f'height="{bottom - top:.2f}" {_fill(options)}/>',
+        )
+
     def _draw_annotate(self, text: str, xy: Any, xytext: Any = None, **options: Any) -> None:
         x, y = self._position(xy, options.get("xycoords", "data"))
         right, up = xytext or (0.0, 0.0)
@@ -580,8 +588,8 @@ def _extent(call: Call) -> Iterator[tuple[str, FloatArray]]:
             half = call.options.get("height", 0.8) / 2
             yield "x", np.append(numbers(call.args[1]), 0.0)
             yield "y", np.add.outer((-half, half), numbers(call.args[0]))
-        case "axhline":
-            yield "y", numbers(call.args[0])
+        case "axhline" | "axhspan":
+            yield "y", numbers(list(call.args))
         case "axvline" | "axvspan":
             yield "x", numbers(list(call.args))
         case _:

@@ -4,7 +4,7 @@ from fingerpad.geometry.faces import FACE_AXES, SEMI_AXES, Direction, Face
 from fingerpad.image._memory import MEMORY_LIMIT
 from fingerpad.image.coin.measure import Coin, measure_coin
 from fingerpad.image.colour import read_colour_image
-from fingerpad.image.contact_image.manual import BrushStroke
+from fingerpad.image.contact_image.manual import BrushStroke, RegionPolygon
 from fingerpad.image.contact_image.measure import measure_contact_image
 from fingerpad.image.contact_image.options import ContactImageOptions, MeasurementRegion
 from fingerpad.image.contact_image.overlay import draw_overlay, write_overlay
@@ -15,8 +15,15 @@ from fingerpad.image.contact_image.result import (
     ContactImageResult,
     ContactImageSettings,
 )
-from fingerpad.image.ellipse import ImageEllipse, PlaneEllipse, ellipse_of_polygon, equal_area_ellipse
+from fingerpad.image.ellipse import (
+    ImageEllipse,
+    PlaneEllipse,
+    ellipse_of_polygon,
+    equal_area_ellipse,
+    interpolated_ellipse,
+)
 from fingerpad.image.ellipse_fit import EllipseFit, fit_aligned_ellipse, fit_ellipse
+from fingerpad.image.grid import Grid, measure_grid
 from fingerpad.image.photograph.direct import direct_semi_axes
 from fingerpad.image.photograph.faces import (
     FaceSemiAxes,
@@ -88,6 +95,7 @@ __all__ = [
     "FrameResult",
     "FrameStamps",
     "Frames",
+    "Grid",
     "ImageEllipse",
     "MeasurementRegion",
     "OutlineFit",
@@ -97,6 +105,7 @@ __all__ = [
     "Picture",
     "PlaneEllipse",
     "PreparedContactImage",
+    "RegionPolygon",
     "Scale",
     "SequenceSettings",
     "SequenceSummary",
@@ -119,9 +128,11 @@ __all__ = [
     "frame_clock",
     "guess_subject",
     "implausible_size",
+    "interpolated_ellipse",
     "measure_coin",
     "measure_contact_image",
     "measure_frames",
+    "measure_grid",
     "measure_photograph",
     "measure_sequence",
     "open_frames",

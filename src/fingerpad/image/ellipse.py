@@ -65,6 +65,47 @@ class ImageEllipse:
         return np.asarray(local @ rotation(self.orientation).T + self.centre)
 
 
+def interpolated_ellipse(first: ImageEllipse, second: ImageEllipse, share: float) -> ImageEllipse:
+    """Return the ellipse between two, at a share of the way from the first to the second.
+
+    The centre moves along a line, and the symmetric matrix that stretches the unit circle into the ellipse
+    changes linearly: so do the semi-axes where the orientation stays, and one that is nearly a circle does
+    not turn.
+
+    Parameters
+    ----------
+    first, second : ImageEllipse
+        The two ellipses.
+    share : float
+        From 0 for the first to 1 for the second.
+
+    Returns
+    -------
+    ImageEllipse
+        With its semi-axes sorted.
+
+    Examples
+    --------
+    >>> first = ImageEllipse(centre=(100.0, 80.0), semi_axes=(40.0, 30.0))
+    >>> second = ImageEllipse(centre=(110.0, 80.0), semi_axes=(60.0, 40.0))
+    >>> between = interpolated_ellipse(first, second, 0.5)
+    >>> between.centre, [round(length, 9) for length in between.semi_axes]
+    ((105.0, 80.0), [50.0, 35.0])
+    """
+    stretch = sum(
+        weight * rotation(one.orientation) @ np.diag(one.semi_axes) @ rotation(one.orientation).T
+        for weight, one in ((1 - share, first), (share, second))
+    )
+    lengths, directions = np.linalg.eigh(stretch)
+    row, column = directions[:, 1]
+    centre = (1 - share) * as_float_array(first.centre) + share * as_float_array(second.centre)
+    return ImageEllipse(
+        centre=(float(centre[0]), float(centre[1])),
+        semi_axes=(float(lengths[1]), float(lengths[0])),
+        orientation=half_turn(math.atan2(column, row)),
+    )
+
+
 class PlaneEllipse(NamedTuple):
     """An ellipse in the plane (x, y), its semi-axes not sorted.
 

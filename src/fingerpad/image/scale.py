@@ -1,12 +1,13 @@
 """The scale of a picture: millimetres per pixel, with its standard uncertainty."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Self
+from typing import Final, Self
 
 import numpy as np
 
-from fingerpad._arrays import check_all
+from fingerpad._arrays import FloatArray, as_float_array, check_all
 from fingerpad.exceptions import CalibrationError
 from fingerpad.image.read import Picture
 from fingerpad.units import MM_PER_INCH
@@ -14,6 +15,8 @@ from fingerpad.units import MM_PER_INCH
 # What cameras, editors and screens write without measuring.
 PLACEHOLDER_PPI = (72.0, 96.0)
 # Files keep whole dots per inch: half a dot either way, rectangular.
+# Three points less bent than this lie on a line.
+_LEAST_BEND: Final = 1e-3
 _WHOLE_PPI_STD = 0.5 / math.sqrt(3)
 
 
@@ -161,6 +164,51 @@ class Scale:
         mm_per_px = length_mm / length_px
         return cls(mm_per_px=mm_per_px, mm_per_px_std=mm_per_px * relative)
 
+    @classmethod
+    def of_circle(
+        cls,
+        diameter_mm: float,
+        points: Sequence[tuple[float, float]],
+        *,
+        diameter_mm_std: float = 0.0,
+        point_px_std: float = 0.0,
+    ) -> Self:
+        """Return a scale from three points on the rim of a coin, or of any circle seen straight on.
+
+        Parameters
+        ----------
+        diameter_mm, diameter_mm_std : float
+            True diameter and its standard uncertainty, mm.
+        points : sequence of (float, float)
+            Three places (row, column) on the rim, px; the wider apart, the better.
+        point_px_std : float
+            Standard uncertainty of each point across the rim, px.
+
+        Returns
+        -------
+        Scale
+            Millimetres per pixel.
+
+        Raises
+        ------
+        CalibrationError
+            If the diameter is not positive and finite, or the points are not three of one circle.
+
+        Examples
+        --------
+        >>> Scale.of_circle(20.0, [(0, 100), (100, 0), (200, 100)]).mm_per_px
+        0.1
+        """
+        _require_positive(diameter_mm, "diameter_mm")
+        _require_std(diameter_mm_std, "diameter_mm_std")
+        _require_std(point_px_std, "point_px_std")
+        _, radius, weights = circle_through(points)
+        relative = math.hypot(
+            diameter_mm_std / diameter_mm, point_px_std * float(np.linalg.norm(weights)) / radius
+        )
+        mm_per_px = diameter_mm / (2 * radius)
+        return cls(mm_per_px=mm_per_px, mm_per_px_std=mm_per_px * relative)
+
     @property
     def relative_std(self) -> float:
         """Relative standard uncertainty, shared by every length measured in the picture."""
@@ -196,6 +244,30 @@ class Scale:
         length_px = math.dist(start, end)
         own_std = math.sqrt(2) * point_px_std * self.mm_per_px
         return length_px * self.mm_per_px, math.hypot(length_px * self.mm_per_px_std, own_std)
+
+
+def circle_through(points: Sequence[tuple[float, float]]) -> tuple[FloatArray, float, FloatArray]:
+    """Return the centre and the radius of the circle through three points, px.
+
+    With them comes by how much the radius changes for each point that moves outward by one px: they sum to
+    one, and are large where the points lie close together.
+
+    Raises
+    ------
+    CalibrationError
+        If there are not three, or they lie on a line.
+    """
+    places = as_float_array(points)
+    if places.shape != (3, 2) or not np.isfinite(places).all():
+        raise CalibrationError(f"a circle needs three points (row, column), found shape {places.shape}")
+    chords = places[1:] - places[0]
+    size = float(np.abs(chords).max())
+    if not abs(np.linalg.det(chords)) > _LEAST_BEND * size**2:
+        raise CalibrationError("the three points lie on a line: put them far apart on the rim")
+    centre = places[0] + np.linalg.solve(chords, (chords**2).sum(axis=1) / 2)
+    radius = float(np.linalg.norm(places[0] - centre))
+    normals = (places - centre) / radius
+    return centre, radius, np.linalg.inv(np.column_stack([normals, np.ones(3)]))[2]
 
 
 def _require_positive(value: float, name: str) -> None:

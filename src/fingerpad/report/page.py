@@ -21,6 +21,7 @@ from fingerpad.report.layer import comparisons, layer_plots
 from fingerpad.report.plot import Plot, save_plot
 from fingerpad.report.plots import (
     MOST_POINTS,
+    agreement_plots,
     budget_plot,
     curve_plots,
     loading_radius_of,
@@ -47,6 +48,7 @@ from fingerpad.report.text import (
 from fingerpad.study.results.check import UncertaintyCheck
 from fingerpad.study.results.layer import LAYER_FLAGS
 from fingerpad.study.results.methods import methods_section
+from fingerpad.study.results.operators import QUANTITY_WORDS
 from fingerpad.study.results.rows import RANGE_NOTES
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.summary import Summary, area_exponent
@@ -125,6 +127,9 @@ def write_page(
             most_presses=_MOST_PRESSES,
             synthetic=bool(result.rows.column("synthetic").any()),
             repeats=repeatability_section(result, with_loads=not pages),
+            operators=[] if home else result.operators,
+            agreement_figures=[] if home else draw(agreement_plots(result)),
+            quantity_words=QUANTITY_WORDS,
             exact=result.study.taken_as_exact(),
             methods=None if home else methods_section(result),
             assumed=result.study.assumed(),

@@ -8,6 +8,7 @@ import numpy as np
 from fingerpad._files import file_stem
 from fingerpad.contact import HertzGeometry
 from fingerpad.figures import (
+    plot_agreement,
     plot_area_against_load,
     plot_aspect_ratio,
     plot_corrected_radius,
@@ -83,6 +84,30 @@ def summary_plots(result: StudyResult, summary: Summary) -> Iterator[Plot]:
             name=f"{name}_aspect_ratio",
             figure=_aspect_ratio(rows),
             caption=f"Aspect ratio and direction of the long axis, measured and predicted ({where}).",
+        )
+
+
+def agreement_plots(result: StudyResult) -> Iterator[Plot]:
+    """Draw how two persons agree on the areas of the images that both outlined."""
+    for found in result.operators:
+        if (area := found.quantities.get("gross_area_mm2")) is None:
+            continue
+        figure, (axes,) = new_panels()
+        plot_agreement(
+            axes,
+            [one.first["gross_area_mm2"] for one in found.pairs],
+            [one.second["gross_area_mm2"] for one in found.pairs],
+            area,
+            quantity="gross area (mm²)",
+            names=[" and ".join(names) for names in found.operators],
+            synthetic=found.synthetic,
+        )
+        yield Plot(
+            name="second_operator_synthetic" if found.synthetic else "second_operator",
+            figure=figure,
+            caption="Contact areas by two persons, the second without seeing the first's outlines"
+            + ("; synthetic images" if found.synthetic else "")
+            + ". Line: bias, with its 95 % interval. Dashed: limits of agreement.",
         )
 
 

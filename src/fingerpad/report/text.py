@@ -19,7 +19,10 @@ FLAG_WORDS: Final[Mapping[str, str]] = {
     "scale_doubtful": "the ridge period is not that of a finger: check the scale",
     "not_a_contact_image": "no finger ridges (0.3–0.7 mm apart) fill it: check picture and scale",
     "edited_by_person": "a person drew part of the contact, or all of it",
+    "interpolated": "the ellipse is interpolated between two key frames",
     "coin_shadow": "a shadow beside the coin may make the scale too small",
+    "grid_tilted": "the scale differs with place and direction: rectify the pictures by their grid",
+    "grid_bent": "the grid is not flat, or the lens bends lines: the scale differs with place",
     "no_time": "the frame has no time",
     "no_force": "the force signal does not cover the frame",
 }

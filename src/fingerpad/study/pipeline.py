@@ -11,7 +11,7 @@ from typing import Final, TypeAlias
 
 from fingerpad._files import make_folder
 from fingerpad.exceptions import FingerpadError, ManifestError, StoreError
-from fingerpad.study.corrections.history import CORRECTIONS_NAME
+from fingerpad.study.corrections.history import CORRECTIONS_NAME, SECOND_OPERATOR_NAME
 from fingerpad.study.corrections.log import CorrectionLog, image_of, on_another_image
 from fingerpad.study.engine.executors import Executor, executor_for, local_executor
 from fingerpad.study.engine.limits import DEFAULT_LIMITS, Limits
@@ -121,6 +121,9 @@ def run_study(
     log = CorrectionLog(folder)
     if log.digest is not None:
         parsed[CORRECTIONS_NAME] = log.digest
+    second = CorrectionLog(folder, SECOND_OPERATOR_NAME)
+    if second.digest is not None:
+        parsed[SECOND_OPERATOR_NAME] = second.digest
     inputs = [*parsed, *(name for _, name in study.files())]
     _refuse_to_overwrite(inputs, folder, out)
     make_folder(out)
@@ -128,7 +131,10 @@ def run_study(
         put_in_place(store)
         damaged = store.damaged()
         store.discard(None if force else damaged)
-        context = RunContext.of(study, folder, log.active_corrections(), store)
+        context = replace(
+            RunContext.of(study, folder, log.active_corrections(), store),
+            second_operator=second.active_corrections(),
+        )
         origin = provenance(inputs, lambda name: context.digest(folder / name))
         _require_as_read(parsed, origin["inputs_sha256"])
         with executor_for(manifest, workers, scheduler, limits) as executor:
@@ -136,7 +142,7 @@ def run_study(
             result = result_of(
                 measured,
                 origin={**origin, "limits_per_picture": asdict(limits)},
-                notes=(*log.notes, *map(_DAMAGED.format, damaged), *_notes(measured, log)),
+                notes=(*log.notes, *second.notes, *map(_DAMAGED.format, damaged), *_notes(measured, log)),
                 executor=executor,
                 store=store,
                 on_check=lambda name: on_progress(replace(measured.progress, item=name, status="checked")),

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from fingerpad._files import digest_of
 from fingerpad.exceptions import FingerpadError
-from fingerpad.study.corrections.history import CORRECTIONS_NAME
+from fingerpad.study.corrections.history import CORRECTIONS_NAME, SECOND_OPERATOR_NAME
 from fingerpad.study.corrections.log import CorrectionLog
 from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.error_text import counted
@@ -55,10 +55,12 @@ def verify_study(manifest: Path, out: Path) -> Verification:
         intact[manifest.name] = f"{counted(len(study.fingers), 'finger')}, {counted(count, 'contact')}"
     except FingerpadError as error:
         faults += str(error).splitlines()
-    if (folder / CORRECTIONS_NAME).is_file():
+    for name in (CORRECTIONS_NAME, SECOND_OPERATOR_NAME):
+        if not (folder / name).is_file():
+            continue
         try:
-            log = CorrectionLog(folder)
-            intact[CORRECTIONS_NAME] = counted(log.count, "record")
+            log = CorrectionLog(folder, name)
+            intact[name] = counted(log.count, "record")
             faults += log.notes
         except FingerpadError as error:
             faults.append(str(error))

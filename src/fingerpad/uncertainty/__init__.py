@@ -1,5 +1,6 @@
 """Uncertainty: models of named quantities, propagation through them, budgets, and pooling."""
 
+from fingerpad.uncertainty.agreement import Agreement, agreement
 from fingerpad.uncertainty.correlated import correlated_values, inputs_from_ufloats
 from fingerpad.uncertainty.covariance import covariance_of, covariance_root
 from fingerpad.uncertainty.layer import (
@@ -67,6 +68,7 @@ __all__ = [
     "STRAINED",
     "STRAINED_BELOW_P",
     "VERDICTS",
+    "Agreement",
     "Estimate",
     "Inputs",
     "Model",
@@ -83,6 +85,7 @@ __all__ = [
     "Validation",
     "ValidityCheck",
     "VarianceComponents",
+    "agreement",
     "compare_difference",
     "compare_ratio",
     "correlated_values",

@@ -7,14 +7,14 @@ from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 from typing import Final, Self
 
-from fingerpad.study.corrections.history import CORRECTIONS_NAME
+from fingerpad.study.corrections.history import CORRECTIONS_NAME, SECOND_OPERATOR_NAME
 from fingerpad.study.editing.template import SCHEMA_NAME
 from fingerpad.study.engine.store import STORE_NAME
 from fingerpad.study.journal import LOCK_NAME
 from fingerpad.study.manifest.load import STUDY_NAME
 from fingerpad.study.results.result_set import OUTPUT_NAMES, RESULTS_NAME
 
-_DOCUMENTS: Final = (STUDY_NAME, SCHEMA_NAME, CORRECTIONS_NAME)
+_DOCUMENTS: Final = (STUDY_NAME, SCHEMA_NAME, CORRECTIONS_NAME, SECOND_OPERATOR_NAME)
 _OF_A_RUN: Final = OUTPUT_NAMES | {STORE_NAME, "results.parquet", "results.mat"}
 # Lock files of running programs.
 _LOCKS: Final = frozenset((LOCK_NAME, ".corrections.lock"))

@@ -17,9 +17,11 @@ from fingerpad.image import (
     open_frames,
     scan_texture,
 )
-from fingerpad.study.corrections.apply import contact_correction, place_of, prepared_contact
+from fingerpad.study.corrections.apply import contact_correction, measured_under, place_of, prepared_contact
 from fingerpad.study.corrections.changes import ContactCorrection
-from fingerpad.study.manifest import Contact, ContactSequence, Observation, ScaleKey
+from fingerpad.study.corrections.key_frames import with_interpolated
+from fingerpad.study.corrections.log import frames_of
+from fingerpad.study.manifest import CORRECTIONS, Contact, ContactSequence, Observation, ScaleKey
 from fingerpad.study.measuring.measure import Measurement, doubts_of, from_contact_image, reviewed
 from fingerpad.study.measuring.scales import FoundScale
 from fingerpad.study.results.exclusions import excluding_flags
@@ -56,9 +58,9 @@ def measure(workspace: Workspace, _: Any, params: ContactParams) -> dict[str, An
     contact = _contact(opened, params)
     assert contact.scale is not None
     found = scale_of(opened, contact.scale)
-    change = params.change or contact_correction(opened.corrections.active_correction(params.item))
+    change = params.change or correction_of(opened, params.item)
     prepared = _prepared(opened, params.item, contact, found, change)
-    contact_image = prepared.with_corrections(change.brush_strokes, change.manual_ellipse)
+    contact_image = measured_under(prepared, change)
     own, error = _program(opened, params.item, contact, found) if change.edits else (contact_image, None)
     return {
         "item": params.item,
@@ -80,6 +82,22 @@ def measure(workspace: Workspace, _: Any, params: ContactParams) -> dict[str, An
     }
 
 
+def levels(workspace: Workspace, _: Any, params: ContactParams) -> dict[str, Any]:
+    """Return the histogram of levels in which a threshold is chosen, and the automatic threshold."""
+    opened = workspace.study
+    contact = _contact(opened, params)
+    assert contact.scale is not None
+    found = scale_of(opened, contact.scale)
+    change = (params.change or ContactCorrection()).model_copy(update={"threshold": None})
+    prepared = _prepared(opened, params.item, contact, found, change)
+    counts, edges = prepared.level_histogram()
+    return {
+        "counts": counts,
+        "edges": edges,
+        "automatic_threshold": None if prepared.reason else prepared.contact_image.threshold,
+    }
+
+
 def _contact(opened: StudySession, params: ContactParams) -> Contact:
     """Return the table of an item, or a temporary one for a file that is not used yet."""
     item = params.item
@@ -96,14 +114,21 @@ def _contact(opened: StudySession, params: ContactParams) -> Contact:
     return contact if params.scale is None else contact.model_copy(update={"scale": params.scale})
 
 
+def correction_of(opened: StudySession, item: str) -> ContactCorrection:
+    """Return what holds for a contact image: a person's correction, or what key frames carry to a frame."""
+    name, mark, number = item.rpartition("#")
+    if not mark:
+        return contact_correction(opened.corrections.active_correction(item))
+    frames = with_interpolated(frames_of(opened.corrections.active_corrections(), name), name)
+    return contact_correction(frames.get(int(number)))
+
+
 def _prepared(
     opened: StudySession, item: str, contact: Contact, found: FoundScale, change: ContactCorrection
 ) -> PreparedContactImage:
     """Return a prepared contact image; strokes and a manual ellipse do not change it."""
     place = opened.place_of(item)
-    reading = change.model_copy(
-        update={"strokes": [], "ellipse_px": None, "accepted": False, "rejected": None, "pooling": None}
-    )
+    reading = ContactCorrection.model_validate({name: getattr(change, name) for name in CORRECTIONS})
     settings = sequence_settings(opened, contact, found) if isinstance(contact, ContactSequence) else None
     background = None if contact.background is None else ImageLocation(opened.file(contact.background)).stamp
     return _PREPARED.get(
@@ -246,6 +271,14 @@ ENDPOINTS: Final = (
         answer=measure,
         model=answers.ContactMeasurement,
         summary="Measure a contact image under a correction, without storing it",
+        body=ContactParams,
+    ),
+    Endpoint(
+        method="POST",
+        path="/api/measure/levels",
+        answer=levels,
+        model=answers.ContactLevels,
+        summary="Histogram of an image's levels, to choose a threshold by",
         body=ContactParams,
     ),
 )

@@ -2,14 +2,16 @@
 
 from collections.abc import Callable
 from http import HTTPStatus
-from typing import Annotated, Any, Final
+from typing import Annotated, Any, Final, Literal
 
 from pydantic import Field
 
 from fingerpad.exceptions import CorrectionConflict
+from fingerpad.study.corrections.apply import contact_correction
 from fingerpad.study.corrections.changes import ContactCorrection
 from fingerpad.study.corrections.history import ActiveCorrection, Record
-from fingerpad.study.corrections.log import kind_of, on_another_image
+from fingerpad.study.corrections.log import CorrectionLog, kind_of, on_another_image
+from fingerpad.study.corrections.similar import similar_images, with_settings_of
 from fingerpad.web import answers
 from fingerpad.web.endpoints import Endpoint, Item, Params, Person
 from fingerpad.web.errors import RequestError
@@ -20,15 +22,15 @@ _Seen = Annotated[int, Field(ge=0, le=2**53)]
 
 
 class ItemParams(Params):
-    """An item."""
+    """An item, and whose corrections are meant."""
 
     item: Item
+    operator: Literal["first", "second"] = "first"
 
 
-class StepParams(Params):
+class StepParams(ItemParams):
     """Author of an undo or redo, and the last record that they have seen."""
 
-    item: Item
     expected: _Seen
     who: Person
 
@@ -39,9 +41,14 @@ class ChangeParams(StepParams):
     change: dict[str, Any]
 
 
-def document(opened: StudySession, item: str) -> dict[str, Any]:
+def _log(opened: StudySession, params: ItemParams) -> CorrectionLog:
+    return opened.corrections if params.operator == "first" else opened.second_operator
+
+
+def _document(opened: StudySession, params: ItemParams) -> dict[str, Any]:
     """Return the corrections of an item."""
-    history = opened.corrections.history(item)
+    item = params.item
+    history = _log(opened, params).history(item)
     active_correction = history.active_correction
     elsewhere = active_correction and on_another_image({item: active_correction}, opened.picture_digest)
     return {
@@ -72,7 +79,7 @@ def show(workspace: Workspace, params: ItemParams, _: Any) -> dict[str, Any]:
     """Return the corrections of an item."""
     opened = workspace.study
     kind_of(params.item, opened.with_incomplete())
-    return document(opened, params.item)
+    return _document(opened, params)
 
 
 def add(workspace: Workspace, _: Any, params: ChangeParams) -> dict[str, Any]:
@@ -83,7 +90,7 @@ def add(workspace: Workspace, _: Any, params: ChangeParams) -> dict[str, Any]:
     return _save(
         workspace,
         params,
-        lambda: opened.corrections.append(
+        lambda: _log(opened, params).append(
             params.item,
             params.change,
             who=params.who,
@@ -97,14 +104,38 @@ def add(workspace: Workspace, _: Any, params: ChangeParams) -> dict[str, Any]:
 
 def undo(workspace: Workspace, _: Any, params: StepParams) -> dict[str, Any]:
     """Undo the last correction."""
-    log = workspace.study.corrections
+    log = _log(workspace.study, params)
     return _save(workspace, params, lambda: log.undo(params.item, who=params.who, expected=params.expected))
 
 
 def redo(workspace: Workspace, _: Any, params: StepParams) -> dict[str, Any]:
     """Redo the correction that was undone last."""
-    log = workspace.study.corrections
+    log = _log(workspace.study, params)
     return _save(workspace, params, lambda: log.redo(params.item, who=params.who, expected=params.expected))
+
+
+def similar(workspace: Workspace, params: ItemParams, _: Any) -> dict[str, Any]:
+    """Return the images that a correction's settings may apply to, with their new corrections."""
+    opened = workspace.study
+    study = opened.with_incomplete()
+    kind_of(params.item, study)
+    source = contact_correction(opened.corrections.active_correction(params.item))
+    images = []
+    for item in similar_images(params.item, study):
+        history = opened.corrections.history(item)
+        now = contact_correction(history.active_correction)
+        proposed = with_settings_of(source, now)
+        images.append(
+            {
+                "item": item,
+                "last_id": history.last_id,
+                "change": now.as_json(),
+                "proposed": proposed.as_json(),
+                "differs": proposed.edits != now.edits,
+            }
+        )
+    settings = with_settings_of(source, ContactCorrection()).as_json()
+    return {"item": params.item, "settings": settings, "images": images}
 
 
 def _save(workspace: Workspace, params: StepParams, keep: Callable[[], object]) -> dict[str, Any]:
@@ -113,9 +144,9 @@ def _save(workspace: Workspace, params: StepParams, keep: Callable[[], object]) 
         keep()
     except CorrectionConflict as conflict:
         latest = conflict.latest.as_json() if isinstance(conflict.latest, Record) else None
-        now = document(opened, params.item)
+        now = _document(opened, params)
         raise RequestError.conflict(str(conflict), latest=latest, corrections=now) from conflict
-    found = document(opened, params.item)
+    found = _document(opened, params)
     workspace.study.events.send("corrections", {"item": params.item, "last_id": found["last_id"]})
     return found
 
@@ -128,6 +159,14 @@ ENDPOINTS: Final = (
         model=answers.Corrections,
         query=ItemParams,
         summary="Corrections of an item",
+    ),
+    Endpoint(
+        method="GET",
+        path="/api/corrections/similar",
+        answer=similar,
+        model=answers.SimilarImages,
+        query=ItemParams,
+        summary="Images of the same finger and device, with what their corrections would become",
     ),
     Endpoint(
         method="POST",

@@ -37,6 +37,7 @@ _TABLES: Final = (
     "results_columns.csv",
     "by_load.csv",
     "repeatability.csv",
+    "second_operator.csv",
     "results.json",
     "summary.json",
     "results.parquet",

@@ -16,7 +16,16 @@ from fingerpad.study.results.table import ResultsTable, Row
 from fingerpad.web.study_session import StudySession
 
 _Triple: TypeAlias = Annotated[list[float], Field(min_length=3, max_length=3)]
-_OF_FRAMES: Final = ("status", "flags", "phase", "time_s", "load_N", "gross_area_mm2", "pooled")
+_OF_FRAMES: Final = (
+    "status",
+    "flags",
+    "phase",
+    "time_s",
+    "load_N",
+    "gross_area_mm2",
+    "aspect_ratio",
+    "pooled",
+)
 
 
 class _Record(BaseModel):

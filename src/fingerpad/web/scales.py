@@ -1,14 +1,19 @@
 """Scales and lengths: the named scales of the study, and measurements that are not stored."""
 
+from pathlib import PurePosixPath
 from typing import Annotated, Any, Final
 
+import cv2
+import numpy as np
 from pydantic import Field
 
-from fingerpad.image import Coin, ImageEllipse, measure_coin
-from fingerpad.study.manifest import CoinScale, ScaleKey
-from fingerpad.study.measuring.scales import FoundScale, require_scale, scale_from, scale_record
+from fingerpad._files import file_stem
+from fingerpad.image import Coin, Grid, ImageEllipse, measure_coin
+from fingerpad.image.scale import circle_through
+from fingerpad.study.manifest import CircleScale, CoinScale, GridScale, ScaleKey
+from fingerpad.study.measuring.scales import FoundScale, grid_of, require_scale, scale_from, scale_record
 from fingerpad.web import answers
-from fingerpad.web.endpoints import Endpoint, Params, Point
+from fingerpad.web.endpoints import Endpoint, Item, Params, Point
 from fingerpad.web.errors import RequestError
 from fingerpad.web.pictures import Cache, ImageLocation
 from fingerpad.web.study_session import StudySession
@@ -23,12 +28,12 @@ def scale_of(opened: StudySession, key: ScaleKey) -> FoundScale:
     table = opened.study().scales.get(key) if isinstance(key, str) else key
     if table is None:
         raise RequestError.not_there(f"no scale is named {name!r}")
-    coin = table.coin if isinstance(table, CoinScale) else None
-    if coin is not None:
-        opened.file(coin)  # one of the study's own
-    stamp = None if coin is None else _stamp(opened, coin)
+    pictures = [file for _, file in table.files()]
+    for file in pictures:
+        opened.file(file)  # one of the study's own
+    stamp = [_stamp(opened, file) for file in pictures]
     found = _FOUND.get(
-        (opened.folder, name, table.model_dump_json(), stamp),
+        (opened.folder, name, table.model_dump_json(), tuple(stamp)),
         lambda: scale_from(scale_record(name, table, opened.folder, opened.folder), name),
     )
     return require_scale(found)
@@ -39,6 +44,8 @@ def _stamp(opened: StudySession, file: str) -> Any:
 
 
 _OUTLINE_POINTS: Final = 90
+_RECTIFIED: Final = "rectified"
+_GRIDS: Final[Cache[Grid]] = Cache(20, lambda _: 1)
 _COINS: Final[Cache[Coin]] = Cache(20, lambda _: 1)
 
 
@@ -52,7 +59,7 @@ def scale(workspace: Workspace, _: Any, params: ScaleParams) -> dict[str, Any]:
     """Return the scale that a table means."""
     opened = workspace.study
     table = params.table
-    coin = None
+    coin = grid = None
     if isinstance(table, CoinScale):
         place = ImageLocation(opened.file(table.coin))
         coin = _COINS.get(place.stamp, lambda: measure_coin(opened.pictures.grey(place).pixels))
@@ -60,6 +67,9 @@ def scale(workspace: Workspace, _: Any, params: ScaleParams) -> dict[str, Any]:
             scale=coin.scale(table.diameter_mm, table.diameter_mm_std),
             flags=tuple(f"coin_{flag}" for flag in coin.flags),
         )
+    elif isinstance(table, GridScale):
+        grid = _measured_grid(opened, table)
+        found = FoundScale(scale=grid.scale, flags=tuple(f"grid_{flag}" for flag in grid.flags))
     else:
         found = scale_of(opened, table)
     return {
@@ -68,7 +78,38 @@ def scale(workspace: Workspace, _: Any, params: ScaleParams) -> dict[str, Any]:
         "relative_std": found.scale.relative_std,
         "resolution_ppi": found.scale.ppi,
         "flags": list(found.flags),
-        "coin": coin and _coin(coin),
+        "coin": _circle(table) if isinstance(table, CircleScale) else coin and _coin(coin),
+        "grid": grid and _grid(grid),
+    }
+
+
+def _measured_grid(opened: StudySession, table: GridScale) -> Grid:
+    place = ImageLocation(opened.file(table.grid))
+    return _GRIDS.get(
+        (place.stamp, table.model_dump_json()), lambda: grid_of(table, opened.pictures.grey(place).pixels)
+    )
+
+
+def _grid(grid: Grid) -> dict[str, Any]:
+    sides = grid.rectified_scale
+    return {
+        "points_px": grid.points.reshape(-1, 2).round(2),
+        "residual_px": grid.residual,
+        "anisotropy": grid.anisotropy,
+        "variation": grid.variation,
+        "unevenness": grid.unevenness,
+        "rectified_mm_per_px": sides.mm_per_px,
+        "rectified_relative_std": sides.relative_std,
+    }
+
+
+def _circle(table: CircleScale) -> dict[str, Any]:
+    centre, radius, weights = circle_through([(row, column) for row, column in table.circle])
+    outline = ImageEllipse(centre=(float(centre[0]), float(centre[1])), semi_axes=(radius, radius))
+    return {
+        "outline_px": outline.points(_OUTLINE_POINTS).round(2),
+        "radius_px": radius,
+        "radius_px_std": table.points_px_std * float(np.linalg.norm(weights)),
     }
 
 
@@ -81,6 +122,35 @@ def _coin(coin: Coin) -> dict[str, Any]:
         "radius_px": coin.semi_major,
         "radius_px_std": coin.semi_major_std,
     }
+
+
+class RectifyParams(Params):
+    """The table of a grid, and pictures that the same camera took."""
+
+    table: GridScale
+    files: Annotated[list[Item], Field(min_length=1, max_length=2000)]
+
+
+def rectify(workspace: Workspace, _: Any, params: RectifyParams) -> dict[str, Any]:
+    """Write pictures as if seen straight on into the folder ``rectified`` of the study."""
+    opened = workspace.study
+    grid = _measured_grid(opened, params.table)
+    folder = opened.folder / _RECTIFIED
+    folder.mkdir(exist_ok=True)
+    written = {}
+    for file in params.files:
+        pixels, _scale = grid.rectified(opened.pictures.grey(ImageLocation(opened.file(file))).pixels)
+        name = str(PurePosixPath(file).with_suffix("")).replace("/", "__")
+        target = folder / f"{file_stem(name)}.png"
+        good, content = cv2.imencode(".png", pixels)
+        if not good:
+            raise RequestError.impossible(f"{file}: cannot be written as PNG")
+        part = target.with_suffix(".part")
+        part.write_bytes(content.tobytes())
+        part.replace(target)
+        written[file] = f"{_RECTIFIED}/{target.name}"
+    scale = grid.rectified_scale
+    return {"files": written, "mm_per_px": scale.mm_per_px, "relative_std": scale.relative_std}
 
 
 class LengthParams(Params):
@@ -108,6 +178,14 @@ ENDPOINTS: Final = (
         model=answers.ScaleMeasurement,
         summary="The scale that a table means, without storing it",
         body=ScaleParams,
+    ),
+    Endpoint(
+        method="POST",
+        path="/api/scale/rectify",
+        answer=rectify,
+        model=answers.RectifiedPictures,
+        summary="Write pictures as if seen straight on, by a grid in their plane",
+        body=RectifyParams,
     ),
     Endpoint(
         method="POST",

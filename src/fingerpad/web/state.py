@@ -16,7 +16,8 @@ from fingerpad.image import FACE_AXES, PHOTOGRAPH_FLAGS
 from fingerpad.image.sequence.frames import TIFF_SUFFIXES
 from fingerpad.report.text import FLAG_WORDS
 from fingerpad.report.write import REPORT_NAME
-from fingerpad.study.corrections.history import CORRECTIONS_NAME, ActiveCorrection
+from fingerpad.study.corrections.history import CORRECTIONS_NAME, SECOND_OPERATOR_NAME, ActiveCorrection
+from fingerpad.study.corrections.key_frames import InterpolatedCorrection, with_interpolated
 from fingerpad.study.corrections.log import frames_of
 from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.manifest import LoadedStudy, Study
@@ -121,7 +122,8 @@ def _item_states(
 
 def _same_inputs(opened: StudySession, study: Study, provenance: Mapping[str, Any]) -> bool:
     """Tell whether manifest, spreadsheet and corrections are those of a run."""
-    names = [STUDY_NAME, *([study.observations_csv] if study.observations_csv else []), CORRECTIONS_NAME]
+    sheet = [study.observations_csv] if study.observations_csv else []
+    names = [STUDY_NAME, *sheet, CORRECTIONS_NAME, SECOND_OPERATOR_NAME]
     known = provenance["inputs_sha256"]
     return all(digest_of(opened.folder / name) == known.get(name, "") for name in names)
 
@@ -335,7 +337,7 @@ def frames(workspace: Workspace, params: FramesParams, _: Any) -> dict[str, Any]
     total = opened.count_frames(opened.film_name(name)) or 0
     rows = found.frames(name) if found else {}
     shown = range(min(params.offset, total), min(params.offset + params.limit, total))
-    ruled = frames_of(opened.corrections.active_corrections(), name)
+    ruled = with_interpolated(frames_of(opened.corrections.active_corrections(), name), name)
     return {
         "total": total,
         "frames": [_frame(name, number, rows.get(number), ruled.get(number)) for number in shown],
@@ -351,8 +353,10 @@ def _frame(
         "frame": number,
         "status": known.get("status", "none"),
         "flags": (known.get("flags") or "").split(),
-        **{key: known.get(key) for key in ("phase", "time_s", "load_N", "gross_area_mm2")},
+        **{key: known.get(key) for key in ("phase", "time_s", "load_N", "gross_area_mm2", "aspect_ratio")},
         "pooled": bool(known.get("pooled")),
+        "interpolated": active_correction is not None
+        and isinstance(active_correction.change, InterpolatedCorrection),
         **review_record(active_correction),
     }
 

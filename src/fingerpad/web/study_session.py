@@ -11,7 +11,7 @@ from urllib.parse import quote
 from fingerpad._files import digest_of
 from fingerpad.exceptions import ImageError, ManifestError
 from fingerpad.image import Frame, open_frames
-from fingerpad.study.corrections.history import CORRECTIONS_NAME
+from fingerpad.study.corrections.history import CORRECTIONS_NAME, SECOND_OPERATOR_NAME
 from fingerpad.study.corrections.log import CorrectionLog
 from fingerpad.study.editing.apply_edit import Edit
 from fingerpad.study.editing.checklist import Missing, missing
@@ -44,7 +44,7 @@ _TIMEOUT_S: Final = 30.0
 # A finger, or a file, that no table states.
 NO_TABLE: Final = "none"
 Drafted = TypeVar("Drafted", bound=ManifestModel)
-_OWN: Final = frozenset((STUDY_NAME, SCHEMA_NAME, CORRECTIONS_NAME))
+_OWN: Final = frozenset((STUDY_NAME, SCHEMA_NAME, CORRECTIONS_NAME, SECOND_OPERATOR_NAME))
 
 
 class StudySession:
@@ -71,6 +71,7 @@ class StudySession:
         self.pictures = pictures
         self.run_job = RunJob(events)
         self.corrections = CorrectionLog(folder)
+        self.second_operator = CorrectionLog(folder, SECOND_OPERATOR_NAME)
         self._counts: Cache[int] = Cache(10_000, lambda _: 1)
         self._digests: Cache[str] = Cache(10_000, lambda _: 1)
         self._read: tuple[object, LoadedStudy, list[Missing]] | None = None

@@ -8,7 +8,18 @@ import numpy as np
 import pytest
 import tifffile
 from PIL import Image
-from tests.end_to_end.page.browser import DEMO, PRINTS, Tab, changed, drag, focus, middle, numbers, stroke
+from tests.end_to_end.page.browser import (
+    DEMO,
+    PRINTS,
+    Tab,
+    changed,
+    drag,
+    focus,
+    lift,
+    middle,
+    numbers,
+    stroke,
+)
 
 PRINT = "synthetic_30deg_2N"
 
@@ -90,11 +101,141 @@ def test_brush_by_keyboard(tab: Tab, demo) -> None:
     assert rows[-1] > rows[0]
 
 
+def test_lasso_by_pointer_replaces_the_region_and_is_undone(tab: Tab, demo) -> None:
+    page = tab.open(f"contacts/images/{PRINT}")
+    before = numbers(page)
+    page.keyboard.press("l")
+    x, y = middle(page.locator(".stage"))
+    page.mouse.move(x + 90, y)
+    page.mouse.down()
+    for turn in np.linspace(0.1, 2 * np.pi, 40):
+        page.mouse.move(x + 90 * np.cos(turn), y + 60 * np.sin(turn))
+    lift(page)
+    inside = changed(page, before)
+    (area,) = corrections(demo)[-1]["change"]["strokes"]
+    assert (area["action"], "radius_px" in area) == ("replace", False)
+    rows, columns = np.array(area["points_px"]).T
+    drawn = abs(np.sum(rows * np.roll(columns, 1) - columns * np.roll(rows, 1))) / 2 * 0.0508**2
+    assert value(inside, "mm²") == pytest.approx(drawn, rel=0.01)
+    page.keyboard.press("u")
+    assert numbers(page) == before
+
+
+def test_polygon_by_keyboard(tab: Tab, demo) -> None:
+    page = tab.open(f"contacts/images/{PRINT}")
+    before = numbers(page)
+    page.keyboard.press("g")
+    page.get_by_role("radio", name="Remove", exact=True).click()
+    for keys in (("ArrowUp", 12), ("ArrowRight", 12), ("ArrowDown", 24)):
+        page.keyboard.press("Space")
+        for _ in range(keys[1]):
+            page.keyboard.press(f"Shift+{keys[0]}")
+    page.keyboard.press("Space")
+    page.keyboard.press("Backspace")
+    page.keyboard.press("Space")
+    page.keyboard.press("Enter")  # closes the polygon, and accepts nothing
+    less = changed(page, before)
+    assert value(less, "mm²") < 0.95 * value(before, "mm²")
+    change = corrections(demo)[-1]["change"]
+    assert (len(change["strokes"][0]["points_px"]), change["strokes"][0]["action"]) == (4, "remove")
+    assert "accepted" not in change
+
+
+def test_threshold_slides_on_the_histogram_with_the_outline(tab: Tab, demo) -> None:
+    page = tab.open(f"contacts/images/{PRINT}")
+    before = numbers(page)
+    page.keyboard.press("t")
+    page.wait_for_function("document.querySelector('.levels path.bars').getAttribute('d')")
+    outline = page.locator("path.region").get_attribute("d")
+    x, y = middle(page.locator(".levels svg"))
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x + 60, y, steps=3)
+    page.wait_for_function(
+        "old => document.querySelector('path.region').getAttribute('d') !== old", arg=outline
+    )
+    assert corrections(demo) == []  # nothing is kept while it moves
+    lift(page)
+    less = changed(page, before)
+    assert value(less, "mm²") < value(before, "mm²")
+    (record,) = corrections(demo)
+    assert record["change"].keys() == {"threshold"}
+    slider = page.get_by_role("slider", name="Threshold")
+    slider.press("ArrowLeft")
+    changed(page, less)
+    assert corrections(demo)[-1]["change"]["threshold"] < record["change"]["threshold"]
+    page.keyboard.press("u")
+    assert numbers(page) == less
+
+
+def test_a_threshold_is_applied_to_similar_images_one_by_one(tab: Tab, demo) -> None:
+    page = tab.open(f"contacts/images/{PRINT}")
+    before = numbers(page)
+    page.get_by_label("Threshold, grey levels").fill("60")
+    page.get_by_label("Threshold, grey levels").press("Enter")
+    changed(page, before)
+    page.get_by_role("button", name="Apply to similar images").click()
+    dialog = page.get_by_role("dialog", name="Apply to similar images")
+    cards = dialog.locator(".similar-card")
+    cards.last.get_by_text("from now").wait_for()
+    names = [card.get_attribute("data-item") for card in cards.all()]
+    assert PRINT not in names
+    assert cards.first.locator("path.region").get_attribute("d")
+    page.keyboard.press("Enter")  # the first card's Accept has the focus
+    cards.nth(1).get_by_role("button", name="Leave").click()
+    dialog.get_by_text(f"2 of {len(names)} decided").wait_for()
+    dialog.get_by_role("button", name="Close").click()
+    kept = [record for record in corrections(demo) if record["item"] != PRINT]
+    assert [(record["item"], record["change"]) for record in kept] == [
+        (names[0], {"threshold": 60.0, "accepted": True})
+    ]
+
+
+def test_second_operator_sees_no_outline_but_their_own(tab: Tab, demo) -> None:
+    page = tab.open(f"contacts/images/{PRINT}")
+    before = numbers(page)
+    focus(page, "End of the semi-major axis").press("Shift+ArrowUp")
+    first = changed(page, before)
+    page.evaluate("localStorage.setItem('fingerpad.who', 'bob')")
+    tab.go("contacts/second")
+    page.get_by_text("No other outline is shown").wait_for()
+    assert page.locator("path.region").get_attribute("d") == ""
+    assert page.get_by_label("Show the automatic outline").count() == 0
+    page.keyboard.press("Enter")  # nothing to accept yet
+    page.get_by_text("Outline the contact first").wait_for()
+    x, y = middle(page.locator(".stage"))
+    page.mouse.move(x + 200, y)
+    page.mouse.down()
+    for turn in np.linspace(0.1, 2 * np.pi, 40):
+        page.mouse.move(x + 200 * np.cos(turn), y + 190 * np.sin(turn))
+    lift(page)
+    mine = numbers(page)
+    assert value(mine, "mm²") != value(first, "mm²")
+    assert "program" not in page.locator("[data-part=numbers]").inner_text()
+    page.keyboard.press("Enter")
+    page.get_by_text("This was the last image").wait_for()
+    (line,) = (demo / "second_operator.jsonl").read_text().splitlines()[-1:]
+    assert (json.loads(line)["who"], json.loads(line)["change"]["accepted"]) == ("bob", True)
+    assert [record["who"] for record in corrections(demo)] != ["bob"]
+
+
+def test_brightness_changes_what_is_seen_and_nothing_else(tab: Tab, demo) -> None:
+    page = tab.open(f"contacts/images/{PRINT}")
+    before = numbers(page)
+    page.get_by_text("Brightness and contrast, for looking only").click()
+    page.get_by_role("slider", name="Contrast").fill("250")
+    assert "contrast(250%)" in page.locator(".stage .picture").get_attribute("style")
+    assert numbers(page) == before
+    assert corrections(demo) == []
+    page.get_by_role("button", name="Reset", exact=True).click()
+    assert "contrast" not in page.locator(".stage .picture").get_attribute("style")
+
+
 def test_threshold_polarity_seed_and_region_of_interest(tab: Tab, demo) -> None:
     page = tab.open(f"contacts/images/{PRINT}")
     before = numbers(page)
-    page.get_by_label("Threshold").fill("60")
-    page.get_by_label("Threshold").press("Enter")
+    page.get_by_label("Threshold, grey levels").fill("60")
+    page.get_by_label("Threshold, grey levels").press("Enter")
     thinner = changed(page, before)
     page.locator("h1").click()
     page.keyboard.press("s")
@@ -159,6 +300,33 @@ def test_frames_of_a_sequence(tab: Tab, demo) -> None:
     focus(page, "End of the semi-major axis").press("Shift+ArrowUp")
     changed(page, before)
     assert corrections(demo)[-1]["item"] == "synthetic_press_30deg#3"
+
+
+def test_key_frames_carry_their_ellipses_to_those_between(tab: Tab, demo) -> None:
+    page = tab.open("contacts/film:synthetic_press_30deg/synthetic_press_30deg%25234")
+    program = numbers(page)
+    grown = page.get_by_label("Aspect ratio against force, up to the current frame").locator("path.grown")
+    first = len(grown.get_attribute("d"))
+    page.locator("h1").click()
+    page.keyboard.press("k")
+    page.get_by_text("manual", exact=True).wait_for()
+    for _ in range(4):
+        page.keyboard.press(".")
+        numbers(page)
+    assert len(grown.get_attribute("d")) > first
+    focus(page, "End of the semi-major axis").press("Shift+ArrowUp")
+    page.get_by_role("checkbox", name="Key frame").check()
+    page.locator(".cell[data-index='6'] .dot[data-kind='interpolated']").wait_for()
+    page.keyboard.press(",")
+    page.get_by_text("the ellipse is interpolated between two key frames").wait_for()
+    between = numbers(page)
+    assert page.url.endswith("%237")
+    assert program != between
+    assert [record["item"][-1] for record in corrections(demo) if record["change"].get("key_frame")] == [
+        "4",
+        "8",
+    ]
+    assert not page.get_by_role("checkbox", name="Key frame").is_checked()
 
 
 def test_sixteen_bit_tiff_is_shown_and_measured(empty_tab: Tab) -> None:

@@ -1,4 +1,4 @@
-"""Manual corrections of a contact region: brush strokes and ellipses."""
+"""Manual corrections of a contact region: brush strokes, polygons and ellipses."""
 
 import math
 from collections.abc import Sequence
@@ -58,6 +58,30 @@ class BrushStroke:
     radius: float
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RegionPolygon:
+    """An area that a person drew around, as with a lasso or corner by corner.
+
+    Attributes
+    ----------
+    action : {"add", "remove", "replace"}
+        Whether it adds to the region, removes from it, or is the region in place of what was before.
+    points : sequence of (float, float)
+        (row, column) of its corners, px; at least three. All that they enclose belongs to it.
+
+    Examples
+    --------
+    >>> RegionPolygon(action="replace", points=[(10, 10), (10, 90), (80, 50)]).action
+    'replace'
+    """
+
+    action: Literal["add", "remove", "replace"]
+    points: Sequence[tuple[float, float]]
+
+
+RegionEdit: TypeAlias = BrushStroke | RegionPolygon
+
+
 def outline_of_ellipse(
     ellipse: ImageEllipse, view: WorkingImage, *, noise: float
 ) -> tuple[BoolArray, ContactOutline]:
@@ -85,20 +109,21 @@ def outline_of_ellipse(
 
 def outline_after_strokes(
     before: tuple[BoolArray, ContactOutline] | None,
-    strokes: Sequence[BrushStroke],
+    strokes: Sequence[RegionEdit],
     view: WorkingImage,
     *,
     noise: float,
 ) -> tuple[BoolArray, ContactOutline, float]:
     """Return the patch and the edge after some strokes, and the next largest piece's share of the largest.
 
-    Strokes are literal: their rim becomes the edge. Elsewhere the automatic edge is kept.
+    Strokes and polygons are literal: their rim becomes the edge. Elsewhere the automatic edge is kept, unless
+    a polygon replaces the region.
 
     Parameters
     ----------
     before : (ndarray of bool, Edge) or None
         The automatic patch.
-    strokes : sequence of BrushStroke
+    strokes : sequence of BrushStroke and RegionPolygon
         In order.
     view : View
         The working copy.
@@ -111,15 +136,18 @@ def outline_after_strokes(
         If a stroke is not as described or misses the picture, or no contact is left.
     """
     shape = view.values.shape
+    replaced = max((k for k, edit in enumerate(strokes) if edit.action == "replace"), default=None)
+    if replaced is not None:
+        before, strokes = None, strokes[replaced:]
     patch = np.zeros(shape, np.uint8) if before is None else before[0].astype(np.uint8)
     fine = np.zeros((_FINE * shape[0], _FINE * shape[1]), dtype=np.uint8)
     if before is not None:
         cv2.fillPoly(fine, [_to_fixed_point(_to_fine_canvas(before[1].points))], 1, shift=_BITS)
     for stroke in strokes:
-        points, radius = _check_stroke(stroke, view)
-        level = int(stroke.action == "add")
+        points, radius = _check_edit(stroke, view)
+        level = int(stroke.action != "remove")
         _draw(patch, points, radius, level)
-        _draw(fine, _to_fine_canvas(points), _FINE * radius, level)
+        _draw(fine, _to_fine_canvas(points), radius and _FINE * radius, level)
     contours, _ = cv2.findContours(fine, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
     areas = [cv2.contourArea(contour) for contour in contours]
     if not max(areas, default=0.0) > (_FINE * view.period) ** 2:
@@ -175,21 +203,28 @@ def _manual_outline(points: Points, view: WorkingImage, noise: float) -> Contact
     )
 
 
-def _check_stroke(stroke: BrushStroke, view: WorkingImage) -> tuple[Points, float]:
-    """Return a stroke's points (x, y) and radius in px of the copy."""
-    points = as_float_array(stroke.points)
-    if stroke.action not in {"add", "remove"}:
-        raise ImageError(f"a stroke must add or remove, found {stroke.action!r}")
-    if points.ndim != 2 or points.shape[1] != 2 or not len(points) or not np.isfinite(points).all():
-        raise ImageError(f"a stroke needs finite points (row, column), found shape {points.shape}")
-    if not 0 < stroke.radius <= max(view.shape):
+def _check_edit(edit: RegionEdit, view: WorkingImage) -> tuple[Points, float | None]:
+    """Return an edit's points (x, y) and, of a stroke, its radius in px of the copy."""
+    points = as_float_array(edit.points)
+    radius = edit.radius if isinstance(edit, BrushStroke) else None
+    what, least = ("a polygon", 3) if radius is None else ("a stroke", 1)
+    actions = {"add", "remove"} | ({"replace"} if radius is None else set())
+    if edit.action not in actions:
+        raise ImageError(f"{what} must {' or '.join(sorted(actions))}, found {edit.action!r}")
+    if points.ndim != 2 or points.shape[1] != 2 or len(points) < least or not np.isfinite(points).all():
+        raise ImageError(
+            f"{what} needs finite points (row, column), {least} or more, found shape {points.shape}"
+        )
+    if radius is not None and not 0 < radius <= max(view.shape):
         raise ImageError(
             f"a stroke's radius must be positive and no more than the picture's {max(view.shape)} px, "
-            f"found {stroke.radius}"
+            f"found {radius}"
         )
-    _require_inside("a stroke", points, stroke.radius, view.shape)
-    _require_near("a stroke", float(np.abs(points).max()), view.shape)
-    return view.to_copy(points[:, ::-1]), stroke.radius / math.sqrt(view.steps[0] * view.steps[1])
+    # A polygon may lie around the whole picture.
+    around = 0.0 if radius is not None else float(np.ptp(points, axis=0).max())
+    _require_inside(what, points, around + (radius or 0.0), view.shape)
+    _require_near(what, float(np.abs(points).max()), view.shape)
+    return view.to_copy(points[:, ::-1]), radius and radius / math.sqrt(view.steps[0] * view.steps[1])
 
 
 def _require_near(what: str, reach: float, shape: tuple[int, int]) -> None:
@@ -211,10 +246,16 @@ def _require_inside(what: str, points: Points, reach: float, shape: tuple[int, i
         )
 
 
-def _draw(canvas: UInt8, points: Points, radius: float, level: int) -> None:
-    """Paint a stroke; OpenCV rounds the ends and joints of a thick line."""
+def _draw(canvas: UInt8, points: Points, radius: float | None, level: int) -> None:
+    """Paint a stroke, or fill a polygon; OpenCV rounds the ends and joints of a thick line."""
     fixed = _to_fixed_point(points)
-    if len(points) > 1:
+    if radius is None:
+        # A hand crosses its own line: everything inside the outermost line counts.
+        filled = np.zeros_like(canvas)
+        cv2.fillPoly(filled, [fixed], 1, shift=_BITS)
+        contours, _ = cv2.findContours(filled, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+        cv2.drawContours(canvas, contours, -1, level, cv2.FILLED)
+    elif len(points) > 1:
         cv2.polylines(canvas, [fixed], False, level, max(1, round(2 * radius)), cv2.LINE_8, _BITS)
     else:
         x, y = map(int, fixed[0])

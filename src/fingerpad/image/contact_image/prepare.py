@@ -2,13 +2,14 @@
 
 import math
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
 import numpy.typing as npt
 
-from fingerpad._arrays import BoolArray
+from fingerpad._arrays import BoolArray, FloatArray
 from fingerpad._display import Displayed
 from fingerpad.exceptions import ImageError
 from fingerpad.image._arguments import number_array
@@ -24,11 +25,7 @@ from fingerpad.image.contact_image._region import (
 )
 from fingerpad.image.contact_image._ridges import Signal, ridge_amount, smoothed, to_signal
 from fingerpad.image.contact_image._working_image import WorkingImage
-from fingerpad.image.contact_image.manual import (
-    BrushStroke,
-    outline_after_strokes,
-    outline_of_ellipse,
-)
+from fingerpad.image.contact_image.manual import RegionEdit, outline_after_strokes, outline_of_ellipse
 from fingerpad.image.contact_image.result import ContactImageResult
 from fingerpad.image.ellipse import ImageEllipse
 from fingerpad.image.scale import Scale
@@ -37,8 +34,20 @@ _NOMINAL_RIDGE_PERIOD_MM = 0.45
 # Contrast over noise below which no contact is detectable.
 _NO_CONTRAST = 2.5
 _OTHER_REGION = 0.2
+# Relative standard uncertainty of a threshold that a person chose.
+_THRESHOLD_STD = 0.2
+_HISTOGRAM_BINS = 128
 # Levels are taken from every other pixel where a period has more than so many.
 _LEAST_FOR_STEP = 4
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Detection:
+    """Ridges of an image at one level, and the contact among them; `reason` where there is none."""
+
+    ridged: RidgeImage
+    region: ContactRegion | None
+    reason: str | None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -63,8 +72,8 @@ class PreparedContactImage(Displayed):
 
     scale: Scale
     reason: str | None
-    _ridged: RidgeImage
-    _find_region: ContactRegion | None
+    _found: Detection
+    _nearby: tuple[Detection, ...]
 
     @property
     def contact_image(self) -> ContactImageResult:
@@ -75,18 +84,41 @@ class PreparedContactImage(Displayed):
         ImageError
             Where it found no contact.
         """
-        if self._find_region is None:
-            raise ImageError(self.reason)
-        return assemble_result(self._ridged, self._find_region, self.scale, edited=False)
+        return self.with_corrections()
+
+    def level_histogram(self) -> tuple[FloatArray, FloatArray]:
+        """Return how many pixels have which level, to choose a threshold by.
+
+        Returns
+        -------
+        counts : ndarray, shape (n,)
+            Pixels of the part that is measured, at a resolution of some pixels per ridge.
+        edges : ndarray, shape (n + 1,)
+            Of the bins: grey levels from the background towards contact, as `threshold` is given in.
+
+        Examples
+        --------
+        >>> from fingerpad.simulate import render_contact_image
+        >>> truth = render_contact_image(semi_major=3.0, semi_minor=2.5, seed=1)
+        >>> prepared = prepare_contact_image(truth.pixels, Scale(truth.mm_per_px))
+        >>> counts, edges = prepared.level_histogram()
+        >>> bool(edges[0] < 0 < prepared.contact_image.threshold < edges[-1])
+        True
+        """
+        ridged = self._found.ridged
+        levels = smoothed(ridged.signal.values, ridged.view.period)[ridged.view.inside]
+        low, high = np.percentile(levels, (0.1, 99.9))
+        counts, edges = np.histogram(levels, _HISTOGRAM_BINS, range=(min(low, 0.0), max(high, 1e-9)))
+        return counts.astype(np.float64), edges
 
     def with_corrections(
-        self, strokes: Sequence[BrushStroke] = (), ellipse: ImageEllipse | None = None
+        self, strokes: Sequence[RegionEdit] = (), ellipse: ImageEllipse | None = None
     ) -> ContactImageResult:
         """Measure the contact with manual corrections.
 
         Parameters
         ----------
-        strokes : sequence of BrushStroke
+        strokes : sequence of BrushStroke and RegionPolygon
             Painted one after the other over the automatic region; the largest piece that they leave is the
             contact, without holes.
         ellipse : ImageEllipse, optional
@@ -96,7 +128,8 @@ class PreparedContactImage(Displayed):
         -------
         ContactImageResult
             With the flag ``edited_by_person``, and the uncertainty of manual drawing where the outline was
-            drawn; without corrections the automatic result.
+            drawn; without corrections the automatic result. A threshold is known to 20 %: the edge's place
+            has the uncertainty that this makes.
 
         Raises
         ------
@@ -106,7 +139,7 @@ class PreparedContactImage(Displayed):
 
         Examples
         --------
-        >>> from fingerpad.image import Scale
+        >>> from fingerpad.image import BrushStroke, Scale
         >>> from fingerpad.simulate import render_contact_image
         >>> truth = render_contact_image(semi_major=3.0, semi_minor=2.5, seed=1)
         >>> prepared = prepare_contact_image(truth.pixels, Scale.of_ppi(500))
@@ -115,19 +148,33 @@ class PreparedContactImage(Displayed):
         >>> prepared.with_corrections([bite]).gross_area < prepared.contact_image.gross_area
         True
         """
-        view, region = self._ridged.view, self._find_region
+        result = self._measure(self._found, strokes, ellipse)
+        if not self._nearby:
+            return result
+        values = np.zeros((2, 4))  # none where there is no contact at that level
+        for row, nearby in zip(values, self._nearby, strict=True):
+            with suppress(ImageError):
+                other = self._measure(nearby, strokes, ellipse)
+                row[:] = other.values
+        return replace(result, edge_effect=np.hypot(result.edge_effect, (values[0] - values[1]) / 2))
+
+    def _measure(
+        self, found: Detection, strokes: Sequence[RegionEdit], ellipse: ImageEllipse | None
+    ) -> ContactImageResult:
+        ridged, region = found.ridged, found.region
         if ellipse is not None:
-            patch, edge = outline_of_ellipse(ellipse, view, noise=self._ridged.noise)
-            several = False
+            patch, edge = outline_of_ellipse(ellipse, ridged.view, noise=ridged.noise)
+            region = ContactRegion(patch=patch, edge=edge, several=False)
         elif strokes:
             before = None if region is None else (region.patch, region.edge)
-            patch, edge, other = outline_after_strokes(before, strokes, view, noise=self._ridged.noise)
-            several = other > _OTHER_REGION or (region is not None and region.several)
-        else:
-            return self.contact_image
-        return assemble_result(
-            self._ridged, ContactRegion(patch=patch, edge=edge, several=several), self.scale, edited=True
-        )
+            patch, edge, other = outline_after_strokes(before, strokes, ridged.view, noise=ridged.noise)
+            replaced = any(edit.action == "replace" for edit in strokes)
+            several = other > _OTHER_REGION or (region is not None and region.several and not replaced)
+            region = ContactRegion(patch=patch, edge=edge, several=several)
+        if region is None:
+            raise ImageError(found.reason)
+        edited = ellipse is not None or bool(strokes)
+        return assemble_result(ridged, region, self.scale, edited=edited)
 
 
 def prepare_contact_image(
@@ -200,6 +247,26 @@ def prepare_contact_image(
     if reason is not None:
         # A manual outline can still be measured: ridges are then those above noise.
         signal = replace(signal, contrast=max(signal.contrast, signal.noise, 1e-3))
+    levels = [threshold] if threshold is None else [threshold, *_nearby_levels(threshold)]
+    first, *nearby = (_detect(view, signal, found, level, seed=seed, reason=reason) for level in levels)
+    return PreparedContactImage(scale=scale, reason=first.reason, _found=first, _nearby=tuple(nearby))
+
+
+def _nearby_levels(threshold: float) -> tuple[float, float]:
+    """Return the levels one standard uncertainty of a threshold below and above it."""
+    return (1 - _THRESHOLD_STD) * threshold, (1 + _THRESHOLD_STD) * threshold
+
+
+def _detect(
+    view: WorkingImage,
+    signal: Signal,
+    period: float,
+    threshold: float | None,
+    *,
+    seed: tuple[float, float] | None,
+    reason: str | None,
+) -> Detection:
+    """Tell ridges from valleys, and find the contact unless there is a reason against it."""
     step = 2 if view.period >= _LEAST_FOR_STEP else 1
     values = smoothed(signal.values, view.period)
     amount, level = ridge_amount(values, signal.contrast, view.period, threshold, step=step)
@@ -207,20 +274,15 @@ def prepare_contact_image(
     if not counted.all():
         amount = np.where(counted, amount, np.uint8(0))
     ridged = RidgeImage(
-        view=view,
-        signal=signal,
-        amount=amount,
-        level=level,
-        period=found,
-        threshold=threshold,
+        view=view, signal=signal, amount=amount, level=level, period=period, threshold=threshold
     )
     region = None
     if reason is None:
         try:
-            region = _find_region(ridged, seed, resolved=resolved)
+            region = _find_region(ridged, seed, resolved=math.isfinite(period))
         except ImageError as error:
             reason = str(error)
-    return PreparedContactImage(scale=scale, reason=reason, _ridged=ridged, _find_region=region)
+    return Detection(ridged=ridged, region=region, reason=reason)
 
 
 def _find_region(ridged: RidgeImage, seed: tuple[float, float] | None, *, resolved: bool) -> ContactRegion:

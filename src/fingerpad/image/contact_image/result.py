@@ -171,6 +171,13 @@ class ContactImageResult(Displayed):
         }
 
     @property
+    def values(self) -> FloatArray:
+        """(semi_major, semi_minor, gross_area, ridge_area), mm and mm²."""
+        return np.array(
+            [self.ellipse.semi_major, self.ellipse.semi_minor, self.gross_area, self.ridge_area], dtype=float
+        )
+
+    @property
     def covariance(self) -> FloatArray:
         """Covariance of (semi_major, semi_minor, gross_area, ridge_area), mm and mm²: noise, edge, scale."""
         shared = np.outer(self.edge_effect, self.edge_effect) + np.outer(self.scale_effect, self.scale_effect)

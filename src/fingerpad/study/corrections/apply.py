@@ -23,6 +23,7 @@ from fingerpad.image import (
 )
 from fingerpad.study.corrections.changes import ContactCorrection, PhotographCorrection
 from fingerpad.study.corrections.history import ActiveCorrection
+from fingerpad.study.corrections.key_frames import InterpolatedCorrection
 from fingerpad.study.manifest import CORRECTIONS, Contact, Photograph
 
 NOTHING = ContactCorrection()
@@ -112,6 +113,18 @@ def prepared_contact(
     )
 
 
+def measured_under(prepared: PreparedContactImage, correction: ContactCorrection) -> ContactImageResult:
+    """Measure a prepared contact image with what a person drew, or what was carried from key frames.
+
+    Raises
+    ------
+    ImageError
+        As `PreparedContactImage.with_corrections`.
+    """
+    found = prepared.with_corrections(correction.region_edits, correction.manual_ellipse)
+    return correction.widened(found) if isinstance(correction, InterpolatedCorrection) else found
+
+
 def corrected_contact_image(
     pixels: npt.ArrayLike,
     scale: Scale,
@@ -140,7 +153,7 @@ def corrected_contact_image(
         prepared = plain
         if prepared is None or _OF_THE_READING & correction.edits.keys():
             prepared = prepared_contact(pixels, scale, contact, folder, correction, settings=settings)
-        contact_image = prepared.with_corrections(correction.brush_strokes, correction.manual_ellipse)
+        contact_image = measured_under(prepared, correction)
     except ImageError as error:
         return CorrectedContactImage(contact_image=None, reason=str(error), program=program)
     return CorrectedContactImage(contact_image=contact_image, reason=None, program=program)

@@ -5,7 +5,7 @@ from typing import Annotated, Any, Literal, Self, TypeAlias
 
 from pydantic import AfterValidator, Field, StringConstraints, model_validator
 
-from fingerpad.image import BrushStroke, ImageEllipse
+from fingerpad.image import BrushStroke, ImageEllipse, RegionPolygon
 from fingerpad.study.manifest.fingers import Side
 from fingerpad.study.manifest.tables import Box, Finite, ManifestModel, Pixel, Point, Positive, not_tiny
 
@@ -22,10 +22,29 @@ class Stroke(ManifestModel):
     radius_px: Size
 
 
-class RegionStroke(Stroke):
-    """A stroke that adds to a contact region or removes from it."""
+class RegionStroke(ManifestModel):
+    """A stroke over a contact region; without a radius the points enclose an area."""
 
-    action: Literal["add", "remove"]
+    action: Literal["add", "remove", "replace"]
+    points_px: Path
+    radius_px: Size | None = None
+
+    @model_validator(mode="after")
+    def _drawn(self) -> Self:
+        if self.radius_px is None and len(self.points_px) < 3:
+            raise ValueError("points_px: an area needs three points or more; give radius_px for a stroke")
+        if self.radius_px is not None and self.action == "replace":
+            raise ValueError("radius_px: leave it out: an area replaces the region, a stroke does not")
+        return self
+
+    @property
+    def edit(self) -> BrushStroke | RegionPolygon:
+        """The stroke as `PreparedContactImage.with_corrections` takes it."""
+        points = [(row, column) for row, column in self.points_px]
+        if self.radius_px is None:
+            return RegionPolygon(action=self.action, points=points)
+        assert self.action != "replace"
+        return BrushStroke(action=self.action, points=points, radius=self.radius_px)
 
 
 class ManualContactEllipse(ManifestModel):
@@ -90,19 +109,19 @@ class ContactCorrection(_Judged):
     region_of_interest_px: Box | None = None
     strokes: Annotated[list[RegionStroke], Field(max_length=2000)] = Field(default=[])
     ellipse_px: ManualContactEllipse | None = None
+    key_frame: bool = False
     pooling: PoolingDecision | None = None
 
+    @model_validator(mode="after")
+    def _carried(self) -> Self:
+        if self.key_frame and self.ellipse_px is None:
+            raise ValueError("key_frame: only an ellipse is carried to other frames: give ellipse_px")
+        return self
+
     @property
-    def brush_strokes(self) -> list[BrushStroke]:
+    def region_edits(self) -> list[BrushStroke | RegionPolygon]:
         """The strokes as `PreparedContactImage.with_corrections` takes them."""
-        return [
-            BrushStroke(
-                action=stroke.action,
-                points=[(row, column) for row, column in stroke.points_px],
-                radius=stroke.radius_px,
-            )
-            for stroke in self.strokes
-        ]
+        return [stroke.edit for stroke in self.strokes]
 
     @property
     def manual_ellipse(self) -> ImageEllipse | None:
@@ -126,7 +145,7 @@ class ContactCorrection(_Judged):
                 "region_of_interest_px": (_extent(corners), 0.0),
                 "ellipse_px.centre": ([ellipse.centre] if ellipse else None, 0.0),
                 **{
-                    f"strokes[{k}].points_px": (_extent(stroke.points_px), stroke.radius_px)
+                    f"strokes[{k}].points_px": (_extent(stroke.points_px), stroke.radius_px or 0.0)
                     for k, stroke in enumerate(self.strokes)
                 },
             },

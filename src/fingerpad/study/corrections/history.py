@@ -11,6 +11,7 @@ from fingerpad.study.corrections.changes import Change, ContactCorrection, Photo
 from fingerpad.study.manifest.validation import validated
 
 CORRECTIONS_NAME: Final = "corrections.jsonl"
+SECOND_OPERATOR_NAME: Final = "second_operator.jsonl"
 
 Action: TypeAlias = Literal["change", "undo", "redo"]
 

@@ -46,6 +46,8 @@ class CorrectionLog:
     ----------
     folder : Path
         The study folder.
+    name : str
+        The file: ``second_operator.jsonl`` holds what a second person drew without seeing the first's.
 
     Raises
     ------
@@ -53,8 +55,8 @@ class CorrectionLog:
         If the file cannot be read or holds what is no record.
     """
 
-    def __init__(self, folder: Path) -> None:
-        self._path = folder / CORRECTIONS_NAME
+    def __init__(self, folder: Path, name: str = CORRECTIONS_NAME) -> None:
+        self._path = folder / name
         self._lock = RLock()
         self._forget()
         self.refresh()
@@ -84,7 +86,7 @@ class CorrectionLog:
         """What is odd in the file but does no harm."""
         if not self._torn:
             return ()
-        line = f"{CORRECTIONS_NAME}: line {self._lines + 1}"
+        line = f"{self._path.name}: line {self._lines + 1}"
         return (f"{line} is torn, as by a process stopped while it wrote; it is left out",)
 
     def refresh(self) -> None:

@@ -24,12 +24,14 @@ _OF_PHOTOGRAPH: Final = re.compile(r"photographs\[(?P<number>\d+)\]\.?(?P<place>
 _NEEDS_AXES: Final = "give either semi_axes_mm or photographs"
 _NEEDS_SCALE: Final = " needs its scale"
 _FIELD_WORDS: Final = {
-    "diameter_mm": "the coin's diameter",
+    "diameter_mm": "the diameter of the coin or circle",
     "face": "which face it shows",
     "finger": "which finger it is",
     "force": "the file of the force",
     "length_mm": "the line's length",
     "load_N": "the load",
+    "points": "the inner corners or dots, down and along",
+    "spacing_mm": "the spacing of the grid",
     "wedge_angle_deg": "the wedge angle",
 }
 _AXIS_WORDS: Final = {"palmar": "palmar", "distal": "distal", "radial_ulnar": "radial-ulnar"}

@@ -12,7 +12,9 @@ from fingerpad.study.manifest.curves import Curve
 from fingerpad.study.manifest.fingers import Finger, Photograph
 from fingerpad.study.manifest.load import LoadedStudy, load_study, manifest_in, read_study
 from fingerpad.study.manifest.scales import (
+    CircleScale,
     CoinScale,
+    GridScale,
     LineScale,
     PitchScale,
     ResolutionScale,
@@ -24,6 +26,7 @@ from fingerpad.study.manifest.study import Apparatus, Study, Uncertainty
 __all__ = [
     "CORRECTIONS",
     "Apparatus",
+    "CircleScale",
     "CoinScale",
     "Contact",
     "ContactEllipse",
@@ -31,6 +34,7 @@ __all__ = [
     "Curve",
     "Direction",
     "Finger",
+    "GridScale",
     "LineScale",
     "LoadedStudy",
     "Observation",

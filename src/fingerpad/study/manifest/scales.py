@@ -1,6 +1,6 @@
 """Scales of pictures: one way to say each, in a table of its own or in place."""
 
-from typing import Annotated, Final, Self, TypeAlias, get_args
+from typing import Annotated, Final, Literal, Self, TypeAlias, get_args
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
@@ -58,7 +58,26 @@ class CoinScale(ManifestModel):
     """Standard uncertainty of the diameter, mm."""
 
 
-ScaleTable: TypeAlias = ResolutionScale | PitchScale | LineScale | CoinScale
+class CircleScale(ManifestModel):
+    """Three points (row, column), px, on the rim of a coin or another circle of known diameter."""
+
+    circle: Annotated[list[Mark], Field(min_length=3, max_length=3)]
+    diameter_mm: Length
+    diameter_mm_std: MarkStd = 0.0
+    points_px_std: MarkStd = 0.0
+
+
+class GridScale(ManifestModel):
+    """A checkerboard or a grid of dots in a picture taken like those to measure."""
+
+    grid: str
+    points: Annotated[list[Annotated[int, Field(ge=3, le=200)]], Field(min_length=2, max_length=2)]
+    spacing_mm: Length
+    spacing_mm_std: MarkStd = 0.0
+    pattern: Literal["checkerboard", "dots"] = "checkerboard"
+
+
+ScaleTable: TypeAlias = ResolutionScale | PitchScale | LineScale | CoinScale | CircleScale | GridScale
 # The first key of each tells which kind of table it is; the tag must not look like a key in messages.
 SCALE_KINDS: Final = tuple(next(iter(model.model_fields)) for model in get_args(ScaleTable))
 NAMED: Final = "<name>"
@@ -96,6 +115,8 @@ _Tagged: TypeAlias = (
     | Annotated[PitchScale, Tag("<mm_per_px>")]
     | Annotated[LineScale, Tag("<line>")]
     | Annotated[CoinScale, Tag("<coin>")]
+    | Annotated[CircleScale, Tag("<circle>")]
+    | Annotated[GridScale, Tag("<grid>")]
 )
 # A table, or the name of one that several pictures share: one uncertain number for all of them.
 ScaleKey: TypeAlias = Annotated[
@@ -107,7 +128,9 @@ OwnScale: TypeAlias = Annotated[
 
 
 def is_exact(scale: ManifestModel) -> bool:
-    """Tell whether a scale has no uncertainty; that of a coin follows from its picture."""
+    """Tell whether a scale has no uncertainty; that of a coin or a grid follows from its picture."""
     if isinstance(scale, LineScale):
         return not (scale.length_mm_std or scale.ends_px_std)
+    if isinstance(scale, CircleScale):
+        return not (scale.diameter_mm_std or scale.points_px_std)
     return isinstance(scale, ResolutionScale | PitchScale) and not scale.relative_std

@@ -36,7 +36,7 @@ Name = Annotated[str, Field(pattern=r"^\w[\w.+-]*$", max_length=60)]
 Loc: TypeAlias = tuple[int | str, ...]
 
 # Keys that name files; in a sequence `file` may name a folder of frames.
-FILE_KEYS: Final = ("background", "coin", "file", "force", "observations_csv", "outline", "times")
+FILE_KEYS: Final = ("background", "coin", "file", "force", "grid", "observations_csv", "outline", "times")
 # Keys that hold a table, or several by number or by name.
 _TABLE_KEYS: Final = ("scale", "scales", "fingers", "photographs", "observations", "sequences", "curves")
 

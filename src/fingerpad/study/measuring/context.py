@@ -43,6 +43,8 @@ class RunContext:
         The study folder.
     active_corrections : mapping
         What people corrected, by item.
+    second_operator : mapping
+        What a second person drew without seeing that, by item.
     store : Store or None
         Where results are kept; None where nothing was measured yet.
     digest : callable
@@ -54,6 +56,7 @@ class RunContext:
     study: Study
     folder: Path
     active_corrections: Mapping[str, ActiveCorrection] = field(default_factory=dict)
+    second_operator: Mapping[str, ActiveCorrection] = field(default_factory=dict)
     store: Store | None = None
     digest: Callable[[Path], str] = str
     scales: Scales = field(default_factory=dict)

@@ -1,7 +1,7 @@
 """Measuring all that a study shows, and finding it again in the store."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import chain
 from typing import Literal
@@ -17,6 +17,7 @@ from fingerpad.study.measuring.context import RunContext
 from fingerpad.study.measuring.curves import CurveResult, curve_items, curve_key, curve_results, curve_tasks
 from fingerpad.study.measuring.fingers import FingerResult, finger_result, photograph_item
 from fingerpad.study.measuring.measure import Measurement, reviewed
+from fingerpad.study.measuring.operators import OperatorPair, operator_pairs
 from fingerpad.study.measuring.records import measurement_from
 from fingerpad.study.measuring.sequences import (
     SequenceResult,
@@ -49,6 +50,8 @@ class Measured:
     contacts : iterable of (Contact, Measurement)
         What was measured of each observation and frame, in the manifest's order; read from the store
         each time it is gone through.
+    operator_pairs : list of OperatorPair
+        Images that two persons outlined.
     """
 
     context: RunContext
@@ -57,6 +60,7 @@ class Measured:
     sequences: list[SequenceResult]
     curves: list[CurveResult]
     contacts: Iterable[tuple[Contact, Measurement]]
+    operator_pairs: list[OperatorPair] = field(default_factory=list)
 
 
 def measure_study(
@@ -120,6 +124,7 @@ def measure_study(
         sequences=sequences,
         curves=curve_results(context),
         contacts=_Contacts(context, sequences),
+        operator_pairs=operator_pairs(context, store, executor),
     )
 
 

@@ -5,11 +5,23 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TypeAlias
 
+import numpy as np
+import numpy.typing as npt
+
 from fingerpad.exceptions import CalibrationError, FingerpadError
-from fingerpad.image import Scale, measure_coin, read_image
+from fingerpad.image import Grid, Scale, measure_coin, measure_grid, read_image
 from fingerpad.study.engine.task import Record
 from fingerpad.study.error_text import in_study
-from fingerpad.study.manifest import CoinScale, LineScale, PitchScale, ScaleKey, ScaleTable, Study
+from fingerpad.study.manifest import (
+    CircleScale,
+    CoinScale,
+    GridScale,
+    LineScale,
+    PitchScale,
+    ScaleKey,
+    ScaleTable,
+    Study,
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -23,7 +35,7 @@ class FoundScale:
     name : str or None
         Its name, where pictures share it: they have one uncertain number in common.
     flags : tuple of str
-        Doubts: ``coin_shadow``.
+        Doubts: ``coin_shadow``, ``grid_tilted``, ``grid_bent``.
     """
 
     scale: Scale
@@ -93,12 +105,14 @@ def measure_scale(table: ScaleTable, folder: Path, name: str | None = None) -> F
     Raises
     ------
     CalibrationError
-        If there is none, as where no coin is found.
+        If there is none, as where no coin or grid is found.
     ImageError
-        If a coin's picture cannot be read.
+        If a picture of a coin or a grid cannot be read.
     """
     if isinstance(table, CoinScale):
         return _coin(table, folder, name)
+    if isinstance(table, GridScale):
+        return _grid(table, folder, name)
     if isinstance(table, LineScale):
         (row, column), (end_row, end_column) = table.line
         scale = Scale.of_line(
@@ -108,11 +122,43 @@ def measure_scale(table: ScaleTable, folder: Path, name: str | None = None) -> F
             length_mm_std=table.length_mm_std,
             point_px_std=table.ends_px_std,
         )
+    elif isinstance(table, CircleScale):
+        scale = Scale.of_circle(
+            table.diameter_mm,
+            [(row, column) for row, column in table.circle],
+            diameter_mm_std=table.diameter_mm_std,
+            point_px_std=table.points_px_std,
+        )
     elif isinstance(table, PitchScale):
         scale = Scale(table.mm_per_px, table.mm_per_px * table.relative_std)
     else:
         scale = Scale.of_ppi(table.ppi, table.ppi * table.relative_std)
     return FoundScale(scale=scale, name=name)
+
+
+def grid_of(table: GridScale, pixels: npt.NDArray[np.generic]) -> Grid:
+    """Find the grid of a table in its picture.
+
+    Raises
+    ------
+    CalibrationError
+        If it is not found.
+    """
+    try:
+        return measure_grid(
+            pixels,
+            (table.points[0], table.points[1]),
+            table.spacing_mm,
+            spacing_mm_std=table.spacing_mm_std,
+            pattern=table.pattern,
+        )
+    except CalibrationError as error:
+        raise CalibrationError(f"{table.grid}: {error}") from error
+
+
+def _grid(table: GridScale, folder: Path, name: str | None) -> FoundScale:
+    grid = grid_of(table, read_image(folder / table.grid).pixels)
+    return FoundScale(scale=grid.scale, name=name, flags=tuple(f"grid_{flag}" for flag in grid.flags))
 
 
 def _coin(table: CoinScale, folder: Path, name: str | None) -> FoundScale:

@@ -31,6 +31,7 @@ from fingerpad.image import (
 )
 from fingerpad.study.corrections.apply import contact_correction
 from fingerpad.study.corrections.history import ActiveCorrection
+from fingerpad.study.corrections.key_frames import with_interpolated
 from fingerpad.study.corrections.log import frames_of
 from fingerpad.study.engine.task import CHANGED, ChangedError, Record, Task, TaskResult, Work
 from fingerpad.study.error_text import in_study
@@ -84,6 +85,8 @@ class Film:
     ----------
     sequence_images : SequenceImages
         Its pictures.
+    ruled : mapping of int to ActiveCorrection
+        What people decided about frames, and what follows from it for those between key frames.
     context : RunContext
         What the run knows.
     frames : Frames
@@ -95,6 +98,7 @@ class Film:
     """
 
     sequence_images: SequenceImages
+    ruled: Mapping[int, ActiveCorrection]
     context: RunContext
     frames: Frames
     force: ForceSignal
@@ -118,6 +122,7 @@ class Film:
         frames = Frames(
             path=context.folder / sequence.file, **_good(context, header.name, header.key)["header"]
         )
+        ruled = with_interpolated(frames_of(context.active_corrections, sequence.name), sequence.name)
         columns = {str(key): value for key, value in sequence.force_columns.items()}
         force = read_force_signal(context.folder / sequence.force, columns)
         return cls(
@@ -125,11 +130,10 @@ class Film:
                 sequence=sequence,
                 found=found,
                 corrections={
-                    frame: contact_correction(one)
-                    for frame, one in frames_of(context.active_corrections, sequence.name).items()
-                    if one.change.edits
+                    frame: contact_correction(one) for frame, one in ruled.items() if one.change.edits
                 },
             ),
+            ruled=ruled,
             context=context,
             frames=frames,
             force=force,
@@ -212,7 +216,7 @@ class Film:
         for result, measured in self.placed():
             row = self._row(result, measured)
             if row is not None:
-                yield reviewed(row, self.context.active_corrections.get(row.observation))
+                yield reviewed(row, self.ruled.get(result.index))
 
     def digests(self, frames: Iterable[int]) -> dict[int, str]:
         """Return the digests of some frames as they were measured, from what the store holds."""
@@ -302,7 +306,7 @@ def frame_count(sequence: ContactSequence, context: RunContext) -> int:
 
 def film_key(sequence: ContactSequence, context: RunContext) -> str:
     """Return the key of all that is known of a film."""
-    frames = frames_of(context.active_corrections, sequence.name)
+    frames = with_interpolated(frames_of(context.active_corrections, sequence.name), sequence.name)
     return context.key(
         sequence, {frame: edits for frame, one in frames.items() if (edits := one.change.edits)}
     )

@@ -11,7 +11,7 @@ from fingerpad.study.engine.executors import Executor
 from fingerpad.study.engine.runner import records_of
 from fingerpad.study.engine.store import Store
 from fingerpad.study.engine.task import Record, Task
-from fingerpad.study.manifest import CoinScale, Finger, Observation, Photograph
+from fingerpad.study.manifest import Finger, Observation, Photograph
 from fingerpad.study.measuring.context import RunContext, cache_key
 from fingerpad.study.measuring.fingers import face_record, photograph_item
 from fingerpad.study.measuring.measure import measure_observation
@@ -20,20 +20,20 @@ from fingerpad.study.measuring.scales import FoundScale, scale_from, scale_recor
 
 
 def resolve_scales(context: RunContext, store: Store, executor: Executor) -> dict[str, FoundScale | str]:
-    """Return every scale of a study, or why there is none; coins that the store lacks are measured."""
+    """Return every scale of a study, or why there is none; missing coins and grids are measured."""
     tables = scale_tables(context.study)
     tasks = {
         key: Task(
             name=f"/scale {key}",  # no item's name begins like this
-            item=name or table.coin,
-            file=table.coin,
-            key=cache_key(table.model_dump(mode="json"), context.digest(context.folder / table.coin)),
+            item=name or file,
+            file=file,
+            key=cache_key(table.model_dump(mode="json"), context.digest(context.folder / file)),
             work=partial(scale_record, name, table),
-            inputs=(table.coin,),
+            inputs=(file,),
             pictures=0,
         )
         for key, (name, table) in tables.items()
-        if isinstance(table, CoinScale)
+        for _, file in table.files()
     }
     records = dict(zip(tasks, records_of(list(tasks.values()), executor, store, context.folder), strict=True))
     return {

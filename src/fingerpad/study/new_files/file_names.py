@@ -23,7 +23,9 @@ _WEDGE: Final = (
 )
 _PERSON: Final = re.compile(r"(?<![^\W_])(?:s|p|subject|participant|person)[ _-]?(\d+)(?!\d)", re.IGNORECASE)
 _CAPITALS: Final = re.compile(r"(?<![^\W\d_])([LR])([TIMRLP])(?![^\W\d_])")
-_OF_SCALE: Final = frozenset(("ruler", "scale", "coin", "euro", "cent", "calibration", "card"))
+_OF_SCALE: Final = frozenset(
+    ("ruler", "scale", "coin", "euro", "cent", "calibration", "card", "checkerboard", "grid")
+)
 _ROLES: Final[dict[Kind, Role]] = {"picture": "observation", "film": "sequence", "table": "curve"}
 _FACE_ROLES: Final[dict[Kind, Role]] = {"picture": "photograph", "table": "outline"}
 

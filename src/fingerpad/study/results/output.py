@@ -27,7 +27,8 @@ def write_tables(result: StudyResult, out: Path) -> None:
     """Write the tables of a run into `out`.
 
     They are ``results.csv``, ``results_columns.csv``, ``results.json``, ``by_load.csv``,
-    ``repeatability.csv`` and ``summary.json``.
+    ``repeatability.csv``, ``summary.json`` and, where a second person outlined images,
+    ``second_operator.csv``.
 
     Raises
     ------
@@ -42,6 +43,8 @@ def write_tables(result: StudyResult, out: Path) -> None:
         write_csv(out / "results_columns.csv", [("column", "type", "unit", "group", "meaning"), *dictionary])
         _write_records(out / "by_load.csv", [one.as_record() for one in result.by_load])
         _write_records(out / "repeatability.csv", [line for one in result.scatter for line in one.lines()])
+        if result.operator_pairs:
+            _write_records(out / "second_operator.csv", [one.as_record() for one in result.operator_pairs])
         record = dumps(summary_record(result), indent=1)
         (out / "summary.json").write_text(record + "\n", encoding="utf-8")
     except OSError as error:
@@ -150,6 +153,7 @@ def summary_record(result: StudyResult) -> dict[str, Any]:
             ],
             "scatter": [one.as_record() for one in result.scatter],
         },
+        "second_operator": [one.as_record() for one in result.operators],
         "by_load": [one.as_record() for one in result.by_load],
         "sequences": [
             _sequence(film, frames) for film, frames in zip(result.sequences, result.frames(), strict=True)

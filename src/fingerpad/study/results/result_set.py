@@ -34,6 +34,7 @@ OUTPUT_NAMES: Final = frozenset(
         "results.csv",
         "results.json",
         "results_columns.csv",
+        "second_operator.csv",
         "summary.json",
     )
 )

@@ -1,7 +1,7 @@
 """Everything that a run found, once all is measured."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import compress
 from pathlib import Path
@@ -16,6 +16,7 @@ from fingerpad.study.engine.versions import versions_of
 from fingerpad.study.manifest import Study
 from fingerpad.study.measuring.curves import CurveResult
 from fingerpad.study.measuring.fingers import FingerResult
+from fingerpad.study.measuring.operators import OperatorPair
 from fingerpad.study.measuring.records import from_plain, to_plain
 from fingerpad.study.measuring.run import Measured
 from fingerpad.study.measuring.scales import FoundScale
@@ -24,6 +25,7 @@ from fingerpad.study.results.by_load import AtLoad, pool_by_load
 from fingerpad.study.results.check import UncertaintyCheck
 from fingerpad.study.results.digest import digest_of_values
 from fingerpad.study.results.layer_curve import CurveOnLayer, curve_on_layer
+from fingerpad.study.results.operators import OperatorAgreement, operator_agreement
 from fingerpad.study.results.repeats import (
     ContactRepeatability,
     StudyScatter,
@@ -73,6 +75,8 @@ class StudyResult(Displayed):
         Versions, input hashes, formulas.
     notes : tuple of str
         What is odd about people's corrections.
+    operator_pairs : list of OperatorPair
+        Contact images that two persons outlined, the second without seeing what the first drew.
     """
 
     study: Study
@@ -90,6 +94,12 @@ class StudyResult(Displayed):
     curves: list[CurveResult]
     provenance: dict[str, Any]
     notes: tuple[str, ...] = ()
+    operator_pairs: list[OperatorPair] = field(default_factory=list)
+
+    @property
+    def operators(self) -> list[OperatorAgreement]:
+        """How two persons agree on the images that both outlined."""
+        return operator_agreement(self.operator_pairs)
 
     @property
     def failures(self) -> list[str]:
@@ -164,6 +174,7 @@ class StudyResult(Displayed):
                 "inputs_sha256": {file: digest for file, digest in hashes.items() if file in files},
             },
             notes=(),
+            operator_pairs=[],
         )
 
 
@@ -216,6 +227,7 @@ def result_of(
         curves=measured.curves,
         provenance=origin,
         notes=notes,
+        operator_pairs=measured.operator_pairs,
     )
 
 

@@ -15,13 +15,16 @@ from fingerpad.web.answers.files import (
     UploadedFile,
 )
 from fingerpad.web.answers.measurements import (
+    ContactLevels,
     ContactMeasurement,
     ContactModel,
     ContactNumbers,
     Corrections,
     LengthMeasurement,
     PhotographMeasurement,
+    RectifiedPictures,
     ScaleMeasurement,
+    SimilarImages,
 )
 from fingerpad.web.answers.results import (
     Audit,
@@ -40,6 +43,7 @@ from fingerpad.web.answers.results import (
 from fingerpad.web.answers.study import (
     Frames,
     RunStatus,
+    SecondOperator,
     SequenceSignal,
     Session,
     State,
@@ -54,6 +58,7 @@ __all__ = [
     "Budget",
     "BudgetCheck",
     "BundleContents",
+    "ContactLevels",
     "ContactMeasurement",
     "ContactModel",
     "ContactNumbers",
@@ -73,12 +78,15 @@ __all__ = [
     "Plot",
     "PlottedGroup",
     "PlottedRows",
+    "RectifiedPictures",
     "Refusal",
     "Rows",
     "RunStatus",
     "ScaleMeasurement",
+    "SecondOperator",
     "SequenceSignal",
     "Session",
+    "SimilarImages",
     "State",
     "StateAfterRemoval",
     "StateAfterRestore",

@@ -15,6 +15,18 @@ class CoinOutline(Answer):
     radius_px_std: float
 
 
+class GridMeasurement(Answer):
+    """A grid found in a picture, how far it is from flat, and the scale of rectified pictures."""
+
+    points_px: list[Point]
+    residual_px: float
+    anisotropy: float
+    variation: float
+    unevenness: float
+    rectified_mm_per_px: float
+    rectified_relative_std: float
+
+
 class ScaleMeasurement(Answer):
     """The scale that a table gives."""
 
@@ -24,6 +36,15 @@ class ScaleMeasurement(Answer):
     resolution_ppi: float
     flags: list[str]
     coin: CoinOutline | None
+    grid: GridMeasurement | None
+
+
+class RectifiedPictures(Answer):
+    """Files of rectified pictures, by those that they were made of, and the scale of all of them."""
+
+    files: dict[str, str]
+    mm_per_px: float
+    relative_std: float
 
 
 class LengthMeasurement(Answer):
@@ -133,6 +154,14 @@ class ContactMeasurement(Answer):
     milliseconds: float
 
 
+class ContactLevels(Answer):
+    """How many pixels have which level: grey levels from the background towards contact."""
+
+    counts: list[float]
+    edges: list[float]
+    automatic_threshold: float | None
+
+
 class FaceEllipse(Answer):
     """The ellipse of a face."""
 
@@ -235,3 +264,21 @@ class Corrections(Answer):
     can_undo: bool
     can_redo: bool
     history: list[CorrectionRecord]
+
+
+class SimilarImage(Answer):
+    """Another image of the same finger and device: its correction, and what it would become."""
+
+    item: str
+    last_id: int
+    change: dict[str, Any]
+    proposed: dict[str, Any]
+    differs: bool
+
+
+class SimilarImages(Answer):
+    """The settings of an image's correction, and the images that they may apply to."""
+
+    item: str
+    settings: dict[str, Any]
+    images: list[SimilarImage]

@@ -275,7 +275,9 @@ class FrameEntry(Review):
     time_s: float | None
     load_N: float | None  # noqa: N815
     gross_area_mm2: float | None
+    aspect_ratio: float | None
     pooled: bool
+    interpolated: bool
 
 
 class SequenceSignal(Answer):
@@ -299,3 +301,47 @@ class Frames(Answer):
 
     total: int
     frames: list[FrameEntry]
+
+
+class SecondOperatorImage(Review):
+    """An image, and the second operator's review of it."""
+
+    item: str
+
+
+class QuantityAgreement(Answer):
+    """Relative differences of the second operator from the first; null where there are too few pairs."""
+
+    count: int
+    bias: float | None
+    bias_interval: tuple[float | None, float | None]
+    std: float | None
+    limits: tuple[float | None, float | None]
+    limits_interval: tuple[float | None, float | None]
+
+
+class OperatorAgreement(Answer):
+    """Agreement of two persons on real or on synthetic images, by the last run."""
+
+    synthetic: bool
+    first_operators: list[str]
+    second_operators: list[str]
+    count: int
+    iou_mean: float
+    iou_least: float
+    semi_major_mm: QuantityAgreement | None = None
+    semi_minor_mm: QuantityAgreement | None = None
+    gross_area_mm2: QuantityAgreement | None = None
+    ridge_area_mm2: QuantityAgreement | None = None
+
+
+class SecondOperator(Answer):
+    """Images that the first operator looked at, in random order, and how the second agrees.
+
+    `unseen` are those that the first has not looked at yet.
+    """
+
+    first_operators: list[str]
+    images: list[SecondOperatorImage]
+    unseen: int
+    agreement: list[OperatorAgreement]

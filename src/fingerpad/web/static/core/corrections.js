@@ -6,9 +6,16 @@ import { ask } from "./messages.js";
 import { who, workspace } from "./workspace.js";
 
 export class Corrections {
-  /** `changed` is called on every new state, `conflict` also if another window corrected the image. */
-  constructor(item, { changed, conflict }) {
+  /**
+   * `changed` is called on every new state, `conflict` also if another window corrected the image.
+   *
+   * @param {string} item
+   * @param {{ changed: () => void, conflict: () => void, operator?: "first" | "second" }} options
+   */
+  constructor(item, { changed, conflict, operator = "first" }) {
     this.item = item;
+    /** @type {"first" | "second"} */
+    this.operator = operator;
     this.changed = changed;
     this.conflict = conflict;
     /** @type {Answers["Corrections"]} */
@@ -45,7 +52,7 @@ export class Corrections {
   }
 
   async #read() {
-    return this.#take(await get("/api/corrections", { item: this.item }));
+    return this.#take(await get("/api/corrections", { item: this.item, operator: this.operator }));
   }
 
   /** @returns {Partial<Change>} */
@@ -85,7 +92,13 @@ export class Corrections {
 
   async #send(path, body) {
     const send = async () =>
-      post(path, { item: this.item, expected: this.document.last_id, who: who(), ...(await body()) });
+      post(path, {
+        item: this.item,
+        operator: this.operator,
+        expected: this.document.last_id,
+        who: who(),
+        ...(await body()),
+      });
     try {
       return this.#take(await send());
     } catch (error) {
@@ -117,8 +130,9 @@ const WORDS = {
   seed_px: "seed point",
   region_of_interest_px: "region of interest",
   mask_px: "mask",
-  strokes: "brush",
+  strokes: "drawing",
   ellipse_px: "ellipse",
+  key_frame: "key frame",
   added_points_px: "points added",
   erased: "points erased",
   tip: "side of the fingertip",

@@ -27,6 +27,9 @@ export function listen() {
   document.addEventListener("keydown", (event) => {
     if (event.defaultPrevented || event.altKey || document.querySelector("dialog[open]")) return;
     const name = nameOf(event);
+    // Arrow keys on a slider move it.
+    if (/** @type {Element} */ (event.target).matches?.("input[type=range]") && /^Arrow|Home|End/.test(name))
+      return;
     if (typing(event.target) && !["Escape", "Ctrl+Enter"].includes(name)) return;
     if (
       (name === "Enter" || name === "Space") &&

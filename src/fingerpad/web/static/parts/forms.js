@@ -162,7 +162,13 @@ export function choose({ value, options, onset, disabled, label }) {
   return select;
 }
 
-/** A slider with its value; `show` sets another value. */
+/**
+ * A slider with its value; `show` sets another value.
+ *
+ * @param {string} label
+ * @param {{ value: number, min: number, max: number, unit: string, hint?: string,
+ *   onset: (value: number) => any }} options
+ */
 export function slider(label, { value, min, max, unit, hint, onset }) {
   const input = h("input", { type: "range", min, max, value, oninput: () => onset(Number(input.value)) });
   const root = field(label, input, { unit: `${value} ${unit}`, hint });

@@ -28,6 +28,8 @@ export function scaleWords(scale, before = "") {
   if (scale.ppi !== undefined) return `${before}${scale.ppi} ppi`;
   if (scale.mm_per_px !== undefined) return `${before}${scale.mm_per_px} mm/px`;
   if (scale.line) return `${before}line of ${scale.length_mm} mm`;
+  if (scale.circle) return `${before}circle of ${scale.diameter_mm} mm`;
+  if (scale.grid) return `${before}grid of ${scale.spacing_mm} mm`;
   return scale.coin ? `${before}coin of ${scale.diameter_mm} mm` : "own scale";
 }
 

@@ -15,6 +15,23 @@ const scale = (from, to, start, end) => (value) =>
 const path = (points) =>
   points.map(([x, y], k) => `${k ? "L" : "M"}${x.toFixed(1)} ${y.toFixed(1)}`).join("");
 
+/** The least and the greatest of some values; a spread would overflow the stack with very many. */
+const ends = (values) =>
+  values.reduce(([low, high], value) => [Math.min(low, value), Math.max(high, value)], [Infinity, -Infinity]);
+
+/** Dots at some places, one for each pixel: the first frame there draws it. */
+function dots(places) {
+  const taken = new Set();
+  return places.flatMap((place, index) => {
+    if (!place) return [];
+    const [x, y] = place.map(Math.round);
+    const key = x * 4096 + y;
+    if (taken.has(key)) return [];
+    taken.add(key);
+    return [{ index, d: `M${x} ${y}h0` }];
+  });
+}
+
 /** The index of the nearest value in a rising list. */
 function nearest(values, wanted) {
   let low = 0;
@@ -46,12 +63,21 @@ export class SequenceTraces {
       tabindex: 0,
       "aria-label": "Time of the frame",
     });
-    this.side = s("svg", {
-      width: SIDE,
-      height: HEIGHT,
-      role: "img",
-      "aria-label": "Contact area against force, up to the current frame",
-    });
+    this.sides = [
+      { key: "gross_area_mm2", words: "area (mm²)", name: "Contact area", fromZero: true },
+      { key: "aspect_ratio", words: "aspect ratio", name: "Aspect ratio", fromZero: false },
+    ].map((side) => ({
+      ...side,
+      points: [],
+      grown: s("path.grown"),
+      drawn: 0,
+      plot: s("svg", {
+        width: SIDE,
+        height: HEIGHT,
+        role: "img",
+        "aria-label": `${side.name} against force, up to the current frame`,
+      }),
+    }));
     this.playButton = h("button", { type: "button", onclick: () => this.#toggle() }, "Play");
     this.alignBox = h("input", { type: "checkbox", onchange: () => this.#aligning() });
     this.alignWords = h("span.soft", { role: "status" });
@@ -68,7 +94,17 @@ export class SequenceTraces {
       this.alignWords,
       this.keepButton,
     );
-    this.root = h("div.traces", { hidden: true }, this.bar, h("div.trace-plots", null, this.plot, this.side));
+    this.root = h(
+      "div.traces",
+      { hidden: true },
+      this.bar,
+      h(
+        "div.trace-plots",
+        null,
+        this.plot,
+        this.sides.map(({ plot }) => plot),
+      ),
+    );
     this.observer = new ResizeObserver(() => this.#draw());
     this.observer.observe(this.root);
     this.plot.addEventListener("pointerdown", (event) => this.#press(event));
@@ -101,7 +137,9 @@ export class SequenceTraces {
   }
 
   #draw() {
-    const width = Math.max(200, this.root.clientWidth - SIDE - 12);
+    const whole = this.root.clientWidth - 24;
+    const beside = whole - this.sides.length * (SIDE + 12);
+    const width = Math.max(200, beside < 260 ? whole : beside); // on narrow screens the plots wrap
     if (!this.#signal || this.root.hidden || !width) return;
     const { time_s: time, load_N: load } = this.#signal;
     const frames = this.#frames;
@@ -122,9 +160,8 @@ export class SequenceTraces {
       "g.areas",
       null,
       s("path", {
-        d: frames
-          .filter(({ gross_area_mm2: area }) => area)
-          .map((one) => `M${this.x(one.time_s).toFixed(1)} ${this.areaY(one.gross_area_mm2).toFixed(1)}h0`)
+        d: dots(areas.map((area, k) => (area ? [this.x(times[k]), this.areaY(area)] : null)))
+          .map(({ d }) => d)
           .join(""),
       }),
     );
@@ -144,7 +181,7 @@ export class SequenceTraces {
       label(width - PAD.right, HEIGHT - 6, `${plain(Number(ends[1].toPrecision(3)))} s`, "", "end"),
     );
     this.#displace();
-    this.#drawSide(areas, greatest);
+    this.#drawSides();
     this.#cursor();
   }
 
@@ -171,23 +208,31 @@ export class SequenceTraces {
       });
   }
 
-  #drawSide(areas, greatest) {
-    const loads = this.#frames.map(({ load_N }) => load_N ?? 0);
+  /** Area and aspect ratio against force: all frames faint, those up to the current one strong. */
+  #drawSides() {
     const bottom = HEIGHT - PAD.bottom;
-    const x = scale(0, greatest(loads) || 1, PAD.left - 14, SIDE - 8);
-    const y = scale(0, greatest(areas) || 1, bottom, PAD.top);
-    this.points = this.#frames.map((_, k) => (areas[k] ? [x(loads[k]), y(areas[k])] : null));
-    this.grown = s("path.grown");
-    const all = this.points.filter(Boolean);
-    render(
-      this.side,
-      s("path.axis", { d: `M${PAD.left - 14} ${PAD.top}V${bottom}H${SIDE - 8}` }),
-      s("path.all", { d: all.map(([px, py]) => `M${px.toFixed(1)} ${py.toFixed(1)}h0`).join("") }),
-      this.grown,
-      s("text", { x: SIDE - 8, y: HEIGHT - 6, "text-anchor": "end" }, "force (N)"),
-      s("text", { x: PAD.left - 8, y: PAD.top + 9 }, "area (mm²)"),
-    );
-    this.side.style.visibility = all.length ? "" : "hidden";
+    const loads = this.#frames.map(({ load_N }) => load_N ?? 0);
+    const x = scale(0, Math.max(...ends(loads)) || 1, PAD.left - 14, SIDE - 8);
+    for (const side of this.sides) {
+      const values = this.#frames.map((frame) => frame[side.key]);
+      const [low, high] = ends(values.filter(Boolean));
+      const y = scale(side.fromZero ? 0 : low, high, bottom - (side.fromZero ? 0 : 6), PAD.top + 12);
+      side.points = dots(values.map((value, k) => (value ? [x(loads[k]), y(value)] : null)));
+      side.grown = s("path.grown");
+      side.drawn = 0;
+      const number = (value) => plain(Number(value.toPrecision(3)));
+      render(
+        side.plot,
+        s("path.axis", { d: `M${PAD.left - 14} ${PAD.top}V${bottom}H${SIDE - 8}` }),
+        s("path.all", { d: side.points.map(({ d }) => d).join("") }),
+        side.grown,
+        s("text", { x: SIDE - 8, y: HEIGHT - 6, "text-anchor": "end" }, "force (N)"),
+        s("text", { x: PAD.left - 8, y: PAD.top + 9 }, side.words),
+        side.points.length > 0 &&
+          s("text", { x: SIDE - 8, y: PAD.top + 9, "text-anchor": "end" }, `≤ ${number(high)}`),
+      );
+      side.plot.style.display = side.points.length ? "" : "none";
+    }
   }
 
   #cursor() {
@@ -196,8 +241,18 @@ export class SequenceTraces {
     this.line.setAttribute("visibility", frame ? "visible" : "hidden");
     if (!frame) return;
     this.line.setAttribute("transform", `translate(${this.x(frame.time_s + this.#shift).toFixed(1)} 0)`);
-    const seen = this.points.slice(0, this.#at + 1).filter(Boolean);
-    this.grown.setAttribute("d", seen.map(([x, y]) => `M${x.toFixed(1)} ${y.toFixed(1)}h0`).join(""));
+    for (const side of this.sides) {
+      const count = side.points.findLastIndex(({ index }) => index <= this.#at) + 1;
+      if (count === side.drawn) continue;
+      side.drawn = count;
+      side.grown.setAttribute(
+        "d",
+        side.points
+          .slice(0, count)
+          .map(({ d }) => d)
+          .join(""),
+      );
+    }
     this.plot.setAttribute("aria-valuemin", String(this.#frames[0].time_s));
     this.plot.setAttribute("aria-valuemax", String(this.#frames.at(-1).time_s));
     this.plot.setAttribute("aria-valuenow", String(frame.time_s));

@@ -103,6 +103,12 @@ export class Stage {
     this.note.textContent = words;
   }
 
+  /** Show the picture brighter or with more contrast; it is measured as it is. */
+  setLook(brightness, contrast) {
+    const plain = brightness === 100 && contrast === 100;
+    this.picture.style.filter = plain ? "" : `brightness(${brightness}%) contrast(${contrast}%)`;
+  }
+
   /** Draw a scale bar. */
   setScale(mmPerPx) {
     this.mmPerPx = mmPerPx;
@@ -249,7 +255,8 @@ export class Stage {
     if (event.target !== this.root && !event.target.closest(".handle")) return;
     const arrow = { ArrowLeft: [0, -1], ArrowRight: [0, 1], ArrowUp: [-1, 0], ArrowDown: [1, 0] }[event.key];
     let done = true;
-    if (event.key === "+" || event.key === "=") this.zoomBy(1.25);
+    if (event.target === this.root && this.tool?.key?.(event)) done = true;
+    else if (event.key === "+" || event.key === "=") this.zoomBy(1.25);
     else if (event.key === "-") this.zoomBy(0.8);
     else if (event.key === "0") this.fit();
     else if (event.target !== this.root) done = false;

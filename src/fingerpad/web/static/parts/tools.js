@@ -264,6 +264,64 @@ export class Box {
   }
 }
 
+/** Three points; `changed(points)` is called once there are three, and whenever one has moved. */
+export class ThreePoints {
+  cursor = "crosshair";
+  once = true;
+  /** @type {Points} */
+  points = [];
+
+  constructor(stage, changed) {
+    this.changed = changed;
+    this.handles = [0, 1, 2].map((index) =>
+      handle(stage, {
+        label: `Point ${index + 1} on the rim`,
+        move: (point) => {
+          this.points[index] = point;
+          this.#draw();
+        },
+        commit: () => this.#report(),
+      }),
+    );
+    this.layer = s(
+      "g.rim",
+      null,
+      this.handles.map(({ node }) => node),
+    );
+    stage.world.append(this.layer);
+    this.set([]);
+  }
+
+  set(points) {
+    this.points = points.map((point) => [...point]);
+    this.#draw();
+  }
+
+  /** Set the next point, or move the nearest. */
+  down(point) {
+    const apart = (index) => Math.hypot(point[0] - this.points[index][0], point[1] - this.points[index][1]);
+    const index =
+      this.points.length < 3
+        ? this.points.length
+        : [0, 1, 2].sort((one, other) => apart(one) - apart(other))[0];
+    this.points[index] = point;
+    this.#draw();
+    this.#report();
+  }
+
+  #report() {
+    const round = (value) => Math.max(0, Math.round(value * 100) / 100);
+    if (this.points.length === 3) this.changed(this.points.map((point) => point.map(round)));
+  }
+
+  #draw() {
+    this.handles.forEach((each, index) => {
+      each.node.style.display = this.points[index] ? "" : "none";
+      if (this.points[index]) each.put(this.points[index]);
+    });
+  }
+}
+
 /** A tool for single points. */
 export class Click {
   cursor = "crosshair";

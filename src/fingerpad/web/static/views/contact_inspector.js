@@ -4,9 +4,12 @@ import { h, render } from "../core/dom.js";
 import { symbol } from "../core/glossary.js";
 import { BY, plain, quantityRow, quantityText } from "../core/quantity.js";
 import { describeCode } from "../core/workspace.js";
-import { check, chip, choose, field, number, synthetic } from "../parts/forms.js";
+import { button, check, chip, choose, field, number, segments, synthetic } from "../parts/forms.js";
+import { Histogram } from "../parts/histogram.js";
 import { poolingOf } from "../parts/pooling.js";
+import { agreementOf } from "./agreement.js";
 import { Inspector } from "./inspector.js";
+import { SHARED } from "./similar.js";
 
 /** @type {[key: string, label: () => any, title: string, mark: string][]} */
 const QUANTITIES_SHOWN = [
@@ -59,10 +62,11 @@ const ON_LAYER = [
 const REASONS = ["smeared", "slipped", "cropped", "wrong finger", "no contact"];
 
 const RESETS = [
+  ["threshold", "Reset threshold"],
   ["seed_px", "Reset seed point"],
   ["region_of_interest_px", "Reset region of interest"],
   ["ellipse_px", "Reset ellipse"],
-  ["strokes", "Reset brush"],
+  ["strokes", "Reset drawing"],
 ];
 
 export class ContactInspector extends Inspector {
@@ -75,12 +79,60 @@ export class ContactInspector extends Inspector {
       brush: "Radius of the brush that removes",
       hint: "[ and ] change it; Alt switches between adding and removing.",
     },
+    threshold: { words: h("div.stack-small", null, h("h3", null, "Threshold")) },
+    lasso: { words: this.#areaTool("lasso", "Draw around an area in one stroke.") },
+    polygon: {
+      words: this.#areaTool(
+        "polygon",
+        "Click corner by corner; the first corner, or Enter, closes it. Backspace takes one back, Esc all.",
+      ),
+    },
     seed: { words: h("p.soft", null, "Click a point inside the contact.") },
     box: { words: h("p.soft", null, "Draw a box around the contact.") },
   };
 
   constructor(view) {
-    super(view, ["numbers"], REASONS);
+    super(view, ["agreement", "numbers"], REASONS);
+    this.parts.agreement.hidden = !view.blind;
+    this.histogram = new Histogram({
+      tried: (threshold) => view.tryThreshold(threshold),
+      set: (threshold) => view.setThreshold(threshold),
+    });
+    this.tools.threshold.words.append(this.histogram.root);
+  }
+
+  /** What an area that is drawn around does, and how it is drawn. */
+  #areaTool(name, hint) {
+    const actions = segments(
+      `What the ${name} does`,
+      [
+        ["replace", "Is the contact"],
+        ["add", "Add"],
+        ["remove", "Remove"],
+      ],
+      "replace",
+      (action) => this.view.setAction(action),
+    );
+    return h("div.stack-small", null, actions, h("p.soft", null, hint));
+  }
+
+  tool() {
+    super.tool();
+    /** @type {HTMLElement | null} */
+    const actions = this.parts.tool.querySelector("[role=radiogroup]");
+    actions?.show(this.view.action);
+    if (this.view.tool === "threshold") this.histogram.input.focus({ preventScroll: true });
+  }
+
+  /**
+   * Show the histogram with the threshold that a person set.
+   *
+   * @param {Answers["ContactLevels"] | null} levels
+   * @param {number | null} threshold
+   */
+  levels(levels, threshold) {
+    this.histogram.root.hidden = !levels;
+    if (levels) this.histogram.show(levels, threshold);
   }
 
   head() {
@@ -101,6 +153,21 @@ export class ContactInspector extends Inspector {
     this.head();
     render(this.parts.numbers, h("p.loading", null, "Measuring …"));
     this.tool();
+  }
+
+  /** Before the second operator has outlined anything. */
+  blind() {
+    render(
+      this.parts.numbers,
+      h("h3", null, "Contact"),
+      h("p", null, "Outline the contact by lasso, polygon or threshold. No other outline is shown."),
+    );
+    this.settings(null);
+  }
+
+  corrected() {
+    super.corrected();
+    if (this.view.blind) render(this.parts.agreement, agreementOf(this.view.agreement));
   }
 
   /**
@@ -124,7 +191,7 @@ export class ContactInspector extends Inspector {
       return;
     }
     const { numbers, program, model } = answer;
-    const corrected = answer.by !== "program";
+    const corrected = answer.by !== "program" && !this.view.blind;
     const line = ([key, label, words, mark]) =>
       quantityRow(label(), quantityText(numbers, key), {
         mark,
@@ -203,6 +270,7 @@ export class ContactInspector extends Inspector {
           ),
         ),
       answer.pooling &&
+        !this.view.blind &&
         !this.view.corrections.change.rejected &&
         poolingOf(answer.pooling, {
           words: describeCode,
@@ -249,7 +317,7 @@ export class ContactInspector extends Inspector {
           }),
         ),
         field(
-          "Threshold",
+          "Threshold, grey levels",
           number({
             value: change.threshold ?? null,
             min: 0,
@@ -258,8 +326,17 @@ export class ContactInspector extends Inspector {
           }),
         ),
       ),
+      this.view.film &&
+        answer &&
+        check("Key frame: carry this ellipse to the frames up to the next one (k)", {
+          checked: Boolean(change.key_frame),
+          onset: (on) => this.view.setKeyFrame(on),
+        }),
       this.resetButtons(RESETS),
-      check("Show the automatic outline", { onset: (on) => this.view.showAutomatic(on) }),
+      this.view.source === "images" &&
+        SHARED.some((key) => change[key] !== undefined && change[key] !== null) &&
+        button("Apply to similar images …", () => this.view.applyToSimilar(), { kind: "small" }),
+      !this.view.blind && check("Show the automatic outline", { onset: (on) => this.view.showAutomatic(on) }),
     );
   }
 }

@@ -40,10 +40,12 @@ export class ContactOverlay {
     render(
       this.#strokes,
       (strokes ?? []).map(({ action, points_px: points, radius_px: radius }) =>
-        s(`path.stroke.${action}`, {
-          d: pathOf(points.length > 1 ? points : [points[0], points[0]], false),
-          "stroke-width": 2 * radius,
-        }),
+        radius
+          ? s(`path.stroke.${action}`, {
+              d: pathOf(points.length > 1 ? points : [points[0], points[0]], false),
+              "stroke-width": 2 * radius,
+            })
+          : s(`path.area.${action}`, { d: pathOf(points) }),
       ),
     );
     this.#seed = seed ?? null;

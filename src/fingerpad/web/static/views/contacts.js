@@ -8,6 +8,7 @@ import { plain } from "../core/quantity.js";
 import { workspace } from "../core/workspace.js";
 import { choose, empty } from "../parts/forms.js";
 import { icons } from "../parts/icons.js";
+import { Lasso, Polygon } from "../parts/lasso.js";
 import { missingOf } from "../parts/missing_fields.js";
 import { scaleWords } from "../parts/scale_choice.js";
 import { SequenceTraces } from "../parts/sequence_traces.js";
@@ -16,15 +17,27 @@ import { describe, FILTER_TESTS, FILTERS } from "./contact_entries.js";
 import { ContactInspector } from "./contact_inspector.js";
 import { ContactOverlay } from "./contact_overlay.js";
 import { Review } from "./review.js";
+import { applyToSimilar } from "./similar.js";
 
 /** @type {Parameters<typeof import("../parts/forms.js").segments>[1]} */
 const TOOLS = [
   ["ellipse", "Drag the ellipse", { icon: icons.ellipse, shortcut: "v" }],
   ["add", "Brush: add to the region", { icon: icons.add, shortcut: "b" }],
   ["remove", "Brush: remove from the region", { icon: icons.remove, shortcut: "e" }],
+  ["lasso", "Lasso: draw around an area", { icon: icons.lasso, shortcut: "l" }],
+  ["polygon", "Polygon: corners of an area", { icon: icons.polygon, shortcut: "g" }],
+  ["threshold", "Threshold on the histogram", { icon: icons.histogram, shortcut: "t" }],
   ["seed", "Seed point inside the contact", { icon: icons.seed, shortcut: "s" }],
   ["box", "Region of interest", { icon: icons.box, shortcut: "o" }],
 ];
+
+/**
+ * Whether a person outlined the contact themselves.
+ *
+ * @param {Partial<Change>} change
+ */
+const outlined = ({ ellipse_px: ellipse, threshold, strokes }) =>
+  Boolean(ellipse || threshold || strokes?.some(({ action }) => action === "replace"));
 
 class Contacts extends Review {
   /** @type {(Observation | Frame)[]} */
@@ -34,7 +47,20 @@ class Contacts extends Review {
   /** @type {Sequence | undefined} */
   film;
 
-  nothing = "No contact was found. Reject the image, or set threshold, polarity or seed point.";
+  /** @type {"add" | "remove" | "replace"} */
+  action = "replace";
+  /** @type {Lasso | Polygon | null} */
+  area = null;
+  /** @type {Answers["ContactLevels"] | null} */
+  levels = null;
+  levelsKey = "";
+
+  /** @type {Answers["SecondOperator"] | null} */
+  agreement = null;
+  /** @type {"first" | "second"} */
+  operator = "first";
+
+  nothingToAccept = "No contact was found. Reject the image, or set threshold, polarity or seed point.";
   last = [
     "This was the last image. Run the study to see the results.",
     { kind: "good", action: { words: "Run", do: () => (location.hash = "#/run") } },
@@ -46,6 +72,11 @@ class Contacts extends Review {
     this.filter = "";
     this.source = this.#sources().some(([key]) => key === rest[0]) ? rest[0] : this.#sources()[0]?.[0];
     this.wanted = rest[1];
+    if (this.source === "second") {
+      this.operator = "second";
+      this.tool = "lasso";
+      this.nothingToAccept = "Outline the contact first: lasso, polygon or threshold.";
+    }
     if (!this.source) this.#nothing();
     else this.#build();
   }
@@ -54,6 +85,7 @@ class Contacts extends Review {
     const images = workspace.study.observations.filter(({ file }) => file).length;
     return [
       ...(images ? [["images", `Contact images (${images})`]] : []),
+      ...(images ? [["second", "Second operator, blind"]] : []),
       ...workspace.study.sequences
         .filter(({ file }) => file)
         .map(({ name, frames }) => [`film:${name}`, `Sequence ${name}${frames ? ` (${frames})` : ""}`]),
@@ -116,13 +148,23 @@ class Contacts extends Review {
     this.bind([
       ["b", "Brush: add (Alt: remove)", () => this.use("add")],
       ["e", "Brush: remove", () => this.use("remove")],
+      ["l", "Lasso (Alt: remove)", () => this.use("lasso")],
+      ["g", "Polygon: Space sets a corner, Enter closes it", () => this.use("polygon")],
+      ["t", "Threshold: arrow keys move it", () => this.use("threshold")],
       ["s", "Seed point", () => this.use("seed")],
+      ["k", "Key frame of a sequence", () => this.setKeyFrame(!this.corrections?.change.key_frame)],
       ["n", "Next flagged image", () => this.#nextFlagged()],
       ["p", "Hold: show the automatic outline", () => this.showAutomatic(true)],
     ]);
     this.keyup = (event) => event.key === "p" && this.showAutomatic(false);
     document.addEventListener("keyup", this.keyup);
+    if (this.blind) this.use(this.tool);
     this.load();
+  }
+
+  /** Whether the person works without seeing any outline but their own. */
+  get blind() {
+    return this.operator === "second";
   }
 
   addOverlay() {
@@ -133,6 +175,16 @@ class Contacts extends Review {
     this.count.textContent = "loading …";
     if (this.source === "images") {
       this.all = workspace.study.observations.filter(({ file }) => file).map((entry) => ({ ...entry }));
+    } else if (this.blind) {
+      this.agreement = await get("/api/study/second-operator");
+      if (this.closed) return;
+      const known = new Map(workspace.study.observations.map((entry) => [entry.item, entry]));
+      this.all = this.agreement.images.map((image) => ({
+        ...known.get(image.item),
+        flags: [],
+        status: "done",
+        ...image,
+      }));
     } else {
       const name = this.source.slice(5);
       this.film = workspace.study.sequences.find((entry) => entry.name === name);
@@ -196,9 +248,10 @@ class Contacts extends Review {
     this.strip.set(this.entries);
     if (!this.entries.length) {
       this.count.textContent = `none of ${this.all.length}`;
-      this.stage.setMessage(
-        this.all.length ? "No image matches this filter." : "This sequence has no frames.",
-      );
+      const none = this.blind
+        ? "The first operator has not accepted or corrected any image yet."
+        : "This sequence has no frames.";
+      this.stage.setMessage(this.all.length ? "No image matches this filter." : none);
       return;
     }
     this.at = -1;
@@ -207,7 +260,9 @@ class Contacts extends Review {
   }
 
   #firstInContact() {
-    return this.source === "images" ? 0 : this.entries.findIndex(({ status }) => status !== "none");
+    return this.source === "images" || this.blind
+      ? 0
+      : this.entries.findIndex(({ status }) => status !== "none");
   }
 
   address(item) {
@@ -251,8 +306,45 @@ class Contacts extends Review {
   }
 
   async measure(item, newest) {
-    const answer = await post("/api/measure/contact", { item });
-    if (newest()) this.show(answer);
+    const change = this.blind ? this.corrections.change : undefined;
+    if (this.blind && !outlined(change)) {
+      this.measured = null;
+      this.editor.hide();
+      this.overlay.clear();
+      this.area?.dry();
+      this.inspector.blind();
+    } else {
+      const answer = await post("/api/measure/contact", { item, change });
+      if (!newest()) return;
+      this.show(answer);
+    }
+    await this.#levels(item, newest);
+  }
+
+  /** Show the histogram; only some corrections change it. */
+  async #levels(item, newest) {
+    const { threshold, dark_on_light, seed_px, mask_px, region_of_interest_px } = this.corrections.change;
+    const change = withoutDefaults({ dark_on_light, seed_px, mask_px, region_of_interest_px });
+    const key = JSON.stringify([item, change]);
+    if (key !== this.levelsKey) {
+      const levels = await post("/api/measure/levels", { item, change }).catch(() => null);
+      if (!newest()) return;
+      [this.levels, this.levelsKey] = [levels, key];
+    }
+    const levels = this.levels && { ...this.levels };
+    if (levels && this.blind) levels.automatic_threshold = null;
+    this.inspector.levels(levels, threshold ?? null);
+  }
+
+  /** The correction with another threshold, while it is moved. */
+  tryThreshold(threshold) {
+    this.editor.hide();
+    this.tryOut(withoutDefaults({ ...this.corrections.change, threshold, accepted: false, rejected: null }));
+  }
+
+  setThreshold(threshold) {
+    this.held = false;
+    this.set("threshold", threshold);
   }
 
   /**
@@ -269,6 +361,7 @@ class Contacts extends Review {
       this.editor.show(centre, major[0], minor[0]);
       this.showTool();
       this.brush?.dry();
+      this.area?.dry();
     }
     this.inspector.show(answer);
   }
@@ -279,13 +372,35 @@ class Contacts extends Review {
 
   makeTool(tool) {
     if (tool === "seed") return new Click((at) => this.set("seed_px", at));
-    if (tool === "ellipse") return null;
-    return this.paint(tool, (stroke) =>
+    if (tool === "ellipse" || tool === "threshold") return null;
+    const done = (stroke) => {
+      if (this.blind && stroke.action !== "replace" && !outlined(this.corrections.change)) {
+        toast(this.nothingToAccept);
+        this.brush?.dry();
+        this.area?.dry();
+        return;
+      }
       this.keep((change) => ({
         ...this.withoutEllipse(change),
-        strokes: [...(change.strokes ?? []), stroke],
-      })),
-    );
+        strokes: [...(stroke.action === "replace" ? [] : (change.strokes ?? [])), stroke],
+      }));
+    };
+    if (tool === "lasso" || tool === "polygon") {
+      this.area = new (tool === "lasso" ? Lasso : Polygon)(this.stage, { action: this.action, done });
+      return this.area;
+    }
+    return this.paint(tool, done);
+  }
+
+  applyToSimilar() {
+    return applyToSimilar(this.entry.item).catch(showError);
+  }
+
+  /** @param {"add" | "remove" | "replace"} action what an area that is drawn around does */
+  setAction(action) {
+    this.action = action;
+    this.area?.setAction(action);
+    this.stage.root.focus({ preventScroll: true });
   }
 
   #ellipse() {
@@ -311,6 +426,27 @@ class Contacts extends Review {
     this.set("ellipse_px", this.#ellipse());
   }
 
+  /** Carry the ellipse of this frame to those up to the next key frame, or no longer. */
+  async setKeyFrame(on) {
+    if (!this.film || !this.measured) return;
+    await this.keep((change) => ({
+      ...change,
+      ellipse_px: on ? (change.ellipse_px ?? this.#ellipse()) : change.ellipse_px,
+      key_frame: on,
+    }));
+    await this.#refreshFrames();
+  }
+
+  /** Read again which frames around this one are interpolated. */
+  async #refreshFrames() {
+    const offset = Math.max(0, this.entry.frame - 1000);
+    const { frames } = await get("/api/study/frames", { sequence: this.film.name, offset, limit: 2000 });
+    frames.forEach((frame, k) => {
+      Object.assign(this.all[offset + k] ?? {}, frame);
+    });
+    this.strip.refresh();
+  }
+
   #nextFlagged() {
     const from = this.at + 1;
     const order = [...this.entries.slice(from), ...this.entries.slice(0, from)];
@@ -320,6 +456,7 @@ class Contacts extends Review {
   }
 
   showAutomatic(show) {
+    if (this.blind) return;
     const own = this.measured?.program;
     this.overlay.own(show && own ? own.outline_px : null);
     this.stage.root.classList.toggle("comparing", show);
@@ -354,7 +491,7 @@ class Contacts extends Review {
   }
 
   update() {
-    if (!this.stage) return;
+    if (!this.stage || this.blind) return;
     if (this.source !== "images") {
       this.film = workspace.study.sequences.find(({ name }) => name === this.film?.name) ?? this.film;
       this.refreshMissing();

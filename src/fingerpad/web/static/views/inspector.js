@@ -19,6 +19,7 @@ export class Inspector {
       ]),
     );
     this.parts.tool.hidden = true;
+    this.parts.look = h("section", { "data-part": "look" }, this.#look());
     this.why = text({ value: "", placeholder: "reason", list: "reasons" });
     this.why.addEventListener("keydown", (event) => event.key === "Enter" && this.view.reject());
     this.root = h(
@@ -32,6 +33,29 @@ export class Inspector {
       ),
     );
     this.footer = h("div.footer", null, this.#decision());
+  }
+
+  /** Brightness and contrast of the picture on the screen. */
+  #look() {
+    const look = { brightness: 100, contrast: 100 };
+    const set = (key, value) => {
+      look[key] = value;
+      sliders[key].show(value);
+      this.view.stage.setLook(look.brightness, look.contrast);
+    };
+    const make = (key, words) =>
+      slider(words, { value: 100, min: 20, max: 400, unit: "%", onset: (value) => set(key, value) });
+    const sliders = { brightness: make("brightness", "Brightness"), contrast: make("contrast", "Contrast") };
+    const resetAll = () => {
+      for (const key of Object.keys(look)) set(key, 100);
+    };
+    const reset = button("Reset", resetAll, { kind: "small" });
+    return h(
+      "details",
+      null,
+      h("summary", null, "Brightness and contrast, for looking only"),
+      h("div.stack-small", null, sliders.brightness, sliders.contrast, reset),
+    );
   }
 
   #decision() {
@@ -93,7 +117,10 @@ export class Inspector {
       null,
       parts.map(
         ([key, words]) =>
-          made(change[key]) && button(words, () => this.view.set(key, null), { kind: "small" }),
+          made(change[key]) &&
+          button(words, () => (key === "ellipse_px" ? this.view.resetEllipse() : this.view.set(key, null)), {
+            kind: "small",
+          }),
       ),
     );
   }

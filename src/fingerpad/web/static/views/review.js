@@ -17,13 +17,14 @@ const VERDICTS = ["accepted", "rejected", "pooling"];
 /**
  * Marks of a thumbnail for what a person did: kind and text.
  *
- * @param {Partial<Pick<Answers["FrameEntry"], "corrected" | "accepted" | "rejected">>} entry
+ * @param {Partial<Pick<Answers["FrameEntry"], "corrected" | "accepted" | "rejected" | "interpolated">>} entry
  */
-export function reviewMarks({ corrected, accepted, rejected }) {
+export function reviewMarks({ corrected, accepted, rejected, interpolated }) {
   return [
-    corrected && ["corrected", "corrected"],
+    corrected && !interpolated && ["corrected", "corrected"],
     accepted && ["accepted", "accepted"],
     rejected && ["rejected", `rejected: ${rejected}`],
+    interpolated && ["interpolated", "interpolated between key frames"],
   ].filter(Boolean);
 }
 
@@ -47,6 +48,8 @@ export class Review {
   /** @type {Brush | null} */
   brush = null;
   at = -1;
+  /** @type {"first" | "second"} */
+  operator = "first";
   /** @type {Answers["MissingEntry"][] | undefined} */
   lacking;
   tool = "ellipse";
@@ -169,6 +172,7 @@ export class Review {
     this.corrections = new Corrections(item, {
       changed: () => this.#corrected(),
       conflict: () => this.#conflict(),
+      operator: this.operator,
     });
     this.#turned();
     this.measured = null;
@@ -268,8 +272,8 @@ export class Review {
     this.brush = null;
     this.stage.use(tool === "box" ? this.box : this.makeTool(tool));
     this.showTool();
-    this.inspector.tool();
     this.stage.root.focus({ preventScroll: true });
+    this.inspector.tool();
   }
 
   /** Make a brush; `done` is called with each stroke. */
@@ -299,11 +303,18 @@ export class Review {
   }
 
   #dragged(final) {
-    this.held = !final;
-    if (final) return this.dropped();
+    if (final) {
+      this.held = false;
+      this.dropped();
+    } else this.tryOut(this.dragged());
+  }
+
+  /** Show what a correction would give while the hand still moves; nothing is saved. */
+  tryOut(change) {
+    this.held = true;
     this.#turn += 1;
     this.#busy(true);
-    this.live.request(this.dragged());
+    this.live.request(change);
   }
 
   set(key, value) {
@@ -322,7 +333,11 @@ export class Review {
   /** Remove the manual ellipse from a correction, with a message if there is one. */
   withoutEllipse(change) {
     if (change.ellipse_px) toast("This replaces the manual ellipse; Undo restores it.");
-    return { ...change, ellipse_px: null };
+    return { ...change, ellipse_px: null, key_frame: false };
+  }
+
+  resetEllipse() {
+    return this.keep((change) => ({ ...change, ellipse_px: null, key_frame: false }));
   }
 
   /** Save whether the contact is pooled; the verdict stays. */

@@ -9,18 +9,26 @@ import { describeCode, workspace } from "../core/workspace.js";
 import { button, chip, choose, faultList, field, NAME, number, segments, text } from "../parts/forms.js";
 import { COINS } from "../parts/scale_choice.js";
 import { Stage } from "../parts/stage.js";
-import { Line } from "../parts/tools.js";
+import { Line, ThreePoints } from "../parts/tools.js";
 
 /** @type {[key: string, words: string][]} */
 const WAYS = [
   ["line", "Ruler"],
   ["coin", "Coin"],
+  ["circle", "Circle"],
+  ["grid", "Grid"],
   ["ppi", "Resolution"],
   ["mm_per_px", "mm/px"],
 ];
 
 // Defaults of a new scale: the ends of a line are drawn to about one pixel.
-const DEFAULTS = { line: { ends_px_std: 1 } };
+const DEFAULTS = {
+  line: { ends_px_std: 1 },
+  circle: { points_px_std: 1 },
+  grid: { pattern: "checkerboard" },
+};
+// Ways that need a picture.
+const PICTURED = ["line", "coin", "circle", "grid"];
 
 // ISO/IEC 7810, format ID-1: bank cards, most identity cards and driving licences.
 const KNOWN_LENGTHS = [
@@ -44,7 +52,12 @@ class Scales {
     );
     this.line = new Line(this.stage, (ends) => this.#drawn(ends));
     this.coin = s("path.coin");
-    this.stage.world.append(this.coin);
+    this.grid = s("path.grid-points");
+    this.stage.world.append(this.coin, this.grid);
+    this.rim = new ThreePoints(this.stage, (points) => {
+      this.table.circle = points;
+      this.#ask();
+    });
     this.stage.use(this.line);
     this.result = h("div.result", { "aria-live": "polite" });
     this.form = h("div.stack");
@@ -114,12 +127,13 @@ class Scales {
     this.table = structuredClone(scale?.table ?? draft?.table ?? DEFAULTS.line);
     this.way = draft?.way ?? this.#wayOf(this.table) ?? "line";
     this.answer = null;
-    this.file = this.table.coin ?? this.#guess();
+    this.file = this.table.coin ?? this.table.grid ?? this.#guess();
     this.#drawList();
     this.#drawForm();
     this.#show(this.file);
     this.line.set(this.table.line ?? null);
     this.line.kept = this.table.line;
+    this.#useTool();
     this.#ask();
   }
 
@@ -161,7 +175,7 @@ class Scales {
         "button.scale-item.new",
         { type: "button", "aria-pressed": String(!this.old), onclick: () => this.#start(null) },
         h("strong", null, "+ New scale"),
-        h("span.soft", null, "ruler, coin or resolution"),
+        h("span.soft", null, "ruler, coin, grid or resolution"),
       ),
     );
   }
@@ -190,7 +204,7 @@ class Scales {
         h("h3", null, "Type of scale"),
         segments("Type of scale", WAYS, this.way, (way) => this.#choose(way)),
       ),
-      ["line", "coin"].includes(this.way) &&
+      PICTURED.includes(this.way) &&
         h(
           "section",
           null,
@@ -202,10 +216,12 @@ class Scales {
               onset: (file) => this.#take(file),
             }),
             {
-              hint:
-                this.way === "line"
-                  ? "Draw a line between two marks of the ruler."
-                  : "The whole coin, parallel to the image plane, on a plain background.",
+              hint: {
+                line: "Draw a line between two marks of the ruler.",
+                coin: "The whole coin, parallel to the image plane, on a plain background.",
+                circle: "Click three points on the rim of a coin, far apart; drag them to move them.",
+                grid: "A flat checkerboard or grid of dots where the finger touches, on a light margin.",
+              }[this.way],
             },
           ),
         ),
@@ -228,7 +244,7 @@ class Scales {
       ),
     );
     this.#drawFields();
-    this.stage.root.hidden = !["line", "coin"].includes(this.way);
+    this.stage.root.hidden = !PICTURED.includes(this.way);
     this.plainWords.hidden = !this.stage.root.hidden;
   }
 
@@ -266,6 +282,53 @@ class Scales {
         field("Diameter", of("diameter_mm"), { unit: "mm" }),
         field("Uncertainty", of("diameter_mm_std", { placeholder: "not stated" }), { unit: "mm" }),
       ],
+      circle: () => [
+        field(
+          "Coin type",
+          choose({
+            value: String(this.table.diameter_mm ?? ""),
+            options: COINS,
+            onset: (value) => value && (set("diameter_mm")(Number(value)), this.#drawFields()),
+          }),
+          { wide: true },
+        ),
+        field("Diameter", of("diameter_mm"), { unit: "mm" }),
+        field("Uncertainty", of("diameter_mm_std", { placeholder: "not stated" }), { unit: "mm" }),
+        field("Uncertainty of each point", of("points_px_std", { placeholder: "not stated" }), {
+          unit: "px",
+        }),
+      ],
+      grid: () => [
+        field(
+          "Pattern",
+          choose({
+            value: this.table.pattern ?? "checkerboard",
+            options: [
+              ["checkerboard", "checkerboard: inner corners count"],
+              ["dots", "grid of dots"],
+            ],
+            onset: set("pattern"),
+          }),
+          { wide: true },
+        ),
+        ...["down", "along"].map((words, place) =>
+          field(
+            `Points ${words}`,
+            number({
+              value: this.table.points?.[place] ?? null,
+              min: 3,
+              onset: (value) => {
+                const points = [...(this.table.points ?? [null, null])];
+                points[place] = value === null ? null : Math.round(value);
+                this.table.points = points;
+                this.#ask();
+              },
+            }),
+          ),
+        ),
+        field("Spacing", of("spacing_mm"), { unit: "mm" }),
+        field("Uncertainty", of("spacing_mm_std", { placeholder: "not stated" }), { unit: "mm" }),
+      ],
       ppi: () => [
         field("Pixels per inch", of("ppi"), { unit: "ppi" }),
         field("Relative uncertainty", of("relative_std", { placeholder: "not stated", max: 1 }), {
@@ -287,15 +350,22 @@ class Scales {
     this.way = way;
     this.table =
       way === this.#wayOf(this.old?.table) ? structuredClone(this.old.table) : { ...DEFAULTS[way] };
-    if (way === "coin") this.table.coin = this.file;
+    if (way === "coin" || way === "grid") this.table[way] = this.file;
     this.answer = null;
     this.#drawForm();
     this.form.querySelector("[role=radio][aria-checked=true]")?.focus();
     this.coin.setAttribute("d", "");
+    this.grid.setAttribute("d", "");
     this.line.set(way === "line" ? (this.table.line ?? null) : null);
-    this.stage.use(way === "line" ? this.line : null);
+    this.#useTool();
     if (!this.stage.root.hidden) this.#show(this.file);
     this.#ask();
+  }
+
+  /** The tool of this type of scale; the others' marks are hidden. */
+  #useTool() {
+    this.rim.set(this.way === "circle" ? (this.table.circle ?? []) : []);
+    this.stage.use({ line: this.line, circle: this.rim }[this.way] ?? null);
   }
 
   #wayOf(table) {
@@ -305,9 +375,13 @@ class Scales {
   #take(file) {
     this.live.cancel();
     this.file = file;
-    if (this.way === "coin") this.table.coin = file;
+    if (this.way === "coin" || this.way === "grid") this.table[this.way] = file;
+    this.coin.setAttribute("d", "");
+    this.grid.setAttribute("d", "");
     this.line.set(null);
     delete this.table.line;
+    this.rim.set([]);
+    delete this.table.circle;
     this.#show(file);
     this.#ask();
   }
@@ -338,6 +412,8 @@ class Scales {
     const keys = {
       line: ["line", "length_mm", "length_mm_std", "ends_px_std"],
       coin: ["coin", "diameter_mm", "diameter_mm_std"],
+      circle: ["circle", "diameter_mm", "diameter_mm_std", "points_px_std"],
+      grid: ["grid", "pattern", "points", "spacing_mm", "spacing_mm_std"],
       ppi: ["ppi", "relative_std"],
       mm_per_px: ["mm_per_px", "relative_std"],
     }[this.way];
@@ -350,10 +426,14 @@ class Scales {
     const needs = {
       line: ["line", "length_mm"],
       coin: ["coin", "diameter_mm"],
+      circle: ["circle", "diameter_mm"],
+      grid: ["grid", "points", "spacing_mm"],
       ppi: ["ppi"],
       mm_per_px: ["mm_per_px"],
     }[this.way];
-    return needs.every((key) => this.table[key] !== undefined && this.table[key] !== "");
+    const given = (value) =>
+      value !== undefined && value !== "" && !(Array.isArray(value) && value.includes(null));
+    return needs.every((key) => given(this.table[key]));
   }
 
   #ask() {
@@ -363,6 +443,8 @@ class Scales {
       const next = {
         line: this.table.line ? "Enter the length of the line." : "Draw a line on the ruler.",
         coin: "Select or enter the coin's diameter.",
+        circle: this.table.circle ? "Enter the diameter." : "Click three points on the rim.",
+        grid: "Count the points of the grid, and enter their spacing.",
         ppi: "Enter the resolution.",
         mm_per_px: "Enter the size of a pixel.",
       }[this.way];
@@ -376,6 +458,10 @@ class Scales {
     this.answer = answer;
     this.stage.setScale(answer.mm_per_px);
     this.coin.setAttribute("d", pathOf(answer.coin?.outline_px));
+    this.grid.setAttribute(
+      "d",
+      (answer.grid?.points_px ?? []).map(([row, column]) => `M${column} ${row}h0`).join(""),
+    );
     if (this.way === "line") this.line.write(`${plain(this.table.length_mm)} mm`);
     render(
       this.result,
@@ -398,15 +484,55 @@ class Scales {
         h(
           "p.soft.number",
           null,
-          `coin: radius ${withStd(answer.coin.radius_px, answer.coin.radius_px_std)} px`,
+          `${this.way === "circle" ? "circle" : "coin"}: radius ${withStd(answer.coin.radius_px, answer.coin.radius_px_std)} px`,
         ),
+      answer.grid && gridWords(answer.grid),
       answer.flags?.length > 0 &&
         h(
           "div.note",
           null,
           answer.flags.map((flag) => h("p", null, describeCode(flag))),
         ),
+      answer.grid && this.#rectification(),
     );
+  }
+
+  /** Contact images with this scale, and the button that rectifies them. */
+  #rectification() {
+    const images = workspace.study.observations.filter(
+      ({ file, scale }) => file && this.old && scale === this.old.name,
+    );
+    if (!images.length)
+      return h("p.soft", null, "Once contact images use this scale, they can be rectified here.");
+    return button(
+      `Rectify ${images.length} contact image${images.length > 1 ? "s" : ""}`,
+      () => this.#rectify(images),
+      { kind: "small", title: "Write them as if seen straight on, and measure these instead" },
+    );
+  }
+
+  async #rectify(images) {
+    const name = `${this.old.name}_rectified`;
+    try {
+      const { files, mm_per_px, relative_std } = await post("/api/scale/rectify", {
+        table: /** @type {any} */ (this.#definition()),
+        files: [...new Set(images.map(({ file }) => file))],
+      });
+      await workspace.edit(
+        { kind: "scale", key: name, set: { mm_per_px, relative_std } },
+        ...images.map(({ item, file }) => ({
+          kind: "observation",
+          key: item,
+          set: { file: files[file], scale: name },
+        })),
+      );
+      toast(`${images.length} rectified, with the scale ${name}. The pictures before stay where they are.`, {
+        kind: "good",
+      });
+      this.#start(workspace.study.scales.find((scale) => scale.name === name) ?? null);
+    } catch (error) {
+      render(this.problem, faultList(error));
+    }
   }
 
   #failed(error) {
@@ -527,7 +653,28 @@ function words(table) {
   if (table.mm_per_px !== undefined) return `${table.mm_per_px} mm/px`;
   if (table.line) return `line of ${table.length_mm} mm`;
   if (table.coin) return `coin of ${table.diameter_mm} mm`;
+  if (table.circle) return `circle of ${table.diameter_mm} mm`;
+  if (table.grid) return `grid of ${table.spacing_mm} mm`;
   return "incomplete";
+}
+
+/** @param {NonNullable<ScaleMeasurement["grid"]>} grid */
+function gridWords(grid) {
+  const percent = (share) => `${(100 * share).toFixed(share < 0.001 ? 2 : 1)} %`;
+  return h(
+    "dl.grid-words.number",
+    null,
+    [
+      ["Points off the plane", `${grid.residual_px.toFixed(2)} px`],
+      ["Sides of a pixel differ by", percent(grid.anisotropy)],
+      ["Scale differs over the grid by", percent(grid.variation)],
+      ["Left once rectified", percent(grid.unevenness)],
+      [
+        "Once rectified, mm/px",
+        `${withStd(grid.rectified_mm_per_px, grid.rectified_mm_per_px * grid.rectified_relative_std)}`,
+      ],
+    ].map(([words, value]) => [h("dt", null, words), h("dd", null, value)]),
+  );
 }
 
 export const open = (root, rest) => new Scales(root, rest);

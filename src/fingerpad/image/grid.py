@@ -1,0 +1,298 @@
+"""A checkerboard or a grid of dots: the scale of a plane, and its pictures without perspective."""
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Final, Literal, TypeAlias
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from fingerpad._arrays import FloatArray
+from fingerpad.exceptions import CalibrationError
+from fingerpad.image.inputs import ImageLike, grey_levels
+from fingerpad.image.scale import Scale
+
+Pattern: TypeAlias = Literal["checkerboard", "dots"]
+
+# Lengths that differ by more show a curved grid or a lens that bends lines.
+_BENT: Final = 0.005
+# Side lengths of pixels that differ by more show a tilt that one scale for all cannot describe.
+_TILTED: Final = 0.01
+_MIN_POINTS: Final = 3
+_STEP: Final = 1e-4
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Grid:
+    """A flat grid of known spacing in a picture.
+
+    Attributes
+    ----------
+    points : ndarray, shape (rows, columns, 2)
+        Corners between squares, or centres of dots, (row, column), px.
+    spacing_mm, spacing_mm_std : float
+        Distance of neighbours, mm.
+    homography : ndarray, shape (3, 3)
+        Takes homogeneous (x, y), in spacings from the first point along rows and columns, to px.
+
+    Examples
+    --------
+    >>> dark = np.indices((8, 10)).sum(axis=0) % 2 == 0
+    >>> board = np.full((200, 240), 230, dtype=np.uint8)
+    >>> board[20:180, 20:220][np.kron(dark, np.ones((20, 20), bool))] = 30
+    >>> grid = measure_grid(board, (7, 9), 1.0)
+    >>> seen, scale = grid.rectified(board)
+    >>> grid.points.shape, round(scale.mm_per_px, 4)
+    ((7, 9, 2), 0.05)
+    """
+
+    points: FloatArray
+    spacing_mm: float
+    spacing_mm_std: float
+    homography: FloatArray
+
+    @property
+    def residual(self) -> float:
+        """Root mean square distance of the points from those of the fitted plane, px, per coordinate."""
+        off = (self._project(self.homography) - self.points).ravel()
+        return math.sqrt(float(off @ off) / max(off.size - 8, 1))
+
+    @property
+    def anisotropy(self) -> float:
+        """By how much the longer side of a pixel on the plane exceeds the shorter, at most on the grid."""
+        sides = np.linalg.svd(self._jacobians(self.homography), compute_uv=False)
+        return float((sides[..., 0] / sides[..., 1]).max() - 1)
+
+    @property
+    def variation(self) -> float:
+        """Greatest relative difference of the scale on the grid from that of its middle."""
+        local = np.exp(self._log_scale(self.homography))
+        return float(np.abs(local / math.exp(local_middle(np.log(local))) - 1).max())
+
+    @property
+    def unevenness(self) -> float:
+        """By how much lengths of a third of the grid are wrong in the rectified picture, at most; relative.
+
+        A lens that bends lines, or a grid that is not flat, shows here.
+        """
+        rows, columns = self.points.shape[:2]
+        place = np.ascontiguousarray(self.points[..., ::-1]).reshape(1, -1, 2)
+        flat = cv2.perspectiveTransform(place, np.linalg.inv(self.homography)).reshape(rows, columns, 2)
+        found = []
+        for along in (flat, flat.transpose(1, 0, 2)):
+            third, beside = along.shape[0] // 3, -(-along.shape[1] // 3)
+            lengths = np.linalg.norm(along[third:] - along[:-third], axis=-1) / third
+            means = np.lib.stride_tricks.sliding_window_view(lengths, beside, axis=1).mean(axis=-1)
+            found.append(float(np.abs(means - 1).max()))
+        return max(found)
+
+    @property
+    def flags(self) -> tuple[str, ...]:
+        """Doubts: ``tilted`` where pixels are not square on the plane, ``bent`` where it is not flat."""
+        tilted = self.anisotropy > _TILTED or self.variation > _TILTED
+        found = {"tilted": tilted, "bent": self.unevenness > _BENT}
+        return tuple(flag for flag, true in found.items() if true)
+
+    @property
+    def scale(self) -> Scale:
+        """One scale for pictures that are not rectified: that of the middle of the grid.
+
+        Its uncertainty holds that of the spacing, of the fit, and what sides of pixels differ by with
+        direction and place, uniformly distributed: it is large where the plane is tilted.
+        """
+        sides = np.linalg.svd(self._jacobians(self.homography), compute_uv=False)
+        middle = math.exp(local_middle(self._log_scale(self.homography)))
+        off = float(np.abs(np.log(sides * middle / self.spacing_mm)).max())
+        return self._scale(middle, off / math.sqrt(3))
+
+    @property
+    def rectified_scale(self) -> Scale:
+        """That of rectified pictures: uncertain by the spacing, the fit and the unevenness."""
+        return self._scale(math.exp(local_middle(self._log_scale(self.homography))))
+
+    @cached_property
+    def _fit_std(self) -> float:
+        """Relative standard uncertainty of the scale from that of the points."""
+        flat = self.homography.ravel() / self.homography[2, 2]
+
+        def at(values: FloatArray) -> tuple[FloatArray, float]:
+            matrix = np.append(values, 1.0).reshape(3, 3)
+            return self._project(matrix).ravel(), local_middle(self._log_scale(matrix))
+
+        steps = _STEP * np.maximum(np.abs(flat[:8]), 1e-6)
+        changes = [
+            (np.subtract(one[0], other[0]) / (2 * step), (one[1] - other[1]) / (2 * step))
+            for k, step in enumerate(steps)
+            for one, other in [(at(flat[:8] + step * np.eye(8)[k]), at(flat[:8] - step * np.eye(8)[k]))]
+        ]
+        design, gradient = (np.array(part) for part in zip(*changes, strict=True))
+        size = np.linalg.norm(design, axis=1)
+        scaled, gradient = design / size[:, None], gradient / size
+        return self.residual * math.sqrt(float(gradient @ np.linalg.solve(scaled @ scaled.T, gradient)))
+
+    def _scale(self, mm_per_px: float, more_std: float = 0.0) -> Scale:
+        uneven = self.unevenness  # the middle may be wrong by as much
+        relative = math.hypot(self.spacing_mm_std / self.spacing_mm, self._fit_std, uneven, more_std)
+        return Scale(mm_per_px, mm_per_px * relative)
+
+    def rectified(self, pixels: npt.NDArray[Any]) -> tuple[npt.NDArray[Any], Scale]:
+        """Return a picture of the same camera as if seen straight on, and its scale.
+
+        Parameters
+        ----------
+        pixels : ndarray, shape (rows, columns) or (rows, columns, channels)
+            A picture of the plane in which the grid lay. What its far parts would show beyond four times
+            the picture's size is cut off.
+
+        Returns
+        -------
+        pixels : ndarray
+            With square pixels that are as large as those of the picture in the middle of the grid; black
+            beyond the picture.
+        scale : Scale
+            Its uncertainty is that of the spacing and of the fit.
+        """
+        rows, columns = pixels.shape[:2]
+        middle = math.exp(local_middle(self._log_scale(self.homography)))
+        pitch = middle / self.spacing_mm  # spacings per px
+        inverse = np.linalg.inv(self.homography)
+        edge = np.array([[0, 0], [columns, 0], [columns, rows], [0, rows]], dtype=np.float64) - 0.5
+        corners = cv2.perspectiveTransform(edge[None], inverse)[0] / pitch
+        centre = np.array([self.points.shape[1] - 1, self.points.shape[0] - 1]) / 2 / pitch
+        low, high = corners.min(axis=0), corners.max(axis=0)
+        reach = 2 * np.array([columns, rows])
+        low, high = np.maximum(low, centre - reach), np.minimum(high, centre + reach)
+        size = tuple(np.ceil(high - low).astype(int).tolist())
+        move = np.array([[pitch, 0, pitch * (low[0] + 0.5)], [0, pitch, pitch * (low[1] + 0.5)], [0, 0, 1]])
+        seen = cv2.warpPerspective(
+            pixels, self.homography @ move, size, flags=cv2.INTER_CUBIC | cv2.WARP_INVERSE_MAP
+        )
+        return np.asarray(seen), self.rectified_scale
+
+    def _project(self, matrix: FloatArray) -> FloatArray:
+        """Return where a homography has the points, (row, column)."""
+        rows, columns = self.points.shape[:2]
+        x, y = np.meshgrid(np.arange(columns, dtype=np.float64), np.arange(rows, dtype=np.float64))
+        seen = np.stack([x, y, np.ones_like(x)], axis=-1) @ matrix.T
+        return np.asarray(seen[..., 1::-1] / seen[..., 2:])
+
+    def _jacobians(self, matrix: FloatArray) -> FloatArray:
+        """Return the derivative of px by spacings at each point, (rows, columns, 2, 2)."""
+        rows, columns = self.points.shape[:2]
+        x, y = np.meshgrid(np.arange(columns, dtype=np.float64), np.arange(rows, dtype=np.float64))
+        seen = np.stack([x, y, np.ones_like(x)], axis=-1) @ matrix.T
+        place = seen[..., :2] / seen[..., 2:]
+        slope = matrix[:2, :2] - place[..., None] * matrix[2, :2]
+        return np.asarray(slope / seen[..., 2, None, None])
+
+    def _log_scale(self, matrix: FloatArray) -> FloatArray:
+        """Return the logarithm of mm per px at each point: the side of a square as large as a pixel."""
+        return np.asarray(
+            math.log(self.spacing_mm) - np.log(np.abs(np.linalg.det(self._jacobians(matrix)))) / 2
+        )
+
+
+def local_middle(values: FloatArray) -> float:
+    """Return the value at the middle of a grid of values."""
+    rows, columns = values.shape
+    inner = values[(rows - 1) // 2 : rows // 2 + 1, (columns - 1) // 2 : columns // 2 + 1]
+    return float(inner.mean())
+
+
+def measure_grid(
+    image: ImageLike,
+    points: tuple[int, int],
+    spacing_mm: float,
+    *,
+    spacing_mm_std: float = 0.0,
+    pattern: Pattern = "checkerboard",
+) -> Grid:
+    """Find a checkerboard or a grid of dots in a picture, and fit the plane in which it lies.
+
+    A pinhole camera shows a plane by a homography, whatever its tilt; so does a flat face of a prism, nearly.
+
+    Parameters
+    ----------
+    image : array_like or path
+        The picture; dark squares or dots on light ground, with a light margin round them.
+    points : (int, int)
+        Inner corners of the checkerboard, or dots, down the rows and along them; at least 3 each.
+    spacing_mm, spacing_mm_std : float
+        Distance of neighbouring points and its standard uncertainty, mm.
+    pattern : {"checkerboard", "dots"}
+        What the grid consists of.
+
+    Returns
+    -------
+    Grid
+        The points, the homography, and what follows from it.
+
+    Raises
+    ------
+    CalibrationError
+        If the grid is not found, or a number is not as described.
+    ImageError
+        If the picture cannot be read.
+
+    Examples
+    --------
+    >>> dark = np.indices((8, 10)).sum(axis=0) % 2 == 0
+    >>> board = np.full((200, 240), 230, dtype=np.uint8)
+    >>> board[20:180, 20:220][np.kron(dark, np.ones((20, 20), bool))] = 30
+    >>> grid = measure_grid(board, (7, 9), 1.0)
+    >>> print(f"{grid.scale.mm_per_px:.4f} mm/px, residual {grid.residual:.2f} px, flags {grid.flags}")
+    0.0500 mm/px, residual 0.00 px, flags ()
+    """
+    rows, columns = points
+    if not min(points) >= _MIN_POINTS:
+        raise CalibrationError(f"points must be {_MIN_POINTS} or more each way, found {points}")
+    if not (0 < spacing_mm < math.inf and 0 <= spacing_mm_std < math.inf):
+        raise CalibrationError(
+            "spacing_mm must be positive and its uncertainty zero or more, found "
+            f"{spacing_mm} ± {spacing_mm_std}"
+        )
+    grey = np.asarray(grey_levels(image), dtype=np.float32)
+    if grey.ndim != 2 or not grey.size or not np.isfinite(grey).all():
+        raise CalibrationError(f"the picture must be grey and finite, found shape {grey.shape}")
+    low, high = float(grey.min()), float(grey.max())
+    levels = np.rint((grey - low) * (255 / max(high - low, 1e-9))).astype(np.uint8)
+    places = _corners(levels, points) if pattern == "checkerboard" else _dots(levels, points)
+    if places is None:
+        what = "inner corners" if pattern == "checkerboard" else "dots"
+        raise CalibrationError(
+            f"no grid of {rows} × {columns} {what} found: count them down and along, and show all of them on "
+            "a light margin"
+        )
+    seen = places.reshape(rows, columns, 2).astype(np.float64)
+    x, y = np.meshgrid(np.arange(columns, dtype=np.float64), np.arange(rows, dtype=np.float64))
+    plane = np.stack([x.ravel(), y.ravel()], axis=-1)
+    homography, _ = cv2.findHomography(plane, seen.reshape(-1, 2), 0)
+    if homography is None:
+        raise CalibrationError("the points of the grid lie on one line: count them down and along")
+    return Grid(
+        points=seen[..., ::-1],
+        spacing_mm=spacing_mm,
+        spacing_mm_std=spacing_mm_std,
+        homography=np.asarray(homography, dtype=np.float64),
+    )
+
+
+def _corners(levels: npt.NDArray[np.uint8], points: tuple[int, int]) -> npt.NDArray[np.float32] | None:
+    """Return the inner corners of a checkerboard, (x, y), row by row."""
+    flags = cv2.CALIB_CB_NORMALIZE_IMAGE | cv2.CALIB_CB_EXHAUSTIVE | cv2.CALIB_CB_ACCURACY
+    found, corners = cv2.findChessboardCornersSB(levels, (points[1], points[0]), flags=flags)
+    if not found:
+        return None
+    rough = np.asarray(corners, dtype=np.float32).reshape(points[0], points[1], 2)
+    apart = min(float(np.linalg.norm(np.diff(rough, axis=axis), axis=-1).min()) for axis in (0, 1))
+    window = max(2, round(apart / 4))
+    stop = (cv2.TERM_CRITERIA_EPS + cv2.TERM_CRITERIA_MAX_ITER, 60, 1e-4)
+    return np.asarray(cv2.cornerSubPix(levels, rough.reshape(-1, 1, 2), (window, window), (-1, -1), stop))
+
+
+def _dots(levels: npt.NDArray[np.uint8], points: tuple[int, int]) -> npt.NDArray[np.float32] | None:
+    """Return the centres of dots, (x, y), row by row."""
+    found, dots = cv2.findCirclesGrid(levels, (points[1], points[0]), flags=cv2.CALIB_CB_SYMMETRIC_GRID)
+    return np.asarray(dots, dtype=np.float32) if found else None

@@ -1,0 +1,148 @@
+"""Contact images that two persons outlined, the second without seeing what the first drew."""
+
+import hashlib
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+
+from fingerpad.image import read_image
+from fingerpad.study.corrections.apply import corrected_contact_image
+from fingerpad.study.corrections.changes import ContactCorrection
+from fingerpad.study.engine.executors import Executor
+from fingerpad.study.engine.runner import records_of
+from fingerpad.study.engine.store import Store
+from fingerpad.study.engine.task import Record, Task
+from fingerpad.study.error_text import in_study
+from fingerpad.study.manifest import Observation
+from fingerpad.study.measuring.context import RunContext
+from fingerpad.study.measuring.scales import FoundScale, require_scale
+
+QUANTITIES: Final = ("semi_major_mm", "semi_minor_mm", "gross_area_mm2", "ridge_area_mm2")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OperatorPair:
+    """A contact image measured under the outlines of two persons.
+
+    Attributes
+    ----------
+    observation : str
+        Its name.
+    first_operator, second_operator : str
+        The persons.
+    synthetic : bool
+        Whether the image was rendered.
+    first, second : dict of str to float
+        Semi-axes (mm) and areas (mm²) by the names of their columns; empty where a measurement failed.
+    iou : float or None
+        Intersection over union of the two regions.
+    reason : str or None
+        Why there is no comparison.
+    """
+
+    observation: str
+    first_operator: str
+    second_operator: str
+    synthetic: bool
+    first: dict[str, float]
+    second: dict[str, float]
+    iou: float | None
+    reason: str | None
+
+    def as_record(self) -> dict[str, object]:
+        """Return it as a line of ``second_operator.csv``."""
+        return {
+            "observation": self.observation,
+            "synthetic": self.synthetic,
+            "first_operator": self.first_operator,
+            "second_operator": self.second_operator,
+            **{f"first_{name}": self.first.get(name) for name in QUANTITIES},
+            **{f"second_{name}": self.second.get(name) for name in QUANTITIES},
+            "iou": self.iou,
+            "reason": self.reason,
+        }
+
+
+def blind_order(names: Sequence[str]) -> list[str]:
+    """Return names in a random order that is the same on every machine.
+
+    The first few of them are a random sample, and the first few more a larger one.
+
+    Examples
+    --------
+    >>> blind_order(["2N", "4N", "8N"]) == blind_order(["8N", "4N", "2N"])
+    True
+    """
+    return sorted(names, key=lambda name: hashlib.sha256(name.encode(errors="surrogatepass")).hexdigest())
+
+
+def operator_pairs(context: RunContext, store: Store, executor: Executor) -> list[OperatorPair]:
+    """Return the images that two persons outlined, in the manifest's order; those not stored are measured.
+
+    What either rejected is left out, and what the first has not looked at; so is a second look by the first.
+    """
+    tasks = list(_tasks(context))
+    records = records_of(tasks, executor, store, context.folder)
+    return [_pair(task.item, record, context) for task, record in zip(tasks, records, strict=True)]
+
+
+def _tasks(context: RunContext) -> Iterator[Task]:
+    for observation in context.study.observations:
+        name = observation.name
+        first, second = context.active_corrections.get(name), context.second_operator.get(name)
+        if observation.file is None or observation.scale is None or first is None or second is None:
+            continue
+        one, other = first.change, second.change
+        assert isinstance(one, ContactCorrection)  # the items' own rule
+        assert isinstance(other, ContactCorrection)
+        looked = (each.accepted or each.edits for each in (one, other))
+        if first.who == second.who or one.rejected or other.rejected or not all(looked):
+            continue
+        yield Task(
+            name=f"/second operator {name}",  # no item's name begins like this
+            item=name,
+            file=observation.file,
+            key=context.key(observation, one.edits, other.edits),
+            work=partial(_compare, observation, context.scale(observation.scale), one, other),
+            inputs=context.inputs_of(observation),
+            pictures=0,
+        )
+
+
+def _compare(
+    observation: Observation,
+    scale: FoundScale | str,
+    one: ContactCorrection,
+    other: ContactCorrection,
+    folder: Path,
+    _out: Path,
+) -> Record:
+    assert observation.file is not None  # as the task was made
+    pixels, found = read_image(folder / observation.file).pixels, require_scale(scale)
+    regions, record = [], Record()
+    for name, correction in {"first": one, "second": other}.items():
+        seen = corrected_contact_image(pixels, found.scale, observation, folder, correction).contact_image
+        if seen is None:
+            return {"reason": in_study(f"the {name} operator's correction leaves no contact", folder)}
+        record[name] = dict(zip(QUANTITIES, seen.values.tolist(), strict=True))
+        regions.append(seen.region)
+    both, either = np.logical_and(*regions), np.logical_or(*regions)
+    return record | {"iou": np.count_nonzero(both) / np.count_nonzero(either)}
+
+
+def _pair(name: str, record: Record, context: RunContext) -> OperatorPair:
+    observation = next(each for each in context.study.observations if each.name == name)
+    return OperatorPair(
+        observation=name,
+        first_operator=context.active_corrections[name].who,
+        second_operator=context.second_operator[name].who,
+        synthetic=observation.synthetic,
+        first=record.get("first", {}),
+        second=record.get("second", {}),
+        iou=record.get("iou"),
+        reason=record.get("reason"),
+    )

@@ -1,0 +1,118 @@
+"""Grids through the camera of `grid_scenes`: scale, rectification, and their uncertainty."""
+
+import math
+
+import numpy as np
+import pytest
+from tests.image.grid_scenes import Scene
+
+from fingerpad.exceptions import CalibrationError
+from fingerpad.image import measure_coin, measure_grid
+
+POINTS, SPACING = (7, 9), 4.0
+SCENES = {
+    "square on": Scene(),
+    "tilted": Scene(tilt=0.35, turn=0.7),
+    "through a prism": Scene(tilt=0.1, turn=0.3, squeeze=0.7),
+}
+
+
+def true_scale(scene: Scene, place: np.ndarray) -> float:
+    return math.sqrt(scene.area_per_pixel(*place))
+
+
+@pytest.mark.parametrize("pattern", ["checkerboard", "dots"])
+@pytest.mark.parametrize("name", SCENES)
+def test_scale_in_the_middle_and_points(name: str, pattern: str) -> None:
+    scene = SCENES[name]
+    grid = measure_grid(scene.picture(POINTS, SPACING, pattern), POINTS, SPACING, pattern=pattern)
+    truth = true_scale(scene, grid.points[3, 4])
+    assert grid.rectified_scale.mm_per_px == pytest.approx(truth, rel=5e-4)
+    assert grid.residual < 0.15
+    # Each point shows the place of the plane that it should, whichever corner is the first.
+    x, y = scene.plane_of(grid.points[..., 0], grid.points[..., 1])
+    j, i = np.meshgrid(np.arange(9) - 4, np.arange(7) - 3)
+    off = min(np.hypot(x - s * SPACING * j, y - s * SPACING * i).max() for s in (-1, 1))
+    assert off < 0.3 * truth
+    assert ("tilted" in grid.flags) == (name != "square on")
+    assert "bent" not in grid.flags
+    # Without rectification the uncertainty holds what the scale differs by with place and direction.
+    x0, x1 = (true_scale(scene, grid.points[k]) for k in ((0, 0), (-1, -1)))
+    assert grid.scale.relative_std >= 0.5 * abs(x1 - x0) / truth
+
+
+@pytest.mark.parametrize("name", ["tilted", "through a prism"])
+def test_rectified_pictures_have_one_scale_everywhere(name: str) -> None:
+    scene = SCENES[name]
+    pixels = scene.picture(POINTS, SPACING, "dots")
+    seen, scale = measure_grid(pixels, POINTS, SPACING, pattern="dots").rectified(pixels)
+    again = measure_grid(seen, POINTS, SPACING, pattern="dots")
+    assert again.scale.mm_per_px == pytest.approx(scale.mm_per_px, rel=1e-3)
+    assert again.anisotropy < 2e-3
+    assert again.variation < 2e-3
+    assert again.flags == ()
+
+
+def test_a_coin_is_round_again_once_its_picture_is_rectified() -> None:
+    scene = Scene(tilt=0.35, turn=1.0)
+    board = scene.picture(POINTS, SPACING, "checkerboard")
+    rows, columns = np.indices(board.shape).astype(float)
+    x, y = scene.plane_of(rows, columns)
+    picture = np.where(np.hypot(x - 2, y + 1) < 11, 60, 210).astype(np.uint8)
+    seen, scale = measure_grid(board, POINTS, SPACING).rectified(picture)
+    seen[seen == 0] = 210  # beyond the picture
+    coin = measure_coin(seen)
+    assert coin.semi_minor == pytest.approx(coin.semi_major, rel=5e-3)
+    assert coin.semi_major * scale.mm_per_px == pytest.approx(11, rel=5e-3)
+
+
+def test_uncertainty_covers_spacing_noise_tilt_and_lens() -> None:
+    rng = np.random.default_rng(5)
+    errors = []
+    for seed in range(10):
+        scene = Scene(
+            rows=360,
+            columns=480,
+            focal=1050,
+            tilt=rng.uniform(0, 0.4),
+            turn=rng.uniform(0, 3),
+            squeeze=rng.uniform(0.7, 1),
+            bend=rng.choice([0.0, 0.3]),
+        )
+        true_spacing = SPACING * (1 + 0.002 * rng.normal())
+        picture = scene.picture(POINTS, true_spacing, "dots", noise=rng.uniform(0, 10), seed=seed)
+        grid = measure_grid(picture, POINTS, SPACING, spacing_mm_std=0.002 * SPACING, pattern="dots")
+        found = grid.rectified_scale
+        errors.append((found.mm_per_px / true_scale(scene, grid.points[3, 4]) - 1) / found.relative_std)
+    assert np.abs(errors).max() < 2.6
+    assert np.sqrt(np.mean(np.square(errors))) > 0.3
+
+
+def test_a_lens_that_bends_lines_is_flagged() -> None:
+    grid = measure_grid(Scene(bend=0.3).picture(POINTS, SPACING, "dots"), POINTS, SPACING, pattern="dots")
+    assert grid.flags == ("bent",)
+    assert grid.unevenness > 0.005
+
+
+@pytest.mark.parametrize(
+    ("points", "spacing", "words"),
+    [
+        ((7, 8), SPACING, "no grid of 7 × 8 inner corners found"),
+        ((2, 9), SPACING, "3 or more"),
+        (POINTS, 0.0, "spacing_mm must be positive"),
+        (POINTS, math.nan, "spacing_mm must be positive"),
+    ],
+)
+def test_refused(points: tuple[int, int], spacing: float, words: str) -> None:
+    with pytest.raises(CalibrationError, match=words):
+        measure_grid(
+            Scene(rows=240, columns=320, focal=700).picture(POINTS, SPACING, "checkerboard"), points, spacing
+        )
+
+
+def test_pictures_without_a_grid() -> None:
+    for empty in (np.zeros((60, 80), np.uint8), np.random.default_rng(1).integers(0, 255, (200, 200))):
+        with pytest.raises(CalibrationError, match="no grid of"):
+            measure_grid(empty, POINTS, SPACING)
+    with pytest.raises(CalibrationError, match="must be grey"):
+        measure_grid(np.zeros((5, 5, 3)), POINTS, SPACING)

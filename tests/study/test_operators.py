@@ -1,0 +1,100 @@
+"""A second operator who does not see the first's outlines: what a run makes of both."""
+
+import csv
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from tests.study.small_study import PPI, copy
+
+from fingerpad.report import write_report
+from fingerpad.study.corrections.history import SECOND_OPERATOR_NAME
+from fingerpad.study.corrections.log import CorrectionLog
+from fingerpad.study.manifest import read_study
+from fingerpad.study.measuring.operators import blind_order
+from fingerpad.study.pipeline import run_study
+from fingerpad.study.verify import verify_study
+
+MM = 25.4 / PPI
+
+
+def ellipse(major: float, minor: float, centre: tuple[float, float] = (60, 60)) -> dict:
+    return {"ellipse_px": {"centre": [*centre], "semi_axes": [major, minor], "orientation_deg": 0}}
+
+
+@pytest.fixture
+def manifest(small_study: Path, tmp_path: Path) -> Path:
+    return copy(small_study, tmp_path / "study")
+
+
+def decide(manifest: Path, item: str, change: dict, who: str, name: str = "corrections.jsonl") -> None:
+    log = CorrectionLog(manifest.parent, name)
+    log.append(item, change, who=who, expected=log.history(item).last_id, study=read_study(manifest))
+
+
+def second(manifest: Path, item: str, change: dict, who: str = "bob") -> None:
+    decide(manifest, item, change, who, SECOND_OPERATOR_NAME)
+
+
+def test_two_persons_outlines_are_compared(manifest: Path) -> None:
+    for k in range(3):
+        decide(manifest, f"o{k}", ellipse(40, 30), "anna")
+    second(manifest, "o0", ellipse(44, 30))
+    second(manifest, "o1", ellipse(40, 30))
+    second(manifest, "o2", ellipse(40, 27, centre=(60, 62)))
+    out = manifest.parent / "out"
+    result = run_study(manifest, out, write_report=write_report)
+    (found,) = result.operators
+    assert (found.synthetic, len(found.pairs), found.operators) == (True, 3, (("anna",), ("bob",)))
+    area = found.quantities["gross_area_mm2"]
+    ratios = np.log([1.1, 1.0, 0.9])
+    assert area.bias == pytest.approx(np.expm1(ratios.mean()), abs=2e-3)
+    assert area.std == pytest.approx(ratios.std(ddof=1), rel=0.02)
+    assert found.quantities["semi_major_mm"].limits[1] > 0
+    ious = {one.observation: one.iou for one in found.pairs}
+    assert ious["o0"] == pytest.approx(1 / 1.1, abs=0.01)  # one ellipse inside the other
+    assert ious["o1"] == 1
+    assert 0.8 < ious["o2"] < 0.9
+    # The first operator's outlines are the results.
+    row = next(row for row in result.rows if row["observation"] == "o0")
+    assert row["semi_major_mm"] == pytest.approx(40 * MM, rel=1e-3)
+    with (out / "second_operator.csv").open() as file:
+        lines = list(csv.DictReader(file))
+    assert float(lines[0]["second_semi_major_mm"]) == pytest.approx(44 * MM, rel=1e-3)
+    summary = json.loads((out / "summary.json").read_text())["second_operator"]
+    assert summary[0]["gross_area_mm2"]["count"] == 3
+    report = (out / "report.html").read_text()
+    assert "Second operator" in report
+    assert f"{100 * area.bias:+.1f} %" in report
+    assert (out / "figures" / "second_operator_synthetic.svg").is_file()
+    verified = verify_study(manifest, out)
+    assert not verified.faults
+    assert SECOND_OPERATOR_NAME in verified.intact
+
+
+def test_what_is_no_second_opinion_is_left_out(manifest: Path) -> None:
+    decide(manifest, "o0", ellipse(40, 30), "anna")
+    second(manifest, "o0", ellipse(41, 30), "anna")  # the same person
+    decide(manifest, "o1", {"rejected": "smeared"}, "anna")
+    second(manifest, "o1", ellipse(41, 30))
+    second(manifest, "o2", ellipse(41, 30))  # the first has not looked at it
+    decide(manifest, "o3", {"accepted": True}, "anna")
+    second(manifest, "o3", {"rejected": "smeared"})
+    result = run_study(manifest, manifest.parent / "out")
+    assert result.operator_pairs == []
+    assert not (manifest.parent / "out" / "second_operator.csv").exists()
+    # What the first accepted as the program measured it counts.
+    second(manifest, "o3", ellipse(41, 30))
+    (pair,) = run_study(manifest, manifest.parent / "out").operator_pairs
+    assert (pair.observation, pair.first_operator) == ("o3", "anna")
+
+
+def test_random_order_takes_every_part_of_a_study_alike() -> None:
+    names = [f"print_{k}" for k in range(400)]
+    order = blind_order(names)
+    assert sorted(order) == sorted(names)
+    assert blind_order(names[::-1]) == order
+    places = np.array([names.index(name) for name in order[:100]])
+    assert places.mean() == pytest.approx(199.5, abs=3 * 115 / 10)
+    assert abs(np.corrcoef(np.arange(400), [names.index(name) for name in order])[0, 1]) < 0.15
