@@ -1,6 +1,6 @@
 """Scale from rendered checkerboards and grids of dots: error, residual and coverage.
 
-The scenes come from a pinhole camera of their own, `tests.image.grid_scenes`: tilted, foreshortened as by a
+The scenes come from a pinhole camera of their own, `benchmarks.grid_scenes`: tilted, foreshortened as by a
 prism, noisy, and some through a lens that bends lines. The true spacing scatters about the stated one by its
 standard uncertainty. Run alone with ``python -m benchmarks.grids``.
 """
@@ -8,8 +8,8 @@ standard uncertainty. Run alone with ``python -m benchmarks.grids``.
 import math
 
 import numpy as np
-from tests.image.grid_scenes import Scene
 
+from benchmarks.grid_scenes import Scene
 from fingerpad.image import measure_grid
 from fingerpad.image.grid import Pattern
 

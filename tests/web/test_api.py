@@ -7,8 +7,8 @@ from urllib.parse import quote
 import cv2
 import numpy as np
 import pytest
+from benchmarks.grid_scenes import Scene
 from PIL import Image
-from tests.image.grid_scenes import Scene
 from tests.web.conftest import DEMO
 
 from fingerpad.geometry import Ellipsoid, Placement

@@ -5,9 +5,9 @@ import re
 import tomllib
 
 import pytest
+from benchmarks.grid_scenes import Scene
 from PIL import Image
 from tests.end_to_end.page.browser import Tab, focus, numbers
-from tests.image.grid_scenes import Scene
 
 from fingerpad.simulate import render_coin
 

@@ -24,7 +24,7 @@ class Scene:
     bend: float = 0.0
 
     def plane_of(self, row: np.ndarray, column: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The place (x, y) on the plane that a pixel shows."""
+        """Return the place (x, y) on the plane that a pixel shows."""
         u = (column - (self.columns - 1) / 2) / self.squeeze / self.focal
         v = (row - (self.rows - 1) / 2) / self.focal
         radius = u**2 + v**2
@@ -38,7 +38,7 @@ class Scene:
         return start[0] + reach * ray[..., 0], start[1] + reach * ray[..., 1]
 
     def area_per_pixel(self, row: float, column: float) -> float:
-        """The area of the plane that a pixel shows, mm²: from four rays."""
+        """Return the area of the plane that a pixel shows, mm²: from four rays."""
         step = 0.5
         (x0, y0), (x1, y1), (x2, y2), (x3, y3) = (
             self.plane_of(np.array(row + a * step), np.array(column + b * step))
@@ -48,8 +48,8 @@ class Scene:
 
     def picture(
         self, points: tuple[int, int], spacing: float, pattern: str, noise: float = 3.0, seed: int = 0
-    ):
-        """A checkerboard with so many inner corners, or a grid of dots, its middle at the origin."""
+    ) -> np.ndarray:
+        """Return a checkerboard with so many inner corners, or a grid of dots, its middle at the origin."""
         fine = 4
         offsets = (np.arange(fine) + 0.5) / fine - 0.5
         total = np.zeros((self.rows, self.columns))
