@@ -1,11 +1,11 @@
 """Photographs of three-dimensional fingertips of known curvature, from three sides.
 
 A fingertip is a convex body given by its support function h(n), the distance of the tangent plane of normal
-n. All that is asked of it follows exactly: the place of contact with normal n is the gradient of h, the principal
-radii of curvature are those of its Hessian, and the outline seen along d is that of the normals across d. Flat pads and
-spatulate tips are Minkowski sums with a flat ellipsoid, bulging, tapered and lopsided ones Firey sums with
-a displaced one. Written from anatomy and geometry, before what measures them was read. Run alone with
-``python -m benchmarks.anatomic_fingers [fingers] [seed]``.
+n. All that is asked of it follows exactly: the place of contact with normal n is the gradient of h, the
+principal radii of curvature are those of its Hessian, and the outline seen along d is that of the normals
+across d. Flat pads and spatulate tips are Minkowski sums with a flat ellipsoid; bulging, tapered and lopsided
+ones are Firey sums with a displaced one. Written from anatomy and geometry, before what measures them was
+read. Run alone with ``python -m benchmarks.anatomic_fingers [fingers] [seed]``.
 """
 
 import contextlib
@@ -14,6 +14,7 @@ import sys
 import zlib
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import chain
 from typing import Final
 
 import cv2
@@ -178,7 +179,10 @@ def _photograph(
     lean = math.radians(rng.uniform(-3, 3))
     turn = np.array([[math.cos(lean), math.sin(lean)], [-math.sin(lean), math.cos(lean)]])
     seen = [part @ turn for part in (tip, shaft)]
-    low, high = np.min([p.min(axis=0) for p in seen], axis=0) - 5, np.max([p.max(axis=0) for p in seen], axis=0) + 5
+    low, high = (
+        np.min([p.min(axis=0) for p in seen], axis=0) - 5,
+        np.max([p.max(axis=0) for p in seen], axis=0) + 5,
+    )
     if face != "distal":
         low[1] += 8.0  # the finger leaves the frame below
     columns, rows = (int(n) for n in np.ceil((high - low) / scale))
@@ -265,7 +269,7 @@ def print_errors(title: str, rows: dict[str, list[tuple[float, float, bool]]]) -
     """Print relative errors with what was stated of them, for each name and all together."""
     print(f"\n{title}")
     print("    shape            n    bias     rms   median stated   held   flagged   missed without a flag")
-    for name, some in [*rows.items(), ("all", [row for some in rows.values() for row in some])]:
+    for name, some in [*rows.items(), ("all", list(chain(*rows.values())))]:
         off, std, flagged = np.array(some).T
         missed = np.abs(off) > 1.96 * std
         print(f"    {name:<12} {len(some):5}  {off.mean():+6.1%}  {np.sqrt((off**2).mean()):6.1%}", end="")

@@ -10,6 +10,7 @@ from fingerpad.uncertainty.layer import (
     layer_model,
     with_thickness,
 )
+from fingerpad.uncertainty.model_discrepancy import ModelDiscrepancy, model_discrepancy
 from fingerpad.uncertainty.monte_carlo import (
     MonteCarloResult,
     Validation,
@@ -44,12 +45,10 @@ from fingerpad.uncertainty.validity import (
     STRAINED,
     STRAINED_BELOW_P,
     VERDICTS,
-    ModelDiscrepancy,
     ValidityCheck,
     compare_difference,
     compare_ratio,
     known_error,
-    model_discrepancy,
     overall_verdict,
     p_value_of,
     verdict_of,
