@@ -25,7 +25,7 @@ from benchmarks.finger_shapes import SIDES
 from fingerpad.exceptions import FingerpadError
 from fingerpad.geometry.faces import SEMI_AXES
 from fingerpad.image import Face, PhotographFit, Scale, combine_faces, measure_photograph
-from fingerpad.uncertainty import Inputs, placement_model, propagate
+from fingerpad.uncertainty import ELLIPSOID_STD, Inputs, placement_model, propagate, radius_deviation
 
 Array = npt.NDArray[np.float64]
 Support = Callable[[Array], Array]
@@ -258,10 +258,22 @@ def joint_radii(found: dict[Face, PhotographFit]) -> Array:
     joint = combine_faces(fit.face_semi_axes for fit in found.values())
     axes = dict(zip(SEMI_AXES, joint.semi_axes.tolist(), strict=True))
     rows = []
-    for wedge in WEDGES_DEG:
-        inputs = Inputs.of(**axes, wedge_angle=math.radians(wedge), roll_angle=0.0)
+    for wedge in np.radians(WEDGES_DEG):
+        inputs = Inputs.of(**axes, wedge_angle=wedge, roll_angle=0.0)
         outputs = propagate(placement_model, inputs.with_covariance(list(SEMI_AXES), joint.covariance))
-        rows.append([(outputs[name].value, outputs[name].std) for name in RADII])
+        along, across = outputs["in_plane_radius"], outputs["transverse_radius"]
+        seen = found["radial"].outline_radius(wedge) if "radial" in found else (math.nan, math.nan)
+        moved, std = radius_deviation(float(along.value), float(along.std), *seen)
+        radius, share = along.value * math.exp(moved), 1 / (1 + along.value * math.exp(moved) / across.value)
+        whole = outputs["mean_curvature_radius"]
+        mean = 2 / (1 / radius + 1 / across.value)
+        more = math.hypot(share * std, (1 - share) * ELLIPSOID_STD)
+        rows.append(
+            [
+                (radius, radius * math.hypot(std, along.std / along.value)),
+                (mean, mean * math.hypot(more, whole.std / whole.value)),
+            ]
+        )
     return np.array(rows, dtype=np.float64)
 
 

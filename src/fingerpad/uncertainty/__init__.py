@@ -18,6 +18,7 @@ from fingerpad.uncertainty.monte_carlo import (
     validate_linear_approximation,
 )
 from fingerpad.uncertainty.pad import PAD_OUTPUTS, PAD_SOURCES, pad_inputs, pad_model, pad_uncertainty
+from fingerpad.uncertainty.pad_shape import ELLIPSOID_STD, HIDDEN_STD, radius_deviation
 from fingerpad.uncertainty.placement import placement_model
 from fingerpad.uncertainty.pool import (
     Pooled,
@@ -56,7 +57,9 @@ from fingerpad.uncertainty.validity import (
 )
 
 __all__ = [
+    "ELLIPSOID_STD",
     "FAILS",
+    "HIDDEN_STD",
     "HOLDS",
     "LAYER_OUTPUTS",
     "LAYER_SOURCES",
@@ -104,6 +107,7 @@ __all__ = [
     "pool_random_effects",
     "propagate",
     "proportional_stds",
+    "radius_deviation",
     "run_monte_carlo",
     "sobol_indices",
     "validate_linear_approximation",

@@ -82,8 +82,8 @@ def pad_model(
         By how much the logarithm of the radius, and the elongation, of one impression differ from those of
         others under the same load, zero: inputs of their own, whose uncertainty is the repeatability.
     in_plane_deviation, transverse_deviation : ndarray
-        By how much the logarithms of the pad's principal radii along the finger and across it, at the place of
-        contact, differ from those of the ellipsoid: no finger is one.
+        By how much the logarithms of the pad's principal radii along the finger and across it differ at the
+        place of contact from those of the ellipsoid: no finger is one.
 
     Returns
     -------
@@ -245,8 +245,8 @@ def pad_uncertainty(
         By how much one impression differs from others under the same load, in ln √(ℓd ℓe) and ln(ℓd/ℓe): as
         (0, 0.02) with a repeatability of 2 %.
     in_plane_deviation, transverse_deviation : float, or pair of array_like
-        By how much the logarithms of the pad's principal radii along the finger and across it, at the place of
-        contact, differ from those of the ellipsoid: as (0, 0.1) of a pad that is no ellipsoid.
+        By how much the logarithms of the pad's principal radii along the finger and across it differ at the
+        place of contact from those of the ellipsoid: as (0, 0.1) of a pad that is no ellipsoid.
     correlations : mapping, optional
         From pairs of these names to correlation coefficients.
 

@@ -13,8 +13,9 @@ from fingerpad.image._correlation import correlation_length
 _WINDOW: Final = 0.35
 _DEGREE: Final = 3
 _MISSED_STD: Final = 0.04
-# A wider window shows another radius where the curvature changes fast: so much of the difference is added.
-_WIDER, _OF_DIFFERENCE = 0.5, 0.55
+# Where the curvature changes fast, a wider window and a higher degree show other radii: so much of
+# each difference is added.
+_WIDER, _HIGHER, _OF_DIFFERENCE = 0.5, 5, 0.55
 # What the finger's axis may be off the ellipse's beyond the latter's own uncertainty: no finger is one.
 _AXIS_STD: Final = math.radians(2.5)
 # Points on so much of the window, on either side, and so many of them, are needed.
@@ -75,17 +76,17 @@ def radius_of_outline(
         return NOT_SHOWN
     frame = np.array([[-math.sin(angle), math.cos(angle)], [math.cos(angle), math.sin(angle)]])
     seen, ellipse = points @ frame.T, _Ellipse(semi_axes, frame)
-    radius, noise, third = _fitted(seen, ellipse, _WINDOW)
+    radius, noise, third = _fitted(seen, ellipse, _WINDOW, _DEGREE)
     if math.isnan(radius):
         return NOT_SHOWN
-    wider = _fitted(seen, ellipse, _WIDER)[0]
-    change = 0.0 if math.isnan(wider) else _OF_DIFFERENCE * math.log(wider / radius)
+    others = [_fitted(seen, ellipse, _WIDER, degree)[0] for degree in (_DEGREE, _HIGHER)]
+    changes = [_OF_DIFFERENCE * math.log(one / radius) for one in others if math.isfinite(one)]
     turn = third * radius**2 * math.hypot(angle_std, _AXIS_STD)
-    return radius, radius * math.hypot(noise * radius, turn, change, _MISSED_STD)
+    return radius, radius * math.hypot(noise * radius, turn, _MISSED_STD, *changes)
 
 
-def _fitted(seen: FloatArray, ellipse: _Ellipse, window: float) -> tuple[float, float, float]:
-    """Return the radius, the standard uncertainty of the curvature and the third derivative; NaN if unseen."""
+def _fitted(seen: FloatArray, ellipse: _Ellipse, window: float, degree: int) -> tuple[float, float, float]:
+    """Return the radius, the standard uncertainty of the curvature, the third derivative; or NaN."""
     along, out = seen.T
     place, radius = float(along[out.argmax()]), ellipse.radius
     for _ in range(_ROUNDS):
@@ -97,7 +98,7 @@ def _fitted(seen: FloatArray, ellipse: _Ellipse, window: float) -> tuple[float, 
         off = out[near] - ellipse.height(s * half)
         if not np.isfinite(off).all():
             return _UNSEEN
-        curve = np.polynomial.Polynomial.fit(s, off, _DEGREE, domain=[-1, 1])
+        curve = np.polynomial.Polynomial.fit(s, off, degree, domain=[-1, 1])
         # The place moves by one step of Newton's method on the slope.
         slope, bend = float(curve.deriv(1)(0)), float(curve.deriv(2)(0)) - half**2 / ellipse.radius
         if not bend < 0:
@@ -107,8 +108,8 @@ def _fitted(seen: FloatArray, ellipse: _Ellipse, window: float) -> tuple[float, 
         before, radius = radius, float(np.clip(-(half**2) / bend, radius / _MAX_CHANGE, radius * _MAX_CHANGE))
         if abs(radius / before - 1) < 0.01 and abs(top) < 0.02:
             break
-    design = np.vander(s, _DEGREE + 1, increasing=True)
+    design = np.vander(s, degree + 1, increasing=True)
     left = off - curve(s)
-    freedom = max(len(left) / correlation_length(left, np.arange(len(left))) - _DEGREE - 1, 2)
+    freedom = max(len(left) / correlation_length(left, np.arange(len(left))) - degree - 1, 2)
     noise = 2 * math.sqrt(np.linalg.inv(design.T @ design)[2, 2] * float(left @ left) / freedom) / half**2
     return radius, noise, float(curve.deriv(3)(0)) / half**3 + ellipse.third

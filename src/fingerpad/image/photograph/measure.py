@@ -135,7 +135,7 @@ def measure_photograph(
             found = _result(arc, (axes, place), (edges, silhouette), face, scale)
             order = candidate_points((edges.points - place) @ axes.T, face)
             found = replace(found, outline=edges.points[order[edges.found[order]]])
-            tried.append(found if marked else with_reach(found))
+            tried.append(found if marked else with_reach(found, arc.lean))
         except (FitError, ImageError) as error:
             errors.append(error)
     if not tried:

@@ -184,7 +184,7 @@ def _of_placements(study: FinishedStudy, owners: Mapping[str, Person]) -> Iterat
     for summary in study.summary["summaries"]:
         shares = summary.get("radius_from_indentation_variance_shares") or {}
         angles = shares.get("wedge angle", 0.0) + shares.get("roll angle", 0.0)
-        pad = shares.get("semi-axes", 0.0) + angles
+        pad = shares.get("semi-axes", 0.0) + shares.get("pad shape", 0.0) + angles
         # Of what is uncertain in the place of contact the angles have one share in both radii: they reach
         # the corrected radius through R_0g alone.
         shared = {
