@@ -15,7 +15,7 @@ import zlib
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import chain
-from typing import Final
+from typing import Any, Final
 
 import cv2
 import numpy as np
@@ -195,14 +195,14 @@ def _photograph(
         small = cv2.resize(canvas, (columns, rows), interpolation=cv2.INTER_AREA)
         return np.asarray(small / 255.0, dtype=np.float64)
 
-    def blurred(image: Array, mm: float) -> Array:
+    def blurred(image: npt.NDArray[Any], mm: float) -> Array:
         return np.asarray(cv2.GaussianBlur(image, (0, 0), mm / scale), dtype=np.float64)
 
     finger = share(*(_rough(rng, outline) for outline in seen))
     # Out of focus behind the finger: two colours of one cloth, blurred, and a soft shadow on it.
     cloth = blurred(rng.standard_normal((rows, columns)), 2.0)
     ground = np.array([[60, 90, 150], [80, 125, 95], [222, 226, 228], [40, 42, 46]][rng.integers(4)])
-    by = np.float64([[1, 0, 0], [0, 1, 0]])
+    by = np.eye(2, 3)
     by[:, 2] = rng.integers(-1, 2, 2) * 1.2 / scale
     moved = cv2.warpAffine(finger, by, (columns, rows), borderMode=cv2.BORDER_REPLICATE)
     dark = 1 - rng.uniform(0, 0.4) * blurred(moved, rng.uniform(0.6, 1.5))

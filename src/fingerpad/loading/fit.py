@@ -12,7 +12,7 @@ from fingerpad._loading_curve import LoadingCurve
 from fingerpad._records import record_text
 from fingerpad.exceptions import FingerpadError, FitError, LoadingError
 from fingerpad.loading._prepare import Press, fixed_quantities, instrument_quantities, prepare, start_values
-from fingerpad.loading.alternatives import compare, fit_growing
+from fingerpad.loading.alternatives import allow_for_bend, compare, fit_growing
 from fingerpad.loading.contact_point import ESTIMATORS, estimated_places
 from fingerpad.loading.estimate import Estimate, Quantity, Undetermined, estimates_record
 from fingerpad.loading.force_models import FittedForceModel
@@ -59,7 +59,8 @@ class LoadingFit(Displayed):
         That of the least AICc.
     alternatives : mapping of str to FittedForceModel
         Other explanations of the curve under the same noise, by key of `EXPLANATIONS`: an offset or another
-        growth of the areas, a stage that yields, a layer on bone, an exact sphere.
+        growth of the areas, a stage that yields, a layer on bone, both also with one modulus, an exact
+        sphere.
     misfit_std : mapping of str to float
         What better explanations add to the standard uncertainty of a quantity; 0 where there are none.
     secant : Secant
@@ -316,7 +317,7 @@ def _fit_curve(
     press = prepare(curve, poisson_ratio, cycle)
     held = fixed_quantities(press, loading_radius) | instrument
     main, limits, doubts = _main_fit(press, held, contact_point, region)
-    compared = compare(main)
+    compared = compare(allow_for_bend(main))
     main = compared.main
     models = _models(main)
     preferred = min(models, key=lambda name: models[name].aicc)

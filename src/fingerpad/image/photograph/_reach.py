@@ -17,6 +17,8 @@ _MIN_POINTS: Final = 12
 _ROUNDS: Final = 8
 # Shares of half of the width at which the height of the tip is read where the shaft hides the widest place.
 _WIDTHS: Final = (0.95, 0.97, 0.98)
+# A shaft wider than the pad by a share between these hides which place is the widest.
+_WIDER_SHAFT: Final = (0.005, 0.04)
 # What lengths are off relatively on an ellipse, across and along, in a side face and in others; and what the
 # finger's axis is off in a side face beyond the ellipse's own: benchmarks/finger_shapes.py and fingertips.py.
 _SIDE_STD: Final = (0.015, 0.02)
@@ -87,6 +89,8 @@ def _front_lengths(points: FloatArray, across: float, along: float) -> FloatArra
     """
     tip_y = _turning_point(points, across**2 / along)[1]
     half_width = float(np.ptp(points[:, 0])) / 2
+    if _WIDER_SHAFT[0] < half_width / across - 1 < _WIDER_SHAFT[1]:
+        return np.full(2, math.nan)
     x = points[:, 0] - (points[:, 0].max() + points[:, 0].min()) / 2
     top = int(points[:, 1].argmax())
     heights = []
