@@ -17,7 +17,7 @@ from fingerpad.loading.estimate import Estimate, Quantity
 from fingerpad.loading.joint import FitData, JointFit, find_noise, fit_joint
 
 # AICc by which an explanation must be ahead to count, to be named in a flag, and to exclude others.
-COUNTS, FLAGGED, EXCLUDES = 2.0, 5.0, 6.0
+COUNTS, FLAGGED, EXCLUDES = 0.0, 5.0, 6.0
 # Every stage yields and every finger has a bone: these count unless the curve speaks against them.
 _EVERYWHERE_COUNTS: Final = -1.0
 # Deviations by which residuals of one sign follow each other too often.
@@ -177,12 +177,13 @@ def compare(main: JointFit) -> Comparison:
 def _compare_without_areas(main: JointFit) -> Comparison:
     """Compare by the force alone, which a layer and a yielding stage shape as a changing modulus does."""
     rivals = dict(_rivals(main, _WITHOUT_AREAS))
-    comparison = Comparison(main=main, rivals=rivals, best=main, doubts={})
-    if not comparison.others:
-        return comparison
-    names = " or ".join(EXPLANATIONS[name] for name, rival in rivals.items() if rival in comparison.others)
-    note = f"without areas nothing excludes {names}: intervals are widened to hold what follows"
-    return replace(comparison, doubts={"untested_without_area": note})
+    doubts = {}
+    if "loading_radius" in main.held:
+        doubts["untested_without_area"] = (
+            "without areas a layer on bone, or a stage that yields, looks like a modulus that changes with "
+            "load: where they explain the force as well, intervals are widened to hold what follows"
+        )
+    return Comparison(main=main, rivals=rivals, best=main, doubts=doubts)
 
 
 def _rivals(main: JointFit, names: Iterable[str] = EXPLANATIONS) -> list[tuple[str, JointFit]]:

@@ -61,6 +61,8 @@ def with_reach(found: PhotographFit, lean: tuple[float, float]) -> PhotographFit
         stds = np.hypot(_SIDE_STD, np.array([across / along, along / across]) * axis)
     else:
         lengths, stds = _front_lengths(points, across, along), np.array(_FRONT_STD)
+    if found.face == "palmar" and _WIDER_SHAFT[0] < lengths[0] / across - 1 < _WIDER_SHAFT[1]:
+        lengths = np.full(2, math.nan)
     off = np.nan_to_num(lengths / found.semi_axes - 1)
     beyond = np.sign(off) * np.sqrt(np.maximum(off**2 - stds**2, 0))
     turn = found.lean - lean[0] if found.face != "distal" else 0.0
@@ -89,8 +91,6 @@ def _front_lengths(points: FloatArray, across: float, along: float) -> FloatArra
     """
     tip_y = _turning_point(points, across**2 / along)[1]
     half_width = float(np.ptp(points[:, 0])) / 2
-    if _WIDER_SHAFT[0] < half_width / across - 1 < _WIDER_SHAFT[1]:
-        return np.full(2, math.nan)
     x = points[:, 0] - (points[:, 0].max() + points[:, 0].min()) / 2
     top = int(points[:, 1].argmax())
     heights = []
