@@ -289,7 +289,7 @@ def test_tables_hold_all_values_and_means(runs: list[Path], tmp_path: Path) -> N
         rows = list(csv.DictReader(file))
     assert [float(row["value"]) for row in rows] == [v.value for v in found.values]
     assert {row["person"] for row in rows} == {"P01", "P02", ""}
-    assert {row["unit"] for row in rows} == {"mm", "1"}
+    assert {row["unit"] for row in rows} == {"mm", "kPa", "1"}
     record = json.loads((tmp_path / "compare.json").read_text())
     assert len(record["values"]) == len(rows)
     assert [mean["people"] for mean in record["means"]] == [len(mean.people) for mean in found.means]
@@ -325,7 +325,7 @@ def test_a_figure_of_very_many_fingers_shows_people(runs: list[Path]) -> None:
         value(13.0 + n % 7 / 10, 0.1, person=f"P{n // 30}", finger=f"f{n}", quantity="palmar_mm")
         for n in range(120)
     ]
-    crowd = type(found)(studies=found.studies, values=tuple(many), means=tuple(means_of(many)), notes=())
+    crowd = type(found)(studies=found.studies, values=tuple(many), means=tuple(means_of(many)), verdicts=(), notes=())
     (plot,) = forest_plot(crowd, "palmar_mm")
     labels = [text.get_text() for text in plot.figure.axes[0].get_yticklabels()]
     assert labels == [*(f"P{n}, 30 fingers" for n in range(4)), "mean over people"]

@@ -19,7 +19,7 @@ from fingerpad.loading.joint import FitData, JointFit, find_noise, fit_joint
 # AICc by which an explanation must be ahead to count, to be named in a flag, and to exclude others.
 COUNTS, FLAGGED, EXCLUDES = 0.0, 5.0, 6.0
 # Every stage yields and every finger has a bone: these count unless the curve speaks against them.
-_EVERYWHERE_COUNTS: Final = -1.0
+_EVERYWHERE_COUNTS: Final = -0.5
 # Deviations by which residuals of one sign follow each other too often.
 TOO_FEW_RUNS = -3.5
 _MIN_AREAS = 20
@@ -59,12 +59,15 @@ class Comparison(Displayed):
         That of the least AICc, with noise of its own where it is far ahead.
     doubts : mapping of str to str
         Flags, and what they mean here in plain words.
+    reference : float
+        AICc that explanations must be ahead of: that of the model, or of a pad of one modulus if less.
     """
 
     main: JointFit
     rivals: Mapping[str, JointFit]
     best: JointFit
     doubts: Mapping[str, str]
+    reference: float
 
     def widened(self, name: str, estimate: Quantity, gradient: Mapping[str, float]) -> tuple[Quantity, float]:
         """Return a quantity whose interval holds the values of better explanations, and by how much it moved.
@@ -99,11 +102,11 @@ class Comparison(Displayed):
     @property
     def others(self) -> list[JointFit]:
         """The explanations that count beside the model and are not excluded by the best."""
-        least = min([self.main.aicc, *(rival.aicc for rival in self.rivals.values())])
+        least = min([self.reference, *(rival.aicc for rival in self.rivals.values())])
         ahead = [
             rival
             for name, rival in self.rivals.items()
-            if rival.aicc < self.main.aicc - _counts(name) and rival.aicc < least + EXCLUDES
+            if rival.aicc < self.reference - _counts(name) and rival.aicc < least + EXCLUDES
         ]
         return ahead if self.best is self.main else [self.best, *ahead]
 
@@ -146,7 +149,9 @@ def compare(main: JointFit) -> Comparison:
     if not main.record.area.size:
         return _compare_without_areas(main)
     rivals = dict(_rivals(main))
-    gains = {name: main.aicc - rival.aicc for name, rival in rivals.items()}
+    plain = [rival.aicc for _, rival in _rivals(main, (_ONE_MODULUS,))]
+    reference = min([main.aicc, *plain])
+    gains = {name: reference - rival.aicc for name, rival in rivals.items()}
     doubts = {}
     if gains.get("area_offset", 0.0) > FLAGGED:
         doubts["area_offset"] = _offset_note(main, rivals["area_offset"])
@@ -154,6 +159,7 @@ def compare(main: JointFit) -> Comparison:
     best = main
     if name == "area_offset" and gains[name] > FLAGGED:
         main = best = rivals.pop(name)
+        reference = main.aicc
         # With an offset of their own the areas may still not be proportional to the indentation.
         both = dict(_rivals(main, ("area_growth",)))
         if both and main.aicc - both["area_growth"].aicc > FLAGGED:
@@ -171,7 +177,7 @@ def compare(main: JointFit) -> Comparison:
             f"neighbouring areas lie on the same side of the fit too often (runs test, {-runs:.1f} standard "
             "deviations): the areas are smoothed, or none of the models has their shape"
         )
-    return Comparison(main=main, rivals=rivals, best=best, doubts=doubts)
+    return Comparison(main=main, rivals=rivals, best=best, doubts=doubts, reference=reference)
 
 
 def _compare_without_areas(main: JointFit) -> Comparison:
@@ -183,7 +189,7 @@ def _compare_without_areas(main: JointFit) -> Comparison:
             "without areas a layer on bone, or a stage that yields, looks like a modulus that changes with "
             "load: where they explain the force as well, intervals are widened to hold what follows"
         )
-    return Comparison(main=main, rivals=rivals, best=main, doubts=doubts)
+    return Comparison(main=main, rivals=rivals, best=main, doubts=doubts, reference=main.aicc)
 
 
 def _rivals(main: JointFit, names: Iterable[str] = EXPLANATIONS) -> list[tuple[str, JointFit]]:
@@ -197,7 +203,7 @@ def _rivals(main: JointFit, names: Iterable[str] = EXPLANATIONS) -> list[tuple[s
         if added != name:
             held = {**held, "load_coefficient": Estimate.symmetric(0.0, 0.0)}
         start = {key: value for key, value in main.values.items() if key not in held}
-        if not sphere:
+        if added and not sphere:
             start[added] = 0.0
         try:
             rival = fit_joint(main.record, name if sphere else main.law, start, held, main.noise)

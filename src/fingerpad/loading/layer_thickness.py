@@ -212,6 +212,10 @@ def _result(
         for name, value in aicc.items()
         if name.startswith("layer_") and value < min(main.aicc - COUNTS, least + EXCLUDES)
     ]
+    # Areas that are late by a frame move the place of contact before anything else shows it.
+    unsynchronised = [
+        models[name] for name in ("layer_area_offset",) if name in models and aicc[name] < least + EXCLUDES
+    ]
     inverse = main.estimate("inverse_thickness").including(
         *(model.estimate("inverse_thickness") for model in better)
     )
@@ -224,7 +228,7 @@ def _result(
         thickness=undetermined if reason else _thickness(inverse, widest),
         youngs_modulus=undetermined if reason else _bounded(modulus),
         contact_offset=_first_order(main, "contact_offset").including(
-            *(_first_order(one, "contact_offset") for one in better)
+            *(_first_order(one, "contact_offset") for one in (*better, *unsynchronised))
         ),
         radius=_first_order(main, "loading_radius"),
         contact_over_thickness=widest * max(inverse.value, 0.0),
