@@ -3,16 +3,15 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
-from fingerpad._display import Displayed
-from fingerpad._records import record_text
+from fingerpad._records import Recorded
 from fingerpad.loading.estimate import Estimate, Quantity, Undetermined, estimates_record
 from fingerpad.units import KPA_PER_MPA
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
-class LayerThicknessFit(Displayed):
+class LayerThicknessFit(Recorded):
     """Thickness and modulus of a layer of tissue over bone that explain one loading curve.
 
     Attributes
@@ -50,6 +49,8 @@ class LayerThicknessFit(Displayed):
     >>> deep.thickness.upper, round(sum(deep.weights.values()), 6)
     (inf, 1.0)
     """
+
+    _title: ClassVar[str] = "Layer of tissue over bone"
 
     thickness: Quantity
     youngs_modulus: Quantity
@@ -124,16 +125,6 @@ class LayerThicknessFit(Displayed):
             notes={},
             flags=flags,
         )
-
-    def summary(self) -> str:
-        """Return the fitted numbers as text, one line each.
-
-        Returns
-        -------
-        str
-            With units and uncertainties.
-        """
-        return record_text("Layer of tissue over bone", self.as_record())
 
     def as_record(self) -> dict[str, Any]:
         """Return the numbers by names that end in units.
