@@ -145,7 +145,7 @@ def allow_for_bend(main: JointFit) -> JointFit:
 
 
 def compare(main: JointFit) -> Comparison:
-    """Fit the other explanations of a curve; without areas few can be told from it."""
+    """Fit the other explanations of a curve; without areas few differ from it."""
     if not main.record.area.size:
         return _compare_without_areas(main)
     rivals = dict(_rivals(main))
