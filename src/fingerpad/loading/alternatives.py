@@ -17,7 +17,7 @@ from fingerpad.loading.estimate import Estimate, Quantity
 from fingerpad.loading.joint import FitData, JointFit, find_noise, fit_joint
 
 # AICc by which an explanation must be ahead to count, to be named in a flag, and to exclude others.
-COUNTS, FLAGGED, EXCLUDES = 0.0, 5.0, 6.0
+COUNTS, FLAGGED, EXCLUDES = 2.0, 5.0, 6.0
 # Every stage yields and every finger has a bone: these count unless the curve speaks against them.
 _EVERYWHERE_COUNTS: Final = -0.5
 # Deviations by which residuals of one sign follow each other too often.
