@@ -99,6 +99,12 @@ class Comparison(Displayed):
         whole = estimate.including(*others)
         return whole, math.sqrt(max(whole.std**2 - estimate.std**2, 0.0))
 
+    def _limit(self, name: str) -> float:
+        """Return the AICc below which an explanation counts."""
+        if name.removeprefix(_ONE_MODULUS) in _POSITIVE:
+            return self.reference - _EVERYWHERE_COUNTS
+        return self.main.aicc - (0.0 if name == "area_offset" else COUNTS)
+
     @property
     def others(self) -> list[JointFit]:
         """The explanations that count beside the model and are not excluded by the best."""
@@ -106,7 +112,7 @@ class Comparison(Displayed):
         ahead = [
             rival
             for name, rival in self.rivals.items()
-            if rival.aicc < self.reference - _counts(name) and rival.aicc < least + EXCLUDES
+            if rival.aicc < self._limit(name) and rival.aicc < least + EXCLUDES
         ]
         return ahead if self.best is self.main else [self.best, *ahead]
 
@@ -125,10 +131,6 @@ def fit_growing(record: FitData, start: Mapping[str, float], held: Mapping[str, 
         except FAILURES:
             pass
     return fit_joint(record, law, start, held)
-
-
-def _counts(name: str) -> float:
-    return _EVERYWHERE_COUNTS if name.removeprefix(_ONE_MODULUS) in _POSITIVE else COUNTS
 
 
 def allow_for_bend(main: JointFit) -> JointFit:
